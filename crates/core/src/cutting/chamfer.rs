@@ -1,0 +1,251 @@
+//! Chip area and cutting forces of hole chamfering, after source A (Dong et al. 2018), eqs. (1)–(5).
+//!
+//! Axes: X along the spindle, from the robot into the workpiece; the rim lies in the Y–Z plane; angles run
+//! from Y towards Z. The chamfer has legs `d` (axial depth) and `d tanθ` (radial width), θ being the angle
+//! between cutting edge and spindle axis, so the material removed down to depth `d` is `½ d² tanθ` per unit
+//! of rim.
+
+use nalgebra::Vector3;
+
+/// The chip of a straight edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChipArea {
+    /// θ, angle between cutting edge and spindle axis, rad.
+    pub half_angle_rad: f64,
+}
+
+impl ChipArea {
+    /// Area that an edge at `depth` removes where `previous` has been cut before, m²:
+    /// `½ tanθ (d² - d_prev²)`, zero where the edge does not reach the surface.
+    pub fn between_m2(&self, depth_m: f64, previous_m: f64) -> f64 {
+        let (d, p) = (depth_m.max(0.0), previous_m.max(0.0));
+        (0.5 * self.half_angle_rad.tan() * (d * d - p * p)).max(0.0)
+    }
+
+    /// Source A's eq. (1): depth `d` already cut, feed `f` per tooth: `(d + f/2) f tanθ`, m².
+    pub fn nominal_m2(&self, depth_m: f64, feed_m: f64) -> f64 {
+        self.between_m2(depth_m + feed_m, depth_m)
+    }
+
+    /// Length of the engaged edge, m: `d / cosθ`.
+    pub fn edge_length_m(&self, depth_m: f64) -> f64 {
+        depth_m.max(0.0) / self.half_angle_rad.cos()
+    }
+}
+
+/// Linear-edge force model: `F = K A + K_e b` in the feed, radial and tangential directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CuttingCoefficients {
+    /// K_fc, Pa.
+    pub axial_pa: f64,
+    /// K_rc, Pa.
+    pub radial_pa: f64,
+    /// K_tc, Pa.
+    pub tangential_pa: f64,
+    /// Edge forces per length of engaged edge, N/m.
+    pub edge_axial_n_per_m: f64,
+    pub edge_radial_n_per_m: f64,
+    pub edge_tangential_n_per_m: f64,
+}
+
+impl CuttingCoefficients {
+    /// From source A's K_fc and resultant K_rt = √(K_rc² + K_tc²), split by β = atan(K_rc / K_tc).
+    /// Source A gives no β; with one edge it only turns the rotating force by a constant angle.
+    pub fn from_resultant(axial_pa: f64, in_plane_pa: f64, in_plane_angle_rad: f64) -> Self {
+        Self {
+            axial_pa,
+            radial_pa: in_plane_pa * in_plane_angle_rad.sin(),
+            tangential_pa: in_plane_pa * in_plane_angle_rad.cos(),
+            edge_axial_n_per_m: 0.0,
+            edge_radial_n_per_m: 0.0,
+            edge_tangential_n_per_m: 0.0,
+        }
+    }
+
+    /// K_rt, Pa.
+    pub fn in_plane_pa(&self) -> f64 {
+        self.radial_pa.hypot(self.tangential_pa)
+    }
+
+    /// Forces of one edge on the tool in (axial, radial, tangential) size, N.
+    pub fn forces_n(&self, area_m2: f64, edge_length_m: f64) -> EdgeForces {
+        let rubbing = if area_m2 > 0.0 { edge_length_m } else { 0.0 };
+        EdgeForces {
+            axial_n: self.axial_pa * area_m2 + self.edge_axial_n_per_m * rubbing,
+            radial_n: self.radial_pa * area_m2 + self.edge_radial_n_per_m * rubbing,
+            tangential_n: self.tangential_pa * area_m2 + self.edge_tangential_n_per_m * rubbing,
+        }
+    }
+}
+
+/// Sizes of the force of one edge in its own directions, N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EdgeForces {
+    pub axial_n: f64,
+    pub radial_n: f64,
+    pub tangential_n: f64,
+}
+
+impl EdgeForces {
+    /// Force on the tool in (X, Y, Z) for an edge at angle φ, source A's eq. (5).
+    ///
+    /// `axial_sign` is -1 for forward chamfering (the workpiece pushes the tool back) and +1 for backward
+    /// (it pulls the tool on). In the principal frame this gives `F_Yq = -M sin(φ - α - β)` and
+    /// `F_Zq = +M cos(φ - α - β)`; the paper's eq. (16) has the sign of F_Zq reversed, a force that would
+    /// turn against the spindle (`spec` 1.1).
+    pub fn on_tool_n(&self, angle_rad: f64, axial_sign: f64) -> Vector3<f64> {
+        let (s, c) = angle_rad.sin_cos();
+        Vector3::new(
+            axial_sign * self.axial_n,
+            self.radial_n * c - self.tangential_n * s,
+            self.radial_n * s + self.tangential_n * c,
+        )
+    }
+}
+
+/// The feed as a function of time: a ramp to full depth, then a dwell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeedSchedule {
+    /// Spindle speed, rad/s.
+    pub spindle_rad_s: f64,
+    /// Feed per revolution, m.
+    pub feed_m_per_rev: f64,
+    /// Number of equally spaced edges.
+    pub edges: usize,
+    /// Depth of the finished chamfer, m.
+    pub depth_m: f64,
+    /// Revolutions turned at full depth.
+    pub dwell_revolutions: f64,
+}
+
+impl FeedSchedule {
+    /// Feed per tooth, m.
+    pub fn feed_per_tooth_m(&self) -> f64 {
+        self.feed_m_per_rev / self.edges as f64
+    }
+
+    /// Time of one revolution, s.
+    pub fn revolution_s(&self) -> f64 {
+        std::f64::consts::TAU / self.spindle_rad_s
+    }
+
+    /// Time between two edges at one place of the rim, s.
+    pub fn tooth_period_s(&self) -> f64 {
+        self.revolution_s() / self.edges as f64
+    }
+
+    /// Duration of the ramp, s.
+    pub fn ramp_s(&self) -> f64 {
+        (self.depth_m - self.feed_per_tooth_m()) / self.feed_m_per_rev * self.revolution_s()
+    }
+
+    /// Ramp and dwell, s.
+    pub fn duration_s(&self) -> f64 {
+        self.ramp_s() + self.dwell_revolutions * self.revolution_s()
+    }
+
+    /// Depth already cut, D(t) = n f t / 60, m, held at the end of the ramp; negative before t = 0, which
+    /// is the depth that the virtual pass before the first one would have had.
+    pub fn depth_cut_m(&self, t_s: f64) -> f64 {
+        let rate = self.feed_m_per_rev / self.revolution_s();
+        (rate * t_s).min(self.depth_m - self.feed_per_tooth_m())
+    }
+
+    /// Depth of the edge, D(t) + f per tooth, m.
+    pub fn edge_depth_m(&self, t_s: f64) -> f64 {
+        self.depth_cut_m(t_s) + self.feed_per_tooth_m()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const K: f64 = 1.0;
+
+    fn source_a() -> (ChipArea, CuttingCoefficients) {
+        (
+            ChipArea {
+                half_angle_rad: 45f64.to_radians(),
+            },
+            CuttingCoefficients::from_resultant(1.96e9, 2.14e9, 0.35),
+        )
+    }
+
+    /// `spec` section 1, worked numbers: M = 109.68 N and F_X = 100.45 N at 1 mm depth.
+    #[test]
+    fn verify_source_a_forces_at_full_depth() {
+        let (chip, k) = source_a();
+        let area = chip.nominal_m2(1e-3, 0.05e-3);
+        let f = k.forces_n(area, chip.edge_length_m(1e-3));
+        assert!((f.radial_n.hypot(f.tangential_n) - 109.68).abs() < 0.01);
+        assert!((f.axial_n - 100.45).abs() < 0.01);
+        assert!((area / ((1e-3 + 0.025e-3) * 0.05e-3) - K).abs() < 1e-12);
+    }
+
+    /// The force turns with the spindle, in its sense: F_Yq = -M sin(φ-β), F_Zq = M cos(φ-β) at α = 0.
+    #[test]
+    fn verify_rotating_force_turns_with_the_spindle() {
+        let (chip, k) = source_a();
+        let f = k.forces_n(chip.nominal_m2(0.5e-3, 0.05e-3), 0.0);
+        let m = f.radial_n.hypot(f.tangential_n);
+        let beta = (k.radial_pa / k.tangential_pa).atan();
+        for i in 0..12 {
+            let phi = i as f64 * 0.55;
+            let v = f.on_tool_n(phi, -1.0);
+            assert!((v.y + m * (phi - beta).sin()).abs() < 1e-9 * m);
+            assert!((v.z - m * (phi - beta).cos()).abs() < 1e-9 * m);
+            let later = f.on_tool_n(phi + 1e-3, -1.0);
+            let turned = v.y * later.z - v.z * later.y; // positive: from Y towards Z
+            assert!(turned > 0.0);
+        }
+    }
+
+    /// `spec` section 1, equations: with two or more equispaced edges the rotating resultant cancels.
+    #[test]
+    fn verify_equispaced_edges_cancel_in_the_plane() {
+        let (chip, k) = source_a();
+        let f = k.forces_n(chip.nominal_m2(0.5e-3, 0.025e-3), 0.0);
+        for n in 2..6 {
+            let sum: Vector3<f64> = (0..n)
+                .map(|e| f.on_tool_n(std::f64::consts::TAU * e as f64 / n as f64 + 0.3, 1.0))
+                .sum();
+            assert!(sum.y.hypot(sum.z) < 1e-12 * n as f64 * f.tangential_n);
+            assert!((sum.x - n as f64 * f.axial_n).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn verify_chip_areas_of_all_passes_add_up_to_the_chamfer() {
+        let (chip, _) = source_a();
+        let total: f64 = (0..20)
+            .map(|i| chip.nominal_m2(0.05e-3 * i as f64, 0.05e-3))
+            .sum();
+        assert!((total / (0.5 * 1e-6) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn verify_schedule_ends_at_full_depth() {
+        let s = FeedSchedule {
+            spindle_rad_s: 10.0 * std::f64::consts::PI,
+            feed_m_per_rev: 0.05e-3,
+            edges: 1,
+            depth_m: 1e-3,
+            dwell_revolutions: 2.0,
+        };
+        assert!((s.ramp_s() - 3.8).abs() < 1e-12);
+        assert!((s.duration_s() - 4.2).abs() < 1e-12);
+        assert!((s.edge_depth_m(10.0) - 1e-3).abs() < 1e-18);
+        assert!((s.depth_cut_m(1.0) - 0.25e-3).abs() < 1e-18);
+        assert!((s.depth_cut_m(-0.1) + 0.025e-3).abs() < 1e-18);
+    }
+
+    #[test]
+    fn verify_edge_forces_act_only_in_cut() {
+        let mut k = source_a().1;
+        k.edge_tangential_n_per_m = 2.0e4;
+        assert_eq!(k.forces_n(0.0, 1e-3).tangential_n, 0.0);
+        let with = k.forces_n(1e-9, 1e-3).tangential_n;
+        assert!((with - k.tangential_pa * 1e-9 - 20.0).abs() < 1e-9);
+    }
+}

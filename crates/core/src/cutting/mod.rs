@@ -1,0 +1,5 @@
+//! Cutting: chip area, forces, the surface that is left.
+
+pub mod chamfer;
+pub mod rim;
+pub mod slip_condition;
