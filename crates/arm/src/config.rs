@@ -1,0 +1,401 @@
+//! `robot.toml`: what a URDF cannot say. Transmissions with the source of every value, and the
+//! tool and foot frames.
+//!
+//! ```toml
+//! name = "Planar rig"                      # optional, default the URDF's name
+//!
+//! [frames.tool]                            # relative to the flange (the URDF tip link)
+//! xyz_m = [0.0, 0.0, 0.30]
+//! rpy_deg = [0.0, 0.0, 0.0]                # fixed axes x, y, z, as in URDF
+//! [frames.foot]                            # optional, default the tool frame
+//! xyz_m = [0.0, 0.0, 0.30]
+//!
+//! [[joint]]
+//! name = "joint_1"                         # of the URDF; joints left out keep the URDF's values
+//! stiffness_nm_per_rad = 2.117e6           # a prismatic joint has stiffness_n_per_m,
+//! damping_nm_s_per_rad = 2011.15           #   damping_n_s_per_m,
+//! dry_friction_nm = 0.0                    #   dry_friction_n
+//! rotor_inertia_kg_m2 = 0.0                #   and rotor_mass_kg; all on the joint side of the gear
+//! [joint.servo]                            # optional
+//! position_gain_per_s = 20.0
+//! velocity_gain_nm_s_per_rad = 1.0e4       #   velocity_gain_n_s_per_m
+//! torque_limit_nm = 1.0e4                  #   force_limit_n
+//! [joint.source]                           # one for each value above
+//! stiffness = "data sheet of the reducer"
+//! damping = "estimated: 2 % at the first mode"
+//! dry_friction = "estimated: neglected"
+//! rotor_inertia = "estimated"
+//! servo = "estimated"
+//! ```
+
+use std::path::Path;
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::error::{ArmError, ArmErrorKind};
+use crate::model::{Chain, JointKind, Servo, Transmission};
+
+type Number = Option<Spanned<f64>>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawConfig {
+    name: Option<String>,
+    #[serde(default)]
+    frames: RawFrames,
+    #[serde(default)]
+    joint: Vec<RawJoint>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawFrames {
+    tool: Option<RawFrame>,
+    foot: Option<RawFrame>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawFrame {
+    xyz_m: Option<Spanned<[f64; 3]>>,
+    rpy_deg: Option<Spanned<[f64; 3]>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawJoint {
+    name: Spanned<String>,
+    stiffness_nm_per_rad: Number,
+    stiffness_n_per_m: Number,
+    damping_nm_s_per_rad: Number,
+    damping_n_s_per_m: Number,
+    dry_friction_nm: Number,
+    dry_friction_n: Number,
+    rotor_inertia_kg_m2: Number,
+    rotor_mass_kg: Number,
+    servo: Option<RawServo>,
+    #[serde(default)]
+    source: RawSource,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawServo {
+    position_gain_per_s: Spanned<f64>,
+    velocity_gain_nm_s_per_rad: Number,
+    velocity_gain_n_s_per_m: Number,
+    torque_limit_nm: Number,
+    force_limit_n: Number,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawSource {
+    stiffness: Option<String>,
+    damping: Option<String>,
+    dry_friction: Option<String>,
+    rotor_inertia: Option<String>,
+    servo: Option<String>,
+}
+
+/// What a `robot.toml` says beside the transmissions, which it writes into the chain.
+#[derive(Debug)]
+pub(crate) struct Config {
+    pub(crate) name: Option<String>,
+    pub(crate) flange_from_tool: Isometry3<f64>,
+    pub(crate) flange_from_foot: Isometry3<f64>,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            name: None,
+            flange_from_tool: Isometry3::identity(),
+            flange_from_foot: Isometry3::identity(),
+        }
+    }
+}
+
+/// Reads `text` as the `robot.toml` at `path` and enters its transmissions into `chain`.
+pub(crate) fn apply(text: &str, path: &Path, chain: &mut Chain) -> Result<Config, ArmError> {
+    let reader = Reader { text, path };
+    let raw: RawConfig = toml::from_str(text).map_err(|error: toml::de::Error| {
+        let line = error.span().map(|span| reader.line(span.start));
+        let message = error.message().replace('\n', "; ");
+        ArmError::in_file(path, line, ArmErrorKind::Toml(message))
+    })?;
+    let mut seen: Vec<(String, usize)> = Vec::new();
+    for joint in &raw.joint {
+        let name = joint.name.get_ref();
+        let line = reader.line(joint.name.span().start);
+        let error = |kind| ArmError::in_file(path, Some(line), kind);
+        if let Some((_, first_line)) = seen.iter().find(|(n, _)| n == name) {
+            return Err(error(ArmErrorKind::DuplicateName {
+                element: "joint",
+                name: name.clone(),
+                first_line: *first_line,
+            }));
+        }
+        seen.push((name.clone(), line));
+        let Some(target) = chain.joints.iter_mut().find(|j| j.name == *name) else {
+            return Err(error(unknown_joint(name, chain)));
+        };
+        reader.joint(joint, target.kind, &mut target.transmission)?;
+    }
+    let tool = reader.frame("tool", raw.frames.tool.as_ref())?;
+    let foot = reader.frame("foot", raw.frames.foot.as_ref())?;
+    let flange_from_tool = tool.unwrap_or_else(Isometry3::identity);
+    Ok(Config {
+        name: raw.name,
+        flange_from_tool,
+        flange_from_foot: foot.unwrap_or(flange_from_tool),
+    })
+}
+
+fn unknown_joint(name: &str, chain: &Chain) -> ArmErrorKind {
+    let known: Vec<_> = chain.joints.iter().map(|j| j.name.as_str()).collect();
+    ArmErrorKind::UnknownJoint {
+        joint: name.to_owned(),
+        tip: chain.tip.clone(),
+        known: known.join(", "),
+    }
+}
+
+/// A key in its two spellings, one for each kind of joint.
+struct Key<'a> {
+    revolute: (&'static str, &'a Number),
+    prismatic: (&'static str, &'a Number),
+    source: &'static str,
+    rule: Rule,
+}
+
+#[derive(Clone, Copy)]
+enum Rule {
+    Positive,
+    NotNegative,
+}
+
+impl Rule {
+    fn holds(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Positive => value > 0.0,
+                Self::NotNegative => value >= 0.0,
+            }
+    }
+
+    fn text(self) -> &'static str {
+        match self {
+            Self::Positive => "a finite number above zero",
+            Self::NotNegative => "a finite number, zero or above",
+        }
+    }
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    path: &'a Path,
+}
+
+impl Reader<'_> {
+    /// 1-based line of a byte offset.
+    fn line(&self, offset: usize) -> usize {
+        let end = offset.min(self.text.len());
+        1 + self.text.as_bytes()[..end]
+            .iter()
+            .filter(|&&b| b == b'\n')
+            .count()
+    }
+
+    fn error(&self, offset: usize, kind: ArmErrorKind) -> ArmError {
+        ArmError::in_file(self.path, Some(self.line(offset)), kind)
+    }
+
+    fn joint(
+        &self,
+        raw: &RawJoint,
+        kind: JointKind,
+        transmission: &mut Transmission,
+    ) -> Result<(), ArmError> {
+        let name = raw.name.get_ref();
+        let source = &raw.source;
+        let sources = &mut transmission.sources;
+        let value = |key: Key, text: &Option<String>| self.value(name, kind, &key, text.as_deref());
+        let stiffness = Key {
+            revolute: ("stiffness_nm_per_rad", &raw.stiffness_nm_per_rad),
+            prismatic: ("stiffness_n_per_m", &raw.stiffness_n_per_m),
+            source: "stiffness",
+            rule: Rule::Positive,
+        };
+        if let Some((value, text)) = value(stiffness, &source.stiffness)? {
+            (transmission.stiffness, sources.stiffness) = (Some(value), text);
+        }
+        let damping = Key {
+            revolute: ("damping_nm_s_per_rad", &raw.damping_nm_s_per_rad),
+            prismatic: ("damping_n_s_per_m", &raw.damping_n_s_per_m),
+            source: "damping",
+            rule: Rule::NotNegative,
+        };
+        if let Some(found) = value(damping, &source.damping)? {
+            (transmission.damping, sources.damping) = found;
+        }
+        let friction = Key {
+            revolute: ("dry_friction_nm", &raw.dry_friction_nm),
+            prismatic: ("dry_friction_n", &raw.dry_friction_n),
+            source: "dry_friction",
+            rule: Rule::NotNegative,
+        };
+        if let Some(found) = value(friction, &source.dry_friction)? {
+            (transmission.dry_friction, sources.dry_friction) = found;
+        }
+        let rotor = Key {
+            revolute: ("rotor_inertia_kg_m2", &raw.rotor_inertia_kg_m2),
+            prismatic: ("rotor_mass_kg", &raw.rotor_mass_kg),
+            source: "rotor_inertia",
+            rule: Rule::NotNegative,
+        };
+        if let Some(found) = value(rotor, &source.rotor_inertia)? {
+            (transmission.rotor_inertia, sources.rotor_inertia) = found;
+        }
+        if let Some(servo) = &raw.servo {
+            let (servo, text) = self.servo(raw, servo, kind)?;
+            (transmission.servo, sources.servo) = (Some(servo), text);
+        }
+        Ok(())
+    }
+
+    fn servo(
+        &self,
+        raw: &RawJoint,
+        servo: &RawServo,
+        kind: JointKind,
+    ) -> Result<(Servo, String), ArmError> {
+        let name = raw.name.get_ref();
+        let source = raw.source.servo.as_deref();
+        let position_gain = Some(servo.position_gain_per_s.clone());
+        let keys = [
+            (
+                ("position_gain_per_s", &position_gain),
+                ("position_gain_per_s", &position_gain),
+            ),
+            (
+                (
+                    "velocity_gain_nm_s_per_rad",
+                    &servo.velocity_gain_nm_s_per_rad,
+                ),
+                ("velocity_gain_n_s_per_m", &servo.velocity_gain_n_s_per_m),
+            ),
+            (
+                ("torque_limit_nm", &servo.torque_limit_nm),
+                ("force_limit_n", &servo.force_limit_n),
+            ),
+        ];
+        let mut values = [0.0; 3];
+        let mut text = String::new();
+        for (slot, (revolute, prismatic)) in values.iter_mut().zip(keys) {
+            let key = Key {
+                revolute,
+                prismatic,
+                source: "servo",
+                rule: Rule::Positive,
+            };
+            let Some((value, found)) = self.value(name, kind, &key, source)? else {
+                let missing = match kind {
+                    JointKind::Revolute => key.revolute.0,
+                    JointKind::Prismatic => key.prismatic.0,
+                };
+                let message = format!("joint \"{name}\": [joint.servo] lacks `{missing}`");
+                let at = servo.position_gain_per_s.span().start;
+                return Err(self.error(at, ArmErrorKind::Toml(message)));
+            };
+            (*slot, text) = (value, found);
+        }
+        let [position_gain_per_s, velocity_gain, torque_limit] = values;
+        let servo = Servo {
+            position_gain_per_s,
+            velocity_gain,
+            torque_limit,
+        };
+        Ok((servo, text))
+    }
+
+    /// The value of a key with its source, `None` if the key is absent.
+    fn value(
+        &self,
+        joint: &str,
+        kind: JointKind,
+        key: &Key,
+        source: Option<&str>,
+    ) -> Result<Option<(f64, String)>, ArmError> {
+        let ((right, number), (wrong, other), kind_name) = match kind {
+            JointKind::Revolute => (key.revolute, key.prismatic, "revolute"),
+            JointKind::Prismatic => (key.prismatic, key.revolute, "prismatic"),
+        };
+        let joint = || joint.to_owned();
+        if let Some(other) = other.as_ref().filter(|_| wrong != right) {
+            let kind = ArmErrorKind::WrongUnitKey {
+                joint: joint(),
+                kind: kind_name,
+                wrong,
+                right,
+            };
+            return Err(self.error(other.span().start, kind));
+        }
+        let Some(number) = number else {
+            return Ok(None);
+        };
+        let (value, at) = (*number.get_ref(), number.span().start);
+        if !key.rule.holds(value) {
+            let kind = ArmErrorKind::ConfigValue {
+                joint: joint(),
+                key: right,
+                value,
+                rule: key.rule.text(),
+            };
+            return Err(self.error(at, kind));
+        }
+        match source.map(str::trim).filter(|text| !text.is_empty()) {
+            Some(text) => Ok(Some((value, text.to_owned()))),
+            None => {
+                let kind = ArmErrorKind::NoSource {
+                    joint: joint(),
+                    key: right,
+                    source_key: key.source,
+                };
+                Err(self.error(at, kind))
+            }
+        }
+    }
+
+    fn frame(
+        &self,
+        name: &'static str,
+        raw: Option<&RawFrame>,
+    ) -> Result<Option<Isometry3<f64>>, ArmError> {
+        let Some(raw) = raw else { return Ok(None) };
+        let numbers = |key: &'static str, value: &Option<Spanned<[f64; 3]>>| {
+            let Some(value) = value else {
+                return Ok([0.0; 3]);
+            };
+            match value.get_ref().iter().find(|v| !v.is_finite()) {
+                None => Ok(*value.get_ref()),
+                Some(&bad) => {
+                    let kind = ArmErrorKind::FrameValue {
+                        frame: name,
+                        key,
+                        value: bad,
+                    };
+                    Err(self.error(value.span().start, kind))
+                }
+            }
+        };
+        let xyz_m = numbers("xyz_m", &raw.xyz_m)?;
+        let [roll, pitch, yaw] = numbers("rpy_deg", &raw.rpy_deg)?.map(f64::to_radians);
+        Ok(Some(Isometry3::from_parts(
+            Translation3::from(Vector3::from(xyz_m)),
+            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+        )))
+    }
+}

@@ -1,0 +1,111 @@
+//! Static equilibrium of the arm on its transmissions: K (q − command) + g(q) = J(q)ᵀ w.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use crate::error::{ArmError, ArmErrorKind};
+use crate::model::{FrameId, Robot};
+use crate::tangent::Load;
+
+const MAX_ITERATIONS: usize = 50;
+/// Torque balance counts as reached when it is off by less than this share of the torques in it,
+/// a few hundred times the rounding of a sum of n products.
+const RELATIVE_RESIDUAL: f64 = 1e-13;
+
+impl Robot {
+    /// Torques that the load puts into the transmissions: g(q) − Jᵀw (N m or N).
+    ///
+    /// # Panics
+    /// If `q` does not have one value per joint.
+    #[must_use]
+    pub fn load_torques(&self, q: &[f64], load: &Load) -> DVector<f64> {
+        let mut tau = self.gravity_torques(q, &load.gravity_m_s2.unwrap_or_else(Vector3::zeros));
+        if let Some((frame, wrench)) = &load.wrench {
+            tau -= self.jacobian(q, *frame).tr_mul(wrench);
+        }
+        tau
+    }
+
+    /// The command (rad or m) at which the arm rests at posture `q` under `load`:
+    /// q + K⁻¹ (g(q) − Jᵀw).
+    ///
+    /// # Errors
+    /// If a joint has no stiffness, or `q` the wrong length.
+    pub fn holding_command(&self, q: &[f64], load: &Load) -> Result<Vec<f64>, ArmError> {
+        self.check_length(q)?;
+        let stiffness = self.transmission_stiffness("the holding command")?;
+        let tau = self.load_torques(q, load);
+        Ok((0..self.dof())
+            .map(|i| q[i] + tau[i] / stiffness[(i, i)])
+            .collect())
+    }
+
+    /// The posture (rad or m) in which the arm rests under `load` when it is commanded to
+    /// `command`, by Newton's method from there.
+    ///
+    /// # Errors
+    /// If a joint has no stiffness, `command` has the wrong length, or no stable equilibrium is found.
+    pub fn static_posture(&self, command: &[f64], load: &Load) -> Result<Vec<f64>, ArmError> {
+        self.check_length(command)?;
+        let stiffness = self.transmission_stiffness("the static posture")?;
+        let command = DVector::from_column_slice(command);
+        let mut q = command.clone();
+        let mut residual = f64::INFINITY;
+        let mut limit = 0.0;
+        let mut largest: f64 = 0.0;
+        for _ in 0..MAX_ITERATIONS {
+            let tau = self.load_torques(q.as_slice(), load);
+            let spring = &stiffness * (&q - &command);
+            let defect = &spring + &tau;
+            residual = defect.amax();
+            // Rounding of q itself is worth K ε |q| of torque.
+            let rounding = (&stiffness * &q).amax() + (&stiffness * &command).amax();
+            // Torques met on the way: at the end they may cancel, their rounding does not.
+            largest = largest.max(tau.amax() + spring.amax());
+            limit = RELATIVE_RESIDUAL * largest + f64::EPSILON * rounding;
+            let tangent = self.tangent_stiffness(q.as_slice(), load)?;
+            if residual <= limit {
+                check_stable(&tangent)?;
+                return Ok(q.as_slice().to_vec());
+            }
+            let Some(step) = tangent.lu().solve(&defect) else {
+                break;
+            };
+            q -= step;
+        }
+        Err(ArmErrorKind::NoEquilibrium {
+            iterations: MAX_ITERATIONS,
+            residual,
+            limit,
+        }
+        .into())
+    }
+
+    /// How far a frame's origin moves, in world axes (m), when `load` is put on an arm that is
+    /// commanded to `command` and was unloaded.
+    ///
+    /// # Errors
+    /// As [`Robot::static_posture`].
+    pub fn static_displacement(
+        &self,
+        command: &[f64],
+        frame: FrameId,
+        load: &Load,
+    ) -> Result<Vector3<f64>, ArmError> {
+        let rest = self.static_posture(command, load)?;
+        Ok(self.world_from_frame(&rest, frame).translation.vector
+            - self.world_from_frame(command, frame).translation.vector)
+    }
+}
+
+/// An arm rests only where any small displacement takes work.
+fn check_stable(tangent: &DMatrix<f64>) -> Result<(), ArmError> {
+    let symmetric = (tangent + tangent.transpose()) * 0.5;
+    let smallest = symmetric.symmetric_eigenvalues().min();
+    if smallest > 0.0 {
+        return Ok(());
+    }
+    Err(ArmErrorKind::UnstableEquilibrium {
+        stiffness: smallest,
+    }
+    .into())
+}

@@ -1,0 +1,301 @@
+//! What can be wrong with a robot file or with a question asked of a robot.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// An error with the place it was found at.
+///
+/// `Display` gives one line, `file:line: message`, as far as file and line are known.
+#[derive(Debug)]
+pub struct ArmError(Box<Fault>);
+
+#[derive(Debug)]
+struct Fault {
+    path: Option<PathBuf>,
+    line: Option<usize>,
+    kind: ArmErrorKind,
+}
+
+impl ArmError {
+    /// An error in the file at `path`, at the 1-based `line` if it is known.
+    pub(crate) fn in_file(path: &Path, line: Option<usize>, kind: ArmErrorKind) -> Self {
+        Self(Box::new(Fault {
+            path: Some(path.to_owned()),
+            line,
+            kind,
+        }))
+    }
+
+    /// The file that holds the fault; `None` if the fault is in an argument (a posture, a target).
+    #[must_use]
+    pub fn path(&self) -> Option<&Path> {
+        self.0.path.as_deref()
+    }
+
+    /// The 1-based line in [`path`](Self::path), where it is known.
+    #[must_use]
+    pub fn line(&self) -> Option<usize> {
+        self.0.line
+    }
+
+    /// The typed fault.
+    #[must_use]
+    pub fn kind(&self) -> &ArmErrorKind {
+        &self.0.kind
+    }
+
+    /// The fault in words: element, value, limit and rule, without the place.
+    #[must_use]
+    pub fn message(&self) -> String {
+        self.0.kind.to_string()
+    }
+}
+
+impl std::fmt::Display for ArmError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some(path) = &self.0.path {
+            write!(f, "{}:", path.display())?;
+            if let Some(line) = self.0.line {
+                write!(f, "{line}:")?;
+            }
+            f.write_str(" ")?;
+        }
+        self.0.kind.fmt(f)
+    }
+}
+
+impl std::error::Error for ArmError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.0.kind.source()
+    }
+}
+
+impl From<ArmErrorKind> for ArmError {
+    fn from(kind: ArmErrorKind) -> Self {
+        Self(Box::new(Fault {
+            path: None,
+            line: None,
+            kind,
+        }))
+    }
+}
+
+/// The faults this crate reports. Field values are in SI units.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ArmErrorKind {
+    #[error("cannot read the file: {0}")]
+    Unreadable(#[source] std::io::Error),
+    #[error("not well-formed XML: {0}")]
+    Xml(String),
+    #[error("the root element is <{found}>; a URDF has <robot>")]
+    NotARobot { found: String },
+    #[error("not a valid URDF: {0}")]
+    Urdf(String),
+    #[error("<{element} {attribute}=\"{value}\"> of {owner}: expected {expected}")]
+    BadNumber {
+        owner: String,
+        element: String,
+        attribute: String,
+        value: String,
+        expected: &'static str,
+    },
+    #[error("<{element}> without the attribute `{attribute}`")]
+    MissingAttribute { element: String, attribute: String },
+    #[error(
+        "{element} name \"{name}\" is used twice; names must be unique (first use in line {first_line})"
+    )]
+    DuplicateName {
+        element: &'static str,
+        name: String,
+        first_line: usize,
+    },
+    #[error("joint \"{joint}\" names the {role} link \"{link}\", which does not exist{hint}")]
+    UnknownLink {
+        joint: String,
+        role: &'static str,
+        link: String,
+        hint: String,
+    },
+    #[error("the file has no links")]
+    NoLinks,
+    #[error(
+        "link \"{link}\" is the child of joints \"{first}\" and \"{second}\": the links form a closed loop; a URDF is a tree"
+    )]
+    TwoParents {
+        link: String,
+        first: String,
+        second: String,
+    },
+    #[error("the links {cycle} form a closed loop; a URDF is a tree")]
+    Cycle { cycle: String },
+    #[error("{count} root links ({names}); a URDF has exactly one link that is no joint's child")]
+    ManyRoots { count: usize, names: String },
+    #[error(
+        "joint \"{joint}\" on the chain to \"{tip}\" is {kind}; only revolute, continuous, prismatic and fixed joints can be on the chain"
+    )]
+    JointType {
+        joint: String,
+        tip: String,
+        kind: &'static str,
+    },
+    #[error(
+        "joint \"{joint}\" on the chain to \"{tip}\" mimics \"{mimicked}\"; a mimic joint is accepted only on a side branch, where it is merged at zero"
+    )]
+    MimicOnChain {
+        joint: String,
+        tip: String,
+        mimicked: String,
+    },
+    #[error("joint \"{joint}\": axis has length {length}; it must be longer than {limit}")]
+    ZeroAxis {
+        joint: String,
+        length: f64,
+        limit: f64,
+    },
+    #[error("joint \"{joint}\": lower limit {lower} is above upper limit {upper}")]
+    LimitsReversed {
+        joint: String,
+        lower: f64,
+        upper: f64,
+    },
+    #[error("joint \"{joint}\": {quantity} is {value}; it must not be negative")]
+    NegativeJointValue {
+        joint: String,
+        quantity: &'static str,
+        value: f64,
+    },
+    #[error("link \"{link}\": mass is {mass_kg} kg; it must not be negative")]
+    NegativeMass { link: String, mass_kg: f64 },
+    #[error(
+        "link \"{link}\" moves with joint \"{joint}\" but has mass 0 kg, and so has everything fixed to it; a moving link needs a positive mass"
+    )]
+    MasslessMovingLink { link: String, joint: String },
+    #[error(
+        "link \"{link}\": the inertia tensor has the principal moments {moments}; none may be negative"
+    )]
+    InertiaNotPositive { link: String, moments: String },
+    #[error(
+        "link \"{link}\": the principal moments of inertia {moments} break the triangle rule; the largest ({largest} kg m^2) must not exceed the sum of the other two ({sum} kg m^2)"
+    )]
+    InertiaTriangle {
+        link: String,
+        moments: String,
+        largest: f64,
+        sum: f64,
+    },
+    #[error(
+        "the chain from \"{root}\" to \"{tip}\" has {count} moving joints; 1 to {limit} are supported"
+    )]
+    JointCount {
+        root: String,
+        tip: String,
+        count: usize,
+        limit: usize,
+    },
+    #[error("no link \"{tip}\"{hint}")]
+    UnknownTip { tip: String, hint: String },
+    #[error("the robot is a tree with several possible tips; choose one: {candidates}")]
+    AmbiguousTip { candidates: String },
+
+    #[error("{0}")]
+    Toml(String),
+    #[error("no joint \"{joint}\" on the chain to \"{tip}\"; its joints are {known}")]
+    UnknownJoint {
+        joint: String,
+        tip: String,
+        known: String,
+    },
+    #[error("joint \"{joint}\" is {kind}: use `{right}` instead of `{wrong}`")]
+    WrongUnitKey {
+        joint: String,
+        kind: &'static str,
+        wrong: &'static str,
+        right: &'static str,
+    },
+    #[error("joint \"{joint}\": `{key}` is {value}; it must be {rule}")]
+    ConfigValue {
+        joint: String,
+        key: &'static str,
+        value: f64,
+        rule: &'static str,
+    },
+    #[error("frame `{frame}`: `{key}` holds {value}; it must be a finite number")]
+    FrameValue {
+        frame: &'static str,
+        key: &'static str,
+        value: f64,
+    },
+    #[error(
+        "joint \"{joint}\": `{key}` has no source; add `{source_key} = \"...\"` to its [joint.source] (where the value comes from, or \"estimated: ...\")"
+    )]
+    NoSource {
+        joint: String,
+        key: &'static str,
+        source_key: &'static str,
+    },
+
+    #[error(
+        "joint \"{joint}\" has no transmission stiffness; give it in robot.toml (`{key}`) to use {purpose}"
+    )]
+    NoStiffness {
+        joint: String,
+        key: &'static str,
+        purpose: &'static str,
+    },
+    #[error("the posture has {found} values; the chain has {expected} joints")]
+    PostureLength { found: usize, expected: usize },
+    #[error("joint \"{joint}\": {value} {unit} is outside the limits {lower} to {upper} {unit}")]
+    OutsideLimits {
+        joint: String,
+        value: f64,
+        lower: f64,
+        upper: f64,
+        unit: &'static str,
+    },
+    #[error("joint \"{joint}\": posture value {value} is not a finite number")]
+    PostureNotFinite { joint: String, value: f64 },
+    #[error(
+        "no static equilibrium found: after {iterations} Newton steps the torque balance is still off by {residual:e} (limit {limit:e})"
+    )]
+    NoEquilibrium {
+        iterations: usize,
+        residual: f64,
+        limit: f64,
+    },
+    #[error(
+        "the equilibrium found is not stable: the smallest eigenvalue of the joint stiffness there is {stiffness}; it must be positive"
+    )]
+    UnstableEquilibrium { stiffness: f64 },
+    #[error(
+        "the mass matrix is not positive definite at this posture; a link has no inertia about its joint's axis"
+    )]
+    SingularMassMatrix,
+    #[error(
+        "the arm is not stable at this posture: the smallest eigenvalue of stiffness over mass is {eigenvalue} rad^2/s^2; it must be positive"
+    )]
+    Unstable { eigenvalue: f64 },
+    #[error(
+        "the compliance is singular in this subspace: the arm is at a singular posture or has too few joints"
+    )]
+    SingularCompliance,
+    #[error(
+        "pose not reached from this seed: after {iterations} steps {position_m} m and {angle_rad} rad are left (limits {position_limit_m} m, {angle_limit_rad} rad)"
+    )]
+    Unreachable {
+        iterations: usize,
+        position_m: f64,
+        angle_rad: f64,
+        position_limit_m: f64,
+        angle_limit_rad: f64,
+    },
+    #[error("row {row}: {message}")]
+    PostureTable { row: usize, message: String },
+    #[error("{quantity} is {value}; it must be {rule}")]
+    Argument {
+        quantity: &'static str,
+        value: f64,
+        rule: &'static str,
+    },
+}

@@ -1,0 +1,295 @@
+//! From a tree and its tip to a serial chain: what is fixed is merged, side branches at zero.
+
+use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Unit, Vector3};
+
+use crate::error::{ArmError, ArmErrorKind};
+use crate::model::{Chain, Joint, JointKind, Link, MAX_JOINTS, Transmission, Visual};
+use crate::urdf::{Freedom, Tree};
+
+/// Share of the largest principal moment by which an inertia tensor may miss its rules; published
+/// ones are rounded to six or seven digits.
+const INERTIA_TOLERANCE: f64 = 1e-6;
+
+/// A part of the path whose links do not move against each other.
+struct Segment {
+    /// The joint that moves it, with its pose in the segment before; `None` for the base.
+    joint: Option<(usize, Isometry3<f64>)>,
+    /// Links on the path, each with its pose in the segment's first link.
+    links: Vec<(usize, Isometry3<f64>)>,
+}
+
+/// Chain from the root to link `tip`, and last link from flange.
+pub(crate) fn to_chain(tree: &Tree, tip: usize) -> Result<(Chain, Isometry3<f64>), ArmError> {
+    let path = joints_to(tree, tip);
+    check_path(tree, tip, &path)?;
+    let segments = split(tree, &path);
+    let mut notes = Vec::new();
+    let mut bodies = Vec::with_capacity(segments.len());
+    let mut joints = Vec::with_capacity(segments.len());
+    let mut meshes = 0;
+    for segment in &segments {
+        let mut body = Body::default();
+        for &(link, pose) in &segment.links {
+            body.collect(tree, link, &pose, &path, &mut notes);
+        }
+        if let Some((j, parent_from_joint)) = segment.joint {
+            if body.mass_kg == 0.0 {
+                return Err(massless(tree, j));
+            }
+            body.check(tree)?;
+            joints.push(chain_joint(tree, j, parent_from_joint, &mut notes));
+        }
+        meshes += body.meshes;
+        bodies.push(body.into_link(&tree.links[segment.links[0].0].name));
+    }
+    if meshes > 0 {
+        let noun = if meshes == 1 { "mesh is" } else { "meshes are" };
+        notes.push(format!(
+            "{meshes} visual {noun} left out; only primitive shapes are drawn"
+        ));
+    }
+    let flange = segments.last().and_then(|segment| segment.links.last());
+    let last_link_from_flange = flange.map_or_else(Isometry3::identity, |&(_, pose)| pose);
+    let base = bodies.remove(0);
+    let chain = Chain {
+        name: tree.name.clone(),
+        joints,
+        links: bodies,
+        base,
+        tip: tree.links[tip].name.clone(),
+        notes,
+    };
+    Ok((chain, last_link_from_flange))
+}
+
+/// Joints from the root to a link, in that order.
+fn joints_to(tree: &Tree, link: usize) -> Vec<usize> {
+    let mut path = Vec::new();
+    let mut at = link;
+    while let Some(joint) = tree.links[at].parent_joint {
+        path.push(joint);
+        at = tree.joints[joint].parent;
+    }
+    path.reverse();
+    path
+}
+
+fn check_path(tree: &Tree, tip: usize, path: &[usize]) -> Result<(), ArmError> {
+    let tip_name = || tree.links[tip].name.clone();
+    for &j in path {
+        let joint = &tree.joints[j];
+        if let Freedom::Other(kind) = joint.freedom {
+            let kind = ArmErrorKind::JointType {
+                joint: joint.name.clone(),
+                tip: tip_name(),
+                kind,
+            };
+            return Err(tree.joint_error(j, "joint", kind));
+        }
+        if let Some(mimicked) = joint.followed() {
+            let kind = ArmErrorKind::MimicOnChain {
+                joint: joint.name.clone(),
+                tip: tip_name(),
+                mimicked: mimicked.to_owned(),
+            };
+            return Err(tree.joint_error(j, "mimic", kind));
+        }
+    }
+    let count = path.iter().filter(|&&j| tree.joints[j].moves()).count();
+    if (1..=MAX_JOINTS).contains(&count) {
+        return Ok(());
+    }
+    let kind = ArmErrorKind::JointCount {
+        root: tree.links[tree.root].name.clone(),
+        tip: tip_name(),
+        count,
+        limit: MAX_JOINTS,
+    };
+    Err(tree.link_error(tip, "link", kind))
+}
+
+fn split(tree: &Tree, path: &[usize]) -> Vec<Segment> {
+    let mut segments = Vec::new();
+    let mut pose = Isometry3::identity();
+    let mut open = Segment {
+        joint: None,
+        links: vec![(tree.root, pose)],
+    };
+    for &j in path {
+        let joint = &tree.joints[j];
+        pose *= joint.parent_from_joint;
+        if joint.moves() {
+            let next = Segment {
+                joint: Some((j, pose)),
+                links: Vec::new(),
+            };
+            segments.push(std::mem::replace(&mut open, next));
+            pose = Isometry3::identity();
+        }
+        open.links.push((joint.child, pose));
+    }
+    segments.push(open);
+    segments
+}
+
+fn massless(tree: &Tree, joint: usize) -> ArmError {
+    let child = tree.joints[joint].child;
+    let kind = ArmErrorKind::MasslessMovingLink {
+        link: tree.links[child].name.clone(),
+        joint: tree.joints[joint].name.clone(),
+    };
+    tree.link_error(child, "mass", kind)
+}
+
+fn chain_joint(
+    tree: &Tree,
+    index: usize,
+    parent_from_joint: Isometry3<f64>,
+    notes: &mut Vec<String>,
+) -> Joint {
+    let joint = &tree.joints[index];
+    let length = joint.axis.norm();
+    if (length - 1.0).abs() > 1e-6 {
+        notes.push(format!(
+            "joint \"{}\": axis of length {length} was normalised",
+            joint.name
+        ));
+    }
+    let unbounded = |l: &crate::model::Limits| l.lower.is_infinite() && l.upper.is_infinite();
+    if joint.freedom != Freedom::Continuous && joint.limits.as_ref().is_none_or(unbounded) {
+        notes.push(format!("joint \"{}\" has no position limits", joint.name));
+    }
+    Joint {
+        name: joint.name.clone(),
+        kind: match joint.freedom {
+            Freedom::Prismatic => JointKind::Prismatic,
+            _ => JointKind::Revolute,
+        },
+        parent_from_joint,
+        axis: Unit::new_normalize(joint.axis),
+        limits: joint.limits,
+        transmission: Transmission {
+            damping: joint.damping,
+            dry_friction: joint.friction,
+            ..Transmission::default()
+        },
+        urdf_damping: joint.damping,
+        urdf_friction: joint.friction,
+    }
+}
+
+/// Everything that moves as one, in the frame of its first link.
+#[derive(Default)]
+struct Body {
+    mass_kg: f64,
+    first_moment_kg_m: Vector3<f64>,
+    inertia_about_origin_kg_m2: Matrix3<f64>,
+    visuals: Vec<Visual>,
+    meshes: usize,
+    members: Vec<usize>,
+}
+
+impl Body {
+    /// Adds link `start` and all side branches that hang on it, their joints at zero.
+    fn collect(
+        &mut self,
+        tree: &Tree,
+        start: usize,
+        body_from_start: &Isometry3<f64>,
+        path: &[usize],
+        notes: &mut Vec<String>,
+    ) {
+        let mut held = Vec::new();
+        let mut open = vec![(start, *body_from_start)];
+        while let Some((at, pose)) = open.pop() {
+            self.add(tree, at, &pose);
+            for &j in tree.links[at]
+                .child_joints
+                .iter()
+                .filter(|j| !path.contains(j))
+            {
+                let joint = &tree.joints[j];
+                if joint.moves() {
+                    held.push(match &joint.mimics {
+                        Some(followed) => format!("{} (mimics {followed})", joint.name),
+                        None => joint.name.clone(),
+                    });
+                }
+                open.push((joint.child, pose * joint.parent_from_joint));
+            }
+        }
+        if !held.is_empty() {
+            notes.push(format!(
+                "side branch at link \"{}\" is merged rigidly with its joints at zero: {}",
+                tree.links[start].name,
+                held.join(", ")
+            ));
+        }
+    }
+
+    fn add(&mut self, tree: &Tree, index: usize, body_from_link: &Isometry3<f64>) {
+        let link = &tree.links[index];
+        let pose = body_from_link * link.link_from_inertial;
+        let turn = *pose.rotation.to_rotation_matrix().matrix();
+        let com_m = pose.translation.vector;
+        let cross = com_m.cross_matrix();
+        self.mass_kg += link.mass_kg;
+        self.first_moment_kg_m += com_m * link.mass_kg;
+        self.inertia_about_origin_kg_m2 +=
+            turn * link.inertia_kg_m2 * turn.transpose() - cross * cross * link.mass_kg;
+        self.visuals
+            .extend(link.visuals.iter().map(|visual| Visual {
+                link_from_visual: body_from_link * visual.link_from_visual,
+                ..visual.clone()
+            }));
+        self.meshes += link.mesh_count;
+        self.members.push(index);
+    }
+
+    /// The rules that every tensor in a moving body keeps: no negative principal moment, and none
+    /// larger than the sum of the other two.
+    fn check(&self, tree: &Tree) -> Result<(), ArmError> {
+        for &member in &self.members {
+            let link = &tree.links[member];
+            let eigen = SymmetricEigen::new(link.inertia_kg_m2).eigenvalues;
+            let mut moments = [eigen[0], eigen[1], eigen[2]];
+            moments.sort_by(f64::total_cmp);
+            let [smallest, middle, largest] = moments;
+            let tolerance = INERTIA_TOLERANCE * largest.abs().max(smallest.abs());
+            let listed = format!("({smallest:.6e}, {middle:.6e}, {largest:.6e}) kg m^2");
+            let kind = if smallest < -tolerance {
+                ArmErrorKind::InertiaNotPositive {
+                    link: link.name.clone(),
+                    moments: listed,
+                }
+            } else if largest > smallest + middle + tolerance {
+                ArmErrorKind::InertiaTriangle {
+                    link: link.name.clone(),
+                    moments: listed,
+                    largest,
+                    sum: smallest + middle,
+                }
+            } else {
+                continue;
+            };
+            return Err(tree.link_error(member, "inertia", kind));
+        }
+        Ok(())
+    }
+
+    fn into_link(self, name: &str) -> Link {
+        let com_m = if self.mass_kg > 0.0 {
+            self.first_moment_kg_m / self.mass_kg
+        } else {
+            Vector3::zeros()
+        };
+        let cross = com_m.cross_matrix();
+        Link {
+            name: name.to_owned(),
+            mass_kg: self.mass_kg,
+            com_m,
+            inertia_about_com_kg_m2: self.inertia_about_origin_kg_m2 + cross * cross * self.mass_kg,
+            visuals: self.visuals,
+        }
+    }
+}

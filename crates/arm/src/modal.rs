@@ -1,0 +1,175 @@
+//! Natural modes and frequency response of the arm linearised at a posture,
+//! M δq̈ + D δq̇ + K δq = Jᵀ F.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Complex, DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
+
+use crate::error::{ArmError, ArmErrorKind};
+use crate::model::{FrameId, Robot};
+use crate::tangent::Load;
+
+/// Undamped modes with the damping that each sees, slowest first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modes {
+    pub frequency_hz: Vec<f64>,
+    /// φᵀDφ/(2ω); exact damping ratios if D is proportional to M or K.
+    pub damping_ratio: Vec<f64>,
+    /// Columns are the joint-space shapes φ, mass-normalised: φᵀMφ = 1, φᵀKφ = ω².
+    pub shapes: DMatrix<f64>,
+}
+
+/// Mass, damping and stiffness matrices of the arm linearised at a posture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearArm {
+    /// kg m² or kg.
+    pub mass: DMatrix<f64>,
+    /// N m s/rad or N s/m.
+    pub damping: DMatrix<f64>,
+    /// N m/rad or N/m.
+    pub stiffness: DMatrix<f64>,
+    /// Translational rows of the Jacobian of the frame asked for, 3×n, world axes.
+    pub tip_jacobian: DMatrix<f64>,
+}
+
+impl Robot {
+    /// The arm linearised at posture `q`, seen at `frame`. `load` adds gravity and preload to the
+    /// stiffness; the rotors are held by their drives and do not take part.
+    ///
+    /// # Errors
+    /// If a joint has no stiffness, or `q` the wrong length.
+    pub fn linearised(
+        &self,
+        q: &[f64],
+        frame: FrameId,
+        load: &Load,
+    ) -> Result<LinearArm, ArmError> {
+        let stiffness = self.tangent_stiffness(q, load)?;
+        let jacobian = self.jacobian(q, frame);
+        Ok(LinearArm {
+            mass: self.mass_matrix(q),
+            damping: self.transmission_damping(),
+            stiffness,
+            tip_jacobian: DMatrix::from_fn(3, self.dof(), |r, c| jacobian[(r, c)]),
+        })
+    }
+
+    /// Modes at posture `q`; `gravity_m_s2` adds ∂g/∂q to the transmission stiffness.
+    ///
+    /// # Errors
+    /// If a joint has no stiffness, the mass matrix is singular, or the arm is not stable there.
+    pub fn modes(&self, q: &[f64], gravity_m_s2: Option<&Vector3<f64>>) -> Result<Modes, ArmError> {
+        let load = Load {
+            gravity_m_s2: gravity_m_s2.copied(),
+            wrench: None,
+        };
+        self.linearised(q, FrameId::Tool, &load)?.modes()
+    }
+}
+
+impl LinearArm {
+    /// Modes of the symmetric part of the stiffness: (K − ω²M) φ = 0.
+    ///
+    /// # Errors
+    /// If the mass matrix is not positive definite or an eigenvalue is not positive.
+    pub fn modes(&self) -> Result<Modes, ArmError> {
+        let n = self.mass.nrows();
+        let cholesky = self
+            .mass
+            .clone()
+            .cholesky()
+            .ok_or(ArmErrorKind::SingularMassMatrix)?;
+        let lower = cholesky.l();
+        let solve = |m: &DMatrix<f64>| {
+            lower
+                .solve_lower_triangular(m)
+                .ok_or(ArmErrorKind::SingularMassMatrix)
+        };
+        // A = L⁻¹ K L⁻ᵀ has the eigenvalues ω² and eigenvectors y = Lᵀφ.
+        let half = solve(&self.stiffness)?;
+        let full = solve(&half.transpose())?;
+        let eigen = SymmetricEigen::new((&full + full.transpose()) * 0.5);
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        if let Some(&first) = order.first()
+            && eigen.eigenvalues[first] <= 0.0
+        {
+            return Err(ArmErrorKind::Unstable {
+                eigenvalue: eigen.eigenvalues[first],
+            }
+            .into());
+        }
+        let mut modes = Modes {
+            frequency_hz: Vec::with_capacity(n),
+            damping_ratio: Vec::with_capacity(n),
+            shapes: DMatrix::zeros(n, n),
+        };
+        for (column, &k) in order.iter().enumerate() {
+            let omega = eigen.eigenvalues[k].sqrt();
+            let shape: DVector<f64> = lower
+                .tr_solve_lower_triangular(&eigen.eigenvectors.column(k))
+                .ok_or(ArmErrorKind::SingularMassMatrix)?;
+            modes.frequency_hz.push(omega / TAU);
+            modes
+                .damping_ratio
+                .push(shape.dot(&(&self.damping * &shape)) / (2.0 * omega));
+            modes.shapes.set_column(column, &shape);
+        }
+        Ok(modes)
+    }
+
+    /// Displacement of the frame per force on it (m/N) at `frequency_hz`, 3×3 complex, world axes:
+    /// J_v (K − ω²M + iωD)⁻¹ J_vᵀ. Damping is taken in full, not mode by mode.
+    ///
+    /// # Errors
+    /// If the dynamic stiffness is singular (undamped, exactly at a natural frequency).
+    pub fn frequency_response(&self, frequency_hz: f64) -> Result<Matrix3<Complex<f64>>, ArmError> {
+        let omega = TAU * frequency_hz;
+        let dynamic = self
+            .stiffness
+            .zip_zip_map(&self.mass, &self.damping, |k, m, d| {
+                Complex::new(k - omega * omega * m, omega * d)
+            });
+        let tip = self.tip_jacobian.map(|v| Complex::new(v, 0.0));
+        let flexibility = dynamic
+            .lu()
+            .solve(&tip.transpose())
+            .ok_or(ArmErrorKind::SingularCompliance)?;
+        let response = tip * flexibility;
+        Ok(Matrix3::from_iterator(response.iter().copied()))
+    }
+}
+
+impl Modes {
+    /// Frequency response (m/N) as the sum over modes, Σ u_j/(ω_j² − ω² + 2iζ_jω_jω) with
+    /// u_j = (J_vφ_j)(J_vφ_j)ᵀ and `tip_jacobian` = J_v (3×n). Equal to
+    /// [`LinearArm::frequency_response`] if damping is proportional.
+    ///
+    /// # Panics
+    /// If `tip_jacobian` does not have 3 rows and one column per joint.
+    #[must_use]
+    pub fn frequency_response(
+        &self,
+        tip_jacobian: &DMatrix<f64>,
+        frequency_hz: f64,
+    ) -> Matrix3<Complex<f64>> {
+        let omega = TAU * frequency_hz;
+        let mut sum = Matrix3::zeros();
+        for (j, (&f, &zeta)) in self
+            .frequency_hz
+            .iter()
+            .zip(&self.damping_ratio)
+            .enumerate()
+        {
+            let omega_j = TAU * f;
+            let at_tip = tip_jacobian * self.shapes.column(j);
+            let at_tip = Vector3::new(at_tip[0], at_tip[1], at_tip[2]);
+            let denominator = Complex::new(
+                omega_j * omega_j - omega * omega,
+                2.0 * zeta * omega_j * omega,
+            );
+            sum += (at_tip * at_tip.transpose()).map(|u| Complex::new(u, 0.0) / denominator);
+        }
+        sum
+    }
+}

@@ -1,0 +1,222 @@
+//! The robot as the rest of the program sees it: a serial chain, its transmissions and its frames.
+
+use std::path::PathBuf;
+
+use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
+
+/// Most joints a chain may have.
+pub const MAX_JOINTS: usize = 12;
+
+/// The acceleration of gravity that truecut uses, 9.81 m/s² along −z of the world.
+#[must_use]
+pub fn standard_gravity_m_s2() -> Vector3<f64> {
+    Vector3::new(0.0, 0.0, -9.81)
+}
+
+/// What a joint's coordinate is: an angle in rad or a displacement in m.
+///
+/// A URDF `continuous` joint is [`Revolute`](JointKind::Revolute) with infinite position limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JointKind {
+    Revolute,
+    Prismatic,
+}
+
+impl JointKind {
+    /// The unit of the joint's coordinate: `rad` or `m`.
+    #[must_use]
+    pub fn coordinate_unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "rad",
+            Self::Prismatic => "m",
+        }
+    }
+
+    /// The unit of the joint's generalised force: `N m` or `N`.
+    #[must_use]
+    pub fn effort_unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "N m",
+            Self::Prismatic => "N",
+        }
+    }
+}
+
+/// Bounds of a joint, in the unit of its coordinate (rad or m, per second, N m or N).
+///
+/// A bound that the URDF does not give is infinite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    pub lower: f64,
+    pub upper: f64,
+    pub velocity: f64,
+    pub effort: f64,
+}
+
+/// Gains of a P–P servo: position loop outside, velocity loop inside, torque limited.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Servo {
+    /// Position loop gain in 1/s.
+    pub position_gain_per_s: f64,
+    /// Velocity loop gain in N m s/rad or N s/m, on the joint side of the gear.
+    pub velocity_gain: f64,
+    /// Largest torque (N m) or force (N) of the drive, on the joint side of the gear.
+    pub torque_limit: f64,
+}
+
+/// Where the values of a [`Transmission`] come from; empty where no value was given.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+pub struct TransmissionSources {
+    pub stiffness: String,
+    pub damping: String,
+    pub dry_friction: String,
+    pub rotor_inertia: String,
+    pub servo: String,
+}
+
+/// What lies between the motor and the link of one joint.
+///
+/// Units are those of the joint: N m/rad or N/m, N m s/rad or N s/m, N m or N, kg m² or kg,
+/// all on the joint side of the gear.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Transmission {
+    /// `None` if no file gives it; then only rigid questions (kinematics, dynamics) can be answered.
+    pub stiffness: Option<f64>,
+    pub damping: f64,
+    pub dry_friction: f64,
+    pub rotor_inertia: f64,
+    pub servo: Option<Servo>,
+    pub sources: TransmissionSources,
+}
+
+/// A joint of the chain and the transmission that drives it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    pub name: String,
+    pub kind: JointKind,
+    /// Joint frame at coordinate zero, in the previous link's frame (the world for the first).
+    pub parent_from_joint: Isometry3<f64>,
+    /// Axis of rotation or translation, in the joint frame.
+    pub axis: Unit<Vector3<f64>>,
+    pub limits: Option<Limits>,
+    pub transmission: Transmission,
+    /// `<dynamics damping>` of the URDF; the transmission's damping unless `robot.toml` gives one.
+    pub urdf_damping: f64,
+    /// `<dynamics friction>` of the URDF; the transmission's dry friction unless `robot.toml` gives one.
+    pub urdf_friction: f64,
+}
+
+/// A primitive shape of a visual, centred in its own frame; cylinder and capsule lie along z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    Box { half_extents_m: Vector3<f64> },
+    Cylinder { radius_m: f64, length_m: f64 },
+    Capsule { radius_m: f64, length_m: f64 },
+    Sphere { radius_m: f64 },
+}
+
+/// Something to draw, fixed to a link. Meshes are left out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Visual {
+    pub shape: Shape,
+    pub link_from_visual: Isometry3<f64>,
+    /// Red, green, blue, opacity, each 0 to 1.
+    pub color_rgba: [f32; 4],
+}
+
+/// A rigid body of the chain: a URDF link with all that is fixed to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Link {
+    pub name: String,
+    pub mass_kg: f64,
+    /// Centre of mass in the link frame.
+    pub com_m: Vector3<f64>,
+    /// Inertia tensor about the centre of mass, in link axes.
+    pub inertia_about_com_kg_m2: Matrix3<f64>,
+    pub visuals: Vec<Visual>,
+}
+
+/// A serial chain. `links[i]` is moved by `joints[i]`, and its frame is that joint's frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chain {
+    pub name: String,
+    pub joints: Vec<Joint>,
+    pub links: Vec<Link>,
+    /// All that stands still, in the URDF root frame.
+    pub base: Link,
+    /// Name of the URDF link whose frame is the flange.
+    pub tip: String,
+    /// What was merged, chosen or left out when the file was read; one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// The frames of a robot, each fixed to the last link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frames {
+    pub last_link_from_flange: Isometry3<f64>,
+    pub flange_from_tool: Isometry3<f64>,
+    pub flange_from_foot: Isometry3<f64>,
+}
+
+/// Names one of the frames of [`Frames`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrameId {
+    /// Frame of the URDF tip link.
+    Flange,
+    /// Where the process acts.
+    Tool,
+    /// The pressure foot.
+    Foot,
+}
+
+/// A robot: chain, transmissions and frames. Made by [`Robot::load`].
+///
+/// World frame is the URDF root frame, z up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    pub name: String,
+    pub chain: Chain,
+    pub frames: Frames,
+    pub urdf_path: PathBuf,
+    /// The `robot.toml` that was read, if any.
+    pub config_path: Option<PathBuf>,
+}
+
+impl Robot {
+    /// Number of joints.
+    #[must_use]
+    pub fn dof(&self) -> usize {
+        self.chain.joints.len()
+    }
+
+    /// Last link from `frame`.
+    #[must_use]
+    pub fn last_link_from_frame(&self, frame: FrameId) -> Isometry3<f64> {
+        let flange = self.frames.last_link_from_flange;
+        match frame {
+            FrameId::Flange => flange,
+            FrameId::Tool => flange * self.frames.flange_from_tool,
+            FrameId::Foot => flange * self.frames.flange_from_foot,
+        }
+    }
+
+    /// The same robot with all masses and inertias (rotors included), transmission stiffnesses and
+    /// transmission dampings multiplied by factors.
+    #[must_use]
+    pub fn scaled(&self, inertia: f64, stiffness: f64, damping: f64) -> Self {
+        let mut robot = self.clone();
+        for link in robot.chain.links.iter_mut().chain([&mut robot.chain.base]) {
+            link.mass_kg *= inertia;
+            link.inertia_about_com_kg_m2 *= inertia;
+        }
+        for joint in &mut robot.chain.joints {
+            let transmission = &mut joint.transmission;
+            transmission.stiffness = transmission.stiffness.map(|k| k * stiffness);
+            transmission.damping *= damping;
+            transmission.rotor_inertia *= inertia;
+        }
+        robot
+    }
+}

@@ -1,0 +1,141 @@
+//! Motion of the links: energy, and pose, velocity and Jacobian of a frame.
+
+use nalgebra::{Matrix3, Matrix6xX, Point3, Vector3};
+
+use crate::dynamics::{Body, Dynamics};
+use crate::model::FrameId;
+
+/// Pose and velocity of a frame, in world axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameMotion {
+    pub position_m: Point3<f64>,
+    /// World from frame.
+    pub rotation: Matrix3<f64>,
+    pub velocity_m_s: Vector3<f64>,
+    pub angular_velocity_rad_s: Vector3<f64>,
+}
+
+/// Kinetic and potential energy in J; the potential is zero with all masses at the world's origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Energy {
+    pub kinetic_j: f64,
+    pub potential_j: f64,
+}
+
+impl Dynamics {
+    /// Kinetic and potential energy at posture `q` and velocity `v`.
+    ///
+    /// # Panics
+    /// If a slice does not have one value per joint.
+    pub fn energy(&mut self, q: &[f64], v: &[f64], gravity_m_s2: &Vector3<f64>) -> Energy {
+        let mut energy = Energy {
+            kinetic_j: 0.0,
+            potential_j: 0.0,
+        };
+        self.walk(q, v, |body, rotation, origin, velocity, omega| {
+            let com = rotation * body.com_m;
+            let speed = velocity + omega.cross(&com);
+            let omega_in_link = rotation.transpose() * omega;
+            let spin = body.inertia_about_com_kg_m2 * omega_in_link;
+            energy.kinetic_j +=
+                0.5 * (body.mass_kg * speed.norm_squared() + omega_in_link.dot(&spin));
+            energy.potential_j -= body.mass_kg * gravity_m_s2.dot(&(origin + com));
+        });
+        energy
+    }
+
+    /// Pose and velocity of a frame at posture `q` and velocity `v`.
+    ///
+    /// # Panics
+    /// If a slice does not have one value per joint.
+    pub fn frame_motion(&mut self, q: &[f64], v: &[f64], frame: FrameId) -> FrameMotion {
+        let (offset_m, link_from_frame) = self.frame(frame);
+        let mut motion = FrameMotion {
+            position_m: Point3::origin(),
+            rotation: Matrix3::identity(),
+            velocity_m_s: Vector3::zeros(),
+            angular_velocity_rad_s: Vector3::zeros(),
+        };
+        self.walk(q, v, |_, rotation, origin, velocity, omega| {
+            let arm = rotation * offset_m;
+            motion = FrameMotion {
+                position_m: Point3::from(origin + arm),
+                rotation: rotation * link_from_frame,
+                velocity_m_s: velocity + omega.cross(&arm),
+                angular_velocity_rad_s: *omega,
+            };
+        });
+        motion
+    }
+
+    /// Geometric Jacobian of a frame, as [`Robot::jacobian`](crate::Robot::jacobian).
+    ///
+    /// # Panics
+    /// If `q` or `jacobian` does not fit the number of joints.
+    pub fn jacobian_into(&mut self, q: &[f64], frame: FrameId, jacobian: &mut Matrix6xX<f64>) {
+        assert_eq!(jacobian.ncols(), self.bodies.len(), "one column per joint");
+        let (offset_m, _) = self.frame(frame);
+        let zeros = std::mem::take(&mut self.zeros);
+        let mut i = 0;
+        let mut point_m = Vector3::zeros();
+        // First pass over the links stores axis and origin; the point is known at the end.
+        self.walk(q, &zeros, |body, rotation, origin, _, _| {
+            let mut column = jacobian.column_mut(i);
+            column.fixed_rows_mut::<3>(0).copy_from(origin);
+            column
+                .fixed_rows_mut::<3>(3)
+                .copy_from(&(rotation * body.axis));
+            point_m = origin + rotation * offset_m;
+            i += 1;
+        });
+        self.zeros = zeros;
+        for (body, mut column) in self.bodies.iter().zip(jacobian.column_iter_mut()) {
+            let origin: Vector3<f64> = column.fixed_rows::<3>(0).into_owned();
+            let axis: Vector3<f64> = column.fixed_rows::<3>(3).into_owned();
+            if body.revolute {
+                let linear = axis.cross(&(point_m - origin));
+                column.fixed_rows_mut::<3>(0).copy_from(&linear);
+            } else {
+                column.fixed_rows_mut::<3>(0).copy_from(&axis);
+                column.fixed_rows_mut::<3>(3).fill(0.0);
+            }
+        }
+    }
+
+    fn frame(&self, frame: FrameId) -> (Vector3<f64>, Matrix3<f64>) {
+        match frame {
+            FrameId::Flange => self.frames[0],
+            FrameId::Tool => self.frames[1],
+            FrameId::Foot => self.frames[2],
+        }
+    }
+
+    /// Calls `visit(body, world_from_link, origin, velocity of the origin, angular velocity)` for
+    /// each link, all in world axes.
+    fn walk(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        mut visit: impl FnMut(&Body, &Matrix3<f64>, &Vector3<f64>, &Vector3<f64>, &Vector3<f64>),
+    ) {
+        assert_eq!(v.len(), self.bodies.len(), "one velocity per joint");
+        self.place(q);
+        let mut rotation = Matrix3::identity();
+        let mut origin = Vector3::zeros();
+        let mut velocity = Vector3::zeros();
+        let mut omega = Vector3::zeros();
+        for ((body, state), &rate) in self.bodies.iter().zip(&self.states).zip(v) {
+            let step = rotation * state.origin_m;
+            velocity += omega.cross(&step);
+            origin += step;
+            rotation *= state.parent_from_link;
+            let along = rotation * body.axis * rate;
+            if body.revolute {
+                omega += along;
+            } else {
+                velocity += along;
+            }
+            visit(body, &rotation, &origin, &velocity, &omega);
+        }
+    }
+}

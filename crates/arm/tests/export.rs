@@ -1,0 +1,245 @@
+//! What leaves the crate: MJCF, the report and the table of flange poses.
+
+use std::path::Path;
+
+use roxmltree::{Document, Node};
+use truecut_arm::report::fk_table;
+use truecut_arm::{FrameId, MjcfDrive, MjcfOptions, Robot, standard_gravity_m_s2, to_mjcf};
+
+const POSTURE_DEG: [f64; 6] = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95];
+
+fn asset(name: &str) -> Robot {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots");
+    Robot::load(&root.join(name).join("robot.urdf"), None, None).expect("the asset loads")
+}
+
+fn options(posture: &[f64], command: &[f64]) -> MjcfOptions {
+    MjcfOptions {
+        posture: posture.to_vec(),
+        command: command.to_vec(),
+        gravity_m_s2: standard_gravity_m_s2(),
+        drive: MjcfDrive::Position,
+        time_step_s: 1e-4,
+    }
+}
+
+fn numbers(node: &Node, attribute: &str) -> Vec<f64> {
+    let text = node.attribute(attribute).expect(attribute);
+    text.split(' ')
+        .map(|v| v.parse().expect("a number"))
+        .collect()
+}
+
+/// Every number that makes the mechanics comes back bit by bit.
+#[test]
+fn mjcf_holds_the_robot_exactly() {
+    let robot = asset("irb6600_175_255");
+    let q = POSTURE_DEG.map(f64::to_radians);
+    let command = q.map(|q| q + 1e-4);
+    let text = to_mjcf(&robot, &options(&q, &command)).expect("complete");
+    let document = Document::parse(&text).expect("well-formed");
+    let bodies: Vec<_> = document
+        .descendants()
+        .filter(|n| n.has_tag_name("body"))
+        .collect();
+    assert_eq!(bodies.len(), 6);
+    for (i, body) in bodies.iter().enumerate() {
+        let (joint, link) = (&robot.chain.joints[i], &robot.chain.links[i]);
+        let child = |name: &str| {
+            body.children()
+                .find(|n| n.has_tag_name(name))
+                .expect("present")
+        };
+        assert_eq!(body.attribute("name"), Some(link.name.as_str()));
+        assert_eq!(
+            numbers(body, "pos"),
+            joint.parent_from_joint.translation.vector.as_slice()
+        );
+        let inertial = child("inertial");
+        assert_eq!(numbers(&inertial, "mass"), [link.mass_kg]);
+        assert_eq!(numbers(&inertial, "pos"), link.com_m.as_slice());
+        let m = &link.inertia_about_com_kg_m2;
+        let six = [
+            m[(0, 0)],
+            m[(1, 1)],
+            m[(2, 2)],
+            m[(0, 1)],
+            m[(0, 2)],
+            m[(1, 2)],
+        ];
+        assert_eq!(numbers(&inertial, "fullinertia"), six);
+        let element = child("joint");
+        assert_eq!(element.attribute("type"), Some("hinge"));
+        assert_eq!(numbers(&element, "axis"), joint.axis.as_slice());
+        assert_eq!(
+            numbers(&element, "stiffness"),
+            [joint.transmission.stiffness.expect("given")]
+        );
+        assert_eq!(numbers(&element, "springref"), [command[i]]);
+        assert_eq!(numbers(&element, "damping"), [joint.transmission.damping]);
+        for geom in body.children().filter(|n| n.has_tag_name("geom")) {
+            assert_eq!(
+                (geom.attribute("contype"), geom.attribute("mass")),
+                (Some("0"), Some("0"))
+            );
+        }
+    }
+    let sites: Vec<_> = document
+        .descendants()
+        .filter(|n| n.has_tag_name("site"))
+        .collect();
+    let names: Vec<_> = sites.iter().filter_map(|n| n.attribute("name")).collect();
+    assert_eq!(names, ["flange", "tool", "foot"]);
+    let tool = robot.last_link_from_frame(FrameId::Tool);
+    assert_eq!(
+        numbers(&sites[1], "pos"),
+        tool.translation.vector.as_slice()
+    );
+    let key = document
+        .descendants()
+        .find(|n| n.has_tag_name("key"))
+        .expect("keyframe");
+    assert_eq!(numbers(&key, "qpos"), q);
+    let compiler = document
+        .descendants()
+        .find(|n| n.has_tag_name("compiler"))
+        .expect("compiler");
+    assert_eq!(compiler.attribute("angle"), Some("radian"));
+}
+
+#[test]
+fn mjcf_of_free_joints_has_no_springs() {
+    let robot = asset("rig_planar");
+    let mut free = options(&[0.0; 3], &[0.0; 3]);
+    free.drive = MjcfDrive::Free;
+    let text = robot.to_mjcf(&free).expect("complete");
+    assert!(!text.contains("stiffness") && !text.contains("damping"));
+    assert_eq!(text.matches("type=\"slide\"").count(), 3);
+}
+
+#[test]
+fn mjcf_refuses_what_does_not_fit() {
+    let robot = asset("rig_planar");
+    let short = robot
+        .to_mjcf(&options(&[0.0; 2], &[0.0; 3]))
+        .expect_err("one short")
+        .to_string();
+    assert_eq!(short, "the posture has 2 values; the chain has 3 joints");
+    let mut still = options(&[0.0; 3], &[0.0; 3]);
+    still.time_step_s = 0.0;
+    let message = robot.to_mjcf(&still).expect_err("no step").to_string();
+    assert_eq!(
+        message,
+        "time step (s) is 0; it must be a finite number above zero"
+    );
+    let mut soft = robot;
+    soft.chain.joints[1].transmission.stiffness = None;
+    let message = soft
+        .to_mjcf(&options(&[0.0; 3], &[0.0; 3]))
+        .expect_err("no spring")
+        .to_string();
+    assert!(
+        message.contains("\"slide_y\"") && message.contains("stiffness_n_per_m"),
+        "{message}"
+    );
+}
+
+#[test]
+fn the_report_shows_what_was_understood() {
+    let robot = asset("irb6600_175_255");
+    let report = robot
+        .report(&POSTURE_DEG.map(f64::to_radians))
+        .expect("complete");
+    let text = report.to_text();
+    for expected in [
+        "6 joints from \"base_link\" to flange \"flange\"",
+        "955.300000 kg moving",
+        "rotation free",
+        "X 0.86476  Y 1.37290  Z 1.09067",
+        "13.185 deg",
+        "rotation clamped",
+        "6.672",
+        "-180.00 .. 180.00 deg",
+        "2.1170e6 N m/rad",
+        "underdetermined",
+    ] {
+        assert!(text.contains(expected), "`{expected}` is not in:\n{text}");
+    }
+    let json = serde_json::to_value(&report).expect("serialisable");
+    assert_eq!(json["joints"][1]["name"], "joint_2");
+    assert_eq!(json["joints"][1]["kind"], "revolute");
+    assert!(json["joints"][1]["effort"].is_null());
+    assert_eq!(json["modes"].as_array().map(Vec::len), Some(6));
+    let k_x = json["stiffness"]["free"]["x_n_per_m"]
+        .as_f64()
+        .expect("a number");
+    assert!((k_x / 0.86476e6 - 1.0).abs() <= 2e-4);
+}
+
+/// Without stiffness there are no modes, and the report says why instead of failing.
+#[test]
+fn the_report_of_a_bare_urdf_says_what_is_missing() {
+    let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../assets/robots/irb6600_175_255/robot.urdf");
+    let text = std::fs::read_to_string(&urdf).expect("readable");
+    let robot = Robot::from_texts((&text, &urdf), None, None).expect("good without robot.toml");
+    let report = robot
+        .report(&[0.0, 0.0, 0.0, 0.0, 3.0, 0.0])
+        .expect("a report");
+    assert!(report.modes.is_none() && report.stiffness.is_none());
+    assert_eq!(report.outside_limits, ["joint_5"]);
+    let text = report.to_text();
+    assert!(
+        text.contains("no modes: joint \"joint_1\" has no transmission stiffness"),
+        "{text}"
+    );
+    assert!(text.contains("outside the limits of joint_5"), "{text}");
+    assert!(text.contains("config  none"), "{text}");
+}
+
+/// At the upright, singular posture nothing turns the tool sideways once its rotation is held.
+#[test]
+fn a_singular_posture_reads_as_rigid() {
+    let robot = asset("irb6600_175_255");
+    let text = robot
+        .report(&robot.default_posture())
+        .expect("a report")
+        .to_text();
+    assert!(text.contains("rigid") && !text.contains("inf"), "{text}");
+}
+
+#[test]
+fn the_table_of_flange_poses_reads_back_exactly() {
+    let robot = asset("irb6600_175_255");
+    let table = "q1,q2,q3,q4,q5,q6\n# a remark\n0.1, 0.2, 0.3, 0.4, 0.5, 0.6\n\n-1,0,0.5,0,1,2\n";
+    let answer = fk_table(&robot, table).expect("good");
+    let rows: Vec<_> = answer.lines().collect();
+    assert_eq!(rows.len(), 3);
+    assert_eq!(rows[0], "x_m,y_m,z_m,r11,r12,r13,r21,r22,r23,r31,r32,r33");
+    let pose = robot.world_from_frame(&[-1.0, 0.0, 0.5, 0.0, 1.0, 2.0], FrameId::Flange);
+    let matrix = pose.rotation.to_rotation_matrix();
+    let values: Vec<f64> = rows[2]
+        .split(',')
+        .map(|v| v.parse().expect("a number"))
+        .collect();
+    assert_eq!(values[..3], pose.translation.vector.as_slice()[..]);
+    assert_eq!(values[4], matrix[(0, 1)]);
+    assert_eq!(values[9], matrix[(2, 0)]);
+}
+
+#[test]
+fn a_bad_table_is_refused_with_its_row() {
+    let robot = asset("irb6600_175_255");
+    let short = fk_table(&robot, "0,0,0,0,0,0\n0,0,0\n")
+        .expect_err("short")
+        .to_string();
+    assert_eq!(short, "row 2: 3 values; the chain has 6 joints");
+    let word = fk_table(&robot, "0,0,0,0,0,0\n0,0,x,0,0,0\n")
+        .expect_err("a word")
+        .to_string();
+    assert_eq!(word, "row 2: \"x\" is not a finite number");
+    let nan = fk_table(&robot, "0,0,NaN,0,0,0\n")
+        .expect_err("NaN")
+        .to_string();
+    assert_eq!(nan, "row 1: \"NaN\" is not a finite number");
+}

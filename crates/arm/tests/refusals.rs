@@ -1,0 +1,386 @@
+//! Bad robot files: one fault each, one error each, with place, value and rule.
+
+use std::path::{Path, PathBuf};
+
+use truecut_arm::Robot;
+
+fn fixtures() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/invalid_input/urdf")
+}
+
+/// File, line of the fault, and what the message must quote.
+const URDF_FAULTS: &[(&str, Option<usize>, &[&str])] = &[
+    (
+        "xml_error",
+        Some(17),
+        &["not well-formed XML", "'inertial'"],
+    ),
+    ("not_a_robot", Some(3), &["<sdf>", "<robot>"]),
+    ("no_links", None, &["no links"]),
+    (
+        "loop_two_parents",
+        Some(49),
+        &[
+            "\"coupler\"",
+            "\"left_pin\"",
+            "\"right_pin\"",
+            "closed loop",
+        ],
+    ),
+    (
+        "loop_closed",
+        Some(26),
+        &["fore -> upper -> fore", "closed loop"],
+    ),
+    (
+        "two_roots",
+        Some(33),
+        &["2 root links", "\"base\", \"stand\"", "exactly one"],
+    ),
+    (
+        "floating_joint",
+        Some(19),
+        &["\"elbow\"", "\"fore\"", "floating", "only revolute"],
+    ),
+    (
+        "planar_joint",
+        Some(19),
+        &["\"elbow\"", "planar", "only revolute"],
+    ),
+    (
+        "unknown_joint_type",
+        Some(5),
+        &["\"shoulder\"", "\"hinge\""],
+    ),
+    (
+        "zero_mass",
+        Some(15),
+        &["\"upper\"", "\"shoulder\"", "mass 0 kg", "positive mass"],
+    ),
+    (
+        "negative_mass",
+        Some(15),
+        &["\"upper\"", "-4 kg", "must not be negative"],
+    ),
+    (
+        "inertia_triangle",
+        Some(16),
+        &["\"upper\"", "triangle rule", "0.13 kg m^2", "0.12 kg m^2"],
+    ),
+    (
+        "inertia_not_positive",
+        Some(16),
+        &["\"upper\"", "-2.000000e-2", "none may be negative"],
+    ),
+    (
+        "zero_axis",
+        Some(23),
+        &["\"elbow\"", "length 0", "longer than"],
+    ),
+    (
+        "duplicate_link",
+        Some(40),
+        &["link name \"upper\"", "twice", "line 12"],
+    ),
+    (
+        "duplicate_joint",
+        Some(19),
+        &["joint name \"shoulder\"", "twice", "line 5"],
+    ),
+    (
+        "nan_mass",
+        Some(15),
+        &["<mass value=\"nan\">", "\"upper\"", "finite"],
+    ),
+    (
+        "nan_origin",
+        Some(8),
+        &[
+            "<origin xyz=\"0 NaN 0.4\">",
+            "\"shoulder\"",
+            "three finite numbers",
+        ],
+    ),
+    (
+        "short_axis",
+        Some(9),
+        &["<axis xyz=\"0 1\">", "three finite numbers"],
+    ),
+    ("no_inertia_term", Some(16), &["<inertia>", "`iyz`"]),
+    ("no_joint_name", Some(19), &["<joint>", "`name`"]),
+    (
+        "unknown_link",
+        Some(7),
+        &["\"shoulder\"", "child", "\"uper\"", "base, upper"],
+    ),
+    (
+        "mimic_on_chain",
+        Some(24),
+        &["\"elbow\"", "mimics \"shoulder\"", "side branch"],
+    ),
+    ("no_moving_joint", Some(12), &["0 moving joints", "1 to 12"]),
+    (
+        "thirteen_joints",
+        Some(180),
+        &["13 moving joints", "1 to 12"],
+    ),
+    (
+        "limits_reversed",
+        Some(10),
+        &["\"shoulder\"", "lower limit 2", "upper limit -2"],
+    ),
+    (
+        "negative_damping",
+        Some(11),
+        &["\"shoulder\"", "damping is -5", "must not be negative"],
+    ),
+    (
+        "negative_velocity_limit",
+        Some(10),
+        &["\"shoulder\"", "velocity limit is -1"],
+    ),
+    (
+        "ambiguous_tip",
+        None,
+        &[
+            "choose one",
+            "\"left_hand\" (1 joint)",
+            "\"right_hand\" (1 joint)",
+        ],
+    ),
+];
+
+#[test]
+fn every_faulty_urdf_is_refused_with_its_reason() {
+    for (name, line, quotes) in URDF_FAULTS {
+        let path = fixtures().join(name).with_extension("urdf");
+        let error = Robot::load(&path, None, None).expect_err(name);
+        assert_eq!(error.path(), Some(path.as_path()), "{name}");
+        assert_eq!(error.line(), *line, "{name}: {error}");
+        let message = error.message();
+        for quote in *quotes {
+            assert!(
+                message.contains(quote),
+                "{name}: `{quote}` is not in: {message}"
+            );
+        }
+        assert!(!message.contains('\n'), "{name}: one line: {message}");
+        let place = line.map_or(format!("{}: ", path.display()), |line| {
+            format!("{}:{line}: ", path.display())
+        });
+        assert_eq!(error.to_string(), format!("{place}{message}"));
+    }
+}
+
+/// A fixture without an entry in the table above would never be run.
+#[test]
+fn every_fixture_is_in_the_table() {
+    let mut files: Vec<_> = (std::fs::read_dir(fixtures()).expect("the folder exists"))
+        .map(|entry| entry.expect("readable").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "urdf"))
+        .map(|path| {
+            path.file_stem()
+                .expect("a name")
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    files.sort();
+    let mut table: Vec<_> = URDF_FAULTS
+        .iter()
+        .map(|(name, _, _)| (*name).to_owned())
+        .collect();
+    table.sort();
+    assert_eq!(files, table);
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let path = fixtures().join("nowhere.urdf");
+    let error = Robot::load(&path, None, None).expect_err("no such file");
+    assert_eq!(error.path(), Some(path.as_path()));
+    assert!(
+        error.message().starts_with("cannot read the file"),
+        "{error}"
+    );
+
+    let urdf =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/rig_1dof/robot.urdf");
+    let config = fixtures().join("nowhere.toml");
+    let error = Robot::load(&urdf, Some(&config), None).expect_err("no such file");
+    assert_eq!(error.path(), Some(config.as_path()));
+}
+
+const TWO_JOINTS: &str = r#"<robot name="two">
+  <link name="base"/>
+  <joint name="turn" type="revolute">
+    <parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" velocity="1" effort="0"/>
+  </joint>
+  <link name="arm"><inertial><mass value="3"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <joint name="slide" type="prismatic">
+    <parent link="arm"/><child link="tip"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" velocity="1" effort="0"/>
+  </joint>
+  <link name="tip"><inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+</robot>"#;
+
+fn with_config(config: &str) -> Result<Robot, truecut_arm::ArmError> {
+    let urdf = (TWO_JOINTS, Path::new("two.urdf"));
+    Robot::from_texts(urdf, Some((config, Path::new("robot.toml"))), None)
+}
+
+/// Text of a `robot.toml`, line of the fault, quotes.
+const CONFIG_FAULTS: &[(&str, usize, &[&str])] = &[
+    ("name = \"x\nname = 2", 1, &["string"]),
+    (
+        "\n\n[[joint]]\nname = \"turn\"\nstifness_nm_per_rad = 1.0",
+        5,
+        &[
+            "unknown field `stifness_nm_per_rad`",
+            "stiffness_nm_per_rad",
+        ],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\nstiffness_nm_per_rad = \"much\"",
+        3,
+        &["string \"much\"", "f64"],
+    ),
+    (
+        "[[joint]]\nname = \"trun\"",
+        2,
+        &["no joint \"trun\"", "turn, slide"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\n\n[[joint]]\nname = \"turn\"",
+        5,
+        &["joint name \"turn\"", "twice", "line 2"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\nstiffness_nm_per_rad = -5e6\nsource.stiffness = \"x\"",
+        3,
+        &[
+            "\"turn\"",
+            "`stiffness_nm_per_rad` is -5000000",
+            "above zero",
+        ],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\nstiffness_nm_per_rad = 0\nsource.stiffness = \"x\"",
+        3,
+        &["is 0;", "above zero"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\nstiffness_nm_per_rad = nan\nsource.stiffness = \"x\"",
+        3,
+        &["is NaN;", "finite"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\ndamping_nm_s_per_rad = -1\nsource.damping = \"x\"",
+        3,
+        &["`damping_nm_s_per_rad` is -1", "zero or above"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\ndry_friction_nm = inf\nsource.dry_friction = \"x\"",
+        3,
+        &["`dry_friction_nm` is inf", "finite"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\nrotor_inertia_kg_m2 = -0.1\nsource.rotor_inertia = \"x\"",
+        3,
+        &["`rotor_inertia_kg_m2` is -0.1"],
+    ),
+    (
+        "[[joint]]\nname = \"slide\"\nstiffness_nm_per_rad = 1e6\nsource.stiffness = \"x\"",
+        3,
+        &[
+            "\"slide\" is prismatic",
+            "use `stiffness_n_per_m` instead of `stiffness_nm_per_rad`",
+        ],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\ndamping_n_s_per_m = 1\nsource.damping = \"x\"",
+        3,
+        &["\"turn\" is revolute", "use `damping_nm_s_per_rad`"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\nstiffness_nm_per_rad = 1e6",
+        3,
+        &[
+            "`stiffness_nm_per_rad` has no source",
+            "stiffness = \"...\"",
+        ],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\nstiffness_nm_per_rad = 1e6\nsource.stiffness = \"  \"",
+        3,
+        &["no source"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\nsource.servo = \"x\"\n[joint.servo]\nposition_gain_per_s = 20\nvelocity_gain_nm_s_per_rad = 5",
+        5,
+        &["[joint.servo] lacks `torque_limit_nm`"],
+    ),
+    (
+        "[[joint]]\nname = \"slide\"\nsource.servo = \"x\"\n[joint.servo]\nposition_gain_per_s = 20\nvelocity_gain_n_s_per_m = 5\ntorque_limit_nm = 3",
+        7,
+        &["use `force_limit_n`"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\nsource.servo = \"x\"\n[joint.servo]\nposition_gain_per_s = 0\nvelocity_gain_nm_s_per_rad = 5\ntorque_limit_nm = 3",
+        5,
+        &["`position_gain_per_s` is 0", "above zero"],
+    ),
+    (
+        "[frames.tool]\nxyz_m = [0, nan, 0]",
+        2,
+        &["frame `tool`", "`xyz_m` holds NaN"],
+    ),
+    ("[frames.tool]\nxyz_m = [0, 1]", 2, &["length"]),
+    (
+        "[frames.grinder]\nxyz_m = [0, 0, 1]",
+        1,
+        &["unknown field `grinder`"],
+    ),
+];
+
+#[test]
+fn every_faulty_config_is_refused_with_its_reason() {
+    for (text, line, quotes) in CONFIG_FAULTS {
+        let error = with_config(text).expect_err(text);
+        assert_eq!(error.path(), Some(Path::new("robot.toml")), "{text}");
+        assert_eq!(error.line(), Some(*line), "{text}: {error}");
+        for quote in *quotes {
+            assert!(
+                error.message().contains(quote),
+                "`{quote}` is not in: {error}"
+            );
+        }
+    }
+}
+
+#[test]
+fn an_unknown_tip_lists_the_links() {
+    let error = Robot::from_texts((TWO_JOINTS, Path::new("two.urdf")), None, Some("hand"))
+        .expect_err("no such link");
+    assert_eq!(
+        error.to_string(),
+        "two.urdf: no link \"hand\"; known: arm, base, tip"
+    );
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(400))]
+
+    /// Whatever a file holds, reading it ends with a robot or an error, never with a panic: damage at random places.
+    #[test]
+    fn damaged_files_never_panic(at in 0..TWO_JOINTS.len(), length in 0_usize..40, patch in "[ -~]{0,6}") {
+        let mut text = TWO_JOINTS.to_owned();
+        let end = (at + length).min(text.len());
+        text.replace_range(at..end, &patch);
+        if let Ok(robot) = Robot::from_texts((&text, Path::new("two.urdf")), None, None) {
+            let q = robot.default_posture();
+            proptest::prop_assert!(robot.report(&q).is_ok());
+        }
+    }
+}
