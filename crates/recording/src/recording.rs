@@ -1,0 +1,258 @@
+//! A recording: named channels with units on one time base, and what was computed from the run.
+
+use serde::{Deserialize, Serialize};
+
+use crate::names::nearest;
+use crate::scene::Scene;
+use crate::unit::{Unit, suggestion};
+
+/// Name, unit and meaning of one channel.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ChannelSpec {
+    /// `tool.displacement_y`: what, then which quantity and axis.
+    pub name: String,
+    /// Unit of its values.
+    pub unit: Unit,
+    /// One line for a reader who does not know the program.
+    pub description: String,
+}
+
+impl ChannelSpec {
+    /// A channel.
+    pub fn new(name: impl Into<String>, unit: Unit, description: impl Into<String>) -> ChannelSpec {
+        ChannelSpec {
+            name: name.into(),
+            unit,
+            description: description.into(),
+        }
+    }
+}
+
+/// A named result that the run computed, e.g. `chamfer.width_spread`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scalar {
+    /// Its name.
+    pub name: String,
+    /// Unit of `value`.
+    pub unit: Unit,
+    /// SI; NaN if the run gave none.
+    #[serde(with = "crate::any_float::one")]
+    pub value: f64,
+    /// One line.
+    pub description: String,
+}
+
+impl Scalar {
+    /// A scalar.
+    pub fn new(
+        name: impl Into<String>,
+        unit: Unit,
+        value: f64,
+        description: impl Into<String>,
+    ) -> Scalar {
+        Scalar {
+            name: name.into(),
+            unit,
+            value,
+            description: description.into(),
+        }
+    }
+}
+
+/// Something along a line, e.g. chamfer width around the rim.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Profile {
+    /// Its name: `chamfer.width`.
+    pub name: String,
+    /// One line.
+    pub description: String,
+    /// What the axis is: `rim_angle`.
+    pub axis_name: String,
+    /// Unit of `axis`.
+    pub axis_unit: Unit,
+    /// Places, ascending, SI.
+    #[serde(with = "crate::any_float::many")]
+    pub axis: Vec<f64>,
+    /// Unit of `values`.
+    pub unit: Unit,
+    /// One for each place, SI.
+    #[serde(with = "crate::any_float::many")]
+    pub values: Vec<f64>,
+}
+
+/// What is known of a recording before its first row.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Header {
+    /// The scenario's name.
+    pub scenario_name: String,
+    /// The whole scenario file, with overrides applied, so that the recording can be run again.
+    pub scenario_text: String,
+    /// The channels, in the order of the columns.
+    pub channels: Vec<ChannelSpec>,
+    /// What can be seen.
+    pub scene: Scene,
+    /// What a reader should know: assumptions made, branches merged.
+    pub notes: Vec<String>,
+}
+
+impl Header {
+    /// The column of a channel.
+    ///
+    /// # Errors
+    /// A channel that is not there; the nearest one is named.
+    pub fn index_of(&self, name: &str) -> Result<usize, UnknownName> {
+        self.channels
+            .iter()
+            .position(|channel| channel.name == name)
+            .ok_or_else(|| {
+                UnknownName::new(
+                    "channel",
+                    name,
+                    self.channels.iter().map(|channel| channel.name.as_str()),
+                )
+            })
+    }
+
+    /// Name, unit and meaning of a channel.
+    ///
+    /// # Errors
+    /// As [`Header::index_of`].
+    pub fn channel(&self, name: &str) -> Result<&ChannelSpec, UnknownName> {
+        Ok(&self.channels[self.index_of(name)?])
+    }
+}
+
+/// How the run ended.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// It ran to its end.
+    #[default]
+    Completed,
+    /// It broke off without an end mark: the program was stopped while it ran. Only a reader finds this.
+    Interrupted,
+    /// It was stopped; what was recorded until then is there.
+    Diverged {
+        /// When.
+        time_s: f64,
+        /// What went out of bounds.
+        quantity: String,
+        /// To which value, SI.
+        #[serde(with = "crate::any_float::one")]
+        value: f64,
+        /// The bound, SI.
+        #[serde(with = "crate::any_float::one")]
+        limit: f64,
+        /// The rule that was broken.
+        rule: String,
+    },
+}
+
+impl std::fmt::Display for Outcome {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Outcome::Completed => formatter.write_str("completed"),
+            Outcome::Interrupted => formatter.write_str("was interrupted"),
+            Outcome::Diverged {
+                time_s,
+                quantity,
+                value,
+                limit,
+                rule,
+            } => {
+                write!(
+                    formatter,
+                    "diverged at {time_s:.4} s: {quantity} = {value:.6}, limit {limit:.6} ({rule})"
+                )
+            }
+        }
+    }
+}
+
+/// A run, or a measurement: every channel has one value for every time.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Recording {
+    /// What was known before the first row.
+    pub header: Header,
+    /// Ascending times.
+    pub time_s: Vec<f64>,
+    /// One column for each channel, as long as `time_s`, SI.
+    pub columns: Vec<Vec<f64>>,
+    /// Results along a line.
+    pub profiles: Vec<Profile>,
+    /// Single results.
+    pub scalars: Vec<Scalar>,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+impl Recording {
+    /// The values of a channel, SI, one for each of [`Recording::time_s`].
+    ///
+    /// # Errors
+    /// A channel that is not there; the nearest one is named.
+    pub fn channel(&self, name: &str) -> Result<&[f64], UnknownName> {
+        Ok(&self.columns[self.header.index_of(name)?])
+    }
+
+    /// A single result.
+    ///
+    /// # Errors
+    /// A scalar that is not there; the nearest one is named.
+    pub fn scalar(&self, name: &str) -> Result<&Scalar, UnknownName> {
+        self.scalars
+            .iter()
+            .find(|scalar| scalar.name == name)
+            .ok_or_else(|| {
+                UnknownName::new(
+                    "scalar",
+                    name,
+                    self.scalars.iter().map(|scalar| scalar.name.as_str()),
+                )
+            })
+    }
+
+    /// A result along a line.
+    ///
+    /// # Errors
+    /// A profile that is not there; the nearest one is named.
+    pub fn profile(&self, name: &str) -> Result<&Profile, UnknownName> {
+        self.profiles
+            .iter()
+            .find(|profile| profile.name == name)
+            .ok_or_else(|| {
+                UnknownName::new(
+                    "profile",
+                    name,
+                    self.profiles.iter().map(|profile| profile.name.as_str()),
+                )
+            })
+    }
+}
+
+/// A channel, scalar or profile that does not exist.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown {kind} \"{name}\"{}", suggestion(.nearest.as_deref()))]
+pub struct UnknownName {
+    /// `channel`, `scalar` or `profile`.
+    pub kind: &'static str,
+    /// As asked for.
+    pub name: String,
+    /// The nearest one that exists.
+    pub nearest: Option<String>,
+}
+
+impl UnknownName {
+    /// An unknown name among those that exist.
+    pub fn new<'a>(
+        kind: &'static str,
+        name: &str,
+        existing: impl IntoIterator<Item = &'a str>,
+    ) -> UnknownName {
+        UnknownName {
+            kind,
+            name: name.to_owned(),
+            nearest: nearest(name, existing).map(str::to_owned),
+        }
+    }
+}

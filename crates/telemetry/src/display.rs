@@ -1,0 +1,234 @@
+//! How channels are shown to a person: in which unit, under which name, with which others.
+//!
+//! Files hold SI. In the viewer a displacement is in µm, a length in mm, an angle in degrees, so that an
+//! axis carries plain numbers.
+
+use truecut_recording::{ChannelSpec, Unit, UserUnit};
+
+/// One curve of a plot.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Series {
+    /// Column in the recording.
+    pub(crate) channel: usize,
+    /// Where it is logged: `/channels/tool/displacement_y`.
+    pub(crate) entity: String,
+    /// In the legend: `Y [µm]`.
+    pub(crate) legend: String,
+    /// Unit in which it is shown.
+    pub(crate) unit: UserUnit,
+    /// Red, green, blue.
+    pub(crate) color: [u8; 3],
+}
+
+/// Where a plot is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// At once, with its spectrum in the first tabs.
+    FrontWithSpectrum,
+    /// At once.
+    Front,
+    /// In a tab.
+    Behind,
+}
+
+/// Curves that share a plot.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Group {
+    /// Above the plot: `Tool displacement, process frame [µm]`.
+    pub(crate) title: String,
+    pub(crate) place: Place,
+    pub(crate) series: Vec<Series>,
+}
+
+/// A plot that is known beforehand: its title, its place, and the beginnings of the names of its channels (with
+/// `joint3.` read as `joint.`).
+struct Template(&'static str, Place, &'static [&'static str]);
+
+/// In the order in which plots appear. A channel goes to the first that fits.
+const TEMPLATES: &[Template] = &[
+    Template("Tool displacement, process frame", Place::FrontWithSpectrum, &["tool.displacement_"]),
+    Template(
+        "Dynamometer: lateral force on the workpiece",
+        Place::FrontWithSpectrum,
+        &["dynamometer.force_y", "dynamometer.force_z"],
+    ),
+    Template("Pressure foot on the workpiece", Place::Front, &["foot.normal_force", "foot.friction_"]),
+    Template("Wheel on the workpiece", Place::Front, &["wheel.normal_force", "wheel.friction_force"]),
+    Template("Load on the tool, process frame", Place::FrontWithSpectrum, &["load.force_"]),
+    Template("Depth", Place::Behind, &["cutting.depth", "cutting.engaged_depth", "wheel.penetration"]),
+    Template("Cutting force on the tool, process frame", Place::Behind, &["cutting.force_"]),
+    Template("Dynamometer: axial force on the workpiece", Place::Behind, &["dynamometer.force_x"]),
+    Template("Chip area", Place::Behind, &["cutting.chip_area"]),
+    Template("Slip speed of the foot", Place::Behind, &["foot.slip_speed"]),
+    Template("Tool velocity, process frame", Place::Behind, &["tool.velocity_"]),
+    Template("Tool position, world", Place::Behind, &["tool.position_"]),
+    Template("Torque in the transmission", Place::Behind, &["joint.transmission_torque"]),
+    Template("Joint angle", Place::Behind, &["joint.angle"]),
+    Template("Joint position", Place::Behind, &["joint.position"]),
+    Template("Joint velocity", Place::Behind, &["joint.velocity"]),
+    Template("Joint command", Place::Behind, &["joint.command"]),
+    Template("Energy", Place::Behind, &["energy."]),
+];
+
+/// Channels that are states, not curves: shown as coloured bars.
+pub(crate) const SLIDING: &str = "foot.sliding";
+/// As [`SLIDING`]: 1 while the foot is off the workpiece.
+pub(crate) const LIFTED: &str = "foot.lifted";
+
+/// Sorts channels into plots.
+pub(crate) fn groups(channels: &[ChannelSpec]) -> Vec<Group> {
+    // Keyed by the rank of the template, then by title and unit, so that unlike units never share an axis.
+    let mut found: Vec<(usize, Group)> = Vec::new();
+    for (index, channel) in channels.iter().enumerate() {
+        if [SLIDING, LIFTED].contains(&channel.name.as_str()) {
+            continue;
+        }
+        let unit = shown_in(channel);
+        let general = without_joint_number(&channel.name);
+        let fits = |Template(.., beginnings): &Template| beginnings.iter().any(|b| general.starts_with(b));
+        let rank = TEMPLATES.iter().position(fits).unwrap_or(TEMPLATES.len());
+        let (title, in_view) = match TEMPLATES.get(rank) {
+            Some(Template(title, in_view, _)) => ((*title).to_owned(), *in_view),
+            None => (in_words(stem(&general)), Place::Behind),
+        };
+        let title = format!("{title} [{}]", unit.symbol);
+        let place = found.iter().position(|(_, group)| group.title == title).unwrap_or_else(|| {
+            found.push((rank, Group { title, place: in_view, series: Vec::new() }));
+            found.len() - 1
+        });
+        let group = &mut found[place].1;
+        let color = color(&channel.name, group.series.len());
+        let legend = format!("{} [{}]", short_name(&channel.name), unit.symbol);
+        let entity = format!("/channels/{}", channel.name.replace('.', "/"));
+        group.series.push(Series { channel: index, entity, legend, unit, color });
+    }
+    found.sort_by_key(|(rank, _)| *rank);
+    found.into_iter().map(|(_, group)| group).collect()
+}
+
+/// The unit in which a person expects a channel.
+pub(crate) fn shown_in(channel: &ChannelSpec) -> UserUnit {
+    let small = channel.name.contains("displacement") || channel.name.contains("penetration");
+    shown_unit(channel.unit, small)
+}
+
+/// The unit in which a person expects a quantity; `small` for lengths far below a millimetre.
+pub(crate) fn shown_unit(unit: Unit, small: bool) -> UserUnit {
+    let symbol = match unit {
+        Unit::Metre if small => "µm",
+        Unit::Metre => "mm",
+        Unit::MetrePerSecond => "mm/s",
+        Unit::SquareMetre => "mm^2",
+        Unit::CubicMetre => "mm^3",
+        Unit::Radian => "deg",
+        Unit::RadianPerSecond => "deg/s",
+        Unit::Pascal => "MPa",
+        other => other.symbol(),
+    };
+    // Every symbol above is in the table of units; SI is the answer if one ever were not.
+    UserUnit::parse(symbol).unwrap_or_else(|_| UserUnit::from(unit))
+}
+
+/// `joint3.angle` → `joint.angle`.
+fn without_joint_number(name: &str) -> String {
+    match name.strip_prefix("joint").and_then(|rest| rest.split_once('.')) {
+        Some((number, quantity)) if number.bytes().all(|byte| byte.is_ascii_digit()) => {
+            format!("joint.{quantity}")
+        }
+        _ => name.to_owned(),
+    }
+}
+
+/// A name without its axis: `belt.force_y` → `belt.force`.
+fn stem(name: &str) -> &str {
+    match name.rsplit_once('_') {
+        Some((stem, "x" | "y" | "z")) => stem,
+        _ => name,
+    }
+}
+
+/// `belt.normal_force` → `Belt normal force`.
+fn in_words(name: &str) -> String {
+    let words = name.replace(['.', '_'], " ");
+    let mut letters = words.chars();
+    letters.next().map_or(words.clone(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// What tells a channel from the others of its plot: its axis, its joint, or its quantity.
+fn short_name(name: &str) -> String {
+    let (owner, quantity) = name.split_once('.').unwrap_or(("", name));
+    match (owner.strip_prefix("joint"), quantity.rsplit_once('_')) {
+        (Some(number), _) if !number.is_empty() => format!("joint {number}"),
+        (_, Some(("displacement" | "velocity" | "position" | "force", axis @ ("x" | "y" | "z")))) => {
+            axis.to_uppercase()
+        }
+        (_, Some((rest, axis @ ("x" | "y" | "z")))) => {
+            format!("{} {}", rest.replace('_', " "), axis.to_uppercase())
+        }
+        _ => quantity.replace('_', " "),
+    }
+}
+
+/// X, Y and Z have the same colour in every plot; others take turns.
+fn color(name: &str, place: usize) -> [u8; 3] {
+    const TURNS: [[u8; 3]; 8] = [
+        [78, 121, 167],
+        [242, 142, 43],
+        [118, 183, 178],
+        [237, 201, 72],
+        [176, 122, 161],
+        [255, 157, 167],
+        [156, 117, 95],
+        [186, 176, 172],
+    ];
+    match name.rsplit_once('_') {
+        Some((_, "x")) => [230, 90, 90],
+        Some((_, "y")) => [105, 200, 105],
+        Some((_, "z")) => [100, 150, 255],
+        _ => TURNS[place % TURNS.len()],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(names: &[(&str, Unit)]) -> Vec<(String, Vec<String>)> {
+        let channels: Vec<ChannelSpec> =
+            names.iter().map(|(name, unit)| ChannelSpec::new(*name, *unit, "")).collect();
+        let legends = |group: &Group| group.series.iter().map(|series| series.legend.clone()).collect();
+        groups(&channels).iter().map(|group| (group.title.clone(), legends(group))).collect()
+    }
+
+    #[test]
+    fn channels_are_sorted_into_plots() {
+        let plots = shown(&[
+            ("joint1.angle", Unit::Radian),
+            ("joint2.angle", Unit::Radian),
+            ("tool.displacement_x", Unit::Metre),
+            ("tool.displacement_y", Unit::Metre),
+            ("foot.sliding", Unit::One),
+            ("foot.normal_force", Unit::Newton),
+            ("foot.friction_y", Unit::Newton),
+            ("belt.speed", Unit::MetrePerSecond),
+        ]);
+        let expected = [
+            ("Tool displacement, process frame [µm]", vec!["X [µm]", "Y [µm]"]),
+            ("Pressure foot on the workpiece [N]", vec!["normal force [N]", "friction Y [N]"]),
+            ("Joint angle [deg]", vec!["joint 1 [deg]", "joint 2 [deg]"]),
+            ("Belt speed [mm/s]", vec!["speed [mm/s]"]),
+        ];
+        let expected: Vec<(String, Vec<String>)> = expected
+            .into_iter()
+            .map(|(title, legends)| (title.into(), legends.into_iter().map(str::to_owned).collect()))
+            .collect();
+        assert_eq!(plots, expected);
+    }
+
+    #[test]
+    fn unlike_units_never_share_an_axis() {
+        let plots = shown(&[("joint1.command", Unit::Radian), ("joint2.command", Unit::Metre)]);
+        assert_eq!(plots[0].0, "Joint command [deg]");
+        assert_eq!(plots[1].0, "Joint command [mm]");
+    }
+}

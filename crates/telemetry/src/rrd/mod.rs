@@ -1,0 +1,139 @@
+//! Recordings for the rerun viewer, `.rrd`.
+
+mod blueprint;
+mod camera;
+mod chart;
+mod layout;
+mod results;
+mod scene;
+mod series;
+mod shapes;
+
+use std::path::PathBuf;
+
+use rerun::external::re_log_types::ApplicationId;
+use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, TimeColumn, Timeline};
+use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
+
+use crate::display::{Group, groups};
+use scene::SceneLogger;
+use series::FootState;
+
+/// The one time axis, in seconds.
+const TIMELINE: &str = "time";
+/// Above everything that has a place in space.
+const SCENE: &str = "/scene";
+
+/// Streams a run into a file for the rerun viewer (0.36): the scene in 3-D, curves, states, and at the end spectra,
+/// profiles and claims, with a layout that shows them. Every chunk is with the operating system when
+/// [`Sink::chunk`] returns, so that killing the program loses nothing of it.
+pub struct RrdSink {
+    path: PathBuf,
+    open: Option<Open>,
+}
+
+/// Logging and flushing fail in ways of their own.
+type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+struct Open {
+    stream: RecordingStream,
+    groups: Vec<Group>,
+    scene: SceneLogger,
+    foot: Option<FootState>,
+}
+
+impl RrdSink {
+    /// A sink for a file, which is made (or overwritten) when the run begins.
+    pub fn new(path: impl Into<PathBuf>) -> RrdSink {
+        RrdSink { path: path.into(), open: None }
+    }
+
+    fn failed(&self, action: &'static str) -> impl Fn(Failure) -> SinkError + use<> {
+        let target = self.path.display().to_string();
+        move |error| SinkError::new(target.clone(), action, error)
+    }
+}
+
+impl Sink for RrdSink {
+    fn begin(&mut self, header: &Header) -> Result<(), SinkError> {
+        self.open = Some(Open::begin(&self.path, header).map_err(self.failed("begin the recording"))?);
+        Ok(())
+    }
+
+    fn chunk(&mut self, chunk: &Chunk<'_>) -> Result<(), SinkError> {
+        let failed = self.failed("write rows");
+        self.open.as_mut().map_or(Ok(()), |open| open.chunk(chunk)).map_err(failed)
+    }
+
+    fn finish(&mut self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), SinkError> {
+        let failed = self.failed("end the recording");
+        self.open.take().map_or(Ok(()), |open| open.finish(recording, claims)).map_err(failed)
+    }
+}
+
+impl Open {
+    fn begin(path: &std::path::Path, header: &Header) -> Result<Open, Failure> {
+        let stream = RecordingStreamBuilder::new(application(header))
+            .recording_name(header.scenario_name.as_str())
+            // Whatever the environment says: the user asked for this file.
+            .enabled(true)
+            .save(path)?;
+        let groups = groups(&header.channels);
+        series::begin(&stream, &groups)?;
+        let scene = SceneLogger::begin(&stream, &header.scene)?;
+        let foot = FootState::begin(&stream, header)?;
+        log_text(&stream, results::SCENARIO, results::scenario(&header.scenario_text))?;
+        let under_way = "The run was still under way when this was written: claims are judged at its end.";
+        log_text(&stream, results::CLAIMS, under_way.to_owned())?;
+        layout::send(&stream, header, &groups, foot.is_some(), None)?;
+        flush(&stream)?;
+        Ok(Open { stream, groups, scene, foot })
+    }
+
+    fn chunk(&mut self, chunk: &Chunk<'_>) -> Result<(), Failure> {
+        if !chunk.time_s.is_empty() {
+            series::chunk(&self.stream, &self.groups, chunk)?;
+            if let Some(foot) = &mut self.foot {
+                foot.chunk(&self.stream, chunk)?;
+            }
+        }
+        self.scene.frames(&self.stream, chunk.frames)?;
+        flush(&self.stream)
+    }
+
+    fn finish(self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), Failure> {
+        let stream = &self.stream;
+        log_text(stream, results::CLAIMS, results::claims_table(recording, claims))?;
+        log_text(stream, results::ABOUT, results::about(recording))?;
+        let mut charts = results::log_spectra(stream, &self.groups, recording)?;
+        // After the first spectrum, that of the tool.
+        let profiles = results::log_profiles(stream, &recording.profiles)?;
+        let after_first = charts.len().min(1);
+        charts.splice(after_first..after_first, profiles);
+        // Only now it is known what there is to see; this layout takes the place of the first.
+        layout::send(stream, &recording.header, &self.groups, self.foot.is_some(), Some(&charts))?;
+        self.scene.finish(stream)?;
+        flush(stream)
+    }
+}
+
+fn flush(stream: &RecordingStream) -> Result<(), Failure> {
+    Ok(stream.flush_blocking()?)
+}
+
+fn log_text(stream: &RecordingStream, entity: &str, markdown: String) -> RecordingStreamResult<()> {
+    stream.log_static(entity, &rerun::TextDocument::from_markdown(markdown))
+}
+
+fn time_column(times_s: impl Iterator<Item = f64>) -> TimeColumn {
+    let nanoseconds: Vec<i64> = times_s.map(|time_s| (1e9 * time_s).round() as i64).collect();
+    TimeColumn::new(None, Timeline::new_duration(TIMELINE), nanoseconds.into())
+}
+
+/// The viewer keeps one layout for each application, so each scenario is one: two recordings opened together then each
+/// keep their own.
+fn application(header: &Header) -> ApplicationId {
+    let plain = |letter: char| if letter.is_ascii_alphanumeric() { letter } else { '_' };
+    let name: String = header.scenario_name.chars().map(plain).take(100).collect();
+    ApplicationId::new_or_unknown(format!("truecut_{name}"))
+}

@@ -1,0 +1,194 @@
+//! What the run came to, in the viewer: spectra, profiles, claims, notes, the scenario.
+
+use rerun::{RecordingStream, RecordingStreamResult};
+use truecut_recording::spectrum::{Line, Spectrum, amplitude_spectrum};
+use truecut_recording::{ClaimResult, Outcome, Profile, Recording, UserUnit, significant};
+
+use super::chart::{Chart, Curve};
+use crate::display::{Group, Place, Series, shown_unit};
+
+/// Where the claims are logged.
+pub(super) const CLAIMS: &str = "/claims";
+/// Where notes and scalars are logged.
+pub(super) const ABOUT: &str = "/about";
+/// Where the scenario's text is logged.
+pub(super) const SCENARIO: &str = "/scenario";
+/// Above all spectra.
+pub(super) const SPECTRA: &str = "/spectra";
+/// Above all profiles.
+pub(super) const PROFILES: &str = "/profiles";
+
+/// Vibration of an arm is below this; above it a spectrum would show nothing.
+const HIGHEST_HZ: f64 = 60.0;
+/// Below this a ramp shows, not a vibration.
+const LOWEST_HZ: f64 = 1.0;
+
+/// A drawn chart: where it is, and what its tab is called.
+pub(super) struct Drawn {
+    pub(super) entity: String,
+    pub(super) title: String,
+}
+
+/// Draws the spectra of the main plots: one chart each, with the highest lines named.
+pub(super) fn log_spectra(
+    stream: &RecordingStream,
+    groups: &[Group],
+    recording: &Recording,
+) -> RecordingStreamResult<Vec<Drawn>> {
+    let mut drawn = Vec::new();
+    for group in groups.iter().filter(|group| group.place == Place::FrontWithSpectrum) {
+        let columns = |series: &Series| &recording.columns[series.channel];
+        let spectra = group.series.iter().filter_map(|series| {
+            Some((series, amplitude_spectrum(&recording.time_s, columns(series))?))
+        });
+        let mut curves: Vec<Curve> = spectra.map(|(series, spectrum)| spectrum_curve(series, &spectrum)).collect();
+        if curves.is_empty() {
+            continue;
+        }
+        keep_highest_mark(&mut curves);
+        let entity = format!("{SPECTRA}/{}", drawn.len());
+        let name = group.title.split([',', ':', '[']).next().unwrap_or_default().trim();
+        let unit = &group.series[0].unit.symbol;
+        let chart = Chart {
+            x_label: "frequency [Hz]".to_owned(),
+            y_label: format!("{name}: amplitude [{unit}]"),
+            curves,
+        };
+        chart.log(stream, &entity)?;
+        drawn.push(Drawn { entity, title: format!("Spectrum: {name}") });
+    }
+    Ok(drawn)
+}
+
+fn spectrum_curve(series: &Series, spectrum: &Spectrum) -> Curve {
+    let shown = |amplitude: f64| series.unit.from_si(amplitude);
+    let points = spectrum.frequency_hz.iter().zip(&spectrum.amplitude);
+    let points = points.take_while(|(frequency_hz, _)| **frequency_hz <= HIGHEST_HZ);
+    let lines = spectrum.lines([LOWEST_HZ, HIGHEST_HZ], 3, 0.1);
+    let in_words = |line: &Line| {
+        format!("{:.2} Hz ({})", line.frequency_hz, significant(shown(line.amplitude), 3))
+    };
+    let named: Vec<String> = lines.iter().map(in_words).collect();
+    let marks = lines.iter().map(|line| {
+        (line.frequency_hz, shown(line.amplitude), format!("{:.2} Hz", line.frequency_hz))
+    });
+    Curve {
+        name: format!("{}: {}", series.legend, named.join(", ")),
+        color: series.color,
+        points: points.map(|(frequency_hz, amplitude)| (*frequency_hz, shown(*amplitude))).collect(),
+        marks: marks.collect(),
+    }
+}
+
+/// Only the chart's highest line is named in the picture, where names would hide each other; all are in the legend.
+fn keep_highest_mark(curves: &mut [Curve]) {
+    let marks = curves.iter().flat_map(|curve| &curve.marks);
+    let highest = marks.map(|mark| mark.1).fold(0.0, f64::max);
+    for curve in curves {
+        curve.marks.retain(|mark| mark.1 >= highest);
+    }
+}
+
+/// Draws each profile as a chart.
+pub(super) fn log_profiles(stream: &RecordingStream, profiles: &[Profile]) -> RecordingStreamResult<Vec<Drawn>> {
+    let mut drawn = Vec::new();
+    for (index, profile) in profiles.iter().enumerate() {
+        let (x_unit, y_unit) = (shown_unit(profile.axis_unit, false), shown_unit(profile.unit, is_small(profile)));
+        let points = profile.axis.iter().zip(&profile.values);
+        let points = points.map(|(at, value)| (x_unit.from_si(*at), y_unit.from_si(*value)));
+        let words = |name: &str| name.replace(['_', '.'], " ");
+        let title = format!("{} [{}]", words(&profile.name), y_unit.symbol);
+        let chart = Chart {
+            x_label: format!("{} [{}]", words(&profile.axis_name), x_unit.symbol),
+            y_label: format!("{title}: {}", profile.description),
+            curves: vec![Curve {
+                name: spread(profile, &y_unit),
+                color: [242, 142, 43],
+                points: points.collect(),
+                marks: Vec::new(),
+            }],
+        };
+        let entity = format!("{PROFILES}/{index}");
+        chart.log(stream, &entity)?;
+        drawn.push(Drawn { entity, title });
+    }
+    Ok(drawn)
+}
+
+fn is_small(profile: &Profile) -> bool {
+    profile.values.iter().all(|value| value.is_nan() || value.abs() < 1e-4)
+}
+
+fn spread(profile: &Profile, unit: &UserUnit) -> String {
+    let finite = || profile.values.iter().copied().filter(|value| value.is_finite());
+    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    if low > high { "no values".to_owned() } else { format!("widest − narrowest: {}", unit.show(high - low)) }
+}
+
+/// The claims as a table, failures first.
+pub(super) fn claims_table(recording: &Recording, claims: &[ClaimResult]) -> String {
+    let failed = claims.iter().filter(|claim| !claim.holds).count();
+    let mut text = format!("## {}\n\n", recording.header.scenario_name);
+    if recording.outcome != Outcome::Completed {
+        text += &format!("**The run {}.**\n\n", recording.outcome);
+    }
+    text += &match (claims.len(), failed) {
+        (0, _) => "The scenario makes no claims.\n".to_owned(),
+        (count, 0) => format!("**All {count} claims hold.**\n\n"),
+        (count, failed) => format!("**{failed} of {count} claims fail.**\n\n"),
+    };
+    if claims.is_empty() {
+        return text;
+    }
+    let (held, not_held): (Vec<_>, Vec<_>) = claims.iter().partition(|claim| claim.holds);
+    let in_order = || not_held.iter().chain(&held);
+    text += "| | claim | value and bounds |\n|---|---|---|\n";
+    for claim in in_order() {
+        let verdict = if claim.holds { "✔ holds" } else { "✖ **FAILS**" };
+        text += &format!("| {verdict} | {} | {} |\n", one_cell(&claim.name), one_cell(&claim.shown));
+    }
+    // Reasons are sentences, and a table does not wrap.
+    text += "\n";
+    for claim in in_order() {
+        let note = claim.note.as_ref().map_or(String::new(), |note| format!(" Note: {note}."));
+        text += &format!("- *{}*: {}.{note}\n", claim.name, one_cell(&claim.reason).trim_end_matches('.'));
+    }
+    text
+}
+
+/// Text that cannot break a table.
+fn one_cell(text: &str) -> String {
+    text.replace('|', "\\|").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// What a reader should know: how to read the views, the run's numbers, its notes.
+pub(super) fn about(recording: &Recording) -> String {
+    let header = &recording.header;
+    let mut text = format!("## {}\n\nThe run {}.\n\n", header.scenario_name, recording.outcome);
+    text += "Displacements are in µm, lengths in mm, angles in degrees. Curves keep the smallest and the largest value \
+             of every 2 ms; the Parquet file beside this one has every step, in SI. ";
+    if header.scene.deflection_scale != 1.0 {
+        text += &format!(
+            "The coloured arm's deflection is enlarged {} times; the grey outline is where it truly is. ",
+            header.scene.deflection_scale
+        );
+    }
+    text += "Amplitude spectra are of the whole run, mean and trend removed, with a Hann window.\n\n";
+    if !recording.scalars.is_empty() {
+        text += "| result | value | |\n|---|---|---|\n";
+        for scalar in &recording.scalars {
+            let small = scalar.value.abs() < 1e-4;
+            let shown = shown_unit(scalar.unit, small).show(scalar.value);
+            text += &format!("| {} | {shown} | {} |\n", one_cell(&scalar.name), one_cell(&scalar.description));
+        }
+    }
+    for note in &header.notes {
+        text += &format!("\n- {}", one_cell(note));
+    }
+    text
+}
+
+/// The scenario as a block of code.
+pub(super) fn scenario(text: &str) -> String {
+    format!("```toml\n{text}\n```\n")
+}

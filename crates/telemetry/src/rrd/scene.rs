@@ -1,0 +1,94 @@
+//! The 3-D scene in the viewer's terms.
+
+use rerun::{RecordingStream, RecordingStreamResult, TimeColumn};
+use truecut_recording::{Arrow, Frame, Pose, Scene};
+
+use super::shapes::{log_shapes, quaternion, rgba, translation};
+use super::{SCENE, time_column};
+
+/// Logs what moves; shapes are logged once, then only poses that change.
+pub(super) struct SceneLogger {
+    bodies: Vec<LoggedBody>,
+    arrows: Vec<Arrow>,
+    /// Where the first force acted: the path of the tool.
+    path: Vec<[f32; 3]>,
+}
+
+struct LoggedBody {
+    entity: String,
+    last: Pose,
+}
+
+impl SceneLogger {
+    /// Logs all shapes and initial poses.
+    pub(super) fn begin(stream: &RecordingStream, scene: &Scene) -> RecordingStreamResult<SceneLogger> {
+        stream.log_static(SCENE, &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
+        let mut bodies = Vec::new();
+        for body in &scene.bodies {
+            let logged = LoggedBody { entity: format!("{SCENE}/{}", body.path), last: body.initial_pose };
+            log_shapes(stream, &logged.entity, &body.shapes)?;
+            send_poses(stream, &logged.entity, time_column(std::iter::once(0.0)), &[body.initial_pose])?;
+            bodies.push(logged);
+        }
+        for arrow in &scene.arrows {
+            let style = rerun::Arrows3D::update_fields()
+                .with_colors([rgba(arrow.color_rgba)])
+                .with_labels([arrow.label.as_str()])
+                .with_show_labels(true)
+                .with_radii([rerun::Radius::new_ui_points(2.5)]);
+            stream.log_static(format!("{SCENE}/{}", arrow.path), &style)?;
+        }
+        Ok(SceneLogger { bodies, arrows: scene.arrows.clone(), path: Vec::new() })
+    }
+
+    /// Logs the poses and forces of some frames.
+    pub(super) fn frames(&mut self, stream: &RecordingStream, frames: &[Frame]) -> RecordingStreamResult<()> {
+        if frames.is_empty() {
+            return Ok(());
+        }
+        let times = time_column(frames.iter().map(|frame| frame.time_s));
+        for (index, body) in self.bodies.iter_mut().enumerate() {
+            let poses: Vec<Pose> = frames.iter().map(|frame| frame.poses[index]).collect();
+            if poses.iter().any(|pose| *pose != body.last) {
+                body.last = poses[poses.len() - 1];
+                send_poses(stream, &body.entity, times.clone(), &poses)?;
+            }
+        }
+        for (index, arrow) in self.arrows.iter().enumerate() {
+            let forces = frames.iter().map(|frame| frame.arrows[index]);
+            let scaled = |force_n: [f64; 3]| force_n.map(|value| (value * arrow.metres_per_newton) as f32);
+            let columns = rerun::Arrows3D::update_fields()
+                .with_vectors(forces.clone().map(|(_, force_n)| scaled(force_n)))
+                .with_origins(forces.map(|(origin_m, _)| origin_m.map(|value| value as f32)))
+                .columns_of_unit_batches()?;
+            stream.send_columns(format!("{SCENE}/{}", arrow.path), [times.clone()], columns)?;
+        }
+        let tool = frames.iter().filter_map(|frame| frame.arrows.first());
+        self.path.extend(tool.map(|(origin_m, _)| origin_m.map(|value| value as f32)));
+        Ok(())
+    }
+
+    /// Logs the path that the tool took, once the run has ended.
+    pub(super) fn finish(self, stream: &RecordingStream) -> RecordingStreamResult<()> {
+        if self.path.len() < 2 {
+            return Ok(());
+        }
+        let line = rerun::LineStrips3D::new([self.path])
+            .with_colors([rerun::Color::from_rgb(255, 240, 150)])
+            .with_radii([rerun::Radius::new_ui_points(0.8)]);
+        stream.log_static(format!("{SCENE}/tool_path"), &line)
+    }
+}
+
+fn send_poses(
+    stream: &RecordingStream,
+    entity: &str,
+    times: TimeColumn,
+    poses: &[Pose],
+) -> RecordingStreamResult<()> {
+    let columns = rerun::Transform3D::update_fields()
+        .with_many_translation(poses.iter().map(translation))
+        .with_many_quaternion(poses.iter().map(quaternion))
+        .columns_of_unit_batches()?;
+    stream.send_columns(entity, [times], columns)
+}

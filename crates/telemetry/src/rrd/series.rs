@@ -1,0 +1,85 @@
+//! Channels in the viewer: curves and states.
+
+use rerun::{RecordingStream, RecordingStreamResult};
+use truecut_recording::{Chunk, Header};
+
+use super::time_column;
+use crate::decimate::rows_to_draw;
+use crate::display::{Group, LIFTED, SLIDING};
+
+/// Logs every curve's name and colour, once.
+pub(super) fn begin(stream: &RecordingStream, groups: &[Group]) -> RecordingStreamResult<()> {
+    for series in groups.iter().flat_map(|group| &group.series) {
+        let [r, g, b] = series.color;
+        let style = rerun::SeriesLines::new()
+            .with_names([series.legend.as_str()])
+            .with_colors([rerun::Color::from_rgb(r, g, b)])
+            .with_widths([1.5_f32]);
+        stream.log_static(series.entity.as_str(), &style)?;
+    }
+    Ok(())
+}
+
+/// Logs the curves of a chunk, one column each.
+pub(super) fn chunk(
+    stream: &RecordingStream,
+    groups: &[Group],
+    chunk: &Chunk<'_>,
+) -> RecordingStreamResult<()> {
+    let mut rows = Vec::new();
+    for series in groups.iter().flat_map(|group| &group.series) {
+        let values = chunk.columns[series.channel];
+        rows_to_draw(chunk.time_s, values, &mut rows);
+        let times = time_column(rows.iter().map(|&row| chunk.time_s[row]));
+        let shown = rows.iter().map(|&row| series.unit.from_si(values[row]));
+        let columns = rerun::Scalars::new(shown).columns_of_unit_batches()?;
+        stream.send_columns(series.entity.as_str(), [times], columns)?;
+    }
+    Ok(())
+}
+
+/// Where the state of the foot is logged.
+pub(super) const FOOT_STATE: &str = "/states/foot";
+
+/// The foot's state over time, of which only the changes are logged.
+pub(super) struct FootState {
+    sliding: usize,
+    lifted: Option<usize>,
+    last: Option<&'static str>,
+}
+
+impl FootState {
+    /// `None` if the recording has no foot.
+    pub(super) fn begin(stream: &RecordingStream, header: &Header) -> RecordingStreamResult<Option<FootState>> {
+        let Ok(sliding) = header.index_of(SLIDING) else { return Ok(None) };
+        let colors = [[70, 140, 80], [215, 80, 60], [120, 120, 120]];
+        let style = rerun::StateConfiguration::new()
+            .with_values(["sticks", "slides", "lifted"])
+            .with_labels(["sticks", "SLIDES", "lifted off"])
+            .with_colors(colors.map(|[r, g, b]| rerun::Color::from_rgb(r, g, b)));
+        stream.log_static(FOOT_STATE, &style)?;
+        Ok(Some(FootState { sliding, lifted: header.index_of(LIFTED).ok(), last: None }))
+    }
+
+    pub(super) fn chunk(&mut self, stream: &RecordingStream, chunk: &Chunk<'_>) -> RecordingStreamResult<()> {
+        let lifted = self.lifted.map(|column| chunk.columns[column]);
+        let mut changes: (Vec<f64>, Vec<&str>) = Default::default();
+        for (row, (time_s, sliding)) in chunk.time_s.iter().zip(chunk.columns[self.sliding]).enumerate() {
+            let state = match lifted {
+                Some(lifted) if lifted[row] > 0.5 => "lifted",
+                _ if *sliding > 0.5 => "slides",
+                _ => "sticks",
+            };
+            if self.last != Some(state) {
+                self.last = Some(state);
+                changes.0.push(*time_s);
+                changes.1.push(state);
+            }
+        }
+        if changes.0.is_empty() {
+            return Ok(());
+        }
+        let columns = rerun::StateChange::new().with_state(changes.1).columns_of_unit_batches()?;
+        stream.send_columns(FOOT_STATE, [time_column(changes.0.into_iter())], columns)
+    }
+}
