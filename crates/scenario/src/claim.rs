@@ -1,0 +1,144 @@
+//! The `[[claim]]` tables: bounds on metrics, with reasons.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use truecut_recording::{ClaimSpec, RunReference, UserUnit};
+
+use crate::check::Check;
+use crate::document::Fault;
+use crate::metric::{MetricTable, read_unit};
+
+/// What must hold of the run.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(crate) struct ClaimTable {
+    /// A short sentence.
+    name: String,
+    #[serde(flatten)]
+    metric: MetricTable,
+    /// Lower bound, in `unit`. At least one of min and max is needed.
+    min: Option<f64>,
+    /// Upper bound, in `unit`. At least one of min and max is needed.
+    max: Option<f64>,
+    /// Unit of the bounds; must fit the metric. "1" for ratios.
+    unit: String,
+    /// Why it must hold.
+    reason: String,
+    /// Another run, by whose metric this one's is divided.
+    relative_to: Option<ReferenceTable>,
+}
+
+/// Another run.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct ReferenceTable {
+    /// Its scenario file, relative to this one. Default: this scenario.
+    scenario: Option<String>,
+    /// Keys that are changed in it, as with --set.
+    set: Option<BTreeMap<String, SetValue>>,
+}
+
+/// A value as TOML writes it.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum SetValue {
+    Flag(bool),
+    Integer(i64),
+    Number(f64),
+    Text(String),
+}
+
+impl JsonSchema for SetValue {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "SetValue".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": ["number", "string", "boolean"] })
+    }
+}
+
+impl SetValue {
+    fn as_written(&self) -> String {
+        match self {
+            SetValue::Flag(flag) => flag.to_string(),
+            SetValue::Integer(number) => number.to_string(),
+            SetValue::Number(number) => number.to_string(),
+            SetValue::Text(text) => text.clone(),
+        }
+    }
+}
+
+/// A claim that was read, and what must be checked once the channels are known.
+pub(crate) struct ReadClaim {
+    pub spec: ClaimSpec,
+    pub threshold: Option<UserUnit>,
+}
+
+impl ClaimTable {
+    /// `table` is the dotted path of this table. `None` after recording a fault.
+    pub(crate) fn resolve(self, table: &str, check: &mut Check) -> Option<ReadClaim> {
+        check_bounds(table, self.min, self.max, check);
+        let relative_to = self
+            .relative_to
+            .map(|reference| reference.resolve(table, check));
+        let unit = read_unit(&self.unit, table, "unit", check);
+        let metric = self.metric.resolve(table, check);
+        let (unit, metric) = (unit?, metric?);
+        let si = |bound: Option<f64>| bound.map(|bound| bound * unit.si_factor);
+        let spec = ClaimSpec {
+            name: self.name,
+            metric: metric.spec,
+            min: si(self.min),
+            max: si(self.max),
+            unit,
+            reason: self.reason,
+            relative_to,
+        };
+        Some(ReadClaim {
+            spec,
+            threshold: metric.threshold,
+        })
+    }
+}
+
+/// Bounds must exist and leave something between them.
+pub(crate) fn check_bounds(table: &str, min: Option<f64>, max: Option<f64>, check: &mut Check) {
+    match (min, max) {
+        (None, None) => {
+            let message = format!("missing key in [{table}]: a claim needs `min`, `max` or both");
+            let label = "neither min nor max";
+            check.refuse(Fault::key(&format!("{table}.min"), message, label));
+        }
+        (Some(min), Some(max)) if min > max => {
+            let path = format!("{table}.max");
+            let message = format!("`{path}` is {max}, but must be at least min = {min}");
+            check.refuse(Fault::value(
+                &path,
+                message,
+                "nothing lies between the bounds",
+            ));
+        }
+        _ => {}
+    }
+}
+
+impl ReferenceTable {
+    fn resolve(self, claim: &str, check: &mut Check) -> RunReference {
+        let table = format!("{claim}.relative_to");
+        let set = self.set.unwrap_or_default();
+        if self.scenario.is_none() && set.is_empty() {
+            let message = format!("`{table}` is this very run: it needs `scenario`, `set` or both");
+            check.refuse(Fault::key(&table, message, "the ratio would always be 1"));
+        }
+        let overrides = set
+            .iter()
+            .map(|(key, value)| (key.clone(), value.as_written()));
+        RunReference {
+            scenario: self.scenario,
+            overrides: overrides.collect(),
+        }
+    }
+}

@@ -1,0 +1,437 @@
+//! The text of a scenario with its overrides, and the way back from a key path to a place in the text.
+//!
+//! Two parses are kept. The text as written knows where everything stands; the effective document has the
+//! overrides applied and is what is read. An error names a key path, and the path is looked up in the
+//! overrides first and in the text as written second, so line numbers are always those of the file.
+
+use std::path::{Path, PathBuf};
+
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
+
+use crate::error::{Place, Problem};
+use crate::schema;
+
+/// A parsed scenario text with overrides.
+#[derive(Debug, Clone)]
+pub(crate) struct Document {
+    path: PathBuf,
+    written: toml_edit::Document<String>,
+    effective: DocumentMut,
+    overrides: Vec<Override>,
+}
+
+/// One `--set key=value`.
+#[derive(Debug, Clone)]
+struct Override {
+    path: Vec<String>,
+    key: String,
+    value: String,
+}
+
+/// Whether an error is about a key's name or about its value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum At {
+    Key,
+    Value,
+}
+
+/// A broken rule before it has a place in the text.
+#[derive(Debug, Clone)]
+pub(crate) struct Fault {
+    pub path: Vec<String>,
+    pub at: At,
+    pub message: String,
+    pub label: String,
+    pub help: Option<String>,
+}
+
+impl Fault {
+    /// A fault in the value at `path` (dotted).
+    pub fn value(path: &str, message: String, label: impl Into<String>) -> Fault {
+        Fault {
+            path: split_path(path),
+            at: At::Value,
+            message,
+            label: label.into(),
+            help: None,
+        }
+    }
+
+    /// A fault in the presence of the key at `path` (dotted).
+    pub fn key(path: &str, message: String, label: impl Into<String>) -> Fault {
+        Fault {
+            at: At::Key,
+            ..Fault::value(path, message, label)
+        }
+    }
+
+    /// Adds advice.
+    pub fn with_help(mut self, help: impl Into<String>) -> Fault {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+/// Splits a dotted key path.
+pub(crate) fn split_path(path: &str) -> Vec<String> {
+    path.split('.')
+        .filter(|part| !part.is_empty())
+        .map(str::to_owned)
+        .collect()
+}
+
+impl Document {
+    /// Parses `text` and applies `overrides` in order.
+    pub fn parse(
+        path: &Path,
+        text: &str,
+        overrides: &[(String, String)],
+    ) -> Result<Document, Box<Problem>> {
+        let syntax = |error: toml_edit::TomlError| {
+            let span = error.span().unwrap_or(0..0);
+            Box::new(Problem::new(
+                String::new(),
+                format!("not valid TOML: {}", error.message().trim()),
+                "here".into(),
+                None,
+                place_in_file(path, text, span),
+            ))
+        };
+        let written = toml_edit::Document::parse(text.to_owned()).map_err(syntax)?;
+        let effective = text.parse::<DocumentMut>().map_err(syntax)?;
+        let mut document = Document {
+            path: path.to_owned(),
+            written,
+            effective,
+            overrides: Vec::new(),
+        };
+        for (key, value) in overrides {
+            document.apply(key.trim(), value.trim())?;
+        }
+        Ok(document)
+    }
+
+    /// The file as it was named.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The text as written, without overrides.
+    pub fn text(&self) -> &str {
+        self.written.raw()
+    }
+
+    /// The text with the overrides applied; it is a scenario of its own.
+    pub fn effective_text(&self) -> String {
+        self.effective.to_string()
+    }
+
+    /// What is read: the document with the overrides applied.
+    pub fn effective(&self) -> &Table {
+        self.effective.as_table()
+    }
+
+    /// The overrides, as given.
+    pub fn overrides(&self) -> Vec<(String, String)> {
+        self.overrides
+            .iter()
+            .map(|one| (one.key.clone(), one.value.clone()))
+            .collect()
+    }
+
+    /// Whether the effective document has something at the dotted `path`.
+    pub fn has(&self, path: &str) -> bool {
+        split_path(path)
+            .iter()
+            .try_fold(Node::Table(self.effective.as_table()), |node, part| {
+                node.child(part).map(|(_, child)| child)
+            })
+            .is_some()
+    }
+
+    /// Gives a fault its place in the file or in the override that caused it.
+    pub fn locate(&self, fault: Fault) -> Problem {
+        let place = self.place(&fault.path, fault.at);
+        let message = match (place.line, self.partly_set(&fault.path)) {
+            (None, _) => format!("{} (given by --set)", fault.message),
+            (Some(_), Some(set)) => {
+                format!(
+                    "{} (partly given by --set {}={})",
+                    fault.message, set.key, set.value
+                )
+            }
+            (Some(_), None) => fault.message,
+        };
+        Problem::new(
+            fault.path.join("."),
+            message,
+            fault.label,
+            fault.help,
+            place,
+        )
+    }
+
+    /// The last override of an entry of the list at `path`.
+    fn partly_set(&self, path: &[String]) -> Option<&Override> {
+        let entry = |one: &&Override| {
+            one.path.len() == path.len() + 1
+                && one.path.starts_with(path)
+                && one.path[path.len()].parse::<usize>().is_ok()
+        };
+        self.overrides.iter().rev().find(entry)
+    }
+
+    fn place(&self, path: &[String], at: At) -> Place {
+        // The last override that set this very value, or a value that holds it.
+        if let Some(set) = self
+            .overrides
+            .iter()
+            .rev()
+            .find(|one| path.starts_with(&one.path))
+        {
+            return set.place(&self.path, at);
+        }
+        // A key that is missing from a table which exists only because an override made it.
+        let created = |one: &&Override| !path.is_empty() && one.path.starts_with(path);
+        let written = self.written_span(path, at);
+        match (written, self.overrides.iter().rev().find(created)) {
+            (None, Some(set)) => set.place(&self.path, At::Key),
+            (None, None) => self.in_file(self.enclosing_span(path)),
+            (Some(span), _) => self.in_file(span),
+        }
+    }
+
+    fn in_file(&self, span: std::ops::Range<usize>) -> Place {
+        place_in_file(&self.path, self.text(), span)
+    }
+
+    fn written_span(&self, path: &[String], at: At) -> Option<std::ops::Range<usize>> {
+        let mut node = Node::Table(self.written.as_table());
+        let mut key_span = None;
+        for part in path {
+            let (key, child) = node.child(part)?;
+            key_span = key.and_then(Key::span);
+            node = child;
+        }
+        match at {
+            At::Key => key_span.or_else(|| node.span()),
+            At::Value => node.span().or(key_span),
+        }
+    }
+
+    /// The header of the innermost table on the way to `path` that stands in the file.
+    fn enclosing_span(&self, path: &[String]) -> std::ops::Range<usize> {
+        (0..path.len())
+            .rev()
+            .filter(|depth| *depth > 0)
+            .find_map(|depth| self.written_span(&path[..depth], At::Value))
+            .unwrap_or_else(|| 0..self.text().lines().next().map_or(0, str::len))
+    }
+
+    fn apply(&mut self, key: &str, value: &str) -> Result<(), Box<Problem>> {
+        let one = Override {
+            path: split_path(key),
+            key: key.to_owned(),
+            value: value.to_owned(),
+        };
+        let scenario = self.path.clone();
+        let fail = |fault: Fault| {
+            let place = one.place(&scenario, fault.at);
+            let message = format!("{} (given by --set)", fault.message);
+            Box::new(Problem::new(
+                key.to_owned(),
+                message,
+                fault.label,
+                fault.help,
+                place,
+            ))
+        };
+        let leaf = schema::leaf_schema(&one.path).map_err(&fail)?;
+        let parsed = match value.parse::<Value>() {
+            Ok(Value::String(text)) => Value::String(text),
+            // `--set name=5` means the text "5"; a number is wanted everywhere else.
+            Ok(_) | Err(_) if schema::is_text(leaf) => Value::from(value),
+            Ok(parsed) => parsed,
+            Err(_) => Value::from(value),
+        };
+        set_in_table(self.effective.as_table_mut(), &one.path, 0, parsed).map_err(&fail)?;
+        self.overrides.push(one);
+        Ok(())
+    }
+}
+
+impl Override {
+    fn place(&self, scenario: &Path, at: At) -> Place {
+        let text = format!("{}={}", self.key, self.value);
+        let span = match at {
+            At::Key => 0..self.key.len(),
+            At::Value => self.key.len() + 1..text.len(),
+        };
+        Place {
+            source_name: format!("--set for {}", scenario.display()),
+            text,
+            span,
+            line: None,
+        }
+    }
+}
+
+/// The span in `text`, cut at the end of its first line so that reports stay short.
+fn place_in_file(path: &Path, text: &str, span: std::ops::Range<usize>) -> Place {
+    let start = span.start.min(text.len());
+    let end = span.end.clamp(start, text.len());
+    let first_line = text[start..end]
+        .find('\n')
+        .map_or(end, |offset| start + offset);
+    Place {
+        source_name: path.display().to_string(),
+        text: text.to_owned(),
+        span: start..first_line,
+        line: Some(1 + text[..start].matches('\n').count()),
+    }
+}
+
+/// Anything that can be walked into.
+#[derive(Clone, Copy)]
+enum Node<'a> {
+    Table(&'a Table),
+    Inline(&'a InlineTable),
+    Item(&'a Item),
+    Value(&'a Value),
+}
+
+impl<'a> Node<'a> {
+    fn child(self, part: &str) -> Option<(Option<&'a Key>, Node<'a>)> {
+        match self {
+            Node::Table(table) => table
+                .get_key_value(part)
+                .map(|(key, item)| (Some(key), Node::Item(item))),
+            Node::Inline(table) => table
+                .get_key_value(part)
+                .map(|(key, item)| (Some(key), Node::Item(item))),
+            Node::Item(Item::Table(table)) => Node::Table(table).child(part),
+            Node::Item(Item::ArrayOfTables(tables)) => tables
+                .get(part.parse().ok()?)
+                .map(|table| (None, Node::Table(table))),
+            Node::Item(Item::Value(value)) => Node::Value(value).child(part),
+            Node::Item(Item::None) => None,
+            Node::Value(Value::Array(array)) => array
+                .get(part.parse().ok()?)
+                .map(|value| (None, Node::Value(value))),
+            Node::Value(Value::InlineTable(table)) => Node::Inline(table).child(part),
+            Node::Value(_) => None,
+        }
+    }
+
+    fn span(self) -> Option<std::ops::Range<usize>> {
+        match self {
+            Node::Table(table) => table.span(),
+            Node::Inline(table) => table.span(),
+            Node::Item(item) => item.span(),
+            Node::Value(value) => value.span(),
+        }
+    }
+}
+
+/// Sets the value at `path[depth..]` below `table`, making tables on the way.
+fn set_in_table(
+    table: &mut dyn TableLike,
+    path: &[String],
+    depth: usize,
+    value: Value,
+) -> Result<(), Fault> {
+    let Some(part) = path.get(depth) else {
+        return Ok(());
+    };
+    if depth + 1 == path.len() {
+        let decor = table
+            .get(part)
+            .and_then(Item::as_value)
+            .map(|old| old.decor().clone());
+        let mut value = value;
+        if let Some(decor) = decor {
+            *value.decor_mut() = decor;
+        }
+        table.insert(part, Item::Value(value));
+        return Ok(());
+    }
+    let item = table.entry(part).or_insert_with(|| {
+        let mut made = Table::new();
+        made.set_implicit(true);
+        Item::Table(made)
+    });
+    match item {
+        Item::ArrayOfTables(tables) => {
+            let count = tables.len();
+            let table = path[depth + 1]
+                .parse()
+                .ok()
+                .and_then(|index: usize| tables.get_mut(index));
+            match table {
+                Some(table) if depth + 2 < path.len() => {
+                    set_in_table(table, path, depth + 2, value)
+                }
+                _ => Err(no_such_entry(path, depth + 1, count)),
+            }
+        }
+        Item::Value(Value::Array(array)) => set_in_array(array, path, depth + 1, value),
+        other => match other.as_table_like_mut() {
+            Some(table) => set_in_table(table, path, depth + 1, value),
+            None => Err(not_a_table(path, depth)),
+        },
+    }
+}
+
+fn set_in_array(
+    array: &mut Array,
+    path: &[String],
+    depth: usize,
+    value: Value,
+) -> Result<(), Fault> {
+    let count = array.len();
+    let entry = path[depth]
+        .parse()
+        .ok()
+        .and_then(|index: usize| array.get_mut(index));
+    let Some(entry) = entry else {
+        return Err(no_such_entry(path, depth, count));
+    };
+    if depth + 1 == path.len() {
+        let decor = entry.decor().clone();
+        *entry = value;
+        *entry.decor_mut() = decor;
+        return Ok(());
+    }
+    match entry {
+        Value::InlineTable(table) => set_in_table(table, path, depth + 1, value),
+        Value::Array(inner) => set_in_array(inner, path, depth + 1, value),
+        _ => Err(not_a_table(path, depth)),
+    }
+}
+
+fn no_such_entry(path: &[String], depth: usize, count: usize) -> Fault {
+    let list = path[..depth].join(".");
+    Fault {
+        path: path.to_vec(),
+        at: At::Key,
+        message: format!(
+            "`{list}` has no entry {}: it has {count}, counted from 0",
+            path.get(depth).map_or("", String::as_str)
+        ),
+        label: "no such entry".into(),
+        help: None,
+    }
+}
+
+fn not_a_table(path: &[String], depth: usize) -> Fault {
+    Fault {
+        path: path.to_vec(),
+        at: At::Key,
+        message: format!(
+            "`{}` is not a table in this scenario",
+            path[..=depth].join(".")
+        ),
+        label: "cannot go further".into(),
+        help: None,
+    }
+}

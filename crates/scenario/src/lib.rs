@@ -1,0 +1,75 @@
+//! The scenario file: schema, units, validation. No physics.
+//!
+//! A scenario says what arm does what to a workpiece, and what must hold of it. Keys carry their units
+//! (`feed_mm_per_rev`); the typed form is SI throughout and is converted here, once.
+//!
+//! # A tour
+//!
+//! ```
+//! use std::path::Path;
+//! use truecut_scenario::{ProcessSpec, Scenario};
+//!
+//! let text = r#"
+//! name = "Free decay"
+//!
+//! [robot]
+//! urdf = "robot.urdf"
+//! posture_deg = [90, 0]
+//!
+//! [run]
+//! duration_s = 2
+//!
+//! [process.load]
+//! release_n = [0, 1000, 0]
+//! "#;
+//! let path = Path::new("decay.toml");
+//! let scenario = Scenario::from_str(path, text, &[])?;
+//! assert_eq!(scenario.robot.posture_rad[0], std::f64::consts::FRAC_PI_2);
+//! let ProcessSpec::Load(load) = &scenario.process else { unreachable!() };
+//! assert_eq!(load.release_n, [0.0, 1000.0, 0.0]);
+//!
+//! // Any key can be set from outside; the rest of the file stays as it is.
+//! let longer = scenario.with_overrides(&[("run.duration_s".into(), "4".into())])?;
+//! assert_eq!(longer.run.duration_s, 4.0);
+//!
+//! // A mistake names the place, the value and the rule.
+//! let error = Scenario::from_str(path, &text.replace("= 2", "= -2"), &[]).unwrap_err();
+//! assert_eq!(
+//!     error.to_string(),
+//!     "`run.duration_s` is -2, but must be greater than 0: time runs forward"
+//! );
+//! assert_eq!(error.problems().next().and_then(|problem| problem.line()), Some(9));
+//! # Ok::<(), truecut_scenario::ScenarioError>(())
+//! ```
+
+#![warn(missing_docs)]
+
+mod chamfer;
+mod check;
+mod claim;
+mod document;
+mod error;
+mod foot;
+mod load;
+mod metric;
+mod process;
+mod robot;
+mod run;
+mod scenario;
+mod schema;
+mod structure;
+mod suggest;
+mod sweep;
+mod units;
+mod wheel;
+
+pub use chamfer::{ChamferSpec, CuttingSpec, FeedDirection, Regeneration};
+pub use error::{Problem, ScenarioError};
+pub use foot::{FootSpec, FootSpring, FrictionSpec};
+pub use load::{ForceSweepSpec, LoadFrame, LoadSpec, RotatingForceSpec};
+pub use process::ProcessSpec;
+pub use robot::{Drive, RobotSpec};
+pub use run::RunSpec;
+pub use scenario::Scenario;
+pub use sweep::{BisectSpec, SweepAxis, SweepClaim, SweepColumn, SweepSpec};
+pub use wheel::{Spin, WheelSpec};

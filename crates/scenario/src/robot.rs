@@ -1,0 +1,116 @@
+//! The `[robot]` table: which arm, in which posture, driven how.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::check::Check;
+use crate::units::{from_deg, from_mm};
+
+/// The arm that carries the tool.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotSpec {
+    /// URDF file; relative paths are resolved against the folder of the scenario file.
+    pub urdf: PathBuf,
+    /// Transmission data; `None` means `robot.toml` beside the URDF.
+    pub config: Option<PathBuf>,
+    /// Link whose frame is the flange; `None` means the end of the chain.
+    pub tip: Option<String>,
+    /// Link-side coordinates of the rotary joints at the start, in chain order; empty means all zero.
+    pub posture_rad: Vec<f64>,
+    /// Link-side coordinates of the prismatic joints at the start, in chain order; empty means all zero.
+    pub posture_m: Vec<f64>,
+    /// Whether gravity acts (9.81 m/s² along −z of the world).
+    pub gravity: bool,
+    /// How the joints are driven.
+    pub drive: Drive,
+    /// Factor on all masses and inertias.
+    pub inertia_scale: f64,
+    /// Factor on all transmission stiffnesses.
+    pub stiffness_scale: f64,
+    /// Factor on all transmission dampings.
+    pub damping_scale: f64,
+    /// Whether the command makes up for the sag under gravity, so that the links start at the posture.
+    pub hold_against_sag: bool,
+}
+
+/// How the joints are driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Drive {
+    /// The motor follows the command exactly; the transmission between motor and link is elastic.
+    #[default]
+    Position,
+    /// The motor is a rotor under a position and a velocity loop, with a limited torque.
+    Servo,
+    /// No motor and no transmission: the joints are free.
+    Force,
+}
+
+/// The arm, its posture and its drive.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RobotTable {
+    /// URDF file, relative to the scenario file.
+    urdf: String,
+    /// Transmission data, relative to the scenario file. Default: robot.toml beside the URDF.
+    config: Option<String>,
+    /// Link whose frame is the flange. Default: the end of the chain.
+    tip: Option<String>,
+    /// Rotary joints at the start, in chain order. Default: all zero.
+    posture_deg: Option<Vec<f64>>,
+    /// Prismatic joints at the start, in chain order. Default: all zero.
+    posture_mm: Option<Vec<f64>>,
+    /// Whether gravity acts. Default: true.
+    gravity: Option<bool>,
+    /// How the joints are driven. Default: "position".
+    drive: Option<Drive>,
+    /// Factor on all masses and inertias. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "masses are positive"))]
+    inertia_scale: Option<f64>,
+    /// Factor on all transmission stiffnesses. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "stiffnesses are positive"))]
+    stiffness_scale: Option<f64>,
+    /// Factor on all transmission dampings. Default: 1.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "negative damping would create energy"))]
+    damping_scale: Option<f64>,
+    /// Whether the command makes up for the sag under gravity. Default: true.
+    hold_against_sag: Option<bool>,
+}
+
+impl RobotTable {
+    pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> RobotSpec {
+        let drive = self.drive.unwrap_or_default();
+        let gravity = self.gravity.unwrap_or(true);
+        if drive == Drive::Force {
+            let keys = ["stiffness_scale", "damping_scale", "hold_against_sag"];
+            check.ignored("robot", &keys, "with drive = \"force\" the joints are free");
+        } else if !gravity {
+            check.ignored(
+                "robot",
+                &["hold_against_sag"],
+                "without gravity nothing sags",
+            );
+        }
+        let radians = self
+            .posture_deg
+            .unwrap_or_default()
+            .into_iter()
+            .map(from_deg);
+        let metres = self.posture_mm.unwrap_or_default().into_iter().map(from_mm);
+        RobotSpec {
+            urdf: folder.join(self.urdf),
+            config: self.config.map(|file| folder.join(file)),
+            tip: self.tip,
+            posture_rad: radians.collect(),
+            posture_m: metres.collect(),
+            gravity,
+            drive,
+            inertia_scale: self.inertia_scale.unwrap_or(1.0),
+            stiffness_scale: self.stiffness_scale.unwrap_or(1.0),
+            damping_scale: self.damping_scale.unwrap_or(1.0),
+            hold_against_sag: self.hold_against_sag.unwrap_or(true),
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! The scenario as a whole: from file and overrides to the typed form.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use truecut_recording::{ClaimFault, ClaimSpec, Header, MetricSpec, UserUnit};
+
+use crate::check::Check;
+use crate::claim::ClaimTable;
+use crate::document::{Document, Fault};
+use crate::error::{Problem, ScenarioError};
+use crate::process::{ProcessSpec, ProcessTable};
+use crate::robot::{RobotSpec, RobotTable};
+use crate::run::{RunSpec, RunTable};
+use crate::schema;
+use crate::structure;
+use crate::sweep::{SweepSpec, SweepTable};
+
+/// A plant, a process and claims: everything that a run needs, in SI.
+#[derive(Debug, Clone)]
+pub struct Scenario {
+    /// The scenario's name.
+    pub name: String,
+    /// What it shows.
+    pub description: Option<String>,
+    /// The arm.
+    pub robot: RobotSpec,
+    /// Duration and step.
+    pub run: RunSpec,
+    /// What the tool does.
+    pub process: ProcessSpec,
+    /// What must hold of the run; empty if the scenario is a sweep.
+    pub claims: Vec<ClaimSpec>,
+    /// Values of keys to run at, if the scenario is a sweep.
+    pub sweep: Option<SweepSpec>,
+    document: Arc<Document>,
+    /// Units of thresholds, by the path of the table that holds the threshold.
+    thresholds: Vec<(String, UserUnit)>,
+}
+
+/// A truecut scenario: a robot, a process and claims.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "truecut scenario")]
+pub(crate) struct FileTable {
+    /// Name of the scenario.
+    name: String,
+    /// What the scenario shows.
+    description: Option<String>,
+    /// The arm, its posture and its drive.
+    robot: RobotTable,
+    /// Duration, step and recording interval.
+    run: Option<RunTable>,
+    /// Exactly one of the processes.
+    process: ProcessTable,
+    /// What must hold of the run.
+    claim: Option<Vec<ClaimTable>>,
+    /// The same scenario at many values of its keys.
+    sweep: Option<SweepTable>,
+}
+
+impl Scenario {
+    /// Reads a scenario file and applies overrides of its keys (`key` dotted, `value` as in TOML), in order.
+    ///
+    /// # Errors
+    /// A file that cannot be read; every rule of the format that is broken, with its place.
+    pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Scenario, ScenarioError> {
+        let text = std::fs::read_to_string(path).map_err(|error| ScenarioError::Unreadable {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        })?;
+        Scenario::from_str(path, &text, overrides)
+    }
+
+    /// Reads a scenario from a text. `path` names it in errors, and its folder resolves relative paths.
+    ///
+    /// # Errors
+    /// Every rule of the format that is broken, with its place.
+    pub fn from_str(
+        path: &Path,
+        text: &str,
+        overrides: &[(String, String)],
+    ) -> Result<Scenario, ScenarioError> {
+        let document =
+            Document::parse(path, text, overrides).map_err(|problem| one_problem(*problem))?;
+        let faults = structure::check(document.effective());
+        if let Some(error) = located(&document, faults) {
+            return Err(error);
+        }
+        let table: FileTable = serde_json::from_value(structure::to_json(document.effective()))
+            .map_err(|error| {
+                // What the schema lets pass, the tables read; a difference is reported, not hidden.
+                one_problem(document.locate(Fault::value("", error.to_string(), "here")))
+            })?;
+        table.resolve(document)
+    }
+
+    /// The same scenario with further overrides, applied after those it was loaded with.
+    ///
+    /// # Errors
+    /// As [`Scenario::load`].
+    pub fn with_overrides(&self, further: &[(String, String)]) -> Result<Scenario, ScenarioError> {
+        let mut overrides = self.overrides();
+        overrides.extend_from_slice(further);
+        Scenario::from_str(self.path(), self.document.text(), &overrides)
+    }
+
+    /// The scenario file, as it was named.
+    pub fn path(&self) -> &Path {
+        self.document.path()
+    }
+
+    /// The folder of the scenario file, against which its paths are resolved.
+    pub fn folder(&self) -> PathBuf {
+        folder_of(self.path())
+    }
+
+    /// Name of the scenario file without folder and extension; outputs are named by it.
+    pub fn stem(&self) -> String {
+        self.path().file_stem().map_or_else(
+            || "scenario".to_owned(),
+            |stem| stem.to_string_lossy().into_owned(),
+        )
+    }
+
+    /// The overrides that were applied, in order.
+    pub fn overrides(&self) -> Vec<(String, String)> {
+        self.document.overrides()
+    }
+
+    /// The scenario as a TOML text with the overrides written into it.
+    pub fn effective_text(&self) -> String {
+        self.document.effective_text()
+    }
+
+    /// Whether the scenario gives a value for the dotted key, rather than leaving it to its default.
+    pub fn gives(&self, key: &str) -> bool {
+        self.document.has(key)
+    }
+
+    /// An error about the value of a dotted key that showed only later, e.g. a step too long for the arm.
+    /// `message` quotes the value, the limit and the rule.
+    pub fn problem(&self, key: &str, message: impl Into<String>) -> ScenarioError {
+        one_problem(
+            self.document
+                .locate(Fault::value(key, message.into(), "here")),
+        )
+    }
+
+    /// Checks every metric against the channels of the run: known channels, fitting units.
+    ///
+    /// # Errors
+    /// All claims and sweep columns that cannot be judged, with their places.
+    pub fn check_claims(&self, header: &Header) -> Result<(), ScenarioError> {
+        let mut faults = Vec::new();
+        for (index, claim) in self.claims.iter().enumerate() {
+            let table = format!("claim.{index}");
+            match claim.check(header) {
+                Ok(()) => faults.extend(self.threshold_fault(&table, &claim.metric, header)),
+                Err(error) => {
+                    let key = match error.fault {
+                        ClaimFault::Metric(_) => self.channel_key(&table),
+                        _ => format!("{table}.unit"),
+                    };
+                    faults.push(Fault::value(&key, error.to_string(), "here"));
+                }
+            }
+        }
+        let sweep = self.sweep.as_ref();
+        let columns = sweep.into_iter().flat_map(|sweep| {
+            let columns = sweep.columns.iter().enumerate();
+            let columns = columns
+                .map(|(index, one)| (format!("sweep.column.{index}"), &one.metric, &one.unit));
+            let bisect = sweep.bisect.iter();
+            columns.chain(bisect.map(|one| ("sweep.bisect".to_owned(), &one.metric, &one.unit)))
+        });
+        for (table, metric, unit) in columns {
+            faults.extend(self.metric_fault(&table, metric, unit, header));
+        }
+        located(&self.document, faults).map_or(Ok(()), Err)
+    }
+
+    fn metric_fault(
+        &self,
+        table: &str,
+        metric: &MetricSpec,
+        unit: &UserUnit,
+        header: &Header,
+    ) -> Option<Fault> {
+        match metric.check(header) {
+            Err(error) => Some(Fault::value(
+                &self.channel_key(table),
+                error.to_string(),
+                "here",
+            )),
+            Ok(Some(of_metric)) if of_metric != unit.unit => {
+                let accepted: Vec<&str> = of_metric.accepted_symbols().collect();
+                let message = format!(
+                    "unit \"{}\" does not fit {metric}; accepted: {}",
+                    unit.symbol,
+                    accepted.join(", ")
+                );
+                Some(Fault::value(
+                    &format!("{table}.unit"),
+                    message,
+                    "wrong dimension",
+                ))
+            }
+            Ok(_) => self.threshold_fault(table, metric, header),
+        }
+    }
+
+    /// Where the channel of a metric is written.
+    fn channel_key(&self, table: &str) -> String {
+        let keys = ["channel", "channels"];
+        let given = keys.iter().map(|key| format!("{table}.{key}"));
+        given
+            .into_iter()
+            .find(|key| self.gives(key))
+            .unwrap_or_else(|| table.to_owned())
+    }
+
+    fn threshold_fault(&self, table: &str, metric: &MetricSpec, header: &Header) -> Option<Fault> {
+        let (_, unit) = self.thresholds.iter().find(|(path, _)| path == table)?;
+        let MetricSpec::Reduced { channels, .. } = metric else {
+            return None;
+        };
+        let channel = header.channel(channels.first()?).ok()?;
+        if channel.unit == unit.unit {
+            return None;
+        }
+        let key = format!("{table}.threshold_unit");
+        let accepted: Vec<&str> = channel.unit.accepted_symbols().collect();
+        let message = format!(
+            "the threshold is in \"{}\", but channel {} is in {}; `threshold_unit` may be {}",
+            unit.symbol,
+            channel.name,
+            channel.unit,
+            accepted.join(", ")
+        );
+        let written = if self.gives(&key) {
+            key
+        } else {
+            format!("{table}.threshold")
+        };
+        Some(Fault::value(&written, message, "wrong dimension"))
+    }
+
+    /// JSON Schema of the scenario file, for editors. `x-rule` beside a bound gives its reason.
+    pub fn json_schema() -> serde_json::Value {
+        schema::schema().clone()
+    }
+}
+
+impl FileTable {
+    fn resolve(self, document: Document) -> Result<Scenario, ScenarioError> {
+        let mut check = Check::new(&document);
+        let mut thresholds = Vec::new();
+        let robot = self.robot.resolve(&folder_of(document.path()), &mut check);
+        let process = self.process.resolve(&mut check);
+        let natural_s = process.as_ref().map(ProcessSpec::natural_duration_s);
+        let run =
+            natural_s.map(|natural_s| self.run.unwrap_or_default().resolve(natural_s, &mut check));
+        let mut claims = Vec::new();
+        for (index, claim) in self.claim.unwrap_or_default().into_iter().enumerate() {
+            let table = format!("claim.{index}");
+            if let Some(read) = claim.resolve(&table, &mut check) {
+                thresholds.extend(read.threshold.map(|unit| (table, unit)));
+                claims.push(read.spec);
+            }
+        }
+        let sweep = self
+            .sweep
+            .map(|sweep| sweep.resolve(&mut thresholds, &mut check));
+        if sweep.is_some() && !claims.is_empty() {
+            let message = "a sweep has no [[claim]]: its claims are [[sweep.claim]]".to_owned();
+            check.refuse(Fault::key("claim.0", message, "never judged"));
+        }
+        let faults = check.into_faults();
+        if let Some(error) = located(&document, faults) {
+            return Err(error);
+        }
+        let (Some(process), Some(run)) = (process, run) else {
+            let message = "the scenario has no process".to_owned();
+            return Err(one_problem(
+                document.locate(Fault::key("process", message, "here")),
+            ));
+        };
+        Ok(Scenario {
+            name: self.name,
+            description: self.description,
+            robot,
+            run,
+            process,
+            claims,
+            sweep,
+            document: Arc::new(document),
+            thresholds,
+        })
+    }
+}
+
+fn folder_of(path: &Path) -> PathBuf {
+    path.parent().map_or_else(PathBuf::new, Path::to_owned)
+}
+
+fn one_problem(problem: Problem) -> ScenarioError {
+    ScenarioError::Invalid(Box::new(problem), Vec::new())
+}
+
+fn located(document: &Document, faults: Vec<Fault>) -> Option<ScenarioError> {
+    let mut problems: Vec<Problem> = faults
+        .into_iter()
+        .map(|fault| document.locate(fault))
+        .collect();
+    // Overrides first, then in the order of the file.
+    problems.sort_by_key(Problem::line);
+    ScenarioError::from_problems(problems)
+}

@@ -1,0 +1,139 @@
+//! The JSON Schema of the format, and finding one's way in it.
+
+use std::sync::OnceLock;
+
+use serde_json::Value as Json;
+
+use crate::document::Fault;
+use crate::structure::unknown_key;
+
+/// JSON Schema of the scenario file, without references.
+pub(crate) fn schema() -> &'static Json {
+    static SCHEMA: OnceLock<Json> = OnceLock::new();
+    SCHEMA.get_or_init(|| {
+        let settings = schemars::generate::SchemaSettings::default()
+            .with(|settings| settings.inline_subschemas = true);
+        let schema = settings
+            .into_generator()
+            .into_root_schema_for::<crate::scenario::FileTable>();
+        schema.to_value()
+    })
+}
+
+/// The schema of the value at `path`.
+///
+/// # Errors
+/// An unknown key on the way, or a path that ends at a table.
+pub(crate) fn leaf_schema(path: &[String]) -> Result<&'static Json, Fault> {
+    let mut here = schema();
+    for (depth, part) in path.iter().enumerate() {
+        let here_unwrapped = without_null(here);
+        here = if let Some(items) = here_unwrapped.get("items") {
+            items
+        } else {
+            let known = property(here_unwrapped, part);
+            known.ok_or_else(|| unknown_key(here_unwrapped, &path[..depth], part))?
+        };
+    }
+    if path.is_empty() || is_table(here) {
+        let keys: Vec<&str> = property_names(without_null(here)).collect();
+        let name = path.join(".");
+        return Err(Fault::key(
+            &name,
+            format!("`{name}` is a table, not a value"),
+            "a table",
+        )
+        .with_help(format!("set one of its keys: {}", keys.join(", "))));
+    }
+    Ok(here)
+}
+
+/// Whether the schema wants a number.
+pub(crate) fn is_number(schema: &Json) -> bool {
+    let kinds = kinds(without_null(schema));
+    kinds.contains(&"number") || kinds.contains(&"integer")
+}
+
+/// Whether the schema wants a text.
+pub(crate) fn is_text(schema: &Json) -> bool {
+    let schema = without_null(schema);
+    kinds(schema) == ["string"] || !choices(schema).is_empty()
+}
+
+/// Whether the schema wants a table.
+pub(crate) fn is_table(schema: &Json) -> bool {
+    kinds(without_null(schema)).contains(&"object")
+}
+
+/// The schema of an optional value without its `null` alternative.
+pub(crate) fn without_null(schema: &Json) -> &Json {
+    let is_null = |one: &Json| one.get("type").and_then(Json::as_str) == Some("null");
+    schema
+        .get("anyOf")
+        .and_then(Json::as_array)
+        .and_then(|alternatives| alternatives.iter().find(|one| !is_null(one)))
+        .unwrap_or(schema)
+}
+
+/// The JSON types that the value may have, apart from `null`.
+pub(crate) fn kinds(schema: &Json) -> Vec<&str> {
+    match schema.get("type") {
+        Some(Json::String(kind)) => vec![kind],
+        Some(Json::Array(list)) => list
+            .iter()
+            .filter_map(Json::as_str)
+            .filter(|kind| *kind != "null")
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// The words a text may be; empty if any text is good.
+pub(crate) fn choices(schema: &Json) -> Vec<&str> {
+    let of_enum = schema
+        .get("enum")
+        .and_then(Json::as_array)
+        .into_iter()
+        .flatten();
+    let of_one = schema
+        .get("oneOf")
+        .and_then(Json::as_array)
+        .into_iter()
+        .flatten();
+    let named = of_one.flat_map(|one| {
+        let constant = one.get("const").into_iter();
+        constant.chain(
+            one.get("enum")
+                .and_then(Json::as_array)
+                .into_iter()
+                .flatten(),
+        )
+    });
+    of_enum.chain(named).filter_map(Json::as_str).collect()
+}
+
+/// The schema of a key of a table.
+pub(crate) fn property<'a>(schema: &'a Json, key: &str) -> Option<&'a Json> {
+    let named = schema
+        .get("properties")
+        .and_then(|properties| properties.get(key));
+    named.or_else(|| {
+        schema
+            .get("additionalProperties")
+            .filter(|other| other.is_object())
+    })
+}
+
+/// The keys of a table.
+pub(crate) fn property_names(schema: &Json) -> impl Iterator<Item = &str> {
+    let properties = schema.get("properties").and_then(Json::as_object);
+    properties
+        .into_iter()
+        .flat_map(|map| map.keys().map(String::as_str))
+}
+
+/// The keys that a table must have.
+pub(crate) fn required(schema: &Json) -> impl Iterator<Item = &str> {
+    let list = schema.get("required").and_then(Json::as_array);
+    list.into_iter().flatten().filter_map(Json::as_str)
+}

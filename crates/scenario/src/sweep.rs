@@ -1,0 +1,397 @@
+//! The `[sweep]` table: the same scenario at many values of one or two of its keys.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use truecut_recording::{MetricSpec, UserUnit, nearest};
+
+use crate::check::Check;
+use crate::claim::check_bounds;
+use crate::document::{Fault, split_path};
+use crate::metric::{MetricTable, read_unit};
+use crate::schema;
+use crate::units::key_unit;
+
+/// A sweep: rows for all combinations of the axes' values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepSpec {
+    /// Up to two keys and their values; without axes there is one row.
+    pub axes: Vec<SweepAxis>,
+    /// Search for a threshold in each row.
+    pub bisect: Option<BisectSpec>,
+    /// What to tabulate for each row.
+    pub columns: Vec<SweepColumn>,
+    /// What must hold of every row.
+    pub claims: Vec<SweepClaim>,
+}
+
+/// A key and the values that it takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepAxis {
+    /// Dotted key, as for `--set`.
+    pub key: String,
+    /// Values, in `unit`.
+    pub values: Vec<f64>,
+    /// Unit of the key.
+    pub unit: UserUnit,
+}
+
+/// Search for the smallest value of a key at which a metric is at most a limit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BisectSpec {
+    /// Name of the column that holds the result.
+    pub name: String,
+    /// Dotted key, as for `--set`.
+    pub key: String,
+    /// Unit of the key, and so of `from`, `to` and the result.
+    pub key_unit: UserUnit,
+    /// Lower end of the search, in the unit of the key.
+    pub from: f64,
+    /// Upper end of the search, in the unit of the key.
+    pub to: f64,
+    /// Width of the final interval relative to the value.
+    pub tolerance: f64,
+    /// The metric.
+    pub metric: MetricSpec,
+    /// Limit of the metric, SI.
+    pub limit: f64,
+    /// Unit in which the limit was written.
+    pub unit: UserUnit,
+}
+
+/// A number to tabulate for each row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepColumn {
+    /// Name of the column.
+    pub name: String,
+    /// The number.
+    pub metric: MetricSpec,
+    /// Unit in which it is shown.
+    pub unit: UserUnit,
+}
+
+/// A bound on a column, or on the ratio of two columns, in every row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepClaim {
+    /// A short sentence.
+    pub name: String,
+    /// The bounded column.
+    pub column: String,
+    /// The column by which it is divided.
+    pub over: Option<String>,
+    /// Not less than this, in the column's unit; a ratio if `over` is given.
+    pub min: Option<f64>,
+    /// Not more than this, in the column's unit; a ratio if `over` is given.
+    pub max: Option<f64>,
+    /// Why it must hold.
+    pub reason: String,
+}
+
+/// How values are spaced between the ends of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum Spacing {
+    /// Equal differences.
+    #[default]
+    Linear,
+    /// Equal ratios.
+    Log,
+}
+
+/// The same scenario at many values of its keys.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SweepTable {
+    /// Up to two keys and their values.
+    #[schemars(extend("maxItems" = 2))]
+    axis: Option<Vec<AxisTable>>,
+    /// Search for a threshold in each row.
+    bisect: Option<BisectTable>,
+    /// What to tabulate for each row.
+    column: Option<Vec<ColumnTable>>,
+    /// What must hold of every row.
+    claim: Option<Vec<SweepClaimTable>>,
+}
+
+/// A key and its values: either `values`, or `from`, `to` and `steps`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct AxisTable {
+    /// Dotted key, as for --set.
+    key: String,
+    /// Values in the unit of the key.
+    #[schemars(extend("minItems" = 1, "maxItems" = 1000))]
+    values: Option<Vec<f64>>,
+    /// First value.
+    from: Option<f64>,
+    /// Last value.
+    to: Option<f64>,
+    /// Number of values, both ends included.
+    #[schemars(range(min = 2, max = 1000), extend("x-rule" = "both ends are included"))]
+    steps: Option<u32>,
+    /// How the values are spaced. Default: "linear".
+    spacing: Option<Spacing>,
+}
+
+/// Search for the smallest value of a key at which a metric is at most a limit.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+struct BisectTable {
+    /// Name of the result's column. Default: "threshold".
+    name: Option<String>,
+    /// Dotted key, as for --set.
+    key: String,
+    /// Lower end of the search, in the unit of the key.
+    from: f64,
+    /// Upper end of the search, in the unit of the key.
+    to: f64,
+    /// Width of the final interval relative to the value. Default: 0.002.
+    #[schemars(extend(
+        "minimum" = 1e-9,
+        "exclusiveMaximum" = 1.0,
+        "x-rule" = "the search ends at this relative width"
+    ))]
+    tolerance: Option<f64>,
+    #[serde(flatten)]
+    metric: MetricTable,
+    /// Limit of the metric, in `unit`.
+    limit: f64,
+    /// Unit of the limit; must fit the metric.
+    unit: String,
+}
+
+/// A number to tabulate for each row.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+struct ColumnTable {
+    /// Name of the column.
+    name: String,
+    #[serde(flatten)]
+    metric: MetricTable,
+    /// Unit in which the number is shown; must fit the metric.
+    unit: String,
+}
+
+/// A bound on a column in every row.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct SweepClaimTable {
+    /// A short sentence.
+    name: String,
+    /// The bounded column.
+    column: String,
+    /// The column by which it is divided. Default: none.
+    over: Option<String>,
+    /// Lower bound, in the column's unit; of the ratio if `over` is given.
+    min: Option<f64>,
+    /// Upper bound, in the column's unit; of the ratio if `over` is given.
+    max: Option<f64>,
+    /// Why it must hold.
+    reason: String,
+}
+
+/// A unit of a threshold, by the path of its table, to be checked once the channels are known.
+pub(crate) type ThresholdUnits = Vec<(String, UserUnit)>;
+
+/// Relative width at which the search for a threshold ends where a scenario does not give it.
+const DEFAULT_TOLERANCE: f64 = 0.002;
+
+impl SweepTable {
+    pub(crate) fn resolve(self, thresholds: &mut ThresholdUnits, check: &mut Check) -> SweepSpec {
+        let axes = self.axis.unwrap_or_default().into_iter().enumerate();
+        let axes: Vec<SweepAxis> = axes
+            .filter_map(|(index, axis)| axis.resolve(index, check))
+            .collect();
+        let bisect = self
+            .bisect
+            .and_then(|bisect| bisect.resolve(thresholds, check));
+        let columns = self.column.unwrap_or_default().into_iter().enumerate();
+        let columns: Vec<SweepColumn> = columns
+            .filter_map(|(index, column)| column.resolve(index, thresholds, check))
+            .collect();
+        if !check.document().has("sweep.axis") && !check.document().has("sweep.bisect") {
+            let message = "[sweep] has neither [[sweep.axis]] nor [sweep.bisect]".to_owned();
+            check.refuse(Fault::key("sweep", message, "nothing is swept"));
+        }
+        check_keys_differ(&axes, bisect.as_ref(), check);
+        let known: Vec<String> = bisect
+            .iter()
+            .map(|bisect| bisect.name.clone())
+            .chain(columns.iter().map(|column| column.name.clone()))
+            .collect();
+        let claims = self.claim.unwrap_or_default().into_iter().enumerate();
+        let claims = claims
+            .map(|(index, claim)| claim.resolve(index, &known, check))
+            .collect();
+        SweepSpec {
+            axes,
+            bisect,
+            columns,
+            claims,
+        }
+    }
+}
+
+/// The swept key must be a number of the robot, the run or the process.
+fn check_key(key: &str, at: &str, check: &mut Check) {
+    let path = split_path(key);
+    let own = |part: &String| matches!(part.as_str(), "robot" | "run" | "process");
+    if !path.first().is_some_and(own) {
+        let message = format!("`{at}` is \"{key}\", but must be a key below robot, run or process");
+        check.refuse(Fault::value(at, message, "cannot be swept"));
+        return;
+    }
+    match schema::leaf_schema(&path) {
+        Err(fault) => {
+            let message = format!("`{at}` is \"{key}\": {}", fault.message);
+            check.refuse(Fault {
+                help: fault.help,
+                ..Fault::value(at, message, fault.label)
+            });
+        }
+        Ok(leaf) if !schema::is_number(leaf) => {
+            let message = format!("`{at}` is \"{key}\", which is not a number");
+            check.refuse(Fault::value(at, message, "not a number"));
+        }
+        Ok(_) => {}
+    }
+}
+
+fn check_keys_differ(axes: &[SweepAxis], bisect: Option<&BisectSpec>, check: &mut Check) {
+    let bisect = bisect.map(|bisect| ("sweep.bisect.key".to_owned(), &bisect.key));
+    let axes = axes.iter().enumerate();
+    let keys: Vec<(String, &String)> = axes
+        .map(|(index, axis)| (format!("sweep.axis.{index}.key"), &axis.key))
+        .chain(bisect)
+        .collect();
+    for (index, (at, key)) in keys.iter().enumerate() {
+        if keys[..index].iter().any(|(_, earlier)| earlier == key) {
+            let message = format!("`{at}` is \"{key}\", which is swept already");
+            check.refuse(Fault::value(at, message, "swept twice"));
+        }
+    }
+}
+
+impl AxisTable {
+    fn resolve(self, index: usize, check: &mut Check) -> Option<SweepAxis> {
+        let table = format!("sweep.axis.{index}");
+        check_key(&self.key, &format!("{table}.key"), check);
+        if let Some(values) = self.values {
+            let because = "`values` already lists the values";
+            check.ignored(&table, &["from", "to", "steps", "spacing"], because);
+            let unit = key_unit(&self.key);
+            return Some(SweepAxis {
+                key: self.key,
+                values,
+                unit,
+            });
+        }
+        let who = "an axis without `values`";
+        let from = check.needed(&table, "from", self.from, who);
+        let to = check.needed(&table, "to", self.to, who);
+        let steps = check.needed(&table, "steps", self.steps, who);
+        let (from, to, steps) = (from?, to?, steps?);
+        check_rising(&table, from, to, check);
+        let spacing = self.spacing.unwrap_or_default();
+        if spacing == Spacing::Log && from <= 0.0 {
+            let path = format!("{table}.from");
+            let message = format!("`{path}` is {from}, but must be greater than 0: equal ratios");
+            check.refuse(Fault::value(&path, message, "not positive"));
+        }
+        let values = (0..steps).map(|step| {
+            let share = f64::from(step) / f64::from(steps - 1);
+            match spacing {
+                Spacing::Linear => from + share * (to - from),
+                Spacing::Log => from * (to / from).powf(share),
+            }
+        });
+        let unit = key_unit(&self.key);
+        Some(SweepAxis {
+            key: self.key,
+            values: values.collect(),
+            unit,
+        })
+    }
+}
+
+fn check_rising(table: &str, from: f64, to: f64, check: &mut Check) {
+    if from >= to {
+        let path = format!("{table}.to");
+        let message = format!("`{path}` is {to}, but must be greater than from = {from}");
+        check.refuse(Fault::value(&path, message, "not above from"));
+    }
+}
+
+impl BisectTable {
+    fn resolve(self, thresholds: &mut ThresholdUnits, check: &mut Check) -> Option<BisectSpec> {
+        let table = "sweep.bisect";
+        check_key(&self.key, &format!("{table}.key"), check);
+        check_rising(table, self.from, self.to, check);
+        let unit = read_unit(&self.unit, table, "unit", check);
+        let metric = self.metric.resolve(table, check);
+        let (unit, metric) = (unit?, metric?);
+        thresholds.extend(
+            metric
+                .threshold
+                .map(|threshold| (table.to_owned(), threshold)),
+        );
+        Some(BisectSpec {
+            name: self.name.unwrap_or_else(|| "threshold".into()),
+            key_unit: key_unit(&self.key),
+            key: self.key,
+            from: self.from,
+            to: self.to,
+            tolerance: self.tolerance.unwrap_or(DEFAULT_TOLERANCE),
+            metric: metric.spec,
+            limit: self.limit * unit.si_factor,
+            unit,
+        })
+    }
+}
+
+impl ColumnTable {
+    fn resolve(
+        self,
+        index: usize,
+        thresholds: &mut ThresholdUnits,
+        check: &mut Check,
+    ) -> Option<SweepColumn> {
+        let table = format!("sweep.column.{index}");
+        let unit = read_unit(&self.unit, &table, "unit", check);
+        let metric = self.metric.resolve(&table, check);
+        let (unit, metric) = (unit?, metric?);
+        thresholds.extend(metric.threshold.map(|threshold| (table, threshold)));
+        Some(SweepColumn {
+            name: self.name,
+            metric: metric.spec,
+            unit,
+        })
+    }
+}
+
+impl SweepClaimTable {
+    fn resolve(self, index: usize, known: &[String], check: &mut Check) -> SweepClaim {
+        let table = format!("sweep.claim.{index}");
+        check_bounds(&table, self.min, self.max, check);
+        let named = [("column", Some(&self.column)), ("over", self.over.as_ref())];
+        for (key, name) in named {
+            if let Some(name) = name.filter(|name| !known.contains(name)) {
+                let path = format!("{table}.{key}");
+                let near = nearest(name, known.iter().map(String::as_str));
+                let near = near.map(|near| format!("; did you mean \"{near}\"?"));
+                let message = format!(
+                    "`{path}` is \"{name}\", but no column of the sweep has that name{}",
+                    near.unwrap_or_default()
+                );
+                check.refuse(Fault::value(&path, message, "no such column"));
+            }
+        }
+        SweepClaim {
+            name: self.name,
+            column: self.column,
+            over: self.over,
+            min: self.min,
+            max: self.max,
+            reason: self.reason,
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Conversions from the units of scenario keys to SI. Every conversion in the project happens here, once.
+//!
+//! Decimal prefixes below one divide rather than multiply: `0.05 / 1e3` is the double nearest to 5e-5,
+//! `0.05 * 1e-3` is not.
+
+use std::f64::consts::{PI, TAU};
+
+use truecut_recording::{Unit, UserUnit};
+
+/// Millimetres to metres (also mm/s to m/s and mm/rev to m/rev).
+pub(crate) fn from_mm(value: f64) -> f64 {
+    value / 1e3
+}
+
+/// Micrometres to metres.
+pub(crate) fn from_um(value: f64) -> f64 {
+    value / 1e6
+}
+
+/// Milliseconds to seconds.
+pub(crate) fn from_ms(value: f64) -> f64 {
+    value / 1e3
+}
+
+/// Megapascals to pascals.
+pub(crate) fn from_mpa(value: f64) -> f64 {
+    value * 1e6
+}
+
+/// N/mm to N/m (also N s/mm to N s/m).
+pub(crate) fn from_n_per_mm(value: f64) -> f64 {
+    value * 1e3
+}
+
+/// N/µm to N/m.
+pub(crate) fn from_n_per_um(value: f64) -> f64 {
+    value * 1e6
+}
+
+/// Degrees to radians.
+pub(crate) fn from_deg(value: f64) -> f64 {
+    value.to_radians()
+}
+
+/// Revolutions per minute to radians per second.
+pub(crate) fn from_rpm(value: f64) -> f64 {
+    value * (TAU / 60.0)
+}
+
+/// A unit suffix of scenario keys.
+struct Suffix {
+    suffix: &'static str,
+    /// The unit as a person says it.
+    words: &'static str,
+    symbol: &'static str,
+    unit: Unit,
+    si_factor: f64,
+}
+
+const fn suffix(
+    suffix: &'static str,
+    words: &'static str,
+    symbol: &'static str,
+    unit: Unit,
+    si_factor: f64,
+) -> Suffix {
+    Suffix {
+        suffix,
+        words,
+        symbol,
+        unit,
+        si_factor,
+    }
+}
+
+/// Longer suffixes stand before shorter ones that they end in.
+const SUFFIXES: [Suffix; 17] = [
+    suffix("_mm_per_rev", "mm per revolution", "mm", Unit::Metre, 1e-3),
+    suffix(
+        "_n_s_per_mm",
+        "N s/mm",
+        "N s/mm",
+        Unit::NewtonSecondPerMetre,
+        1e3,
+    ),
+    suffix("_mm_per_s", "mm/s", "mm/s", Unit::MetrePerSecond, 1e-3),
+    suffix("_n_per_mm", "N/mm", "N/mm", Unit::NewtonPerMetre, 1e3),
+    suffix("_n_per_um", "N/µm", "N/um", Unit::NewtonPerMetre, 1e6),
+    suffix("_fraction", "a fraction of the run", "1", Unit::One, 1.0),
+    suffix("_revolutions", "revolutions", "1", Unit::One, 1.0),
+    suffix("_per_pa", "1/Pa", "1/Pa", Unit::One, 1.0),
+    suffix("_mpa", "MPa", "MPa", Unit::Pascal, 1e6),
+    suffix("_deg", "degrees", "deg", Unit::Radian, PI / 180.0),
+    suffix(
+        "_rpm",
+        "revolutions per minute",
+        "rpm",
+        Unit::RadianPerSecond,
+        PI / 30.0,
+    ),
+    suffix("_ms", "milliseconds", "ms", Unit::Second, 1e-3),
+    suffix("_um", "µm", "um", Unit::Metre, 1e-6),
+    suffix("_mm", "mm", "mm", Unit::Metre, 1e-3),
+    suffix("_hz", "Hz", "Hz", Unit::Hertz, 1.0),
+    suffix("_n", "newtons", "N", Unit::Newton, 1.0),
+    suffix("_s", "seconds", "s", Unit::Second, 1.0),
+];
+
+/// What people write as units in keys although the format does not, to recognise the quantity.
+const FOREIGN: [&str; 9] = [
+    "_pa", "_bar", "_kpa", "_m", "_cm", "_rad", "_kg", "_kn", "_rad_s",
+];
+
+/// Splits `pressure_mpa` into `("pressure", "MPa")`; `None` for a key without a unit of the format.
+pub(crate) fn split_suffix(key: &str) -> Option<(&str, &'static str)> {
+    SUFFIXES
+        .iter()
+        .find_map(|one| Some((key.strip_suffix(one.suffix)?, one.words)))
+        .filter(|(stem, _)| !stem.is_empty())
+}
+
+/// The quantity that a key means: `pressure` of `pressure_mpa`, `pressure_bar` and `pressure`.
+pub(crate) fn quantity(key: &str) -> &str {
+    split_suffix(key)
+        .map(|(stem, _)| stem)
+        .or_else(|| {
+            let foreign = FOREIGN.iter().filter_map(|suffix| key.strip_suffix(suffix));
+            foreign.min_by_key(|stem| stem.len())
+        })
+        .filter(|stem| !stem.is_empty())
+        .unwrap_or(key)
+}
+
+/// The unit of the last part of a dotted key; dimensionless if it has no unit suffix.
+pub(crate) fn key_unit(key: &str) -> UserUnit {
+    let found = SUFFIXES.iter().find(|one| key.ends_with(one.suffix));
+    found.map_or_else(
+        || UserUnit::from(Unit::One),
+        |one| UserUnit {
+            symbol: one.symbol.to_owned(),
+            unit: one.unit,
+            si_factor: one.si_factor,
+        },
+    )
+}
