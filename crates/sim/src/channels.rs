@@ -1,0 +1,101 @@
+//! Channels of the plant: joints, tool, energy.
+
+use crate::plant::JointState;
+use crate::process::ToolState;
+use nalgebra::Vector3;
+use truecut_arm::{JointKind, Robot};
+use truecut_recording::{ChannelSpec, Unit};
+
+/// Channels of the robot, in the order of [`record`].
+pub(crate) fn specs(robot: &Robot) -> Vec<ChannelSpec> {
+    let mut specs = Vec::new();
+    for (axis, text) in [("x", "X (tool axis)"), ("y", "Y (horizontal)"), ("z", "Z")] {
+        specs.push(ChannelSpec::new(
+            format!("tool.displacement_{axis}"),
+            Unit::Metre,
+            format!("Displacement of the tool since touch-down, process {text}"),
+        ));
+    }
+    for axis in ["x", "y", "z"] {
+        specs.push(ChannelSpec::new(
+            format!("tool.velocity_{axis}"),
+            Unit::MetrePerSecond,
+            format!("Velocity of the tool, process {}", axis.to_uppercase()),
+        ));
+    }
+    for axis in ["x", "y", "z"] {
+        specs.push(ChannelSpec::new(
+            format!("tool.position_{axis}"),
+            Unit::Metre,
+            format!("Position of the tool, world {axis}"),
+        ));
+    }
+    for (i, joint) in robot.chain.joints.iter().enumerate() {
+        specs.extend(joint_specs(i + 1, &joint.name, joint.kind));
+    }
+    specs.push(ChannelSpec::new(
+        "energy.kinetic",
+        Unit::Joule,
+        "Kinetic energy of the arm",
+    ));
+    specs.push(ChannelSpec::new(
+        "energy.potential",
+        Unit::Joule,
+        "Energy in gravity and transmissions",
+    ));
+    specs
+}
+
+fn joint_specs(number: usize, name: &str, kind: JointKind) -> [ChannelSpec; 4] {
+    let (coordinate, position, velocity, effort, torque) = match kind {
+        JointKind::Revolute => (
+            "angle",
+            Unit::Radian,
+            Unit::RadianPerSecond,
+            Unit::NewtonMetre,
+            "transmission_torque",
+        ),
+        JointKind::Prismatic => (
+            "position",
+            Unit::Metre,
+            Unit::MetrePerSecond,
+            Unit::Newton,
+            "transmission_force",
+        ),
+    };
+    let spec = |quantity: &str, unit, text: &str| {
+        ChannelSpec::new(
+            format!("joint{number}.{quantity}"),
+            unit,
+            format!("{text}, joint `{name}`"),
+        )
+    };
+    [
+        spec(coordinate, position, "Link coordinate"),
+        spec("velocity", velocity, "Link velocity"),
+        spec("command", position, "Commanded coordinate"),
+        spec(torque, effort, "What the transmission exerts on the link"),
+    ]
+}
+
+/// Appends the robot's values of one instant.
+pub(crate) fn record(
+    row: &mut Vec<f64>,
+    state: &ToolState,
+    tool_position_m: &Vector3<f64>,
+    joints: &JointState,
+    energy_j: (f64, f64),
+) {
+    row.extend(state.tool.displacement_m.iter());
+    row.extend(state.tool.velocity_m_per_s.iter());
+    row.extend(tool_position_m.iter());
+    for i in 0..joints.position.len() {
+        row.extend([
+            joints.position[i],
+            joints.velocity[i],
+            joints.command[i],
+            joints.transmission[i],
+        ]);
+    }
+    row.extend([energy_j.0, energy_j.1]);
+}

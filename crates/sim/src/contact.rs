@@ -1,0 +1,172 @@
+//! Frictional contacts and dry joint friction, solved together for one step.
+//!
+//! Every contact sees the plant through `W = J M⁻¹ Jᵀ` and the free velocity. Several of them couple
+//! through the plant, so they are swept in order (Gauss–Seidel) until no impulse changes any more; one
+//! contact alone is solved in one pass.
+
+use crate::loads::{ContactOutcome, ContactOutcomes, ContactRequest};
+use crate::plant::{Plant, WorldWrench};
+use nalgebra::{DVector, Matrix2, Matrix3, Vector2, Vector3, Vector6};
+use truecut_core::friction::{Approach, PlanarContact, solve_line, solve_planar};
+
+/// Most sweeps over all contacts.
+const MAX_SWEEPS: usize = 200;
+/// Sweeps end when the velocities change by less than this part of the largest.
+const TOLERANCE: f64 = 1e-13;
+
+/// Solves contacts and joint friction, keeping its buffers between steps.
+pub(crate) struct ContactSolver {
+    /// Dry friction of every joint, N m or N.
+    joint_friction: Vec<f64>,
+    friction_joints: Vec<usize>,
+    pub(crate) joint_torques: DVector<f64>,
+    pub(crate) wrenches: Vec<WorldWrench>,
+    pub(crate) outcomes: ContactOutcomes,
+}
+
+/// One planar contact during the solution.
+struct Plane {
+    request: ContactRequest,
+    rows: [DVector<f64>; 2],
+    response: [DVector<f64>; 2],
+    inverse_mass: Matrix2<f64>,
+    velocity_before: Vector2<f64>,
+    contact: PlanarContact,
+}
+
+/// Dry friction of one joint during the solution.
+struct Line {
+    joint: usize,
+    response: DVector<f64>,
+    impulse: f64,
+}
+
+impl ContactSolver {
+    pub(crate) fn new(joint_friction: Vec<f64>) -> Self {
+        let n = joint_friction.len();
+        Self {
+            friction_joints: (0..n).filter(|i| joint_friction[*i] > 0.0).collect(),
+            joint_friction,
+            joint_torques: DVector::zeros(n),
+            wrenches: Vec::new(),
+            outcomes: ContactOutcomes::new(),
+        }
+    }
+
+    /// Solves the requests of one step; results are left in the public fields.
+    pub(crate) fn solve(
+        &mut self,
+        plant: &mut dyn Plant,
+        requests: &[ContactRequest],
+        world_from_process: &Matrix3<f64>,
+    ) {
+        self.outcomes.clear();
+        self.wrenches.clear();
+        if requests.is_empty() && self.friction_joints.is_empty() {
+            return;
+        }
+        let dt = plant.time_step_s();
+        let tangents = [
+            world_from_process.column(1).into_owned(),
+            world_from_process.column(2).into_owned(),
+        ];
+        let mut velocity = plant.free_velocity().clone();
+        let mut planes: Vec<Plane> = requests
+            .iter()
+            .map(|request| plane(plant, request, &tangents))
+            .collect();
+        let mut lines: Vec<Line> = (self.friction_joints.iter())
+            .map(|joint| line(plant, *joint))
+            .collect();
+        let single = planes.len() + lines.len() == 1;
+        for _ in 0..MAX_SWEEPS {
+            let mut change: f64 = 0.0;
+            for plane in &mut planes {
+                change = change.max(update_plane(plane, &mut velocity, dt));
+            }
+            for line in &mut lines {
+                let bound = self.joint_friction[line.joint] * dt;
+                change = change.max(update_line(line, bound, &mut velocity));
+            }
+            if single || change <= TOLERANCE * velocity.amax() {
+                break;
+            }
+        }
+        self.publish(&planes, &lines, &tangents, dt);
+    }
+
+    fn publish(&mut self, planes: &[Plane], lines: &[Line], tangents: &[Vector3<f64>; 2], dt: f64) {
+        for plane in planes {
+            let outcome = ContactOutcome::from_contact(&plane.contact, dt);
+            let force = tangents[0] * outcome.friction_n.x + tangents[1] * outcome.friction_n.y;
+            let mut wrench = Vector6::zeros();
+            wrench.fixed_rows_mut::<3>(0).copy_from(&force);
+            self.wrenches.push((plane.request.frame, wrench));
+            self.outcomes.push(outcome);
+        }
+        for line in lines {
+            self.joint_torques[line.joint] = line.impulse / dt;
+        }
+    }
+}
+
+fn plane(plant: &mut dyn Plant, request: &ContactRequest, tangents: &[Vector3<f64>; 2]) -> Plane {
+    let rows = tangents.each_ref().map(|tangent| {
+        let jacobian = &plant.frame(request.frame).jacobian;
+        jacobian.fixed_rows::<3>(0).tr_mul(tangent)
+    });
+    let response = [plant.mobility(&rows[0]), plant.mobility(&rows[1])];
+    let inverse_mass = Matrix2::from_fn(|r, c| rows[r].dot(&response[c]));
+    let before = plant.half_step_velocity();
+    Plane {
+        velocity_before: Vector2::new(rows[0].dot(before), rows[1].dot(before)),
+        request: *request,
+        rows,
+        response,
+        inverse_mass,
+        contact: PlanarContact {
+            impulse_n_s: Vector2::zeros(),
+            velocity_m_per_s: Vector2::zeros(),
+            sliding: false,
+        },
+    }
+}
+
+fn line(plant: &mut dyn Plant, joint: usize) -> Line {
+    let mut unit = DVector::zeros(plant.dof());
+    unit[joint] = 1.0;
+    Line {
+        joint,
+        response: plant.mobility(&unit),
+        impulse: 0.0,
+    }
+}
+
+/// Solves one contact with the others' impulses held; returns how far its velocity row has moved.
+fn update_plane(plane: &mut Plane, velocity: &mut DVector<f64>, dt: f64) -> f64 {
+    let before = plane.contact.impulse_n_s;
+    let current = Vector2::new(plane.rows[0].dot(velocity), plane.rows[1].dot(velocity));
+    let free = current - plane.inverse_mass * before;
+    let request = &plane.request;
+    let body = Approach {
+        inverse_mass: plane.inverse_mass,
+        velocity_before_m_per_s: plane.velocity_before,
+        free_velocity_m_per_s: free,
+    };
+    plane.contact = solve_planar(&body, request.law, request.normal_force_n, dt);
+    let change = plane.contact.impulse_n_s - before;
+    for axis in 0..2 {
+        velocity.axpy(change[axis], &plane.response[axis], 1.0);
+    }
+    (plane.response[0].amax() * change.x.abs()).max(plane.response[1].amax() * change.y.abs())
+}
+
+fn update_line(line: &mut Line, bound: f64, velocity: &mut DVector<f64>) -> f64 {
+    let inverse_mass = line.response[line.joint];
+    let free = velocity[line.joint] - inverse_mass * line.impulse;
+    let impulse = solve_line(inverse_mass, free, bound);
+    let change = impulse - line.impulse;
+    line.impulse = impulse;
+    velocity.axpy(change, &line.response, 1.0);
+    line.response.amax() * change.abs()
+}

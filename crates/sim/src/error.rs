@@ -1,0 +1,42 @@
+//! What can go wrong before and during a run.
+
+use truecut_arm::ArmError;
+use truecut_recording::{MetricError, SinkError};
+use truecut_scenario::ScenarioError;
+
+/// An error of the simulator. A run that diverges is not one of them: it ends with a recording whose
+/// outcome says so.
+#[derive(Debug, thiserror::Error)]
+pub enum SimError {
+    /// The robot's files or what was asked of the robot.
+    #[error("{0}")]
+    Arm(#[from] ArmError),
+    /// A value of the scenario that only shows as wrong together with the robot; `key` is its path in the
+    /// file.
+    #[error("`{key}`: {message}")]
+    Scenario { key: String, message: String },
+    /// A scenario that overrides have made invalid.
+    #[error("{0}")]
+    Overrides(#[from] Box<ScenarioError>),
+    /// A metric that the recording does not have.
+    #[error("{0}")]
+    Metric(#[from] MetricError),
+    /// The recording cannot be written.
+    #[error("{0}")]
+    Sink(#[from] SinkError),
+}
+
+impl From<ScenarioError> for SimError {
+    fn from(error: ScenarioError) -> Self {
+        Self::Overrides(Box::new(error))
+    }
+}
+
+impl SimError {
+    pub(crate) fn scenario(key: impl Into<String>, message: impl Into<String>) -> Self {
+        Self::Scenario {
+            key: key.into(),
+            message: message.into(),
+        }
+    }
+}

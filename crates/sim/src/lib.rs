@@ -1,0 +1,33 @@
+//! The simulator: a robot in rapier, a process that loads it, and the recorder.
+//!
+//! One step, in [`Cell::run`]: read tool and joint state → [`process::Process::evaluate`] (changes nothing) →
+//! contacts are solved from the plant's free velocity → everything is injected and the plant steps →
+//! [`process::Process::commit`] advances the process's memory, once → one row is recorded.
+//!
+//! | module | what it holds |
+//! | --- | --- |
+//! | [`plant`] | what the loads act on: the arm in rapier, its drives |
+//! | [`process`] | what the tool does: chamfering, a wheel on a plate, given forces |
+//! | [`loads`] | what a process may ask for |
+//! | [`sweep`] | a scenario over one or two parameters, as independent jobs |
+
+mod build;
+mod cell;
+mod channels;
+mod command;
+mod contact;
+mod error;
+mod guard;
+pub mod loads;
+mod mjcf;
+
+pub mod plant;
+pub mod process;
+mod scene;
+mod step_size;
+pub mod sweep;
+mod theory;
+
+pub use cell::{Cell, RunEnd};
+pub use error::SimError;
+pub use mjcf::export_mjcf;

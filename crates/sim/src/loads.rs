@@ -1,0 +1,89 @@
+//! What a process asks of the plant in one step.
+//!
+//! Everything is expressed in the process frame: X along the tool axis into the workpiece, Y horizontal,
+//! Z = X × Y, fixed in space, with its origin at the tool point after touch-down.
+
+use arrayvec::ArrayVec;
+use nalgebra::{Vector2, Vector3};
+use truecut_arm::FrameId;
+use truecut_core::friction::{FrictionLaw, PlanarContact};
+
+/// Most wrenches, and most contacts, that one process may ask for.
+pub const MAX_LOADS: usize = 4;
+
+/// The frames of the robot that loads act on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Attachment {
+    /// Where the tool cuts.
+    Tool,
+    /// Where the pressure foot stands.
+    Foot,
+}
+
+impl From<Attachment> for FrameId {
+    fn from(attachment: Attachment) -> Self {
+        match attachment {
+            Attachment::Tool => Self::Tool,
+            Attachment::Foot => Self::Foot,
+        }
+    }
+}
+
+/// Force and moment on the robot at one of its frames, in process axes.
+#[derive(Debug, Clone, Copy)]
+pub struct Wrench {
+    pub frame: Attachment,
+    pub force_n: Vector3<f64>,
+    pub moment_n_m: Vector3<f64>,
+}
+
+impl Wrench {
+    /// A force without moment.
+    pub fn force(frame: Attachment, force_n: Vector3<f64>) -> Self {
+        Self {
+            frame,
+            force_n,
+            moment_n_m: Vector3::zeros(),
+        }
+    }
+}
+
+/// A frictional contact in the process Y–Z plane. The normal law is a spring that the process has
+/// evaluated; how much of the friction acts depends on the free velocity and the effective mass, which
+/// only the step loop knows.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactRequest {
+    pub frame: Attachment,
+    pub normal_force_n: f64,
+    pub law: FrictionLaw,
+}
+
+/// All that acts on the robot from outside in one step.
+#[derive(Debug, Clone, Default)]
+pub struct Loads {
+    pub wrenches: ArrayVec<Wrench, MAX_LOADS>,
+    pub contacts: ArrayVec<ContactRequest, MAX_LOADS>,
+}
+
+/// What a contact did in the step, averaged over it.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactOutcome {
+    /// Friction force on the robot in process Y and Z, N.
+    pub friction_n: Vector2<f64>,
+    /// Sliding velocity after the step, m/s.
+    pub velocity_m_per_s: Vector2<f64>,
+    pub sliding: bool,
+}
+
+impl ContactOutcome {
+    pub(crate) fn from_contact(contact: &PlanarContact, dt_s: f64) -> Self {
+        Self {
+            friction_n: contact.impulse_n_s / dt_s,
+            velocity_m_per_s: contact.velocity_m_per_s,
+            sliding: contact.sliding,
+        }
+    }
+}
+
+/// Outcomes in the order of [`Loads::contacts`].
+pub type ContactOutcomes = ArrayVec<ContactOutcome, MAX_LOADS>;

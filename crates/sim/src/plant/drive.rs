@@ -1,0 +1,200 @@
+//! Joint drives: command, motor coordinate, transmission.
+//!
+//! A joint is a motor coordinate θ, a transmission (stiffness K, damping D) and the link coordinate q. The
+//! torque on the link is `K (θ - q) + D (θ' - q')`. The damping of the link's own velocity is *not* in the
+//! explicit torque: the plant takes half of it implicitly.
+
+use super::{Command, JointState};
+use truecut_arm::{Robot, Servo};
+
+/// How the joints are driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DriveKind {
+    /// The motor follows the command exactly.
+    Position,
+    /// A P–P servo turns a rotor: `M_r θ'' = sat(k_v (k_p (c - θ) + c' - θ')) - τ_transmission`.
+    Servo,
+    /// No transmission; the joints are free.
+    Force,
+}
+
+/// The drives of all joints.
+#[derive(Debug, Clone)]
+pub struct Drive {
+    kind: DriveKind,
+    joints: Vec<JointDrive>,
+    /// Velocity of the command at this instant.
+    command_velocity: Vec<f64>,
+    /// Motor velocities at the last two half steps (servo only).
+    half: Vec<f64>,
+    half_before: Vec<f64>,
+    dt_s: f64,
+    /// Torque that gravity asks of the motor at the start, fed forward by the servo.
+    feed_forward: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct JointDrive {
+    stiffness: f64,
+    damping: f64,
+    rotor: f64,
+    servo: Option<Servo>,
+}
+
+impl Drive {
+    /// Drives of `robot`; every joint must have what the kind needs (checked when the cell is built).
+    pub fn new(kind: DriveKind, robot: &Robot, dt_s: f64, feed_forward: Vec<f64>) -> Self {
+        let free = kind == DriveKind::Force;
+        let joints: Vec<_> = robot
+            .chain
+            .joints
+            .iter()
+            .map(|joint| {
+                let t = &joint.transmission;
+                JointDrive {
+                    stiffness: if free {
+                        0.0
+                    } else {
+                        t.stiffness.unwrap_or(0.0)
+                    },
+                    damping: if free { 0.0 } else { t.damping },
+                    rotor: t.rotor_inertia,
+                    servo: t.servo,
+                }
+            })
+            .collect();
+        let zeros = vec![0.0; joints.len()];
+        Self {
+            kind,
+            joints,
+            command_velocity: zeros.clone(),
+            half: zeros.clone(),
+            half_before: zeros,
+            dt_s,
+            feed_forward,
+        }
+    }
+
+    /// Damping of a joint's link velocity, N m s/rad or N s/m.
+    pub fn damping(&self, joint: usize) -> f64 {
+        self.joints[joint].damping
+    }
+
+    /// Sets motor state and the explicit part of the transmission torque, `K (θ - q) + D θ'`, from the
+    /// command and the state at this instant; `explicit` receives one value per joint.
+    pub fn evaluate(&mut self, command: Command<'_>, state: &mut JointState, explicit: &mut [f64]) {
+        state.command.copy_from_slice(command.position);
+        self.command_velocity.copy_from_slice(command.velocity);
+        for (i, joint) in self.joints.iter().enumerate() {
+            match self.kind {
+                DriveKind::Position => {
+                    state.motor[i] = command.position[i];
+                    state.motor_velocity[i] = command.velocity[i];
+                }
+                DriveKind::Servo => {
+                    state.motor_velocity[i] = 1.5 * self.half[i] - 0.5 * self.half_before[i];
+                }
+                DriveKind::Force => {
+                    state.motor[i] = state.position[i];
+                    state.motor_velocity[i] = 0.0;
+                }
+            }
+            let wound = state.motor[i] - state.position[i];
+            explicit[i] = joint.stiffness * wound + joint.damping * state.motor_velocity[i];
+        }
+    }
+
+    /// Steps the rotors over one step by the same leapfrog as the arm: torques at this instant, velocity
+    /// from half step to half step. Velocity-dependent torques take the mean of both half steps, so they
+    /// neither lag nor damp falsely; a saturated drive is a constant torque.
+    pub fn advance(&mut self, state: &mut JointState) {
+        if self.kind != DriveKind::Servo {
+            return;
+        }
+        for (i, joint) in self.joints.iter().enumerate() {
+            let Some(servo) = joint.servo else { continue };
+            let v = self.half[i];
+            let transmission = joint.stiffness * (state.motor[i] - state.position[i])
+                - joint.damping * state.velocity[i];
+            let wish = servo.position_gain_per_s * (state.command[i] - state.motor[i])
+                + self.command_velocity[i];
+            let at = |gain: f64| {
+                // (M + dt/2 c) Δv = dt (τ - c v), c the sum of all velocity gains
+                let c = joint.damping + gain;
+                let torque = gain * wish + self.feed_forward[i] - transmission - c * v;
+                self.dt_s * torque / (joint.rotor + 0.5 * self.dt_s * c)
+            };
+            let mut change = at(servo.velocity_gain);
+            let drive = servo.velocity_gain * (wish - (v + 0.5 * change)) + self.feed_forward[i];
+            if drive.abs() > servo.torque_limit {
+                let c = joint.damping;
+                let torque = servo.torque_limit.copysign(drive) - transmission - c * v;
+                change = self.dt_s * torque / (joint.rotor + 0.5 * self.dt_s * c);
+            }
+            self.half_before[i] = v;
+            self.half[i] = v + change;
+            state.motor_velocity[i] = v + 0.5 * change;
+        }
+    }
+
+    /// The transmission's torque at this instant, from the state as it is now known.
+    pub fn transmission(&self, joint: usize, state: &JointState) -> f64 {
+        let j = &self.joints[joint];
+        j.stiffness * (state.motor[joint] - state.position[joint])
+            + j.damping * (state.motor_velocity[joint] - state.velocity[joint])
+    }
+
+    /// Moves the motor coordinates by the velocities just computed.
+    pub fn drift(&self, state: &mut JointState) {
+        if self.kind == DriveKind::Servo {
+            for (motor, v) in state.motor.iter_mut().zip(&self.half) {
+                *motor += self.dt_s * v;
+            }
+        }
+    }
+
+    /// Energy wound up in the transmissions and kinetic energy of servo-driven rotors, J.
+    pub fn energy_j(&self, state: &JointState) -> (f64, f64) {
+        let mut elastic = 0.0;
+        let mut rotors = 0.0;
+        for (i, joint) in self.joints.iter().enumerate() {
+            let wound = state.motor[i] - state.position[i];
+            elastic += 0.5 * joint.stiffness * wound * wound;
+            if self.kind == DriveKind::Servo {
+                rotors += 0.5 * joint.rotor * state.motor_velocity[i].powi(2);
+            }
+        }
+        (elastic, rotors)
+    }
+
+    /// Power that the motors put into the transmissions (position drive) or the drives' torques into the
+    /// rotors (servo), W.
+    pub fn power_w(&self, state: &JointState) -> f64 {
+        (0..self.joints.len())
+            .map(|i| match self.kind {
+                DriveKind::Position => state.transmission[i] * state.motor_velocity[i],
+                DriveKind::Servo => self.servo_torque(i, state) * state.motor_velocity[i],
+                DriveKind::Force => 0.0,
+            })
+            .sum()
+    }
+
+    fn servo_torque(&self, i: usize, state: &JointState) -> f64 {
+        let Some(servo) = self.joints[i].servo else {
+            return 0.0;
+        };
+        let wish = servo.position_gain_per_s * (state.command[i] - state.motor[i])
+            + self.command_velocity[i];
+        let torque = servo.velocity_gain * (wish - state.motor_velocity[i]) + self.feed_forward[i];
+        torque.clamp(-servo.torque_limit, servo.torque_limit)
+    }
+
+    /// Power lost in the transmissions' damping, W.
+    pub fn dissipation_w(&self, state: &JointState) -> f64 {
+        self.joints
+            .iter()
+            .enumerate()
+            .map(|(i, j)| j.damping * (state.velocity[i] - state.motor_velocity[i]).powi(2))
+            .sum()
+    }
+}

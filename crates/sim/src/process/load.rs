@@ -1,0 +1,145 @@
+//! Given forces at the tool: release, step, chirp, rotation; optionally with a pressure foot.
+
+use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState};
+use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use nalgebra::Vector3;
+use std::f64::consts::TAU;
+use truecut_recording::{ChannelSpec, Unit};
+
+/// A sine whose frequency grows linearly over the run: `A sin(2π (f0 t + (f1-f0) t²/2T))`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweep {
+    pub amplitude_n: Vector3<f64>,
+    pub from_hz: f64,
+    pub to_hz: f64,
+    /// Time from the first to the last frequency, s.
+    pub duration_s: f64,
+}
+
+/// A force of constant size that turns in the Y–Z plane: `A (cos φ, sin φ)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RotatingForce {
+    pub amplitude_n: f64,
+    pub frequency_hz: f64,
+    pub start_angle_rad: f64,
+}
+
+/// All forces, in process axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadParameters {
+    /// Acts from t = 0 on.
+    pub constant_n: Vector3<f64>,
+    /// Acts before t = 0 and is gone at t = 0.
+    pub release_n: Vector3<f64>,
+    pub sweep: Option<Sweep>,
+    pub rotating: Option<RotatingForce>,
+    pub foot: Option<FootParameters>,
+}
+
+/// The process.
+#[derive(Debug, Clone)]
+pub struct Load {
+    parameters: LoadParameters,
+    foot: Option<Foot>,
+    last_force_n: Vector3<f64>,
+}
+
+impl Load {
+    pub fn new(parameters: LoadParameters) -> Self {
+        Self {
+            foot: parameters.foot.map(Foot::new),
+            parameters,
+            last_force_n: Vector3::zeros(),
+        }
+    }
+
+    fn force_n(&self, t: f64) -> Vector3<f64> {
+        let p = &self.parameters;
+        let mut force = p.constant_n;
+        if let Some(s) = &p.sweep {
+            let cycles = s.from_hz * t + (s.to_hz - s.from_hz) * t * t / (2.0 * s.duration_s);
+            force += s.amplitude_n * (TAU * cycles).sin();
+        }
+        if let Some(r) = &p.rotating {
+            let (sin, cos) = (r.start_angle_rad + TAU * r.frequency_hz * t).sin_cos();
+            force += Vector3::new(0.0, cos, sin) * r.amplitude_n;
+        }
+        force
+    }
+}
+
+impl Process for Load {
+    fn channels(&self) -> Vec<ChannelSpec> {
+        let mut channels: Vec<_> = ["x", "y", "z"]
+            .iter()
+            .map(|axis| {
+                ChannelSpec::new(
+                    format!("load.force_{axis}"),
+                    Unit::Newton,
+                    format!("Given force on the tool, process {}", axis.to_uppercase()),
+                )
+            })
+            .collect();
+        if self.foot.is_some() {
+            channels.extend(Foot::channels());
+        }
+        channels
+    }
+
+    fn evaluate(&self, state: &ToolState) -> Loads {
+        let mut loads = Loads::default();
+        let force = self.force_n(state.time_s);
+        loads.wrenches.push(Wrench::force(Attachment::Tool, force));
+        if let Some(foot) = &self.foot {
+            let (wrench, contact) = foot.evaluate(&state.foot);
+            loads.wrenches.push(wrench);
+            loads.contacts.push(contact);
+        }
+        loads
+    }
+
+    fn commit(&mut self, state: &ToolState, loads: &Loads, contacts: &ContactOutcomes, _dt: f64) {
+        self.last_force_n = loads.wrenches[0].force_n;
+        if let (Some(foot), Some(outcome)) = (&mut self.foot, contacts.first()) {
+            foot.commit(state.time_s, &state.foot, outcome);
+        }
+    }
+
+    fn record(&self, row: &mut Vec<f64>) {
+        row.extend(self.last_force_n.iter());
+        if let Some(foot) = &self.foot {
+            foot.record(row);
+        }
+    }
+
+    fn finish(&mut self) -> Findings {
+        Findings::default()
+    }
+
+    fn static_loads(&self) -> Loads {
+        let mut loads = Loads::default();
+        loads
+            .wrenches
+            .push(Wrench::force(Attachment::Tool, self.parameters.release_n));
+        loads
+            .wrenches
+            .extend(self.foot.iter().map(Foot::touch_down_wrench));
+        loads
+    }
+
+    fn duration_s(&self) -> Option<f64> {
+        None
+    }
+
+    fn tooth_period_s(&self) -> Option<f64> {
+        None
+    }
+
+    fn contact_stiffness(&self) -> Vec<ContactStiffness> {
+        self.foot.iter().map(Foot::contact_stiffness).collect()
+    }
+
+    fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
+        vec![("load", Attachment::Tool, self.last_force_n)]
+    }
+}

@@ -1,0 +1,88 @@
+//! Processes: what the tool does to the workpiece.
+//!
+//! A process sees the motion of tool and foot in the process frame and answers with [`Loads`]. It is a
+//! state machine whose memory moves on once per step, in [`Process::commit`]; [`Process::evaluate`] changes
+//! nothing, so a step may be tried as often as the solver likes.
+
+mod chamfer;
+mod foot;
+mod load;
+mod wheel;
+
+pub use chamfer::{Chamfer, ChamferParameters, Regeneration, SlipTheory};
+pub use foot::{Foot, FootFriction, FootParameters};
+pub use load::{Load, LoadParameters, RotatingForce, Sweep};
+pub use wheel::{Wheel, WheelParameters};
+
+use crate::loads::{Attachment, ContactOutcomes, Loads};
+use nalgebra::Vector3;
+use truecut_recording::{ChannelSpec, Profile, Scalar};
+
+/// Motion of one frame of the robot, in process axes, relative to where it stood after touch-down.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FrameMotion {
+    pub displacement_m: Vector3<f64>,
+    pub velocity_m_per_s: Vector3<f64>,
+}
+
+/// What a process may know of the robot at one time.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ToolState {
+    pub time_s: f64,
+    pub tool: FrameMotion,
+    pub foot: FrameMotion,
+}
+
+/// A spring between robot and workpiece, for choosing the step: frame, process axis, N/m.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactStiffness {
+    pub frame: Attachment,
+    pub direction: Vector3<f64>,
+    pub stiffness_n_per_m: f64,
+}
+
+/// What a process found out by the end of the run.
+#[derive(Debug, Clone, Default)]
+pub struct Findings {
+    pub scalars: Vec<Scalar>,
+    pub profiles: Vec<Profile>,
+}
+
+/// One machining process.
+pub trait Process: Send {
+    /// Channels that [`Process::record`] fills, in its order.
+    fn channels(&self) -> Vec<ChannelSpec>;
+
+    /// Loads on the robot at this state. Changes nothing.
+    fn evaluate(&self, state: &ToolState) -> Loads;
+
+    /// Advances the memory past this step. `state` and `loads` are those of [`Process::evaluate`] (with the
+    /// velocity now known at the same instant), `contacts` what the step loop made of the requests.
+    fn commit(&mut self, state: &ToolState, loads: &Loads, contacts: &ContactOutcomes, dt_s: f64);
+
+    /// Appends one value per channel for the step last committed.
+    fn record(&self, row: &mut Vec<f64>);
+
+    /// Ends the run.
+    fn finish(&mut self) -> Findings;
+
+    /// Forces that act on the robot before the start and through touch-down, for the static equilibrium.
+    fn static_loads(&self) -> Loads;
+
+    /// Natural length of the process, s, if it has one.
+    fn duration_s(&self) -> Option<f64>;
+
+    /// Time between two cutting edges, s, if the process has edges.
+    fn tooth_period_s(&self) -> Option<f64>;
+
+    /// Springs that stiffen the robot while in contact.
+    fn contact_stiffness(&self) -> Vec<ContactStiffness>;
+
+    /// Speed of the commanded motion along process Y, m/s.
+    fn feed_along_y_m_per_s(&self) -> f64 {
+        0.0
+    }
+
+    /// Forces on the robot to be drawn, in the process frame: (name, frame, force of the last step).
+    fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)>;
+}

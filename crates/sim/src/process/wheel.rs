@@ -1,0 +1,230 @@
+//! A compliant wheel run along a flat plate.
+
+use super::{ContactStiffness, Findings, Process, ToolState};
+use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use nalgebra::Vector3;
+use truecut_core::wheel::{Strip, WheelContact};
+use truecut_recording::{ChannelSpec, Profile, Scalar, Unit};
+
+/// All that a pass of the wheel is made of. The plate is at right angles to process X, the pass runs along
+/// process Y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WheelParameters {
+    pub contact: WheelContact,
+    /// Spin, rad/s, positive.
+    pub spin_rad_s: f64,
+    /// +1 if the wheel's surface runs with the feed over the plate, -1 if against it.
+    pub surface_sign: f64,
+    /// Normal force at set-down, N.
+    pub normal_force_n: f64,
+    pub feed_m_per_s: f64,
+    pub strip_length_m: f64,
+    pub strip_cells: usize,
+    /// Preston's coefficient, 1/Pa.
+    pub preston_per_pa: f64,
+}
+
+/// The process.
+#[derive(Debug, Clone)]
+pub struct Wheel {
+    parameters: WheelParameters,
+    strip: Strip,
+    removal_work_j: f64,
+    last: Last,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Last {
+    normal_n: f64,
+    friction_on_wheel_n: f64,
+    penetration_m: f64,
+    position_m: f64,
+}
+
+/// The contact at one instant.
+struct Contact {
+    penetration_m: f64,
+    normal_n: f64,
+    /// Speed of the wheel's surface over the plate, along Y.
+    sliding_m_per_s: f64,
+}
+
+impl Wheel {
+    pub fn new(parameters: WheelParameters) -> Self {
+        Self {
+            strip: Strip::new(
+                parameters.strip_length_m,
+                parameters.contact.width_m,
+                parameters.strip_cells,
+            ),
+            parameters,
+            removal_work_j: 0.0,
+            last: Last::default(),
+        }
+    }
+
+    fn contact(&self, state: &ToolState) -> Contact {
+        let p = &self.parameters;
+        let (penetration_m, rate) = p.contact.penetration_m(
+            p.normal_force_n / p.contact.stiffness_n_per_m,
+            state.tool.displacement_m.x,
+            state.tool.velocity_m_per_s.x,
+            p.spin_rad_s * state.time_s,
+            p.spin_rad_s,
+        );
+        let surface = p.surface_sign * p.spin_rad_s * p.contact.radius_m;
+        Contact {
+            penetration_m,
+            normal_n: p.contact.normal_force_n(penetration_m, rate),
+            sliding_m_per_s: surface + state.tool.velocity_m_per_s.y,
+        }
+    }
+
+    fn friction_on_wheel_n(&self, contact: &Contact) -> f64 {
+        -self.parameters.contact.mu * contact.normal_n * contact.sliding_m_per_s.signum()
+    }
+}
+
+impl Process for Wheel {
+    fn channels(&self) -> Vec<ChannelSpec> {
+        vec![
+            ChannelSpec::new(
+                "wheel.normal_force",
+                Unit::Newton,
+                "Force with which the wheel presses on the plate",
+            ),
+            ChannelSpec::new(
+                "wheel.friction_force",
+                Unit::Newton,
+                "Friction on the wheel, process Y",
+            ),
+            ChannelSpec::new(
+                "wheel.penetration",
+                Unit::Metre,
+                "Flattening of the wheel, runout included",
+            ),
+            ChannelSpec::new("wheel.position", Unit::Metre, "Position along the strip"),
+        ]
+    }
+
+    fn evaluate(&self, state: &ToolState) -> Loads {
+        let contact = self.contact(state);
+        let friction = self.friction_on_wheel_n(&contact);
+        let mut loads = Loads::default();
+        // The tool frame sits at the contact; what the friction turns about the wheel's axis is borne by
+        // the spindle's drive and reaches the arm through the same frame.
+        loads.wrenches.push(Wrench::force(
+            Attachment::Tool,
+            Vector3::new(-contact.normal_n, friction, 0.0),
+        ));
+        loads
+    }
+
+    fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, dt_s: f64) {
+        let p = &self.parameters;
+        let contact = self.contact(state);
+        let position_m = state.tool.displacement_m.y;
+        let line_load = contact.normal_n / p.contact.width_m;
+        let dose = p.preston_per_pa * line_load * contact.sliding_m_per_s.abs() * dt_s;
+        let half_length = p.contact.half_length_m(contact.penetration_m);
+        self.strip.remove(position_m, half_length, dose);
+        self.removal_work_j += contact.normal_n * contact.sliding_m_per_s.abs() * dt_s;
+        self.last = Last {
+            normal_n: contact.normal_n,
+            friction_on_wheel_n: loads.wrenches[0].force_n.y,
+            penetration_m: contact.penetration_m,
+            position_m,
+        };
+    }
+
+    fn record(&self, row: &mut Vec<f64>) {
+        row.extend([
+            self.last.normal_n,
+            self.last.friction_on_wheel_n,
+            self.last.penetration_m,
+            self.last.position_m,
+        ]);
+    }
+
+    fn finish(&mut self) -> Findings {
+        let removed = self.strip.removed_m();
+        let inner = &removed[removed.len() / 4..(removed.len() * 3 / 4).max(removed.len() / 4 + 1)];
+        let mean = inner.iter().sum::<f64>() / inner.len() as f64;
+        Findings {
+            scalars: vec![
+                Scalar::new(
+                    "wheel.removed_volume",
+                    Unit::CubicMetre,
+                    self.strip.volume_m3(),
+                    "Volume removed from the strip",
+                ),
+                Scalar::new(
+                    "wheel.preston_volume",
+                    Unit::CubicMetre,
+                    self.parameters.preston_per_pa * self.removal_work_j,
+                    "Preston's integral k_p ∫ N v dt, on and off the strip",
+                ),
+                Scalar::new(
+                    "wheel.removed_depth_mean",
+                    Unit::Metre,
+                    mean,
+                    "Mean depth removed over the middle half of the strip",
+                ),
+                Scalar::new(
+                    "wheel.removed_depth_spread",
+                    Unit::Metre,
+                    truecut_core::roughness::spread(inner),
+                    "Deepest minus shallowest over the middle half of the strip",
+                ),
+            ],
+            profiles: vec![Profile {
+                name: "wheel.removed_depth".into(),
+                description: "Depth removed along the strip".into(),
+                axis_name: "strip_position".into(),
+                axis_unit: Unit::Metre,
+                axis: (0..removed.len())
+                    .map(|i| self.strip.position_m(i))
+                    .collect(),
+                unit: Unit::Metre,
+                values: removed.to_vec(),
+            }],
+        }
+    }
+
+    fn static_loads(&self) -> Loads {
+        let mut loads = Loads::default();
+        let preload = Vector3::new(-self.parameters.normal_force_n, 0.0, 0.0);
+        loads
+            .wrenches
+            .push(Wrench::force(Attachment::Tool, preload));
+        loads
+    }
+
+    fn duration_s(&self) -> Option<f64> {
+        Some(self.parameters.strip_length_m / self.parameters.feed_m_per_s)
+    }
+
+    fn tooth_period_s(&self) -> Option<f64> {
+        None
+    }
+
+    fn contact_stiffness(&self) -> Vec<ContactStiffness> {
+        vec![ContactStiffness {
+            frame: Attachment::Tool,
+            direction: Vector3::x(),
+            stiffness_n_per_m: self.parameters.contact.stiffness_n_per_m,
+        }]
+    }
+
+    fn feed_along_y_m_per_s(&self) -> f64 {
+        self.parameters.feed_m_per_s
+    }
+
+    fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
+        vec![(
+            "wheel contact",
+            Attachment::Tool,
+            Vector3::new(-self.last.normal_n, self.last.friction_on_wheel_n, 0.0),
+        )]
+    }
+}

@@ -1,0 +1,273 @@
+//! What can be seen of a cell: the arm as it is and with its deflection enlarged, workpiece, foot, forces.
+
+use crate::loads::Attachment;
+use crate::plant::Plant;
+use crate::process::Process;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use truecut_arm::{Link, Robot, Shape as ArmShape};
+use truecut_recording::{Arrow, Body, Camera, Frame, Geometry, Pose, Scene, Shape};
+
+/// Colour of the true arm, behind the enlarged one.
+const GHOST_RGBA: [u8; 4] = [150, 155, 160, 90];
+/// Length of a force arrow, m/N.
+const ARROW_M_PER_N: f64 = 1.5e-3;
+/// Side of the workpiece, m.
+const WORKPIECE_M: f64 = 0.4;
+/// Thickness of the workpiece, m.
+const THICKNESS_M: f64 = 0.03;
+
+/// What the workpiece looks like.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Workpiece {
+    /// A plate with a hole of this radius, m.
+    Hole(f64),
+    /// A strip of this length along process Y, m.
+    Strip(f64),
+    /// Nothing.
+    None,
+}
+
+/// Builds frames of the scene.
+pub(crate) struct Stage {
+    robot: Robot,
+    reference: Vec<f64>,
+    scale: f64,
+    world_from_process: Isometry3<f64>,
+    fixed: Vec<Pose>,
+    has_foot: bool,
+}
+
+fn pose(p: &Isometry3<f64>) -> Pose {
+    let q = p.rotation;
+    Pose {
+        translation_m: p.translation.vector.into(),
+        rotation_xyzw: [q.i, q.j, q.k, q.w],
+    }
+}
+
+fn link_shapes(link: &Link, ghost: bool) -> Vec<Shape> {
+    link.visuals
+        .iter()
+        .map(|visual| Shape {
+            geometry: match visual.shape {
+                ArmShape::Box { half_extents_m } => Geometry::Box {
+                    half_extents_m: half_extents_m.into(),
+                },
+                ArmShape::Cylinder { radius_m, length_m } => {
+                    Geometry::Cylinder { radius_m, length_m }
+                }
+                ArmShape::Capsule { radius_m, length_m } => {
+                    Geometry::Capsule { radius_m, length_m }
+                }
+                ArmShape::Sphere { radius_m } => Geometry::Sphere { radius_m },
+            },
+            color_rgba: if ghost {
+                GHOST_RGBA
+            } else {
+                visual.color_rgba.map(|c| (c * 255.0).round() as u8)
+            },
+            body_from_shape: pose(&visual.link_from_visual),
+        })
+        .collect()
+}
+
+fn arm_bodies(robot: &Robot, q: &[f64], kind: &str, ghost: bool) -> Vec<Body> {
+    let mut poses = vec![Isometry3::identity()];
+    poses.extend(robot.world_from_links(q));
+    let links = std::iter::once(&robot.chain.base).chain(&robot.chain.links);
+    links
+        .zip(&poses)
+        .map(|(link, at)| Body {
+            path: format!("arm/{kind}/{}", link.name),
+            shapes: link_shapes(link, ghost),
+            initial_pose: pose(at),
+        })
+        .collect()
+}
+
+/// Four bars around the hole, and the rim.
+fn plate_with_hole(radius_m: f64) -> Vec<Shape> {
+    let half = WORKPIECE_M / 2.0;
+    let bar = (half - radius_m) / 2.0;
+    let steel = [120, 128, 138, 255];
+    let along_x = THICKNESS_M / 2.0;
+    let mut shapes: Vec<Shape> = [-1.0, 1.0]
+        .iter()
+        .flat_map(|side: &f64| {
+            let offset = side * (radius_m + bar);
+            [
+                ([along_x, bar, half], [along_x, offset, 0.0]),
+                ([along_x, radius_m, bar], [along_x, 0.0, offset]),
+            ]
+        })
+        .map(|(half_extents_m, at)| Shape {
+            geometry: Geometry::Box { half_extents_m },
+            color_rgba: steel,
+            body_from_shape: Pose::translation(at),
+        })
+        .collect();
+    let points_m = (0..=96)
+        .map(|i| {
+            let (s, c) = (std::f64::consts::TAU * f64::from(i) / 96.0).sin_cos();
+            [-1e-3, radius_m * c, radius_m * s]
+        })
+        .collect();
+    shapes.push(Shape {
+        geometry: Geometry::Line {
+            points_m,
+            radius_m: 2e-3,
+        },
+        color_rgba: [255, 200, 60, 255],
+        body_from_shape: Pose::IDENTITY,
+    });
+    shapes
+}
+
+fn workpiece_shapes(workpiece: Workpiece) -> Vec<Shape> {
+    match workpiece {
+        Workpiece::None => Vec::new(),
+        Workpiece::Hole(radius_m) => plate_with_hole(radius_m),
+        Workpiece::Strip(length_m) => vec![Shape {
+            geometry: Geometry::Box {
+                half_extents_m: [THICKNESS_M / 2.0, length_m / 2.0 + 0.03, 0.08],
+            },
+            color_rgba: [120, 128, 138, 255],
+            body_from_shape: Pose::translation([THICKNESS_M / 2.0, length_m / 2.0, 0.0]),
+        }],
+    }
+}
+
+fn foot_shape() -> Shape {
+    let ring = (0..=64)
+        .map(|i| {
+            let (s, c) = (std::f64::consts::TAU * f64::from(i) / 64.0).sin_cos();
+            [-6e-3, 0.055 * c, 0.055 * s]
+        })
+        .collect();
+    Shape {
+        geometry: Geometry::Line {
+            points_m: ring,
+            radius_m: 6e-3,
+        },
+        color_rgba: [70, 160, 230, 255],
+        body_from_shape: Pose::IDENTITY,
+    }
+}
+
+impl Stage {
+    /// The scene of a cell and the means to fill its frames.
+    pub(crate) fn new(
+        robot: &Robot,
+        reference: &[f64],
+        world_from_process: Isometry3<f64>,
+        scale: f64,
+        workpiece: Workpiece,
+        process: &dyn Process,
+    ) -> (Self, Scene) {
+        let has_foot = process
+            .contact_stiffness()
+            .iter()
+            .any(|spring| spring.frame == Attachment::Foot);
+        let mut bodies = arm_bodies(robot, reference, "exaggerated", false);
+        bodies.extend(arm_bodies(robot, reference, "true", true));
+        let origin = pose(&world_from_process);
+        let mut fixed = Vec::new();
+        let shapes = workpiece_shapes(workpiece);
+        if !shapes.is_empty() {
+            fixed.push(origin);
+            bodies.push(Body {
+                path: "workpiece".into(),
+                shapes,
+                initial_pose: origin,
+            });
+        }
+        if has_foot {
+            bodies.push(Body {
+                path: "foot".into(),
+                shapes: vec![foot_shape()],
+                initial_pose: origin,
+            });
+        }
+        let colors = [[235, 70, 60, 255], [70, 160, 230, 255], [250, 170, 40, 255]];
+        let arrows = process
+            .arrows()
+            .iter()
+            .zip(colors)
+            .map(|((name, ..), color_rgba)| Arrow {
+                path: format!("force/{}", name.replace(' ', "_")),
+                label: (*name).to_string(),
+                color_rgba,
+                metres_per_newton: ARROW_M_PER_N,
+            })
+            .collect();
+        let target = world_from_process.translation.vector;
+        let view = world_from_process.rotation * Vector3::new(-1.6, 1.9, 0.0);
+        let eye = target + Vector3::new(view.x, view.y, 0.9);
+        let scene = Scene {
+            bodies,
+            arrows,
+            deflection_scale: scale,
+            camera: Some(Camera {
+                position_m: eye.into(),
+                target_m: target.into(),
+            }),
+        };
+        let stage = Self {
+            robot: robot.clone(),
+            reference: reference.to_vec(),
+            scale,
+            world_from_process,
+            fixed,
+            has_foot,
+        };
+        (stage, scene)
+    }
+
+    /// The scene at the plant's present instant. `rigid` is where the arm would stand without deflection
+    /// (the command, shifted to the posture of touch-down).
+    pub(crate) fn frame(
+        &self,
+        time_s: f64,
+        plant: &dyn Plant,
+        process: &dyn Process,
+        commanded_shift: &[f64],
+    ) -> Frame {
+        let joints = plant.joints();
+        let rigid = self.reference.iter().zip(commanded_shift);
+        let enlarged: Vec<f64> = rigid
+            .zip(&joints.position)
+            .map(|((reference, shift), q)| {
+                let still = reference + shift;
+                still + self.scale * (q - still)
+            })
+            .collect();
+        let mut poses = vec![Pose::IDENTITY];
+        poses.extend(self.robot.world_from_links(&enlarged).iter().map(pose));
+        poses.push(Pose::IDENTITY);
+        poses.extend(plant.link_poses().iter().map(pose));
+        poses.extend(&self.fixed);
+        let at =
+            |q: &[f64], attachment: Attachment| self.robot.world_from_frame(q, attachment.into());
+        if self.has_foot {
+            let foot = at(&enlarged, Attachment::Foot);
+            poses.push(pose(&Isometry3::from_parts(
+                foot.translation,
+                self.world_from_process.rotation,
+            )));
+        }
+        let turn: UnitQuaternion<f64> = self.world_from_process.rotation;
+        let arrows = process
+            .arrows()
+            .iter()
+            .map(|(_, attachment, force)| {
+                let origin = at(&enlarged, *attachment).translation.vector;
+                (origin.into(), (turn * force).into())
+            })
+            .collect();
+        Frame {
+            time_s,
+            poses,
+            arrows,
+        }
+    }
+}
