@@ -1,0 +1,241 @@
+//! Arguments as they are written, and the resolved form that the commands work with.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use truecut_scenario::Scenario;
+
+use crate::failure::Failure;
+use crate::find::find_scenarios;
+
+/// Physics-backed simulation of robotic machining.
+///
+/// Exit codes: 0 good, 1 a claim failed, 2 bad input, 3 a run diverged, 4 the cross-check disagrees.
+#[derive(Debug, Parser)]
+#[command(name = "truecut", version)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run scenarios, judge their claims and write recordings
+    Run(RunArguments),
+    /// Run every scenario found, judge the claims, print one table and write JUnit XML
+    Check(CheckArguments),
+    /// Open a recording in the viewer, or list what it holds
+    View(ViewArguments),
+    /// Write the robot of a scenario, in its posture, as a MuJoCo model
+    ExportMjcf(ExportArguments),
+    /// Run scenarios here and in MuJoCo, and compare the recordings
+    Crosscheck(CrosscheckArguments),
+    /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
+    Robot(RobotArguments),
+    /// Print the JSON Schema of the scenario file
+    Schema,
+}
+
+/// How scenarios are changed and how many run at once.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// Change a key of the scenario, e.g. process.chamfer.spindle_rpm=400; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_set)]
+    pub set: Vec<(String, String)>,
+    /// How many runs may go on at once [default: one for each core]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<std::num::NonZeroUsize>,
+}
+
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// Scenario files
+    #[arg(required = true, value_name = "SCENARIO")]
+    scenarios: Vec<PathBuf>,
+    /// Folder for outputs; each scenario gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    #[command(flatten)]
+    common: Common,
+    /// Write no .rrd file for the viewer
+    #[arg(long)]
+    no_rrd: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// Scenario files, or folders in which they are looked for
+    #[arg(required = true, value_name = "PATH")]
+    paths: Vec<PathBuf>,
+    #[command(flatten)]
+    common: Common,
+    /// Where the JUnit XML goes
+    #[arg(long, value_name = "FILE", default_value = "out/junit.xml")]
+    junit: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub struct ViewArguments {
+    /// A recording: .rrd, .parquet or .arrows
+    pub file: PathBuf,
+    /// Convert a .parquet or .arrows file to a .rrd beside it
+    #[arg(long)]
+    pub rrd: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// Scenario file
+    pub scenario: PathBuf,
+    /// The MJCF file to write
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Change a key of the scenario; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_set)]
+    pub set: Vec<(String, String)>,
+}
+
+#[derive(Debug, Args)]
+pub struct CrosscheckArguments {
+    /// Scenario files
+    #[arg(required = true, value_name = "SCENARIO")]
+    scenarios: Vec<PathBuf>,
+    /// Folder for outputs; each scenario gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Args)]
+pub struct RobotArguments {
+    /// URDF file
+    pub urdf: PathBuf,
+    /// Link whose frame is the flange [default: the end of the chain]
+    #[arg(long, value_name = "LINK")]
+    pub tip: Option<String>,
+    /// Joint angles in degrees (prismatic joints in mm), in chain order, separated by commas
+    #[arg(
+        long,
+        value_name = "A,B,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub posture_deg: Option<Vec<f64>>,
+    /// Print flange poses for the postures in this CSV file (rad and m, one posture a row)
+    #[arg(long, value_name = "FILE")]
+    pub fk: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long, conflicts_with = "fk")]
+    pub json: bool,
+}
+
+/// `run`, resolved.
+pub struct RunPlan {
+    pub scenarios: Vec<Scenario>,
+    pub out: PathBuf,
+    pub rrd: bool,
+}
+
+/// `check`, resolved.
+pub struct CheckPlan {
+    pub files: Vec<PathBuf>,
+    pub set: Vec<(String, String)>,
+    pub junit: PathBuf,
+}
+
+impl RunArguments {
+    /// Loads every scenario before any runs.
+    pub fn resolve(self) -> Result<RunPlan, Failure> {
+        let scenarios = load_all(&self.scenarios, &self.common)?;
+        Ok(RunPlan {
+            scenarios,
+            out: self.out,
+            rrd: !self.no_rrd,
+        })
+    }
+}
+
+impl CrosscheckArguments {
+    /// Loads every scenario before any runs.
+    pub fn resolve(self) -> Result<RunPlan, Failure> {
+        let scenarios = load_all(&self.scenarios, &self.common)?;
+        Ok(RunPlan {
+            scenarios,
+            out: self.out,
+            rrd: false,
+        })
+    }
+}
+
+impl CheckArguments {
+    /// Finds the scenarios.
+    pub fn resolve(self) -> Result<CheckPlan, Failure> {
+        self.common.use_jobs()?;
+        Ok(CheckPlan {
+            files: find_scenarios(&self.paths)?,
+            set: self.common.set,
+            junit: self.junit,
+        })
+    }
+}
+
+impl Common {
+    fn use_jobs(&self) -> Result<(), Failure> {
+        let threads = self.jobs.map_or(0, std::num::NonZeroUsize::get);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global();
+        pool.map_err(|error| Failure::message(format!("cannot start {threads} jobs: {error}")))
+    }
+}
+
+fn load_all(paths: &[PathBuf], common: &Common) -> Result<Vec<Scenario>, Failure> {
+    common.use_jobs()?;
+    let mut scenarios: Vec<Scenario> = Vec::new();
+    let mut folders = BTreeMap::new();
+    for path in paths {
+        let scenario = Scenario::load(path, &common.set)?;
+        if let Some(other) = folders.insert(scenario.stem(), path) {
+            let (stem, other) = (scenario.stem(), other.display());
+            let text = format!(
+                "{other} and {} would both write to the folder \"{stem}\"",
+                path.display()
+            );
+            return Err(Failure::with_help(
+                text,
+                "run them one by one, with different --out folders",
+            ));
+        }
+        scenarios.push(scenario);
+    }
+    Ok(scenarios)
+}
+
+fn parse_set(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((key.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("write KEY=VALUE, e.g. process.chamfer.spindle_rpm=400".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory;
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn set_splits_at_the_first_equals_sign() {
+        let pair = |key: &str, value: &str| Ok((key.to_owned(), value.to_owned()));
+        assert_eq!(parse_set("name = a=b"), pair("name", "a=b"));
+        assert!(parse_set("name").is_err() && parse_set("=1").is_err() && parse_set("a=").is_err());
+    }
+}

@@ -1,0 +1,231 @@
+//! `truecut check`: runs every scenario found, judges the claims, prints one table, writes JUnit XML.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+use rayon::prelude::*;
+use truecut_recording::ClaimResult;
+use truecut_scenario::Scenario;
+
+use crate::args::CheckPlan;
+use crate::execute::Runs;
+use crate::failure::Failure;
+use crate::judge::{judge, verdict};
+use crate::outputs::write_file;
+use crate::progress::{Progress, RunProgress};
+use crate::sweep;
+use crate::text::{self, Align};
+use crate::verdict::Verdict;
+
+/// A scenario that was checked.
+struct Checked {
+    file: PathBuf,
+    name: String,
+    /// What it came to, or the report of why it cannot run.
+    result: Result<Judged, String>,
+    took: Duration,
+}
+
+struct Judged {
+    verdict: Verdict,
+    outcome: String,
+    claims: Vec<ClaimResult>,
+}
+
+/// Checks every file of the plan; a scenario with bad input does not keep the others from running.
+pub fn check(plan: &CheckPlan) -> Result<Verdict, Failure> {
+    let runs = Runs::default();
+    let progress = Progress::new(plan.files.len(), "checking");
+    let checked: Vec<Checked> = plan
+        .files
+        .par_iter()
+        .map(|file| check_one(file, &plan.set, &runs, &progress.run()))
+        .collect();
+    drop(progress);
+    write_junit(&checked, plan)?;
+    crate::print(&table(&checked))?;
+    for one in &checked {
+        if let Err(report) = &one.result {
+            eprintln!("{report}");
+        }
+    }
+    crate::print(&format!("  {}\n", summary(&checked, plan)))?;
+    Ok(checked
+        .iter()
+        .map(verdict_of)
+        .fold(Verdict::Good, Verdict::and))
+}
+
+fn check_one(
+    file: &PathBuf,
+    set: &[(String, String)],
+    runs: &Runs,
+    progress: &RunProgress,
+) -> Checked {
+    let started = Instant::now();
+    let mut name = file.display().to_string();
+    let result = Scenario::load(file, set)
+        .map_err(Failure::from)
+        .and_then(|scenario| {
+            name.clone_from(&scenario.name);
+            judge_scenario(&scenario, runs, progress)
+        });
+    Checked {
+        file: file.clone(),
+        name,
+        result: result.map_err(|failure| format!("{:?}", miette::Report::from(failure))),
+        took: started.elapsed(),
+    }
+}
+
+fn judge_scenario(
+    scenario: &Scenario,
+    runs: &Runs,
+    progress: &RunProgress,
+) -> Result<Judged, Failure> {
+    if scenario.sweep.is_some() {
+        let table = sweep::run(scenario, &|part| progress.set(part))?;
+        let claims = table.claims(scenario);
+        let outcome = format!("{} rows", table.rows.len());
+        let all_hold = claims.iter().all(|claim| claim.holds);
+        let verdict = if all_hold {
+            Verdict::Good
+        } else {
+            Verdict::ClaimFailed
+        };
+        return Ok(Judged {
+            verdict,
+            outcome,
+            claims,
+        });
+    }
+    let recording = runs.get(scenario, progress)?;
+    let claims = judge(scenario, &recording, runs, progress)?;
+    let verdict = verdict(&recording.outcome, &claims);
+    Ok(Judged {
+        verdict,
+        outcome: recording.outcome.to_string(),
+        claims,
+    })
+}
+
+fn verdict_of(checked: &Checked) -> Verdict {
+    checked
+        .result
+        .as_ref()
+        .map_or(Verdict::BadInput, |judged| judged.verdict)
+}
+
+fn table(checked: &[Checked]) -> String {
+    let mut rows = Vec::new();
+    for one in checked {
+        let (mark, outcome, claims) = match &one.result {
+            Ok(judged) => {
+                let mark = if judged.verdict == Verdict::Good {
+                    "✓"
+                } else {
+                    "✗"
+                };
+                let held = judged.claims.iter().filter(|claim| claim.holds).count();
+                (
+                    mark,
+                    judged.outcome.clone(),
+                    format!("{held}/{} claims", judged.claims.len()),
+                )
+            }
+            Err(_) => ("✗", "bad input".to_owned(), String::new()),
+        };
+        let took = text::seconds(one.took.as_secs_f64());
+        rows.push(vec![
+            format!("{mark} {}", one.file.display()),
+            claims,
+            took,
+            outcome,
+        ]);
+        let judged = one.result.as_ref().ok();
+        for claim in judged.into_iter().flat_map(|judged| &judged.claims) {
+            if !claim.holds {
+                let note = claim.note.as_ref().map(|note| format!(" ({note})"));
+                let shown = format!("{}{}", claim.shown, note.unwrap_or_default());
+                rows.push(vec![
+                    format!("    ✗ {}", claim.name),
+                    String::new(),
+                    String::new(),
+                    shown,
+                ]);
+            }
+        }
+    }
+    text::table(
+        &[Align::Left, Align::Right, Align::Right, Align::Left],
+        &rows,
+    )
+}
+
+fn summary(checked: &[Checked], plan: &CheckPlan) -> String {
+    let good = checked
+        .iter()
+        .filter(|one| verdict_of(one) == Verdict::Good)
+        .count();
+    format!(
+        "{good} of {} scenarios hold; JUnit XML in {}",
+        checked.len(),
+        plan.junit.display()
+    )
+}
+
+fn write_junit(checked: &[Checked], plan: &CheckPlan) -> Result<(), Failure> {
+    let mut report = Report::new("truecut");
+    for one in checked {
+        let mut suite = TestSuite::new(one.file.display().to_string());
+        suite.set_time(one.took);
+        suite.add_test_case(run_case(one));
+        let judged = one.result.as_ref().ok();
+        for claim in judged.into_iter().flat_map(|judged| &judged.claims) {
+            suite.add_test_case(claim_case(claim));
+        }
+        report.add_test_suite(suite);
+    }
+    let xml = report
+        .to_string()
+        .map_err(|error| Failure::message(format!("{}: {error}", plan.junit.display())))?;
+    write_file(&plan.junit, xml.as_bytes())
+}
+
+/// The run itself counts as a test: it fails if the run diverges, and is an error if it cannot be made.
+fn run_case(one: &Checked) -> TestCase {
+    let status = match &one.result {
+        Ok(Judged {
+            verdict: Verdict::Diverged,
+            outcome,
+            ..
+        }) => non_success(NonSuccessKind::Failure, outcome),
+        Ok(_) => TestCaseStatus::success(),
+        Err(report) => non_success(NonSuccessKind::Error, report),
+    };
+    let mut case = TestCase::new(format!("{} runs", one.name), status);
+    case.set_time(one.took);
+    case
+}
+
+fn claim_case(claim: &ClaimResult) -> TestCase {
+    let status = if claim.holds {
+        TestCaseStatus::success()
+    } else {
+        let note = claim
+            .note
+            .as_ref()
+            .map(|note| format!(" ({note})"))
+            .unwrap_or_default();
+        let text = format!("{}: {}{note}; {}", claim.metric, claim.shown, claim.reason);
+        non_success(NonSuccessKind::Failure, &text)
+    };
+    TestCase::new(&*claim.name, status)
+}
+
+fn non_success(kind: NonSuccessKind, message: &str) -> TestCaseStatus {
+    let mut status = TestCaseStatus::non_success(kind);
+    status.set_message(message);
+    status
+}

@@ -1,0 +1,130 @@
+//! `truecut crosscheck`: the same scenario here and in MuJoCo.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use truecut_scenario::Scenario;
+
+use crate::args::RunPlan;
+use crate::execute::{Executed, execute};
+use crate::failure::Failure;
+use crate::outputs::{Outputs, write_file};
+use crate::progress::Progress;
+use crate::verdict::Verdict;
+
+/// The cross-check, below the project's folder.
+const SCRIPT: &str = "tests/crosscheck/truecut_reference/run.py";
+
+/// The script's exit code if the engines disagree.
+const DISAGREES: i32 = 4;
+
+/// Runs every scenario here, then in MuJoCo, one after the other.
+pub fn crosscheck(plan: &RunPlan) -> Result<Verdict, Failure> {
+    if let Some(sweep) = plan
+        .scenarios
+        .iter()
+        .find(|scenario| scenario.sweep.is_some())
+    {
+        let text = "a sweep cannot be cross-checked: only single runs can";
+        return Err(sweep.problem("sweep", text).into());
+    }
+    let mut all = Verdict::Good;
+    for scenario in &plan.scenarios {
+        all = all.and(crosscheck_one(scenario, &plan.out)?);
+    }
+    Ok(all)
+}
+
+fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<Verdict, Failure> {
+    let script = upwards(SCRIPT, scenario).ok_or_else(|| {
+        let text = format!("{SCRIPT} is not found above this folder or above the scenario");
+        Failure::with_help(
+            text,
+            "the cross-check runs from a copy of the project's repository",
+        )
+    })?;
+    let python = python(scenario)?;
+    let outputs = Outputs::prepare(out, scenario, false)?;
+    let progress = Progress::new(1, "running");
+    let Executed {
+        recording, sinks, ..
+    } = execute(scenario, outputs.sinks(), &progress.run())?;
+    drop(progress);
+    sinks
+        .close(&recording, &[])
+        .map_err(|error| Failure::message(error.to_string()))?;
+    outputs.write_end(&recording, &[])?;
+    let mjcf = truecut_sim::export_mjcf(scenario).map_err(|error| Failure::sim(scenario, error))?;
+    write_file(&outputs.path("model.xml"), mjcf.as_bytes())?;
+    let mut command = Command::new(&python);
+    command.arg(script).arg(scenario.path());
+    command.arg("--mjcf").arg(outputs.path("model.xml"));
+    command.arg("--recording").arg(outputs.recording());
+    command.arg("--out").arg(outputs.path("crosscheck.json"));
+    for (key, value) in scenario.overrides() {
+        command
+            .arg("--set")
+            .arg(format!("{key}={}", as_json(&value)));
+    }
+    let status = command
+        .status()
+        .map_err(|error| Failure::message(format!("{}: {error}", python.display())))?;
+    match status.code() {
+        Some(0) => Ok(Verdict::Good),
+        Some(DISAGREES) => Ok(Verdict::Disagrees),
+        _ => Err(Failure::message(format!(
+            "the cross-check of {} ended with {status}",
+            scenario.path().display()
+        ))),
+    }
+}
+
+/// The interpreter in `TRUECUT_PYTHON`, or that of the project's virtual environment.
+fn python(scenario: &Scenario) -> Result<PathBuf, Failure> {
+    if let Some(given) = std::env::var_os("TRUECUT_PYTHON") {
+        return Ok(PathBuf::from(given));
+    }
+    upwards(".venv/bin/python", scenario).ok_or_else(|| {
+        let help = "`python3 tests/run.py` makes .venv; or name an interpreter in TRUECUT_PYTHON";
+        Failure::with_help("there is no Python with MuJoCo: no .venv/bin/python", help)
+    })
+}
+
+/// A file of the project, looked for from this folder and from the scenario's upwards.
+fn upwards(file: &str, scenario: &Scenario) -> Option<PathBuf> {
+    let starts = [
+        std::env::current_dir().ok(),
+        scenario.folder().canonicalize().ok(),
+    ];
+    let folders: Vec<PathBuf> = starts.into_iter().flatten().collect();
+    folders
+        .iter()
+        .flat_map(|start| start.ancestors())
+        .map(|folder| folder.join(file))
+        .find(|candidate| candidate.is_file())
+}
+
+/// The value of an override as JSON, which the cross-check reads.
+fn as_json(value: &str) -> String {
+    let parsed = format!("value = {value}").parse::<toml::Table>();
+    let json = parsed
+        .ok()
+        .and_then(|table| serde_json::to_value(table.get("value")?).ok());
+    json.unwrap_or_else(|| serde_json::Value::from(value))
+        .to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overrides_keep_their_type() {
+        assert_eq!(as_json("300"), "300");
+        assert_eq!(as_json("0.15"), "0.15");
+        assert_eq!(as_json("true"), "true");
+        assert_eq!(as_json("[1, 2.5]"), "[1,2.5]");
+        assert_eq!(as_json("forward"), "\"forward\"");
+        assert_eq!(as_json("\"forward\""), "\"forward\"");
+    }
+}

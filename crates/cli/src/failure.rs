@@ -1,0 +1,168 @@
+//! Errors of the program, as one report on standard error.
+
+use std::path::Path;
+
+use miette::{Diagnostic, NamedSource, SourceSpan};
+use truecut_arm::{ArmError, ArmErrorKind};
+use truecut_scenario::{Scenario, ScenarioError};
+use truecut_sim::SimError;
+
+/// Why a command could not do its work.
+#[derive(Debug)]
+pub struct Failure(Box<dyn Diagnostic + Send + Sync>);
+
+impl From<Failure> for miette::Report {
+    fn from(failure: Failure) -> miette::Report {
+        miette::Report::new_boxed(failure.0)
+    }
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl From<ScenarioError> for Failure {
+    fn from(error: ScenarioError) -> Failure {
+        Failure(Box::new(error))
+    }
+}
+
+/// A failure that is one sentence, with advice.
+#[derive(Debug)]
+struct Message {
+    text: String,
+    help: Option<String>,
+}
+
+impl std::fmt::Display for Message {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl std::error::Error for Message {}
+
+impl Diagnostic for Message {
+    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        self.help
+            .as_ref()
+            .map(|help| Box::new(help) as Box<dyn std::fmt::Display>)
+    }
+}
+
+/// A failure in a line of a file.
+#[derive(Debug)]
+struct InLine {
+    text: String,
+    help: Option<String>,
+    source: NamedSource<String>,
+    span: SourceSpan,
+}
+
+impl std::fmt::Display for InLine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl std::error::Error for InLine {}
+
+impl Diagnostic for InLine {
+    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        self.help
+            .as_ref()
+            .map(|help| Box::new(help) as Box<dyn std::fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn miette::SourceCode> {
+        Some(&self.source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = miette::LabeledSpan> + '_>> {
+        let label = miette::LabeledSpan::new_primary_with_span(Some("here".into()), self.span);
+        Some(Box::new(std::iter::once(label)))
+    }
+}
+
+impl Failure {
+    /// A failure that has no place in a file.
+    pub fn message(text: impl Into<String>) -> Failure {
+        Failure(Box::new(Message {
+            text: text.into(),
+            help: None,
+        }))
+    }
+
+    /// A failure that has no place in a file, and what to do about it.
+    pub fn with_help(text: impl Into<String>, help: impl Into<String>) -> Failure {
+        Failure(Box::new(Message {
+            text: text.into(),
+            help: Some(help.into()),
+        }))
+    }
+
+    /// A robot that cannot be used, at its line if the fault has one.
+    pub fn arm(error: &ArmError) -> Failure {
+        Failure::arm_with(error, None)
+    }
+
+    fn arm_with(error: &ArmError, help: Option<String>) -> Failure {
+        let place = error.path().zip(error.line());
+        let text = place.and_then(|(path, line)| in_line(path, line, error.message(), help));
+        text.map_or_else(
+            || Failure::message(error.to_string()),
+            |in_line| Failure(Box::new(in_line)),
+        )
+    }
+
+    /// An error of the simulator, at the key of the scenario that it is about.
+    pub fn sim(scenario: &Scenario, error: SimError) -> Failure {
+        match error {
+            SimError::Scenario { key, message } => scenario.problem(&key, message).into(),
+            SimError::Overrides(error) => (*error).into(),
+            SimError::Arm(error) if error.line().is_some() => {
+                let help = format!("it is the robot of {}", scenario.path().display());
+                Failure::arm_with(&error, Some(help))
+            }
+            SimError::Arm(error) => scenario
+                .problem(robot_key(scenario, &error), error.to_string())
+                .into(),
+            SimError::Metric(error) => {
+                Failure::message(format!("{}: {error}", scenario.path().display()))
+            }
+            SimError::Sink(error) => Failure::message(error.to_string()),
+        }
+    }
+}
+
+/// The key that a fault of the robot without a line of its own is about.
+fn robot_key(scenario: &Scenario, error: &ArmError) -> &'static str {
+    let of_config = error.path().is_some() && error.path() == scenario.robot.config.as_deref();
+    match error.kind() {
+        ArmErrorKind::OutsideLimits { .. } if scenario.gives("robot.posture_deg") => {
+            "robot.posture_deg"
+        }
+        _ if of_config => "robot.config",
+        _ => "robot.urdf",
+    }
+}
+
+fn in_line(path: &Path, line: usize, text: String, help: Option<String>) -> Option<InLine> {
+    let source = std::fs::read_to_string(path).ok()?;
+    let start: usize = source
+        .split_inclusive('\n')
+        .take(line.checked_sub(1)?)
+        .map(str::len)
+        .sum();
+    let rest = source.get(start..)?.lines().next().unwrap_or_default();
+    let indent = rest.len() - rest.trim_start().len();
+    let span = (start + indent, rest.trim().len()).into();
+    Some(InLine {
+        text,
+        help,
+        source: NamedSource::new(path.display().to_string(), source),
+        span,
+    })
+}

@@ -1,0 +1,85 @@
+//! The `truecut` program: runs scenarios, judges their claims and writes recordings.
+
+mod args;
+mod check;
+mod crosscheck;
+mod execute;
+mod failure;
+mod find;
+mod judge;
+mod mjcf;
+mod outputs;
+mod progress;
+mod robot;
+mod run;
+mod svg;
+mod sweep;
+mod sweep_output;
+mod sweep_parquet;
+mod text;
+mod verdict;
+mod view;
+
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::{Arguments, Command};
+use crate::failure::Failure;
+use crate::verdict::Verdict;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    install_reporter();
+    match dispatch(arguments.command) {
+        Ok(verdict) => verdict.into(),
+        Err(failure) => {
+            eprintln!("{:?}", miette::Report::from(failure));
+            Verdict::BadInput.into()
+        }
+    }
+}
+
+fn dispatch(command: Command) -> Result<Verdict, Failure> {
+    match command {
+        Command::Run(arguments) => run::run(arguments.resolve()?),
+        Command::Check(arguments) => check::check(&arguments.resolve()?),
+        Command::View(arguments) => view::view(&arguments),
+        Command::ExportMjcf(arguments) => mjcf::export(&arguments),
+        Command::Crosscheck(arguments) => crosscheck::crosscheck(&arguments.resolve()?),
+        Command::Robot(arguments) => robot::describe(&arguments),
+        Command::Schema => print(&format!(
+            "{:#}\n",
+            truecut_scenario::Scenario::json_schema()
+        )),
+    }
+}
+
+/// Prints to standard output; a reader that has gone away (`truecut schema | head`) is no error.
+fn print(text: &str) -> Result<Verdict, Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::message(
+            format!("cannot write to standard output: {error}"),
+        )),
+        _ => Ok(Verdict::Good),
+    }
+}
+
+/// Reports break lines only where a person reads them, so that programs find whole sentences.
+fn install_reporter() {
+    let wrap = std::io::stderr().is_terminal();
+    let report = move || -> Box<dyn miette::ReportHandler> {
+        let options = miette::MietteHandlerOpts::new();
+        Box::new(
+            options
+                .wrap_lines(wrap)
+                .terminal_links(false)
+                .context_lines(1)
+                .build(),
+        )
+    };
+    // Fails only if a reporter is installed already; then that one serves.
+    let _ = miette::set_hook(Box::new(move |_| report()));
+}

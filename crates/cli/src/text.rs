@@ -1,0 +1,175 @@
+//! Numbers and tables for people.
+
+use truecut_recording::{ClaimResult, Outcome, Scalar, Unit, UserUnit, significant};
+
+/// The unit in which an engineer reads a quantity of this size.
+pub fn reading_unit(unit: Unit, size: f64) -> UserUnit {
+    let size = size.abs();
+    let symbol = match unit {
+        Unit::Metre if size >= 1.0 => "m",
+        Unit::Metre if size >= 1e-4 || size == 0.0 => "mm",
+        Unit::Metre if size >= 1e-7 => "µm",
+        Unit::Metre => "nm",
+        Unit::SquareMetre => "mm^2",
+        Unit::CubicMetre => "mm^3",
+        Unit::MetrePerSecond if size < 1.0 => "mm/s",
+        Unit::Pascal => "MPa",
+        Unit::Radian => "deg",
+        Unit::Second if size < 0.1 && size > 0.0 => "ms",
+        Unit::NewtonPerMetre => "N/µm",
+        _ => unit.symbol(),
+    };
+    UserUnit::parse(symbol).unwrap_or_else(|_| UserUnit::from(unit))
+}
+
+/// A value with the unit in which an engineer reads it.
+pub fn show(unit: Unit, value: f64) -> String {
+    if value.is_nan() {
+        return "none".to_owned();
+    }
+    reading_unit(unit, value).show(value)
+}
+
+/// The numbers that a run computed, one a line.
+pub fn scalars(scalars: &[Scalar]) -> String {
+    let rows: Vec<Vec<String>> = scalars
+        .iter()
+        .map(|one| {
+            vec![
+                one.name.clone(),
+                show(one.unit, one.value),
+                one.description.clone(),
+            ]
+        })
+        .collect();
+    table(&[Align::Left, Align::Right, Align::Left], &rows)
+}
+
+/// The numbers that say what came of the process; what describes the plant is left to one line.
+pub fn headline(all: &[Scalar]) -> String {
+    let of_plant = |one: &&Scalar| one.name.starts_with("plant.") || one.name.starts_with("run.");
+    let results: Vec<Scalar> = all.iter().filter(|one| !of_plant(one)).cloned().collect();
+    let modes: Vec<String> = all
+        .iter()
+        .filter(|one| one.name.starts_with("plant.mode") && one.unit == Unit::Hertz)
+        .map(|one| significant(one.value, 4))
+        .collect();
+    let mut text = scalars(&results);
+    if !modes.is_empty() {
+        text.push_str(&format!(
+            "  natural frequencies of the free arm: {} Hz\n",
+            modes.join(", ")
+        ));
+    }
+    text
+}
+
+/// The claims, one a line: whether it holds, its value and bounds, and why it must hold.
+pub fn claims(claims: &[ClaimResult]) -> String {
+    let rows: Vec<Vec<String>> = claims
+        .iter()
+        .map(|claim| {
+            let mark = if claim.holds { "✓" } else { "✗" };
+            let note = claim.note.as_ref().map(|note| format!(" ({note})"));
+            vec![
+                format!("{mark} {}", claim.name),
+                format!("{}{}", claim.shown, note.unwrap_or_default()),
+                claim.reason.clone(),
+            ]
+        })
+        .collect();
+    table(&[Align::Left; 3], &rows)
+}
+
+/// How a run ended, as the end of a sentence; what diverged if it did.
+pub fn outcome(outcome: &Outcome) -> String {
+    match outcome {
+        Outcome::Completed => "completed".to_owned(),
+        other => format!("✗ {other}"),
+    }
+}
+
+/// A duration with three digits.
+pub fn seconds(value: f64) -> String {
+    format!("{} s", significant(value, 3))
+}
+
+/// Which side of a column its entries keep to.
+#[derive(Debug, Clone, Copy)]
+pub enum Align {
+    Left,
+    Right,
+}
+
+/// Lines with aligned columns, indented by two.
+pub fn table(aligns: &[Align], rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        let widths = rows
+            .iter()
+            .filter_map(|row| row.get(column))
+            .map(|cell| cell.chars().count());
+        widths.max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..aligns.len()).map(width).collect();
+    let mut text = String::new();
+    for row in rows {
+        let mut line = String::new();
+        for ((cell, align), width) in row.iter().zip(aligns).zip(&widths) {
+            let width = *width;
+            let cell = match align {
+                Align::Left => format!("  {cell:<width$}"),
+                Align::Right => format!("  {cell:>width$}"),
+            };
+            line.push_str(&cell);
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_read_in_the_unit_of_their_size() {
+        assert_eq!(show(Unit::Metre, 1.9e-5), "19.00 µm");
+        assert_eq!(show(Unit::Metre, 9.999e-4), "0.9999 mm");
+        assert_eq!(show(Unit::Metre, 8e-8), "80.00 nm");
+        assert_eq!(show(Unit::Metre, 0.0), "0 mm");
+        assert_eq!(show(Unit::Pascal, 4.5e5), "0.4500 MPa");
+        assert_eq!(show(Unit::Metre, f64::NAN), "none");
+        assert_eq!(show(Unit::Hertz, 5.0), "5.000 Hz");
+    }
+
+    #[test]
+    fn the_headline_names_results_and_sums_up_the_plant() {
+        let scalar = |name: &str, unit, value| Scalar::new(name, unit, value, "what it is");
+        let text = headline(&[
+            scalar("run.time_step", Unit::Second, 2e-4),
+            scalar("plant.mode1_frequency", Unit::Hertz, 6.672),
+            scalar("plant.mode2_frequency", Unit::Hertz, 11.03),
+            scalar("chamfer.width_spread", Unit::Metre, 1.9e-5),
+        ]);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "  chamfer.width_spread  19.00 µm  what it is");
+        assert_eq!(
+            lines[1],
+            "  natural frequencies of the free arm: 6.672, 11.03 Hz"
+        );
+        assert_eq!(lines.len(), 2);
+    }
+
+    #[test]
+    fn columns_line_up_also_with_wide_letters() {
+        let rows = vec![
+            vec!["µ".to_owned(), "1".to_owned()],
+            vec!["abc".to_owned(), "22".to_owned()],
+        ];
+        assert_eq!(
+            table(&[Align::Left, Align::Right], &rows),
+            "  µ     1\n  abc  22\n"
+        );
+    }
+}

@@ -1,0 +1,131 @@
+//! `truecut view`: opens the viewer, or lists the channels of a recording.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use truecut_recording::{Chunk, Recording, Sink, Unit, reduce, significant};
+use truecut_telemetry::{RrdSink, read_recording};
+
+use crate::args::ViewArguments;
+use crate::failure::Failure;
+use crate::text::{self, Align};
+use crate::verdict::Verdict;
+
+/// How to get the viewer that fits the recordings.
+const GET_VIEWER: &str = "pip install rerun-sdk==0.36.3";
+
+/// Opens or lists the file.
+pub fn view(arguments: &ViewArguments) -> Result<Verdict, Failure> {
+    let file = &arguments.file;
+    if !file.is_file() {
+        return Err(Failure::message(format!(
+            "{}: no such file",
+            file.display()
+        )));
+    }
+    if file.extension().is_some_and(|extension| extension == "rrd") {
+        return open(file);
+    }
+    let recording = read_recording(file).map_err(|error| Failure::message(error.to_string()))?;
+    if arguments.rrd {
+        let target = file.with_extension("rrd");
+        convert(&recording, &target)?;
+        return crate::print(&format!("{}\n", target.display()));
+    }
+    crate::print(&list(file, &recording))
+}
+
+fn open(file: &Path) -> Result<Verdict, Failure> {
+    let Some(viewer) = on_path("rerun") else {
+        let text = format!("{}: the viewer `rerun` is not on the PATH", file.display());
+        return Err(Failure::with_help(
+            text,
+            format!("get it with `{GET_VIEWER}`"),
+        ));
+    };
+    let status = Command::new(&viewer)
+        .arg(file)
+        .status()
+        .map_err(|error| Failure::message(format!("{}: {error}", viewer.display())))?;
+    if status.success() {
+        return Ok(Verdict::Good);
+    }
+    let text = format!("{} ended with {status}", viewer.display());
+    Err(Failure::with_help(
+        text,
+        format!("recordings need the viewer of `{GET_VIEWER}`"),
+    ))
+}
+
+fn on_path(program: &str) -> Option<PathBuf> {
+    let name = format!("{program}{}", std::env::consts::EXE_SUFFIX);
+    let path = std::env::var_os("PATH")?;
+    std::env::split_paths(&path)
+        .map(|folder| folder.join(&name))
+        .find(|file| file.is_file())
+}
+
+/// Writes a `.rrd` with the curves of a recording; the 3-D scene is only in the `.rrd` of the run itself.
+fn convert(recording: &Recording, target: &Path) -> Result<(), Failure> {
+    let failed = |error: truecut_recording::SinkError| Failure::message(error.to_string());
+    let mut sink = RrdSink::new(target);
+    sink.begin(&recording.header).map_err(failed)?;
+    let chunk = Chunk {
+        time_s: &recording.time_s,
+        columns: recording.columns.iter().map(Vec::as_slice).collect(),
+        frames: &[],
+    };
+    sink.chunk(&chunk).map_err(failed)?;
+    sink.finish(recording, &[]).map_err(failed)
+}
+
+fn list(file: &Path, recording: &Recording) -> String {
+    let header = &recording.header;
+    let span = match (recording.time_s.first(), recording.time_s.last()) {
+        (Some(first), Some(last)) => format!("{first} to {last} s"),
+        _ => "nothing".to_owned(),
+    };
+    let mut text = format!(
+        "{}\n  {}: {}, {} rows, {span}\n",
+        header.scenario_name,
+        file.display(),
+        text::outcome(&recording.outcome),
+        recording.time_s.len()
+    );
+    for note in &header.notes {
+        text.push_str(&format!("  note: {note}\n"));
+    }
+    let head = ["channel", "unit", "min", "max", "rms", "what"]
+        .map(str::to_owned)
+        .to_vec();
+    let channels = header
+        .channels
+        .iter()
+        .zip(&recording.columns)
+        .map(|(channel, column)| {
+            let unit = unit_of(channel.unit, column);
+            let shown = |value: f64| significant(unit.from_si(value), 4);
+            vec![
+                channel.name.clone(),
+                unit.symbol.clone(),
+                shown(reduce::min(column)),
+                shown(reduce::max(column)),
+                shown(reduce::rms(&recording.time_s, column)),
+                channel.description.clone(),
+            ]
+        });
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(channels).collect();
+    use Align::{Left, Right};
+    text.push_str(&format!(
+        "\n{}",
+        text::table(&[Left, Left, Right, Right, Right, Left], &rows)
+    ));
+    if !recording.scalars.is_empty() {
+        text.push_str(&format!("\n{}", text::scalars(&recording.scalars)));
+    }
+    text
+}
+
+fn unit_of(unit: Unit, column: &[f64]) -> truecut_recording::UserUnit {
+    text::reading_unit(unit, reduce::peak(column))
+}
