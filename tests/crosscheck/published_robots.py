@@ -1,0 +1,176 @@
+"""Published robots, read by truecut and by Pinocchio.
+
+Every arm of the PyPI package `example-robot-data` is given to `truecut robot` as it is installed. Its flange pose
+must equal that of the same frame in Pinocchio (`pin`) on 100 random postures, and so must the mass that moves with
+the first joint: a side branch lost in merging shows there.
+
+    pip install example-robot-data pin pytest
+    TRUECUT_BIN=target/release/truecut pytest tests/crosscheck/published_robots.py
+
+Tests are skipped, by name, if a package is not installed. None of the robots' files is part of this repository.
+"""
+
+import csv
+import io
+import os
+import pathlib
+import re
+import subprocess
+
+import pytest
+
+np = pytest.importorskip("numpy")
+pin = pytest.importorskip("pinocchio", reason="needs the PyPI package pin")
+cmeel = pytest.importorskip("cmeel", reason="needs the PyPI package example-robot-data")
+
+POSTURES = 100
+#: Both programs use double precision on a reach of about a metre; 1e-9 m is what the issue asks for,
+#: and some five orders above their rounding.
+TOLERANCE_M = 1e-9
+
+#: URDF below the package's robot folder, tip asked for, tip expected. Several ways to ask for the same robot are
+#: listed where a user would: the default tip, the last link of the arm proper, the end of a gripper.
+ROBOTS = [
+    ("ur_description/urdf/ur3_robot.urdf", None, "tool0"),
+    ("ur_description/urdf/ur3_joint_limited_robot.urdf", "ee_link", "ee_link"),
+    ("ur_description/urdf/ur3_gripper.urdf", None, "tool0"),
+    ("ur_description/urdf/ur5_robot.urdf", None, "tool0"),
+    ("ur_description/urdf/ur5_joint_limited_robot.urdf", "wrist_3_link", "wrist_3_link"),
+    ("ur_description/urdf/ur5_gripper.urdf", None, "tool0"),
+    ("ur_description/urdf/ur10_robot.urdf", None, "tool0"),
+    ("ur_description/urdf/ur10_joint_limited_robot.urdf", "forearm_link", "forearm_link"),
+    ("panda_description/urdf/panda.urdf", None, "panda_hand_tcp"),
+    ("panda_description/urdf/panda.urdf", "panda_link8", "panda_link8"),
+    ("panda_description/urdf/panda.urdf", "panda_leftfinger", "panda_leftfinger"),
+    ("panda_description/urdf/panda_collision.urdf", None, "panda_hand_tcp"),
+    ("xarm_description/urdf/xarm7.urdf", None, "link_eef"),
+    ("z1_description/urdf/z1.urdf", None, "gripperMover"),
+    ("z1_description/urdf/z1.urdf", "gripperStator", "gripperStator"),
+    ("kinova_description/robots/kinova.urdf", None, "j2s6s200_end_effector"),
+    ("so_arm_description/urdf/so100.urdf", None, "jaw"),
+    ("so_arm_description/urdf/so101.urdf", None, "gripper_frame_link"),
+    ("so_arm_description/urdf/so101.urdf", "moving_jaw_so101_v1_link", "moving_jaw_so101_v1_link"),
+    ("talos_data/robots/talos_left_arm.urdf", "gripper_left_base_link", "gripper_left_base_link"),
+    ("asr_twodof_description/urdf/TwoDofs.urdf", None, "Tip"),
+    ("double_pendulum_description/urdf/double_pendulum_continuous.urdf", None, "link2"),
+    # One arm of a robot with two, an arm on a walking one: a tip makes a chain of any tree.
+    ("baxter_description/urdf/baxter.urdf", "left_gripper", "left_gripper"),
+    (
+        "anymal_b_simple_description/robots/anymal-kinova.urdf",
+        "j2s6s200_end_effector",
+        "j2s6s200_end_effector",
+    ),
+]
+
+
+def robots_folder():
+    for root in cmeel.__path__:
+        folder = pathlib.Path(root).parent / "cmeel.prefix/share/example-robot-data/robots"
+        if folder.is_dir():
+            return folder
+    pytest.skip("needs the PyPI package example-robot-data")
+
+
+def truecut(*arguments):
+    binary = os.environ.get("TRUECUT_BIN")
+    if not binary:
+        pytest.skip("TRUECUT_BIN does not name the truecut program")
+    return subprocess.run([binary, "robot", *map(str, arguments)], capture_output=True, text=True, check=False)
+
+
+def chain_joints(model, tip):
+    """Moving joints from the root to the frame `tip`, in chain order."""
+    joint = model.frames[model.getFrameId(tip, pin.FrameType.BODY)].parentJoint
+    chain = []
+    while joint > 0:
+        chain.insert(0, joint)
+        joint = model.parents[joint]
+    return chain
+
+
+def random_postures(model, chain, rng):
+    """Joint vectors within ±pi or ±1 m and the limits."""
+    limits = []
+    for joint in chain:
+        low, high = -np.pi, np.pi
+        if model.joints[joint].nq == 1:
+            index = model.joints[joint].idx_q
+            low = max(low, model.lowerPositionLimit[index])
+            high = min(high, model.upperPositionLimit[index])
+        limits.append((low, high) if low < high else (-np.pi, np.pi))
+    lows, highs = np.array(limits).T
+    return rng.uniform(lows, highs, size=(POSTURES, len(chain)))
+
+
+def configuration(model, chain, posture):
+    """The chain at `posture`, everything else at zero; a continuous joint is (cos, sin) in Pinocchio."""
+    q = pin.neutral(model)
+    for joint, value in zip(chain, posture):
+        start = model.joints[joint].idx_q
+        if model.joints[joint].nq == 2:
+            q[start : start + 2] = np.cos(value), np.sin(value)
+        else:
+            q[start] = value
+    return q
+
+
+def identify(value):
+    return "default tip" if value is None else str(value).rsplit("/", maxsplit=1)[-1]
+
+
+@pytest.mark.parametrize(("urdf", "asked", "expected"), ROBOTS, ids=identify)
+def test_crosscheck_pinocchio_flange(urdf, asked, expected, tmp_path):
+    path = robots_folder() / urdf
+    tip_arguments = [] if asked is None else ["--tip", asked]
+    model = pin.buildModelFromUrdf(str(path))
+    data = model.createData()
+    chain = chain_joints(model, expected)
+    postures = random_postures(model, chain, np.random.default_rng(20))
+    table = tmp_path / "postures.csv"
+    table.write_text("\n".join(",".join(repr(float(v)) for v in row) for row in postures) + "\n")
+
+    answer = truecut(path, *tip_arguments, "--fk", table)
+    assert answer.returncode == 0, answer.stderr
+    rows = list(csv.DictReader(io.StringIO(answer.stdout)))
+    assert len(rows) == POSTURES
+
+    frame = model.getFrameId(expected, pin.FrameType.BODY)
+    worst_m, worst_rotation = 0.0, 0.0
+    for posture, row in zip(postures, rows):
+        pin.framesForwardKinematics(model, data, configuration(model, chain, posture))
+        pose = data.oMf[frame]
+        ours = [float(row[key]) for key in ("x_m", "y_m", "z_m")]
+        rotation = [[float(row[f"r{i}{j}"]) for j in (1, 2, 3)] for i in (1, 2, 3)]
+        worst_m = max(worst_m, np.abs(pose.translation - ours).max())
+        worst_rotation = max(worst_rotation, np.abs(pose.rotation - rotation).max())
+    assert worst_m <= TOLERANCE_M
+    assert worst_rotation <= TOLERANCE_M
+
+
+@pytest.mark.parametrize(("urdf", "asked", "expected"), ROBOTS, ids=identify)
+def test_crosscheck_pinocchio_moving_mass(urdf, asked, expected):
+    tip_arguments = [] if asked is None else ["--tip", asked]
+    answer = truecut(robots_folder() / urdf, *tip_arguments)
+    assert answer.returncode == 0, answer.stderr
+    assert f'flange "{expected}"' in answer.stdout
+
+    model = pin.buildModelFromUrdf(str(robots_folder() / urdf))
+    data = model.createData()
+    pin.computeSubtreeMasses(model, data)
+    moving_kg = float(re.search(r"([\d.]+) kg moving", answer.stdout).group(1))
+    # The report prints six decimals.
+    assert abs(moving_kg - data.mass[chain_joints(model, expected)[0]]) <= 1e-6
+
+
+def test_a_walking_robot_needs_a_tip():
+    answer = truecut(robots_folder() / "anymal_b_simple_description/robots/anymal-kinova.urdf")
+    assert answer.returncode == 2
+    assert "several possible tips" in answer.stderr
+    assert "j2s6s200_end_effector" in answer.stderr
+
+
+def test_a_file_without_a_robot_is_refused():
+    """The package holds one file from which its generator left everything out."""
+    answer = truecut(robots_folder() / "ur_description/urdf/ur3.urdf")
+    assert answer.returncode == 2
+    assert "no links" in answer.stderr

@@ -1,0 +1,5 @@
+"""Second opinion on truecut: MuJoCo plant, process laws written from the physics specification.
+
+Nothing here reads truecut's own code. What comes in is the scenario file, the exported MJCF
+and, for the comparison, the recorded channels.
+"""

@@ -1,0 +1,192 @@
+"""Cross-checks one scenario: `run.py SCENARIO --mjcf FILE --recording recording.parquet --out crosscheck.json`.
+
+Runs the reference at a step and at half of it, in two processes; it counts only if halving the step moves it by less
+than a third of the tolerance. Exit codes: 0 agreement, 2 bad input, 4 disagreement.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import sys
+from pathlib import Path
+
+import numpy as np
+
+if __package__ in (None, ""):
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from truecut_reference import compare, scenario as scenario_file  # noqa: E402
+from truecut_reference.scenario import Chamfer, Load, Scenario  # noqa: E402
+from truecut_reference.simulate import Result, simulate  # noqa: E402
+
+STEP_S = 50e-6
+DISAGREES = 4
+BAD_INPUT = 2
+
+
+def tolerance_of(scenario: Scenario) -> float:
+    """Bound on the NRMSE of the tool's displacement: smooth, time-known forces 0.1 %, contact and cutting 1 %."""
+    smooth = isinstance(scenario.process, Load) and scenario.process.foot is None
+    return 1e-3 if smooth else 1e-2
+
+
+def reference_pair(scenario: Scenario, model, step_s: float, until_s: float) -> tuple[Result, Result]:
+    """The reference at half the step and at the step."""
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        jobs = [pool.apply_async(simulate, (scenario, model, h, until_s)) for h in (0.5 * step_s, step_s)]
+        fine, coarse = (job.get() for job in jobs)
+    return fine, coarse
+
+
+def crosscheck(scenario: Scenario, model, recording: compare.Recording, step_s: float = STEP_S) -> dict:
+    """Everything that `crosscheck.json` holds; `agrees` is the verdict and `failures` its reasons."""
+    tolerance = tolerance_of(scenario)
+    end_s = float(recording.time_s[-1])
+    fine, coarse = reference_pair(scenario, model, step_s, end_s)
+    ramp_s = scenario.process.ramp_s if isinstance(scenario.process, Chamfer) else 0.0
+    leaves = [t for t in (fine.left_cut_s, compare.left_cut_s(recording, ramp_s)) if t is not None]
+    until_s = min(leaves, default=np.inf)
+    report = {
+        "scenario": str(scenario.path or scenario.name),
+        "tolerance": tolerance,
+        "step_s": fine.step_s,
+        "wall_s": {"step": coarse.wall_s, "half_step": fine.wall_s},
+        "left_cut_s": {"reference": fine.left_cut_s, "recording": compare.left_cut_s(recording, ramp_s)},
+        "recorded_share": end_s / scenario.duration_s,
+        "halving_the_step": _halving(fine, coarse, until_s, tolerance),
+    }
+    report |= _against(fine, recording, until_s)
+    report["failures"] = failures(report, tolerance)
+    report["agrees"] = not report["failures"]
+    return report
+
+
+def _halving(fine: Result, coarse: Result, until_s: float, tolerance: float) -> dict:
+    as_recorded = compare.Recording.of_result(coarse)
+    rows = (as_recorded.time_s <= min(until_s, fine.state_time_s[-1])) & compare.sliding_rows(as_recorded)
+    moved = compare.distance(fine, as_recorded, compare.VECTORS["tool.displacement"], _some(rows))
+    found = {"nrmse": moved.nrmse, "limit": tolerance / 3.0, "counts": moved.nrmse < tolerance / 3.0}
+    if "foot.sliding" in fine.channels:
+        limit_s = compare.EVENT_TOLERANCE_S / 3.0
+        same = compare.same_events(*_until(fine, coarse, until_s), tolerance_s=limit_s)
+        found["events_moved_s"] = same["largest_difference_s"]
+        found["counts"] = found["counts"] and same["same"]
+    after = as_recorded.time_s > until_s
+    if np.count_nonzero(after) > 100:
+        moved = compare.distance(fine, as_recorded, compare.VECTORS["tool.displacement"], after)
+        found["rms_ratio_after"] = moved.rms_ratio
+        found["counts"] = found["counts"] and abs(moved.rms_ratio - 1.0) < compare.RMS_AFTER_TOLERANCE / 3.0
+    return found
+
+
+def _some(rows: np.ndarray) -> np.ndarray:
+    """The mask, or all rows when it holds next to nothing."""
+    return rows if np.count_nonzero(rows) > 2 else np.ones_like(rows)
+
+
+def _until(a: Result, b: Result, until_s: float):
+    parts = []
+    for r in (a, b):
+        rows = r.force_time_s <= until_s
+        parts += [r.force_time_s[rows], r.channels["foot.sliding"][rows]]
+    return parts
+
+
+def _against(fine: Result, recording: compare.Recording, until_s: float) -> dict:
+    before = (recording.time_s <= until_s) & (recording.time_s <= fine.state_time_s[-1])
+    after = (recording.time_s > until_s) & (recording.time_s <= fine.state_time_s[-1])
+    sliding = _some(before & compare.sliding_rows(recording))
+    named = compare.quantities(fine, recording)
+    whole = {name: compare.distance(fine, recording, parts, before).as_dict() for name, parts in named.items()}
+    found = {
+        "quantities": whole,
+        "channels": {p: compare.distance(fine, recording, (p,), before).nrmse for ps in named.values() for p in ps},
+        "tool_while_sliding": compare.distance(fine, recording, named["tool.displacement"], sliding).as_dict(),
+        "scalars": {
+            name: {"reference": value, "recording": recording.scalars[name]}
+            for name, value in fine.scalars.items()
+            if name in recording.scalars
+        },
+    }
+    if "foot.sliding" in fine.channels:
+        rows = fine.force_time_s <= min(until_s, float(recording.time_s[-1]))
+        mine = (fine.force_time_s[rows], fine.channels["foot.sliding"][rows])
+        theirs = (recording.time_s[before], recording.channels["foot.sliding"][before])
+        found["stick_slip"] = compare.same_events(*mine, *theirs)
+    if np.count_nonzero(after) > 100:
+        found["after_leaving_the_cut"] = compare.distance(
+            fine, recording, named["tool.displacement"], after
+        ).as_dict()
+    return found
+
+
+def failures(report: dict, tolerance: float) -> list[str]:
+    """Each reason why the two sides do not agree, in words."""
+    found = []
+    if report["recorded_share"] < 0.999:
+        found.append(f"the recording ends after {report['recorded_share']:.1%} of the run")
+    halving = report["halving_the_step"]
+    if not halving["counts"]:
+        found.append(f"the reference is not converged: halving its step moves it by {halving['nrmse']:.2e}, limit {halving['limit']:.2e}")
+    tool = report["tool_while_sliding"]["nrmse"]
+    if not tool <= tolerance:
+        found.append(f"tool displacement differs by {tool:.3%} of its range, limit {tolerance:.1%}")
+    whole = report["quantities"]["tool.displacement"]["nrmse"]
+    if not whole <= tolerance:
+        found.append(f"tool displacement over the whole run differs by {whole:.3%} of its range, limit {tolerance:.1%}")
+    events = report.get("stick_slip")
+    if events and not events["same"]:
+        found.append(
+            f"stick and slip differ: reference {_brief(events['reference'])}, recording {_brief(events['recording'])}"
+        )
+    after = report.get("after_leaving_the_cut")
+    if after and abs(after["rms_ratio"] - 1.0) > compare.RMS_AFTER_TOLERANCE:
+        found.append(f"after the edge has left the cut the RMS ratio is {after['rms_ratio']:.4f}, limit 1 +- 0.03")
+    return found
+
+
+def _brief(events) -> str:
+    shown = [f"{kind} {start:.4f}-{end:.4f} s" for kind, start, end in events[:12]]
+    return ", ".join(shown) + (f" and {len(events) - 12} more" if len(events) > 12 else "")
+
+
+def _value(text: str):
+    """A number, list or boolean as JSON writes it; anything else is a string."""
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError:
+        return text
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scenario", type=Path)
+    parser.add_argument("--mjcf", type=Path, required=True)
+    parser.add_argument("--recording", type=Path, required=True)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--step-us", type=float, default=STEP_S * 1e6, help="the coarser of the two steps")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="as given to `truecut run`")
+    options = parser.parse_args(arguments)
+    try:
+        overrides = {k: _value(v) for k, v in (item.split("=", 1) for item in options.set)}
+        scenario = scenario_file.load(options.scenario, overrides)
+        recording = compare.Recording.read(options.recording)
+        model = options.mjcf.read_text(encoding="utf-8")
+        report = crosscheck(scenario, model, recording, options.step_us * 1e-6)
+    except (OSError, KeyError, ValueError, NotImplementedError) as error:
+        print(f"cross-check of {options.scenario}: {error}", file=sys.stderr)
+        return BAD_INPUT
+    options.out.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    tool = report["quantities"]["tool.displacement"]["nrmse"]
+    verdict = "agrees" if report["agrees"] else "disagrees"
+    print(f"{options.scenario}: {verdict}, tool displacement NRMSE {tool:.4%}")
+    for line in report["failures"]:
+        print(f"  {line}")
+    return 0 if report["agrees"] else DISAGREES
+
+
+if __name__ == "__main__":
+    sys.exit(main())

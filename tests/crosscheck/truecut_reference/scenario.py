@@ -1,0 +1,320 @@
+"""Reads a scenario file and the robot description beside its URDF, and turns both into SI units.
+
+The file format is truecut's; the reading is written anew, so that a mistaken unit on either side shows up
+as a disagreement. Keys that only concern claims, sweeps or the viewer are ignored.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+MM = 1e-3
+MPA = 1e6
+RPM = 2.0 * math.pi / 60.0
+ATMOSPHERE_PA = 101325.0
+
+
+class ScenarioError(ValueError):
+    """The scenario asks for something that this reference does not model, or lacks a key."""
+
+
+@dataclass(frozen=True)
+class Robot:
+    """The arm, its posture and what drives it. Posture lists follow the chain."""
+
+    urdf: Path
+    config: Path
+    tip: str | None
+    posture_rad: list[float]
+    posture_m: list[float]
+    gravity: bool
+    drive: str
+    inertia_scale: float
+    stiffness_scale: float
+    damping_scale: float
+    hold_against_sag: bool
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction of the foot on the workpiece; `mu` is the kinetic coefficient."""
+
+    law: str
+    mu: float
+    mu_static: float = 0.0
+    stribeck_speed_m_per_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Foot:
+    """Pneumatic pressure foot: gas spring, sealed rod and friction. Pressure is gauge pressure."""
+
+    pressure_pa: float
+    bore_m: float
+    cylinders: int
+    gas_length_m: float
+    polytropic_exponent: float
+    axial_share: float | None
+    seal_stiction_n: float
+    rod_stiffness_n_per_m: float
+    friction: Friction
+
+    @property
+    def area_m2(self) -> float:
+        """Piston area of one cylinder."""
+        return 0.25 * math.pi * self.bore_m**2
+
+    @property
+    def preload_n(self) -> float:
+        """Force of all cylinders at touch-down."""
+        return self.cylinders * self.pressure_pa * self.area_m2
+
+    def gas_stiffness_n_per_m(self, arm_stiffness_n_per_m: float) -> float:
+        """Stiffness of the enclosed gas (specification 1.3), or that which gives the stated axial share."""
+        if self.axial_share is not None:
+            return arm_stiffness_n_per_m * self.axial_share / (1.0 - self.axial_share)
+        absolute_pa = self.pressure_pa + ATMOSPHERE_PA
+        return self.cylinders * self.polytropic_exponent * absolute_pa * self.area_m2 / self.gas_length_m
+
+
+@dataclass(frozen=True)
+class Cutting:
+    """Specific cutting forces (Pa) and edge forces (N per metre of engaged edge)."""
+
+    axial_pa: float
+    in_plane_pa: float
+    in_plane_angle_rad: float
+    edge_axial_n_per_m: float
+    edge_radial_n_per_m: float
+    edge_tangential_n_per_m: float
+
+
+@dataclass(frozen=True)
+class Chamfer:
+    """Chamfering of one hole by feeding a conical cutter along the hole axis."""
+
+    direction: str
+    spindle_rad_per_s: float
+    feed_m_per_rev: float
+    depth_m: float
+    half_angle_rad: float
+    hole_diameter_m: float
+    edges: int
+    start_angle_rad: float
+    dwell_revolutions: float
+    regeneration: str
+    cutting: Cutting
+    foot: Foot | None
+
+    @property
+    def revolution_s(self) -> float:
+        """Time of one spindle revolution."""
+        return 2.0 * math.pi / self.spindle_rad_per_s
+
+    @property
+    def feed_per_tooth_m(self) -> float:
+        """Feed between the passes of two successive edges."""
+        return self.feed_m_per_rev / self.edges
+
+    @property
+    def feed_rate_m_per_s(self) -> float:
+        """Feed speed during the ramp."""
+        return self.feed_m_per_rev / self.revolution_s
+
+    @property
+    def ramp_s(self) -> float:
+        """Time after which the feed stops."""
+        return (self.depth_m - self.feed_per_tooth_m) / self.feed_rate_m_per_s
+
+    @property
+    def duration_s(self) -> float:
+        """Default length of a run: the time in which the whole depth would be fed, and the dwell."""
+        return self.depth_m / self.feed_rate_m_per_s + self.dwell_revolutions * self.revolution_s
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """Compliant wheel that travels over a flat plate."""
+
+    radius_m: float
+    width_m: float
+    speed_rad_per_s: float
+    spin: str
+    stiffness_n_per_m: float
+    damping_n_s_per_m: float
+    normal_force_n: float
+    mu: float
+    runout_m: float
+    feed_m_per_s: float
+    strip_length_m: float
+    strip_cells: int
+    preston_per_pa: float
+
+
+@dataclass(frozen=True)
+class Load:
+    """Forces given in advance, at the tool. Vectors are in the process frame or the world frame."""
+
+    frame: str
+    constant_n: list[float]
+    release_n: list[float]
+    sweep_amplitude_n: list[float] = field(default_factory=lambda: [0.0] * 3)
+    sweep_from_hz: float = 0.0
+    sweep_to_hz: float = 0.0
+    rotating_amplitude_n: float = 0.0
+    rotating_frequency_hz: float = 0.0
+    rotating_start_angle_rad: float = 0.0
+    foot: Foot | None = None
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One scenario in SI units."""
+
+    path: Path | None
+    name: str
+    robot: Robot
+    duration_s: float
+    process: Chamfer | Wheel | Load
+
+
+def load(path: Path | str, overrides: dict[str, float] | None = None) -> Scenario:
+    """Reads a scenario file. `overrides` maps dotted keys to values, as `truecut run --set` does."""
+    path = Path(path)
+    table = tomllib.loads(path.read_text(encoding="utf-8"))
+    for key, value in (overrides or {}).items():
+        _set(table, key, value)
+    return from_table(table, path)
+
+
+def from_table(table: dict, path: Path | None = None) -> Scenario:
+    """Builds a scenario from a parsed TOML document."""
+    processes = table.get("process", {})
+    if len(processes) != 1:
+        raise ScenarioError(f"{path}: exactly one process table is needed, found {sorted(processes)}")
+    (kind, body), = processes.items()
+    process = {"chamfer": _chamfer, "wheel": _wheel, "load": _load}[kind](body)
+    run = table.get("run", {})
+    default_s = {
+        Chamfer: lambda: process.duration_s,
+        Wheel: lambda: process.strip_length_m / process.feed_m_per_s,
+        Load: lambda: run["duration_s"],
+    }[type(process)]
+    return Scenario(
+        path=path,
+        name=table.get("name", ""),
+        robot=_robot(table["robot"], path.parent if path else Path()),
+        duration_s=float(run["duration_s"]) if "duration_s" in run else default_s(),
+        process=process,
+    )
+
+
+def _set(table: dict, key: str, value: float) -> None:
+    *parents, last = key.split(".")
+    for name in parents:
+        table = table.setdefault(name, {})
+    table[last] = value
+
+
+def _robot(t: dict, folder: Path) -> Robot:
+    urdf = folder / t["urdf"]
+    config = folder / t["config"] if "config" in t else urdf.with_name("robot.toml")
+    return Robot(
+        urdf=urdf,
+        config=config,
+        tip=t.get("tip"),
+        posture_rad=[math.radians(a) for a in t.get("posture_deg", [])],
+        posture_m=[a * MM for a in t.get("posture_mm", [])],
+        gravity=t.get("gravity", True),
+        drive=t.get("drive", "position"),
+        inertia_scale=t.get("inertia_scale", 1.0),
+        stiffness_scale=t.get("stiffness_scale", 1.0),
+        damping_scale=t.get("damping_scale", 1.0),
+        hold_against_sag=t.get("hold_against_sag", True),
+    )
+
+
+def _foot(t: dict | None) -> Foot | None:
+    if t is None:
+        return None
+    f = t.get("friction", {})
+    mu = f.get("mu", 0.15)
+    return Foot(
+        pressure_pa=t["pressure_mpa"] * MPA,
+        bore_m=t.get("bore_mm", 32.0) * MM,
+        cylinders=t.get("cylinders", 2),
+        gas_length_m=t.get("gas_length_mm", 50.0) * MM,
+        polytropic_exponent=t.get("polytropic_exponent", 1.4),
+        axial_share=t.get("axial_share"),
+        seal_stiction_n=t.get("seal_stiction_n", 97.0),
+        rod_stiffness_n_per_m=t.get("rod_stiffness_n_per_um", 50.0) * 1e6,
+        friction=Friction(
+            law=f.get("law", "coulomb"),
+            mu=mu,
+            mu_static=f.get("mu_static", mu),
+            stribeck_speed_m_per_s=f.get("stribeck_speed_mm_per_s", 0.0) * MM,
+        ),
+    )
+
+
+def _chamfer(t: dict) -> Chamfer:
+    c = t["cutting"]
+    return Chamfer(
+        direction=t["direction"],
+        spindle_rad_per_s=t["spindle_rpm"] * RPM,
+        feed_m_per_rev=t["feed_mm_per_rev"] * MM,
+        depth_m=t["depth_mm"] * MM,
+        half_angle_rad=math.radians(t["half_angle_deg"]),
+        hole_diameter_m=t["hole_diameter_mm"] * MM,
+        edges=t.get("edges", 1),
+        start_angle_rad=math.radians(t.get("start_angle_deg", 0.0)),
+        dwell_revolutions=t.get("dwell_revolutions", 2.0),
+        regeneration=t.get("regeneration", "axial"),
+        cutting=Cutting(
+            axial_pa=c["axial_mpa"] * MPA,
+            in_plane_pa=c["in_plane_mpa"] * MPA,
+            in_plane_angle_rad=math.radians(c.get("in_plane_angle_deg", 0.0)),
+            edge_axial_n_per_m=c.get("edge_axial_n_per_mm", 0.0) / MM,
+            edge_radial_n_per_m=c.get("edge_radial_n_per_mm", 0.0) / MM,
+            edge_tangential_n_per_m=c.get("edge_tangential_n_per_mm", 0.0) / MM,
+        ),
+        foot=_foot(t.get("foot")),
+    )
+
+
+def _wheel(t: dict) -> Wheel:
+    return Wheel(
+        radius_m=t["radius_mm"] * MM,
+        width_m=t["width_mm"] * MM,
+        speed_rad_per_s=t["speed_rpm"] * RPM,
+        spin=t["spin"],
+        stiffness_n_per_m=t["stiffness_n_per_mm"] / MM,
+        damping_n_s_per_m=t.get("damping_n_s_per_mm", 0.0) / MM,
+        normal_force_n=t["normal_force_n"],
+        mu=t["mu"],
+        runout_m=t.get("runout_um", 0.0) * 1e-6,
+        feed_m_per_s=t["feed_mm_per_s"] * MM,
+        strip_length_m=t["strip_length_mm"] * MM,
+        strip_cells=t.get("strip_cells", 400),
+        preston_per_pa=t["preston_per_pa"],
+    )
+
+
+def _load(t: dict) -> Load:
+    sweep = t.get("sweep", {})
+    rotating = t.get("rotating", {})
+    return Load(
+        frame=t.get("frame", "process"),
+        constant_n=t.get("constant_n", [0.0] * 3),
+        release_n=t.get("release_n", [0.0] * 3),
+        sweep_amplitude_n=sweep.get("amplitude_n", [0.0] * 3),
+        sweep_from_hz=sweep.get("from_hz", 0.0),
+        sweep_to_hz=sweep.get("to_hz", 0.0),
+        rotating_amplitude_n=rotating.get("amplitude_n", 0.0),
+        rotating_frequency_hz=rotating.get("frequency_hz", 0.0),
+        rotating_start_angle_rad=math.radians(rotating.get("start_angle_deg", 0.0)),
+        foot=_foot(t.get("foot")),
+    )

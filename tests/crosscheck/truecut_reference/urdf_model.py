@@ -1,0 +1,61 @@
+"""A MuJoCo model from the URDF and robot.toml by MuJoCo's own URDF reader: what the exported model must equal."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+
+import mujoco
+
+from .scenario import Robot
+
+KEEP_LINKS = '<mujoco><compiler fusestatic="false" discardvisual="true" balanceinertia="false"/></mujoco>'
+PRISMATIC = mujoco.mjtJoint.mjJNT_SLIDE
+
+
+def from_urdf(robot: Robot) -> mujoco.MjModel:
+    """Model of the scenario's robot, with joint springs and dampers and the sites flange, tool and foot."""
+    text = robot.urdf.read_text(encoding="utf-8")
+    text = re.sub(r"(<robot\b[^>]*>)", r"\1" + KEEP_LINKS, text, count=1)
+    spec = mujoco.MjSpec.from_string(text)
+    config = tomllib.loads(robot.config.read_text(encoding="utf-8")) if robot.config.exists() else {}
+    entries = {entry["name"]: entry for entry in config.get("joint", [])}
+    for joint in spec.joints:
+        entry = entries[joint.name]
+        linear = joint.type == PRISMATIC
+        stiffness = entry["stiffness_n_per_m" if linear else "stiffness_nm_per_rad"]
+        damping = entry["damping_n_s_per_m" if linear else "damping_nm_s_per_rad"]
+        joint.stiffness = [stiffness * robot.stiffness_scale, 0.0, 0.0]  # linear term of a polynomial
+        joint.damping = [damping * robot.damping_scale, 0.0, 0.0]
+        joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
+        joint.frictionloss = 0.0
+    for body in spec.bodies[1:]:
+        body.mass *= robot.inertia_scale
+        body.inertia *= robot.inertia_scale
+        body.fullinertia *= robot.inertia_scale
+    flange = spec.body(robot.tip) if robot.tip else _last_body(spec.worldbody)
+    frames = config.get("frames", {})
+    for name in ("flange", "tool", "foot"):
+        frame = frames.get(name, {})
+        flange.add_site(
+            name=name, pos=frame.get("xyz_m", [0.0] * 3), quat=_quaternion(frame.get("rpy_deg", [0.0] * 3))
+        )
+    return spec.compile()
+
+
+def _last_body(body):
+    while body.bodies:
+        body = body.bodies[-1]
+    return body
+
+
+def _quaternion(rpy_deg) -> list[float]:
+    """Quaternion (w, x, y, z) of URDF roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(0.5 * math.radians(a)), math.sin(0.5 * math.radians(a))) for a in rpy_deg)
+    return [
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    ]

@@ -1,0 +1,136 @@
+//! The house's rule of who may know whom, held against the manifests.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// What each crate may depend on, of ours. The program may depend on everything; the whole-system tests too.
+const MAY_DEPEND_ON: &[(&str, &[&str])] = &[
+    ("core", &[]),
+    ("arm", &["core"]),
+    ("recording", &[]),
+    ("scenario", &["recording", "arm", "core"]),
+    ("sim", &["scenario", "recording", "arm", "core"]),
+    ("telemetry", &["recording"]),
+    (
+        "cli",
+        &["core", "arm", "recording", "scenario", "sim", "telemetry"],
+    ),
+];
+
+/// Libraries that stay in one place each.
+const ONLY_IN: &[(&str, &[&str])] = &[
+    ("rapier3d", &["sim"]),
+    ("parry3d", &["sim"]),
+    ("rerun", &["telemetry"]),
+    ("clap", &["cli"]),
+    ("urdf-rs", &["arm"]),
+];
+
+/// What the analytic core may use besides the standard library: mathematics, and a macro for errors.
+const CORE_MAY_USE: &[&str] = &["nalgebra", "thiserror"];
+
+/// Names of the packages in a manifest's dependency tables of these names, also below `target`.
+fn dependencies(manifest: &toml::Table, tables: &[&str]) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for (key, value) in manifest {
+        let Some(table) = value.as_table() else {
+            continue;
+        };
+        if tables.contains(&key.as_str()) {
+            found.extend(table.iter().map(|(name, value)| {
+                let renamed = value.get("package").and_then(toml::Value::as_str);
+                renamed.unwrap_or(name).to_owned()
+            }));
+        } else if key == "target" {
+            for platform in table.values().filter_map(toml::Value::as_table) {
+                found.extend(dependencies(platform, tables));
+            }
+        }
+    }
+    found
+}
+
+fn manifests() -> BTreeMap<String, toml::Table> {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");
+    let entries = std::fs::read_dir(crates).unwrap();
+    entries
+        .map(|entry| {
+            let folder = entry.unwrap().path();
+            let name = folder.file_name().unwrap().to_string_lossy().into_owned();
+            let text = std::fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+            (name, text.parse().unwrap())
+        })
+        .collect()
+}
+
+const ALL_TABLES: &[&str] = &["dependencies", "dev-dependencies", "build-dependencies"];
+const BUILT_IN: &[&str] = &["dependencies", "build-dependencies"];
+
+#[test]
+fn every_crate_has_a_place_in_the_rule() {
+    let ruled: BTreeSet<&str> = MAY_DEPEND_ON.iter().map(|(name, _)| *name).collect();
+    let manifests = manifests();
+    let found: BTreeSet<&str> = manifests.keys().map(String::as_str).collect();
+    assert_eq!(found, ruled);
+}
+
+#[test]
+fn crates_depend_only_on_those_below_them() {
+    let manifests = manifests();
+    for (name, allowed) in MAY_DEPEND_ON {
+        for dependency in dependencies(&manifests[*name], BUILT_IN) {
+            if let Some(ours) = dependency.strip_prefix("truecut-") {
+                assert!(allowed.contains(&ours), "{name} must not depend on {ours}");
+            }
+        }
+    }
+}
+
+#[test]
+fn heavy_libraries_stay_where_they_belong() {
+    for (name, manifest) in manifests() {
+        for dependency in dependencies(&manifest, ALL_TABLES) {
+            for (library, places) in ONLY_IN {
+                let is_it =
+                    dependency == *library || dependency.starts_with(&format!("{library}-"));
+                assert!(
+                    !is_it || places.contains(&name.as_str()),
+                    "{name} must not use {dependency}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_core_uses_mathematics_only() {
+    let found = dependencies(&manifests()["core"], BUILT_IN);
+    let strangers: Vec<&String> = found
+        .iter()
+        .filter(|name| !CORE_MAY_USE.contains(&name.as_str()))
+        .collect();
+    assert!(strangers.is_empty(), "core must not use {strangers:?}");
+}
+
+/// The rule would hold of anything if the reader saw nothing.
+#[test]
+fn the_reader_sees_every_kind_of_dependency() {
+    let manifest: toml::Table = "
+        [dependencies]
+        one = '1'
+        alias = { package = 'two', version = '1' }
+        [target.'cfg(unix)'.dependencies]
+        three = '1'
+        [dev-dependencies]
+        four = '1'
+    "
+    .parse()
+    .unwrap();
+    let names = |tables| {
+        dependencies(&manifest, tables)
+            .into_iter()
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(names(BUILT_IN), ["one", "three", "two"]);
+    assert_eq!(names(ALL_TABLES), ["four", "one", "three", "two"]);
+}

@@ -1,0 +1,163 @@
+//! Bad input, one fixture a fault, given to the program itself: one error, with file, line, value and rule; exit code 2.
+//!
+//! A fixture says in its head what to expect:
+//!
+//! ```toml
+//! # What the fault is.
+//! # set: key=value          given to the program as --set; may be repeated
+//! # expect: text            must stand in the report; may be repeated
+//! # line: 12                the report must name this line of the fixture
+//! ```
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const BAD_INPUT: i32 = 2;
+
+fn fixtures(folder: &str, extension: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../tests/invalid_input")
+        .join(folder);
+    let entries = std::fs::read_dir(&folder).unwrap();
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|found| found == extension));
+    files.sort();
+    assert!(
+        files.len() > 20,
+        "{} holds only {} fixtures",
+        folder.display(),
+        files.len()
+    );
+    files
+}
+
+fn truecut(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_truecut"));
+    // Reports are drawn with the letters that the locale has.
+    command
+        .args(arguments)
+        .env("NO_COLOR", "1")
+        .env("LC_ALL", "C.UTF-8")
+        .output()
+        .unwrap()
+}
+
+/// The values of `# key: value` lines.
+fn notes<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
+    let head = format!("# {key}: ");
+    text.lines()
+        .filter_map(|line| line.strip_prefix(&head))
+        .collect()
+}
+
+/// What is wrong with how the program took the fixture; empty if nothing is.
+fn complaints(file: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(file).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let mut arguments = vec![
+        "run",
+        file.to_str().unwrap(),
+        "--out",
+        out.path().to_str().unwrap(),
+    ];
+    for set in notes(&text, "set") {
+        arguments.extend(["--set", set]);
+    }
+    let output = truecut(&arguments);
+    let report = String::from_utf8_lossy(&output.stderr);
+    let mut complaints = Vec::new();
+    if output.status.code() != Some(BAD_INPUT) {
+        complaints.push(format!("ended with {}", output.status));
+    }
+    let name = file.file_name().unwrap().to_str().unwrap();
+    let expected = notes(&text, "expect");
+    if expected.is_empty() {
+        complaints.push("expects nothing".to_owned());
+    }
+    for wanted in expected.into_iter().chain([name]) {
+        if !report.contains(wanted) {
+            complaints.push(format!("does not say: {wanted}"));
+        }
+    }
+    for line in notes(&text, "line") {
+        if !report.contains(&format!("{name}:{line}:")) {
+            complaints.push(format!("does not name line {line}"));
+        }
+    }
+    if report.contains("panicked") || report.matches('×').count() != 1 {
+        complaints.push("is not one error".to_owned());
+    }
+    if !complaints.is_empty() {
+        complaints.push(format!("it said:\n{report}"));
+    }
+    complaints
+}
+
+#[test]
+fn every_bad_scenario_is_refused_with_place_value_and_rule() {
+    let mut wrong = Vec::new();
+    for file in fixtures("", "toml") {
+        let complaints = complaints(&file);
+        if !complaints.is_empty() {
+            wrong.push(format!("{}: {}", file.display(), complaints.join("\n  ")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+/// The messages themselves are tested beside the reader of URDF files; here, that the program shows them with
+/// the line that they are about.
+#[test]
+fn every_bad_robot_is_refused_at_its_line() {
+    for file in fixtures("urdf", "urdf") {
+        let output = truecut(&["robot", file.to_str().unwrap()]);
+        let report = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(
+            output.status.code(),
+            Some(BAD_INPUT),
+            "{}:\n{report}",
+            file.display()
+        );
+        let name = file.file_name().unwrap().to_str().unwrap();
+        assert!(
+            report.contains(name) && !report.contains("panicked"),
+            "{report}"
+        );
+        assert_eq!(report.matches('×').count(), 1, "{report}");
+        let of_one_line = !["no_links.urdf", "ambiguous_tip.urdf"].contains(&name);
+        assert_eq!(
+            report.contains(&format!("{name}:")) && report.contains('│'),
+            of_one_line,
+            "{report}"
+        );
+    }
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_refused() {
+    for (arguments, wanted) in [
+        (&["run"][..], "SCENARIO"),
+        (
+            &["run", "nowhere.toml"],
+            "cannot read scenario nowhere.toml",
+        ),
+        (&["run", "x.toml", "--set", "depth"], "write KEY=VALUE"),
+        (&["run", "x.toml", "--jobs", "0"], "--jobs"),
+        (&["check", "nowhere"], "nowhere: no such file or folder"),
+        (&["view", "nowhere.rrd"], "nowhere.rrd: no such file"),
+        (
+            &["robot", "nowhere.urdf"],
+            "nowhere.urdf: cannot read the file",
+        ),
+        (&["fly"], "unrecognized subcommand"),
+    ] {
+        let output = truecut(arguments);
+        let report = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(
+            output.status.code(),
+            Some(BAD_INPUT),
+            "{arguments:?}: {report}"
+        );
+        assert!(report.contains(wanted), "{arguments:?}: {report}");
+    }
+}
