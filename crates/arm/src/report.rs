@@ -34,6 +34,9 @@ pub struct RobotReport {
     pub flange: PoseReport,
     pub tool: PoseReport,
     pub foot: PoseReport,
+    /// Joint-space inertia, rows in chain order: kg m² between rotary joints, kg between prismatic
+    /// ones, kg m between the two kinds.
+    pub mass_matrix: Vec<Vec<f64>>,
     /// Undamped modes without gravity; absent without stiffness.
     pub modes: Option<Vec<ModeReport>>,
     /// Stiffness at the tool without gravity; absent without stiffness.
@@ -178,6 +181,9 @@ impl Robot {
             flange: pose_report(&self.world_from_frame(posture, FrameId::Flange)),
             tool: pose_report(&self.world_from_frame(posture, FrameId::Tool)),
             foot: pose_report(&self.world_from_frame(posture, FrameId::Foot)),
+            mass_matrix: (self.mass_matrix(posture).row_iter())
+                .map(|row| row.iter().copied().collect())
+                .collect(),
             modes,
             stiffness,
             missing,

@@ -1,6 +1,6 @@
 //! `truecut check`: runs every scenario found, judges the claims, prints one table, writes JUnit XML.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
@@ -58,7 +58,7 @@ pub fn check(plan: &CheckPlan) -> Result<Verdict, Failure> {
 }
 
 fn check_one(
-    file: &PathBuf,
+    file: &Path,
     set: &[(String, String)],
     runs: &Runs,
     progress: &RunProgress,
@@ -72,7 +72,7 @@ fn check_one(
             judge_scenario(&scenario, runs, progress)
         });
     Checked {
-        file: file.clone(),
+        file: file.to_owned(),
         name,
         result: result.map_err(|failure| format!("{:?}", miette::Report::from(failure))),
         took: started.elapsed(),

@@ -17,10 +17,10 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
 }
 
-const WIDTH: f64 = 760.0;
+const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 360.0;
 const LEFT: f64 = 70.0;
-const RIGHT: f64 = 210.0;
+const RIGHT: f64 = 330.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 50.0;
 const TITLE: f64 = 40.0;
@@ -119,20 +119,34 @@ fn draw(chart: &Chart, svg: &mut String) {
         TOP - 10.0,
         escape(&chart.y_label)
     );
+    let count = chart.curves.len();
     for (index, curve) in chart.curves.iter().enumerate() {
-        draw_curve(curve, index, right, &x, &y, svg);
+        let pen = Pen {
+            colour: COLOURS[index % COLOURS.len()],
+            wideness: (count - 1 - index).min(5) as f64,
+            row: index as f64,
+        };
+        draw_curve(curve, &pen, right, &x, &y, svg);
     }
+}
+
+/// How a curve is drawn. Earlier curves are wider, so that one that a later one covers still shows.
+struct Pen {
+    colour: &'static str,
+    wideness: f64,
+    row: f64,
 }
 
 fn draw_curve(
     curve: &Curve,
-    index: usize,
+    pen: &Pen,
     right: f64,
     x: &dyn Fn(f64) -> f64,
     y: &dyn Fn(f64) -> f64,
     svg: &mut String,
 ) {
-    let colour = COLOURS[index % COLOURS.len()];
+    let colour = pen.colour;
+    let (width, radius) = (1.5 + 1.5 * pen.wideness, 3.0 + pen.wideness);
     let mut path = String::new();
     let mut pen_down = false;
     for &(px, py) in &curve.points {
@@ -145,14 +159,14 @@ fn draw_curve(
         pen_down = true;
         let _ = writeln!(
             svg,
-            "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3\" fill=\"{colour}\"/>"
+            "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"{radius}\" fill=\"{colour}\"/>"
         );
     }
-    let legend_y = TOP + 8.0 + 20.0 * index as f64;
+    let legend_y = TOP + 8.0 + 20.0 * pen.row;
     let _ = writeln!(
         svg,
-        "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>\
-         <path d=\"M{:.1} {legend_y:.1}h18\" stroke=\"{colour}\" stroke-width=\"2\"/>\
+        "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"/>\
+         <path d=\"M{:.1} {legend_y:.1}h18\" stroke=\"{colour}\" stroke-width=\"{width}\"/>\
          <text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
         right + 12.0,
         right + 36.0,

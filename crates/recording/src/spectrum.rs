@@ -6,7 +6,14 @@
 //! 1/duration, with four-fold padding by less than 0.02 % of it, so that leakage of the negative frequency dominates
 //! (it falls with the cube of the number of periods seen).
 
+use std::cell::RefCell;
+
 use realfft::RealFftPlanner;
+
+thread_local! {
+    /// Keeps what it has computed for a length: the channels of a recording all have the same.
+    static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
+}
 
 /// Amplitudes over frequency, one-sided: a sine of amplitude a that lasts shows a line of height a.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -41,7 +48,7 @@ pub fn amplitude_spectrum(time_s: &[f64], values: &[f64]) -> Option<Spectrum> {
 
     let length = (4 * rows).next_power_of_two();
     signal.resize(length, 0.0);
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(length);
+    let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length));
     let mut bins = plan.make_output_vec();
     plan.process(&mut signal, &mut bins).ok()?;
 

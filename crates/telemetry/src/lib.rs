@@ -9,6 +9,7 @@ mod display;
 mod error;
 mod ipc;
 mod parquet_file;
+pub mod plot;
 mod rrd;
 mod table;
 

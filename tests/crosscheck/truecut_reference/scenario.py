@@ -126,13 +126,13 @@ class Chamfer:
 
     @property
     def ramp_s(self) -> float:
-        """Time after which the feed stops."""
+        """Time after which the feed stops: the edge then stands at full depth."""
         return (self.depth_m - self.feed_per_tooth_m) / self.feed_rate_m_per_s
 
     @property
     def duration_s(self) -> float:
-        """Default length of a run: the time in which the whole depth would be fed, and the dwell."""
-        return self.depth_m / self.feed_rate_m_per_s + self.dwell_revolutions * self.revolution_s
+        """Default length of a run: ramp and dwell."""
+        return self.ramp_s + self.dwell_revolutions * self.revolution_s
 
 
 @dataclass(frozen=True)

@@ -4,28 +4,23 @@ Every arm of the PyPI package `example-robot-data` is given to `truecut robot` a
 must equal that of the same frame in Pinocchio (`pin`) on 100 random postures, and so must the mass that moves with
 the first joint: a side branch lost in merging shows there.
 
-    pip install example-robot-data pin pytest
-    TRUECUT_BIN=target/release/truecut pytest tests/crosscheck/published_robots.py
-
-Tests are skipped, by name, if a package is not installed. None of the robots' files is part of this repository.
+None of the robots' files is part of this repository: they come with the pinned packages of
+`tests/requirements.txt`.
 """
 
 import csv
 import io
-import os
 import pathlib
 import re
 import subprocess
 
+import cmeel
+import numpy as np
+import pinocchio as pin
 import pytest
 
-np = pytest.importorskip("numpy")
-pin = pytest.importorskip("pinocchio", reason="needs the PyPI package pin")
-cmeel = pytest.importorskip("cmeel", reason="needs the PyPI package example-robot-data")
-
 POSTURES = 100
-#: Both programs use double precision on a reach of about a metre; 1e-9 m is what the issue asks for,
-#: and some five orders above their rounding.
+#: Both programs use double precision on a reach of about a metre: 1e-9 m is some five orders above rounding.
 TOLERANCE_M = 1e-9
 
 #: URDF below the package's robot folder, tip asked for, tip expected. Several ways to ask for the same robot are
@@ -68,14 +63,13 @@ def robots_folder():
         folder = pathlib.Path(root).parent / "cmeel.prefix/share/example-robot-data/robots"
         if folder.is_dir():
             return folder
-    pytest.skip("needs the PyPI package example-robot-data")
+    pytest.fail("the package example-robot-data is installed without its robots")
 
 
-def truecut(*arguments):
-    binary = os.environ.get("TRUECUT_BIN")
-    if not binary:
-        pytest.skip("TRUECUT_BIN does not name the truecut program")
-    return subprocess.run([binary, "robot", *map(str, arguments)], capture_output=True, text=True, check=False)
+def ask(truecut, *arguments):
+    """`truecut robot`, whatever comes of it."""
+    command = [truecut.binary, "robot", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 def chain_joints(model, tip):
@@ -119,7 +113,7 @@ def identify(value):
 
 
 @pytest.mark.parametrize(("urdf", "asked", "expected"), ROBOTS, ids=identify)
-def test_crosscheck_pinocchio_flange(urdf, asked, expected, tmp_path):
+def test_crosscheck_pinocchio_flange(truecut, urdf, asked, expected, tmp_path):
     path = robots_folder() / urdf
     tip_arguments = [] if asked is None else ["--tip", asked]
     model = pin.buildModelFromUrdf(str(path))
@@ -129,7 +123,7 @@ def test_crosscheck_pinocchio_flange(urdf, asked, expected, tmp_path):
     table = tmp_path / "postures.csv"
     table.write_text("\n".join(",".join(repr(float(v)) for v in row) for row in postures) + "\n")
 
-    answer = truecut(path, *tip_arguments, "--fk", table)
+    answer = ask(truecut, path, *tip_arguments, "--fk", table)
     assert answer.returncode == 0, answer.stderr
     rows = list(csv.DictReader(io.StringIO(answer.stdout)))
     assert len(rows) == POSTURES
@@ -148,9 +142,9 @@ def test_crosscheck_pinocchio_flange(urdf, asked, expected, tmp_path):
 
 
 @pytest.mark.parametrize(("urdf", "asked", "expected"), ROBOTS, ids=identify)
-def test_crosscheck_pinocchio_moving_mass(urdf, asked, expected):
+def test_crosscheck_pinocchio_moving_mass(truecut, urdf, asked, expected):
     tip_arguments = [] if asked is None else ["--tip", asked]
-    answer = truecut(robots_folder() / urdf, *tip_arguments)
+    answer = ask(truecut, robots_folder() / urdf, *tip_arguments)
     assert answer.returncode == 0, answer.stderr
     assert f'flange "{expected}"' in answer.stdout
 
@@ -162,15 +156,15 @@ def test_crosscheck_pinocchio_moving_mass(urdf, asked, expected):
     assert abs(moving_kg - data.mass[chain_joints(model, expected)[0]]) <= 1e-6
 
 
-def test_a_walking_robot_needs_a_tip():
-    answer = truecut(robots_folder() / "anymal_b_simple_description/robots/anymal-kinova.urdf")
+def test_a_walking_robot_needs_a_tip(truecut):
+    answer = ask(truecut, robots_folder() / "anymal_b_simple_description/robots/anymal-kinova.urdf")
     assert answer.returncode == 2
     assert "several possible tips" in answer.stderr
     assert "j2s6s200_end_effector" in answer.stderr
 
 
-def test_a_file_without_a_robot_is_refused():
+def test_a_file_without_a_robot_is_refused(truecut):
     """The package holds one file from which its generator left everything out."""
-    answer = truecut(robots_folder() / "ur_description/urdf/ur3.urdf")
+    answer = ask(truecut, robots_folder() / "ur_description/urdf/ur3.urdf")
     assert answer.returncode == 2
     assert "no links" in answer.stderr
