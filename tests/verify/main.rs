@@ -1,6 +1,7 @@
 //! Whole scenarios against closed forms and published numbers.
 
 mod chamfering;
+mod every_key;
 mod friction_tables;
 mod support;
 mod threshold;

@@ -33,11 +33,13 @@ fn tool(recording: &Recording) -> Vec<[f64; 3]> {
 
 fn error(reference: &[[f64; 3]], other: &[[f64; 3]]) -> f64 {
     let n = reference.len().min(other.len());
-    let square = |a: &[f64; 3], b: &[f64; 3]| -> f64 {
-        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
-    };
+    let square =
+        |a: &[f64; 3], b: &[f64; 3]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
     let sum: f64 = (0..n).map(|i| square(&reference[i], &other[i])).sum();
-    let range = reference.iter().map(|p| square(p, &[0.0; 3])).fold(0.0, f64::max);
+    let range = reference
+        .iter()
+        .map(|p| square(p, &[0.0; 3]))
+        .fold(0.0, f64::max);
     (sum / n as f64 / range).sqrt()
 }
 

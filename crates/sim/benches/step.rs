@@ -21,7 +21,9 @@ fn seconds(c: &mut Criterion) {
         let overrides = [("run.duration_s", "0.25"), ("run.time_step_ms", "0.25")]
             .map(|(k, v)| (k.to_string(), v.to_string()));
         let scenario = Scenario::load(&root.join(path), &[]).expect("shipped");
-        let text = scenario.effective_text().replace("dwell_revolutions = 2\n", "");
+        let text = scenario
+            .effective_text()
+            .replace("dwell_revolutions = 2\n", "");
         let scenario = Scenario::from_str(&root.join(path), &text, &overrides).expect("overrides");
         c.bench_function(name, |b| {
             b.iter_batched(

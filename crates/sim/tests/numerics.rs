@@ -247,3 +247,36 @@ fn verify_two_runs_are_identical_to_the_bit() {
     let b = falling(0.5, 0.5);
     assert_eq!(a.columns, b.columns);
 }
+
+/// A servo without integral action gives way by `F / (k_v k_p)`, behind it the transmission by `F / K`; and
+/// a force beyond its limit is not held at all.
+#[test]
+fn verify_servo_droops_and_saturates() {
+    let servo = |force_n: f64, duration_s: f64| {
+        run(&format!(
+            r#"
+name = "servo"
+[robot]
+urdf = "../../assets/robots/rig_1dof/robot.urdf"
+gravity = false
+drive = "servo"
+[run]
+duration_s = {duration_s}
+[process.load]
+constant_n = [{force_n}, 0.0, 0.0]
+"#
+        ))
+    };
+    let held = servo(500.0, 3.0);
+    assert_eq!(held.outcome, Outcome::Completed);
+    let end = *column(&held, "tool.displacement_x").last().expect("rows");
+    let expected = 500.0 / 1.0e6 + 500.0 / (1.0e3 * 20.0);
+    println!("servo droop {:.5} mm, expected {:.5} mm", end * 1e3, expected * 1e3);
+    assert!((end / expected - 1.0).abs() < 1e-3, "{end} against {expected}");
+
+    // 25 kN against a limit of 20 kN: the rest accelerates rotor and mass.
+    let pushed = servo(25.0e3, 0.1);
+    let velocity = *column(&pushed, "joint1.velocity").last().expect("rows");
+    let free = (25.0e3 - 20.0e3) / (100.0 + 5.0) * 0.1;
+    assert!(velocity > 0.8 * free, "{velocity} against {free}");
+}

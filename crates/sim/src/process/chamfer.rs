@@ -4,7 +4,7 @@ use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
-use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients, FeedSchedule};
+use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients, EdgeForces, FeedSchedule};
 use truecut_core::cutting::rim::Rim;
 use truecut_core::roughness;
 use truecut_recording::{ChannelSpec, Profile, Scalar, Unit};
@@ -77,6 +77,7 @@ struct Last {
     engaged_depth_m: f64,
     chip_area_m2: f64,
     edge_angle_rad: f64,
+    torque_n_m: f64,
 }
 
 /// One edge at one instant.
@@ -146,12 +147,26 @@ impl Chamfer {
         }
     }
 
-    fn edge_force_n(&self, edge: &EdgeState) -> Vector3<f64> {
+    fn edge_forces(&self, edge: &EdgeState) -> EdgeForces {
         let p = &self.parameters;
         let length = p.chip.edge_length_m(edge.depth_m);
-        p.coefficients
-            .forces_n(edge.chip_area_m2, length)
-            .on_tool_n(edge.angle_rad, p.axial_sign)
+        p.coefficients.forces_n(edge.chip_area_m2, length)
+    }
+
+    fn edge_force_n(&self, edge: &EdgeState) -> Vector3<f64> {
+        self.edge_forces(edge)
+            .on_tool_n(edge.angle_rad, self.parameters.axial_sign)
+    }
+
+    /// Volume of the chamfer: at each angle a triangle of legs `d` and `d tanθ` that is swept along the rim
+    /// at the radius of its centroid, m³.
+    fn removed_volume_m3(&self) -> f64 {
+        let p = &self.parameters;
+        let tan = p.chip.half_angle_rad.tan();
+        let step = TAU / self.surface.bins() as f64;
+        (self.surface.depths_m().iter())
+            .map(|d| 0.5 * d * d * tan * (p.hole_radius_m + d * tan / 3.0) * step)
+            .sum()
     }
 
     fn note_slip(&mut self, time_s: f64) {
@@ -214,6 +229,12 @@ impl Chamfer {
                 "Ra that vibration leaves: mean deviation of the surface, along its normal, around the rim",
             ),
         ];
+        scalars.push(Scalar::new(
+            "chamfer.removed_volume",
+            Unit::CubicMetre,
+            self.removed_volume_m3(),
+            "Volume of the finished chamfer",
+        ));
         if self.foot.is_some() {
             scalars.push(metre(
                 "chamfer.first_slip_depth",
@@ -292,6 +313,11 @@ impl Process for Chamfer {
                 Unit::Radian,
                 "Angle of the first edge, from process Y towards Z",
             ),
+            ChannelSpec::new(
+                "cutting.torque",
+                Unit::NewtonMetre,
+                "Torque of all edges about the spindle, at the rim of the hole",
+            ),
             newton(
                 "dynamometer.force_x",
                 "Axial force on the workpiece: cutting and foot",
@@ -327,9 +353,11 @@ impl Process for Chamfer {
 
     fn commit(&mut self, state: &ToolState, loads: &Loads, contacts: &ContactOutcomes, _dt: f64) {
         let mut area = 0.0;
+        let mut tangential = 0.0;
         for index in 0..self.parameters.schedule.edges {
             let edge = self.edge(index, state);
             area += edge.chip_area_m2;
+            tangential += self.edge_forces(&edge).tangential_n;
             self.thickness_rim.cut(index, edge.angle_rad, edge.depth_m);
             self.surface.cut(index, edge.angle_rad, edge.true_depth_m);
             if index == 0 {
@@ -338,6 +366,7 @@ impl Process for Chamfer {
             }
         }
         self.last.chip_area_m2 = area;
+        self.last.torque_n_m = tangential * self.parameters.hole_radius_m;
         self.last.depth_m = self.parameters.schedule.depth_cut_m(state.time_s);
         self.last.force_on_tool_n = loads.wrenches[0].force_n;
         if let (Some(foot), Some(outcome)) = (&mut self.foot, contacts.first()) {
@@ -359,6 +388,7 @@ impl Process for Chamfer {
             self.last.engaged_depth_m,
             self.last.chip_area_m2,
             self.last.edge_angle_rad,
+            self.last.torque_n_m,
         ]);
         row.extend(dynamometer.iter());
         if let Some(foot) = &self.foot {

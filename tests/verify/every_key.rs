@@ -1,0 +1,176 @@
+//! Every numeric key of a scenario changes what its run gives. A key that did not would be a promise that
+//! the simulator does not keep.
+
+use crate::support::repository;
+use truecut_recording::Recording;
+use truecut_scenario::Scenario;
+use truecut_sim::sweep::record;
+
+const CHAMFER: &str = r#"
+name = "every key"
+[robot]
+urdf = "../../assets/robots/irb6600_175_255/robot.urdf"
+posture_deg = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95]
+inertia_scale = 1.0
+stiffness_scale = 1.0
+damping_scale = 1.0
+hold_against_sag = true
+[run]
+time_step_ms = 0.25
+[process.chamfer]
+direction = "backward"
+spindle_rpm = 900
+feed_mm_per_rev = 0.05
+depth_mm = 0.4
+half_angle_deg = 45
+hole_diameter_mm = 42
+edges = 1
+start_angle_deg = 0.0
+dwell_revolutions = 1.0
+[process.chamfer.cutting]
+axial_mpa = 1960
+in_plane_mpa = 2140
+in_plane_angle_deg = 20
+edge_axial_n_per_mm = 5.0
+edge_radial_n_per_mm = 5.0
+edge_tangential_n_per_mm = 5.0
+[process.chamfer.foot]
+pressure_mpa = 0.1
+bore_mm = 32
+cylinders = 2
+gas_length_mm = 50
+polytropic_exponent = 1.4
+seal_stiction_n = 30
+rod_stiffness_n_per_um = 50
+[process.chamfer.foot.friction]
+law = "stribeck"
+mu = 0.15
+mu_static = 0.18
+stribeck_speed_mm_per_s = 1.0
+"#;
+
+const WHEEL: &str = r#"
+name = "every key"
+[robot]
+urdf = "../../assets/robots/irb6600_175_255/robot.urdf"
+posture_deg = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95]
+[process.wheel]
+radius_mm = 75
+width_mm = 25
+speed_rpm = 1200
+spin = "climb"
+stiffness_n_per_mm = 40
+damping_n_s_per_mm = 0.05
+normal_force_n = 30
+mu = 0.4
+runout_um = 20
+feed_mm_per_s = 50
+strip_length_mm = 20
+strip_cells = 40
+preston_per_pa = 4e-11
+"#;
+
+const LOAD: &str = r#"
+name = "every key"
+[robot]
+urdf = "../../assets/robots/irb6600_175_255/robot.urdf"
+posture_deg = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95]
+[run]
+duration_s = 0.2
+[process.load]
+constant_n = [100.0, 50.0, 20.0]
+release_n = [10.0, 20.0, 30.0]
+[process.load.sweep]
+amplitude_n = [10.0, 20.0, 30.0]
+from_hz = 5.0
+to_hz = 50.0
+[process.load.rotating]
+amplitude_n = 100.0
+frequency_hz = 20.0
+start_angle_deg = 0.0
+[process.load.foot]
+pressure_mpa = 0.02
+axial_share = 0.3
+seal_stiction_n = 0
+[process.load.foot.friction]
+law = "equivalent_viscous"
+mu = 0.15
+amplitude_floor_um = 1.0
+"#;
+
+fn run(text: &str, overrides: &[(String, String)]) -> Recording {
+    let at = repository().join("scenarios/arm/every_key.toml");
+    let scenario = Scenario::from_str(&at, text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
+    record(&scenario, overrides).unwrap_or_else(|e| panic!("{overrides:?}: {e}"))
+}
+
+/// What a run gives: all channels, scalars and profiles.
+fn differs(a: &Recording, b: &Recording) -> bool {
+    let bits = |x: &f64| x.to_bits();
+    a.columns != b.columns
+        || a.profiles != b.profiles
+        || (a.scalars.iter().map(|s| bits(&s.value))).ne(b.scalars.iter().map(|s| bits(&s.value)))
+}
+
+/// Keys and their numbers, with the table they stand in; arrays are changed in their first element.
+fn numeric_keys(text: &str) -> Vec<(String, String)> {
+    let mut table = String::new();
+    let mut keys = Vec::new();
+    for line in text.lines() {
+        if let Some(name) = line.strip_prefix('[') {
+            table = name.trim_end_matches(']').to_string();
+        } else if let Some((key, value)) = line.split_once(" = ") {
+            let changed = changed(key, value);
+            if let Some(changed) = changed {
+                keys.push((format!("{table}.{key}"), changed));
+            }
+        }
+    }
+    keys
+}
+
+fn changed(key: &str, value: &str) -> Option<String> {
+    if value == "true" {
+        return Some("false".into());
+    }
+    if let Some(inside) = value.strip_prefix('[') {
+        let (first, rest) = inside.split_once(',')?;
+        return Some(format!("[{}, {rest}", first.parse::<f64>().ok()? * 1.03));
+    }
+    if ["edges", "cylinders", "strip_cells"].contains(&key) {
+        return Some((value.parse::<i64>().ok()? + 1).to_string());
+    }
+    let number: f64 = value.parse().ok()?;
+    Some(match number {
+        0.0 => "7.0".into(),
+        _ => format!("{:?}", number * 1.03),
+    })
+}
+
+fn check(text: &str, least: usize) {
+    let nominal = run(text, &[]);
+    let keys = numeric_keys(text);
+    assert!(keys.len() >= least, "{} keys found", keys.len());
+    for (key, value) in keys {
+        let other = run(text, &[(key.clone(), value.clone())]);
+        assert!(
+            differs(&nominal, &other),
+            "`{key}` = {value} changes nothing"
+        );
+    }
+}
+
+#[test]
+fn verify_every_key_of_chamfering_counts() {
+    check(CHAMFER, 28);
+}
+
+#[test]
+fn verify_every_key_of_the_wheel_counts() {
+    check(WHEEL, 12);
+}
+
+#[test]
+fn verify_every_key_of_given_loads_counts() {
+    check(LOAD, 13);
+}
