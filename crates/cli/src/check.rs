@@ -47,7 +47,7 @@ pub fn check(plan: &CheckPlan) -> Result<Verdict, Failure> {
     crate::print(&table(&checked))?;
     for one in &checked {
         if let Err(report) = &one.result {
-            eprintln!("{report}");
+            crate::complain(report);
         }
     }
     crate::print(&format!("  {}\n", summary(&checked, plan)))?;

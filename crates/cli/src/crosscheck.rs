@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use truecut_recording::Outcome;
 use truecut_scenario::Scenario;
 
 use crate::args::RunPlan;
 use crate::execute::{Executed, execute};
 use crate::failure::Failure;
-use crate::outputs::{Outputs, write_file};
+use crate::outputs::{COMPARISON, MODEL, Outputs, write_file};
 use crate::progress::Progress;
+use crate::text;
 use crate::verdict::Verdict;
 
 /// The cross-check, below the project's folder.
@@ -18,18 +20,22 @@ const SCRIPT: &str = "tests/crosscheck/truecut_reference/run.py";
 /// The script's exit code if the engines disagree.
 const DISAGREES: i32 = 4;
 
-/// Runs every scenario here, then in MuJoCo, one after the other.
+/// Runs every scenario here, then in MuJoCo, one after the other. Sweeps are left out, and named.
 pub fn crosscheck(plan: &RunPlan) -> Result<Verdict, Failure> {
-    if let Some(sweep) = plan
-        .scenarios
-        .iter()
-        .find(|scenario| scenario.sweep.is_some())
-    {
+    let (sweeps, single): (Vec<_>, Vec<_>) =
+        (plan.scenarios.iter()).partition(|s| s.sweep.is_some());
+    if let ([first, ..], []) = (sweeps.as_slice(), single.as_slice()) {
         let text = "a sweep cannot be cross-checked: only single runs can";
-        return Err(sweep.problem("sweep", text).into());
+        return Err(first.problem("sweep", text).into());
+    }
+    for sweep in sweeps {
+        crate::print(&format!(
+            "{}: left out, a sweep cannot be cross-checked\n",
+            sweep.path().display()
+        ))?;
     }
     let mut all = Verdict::Good;
-    for scenario in &plan.scenarios {
+    for scenario in single {
         all = all.and(crosscheck_one(scenario, &plan.out)?);
     }
     Ok(all)
@@ -54,13 +60,18 @@ fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<Verdict, Failure> {
         .close(&recording, &[])
         .map_err(|error| Failure::message(error.to_string()))?;
     outputs.write_end(&recording, &[])?;
+    if recording.outcome != Outcome::Completed {
+        let outcome = text::outcome(&recording.outcome);
+        crate::print(&format!("{}\n  {outcome}\n", scenario.name))?;
+        return Ok(Verdict::Diverged);
+    }
     let mjcf = truecut_sim::export_mjcf(scenario).map_err(|error| Failure::sim(scenario, error))?;
-    write_file(&outputs.path("model.xml"), mjcf.as_bytes())?;
+    write_file(&outputs.path(MODEL), mjcf.as_bytes())?;
     let mut command = Command::new(&python);
     command.arg(script).arg(scenario.path());
-    command.arg("--mjcf").arg(outputs.path("model.xml"));
+    command.arg("--mjcf").arg(outputs.path(MODEL));
     command.arg("--recording").arg(outputs.recording());
-    command.arg("--out").arg(outputs.path("crosscheck.json"));
+    command.arg("--out").arg(outputs.path(COMPARISON));
     for (key, value) in scenario.overrides() {
         command
             .arg("--set")

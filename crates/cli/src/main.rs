@@ -35,7 +35,7 @@ fn main() -> ExitCode {
     match dispatch(arguments.command) {
         Ok(verdict) => verdict.into(),
         Err(failure) => {
-            eprintln!("{:?}", miette::Report::from(failure));
+            complain(&format!("{:?}", miette::Report::from(failure)));
             Verdict::BadInput.into()
         }
     }
@@ -65,6 +65,11 @@ fn print(text: &str) -> Result<Verdict, Failure> {
         )),
         _ => Ok(Verdict::Good),
     }
+}
+
+/// Prints to standard error; if nobody listens there, the exit code still tells.
+fn complain(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// Reports break lines only where a person reads them, so that programs find whole sentences.

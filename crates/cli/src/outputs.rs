@@ -18,6 +18,9 @@ const RECORDING: &str = "recording.parquet";
 const STREAM: &str = "recording.arrows";
 const VIEWER: &str = "recording.rrd";
 const SUMMARY: &str = "summary.json";
+/// The robot for MuJoCo, and how the two engines compare: what a cross-check adds.
+pub const MODEL: &str = "model.xml";
+pub const COMPARISON: &str = "crosscheck.json";
 
 impl Outputs {
     /// Makes the folder, and removes what an earlier run left there: what is in it afterwards is of this run.
@@ -28,7 +31,7 @@ impl Outputs {
         };
         let failed = |path: &Path, error| Failure::message(format!("{}: {error}", path.display()));
         std::fs::create_dir_all(&outputs.folder).map_err(|error| failed(&outputs.folder, error))?;
-        for name in [RECORDING, STREAM, VIEWER, SUMMARY] {
+        for name in [RECORDING, STREAM, VIEWER, SUMMARY, MODEL, COMPARISON] {
             let path = outputs.path(name);
             match std::fs::remove_file(&path) {
                 Err(error) if error.kind() != std::io::ErrorKind::NotFound => {

@@ -72,13 +72,22 @@ fn heading(column: &Column) -> String {
     }
 }
 
-/// The last part of an axis' key, which is enough to know it by; the whole name of a result.
+/// The end of an axis' key, which is enough to know it by; the whole name of a result.
 fn short(column: &Column) -> &str {
-    if column.is_axis {
-        column.name.rsplit('.').next().unwrap_or(&column.name)
-    } else {
-        &column.name
+    let name = column.name.as_str();
+    if !column.is_axis {
+        return name;
     }
+    // An entry of a list is known by its list: `release_n.0`.
+    let parts = name
+        .rsplit('.')
+        .take_while(|part| part.parse::<usize>().is_ok());
+    let last = parts.count();
+    let start = name
+        .rmatch_indices('.')
+        .nth(last)
+        .map_or(0, |(dot, _)| dot + 1);
+    &name[start..]
 }
 
 /// One chart for each unit among the results, over the last axis; a curve for each value of the first.
@@ -145,4 +154,28 @@ fn curves_of(table: &SweepTable, index: usize, over: usize, outer: Option<usize>
         }
     }
     curves.into_iter().map(|(_, curve)| curve).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truecut_recording::{Unit, UserUnit};
+
+    #[test]
+    fn an_axis_is_known_by_the_end_of_its_key() {
+        let column = |name: &str, is_axis| Column {
+            name: name.to_owned(),
+            unit: UserUnit::from(Unit::One),
+            is_axis,
+        };
+        assert_eq!(
+            short(&column("process.chamfer.foot.friction.mu", true)),
+            "mu"
+        );
+        assert_eq!(
+            short(&column("process.load.release_n.0", true)),
+            "release_n.0"
+        );
+        assert_eq!(short(&column("paper, eq. (27)", false)), "paper, eq. (27)");
+    }
 }

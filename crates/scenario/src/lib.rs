@@ -52,6 +52,7 @@ mod error;
 mod foot;
 mod load;
 mod metric;
+mod overwrite;
 mod process;
 mod robot;
 mod run;
