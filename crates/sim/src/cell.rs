@@ -10,7 +10,7 @@ use crate::loads::{Attachment, Loads};
 use crate::plant::{Command, Plant, RapierPlant, WorldWrench};
 use crate::process::{FrameMotion, Process, ToolState};
 use crate::scene::Stage;
-use nalgebra::{Isometry3, Matrix3, Vector3, Vector6};
+use nalgebra::{Matrix3, Vector3, Vector6};
 use truecut_arm::JointKind;
 use truecut_recording::{Header, Outcome, Recorder, Scalar, Scene, Unit};
 use truecut_scenario::Scenario;
@@ -27,12 +27,10 @@ pub struct Cell {
     command: JointCommand,
     guard: Guard,
     stage: Stage,
-    world_from_process: Isometry3<f64>,
     axes: Matrix3<f64>,
     tool_start_m: Vector3<f64>,
     foot_start_m: Vector3<f64>,
     first_command: Vec<f64>,
-    joint_friction: Vec<f64>,
     steps: usize,
     steps_per_row: usize,
     scalars: Vec<Scalar>,
@@ -93,15 +91,13 @@ impl Cell {
             tool_start_m: position(Attachment::Tool.into()),
             foot_start_m: position(Attachment::Foot.into()),
             first_command: prepared.first_command(),
-            contacts: ContactSolver::new(friction.clone()),
-            joint_friction: friction,
+            contacts: ContactSolver::new(friction),
             guard: Guard::new(joint_limits(&prepared)),
             axes: *prepared
                 .world_from_process
                 .rotation
                 .to_rotation_matrix()
                 .matrix(),
-            world_from_process: prepared.world_from_process,
             steps_per_row: ((interval / prepared.dt_s).round() as usize).max(1),
             steps,
             scalars: plant_scalars(&prepared),
@@ -281,16 +277,6 @@ impl Cell {
             .collect();
         self.stage
             .frame(time_s, self.plant.as_ref(), self.process.as_ref(), &shift)
-    }
-
-    /// Dry friction of the joints, N m or N, as the run uses it.
-    pub fn joint_friction(&self) -> &[f64] {
-        &self.joint_friction
-    }
-
-    /// World from process frame, with its origin at the tool after touch-down.
-    pub fn world_from_process(&self) -> &Isometry3<f64> {
-        &self.world_from_process
     }
 }
 

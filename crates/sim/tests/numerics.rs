@@ -271,8 +271,15 @@ constant_n = [{force_n}, 0.0, 0.0]
     assert_eq!(held.outcome, Outcome::Completed);
     let end = *column(&held, "tool.displacement_x").last().expect("rows");
     let expected = 500.0 / 1.0e6 + 500.0 / (1.0e3 * 20.0);
-    println!("servo droop {:.5} mm, expected {:.5} mm", end * 1e3, expected * 1e3);
-    assert!((end / expected - 1.0).abs() < 1e-3, "{end} against {expected}");
+    println!(
+        "servo droop {:.5} mm, expected {:.5} mm",
+        end * 1e3,
+        expected * 1e3
+    );
+    assert!(
+        (end / expected - 1.0).abs() < 1e-3,
+        "{end} against {expected}"
+    );
 
     // 25 kN against a limit of 20 kN: the rest accelerates rotor and mass.
     let pushed = servo(25.0e3, 0.1);

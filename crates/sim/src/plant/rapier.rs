@@ -314,22 +314,23 @@ mod tests {
         )
     }
 
+    /// Starts a step without command or load.
+    fn begin_free(plant: &mut RapierPlant) {
+        let position = plant.joints().position.clone();
+        let command = Command {
+            position: &position,
+            velocity: &[0.0; 6],
+        };
+        plant.begin(command, &[]);
+    }
+
     /// rapier integrates its own joint coordinates; ours run beside them. They must be the same arm.
     #[test]
     fn verify_rapiers_links_stand_where_our_kinematics_puts_them() {
         let mut plant = falling_arm(2.5e-4);
-        let still = [0.0; 6];
-        let none = DVector::zeros(6);
         for _ in 0..400 {
-            let position = plant.joints().position.clone();
-            plant.begin(
-                Command {
-                    position: &position,
-                    velocity: &still,
-                },
-                &[],
-            );
-            plant.finish(&[], &none);
+            begin_free(&mut plant);
+            plant.finish(&[], &DVector::zeros(6));
             plant.drift();
         }
         assert!(plant.joints().velocity.iter().any(|v| v.abs() > 0.1));
@@ -345,19 +346,10 @@ mod tests {
     #[test]
     fn verify_free_velocity_is_the_velocity_of_the_step() {
         let mut plant = falling_arm(2.5e-4);
-        let still = [0.0; 6];
-        let none = DVector::zeros(6);
         for step in 0..400 {
-            let position = plant.joints().position.clone();
-            plant.begin(
-                Command {
-                    position: &position,
-                    velocity: &still,
-                },
-                &[],
-            );
+            begin_free(&mut plant);
             let predicted = plant.free_velocity().clone();
-            plant.finish(&[], &none);
+            plant.finish(&[], &DVector::zeros(6));
             let got = plant.half_step_velocity();
             if step > 2 {
                 let error = (got - &predicted).amax() / got.amax();
