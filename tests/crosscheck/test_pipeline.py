@@ -1,7 +1,7 @@
-"""Before any trajectory: is it the same machine? Masses and inertias, frames, command, mass matrix, modes, in this order.
+"""Before any trajectory: is it the same machine? Masses and inertias, frames, command, mass matrix, modes, in order.
 
-Three descriptions meet here: the model that truecut exports, MuJoCo's own reading of the same URDF (with robot.toml), and
-what `truecut robot --json` says of itself. The arm also meets a model written by hand from the specification's tables.
+Three descriptions meet here: the model that truecut exports, MuJoCo's own reading of the same URDF (with robot.toml),
+and what `truecut robot --json` says of itself. The arm also meets a model written by hand from the specification.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ import random
 import mujoco
 import numpy as np
 import pytest
+
 from conftest import ROBOTS
-from truecut_reference import models, scenario as scenario_file
+from truecut_reference import models
+from truecut_reference import scenario as scenario_file
 from truecut_reference.plant import Plant, modes_hz
 from truecut_reference.urdf_model import from_urdf
 
 SOURCE_A = list(models.SOURCE_A_POSTURE_DEG)
-POSTURES = [SOURCE_A] + [
-    [round(random.Random(seed).uniform(-60.0, 60.0), 3) for _ in range(6)] for seed in range(1, 6)
-]
+POSTURES = [SOURCE_A] + [[round(random.Random(seed).uniform(-60.0, 60.0), 3) for _ in range(6)] for seed in range(1, 6)]
 # rotary joints in degrees, prismatic in millimetres
 CASES = [("irb6600_175_255", p, []) for p in POSTURES] + [("rig_planar", [], [3.0, -2.0, 5.0]), ("rig_1dof", [], [4.0])]
 SCENARIO = """
@@ -131,18 +131,21 @@ def test_crosscheck_mujoco_modes(machine):
 
 
 def test_crosscheck_mujoco_stiffness_at_the_tool(machine):
-    """Directional stiffness with free rotation, process axes, from MuJoCo's Jacobian; 1e-9 relative."""
-    if machine.read.nv < 3:
-        assert machine.told["stiffness"] is None or machine.told["stiffness"]["free"]["x_n_per_m"] > 0.0
-        return
+    """Directional stiffness with free rotation, process axes, from MuJoCo's Jacobian; 1e-9 relative.
+
+    A direction in which the joints cannot yield has none: what rounding leaves there is not compared.
+    """
     told = machine.told["stiffness"]
-    expected = 1.0 / np.diag(machine.read.compliance("tool"))
-    assert [told["free"][f"{axis}_n_per_m"] for axis in "xyz"] == pytest.approx(expected, rel=1e-9)
-    assert np.array(told["process_axes"]).T == pytest.approx(machine.read.axes, abs=1e-9)
+    assert np.array(told["process_axes"]) == pytest.approx(machine.read.axes, abs=1e-9)
+    compliance = np.diag(machine.read.compliance("tool"))
+    yields = compliance > 1e-12 * compliance.max()
+    assert np.count_nonzero(yields) == min(3, machine.read.nv)
+    for axis in np.flatnonzero(yields):
+        assert told["free"][f"{'xyz'[axis]}_n_per_m"] == pytest.approx(1.0 / compliance[axis], rel=1e-9)
 
 
 def test_crosscheck_mujoco_arm_is_the_specified_one(truecut, tmp_path):
-    """The asset against the hand-written surrogate of the specification, masses times 0.82: mass matrix, tool, modes."""
+    """The asset against the hand-written surrogate of the specification, masses times 0.82: mass, tool, modes."""
     machine = Machine(truecut, tmp_path, "irb6600_175_255", SOURCE_A, [])
     by_hand = Plant(models.irb6600(inertia_scale=0.82), machine.scenario.robot)
     difference = np.abs(machine.exported.mass_matrix() - by_hand.mass_matrix()).max()

@@ -6,17 +6,21 @@ Nothing here needs the truecut program.
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 
 import numpy as np
 import pytest
-from truecut_reference import compare, models, run, scenario as scenario_file
+
+from truecut_reference import compare, models, run
+from truecut_reference import scenario as scenario_file
 from truecut_reference.chamfer import ChamferProcess
 from truecut_reference.foot import FootNormal
 from truecut_reference.friction import coulomb_impulse
 from truecut_reference.plant import Plant, modes_hz
 from truecut_reference.simulate import simulate
+from truecut_reference.wheel import Command, CommandedPath
 
 IN_PLANE_N = 109.68  # M at 1 mm depth, 300 rpm, 0.05 mm/rev
 PRELOAD_N = 2 * 0.3e6 * 0.25 * math.pi * 0.032**2
@@ -26,8 +30,14 @@ def chamfer(robot=None, **changes) -> scenario_file.Scenario:
     """Source A's forward chamfer with the given keys changed; `foot` and `cutting` are merged."""
     foot = {"pressure_mpa": 0.3, "seal_stiction_n": 0.0} | changes.pop("foot", {})
     body = {
-        "direction": "forward", "spindle_rpm": 300, "feed_mm_per_rev": 0.05, "depth_mm": 1.0, "half_angle_deg": 45,
-        "hole_diameter_mm": 42, "regeneration": "off", "foot": foot,
+        "direction": "forward",
+        "spindle_rpm": 300,
+        "feed_mm_per_rev": 0.05,
+        "depth_mm": 1.0,
+        "half_angle_deg": 45,
+        "hole_diameter_mm": 42,
+        "regeneration": "off",
+        "foot": foot,
         "cutting": {"axial_mpa": 1960, "in_plane_mpa": 2140} | changes.pop("cutting", {}),
     } | changes
     if body["foot"] is None or changes.get("no_foot"):
@@ -39,7 +49,9 @@ def chamfer(robot=None, **changes) -> scenario_file.Scenario:
 def rotating(friction_ratio: float, frequency_hz: float, duration_s: float) -> scenario_file.Scenario:
     """A rotating force of size M on the planar rig, with friction of `friction_ratio` M at constant normal force."""
     foot = {
-        "pressure_mpa": 0.3, "axial_share": 0.0, "seal_stiction_n": 0.0,
+        "pressure_mpa": 0.3,
+        "axial_share": 0.0,
+        "seal_stiction_n": 0.0,
         "friction": {"mu": friction_ratio * IN_PLANE_N / PRELOAD_N},
     }
     load = {"rotating": {"amplitude_n": IN_PLANE_N, "frequency_hz": frequency_hz}, "foot": foot}
@@ -92,8 +104,10 @@ def test_verify_friction_of_the_force_itself_holds_the_foot():
 @pytest.mark.parametrize(
     ("rpm", "foot", "expected_um"),
     [
-        (300, False, (53, 104, 154, 205)), (300, True, (0, 0, 34, 142)),
-        (400, False, (189, 481, 737, 964)), (400, True, (0, 0, 28, 288)),
+        (300, False, (53, 104, 154, 205)),
+        (300, True, (0, 0, 34, 142)),
+        (400, False, (189, 481, 737, 964)),
+        (400, True, (0, 0, 28, 288)),
     ],
 )
 def test_verify_ramp_radii_per_quarter(rpm, foot, expected_um):
@@ -124,7 +138,7 @@ def test_verify_handwritten_arm_has_the_published_stiffness_and_modes():
 
 
 def test_verify_chip_area_is_source_a_equation_1():
-    """Held tool: A = (D + f/2) f tan(theta) in the ramp, nothing after one revolution of dwell; the rim ends at depth."""
+    """Held tool: A = (D + f/2) f tan(theta) in the ramp, nothing after one revolution of dwell; the rim is at depth."""
     for mode in ("off", "axial", "full"):
         spec = chamfer(regeneration=mode, half_angle_deg=30).process
         cut = ChamferProcess(spec, 1e-3)
@@ -132,16 +146,21 @@ def test_verify_chip_area_is_source_a_equation_1():
         for i in range(steps):
             t = (i + 0.5) * cut.step_s
             force = cut.tool_force(t, (0.0, 0.0, 0.0), None)
-            feed, _, area, _ = cut.row
+            feed, _, area, _, torque = cut.row
             if t < spec.ramp_s:
                 expected = (feed + 0.5 * spec.feed_m_per_rev) * spec.feed_m_per_rev * math.tan(spec.half_angle_rad)
                 assert area == pytest.approx(expected, rel=1e-9)
                 assert force[0] == pytest.approx(-1960e6 * expected, rel=1e-9)
                 assert math.hypot(force[1], force[2]) == pytest.approx(2140e6 * expected, rel=1e-9)
+                assert torque == pytest.approx(2140e6 * expected * 0.021, rel=1e-9)
         assert cut.row[2] == 0.0
-        widths = cut.scalars()
+        widths, _ = cut.findings()
         assert widths["chamfer.width_mean"] == pytest.approx(spec.depth_m * math.tan(spec.half_angle_rad), rel=1e-9)
         assert widths["chamfer.width_spread"] < 1e-12
+        # cone of the tool's half angle less the hole, both cut off at the depth
+        r, w, d = 0.021, spec.depth_m * math.tan(spec.half_angle_rad), spec.depth_m
+        frustum = math.pi * d / 3.0 * (r * r + r * (r + w) + (r + w) ** 2)
+        assert widths["chamfer.removed_volume"] == pytest.approx(frustum - math.pi * r * r * d, rel=1e-9)
 
 
 def test_verify_two_equal_edges_cancel_in_the_plane():
@@ -157,7 +176,10 @@ def test_verify_two_equal_edges_cancel_in_the_plane():
 
 
 def test_verify_regeneration_returns_the_wave_of_the_last_revolution():
-    """An axial displacement that repeats each revolution leaves the chip unchanged after the first; one that does not, not."""
+    """An axial displacement that repeats each revolution leaves the chip unchanged after the first one.
+
+    One of another frequency does not: the chip is the difference to what the last revolution left.
+    """
     spec = chamfer(regeneration="axial").process
     steady, moving = ChamferProcess(spec, 1e-3), ChamferProcess(spec, 1e-3)
     held = ChamferProcess(spec, 1e-3)
@@ -178,7 +200,7 @@ def test_verify_regeneration_returns_the_wave_of_the_last_revolution():
 
 
 def test_verify_foot_is_a_gas_spring_with_a_seal_that_breaks_away():
-    """Section 1.3: Ø32, 50 mm, 0.3 MPa gives k_g = 1.8e4 N/m and a share of 0.02; the seal adds hysteresis of +-97 N."""
+    """Section 1.3: Ø32, 50 mm, 0.3 MPa gives k_g = 1.8e4 N/m and a share of 0.02; the seal adds +-97 N."""
     spec = chamfer(foot={"seal_stiction_n": 97.0}).process.foot
     foot = FootNormal(spec, 0.8646e6)
     assert foot.gas_n_per_m == pytest.approx(1.4 * 2 * (0.3e6 + 101325) * spec.area_m2 / 0.05, rel=1e-12)
@@ -190,21 +212,73 @@ def test_verify_foot_is_a_gas_spring_with_a_seal_that_breaks_away():
     assert foot.advance_to(-0.1) == 0.0, "lifted"
 
 
+@pytest.mark.parametrize(("spin", "friction_sign"), [("climb", 1.0), ("against", -1.0)])
+def test_verify_wheel_removes_prestons_depth_and_yields_to_friction(spin, friction_sign):
+    """Steady pass over the planar rig: N = N0 without runout, depth k_p v_s N / (w v_f), deflection mu N / k2.
+
+    "climb" moves the rim against the travel over the plate, so friction pushes the wheel on.
+    """
+    feed, normal, radius, width, preston = 0.05, 30.0, 0.075, 0.025, 4e-11
+    table = {
+        "radius_mm": 75,
+        "width_mm": 25,
+        "speed_rpm": 1200,
+        "spin": spin,
+        "stiffness_n_per_mm": 40,
+        "normal_force_n": normal,
+        "mu": 0.4,
+        "feed_mm_per_s": 50,
+        "strip_length_mm": 100,
+        "strip_cells": 200,
+        "preston_per_pa": preston,
+    }
+    robot = {"urdf": "none", "gravity": False}
+    spec = scenario_file.from_table({"robot": robot, "process": {"wheel": table}})
+    time_s = np.linspace(0.0, spec.duration_s, 501)
+    command = Command(time_s, np.outer(feed * time_s, [0.0, 1.0, 0.0]))
+    result = simulate(spec, models.planar_rig(damping_ratio=0.5), 1e-4, command=command)
+    late = result.state_time_s > 1.5
+    assert result.channels["wheel.normal_force"][late] == pytest.approx(normal, rel=1e-3)
+    assert result.channels["wheel.friction_force"][late] == pytest.approx(friction_sign * 0.4 * normal, rel=1e-3)
+    lead = result.channels["tool.displacement_y"][late] - feed * result.state_time_s[late]
+    assert lead == pytest.approx(friction_sign * 0.4 * normal / 1.078e6, rel=5e-3)
+    sliding = 2.0 * math.pi * 20.0 * radius - friction_sign * feed
+    middle = result.profiles["wheel.removed_depth"].values[80:120]
+    assert middle == pytest.approx(preston * sliding * normal / (width * feed), rel=2e-3)
+
+
+def test_verify_commanded_path_is_seen_from_the_flange():
+    """A command that leaves its line by 10 um, and one that turns the tool, are told from a straight one."""
+    plant = Plant(models.planar_rig(), chamfer(robot={"urdf": "none", "gravity": False}).robot)
+    time_s = np.linspace(0.0, 2.0, 101)
+    straight = CommandedPath(plant, Command(time_s, np.outer(time_s, [0.0, 0.05, 0.0])))
+    assert np.abs(straight.places_m - np.outer(straight.time_s, [0.0, 0.05, 0.0])).max() < 1e-12
+    assert straight.rotation_rad < 1e-12
+    skew = CommandedPath(plant, Command(time_s, np.outer(time_s, [5e-6, 0.05, 0.0])))
+    assert np.abs(skew.places_m[:, 0]).max() == pytest.approx(1e-5)
+    posture = {"urdf": "none", "posture_deg": list(models.SOURCE_A_POSTURE_DEG)}
+    arm = Plant(models.irb6600(), chamfer(robot=posture).robot)
+    sixth = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    turned = CommandedPath(arm, Command(time_s, arm.command0 + np.outer(1e-3 * time_s, sixth)))
+    assert turned.rotation_rad == pytest.approx(2e-3, rel=1e-3)
+
+
 def test_verify_scheme_is_of_second_order():
     """Halving the step quarters the error on a swept force: a force held from the step's start would only halve it."""
     table = {
-        "robot": {"urdf": "none"}, "run": {"duration_s": 0.5},
+        "robot": {"urdf": "none"},
+        "run": {"duration_s": 0.5},
         "process": {"load": {"sweep": {"amplitude_n": [0, 100, 50], "from_hz": 1, "to_hz": 60}}},
     }
     spec = scenario_file.from_table(table)
     runs = [simulate(spec, models.planar_rig(), h) for h in (4e-4, 2e-4, 1e-4)]
     ends = [np.array([r.channels[f"tool.displacement_{a}"][:: 2**i] for a in "yz"]) for i, r in enumerate(runs)]
     n = min(e.shape[1] for e in ends)
-    first, second = (np.abs(a[:, :n] - b[:, :n]).max() for a, b in zip(ends, ends[1:]))
+    first, second = (np.abs(a[:, :n] - b[:, :n]).max() for a, b in itertools.pairwise(ends))
     assert math.log2(first / second) > 1.8
 
 
-def recorded(result, spec, every: int = 20, **wrong) -> compare.Recording:
+def recorded(result, every: int = 20, **wrong) -> compare.Recording:
     """A recording as truecut would write it, from a reference run, with the given faults."""
     time_s = result.state_time_s[::every]
     channels = {n: np.interp(time_s, result.time_of(n), v) for n, v in result.channels.items()}
@@ -214,7 +288,8 @@ def recorded(result, spec, every: int = 20, **wrong) -> compare.Recording:
     if "late_s" in wrong:
         channels["foot.sliding"] = np.interp(time_s - wrong["late_s"], time_s, channels["foot.sliding"])
     keep = time_s <= wrong.get("until_s", math.inf)
-    return compare.Recording(time_s[keep], {n: v[keep] for n, v in channels.items()}, dict(result.scalars), True)
+    channels = {n: v[keep] for n, v in channels.items()}
+    return compare.Recording(time_s[keep], channels, dict(result.scalars), result.profiles)
 
 
 @pytest.fixture(scope="module")
@@ -228,7 +303,7 @@ def sliding_run():
     ("wrong", "reason"),
     [
         ({}, None),
-        ({"factor": 1.1}, "tool displacement differs"),
+        ({"factor": 1.1}, "tool displacement while sliding differs"),
         ({"late_s": 4e-3}, "stick and slip differ"),
         ({"until_s": 3.0}, "the recording ends after"),
     ],
@@ -236,7 +311,7 @@ def sliding_run():
 def test_verify_comparison_accepts_the_truth_and_names_each_fault(sliding_run, wrong, reason):
     """The judge is judged: its own run passes; 10 % in one component, 4 ms of delay, a third missing do not."""
     spec, result = sliding_run
-    report = run.crosscheck(spec, models.planar_rig(), recorded(result, spec, **wrong), 1e-4)
+    report = run.crosscheck(spec, models.planar_rig(), recorded(result, **wrong), 1e-4)
     assert report["halving_the_step"]["counts"]
     if reason is None:
         assert report["agrees"], report["failures"]

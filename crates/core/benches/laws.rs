@@ -40,7 +40,8 @@ fn cutting(c: &mut Criterion) {
     c.bench_function("chip area and force", |b| {
         b.iter(|| {
             let area = chip.between_m2(black_box(5.2e-4), 4.7e-4);
-            k.forces_n(area, chip.edge_length_m(5.2e-4)).on_tool_n(black_box(1.2), -1.0)
+            k.forces_n(area, chip.edge_length_m(5.2e-4))
+                .on_tool_n(black_box(1.2), -1.0)
         });
     });
     let mut rim = Rim::new(1440, |_| 0.0, &[0.0], 0.0);

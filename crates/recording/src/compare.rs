@@ -1,11 +1,12 @@
 //! How far two recordings are apart.
 
-use crate::metrics::Window;
 use crate::recording::{Recording, UnknownName};
 use crate::reduce::{max, range};
 use crate::spectrum::resample;
+use crate::window::Window;
 
-/// The distance of one quantity (a channel, or several as components of a vector) between two recordings.
+/// The distance of one quantity (a channel, or several as components of a vector) between two
+/// recordings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// Root of the mean square distance, in the channels' unit.
@@ -23,8 +24,8 @@ pub struct Deviation {
     pub rows: usize,
 }
 
-/// Compares quantities at the reference's times, as far as both recordings reach and the window allows; the other is
-/// interpolated linearly. NaN in either gives NaN everywhere.
+/// Compares quantities at the reference's times, as far as both recordings reach and the window
+/// allows; the other is interpolated linearly. NaN in either gives NaN everywhere.
 ///
 /// # Errors
 /// A channel that one of them lacks; components of different units; no time in common.
@@ -159,7 +160,8 @@ mod tests {
         let reference = recording(1e-3, 2001, &[("y", &|t| (omega * t).sin())]);
         let other = recording(1e-3, 2001, &[("y", &|t| 1.01 * (omega * t).sin())]);
         let deviation = compare(&reference, &other, &["y"], Window::ALL).unwrap();
-        // rmse = 0.01/√2, over the range of 2; 2001 rows hold one zero more than ten periods, hence 1e-3.
+        // rmse = 0.01/√2, over the range of 2; 2001 rows hold one zero more than ten periods, hence
+        // 1e-3.
         assert!(
             (deviation.nrmse / (0.01 / 8.0_f64.sqrt()) - 1.0).abs() < 1e-3,
             "{deviation:?}"

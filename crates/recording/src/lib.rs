@@ -1,12 +1,12 @@
 //! Recordings: named channels with units on one time base, and everything that is read off them.
 //!
-//! A run and a measurement are the same thing here: a [`Recording`]. This crate knows no file format, no engine and no
-//! scenario; what writes files implements [`Sink`].
+//! A run and a measurement are the same thing here: a [`Recording`]. This crate knows no file
+//! format, no engine and no scenario; what writes files implements [`Sink`].
 //!
 //! # A tour
 //!
-//! A simulator declares its channels, then pushes one row per step. The [`Recorder`] hands rows on in chunks of at
-//! most a second, so that a run that dies leaves behind what it had done.
+//! A simulator declares its channels, then pushes one row per step. The [`Recorder`] hands rows on
+//! in chunks of at most a second, so that a run that dies leaves behind what it had done.
 //!
 //! ```
 //! use truecut_recording::{ChannelSpec, Header, Outcome, Recorder, Scalar, Unit};
@@ -67,19 +67,23 @@ mod names;
 mod recorder;
 mod recording;
 pub mod reduce;
+mod reducer;
 mod scene;
 mod sink;
 pub mod spectrum;
 mod summary;
 mod unit;
+mod window;
 
 pub use claims::{ClaimError, ClaimFault, ClaimResult, ClaimSpec, RunReference};
 pub use compare::{CompareError, Deviation, compare};
-pub use metrics::{Metric, MetricError, MetricSpec, Reducer, Window};
+pub use metrics::{Metric, MetricError, MetricSpec};
 pub use names::nearest;
 pub use recorder::{OpenSinks, Pace, Recorder};
 pub use recording::{ChannelSpec, Header, Outcome, Profile, Recording, Scalar, UnknownName};
+pub use reducer::Reducer;
 pub use scene::{Arrow, Body, Camera, Frame, Geometry, Pose, Scene, Shape};
 pub use sink::{Chunk, Sink, SinkError};
 pub use summary::Summary;
 pub use unit::{Unit, UnitError, UserUnit, significant};
+pub use window::Window;

@@ -1,7 +1,8 @@
 //! Finding the name that was meant.
 
-/// The candidate nearest to `wanted` by edit distance, upper and lower case taken as equal, if it is near enough to
-/// be what was meant: at most a third of the letters differ, or one of them contains the other.
+/// The candidate nearest to `wanted` by edit distance, upper and lower case taken as equal, if it
+/// is near enough to be what was meant: at most a third of the letters differ, or one of them
+/// contains the other.
 pub fn nearest<'a>(wanted: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let folded = wanted.to_lowercase();
     let scored = candidates
@@ -13,7 +14,8 @@ pub fn nearest<'a>(wanted: &str, candidates: impl IntoIterator<Item = &'a str>) 
     (edits * 3 <= length || (edits == 1 && length > 1) || contained).then_some(name)
 }
 
-/// Edits that turn one text into the other: insertion, deletion, substitution, and exchange of neighbours.
+/// Edits that turn one text into the other: insertion, deletion, substitution, and exchange of
+/// neighbours.
 fn distance(from: &str, to: &str) -> usize {
     strsim::damerau_levenshtein(from, to)
 }

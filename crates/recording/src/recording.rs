@@ -129,7 +129,8 @@ pub enum Outcome {
     /// It ran to its end.
     #[default]
     Completed,
-    /// It broke off without an end mark: the program was stopped while it ran. Only a reader finds this.
+    /// It broke off without an end mark: the program was stopped while it ran. Only a reader finds
+    /// this.
     Interrupted,
     /// It was stopped; what was recorded until then is there.
     Diverged {

@@ -1,4 +1,5 @@
-//! One number from a stretch of one channel. Plain functions on slices; `time_s` ascends and is as long as `values`.
+//! One number from a stretch of one channel. Plain functions on slices; `time_s` ascends and is as
+//! long as `values`.
 //!
 //! A NaN anywhere gives NaN: a number must not look good because the bad rows fell out.
 
@@ -60,8 +61,8 @@ fn integral(time_s: &[f64], values: &[f64], f: impl Fn(f64) -> f64) -> f64 {
         .sum()
 }
 
-/// How long |x| is above the threshold. A row stands for half of the time to each neighbour, so that a flag that is up
-/// in k rows lasts k steps.
+/// How long |x| is above the threshold. A row stands for half of the time to each neighbour, so
+/// that a flag that is up in k rows lasts k steps.
 pub fn duration_above(time_s: &[f64], values: &[f64], threshold: f64) -> f64 {
     if values.is_empty() {
         return f64::NAN;
@@ -76,8 +77,8 @@ pub fn duration_above(time_s: &[f64], values: &[f64], threshold: f64) -> f64 {
     })
 }
 
-/// The first time from which |x| stays above the threshold for at least `hold_s`; `None` if there is none. What is
-/// still above at the end counts only if it has been so for `hold_s`.
+/// The first time from which |x| stays above the threshold for at least `hold_s`; `None` if there
+/// is none. What is still above at the end counts only if it has been so for `hold_s`.
 pub fn first_time_above(
     time_s: &[f64],
     values: &[f64],
@@ -133,7 +134,8 @@ mod tests {
     fn verify_mean_and_rms_of_a_sine() {
         let (time_s, values) = sine(2001, 1e-3, 5.0); // ten whole periods
         assert!(mean(&time_s, &values).abs() < 1e-12);
-        // The trapezoidal rule is exact for whole periods of a band-limited signal; what is left is rounding.
+        // The trapezoidal rule is exact for whole periods of a band-limited signal; what is left is
+        // rounding.
         assert!((rms(&time_s, &values) - 0.5_f64.sqrt()).abs() < 1e-12);
         assert!((range(&values) - 2.0).abs() < 1e-12);
     }

@@ -77,9 +77,9 @@ pub enum Geometry {
 }
 
 impl Geometry {
-    /// The body that an outline sweeps as it turns about z: a tube, a cone, a plate with a hole. The outline is a
-    /// closed polygon of (radius, z) in metres, counter-clockwise with the radius to the right and z up; it is turned
-    /// in so many steps, at least three.
+    /// The body that an outline sweeps as it turns about z: a tube, a cone, a plate with a hole.
+    /// The outline is a closed polygon of (radius, z) in metres, counter-clockwise with the radius
+    /// to the right and z up; it is turned in so many steps, at least three.
     pub fn revolved(outline_m: &[(f64, f64)], segments: u32) -> Geometry {
         let segments = segments.max(3);
         let corners = outline_m.len() as u32;
@@ -87,7 +87,9 @@ impl Geometry {
         let vertices_m = (0..segments)
             .flat_map(|segment| {
                 let (sin, cos) = angle(segment).sin_cos();
-                outline_m.iter().map(move |(radius, z)| [radius * cos, radius * sin, *z])
+                outline_m
+                    .iter()
+                    .map(move |(radius, z)| [radius * cos, radius * sin, *z])
             })
             .collect();
         let mut triangles = Vec::new();
@@ -99,7 +101,10 @@ impl Geometry {
                 triangles.push([here + corner, there + next, here + next]);
             }
         }
-        Geometry::Mesh { vertices_m, triangles }
+        Geometry::Mesh {
+            vertices_m,
+            triangles,
+        }
     }
 }
 
@@ -154,7 +159,8 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Forces, in the order of [`Frame::arrows`].
     pub arrows: Vec<Arrow>,
-    /// By how much the deflection of the bodies under `arm/exaggerated` is enlarged; stated in the view.
+    /// By how much the deflection of the bodies under `arm/exaggerated` is enlarged; stated in the
+    /// view.
     pub deflection_scale: f64,
     /// The first look; `None` lets the viewer choose.
     pub camera: Option<Camera>,
@@ -192,7 +198,11 @@ mod tests {
         let (inner, outer, length) = (0.021, 0.06, 0.02);
         let outline = [(inner, 0.0), (outer, 0.0), (outer, length), (inner, length)];
         let segments = 96;
-        let Geometry::Mesh { vertices_m, triangles } = Geometry::revolved(&outline, segments) else {
+        let Geometry::Mesh {
+            vertices_m,
+            triangles,
+        } = Geometry::revolved(&outline, segments)
+        else {
             panic!("a body of revolution is a mesh");
         };
         let corner = |index: u32| vertices_m[index as usize];
@@ -200,7 +210,11 @@ mod tests {
             .iter()
             .map(|triangle| {
                 let [a, b, c] = triangle.map(corner);
-                let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+                let cross = [
+                    b[1] * c[2] - b[2] * c[1],
+                    b[2] * c[0] - b[0] * c[2],
+                    b[0] * c[1] - b[1] * c[0],
+                ];
                 (a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]) / 6.0
             })
             .sum();
@@ -208,6 +222,9 @@ mod tests {
         let n = f64::from(segments);
         let polygon = 0.5 * n * (std::f64::consts::TAU / n).sin();
         let expected = polygon * (outer * outer - inner * inner) * length;
-        assert!((volume / expected - 1.0).abs() < 1e-12, "{volume} against {expected}");
+        assert!(
+            (volume / expected - 1.0).abs() < 1e-12,
+            "{volume} against {expected}"
+        );
     }
 }

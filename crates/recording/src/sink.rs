@@ -15,9 +15,9 @@ pub struct Chunk<'a> {
     pub frames: &'a [Frame],
 }
 
-/// Takes a recording piece by piece, e.g. into a file. Called in the order `begin`, `chunk` any number of times,
-/// `finish`; a run that is killed never gets to `finish`, so what a chunk holds must be safe when `chunk` returns
-/// (or soon after, where a sink works in the background).
+/// Takes a recording piece by piece, e.g. into a file. Called in the order `begin`, `chunk` any
+/// number of times, `finish`; a run that is killed never gets to `finish`, so what a chunk holds
+/// must be safe when `chunk` returns (or soon after, where a sink works in the background).
 pub trait Sink {
     /// Before the first row.
     ///

@@ -60,8 +60,8 @@ pub enum Unit {
     Kelvin,
 }
 
-/// What may be written for each unit: symbol, unit, factor to SI. The first symbol of a unit that has the
-/// factor 1 is its own.
+/// What may be written for each unit: symbol, unit, factor to SI. The first symbol of a unit that
+/// has the factor 1 is its own.
 const SYMBOLS: &[(&str, Unit, f64)] = &[
     ("1", Unit::One, 1.0),
     ("%", Unit::One, 1e-2),
@@ -139,8 +139,8 @@ impl Unit {
             .map_or("?", |entry| entry.0)
     }
 
-    /// Understands a unit as an engineer writes it and returns it with the factor that turns a value into SI:
-    /// `"mm"` gives `(Metre, 1e-3)`.
+    /// Understands a unit as an engineer writes it and returns it with the factor that turns a
+    /// value into SI: `"mm"` gives `(Metre, 1e-3)`.
     ///
     /// # Errors
     /// A unit that is not in the table; the nearest one is named.

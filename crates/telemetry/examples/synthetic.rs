@@ -1,15 +1,30 @@
 //! Writes a made-up run into a folder, to look at and to see what recording costs:
-//! `cargo run --release -p truecut-telemetry --example synthetic -- out/synthetic [CASE]`, where CASE is a part of
-//! the name of one of the cases below.
+//!
+//! ```sh
+//! cargo run --release -p truecut-telemetry --example synthetic -- out/synthetic [CASE]
+//! ```
+//!
+//! CASE is a part of the name of one of the cases below.
 
-#[path = "../tests/synthetic/mod.rs"]
+#[path = "../tests/recordings/synthetic/mod.rs"]
 mod synthetic;
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 use truecut_telemetry::{Background, IpcSink, ParquetSink, RrdSink};
+
+/// What a step of a real run costs.
+const STEP_COST: Duration = Duration::from_micros(10);
+
+/// Keeps the processor busy, as a simulation does.
+fn busy(time: Duration) {
+    let start = Instant::now();
+    while start.elapsed() < time {
+        std::hint::spin_loop();
+    }
+}
 
 /// Tells how long a sink takes.
 struct Timed<S> {
@@ -33,11 +48,7 @@ impl<S: Sink> Sink for Timed<S> {
         result
     }
 
-    fn finish(
-        &mut self,
-        recording: &Recording,
-        claims: &[ClaimResult],
-    ) -> Result<(), SinkError> {
+    fn finish(&mut self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), SinkError> {
         let start = Instant::now();
         let result = self.sink.finish(recording, claims);
         let ms = |seconds: f64| 1e3 * seconds;
@@ -52,12 +63,19 @@ impl<S: Sink> Sink for Timed<S> {
 }
 
 fn timed(sink: impl Sink + Send + 'static) -> Box<dyn Sink + Send> {
-    Box::new(Timed { sink, begin_s: 0.0, chunks_s: 0.0 })
+    Box::new(Timed {
+        sink,
+        begin_s: 0.0,
+        chunks_s: 0.0,
+    })
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let folder =
-        PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "out/synthetic".to_owned()));
+    let folder = PathBuf::from(
+        std::env::args()
+            .nth(1)
+            .unwrap_or_else(|| "out/synthetic".to_owned()),
+    );
     std::fs::create_dir_all(&folder)?;
     let rrd = || RrdSink::new(folder.join("recording.rrd"));
     let ipc = || IpcSink::new(folder.join("recording.arrows"));
@@ -68,15 +86,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         (".arrows", vec![timed(ipc())]),
         (".rrd", vec![timed(rrd())]),
         (".parquet", vec![timed(parquet())]),
-        ("all three in the background", vec![timed(Background::new(all))]),
+        (
+            "all three in the background",
+            vec![timed(Background::new(all))],
+        ),
     ];
     let wanted = std::env::args().nth(2).unwrap_or_default();
     let (duration_s, step_s) = (4.4, 2.5e-4);
     for (name, sinks) in cases.into_iter().filter(|(name, _)| name.contains(&wanted)) {
         let start = Instant::now();
-        synthetic::run(duration_s, step_s, sinks)?;
+        synthetic::run(duration_s, step_s, sinks, || busy(STEP_COST))?;
         println!("{name}: {:.1} ms", 1e3 * start.elapsed().as_secs_f64());
     }
-    println!("{duration_s} s at {step_s} s a step, in {}", folder.display());
+    println!(
+        "{duration_s} s at {step_s} s a step, in {}",
+        folder.display()
+    );
     Ok(())
 }

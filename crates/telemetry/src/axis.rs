@@ -21,12 +21,14 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// An axis that holds all these values, with about so many numbers. NaN and infinities do not count, nor does what
-    /// a logarithm cannot take.
+    /// An axis that holds all these values, with about so many numbers. NaN and infinities do not
+    /// count, nor does what a logarithm cannot take.
     pub(crate) fn around(values: impl Iterator<Item = f64>, scale: Scale, count: usize) -> Axis {
-        let usable = values.filter(|value| value.is_finite() && (scale == Scale::Linear || *value > 0.0));
-        let (low, high) = usable
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        let usable =
+            values.filter(|value| value.is_finite() && (scale == Scale::Linear || *value > 0.0));
+        let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
         match scale {
             _ if low > high => Axis::linear(0.0, 1.0, count),
             Scale::Linear => Axis::linear(low, high, count),
@@ -37,25 +39,56 @@ impl Axis {
     fn linear(low: f64, high: f64, count: usize) -> Axis {
         // A flat curve gets an axis around it, wide enough for its numbers to differ.
         let flat = high - low <= 1e-12 * low.abs().max(high.abs());
-        let margin = if flat { (0.1 * low.abs()).max(f64::MIN_POSITIVE.sqrt()) } else { 0.0 };
+        let margin = if flat {
+            (0.1 * low.abs()).max(f64::MIN_POSITIVE.sqrt())
+        } else {
+            0.0
+        };
         let (low, high) = (low - margin, high + margin);
         let step = round_step((high - low) / count as f64);
         let (first, last) = ((low / step + 1e-9).floor(), (high / step - 1e-9).ceil());
-        let ticks = (0..=(last - first) as usize).map(|i| (first + i as f64) * step).collect();
-        Axis { scale: Scale::Linear, low: first * step, high: last * step, ticks }
+        let ticks = (0..=(last - first) as usize)
+            .map(|i| (first + i as f64) * step)
+            .collect();
+        Axis {
+            scale: Scale::Linear,
+            low: first * step,
+            high: last * step,
+            ticks,
+        }
     }
 
     fn logarithmic(low: f64, high: f64, count: usize) -> Axis {
-        let (low, high) = if high / low < 1.0 + 1e-9 { (0.5 * low, 2.0 * high) } else { (low, high) };
+        let (low, high) = if high / low < 1.0 + 1e-9 {
+            (0.5 * low, 2.0 * high)
+        } else {
+            (low, high)
+        };
         let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
         // Few decades have room for numbers within.
-        let within: &[f64] = if (last - first) as usize * 3 <= count.max(6) { &[1.0, 2.0, 5.0] } else { &[1.0] };
-        let all = (first..=last).flat_map(|decade| within.iter().map(move |m| m * 10f64.powi(decade)));
+        let within: &[f64] = if (last - first) as usize * 3 <= count.max(9) {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0]
+        };
+        let all =
+            (first..=last).flat_map(|decade| within.iter().map(move |m| m * 10f64.powi(decade)));
         let all: Vec<f64> = all.collect();
         let hair = 1.0 + 1e-9;
-        let from = all.iter().rposition(|tick| *tick <= low * hair).unwrap_or(0);
-        let to = all.iter().position(|tick| *tick * hair >= high).unwrap_or(all.len() - 1);
-        Axis { scale: Scale::Logarithmic, low: all[from], high: all[to], ticks: all[from..=to].to_vec() }
+        let from = all
+            .iter()
+            .rposition(|tick| *tick <= low * hair)
+            .unwrap_or(0);
+        let to = all
+            .iter()
+            .position(|tick| *tick * hair >= high)
+            .unwrap_or(all.len() - 1);
+        Axis {
+            scale: Scale::Logarithmic,
+            low: all[from],
+            high: all[to],
+            ticks: all[from..=to].to_vec(),
+        }
     }
 
     /// The place of a value, 0 at the low end and 1 at the high one; `None` if it cannot be drawn.
@@ -83,7 +116,11 @@ impl Axis {
             return format!("{tick:.1e}");
         }
         let decimals = (-step.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-        let decimals = if step.abs() * 10f64.powi(decimals as i32) < 0.999 { decimals + 1 } else { decimals };
+        let decimals = if step.abs() * 10f64.powi(decimals as i32) < 0.999 {
+            decimals + 1
+        } else {
+            decimals
+        };
         format!("{:.decimals$}", if tick == 0.0 { 0.0 } else { tick })
     }
 }
@@ -92,7 +129,11 @@ impl Axis {
 fn round_step(step: f64) -> f64 {
     let decade = 10f64.powf(step.log10().floor());
     let share = step / decade;
-    decade * [1.0, 2.0, 5.0, 10.0].into_iter().find(|nice| share <= nice * (1.0 + 1e-9)).unwrap_or(10.0)
+    decade
+        * [1.0, 2.0, 5.0, 10.0]
+            .into_iter()
+            .find(|nice| share <= nice * (1.0 + 1e-9))
+            .unwrap_or(10.0)
 }
 
 #[cfg(test)]
@@ -108,7 +149,10 @@ mod tests {
         let axis = Axis::around([0.3, 9.2].into_iter(), Scale::Linear, 5);
         assert_eq!(labels(&axis), ["0", "2", "4", "6", "8", "10"]);
         let axis = Axis::around([-0.013, 0.021].into_iter(), Scale::Linear, 5);
-        assert_eq!(labels(&axis), ["-0.02", "-0.01", "0.00", "0.01", "0.02", "0.03"]);
+        assert_eq!(
+            labels(&axis),
+            ["-0.02", "-0.01", "0.00", "0.01", "0.02", "0.03"]
+        );
         let axis = Axis::around([0.05, 1.5].into_iter(), Scale::Logarithmic, 6);
         assert_eq!(labels(&axis), ["0.05", "0.1", "0.2", "0.5", "1", "2"]);
         let axis = Axis::around([1.0, 1e6].into_iter(), Scale::Logarithmic, 6);
@@ -118,7 +162,10 @@ mod tests {
     #[test]
     fn verify_ends_and_middle() {
         let axis = Axis::around([0.0, 10.0].into_iter(), Scale::Linear, 5);
-        assert_eq!((axis.place(0.0), axis.place(5.0), axis.place(10.0)), (Some(0.0), Some(0.5), Some(1.0)));
+        assert_eq!(
+            (axis.place(0.0), axis.place(5.0), axis.place(10.0)),
+            (Some(0.0), Some(0.5), Some(1.0))
+        );
         let axis = Axis::around([1.0, 100.0].into_iter(), Scale::Logarithmic, 6);
         assert!((axis.place(10.0).unwrap() - 0.5).abs() < 1e-12);
         assert_eq!(axis.place(0.0), None);

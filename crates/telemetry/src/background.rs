@@ -34,12 +34,17 @@ struct OwnedChunk {
 impl Background {
     /// Sinks that are to work in the background.
     pub fn new(sinks: Vec<Box<dyn Sink + Send>>) -> Background {
-        Background { idle: sinks, worker: None }
+        Background {
+            idle: sinks,
+            worker: None,
+        }
     }
 
     /// Waits until everything that was handed over is written.
     fn join(&mut self) -> Result<(), SinkError> {
-        let Some(Worker { chunks, thread }) = self.worker.take() else { return Ok(()) };
+        let Some(Worker { chunks, thread }) = self.worker.take() else {
+            return Ok(());
+        };
         drop(chunks);
         match thread.join() {
             Ok((sinks, result)) => {
@@ -99,23 +104,19 @@ impl Sink for Background {
         }
     }
 
-    fn finish(
-        &mut self,
-        recording: &Recording,
-        claims: &[ClaimResult],
-    ) -> Result<(), SinkError> {
+    fn finish(&mut self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), SinkError> {
         self.join()?;
         // Side by side: each writes a file of its own.
         let finished: Vec<_> = std::thread::scope(|scope| {
             let sinks = self.idle.iter_mut();
-            let threads: Vec<_> =
-                sinks.map(|sink| scope.spawn(|| sink.finish(recording, claims))).collect();
+            let threads: Vec<_> = sinks
+                .map(|sink| scope.spawn(|| sink.finish(recording, claims)))
+                .collect();
             threads.into_iter().map(ScopedJoinHandle::join).collect()
         });
         finished
             .into_iter()
-            .map(|result| result.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
+            .try_for_each(|result| result.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     }
 }
 
@@ -124,7 +125,8 @@ impl Drop for Background {
     fn drop(&mut self) {
         if let Some(Worker { chunks, thread }) = self.worker.take() {
             drop(chunks);
-            // An error was reported before or cannot be reported any more; a panic is the thread's own.
+            // An error was reported before or cannot be reported any more; a panic is the thread's
+            // own.
             thread.join().ok();
         }
     }
@@ -156,7 +158,11 @@ mod tests {
         }
 
         fn finish(&mut self, recording: &Recording, _: &[ClaimResult]) -> Result<(), SinkError> {
-            assert_eq!(*self.rows.lock().unwrap(), recording.time_s.len(), "finish comes last");
+            assert_eq!(
+                *self.rows.lock().unwrap(),
+                recording.time_s.len(),
+                "finish comes last"
+            );
             Ok(())
         }
     }
@@ -164,7 +170,11 @@ mod tests {
     fn send(background: &mut Background, chunks: usize) -> Result<(), SinkError> {
         background.begin(&Header::default())?;
         (0..chunks).try_for_each(|_| {
-            background.chunk(&Chunk { time_s: &[0.0, 1.0], columns: Vec::new(), frames: &[] })
+            background.chunk(&Chunk {
+                time_s: &[0.0, 1.0],
+                columns: Vec::new(),
+                frames: &[],
+            })
         })
     }
 
@@ -173,7 +183,10 @@ mod tests {
         let counting = Counting::default();
         let mut background = Background::new(vec![Box::new(counting)]);
         send(&mut background, 50).unwrap();
-        let recording = Recording { time_s: vec![0.0; 100], ..Recording::default() };
+        let recording = Recording {
+            time_s: vec![0.0; 100],
+            ..Recording::default()
+        };
         background.finish(&recording, &[]).unwrap();
     }
 
@@ -188,7 +201,10 @@ mod tests {
 
     #[test]
     fn an_error_comes_back() {
-        let counting = Counting { fails_after: Some(10), ..Counting::default() };
+        let counting = Counting {
+            fails_after: Some(10),
+            ..Counting::default()
+        };
         let mut background = Background::new(vec![Box::new(counting)]);
         let error = send(&mut background, 50).unwrap_err();
         assert_eq!(error.to_string(), "disk: cannot write rows: full");

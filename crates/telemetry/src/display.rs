@@ -1,7 +1,7 @@
 //! How channels are shown to a person: in which unit, under which name, with which others.
 //!
-//! Files hold SI. In the viewer a displacement is in µm, a length in mm, an angle in degrees, so that an
-//! axis carries plain numbers.
+//! Files hold SI. In the viewer a displacement is in µm, a length in mm, an angle in degrees, so
+//! that an axis carries plain numbers.
 
 use truecut_recording::{ChannelSpec, Unit, UserUnit};
 
@@ -10,8 +10,6 @@ use truecut_recording::{ChannelSpec, Unit, UserUnit};
 pub(crate) struct Series {
     /// Column in the recording.
     pub(crate) channel: usize,
-    /// Where it is logged: `/channels/tool/displacement_y`.
-    pub(crate) entity: String,
     /// In the legend: `Y [µm]`.
     pub(crate) legend: String,
     /// Unit in which it is shown.
@@ -36,38 +34,105 @@ pub(crate) enum Place {
 pub(crate) struct Group {
     /// Above the plot: `Tool displacement, process frame [µm]`.
     pub(crate) title: String,
+    /// Where its curves are logged: `/plots/joint_angle_deg`.
+    pub(crate) entity: String,
     pub(crate) place: Place,
+    /// What is smaller than this, SI, is as good as nothing.
+    pub(crate) least: f64,
     pub(crate) series: Vec<Series>,
 }
 
-/// A plot that is known beforehand: its title, its place, and the beginnings of the names of its channels (with
-/// `joint3.` read as `joint.`).
-struct Template(&'static str, Place, &'static [&'static str]);
+/// A plot that is known beforehand.
+struct Template {
+    title: &'static str,
+    place: Place,
+    /// What is smaller than this, SI, is as good as nothing: the axis must not enlarge it.
+    least: f64,
+    /// How the names of its channels begin, with `joint3.` read as `joint.`.
+    beginnings: &'static [&'static str],
+}
+
+const fn front(
+    title: &'static str,
+    place: Place,
+    least: f64,
+    beginnings: &'static [&'static str],
+) -> Template {
+    Template {
+        title,
+        place,
+        least,
+        beginnings,
+    }
+}
+
+const fn behind(title: &'static str, beginnings: &'static [&'static str]) -> Template {
+    Template {
+        title,
+        place: Place::Behind,
+        least: 0.0,
+        beginnings,
+    }
+}
 
 /// In the order in which plots appear. A channel goes to the first that fits.
 const TEMPLATES: &[Template] = &[
-    Template("Tool displacement, process frame", Place::FrontWithSpectrum, &["tool.displacement_"]),
-    Template(
+    front(
+        "Tool displacement, process frame",
+        Place::FrontWithSpectrum,
+        1e-5,
+        &["tool.displacement_"],
+    ),
+    front(
         "Dynamometer: lateral force on the workpiece",
         Place::FrontWithSpectrum,
+        10.0,
         &["dynamometer.force_y", "dynamometer.force_z"],
     ),
-    Template("Pressure foot on the workpiece", Place::Front, &["foot.normal_force", "foot.friction_"]),
-    Template("Wheel on the workpiece", Place::Front, &["wheel.normal_force", "wheel.friction_force"]),
-    Template("Load on the tool, process frame", Place::FrontWithSpectrum, &["load.force_"]),
-    Template("Depth", Place::Behind, &["cutting.depth", "cutting.engaged_depth", "wheel.penetration"]),
-    Template("Cutting force on the tool, process frame", Place::Behind, &["cutting.force_"]),
-    Template("Dynamometer: axial force on the workpiece", Place::Behind, &["dynamometer.force_x"]),
-    Template("Chip area", Place::Behind, &["cutting.chip_area"]),
-    Template("Slip speed of the foot", Place::Behind, &["foot.slip_speed"]),
-    Template("Tool velocity, process frame", Place::Behind, &["tool.velocity_"]),
-    Template("Tool position, world", Place::Behind, &["tool.position_"]),
-    Template("Torque in the transmission", Place::Behind, &["joint.transmission_torque"]),
-    Template("Joint angle", Place::Behind, &["joint.angle"]),
-    Template("Joint position", Place::Behind, &["joint.position"]),
-    Template("Joint velocity", Place::Behind, &["joint.velocity"]),
-    Template("Joint command", Place::Behind, &["joint.command"]),
-    Template("Energy", Place::Behind, &["energy."]),
+    front(
+        "Pressure foot on the workpiece",
+        Place::Front,
+        10.0,
+        &["foot.normal_force", "foot.friction_"],
+    ),
+    front(
+        "Wheel on the workpiece",
+        Place::Front,
+        1.0,
+        &["wheel.normal_force", "wheel.friction_force"],
+    ),
+    front(
+        "Load on the tool, process frame",
+        Place::FrontWithSpectrum,
+        1.0,
+        &["load.force_"],
+    ),
+    behind(
+        "Depth",
+        &[
+            "cutting.depth",
+            "cutting.engaged_depth",
+            "wheel.penetration",
+        ],
+    ),
+    behind(
+        "Cutting force on the tool, process frame",
+        &["cutting.force_"],
+    ),
+    behind(
+        "Dynamometer: axial force on the workpiece",
+        &["dynamometer.force_x"],
+    ),
+    behind("Chip area", &["cutting.chip_area"]),
+    behind("Slip speed of the foot", &["foot.slip_speed"]),
+    behind("Tool velocity, process frame", &["tool.velocity_"]),
+    behind("Tool position, world", &["tool.position_"]),
+    behind("Torque in the transmission", &["joint.transmission_torque"]),
+    behind("Joint angle", &["joint.angle"]),
+    behind("Joint position", &["joint.position"]),
+    behind("Joint velocity", &["joint.velocity"]),
+    behind("Joint command", &["joint.command"]),
+    behind("Energy", &["energy."]),
 ];
 
 /// Channels that are states, not curves: shown as coloured bars.
@@ -77,33 +142,64 @@ pub(crate) const LIFTED: &str = "foot.lifted";
 
 /// Sorts channels into plots.
 pub(crate) fn groups(channels: &[ChannelSpec]) -> Vec<Group> {
-    // Keyed by the rank of the template, then by title and unit, so that unlike units never share an axis.
     let mut found: Vec<(usize, Group)> = Vec::new();
     for (index, channel) in channels.iter().enumerate() {
         if [SLIDING, LIFTED].contains(&channel.name.as_str()) {
             continue;
         }
         let unit = shown_in(channel);
-        let general = without_joint_number(&channel.name);
-        let fits = |Template(.., beginnings): &Template| beginnings.iter().any(|b| general.starts_with(b));
-        let rank = TEMPLATES.iter().position(fits).unwrap_or(TEMPLATES.len());
-        let (title, in_view) = match TEMPLATES.get(rank) {
-            Some(Template(title, in_view, _)) => ((*title).to_owned(), *in_view),
-            None => (in_words(stem(&general)), Place::Behind),
-        };
-        let title = format!("{title} [{}]", unit.symbol);
-        let place = found.iter().position(|(_, group)| group.title == title).unwrap_or_else(|| {
-            found.push((rank, Group { title, place: in_view, series: Vec::new() }));
+        let (rank, mut new) = empty_group(&channel.name);
+        // The unit is part of the title, so that unlike units never share an axis.
+        new.title += &format!(" [{}]", unit.symbol);
+        let same = found.iter().position(|(_, group)| group.title == new.title);
+        let place = same.unwrap_or_else(|| {
+            new.entity = format!("/plots/{}", in_path(&new.title));
+            found.push((rank, new));
             found.len() - 1
         });
-        let group = &mut found[place].1;
-        let color = color(&channel.name, group.series.len());
+        let series = &mut found[place].1.series;
+        let color = color(&channel.name, series.len());
         let legend = format!("{} [{}]", short_name(&channel.name), unit.symbol);
-        let entity = format!("/channels/{}", channel.name.replace('.', "/"));
-        group.series.push(Series { channel: index, entity, legend, unit, color });
+        series.push(Series {
+            channel: index,
+            legend,
+            unit,
+            color,
+        });
     }
     found.sort_by_key(|(rank, _)| *rank);
     found.into_iter().map(|(_, group)| group).collect()
+}
+
+/// The plot into which a channel goes, and its rank among all.
+fn empty_group(channel: &str) -> (usize, Group) {
+    let general = without_joint_number(channel);
+    let fits = |template: &Template| template.beginnings.iter().any(|b| general.starts_with(b));
+    let rank = TEMPLATES.iter().position(fits).unwrap_or(TEMPLATES.len());
+    let (title, place, least) = match TEMPLATES.get(rank) {
+        Some(template) => (template.title.to_owned(), template.place, template.least),
+        None => (in_words(stem(&general)), Place::Behind, 0.0),
+    };
+    (
+        rank,
+        Group {
+            title,
+            entity: String::new(),
+            place,
+            least,
+            series: Vec::new(),
+        },
+    )
+}
+
+/// Letters and digits, joined by single lines.
+fn in_path(title: &str) -> String {
+    let words = title.split(|letter: char| !letter.is_alphanumeric());
+    words
+        .filter(|word| !word.is_empty())
+        .collect::<Vec<_>>()
+        .join("_")
+        .to_lowercase()
 }
 
 /// The unit in which a person expects a channel.
@@ -131,7 +227,10 @@ pub(crate) fn shown_unit(unit: Unit, small: bool) -> UserUnit {
 
 /// `joint3.angle` → `joint.angle`.
 fn without_joint_number(name: &str) -> String {
-    match name.strip_prefix("joint").and_then(|rest| rest.split_once('.')) {
+    match name
+        .strip_prefix("joint")
+        .and_then(|rest| rest.split_once('.'))
+    {
         Some((number, quantity)) if number.bytes().all(|byte| byte.is_ascii_digit()) => {
             format!("joint.{quantity}")
         }
@@ -151,7 +250,9 @@ fn stem(name: &str) -> &str {
 fn in_words(name: &str) -> String {
     let words = name.replace(['.', '_'], " ");
     let mut letters = words.chars();
-    letters.next().map_or(words.clone(), |first| first.to_uppercase().chain(letters).collect())
+    letters.next().map_or(words.clone(), |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }
 
 /// What tells a channel from the others of its plot: its axis, its joint, or its quantity.
@@ -159,9 +260,10 @@ fn short_name(name: &str) -> String {
     let (owner, quantity) = name.split_once('.').unwrap_or(("", name));
     match (owner.strip_prefix("joint"), quantity.rsplit_once('_')) {
         (Some(number), _) if !number.is_empty() => format!("joint {number}"),
-        (_, Some(("displacement" | "velocity" | "position" | "force", axis @ ("x" | "y" | "z")))) => {
-            axis.to_uppercase()
-        }
+        (
+            _,
+            Some(("displacement" | "velocity" | "position" | "force", axis @ ("x" | "y" | "z"))),
+        ) => axis.to_uppercase(),
         (_, Some((rest, axis @ ("x" | "y" | "z")))) => {
             format!("{} {}", rest.replace('_', " "), axis.to_uppercase())
         }
@@ -194,10 +296,21 @@ mod tests {
     use super::*;
 
     fn shown(names: &[(&str, Unit)]) -> Vec<(String, Vec<String>)> {
-        let channels: Vec<ChannelSpec> =
-            names.iter().map(|(name, unit)| ChannelSpec::new(*name, *unit, "")).collect();
-        let legends = |group: &Group| group.series.iter().map(|series| series.legend.clone()).collect();
-        groups(&channels).iter().map(|group| (group.title.clone(), legends(group))).collect()
+        let channels: Vec<ChannelSpec> = names
+            .iter()
+            .map(|(name, unit)| ChannelSpec::new(*name, *unit, ""))
+            .collect();
+        let legends = |group: &Group| {
+            group
+                .series
+                .iter()
+                .map(|series| series.legend.clone())
+                .collect()
+        };
+        groups(&channels)
+            .iter()
+            .map(|group| (group.title.clone(), legends(group)))
+            .collect()
     }
 
     #[test]
@@ -213,21 +326,35 @@ mod tests {
             ("belt.speed", Unit::MetrePerSecond),
         ]);
         let expected = [
-            ("Tool displacement, process frame [µm]", vec!["X [µm]", "Y [µm]"]),
-            ("Pressure foot on the workpiece [N]", vec!["normal force [N]", "friction Y [N]"]),
+            (
+                "Tool displacement, process frame [µm]",
+                vec!["X [µm]", "Y [µm]"],
+            ),
+            (
+                "Pressure foot on the workpiece [N]",
+                vec!["normal force [N]", "friction Y [N]"],
+            ),
             ("Joint angle [deg]", vec!["joint 1 [deg]", "joint 2 [deg]"]),
             ("Belt speed [mm/s]", vec!["speed [mm/s]"]),
         ];
         let expected: Vec<(String, Vec<String>)> = expected
             .into_iter()
-            .map(|(title, legends)| (title.into(), legends.into_iter().map(str::to_owned).collect()))
+            .map(|(title, legends)| {
+                (
+                    title.into(),
+                    legends.into_iter().map(str::to_owned).collect(),
+                )
+            })
             .collect();
         assert_eq!(plots, expected);
     }
 
     #[test]
     fn unlike_units_never_share_an_axis() {
-        let plots = shown(&[("joint1.command", Unit::Radian), ("joint2.command", Unit::Metre)]);
+        let plots = shown(&[
+            ("joint1.command", Unit::Radian),
+            ("joint2.command", Unit::Metre),
+        ]);
         assert_eq!(plots[0].0, "Joint command [deg]");
         assert_eq!(plots[1].0, "Joint command [mm]");
     }

@@ -34,6 +34,9 @@ pub enum Reason {
 
 impl FileError {
     pub(crate) fn new(path: &Path, reason: impl Into<Reason>) -> FileError {
-        FileError { path: path.to_owned(), reason: reason.into() }
+        FileError {
+            path: path.to_owned(),
+            reason: reason.into(),
+        }
     }
 }

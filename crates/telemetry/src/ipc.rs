@@ -1,7 +1,8 @@
 //! Recordings as an Arrow IPC stream, `.arrows`: safe on disk while the run is still under way.
 //!
-//! The stream is what any Arrow reader understands. After its end mark, where such readers stop, follows one line of
-//! JSON with the outcome, scalars and profiles, which were not known when the stream began.
+//! The stream is what any Arrow reader understands. After its end mark, where such readers stop,
+//! follows one line of JSON with the outcome, scalars and profiles, which were not known when the
+//! stream began.
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
@@ -16,8 +17,8 @@ use truecut_recording::{Chunk, ClaimResult, Header, Outcome, Recording, Sink, Si
 use crate::error::{FileError, Reason};
 use crate::table;
 
-/// Streams rows into a file; every chunk is with the operating system when [`Sink::chunk`] returns, so that killing the
-/// program loses nothing of it.
+/// Streams rows into a file; every chunk is with the operating system when [`Sink::chunk`] returns,
+/// so that killing the program loses nothing of it.
 pub struct IpcSink {
     path: PathBuf,
     open: Option<Open>,
@@ -31,7 +32,10 @@ struct Open {
 impl IpcSink {
     /// A sink for a file, which is made (or overwritten) when the run begins.
     pub fn new(path: impl Into<PathBuf>) -> IpcSink {
-        IpcSink { path: path.into(), open: None }
+        IpcSink {
+            path: path.into(),
+            open: None,
+        }
     }
 
     fn failed(&self, action: &'static str) -> impl Fn(Reason) -> SinkError + use<> {
@@ -49,13 +53,18 @@ impl Sink for IpcSink {
             writer.flush()?;
             Ok(writer)
         });
-        self.open = Some(Open { schema, writer: writer.map_err(|error| failed(error.into()))? });
+        self.open = Some(Open {
+            schema,
+            writer: writer.map_err(|error| failed(error.into()))?,
+        });
         Ok(())
     }
 
     fn chunk(&mut self, chunk: &Chunk<'_>) -> Result<(), SinkError> {
         let failed = self.failed("write rows");
-        let Some(open) = &mut self.open else { return Ok(()) };
+        let Some(open) = &mut self.open else {
+            return Ok(());
+        };
         if chunk.time_s.is_empty() {
             return Ok(());
         }
@@ -69,20 +78,25 @@ impl Sink for IpcSink {
 
     fn finish(&mut self, recording: &Recording, _: &[ClaimResult]) -> Result<(), SinkError> {
         let failed = self.failed("end the stream");
-        let Some(Open { mut writer, .. }) = self.open.take() else { return Ok(()) };
+        let Some(Open { mut writer, .. }) = self.open.take() else {
+            return Ok(());
+        };
         writer.finish().map_err(|error| failed(error.into()))?;
         let mut file = writer.into_inner().map_err(|error| failed(error.into()))?;
-        let ending = table::Ending::of(recording).to_json().map_err(|error| failed(std::io::Error::from(error).into()))?;
+        let ending = table::Ending::of(recording)
+            .to_json()
+            .map_err(|error| failed(std::io::Error::from(error).into()))?;
         let written = writeln!(file, "{ending}").and_then(|()| file.flush());
         written.map_err(|error| failed(error.into()))
     }
 }
 
-/// Reads a `.arrows` file, also one whose run was killed: what is whole is taken, the outcome is then
-/// [`Outcome::Interrupted`], and a note says where the rows end.
+/// Reads a `.arrows` file, also one whose run was killed: what is whole is taken, the outcome is
+/// then [`Outcome::Interrupted`], and a note says where the rows end.
 ///
 /// # Errors
-/// A file that cannot be read, that does not begin as an Arrow stream, or whose columns are not a recording's.
+/// A file that cannot be read, that does not begin as an Arrow stream, or whose columns are not a
+/// recording's.
 pub fn read_ipc_stream(path: &Path) -> Result<Recording, FileError> {
     let failed = |reason: Reason| FileError::new(path, reason);
     let file = File::open(path).map_err(|error| failed(error.into()))?;
@@ -95,14 +109,31 @@ pub fn read_ipc_stream(path: &Path) -> Result<Recording, FileError> {
         table::append(&mut recording, &batch).map_err(not_ours)?;
     }
     let mut rest = String::new();
-    let ending = reader.get_mut().read_to_string(&mut rest).ok().and_then(|_| table::ending_from_json(&rest).ok());
+    let ending = reader
+        .get_mut()
+        .read_to_string(&mut rest)
+        .ok()
+        .and_then(|_| table::ending_from_json(&rest).ok());
     match ending {
-        Some(table::Ending { outcome, scalars, profiles }) => {
-            Ok(Recording { outcome, scalars, profiles, ..recording })
-        }
+        Some(table::Ending {
+            outcome,
+            scalars,
+            profiles,
+        }) => Ok(Recording {
+            outcome,
+            scalars,
+            profiles,
+            ..recording
+        }),
         None => {
-            let last_s = recording.time_s.last().map_or("no rows".to_owned(), |time| format!("{time} s"));
-            recording.header.notes.push(format!("the run was interrupted; rows end at {last_s}"));
+            let last_s = recording
+                .time_s
+                .last()
+                .map_or("no rows".to_owned(), |time| format!("{time} s"));
+            recording
+                .header
+                .notes
+                .push(format!("the run was interrupted; rows end at {last_s}"));
             recording.outcome = Outcome::Interrupted;
             Ok(recording)
         }

@@ -1,4 +1,61 @@
 //! Recordings to files and back.
+//!
+//! | file | written | holds | read by |
+//! | --- | --- | --- | --- |
+//! | `.rrd` | while the run is under way | what a person wants to see: the arm in 3-D, curves, states, spectra, claims | the rerun viewer, 0.36 |
+//! | `.arrows` | while the run is under way | every row, then the results | [`read_ipc_stream`], any Arrow reader |
+//! | `.parquet` | at the end | every row and the results, the same bytes for the same run | [`read_parquet`], any Parquet reader |
+//!
+//! Tables are SI, with `unit` and `description` in each column's metadata. The `.rrd` is for eyes:
+//! µm, mm and degrees, at most a thousand points a second of each channel, the smallest and largest
+//! of every interval among them.
+//!
+//! # A tour
+//!
+//! Sinks are given to a recorder. In the [`Background`] they do not hold the run up.
+//!
+//! ```
+//! use truecut_recording::{ChannelSpec, Header, Outcome, Recorder, Sink, Unit};
+//! use truecut_telemetry::{Background, IpcSink, ParquetSink, RrdSink};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let sinks: Vec<Box<dyn Sink + Send>> = vec![
+//!     Box::new(RrdSink::new(folder.path().join("recording.rrd"))),
+//!     Box::new(IpcSink::new(folder.path().join("recording.arrows"))),
+//!     Box::new(ParquetSink::new(folder.path().join("recording.parquet"))),
+//! ];
+//! let header = Header {
+//!     scenario_name: "A tool that is pushed aside".into(),
+//!     channels: vec![ChannelSpec::new("tool.displacement_y", Unit::Metre, "tool point, process frame")],
+//!     ..Header::default()
+//! };
+//! let mut recorder = Recorder::new(header, vec![Box::new(Background::new(sinks))])?;
+//! for step in 0..2000 {
+//!     let t = f64::from(step) * 1e-3;
+//!     recorder.push_row(t, &[1e-5 * t])?;
+//! }
+//! let (recording, sinks) = recorder.finish(Vec::new(), Vec::new(), Outcome::Completed)?;
+//! sinks.close(&recording, &[])?;
+//!
+//! // What was written is there again, bit by bit.
+//! use truecut_telemetry::{read_ipc_stream, read_parquet};
+//!
+//! assert_eq!(read_parquet(&folder.path().join("recording.parquet"))?, recording);
+//! assert_eq!(read_ipc_stream(&folder.path().join("recording.arrows"))?, recording);
+//!
+//! // What many runs come to is a plot.
+//! use truecut_telemetry::plot::{Curve, Style, plot_curves};
+//!
+//! let curve = Curve {
+//!     name: "simulation".into(),
+//!     points: vec![(0.10, 0.71), (0.15, 0.46), (0.20, 0.33)],
+//!     style: Style::LineAndDots,
+//! };
+//! let file = folder.path().join("threshold.svg");
+//! plot_curves(&file, "Pressure that stops sliding", "friction coefficient [1]", "pressure [MPa]", &[curve])?;
+//! # assert!(file.exists());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![warn(missing_docs)]
 

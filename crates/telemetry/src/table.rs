@@ -1,8 +1,9 @@
 //! A recording as an Arrow table, and back.
 //!
-//! One column per channel, named like it, of 64-bit floats without nulls, with `unit` and `description` in the field's
-//! metadata; the first column is `time` in seconds. What else a recording holds is in the schema's metadata: see the
-//! keys below. The 3-D scene is not kept: it belongs to the `.rrd`.
+//! One column per channel, named like it, of 64-bit floats without nulls, with `unit` and
+//! `description` in the field's metadata; the first column is `time` in seconds. What else a
+//! recording holds is in the schema's metadata: see the keys below. The 3-D scene is not kept: it
+//! belongs to the `.rrd`.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -23,7 +24,7 @@ const SCENARIO_TEXT: &str = "truecut.scenario_text";
 /// The notes, a JSON list of strings.
 const NOTES: &str = "truecut.notes";
 /// Outcome, scalars and profiles, a JSON object: [`Ending`].
-const ENDING: &str = "truecut.ending";
+pub(crate) const ENDING: &str = "truecut.ending";
 
 /// What is known only after the last row.
 #[derive(Serialize, Deserialize)]
@@ -57,7 +58,10 @@ pub(crate) fn schema(header: &Header) -> Schema {
         ]))
     };
     let time = field(TIME, Unit::Second, "simulated time");
-    let channels = header.channels.iter().map(|channel| field(&channel.name, channel.unit, &channel.description));
+    let channels = header
+        .channels
+        .iter()
+        .map(|channel| field(&channel.name, channel.unit, &channel.description));
     let fields: Vec<Field> = std::iter::once(time).chain(channels).collect();
     let notes = serde_json::Value::from(header.notes.clone()).to_string();
     Schema::new(fields).with_metadata(HashMap::from([
@@ -66,13 +70,6 @@ pub(crate) fn schema(header: &Header) -> Schema {
         (SCENARIO_TEXT.to_owned(), header.scenario_text.clone()),
         (NOTES.to_owned(), notes),
     ]))
-}
-
-/// The schema of a recording that has ended.
-pub(crate) fn schema_with_ending(recording: &Recording) -> Result<Schema, serde_json::Error> {
-    let mut schema = schema(&recording.header);
-    schema.metadata.insert(ENDING.to_owned(), Ending::of(recording).to_json()?);
-    Ok(schema)
 }
 
 /// Rows as one batch.
@@ -94,13 +91,21 @@ pub(crate) fn recording_from_schema(schema: &Schema) -> Result<Recording, String
         Some(first) if first.name() == TIME => {}
         _ => return Err(format!("the first column must be \"{TIME}\"")),
     }
-    let channels: Vec<ChannelSpec> = fields.map(|field| channel(field)).collect::<Result<_, _>>()?;
+    let channels: Vec<ChannelSpec> = fields
+        .map(|field| channel(field))
+        .collect::<Result<_, _>>()?;
     let ending = match schema.metadata.get(ENDING) {
         Some(json) => ending_from_json(json)?,
-        None => Ending { outcome: Outcome::Completed, scalars: Vec::new(), profiles: Vec::new() },
+        None => Ending {
+            outcome: Outcome::Completed,
+            scalars: Vec::new(),
+            profiles: Vec::new(),
+        },
     };
     let notes = match schema.metadata.get(NOTES) {
-        Some(json) => serde_json::from_str(json).map_err(|error| format!("metadata {NOTES}: {error}"))?,
+        Some(json) => {
+            serde_json::from_str(json).map_err(|error| format!("metadata {NOTES}: {error}"))?
+        }
         None => Vec::new(),
     };
     let header = Header {
@@ -111,19 +116,46 @@ pub(crate) fn recording_from_schema(schema: &Schema) -> Result<Recording, String
         ..Header::default()
     };
     let columns = vec![Vec::new(); header.channels.len()];
-    let Ending { outcome, scalars, profiles } = ending;
-    Ok(Recording { header, time_s: Vec::new(), columns, profiles, scalars, outcome })
+    let Ending {
+        outcome,
+        scalars,
+        profiles,
+    } = ending;
+    Ok(Recording {
+        header,
+        time_s: Vec::new(),
+        columns,
+        profiles,
+        scalars,
+        outcome,
+    })
 }
 
 fn channel(field: &Field) -> Result<ChannelSpec, String> {
     let name = field.name();
     if field.data_type() != &DataType::Float64 {
-        return Err(format!("column \"{name}\" holds {}, not 64-bit floats", field.data_type()));
+        return Err(format!(
+            "column \"{name}\" holds {}, not 64-bit floats",
+            field.data_type()
+        ));
     }
-    let unit = field.metadata().get("unit").ok_or_else(|| format!("column \"{name}\" has no unit"))?;
-    let unit = unit.parse().map_err(|error| format!("column \"{name}\": {error}"))?;
-    let description = field.metadata().get("description").cloned().unwrap_or_default();
-    Ok(ChannelSpec { name: name.clone(), unit, description })
+    let unit = field
+        .metadata()
+        .get("unit")
+        .ok_or_else(|| format!("column \"{name}\" has no unit"))?;
+    let unit = unit
+        .parse()
+        .map_err(|error| format!("column \"{name}\": {error}"))?;
+    let description = field
+        .metadata()
+        .get("description")
+        .cloned()
+        .unwrap_or_default();
+    Ok(ChannelSpec {
+        name: name.clone(),
+        unit,
+        description,
+    })
 }
 
 /// Reads what [`Ending::to_json`] wrote.
@@ -134,9 +166,13 @@ pub(crate) fn ending_from_json(json: &str) -> Result<Ending, String> {
 /// Appends a batch's rows.
 pub(crate) fn append(recording: &mut Recording, batch: &RecordBatch) -> Result<(), String> {
     let targets = std::iter::once(&mut recording.time_s).chain(&mut recording.columns);
-    for ((target, array), field) in targets.zip(batch.columns()).zip(batch.schema_ref().fields()) {
+    for ((target, array), field) in targets
+        .zip(batch.columns())
+        .zip(batch.schema_ref().fields())
+    {
         let values = array.as_any().downcast_ref::<Float64Array>();
-        let values = values.ok_or_else(|| format!("column \"{}\" does not hold 64-bit floats", field.name()))?;
+        let values = values
+            .ok_or_else(|| format!("column \"{}\" does not hold 64-bit floats", field.name()))?;
         if values.null_count() > 0 {
             return Err(format!("column \"{}\" has gaps", field.name()));
         }

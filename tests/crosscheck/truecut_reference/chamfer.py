@@ -1,7 +1,7 @@
 """Chamfering with a conical cutter: chip area against the rim as it was left, forces, and the rim's geometry.
 
-Let D(t) = n f t be the feed depth already cut; an edge stands one feed per tooth f_t deeper. The chip area of an edge that
-stands at depth d over a rim of depth d_prev, both measured along the axis, is the change of the triangle's area:
+Let D(t) = n f t be the feed depth already cut; an edge stands one feed per tooth f_t deeper. The chip area of an edge
+that stands at depth d over a rim of depth d_prev, both measured along the axis, is the change of the triangle's area:
 
     A = 1/2 tan(theta) max(0, max(d, 0)^2 - d_prev^2)          nominally (D + f_t/2) f_t tan(theta), source A eq. (1)
 
@@ -16,6 +16,7 @@ import math
 
 import numpy as np
 
+from .profile import Profile
 from .scenario import Chamfer
 
 NO_FORCE = (0.0, 0.0, 0.0)
@@ -24,7 +25,7 @@ NO_FORCE = (0.0, 0.0, 0.0)
 class ChamferProcess:
     """The cutter over one run. `tool_force` is called once a step, in order of time, at mid-step."""
 
-    channels = ("cutting.depth", "cutting.engaged_depth", "cutting.chip_area", "cutting.edge_angle")
+    channels = ("cutting.depth", "cutting.engaged_depth", "cutting.chip_area", "cutting.edge_angle", "cutting.torque")
 
     def __init__(self, spec: Chamfer, longest_step_s: float) -> None:
         self.spec = spec
@@ -68,7 +69,7 @@ class ChamferProcess:
         axial_shift = self.sign * x[0]
         turn = s.start_angle_rad + s.spindle_rad_per_s * t
         fx = fy = fz = 0.0
-        first = None
+        engaged_first = angle_first = area_of_all = tangential_of_all = 0.0
         for edge in range(s.edges):
             cell = (self._count + edge * self.per_tooth) % self.cells
             angle = turn + 2.0 * math.pi * edge / s.edges
@@ -94,26 +95,35 @@ class ChamferProcess:
                 fx -= self.sign * axial
                 fy += radial * cos - tangential * sin
                 fz += radial * sin + tangential * cos
+                tangential_of_all += tangential
             elif self.left_cut_s is None and self.mode and t < s.ramp_s:
                 self.left_cut_s = t
             if true_depth > self.rim_true[cell]:
                 self.rim_true[cell] = true_depth
-            if first is None:
-                first = (feed, engaged, area, angle)
+            area_of_all += area
+            if edge == 0:
+                engaged_first, angle_first = engaged, angle
         self._count += 1
-        self.row = first
+        torque = tangential_of_all * 0.5 * s.hole_diameter_m
+        self.row = (feed, engaged_first, area_of_all, angle_first, torque)
         return fx, fy, fz
 
-    def scalars(self) -> dict[str, float]:
-        """Chamfer width (radial leg, m) around the rim at the end."""
+    def findings(self) -> tuple[dict[str, float], dict[str, Profile]]:
+        """Chamfer width (radial leg, m) at the end: its bounds, and the width by angle from process Y towards Z."""
         width = np.array(self.rim_true) * self.tan
-        return {
+        scalars = {
             "chamfer.width_mean": float(width.mean()),
             "chamfer.width_min": float(width.min()),
             "chamfer.width_max": float(width.max()),
-            "chamfer.width_spread": float(width.max() - width.min()),
+            "chamfer.width_spread": float(np.ptp(width)),
+            # Pappus: at each angle a triangle, its centroid a third of the width beyond the hole's edge
+            "chamfer.removed_volume": float(
+                np.mean(math.pi * width * width / self.tan * (0.5 * self.spec.hole_diameter_m + width / 3.0))
+            ),
         }
+        turn = self.spec.start_angle_rad + (np.arange(self.cells) + 0.5) * 2.0 * math.pi / self.cells
+        return scalars, {"chamfer.width": Profile(turn, width, 2.0 * math.pi)}
 
     def joint_torque(self, _t: float):
         """The command stands still while chamfering."""
-        return None
+        return

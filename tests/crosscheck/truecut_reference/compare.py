@@ -1,12 +1,13 @@
 """Holds a recording against the reference: quantity by quantity, and stick and slip by their times.
 
 A vector is compared as one quantity, so that a component which hardly moves is not judged by its own noise. Of the two
-relative measures, `nrmse` (root mean square distance over the range of the reference, of a vector the diagonal of the box its
-components span) is the project's NRMSE; `relative_rms` (over the reference's RMS) is stricter and is given beside it.
+relative measures, `nrmse` (root mean square distance over the range of the reference, of a vector the diagonal of the
+box its components span) is the project's NRMSE; `relative_rms` (over the reference's RMS) is given beside it.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from dataclasses import dataclass
@@ -15,7 +16,9 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet
 
+from .profile import Profile
 from .simulate import EVENT_S, Result
+from .wheel import Command
 
 EVENT_TOLERANCE_S = 2e-3
 RMS_AFTER_TOLERANCE = 0.03
@@ -24,6 +27,7 @@ EVENT_MARGIN_S = 1e-3
 
 VECTORS = {
     "tool.displacement": ("tool.displacement_x", "tool.displacement_y", "tool.displacement_z"),
+    "tool.deflection": ("tool.deflection_x", "tool.deflection_y", "tool.deflection_z"),
     "tool.velocity": ("tool.velocity_x", "tool.velocity_y", "tool.velocity_z"),
     "cutting.force": ("cutting.force_x", "cutting.force_y", "cutting.force_z"),
     "dynamometer.force": ("dynamometer.force_x", "dynamometer.force_y", "dynamometer.force_z"),
@@ -31,37 +35,49 @@ VECTORS = {
     "load.force": ("load.force_x", "load.force_y", "load.force_z"),
 }
 SCALARS = (
-    "foot.normal_force", "cutting.depth", "cutting.engaged_depth", "cutting.chip_area",
-    "wheel.normal_force", "wheel.friction_force", "wheel.penetration", "wheel.position",
+    "foot.normal_force",
+    "cutting.depth",
+    "cutting.engaged_depth",
+    "cutting.chip_area",
+    "cutting.torque",
+    "wheel.normal_force",
+    "wheel.friction_force",
+    "wheel.penetration",
+    "wheel.position",
 )
 
 
 @dataclass
 class Recording:
-    """What truecut wrote: a time base, channels, named results."""
+    """What truecut wrote: a time base, channels, named results, profiles on the workpiece."""
 
     time_s: np.ndarray
     channels: dict[str, np.ndarray]
     scalars: dict[str, float]
-    completed: bool
+    profiles: dict[str, Profile]
 
     @staticmethod
-    def read(path: Path) -> "Recording":
+    def read(path: Path) -> Recording:
         """Reads a Parquet recording."""
-        table = pyarrow.parquet.read_table(path)
+        with pyarrow.parquet.ParquetFile(path) as file:
+            table = file.read()
+            ending = json.loads(file.metadata.metadata[b"truecut.ending"])
         columns = {name: table[name].to_numpy() for name in table.column_names}
-        ending = json.loads((table.schema.metadata or {}).get(b"truecut.ending", b"{}"))
-        scalars = {s["name"]: s["value"] for s in ending.get("scalars", [])}
-        time_s = columns.pop("time")
-        return Recording(time_s, columns, scalars, ending.get("outcome", "Completed") == "Completed")
+        scalars = {s["name"]: s["value"] for s in ending["scalars"]}
+        profiles = {p["name"]: Profile(np.array(p["axis"]), np.array(p["values"])) for p in ending["profiles"]}
+        return Recording(columns.pop("time"), columns, scalars, profiles)
 
     @staticmethod
-    def of_result(result: Result, name: str = "tool.displacement_x") -> "Recording":
+    def of_result(result: Result) -> Recording:
         """A reference run in a recording's clothes, all channels on the state's time base."""
-        time_s = result.time_of(name)
+        time_s = result.state_time_s
         channels = {n: np.interp(time_s, result.time_of(n), v) for n, v in result.channels.items()}
-        channels["foot.sliding"] = result.channels.get("foot.sliding", np.zeros(len(time_s)))
-        return Recording(time_s, channels, result.scalars, True)
+        return Recording(time_s, channels, result.scalars, result.profiles)
+
+    def command(self) -> Command:
+        """The commanded joint coordinates."""
+        names = [f"joint{n}.command" for n in range(1, len(self.channels) + 1) if f"joint{n}.command" in self.channels]
+        return Command(self.time_s, np.array([self.channels[name] for name in names]).T)
 
 
 @dataclass
@@ -114,6 +130,18 @@ def quantities(reference: Result, recording: Recording) -> dict[str, tuple[str, 
     return found
 
 
+def profile_distance(reference: Profile, found: Profile) -> dict[str, float]:
+    """Means of both, and the root mean square distance over the mean of the reference."""
+    expected = reference.at(found.axis)
+    mean = float(expected.mean())
+    error = math.sqrt(float(np.mean((found.values - expected) ** 2)))
+    return {
+        "reference_mean": mean,
+        "recording_mean": float(found.values.mean()),
+        "relative_rms": _quotient(error, mean),
+    }
+
+
 # -- stick and slip --------------------------------------------------------------------------------------------
 
 
@@ -127,7 +155,7 @@ def events(time_s: np.ndarray, sliding: np.ndarray, shortest_s: float = EVENT_S)
     bounds = [float(time_s[0]), *(0.5 * (time_s[marks] + time_s[marks + 1])).tolist(), float(time_s[-1])]
     kinds = [bool(state[0])] + [bool(state[m + 1]) for m in marks]
     while len(kinds) > 1:
-        lengths = [b - a for a, b in zip(bounds, bounds[1:])]
+        lengths = [b - a for a, b in itertools.pairwise(bounds)]
         worst = min(range(len(kinds)), key=lengths.__getitem__)
         if lengths[worst] >= shortest_s:
             break
@@ -155,7 +183,12 @@ def same_events(time_a, sliding_a, time_b, sliding_b, tolerance_s: float = EVENT
         same = [e[0] for e in a] == [e[0] for e in b]
         apart = max((abs(x[1] - y[1]) for x, y in zip(a[1:], b[1:])), default=0.0) if same else math.inf
         if best is None or apart < best["largest_difference_s"]:
-            best = {"same": same and apart <= tolerance_s, "largest_difference_s": apart, "reference": a, "recording": b}
+            best = {
+                "same": same and apart <= tolerance_s,
+                "largest_difference_s": apart,
+                "reference": a,
+                "recording": b,
+            }
         if best["same"]:
             break
     return best
@@ -176,12 +209,11 @@ def left_cut_s(recording: Recording, ramp_s: float) -> float | None:
 
 
 def sliding_rows(recording: Recording) -> np.ndarray:
-    """Rows within the recorded run's slip events; all rows if there is none or no foot."""
-    every = np.ones(len(recording.time_s), bool)
+    """Rows within the recorded run's slip events; none without a foot."""
+    rows = np.zeros(len(recording.time_s), bool)
     if "foot.sliding" not in recording.channels:
-        return every
-    rows = ~every
+        return rows
     for kind, start, end in events(recording.time_s, recording.channels["foot.sliding"]):
         if kind == "slip":
             rows |= (recording.time_s >= start) & (recording.time_s <= end)
-    return rows if rows.any() else every
+    return rows

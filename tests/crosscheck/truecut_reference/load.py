@@ -48,10 +48,10 @@ class LoadProcess:
             fz += s.rotating_amplitude_n * math.sin(angle)
         return fx, fy, fz
 
-    def scalars(self) -> dict[str, float]:
+    def findings(self) -> tuple[dict, dict]:
         """Nothing is left on a workpiece."""
-        return {}
+        return {}, {}
 
     def joint_torque(self, _t: float):
         """The command stands still."""
-        return None
+        return

@@ -63,20 +63,19 @@ def _sites(flange_z_m: float, tool_z_m: float, foot_z_m: float) -> str:
     return "".join(f'<site name="{n}" pos="0 0 {z!r}"/>' for n, z in named)
 
 
-def irb6600(inertia_scale: float = 0.82, gravity: bool = True, damping_scale: float = 1.0,
-            foot_beyond_flange_m: float = TOOL_BEYOND_FLANGE_M) -> str:
+def irb6600(inertia_scale: float = 0.82) -> str:
     """The arm of the chamfering scenarios; springs without command (the plant sets it)."""
-    text = HEAD.format(name=quoteattr("irb6600_175_255"), gravity=-9.81 if gravity else 0.0)
+    text = HEAD.format(name=quoteattr("irb6600_175_255"), gravity=-9.81)
     for n, ((pos, about_y, axis), (mass, com, inertia)) in enumerate(zip(CHAIN, LINKS), start=1):
         k = ARM_STIFFNESS_NM_PER_RAD[n - 1]
         text += _body(f"link_{n}", pos, about_y)
         text += _inertial(mass, com, inertia, inertia_scale)
         text += (
             f'<joint name="joint_{n}" type="hinge" axis="{axis}" stiffness="{k!r}" '
-            f'damping="{k * DAMPING_PER_STIFFNESS_S * damping_scale!r}"/>\n'
+            f'damping="{k * DAMPING_PER_STIFFNESS_S!r}"/>\n'
         )
     text += '<body name="end_effector">' + _inertial(*END_EFFECTOR, inertia_scale) + "</body>"
-    text += _sites(C4, C4 + TOOL_BEYOND_FLANGE_M, C4 + foot_beyond_flange_m)
+    text += _sites(C4, C4 + TOOL_BEYOND_FLANGE_M, C4 + TOOL_BEYOND_FLANGE_M)
     return text + "</body>" * len(CHAIN) + "\n" + TAIL
 
 

@@ -58,8 +58,8 @@ class Plant:
         self.free = robot.drive == "force"
         if self.free and np.any(self.stiffness):
             raise ValueError("drive 'force' leaves the joints free, but the model has joint springs")
-        holds = robot.hold_against_sag and not self.free
-        self.command0 = self.command_for(self.q0) if holds else self.q0.copy()
+        self._makes_up_for_sag = robot.hold_against_sag and not self.free
+        self.command0 = self.command_for(self.q0) if self._makes_up_for_sag else self.q0.copy()
         m.qpos_spring[:] = self.command0
         self._jac_tool = np.zeros((3, self.nv))
         self._jac_foot = np.zeros((3, self.nv))
@@ -74,6 +74,18 @@ class Plant:
         scratch.qpos[:] = q
         mujoco.mj_forward(self.model, scratch)
         return q + scratch.qfrc_bias / self.stiffness
+
+    def rigid_posture(self, command: np.ndarray) -> np.ndarray:
+        """Posture that a command asks for: less what it makes up for the sag, if it does."""
+        q = command.copy()
+        if not self._makes_up_for_sag:
+            return q
+        for _ in range(50):
+            change = command - self.command_for(q)
+            q += change
+            if np.max(np.abs(change)) < 1e-14:
+                return q
+        raise RuntimeError("no posture sags into the command")
 
     def settle(self, force_tool: np.ndarray, force_foot: np.ndarray) -> None:
         """Puts the arm at rest in static equilibrium under the given forces (N, process frame); a free arm at q0."""

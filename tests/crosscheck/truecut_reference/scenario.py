@@ -195,7 +195,7 @@ def from_table(table: dict, path: Path | None = None) -> Scenario:
     processes = table.get("process", {})
     if len(processes) != 1:
         raise ScenarioError(f"{path}: exactly one process table is needed, found {sorted(processes)}")
-    (kind, body), = processes.items()
+    ((kind, body),) = processes.items()
     process = {"chamfer": _chamfer, "wheel": _wheel, "load": _load}[kind](body)
     run = table.get("run", {})
     default_s = {

@@ -18,30 +18,41 @@ from .foot import FootNormal
 from .friction import FootFriction, coulomb_impulse
 from .load import LoadProcess
 from .plant import Plant
+from .profile import Profile
 from .scenario import Chamfer, Load, Scenario, Wheel
-from .wheel import WheelProcess
+from .wheel import Command, WheelProcess
 
 EVENT_S = 3e-3
 MOBILITY_REFRESH_S = 1e-3
 
 STATE_CHANNELS = (
-    "tool.displacement_x", "tool.displacement_y", "tool.displacement_z",
-    "tool.velocity_x", "tool.velocity_y", "tool.velocity_z",
+    "tool.displacement_x",
+    "tool.displacement_y",
+    "tool.displacement_z",
+    "tool.velocity_x",
+    "tool.velocity_y",
+    "tool.velocity_z",
 )
 FOOT_CHANNELS = (
-    "foot.normal_force", "foot.friction_y", "foot.friction_z", "foot.sliding", "foot.slip_speed", "foot.lifted",
+    "foot.normal_force",
+    "foot.friction_y",
+    "foot.friction_z",
+    "foot.sliding",
+    "foot.slip_speed",
+    "foot.lifted",
 )
 
 
 @dataclass
 class Result:
-    """Channels of one run in SI units. `state_time_s` goes with tool and joint channels, `force_time_s` with the rest."""
+    """Channels of one run, SI. `state_time_s` goes with tool and joint channels, `force_time_s` with the rest."""
 
     step_s: float
     state_time_s: np.ndarray
     force_time_s: np.ndarray
     channels: dict[str, np.ndarray]
     scalars: dict[str, float]
+    profiles: dict[str, Profile]
     left_cut_s: float | None
     wall_s: float
     state_names: set[str] = field(default_factory=set)
@@ -51,28 +62,37 @@ class Result:
         return self.state_time_s if name in self.state_names else self.force_time_s
 
 
-def process_for(scenario: Scenario, plant: Plant, longest_step_s: float):
+def process_for(scenario: Scenario, plant: Plant, longest_step_s: float, command: Command | None):
     """The process of the scenario, with a step that suits its geometry."""
     spec = scenario.process
     if isinstance(spec, Chamfer):
         return ChamferProcess(spec, longest_step_s)
     if isinstance(spec, Wheel):
-        return WheelProcess(spec, scenario.duration_s, longest_step_s, plant)
+        return WheelProcess(spec, scenario.duration_s, longest_step_s, plant, command)
     assert isinstance(spec, Load)
     return LoadProcess(spec, scenario.duration_s, longest_step_s, plant.axes)
 
 
-def simulate(scenario: Scenario, model: str | mujoco.MjModel, longest_step_s: float, until_s: float = math.inf) -> Result:
-    """Runs the scenario in MuJoCo from static equilibrium, to its end or to `until_s`."""
+def simulate(
+    scenario: Scenario,
+    model: str | mujoco.MjModel,
+    longest_step_s: float,
+    until_s: float = math.inf,
+    command: Command | None = None,
+) -> Result:
+    """Runs the scenario in MuJoCo from static equilibrium, to its end or to `until_s`.
+
+    `command` moves the joints of a process that travels; otherwise the command stands still.
+    """
     began = time.perf_counter()
     plant = Plant(model, scenario.robot)
-    process = process_for(scenario, plant, longest_step_s)
+    process = process_for(scenario, plant, longest_step_s, command)
     force_tool, force_foot = process.start_loads()
     plant.settle(force_tool, force_foot)
     has_foot = process.foot is not None
     normal = friction = None
     if has_foot:
-        normal = FootNormal(process.foot, 1.0 / plant.compliance("tool")[0, 0])
+        normal = FootNormal(process.foot, 1.0 / plant.compliance("foot")[0, 0])
         friction = FootFriction(process.foot.friction)
     h = process.step_s
     count = round(min(scenario.duration_s, until_s) / h)
@@ -102,17 +122,18 @@ def simulate(scenario: Scenario, model: str | mujoco.MjModel, longest_step_s: fl
             limit = friction.coefficient(slip_speed) * n_force * h
             py, pz, slides = coulomb_impulse(free_y, free_z, wy[4], 0.5 * (wy[5] + wz[4]), wz[5], limit)
             fy, fz = py / h, pz / h
-            slip_speed = math.hypot(free_y + wy[4] * py + wy[5] * pz, free_z + wz[4] * py + wz[5] * pz) if slides else 0.0
+            slip = (free_y + wy[4] * py + wy[5] * pz, free_z + wz[4] * py + wz[5] * pz)
+            slip_speed = math.hypot(*slip) if slides else 0.0
         old = [tx, ty, tz, -n_force, fy, fz]
         states.append((x[0], x[1], x[2], v0, v1, v2))
         joints.append(plant.data.qpos.copy())
         forces.append((tx, ty, tz, n_force, -fy, -fz, float(slides), slip_speed, float(n_force <= 0.0), *process.row))
         plant.apply((tx, ty, tz), (-n_force, fy, fz), process.joint_torque(t + half))
         plant.step(h)
-    return _result(plant, process, normal, states, forces, joints, h, time.perf_counter() - began)
+    return _result(plant, process, states, forces, joints, h, time.perf_counter() - began)
 
 
-def _result(plant, process, normal, states, forces, joints, h, wall_s) -> Result:
+def _result(plant, process, states, forces, joints, h, wall_s) -> Result:
     state = np.array(states)
     force = np.array(forces)
     joint = np.array(joints)
@@ -135,19 +156,18 @@ def _result(plant, process, normal, states, forces, joints, h, wall_s) -> Result
         foot = (force[:, 3], force[:, 4], force[:, 5])
         for i, axis in enumerate("xyz"):
             channels[f"dynamometer.force_{axis}"] = foot[i] - force[:, i]
-    scalars = process.scalars()
-    if normal is not None:
-        scalars["chamfer.axial_share"] = float(normal.axial_share)
+    scalars, profiles = process.findings()
+    if isinstance(process, ChamferProcess) and process.foot is not None:
         first = first_event(channels["foot.sliding"] > 0.5, h)
-        if first is not None and "cutting.depth" in channels:
+        if first is not None:
             scalars["chamfer.first_slip_depth"] = float(channels["cutting.depth"][first])
-            scalars["first_slip_time"] = float(t[first])
     return Result(
         step_s=h,
         state_time_s=t,
         force_time_s=t + 0.5 * h,
         channels=channels,
         scalars=scalars,
+        profiles=profiles,
         left_cut_s=getattr(process, "left_cut_s", None),
         wall_s=wall_s,
         state_names=state_names,

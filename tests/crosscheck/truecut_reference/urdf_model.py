@@ -38,9 +38,7 @@ def from_urdf(robot: Robot) -> mujoco.MjModel:
     frames = config.get("frames", {})
     for name in ("flange", "tool", "foot"):
         frame = frames.get(name, {})
-        flange.add_site(
-            name=name, pos=frame.get("xyz_m", [0.0] * 3), quat=_quaternion(frame.get("rpy_deg", [0.0] * 3))
-        )
+        flange.add_site(name=name, pos=frame.get("xyz_m", [0.0] * 3), quat=_quaternion(frame.get("rpy_deg", [0.0] * 3)))
     return spec.compile()
 
 

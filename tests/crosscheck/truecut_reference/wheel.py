@@ -1,26 +1,71 @@
 """A compliant wheel that is carried over a flat plate: normal spring and damper, sliding friction, Preston removal.
 
-The tool travels along the process Y axis on commanded joint angles; X points into the plate.
+The tool travels along the process Y axis on commanded joint coordinates; X points into the plate.
 
-    N = max(0, k pen + c d(pen)/dt),   pen = N0/k + dX + e sin(w t)
+    N = max(0, k pen + c d(pen)/dt) while pen > 0,   pen = N0/k + dX + e sin(w t)
 
 The wheel's rim slides over the plate at -w R ("climb", against the travel) or +w R ("against", with the travel) plus
-the travel of the tool; friction on the wheel opposes that. The removed section grows by k_p (N/width) |v_s| dt and is
-put into the two strip cells beside the contact, shared linearly.
+the travel of the tool; friction on the wheel opposes that. The plate loses the section k_p (N/width) |v_s| dt, spread
+semi-elliptically over the chord that the undeformed wheel would cut.
+
+The command is an input, taken from the recording and interpolated: what a controller asks of the joints is no law of
+physics. `CommandedPath` holds it to what it must do: carry the tool straight along Y, without turning it.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 import scipy.interpolate
 
 from .plant import Plant
-from .scenario import Wheel
+from .profile import Profile
+from .scenario import ScenarioError, Wheel
 
-PATH_KNOT_M = 5e-4
+PATH_KNOTS = 400
+# By then the feed must have come up to speed.
+RUN_UP_S = 0.1
+
+
+@dataclass(frozen=True)
+class Command:
+    """Commanded joint coordinates (rad or m; a row per instant) at given times (s)."""
+
+    time_s: np.ndarray
+    joints: np.ndarray
+
+    def spline(self) -> scipy.interpolate.CubicSpline:
+        """Joint coordinates over time."""
+        return scipy.interpolate.CubicSpline(self.time_s, self.joints)
+
+
+class CommandedPath:
+    """Where the tool of a rigid arm would be on the command: displacement since the start, process axes, and turn.
+
+    `rotation_rad` is the largest turn of the tool on the way.
+    """
+
+    def __init__(self, plant: Plant, command: Command) -> None:
+        self.time_s = np.linspace(command.time_s[0], command.time_s[-1], PATH_KNOTS + 1)
+        scratch = mujoco.MjData(plant.model)
+        site = scratch.site("tool")
+        places, turns = [], []
+        for row in command.spline()(self.time_s):
+            scratch.qpos[:] = plant.rigid_posture(row)
+            mujoco.mj_kinematics(plant.model, scratch)
+            places.append(plant.axes @ (site.xpos - plant.tool_position0))
+            turn = plant.tool_rotation0.T @ site.xmat.reshape(3, 3)
+            turns.append(0.5 * math.hypot(turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]))
+        self.places_m = np.array(places)
+        self.rotation_rad = max(turns)
+        self._spline = scipy.interpolate.CubicSpline(self.time_s, self.places_m)
+
+    def displacement_m(self, t) -> np.ndarray:
+        """Displacement at times `t`; the last axis holds X, Y, Z."""
+        return self._spline(t)
 
 
 class WheelProcess:
@@ -29,17 +74,17 @@ class WheelProcess:
     channels = ("wheel.normal_force", "wheel.friction_force", "wheel.penetration", "wheel.position")
     foot = None
 
-    def __init__(self, spec: Wheel, duration_s: float, longest_step_s: float, plant: Plant) -> None:
+    def __init__(self, spec: Wheel, duration_s: float, longest_step_s: float, plant: Plant, command: Command | None):
+        if command is None:
+            raise ScenarioError("a wheel pass needs the commanded joint coordinates")
         self.spec = spec
         self.step_s = duration_s / math.ceil(duration_s / longest_step_s - 1e-9)
         self.surface_m_per_s = {"climb": -1.0, "against": 1.0}[spec.spin] * spec.speed_rad_per_s * spec.radius_m
         self.pen0_m = spec.normal_force_n / spec.stiffness_n_per_m
-        self.cell_m = spec.strip_length_m / spec.strip_cells
-        self.removed_m = [0.0] * spec.strip_cells
-        self.volume_m3 = 0.0
+        self.removals: list[tuple[float, float, float]] = []
         self.row: tuple[float, ...] = ()
         self.plant = plant
-        self._command = path_command(plant, spec.feed_m_per_s, duration_s)
+        self._command = command.spline()
         self._command_rate = self._command.derivative()
 
     def start_loads(self) -> tuple[np.ndarray, np.ndarray]:
@@ -47,7 +92,7 @@ class WheelProcess:
         return np.array([-self.spec.normal_force_n, 0.0, 0.0]), np.zeros(3)
 
     def joint_torque(self, t: float) -> np.ndarray:
-        """What the moved command adds to the springs and dampers, which the model refers to the first command and to rest."""
+        """What the moved command adds to springs and dampers; the model refers them to the first command, at rest."""
         p = self.plant
         return p.stiffness * (self._command(t) - p.command0) + p.damping * self._command_rate(t)
 
@@ -57,65 +102,37 @@ class WheelProcess:
         angle = s.speed_rad_per_s * t
         pen = self.pen0_m + x[0] + s.runout_m * math.sin(angle)
         rate = v[0] + s.runout_m * s.speed_rad_per_s * math.cos(angle)
-        normal = max(0.0, s.stiffness_n_per_m * pen + s.damping_n_s_per_m * rate)
+        normal = max(0.0, s.stiffness_n_per_m * pen + s.damping_n_s_per_m * rate) if pen > 0.0 else 0.0
         slip = self.surface_m_per_s + v[1]
         friction = -math.copysign(s.mu * normal, slip)
-        section = s.preston_per_pa * (normal / s.width_m) * abs(slip) * self.step_s
-        self._remove(x[1], section)
+        if normal > 0.0:
+            section = s.preston_per_pa * (normal / s.width_m) * abs(slip) * self.step_s
+            half_chord = math.sqrt(pen * (2.0 * s.radius_m - pen))
+            self.removals.append((section, x[1], half_chord))
         self.row = (normal, friction, pen, x[1])
         return -normal, friction, 0.0
 
-    def _remove(self, position_m: float, section_m2: float) -> None:
-        self.volume_m3 += section_m2 * self.spec.width_m
-        place = position_m / self.cell_m - 0.5
-        cell = math.floor(place)
-        share = place - cell
-        for index, part in ((cell, 1.0 - share), (cell + 1, share)):
-            if 0 <= index < len(self.removed_m):
-                self.removed_m[index] += part * section_m2 / self.cell_m
+    def removed_depth_m(self) -> np.ndarray:
+        """Depth that the pass has taken from each cell of the strip."""
+        s = self.spec
+        cell_m = s.strip_length_m / s.strip_cells
+        edges = cell_m * np.arange(s.strip_cells + 1)
+        beyond = np.zeros(s.strip_cells + 1)
+        # the whole pass at once would take gigabytes
+        for part in np.array_split(np.array(self.removals).reshape(-1, 3), 1 + len(self.removals) // 5000):
+            section, place, half = part.T[:, :, None]
+            u = np.clip((edges - place) / half, -1.0, 1.0)
+            share = 0.5 + (u * np.sqrt(1.0 - u * u) + np.arcsin(u)) / math.pi
+            beyond += np.sum(section * share, axis=0)
+        return np.diff(beyond) / cell_m
 
-    def scalars(self) -> dict[str, float]:
-        """Removed volume of the pass."""
-        return {"wheel.removed_volume": self.volume_m3}
-
-
-def path_command(plant: Plant, feed_m_per_s: float, duration_s: float) -> scipy.interpolate.CubicSpline:
-    """Commanded joint coordinates over time that carry the tool along +Y at constant orientation.
-
-    Numeric inverse kinematics on knots, each with its own make-up for the sag, joined by a spline.
-    """
-    m = plant.model
-    scratch = mujoco.MjData(m)
-    knots = max(8, math.ceil(feed_m_per_s * duration_s / PATH_KNOT_M))
-    times = np.linspace(0.0, duration_s * (1.0 + 2.0 / knots), knots + 3)
-    q = plant.q0.copy()
-    sag = plant.command_for(plant.q0) - plant.command0  # nonzero only when the command does not make up for it
-    commands = []
-    for t in times:
-        target = plant.tool_position0 + plant.axes[1] * feed_m_per_s * t
-        q = inverse_kinematics(plant, scratch, q, target)
-        commands.append((q if np.any(sag) else plant.command_for(q)).copy())
-    return scipy.interpolate.CubicSpline(times, np.array(commands))
-
-
-def inverse_kinematics(plant: Plant, scratch: mujoco.MjData, q: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Joint coordinates near q that put the tool at `target` (m, world) in its start orientation (Newton)."""
-    m = plant.model
-    linear, angular = np.zeros((3, m.nv)), np.zeros((3, m.nv))
-    rows = 6 if m.nv >= 6 else 3
-    q = q.copy()
-    for _ in range(50):
-        scratch.qpos[:] = q
-        mujoco.mj_kinematics(m, scratch)
-        mujoco.mj_comPos(m, scratch)
-        mujoco.mj_jacSite(m, scratch, linear, angular, plant.site["tool"])
-        site = scratch.site("tool")
-        turn = plant.tool_rotation0 @ site.xmat.reshape(3, 3).T
-        skew = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-        error = np.concatenate((target - site.xpos, skew))[:rows]
-        if np.max(np.abs(error)) < 1e-13:
-            return q
-        q += np.linalg.lstsq(np.concatenate((linear, angular))[:rows], error, rcond=None)[0]
-    if np.max(np.abs(error)) > 1e-10:
-        raise RuntimeError(f"inverse kinematics stays {error} away from {target}")
-    return q
+    def findings(self) -> tuple[dict[str, float], dict[str, Profile]]:
+        """Removed volume on the strip, Preston's integral with what fell beyond its ends; depth along the strip."""
+        s = self.spec
+        cell_m = s.strip_length_m / s.strip_cells
+        depth = self.removed_depth_m()
+        scalars = {
+            "wheel.removed_volume": float(depth.sum()) * cell_m * s.width_m,
+            "wheel.preston_volume": s.width_m * sum(removal[0] for removal in self.removals),
+        }
+        return scalars, {"wheel.removed_depth": Profile(cell_m * (np.arange(s.strip_cells) + 0.5), depth)}

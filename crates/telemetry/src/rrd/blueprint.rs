@@ -1,22 +1,32 @@
 //! Building blocks of a viewer layout.
 //!
-//! The library's own builder cannot set a camera, an axis or a legend, so the layout's store is written here, entity
-//! by entity, as that builder would.
+//! The library's own builder cannot set a camera, an axis or a legend, so the layout's store is
+//! written here, entity by entity, as that builder would.
 
 use rerun::blueprint::components as kinds;
 use rerun::external::re_log_types::{ApplicationId, BlueprintActivationCommand};
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    ContainerBlueprint, PanelBlueprint, TimePanelBlueprint, ViewBlueprint, ViewContents, ViewportBlueprint,
+    ContainerBlueprint, PanelBlueprint, TimePanelBlueprint, ViewBlueprint, ViewContents,
+    ViewportBlueprint,
 };
 use rerun::external::uuid::Uuid;
 use rerun::sink::MemorySinkStorage;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
-/// A view or a container, by its path in the layout's store. Paths are random: the viewer keeps what it knows of a view
-/// under its path even when another layout takes over.
+/// A view or a container, by its path in the layout's store. Paths are random: the viewer keeps
+/// what it knows of a view under its path even when another layout takes over.
+#[derive(Clone)]
 pub(super) struct Part(String);
 
-/// A layout under construction.
+impl Part {
+    /// A place for a container that is written later.
+    pub(super) fn container() -> Part {
+        Part(format!("container/{}", Uuid::new_v4()))
+    }
+}
+
+/// A layout. What is written after it was sent takes the place of what was there, once it is sent
+/// again.
 pub(super) struct Layout {
     store: RecordingStream,
     messages: MemorySinkStorage,
@@ -25,7 +35,10 @@ pub(super) struct Layout {
 impl Layout {
     pub(super) fn new(application: ApplicationId) -> RecordingStreamResult<Layout> {
         let builder = RecordingStreamBuilder::new(application);
-        let builder = builder.recording_id(Uuid::new_v4().to_string()).blueprint().enabled(true);
+        let builder = builder
+            .recording_id(Uuid::new_v4().to_string())
+            .blueprint()
+            .enabled(true);
         let (store, messages) = builder.memory()?;
         // The viewer reads the layout at this time.
         store.set_time_sequence("blueprint", 0);
@@ -44,7 +57,9 @@ impl Layout {
         let path = format!("view/{}", Uuid::new_v4());
         let contents = ViewContents::new(queries.iter().map(String::as_str));
         self.store.log(format!("{path}/ViewContents"), &contents)?;
-        let view = ViewBlueprint::new(class).with_display_name(title).with_space_origin(origin);
+        let view = ViewBlueprint::new(class)
+            .with_display_name(title)
+            .with_space_origin(origin);
         self.store.log(path.as_str(), &view)?;
         for (name, property) in properties {
             self.store.log(format!("{path}/{name}"), *property)?;
@@ -52,41 +67,62 @@ impl Layout {
         Ok(Part(path))
     }
 
+    /// Sets a property of a view.
+    pub(super) fn set(
+        &self,
+        Part(view): &Part,
+        name: &str,
+        property: &dyn AsComponents,
+    ) -> RecordingStreamResult<()> {
+        self.store.log(format!("{view}/{name}"), property)
+    }
+
     /// Parts side by side, with shares of the width.
     pub(super) fn side_by_side(&self, parts: Vec<(f32, Part)>) -> RecordingStreamResult<Part> {
         let (shares, parts): (Vec<f32>, Vec<Part>) = parts.into_iter().unzip();
-        let container = ContainerBlueprint::new(kinds::ContainerKind::Horizontal).with_col_shares(shares);
-        self.container(container, &parts)
+        let container =
+            ContainerBlueprint::new(kinds::ContainerKind::Horizontal).with_col_shares(shares);
+        let place = Part::container();
+        self.container(&place, container, &parts)?;
+        Ok(place)
     }
 
     /// Parts one above the other, with shares of the height.
-    pub(super) fn stacked(&self, parts: Vec<(f32, Part)>) -> RecordingStreamResult<Part> {
-        let (shares, parts): (Vec<f32>, Vec<Part>) = parts.into_iter().unzip();
-        let container = ContainerBlueprint::new(kinds::ContainerKind::Vertical).with_row_shares(shares);
-        self.container(container, &parts)
+    pub(super) fn stacked(&self, place: &Part, parts: &[(f32, Part)]) -> RecordingStreamResult<()> {
+        let (shares, parts): (Vec<f32>, Vec<Part>) = parts.iter().cloned().unzip();
+        let container =
+            ContainerBlueprint::new(kinds::ContainerKind::Vertical).with_row_shares(shares);
+        self.container(place, container, &parts)
     }
 
     /// Parts of which one is seen at a time, the first to begin with.
-    pub(super) fn tabs(&self, title: &str, parts: &[Part]) -> RecordingStreamResult<Part> {
-        let mut container = ContainerBlueprint::new(kinds::ContainerKind::Tabs).with_display_name(title);
+    pub(super) fn tabs(&self, place: &Part, parts: &[Part]) -> RecordingStreamResult<()> {
+        let mut container = ContainerBlueprint::new(kinds::ContainerKind::Tabs);
         if let Some(Part(first)) = parts.first() {
             container = container.with_active_tab(first.as_str());
         }
-        self.container(container, parts)
+        self.container(place, container, parts)
     }
 
-    fn container(&self, container: ContainerBlueprint, parts: &[Part]) -> RecordingStreamResult<Part> {
-        let path = format!("container/{}", Uuid::new_v4());
+    fn container(
+        &self,
+        Part(place): &Part,
+        container: ContainerBlueprint,
+        parts: &[Part],
+    ) -> RecordingStreamResult<()> {
         let contents = parts.iter().map(|Part(path)| path.as_str());
-        self.store.log(path.as_str(), &container.with_contents(contents))?;
-        Ok(Part(path))
+        self.store
+            .log(place.as_str(), &container.with_contents(contents))
     }
 
-    /// Ends the layout with this container as its root and makes it the recording's.
-    pub(super) fn send(self, root: &Part, to: &RecordingStream) -> RecordingStreamResult<()> {
-        let id = root.0.strip_prefix("container/").and_then(|id| Uuid::parse_str(id).ok()).unwrap_or_default();
+    /// Makes this container the root, and sets what is not a view.
+    pub(super) fn root(&self, Part(root): &Part) -> RecordingStreamResult<()> {
+        let id = root
+            .strip_prefix("container/")
+            .and_then(|id| Uuid::parse_str(id).ok());
+        let bytes = id.unwrap_or_default().into_bytes();
         let viewport = ViewportBlueprint::new()
-            .with_root_container(rerun::datatypes::Uuid { bytes: id.into_bytes() })
+            .with_root_container(rerun::datatypes::Uuid { bytes })
             .with_auto_layout(false)
             .with_auto_views(false);
         self.store.log("viewport", &viewport)?;
@@ -99,13 +135,15 @@ impl Layout {
             .with_playback_speed(0.5)
             .with_play_state(kinds::PlayState::Playing)
             .with_loop_mode(kinds::LoopMode::All);
-        self.store.log("time_panel", &time)?;
+        self.store.log("time_panel", &time)
+    }
 
+    /// Hands what was written since the last time to a recording, and makes it its layout.
+    pub(super) fn send(&self, to: &RecordingStream) {
         let messages = self.messages.take();
         if let Some(first) = messages.first() {
             let activate = BlueprintActivationCommand::make_active(first.store_id().clone());
             to.send_blueprint(messages, activate);
         }
-        Ok(())
     }
 }

@@ -5,30 +5,52 @@ use truecut_recording::{Body, Camera, Geometry, Pose, Scene};
 /// From the side and somewhat above, far enough away to see everything.
 pub(super) fn whole(scene: &Scene) -> Camera {
     let Some((low, high)) = bounds(scene) else {
-        return Camera { position_m: [3.0, -3.0, 2.0], target_m: [0.0; 3] };
+        return Camera {
+            position_m: [3.0, -3.0, 2.0],
+            target_m: [0.0; 3],
+        };
     };
     let target_m: [f64; 3] = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
     let size_m = norm(minus(high, low));
     // The arm reaches from its base to the workpiece: it is seen best across that direction.
-    let base = scene.bodies.first().map_or([0.0; 3], |body| body.initial_pose.translation_m);
-    let reach = workpiece(scene).map_or([1.0, 0.0, 0.0], |body| minus(body.initial_pose.translation_m, base));
+    let base = scene
+        .bodies
+        .first()
+        .map_or([0.0; 3], |body| body.initial_pose.translation_m);
+    let reach = workpiece(scene).map_or([1.0, 0.0, 0.0], |body| {
+        minus(body.initial_pose.translation_m, base)
+    });
     let ahead = horizontal(reach).unwrap_or([1.0, 0.0, 0.0]);
     let aside = [-ahead[1], ahead[0], 0.0];
     let direction = [0, 1, 2].map(|i| 0.45 * ahead[i] + 0.85 * aside[i] + [0.0, 0.0, 0.35][i]);
-    Camera { position_m: along(target_m, direction, 0.95 * size_m), target_m }
+    Camera {
+        position_m: along(target_m, direction, 0.95 * size_m),
+        target_m,
+    }
 }
 
 /// The workpiece from near by, from the arm's side. `None` if there is none, or no arm.
 pub(super) fn near_tool(scene: &Scene) -> Option<Camera> {
     let target_m = workpiece(scene)?.initial_pose.translation_m;
-    let last_link = scene.bodies.iter().rfind(|body| body.path.starts_with("arm/"))?;
+    let last_link = scene
+        .bodies
+        .iter()
+        .rfind(|body| body.path.starts_with("arm/"))?;
     let base = scene.bodies.first()?.initial_pose.translation_m;
     let from_workpiece = horizontal(minus(last_link.initial_pose.translation_m, target_m))?;
     let side = [-from_workpiece[1], from_workpiece[0], 0.0];
     // On the side away from the base, where the arm does not stand in the way.
-    let away = if dot(side, minus(target_m, base)) >= 0.0 { 1.0 } else { -1.0 };
-    let direction = [0, 1, 2].map(|i| 0.5 * from_workpiece[i] + 0.8 * away * side[i] + [0.0, 0.0, 0.4][i]);
-    Some(Camera { position_m: along(target_m, direction, 0.75), target_m })
+    let away = if dot(side, minus(target_m, base)) >= 0.0 {
+        1.0
+    } else {
+        -1.0
+    };
+    let direction =
+        [0, 1, 2].map(|i| 0.5 * from_workpiece[i] + 0.8 * away * side[i] + [0.0, 0.0, 0.4][i]);
+    Some(Camera {
+        position_m: along(target_m, direction, 0.75),
+        target_m,
+    })
 }
 
 fn workpiece(scene: &Scene) -> Option<&Body> {
@@ -37,12 +59,28 @@ fn workpiece(scene: &Scene) -> Option<&Body> {
 
 /// Low and high corner of a box that holds the first look, roughly.
 fn bounds(scene: &Scene) -> Option<([f64; 3], [f64; 3])> {
-    let shapes = scene.bodies.iter().flat_map(|body| body.shapes.iter().map(|shape| (&body.initial_pose, shape)));
-    let balls = shapes.map(|(pose, shape)| (place(pose, shape.body_from_shape.translation_m), reach(&shape.geometry)));
+    let shapes = scene
+        .bodies
+        .iter()
+        .flat_map(|body| body.shapes.iter().map(|shape| (&body.initial_pose, shape)));
+    let balls = shapes.map(|(pose, shape)| {
+        (
+            place(pose, shape.body_from_shape.translation_m),
+            reach(&shape.geometry),
+        )
+    });
     balls
-        .map(|(center, radius)| (center.map(|value| value - radius), center.map(|value| value + radius)))
+        .map(|(center, radius)| {
+            (
+                center.map(|value| value - radius),
+                center.map(|value| value + radius),
+            )
+        })
         .reduce(|a, b| {
-            (std::array::from_fn(|i| a.0[i].min(b.0[i])), std::array::from_fn(|i| a.1[i].max(b.1[i])))
+            (
+                std::array::from_fn(|i| a.0[i].min(b.0[i])),
+                std::array::from_fn(|i| a.1[i].max(b.1[i])),
+            )
         })
 }
 
@@ -53,9 +91,14 @@ fn reach(geometry: &Geometry) -> f64 {
         Geometry::Cylinder { radius_m, length_m } => radius_m.hypot(0.5 * length_m),
         Geometry::Capsule { radius_m, length_m } => radius_m + 0.5 * length_m,
         Geometry::Sphere { radius_m } => *radius_m,
-        Geometry::Mesh { vertices_m: points_m, .. } | Geometry::Line { points_m, .. } => {
-            points_m.iter().map(|point| norm(*point)).fold(0.0, f64::max)
+        Geometry::Mesh {
+            vertices_m: points_m,
+            ..
         }
+        | Geometry::Line { points_m, .. } => points_m
+            .iter()
+            .map(|point| norm(*point))
+            .fold(0.0, f64::max),
     }
 }
 
@@ -88,7 +131,11 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 fn norm(v: [f64; 3]) -> f64 {
@@ -102,8 +149,16 @@ mod tests {
 
     fn body(path: &str, at: [f64; 3], radius_m: f64) -> Body {
         let geometry = Geometry::Sphere { radius_m };
-        let shape = Shape { geometry, color_rgba: [255; 4], body_from_shape: Pose::IDENTITY };
-        Body { path: path.into(), shapes: vec![shape], initial_pose: Pose::translation(at) }
+        let shape = Shape {
+            geometry,
+            color_rgba: [255; 4],
+            body_from_shape: Pose::IDENTITY,
+        };
+        Body {
+            path: path.into(),
+            shapes: vec![shape],
+            initial_pose: Pose::translation(at),
+        }
     }
 
     #[test]
@@ -123,14 +178,20 @@ mod tests {
 
         let near = near_tool(&scene).unwrap();
         assert_eq!(near.target_m, [1.35, -0.9, 0.5]);
-        assert!(near.position_m[1] < -0.9, "on the arm's side of the workpiece: {near:?}");
+        assert!(
+            near.position_m[1] < -0.9,
+            "on the arm's side of the workpiece: {near:?}"
+        );
         assert!(near_tool(&Scene::default()).is_none());
     }
 
     #[test]
     fn verify_a_quarter_turn() {
         let half = 0.5_f64.sqrt();
-        let pose = Pose { translation_m: [0.0, 0.0, 1.0], rotation_xyzw: [0.0, 0.0, half, half] };
+        let pose = Pose {
+            translation_m: [0.0, 0.0, 1.0],
+            rotation_xyzw: [0.0, 0.0, half, half],
+        };
         let placed = place(&pose, [1.0, 0.0, 0.0]);
         assert!(norm(minus(placed, [0.0, 1.0, 1.0])) < 1e-12, "{placed:?}");
     }

@@ -1,11 +1,11 @@
 //! Which views the recording opens on.
 
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    Background, EyeControls3D, PlotLegend, VisualBounds2D,
+    Background, EyeControls3D, PlotLegend, ScalarAxis, VisualBounds2D,
 };
 use rerun::external::re_sdk_types::blueprint::components as kinds;
-use rerun::{RecordingStream, RecordingStreamResult};
-use truecut_recording::{Camera, Header, Scene};
+use rerun::{AsComponents, RecordingStream, RecordingStreamResult};
+use truecut_recording::{Camera, Header, Recording, Scene};
 
 use super::blueprint::{Layout, Part};
 use super::chart::{ACROSS, DOWN};
@@ -14,56 +14,154 @@ use super::series::FOOT_STATE;
 use super::{SCENE, camera};
 use crate::display::{Group, Place};
 
-/// The layout; while the run is under way (`charts` is `None`) only what is in front, at the end everything.
+/// The layout of a recording.
 ///
-/// Left: the arm and its tool, below them the claims. Right: what is measured, over time; below it the state of the foot and tabs
-/// with spectra, profiles and all other channels.
-pub(super) fn send(
-    stream: &RecordingStream,
-    header: &Header,
-    groups: &[Group],
-    has_foot: bool,
-    charts: Option<&[Drawn]>,
-) -> RecordingStreamResult<()> {
-    let layout = Layout::new(super::application(header))?;
-    let scene = scene_views(&layout, &header.scene)?;
-    let texts = [("Claims", CLAIMS), ("About this run", ABOUT), ("Scenario", SCENARIO)];
-    let texts = texts
-        .into_iter()
-        .map(|(title, entity)| layout.view("TextDocument", title, entity, &["$origin".to_owned()], &[]))
-        .collect::<RecordingStreamResult<Vec<_>>>()?;
-    let texts = layout.tabs("Texts", &texts)?;
-    let left = layout.stacked(vec![(5.0, scene), (3.0, texts)])?;
+/// Left: the arm and its tool, below them the claims. Right: how the tool moves; tabs with the
+/// forces; the state of the foot; tabs with all other channels and, once the run has ended, with
+/// spectra and profiles before them.
+pub(super) struct Screen {
+    layout: Layout,
+    /// The view of each group, in their order.
+    plots: Vec<Part>,
+    right: Part,
+    /// Its contents, but for the tabs at the bottom.
+    fixed: Vec<(f32, Part)>,
+    tabs: Part,
+}
 
-    let mut right = Vec::new();
-    for group in groups.iter().filter(|group| group.place != Place::Behind) {
-        right.push((3.0, curves(&layout, group)?));
-    }
-    if has_foot {
-        let query = ["$origin/**".to_owned()];
-        right.push((1.2, layout.view("StateTimeline", "Foot: sticks (green), slides (red), lifted off (grey)", FOOT_STATE, &query, &[])?));
-    }
-    let mut tabs = Vec::new();
-    if let Some(charts) = charts {
-        for chart in charts {
-            tabs.push(chart_view(&layout, chart)?);
+impl Screen {
+    /// Makes the layout and sends it.
+    pub(super) fn begin(
+        stream: &RecordingStream,
+        header: &Header,
+        groups: &[Group],
+        has_foot: bool,
+    ) -> RecordingStreamResult<Screen> {
+        let layout = Layout::new(super::application(header))?;
+        let left = left_side(&layout, header)?;
+        let plots = groups.iter().map(|group| curves(&layout, group));
+        let plots = plots.collect::<RecordingStreamResult<Vec<_>>>()?;
+        let mut front = in_place(groups, &plots, |place| place != Place::Behind).into_iter();
+        let mut fixed: Vec<(f32, Part)> = front
+            .next()
+            .map(|motion| (3.5, motion))
+            .into_iter()
+            .collect();
+        let forces: Vec<Part> = front.collect();
+        if !forces.is_empty() {
+            let place = Part::container();
+            layout.tabs(&place, &forces)?;
+            fixed.push((3.5, place));
         }
-        for group in groups.iter().filter(|group| group.place == Place::Behind) {
-            tabs.push(curves(&layout, group)?);
+        if has_foot {
+            let title = "Foot: sticks (green), slides (red), lifted off (grey)";
+            let query = ["$origin/**".to_owned()];
+            fixed.push((
+                1.2,
+                layout.view("StateTimeline", title, FOOT_STATE, &query, &[])?,
+            ));
         }
+        let (right, tabs) = (Part::container(), Part::container());
+        let root = layout.side_by_side(vec![(1.0, left), (1.1, right.clone())])?;
+        layout.root(&root)?;
+        let screen = Screen {
+            layout,
+            plots,
+            right,
+            fixed,
+            tabs,
+        };
+        screen.fill(groups, Vec::new())?;
+        screen.layout.send(stream);
+        Ok(screen)
     }
-    if !tabs.is_empty() {
-        right.push((4.0, layout.tabs("More", &tabs)?));
+
+    /// Adds what is known only now, and sends the layout again.
+    pub(super) fn finish(
+        self,
+        stream: &RecordingStream,
+        groups: &[Group],
+        charts: &[Drawn],
+        recording: &Recording,
+    ) -> RecordingStreamResult<()> {
+        for (group, plot) in groups.iter().zip(&self.plots) {
+            if let Some(axis) = least_axis(group, recording) {
+                self.layout.set(plot, "ScalarAxis", &axis)?;
+            }
+        }
+        let charts = charts.iter().map(|chart| chart_view(&self.layout, chart));
+        self.fill(groups, charts.collect::<RecordingStreamResult<_>>()?)?;
+        self.layout.send(stream);
+        Ok(())
     }
-    let right = layout.stacked(right)?;
-    let root = layout.side_by_side(vec![(1.0, left), (1.1, right)])?;
-    layout.send(&root, stream)
+
+    /// The right side, with these charts as the first of the tabs.
+    fn fill(&self, groups: &[Group], charts: Vec<Part>) -> RecordingStreamResult<()> {
+        let mut tabs = charts;
+        tabs.extend(in_place(groups, &self.plots, |place| {
+            place == Place::Behind
+        }));
+        let mut right = self.fixed.clone();
+        if !tabs.is_empty() {
+            self.layout.tabs(&self.tabs, &tabs)?;
+            right.push((3.5, self.tabs.clone()));
+        }
+        self.layout.stacked(&self.right, &right)
+    }
+}
+
+fn in_place(groups: &[Group], plots: &[Part], wanted: impl Fn(Place) -> bool) -> Vec<Part> {
+    let pairs = groups
+        .iter()
+        .zip(plots)
+        .filter(|(group, _)| wanted(group.place));
+    pairs.map(|(_, plot)| plot.clone()).collect()
+}
+
+fn left_side(layout: &Layout, header: &Header) -> RecordingStreamResult<Part> {
+    let texts = [
+        ("Claims", CLAIMS),
+        ("About this run", ABOUT),
+        ("Scenario", SCENARIO),
+    ];
+    let texts = texts.into_iter().map(|(title, entity)| {
+        layout.view("TextDocument", title, entity, &["$origin".to_owned()], &[])
+    });
+    let place = Part::container();
+    layout.tabs(&place, &texts.collect::<RecordingStreamResult<Vec<_>>>()?)?;
+    if header.scene.bodies.is_empty() {
+        return Ok(place);
+    }
+    let scene = scene_views(layout, &header.scene)?;
+    let left = Part::container();
+    layout.stacked(&left, &[(5.0, scene), (3.0, place)])?;
+    Ok(left)
 }
 
 fn curves(layout: &Layout, group: &Group) -> RecordingStreamResult<Part> {
-    let queries: Vec<String> = group.series.iter().map(|series| format!("+ {}", series.entity)).collect();
+    let query = ["$origin".to_owned()];
     let legend = PlotLegend::new().with_corner(kinds::Corner2D::LeftTop);
-    layout.view("TimeSeries", &group.title, "/", &queries, &[("PlotLegend", &legend)])
+    let properties: [(&str, &dyn AsComponents); 1] = [("PlotLegend", &legend)];
+    layout.view(
+        "TimeSeries",
+        &group.title,
+        &group.entity,
+        &query,
+        &properties,
+    )
+}
+
+/// An axis of the least size that means something, if the curves would not fill it.
+fn least_axis(group: &Group, recording: &Recording) -> Option<ScalarAxis> {
+    let values = group
+        .series
+        .iter()
+        .flat_map(|series| &recording.columns[series.channel]);
+    let largest = values.fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let unit = &group.series.first()?.unit;
+    let end = unit.from_si(group.least);
+    let range = rerun::datatypes::Range1D([-end, end]);
+    (largest < group.least).then(|| ScalarAxis::new().with_range(range))
 }
 
 fn chart_view(layout: &Layout, chart: &Drawn) -> RecordingStreamResult<Part> {
@@ -73,19 +171,41 @@ fn chart_view(layout: &Layout, chart: &Drawn) -> RecordingStreamResult<Part> {
     };
     let bounds = VisualBounds2D::new(range);
     let query = ["$origin/**".to_owned()];
-    layout.view("2D", &chart.title, &chart.entity, &query, &[("VisualBounds2D", &bounds)])
+    layout.view(
+        "2D",
+        &chart.title,
+        &chart.entity,
+        &query,
+        &[("VisualBounds2D", &bounds)],
+    )
 }
 
 /// The whole arm, and beside it the tool from near by.
 fn scene_views(layout: &Layout, scene: &Scene) -> RecordingStreamResult<Part> {
-    let exaggerated = scene.bodies.iter().any(|body| body.path.contains("exaggerated"));
+    let exaggerated = scene
+        .bodies
+        .iter()
+        .any(|body| body.path.contains("exaggerated"));
     let enlarged = exaggerated && scene.deflection_scale != 1.0;
     let scale = scene.deflection_scale;
-    let title =
-        if enlarged { format!("Arm, deflection ×{scale} (grey: true)") } else { "Arm".to_owned() };
-    let arm = scene_view(layout, &title, scene.camera.unwrap_or_else(|| camera::whole(scene)))?;
-    let Some(near) = camera::near_tool(scene) else { return Ok(arm) };
-    let title = if enlarged { format!("Tool, deflection ×{scale}") } else { "Tool".to_owned() };
+    let title = if enlarged {
+        format!("Arm, deflection ×{scale} (grey: true)")
+    } else {
+        "Arm".to_owned()
+    };
+    let arm = scene_view(
+        layout,
+        &title,
+        scene.camera.unwrap_or_else(|| camera::whole(scene)),
+    )?;
+    let Some(near) = camera::near_tool(scene) else {
+        return Ok(arm);
+    };
+    let title = if enlarged {
+        format!("Tool, deflection ×{scale}")
+    } else {
+        "Tool".to_owned()
+    };
     let tool = scene_view(layout, &title, near)?;
     layout.side_by_side(vec![(1.0, arm), (1.0, tool)])
 }
@@ -97,7 +217,14 @@ fn scene_view(layout: &Layout, title: &str, camera: Camera) -> RecordingStreamRe
         .with_position(single(camera.position_m))
         .with_look_target(single(camera.target_m))
         .with_eye_up([0.0, 0.0, 1.0]);
-    let background = Background::new(kinds::BackgroundKind::SolidColor).with_color(rerun::Color::from_rgb(28, 30, 34));
+    let background = Background::new(kinds::BackgroundKind::SolidColor)
+        .with_color(rerun::Color::from_rgb(28, 30, 34));
     let query = ["$origin/**".to_owned()];
-    layout.view("3D", title, SCENE, &query, &[("EyeControls3D", &eye), ("Background", &background)])
+    layout.view(
+        "3D",
+        title,
+        SCENE,
+        &query,
+        &[("EyeControls3D", &eye), ("Background", &background)],
+    )
 }

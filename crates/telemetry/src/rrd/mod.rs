@@ -16,6 +16,7 @@ use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, Time
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
 use crate::display::{Group, groups};
+use layout::Screen;
 use scene::SceneLogger;
 use series::FootState;
 
@@ -24,9 +25,9 @@ const TIMELINE: &str = "time";
 /// Above everything that has a place in space.
 const SCENE: &str = "/scene";
 
-/// Streams a run into a file for the rerun viewer (0.36): the scene in 3-D, curves, states, and at the end spectra,
-/// profiles and claims, with a layout that shows them. Every chunk is with the operating system when
-/// [`Sink::chunk`] returns, so that killing the program loses nothing of it.
+/// Streams a run into a file for the rerun viewer (0.36): the scene in 3-D, curves, states, and at
+/// the end spectra, profiles and claims, with a layout that shows them. Every chunk is with the
+/// operating system when [`Sink::chunk`] returns, so that killing the program loses nothing of it.
 pub struct RrdSink {
     path: PathBuf,
     open: Option<Open>,
@@ -40,12 +41,16 @@ struct Open {
     groups: Vec<Group>,
     scene: SceneLogger,
     foot: Option<FootState>,
+    screen: Screen,
 }
 
 impl RrdSink {
     /// A sink for a file, which is made (or overwritten) when the run begins.
     pub fn new(path: impl Into<PathBuf>) -> RrdSink {
-        RrdSink { path: path.into(), open: None }
+        RrdSink {
+            path: path.into(),
+            open: None,
+        }
     }
 
     fn failed(&self, action: &'static str) -> impl Fn(Failure) -> SinkError + use<> {
@@ -56,18 +61,25 @@ impl RrdSink {
 
 impl Sink for RrdSink {
     fn begin(&mut self, header: &Header) -> Result<(), SinkError> {
-        self.open = Some(Open::begin(&self.path, header).map_err(self.failed("begin the recording"))?);
+        self.open =
+            Some(Open::begin(&self.path, header).map_err(self.failed("begin the recording"))?);
         Ok(())
     }
 
     fn chunk(&mut self, chunk: &Chunk<'_>) -> Result<(), SinkError> {
         let failed = self.failed("write rows");
-        self.open.as_mut().map_or(Ok(()), |open| open.chunk(chunk)).map_err(failed)
+        self.open
+            .as_mut()
+            .map_or(Ok(()), |open| open.chunk(chunk))
+            .map_err(failed)
     }
 
     fn finish(&mut self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), SinkError> {
         let failed = self.failed("end the recording");
-        self.open.take().map_or(Ok(()), |open| open.finish(recording, claims)).map_err(failed)
+        self.open
+            .take()
+            .map_or(Ok(()), |open| open.finish(recording, claims))
+            .map_err(failed)
     }
 }
 
@@ -82,12 +94,22 @@ impl Open {
         series::begin(&stream, &groups)?;
         let scene = SceneLogger::begin(&stream, &header.scene)?;
         let foot = FootState::begin(&stream, header)?;
-        log_text(&stream, results::SCENARIO, results::scenario(&header.scenario_text))?;
-        let under_way = "The run was still under way when this was written: claims are judged at its end.";
+        log_text(
+            &stream,
+            results::SCENARIO,
+            results::scenario(&header.scenario_text),
+        )?;
+        let under_way =
+            "The run was still under way when this was written: claims are judged at its end.";
         log_text(&stream, results::CLAIMS, under_way.to_owned())?;
-        layout::send(&stream, header, &groups, foot.is_some(), None)?;
+        let screen = Screen::begin(&stream, header, &groups, foot.is_some())?;
         flush(&stream)?;
-        Ok(Open { stream, groups, scene, foot })
+        Ok(Open {
+            stream,
+            groups,
+            scene,
+            foot,
+        })
     }
 
     fn chunk(&mut self, chunk: &Chunk<'_>) -> Result<(), Failure> {
@@ -103,15 +125,19 @@ impl Open {
 
     fn finish(self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), Failure> {
         let stream = &self.stream;
-        log_text(stream, results::CLAIMS, results::claims_table(recording, claims))?;
+        log_text(
+            stream,
+            results::CLAIMS,
+            results::claims_table(recording, claims),
+        )?;
         log_text(stream, results::ABOUT, results::about(recording))?;
         let mut charts = results::log_spectra(stream, &self.groups, recording)?;
         // After the first spectrum, that of the tool.
         let profiles = results::log_profiles(stream, &recording.profiles)?;
         let after_first = charts.len().min(1);
         charts.splice(after_first..after_first, profiles);
-        // Only now it is known what there is to see; this layout takes the place of the first.
-        layout::send(stream, &recording.header, &self.groups, self.foot.is_some(), Some(&charts))?;
+        self.screen
+            .finish(stream, &self.groups, &charts, recording)?;
         self.scene.finish(stream)?;
         flush(stream)
     }
@@ -126,14 +152,22 @@ fn log_text(stream: &RecordingStream, entity: &str, markdown: String) -> Recordi
 }
 
 fn time_column(times_s: impl Iterator<Item = f64>) -> TimeColumn {
-    let nanoseconds: Vec<i64> = times_s.map(|time_s| (1e9 * time_s).round() as i64).collect();
+    let nanoseconds: Vec<i64> = times_s
+        .map(|time_s| (1e9 * time_s).round() as i64)
+        .collect();
     TimeColumn::new(None, Timeline::new_duration(TIMELINE), nanoseconds.into())
 }
 
-/// The viewer keeps one layout for each application, so each scenario is one: two recordings opened together then each
-/// keep their own.
+/// The viewer keeps one layout for each application, so each scenario is one: two recordings opened
+/// together then each keep their own.
 fn application(header: &Header) -> ApplicationId {
-    let plain = |letter: char| if letter.is_ascii_alphanumeric() { letter } else { '_' };
+    let plain = |letter: char| {
+        if letter.is_ascii_alphanumeric() {
+            letter
+        } else {
+            '_'
+        }
+    };
     let name: String = header.scenario_name.chars().map(plain).take(100).collect();
     ApplicationId::new_or_unknown(format!("truecut_{name}"))
 }

@@ -1,7 +1,7 @@
 //! What the run came to, in the viewer: spectra, profiles, claims, notes, the scenario.
 
 use rerun::{RecordingStream, RecordingStreamResult};
-use truecut_recording::spectrum::{Line, Spectrum, amplitude_spectrum};
+use truecut_recording::spectrum::{Line, Spectrum, amplitude_spectrum_up_to};
 use truecut_recording::{ClaimResult, Outcome, Profile, Recording, UserUnit, significant};
 
 use super::chart::{Chart, Curve};
@@ -21,7 +21,9 @@ pub(super) const PROFILES: &str = "/profiles";
 /// Vibration of an arm is below this; above it a spectrum would show nothing.
 const HIGHEST_HZ: f64 = 60.0;
 /// Below this a ramp shows, not a vibration.
-const LOWEST_HZ: f64 = 1.0;
+const LOWEST_HZ: f64 = 2.0;
+/// Lines below this share of what means something on the plot are not worth a name.
+const LEAST_SHARE: f64 = 0.01;
 
 /// A drawn chart: where it is, and what its tab is called.
 pub(super) struct Drawn {
@@ -36,51 +38,86 @@ pub(super) fn log_spectra(
     recording: &Recording,
 ) -> RecordingStreamResult<Vec<Drawn>> {
     let mut drawn = Vec::new();
-    for group in groups.iter().filter(|group| group.place == Place::FrontWithSpectrum) {
+    for group in groups
+        .iter()
+        .filter(|group| group.place == Place::FrontWithSpectrum)
+    {
         let columns = |series: &Series| &recording.columns[series.channel];
         let spectra = group.series.iter().filter_map(|series| {
-            Some((series, amplitude_spectrum(&recording.time_s, columns(series))?))
+            Some((
+                series,
+                amplitude_spectrum_up_to(&recording.time_s, columns(series), HIGHEST_HZ)?,
+            ))
         });
-        let mut curves: Vec<Curve> = spectra.map(|(series, spectrum)| spectrum_curve(series, &spectrum)).collect();
+        let mut curves: Vec<Curve> = spectra
+            .map(|(series, spectrum)| spectrum_curve(series, &spectrum, group.least))
+            .collect();
         if curves.is_empty() {
             continue;
         }
         keep_highest_mark(&mut curves);
         let entity = format!("{SPECTRA}/{}", drawn.len());
-        let name = group.title.split([',', ':', '[']).next().unwrap_or_default().trim();
+        let name = group
+            .title
+            .split([',', ':', '['])
+            .next()
+            .unwrap_or_default()
+            .trim();
         let unit = &group.series[0].unit.symbol;
         let chart = Chart {
             x_label: "frequency [Hz]".to_owned(),
             y_label: format!("{name}: amplitude [{unit}]"),
+            least_y: group.series[0].unit.from_si(LEAST_SHARE * group.least),
             curves,
         };
         chart.log(stream, &entity)?;
-        drawn.push(Drawn { entity, title: format!("Spectrum: {name}") });
+        drawn.push(Drawn {
+            entity,
+            title: format!("Spectrum: {name}"),
+        });
     }
     Ok(drawn)
 }
 
-fn spectrum_curve(series: &Series, spectrum: &Spectrum) -> Curve {
+fn spectrum_curve(series: &Series, spectrum: &Spectrum, least: f64) -> Curve {
     let shown = |amplitude: f64| series.unit.from_si(amplitude);
-    let points = spectrum.frequency_hz.iter().zip(&spectrum.amplitude);
-    let points = points.take_while(|(frequency_hz, _)| **frequency_hz <= HIGHEST_HZ);
-    let lines = spectrum.lines([LOWEST_HZ, HIGHEST_HZ], 3, 0.1);
+    let mut lines = spectrum.lines([LOWEST_HZ, HIGHEST_HZ], 3, 0.1);
+    lines.retain(|line| line.amplitude >= LEAST_SHARE * least);
     let in_words = |line: &Line| {
-        format!("{:.2} Hz ({})", line.frequency_hz, significant(shown(line.amplitude), 3))
+        format!(
+            "{:.2} Hz ({})",
+            line.frequency_hz,
+            significant(shown(line.amplitude), 3)
+        )
     };
-    let named: Vec<String> = lines.iter().map(in_words).collect();
+    let named = match lines.iter().map(in_words).collect::<Vec<_>>().join(", ") {
+        none if none.is_empty() => {
+            format!("no line above {}", series.unit.show(LEAST_SHARE * least))
+        }
+        some => some,
+    };
     let marks = lines.iter().map(|line| {
-        (line.frequency_hz, shown(line.amplitude), format!("{:.2} Hz", line.frequency_hz))
+        (
+            line.frequency_hz,
+            shown(line.amplitude),
+            format!("{:.2} Hz", line.frequency_hz),
+        )
     });
+    // What a ramp leaves at the left end is no vibration, and would set the scale.
+    let points = spectrum.frequency_hz.iter().zip(&spectrum.amplitude);
+    let points = points.skip_while(|(frequency_hz, _)| **frequency_hz < LOWEST_HZ);
     Curve {
-        name: format!("{}: {}", series.legend, named.join(", ")),
+        name: format!("{}: {named}", series.legend),
         color: series.color,
-        points: points.map(|(frequency_hz, amplitude)| (*frequency_hz, shown(*amplitude))).collect(),
+        points: points
+            .map(|(frequency_hz, amplitude)| (*frequency_hz, shown(*amplitude)))
+            .collect(),
         marks: marks.collect(),
     }
 }
 
-/// Only the chart's highest line is named in the picture, where names would hide each other; all are in the legend.
+/// Only the chart's highest line is named in the picture, where names would hide each other; all
+/// are in the legend.
 fn keep_highest_mark(curves: &mut [Curve]) {
     let marks = curves.iter().flat_map(|curve| &curve.marks);
     let highest = marks.map(|mark| mark.1).fold(0.0, f64::max);
@@ -90,10 +127,16 @@ fn keep_highest_mark(curves: &mut [Curve]) {
 }
 
 /// Draws each profile as a chart.
-pub(super) fn log_profiles(stream: &RecordingStream, profiles: &[Profile]) -> RecordingStreamResult<Vec<Drawn>> {
+pub(super) fn log_profiles(
+    stream: &RecordingStream,
+    profiles: &[Profile],
+) -> RecordingStreamResult<Vec<Drawn>> {
     let mut drawn = Vec::new();
     for (index, profile) in profiles.iter().enumerate() {
-        let (x_unit, y_unit) = (shown_unit(profile.axis_unit, false), shown_unit(profile.unit, is_small(profile)));
+        let (x_unit, y_unit) = (
+            shown_unit(profile.axis_unit, false),
+            shown_unit(profile.unit, is_small(profile)),
+        );
         let points = profile.axis.iter().zip(&profile.values);
         let points = points.map(|(at, value)| (x_unit.from_si(*at), y_unit.from_si(*value)));
         let words = |name: &str| name.replace(['_', '.'], " ");
@@ -101,6 +144,7 @@ pub(super) fn log_profiles(stream: &RecordingStream, profiles: &[Profile]) -> Re
         let chart = Chart {
             x_label: format!("{} [{}]", words(&profile.axis_name), x_unit.symbol),
             y_label: format!("{title}: {}", profile.description),
+            least_y: f64::NAN,
             curves: vec![Curve {
                 name: spread(profile, &y_unit),
                 color: [242, 142, 43],
@@ -116,13 +160,29 @@ pub(super) fn log_profiles(stream: &RecordingStream, profiles: &[Profile]) -> Re
 }
 
 fn is_small(profile: &Profile) -> bool {
-    profile.values.iter().all(|value| value.is_nan() || value.abs() < 1e-4)
+    profile
+        .values
+        .iter()
+        .all(|value| value.is_nan() || value.abs() < 1e-4)
 }
 
 fn spread(profile: &Profile, unit: &UserUnit) -> String {
-    let finite = || profile.values.iter().copied().filter(|value| value.is_finite());
-    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
-    if low > high { "no values".to_owned() } else { format!("widest − narrowest: {}", unit.show(high - low)) }
+    let finite = || {
+        profile
+            .values
+            .iter()
+            .copied()
+            .filter(|value| value.is_finite())
+    };
+    let (low, high) = (
+        finite().fold(f64::INFINITY, f64::min),
+        finite().fold(f64::NEG_INFINITY, f64::max),
+    );
+    if low > high {
+        "no values".to_owned()
+    } else {
+        format!("widest − narrowest: {}", unit.show(high - low))
+    }
 }
 
 /// The claims as a table, failures first.
@@ -144,27 +204,48 @@ pub(super) fn claims_table(recording: &Recording, claims: &[ClaimResult]) -> Str
     let in_order = || not_held.iter().chain(&held);
     text += "| | claim | value and bounds |\n|---|---|---|\n";
     for claim in in_order() {
-        let verdict = if claim.holds { "✔ holds" } else { "✖ **FAILS**" };
-        text += &format!("| {verdict} | {} | {} |\n", one_cell(&claim.name), one_cell(&claim.shown));
+        let verdict = if claim.holds {
+            "✔ holds"
+        } else {
+            "✖ **FAILS**"
+        };
+        text += &format!(
+            "| {verdict} | {} | {} |\n",
+            one_cell(&claim.name),
+            one_cell(&claim.shown)
+        );
     }
     // Reasons are sentences, and a table does not wrap.
     text += "\n";
     for claim in in_order() {
-        let note = claim.note.as_ref().map_or(String::new(), |note| format!(" Note: {note}."));
-        text += &format!("- *{}*: {}.{note}\n", claim.name, one_cell(&claim.reason).trim_end_matches('.'));
+        let note = claim
+            .note
+            .as_ref()
+            .map_or(String::new(), |note| format!(" Note: {note}."));
+        text += &format!(
+            "- *{}*: {}.{note}\n",
+            claim.name,
+            one_cell(&claim.reason).trim_end_matches('.')
+        );
     }
     text
 }
 
 /// Text that cannot break a table.
 fn one_cell(text: &str) -> String {
-    text.replace('|', "\\|").split_whitespace().collect::<Vec<_>>().join(" ")
+    text.replace('|', "\\|")
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// What a reader should know: how to read the views, the run's numbers, its notes.
 pub(super) fn about(recording: &Recording) -> String {
     let header = &recording.header;
-    let mut text = format!("## {}\n\nThe run {}.\n\n", header.scenario_name, recording.outcome);
+    let mut text = format!(
+        "## {}\n\nThe run {}.\n\n",
+        header.scenario_name, recording.outcome
+    );
     text += "Displacements are in µm, lengths in mm, angles in degrees. Curves keep the smallest and the largest value \
              of every 2 ms; the Parquet file beside this one has every step, in SI. ";
     if header.scene.deflection_scale != 1.0 {
@@ -173,13 +254,18 @@ pub(super) fn about(recording: &Recording) -> String {
             header.scene.deflection_scale
         );
     }
-    text += "Amplitude spectra are of the whole run, mean and trend removed, with a Hann window.\n\n";
+    text +=
+        "Amplitude spectra are of the whole run, mean and trend removed, with a Hann window.\n\n";
     if !recording.scalars.is_empty() {
         text += "| result | value | |\n|---|---|---|\n";
         for scalar in &recording.scalars {
             let small = scalar.value.abs() < 1e-4;
             let shown = shown_unit(scalar.unit, small).show(scalar.value);
-            text += &format!("| {} | {shown} | {} |\n", one_cell(&scalar.name), one_cell(&scalar.description));
+            text += &format!(
+                "| {} | {shown} | {} |\n",
+                one_cell(&scalar.name),
+                one_cell(&scalar.description)
+            );
         }
     }
     for note in &header.notes {

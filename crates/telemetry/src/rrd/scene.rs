@@ -21,13 +21,24 @@ struct LoggedBody {
 
 impl SceneLogger {
     /// Logs all shapes and initial poses.
-    pub(super) fn begin(stream: &RecordingStream, scene: &Scene) -> RecordingStreamResult<SceneLogger> {
+    pub(super) fn begin(
+        stream: &RecordingStream,
+        scene: &Scene,
+    ) -> RecordingStreamResult<SceneLogger> {
         stream.log_static(SCENE, &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
         let mut bodies = Vec::new();
         for body in &scene.bodies {
-            let logged = LoggedBody { entity: format!("{SCENE}/{}", body.path), last: body.initial_pose };
+            let logged = LoggedBody {
+                entity: format!("{SCENE}/{}", body.path),
+                last: body.initial_pose,
+            };
             log_shapes(stream, &logged.entity, &body.shapes)?;
-            send_poses(stream, &logged.entity, time_column(std::iter::once(0.0)), &[body.initial_pose])?;
+            send_poses(
+                stream,
+                &logged.entity,
+                time_column(std::iter::once(0.0)),
+                &[body.initial_pose],
+            )?;
             bodies.push(logged);
         }
         for arrow in &scene.arrows {
@@ -38,11 +49,19 @@ impl SceneLogger {
                 .with_radii([rerun::Radius::new_ui_points(2.5)]);
             stream.log_static(format!("{SCENE}/{}", arrow.path), &style)?;
         }
-        Ok(SceneLogger { bodies, arrows: scene.arrows.clone(), path: Vec::new() })
+        Ok(SceneLogger {
+            bodies,
+            arrows: scene.arrows.clone(),
+            path: Vec::new(),
+        })
     }
 
     /// Logs the poses and forces of some frames.
-    pub(super) fn frames(&mut self, stream: &RecordingStream, frames: &[Frame]) -> RecordingStreamResult<()> {
+    pub(super) fn frames(
+        &mut self,
+        stream: &RecordingStream,
+        frames: &[Frame],
+    ) -> RecordingStreamResult<()> {
         if frames.is_empty() {
             return Ok(());
         }
@@ -56,7 +75,8 @@ impl SceneLogger {
         }
         for (index, arrow) in self.arrows.iter().enumerate() {
             let forces = frames.iter().map(|frame| frame.arrows[index]);
-            let scaled = |force_n: [f64; 3]| force_n.map(|value| (value * arrow.metres_per_newton) as f32);
+            let scaled =
+                |force_n: [f64; 3]| force_n.map(|value| (value * arrow.metres_per_newton) as f32);
             let columns = rerun::Arrows3D::update_fields()
                 .with_vectors(forces.clone().map(|(_, force_n)| scaled(force_n)))
                 .with_origins(forces.map(|(origin_m, _)| origin_m.map(|value| value as f32)))
@@ -64,7 +84,8 @@ impl SceneLogger {
             stream.send_columns(format!("{SCENE}/{}", arrow.path), [times.clone()], columns)?;
         }
         let tool = frames.iter().filter_map(|frame| frame.arrows.first());
-        self.path.extend(tool.map(|(origin_m, _)| origin_m.map(|value| value as f32)));
+        self.path
+            .extend(tool.map(|(origin_m, _)| origin_m.map(|value| value as f32)));
         Ok(())
     }
 

@@ -5,35 +5,45 @@ use truecut_recording::{Chunk, Header};
 
 use super::time_column;
 use crate::decimate::rows_to_draw;
-use crate::display::{Group, LIFTED, SLIDING};
+use crate::display::{Group, LIFTED, SLIDING, Series};
 
 /// Logs every curve's name and colour, once.
 pub(super) fn begin(stream: &RecordingStream, groups: &[Group]) -> RecordingStreamResult<()> {
-    for series in groups.iter().flat_map(|group| &group.series) {
-        let [r, g, b] = series.color;
+    for group in groups {
+        let color = |series: &Series| {
+            let [r, g, b] = series.color;
+            rerun::Color::from_rgb(r, g, b)
+        };
         let style = rerun::SeriesLines::new()
-            .with_names([series.legend.as_str()])
-            .with_colors([rerun::Color::from_rgb(r, g, b)])
-            .with_widths([1.5_f32]);
-        stream.log_static(series.entity.as_str(), &style)?;
+            .with_names(group.series.iter().map(|series| series.legend.as_str()))
+            .with_colors(group.series.iter().map(color));
+        stream.log_static(group.entity.as_str(), &style)?;
     }
     Ok(())
 }
 
-/// Logs the curves of a chunk, one column each.
+/// Logs the curves of a chunk, one call for each plot: its channels share their rows.
 pub(super) fn chunk(
     stream: &RecordingStream,
     groups: &[Group],
     chunk: &Chunk<'_>,
 ) -> RecordingStreamResult<()> {
     let mut rows = Vec::new();
-    for series in groups.iter().flat_map(|group| &group.series) {
-        let values = chunk.columns[series.channel];
-        rows_to_draw(chunk.time_s, values, &mut rows);
+    for group in groups {
+        let columns: Vec<&[f64]> = group
+            .series
+            .iter()
+            .map(|series| chunk.columns[series.channel])
+            .collect();
+        rows_to_draw(chunk.time_s, &columns, &mut rows);
         let times = time_column(rows.iter().map(|&row| chunk.time_s[row]));
-        let shown = rows.iter().map(|&row| series.unit.from_si(values[row]));
-        let columns = rerun::Scalars::new(shown).columns_of_unit_batches()?;
-        stream.send_columns(series.entity.as_str(), [times], columns)?;
+        let of_row = |row: usize| {
+            let curves = group.series.iter().zip(&columns);
+            curves.map(move |(series, values)| series.unit.from_si(values[row]))
+        };
+        let scalars = rerun::Scalars::new(rows.iter().flat_map(|&row| of_row(row)))
+            .columns(std::iter::repeat_n(group.series.len(), rows.len()))?;
+        stream.send_columns(group.entity.as_str(), [times], scalars)?;
     }
     Ok(())
 }
@@ -50,21 +60,39 @@ pub(super) struct FootState {
 
 impl FootState {
     /// `None` if the recording has no foot.
-    pub(super) fn begin(stream: &RecordingStream, header: &Header) -> RecordingStreamResult<Option<FootState>> {
-        let Ok(sliding) = header.index_of(SLIDING) else { return Ok(None) };
+    pub(super) fn begin(
+        stream: &RecordingStream,
+        header: &Header,
+    ) -> RecordingStreamResult<Option<FootState>> {
+        let Ok(sliding) = header.index_of(SLIDING) else {
+            return Ok(None);
+        };
         let colors = [[70, 140, 80], [215, 80, 60], [120, 120, 120]];
         let style = rerun::StateConfiguration::new()
             .with_values(["sticks", "slides", "lifted"])
             .with_labels(["sticks", "SLIDES", "lifted off"])
             .with_colors(colors.map(|[r, g, b]| rerun::Color::from_rgb(r, g, b)));
         stream.log_static(FOOT_STATE, &style)?;
-        Ok(Some(FootState { sliding, lifted: header.index_of(LIFTED).ok(), last: None }))
+        Ok(Some(FootState {
+            sliding,
+            lifted: header.index_of(LIFTED).ok(),
+            last: None,
+        }))
     }
 
-    pub(super) fn chunk(&mut self, stream: &RecordingStream, chunk: &Chunk<'_>) -> RecordingStreamResult<()> {
+    pub(super) fn chunk(
+        &mut self,
+        stream: &RecordingStream,
+        chunk: &Chunk<'_>,
+    ) -> RecordingStreamResult<()> {
         let lifted = self.lifted.map(|column| chunk.columns[column]);
         let mut changes: (Vec<f64>, Vec<&str>) = Default::default();
-        for (row, (time_s, sliding)) in chunk.time_s.iter().zip(chunk.columns[self.sliding]).enumerate() {
+        for (row, (time_s, sliding)) in chunk
+            .time_s
+            .iter()
+            .zip(chunk.columns[self.sliding])
+            .enumerate()
+        {
             let state = match lifted {
                 Some(lifted) if lifted[row] > 0.5 => "lifted",
                 _ if *sliding > 0.5 => "slides",
@@ -79,7 +107,9 @@ impl FootState {
         if changes.0.is_empty() {
             return Ok(());
         }
-        let columns = rerun::StateChange::new().with_state(changes.1).columns_of_unit_batches()?;
+        let columns = rerun::StateChange::new()
+            .with_state(changes.1)
+            .columns_of_unit_batches()?;
         stream.send_columns(FOOT_STATE, [time_column(changes.0.into_iter())], columns)
     }
 }

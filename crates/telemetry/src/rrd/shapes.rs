@@ -24,19 +24,28 @@ fn single(point_m: &[f64; 3]) -> [f32; 3] {
 /// Shapes of one kind and look, with the measures that tell them apart.
 struct Kind<'a, M>(Vec<(&'a Shape, M)>);
 
-/// A translucent shape is the shadow of another that nearly coincides with it. Two surfaces in one place flicker, so
-/// the shadow is drawn as an outline.
+/// A translucent shape is the shadow of another that nearly coincides with it. Two surfaces in one
+/// place flicker, so the shadow is drawn as an outline.
 fn is_shadow(shape: &Shape) -> bool {
     shape.color_rgba[3] < u8::MAX
 }
 
 fn fill(shadow: bool) -> FillMode {
-    if shadow { FillMode::MajorWireframe } else { FillMode::Solid }
+    if shadow {
+        FillMode::MajorWireframe
+    } else {
+        FillMode::Solid
+    }
 }
 
 impl<'a, M: Copy> Kind<'a, M> {
     fn of(shapes: &[&'a Shape], measures: impl Fn(&Geometry) -> Option<M>) -> Kind<'a, M> {
-        Kind(shapes.iter().filter_map(|shape| Some((*shape, measures(&shape.geometry)?))).collect())
+        Kind(
+            shapes
+                .iter()
+                .filter_map(|shape| Some((*shape, measures(&shape.geometry)?)))
+                .collect(),
+        )
     }
 
     fn is_empty(&self) -> bool {
@@ -48,11 +57,15 @@ impl<'a, M: Copy> Kind<'a, M> {
     }
 
     fn centers(&self) -> impl Iterator<Item = [f32; 3]> {
-        self.0.iter().map(|(shape, _)| translation(&shape.body_from_shape))
+        self.0
+            .iter()
+            .map(|(shape, _)| translation(&shape.body_from_shape))
     }
 
     fn quaternions(&self) -> impl Iterator<Item = rerun::Quaternion> {
-        self.0.iter().map(|(shape, _)| quaternion(&shape.body_from_shape))
+        self.0
+            .iter()
+            .map(|(shape, _)| quaternion(&shape.body_from_shape))
     }
 
     fn colors(&self) -> impl Iterator<Item = rerun::Color> {
@@ -70,8 +83,15 @@ pub(super) fn log_shapes(
     shapes: &[Shape],
 ) -> RecordingStreamResult<()> {
     for shadow in [false, true] {
-        let alike: Vec<&Shape> = shapes.iter().filter(|shape| is_shadow(shape) == shadow).collect();
-        let entity = if shadow { format!("{entity}/shadow") } else { entity.to_owned() };
+        let alike: Vec<&Shape> = shapes
+            .iter()
+            .filter(|shape| is_shadow(shape) == shadow)
+            .collect();
+        let entity = if shadow {
+            format!("{entity}/shadow")
+        } else {
+            entity.to_owned()
+        };
         log_boxes_and_balls(stream, &entity, &alike, fill(shadow))?;
         log_round_bars(stream, &entity, &alike, fill(shadow))?;
     }
@@ -138,7 +158,10 @@ fn log_round_bars(
     if !capsules.is_empty() {
         let (lengths, radii): (Vec<f32>, Vec<f32>) = capsules.measures().unzip();
         // The viewer's capsule begins at its origin and goes along z; ours is centred.
-        let starts = capsules.0.iter().map(|(shape, (length, _))| down_z(&shape.body_from_shape, 0.5 * length));
+        let starts = capsules
+            .0
+            .iter()
+            .map(|(shape, (length, _))| down_z(&shape.body_from_shape, 0.5 * length));
         let form = rerun::Capsules3D::from_lengths_and_radii(lengths.clone(), radii)
             .with_translations(starts)
             .with_quaternions(capsules.quaternions())
@@ -152,7 +175,11 @@ fn log_round_bars(
 /// The point at a distance along the pose's own −z axis.
 fn down_z(pose: &Pose, distance_m: f32) -> [f32; 3] {
     let [x, y, z, w] = pose.rotation_xyzw;
-    let axis = [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)];
+    let axis = [
+        2.0 * (x * z + w * y),
+        2.0 * (y * z - w * x),
+        1.0 - 2.0 * (x * x + y * y),
+    ];
     std::array::from_fn(|i| (pose.translation_m[i] - f64::from(distance_m) * axis[i]) as f32)
 }
 
@@ -160,7 +187,10 @@ fn down_z(pose: &Pose, distance_m: f32) -> [f32; 3] {
 fn log_single(stream: &RecordingStream, entity: &str, shape: &Shape) -> RecordingStreamResult<()> {
     let color = rgba(shape.color_rgba);
     let form: Box<dyn AsComponents> = match &shape.geometry {
-        Geometry::Mesh { vertices_m, triangles } => {
+        Geometry::Mesh {
+            vertices_m,
+            triangles,
+        } => {
             let (corners, normals) = flat_triangles(vertices_m, triangles);
             let mesh = rerun::Mesh3D::new(corners).with_vertex_normals(normals);
             Box::new(mesh.with_albedo_factor(*color))
@@ -177,13 +207,20 @@ fn log_single(stream: &RecordingStream, entity: &str, shape: &Shape) -> Recordin
     stream.log_static(entity, &[&place as &dyn AsComponents, form.as_ref()])
 }
 
-/// Corners that no two triangles share, each with its triangle's normal: machined parts have edges, and shared normals
-/// would round them off. A triangle that names a corner which is not there, or that has no area, is left out.
-fn flat_triangles(vertices_m: &[[f64; 3]], triangles: &[[u32; 3]]) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+/// Corners that no two triangles share, each with its triangle's normal: machined parts have edges,
+/// and shared normals would round them off. A triangle that names a corner which is not there, or
+/// that has no area, is left out.
+fn flat_triangles(
+    vertices_m: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     let mut corners = Vec::with_capacity(3 * triangles.len());
     let mut normals = Vec::with_capacity(3 * triangles.len());
     for triangle in triangles {
-        let [Some(a), Some(b), Some(c)] = triangle.map(|corner| vertices_m.get(corner as usize)) else { continue };
+        let [Some(a), Some(b), Some(c)] = triangle.map(|corner| vertices_m.get(corner as usize))
+        else {
+            continue;
+        };
         let side = |to: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|i| to[i] - a[i]) };
         let ([u0, u1, u2], [v0, v1, v2]) = (side(b), side(c));
         let cross = [u1 * v2 - u2 * v1, u2 * v0 - u0 * v2, u0 * v1 - u1 * v0];
@@ -204,7 +241,10 @@ mod tests {
     fn verify_a_capsule_begins_half_its_length_down_its_axis() {
         // A quarter turn about x takes z to −y, so that down is +y.
         let half = 0.5_f64.sqrt();
-        let pose = Pose { translation_m: [1.0, 2.0, 3.0], rotation_xyzw: [half, 0.0, 0.0, half] };
+        let pose = Pose {
+            translation_m: [1.0, 2.0, 3.0],
+            rotation_xyzw: [half, 0.0, 0.0, half],
+        };
         let start = down_z(&pose, 0.5);
         for (found, expected) in start.into_iter().zip([1.0, 2.5, 3.0]) {
             assert!((found - expected).abs() < 1e-6, "{start:?}");
