@@ -93,8 +93,8 @@ class ChamferProcess:
                 radial = self.k_radial * area + self.edge_forces[1] * length
                 tangential = self.k_tangential * area + self.edge_forces[2] * length
                 fx -= self.sign * axial
-                fy += radial * cos - tangential * sin
-                fz += radial * sin + tangential * cos
+                fy -= radial * cos - tangential * sin
+                fz -= radial * sin + tangential * cos
                 tangential_of_all += tangential
             elif self.left_cut_s is None and self.mode and t < s.ramp_s:
                 self.left_cut_s = t

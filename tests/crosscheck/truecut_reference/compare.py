@@ -61,7 +61,10 @@ class Recording:
         """Reads a Parquet recording."""
         with pyarrow.parquet.ParquetFile(path) as file:
             table = file.read()
-            ending = json.loads(file.metadata.metadata[b"truecut.ending"])
+            metadata = file.metadata.metadata or {}
+        if b"truecut.ending" not in metadata:
+            raise ValueError(f"{path} is no recording of a run that ended")
+        ending = json.loads(metadata[b"truecut.ending"])
         columns = {name: table[name].to_numpy() for name in table.column_names}
         scalars = {s["name"]: s["value"] for s in ending["scalars"]}
         profiles = {p["name"]: Profile(np.array(p["axis"]), np.array(p["values"])) for p in ending["profiles"]}

@@ -89,12 +89,13 @@ def _path(path: CommandedPath, feed_m_per_s: float) -> dict:
     places = path.places_m
     steady = path.time_s >= RUN_UP_S
     speed = np.diff(places[steady, 1]) / np.diff(path.time_s[steady])
-    return {
-        "start_m": float(np.abs(places[0]).max()),
-        "off_line_m": float(np.abs(places[:, [0, 2]]).max()),
-        "rotation_rad": path.rotation_rad,
-        "speed_error": float(np.abs(speed / feed_m_per_s - 1.0).max()),
+    found = {
+        "start (m)": (float(np.abs(places[0]).max()), PATH_TOLERANCE),
+        "off its line (m)": (float(np.abs(places[:, [0, 2]]).max()), PATH_TOLERANCE),
+        "turn of the tool (rad)": (path.rotation_rad, PATH_TOLERANCE),
+        "speed over feed - 1": (float(np.abs(speed / feed_m_per_s - 1.0).max()), PATH_SPEED_TOLERANCE),
     }
+    return {name: {"value": value, "limit": limit} for name, (value, limit) in found.items()}
 
 
 def _add_deflection(channels: dict, time_s: np.ndarray, path: CommandedPath) -> None:
@@ -200,11 +201,9 @@ def failures(report: dict, tolerance: float) -> list[str]:
         for name, apart in report["profiles"].items():
             if not apart["relative_rms"] <= tolerance:
                 found.append(f"{name} differs by {apart['relative_rms']:.3%} of its mean, limit {tolerance:.1%}")
-    path = report.get("commanded_path", {})
-    for name, value in path.items():
-        limit = PATH_SPEED_TOLERANCE if name == "speed_error" else PATH_TOLERANCE
-        if not value <= limit:
-            found.append(f"the command does not carry the tool straight: {name} {value:.2e}, limit {limit:.0e}")
+    for name, path in report.get("commanded_path", {}).items():
+        if not path["value"] <= path["limit"]:
+            found.append(f"commanded path, {name}: {path['value']:.2e}, limit {path['limit']:.0e}")
     return found
 
 

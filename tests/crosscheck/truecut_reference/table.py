@@ -27,17 +27,12 @@ def of_report(name: str, report: dict, path: Path) -> str:
 def _judged(report: dict) -> list[list[str]]:
     """Figures that the verdict rests on, each with its limit."""
     limit = _percent(report["tolerance"])
-    what = report["judged"].replace(".", " ")
-    slides = "while_sliding" in report
-    rows = [
-        [f"{what}, NRMSE", _percent(report["quantities"][report["judged"]]["nrmse"]), f"limit {limit}"],
-        *([["  while sliding", _percent(report["while_sliding"]["nrmse"]), f"limit {limit}"]] if slides else []),
-        [
-            "  moved by halving MuJoCo's step",
-            _percent(report["halving_the_step"]["nrmse"]),
-            f"limit {_percent(report['halving_the_step']['limit'])}",
-        ],
-    ]
+    halving = report["halving_the_step"]
+    nrmse = {report["judged"].replace(".", " "): report["quantities"][report["judged"]]["nrmse"]}
+    if "while_sliding" in report:
+        nrmse["  while sliding"] = report["while_sliding"]["nrmse"]
+    rows = [[f"{name}, NRMSE", _percent(value), f"limit {limit}"] for name, value in nrmse.items()]
+    rows.append(["  moved by halving MuJoCo's step", _percent(halving["nrmse"]), f"limit {_percent(halving['limit'])}"])
     left = min((t for t in report["left_cut_s"].values() if t is not None), default=None)
     after = report.get("after_leaving_the_cut")
     if after:
@@ -47,6 +42,8 @@ def _judged(report: dict) -> list[list[str]]:
     else:
         for name, apart in report["profiles"].items():
             rows.append([f"{name}, RMS over mean", _percent(apart["relative_rms"]), f"limit {limit}"])
+    for name, path in report.get("commanded_path", {}).items():
+        rows.append([f"commanded path, {name}", f"{path['value']:.2g}", f"limit {path['limit']:.0e}"])
     return rows
 
 

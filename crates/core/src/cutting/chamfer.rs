@@ -87,18 +87,24 @@ pub struct EdgeForces {
 }
 
 impl EdgeForces {
-    /// Force on the tool in (X, Y, Z) for an edge at angle φ, source A's eq. (5).
+    /// Force on the tool in (X, Y, Z) for an edge at angle φ: back along the feed, inwards, and against the
+    /// edge's motion.
     ///
     /// `axial_sign` is -1 for forward chamfering (the workpiece pushes the tool back) and +1 for backward
-    /// (it pulls the tool on). In the principal frame this gives `F_Yq = -M sin(φ - α - β)` and
+    /// (it pulls the tool on). In the plane source A's eq. (5) prints the opposite, outwards and along the
+    /// motion: that is the force on the *workpiece*, which a dynamometer measures. With a nominal or an
+    /// axial chip the difference is half a turn of phase; with a chip that sees radial motion the wrong
+    /// sign would make every cut feed itself.
+    ///
+    /// In the principal frame the force on the workpiece is `F_Yq = -M sin(φ - α - β)` and
     /// `F_Zq = +M cos(φ - α - β)`; the paper's eq. (16) has the sign of F_Zq reversed, a force that would
     /// turn against the spindle (`spec` 1.1).
     pub fn on_tool_n(&self, angle_rad: f64, axial_sign: f64) -> Vector3<f64> {
         let (s, c) = angle_rad.sin_cos();
         Vector3::new(
             axial_sign * self.axial_n,
-            self.radial_n * c - self.tangential_n * s,
-            self.radial_n * s + self.tangential_n * c,
+            -self.radial_n * c + self.tangential_n * s,
+            -self.radial_n * s - self.tangential_n * c,
         )
     }
 }
@@ -192,12 +198,25 @@ mod tests {
         let beta = (k.radial_pa / k.tangential_pa).atan();
         for i in 0..12 {
             let phi = i as f64 * 0.55;
-            let v = f.on_tool_n(phi, -1.0);
+            let v = -f.on_tool_n(phi, -1.0); // on the workpiece
             assert!((v.y + m * (phi - beta).sin()).abs() < 1e-9 * m);
             assert!((v.z - m * (phi - beta).cos()).abs() < 1e-9 * m);
-            let later = f.on_tool_n(phi + 1e-3, -1.0);
+            let later = -f.on_tool_n(phi + 1e-3, -1.0);
             let turned = v.y * later.z - v.z * later.y; // positive: from Y towards Z
             assert!(turned > 0.0);
+        }
+    }
+
+    /// The workpiece pushes the tool inwards and against its motion: a cut does not feed itself.
+    #[test]
+    fn verify_force_on_the_tool_opposes_the_cut() {
+        let (chip, k) = source_a();
+        let f = k.forces_n(chip.nominal_m2(0.5e-3, 0.05e-3), 0.0);
+        for phi in [0.0, 1.0, 2.5, 4.0] {
+            let force = f.on_tool_n(phi, -1.0);
+            let (s, c) = f64::sin_cos(phi);
+            assert!((force.y * c + force.z * s + f.radial_n).abs() < 1e-9);
+            assert!((-force.y * s + force.z * c + f.tangential_n).abs() < 1e-9);
         }
     }
 

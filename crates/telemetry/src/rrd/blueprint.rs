@@ -15,18 +15,9 @@ use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStre
 
 /// A view or a container, by its path in the layout's store. Paths are random: the viewer keeps
 /// what it knows of a view under its path even when another layout takes over.
-#[derive(Clone)]
 pub(super) struct Part(String);
 
-impl Part {
-    /// A place for a container that is written later.
-    pub(super) fn container() -> Part {
-        Part(format!("container/{}", Uuid::new_v4()))
-    }
-}
-
-/// A layout. What is written after it was sent takes the place of what was there, once it is sent
-/// again.
+/// A layout under construction.
 pub(super) struct Layout {
     store: RecordingStream,
     messages: MemorySinkStorage,
@@ -67,56 +58,45 @@ impl Layout {
         Ok(Part(path))
     }
 
-    /// Sets a property of a view.
-    pub(super) fn set(
-        &self,
-        Part(view): &Part,
-        name: &str,
-        property: &dyn AsComponents,
-    ) -> RecordingStreamResult<()> {
-        self.store.log(format!("{view}/{name}"), property)
-    }
-
     /// Parts side by side, with shares of the width.
     pub(super) fn side_by_side(&self, parts: Vec<(f32, Part)>) -> RecordingStreamResult<Part> {
         let (shares, parts): (Vec<f32>, Vec<Part>) = parts.into_iter().unzip();
         let container =
             ContainerBlueprint::new(kinds::ContainerKind::Horizontal).with_col_shares(shares);
-        let place = Part::container();
-        self.container(&place, container, &parts)?;
-        Ok(place)
+        self.container(container, &parts)
     }
 
     /// Parts one above the other, with shares of the height.
-    pub(super) fn stacked(&self, place: &Part, parts: &[(f32, Part)]) -> RecordingStreamResult<()> {
-        let (shares, parts): (Vec<f32>, Vec<Part>) = parts.iter().cloned().unzip();
+    pub(super) fn stacked(&self, parts: Vec<(f32, Part)>) -> RecordingStreamResult<Part> {
+        let (shares, parts): (Vec<f32>, Vec<Part>) = parts.into_iter().unzip();
         let container =
             ContainerBlueprint::new(kinds::ContainerKind::Vertical).with_row_shares(shares);
-        self.container(place, container, &parts)
+        self.container(container, &parts)
     }
 
     /// Parts of which one is seen at a time, the first to begin with.
-    pub(super) fn tabs(&self, place: &Part, parts: &[Part]) -> RecordingStreamResult<()> {
+    pub(super) fn tabs(&self, parts: &[Part]) -> RecordingStreamResult<Part> {
         let mut container = ContainerBlueprint::new(kinds::ContainerKind::Tabs);
         if let Some(Part(first)) = parts.first() {
             container = container.with_active_tab(first.as_str());
         }
-        self.container(place, container, parts)
+        self.container(container, parts)
     }
 
     fn container(
         &self,
-        Part(place): &Part,
         container: ContainerBlueprint,
         parts: &[Part],
-    ) -> RecordingStreamResult<()> {
+    ) -> RecordingStreamResult<Part> {
+        let path = format!("container/{}", Uuid::new_v4());
         let contents = parts.iter().map(|Part(path)| path.as_str());
         self.store
-            .log(place.as_str(), &container.with_contents(contents))
+            .log(path.as_str(), &container.with_contents(contents))?;
+        Ok(Part(path))
     }
 
-    /// Makes this container the root, and sets what is not a view.
-    pub(super) fn root(&self, Part(root): &Part) -> RecordingStreamResult<()> {
+    /// Ends the layout with this container as its root and makes it the recording's.
+    pub(super) fn send(self, Part(root): &Part, to: &RecordingStream) -> RecordingStreamResult<()> {
         let id = root
             .strip_prefix("container/")
             .and_then(|id| Uuid::parse_str(id).ok());
@@ -126,24 +106,21 @@ impl Layout {
             .with_auto_layout(false)
             .with_auto_views(false);
         self.store.log("viewport", &viewport)?;
-        let hidden = PanelBlueprint::new().with_state(kinds::PanelState::Collapsed);
-        self.store.log("blueprint_panel", &hidden)?;
-        self.store.log("selection_panel", &hidden)?;
+        let collapsed = PanelBlueprint::new().with_state(kinds::PanelState::Collapsed);
+        self.store.log("blueprint_panel", &collapsed)?;
+        self.store.log("selection_panel", &collapsed)?;
         let time = TimePanelBlueprint::new()
             .with_state(kinds::PanelState::Collapsed)
             .with_timeline(super::TIMELINE)
             .with_playback_speed(0.5)
             .with_play_state(kinds::PlayState::Playing)
             .with_loop_mode(kinds::LoopMode::All);
-        self.store.log("time_panel", &time)
-    }
-
-    /// Hands what was written since the last time to a recording, and makes it its layout.
-    pub(super) fn send(&self, to: &RecordingStream) {
+        self.store.log("time_panel", &time)?;
         let messages = self.messages.take();
         if let Some(first) = messages.first() {
             let activate = BlueprintActivationCommand::make_active(first.store_id().clone());
             to.send_blueprint(messages, activate);
         }
+        Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! A drawn chart: the viewer's own plots go over time, these go over anything.
 
-use rerun::{RecordingStream, RecordingStreamResult};
+use rerun::{Color, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::axis::{Axis, Scale};
 
@@ -12,6 +12,10 @@ const HEIGHT: f32 = 180.0;
 pub(super) const ACROSS: [f64; 2] = [-50.0, 780.0];
 /// What it must show down: the drawing, with room for the labels above and below.
 pub(super) const DOWN: [f64; 2] = [-36.0, 238.0];
+
+const GREY: [u8; 3] = [170, 170, 170];
+const DARK: [u8; 3] = [70, 70, 70];
+const WHITE: [u8; 3] = [235, 235, 235];
 
 /// A curve with its name and its marked points.
 pub(super) struct Curve {
@@ -30,147 +34,112 @@ pub(super) struct Chart {
     pub(super) curves: Vec<Curve>,
 }
 
-struct Text {
-    at: [f32; 2],
-    text: String,
-    color: rerun::Color,
+/// The chart in lines and texts: two entities, however much there is to see.
+struct Drawing {
+    x: Axis,
+    y: Axis,
+    lines: Vec<(Vec<[f32; 2]>, [u8; 3], Radius)>,
+    texts: Vec<([f32; 2], String, [u8; 3], Radius)>,
 }
 
 impl Chart {
     /// Draws the chart under an entity; it does not depend on time.
     pub(super) fn log(&self, stream: &RecordingStream, entity: &str) -> RecordingStreamResult<()> {
-        let values = |pick: fn(&(f64, f64)) -> f64| {
-            self.curves
-                .iter()
-                .flat_map(move |curve| curve.points.iter().map(pick))
-        };
-        let x = Axis::around(values(|point| point.0), Scale::Linear, 10);
-        let y = values(|point| point.1).chain([self.least_y]);
+        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let x = Axis::around(points().map(|point| point.0), Scale::Linear, 10);
+        let y = points().map(|point| point.1).chain([self.least_y]);
         let y = Axis::around(y, Scale::Linear, 5);
-        self.log_axes(stream, entity, &x, &y)?;
-        for (index, curve) in self.curves.iter().enumerate() {
-            log_curve(stream, &format!("{entity}/curve_{index}"), curve, &x, &y)?;
-        }
-        Ok(())
-    }
-
-    fn log_axes(
-        &self,
-        stream: &RecordingStream,
-        entity: &str,
-        x: &Axis,
-        y: &Axis,
-    ) -> RecordingStreamResult<()> {
-        let grey = rerun::Color::from_rgb(170, 170, 170);
-        let mut lines = Vec::new();
-        let mut texts = Vec::new();
-        for tick in &x.ticks {
-            let Some([across, _]) = place(x, y, *tick, y.ends().0) else {
-                continue;
-            };
-            lines.push([[across, 0.0], [across, HEIGHT]]);
-            texts.push(Text {
-                at: [across, HEIGHT + 12.0],
-                text: x.label(*tick),
-                color: grey,
-            });
-        }
-        for tick in &y.ticks {
-            let Some([_, down]) = place(x, y, x.ends().0, *tick) else {
-                continue;
-            };
-            lines.push([[0.0, down], [WIDTH, down]]);
-            texts.push(Text {
-                at: [-20.0, down],
-                text: y.label(*tick),
-                color: grey,
-            });
-        }
-        let white = rerun::Color::from_rgb(235, 235, 235);
-        texts.push(Text {
-            at: [0.5 * WIDTH, HEIGHT + 32.0],
-            text: self.x_label.clone(),
-            color: white,
-        });
-        texts.push(Text {
-            at: [0.25 * WIDTH, -16.0],
-            text: self.y_label.clone(),
-            color: white,
-        });
+        let mut drawing = Drawing {
+            x,
+            y,
+            lines: Vec::new(),
+            texts: Vec::new(),
+        };
+        drawing.axes(&self.x_label, &self.y_label);
         for (row, curve) in self.curves.iter().enumerate() {
-            let [r, g, b] = curve.color;
-            let at = [0.68 * WIDTH, 16.0 + 24.0 * row as f32];
-            texts.push(Text {
-                at,
-                text: curve.name.clone(),
-                color: rerun::Color::from_rgb(r, g, b),
-            });
+            drawing.curve(row, curve);
         }
-        let grid = rerun::LineStrips2D::new(lines)
-            .with_colors([rerun::Color::from_rgb(70, 70, 70)])
-            .with_radii([rerun::Radius::new_ui_points(0.5)])
-            .with_draw_order(0.0);
-        stream.log_static(format!("{entity}/grid"), &grid)?;
-        log_texts(stream, &format!("{entity}/text"), &texts)
+        drawing.log(stream, entity)
     }
 }
 
-fn log_curve(
-    stream: &RecordingStream,
-    entity: &str,
-    curve: &Curve,
-    x: &Axis,
-    y: &Axis,
-) -> RecordingStreamResult<()> {
-    let [r, g, b] = curve.color;
-    let color = rerun::Color::from_rgb(r, g, b);
-    // A point that cannot be drawn breaks the line.
-    let strips = curve
-        .points
-        .split(|point| place(x, y, point.0, point.1).is_none());
-    let strips = strips.filter(|strip| strip.len() > 1).map(|strip| {
-        strip
-            .iter()
-            .filter_map(|point| place(x, y, point.0, point.1))
-            .collect::<Vec<_>>()
-    });
-    let line = rerun::LineStrips2D::new(strips)
-        .with_colors([color])
-        .with_radii([rerun::Radius::new_ui_points(1.0)])
-        .with_draw_order(10.0);
-    stream.log_static(entity, &line)?;
-    if curve.marks.is_empty() {
-        return Ok(());
+impl Drawing {
+    /// A point of the chart in the drawing, whose y goes down.
+    fn place(&self, x: f64, y: f64) -> Option<[f32; 2]> {
+        let (across, up) = (self.x.place(x)?, self.y.place(y)?);
+        Some([across as f32 * WIDTH, (1.0 - up as f32) * HEIGHT])
     }
-    let marks = curve.marks.iter().filter_map(|(at_x, at_y, text)| {
-        let at = place(x, y, *at_x, *at_y)?;
-        Some(Text {
-            at,
-            text: text.clone(),
+
+    fn text(&mut self, at: [f32; 2], text: String, color: [u8; 3]) {
+        self.texts
+            .push((at, text, color, Radius::new_ui_points(0.0)));
+    }
+
+    fn axes(&mut self, x_label: &str, y_label: &str) {
+        let thin = Radius::new_ui_points(0.5);
+        let (x_low, y_low) = (self.x.ends().0, self.y.ends().0);
+        for tick in self.x.ticks.clone() {
+            let Some([across, _]) = self.place(tick, y_low) else {
+                continue;
+            };
+            self.lines
+                .push((vec![[across, 0.0], [across, HEIGHT]], DARK, thin));
+            self.text([across, HEIGHT + 12.0], self.x.label(tick), GREY);
+        }
+        for tick in self.y.ticks.clone() {
+            let Some([_, down]) = self.place(x_low, tick) else {
+                continue;
+            };
+            self.lines
+                .push((vec![[0.0, down], [WIDTH, down]], DARK, thin));
+            self.text([-20.0, down], self.y.label(tick), GREY);
+        }
+        self.text([0.5 * WIDTH, HEIGHT + 32.0], x_label.to_owned(), WHITE);
+        self.text([0.25 * WIDTH, -16.0], y_label.to_owned(), WHITE);
+    }
+
+    /// The curve, its marks, and its row in the legend.
+    fn curve(&mut self, row: usize, curve: &Curve) {
+        let color = curve.color;
+        let mut lines = Vec::new();
+        // A point that cannot be drawn breaks the line.
+        for strip in curve.points.split(|(x, y)| self.place(*x, *y).is_none()) {
+            let line: Vec<[f32; 2]> = strip
+                .iter()
+                .filter_map(|(x, y)| self.place(*x, *y))
+                .collect();
+            if line.len() > 1 {
+                lines.push((line, color, Radius::new_ui_points(1.0)));
+            }
+        }
+        self.lines.extend(lines);
+        for (x, y, text) in &curve.marks {
+            if let Some(at) = self.place(*x, *y) {
+                self.texts
+                    .push((at, text.clone(), color, Radius::new_ui_points(4.0)));
+            }
+        }
+        self.text(
+            [0.68 * WIDTH, 16.0 + 24.0 * row as f32],
+            curve.name.clone(),
             color,
-        })
-    });
-    let marks: Vec<Text> = marks.collect();
-    let dots = rerun::Points2D::new(marks.iter().map(|mark| mark.at))
-        .with_colors([color])
-        .with_radii([rerun::Radius::new_ui_points(4.0)])
-        .with_labels(marks.iter().map(|mark| mark.text.as_str()))
-        .with_show_labels(true)
-        .with_draw_order(20.0);
-    stream.log_static(format!("{entity}/marks"), &dots)
+        );
+    }
+
+    fn log(self, stream: &RecordingStream, entity: &str) -> RecordingStreamResult<()> {
+        let lines = rerun::LineStrips2D::new(self.lines.iter().map(|(line, ..)| line.clone()))
+            .with_colors(self.lines.iter().map(|(_, color, _)| rgb(*color)))
+            .with_radii(self.lines.iter().map(|(.., radius)| *radius));
+        stream.log_static(format!("{entity}/lines"), &lines)?;
+        let texts = rerun::Points2D::new(self.texts.iter().map(|(at, ..)| *at))
+            .with_labels(self.texts.iter().map(|(_, text, ..)| text.as_str()))
+            .with_colors(self.texts.iter().map(|(_, _, color, _)| rgb(*color)))
+            .with_radii(self.texts.iter().map(|(.., radius)| *radius))
+            .with_show_labels(true);
+        stream.log_static(format!("{entity}/texts"), &texts)
+    }
 }
 
-fn log_texts(stream: &RecordingStream, entity: &str, texts: &[Text]) -> RecordingStreamResult<()> {
-    let points = rerun::Points2D::new(texts.iter().map(|text| text.at))
-        .with_colors(texts.iter().map(|text| text.color))
-        .with_radii([rerun::Radius::new_ui_points(0.0)])
-        .with_labels(texts.iter().map(|text| text.text.as_str()))
-        .with_show_labels(true);
-    stream.log_static(entity, &points)
-}
-
-/// A point of the chart in the drawing, whose y goes down.
-fn place(x: &Axis, y: &Axis, at_x: f64, at_y: f64) -> Option<[f32; 2]> {
-    let (across, up) = (x.place(at_x)?, y.place(at_y)?);
-    Some([across as f32 * WIDTH, (1.0 - up as f32) * HEIGHT])
+fn rgb([r, g, b]: [u8; 3]) -> Color {
+    Color::from_rgb(r, g, b)
 }

@@ -14,108 +14,63 @@ use super::series::FOOT_STATE;
 use super::{SCENE, camera};
 use crate::display::{Group, Place};
 
-/// The layout of a recording.
+/// What is known only when the run has ended.
+pub(super) struct AtEnd<'a> {
+    pub(super) charts: &'a [Drawn],
+    pub(super) recording: &'a Recording,
+}
+
+/// Makes a layout and sends it: while the run is under way with what is in front, at the end with
+/// everything. The second is a layout of its own: the viewer may have opened the first before all
+/// rows were there, and its views would keep the range that they had then.
 ///
 /// Left: the arm and its tool, below them the claims. Right: how the tool moves; tabs with the
-/// forces; the state of the foot; tabs with all other channels and, once the run has ended, with
-/// spectra and profiles before them.
-pub(super) struct Screen {
-    layout: Layout,
-    /// The view of each group, in their order.
-    plots: Vec<Part>,
-    right: Part,
-    /// Its contents, but for the tabs at the bottom.
-    fixed: Vec<(f32, Part)>,
-    tabs: Part,
-}
-
-impl Screen {
-    /// Makes the layout and sends it.
-    pub(super) fn begin(
-        stream: &RecordingStream,
-        header: &Header,
-        groups: &[Group],
-        has_foot: bool,
-    ) -> RecordingStreamResult<Screen> {
-        let layout = Layout::new(super::application(header))?;
-        let left = left_side(&layout, header)?;
-        let plots = groups.iter().map(|group| curves(&layout, group));
-        let plots = plots.collect::<RecordingStreamResult<Vec<_>>>()?;
-        let mut front = in_place(groups, &plots, |place| place != Place::Behind).into_iter();
-        let mut fixed: Vec<(f32, Part)> = front
-            .next()
-            .map(|motion| (3.5, motion))
-            .into_iter()
-            .collect();
-        let forces: Vec<Part> = front.collect();
-        if !forces.is_empty() {
-            let place = Part::container();
-            layout.tabs(&place, &forces)?;
-            fixed.push((3.5, place));
-        }
-        if has_foot {
-            let title = "Foot: sticks (green), slides (red), lifted off (grey)";
-            let query = ["$origin/**".to_owned()];
-            fixed.push((
-                1.2,
-                layout.view("StateTimeline", title, FOOT_STATE, &query, &[])?,
-            ));
-        }
-        let (right, tabs) = (Part::container(), Part::container());
-        let root = layout.side_by_side(vec![(1.0, left), (1.1, right.clone())])?;
-        layout.root(&root)?;
-        let screen = Screen {
-            layout,
-            plots,
-            right,
-            fixed,
-            tabs,
-        };
-        screen.fill(groups, Vec::new())?;
-        screen.layout.send(stream);
-        Ok(screen)
+/// forces; the state of the foot; tabs with spectra, profiles and all other channels.
+pub(super) fn send(
+    stream: &RecordingStream,
+    header: &Header,
+    groups: &[Group],
+    has_foot: bool,
+    at_end: Option<&AtEnd<'_>>,
+) -> RecordingStreamResult<()> {
+    let layout = Layout::new(super::application(header))?;
+    let left = left_side(&layout, header)?;
+    let recording = at_end.map(|end| end.recording);
+    let plots = |wanted: fn(Place) -> bool| {
+        let chosen = groups.iter().filter(|group| wanted(group.place));
+        chosen
+            .map(|group| curves(&layout, group, recording))
+            .collect::<RecordingStreamResult<Vec<_>>>()
+    };
+    let mut front = plots(|place| place != Place::Behind)?.into_iter();
+    let mut right: Vec<(f32, Part)> = front
+        .next()
+        .map(|motion| (3.5, motion))
+        .into_iter()
+        .collect();
+    let forces: Vec<Part> = front.collect();
+    if !forces.is_empty() {
+        right.push((3.5, layout.tabs(&forces)?));
     }
-
-    /// Adds what is known only now, and sends the layout again.
-    pub(super) fn finish(
-        self,
-        stream: &RecordingStream,
-        groups: &[Group],
-        charts: &[Drawn],
-        recording: &Recording,
-    ) -> RecordingStreamResult<()> {
-        for (group, plot) in groups.iter().zip(&self.plots) {
-            if let Some(axis) = least_axis(group, recording) {
-                self.layout.set(plot, "ScalarAxis", &axis)?;
-            }
-        }
-        let charts = charts.iter().map(|chart| chart_view(&self.layout, chart));
-        self.fill(groups, charts.collect::<RecordingStreamResult<_>>()?)?;
-        self.layout.send(stream);
-        Ok(())
+    if has_foot {
+        let title = "Foot: sticks (green), slides (red), lifted off (grey)";
+        let query = ["$origin/**".to_owned()];
+        right.push((
+            1.2,
+            layout.view("StateTimeline", title, FOOT_STATE, &query, &[])?,
+        ));
     }
-
-    /// The right side, with these charts as the first of the tabs.
-    fn fill(&self, groups: &[Group], charts: Vec<Part>) -> RecordingStreamResult<()> {
-        let mut tabs = charts;
-        tabs.extend(in_place(groups, &self.plots, |place| {
-            place == Place::Behind
-        }));
-        let mut right = self.fixed.clone();
+    if let Some(end) = at_end {
+        let charts = end.charts.iter().map(|chart| chart_view(&layout, chart));
+        let mut tabs = charts.collect::<RecordingStreamResult<Vec<_>>>()?;
+        tabs.extend(plots(|place| place == Place::Behind)?);
         if !tabs.is_empty() {
-            self.layout.tabs(&self.tabs, &tabs)?;
-            right.push((3.5, self.tabs.clone()));
+            right.push((3.5, layout.tabs(&tabs)?));
         }
-        self.layout.stacked(&self.right, &right)
     }
-}
-
-fn in_place(groups: &[Group], plots: &[Part], wanted: impl Fn(Place) -> bool) -> Vec<Part> {
-    let pairs = groups
-        .iter()
-        .zip(plots)
-        .filter(|(group, _)| wanted(group.place));
-    pairs.map(|(_, plot)| plot.clone()).collect()
+    let right = layout.stacked(right)?;
+    let root = layout.side_by_side(vec![(1.0, left), (1.1, right)])?;
+    layout.send(&root, stream)
 }
 
 fn left_side(layout: &Layout, header: &Header) -> RecordingStreamResult<Part> {
@@ -127,21 +82,31 @@ fn left_side(layout: &Layout, header: &Header) -> RecordingStreamResult<Part> {
     let texts = texts.into_iter().map(|(title, entity)| {
         layout.view("TextDocument", title, entity, &["$origin".to_owned()], &[])
     });
-    let place = Part::container();
-    layout.tabs(&place, &texts.collect::<RecordingStreamResult<Vec<_>>>()?)?;
+    let texts = layout.tabs(&texts.collect::<RecordingStreamResult<Vec<_>>>()?)?;
     if header.scene.bodies.is_empty() {
-        return Ok(place);
+        return Ok(texts);
     }
     let scene = scene_views(layout, &header.scene)?;
-    let left = Part::container();
-    layout.stacked(&left, &[(5.0, scene), (3.0, place)])?;
-    Ok(left)
+    layout.stacked(vec![(5.0, scene), (3.0, texts)])
 }
 
-fn curves(layout: &Layout, group: &Group) -> RecordingStreamResult<Part> {
+fn curves(
+    layout: &Layout,
+    group: &Group,
+    recording: Option<&Recording>,
+) -> RecordingStreamResult<Part> {
     let query = ["$origin".to_owned()];
     let legend = PlotLegend::new().with_corner(kinds::Corner2D::LeftTop);
-    let properties: [(&str, &dyn AsComponents); 1] = [("PlotLegend", &legend)];
+    // Every property is a message of its own; what is in a tab makes do without.
+    let mut properties: Vec<(&str, &dyn AsComponents)> = Vec::new();
+    if group.place != Place::Behind {
+        properties.push(("PlotLegend", &legend));
+    }
+    let axis = recording.and_then(|recording| least_axis(group, recording));
+    properties.extend(
+        axis.as_ref()
+            .map(|axis| ("ScalarAxis", axis as &dyn AsComponents)),
+    );
     layout.view(
         "TimeSeries",
         &group.title,

@@ -16,7 +16,7 @@ use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, Time
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
 use crate::display::{Group, groups};
-use layout::Screen;
+use layout::AtEnd;
 use scene::SceneLogger;
 use series::FootState;
 
@@ -41,7 +41,6 @@ struct Open {
     groups: Vec<Group>,
     scene: SceneLogger,
     foot: Option<FootState>,
-    screen: Screen,
 }
 
 impl RrdSink {
@@ -102,7 +101,7 @@ impl Open {
         let under_way =
             "The run was still under way when this was written: claims are judged at its end.";
         log_text(&stream, results::CLAIMS, under_way.to_owned())?;
-        let screen = Screen::begin(&stream, header, &groups, foot.is_some())?;
+        layout::send(&stream, header, &groups, foot.is_some(), None)?;
         flush(&stream)?;
         Ok(Open {
             stream,
@@ -136,8 +135,17 @@ impl Open {
         let profiles = results::log_profiles(stream, &recording.profiles)?;
         let after_first = charts.len().min(1);
         charts.splice(after_first..after_first, profiles);
-        self.screen
-            .finish(stream, &self.groups, &charts, recording)?;
+        let at_end = AtEnd {
+            charts: &charts,
+            recording,
+        };
+        layout::send(
+            stream,
+            &recording.header,
+            &self.groups,
+            self.foot.is_some(),
+            Some(&at_end),
+        )?;
         self.scene.finish(stream)?;
         flush(stream)
     }

@@ -16,11 +16,13 @@ pub(super) struct SceneLogger {
 
 struct LoggedBody {
     entity: String,
-    last: Pose,
+    initial: Pose,
+    /// As logged last; `None` before the first frame.
+    last: Option<Pose>,
 }
 
 impl SceneLogger {
-    /// Logs all shapes and initial poses.
+    /// Logs all shapes.
     pub(super) fn begin(
         stream: &RecordingStream,
         scene: &Scene,
@@ -28,18 +30,13 @@ impl SceneLogger {
         stream.log_static(SCENE, &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
         let mut bodies = Vec::new();
         for body in &scene.bodies {
-            let logged = LoggedBody {
-                entity: format!("{SCENE}/{}", body.path),
-                last: body.initial_pose,
-            };
-            log_shapes(stream, &logged.entity, &body.shapes)?;
-            send_poses(
-                stream,
-                &logged.entity,
-                time_column(std::iter::once(0.0)),
-                &[body.initial_pose],
-            )?;
-            bodies.push(logged);
+            let entity = format!("{SCENE}/{}", body.path);
+            log_shapes(stream, &entity, &body.shapes)?;
+            bodies.push(LoggedBody {
+                entity,
+                initial: body.initial_pose,
+                last: None,
+            });
         }
         for arrow in &scene.arrows {
             let style = rerun::Arrows3D::update_fields()
@@ -68,8 +65,8 @@ impl SceneLogger {
         let times = time_column(frames.iter().map(|frame| frame.time_s));
         for (index, body) in self.bodies.iter_mut().enumerate() {
             let poses: Vec<Pose> = frames.iter().map(|frame| frame.poses[index]).collect();
-            if poses.iter().any(|pose| *pose != body.last) {
-                body.last = poses[poses.len() - 1];
+            if poses.iter().any(|pose| body.last != Some(*pose)) {
+                body.last = poses.last().copied();
                 send_poses(stream, &body.entity, times.clone(), &poses)?;
             }
         }
@@ -89,8 +86,17 @@ impl SceneLogger {
         Ok(())
     }
 
-    /// Logs the path that the tool took, once the run has ended.
+    /// Logs the path that the tool took, once the run has ended, and where bodies stand of which there
+    /// was no frame.
     pub(super) fn finish(self, stream: &RecordingStream) -> RecordingStreamResult<()> {
+        for body in self.bodies.iter().filter(|body| body.last.is_none()) {
+            send_poses(
+                stream,
+                &body.entity,
+                time_column(std::iter::once(0.0)),
+                &[body.initial],
+            )?;
+        }
         if self.path.len() < 2 {
             return Ok(());
         }

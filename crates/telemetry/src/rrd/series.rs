@@ -16,7 +16,8 @@ pub(super) fn begin(stream: &RecordingStream, groups: &[Group]) -> RecordingStre
         };
         let style = rerun::SeriesLines::new()
             .with_names(group.series.iter().map(|series| series.legend.as_str()))
-            .with_colors(group.series.iter().map(color));
+            .with_colors(group.series.iter().map(color))
+            .with_widths(group.series.iter().map(|_| 1.5_f32));
         stream.log_static(group.entity.as_str(), &style)?;
     }
     Ok(())
