@@ -86,7 +86,7 @@ def mujoco_rows(model, integrator, reference):
 
 
 def truecut_best():
-    command = ["cargo", "bench", "-q", "-p", "truecut-sim", "--bench", "forced_arm"]
+    command = ["cargo", "bench", "-q", "--profile", "release", "-p", "truecut-sim", "--bench", "forced_arm"]
     output = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
     return largest_good(json.loads(output.strip().splitlines()[-1]))
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use truecut_recording::{ClaimResult, Recording, Sink, Summary};
 use truecut_scenario::Scenario;
-use truecut_telemetry::{Background, IpcSink, RrdSink, write_parquet};
+use truecut_telemetry::{Background, IpcSink, ParquetSink, RrdSink};
 
 use crate::failure::Failure;
 
@@ -68,17 +68,18 @@ impl Outputs {
 
     /// What takes the rows while the run is under way.
     pub fn sinks(&self) -> Vec<Box<dyn Sink + Send>> {
-        let mut sinks: Vec<Box<dyn Sink + Send>> = vec![Box::new(IpcSink::new(self.path(STREAM)))];
+        let mut sinks: Vec<Box<dyn Sink + Send>> = vec![
+            Box::new(IpcSink::new(self.path(STREAM))),
+            Box::new(ParquetSink::new(self.recording())),
+        ];
         if self.rrd {
             sinks.push(Box::new(RrdSink::new(self.path(VIEWER))));
         }
         vec![Box::new(Background::new(sinks))]
     }
 
-    /// Writes what is known at the end.
+    /// Writes the summary; the sinks write the rest.
     pub fn write_end(&self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), Failure> {
-        write_parquet(&self.recording(), recording)
-            .map_err(|error| Failure::message(error.to_string()))?;
         let summary = serde_json::to_string_pretty(&Summary::new(recording, claims))
             .map_err(|error| Failure::message(format!("{SUMMARY}: {error}")))?;
         write_file(&self.path(SUMMARY), format!("{summary}\n").as_bytes())

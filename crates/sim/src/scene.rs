@@ -3,9 +3,9 @@
 use crate::loads::Attachment;
 use crate::plant::Plant;
 use crate::process::Process;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion};
 use truecut_arm::{Link, Robot, Shape as ArmShape};
-use truecut_recording::{Arrow, Body, Camera, Frame, Geometry, Pose, Scene, Shape};
+use truecut_recording::{Arrow, Body, Frame, Geometry, Pose, Scene, Shape};
 
 /// Colour of the true arm, behind the enlarged one.
 const GHOST_RGBA: [u8; 4] = [150, 155, 160, 90];
@@ -200,17 +200,12 @@ impl Stage {
                 metres_per_newton: ARROW_M_PER_N,
             })
             .collect();
-        let target = world_from_process.translation.vector;
-        let view = world_from_process.rotation * Vector3::new(-1.6, 1.9, 0.0);
-        let eye = target + Vector3::new(view.x, view.y, 0.9);
         let scene = Scene {
             bodies,
             arrows,
             deflection_scale: scale,
-            camera: Some(Camera {
-                position_m: eye.into(),
-                target_m: target.into(),
-            }),
+            // The viewer's own frames the whole arm.
+            camera: None,
         };
         let stage = Self {
             robot: robot.clone(),

@@ -16,7 +16,7 @@ use crate::error::{FileError, Reason};
 use crate::table;
 
 /// Rows of a row group. Fixed, so that the file does not depend on when rows arrived.
-const GROUP_ROWS: usize = 8192;
+const GROUP_ROWS: usize = 4096;
 
 /// A Parquet file under construction.
 struct Writer {
