@@ -48,6 +48,7 @@ mod chamfer;
 mod check;
 mod claim;
 mod document;
+pub mod effect;
 mod error;
 mod foot;
 mod load;
