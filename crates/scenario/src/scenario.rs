@@ -9,6 +9,7 @@ use truecut_recording::{ClaimFault, ClaimSpec, Header, MetricSpec, UserUnit};
 
 use crate::check::Check;
 use crate::claim::ClaimTable;
+use crate::data::{DataSpec, DataTable};
 use crate::document::{Document, Fault};
 use crate::error::{Problem, ScenarioError};
 use crate::process::{ProcessSpec, ProcessTable};
@@ -17,6 +18,7 @@ use crate::run::{RunSpec, RunTable};
 use crate::schema;
 use crate::structure;
 use crate::sweep::{SweepSpec, SweepTable};
+use crate::uncertain::{UncertainSpec, UncertainTable};
 
 /// A plant, a process and claims: everything that a run needs, in SI.
 #[derive(Debug, Clone)]
@@ -35,6 +37,10 @@ pub struct Scenario {
     pub claims: Vec<ClaimSpec>,
     /// Values of keys to run at, if the scenario is a sweep.
     pub sweep: Option<SweepSpec>,
+    /// Measured data that drives the run or is compared with it.
+    pub data: Option<DataSpec>,
+    /// Nominal values that are not known exactly.
+    pub uncertain: Vec<UncertainSpec>,
     document: Arc<Document>,
     /// Units of thresholds, by the path of the table that holds the threshold.
     thresholds: Vec<(String, UserUnit)>,
@@ -59,6 +65,10 @@ pub(crate) struct FileTable {
     claim: Option<Vec<ClaimTable>>,
     /// The same scenario at many values of its keys.
     sweep: Option<SweepTable>,
+    /// Measured data that drives a replay or is compared with the run.
+    data: Option<DataTable>,
+    /// Nominal values that are not known exactly.
+    uncertain: Option<Vec<UncertainTable>>,
 }
 
 impl Scenario {
@@ -260,6 +270,19 @@ impl FileTable {
         let mut thresholds = Vec::new();
         let robot = self.robot.resolve(&folder_of(document.path()), &mut check);
         let process = self.process.resolve(&mut check);
+        let data =
+            (self.data).and_then(|data| data.resolve(&folder_of(document.path()), &mut check));
+        let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
+            .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
+            .collect();
+        if matches!(process, Some(ProcessSpec::Replay(_))) && !document.has("data") {
+            let message = "missing table `[data]`: a replay needs measured inputs".to_owned();
+            check.refuse(Fault::key(
+                "process.replay",
+                message,
+                "has nothing to replay",
+            ));
+        }
         let natural_s = process.as_ref().map(ProcessSpec::natural_duration_s);
         let run =
             natural_s.map(|natural_s| self.run.unwrap_or_default().resolve(natural_s, &mut check));
@@ -296,6 +319,8 @@ impl FileTable {
             process,
             claims,
             sweep,
+            data,
+            uncertain,
             document: Arc::new(document),
             thresholds,
         })
