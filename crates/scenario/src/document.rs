@@ -155,6 +155,20 @@ impl Document {
             .is_some()
     }
 
+    /// The number at the dotted `path` of the effective document.
+    pub fn number(&self, path: &str) -> Option<f64> {
+        let parts = split_path(path);
+        let table = Node::Table(self.effective.as_table());
+        let node = (parts.iter())
+            .try_fold(table, |node, part| node.child(part).map(|(_, child)| child))?;
+        let value = match node {
+            Node::Item(item) => item.as_value()?,
+            Node::Value(value) => value,
+            Node::Table(_) | Node::Inline(_) => return None,
+        };
+        (value.as_float()).or_else(|| value.as_integer().map(|number| number as f64))
+    }
+
     /// Gives a fault its place in the file or in the override that caused it.
     pub fn locate(&self, fault: Fault) -> Problem {
         let place = self.place(&fault.path, fault.at);

@@ -9,6 +9,7 @@ use truecut_recording::{ClaimFault, ClaimSpec, Header, MetricSpec, UserUnit};
 
 use crate::check::Check;
 use crate::claim::ClaimTable;
+use crate::data::{DataSpec, DataTable};
 use crate::document::{Document, Fault};
 use crate::effect::table::{self, EffectTable};
 use crate::effect::{Effect, text};
@@ -19,6 +20,7 @@ use crate::run::{RunSpec, RunTable};
 use crate::schema;
 use crate::structure;
 use crate::sweep::{SweepSpec, SweepTable};
+use crate::uncertain::{UncertainSpec, UncertainTable};
 
 /// A plant, a process and claims: everything that a run needs, in SI.
 #[derive(Debug, Clone)]
@@ -41,6 +43,10 @@ pub struct Scenario {
     pub effects: Vec<Effect>,
     /// Whether each effect was given with the keys of a rotary joint; `None` where that is not said.
     effect_is_rotary: Vec<Option<bool>>,
+    /// Measured data that drives the run or is compared with it.
+    pub data: Option<DataSpec>,
+    /// Nominal values that are not known exactly.
+    pub uncertain: Vec<UncertainSpec>,
     document: Arc<Document>,
     /// Units of thresholds, by the path of the table that holds the threshold.
     thresholds: Vec<(String, UserUnit)>,
@@ -67,6 +73,10 @@ pub(crate) struct FileTable {
     effect: Option<Vec<EffectTable>>,
     /// The same scenario at many values of its keys.
     sweep: Option<SweepTable>,
+    /// Measured data that drives a replay or is compared with the run.
+    data: Option<DataTable>,
+    /// Nominal values that are not known exactly.
+    uncertain: Option<Vec<UncertainTable>>,
 }
 
 impl Scenario {
@@ -308,6 +318,19 @@ impl FileTable {
         let mut thresholds = Vec::new();
         let robot = self.robot.resolve(&folder_of(document.path()), &mut check);
         let process = self.process.resolve(&mut check);
+        let data =
+            (self.data).and_then(|data| data.resolve(&folder_of(document.path()), &mut check));
+        let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
+            .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
+            .collect();
+        if matches!(process, Some(ProcessSpec::Replay(_))) && !document.has("data") {
+            let message = "missing table `[data]`: a replay needs measured inputs".to_owned();
+            check.refuse(Fault::key(
+                "process.replay",
+                message,
+                "has nothing to replay",
+            ));
+        }
         let natural_s = process.as_ref().map(ProcessSpec::natural_duration_s);
         let run =
             natural_s.map(|natural_s| self.run.unwrap_or_default().resolve(natural_s, &mut check));
@@ -347,6 +370,8 @@ impl FileTable {
             sweep,
             effects: effects.effects,
             effect_is_rotary: effects.rotary,
+            data,
+            uncertain,
             document: Arc::new(document),
             thresholds,
         })
