@@ -127,6 +127,11 @@ impl Document {
         self.effective.to_string()
     }
 
+    /// The document with the overrides applied, to be written on.
+    pub fn effective_document(&self) -> &DocumentMut {
+        &self.effective
+    }
+
     /// What is read: the document with the overrides applied.
     pub fn effective(&self) -> &Table {
         self.effective.as_table()
