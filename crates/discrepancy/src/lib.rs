@@ -1,0 +1,4 @@
+//! What a simulation gets wrong against measured data, and why.
+
+pub mod model;
+pub mod trial;
