@@ -41,6 +41,8 @@ pub struct Scenario {
     pub effects: Vec<Effect>,
     /// Whether each effect was given with the keys of a rotary joint; `None` where that is not said.
     effect_is_rotary: Vec<Option<bool>>,
+    /// Effects that were added in memory.
+    added: Vec<Effect>,
     document: Arc<Document>,
     /// Units of thresholds, by the path of the table that holds the threshold.
     thresholds: Vec<(String, UserUnit)>,
@@ -105,14 +107,15 @@ impl Scenario {
         table.resolve(document)
     }
 
-    /// The same scenario with further overrides, applied after those it was loaded with.
+    /// The same scenario with further overrides, applied after those it was loaded with; effects that were
+    /// added in memory stay.
     ///
     /// # Errors
     /// As [`Scenario::load`].
     pub fn with_overrides(&self, further: &[(String, String)]) -> Result<Scenario, ScenarioError> {
         let mut overrides = self.overrides();
         overrides.extend_from_slice(further);
-        Scenario::from_str(self.path(), self.document.text(), &overrides)
+        Scenario::from_str(self.path(), self.document.text(), &overrides)?.with_effects(&self.added)
     }
 
     /// The scenario file, as it was named.
@@ -151,6 +154,7 @@ impl Scenario {
     /// An effect that does not fit its kind.
     pub fn with_effects(&self, effects: &[Effect]) -> Result<Scenario, ScenarioError> {
         let mut extended = self.clone();
+        extended.added.extend_from_slice(effects);
         for effect in effects {
             effect
                 .check()
@@ -347,6 +351,7 @@ impl FileTable {
             sweep,
             effects: effects.effects,
             effect_is_rotary: effects.rotary,
+            added: Vec::new(),
             document: Arc::new(document),
             thresholds,
         })

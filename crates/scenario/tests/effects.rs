@@ -168,6 +168,12 @@ fn effects_added_in_memory_replace_their_like_and_are_checked() {
         .with_effects(&[offset.clone(), heavy.clone()])
         .unwrap();
     assert_eq!(extended.effects, [heavy, offset]);
+    let longer = extended.with_overrides(&[("run.time_step_ms".into(), "0.1".into())]);
+    assert_eq!(
+        longer.unwrap().effects,
+        extended.effects,
+        "overrides keep them"
+    );
     for wrong in [
         Effect::neutral(EffectKind::Payload, Target::Joint(0)),
         Effect {
