@@ -47,6 +47,8 @@ pub struct Scenario {
     pub data: Option<DataSpec>,
     /// Nominal values that are not known exactly.
     pub uncertain: Vec<UncertainSpec>,
+    /// Effects that were added in memory.
+    added: Vec<Effect>,
     document: Arc<Document>,
     /// Units of thresholds, by the path of the table that holds the threshold.
     thresholds: Vec<(String, UserUnit)>,
@@ -115,14 +117,15 @@ impl Scenario {
         table.resolve(document)
     }
 
-    /// The same scenario with further overrides, applied after those it was loaded with.
+    /// The same scenario with further overrides, applied after those it was loaded with; effects that were
+    /// added in memory stay.
     ///
     /// # Errors
     /// As [`Scenario::load`].
     pub fn with_overrides(&self, further: &[(String, String)]) -> Result<Scenario, ScenarioError> {
         let mut overrides = self.overrides();
         overrides.extend_from_slice(further);
-        Scenario::from_str(self.path(), self.document.text(), &overrides)
+        Scenario::from_str(self.path(), self.document.text(), &overrides)?.with_effects(&self.added)
     }
 
     /// The scenario file, as it was named.
@@ -161,6 +164,7 @@ impl Scenario {
     /// An effect that does not fit its kind.
     pub fn with_effects(&self, effects: &[Effect]) -> Result<Scenario, ScenarioError> {
         let mut extended = self.clone();
+        extended.added.extend_from_slice(effects);
         for effect in effects {
             effect
                 .check()
@@ -372,6 +376,7 @@ impl FileTable {
             effect_is_rotary: effects.rotary,
             data,
             uncertain,
+            added: Vec::new(),
             document: Arc::new(document),
             thresholds,
         })

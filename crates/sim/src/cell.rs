@@ -7,6 +7,7 @@ use crate::contact::ContactSolver;
 use crate::error::SimError;
 use crate::guard::{Guard, Watch};
 use crate::loads::{Attachment, Loads};
+use crate::measurement::Sensor;
 use crate::plant::{Command, Plant, RapierPlant, WorldWrench};
 use crate::process::{FrameMotion, Process, ToolState};
 use crate::scene::Stage;
@@ -14,6 +15,7 @@ use nalgebra::{Matrix3, Vector3, Vector6};
 use truecut_arm::JointKind;
 use truecut_recording::{Header, Outcome, Recorder, Scalar, Scene, Unit};
 use truecut_scenario::Scenario;
+use truecut_scenario::effect::Target;
 
 /// Steps between two calls of the progress function.
 const STEPS_PER_REPORT: usize = 500;
@@ -31,6 +33,9 @@ pub struct Cell {
     tool_start_m: Vector3<f64>,
     foot_start_m: Vector3<f64>,
     first_command: Vec<f64>,
+    base_joints: usize,
+    /// Columns that are not recorded as they are.
+    sensors: Vec<(usize, Sensor)>,
     steps: usize,
     steps_per_row: usize,
     scalars: Vec<Scalar>,
@@ -58,10 +63,14 @@ impl Cell {
             prepared.gravity_m_s2,
             prepared.dt_s,
         );
-        Ok(Self::assemble(scenario, prepared, Box::new(plant)))
+        Self::assemble(scenario, prepared, Box::new(plant))
     }
 
-    fn assemble(scenario: &Scenario, prepared: Prepared, plant: Box<dyn Plant>) -> Self {
+    fn assemble(
+        scenario: &Scenario,
+        prepared: Prepared,
+        plant: Box<dyn Plant>,
+    ) -> Result<Self, SimError> {
         let (stage, scene) = Stage::new(
             &prepared.robot,
             &prepared.start,
@@ -71,7 +80,7 @@ impl Cell {
             prepared.process.as_ref(),
         );
         let mut header = header(scenario, &prepared, scene);
-        header.channels.extend(channels::specs(&prepared.robot));
+        (header.channels).extend(channels::specs(&prepared.robot, prepared.base_joints));
         header.channels.extend(prepared.process.channels());
         let position = |attachment| {
             let frame: truecut_arm::FrameId = attachment;
@@ -79,19 +88,13 @@ impl Cell {
             pose.translation.vector
         };
         let steps = (prepared.duration_s / prepared.dt_s - 1e-9).ceil() as usize;
-        let friction = if prepared.kind == crate::plant::DriveKind::Force {
-            vec![0.0; prepared.robot.dof()]
-        } else {
-            (prepared.robot.chain.joints.iter())
-                .map(|j| j.transmission.dry_friction)
-                .collect()
-        };
         let interval = scenario.run.record_interval_s.unwrap_or(0.0);
-        Self {
+        let sensors = sensors(scenario, &prepared, &header)?;
+        Ok(Self {
             tool_start_m: position(Attachment::Tool.into()),
             foot_start_m: position(Attachment::Foot.into()),
             first_command: prepared.first_command(),
-            contacts: ContactSolver::new(friction),
+            contacts: ContactSolver::new(prepared.friction.clone()),
             guard: Guard::new(joint_limits(&prepared)),
             axes: *prepared
                 .world_from_process
@@ -103,10 +106,12 @@ impl Cell {
             scalars: plant_scalars(&prepared),
             process: prepared.process,
             command: prepared.command,
+            base_joints: prepared.base_joints,
+            sensors,
             stage,
             header,
             plant,
-        }
+        })
     }
 
     /// Channels, scene and notes: what a [`Recorder`] is opened with.
@@ -265,9 +270,13 @@ impl Cell {
             &state,
             &position.translation.vector,
             self.plant.joints(),
+            self.base_joints,
             energy,
         );
         self.process.record(row);
+        for (column, sensor) in &mut self.sensors {
+            row[*column] = sensor.measure(time_s, row[*column]);
+        }
     }
 
     fn frame(&self, time_s: f64) -> truecut_recording::Frame {
@@ -288,11 +297,43 @@ fn header(scenario: &Scenario, prepared: &Prepared, scene: Scene) -> Header {
     ));
     Header {
         scenario_name: scenario.name.clone(),
-        scenario_text: scenario.effective_text(),
+        scenario_text: scenario_text(scenario, prepared),
         channels: Vec::new(),
         scene,
         notes,
     }
+}
+
+/// The scenario with all its effects, also those that were added in memory.
+fn scenario_text(scenario: &Scenario, prepared: &Prepared) -> String {
+    let arm = &prepared.robot.chain.joints[prepared.base_joints..];
+    let rotary: Vec<bool> = (arm.iter().map(|joint| joint.kind == JointKind::Revolute)).collect();
+    scenario.extended_text(&scenario.effects, &rotary)
+}
+
+/// The column of every channel with a sensor of its own.
+fn sensors(
+    scenario: &Scenario,
+    prepared: &Prepared,
+    header: &Header,
+) -> Result<Vec<(usize, Sensor)>, SimError> {
+    let mut sensors = Vec::new();
+    // Neutral ones too must name a channel.
+    for (index, effect) in scenario.effects.iter().enumerate() {
+        let Target::Channel(channel) = &effect.target else {
+            continue;
+        };
+        let column = (header.index_of(channel)).map_err(|error| {
+            SimError::scenario(format!("effect.{index}.channel"), error.to_string())
+        })?;
+        let model = prepared.sensors.iter().find(|(name, _)| name == channel);
+        if let Some((_, model)) = model
+            && sensors.iter().all(|(known, _)| *known != column)
+        {
+            sensors.push((column, Sensor::new(*model)));
+        }
+    }
+    Ok(sensors)
 }
 
 fn joint_limits(prepared: &Prepared) -> Vec<(String, f64, f64, &'static str)> {

@@ -37,6 +37,18 @@ impl JointCommand {
         }
     }
 
+    /// The same for an arm with `count` further joints before the first, which stay at zero.
+    pub(crate) fn behind(mut self, count: usize) -> Self {
+        let postures = match &mut self {
+            Self::Hold(posture) => std::slice::from_mut(posture),
+            Self::Along(path) => &mut path.knots,
+        };
+        for posture in postures {
+            posture.splice(0..0, std::iter::repeat_n(0.0, count));
+        }
+        self
+    }
+
     /// Postures that the command passes through, for checking limits.
     pub(crate) fn postures(&self) -> &[Vec<f64>] {
         match self {

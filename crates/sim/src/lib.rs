@@ -9,6 +9,7 @@
 //! | [`plant`] | what the loads act on: the arm in rapier, its drives |
 //! | [`process`] | what the tool does: chamfering, a wheel on a plate, given forces |
 //! | [`loads`] | what a process may ask for |
+//! | [`measurement`] | what a sensor makes of a channel |
 //! | [`sweep`] | a scenario over one or two parameters, as independent jobs |
 
 mod build;
@@ -16,9 +17,11 @@ mod cell;
 mod channels;
 mod command;
 mod contact;
+mod effect;
 mod error;
 mod guard;
 pub mod loads;
+pub mod measurement;
 mod mjcf;
 
 pub mod plant;

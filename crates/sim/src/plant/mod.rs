@@ -6,10 +6,12 @@
 //! [`Plant::finish`] applies the contacts' impulses and steps the velocities, [`Plant::drift`] the positions.
 
 mod drive;
+mod law;
 mod rapier;
 mod world;
 
 pub use drive::{Drive, DriveKind};
+pub use law::JointLaw;
 pub use rapier::RapierPlant;
 
 use crate::loads::Attachment;
@@ -50,6 +52,15 @@ impl JointState {
             motor_velocity: zeros.clone(),
             command: command.to_vec(),
             transmission: zeros,
+        }
+    }
+
+    fn motion(&self, joint: usize) -> law::JointMotion {
+        law::JointMotion {
+            motor: self.motor[joint],
+            motor_velocity: self.motor_velocity[joint],
+            position: self.position[joint],
+            velocity: self.velocity[joint],
         }
     }
 }
@@ -110,7 +121,8 @@ pub trait Plant: Send {
     /// Power of the drives at the last instant, W: what the moving command feeds in.
     fn drive_power_w(&self) -> f64;
 
-    /// Power lost in the transmissions' damping at the last instant, W, not negative.
+    /// Power lost in the transmissions and in viscous friction at the last instant, W. Negative only while a
+    /// hysteresis gives back what it stores.
     fn dissipation_w(&self) -> f64;
 
     /// Poses of all links, base first.
