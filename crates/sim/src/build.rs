@@ -5,16 +5,19 @@ use crate::error::SimError;
 use crate::loads::{Attachment, Wrench};
 use crate::plant::{Drive, DriveKind};
 use crate::process::Process;
+use crate::robots::Robots;
 use crate::scene::Workpiece;
-use crate::step_size;
+use crate::step_size::{self, Scheme};
 use crate::translate::build_process;
 use nalgebra::{Isometry3, Vector3, Vector6};
+use std::sync::Arc;
 use truecut_arm::{FrameId, JointKind, Load, Robot};
+use truecut_recording::{Scalar, Unit};
 use truecut_scenario::{Drive as DriveSpec, RobotSpec, Scenario};
 
 /// A scenario resolved against its robot, before any engine is built.
 pub(crate) struct Prepared {
-    pub robot: Robot,
+    pub robot: Arc<Robot>,
     pub kind: DriveKind,
     pub gravity_m_s2: Vector3<f64>,
     /// Posture asked for, at which the process frame is taken.
@@ -32,8 +35,17 @@ pub(crate) struct Prepared {
 
 impl Prepared {
     pub(crate) fn new(scenario: &Scenario) -> Result<Self, SimError> {
+        Self::for_scheme(scenario, &Robots::new(), Scheme::Leapfrog)
+    }
+
+    /// Robots that have been read are not read again; the step is chosen for the scheme.
+    pub(crate) fn for_scheme(
+        scenario: &Scenario,
+        robots: &Robots,
+        scheme: Scheme,
+    ) -> Result<Self, SimError> {
         let spec = &scenario.robot;
-        let robot = load_robot(spec)?;
+        let robot = robots.robot(spec)?;
         let kind = drive_kind(spec, &robot)?;
         let gravity_m_s2 = if spec.gravity {
             truecut_arm::standard_gravity_m_s2()
@@ -77,12 +89,7 @@ impl Prepared {
                 kind == DriveKind::Servo,
             )?),
         };
-        let dt_s = step_size::choose(
-            scenario.run.time_step_s,
-            fastest,
-            process.as_ref(),
-            duration_s,
-        )?;
+        let dt_s = step_size::choose(scheme, &scenario.run, fastest, process.as_ref())?;
         let notes = robot.chain.notes.clone();
         Ok(Self {
             robot,
@@ -121,11 +128,6 @@ impl Prepared {
         .collect();
         Drive::new(self.kind, &self.robot, self.dt_s, feed_forward)
     }
-}
-
-fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
-    let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
-    Ok(robot.scaled(spec.inertia_scale, spec.stiffness_scale, spec.damping_scale))
 }
 
 fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
@@ -289,4 +291,41 @@ fn combine(
         rows += moment;
     }
     (target, total)
+}
+
+/// Name, lower and upper limit and unit of every joint.
+pub(crate) fn joint_limits(prepared: &Prepared) -> Vec<(String, f64, f64, &'static str)> {
+    (prepared.robot.chain.joints.iter())
+        .map(|joint| {
+            let unit = match joint.kind {
+                JointKind::Revolute => "rad",
+                JointKind::Prismatic => "m",
+            };
+            let (lower, upper) = joint
+                .limits
+                .map_or((f64::NEG_INFINITY, f64::INFINITY), |l| (l.lower, l.upper));
+            (joint.name.clone(), lower, upper, unit)
+        })
+        .collect()
+}
+
+/// What is known of the plant before the run.
+pub(crate) fn plant_scalars(prepared: &Prepared) -> Vec<Scalar> {
+    let mut scalars = vec![Scalar::new(
+        "run.time_step",
+        Unit::Second,
+        prepared.dt_s,
+        "Time step of the run",
+    )];
+    if let Ok(modes) = prepared.robot.modes(&prepared.start, None) {
+        for (i, f) in modes.frequency_hz.iter().enumerate() {
+            scalars.push(Scalar::new(
+                format!("plant.mode{}_frequency", i + 1),
+                Unit::Hertz,
+                *f,
+                "Natural frequency of the free arm at the start",
+            ));
+        }
+    }
+    scalars
 }

@@ -6,11 +6,15 @@
 //! [`Plant::finish`] applies the contacts' impulses and steps the velocities, [`Plant::drift`] the positions.
 
 mod drive;
+mod linear;
 mod rapier;
+mod recurrence;
+mod reduced;
 mod world;
 
 pub use drive::{Drive, DriveKind};
 pub use rapier::RapierPlant;
+pub use reduced::{RENEWAL_RAD, ReducedPlant};
 
 use crate::loads::Attachment;
 use nalgebra::{DVector, Isometry3, Matrix6xX, Vector6};
