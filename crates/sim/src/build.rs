@@ -7,18 +7,21 @@ use crate::loads::{Attachment, Wrench};
 use crate::measurement::ChannelModel;
 use crate::plant::{Drive, DriveKind, JointLaw};
 use crate::process::Process;
+use crate::robots::Robots;
 use crate::scene::Workpiece;
-use crate::step_size;
+use crate::step_size::{self, Scheme};
 use crate::translate::build_process;
 use nalgebra::{Isometry3, Vector3, Vector6};
+use std::sync::Arc;
 use truecut_arm::{FrameId, JointKind, Load, Robot};
 use truecut_core::joint_law::LinkFriction;
+use truecut_recording::{Scalar, Unit};
 use truecut_scenario::{Drive as DriveSpec, RobotSpec, Scenario};
 
 /// A scenario resolved against its robot, before any engine is built.
 pub(crate) struct Prepared {
     /// The robot with the effects built in, joints of the base first.
-    pub robot: Robot,
+    pub robot: Arc<Robot>,
     /// How many joints of the base there are.
     pub base_joints: usize,
     pub laws: Vec<JointLaw>,
@@ -41,8 +44,17 @@ pub(crate) struct Prepared {
 
 impl Prepared {
     pub(crate) fn new(scenario: &Scenario) -> Result<Self, SimError> {
+        Self::for_scheme(scenario, &Robots::new(), Scheme::Leapfrog)
+    }
+
+    /// Robots that have been read are not read again; the step is chosen for the scheme.
+    pub(crate) fn for_scheme(
+        scenario: &Scenario,
+        robots: &Robots,
+        scheme: Scheme,
+    ) -> Result<Self, SimError> {
         let spec = &scenario.robot;
-        let nominal = load_robot(spec)?;
+        let nominal = robots.robot(spec)?;
         let kind = drive_kind(spec, &nominal)?;
         let effects = Effects::of(scenario, &nominal, kind)?;
         let gravity_m_s2 = if spec.gravity {
@@ -107,15 +119,10 @@ impl Prepared {
                 kind == DriveKind::Servo,
             )?),
         };
-        let dt_s = step_size::choose(
-            scenario.run.time_step_s,
-            fastest,
-            process.as_ref(),
-            duration_s,
-        )?;
+        let dt_s = step_size::choose(scheme, &scenario.run, fastest, process.as_ref())?;
         let notes = robot.chain.notes.clone();
         Ok(Self {
-            robot,
+            robot: Arc::new(robot),
             base_joints,
             laws,
             friction,
@@ -187,11 +194,6 @@ fn stiffest(robot: &Robot, laws: &[JointLaw], start: &[f64], command: &JointComm
         }
     }
     stiff
-}
-
-fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
-    let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
-    Ok(robot.scaled(spec.inertia_scale, spec.stiffness_scale, spec.damping_scale))
 }
 
 fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
@@ -354,4 +356,41 @@ fn combine(
         rows += moment;
     }
     (target, total)
+}
+
+/// Name, lower and upper limit and unit of every joint.
+pub(crate) fn joint_limits(prepared: &Prepared) -> Vec<(String, f64, f64, &'static str)> {
+    (prepared.robot.chain.joints.iter())
+        .map(|joint| {
+            let unit = match joint.kind {
+                JointKind::Revolute => "rad",
+                JointKind::Prismatic => "m",
+            };
+            let (lower, upper) = joint
+                .limits
+                .map_or((f64::NEG_INFINITY, f64::INFINITY), |l| (l.lower, l.upper));
+            (joint.name.clone(), lower, upper, unit)
+        })
+        .collect()
+}
+
+/// What is known of the plant before the run.
+pub(crate) fn plant_scalars(prepared: &Prepared) -> Vec<Scalar> {
+    let mut scalars = vec![Scalar::new(
+        "run.time_step",
+        Unit::Second,
+        prepared.dt_s,
+        "Time step of the run",
+    )];
+    if let Ok(modes) = prepared.robot.modes(&prepared.start, None) {
+        for (i, f) in modes.frequency_hz.iter().enumerate() {
+            scalars.push(Scalar::new(
+                format!("plant.mode{}_frequency", i + 1),
+                Unit::Hertz,
+                *f,
+                "Natural frequency of the free arm at the start",
+            ));
+        }
+    }
+    scalars
 }

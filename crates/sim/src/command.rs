@@ -49,6 +49,11 @@ impl JointCommand {
         self
     }
 
+    /// Whether the command ever leaves its first posture.
+    pub(crate) fn moves(&self) -> bool {
+        !matches!(self, Self::Hold(_))
+    }
+
     /// Postures that the command passes through, for checking limits.
     pub(crate) fn postures(&self) -> &[Vec<f64>] {
         match self {

@@ -26,6 +26,7 @@ mod mjcf;
 
 pub mod plant;
 pub mod process;
+mod robots;
 mod scene;
 mod step_size;
 pub mod sweep;
@@ -35,3 +36,4 @@ mod translate;
 pub use cell::{Cell, RunEnd};
 pub use error::SimError;
 pub use mjcf::export_mjcf;
+pub use robots::Robots;

@@ -7,12 +7,16 @@
 
 mod drive;
 mod law;
+mod linear;
 mod rapier;
+mod recurrence;
+mod reduced;
 mod world;
 
 pub use drive::{Drive, DriveKind};
 pub use law::JointLaw;
 pub use rapier::RapierPlant;
+pub use reduced::{RENEWAL_RAD, ReducedPlant};
 
 use crate::loads::Attachment;
 use nalgebra::{DVector, Isometry3, Matrix6xX, Vector6};

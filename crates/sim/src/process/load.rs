@@ -135,6 +135,13 @@ impl Process for Load {
         None
     }
 
+    fn highest_frequency_hz(&self) -> Option<f64> {
+        let sweep = self.parameters.sweep.map(|s| s.from_hz.max(s.to_hz));
+        let turning = self.parameters.rotating.map(|r| r.frequency_hz.abs());
+        let highest = sweep.unwrap_or(0.0).max(turning.unwrap_or(0.0));
+        (highest > 0.0).then_some(highest)
+    }
+
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         self.foot.iter().map(Foot::contact_stiffness).collect()
     }
