@@ -1,0 +1,389 @@
+//! The search: screening, fits, choice on the validation blocks, forward, in pairs, by replacement and backward.
+
+use rayon::prelude::*;
+
+use super::answer::FitRecord;
+use super::fit::{Fit, fit};
+use super::noise::{Noise, Prior, dot, solve};
+use super::problem::{Found, Point, Problem};
+use super::screen::{Ranked, critical, nuisance, projected, rank, refine, signatures};
+use super::validate::{Paired, compare, objective};
+use super::{DiagnoseError, Stage};
+
+/// Where the search ended.
+pub(super) struct Outcome {
+    /// The nominal model, refitted.
+    pub base: Fit,
+    /// The model chosen; fitted to the training rows.
+    pub chosen: Fit,
+    /// Orders of the noise of the model chosen.
+    pub orders: Vec<usize>,
+    /// Other models of as many effects that were fitted.
+    pub rivals: Vec<Fit>,
+    /// The last screening: what is left to be seen beyond the model chosen.
+    pub ranking: Vec<Ranked>,
+    /// Signatures tested in the last screening.
+    pub tests: usize,
+    /// A discrepancy was detected, and no fit of it ended well.
+    pub failed: bool,
+    /// All fits.
+    pub fits: Vec<FitRecord>,
+}
+
+/// The validation gain must be beyond so many standard errors; detection on the training rows has come before.
+const LEAST_T: f64 = 2.0;
+const REFINED: usize = 12;
+const PAIRED: usize = 30;
+
+pub(super) struct Search<'a, 'b> {
+    problem: &'a Problem<'b>,
+    fits: Vec<FitRecord>,
+    failed: bool,
+}
+
+/// Runs the search.
+///
+/// # Errors
+/// The nominal model cannot be simulated.
+pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
+    problem.report(Stage::Refit);
+    let train = &problem.split.train;
+    let predicted = problem.predict(&problem.start())?;
+    let orders = Noise::orders(&problem.data.residual(&predicted), train, &problem.floor);
+    let first = fit(problem, problem.start(), train, &orders, true)?;
+    let (base, orders) = settled(problem, first)?;
+    let mut search = Search {
+        problem,
+        fits: Vec::new(),
+        failed: false,
+    };
+    let mut outcome = Outcome {
+        chosen: base.clone(),
+        base,
+        orders,
+        rivals: Vec::new(),
+        ranking: Vec::new(),
+        tests: 0,
+        failed: false,
+        fits: Vec::new(),
+    };
+    while search.forward(&mut outcome)? {
+        search.backward(&mut outcome)?;
+        if outcome.chosen.point.effects.len() >= problem.options.max_effects {
+            break;
+        }
+    }
+    if outcome.chosen.point.effects.len() > 1 {
+        problem.report(Stage::Alternatives);
+        search.replace(&mut outcome)?;
+    }
+    outcome.failed = search.failed && outcome.chosen.point.effects.is_empty();
+    outcome.fits = search.fits;
+    Ok(outcome)
+}
+
+/// The same model with noise of the orders that its own residual asks for.
+fn settled(problem: &Problem, first: Fit) -> Result<(Fit, Vec<usize>), DiagnoseError> {
+    let train = &problem.split.train;
+    let orders = Noise::orders(&first.residual, train, &problem.floor);
+    Ok((fit(problem, first.point, train, &orders, true)?, orders))
+}
+
+impl Search<'_, '_> {
+    /// Adds the effect, or the pair, that explains most; false where nothing earns its place.
+    fn forward(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
+        let problem = self.problem;
+        let base = &outcome.chosen;
+        problem.report(Stage::Screening(base.point.effects.len()));
+        let train = &problem.split.train;
+        let found = signatures(problem, base);
+        outcome.tests = found.len();
+        let ranking = rank(problem, base, &found, train, &outcome.orders);
+        let ranking = refine(problem, base, ranking, train, &outcome.orders, REFINED);
+        let starts = self.promising(base, &ranking, outcome.tests);
+        outcome.ranking = ranking;
+        if starts.is_empty() || problem.left() < 40 {
+            return Ok(false);
+        }
+        problem.report(Stage::Fitting(base.point.effects.len()));
+        let trials = self.fit_all(starts, &outcome.orders);
+        let Some(best) = self.choose(base, &trials) else {
+            return Ok(false);
+        };
+        let count = trials[best].point.effects.len();
+        outcome.rivals = trials
+            .iter()
+            .enumerate()
+            .filter(|(i, t)| *i != best && t.point.effects.len() == count)
+            .map(|(_, t)| t.clone())
+            .collect();
+        (outcome.chosen, outcome.orders) = settled(problem, trials[best].clone())?;
+        Ok(true)
+    }
+
+    /// Starting points: single candidates beyond the critical gain, best first, and pairs that gain clearly more together.
+    fn promising(&self, base: &Fit, ranking: &[Ranked], tests: usize) -> Vec<Point> {
+        let problem = self.problem;
+        let alpha = problem.options.family_wise_error;
+        let beyond = |r: &&Ranked| r.gain > critical(alpha, tests, r.start.len());
+        let singles: Vec<&Ranked> = ranking
+            .iter()
+            .filter(beyond)
+            .take(problem.options.fitted_candidates)
+            .collect();
+        let mut starts: Vec<Point> = singles.iter().map(|r| extended(base, &[r])).collect();
+        if base.point.effects.len() + 2 <= problem.options.max_effects {
+            let pairs = self.pairs(base, &ranking[..ranking.len().min(PAIRED)], tests);
+            starts.extend(pairs.iter().map(|(a, b)| extended(base, &[a, b])));
+        }
+        starts
+    }
+
+    /// The two pairs that gain most beyond their better half, from the signatures alone.
+    fn pairs(&self, base: &Fit, ranking: &[Ranked], tests: usize) -> Vec<(Ranked, Ranked)> {
+        let problem = self.problem;
+        let train = &problem.split.train;
+        let (columns, priors) = nuisance(problem, base);
+        let columns: Vec<_> = columns
+            .iter()
+            .map(|x| base.noise.whiten(x, train))
+            .collect();
+        let target = projected(&base.noise.whiten(&base.residual, train), &columns, &priors);
+        let pieces: Vec<Vec<Vec<f64>>> = ranking
+            .par_iter()
+            .map(|r| {
+                let whitened = r
+                    .signature
+                    .columns
+                    .iter()
+                    .map(|x| base.noise.whiten(x, train));
+                whitened.map(|x| projected(&x, &columns, &priors)).collect()
+            })
+            .collect();
+        let single: Vec<f64> = pieces
+            .par_iter()
+            .map(|x| explained(&target, &[x]))
+            .collect();
+        let indices: Vec<(usize, usize)> = (0..ranking.len())
+            .flat_map(|i| (i + 1..ranking.len()).map(move |j| (i, j)))
+            .collect();
+        let gains: Vec<f64> = indices
+            .par_iter()
+            .map(|&(i, j)| explained(&target, &[&pieces[i], &pieces[j]]) - single[i].max(single[j]))
+            .collect();
+        let best = single.iter().copied().fold(0.0, f64::max);
+        let mut good: Vec<(f64, usize, usize)> = indices
+            .iter()
+            .zip(&gains)
+            .map(|(&(i, j), gain)| (gain + single[i].max(single[j]), i, j, *gain))
+            .filter(|&(total, i, j, gain)| {
+                let dof = ranking[i].start.len().min(ranking[j].start.len());
+                let bar = critical(problem.options.family_wise_error, tests * tests, dof);
+                gain > bar && total > best + bar
+            })
+            .map(|(total, i, j, _)| (total, i, j))
+            .collect();
+        good.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let good = good.into_iter().take(2);
+        good.map(|(_, i, j)| {
+            (
+                paired_start(&ranking[i], problem),
+                paired_start(&ranking[j], problem),
+            )
+        })
+        .collect()
+    }
+
+    fn fit_all(&mut self, starts: Vec<Point>, orders: &[usize]) -> Vec<Fit> {
+        let problem = self.problem;
+        let train = &problem.split.train;
+        let trials: Vec<(Point, Result<Fit, _>)> = starts
+            .into_par_iter()
+            .map(|start| (start.clone(), fit(problem, start, train, orders, false)))
+            .collect();
+        let mut good = Vec::new();
+        for (start, trial) in trials {
+            let (effects, converged, iterations) = match &trial {
+                Ok(fit) => (&fit.point.effects, fit.converged, fit.iterations),
+                Err(_) => (&start.effects, false, 0),
+            };
+            self.fits.push(FitRecord::new(
+                problem,
+                effects,
+                converged,
+                iterations,
+                trial.as_ref().err(),
+            ));
+            match trial {
+                Ok(fit) if fit.converged => good.push(fit),
+                _ => {}
+            }
+        }
+        self.failed |= good.is_empty();
+        good
+    }
+
+    /// The trial to take: among those that earn their place, the fewest effects and the best likelihood within one standard error
+    /// of the best on the validation blocks.
+    fn choose(&self, base: &Fit, trials: &[Fit]) -> Option<usize> {
+        let validation = &self.problem.split.validation;
+        let passing: Vec<usize> = (0..trials.len())
+            .filter(|&i| self.earns(base, &trials[i]))
+            .collect();
+        let common = passing
+            .iter()
+            .copied()
+            .min_by(|&a, &b| trials[a].objective.total_cmp(&trials[b].objective))?;
+        let noise = &trials[common].noise;
+        let gain = |i: usize| compare(&base.residual, &trials[i].residual, noise, validation).gain;
+        let best = passing
+            .iter()
+            .copied()
+            .max_by(|&a, &b| gain(a).total_cmp(&gain(b)))?;
+        let near = passing.into_iter().filter(|&i| {
+            let behind = compare(
+                &trials[i].residual,
+                &trials[best].residual,
+                noise,
+                validation,
+            );
+            i == best || behind.gain <= behind.error
+        });
+        near.min_by(|&a, &b| {
+            let key = |i: usize| (trials[i].point.effects.len(), self.criterion(&trials[i]));
+            let (a, b) = (key(a), key(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        })
+    }
+
+    /// Whether the larger model predicts the validation blocks better: beyond chance, and enough to matter.
+    fn earns(&self, small: &Fit, large: &Fit) -> bool {
+        let paired = self.paired(small, large);
+        paired.t() > LEAST_T && paired.practical >= self.problem.options.min_gain
+    }
+
+    fn paired(&self, small: &Fit, large: &Fit) -> Paired {
+        compare(
+            &small.residual,
+            &large.residual,
+            &large.noise,
+            &self.problem.split.validation,
+        )
+    }
+
+    /// Bayesian information criterion on training and validation rows together.
+    fn criterion(&self, trial: &Fit) -> f64 {
+        criterion(self.problem, trial)
+    }
+
+    /// Takes away effects that no longer earn their place beside the others.
+    fn backward(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
+        let problem = self.problem;
+        while outcome.chosen.point.effects.len() > 1 {
+            let last = outcome.chosen.point.effects.len() - 1;
+            let starts = (0..=last)
+                .map(|i| without(&outcome.chosen.point, i))
+                .collect();
+            let trials = self.fit_all(starts, &outcome.orders);
+            let idle = trials
+                .into_iter()
+                .find(|small| !self.earns(small, &outcome.chosen));
+            let Some(small) = idle else { break };
+            outcome.rivals.clear();
+            (outcome.chosen, outcome.orders) = settled(problem, small)?;
+        }
+        Ok(())
+    }
+
+    /// Replaces each effect in turn by others; the better model is taken, all are kept as rivals.
+    fn replace(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
+        let problem = self.problem;
+        let train = &problem.split.train;
+        let mut rivals = Vec::new();
+        for i in 0..outcome.chosen.point.effects.len() {
+            if problem.left() < 400 {
+                break;
+            }
+            let removed = outcome.chosen.point.effects[i].candidate;
+            let Ok(rest) = fit(
+                problem,
+                without(&outcome.chosen.point, i),
+                train,
+                &outcome.orders,
+                true,
+            ) else {
+                continue;
+            };
+            let found = signatures(problem, &rest);
+            let ranking = rank(problem, &rest, &found, train, &outcome.orders);
+            let ranking = refine(problem, &rest, ranking, train, &outcome.orders, REFINED / 2);
+            let others = ranking.iter().filter(|r| r.candidate() != removed).take(3);
+            rivals.extend(self.fit_all(
+                others.map(|r| extended(&rest, &[r])).collect(),
+                &outcome.orders,
+            ));
+        }
+        let here = self.criterion(&outcome.chosen);
+        let better = rivals.iter().filter(|r| {
+            self.criterion(r) < here - 10.0 && self.paired(&outcome.chosen, r).gain > 0.0
+        });
+        let better = better
+            .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
+            .cloned();
+        if let Some(better) = better {
+            rivals.push(outcome.chosen.clone());
+            rivals.retain(|r| r.point != better.point);
+            (outcome.chosen, outcome.orders) = settled(problem, better)?;
+        }
+        outcome.rivals = rivals;
+        Ok(())
+    }
+}
+
+pub(super) fn criterion(problem: &Problem, trial: &Fit) -> f64 {
+    let rows = &problem.split.development;
+    let orders: Vec<usize> = trial.noise.channels.iter().map(|c| c.ar.len()).collect();
+    let parameters: usize = trial.point.effects.iter().map(|f| f.values.len()).sum();
+    let n = rows.len() as f64;
+    objective(problem, &trial.residual, rows, &orders) + parameters as f64 * n.ln()
+}
+
+fn explained(target: &[f64], pieces: &[&Vec<Vec<f64>>]) -> f64 {
+    let columns: Vec<Vec<f64>> = pieces.iter().flat_map(|p| p.iter().cloned()).collect();
+    let coefficients = solve(target, &columns, &vec![Prior::default(); columns.len()]);
+    columns
+        .iter()
+        .zip(&coefficients)
+        .map(|(x, b)| b * dot(x, target))
+        .sum()
+}
+
+/// Alone it may have come out as nothing, so in a pair it starts from the size of its signature.
+fn paired_start(ranked: &Ranked, problem: &Problem) -> Ranked {
+    let mut ranked = ranked.clone();
+    let infos = problem.infos(ranked.candidate());
+    let idle = ranked
+        .signature
+        .sizes
+        .iter()
+        .all(|&i| ranked.start[i] == infos[i].neutral);
+    if idle {
+        ranked.start.clone_from(&ranked.signature.values);
+    }
+    ranked
+}
+
+fn extended(base: &Fit, added: &[&Ranked]) -> Point {
+    let mut point = base.point.clone();
+    point.effects.extend(added.iter().map(|r| Found {
+        candidate: r.candidate(),
+        values: r.start.clone(),
+    }));
+    point
+}
+
+pub(super) fn without(point: &Point, index: usize) -> Point {
+    let mut point = point.clone();
+    point.effects.remove(index);
+    point
+}

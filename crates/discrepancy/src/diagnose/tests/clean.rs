@@ -1,0 +1,33 @@
+//! False alarms.
+
+use super::force::{Force, INTERVAL_S, MASS_KG};
+use super::random::Random;
+use super::*;
+
+/// Of 300 clean data sets, those in which anything is named or suspected. The mass is off by half its uncertainty.
+fn alarms(colour: f64, seeds: std::ops::Range<u64>) -> usize {
+    let model = Force::new(1200, 0.1);
+    let truth = vec![model.force(1.025 * MASS_KG, &[])];
+    let alarm = |seed: u64| {
+        let data = observed(&truth, &[5.0], colour, &mut Random::new(seed), INTERVAL_S);
+        let answer = run(&model, &data);
+        let alarm = answer.diagnosis.verdict != Verdict::NothingBeyondNoise;
+        if alarm {
+            println!("seed {seed}: {}", describe(&answer));
+        }
+        usize::from(alarm)
+    };
+    seeds.map(alarm).sum()
+}
+
+#[test]
+fn white_noise_raises_no_alarm() {
+    let alarms = alarms(WHITE, 1000..1300);
+    assert!(alarms <= 6, "{alarms} of 300");
+}
+
+#[test]
+fn coloured_noise_raises_no_alarm() {
+    let alarms = alarms(COLOURED, 1000..1300);
+    assert!(alarms <= 6, "{alarms} of 300");
+}
