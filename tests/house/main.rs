@@ -11,9 +11,18 @@ const MAY_DEPEND_ON: &[(&str, &[&str])] = &[
     ("scenario", &["recording", "arm", "core"]),
     ("sim", &["scenario", "recording", "arm", "core"]),
     ("telemetry", &["recording"]),
+    ("discrepancy", &["sim", "scenario", "recording"]),
     (
         "cli",
-        &["core", "arm", "recording", "scenario", "sim", "telemetry"],
+        &[
+            "core",
+            "arm",
+            "recording",
+            "scenario",
+            "sim",
+            "telemetry",
+            "discrepancy",
+        ],
     ),
 ];
 
