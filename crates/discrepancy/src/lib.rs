@@ -2,7 +2,6 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
-//! | [`compare`] | what differs, before any cause |
 //! | [`diagnose`] | the search for effects that explain measured data |
 //! | [`model`] | what that search needs of a simulation |
 //! | [`trial`] | a scenario and its data as such a model |
@@ -10,8 +9,10 @@
 
 #![warn(missing_docs)]
 
-pub mod compare;
 pub mod diagnose;
 pub mod model;
 pub mod stats;
 pub mod trial;
+
+#[cfg(test)]
+mod testing;
