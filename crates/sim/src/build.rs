@@ -123,7 +123,7 @@ impl Prepared {
     }
 }
 
-fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
+pub(crate) fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
     let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
     Ok(robot.scaled(spec.inertia_scale, spec.stiffness_scale, spec.damping_scale))
 }

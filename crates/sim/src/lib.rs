@@ -23,6 +23,7 @@ mod mjcf;
 
 pub mod plant;
 pub mod process;
+mod replay;
 mod scene;
 mod step_size;
 pub mod sweep;
@@ -32,3 +33,4 @@ mod translate;
 pub use cell::{Cell, RunEnd};
 pub use error::SimError;
 pub use mjcf::export_mjcf;
+pub use replay::inverse::InverseModel;
