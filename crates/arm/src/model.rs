@@ -63,6 +63,8 @@ pub struct Servo {
     pub velocity_gain: f64,
     /// Largest torque (N m) or force (N) of the drive, on the joint side of the gear.
     pub torque_limit: f64,
+    /// Share of the command's velocity that is added to the position loop's wish; 1 leaves no lag.
+    pub velocity_feed_forward: f64,
 }
 
 /// Where the values of a [`Transmission`] come from; empty where no value was given.

@@ -196,6 +196,11 @@ fn stiffest(robot: &Robot, laws: &[JointLaw], start: &[f64], command: &JointComm
     stiff
 }
 
+pub(crate) fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
+    let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
+    Ok(robot.scaled(spec.inertia_scale, spec.stiffness_scale, spec.damping_scale))
+}
+
 fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
     let kind = match spec.drive {
         DriveSpec::Position => DriveKind::Position,

@@ -3,7 +3,7 @@
 use crate::plant::JointState;
 use crate::process::ToolState;
 use nalgebra::Vector3;
-use truecut_arm::{JointKind, Robot};
+use truecut_arm::{Joint, JointKind, Robot};
 use truecut_recording::{ChannelSpec, Unit};
 
 /// Channels of the robot, in the order of [`record`]. The first `base_joints` are tilts of the base; the joints
@@ -105,6 +105,19 @@ fn joint_specs(number: usize, name: &str, kind: JointKind) -> [ChannelSpec; 4] {
         spec("command", position, "Commanded coordinate"),
         spec(torque, effort, "What the transmission exerts on the link"),
     ]
+}
+
+/// Channel of what a joint's drive exerts; `number` counts from 1.
+pub(crate) fn drive_spec(number: usize, joint: &Joint) -> ChannelSpec {
+    let (quantity, unit) = match joint.kind {
+        JointKind::Revolute => ("drive_torque", Unit::NewtonMetre),
+        JointKind::Prismatic => ("drive_force", Unit::Newton),
+    };
+    ChannelSpec::new(
+        format!("joint{number}.{quantity}"),
+        unit,
+        format!("What the drive exerts, joint `{}`", joint.name),
+    )
 }
 
 /// Appends the robot's values of one instant.

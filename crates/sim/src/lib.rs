@@ -25,7 +25,9 @@ pub mod measurement;
 mod mjcf;
 
 pub mod plant;
+pub mod facts;
 pub mod process;
+mod replay;
 mod robots;
 mod scene;
 mod step_size;
@@ -37,3 +39,4 @@ pub use cell::{Cell, RunEnd};
 pub use error::SimError;
 pub use mjcf::export_mjcf;
 pub use robots::Robots;
+pub use replay::inverse::InverseModel;

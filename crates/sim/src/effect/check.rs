@@ -89,7 +89,7 @@ fn foot_of(process: &ProcessSpec) -> Option<&FootSpec> {
     match process {
         ProcessSpec::Chamfer(spec) => spec.foot.as_ref(),
         ProcessSpec::Load(spec) => spec.foot.as_ref(),
-        ProcessSpec::Wheel(_) => None,
+        ProcessSpec::Wheel(_) | ProcessSpec::Replay(_) => None,
     }
 }
 
@@ -99,6 +99,7 @@ fn misfit(effect: &Effect, process: &ProcessSpec) -> Option<String> {
         ProcessSpec::Chamfer(_) => "process.chamfer",
         ProcessSpec::Load(_) => "process.load",
         ProcessSpec::Wheel(_) => "process.wheel",
+        ProcessSpec::Replay(_) => "process.replay",
     };
     match effect.kind.family() {
         Family::Cutting if !matches!(process, ProcessSpec::Chamfer(_)) => Some(format!(
