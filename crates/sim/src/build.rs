@@ -201,6 +201,18 @@ pub(crate) fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
     Ok(robot.scaled(spec.inertia_scale, spec.stiffness_scale, spec.damping_scale))
 }
 
+/// Of each joint of the scenario's robot whether it is rotary; chooses the keys of
+/// [`Scenario::extended_text`].
+///
+/// # Errors
+/// Whatever is wrong with the robot's files.
+pub fn rotary_joints(scenario: &Scenario) -> Result<Vec<bool>, SimError> {
+    let robot = load_robot(&scenario.robot)?;
+    Ok((robot.chain.joints.iter())
+        .map(|joint| joint.kind == JointKind::Revolute)
+        .collect())
+}
+
 fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
     let kind = match spec.drive {
         DriveSpec::Position => DriveKind::Position,

@@ -35,6 +35,7 @@ pub mod sweep;
 mod theory;
 mod translate;
 
+pub use build::rotary_joints;
 pub use cell::{Cell, RunEnd};
 pub use error::SimError;
 pub use mjcf::export_mjcf;

@@ -1,10 +1,9 @@
-//! Effects on joints and on the build of the robot, against closed forms.
+//! Effects on joints, against closed forms.
 
 mod support;
 
 use std::f64::consts::TAU;
-use support::{ARM_POSTURE, column, load, run, wheel};
-use truecut_recording::Recording;
+use support::{ARM_POSTURE, column, load, peaks, period, run, wheel};
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
@@ -34,24 +33,6 @@ fn pushed(force_n: f64, step_ms: f64, duration_s: f64) -> Scenario {
         &format!("duration_s = {duration_s}\ntime_step_ms = {step_ms}"),
         &format!("constant_n = [{force_n}, 0.0, 0.0]"),
     )
-}
-
-/// Peaks of a swinging column, by a parabola through three samples.
-fn peaks(x: &[f64]) -> Vec<f64> {
-    (x.windows(3))
-        .filter(|w| w[1] > w[0] && w[1] >= w[2])
-        .map(|w| w[1] - (w[0] - w[2]).powi(2) / (8.0 * (w[0] - 2.0 * w[1] + w[2])))
-        .collect()
-}
-
-/// Mean period from the rising zero crossings.
-fn period(recording: &Recording, x: &[f64]) -> f64 {
-    let t = &recording.time_s;
-    let crossings: Vec<f64> = (1..x.len())
-        .filter(|i| x[i - 1] < 0.0 && x[*i] >= 0.0)
-        .map(|i| t[i - 1] - x[i - 1] * (t[i] - t[i - 1]) / (x[i] - x[i - 1]))
-        .collect();
-    (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64
 }
 
 /// Dry friction takes `4F/k` off the amplitude in every cycle, and then holds.
@@ -290,93 +271,6 @@ fn verify_counterbalance_relieves_the_transmission() {
         .iter()
         .fold(0.0, |a: f64, v| a.max(v.abs()));
     assert!(drift < 1e-9, "it starts at rest: {drift}");
-}
-
-/// A payload that the controller does not know lets a vertical slide sag by `m g / k`.
-#[test]
-fn verify_payload_sag() {
-    let scenario = load(
-        "rig_planar",
-        "",
-        "duration_s = 0.01",
-        "constant_n = [0.0, 0.0, 0.0]",
-    );
-    let payload = Effect {
-        values: vec![25.0, 0.0, 0.0, 0.0],
-        ..Effect::neutral(EffectKind::Payload, Target::Whole)
-    };
-    let nominal = run(&scenario, &[]);
-    let with = run(&scenario, &[payload]);
-    let z = |r: &Recording| column(r, "tool.position_z")[0];
-    let stiffness: Vec<f64> = vec![0.8646e6, 1.078e6, 1.394e6];
-    let sag = z(&nominal) - z(&with);
-    let fits = stiffness
-        .iter()
-        .any(|k| (sag / (25.0 * 9.81 / k) - 1.0).abs() < 1e-9);
-    assert!(fits, "{sag}");
-}
-
-fn tilt(compliance: f64) -> Effect {
-    Effect {
-        values: vec![compliance],
-        ..Effect::neutral(EffectKind::BaseCompliance, Target::Axis(1))
-    }
-}
-
-/// A carriage of mass m at x tilts its base by `C m g X cosθ`, and slides down the slope by `m g sinθ / k`.
-#[test]
-fn verify_base_tilts_under_the_arm() {
-    let compliance = 2e-5;
-    let scenario = load(
-        "rig_1dof",
-        "posture_mm = [100]",
-        "duration_s = 0.01",
-        "constant_n = [0.0, 0.0, 0.0]",
-    );
-    let with = run(&scenario, &[tilt(compliance)]);
-    let (theta, x) = (
-        column(&with, "base.tilt_y")[0],
-        column(&with, "joint1.position")[0],
-    );
-    let weight = 100.0 * 9.81;
-    assert!(theta > 1e-3);
-    assert!(
-        (theta / (compliance * weight * x * theta.cos()) - 1.0).abs() < 1e-9,
-        "{theta}"
-    );
-    assert!(
-        ((x - 0.1) / (weight * theta.sin() / 1e6) - 1.0).abs() < 1e-6,
-        "{x}"
-    );
-    let still = column(&with, "base.tilt_rate_y")
-        .iter()
-        .fold(0.0, |a: f64, v| a.max(v.abs()));
-    assert!(still < 1e-9, "it starts at rest: {still}");
-}
-
-/// A rigid carriage on a tilting base is a torsional oscillator: `ω² = 1 / (C (I + m x²))`.
-#[test]
-fn verify_base_swings_at_its_frequency() {
-    let compliance = 1e-5;
-    let scenario = load(
-        "rig_1dof",
-        "posture_mm = [100]\ngravity = false\nstiffness_scale = 100",
-        "duration_s = 0.5",
-        "frame = \"world\"\nrelease_n = [0.0, 0.0, 20.0]",
-    );
-    let with = run(&scenario, &[tilt(compliance)]);
-    let theta = column(&with, "base.tilt_y");
-    let expected = TAU * (compliance * (1.0 + 100.0 * 0.01f64)).sqrt();
-    assert!(
-        (period(&with, theta) / expected - 1.0).abs() < 2e-3,
-        "{}",
-        period(&with, theta)
-    );
-    let found = peaks(theta);
-    assert!(
-        (found[found.len() - 1] / found[0] - 1.0).abs() < 0.02,
-        "no damping of its own"
-    );
 }
 
 /// The servo's rotor starts at rest with effects as without, and follows the motor side of the ripple.

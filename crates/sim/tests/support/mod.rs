@@ -98,3 +98,21 @@ preston_per_pa = 4e-11
 "#,
     )
 }
+
+/// Peaks of a swinging column, by a parabola through three samples.
+pub fn peaks(x: &[f64]) -> Vec<f64> {
+    (x.windows(3))
+        .filter(|w| w[1] > w[0] && w[1] >= w[2])
+        .map(|w| w[1] - (w[0] - w[2]).powi(2) / (8.0 * (w[0] - 2.0 * w[1] + w[2])))
+        .collect()
+}
+
+/// Mean period from the rising zero crossings.
+pub fn period(recording: &Recording, x: &[f64]) -> f64 {
+    let t = &recording.time_s;
+    let crossings: Vec<f64> = (1..x.len())
+        .filter(|i| x[i - 1] < 0.0 && x[*i] >= 0.0)
+        .map(|i| t[i - 1] - x[i - 1] * (t[i] - t[i - 1]) / (x[i] - x[i - 1]))
+        .collect();
+    (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64
+}
