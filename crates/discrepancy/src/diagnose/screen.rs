@@ -134,6 +134,9 @@ fn signature_of(
     second.or(first)
 }
 
+/// Parts of the typical size at which signatures are taken where the kind names no sizes to start from.
+const LEVELS: [f64; 2] = [1.0, 0.2];
+
 /// Starting values: all combinations of the shape parameters' starts, each with all starts of the sizes.
 fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<f64>> {
     let infos = problem.infos(candidate);
@@ -143,7 +146,13 @@ fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<f64>> {
     let levels = infos
         .iter()
         .filter(|p| p.is_size)
-        .map(|p| p.starts.len().max(1))
+        .map(|p| {
+            if p.starts.is_empty() {
+                LEVELS.len()
+            } else {
+                p.starts.len()
+            }
+        })
         .max();
     for info in infos.iter().filter(|info| !info.is_size) {
         let starts = if info.starts.is_empty() {
@@ -162,7 +171,12 @@ fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<f64>> {
                 if !info.is_size {
                     *shape.next().expect("one for each shape parameter")
                 } else if info.starts.is_empty() {
-                    typical(info.neutral, *scale, info.min, info.max)
+                    typical(
+                        info.neutral,
+                        scale * LEVELS[level.min(LEVELS.len() - 1)],
+                        info.min,
+                        info.max,
+                    )
                 } else {
                     info.starts[level.min(info.starts.len() - 1)]
                 }

@@ -54,6 +54,7 @@ impl Force {
             scale: scale.to_vec(),
         });
         let sensor = [
+            (EffectKind::SensorOffset, vec![10.0]),
             (EffectKind::SensorGain, vec![0.1]),
             (EffectKind::SensorDrift, vec![5.0, 10.0]),
         ];
@@ -82,10 +83,6 @@ impl Force {
         }
     }
 
-    pub fn keep(&mut self, kinds: &[EffectKind]) {
-        self.candidates.retain(|c| kinds.contains(&c.kind));
-    }
-
     /// The force, by a formula for each effect.
     pub fn force(&self, mass_kg: f64, effects: &[Effect]) -> Vec<f64> {
         let mut force: Vec<f64> = self.acceleration.iter().map(|a| mass_kg * a).collect();
@@ -102,7 +99,7 @@ impl Force {
                     EffectKind::JointAsymmetricCoulomb => *f += p[0] * up - p[1] * down,
                     EffectKind::JointStribeck => *f += p[0] * sign * (-(v / p[1]).powi(2)).exp(),
                     EffectKind::JointCounterbalance => *f += p[0] * x.cos() + p[1] * x.sin(),
-                    EffectKind::JointOffset => *f += p[0],
+                    EffectKind::JointOffset | EffectKind::SensorOffset => *f += p[0],
                     EffectKind::SensorGain => *f *= p[0],
                     EffectKind::SensorDrift => {
                         *f += p[0] * (1.0 - (-(i as f64) * INTERVAL_S / p[1]).exp())

@@ -86,9 +86,13 @@ fn describe(answer: &Answer) -> String {
         .map(|a| a.causes.iter().map(|c| c.kind.clone()).collect::<Vec<_>>())
         .collect();
     format!(
-        "{:?} {:?} alternatives {rivals:?} unexplained {:.2} locks {:?} work {:?} -- {}",
+        "{:?} {:?} fits {:?} alternatives {rivals:?} unexplained {:.2} locks {:?} work {:?} -- {}",
         d.verdict,
         answer.effects,
+        d.fits
+            .iter()
+            .map(|f| (f.effects.join("+"), f.converged, f.iterations))
+            .collect::<Vec<_>>(),
         d.unexplained_fraction,
         d.ceiling.locks.first(),
         d.work,

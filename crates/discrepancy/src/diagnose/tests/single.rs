@@ -5,7 +5,7 @@ use truecut_scenario::effect::{Effect, EffectKind, Target};
 use super::slide::{INTERVAL_S, Slide, Truth};
 use super::*;
 
-fn joint(kind: EffectKind, values: &[f64]) -> Effect {
+pub fn joint(kind: EffectKind, values: &[f64]) -> Effect {
     super::force::effect(kind, values)
 }
 
@@ -24,7 +24,7 @@ fn hidden() -> Vec<Effect> {
         joint(EffectKind::JointAsymmetricCoulomb, &[25.0, 8.0]),
         joint(EffectKind::JointStribeck, &[20.0, 0.03]),
         joint(EffectKind::JointBacklash, &[3e-4]),
-        joint(EffectKind::JointCubicStiffness, &[2e10]),
+        joint(EffectKind::JointCubicStiffness, &[2e9]),
         joint(EffectKind::JointRipple, &[1e-4, 5e-5, 85.0]),
         joint(EffectKind::JointCounterbalance, &[5.0, 80.0]),
         joint(EffectKind::JointOffset, &[-12.0]),
@@ -35,18 +35,24 @@ fn hidden() -> Vec<Effect> {
 }
 
 /// Hidden by a simulation with four times finer steps than the model's, and a mass off by half its uncertainty.
-fn diagnosed(effects: &[Effect], ratio: f64, colour: f64, seed: u64) -> Answer {
+pub fn diagnosed(
+    effects: &[Effect],
+    extra_n: &dyn Fn(f64, f64, f64) -> f64,
+    ratio: f64,
+    colour: f64,
+    seed: u64,
+) -> Answer {
     let model = Slide::new(2000);
     let mut fine = Slide::new(2000);
     fine.substeps *= 4;
-    let truth = |effects| Truth {
+    let truth = |effects, extra_n| Truth {
         mass_kg: 20.2,
         effects,
-        extra_n: &|_, _, _| 0.0,
+        extra_n,
     };
     let (nominal, changed) = (
-        fine.simulate(&truth(&[]), 1.0),
-        fine.simulate(&truth(effects), 1.0),
+        fine.simulate(&truth(&[], &|_, _, _| 0.0), 1.0),
+        fine.simulate(&truth(effects, extra_n), 1.0),
     );
     let levels = levels(&nominal, &changed, ratio);
     let data = observed(
@@ -61,7 +67,13 @@ fn diagnosed(effects: &[Effect], ratio: f64, colour: f64, seed: u64) -> Answer {
 
 fn count_found(ratio: f64, colour: f64, seed: u64) -> usize {
     let found = |effect: &Effect| {
-        let answer = diagnosed(std::slice::from_ref(effect), ratio, colour, seed);
+        let answer = diagnosed(
+            std::slice::from_ref(effect),
+            &|_, _, _| 0.0,
+            ratio,
+            colour,
+            seed,
+        );
         let found = is_found(&answer, std::slice::from_ref(effect));
         println!(
             "{} {} {:?}: {}",

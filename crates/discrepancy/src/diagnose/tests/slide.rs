@@ -48,7 +48,7 @@ impl Slide {
             (EffectKind::JointAsymmetricCoulomb, &[20.0, 20.0]),
             (EffectKind::JointStribeck, &[20.0, 0.02]),
             (EffectKind::JointBacklash, &[1e-4]),
-            (EffectKind::JointCubicStiffness, &[1e11]),
+            (EffectKind::JointCubicStiffness, &[1e10]),
             (EffectKind::JointRipple, &[1e-4, 1e-4, 50.0]),
             (EffectKind::JointCounterbalance, &[50.0, 50.0]),
             (EffectKind::JointOffset, &[20.0]),
@@ -99,10 +99,6 @@ impl Slide {
             samples,
             substeps: 4,
         }
-    }
-
-    pub fn keep(&mut self, kinds: &[EffectKind]) {
-        self.candidates.retain(|c| kinds.contains(&c.kind));
     }
 
     pub fn simulate(&self, truth: &Truth, push: f64) -> Columns {
