@@ -31,7 +31,7 @@ pub(crate) fn specs(robot: &Robot) -> Vec<ChannelSpec> {
         ));
     }
     for (i, joint) in robot.chain.joints.iter().enumerate() {
-        specs.extend(joint_specs(i + 1, &joint.name, joint.kind));
+        specs.extend(joint_specs(i + 1, joint));
     }
     specs.push(ChannelSpec::new(
         "energy.kinetic",
@@ -46,7 +46,8 @@ pub(crate) fn specs(robot: &Robot) -> Vec<ChannelSpec> {
     specs
 }
 
-fn joint_specs(number: usize, name: &str, kind: JointKind) -> [ChannelSpec; 4] {
+fn joint_specs(number: usize, joint: &Joint) -> [ChannelSpec; 5] {
+    let (name, kind) = (&joint.name, joint.kind);
     let (coordinate, position, velocity, effort, torque) = match kind {
         JointKind::Revolute => (
             "angle",
@@ -75,6 +76,7 @@ fn joint_specs(number: usize, name: &str, kind: JointKind) -> [ChannelSpec; 4] {
         spec("velocity", velocity, "Link velocity"),
         spec("command", position, "Commanded coordinate"),
         spec(torque, effort, "What the transmission exerts on the link"),
+        drive_spec(number, joint),
     ]
 }
 
@@ -108,6 +110,7 @@ pub(crate) fn record(
             joints.velocity[i],
             joints.command[i],
             joints.transmission[i],
+            joints.drive[i],
         ]);
     }
     row.extend([energy_j.0, energy_j.1]);
