@@ -8,6 +8,7 @@ use crate::measurement::ChannelModel;
 use crate::plant::{Drive, DriveKind, JointLaw};
 use crate::process::Process;
 use crate::robots::Robots;
+use crate::replay::forward::ForwardInputs;
 use crate::scene::Workpiece;
 use crate::step_size::{self, Scheme};
 use crate::translate::build_process;
@@ -15,7 +16,7 @@ use nalgebra::{Isometry3, Vector3, Vector6};
 use std::sync::Arc;
 use truecut_arm::{FrameId, JointKind, Load, Robot};
 use truecut_core::joint_law::LinkFriction;
-use truecut_recording::{Scalar, Unit};
+use truecut_recording::{Measured, Scalar, Unit};
 use truecut_scenario::{Drive as DriveSpec, RobotSpec, Scenario};
 
 /// A scenario resolved against its robot, before any engine is built.
@@ -43,13 +44,15 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    pub(crate) fn new(scenario: &Scenario) -> Result<Self, SimError> {
-        Self::for_scheme(scenario, &Robots::new(), Scheme::Leapfrog)
+    /// `measured` drives a replay; other processes make no use of it.
+    pub(crate) fn new(scenario: &Scenario, measured: Option<&Measured>) -> Result<Self, SimError> {
+        Self::for_scheme(scenario, measured, &Robots::new(), Scheme::Leapfrog)
     }
 
     /// Robots that have been read are not read again; the step is chosen for the scheme.
     pub(crate) fn for_scheme(
         scenario: &Scenario,
+        measured: Option<&Measured>,
         robots: &Robots,
         scheme: Scheme,
     ) -> Result<Self, SimError> {
@@ -62,28 +65,35 @@ impl Prepared {
         } else {
             Vector3::zeros()
         };
+        let replay = ForwardInputs::of(scenario, measured, &nominal, kind)?;
         let posture = posture(spec, &nominal)?;
+        let posture = replay
+            .as_ref()
+            .map_or(posture.clone(), |replay| replay.posture(&posture));
         let mut world_from_process = nominal.world_from_process(&posture);
-        let (process, workpiece) = build_process(
-            scenario,
-            &nominal,
-            kind,
-            &posture,
-            &world_from_process,
-            &effects,
-        )?;
-        let duration_s = scenario.run.duration_s;
+        let (process, workpiece) = match &replay {
+            Some(replay) => (
+                Box::new(replay.process()) as Box<dyn Process>,
+                Workpiece::None,
+            ),
+            None => build_process(scenario, &nominal, kind, &posture, &world_from_process, &effects)?,
+        };
+        let duration_s =
+            (replay.as_ref()).map_or(scenario.run.duration_s, ForwardInputs::duration_s);
         let gravity = Load::gravity(gravity_m_s2);
         let sag = (spec.hold_against_sag && kind != DriveKind::Force).then_some(&gravity);
         // The controller knows the nominal robot only; what it does not know shows in the run.
-        let command = command(
-            &nominal,
-            &posture,
-            &world_from_process,
-            process.as_ref(),
-            duration_s,
-            sag,
-        )?;
+        let command = match &replay {
+            Some(replay) => replay.command(&posture),
+            None => command(
+                &nominal,
+                &posture,
+                &world_from_process,
+                process.as_ref(),
+                duration_s,
+                sag,
+            )?,
+        };
         check_limits(&nominal, &command)?;
         let altered = effect::alter(&nominal, &effects)?;
         let command = command.behind(altered.base_joints);
@@ -101,6 +111,12 @@ impl Prepared {
                 &gravity,
             )?,
         };
+        let start = replay.as_ref().map_or(start.clone(), |replay| {
+            let mut measured = start.clone();
+            let arm = replay.start(&start[altered.base_joints..]);
+            measured[altered.base_joints..].copy_from_slice(&arm);
+            measured
+        });
         let friction = friction(&altered, kind);
         let Altered {
             robot,
@@ -198,7 +214,11 @@ fn stiffest(robot: &Robot, laws: &[JointLaw], start: &[f64], command: &JointComm
 
 pub(crate) fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
     let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
-    Ok(robot.scaled(spec.inertia_scale, spec.stiffness_scale, spec.damping_scale))
+    let mut robot = robot.scaled(spec.inertia_scale, spec.stiffness_scale, spec.damping_scale);
+    if spec.drive == DriveSpec::Servo {
+        robot.close_rigid_servos();
+    }
+    Ok(robot)
 }
 
 /// Of each joint of the scenario's robot whether it is rotary; chooses the keys of
@@ -225,6 +245,19 @@ fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
     robot.transmission_stiffness("a driven arm")?;
     for joint in &robot.chain.joints {
         let t = &joint.transmission;
+        if kind == DriveKind::Servo && t.rigid_servo {
+            if t.rotor_inertia > 0.0 {
+                return Err(SimError::scenario(
+                    "robot.drive",
+                    format!(
+                        "joint `{}` has a servo and no transmission stiffness, so its rotor moves with the \
+                         link, but robot.toml gives a rotor inertia of {}: make it part of the link",
+                        joint.name, t.rotor_inertia
+                    ),
+                ));
+            }
+            continue;
+        }
         if kind == DriveKind::Servo && (t.servo.is_none() || t.rotor_inertia <= 0.0) {
             return Err(SimError::scenario(
                 "robot.drive",

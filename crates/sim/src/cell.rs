@@ -15,7 +15,7 @@ use crate::scene::{Setting, Stage};
 use crate::step_size::Scheme;
 use nalgebra::{Matrix3, Vector3, Vector6};
 use truecut_arm::JointKind;
-use truecut_recording::{ChannelSpec, Header, Outcome, Recorder, Scalar, UnknownName};
+use truecut_recording::{ChannelSpec, Header, Measured, Outcome, Recorder, Scalar, UnknownName};
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::Target;
 
@@ -60,7 +60,18 @@ impl Cell {
     /// # Errors
     /// Whatever is wrong with the robot's files, or with a value of the scenario for this robot.
     pub fn build(scenario: &Scenario) -> Result<Self, SimError> {
-        let prepared = Prepared::new(scenario)?;
+        Self::build_with_data(scenario, None)
+    }
+
+    /// As [`Cell::build`], with the measured data that a replay is driven by. Other processes make no use of it.
+    ///
+    /// # Errors
+    /// As [`Cell::build`]; a replay without data, or with data that does not fit.
+    pub fn build_with_data(
+        scenario: &Scenario,
+        measured: Option<&Measured>,
+    ) -> Result<Self, SimError> {
+        let prepared = Prepared::new(scenario, measured)?;
         let plant = RapierPlant::new(
             &prepared.robot,
             &prepared.start,
@@ -90,7 +101,19 @@ impl Cell {
     /// # Errors
     /// As [`Cell::build`].
     pub fn build_reduced_from(robots: &Robots, scenario: &Scenario) -> Result<Self, SimError> {
-        let prepared = Prepared::for_scheme(scenario, robots, Scheme::Exact)?;
+        Self::build_reduced_with_data(robots, scenario, None)
+    }
+
+    /// As [`Cell::build_reduced_from`], with the measured data that a replay is driven by.
+    ///
+    /// # Errors
+    /// As [`Cell::build_with_data`].
+    pub fn build_reduced_with_data(
+        robots: &Robots,
+        scenario: &Scenario,
+        measured: Option<&Measured>,
+    ) -> Result<Self, SimError> {
+        let prepared = Prepared::for_scheme(scenario, measured, robots, Scheme::Exact)?;
         let plant = ReducedPlant::new(
             prepared.robot.clone(),
             &prepared.start,
@@ -268,9 +291,12 @@ impl Cell {
         let mut velocity = [0.0; truecut_arm::MAX_JOINTS];
         self.command
             .at(time_s, &mut position[..n], &mut velocity[..n]);
+        let mut force = [0.0; truecut_arm::MAX_JOINTS];
+        self.command.force_at(time_s, &mut force[..n]);
         let command = Command {
             position: &position[..n],
             velocity: &velocity[..n],
+            force: &force[..n],
         };
         let loads = self.process.evaluate(&self.tool_state(time_s));
         let wrenches = self.to_world(&loads);

@@ -37,7 +37,7 @@ pub(crate) fn specs(robot: &Robot, base_joints: usize) -> Vec<ChannelSpec> {
         specs.extend(base_specs(["x", "y", "z"][largest]));
     }
     for (i, joint) in arm.iter().enumerate() {
-        specs.extend(joint_specs(i + 1, &joint.name, joint.kind));
+        specs.extend(joint_specs(i + 1, joint));
     }
     specs.push(ChannelSpec::new(
         "energy.kinetic",
@@ -75,7 +75,8 @@ fn base_specs(axis: &str) -> [ChannelSpec; 3] {
     ]
 }
 
-fn joint_specs(number: usize, name: &str, kind: JointKind) -> [ChannelSpec; 4] {
+fn joint_specs(number: usize, joint: &Joint) -> [ChannelSpec; 5] {
+    let (name, kind) = (&joint.name, joint.kind);
     let (coordinate, position, velocity, effort, torque) = match kind {
         JointKind::Revolute => (
             "angle",
@@ -104,6 +105,7 @@ fn joint_specs(number: usize, name: &str, kind: JointKind) -> [ChannelSpec; 4] {
         spec("velocity", velocity, "Link velocity"),
         spec("command", position, "Commanded coordinate"),
         spec(torque, effort, "What the transmission exerts on the link"),
+        drive_spec(number, joint),
     ]
 }
 
@@ -136,6 +138,7 @@ pub(crate) fn record(
         row.extend([joints.position[i], joints.velocity[i]]);
         row.extend((i >= base_joints).then_some(joints.command[i]));
         row.push(joints.transmission[i]);
+        row.extend((i >= base_joints).then_some(joints.drive[i]));
     }
     row.extend([energy_j.0, energy_j.1]);
 }

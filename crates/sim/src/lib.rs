@@ -10,6 +10,7 @@
 //! | [`process`] | what the tool does: chamfering, a wheel on a plate, given forces |
 //! | [`loads`] | what a process may ask for |
 //! | [`measurement`] | what a sensor makes of a channel |
+//! | [`replay`] | measured inputs that drive a model, forward or inverse |
 //! | [`sweep`] | a scenario over one or two parameters, as independent jobs |
 
 mod build;
@@ -27,7 +28,7 @@ mod mjcf;
 pub mod plant;
 pub mod facts;
 pub mod process;
-mod replay;
+pub mod replay;
 mod robots;
 mod scene;
 mod step_size;

@@ -29,7 +29,7 @@ pub fn export_mjcf(scenario: &Scenario) -> Result<String, SimError> {
             ),
         ));
     }
-    let prepared = Prepared::new(scenario)?;
+    let prepared = Prepared::new(scenario, None)?;
     let drive = match prepared.kind {
         DriveKind::Position => MjcfDrive::Position,
         DriveKind::Force => MjcfDrive::Free,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use truecut_arm::Robot;
-use truecut_scenario::RobotSpec;
+use truecut_scenario::{Drive, RobotSpec};
 
 type Files = (PathBuf, Option<PathBuf>, Option<String>);
 
@@ -28,10 +28,15 @@ impl Robots {
     pub(crate) fn robot(&self, spec: &RobotSpec) -> Result<Arc<Robot>, SimError> {
         let robot = self.unscaled(spec)?;
         let scales = (spec.inertia_scale, spec.stiffness_scale, spec.damping_scale);
-        Ok(match scales {
-            (1.0, 1.0, 1.0) => robot,
-            (inertia, stiffness, damping) => Arc::new(robot.scaled(inertia, stiffness, damping)),
-        })
+        let servo = spec.drive == Drive::Servo;
+        if !servo && scales == (1.0, 1.0, 1.0) {
+            return Ok(robot);
+        }
+        let mut scaled = robot.scaled(scales.0, scales.1, scales.2);
+        if servo {
+            scaled.close_rigid_servos();
+        }
+        Ok(Arc::new(scaled))
     }
 
     fn unscaled(&self, spec: &RobotSpec) -> Result<Arc<Robot>, SimError> {

@@ -13,7 +13,9 @@ use truecut_arm::Robot;
 pub enum DriveKind {
     /// The motor follows the command exactly.
     Position,
-    /// A P–P servo turns a rotor: `M_r θ'' = sat(k_v (k_p (c - θ) + c' - θ')) - τ_transmission`.
+    /// A P–P servo turns a rotor: `M_r θ'' = sat(k_v (k_p (c - θ) + f c' - θ')) - τ_transmission`. Where the
+    /// transmission is rigid it acts on the link, `sat(k_v (k_p (c - q) + f c' - q'))`: a spring `k_v k_p` to the
+    /// command and a damper `k_v`, which the plant takes half implicitly like any other.
     Servo,
     /// No transmission; the joints are free.
     Force,
@@ -105,9 +107,19 @@ impl Drive {
                     state.motor_velocity[i] = 0.0;
                 }
             }
+            if let Some(servo) = joint.rigid_servo() {
+                state.motor[i] = command.position[i];
+                state.motor_velocity[i] = servo.velocity_feed_forward * command.velocity[i];
+                explicit[i] = joint.rigid_explicit(servo, &state.motion(i));
+                continue;
+            }
             let at = state.motion(i);
             joint.remember(&at);
             explicit[i] = joint.explicit_torque(&at);
+            if joint.kind == DriveKind::Force {
+                explicit[i] += command.force[i];
+                state.drive[i] = command.force[i];
+            }
         }
     }
 
@@ -119,7 +131,9 @@ impl Drive {
             return;
         }
         for (i, joint) in self.joints.iter().enumerate() {
-            let Some(servo) = joint.servo else { continue };
+            let Some(servo) = joint.servo.filter(|_| !joint.rigid) else {
+                continue;
+            };
             let v = self.half[i];
             let now = state.motion(i);
             // The rotor carries the transmission's torque times the gear's true ratio (virtual work).
@@ -128,7 +142,7 @@ impl Drive {
             let transmission = gear * (joint.static_torque(&now) - damping * now.velocity);
             let damping = damping * gear * gear;
             let wish = servo.position_gain_per_s * (state.command[i] - state.motor[i])
-                + self.command_velocity[i];
+                + servo.velocity_feed_forward * self.command_velocity[i];
             let at = |gain: f64| {
                 // (M + dt/2 c) Δv = dt (τ - c v), c the sum of all velocity gains
                 let c = damping + gain;
@@ -150,7 +164,20 @@ impl Drive {
 
     /// The transmission's torque at this instant, from the state as it is now known.
     pub fn transmission(&self, joint: usize, state: &JointState) -> f64 {
-        self.joints[joint].transmission(&state.motion(joint))
+        let (drive, at) = (&self.joints[joint], state.motion(joint));
+        match drive.rigid_servo() {
+            Some(servo) => drive.rigid_torque(servo, &at),
+            None => drive.transmission(&at),
+        }
+    }
+
+    /// What the drive exerts at this instant: on the rotor (servo), else on the link.
+    pub fn drive_force(&self, joint: usize, state: &JointState) -> f64 {
+        match self.kind {
+            DriveKind::Force => state.drive[joint],
+            DriveKind::Servo if !self.joints[joint].rigid => self.servo_torque(joint, state),
+            DriveKind::Servo | DriveKind::Position => state.transmission[joint],
+        }
     }
 
     /// Moves the motor coordinates by the velocities just computed.
@@ -168,7 +195,7 @@ impl Drive {
         let mut rotors = 0.0;
         for (i, joint) in self.joints.iter().enumerate() {
             elastic += joint.energy_j(&state.motion(i));
-            if joint.kind == DriveKind::Servo {
+            if joint.kind == DriveKind::Servo && !joint.rigid {
                 rotors += 0.5 * joint.rotor * state.motor_velocity[i].powi(2);
             }
         }
@@ -180,12 +207,13 @@ impl Drive {
     pub fn power_w(&self, state: &JointState) -> f64 {
         (self.joints.iter().enumerate())
             .map(|(i, joint)| match joint.kind {
+                _ if joint.rigid => state.transmission[i] * state.velocity[i],
                 DriveKind::Position => {
                     let gear = joint.law.gear(state.motor[i]);
                     state.transmission[i] * (state.motor_velocity[i] * gear)
                 }
                 DriveKind::Servo => self.servo_torque(i, state) * state.motor_velocity[i],
-                DriveKind::Force => 0.0,
+                DriveKind::Force => state.drive[i] * state.velocity[i],
             })
             .sum()
     }
@@ -195,7 +223,7 @@ impl Drive {
             return 0.0;
         };
         let wish = servo.position_gain_per_s * (state.command[i] - state.motor[i])
-            + self.command_velocity[i];
+            + servo.velocity_feed_forward * self.command_velocity[i];
         let torque = servo.velocity_gain * (wish - state.motor_velocity[i]) + self.feed_forward[i];
         torque.clamp(-servo.torque_limit, servo.torque_limit)
     }

@@ -60,6 +60,8 @@ pub(super) struct JointDrive {
     pub kind: DriveKind,
     pub rotor: f64,
     pub servo: Option<Servo>,
+    /// The servo acts on the link, through no transmission.
+    pub rigid: bool,
     elastic: Elastic,
     damping: f64,
     pub law: JointLaw,
@@ -83,6 +85,7 @@ impl JointDrive {
             kind,
             rotor: transmission.rotor_inertia,
             servo: transmission.servo,
+            rigid: kind == DriveKind::Servo && transmission.rigid_servo,
             elastic: Elastic {
                 stiffness: if free {
                     0.0
@@ -157,6 +160,29 @@ impl JointDrive {
         }
     }
 
+    /// The servo, if it acts on the link.
+    pub fn rigid_servo(&self) -> Option<Servo> {
+        self.servo.filter(|_| self.rigid)
+    }
+
+    /// Torque of a servo on its link: `at` holds the command and its velocity as motor coordinates.
+    pub fn rigid_torque(&self, servo: Servo, at: &JointMotion) -> f64 {
+        let torque = self.elastic.torque(at.motor - at.position)
+            + self.damping * (at.motor_velocity - at.velocity);
+        torque.clamp(-servo.torque_limit, servo.torque_limit)
+    }
+
+    /// The same with the torques on the link, without the part that is proportional to the link's velocity,
+    /// which the plant adds. A drive at its limit takes that part back, at the velocity foreseen.
+    pub fn rigid_explicit(&self, servo: Servo, at: &JointMotion) -> f64 {
+        let drive = self.rigid_torque(servo, at) + self.damping * at.velocity;
+        if self.law.loads_link() {
+            drive + self.law.link_torque(at.position)
+        } else {
+            drive
+        }
+    }
+
     /// Torque of the whole transmission on the link.
     pub fn transmission(&self, at: &JointMotion) -> f64 {
         let rate = at.motor_velocity * self.law.gear(at.motor) - at.velocity;
@@ -165,7 +191,12 @@ impl JointDrive {
 
     /// Energy of spring and of torques on the link, J.
     pub fn energy_j(&self, at: &JointMotion) -> f64 {
-        let spring = self.elastic.energy_j(self.windup(at));
+        // A servo without transmission stores nothing.
+        let spring = if self.rigid {
+            0.0
+        } else {
+            self.elastic.energy_j(self.windup(at))
+        };
         if self.law.loads_link() {
             spring + self.law.link_energy_j(at.position)
         } else {
@@ -176,7 +207,11 @@ impl JointDrive {
     /// Power lost, W: damping, viscous friction, and what the hysteresis takes (and in part gives back).
     pub fn dissipation_w(&self, at: &JointMotion) -> f64 {
         let rate = at.velocity - at.motor_velocity * self.law.gear(at.motor);
-        let mut lost = self.damping_now(at) * rate.powi(2);
+        let mut lost = if self.rigid {
+            0.0
+        } else {
+            self.damping_now(at) * rate.powi(2)
+        };
         if self.law.viscous > 0.0 {
             lost += self.law.viscous * at.velocity.powi(2);
         }

@@ -293,6 +293,7 @@ impl Plant for ReducedPlant {
         self.drive.advance(&mut self.joints);
         for i in 0..self.joints.transmission.len() {
             self.joints.transmission[i] = self.drive.transmission(i, &self.joints);
+            self.joints.drive[i] = self.drive.drive_force(i, &self.joints);
         }
     }
 

@@ -7,11 +7,13 @@
 //! and Gautier, "A generic instrumental variable approach for industrial robot identification" (2014).
 
 use super::inputs::{JointQuantity, Source, joint_channel};
+use super::motion::{Motion, sign};
 use super::regressors::{BodyRegressors, JointRegressors};
+use crate::channels::drive_spec;
 use crate::error::SimError;
 use nalgebra::Vector3;
 use truecut_arm::{Dynamics, FrameId, Robot};
-use truecut_recording::filter::{Butterworth, differentiate};
+use truecut_recording::filter::Butterworth;
 use truecut_recording::{ChannelSpec, Measured, Role};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
@@ -28,8 +30,7 @@ pub struct InverseModel {
     measured: Measured,
     specs: Vec<ChannelSpec>,
     filter: Butterworth,
-    /// Velocities of every joint, for laws that are not linear in their parameters.
-    velocity: Vec<Vec<f64>>,
+    motion: Motion,
     /// Filtered drive forces without effects, one column per predicted joint.
     nominal: Vec<Vec<f64>>,
     regressors: Vec<JointRegressors>,
@@ -47,63 +48,27 @@ impl InverseModel {
         let (differentiate_hz, compare_hz) = cutoffs(scenario)?;
         let robot = crate::build::load_robot(&scenario.robot)?;
         let source = Source { scenario, measured };
-        let coordinates = coordinates(&robot, &source)?;
-        let outputs = outputs(&robot, &source)?;
-        let (rate, interval) = (measured.rate_hz(), measured.interval_s());
-        for (key, hz) in [
-            ("differentiate_cutoff_hz", differentiate_hz),
-            ("compare_cutoff_hz", compare_hz),
-        ] {
-            if hz >= 0.5 * rate {
-                let message = format!(
-                    "is {hz}, but must be below half the rate of the data, {:.3} Hz",
-                    0.5 * rate
-                );
-                return Err(SimError::scenario(format!("process.replay.{key}"), message));
-            }
-        }
+        let joints = outputs(&robot, &source)?;
+        let rate = measured.rate_hz();
+        check_cutoff("differentiate_cutoff_hz", differentiate_hz, rate)?;
+        check_cutoff("compare_cutoff_hz", compare_hz, rate)?;
         let smooth = Butterworth::low_pass(FILTER_ORDER, differentiate_hz, rate);
         let filter = Butterworth::low_pass(FILTER_ORDER, compare_hz, rate);
-        let position: Vec<_> = coordinates.iter().map(|q| smooth.zero_phase(q)).collect();
-        let velocity: Vec<_> = position
-            .iter()
-            .map(|q| differentiate(q, interval))
-            .collect();
-        let acceleration: Vec<_> = velocity
-            .iter()
-            .map(|v| differentiate(v, interval))
-            .collect();
-        let motion = Motion {
-            position: &position,
-            velocity: &velocity,
-            acceleration: &acceleration,
-        };
-        let gravity = if scenario.robot.gravity {
-            truecut_arm::standard_gravity_m_s2()
-        } else {
-            Vector3::zeros()
-        };
-        let nominal = nominal(&robot, &motion, &gravity, &outputs);
+        let motion = Motion::new(&robot, &source, &smooth)?;
+        let (q, v) = (&motion.position, &motion.velocity);
         let model = InverseModel {
-            nominal: nominal
-                .iter()
-                .map(|column| filter.zero_phase(column))
+            nominal: nominal(&robot, &motion, &joints, &filter),
+            regressors: (joints.iter())
+                .map(|&joint| JointRegressors::new(&q[joint], &v[joint], &filter))
                 .collect(),
-            regressors: (outputs.iter())
-                .map(|&joint| JointRegressors::new(&position[joint], &velocity[joint], &filter))
+            body: BodyRegressors::new(&robot, &motion, &joints, &filter, robot.dof() - 1),
+            specs: (joints.iter())
+                .map(|&joint| drive_spec(joint + 1, &robot.chain.joints[joint]))
                 .collect(),
-            body: BodyRegressors::new(&robot, &motion, &gravity, &outputs, &filter),
-            specs: outputs.iter().map(|&joint| spec(&robot, joint)).collect(),
-            measured: filtered(
-                measured,
-                &robot,
-                &outputs,
-                &filter,
-                (rate / compare_hz).ceil() as usize,
-            ),
-            joints: outputs,
+            measured: filtered(measured, &robot, &joints, &filter, compare_hz),
             effects: scenario.effects.clone(),
-            velocity,
+            joints,
+            motion,
             filter,
             robot,
         };
@@ -124,6 +89,26 @@ impl InverseModel {
     /// The robot.
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    /// The drive forces as they depend on a link's inertial parameters about its origin, in its axes: mass, three
+    /// first moments, and the inertia's xx, yy, zz, xy, xz, yz; `[parameter][channel][sample]`, filtered. The drive
+    /// forces are linear in them, so that they can be identified.
+    ///
+    /// # Panics
+    /// If there is no such link.
+    pub fn inertial_columns(&self, link: usize) -> Vec<Vec<Vec<f64>>> {
+        BodyRegressors::new(&self.robot, &self.motion, &self.joints, &self.filter, link).columns
+    }
+
+    /// Acceleration of a predicted joint through the filter: the drive force per rotor inertia, one value for
+    /// each sample.
+    ///
+    /// # Panics
+    /// If there is no such channel.
+    pub fn rotor_column(&self, channel: usize) -> Vec<f64> {
+        let joint = self.joints[channel];
+        self.filter.zero_phase(&self.motion.acceleration[joint])
     }
 
     /// Whether effects of a kind play a part here.
@@ -198,7 +183,7 @@ impl InverseModel {
         if effect.kind == EffectKind::JointStribeck {
             let (excess, speed) = (values[0], values[1]);
             let law = |v: &f64| excess * (-(v / speed).powi(2)).exp() * sign(*v);
-            let law: Vec<f64> = self.velocity[joint].iter().map(law).collect();
+            let law: Vec<f64> = self.motion.velocity[joint].iter().map(law).collect();
             for (sum, f) in column.iter_mut().zip(self.filter.zero_phase(&law)) {
                 *sum += f;
             }
@@ -232,48 +217,6 @@ impl InverseModel {
     }
 }
 
-/// Motion of every joint: `[joint][sample]`.
-pub(super) struct Motion<'a> {
-    pub position: &'a [Vec<f64>],
-    pub velocity: &'a [Vec<f64>],
-    pub acceleration: &'a [Vec<f64>],
-}
-
-impl Motion<'_> {
-    /// Inverse dynamics at every sample: `[joint][sample]` for the joints asked for.
-    pub fn inverse_dynamics(
-        &self,
-        dynamics: &mut Dynamics,
-        gravity_m_s2: &Vector3<f64>,
-        joints: &[usize],
-    ) -> Vec<Vec<f64>> {
-        let n = self.position.len();
-        let samples = self.position.first().map_or(0, Vec::len);
-        let mut columns = vec![Vec::with_capacity(samples); joints.len()];
-        let (mut q, mut v, mut a, mut tau) =
-            (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        for k in 0..samples {
-            for i in 0..n {
-                (q[i], v[i], a[i]) = (
-                    self.position[i][k],
-                    self.velocity[i][k],
-                    self.acceleration[i][k],
-                );
-            }
-            dynamics.inverse_dynamics_into(&q, &v, &a, gravity_m_s2, &mut tau);
-            for (column, &joint) in columns.iter_mut().zip(joints) {
-                column.push(tau[joint]);
-            }
-        }
-        columns
-    }
-}
-
-/// 1, 0 or -1.
-pub(super) fn sign(v: f64) -> f64 {
-    if v == 0.0 { 0.0 } else { v.signum() }
-}
-
 fn is_sensor(kind: EffectKind) -> bool {
     matches!(kind, EffectKind::SensorGain | EffectKind::SensorOffset)
 }
@@ -297,27 +240,15 @@ fn cutoffs(scenario: &Scenario) -> Result<(f64, f64), SimError> {
     }
 }
 
-/// The measured coordinates of all joints.
-fn coordinates<'a>(robot: &Robot, source: &Source<'a>) -> Result<Vec<&'a [f64]>, SimError> {
-    let names: Vec<String> = (0..robot.dof())
-        .map(|joint| joint_channel(robot, joint, JointQuantity::Coordinate))
-        .collect();
-    source.refuse_others(&names)?;
-    (0..robot.dof())
-        .map(|joint| {
-            let channel = source.joint(robot, joint, JointQuantity::Coordinate)?;
-            let Some(channel) = channel.filter(|channel| channel.role == Role::Input) else {
-                let message = format!(
-                    "inverse dynamics needs the motion of every joint, but no column is mapped to {} with \
-                     role \"input\"",
-                    names[joint]
-                );
-                return Err(source.error(&names[joint], message));
-            };
-            source.within_limits(robot, joint, channel)?;
-            source.complete(channel)
-        })
-        .collect()
+fn check_cutoff(key: &str, hz: f64, rate_hz: f64) -> Result<(), SimError> {
+    if hz < 0.5 * rate_hz {
+        return Ok(());
+    }
+    let message = format!(
+        "is {hz}, but must be below half the rate of the data, {:.3} Hz",
+        0.5 * rate_hz
+    );
+    Err(SimError::scenario(format!("process.replay.{key}"), message))
 }
 
 /// Joints whose drive force was measured.
@@ -351,36 +282,34 @@ fn outputs(robot: &Robot, source: &Source<'_>) -> Result<Vec<usize>, SimError> {
     Ok(joints)
 }
 
-fn spec(robot: &Robot, joint: usize) -> ChannelSpec {
-    crate::channels::drive_spec(joint + 1, &robot.chain.joints[joint])
-}
-
-/// Rigid arm, rotors and the dry friction of robot.toml: `[joint][sample]`.
+/// Rigid arm, rotors and the dry friction of robot.toml, filtered: `[joint][sample]`.
 fn nominal(
     robot: &Robot,
-    motion: &Motion<'_>,
-    gravity_m_s2: &Vector3<f64>,
+    motion: &Motion,
     joints: &[usize],
+    filter: &Butterworth,
 ) -> Vec<Vec<f64>> {
-    let mut columns = motion.inverse_dynamics(&mut Dynamics::new(robot), gravity_m_s2, joints);
+    let mut columns = motion.inverse_dynamics(&mut Dynamics::new(robot), joints);
     for (column, &joint) in columns.iter_mut().zip(joints) {
         let transmission = &robot.chain.joints[joint].transmission;
         let (velocity, acceleration) = (&motion.velocity[joint], &motion.acceleration[joint]);
         for ((sum, v), a) in column.iter_mut().zip(velocity).zip(acceleration) {
             *sum += transmission.rotor_inertia * a + transmission.dry_friction * sign(*v);
         }
+        *column = filter.zero_phase(column);
     }
     columns
 }
 
-/// The measured drive forces through `filter`, which reaches `reach` samples far.
+/// The measured drive forces through `filter`. A gap spoils the samples within a period of the cutoff.
 fn filtered(
     measured: &Measured,
     robot: &Robot,
     joints: &[usize],
     filter: &Butterworth,
-    reach: usize,
+    cutoff_hz: f64,
 ) -> Measured {
+    let reach = (measured.rate_hz() / cutoff_hz).ceil() as usize;
     let mut channels = Vec::new();
     for &joint in joints {
         let name = joint_channel(robot, joint, JointQuantity::Drive);

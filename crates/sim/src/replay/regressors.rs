@@ -1,6 +1,6 @@
 //! Columns that drive forces are linear in, filtered once.
 
-use super::inverse::{Motion, sign};
+use super::motion::{Motion, sign};
 use nalgebra::{Matrix3, Vector3};
 use truecut_arm::{Dynamics, Robot};
 use truecut_recording::filter::Butterworth;
@@ -57,21 +57,21 @@ impl JointRegressors {
     }
 }
 
-/// Columns of a body fixed to the last link, for each of its ten inertial parameters about that link's origin:
+/// Columns of a body fixed to one link, for each of its ten inertial parameters about that link's origin:
 /// mass, three first moments, and the inertia's xx, yy, zz, xy, xz, yz.
 #[derive(Debug, Clone)]
 pub(super) struct BodyRegressors {
     /// `[parameter][joint][sample]`.
-    columns: Vec<Vec<Vec<f64>>>,
+    pub columns: Vec<Vec<Vec<f64>>>,
 }
 
 impl BodyRegressors {
     pub fn new(
         robot: &Robot,
-        motion: &Motion<'_>,
-        gravity_m_s2: &Vector3<f64>,
+        motion: &Motion,
         joints: &[usize],
         filter: &Butterworth,
+        link: usize,
     ) -> BodyRegressors {
         let mut bare = robot.clone();
         for link in &mut bare.chain.links {
@@ -80,12 +80,11 @@ impl BodyRegressors {
         }
         let run = |mass: f64, center: Vector3<f64>, inertia: Matrix3<f64>| {
             let mut robot = bare.clone();
-            if let Some(last) = robot.chain.links.last_mut() {
-                last.mass_kg = mass;
-                last.com_m = center;
-                last.inertia_about_com_kg_m2 = inertia;
-            }
-            motion.inverse_dynamics(&mut Dynamics::new(&robot), gravity_m_s2, joints)
+            let body = &mut robot.chain.links[link];
+            body.mass_kg = mass;
+            body.com_m = center;
+            body.inertia_about_com_kg_m2 = inertia;
+            motion.inverse_dynamics(&mut Dynamics::new(&robot), joints)
         };
         let zero = Matrix3::zeros();
         let mut columns = vec![run(1.0, Vector3::zeros(), zero)];
@@ -114,7 +113,7 @@ impl BodyRegressors {
         BodyRegressors { columns }
     }
 
-    /// Adds a mass at `center_m` in the last link's frame.
+    /// Adds a mass at `center_m` in the link's frame.
     pub fn add_point_mass(&self, mass_kg: f64, center_m: &Vector3<f64>, columns: &mut [Vec<f64>]) {
         let cross = center_m.cross_matrix();
         let inertia = -cross * cross;
