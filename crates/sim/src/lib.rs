@@ -6,7 +6,7 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
-//! | [`plant`] | what the loads act on: the arm in rapier, its drives |
+//! | [`plant`] | what the loads act on: the arm in rapier, or linearised and exactly stepped; its drives |
 //! | [`process`] | what the tool does: chamfering, a wheel on a plate, given forces |
 //! | [`loads`] | what a process may ask for |
 //! | [`measurement`] | what a sensor makes of a channel |

@@ -148,16 +148,38 @@ fn product(m: &DMatrix<f64>, x: &DVector<f64>, out: &mut DVector<f64>) {
     add_product(m, x, out);
 }
 
-/// `out += m x`, column by column: for matrices this small the general routine's overhead would double the
-/// cost.
-fn add_product(m: &DMatrix<f64>, x: &DVector<f64>, out: &mut DVector<f64>) {
-    let n = out.len();
-    let out = out.as_mut_slice();
-    for (column, factor) in m.as_slice().chunks_exact(n).zip(x.iter()) {
-        for (o, c) in out.iter_mut().zip(column) {
-            *o += c * factor;
+/// `out += m x`, column by column: for matrices this small a general routine's overhead would double the
+/// cost. Usual sizes are known to the compiler; all give the same sums in the same order.
+pub(super) fn add_product(m: &DMatrix<f64>, x: &DVector<f64>, out: &mut DVector<f64>) {
+    let (m, x, out) = (m.as_slice(), x.as_slice(), out.as_mut_slice());
+    match out.len() {
+        1 => add_fixed::<1>(m, x, out),
+        2 => add_fixed::<2>(m, x, out),
+        3 => add_fixed::<3>(m, x, out),
+        6 => add_fixed::<6>(m, x, out),
+        7 => add_fixed::<7>(m, x, out),
+        n => {
+            for (column, factor) in m.chunks_exact(n).zip(x) {
+                for (o, c) in out.iter_mut().zip(column) {
+                    *o += c * factor;
+                }
+            }
         }
     }
+}
+
+fn add_fixed<const N: usize>(m: &[f64], x: &[f64], out: &mut [f64]) {
+    let (columns, _) = m.as_chunks::<N>();
+    let (Some(x), Some(out)) = (x.first_chunk::<N>(), out.first_chunk_mut::<N>()) else {
+        return;
+    };
+    let mut sum = *out;
+    for (column, factor) in columns.iter().zip(x) {
+        for i in 0..N {
+            sum[i] += column[i] * factor;
+        }
+    }
+    *out = sum;
 }
 
 #[cfg(test)]

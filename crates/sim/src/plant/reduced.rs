@@ -17,6 +17,7 @@
 //! by [`RENEWAL_RAD`].
 
 use super::linear::{Arm, Linear};
+use super::recurrence::add_product;
 use super::{Command, Drive, DriveKind, FrameState, JointState, Plant, WorldWrench};
 use crate::loads::Attachment;
 use nalgebra::{DVector, Isometry3, Quaternion, UnitQuaternion, Vector3};
@@ -44,10 +45,14 @@ pub struct ReducedPlant {
     force: DVector<f64>,
     /// Velocities of the motors at this instant, with which the recurrence's axes are carried along.
     carried: DVector<f64>,
+    /// Distance from the posture of the linearisation.
+    shift: DVector<f64>,
+    bias: DVector<f64>,
     free: DVector<f64>,
     free_is_known: bool,
     velocity: DVector<f64>,
     predicted: DVector<f64>,
+    momentum: DVector<f64>,
     scratch: DVector<f64>,
     explicit: Vec<f64>,
     started: bool,
@@ -79,9 +84,12 @@ impl ReducedPlant {
             mean: zeros.clone(),
             force: zeros.clone(),
             carried: zeros.clone(),
+            shift: zeros.clone(),
+            bias: linear.gravity_torque.clone(),
             free: zeros.clone(),
             velocity: zeros.clone(),
             predicted: zeros.clone(),
+            momentum: zeros.clone(),
             scratch: zeros,
             explicit: vec![0.0; n],
             free_is_known: false,
@@ -113,26 +121,18 @@ impl ReducedPlant {
         )
     }
 
-    /// Torques of gravity and, for a travelling arm, of velocity products; left in `scratch`.
-    fn bias(&mut self) {
+    /// Torques of gravity and, for a travelling arm, of velocity products.
+    fn update_bias(&mut self) {
         if self.travels {
             self.arm.dynamics.bias_into(
                 &self.joints.position,
                 &self.joints.velocity,
                 &self.arm.gravity_m_s2,
-                self.scratch.as_mut_slice(),
+                self.bias.as_mut_slice(),
             );
-            return;
-        }
-        let linear = &self.linear;
-        self.scratch.copy_from(&linear.gravity_torque);
-        let columns = linear.gravity_stiffness.as_slice();
-        let n = self.joints.position.len();
-        for (i, column) in columns.chunks_exact(n).enumerate() {
-            let x = self.joints.position[i] - linear.posture[i];
-            for (s, c) in self.scratch.iter_mut().zip(column) {
-                *s += c * x;
-            }
+        } else {
+            self.bias.copy_from(&self.linear.gravity_torque);
+            add_product(&self.linear.gravity_stiffness, &self.shift, &mut self.bias);
         }
     }
 
@@ -178,10 +178,9 @@ impl ReducedPlant {
             (&mut self.foot, &linear.foot),
         ] {
             let (mut shift, mut turn) = (Vector3::zeros(), Vector3::zeros());
-            let joints = self.joints.position.iter().zip(linear.posture.iter());
-            for ((q, q0), column) in joints.zip(at.jacobian.column_iter()) {
-                shift += column.fixed_rows::<3>(0) * (q - q0);
-                turn += column.fixed_rows::<3>(3) * (q - q0);
+            for (x, column) in self.shift.iter().zip(at.jacobian.column_iter()) {
+                shift += column.fixed_rows::<3>(0) * *x;
+                turn += column.fixed_rows::<3>(3) * *x;
             }
             let pose = &mut state.world_from_frame;
             pose.translation.vector = at.world_from_frame.translation.vector + shift;
@@ -236,12 +235,11 @@ impl Plant for ReducedPlant {
     fn begin(&mut self, command: Command<'_>, wrenches: &[WorldWrench]) {
         self.drive
             .evaluate(command, &mut self.joints, &mut self.explicit);
-        self.bias();
         let mut force = std::mem::replace(&mut self.force, DVector::zeros(0));
         for i in 0..force.len() {
             let carried = self.joints.motor_velocity[i];
             self.carried[i] = carried;
-            force[i] = self.explicit[i] - self.drive.damping(i) * carried - self.scratch[i];
+            force[i] = self.explicit[i] - self.drive.damping(i) * carried - self.bias[i];
         }
         self.add_wrenches(wrenches, &mut force);
         self.force = force;
@@ -311,6 +309,9 @@ impl Plant for ReducedPlant {
         if self.travels {
             self.renew();
         }
+        self.shift.copy_from_slice(&self.joints.position);
+        self.shift -= &self.linear.posture;
+        self.update_bias();
         self.update_frames();
     }
 
@@ -321,21 +322,14 @@ impl Plant for ReducedPlant {
             let energy = self.arm.dynamics.energy(q, v, &self.arm.gravity_m_s2);
             return (energy.kinetic_j + rotors, energy.potential_j + elastic);
         }
-        let linear = &self.linear;
-        let n = q.len();
-        let (mut kinetic, mut potential) = (0.0, linear.gravity_j);
-        let mass = linear.mass.as_slice().chunks_exact(n);
-        let gravity = linear.gravity_stiffness.as_slice().chunks_exact(n);
-        for (j, (mass, gravity)) in mass.zip(gravity).enumerate() {
-            let x = q[j] - linear.posture[j];
-            let (mut momentum, mut torque) = (0.0, 2.0 * linear.gravity_torque[j]);
-            for i in 0..n {
-                momentum += mass[i] * v[i];
-                torque += gravity[i] * (q[i] - linear.posture[i]);
-            }
-            kinetic += 0.5 * momentum * v[j];
-            potential += 0.5 * torque * x;
-        }
+        let velocity = &mut self.scratch;
+        velocity.copy_from_slice(v);
+        self.momentum.fill(0.0);
+        add_product(&self.linear.mass, velocity, &mut self.momentum);
+        let kinetic = 0.5 * self.momentum.dot(velocity);
+        // Between posture and shift the torque of gravity has grown linearly.
+        let work = self.linear.gravity_torque.dot(&self.shift) + self.bias.dot(&self.shift);
+        let potential = self.linear.gravity_j + 0.5 * work;
         (kinetic + rotors, potential + elastic)
     }
 
