@@ -1,10 +1,11 @@
 //! What a simulation gets wrong against measured data.
 //!
-//! [`stats`] holds what its comparisons rest on: statistics
+//! [`compare`] says how they differ, before any cause; [`stats`] holds what it rests on: statistics
 //! that stay right when the noise is coloured.
 
 #![warn(missing_docs)]
 
+pub mod compare;
 pub mod stats;
 
 #[cfg(test)]
