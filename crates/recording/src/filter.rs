@@ -132,3 +132,103 @@ pub fn differentiate(values: &[f64], interval_s: f64) -> Vec<f64> {
     slope.push(-end(values[n - 1], values[n - 2], values[n - 3]));
     slope
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn signal() -> Vec<f64> {
+        (0..60)
+            .map(f64::from)
+            .map(|k| (0.05 * k).sin() + 0.3 * (0.7 * k).sin() + 0.01 * k)
+            .collect()
+    }
+
+    /// SciPy 1.17: `sosfiltfilt(butter(order, cutoff, fs=rate, output="sos"), x)` at five samples.
+    #[test]
+    fn verify_zero_phase_filter_is_that_of_scipy() {
+        let places = [0, 1, 17, 40, 59];
+        let cases = [
+            (
+                (4, 50.0, 1000.0),
+                [
+                    0.004020759608609758,
+                    0.06783412680252454,
+                    0.9184695339691136,
+                    1.302029982511982,
+                    0.6312427102143889,
+                ],
+            ),
+            (
+                (3, 120.0, 1000.0),
+                [
+                    0.0011141094246735206,
+                    0.18058880647935263,
+                    0.8063948508818768,
+                    1.3596506178833723,
+                    0.6505836227245015,
+                ],
+            ),
+            (
+                (2, 5.0, 100.0),
+                [
+                    -0.009020298595655871,
+                    0.05726452198035464,
+                    0.9148224101743879,
+                    1.3123746347008591,
+                    0.6376098370589761,
+                ],
+            ),
+            (
+                (1, 10.0, 100.0),
+                [
+                    0.0013961713255849564,
+                    0.1458316829567513,
+                    0.834880504147379,
+                    1.3398707758241857,
+                    0.6462079067494862,
+                ],
+            ),
+        ];
+        for ((order, cutoff, rate), expected) in cases {
+            let got = Butterworth::low_pass(order, cutoff, rate).zero_phase(&signal());
+            for (place, expected) in places.iter().zip(expected) {
+                assert!(
+                    (got[*place] - expected).abs() < 1e-12,
+                    "order {order} at {place}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn verify_gain_at_the_cutoff_is_a_half_without_delay() {
+        let (rate, cutoff) = (1000.0, 20.0);
+        let wave = |k: usize| (std::f64::consts::TAU * cutoff * k as f64 / rate).sin();
+        let values: Vec<f64> = (0..4000).map(wave).collect();
+        let smooth = Butterworth::low_pass(4, cutoff, rate).zero_phase(&values);
+        for k in 1000..3000 {
+            assert!((smooth[k] - 0.5 * values[k]).abs() < 1e-9, "{k}");
+        }
+    }
+
+    #[test]
+    fn a_cutoff_beyond_half_the_rate_changes_nothing() {
+        let filter = Butterworth::low_pass(4, 600.0, 1000.0);
+        assert_eq!(filter.zero_phase(&signal()), signal());
+        assert_eq!(
+            Butterworth::low_pass(4, 50.0, 1000.0).zero_phase(&[2.0]),
+            [2.0]
+        );
+    }
+
+    #[test]
+    fn verify_derivative_of_a_parabola_is_exact_everywhere() {
+        let values: Vec<f64> = (0..9).map(|k| 0.5 * f64::from(k * k)).collect();
+        for (k, slope) in differentiate(&values, 0.5).iter().enumerate() {
+            assert!((slope - 2.0 * k as f64).abs() < 1e-12, "{k}");
+        }
+        assert_eq!(differentiate(&[1.0], 0.5), [0.0]);
+        assert_eq!(differentiate(&[1.0, 2.0], 0.5), [2.0, 2.0]);
+    }
+}

@@ -84,7 +84,9 @@ fn times(table: &Table, mapping: &Mapping) -> Result<(Vec<usize>, Vec<f64>), Dat
             return fail(row, message);
         }
         before = Some(t);
-        if (mapping.window_s[0]..=mapping.window_s[1]).contains(&t) {
+        // Times are rounded; the ends belong to the window.
+        let slack = 1e-9 * (1.0 + t.abs());
+        if t >= mapping.window_s[0] - slack && t <= mapping.window_s[1] + slack {
             rows.push(row);
             time_s.push(t);
         }

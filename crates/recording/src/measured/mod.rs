@@ -8,7 +8,8 @@ mod columns;
 mod error;
 mod resample;
 mod table;
-
+#[cfg(test)]
+mod tests;
 
 pub use columns::measured;
 pub use error::DataError;

@@ -10,6 +10,8 @@ const ANTI_ALIAS_ORDER: usize = 4;
 const ANTI_ALIAS_SHARE: f64 = 0.4;
 /// A channel counts as faster than the result from this ratio of rates on.
 const FASTER: f64 = 1.2;
+/// Share of an interval within which two times are the same.
+const SLACK: f64 = 1e-6;
 /// Most samples of a result.
 const MOST_SAMPLES: f64 = 2e7;
 
@@ -40,25 +42,24 @@ impl Series {
     }
 
     /// Value at `t` on the line between the samples around it, and whether they are at most `max_gap_s`
-    /// apart. `from` remembers the place between calls with rising times.
-    fn at(&self, t: f64, max_gap_s: f64, from: &mut usize) -> (f64, bool) {
+    /// apart. A time within `slack_s` of a sample is that sample's: times are rounded. `from` remembers the
+    /// place between calls with rising times.
+    fn at(&self, t: f64, max_gap_s: f64, slack_s: f64, from: &mut usize) -> (f64, bool) {
         let last = self.time_s.len() - 1;
-        while *from + 1 < last && self.time_s[*from + 1] <= t {
+        while *from + 1 < last && self.time_s[*from + 1] <= t + slack_s {
             *from += 1;
         }
         let (a, b) = (*from, *from + 1);
         let (t0, t1) = (self.time_s[a], self.time_s[b]);
         let (y0, y1) = (self.values[a], self.values[b]);
-        if t == t0 || t <= self.time_s[0] {
+        if t <= t0 + slack_s {
             return (y0, t0 - t <= max_gap_s);
         }
-        if t >= t1 {
+        if t >= t1 - slack_s {
             return (y1, t - t1 <= max_gap_s);
         }
-        (
-            y0 + (y1 - y0) * ((t - t0) / (t1 - t0)),
-            t1 - t0 <= max_gap_s,
-        )
+        let part = (t - t0) / (t1 - t0);
+        (y0 + (y1 - y0) * part, t1 - t0 <= max_gap_s)
     }
 }
 
@@ -192,7 +193,15 @@ fn on_grid(
     max_gap_s: f64,
 ) -> (Vec<f64>, Vec<bool>) {
     let mut from = 0;
+    let slack_s = SLACK * interval_s;
     (0..samples)
-        .map(|k| series.at(start_s + k as f64 * interval_s, max_gap_s, &mut from))
+        .map(|k| {
+            series.at(
+                start_s + k as f64 * interval_s,
+                max_gap_s,
+                slack_s,
+                &mut from,
+            )
+        })
         .unzip()
 }
