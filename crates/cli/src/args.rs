@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use truecut_discrepancy::diagnose::Options;
 use truecut_scenario::Scenario;
 
+use crate::diagnose;
 use crate::failure::Failure;
 use crate::find::find_scenarios;
 
@@ -31,6 +33,8 @@ pub enum Command {
     ExportMjcf(ExportArguments),
     /// Run scenarios here and in MuJoCo, and compare the recordings
     Crosscheck(CrosscheckArguments),
+    /// Find what the simulation gets wrong about measured data, name the cause, and extend the scenario
+    Diagnose(DiagnoseArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
     Robot(RobotArguments),
     /// Print the JSON Schema of the scenario file
@@ -109,6 +113,23 @@ pub struct CrosscheckArguments {
 }
 
 #[derive(Debug, Args)]
+pub struct DiagnoseArguments {
+    /// Scenario file with a [data] table
+    scenario: PathBuf,
+    /// Measured data (.csv or .parquet) [default: the file that the scenario names]
+    #[arg(long, value_name = "FILE")]
+    data: Option<PathBuf>,
+    /// Folder for outputs; the scenario gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Most simulations that the search may make
+    #[arg(long, value_name = "N")]
+    max_runs: Option<std::num::NonZeroUsize>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Args)]
 pub struct RobotArguments {
     /// URDF file
     pub urdf: PathBuf,
@@ -153,6 +174,23 @@ impl RunArguments {
             scenarios,
             out: self.out,
             rrd: !self.no_rrd,
+        })
+    }
+}
+
+impl DiagnoseArguments {
+    /// Loads the scenario.
+    pub fn resolve(self) -> Result<diagnose::Plan, Failure> {
+        self.common.use_jobs()?;
+        let mut options = Options::default();
+        if let Some(runs) = self.max_runs {
+            options.max_predictions = runs.get();
+        }
+        Ok(diagnose::Plan {
+            scenario: Scenario::load(&self.scenario, &self.common.set)?,
+            data: self.data,
+            out: self.out,
+            options,
         })
     }
 }

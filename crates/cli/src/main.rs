@@ -3,10 +3,12 @@
 mod args;
 mod check;
 mod crosscheck;
+mod diagnose;
 mod execute;
 mod failure;
 mod find;
 mod judge;
+mod measured;
 mod mjcf;
 mod outputs;
 mod progress;
@@ -48,6 +50,7 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
         Command::View(arguments) => view::view(&arguments),
         Command::ExportMjcf(arguments) => mjcf::export(&arguments),
         Command::Crosscheck(arguments) => crosscheck::crosscheck(&arguments.resolve()?),
+        Command::Diagnose(arguments) => diagnose::diagnose(&arguments.resolve()?),
         Command::Robot(arguments) => robot::describe(&arguments),
         Command::Schema => print(&format!(
             "{:#}\n",

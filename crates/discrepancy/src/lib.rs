@@ -2,13 +2,15 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
+//! | [`compare`] | how they differ, before any cause |
 //! | [`diagnose`] | the search for effects that explain measured data |
 //! | [`model`] | what that search needs of a simulation |
 //! | [`trial`] | a scenario and its data as such a model |
-//! | [`stats`] | statistics that hold for coloured noise |
+//! | [`stats`] | statistics that stay right when the noise is coloured |
 
 #![warn(missing_docs)]
 
+pub mod compare;
 pub mod diagnose;
 pub mod model;
 pub mod stats;

@@ -11,7 +11,6 @@ pub enum Colour {
     /// First order, with this coefficient.
     Ar1(f64),
     /// Power density as 1/f over all frequencies of the record, and a decade below its lowest.
-    #[allow(dead_code)]
     Pink,
 }
 

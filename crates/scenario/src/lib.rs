@@ -56,6 +56,7 @@ mod load;
 mod metric;
 mod overwrite;
 mod process;
+mod relocate;
 mod replay;
 mod robot;
 mod run;

@@ -15,6 +15,7 @@ use crate::effect::table::{self, EffectTable};
 use crate::effect::{Effect, text};
 use crate::error::{Problem, ScenarioError};
 use crate::process::{ProcessSpec, ProcessTable};
+use crate::relocate;
 use crate::robot::{RobotSpec, RobotTable};
 use crate::run::{RunSpec, RunTable};
 use crate::schema;
@@ -195,6 +196,19 @@ impl Scenario {
     /// its keys, or if it did not come from a file.
     pub fn effect_is_rotary(&self, index: usize) -> Option<bool> {
         self.effect_is_rotary.get(index).copied().flatten()
+    }
+
+    /// The number that the scenario gives for a dotted key, in the key's own unit; `None` if it gives none.
+    pub fn number(&self, key: &str) -> Option<f64> {
+        self.document.number(key)
+    }
+
+    /// As [`Scenario::extended_text`], for a file in `folder`: relative paths lead from there to the same files.
+    pub fn text_for_folder(&self, folder: &Path, effects: &[Effect], rotary: &[bool]) -> String {
+        let mut document = self.document.effective_document().clone();
+        text::write(&mut document, effects, rotary);
+        relocate::relocate(&mut document, &self.folder(), folder);
+        document.to_string()
     }
 
     /// Whether the scenario gives a value for the dotted key, rather than leaving it to its default.

@@ -7,8 +7,8 @@ use crate::loads::{Attachment, Wrench};
 use crate::measurement::ChannelModel;
 use crate::plant::{Drive, DriveKind, JointLaw};
 use crate::process::Process;
-use crate::robots::Robots;
 use crate::replay::forward::ForwardInputs;
+use crate::robots::Robots;
 use crate::scene::Workpiece;
 use crate::step_size::{self, Scheme};
 use crate::translate::build_process;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 use truecut_arm::{FrameId, JointKind, Load, Robot};
 use truecut_core::joint_law::LinkFriction;
 use truecut_recording::{Measured, Scalar, Unit};
-use truecut_scenario::{Drive as DriveSpec, RobotSpec, Scenario};
+use truecut_scenario::{Drive as DriveSpec, RobotSpec, RunSpec, Scenario};
 
 /// A scenario resolved against its robot, before any engine is built.
 pub(crate) struct Prepared {
@@ -76,7 +76,14 @@ impl Prepared {
                 Box::new(replay.process()) as Box<dyn Process>,
                 Workpiece::None,
             ),
-            None => build_process(scenario, &nominal, kind, &posture, &world_from_process, &effects)?,
+            None => build_process(
+                scenario,
+                &nominal,
+                kind,
+                &posture,
+                &world_from_process,
+                &effects,
+            )?,
         };
         let duration_s =
             (replay.as_ref()).map_or(scenario.run.duration_s, ForwardInputs::duration_s);
@@ -135,7 +142,11 @@ impl Prepared {
                 kind == DriveKind::Servo,
             )?),
         };
-        let dt_s = step_size::choose(scheme, &scenario.run, fastest, process.as_ref())?;
+        let run = RunSpec {
+            duration_s,
+            ..scenario.run
+        };
+        let dt_s = step_size::choose(scheme, &run, fastest, process.as_ref())?;
         let notes = robot.chain.notes.clone();
         Ok(Self {
             robot: Arc::new(robot),

@@ -203,6 +203,17 @@ impl Cell {
         &self.channels
     }
 
+    /// The column of a channel.
+    ///
+    /// # Errors
+    /// A channel that is not there; the nearest one is named.
+    pub fn channel_index(&self, name: &str) -> Result<usize, SimError> {
+        (self.channels.iter().position(|spec| spec.name == name)).ok_or_else(|| {
+            let known = self.channels.iter().map(|spec| spec.name.as_str());
+            SimError::scenario("data", UnknownName::new("channel", name, known).to_string())
+        })
+    }
+
     /// Rows that a run to the end has.
     pub fn rows(&self) -> usize {
         self.steps / self.steps_per_row + 1

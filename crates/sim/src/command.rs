@@ -56,7 +56,9 @@ impl JointCommand {
             Self::Hold(posture) => std::slice::from_mut(posture),
             Self::Along(path) => &mut path.knots,
             Self::Replay(samples) => {
-                samples.forces.splice(0..0, std::iter::repeat_n(None, count));
+                samples
+                    .forces
+                    .splice(0..0, std::iter::repeat_n(None, count));
                 &mut samples.postures
             }
         };

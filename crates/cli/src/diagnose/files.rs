@@ -54,7 +54,10 @@ pub fn write(plan: &Plan, trial: &Trial, confirmed: &Confirmed) -> Result<Writte
         let text = varied.text_for_folder(&folder, &[], &trial.rotary());
         write_file(&folder.join(EXPERIMENT), text.as_bytes())?;
     }
-    write_file(&folder.join(REPORT), report::html(trial, confirmed).as_bytes())?;
+    write_file(
+        &folder.join(REPORT),
+        report::html(trial, confirmed).as_bytes(),
+    )?;
     curves(trial, confirmed, &folder.join(VIEWER))?;
     // Last: whoever finds it finds the others, too.
     write_file(&folder.join(ANSWER), &json(&answer.diagnosis)?)?;
@@ -114,7 +117,10 @@ fn curves(trial: &Trial, confirmed: &Confirmed, path: &Path) -> Result<(), Failu
         for (what, values) in columns {
             let name = format!("{}.{what}", spec.name);
             let text = format!("{}: {}", spec.description, what.replace('_', " of "));
-            recording.header.channels.push(ChannelSpec::new(name, spec.unit, text));
+            recording
+                .header
+                .channels
+                .push(ChannelSpec::new(name, spec.unit, text));
             recording.columns.push(values);
         }
     }

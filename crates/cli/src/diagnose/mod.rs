@@ -43,8 +43,10 @@ pub fn diagnose(plan: &Plan) -> Result<Verdict, Failure> {
     let data = measured::load(scenario, plan.data.as_deref())?;
     let trial = Trial::new(scenario, &data).map_err(|error| Failure::sim(scenario, error))?;
     let bar = Bar::new(plan.options.max_predictions);
-    let answer = diagnose::diagnose(&trial, &trial.observation, &plan.options, &|now| bar.show(now))
-        .map_err(|error| refused(scenario, &data.source, error))?;
+    let answer = diagnose::diagnose(&trial, &trial.observation, &plan.options, &|now| {
+        bar.show(now)
+    })
+    .map_err(|error| refused(scenario, &data.source, error))?;
     bar.end();
     let confirmed = confirm(&trial, answer);
     let written = files::write(plan, &trial, &confirmed)?;
@@ -58,7 +60,11 @@ fn confirm(trial: &Trial, mut answer: Answer) -> Confirmed {
     let nominal = trial.confirm(&before, &[]);
     let extended = trial.confirm(&answer.nominal, &answer.effects);
     let failures = [nominal.as_ref().err(), extended.as_ref().err()];
-    let failure = failures.into_iter().flatten().next().map(ToString::to_string);
+    let failure = failures
+        .into_iter()
+        .flatten()
+        .next()
+        .map(ToString::to_string);
     let nominal = nominal.unwrap_or_else(|_| answer.before.clone());
     let extended = extended.unwrap_or_else(|_| answer.after.clone());
     if failure.is_none() {
@@ -78,7 +84,9 @@ fn score(trial: &Trial, answer: &mut Answer, nominal: &Columns, extended: &Colum
         let measured = &trial.observation.outputs[index].values;
         let rows = &answer.test_rows[index];
         let rms = |column: &[f64]| {
-            let squares = rows.iter().map(|&row| (measured[row] - column[row]).powi(2));
+            let squares = rows
+                .iter()
+                .map(|&row| (measured[row] - column[row]).powi(2));
             (squares.sum::<f64>() / rows.len().max(1) as f64).sqrt()
         };
         if let Some(errors) = answer.diagnosis.channels.get_mut(&spec.name) {
@@ -90,7 +98,10 @@ fn score(trial: &Trial, answer: &mut Answer, nominal: &Columns, extended: &Colum
 
 fn refused(scenario: &Scenario, source: &str, error: DiagnoseError) -> Failure {
     let text = format!("{source}: {error}");
-    Failure::with_help(text, format!("for the scenario {}", scenario.path().display()))
+    Failure::with_help(
+        text,
+        format!("for the scenario {}", scenario.path().display()),
+    )
 }
 
 /// Progress on standard error, once the work takes more than two seconds.
@@ -101,11 +112,10 @@ struct Bar {
 
 impl Bar {
     fn new(predictions: usize) -> Bar {
-        let bar = ProgressBar::with_draw_target(
-            Some(predictions as u64),
-            ProgressDrawTarget::hidden(),
-        );
-        if let Ok(style) = ProgressStyle::with_template("{msg:32} {wide_bar} {pos} runs  {elapsed}") {
+        let bar =
+            ProgressBar::with_draw_target(Some(predictions as u64), ProgressDrawTarget::hidden());
+        if let Ok(style) = ProgressStyle::with_template("{msg:32} {wide_bar} {pos} runs  {elapsed}")
+        {
             bar.set_style(style);
         }
         Bar {

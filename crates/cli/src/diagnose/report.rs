@@ -49,7 +49,11 @@ fn causes(diagnosis: &Diagnosis) -> String {
     let row = |cause: &Cause| {
         let parameters: Vec<String> = (cause.parameters.iter())
             .map(|(key, parameter)| {
-                format!("{} = {}", escape(key), escape(&telling::estimate(parameter)))
+                format!(
+                    "{} = {}",
+                    escape(key),
+                    escape(&telling::estimate(parameter))
+                )
             })
             .collect();
         vec![
@@ -63,7 +67,11 @@ fn causes(diagnosis: &Diagnosis) -> String {
         ]
     };
     let rows: Vec<Vec<String>> = diagnosis.causes.iter().map(row).collect();
-    let mut text = table("Causes", &["cause", "size (95 % interval)", "evidence"], &rows);
+    let mut text = table(
+        "Causes",
+        &["cause", "size (95 % interval)", "evidence"],
+        &rows,
+    );
     let nominal: Vec<Vec<String>> = (diagnosis.nominal.iter())
         .map(|one| {
             vec![
@@ -73,7 +81,11 @@ fn causes(diagnosis: &Diagnosis) -> String {
             ]
         })
         .collect();
-    text.push_str(&table("Nominal values refitted", &["key", "before", "after"], &nominal));
+    text.push_str(&table(
+        "Nominal values refitted",
+        &["key", "before", "after"],
+        &nominal,
+    ));
     text
 }
 
@@ -92,7 +104,11 @@ fn others(diagnosis: &Diagnosis) -> String {
             ]
         })
         .collect();
-    let head = ["explanation", "angle between signatures", "standard errors behind"];
+    let head = [
+        "explanation",
+        "angle between signatures",
+        "standard errors behind",
+    ];
     let mut text = table("Other explanations", &head, &rows);
     let rows: Vec<Vec<String>> = (diagnosis.experiments.iter())
         .map(|one| {
@@ -112,13 +128,25 @@ fn gain(diagnosis: &Diagnosis) -> String {
     let rows: Vec<Vec<String>> = (diagnosis.channels.iter())
         .map(|(channel, errors)| {
             let mut row = vec![escape(channel)];
-            let values = [errors.before, errors.refitted, errors.after, errors.noise_floor];
+            let values = [
+                errors.before,
+                errors.refitted,
+                errors.after,
+                errors.noise_floor,
+            ];
             row.extend(values.map(|value| significant(value, 4)));
             row.push(escape(&errors.unit));
             row
         })
         .collect();
-    let head = ["channel", "nominal", "refitted", "extended", "noise floor", "unit"];
+    let head = [
+        "channel",
+        "nominal",
+        "refitted",
+        "extended",
+        "noise floor",
+        "unit",
+    ];
     let mut text = table("Error on data kept back (root mean square)", &head, &rows);
     let _ = writeln!(
         text,
@@ -144,7 +172,11 @@ fn seen(diagnosis: &Diagnosis) -> String {
         })
         .collect();
     let head = ["effect", "parameter", "smallest size"];
-    table("The smallest effects that these data would have shown", &head, &rows)
+    table(
+        "The smallest effects that these data would have shown",
+        &head,
+        &rows,
+    )
 }
 
 fn notes(trial: &Trial, confirmed: &Confirmed) -> String {
@@ -162,7 +194,10 @@ fn notes(trial: &Trial, confirmed: &Confirmed) -> String {
         )
     });
     let failed = diagnosis.fits.iter().filter(|fit| !fit.converged).count();
-    let fits = format!("{} fits, {failed} of them did not converge.", diagnosis.fits.len());
+    let fits = format!(
+        "{} fits, {failed} of them did not converge.",
+        diagnosis.fits.len()
+    );
     let work = format!(
         "{} simulations in {} s.",
         diagnosis.work.predictions,
@@ -180,7 +215,10 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
     let spec = &trial.channels()[index];
     let output = &trial.observation.outputs[index];
     let time_s = &trial.observation.time_s;
-    let size = output.values.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+    let size = output
+        .values
+        .iter()
+        .fold(0.0_f64, |size, value| size.max(value.abs()));
     let unit = reading_unit(spec.unit, size);
     let (nominal, extended) = (&confirmed.nominal[index], &confirmed.extended[index]);
     let curve = |label: &str, value: &dyn Fn(usize) -> f64, unit: truecut_recording::UserUnit| {
@@ -194,9 +232,11 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
         }
     };
     let measured = |row: usize| output.values[row];
-    let worst = (0..time_s.len()).filter(|row| output.valid[*row]).fold(0.0_f64, |worst, row| {
-        worst.max((measured(row) - nominal[row]).abs())
-    });
+    let worst = (0..time_s.len())
+        .filter(|row| output.valid[*row])
+        .fold(0.0_f64, |worst, row| {
+            worst.max((measured(row) - nominal[row]).abs())
+        });
     let small = reading_unit(spec.unit, worst);
     let overlay = Chart {
         x_label: "time [s]".to_owned(),
@@ -211,7 +251,11 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
         x_label: "time [s]".to_owned(),
         y_label: format!("measured less simulated [{}]", small.symbol),
         curves: vec![
-            curve("less nominal", &|row| measured(row) - nominal[row], small.clone()),
+            curve(
+                "less nominal",
+                &|row| measured(row) - nominal[row],
+                small.clone(),
+            ),
             curve("less extended", &|row| measured(row) - extended[row], small),
         ],
     };
@@ -253,5 +297,7 @@ fn table(title: &str, head: &[&str], rows: &[Vec<String>]) -> String {
 }
 
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
 }

@@ -45,7 +45,10 @@ pub fn estimate(parameter: &Parameter) -> String {
             number(low),
             number(high)
         ),
-        _ => format!("{}{unit} (not bounded by the data)", number(parameter.value)),
+        _ => format!(
+            "{}{unit} (not bounded by the data)",
+            number(parameter.value)
+        ),
     }
 }
 
@@ -68,7 +71,10 @@ pub fn tell(trial: &Trial, confirmed: &Confirmed, written: &Written) -> String {
     text.push_str(&rest(confirmed));
     text.push_str(&format!("\n  {}", written.report.display()));
     if let Some(extended) = &written.extended {
-        text.push_str(&format!("   (the extended scenario: {})", extended.display()));
+        text.push_str(&format!(
+            "   (the extended scenario: {})",
+            extended.display()
+        ));
     }
     text.push_str("\n\n");
     text
@@ -93,7 +99,11 @@ fn causes(diagnosis: &Diagnosis) -> String {
             estimate(&nominal.after),
         ]);
     }
-    titled("Causes and refitted values (95 % interval)", &[Align::Left; 3], &rows)
+    titled(
+        "Causes and refitted values (95 % interval)",
+        &[Align::Left; 3],
+        &rows,
+    )
 }
 
 fn alternatives(diagnosis: &Diagnosis) -> String {
@@ -150,7 +160,13 @@ fn gain(diagnosis: &Diagnosis) -> String {
         let head = ["", "nominal", "extended", "noise", ""].map(str::to_owned);
         rows.insert(0, head.to_vec());
     }
-    let aligns = [Align::Left, Align::Right, Align::Right, Align::Right, Align::Left];
+    let aligns = [
+        Align::Left,
+        Align::Right,
+        Align::Right,
+        Align::Right,
+        Align::Left,
+    ];
     titled("Error on data kept back (root mean square)", &aligns, &rows)
 }
 

@@ -3,12 +3,12 @@
 //! A typical size is one that changes an output by a tenth or so; the search starts from it and is not bound
 //! to it. It comes from the nominal run: a friction from the drive force, a play from the wind-up.
 
+use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
-use truecut_recording::{ChannelSpec, Recording};
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target, TargetKind};
 use truecut_scenario::{ChamferSpec, ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::facts::RobotFacts;
-use truecut_sim::replay::inverse::InverseModel;
+use truecut_sim::{InverseModel, Rows};
 
 use crate::model::Candidate;
 
@@ -41,17 +41,22 @@ impl Signals {
         scenario: &Scenario,
         measured: &Measured,
         facts: &RobotFacts,
-        nominal: Option<&Recording>,
+        nominal: Option<&Rows>,
     ) -> Signals {
         let column = |name: &str| -> Option<Vec<f64>> {
             let simulated = nominal.and_then(|recording| {
-                let index = recording.header.index_of(name).ok()?;
+                let index = recording
+                    .channels
+                    .iter()
+                    .position(|spec| spec.name == name)?;
                 Some(recording.columns[index].clone())
             });
             simulated.or_else(|| measured.channel(name).ok().map(|one| one.values.clone()))
         };
         let first = |joint: usize, names: &[&str]| {
-            let mut found = names.iter().map(|name| column(&format!("joint{joint}.{name}")));
+            let mut found = names
+                .iter()
+                .map(|name| column(&format!("joint{joint}.{name}")));
             found.find_map(|values| values)
         };
         let interval_s = match nominal {
@@ -62,7 +67,12 @@ impl Signals {
             .map(|(index, joint)| {
                 let number = index + 1;
                 let coordinate = first(number, &["angle", "position"]).unwrap_or_default();
-                let efforts = ["drive_torque", "drive_force", "transmission_torque", "transmission_force"];
+                let efforts = [
+                    "drive_torque",
+                    "drive_force",
+                    "transmission_torque",
+                    "transmission_force",
+                ];
                 JointSignals {
                     rotary: joint.rotary,
                     stiffness: joint.stiffness.map(|k| k * scenario.robot.stiffness_scale),

@@ -75,7 +75,11 @@ pub(super) fn experiments(scenario: &Scenario) -> Vec<Experiment> {
     };
     let variation = |knob: &Knob, factor: f64| {
         let replay = matches!(scenario.process, ProcessSpec::Replay(_));
-        let now = if replay { Some(1.0) } else { scenario.number(knob.key) };
+        let now = if replay {
+            Some(1.0)
+        } else {
+            scenario.number(knob.key)
+        };
         now.map(|now| Experiment {
             description: format!("{} {} instead of {now}", knob.words, factor * now),
             overrides: vec![(knob.key.to_owned(), format!("{:?}", factor * now))],

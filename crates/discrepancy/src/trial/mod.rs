@@ -9,12 +9,11 @@ mod observation;
 mod sampling;
 
 use truecut_recording::measured::Measured;
-use truecut_recording::{ChannelSpec, Outcome, Recording};
+use truecut_recording::{ChannelSpec, Outcome, UnknownName};
 use truecut_scenario::effect::Effect;
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::facts::{RobotFacts, robot_facts};
-use truecut_sim::replay::inverse::InverseModel;
-use truecut_sim::{Engine, SimError};
+use truecut_sim::{Engine, InverseModel, Robots, Rows, SimError, simulate};
 
 use crate::diagnose::Observation;
 use crate::model::{Candidate, Columns, Experiment, Model, NominalParameter, PredictError};
@@ -28,6 +27,7 @@ pub struct Trial {
     nominal: Vec<NominalParameter>,
     candidates: Vec<Candidate>,
     engine: Kind,
+    robots: Robots,
     /// The data as the search sees them.
     pub observation: Observation,
 }
@@ -49,6 +49,7 @@ impl Trial {
     /// Whatever makes the scenario unfit to run with these data; outputs that it does not have.
     pub fn new(scenario: &Scenario, measured: &Measured) -> Result<Trial, SimError> {
         let facts = robot_facts(scenario)?;
+        let robots = Robots::new();
         let nominal: Vec<NominalParameter> = (scenario.uncertain.iter())
             .map(|one| NominalParameter {
                 key: one.key.clone(),
@@ -69,8 +70,8 @@ impl Trial {
                 (kind, None, used)
             }
             _ => {
-                let recording = truecut_sim::simulate(scenario, Some(measured), Engine::Reduced)?;
-                (Kind::Forward, Some(recording), measured.clone())
+                let rows = simulate(scenario, Some(measured), &robots, Engine::Reduced, &[])?;
+                (Kind::Forward, Some(rows), measured.clone())
             }
         };
         let channels = match (&engine, &recording) {
@@ -88,6 +89,7 @@ impl Trial {
             channels,
             nominal,
             engine,
+            robots,
             observation,
         })
     }
@@ -140,18 +142,19 @@ impl Trial {
     }
 
     fn run(&self, scenario: &Scenario, engine: Engine) -> Result<Columns, PredictError> {
-        let recording = truecut_sim::simulate(scenario, Some(&self.measured), engine)
+        let names: Vec<&str> = self
+            .channels
+            .iter()
+            .map(|spec| spec.name.as_str())
+            .collect();
+        let rows = simulate(scenario, Some(&self.measured), &self.robots, engine, &names)
             .map_err(|error| PredictError(error.to_string()))?;
-        if recording.outcome != Outcome::Completed {
-            return Err(PredictError(recording.outcome.to_string()));
+        if rows.outcome != Outcome::Completed {
+            return Err(PredictError(rows.outcome.to_string()));
         }
-        let column = |spec: &ChannelSpec| -> Result<Vec<f64>, PredictError> {
-            let index = (recording.header.index_of(&spec.name))
-                .map_err(|error| PredictError(error.to_string()))?;
-            let values = &recording.columns[index];
-            Ok(sampling::at(&recording.time_s, values, &self.measured.time_s))
-        };
-        self.channels.iter().map(column).collect()
+        let times = &self.measured.time_s;
+        let column = |values: &Vec<f64>| sampling::at(&rows.time_s, values, times);
+        Ok(rows.columns.iter().map(column).collect())
     }
 }
 
@@ -194,9 +197,11 @@ impl Model for Trial {
         nominal: &[f64],
         effects: &[Effect],
     ) -> Result<Columns, PredictError> {
-        let scenario = (self.varied(nominal, effects)?.with_overrides(&experiment.overrides))
-            .and_then(|scenario| scenario.with_effects(effects))
-            .map_err(|error| PredictError(error.to_string()))?;
+        let scenario = (self
+            .varied(nominal, effects)?
+            .with_overrides(&experiment.overrides))
+        .and_then(|scenario| scenario.with_effects(effects))
+        .map_err(|error| PredictError(error.to_string()))?;
         self.run(&scenario, Engine::Reduced)
     }
 }
@@ -212,20 +217,27 @@ fn mode(scenario: &Scenario) -> Option<ReplayMode> {
 fn outputs(
     scenario: &Scenario,
     measured: &Measured,
-    recording: &Recording,
+    rows: &Rows,
 ) -> Result<Vec<ChannelSpec>, SimError> {
     let mapped = |name: &str| {
         let data = scenario.data.as_ref();
         data.and_then(|data| (data.mapping.channels.iter()).position(|one| one.channel == name))
     };
     let key = |name: &str| {
-        mapped(name).map_or_else(|| "data".to_owned(), |i| format!("data.channel.{i}.channel"))
+        mapped(name).map_or_else(
+            || "data".to_owned(),
+            |i| format!("data.channel.{i}.channel"),
+        )
     };
     (measured.outputs())
         .map(|output| {
             let name = &output.spec.name;
-            let simulated = (recording.header.channel(name))
-                .map_err(|error| SimError::scenario(key(name), error.to_string()))?;
+            let known = || rows.channels.iter().map(|spec| spec.name.as_str());
+            let simulated =
+                (rows.channels.iter().find(|spec| spec.name == *name)).ok_or_else(|| {
+                    let error = UnknownName::new("channel", name, known());
+                    SimError::scenario(key(name), error.to_string())
+                })?;
             if simulated.unit != output.spec.unit {
                 let accepted: Vec<&str> = simulated.unit.accepted_symbols().collect();
                 let message = format!(

@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
-use truecut_recording::{ChannelSpec, Recording};
 use truecut_scenario::{ProcessSpec, Scenario};
+use truecut_sim::Rows;
 
 use super::sampling;
 use crate::diagnose::{Observation, Output, Regressor};
@@ -23,7 +24,7 @@ pub(super) fn observation(
     scenario: &Scenario,
     measured: &Measured,
     channels: &[ChannelSpec],
-    nominal: Option<&Recording>,
+    nominal: Option<&Rows>,
 ) -> Observation {
     let outputs = (channels.iter())
         .filter_map(|spec| measured.channel(&spec.name).ok())
@@ -57,12 +58,19 @@ pub(super) fn observation(
             is_angle: true,
         });
     }
-    for recording in nominal {
+    if let Some(recording) = nominal {
         let known = SIGNALS.iter().filter_map(|name| {
-            let index = recording.header.index_of(name).ok()?;
+            let index = recording
+                .channels
+                .iter()
+                .position(|spec| spec.name == **name)?;
             Some(Regressor {
                 name: (*name).to_owned(),
-                values: sampling::at(&recording.time_s, &recording.columns[index], &measured.time_s),
+                values: sampling::at(
+                    &recording.time_s,
+                    &recording.columns[index],
+                    &measured.time_s,
+                ),
                 is_angle: false,
             })
         });
