@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod crosscheck;
+mod data;
 mod execute;
 mod failure;
 mod find;
