@@ -65,6 +65,9 @@ pub struct RunArguments {
     /// Write no .rrd file for the viewer
     #[arg(long)]
     no_rrd: bool,
+    /// Measured data (.csv or .parquet) in the place of data.file of the scenarios
+    #[arg(long, value_name = "FILE")]
+    data: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -155,6 +158,7 @@ pub struct RobotArguments {
 /// `run`, resolved.
 pub struct RunPlan {
     pub scenarios: Vec<Scenario>,
+    pub data: Option<PathBuf>,
     pub out: PathBuf,
     pub rrd: bool,
 }
@@ -172,6 +176,7 @@ impl RunArguments {
         let scenarios = load_all(&self.scenarios, &self.common)?;
         Ok(RunPlan {
             scenarios,
+            data: self.data,
             out: self.out,
             rrd: !self.no_rrd,
         })
@@ -201,6 +206,7 @@ impl CrosscheckArguments {
         let scenarios = load_all(&self.scenarios, &self.common)?;
         Ok(RunPlan {
             scenarios,
+            data: None,
             out: self.out,
             rrd: false,
         })

@@ -4,6 +4,7 @@ mod args;
 mod check;
 mod crosscheck;
 mod diagnose;
+mod data;
 mod execute;
 mod failure;
 mod find;
