@@ -41,22 +41,27 @@ def model_of(robot: Robot, effects: list[Effect]) -> mujoco.MjModel:
     if tilt is not None:
         spec.joint(TILT).stiffness = [1.0 / _compliance(tilt), 0.0, 0.0]
         base = next(body for body in spec.bodies if body.name == "base")
-        base.mass, base.inertia, base.explicitinertial = 1e-6, [1e-9] * 3, True
+        _give_mass(base, 1e-6, 1e-9)
     flange = next(site.parent for site in spec.sites if site.name == "flange")
     for effect in effects:
         v = effect.values
         if effect.kind == "payload" and v["mass_kg"] != 0.0:
             body = flange.add_body(name="payload", pos=[v["center_x_m"], v["center_y_m"], v["center_z_m"]])
-            body.mass, body.inertia, body.explicitinertial = v["mass_kg"], [1e-9] * 3, True
+            _give_mass(body, v["mass_kg"], 1e-9)
         elif effect.kind == "outside_absorber":
             body = flange.add_body(name="absorber")
-            body.mass, body.inertia, body.explicitinertial = v["mass_kg"], [1e-6] * 3, True
+            _give_mass(body, v["mass_kg"], 1e-6)
             rate = 2.0 * math.pi * v["frequency_hz"]
             damping = 2.0 * v["damping_ratio"] * rate * v["mass_kg"]
             slide = mujoco.mjtJoint.mjJNT_SLIDE
             joint = body.add_joint(name="absorber", type=slide, axis=[1.0, 0.0, 0.0])
             joint.stiffness, joint.damping = [v["mass_kg"] * rate * rate, 0.0, 0.0], [damping, 0.0, 0.0]
     return spec.compile()
+
+
+def _give_mass(body, mass_kg: float, inertia_kg_m2: float) -> None:
+    """A mass at the body's origin (where MuJoCo would not put it by itself)."""
+    body.mass, body.inertia, body.ipos, body.explicitinertial = mass_kg, [inertia_kg_m2] * 3, [0.0] * 3, True
 
 
 def _compliance(effect: Effect) -> float:

@@ -158,10 +158,10 @@ def _sources(name: str) -> str:
     return found.hexdigest()
 
 
-AXIS = Experiment("axis", 250.0, 6.0, 0.5e-3, 30.0, (5e-5, 1.0))
-SINGLE_TONE = Experiment("axis_single_tone", 250.0, 6.0, 0.5e-3, 10.0, (5e-5,))
-SMALL = Experiment("axis_small", 250.0, 5.0, 0.5e-3, 30.0, (2e-6, 0.05))
-TWO_JOINT = Experiment("two_joint", 250.0, 5.0, 0.5e-3, 30.0, (1.0, 0.3, 1e-4))
+AXIS = Experiment("axis", 250.0, 6.0, 0.25e-3, 30.0, (5e-5, 1.0))
+SINGLE_TONE = Experiment("axis_single_tone", 250.0, 6.0, 0.25e-3, 10.0, (5e-5,))
+SMALL = Experiment("axis_small", 250.0, 5.0, 0.25e-3, 30.0, (2e-6, 0.05))
+TWO_JOINT = Experiment("two_joint", 250.0, 5.0, 0.25e-3, 30.0, (1.0, 0.3, 1e-4))
 CHAMFER = Experiment("chamfer", 250.0, 4.0, 0.125e-3, 60.0, (1.0, 1.0, 1e-6))
 TEETH = Experiment("teeth", 500.0, 3.1, 0.2e-3, 100.0, (0.02, 0.02, 1e-8))
 TEETH_THREE = Experiment("teeth_three", 500.0, 3.1, 0.2e-3, 100.0, (0.02, 0.02, 1e-8))

@@ -7,8 +7,9 @@ Cutting, for edge e at the angle phi, over the feed depth d and with the hole's 
     forces   factor (1 + growth s_e) on what goes with the chip, s_e the path that the edge has cut; more per edge length
 
 The robot feeds as commanded whatever the spindle does; with another speed the feed per tooth is another.
-Foot: friction times factor (1 - drop (1 - exp(-v / speed))), preload times (1 - rate t), wider stiction of the seals.
-Wheel: set down to the commanded force whatever its stiffness; runout also on the cosine.
+Foot: friction times factor (1 - drop (1 - exp(-v / speed))); gauge pressure times exp(-rate t), and with it preload and gas
+spring; wider stiction of the seals. Wheel: set down to the commanded force at the mean of its runout, whatever its stiffness;
+the arm rests at the angle at which the wheel starts to turn.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from truecut_reference import urdf_model
 from truecut_reference.chamfer import ChamferProcess
 from truecut_reference.foot import FootNormal
 from truecut_reference.friction import FootFriction
-from truecut_reference.scenario import Chamfer, Scenario, Wheel
+from truecut_reference.scenario import ATMOSPHERE_PA, Chamfer, Scenario, Wheel
 from truecut_reference.simulate import Laws, Result, simulate
 from truecut_reference.wheel import Command, WheelProcess
 
@@ -111,7 +112,10 @@ class HiddenFootNormal(FootNormal):
     def __init__(self, foot, arm_stiffness_n_per_m: float, effects: Values, step_s: list[float]) -> None:
         super().__init__(foot, arm_stiffness_n_per_m)
         self.limit_n = max(0.0, self.limit_n + effects.get("foot_seal_stiction", {"force_n": 0.0})["force_n"])
-        self.full_n = self.preload_n
+        self.full_n, self.full_n_per_m = self.preload_n, self.gas_n_per_m
+        # a spring that is given as a share of the force is no gas
+        absolute = foot.pressure_pa + ATMOSPHERE_PA
+        self.gauge_share = foot.pressure_pa / absolute if foot.axial_share is None else 0.0
         self.rate_per_s = effects.get("foot_pressure_loss", {"rate_per_s": 0.0})["rate_per_s"]
         self.step_s = step_s
         self.calls = 0
@@ -120,7 +124,10 @@ class HiddenFootNormal(FootNormal):
         """As the nominal one, with the preload of the moment."""
         t = (self.calls + 0.5) * self.step_s[0]
         self.calls += 1
-        self.preload_n = self.full_n * max(0.0, 1.0 - self.rate_per_s * t)
+        if self.rate_per_s:
+            lost = -math.expm1(-self.rate_per_s * t)
+            self.preload_n = self.full_n * (1.0 - lost)
+            self.gas_n_per_m = self.full_n_per_m * (1.0 - self.gauge_share * lost)
         return super().advance_to(advance_m)
 
 
@@ -148,6 +155,11 @@ class HiddenWheel(WheelProcess):
         super().__init__(spec, duration_s, longest_step_s, plant, command)
         more = effects.get("wheel_eccentricity", {"cosine_m": 0.0, "sine_m": 0.0})
         self.cosine_m, self.sine_m = more["cosine_m"], more["sine_m"]
+
+    def start_loads(self) -> tuple[np.ndarray, np.ndarray]:
+        """At rest under the force at the angle at which the wheel starts, without friction."""
+        swing = self.spec.stiffness_n_per_m * self.cosine_m
+        return np.array([-max(0.0, self.spec.normal_force_n + swing), 0.0, 0.0]), np.zeros(3)
 
     def tool_force(self, t: float, x, v) -> tuple[float, float, float]:
         """Force of the plate on the wheel (N, process frame)."""
