@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Makes the data of the shipped example, `scenarios/diagnosis/elbow.csv`: an arm whose elbow has play.
 
-The example's scenario is the bench's `two_joint` under another name; sensors have ordinary noise, the robot's masses are
-1 % heavier than stated.
+The example's scenario is the bench's `two_joint` under another name; sensors have ordinary noise, the robot's masses
+are 1 % heavier than stated.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """The hidden-effects bench: `python tests/hidden_effects/run.py [--fast | --whole] [--seeds report | tune]`.
 
-Makes measurements in MuJoCo with something hidden in them, asks `truecut diagnose` about each, and writes how often it was
-right to `out/hidden_effects/` (report.md, report.json). Exit code 0 if every goal is met, 1 if not. The fast part is too
-small for the goals; it ends with 0 if every answer is right.
+Makes measurements in MuJoCo with something hidden in them, asks `truecut diagnose` about each, and writes how often it
+was right to `out/hidden_effects/` (report.md, report.json). Exit code 0 if every goal is met, 1 if not. The fast part
+is too small for the goals; it ends with 0 if every answer is right.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The generator against closed forms and itself, the judge against answers made up for it, and the bench's fast part."""
+"""The generator against closed forms and itself, the judge against made-up answers, and the bench's fast part."""
 
 from __future__ import annotations
 
@@ -136,12 +136,16 @@ def test_verify_noise(colour):
     assert rms(in_band(noise, 250.0, 30.0)) == pytest.approx(np.ones(2))
     assert not np.allclose(noise, unit_noise(colour, 4096, 2, 250.0, 30.0, 2))
     follows = np.corrcoef(noise[1:, 0], noise[:-1, 0])[0, 1]
-    assert {"white": -0.05, "ar1": 0.75, "one_over_f": 0.5}[colour] < follows < {"white": 0.05, "ar1": 0.85, "one_over_f": 1.0}[colour]
+    assert (
+        {"white": -0.05, "ar1": 0.75, "one_over_f": 0.5}[colour]
+        < follows
+        < {"white": 0.05, "ar1": 0.85, "one_over_f": 1.0}[colour]
+    )
 
 
 @pytest.mark.parametrize("name", ["axis", "two_joint", "chamfer", "wheel"])
 def test_verify_refit_takes_up_nominal_parameters(name):
-    """A deviation of uncertain parameters is no effect: what the linear refit leaves hides in an ordinary sensor's noise."""
+    """A deviation of uncertain parameters is no effect: what the linear refit leaves hides in ordinary noise."""
     experiment = ALL[name]
     shifts = (0.8, -0.6)[: len(experiment.uncertain)]
     change = experiment.outputs_of((), shifts) - experiment.outputs_of()
@@ -165,7 +169,7 @@ def test_verify_pairs_can_be_told_apart():
 
 
 def test_verify_effect_over_noise():
-    """The noise in a set is the level's: the effect's trace over the noise in band, in the channel that shows it best."""
+    """The noise in a set is the level's: effect over noise in band, in the channel that shows it best."""
     case = next(c for c in all_cases("report") if c.family == "single middle" and c.truth[0].kind == "joint_coulomb")
     scale = dataset.noise_scale(case)
     trace = rms(left_after_refit(AXIS, change_of(AXIS, case.truth, case.shifts))).max()
@@ -247,7 +251,11 @@ def test_verify_judge_of_the_other_families():
     pair = _case("pair")
     both = [(e.kind, e.target, e.values) for e in pair.truth]
     for case, good, bad in (
-        (_case("clean"), _answer("nothing_beyond_noise"), _answer("named", ("joint_coulomb", 1, {"friction_n_m": 1.0}))),
+        (
+            _case("clean"),
+            _answer("nothing_beyond_noise"),
+            _answer("named", ("joint_coulomb", 1, {"friction_n_m": 1.0})),
+        ),
         (pair, _answer("named", *both), _answer("named", both[0])),
         (_case("outside"), _answer("unknown_cause"), _answer("nothing_beyond_noise")),
         (_case("constant command"), _answer("not_identifiable"), _answer("nothing_beyond_noise")),
@@ -300,7 +308,7 @@ def test_hidden_effects_fast_part(tmp_path):
 
 
 def test_verify_chamfer_of_the_generator_is_the_reference():
-    """Without effects the generator's cutter is that of the cross-checks, until the foot's slips tell rounding apart."""
+    """Without effects the generator's cutter is that of the cross-checks."""
     spec = scenario_file.load(CHAMFER.path)
     known = simulate(spec, urdf_model.from_urdf(spec.robot), CHAMFER.step_s, until_s=2.0)
     found = CHAMFER.outputs_of()

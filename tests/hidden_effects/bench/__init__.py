@@ -1,4 +1,4 @@
-"""The hidden-effects bench: measurements made in MuJoCo with one thing hidden in them, and a judge of what truecut finds.
+"""The hidden-effects bench: measurements made in MuJoCo with something hidden in them, and a judge.
 
 The effects are written here anew from their definitions in the scenario format. Nothing here reads truecut's own code.
 """

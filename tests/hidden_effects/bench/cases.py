@@ -1,7 +1,7 @@
 """The bench's cases: what is hidden in each data set, how noisy it is, and what a right answer is.
 
-The seed shifts everything that is drawn: sizes, nominal deviations, noise. Thresholds are tuned on other seeds than those
-whose results are reported.
+The seed shifts everything that is drawn: sizes, nominal deviations, noise. Thresholds are tuned on other seeds than
+those whose results are reported.
 """
 
 from __future__ import annotations
@@ -60,7 +60,9 @@ class _Draw:
         """A size near the given one."""
         return round(around * float(np.random.default_rng([self.base, 2, *key]).uniform(0.85, 1.18)), 3)
 
-    def case(self, family: str, experiment: str, truth: tuple[Effect, ...], expected: str, variant: int, **more) -> Case:
+    def case(
+        self, family: str, experiment: str, truth: tuple[Effect, ...], expected: str, variant: int, **more
+    ) -> Case:
         """The next case: noise colours take turns, every case has noise of its own."""
         self.count += 1
         shifts = self.variants[experiment][variant % NOMINAL_VARIANTS]

@@ -48,7 +48,7 @@ class Column:
 class Experiment:
     """One scenario of the bench with how it is measured.
 
-    `band_hz`: what the experiment moves lies below. `reference_noise`: RMS in band of an ordinary sensor of each output.
+    `band_hz`: what the experiment moves lies below. `reference_noise`: RMS in band of an ordinary sensor, by output.
     """
 
     name: str

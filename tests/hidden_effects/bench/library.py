@@ -34,7 +34,9 @@ class Template:
         return Effect(self.kind, self.target, values | self.shape)
 
 
-def _axis(kind: str, change: dict[str, float], shape: dict[str, float] | None = None, target: int | str = 1) -> Template:
+def _axis(
+    kind: str, change: dict[str, float], shape: dict[str, float] | None = None, target: int | str = 1
+) -> Template:
     return Template("axis", kind, target, change, shape or {})
 
 
@@ -43,9 +45,7 @@ SINGLES = (
     _axis("joint_damping", {"factor": 3.0}),
     _axis("joint_viscous", {"viscous_n_m_s_per_rad": 8.0}),
     _axis("joint_coulomb", {"friction_n_m": 8.0}),
-    _axis(
-        "joint_asymmetric_viscous", {"viscous_positive_n_m_s_per_rad": 12.0, "viscous_negative_n_m_s_per_rad": 4.0}
-    ),
+    _axis("joint_asymmetric_viscous", {"viscous_positive_n_m_s_per_rad": 12.0, "viscous_negative_n_m_s_per_rad": 4.0}),
     _axis("joint_asymmetric_coulomb", {"friction_positive_n_m": 12.0, "friction_negative_n_m": 4.0}),
     _axis("joint_stribeck", {"excess_n_m": 12.0}, {"speed_rad_per_s": 0.08}),
     _axis("joint_backlash", {"gap_rad": 6e-4}),
@@ -101,9 +101,16 @@ def single(kind: str, experiment: str = "axis") -> Template:
 PAIRS: tuple[tuple[Template, Template], ...] = (
     (single("joint_stiffness"), _axis("joint_cubic_stiffness", {"cubic_n_m_per_rad3": 3e8})),
     (single("joint_coulomb"), _axis("joint_damping", {"factor": 3.0})),
-    (_axis("joint_offset", {"force_n_m": 20.0}), _axis("sensor_drift", {"amplitude": 25.0}, {"time_constant_s": 2.0}, TORQUE)),
-    (Template("two_joint", "payload", None, {"mass_kg": 1.5}, {"center_x_m": 0.0, "center_y_m": 0.0, "center_z_m": 0.1}),
-     Template("two_joint", "joint_counterbalance", 2, {"cosine_n_m": 10.0, "sine_n_m": 0.0})),
+    (
+        _axis("joint_offset", {"force_n_m": 20.0}),
+        _axis("sensor_drift", {"amplitude": 25.0}, {"time_constant_s": 2.0}, TORQUE),
+    ),
+    (
+        Template(
+            "two_joint", "payload", None, {"mass_kg": 1.5}, {"center_x_m": 0.0, "center_y_m": 0.0, "center_z_m": 0.1}
+        ),
+        Template("two_joint", "joint_counterbalance", 2, {"cosine_n_m": 10.0, "sine_n_m": 0.0}),
+    ),
     (single("joint_coulomb"), _axis("joint_viscous", {"viscous_n_m_s_per_rad": 8.0})),
     (single("joint_backlash"), _axis("joint_viscous", {"viscous_n_m_s_per_rad": 10.0})),
     (single("cutting_wear", "chamfer"), Template("chamfer", "foot_friction", None, {"factor": 0.75})),

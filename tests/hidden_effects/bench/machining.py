@@ -4,12 +4,12 @@ Cutting, for edge e at the angle phi, over the feed depth d and with the hole's 
 
     depth    d + offset + (rho_e - y cos phi - z sin phi) / tan(theta) - recess (first edge only)
     rho_e    cosine cos(2 pi e / n) + sine sin(2 pi e / n): runout, seen by the edge that turns with it
-    forces   factor (1 + growth s_e) on what goes with the chip, s_e the path that the edge has cut; more per edge length
+    forces   factor (1 + growth s_e) on all of them, s_e the path that the edge has cut; more per edge length
 
 The robot feeds as commanded whatever the spindle does; with another speed the feed per tooth is another.
-Foot: friction times factor (1 - drop (1 - exp(-v / speed))); gauge pressure times exp(-rate t), and with it preload and gas
-spring; wider stiction of the seals. Wheel: set down to the commanded force at the mean of its runout, whatever its stiffness;
-the arm rests at the angle at which the wheel starts to turn.
+Foot: friction times factor (1 - drop (1 - exp(-v / speed))); gauge pressure times exp(-rate t), and with it preload and
+gas spring; wider stiction of the seals. Wheel: set down to the commanded force at the mean of its runout, whatever its
+stiffness; the arm rests at the angle at which the wheel starts to turn.
 """
 
 from __future__ import annotations
@@ -43,10 +43,6 @@ class HiddenChamfer(ChamferProcess):
             spec, spindle_rad_per_s=spec.spindle_rad_per_s * speed, feed_m_per_rev=spec.feed_m_per_rev / speed
         )
         super().__init__(turning, longest_step_s)
-        # the pass before the first one stood one actual tooth period higher
-        before = turning.revolution_s / turning.edges
-        virtual = [max(0.0, self.edge_depth_m((k + 0.5) * self.step_s - before)) for k in range(self.per_tooth)]
-        self.rim = virtual * turning.edges
         factor = effects.get("cutting_coefficient", {"factor": 1.0})["factor"]
         self.coefficients = [factor * k for k in (self.k_axial, self.k_radial, self.k_tangential)]
         edge = effects.get("cutting_edge_force", {})
@@ -65,6 +61,21 @@ class HiddenChamfer(ChamferProcess):
             at = 2.0 * math.pi * e / spec.edges
             rho = runout["cosine_m"] * math.cos(at) + runout["sine_m"] * math.sin(at)
             self.offsets.append(offset + rho / self.tan - (recess if e == 0 else 0.0))
+        self.rim = [max(0.0, self._left_before_m(cell)) for cell in range(self.cells)]
+
+    def _left_before_m(self, cell: int) -> float:
+        """Depth at a cell of the rim before the run: the tool came down turning, each edge on its own helix."""
+        first, late = divmod(cell, self.per_tooth)
+        edges, tooth_s = self.spec.edges, self.spec.revolution_s / self.spec.edges
+        angle = self.spec.start_angle_rad + (cell + 0.5) * 2.0 * math.pi / self.cells
+        hole = self._hole_m(math.cos(angle), math.sin(angle))
+        t = (late + 0.5) * self.step_s
+        passes = range(1, edges + 1)
+        return max(self.edge_depth_m(t - n * tooth_s) + self.offsets[(first + n) % edges] + hole for n in passes)
+
+    def _hole_m(self, cos: float, sin: float) -> float:
+        """How much deeper an edge at this angle meets the rim for the place of the hole."""
+        return -(self.hole[0] * cos + self.hole[1] * sin) / self.tan
 
     def edge_depth_m(self, t: float) -> float:
         """Depth at which the robot holds the edges at time t."""
@@ -80,8 +91,7 @@ class HiddenChamfer(ChamferProcess):
             cell = (self._count + edge * self.per_tooth) % self.cells
             angle = turn + 2.0 * math.pi * edge / s.edges
             cos, sin = math.cos(angle), math.sin(angle)
-            depth = self.edge_depth_m(t) + self.offsets[edge]
-            depth -= (self.hole[0] * cos + self.hole[1] * sin) / self.tan
+            depth = self.edge_depth_m(t) + self.offsets[edge] + self._hole_m(cos, sin)
             if self.mode > 0:
                 depth += self.sign * x[0]
             if self.mode > 1:
@@ -95,7 +105,7 @@ class HiddenChamfer(ChamferProcess):
             worn = 1.0 + self.growth * self.path_m[edge]
             self.path_m[edge] += self.path_step_m
             axial, radial, tangential = (
-                worn * k * area + per_length * length for k, per_length in zip(self.coefficients, self.edge_forces)
+                worn * (k * area + per_length * length) for k, per_length in zip(self.coefficients, self.edge_forces)
             )
             fx -= self.sign * axial
             fy -= radial * cos - tangential * sin

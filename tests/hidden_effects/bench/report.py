@@ -59,7 +59,12 @@ def goals(judged: Judged) -> dict:
         "met": bool(clean) and alarms <= 0.02 * len(clean),
     }
     middle = median(errors) if errors else None
-    rows["median parameter error"] = {"share": middle, "of": len(errors), "bound": "<= 10%", "met": bool(errors) and middle <= 0.10}
+    rows["median parameter error"] = {
+        "share": middle,
+        "of": len(errors),
+        "bound": "<= 10%",
+        "met": bool(errors) and middle <= 0.10,
+    }
     return rows
 
 
@@ -88,7 +93,9 @@ def power(judged: Judged) -> dict[str, dict[str, dict]]:
                 by_kind["all"].append(score)
         found[level] = {
             kind: {
-                "detected": share(sum(s.verdict not in ("nothing_beyond_noise", "not_identifiable") for s in of), len(of)),
+                "detected": share(
+                    sum(s.verdict not in ("nothing_beyond_noise", "not_identifiable") for s in of), len(of)
+                ),
                 "right": share(sum(s.right for s in of), len(of)),
             }
             for kind, of in by_kind.items()
@@ -149,7 +156,15 @@ def as_markdown(judged: Judged, seeds: str, wall_s: float) -> str:
 
 
 def _confusion_lines(judged: Judged) -> list[str]:
-    lines = ["", "## What was named", "", "Single effects, middle and strong.", "", "| hidden | named first, or verdict |", "| --- | --- |"]
+    lines = [
+        "",
+        "## What was named",
+        "",
+        "Single effects, middle and strong.",
+        "",
+        "| hidden | named first, or verdict |",
+        "| --- | --- |",
+    ]
     for kind, row in sorted(confusion(judged).items()):
         lines.append(f"| {kind} | {', '.join(f'{told} {n}' for told, n in row.most_common())} |")
     return lines
@@ -164,7 +179,9 @@ def _power_lines(judged: Judged) -> list[str]:
         cells = []
         for level in LEVELS:
             cell = table[level].get(kind)
-            cells.append(f"{cell['detected']['hits']} / {cell['right']['hits']} of {cell['right']['of']}" if cell else "")
+            cells.append(
+                f"{cell['detected']['hits']} / {cell['right']['hits']} of {cell['right']['of']}" if cell else ""
+            )
         lines.append(f"| {kind} | {' | '.join(cells)} |")
     return lines
 

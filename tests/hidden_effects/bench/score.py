@@ -1,7 +1,7 @@
 """Whether an answer is right.
 
-A single effect is right when it is named first, or stands in an ambiguous set of which every other member, as the program
-sized it, leaves a trace within 10 degrees of the truth's in the generator's own simulation.
+A single effect is right when it is named first, or stands in an ambiguous set of which every other member, as the
+program sized it, leaves a trace within 10 degrees of the truth's in the generator's own simulation.
 """
 
 from __future__ import annotations
