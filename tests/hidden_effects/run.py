@@ -47,7 +47,7 @@ def main(arguments: list[str] | None = None) -> int:
     if options.generate_only:
         return 0
     answers = runner.diagnose_all(shlex.split(options.program), sets, work, options.jobs)
-    judged = runner.judge_all(sets, answers, options.jobs)
+    judged = runner.judge_all(sets, answers, work, options.jobs)
     wall_s = time.perf_counter() - began
     options.out.mkdir(parents=True, exist_ok=True)
     text = report.as_markdown(judged, options.seeds, wall_s)

@@ -21,7 +21,8 @@ from bench.effects import KINDS, Effect  # noqa: E402
 from bench.experiment import ALL, AXIS, CHAMFER, TWO_JOINT  # noqa: E402
 from bench.library import ANGLE, INSEPARABLE, PAIRS, SINGLES, STRANGERS, TORQUE  # noqa: E402
 from bench.noise import COLOURS, in_band, rms, unit_noise  # noqa: E402
-from bench.score import SAME_TRACE_DEG, Answer, score  # noqa: E402
+from bench.score import SAME_TRACE_DEG, Answer  # noqa: E402
+from bench.score import score as score_of  # noqa: E402
 from bench.signature import angle_deg, change_of, left_after_refit, scaled, size_of  # noqa: E402
 from truecut_reference import scenario as scenario_file  # noqa: E402
 from truecut_reference import urdf_model  # noqa: E402
@@ -213,6 +214,11 @@ def _answer(verdict: str, *causes: tuple, alternatives=(), after: float = 1.0) -
     return Answer(0, diagnosis, "", 1.0)
 
 
+def score(case, answer: Answer):
+    """The judgement with a noise of 1.25 in the channel that the answers speak of."""
+    return score_of(case, answer, {ANGLE: 1.25})
+
+
 def _case(family: str, kind: str = ""):
     return next(c for c in all_cases("report") if c.family == family and (not kind or c.truth[0].kind == kind))
 
@@ -226,6 +232,7 @@ def test_verify_judge_of_single_effects():
     found = score(case, _answer("named", coulomb, viscous, after=1.1))
     assert found.right and found.parameter_errors["joint_coulomb"] == pytest.approx(0.05)
     assert found.gain_ratio == pytest.approx(1.1)
+    assert found.floor_ratio == pytest.approx(0.8)
     assert not score(case, _answer("named", viscous, coulomb)).right
     assert not score(case, _answer("named", ("joint_coulomb", 2, {"friction_n_m": level}))).right
     assert not score(case, _answer("nothing_beyond_noise")).right
@@ -289,7 +296,7 @@ def test_verify_bench_with_a_program_that_finds_nothing(tmp_path):
     cases = [fast_cases("report")[k] for k in (0, 3, -1)]
     sets = runner.write_all(cases, tmp_path / "work", 1, 1)
     answers = runner.diagnose_all([sys.executable, str(stand_in)], sets, tmp_path / "work", 1)
-    judged = runner.judge_all(sets, answers, 1)
+    judged = runner.judge_all(sets, answers, tmp_path / "work", 1)
     assert {case.family: found.right for _, case, found, _ in judged} == {
         "clean": True,
         "single strong": False,

@@ -41,7 +41,7 @@ def goals(judged: Judged) -> dict:
     clean = [s for _, c, s, _ in judged if c.family == "clean"]
     alarms = sum(s.verdict != "nothing_beyond_noise" for s in clean)
     errors = _errors(judged)
-    gains = [s.gain_ratio for _, _, s, _ in judged if s.right and s.gain_ratio is not None]
+    gains = [s.gain_ratio for _, _, s, _ in judged if s.gain_ratio is not None]
     within = sum(g <= 1.15 for g in gains)
     found = {
         "single effects at the middle level": (right("single middle"), 0.95),
@@ -146,6 +146,12 @@ def as_markdown(judged: Judged, seeds: str, wall_s: float) -> str:
         among = f"{row['hits']} of {row['of']} = {row['share']:.1%}" if "hits" in row else f"{row['share']:.1%}"
         spread = f"{row['low']:.1%} to {row['high']:.1%}" if "low" in row else ""
         lines.append(f"| {name} | {among} | {spread} | {row['bound']} | {'yes' if row['met'] else 'no'} |")
+    floors = [s.floor_ratio for _, _, s, _ in judged if s.floor_ratio is not None]
+    if floors:
+        lines += [
+            "",
+            f"The noise floor that is reported is {median(floors):.2f} times the noise that was added (median).",
+        ]
     lines += ["", "## By family", "", "| family | right | verdicts |", "| --- | --- | --- |"]
     for family in dict.fromkeys(c.family for _, c, _, _ in judged):
         of = [s for _, c, s, _ in judged if c.family == family]

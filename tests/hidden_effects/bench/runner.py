@@ -93,12 +93,10 @@ def diagnose_all(program: list[str], sets: dict[str, Case], work: Path, jobs: in
     return answers
 
 
-def _judge(case: Case, answer: Answer):
-    return score(case, answer)
-
-
-def judge_all(sets: dict[str, Case], answers: dict[str, Answer], jobs: int) -> list:
+def judge_all(sets: dict[str, Case], answers: dict[str, Answer], work: Path, jobs: int) -> list:
     """The judgement of each set. Ambiguous answers cost the generator runs of its own."""
     with ProcessPoolExecutor(jobs) as pool:
-        scores = pool.map(_judge, sets.values(), [answers[name] for name in sets])
+        labels = [json.loads((work / "labels" / f"{name}.json").read_text(encoding="utf-8")) for name in sets]
+        noise = [label["noise_rms"] for label in labels]
+        scores = pool.map(score, sets.values(), [answers[name] for name in sets], noise)
         return [(name, case, found, answers[name].seconds) for (name, case), found in zip(sets.items(), scores)]

@@ -60,6 +60,9 @@ class Score:
     named: list[str]
     parameter_errors: dict[str, float] = field(default_factory=dict)
     gain_ratio: float | None = None
+    """Held-out residual after extension over the noise floor, in the worst channel."""
+    floor_ratio: float | None = None
+    """The program's noise floor over the noise that was really added, in the channel where they differ most."""
     unexplained: float | None = None
 
 
@@ -170,14 +173,16 @@ def parameter_errors(case: Case, answer: Answer) -> dict[str, float]:
     return found
 
 
-def score(case: Case, answer: Answer) -> Score:
-    """Judges one answer."""
+def score(case: Case, answer: Answer, noise_rms: dict[str, float]) -> Score:
+    """Judges one answer. `noise_rms` is the noise added to each channel, SI."""
     right, reason = judge(case, answer)
     found = Score(right, reason, answer.verdict, [name_of(cause) for cause in answer.causes])
     if answer.verdict == "named":
-        channels = answer.diagnosis["channels"].values()
-        ratios = [c["after"] / c["noise_floor"] for c in channels if c.get("after") is not None and c["noise_floor"]]
-        found.gain_ratio = max(ratios, default=None)
+        channels = answer.diagnosis["channels"]
+        told = {n: c for n, c in channels.items() if c.get("after") is not None and c.get("noise_floor")}
+        found.gain_ratio = max((c["after"] / c["noise_floor"] for c in told.values()), default=None)
+        floors = [c["noise_floor"] / noise_rms[n] for n, c in told.items() if noise_rms.get(n)]
+        found.floor_ratio = max(floors, key=lambda ratio: abs(math.log(ratio)), default=None)
         if right:
             found.parameter_errors = parameter_errors(case, answer)
     if answer.diagnosis:
