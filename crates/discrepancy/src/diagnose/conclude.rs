@@ -10,10 +10,10 @@ use super::answer::{
 use super::ceiling::{Bound, bound};
 use super::data::Rows;
 use super::fit::{Fit, fit};
-use super::noise::Noise;
+use super::noise::{Noise, dot};
 use super::problem::{Found, Problem};
-use super::screen::{critical, nuisance, projected};
-use super::search::{Outcome, without};
+use super::screen::{Ranked, critical, nuisance, projected};
+use super::search::{LEAST_T, Outcome, without};
 use super::uncertainty::standard_errors;
 use super::validate::{batch_sums, compare, error_of_sum, rms};
 use super::{Answer, DiagnoseError, Stage};
@@ -25,6 +25,8 @@ const Z95: f64 = 1.959_964;
 const Z95_ONE_SIDED: f64 = 1.644_854;
 /// An effect is within reach up to so many times its typical size.
 const REACH: f64 = 3.0;
+/// Where the noise is known: least ratio of the residual's variance to it that counts.
+const EXCESS: f64 = 1.25;
 /// With less than this part of the candidates within reach the experiment is too poor.
 const LEAST_VISIBLE: f64 = 0.1;
 
@@ -124,7 +126,7 @@ pub(super) fn conclude(
     if let Some(rival) = rivals.iter().find(|r| r.as_good) {
         diagnosis.experiments = experiments(problem, &outcome.chosen, &rival.fit);
     }
-    judge(problem, &outcome, &mut diagnosis);
+    judge(problem, &outcome, &last, &mut diagnosis);
     open_test(problem, &before, &base, &last, &bound, &mut diagnosis);
     diagnosis.fits = outcome.fits;
     Ok(Answer {
@@ -143,12 +145,17 @@ pub(super) fn conclude(
 }
 
 /// The verdict, before the test part is opened.
-fn judge(problem: &Problem, outcome: &Outcome, diagnosis: &mut Diagnosis) {
+fn judge(problem: &Problem, outcome: &Outcome, last: &Fit, diagnosis: &mut Diagnosis) {
+    let excess = excess(problem, last);
+    if let Some((fraction, _)) = &excess {
+        diagnosis.unexplained_fraction = diagnosis.unexplained_fraction.max(*fraction);
+    }
     let locked = diagnosis
         .ceiling
         .locks
         .first()
         .map(|l| format!("the residual of `{}` follows {}", l.channel, l.to));
+    let locked = locked.or(excess.map(|(_, text)| text));
     let percent = (100.0 * diagnosis.unexplained_fraction).round();
     (diagnosis.verdict, diagnosis.reason) = if outcome.failed {
         diagnosis.unexplained_fraction = 1.0;
@@ -203,6 +210,40 @@ fn judge(problem: &Problem, outcome: &Outcome, diagnosis: &mut Diagnosis) {
         diagnosis.alternatives.clear();
         diagnosis.experiments.clear();
     }
+}
+
+/// Where the noise is known and the residual is clearly above it: which part of the discrepancy that is, and a clause that says so.
+fn excess(problem: &Problem, last: &Fit) -> Option<(f64, String)> {
+    let rows = &problem.split.development;
+    let nominal = problem
+        .data
+        .residual(&problem.predict(&problem.start()).ok()?);
+    let mut most: Option<(f64, String)> = None;
+    for (c, output) in problem.data.outputs.iter().enumerate() {
+        let Some(noise) = output.noise else { continue };
+        let rows = &rows.per_channel[c];
+        let squares: Vec<f64> = rows.iter().map(|&t| last.residual[c][t].powi(2)).collect();
+        let n = rows.len() as f64;
+        let (mean, error) = (
+            squares.iter().sum::<f64>() / n,
+            error_of_sum(&batch_sums(&squares)) / n,
+        );
+        let variance = noise * noise;
+        if mean < EXCESS * variance || mean - variance < 4.0 * error {
+            continue;
+        }
+        let before = rows.iter().map(|&t| nominal[c][t].powi(2)).sum::<f64>() / n;
+        let fraction = ((mean - variance) / (before - variance).max(mean - variance)).min(1.0);
+        if most.as_ref().is_none_or(|m| m.0 < fraction) {
+            let ratio = truecut_recording::significant((mean / variance).sqrt(), 3);
+            let name = &problem.model.channels()[c].name;
+            most = Some((
+                fraction,
+                format!("the residual of `{name}` is {ratio} times the noise stated"),
+            ));
+        }
+    }
+    most
 }
 
 /// Scores on the test part. It changes the verdict only where the test part contradicts it.
@@ -394,34 +435,37 @@ fn alternative(problem: &Problem, rival: &Rival) -> Result<Alternative, Diagnose
 
 /// For each size of each candidate: what would have been detected, and would have been worth naming, with 95 % probability.
 fn smallest_seen(problem: &Problem, outcome: &Outcome) -> Vec<SmallestSeen> {
-    let (fit, rows) = (&outcome.chosen, &problem.split.train);
+    let (fit, split) = (&outcome.chosen, &problem.split);
     let (columns, priors) = nuisance(problem, fit);
-    let columns: Vec<_> = columns.iter().map(|x| fit.noise.whiten(x, rows)).collect();
-    let level = rms(&fit.residual, rows);
+    let norm = |change: &Columns, rows: &Rows| {
+        let columns: Vec<_> = columns.iter().map(|x| fit.noise.whiten(x, rows)).collect();
+        let left = projected(&fit.noise.whiten(change, rows), &columns, &priors);
+        dot(&left, &left).sqrt()
+    };
+    let level = rms(&fit.residual, &split.train);
+    // A gain of `norm^2` on the validation blocks has the standard error `2 norm`.
+    let validation = 2.0 * (LEAST_T + Z95_ONE_SIDED);
+    let practical = ((1.0 + problem.options.min_gain).powi(2) - 1.0).sqrt();
     let mut all = Vec::new();
-    for entry in &outcome.ranking {
-        let signature = &entry.signature;
+    for Ranked { signature, .. } in &outcome.ranking {
         let infos = problem.infos(signature.candidate);
-        let bar = critical(
-            problem.options.family_wise_error,
-            outcome.tests,
-            infos.len(),
-        )
-        .sqrt()
-            + Z95_ONE_SIDED;
-        let practical = ((1.0 + problem.options.min_gain).powi(2) - 1.0).sqrt();
+        let alpha = problem.options.family_wise_error;
+        let detection = critical(alpha, outcome.tests, infos.len()).sqrt() + Z95_ONE_SIDED;
         for (&size, change) in signature.sizes.iter().zip(&signature.columns) {
-            let secant = (signature.values[size] - infos[size].neutral).abs();
-            let left = projected(&fit.noise.whiten(change, rows), &columns, &priors);
-            let norm = left.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let raw = rms(change, rows)
+            let info = &infos[size];
+            let secant = (signature.values[size] - info.neutral).abs();
+            let seen = rms(change, &split.train)
                 .iter()
                 .zip(&level)
                 .map(|(a, b)| a / b)
                 .fold(0.0, f64::max);
-            let needed = secant * (bar / norm).max(practical / raw);
-            let room =
-                (infos[size].max - infos[size].neutral).max(infos[size].neutral - infos[size].min);
+            let factors = [
+                detection / norm(change, &split.train),
+                validation / norm(change, &split.validation),
+                practical / seen,
+            ];
+            let needed = secant * factors.into_iter().fold(0.0, f64::max);
+            let room = (info.max - info.neutral).max(info.neutral - info.min);
             let (parameter, unit) = key_and_unit(problem, signature.candidate, size);
             all.push(SmallestSeen {
                 kind: problem.candidates[signature.candidate].kind.name().into(),

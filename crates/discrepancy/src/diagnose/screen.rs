@@ -31,6 +31,8 @@ pub(super) struct Ranked {
     pub signature: Signature,
     /// Values to start a fit from.
     pub start: Vec<f64>,
+    /// The same with other shape parameters, where these promise half as much; at most two.
+    pub others: Vec<Vec<f64>>,
     /// Fall of minus twice the log-likelihood.
     pub gain: f64,
 }
@@ -253,18 +255,33 @@ pub(super) fn rank(
             Ranked {
                 signature: signature.clone(),
                 start,
+                others: Vec::new(),
                 gain,
             }
         })
         .collect();
     let n = rows.len() as f64;
     let mut best: Vec<Ranked> = Vec::new();
-    for entry in ranked {
-        match best.iter_mut().find(|b| b.candidate() == entry.candidate()) {
-            Some(other) if other.gain < entry.gain => *other = entry,
-            Some(_) => {}
-            None => best.push(entry),
-        }
+    for candidate in 0..problem.candidates.len() {
+        let mut own: Vec<&Ranked> = ranked
+            .iter()
+            .filter(|r| r.candidate() == candidate)
+            .collect();
+        own.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let Some(first) = own.first() else { continue };
+        let shape = |r: &Ranked| -> Vec<f64> {
+            let all = r.start.iter().zip(problem.infos(candidate));
+            all.filter(|(_, info)| !info.is_size)
+                .map(|(x, _)| *x)
+                .collect()
+        };
+        let others = own
+            .iter()
+            .filter(|r| r.gain > 0.5 * first.gain && shape(r) != shape(first));
+        best.push(Ranked {
+            others: others.take(2).map(|r| r.start.clone()).collect(),
+            ..(*first).clone()
+        });
     }
     best.sort_by(|a, b| b.net(n).total_cmp(&a.net(n)));
     best
