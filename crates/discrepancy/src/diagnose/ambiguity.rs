@@ -9,7 +9,7 @@ use super::fit::{Fit, difference};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
 use super::screen::{angle_deg, projected};
-use super::search::{Outcome, criterion};
+use super::search::{DECISIVE, Outcome, criterion};
 use super::validate::compare;
 use crate::model::Columns;
 
@@ -24,13 +24,10 @@ pub(super) struct Rival {
     pub as_good: bool,
 }
 
-/// Odds of 20 to 1, as a difference of minus twice the log-likelihood.
-const DECISIVE: f64 = 6.0;
-
 /// All rivals, closest first.
 pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
     let chosen = &outcome.chosen;
-    let here = criterion(problem, chosen);
+    let here = criterion(problem, chosen, &outcome.orders);
     let size = |fit: &Fit| {
         fit.point
             .effects
@@ -52,7 +49,7 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
                 &chosen.noise,
                 &problem.split.validation,
             );
-            let difference = criterion(problem, rival) - here;
+            let difference = criterion(problem, rival, &outcome.orders) - here;
             let likelihood = difference - (size(rival) - size(chosen)) * n.ln();
             // A larger model that says the same is a generalisation, not an alternative.
             let least = if size(rival) > size(chosen) {

@@ -2,29 +2,22 @@
 
 use std::collections::BTreeMap;
 
-use super::ambiguity::{Rival, experiments, rivals};
-use super::answer::{
-    Alternative, Cause, Ceiling, ChannelErrors, Diagnosis, Evidence, Nominal, Parameter,
-    SmallestSeen, VERSION, Verdict, Work, key_and_unit, target_name,
-};
+use super::ambiguity::{experiments, rivals};
+use super::answer::{Ceiling, ChannelErrors, Diagnosis, VERSION, Verdict, Work};
 use super::ceiling::{Bound, bound};
 use super::data::Rows;
+use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
 use super::fit::{Fit, fit};
-use super::noise::Noise;
-use super::problem::{Found, Problem};
-use super::screen::{critical, nuisance, projected};
-use super::search::{Outcome, without};
+use super::noise::{Noise, dot};
+use super::problem::Problem;
+use super::search::Outcome;
 use super::uncertainty::standard_errors;
 use super::validate::{batch_sums, compare, error_of_sum, rms};
 use super::{Answer, DiagnoseError, Stage};
 use crate::model::Columns;
 
-/// Normal quantile of a two-sided 95 % interval.
-const Z95: f64 = 1.959_964;
-/// Normal quantile of a one-sided 95 % probability.
-const Z95_ONE_SIDED: f64 = 1.644_854;
-/// An effect is within reach up to so many times its typical size.
-const REACH: f64 = 3.0;
+/// Where the noise is known: least ratio of the residual's variance to it that counts.
+const EXCESS: f64 = 1.25;
 /// With less than this part of the candidates within reach the experiment is too poor.
 const LEAST_VISIBLE: f64 = 0.1;
 
@@ -124,7 +117,7 @@ pub(super) fn conclude(
     if let Some(rival) = rivals.iter().find(|r| r.as_good) {
         diagnosis.experiments = experiments(problem, &outcome.chosen, &rival.fit);
     }
-    judge(problem, &outcome, &mut diagnosis);
+    judge(problem, &outcome, &last, &mut diagnosis);
     open_test(problem, &before, &base, &last, &bound, &mut diagnosis);
     diagnosis.fits = outcome.fits;
     Ok(Answer {
@@ -143,12 +136,17 @@ pub(super) fn conclude(
 }
 
 /// The verdict, before the test part is opened.
-fn judge(problem: &Problem, outcome: &Outcome, diagnosis: &mut Diagnosis) {
+fn judge(problem: &Problem, outcome: &Outcome, last: &Fit, diagnosis: &mut Diagnosis) {
+    let excess = excess(problem, last);
+    if let Some((fraction, _)) = &excess {
+        diagnosis.unexplained_fraction = diagnosis.unexplained_fraction.max(*fraction);
+    }
     let locked = diagnosis
         .ceiling
         .locks
         .first()
         .map(|l| format!("the residual of `{}` follows {}", l.channel, l.to));
+    let locked = locked.or(excess.map(|(_, text)| text));
     let percent = (100.0 * diagnosis.unexplained_fraction).round();
     (diagnosis.verdict, diagnosis.reason) = if outcome.failed {
         diagnosis.unexplained_fraction = 1.0;
@@ -203,6 +201,48 @@ fn judge(problem: &Problem, outcome: &Outcome, diagnosis: &mut Diagnosis) {
         diagnosis.alternatives.clear();
         diagnosis.experiments.clear();
     }
+}
+
+/// Where the noise is known and the residual is clearly above it: which part of the discrepancy that is, and a clause that says so.
+fn excess(problem: &Problem, last: &Fit) -> Option<(f64, String)> {
+    let rows = &problem.split.development;
+    let nominal = problem
+        .data
+        .residual(&problem.predict(&problem.start()).ok()?);
+    let mut most: Option<(f64, String)> = None;
+    for (c, output) in problem.data.outputs.iter().enumerate() {
+        let Some(noise) = output.noise else { continue };
+        let rows = &rows.per_channel[c];
+        let residual: Vec<f64> = rows.iter().map(|&t| last.residual[c][t]).collect();
+        let n = rows.len() as f64;
+        let (mean, variance) = (dot(&residual, &residual) / n, noise * noise);
+        // Of noise of that variance, with the colour of the residual.
+        let error = variance * (2.0 * memory(&residual) / n).sqrt();
+        if mean < EXCESS * variance || mean - variance < 4.0 * error {
+            continue;
+        }
+        let before = rows.iter().map(|&t| nominal[c][t].powi(2)).sum::<f64>() / n;
+        let fraction = ((mean - variance) / (before - variance).max(mean - variance)).min(1.0);
+        if most.as_ref().is_none_or(|m| m.0 < fraction) {
+            let ratio = truecut_recording::significant((mean / variance).sqrt(), 3);
+            let name = &problem.model.channels()[c].name;
+            most = Some((
+                fraction,
+                format!("the residual of `{name}` is {ratio} times the noise stated"),
+            ));
+        }
+    }
+    most
+}
+
+/// Sum of the squared autocorrelations: by so much the variance of a mean square is larger than that of white noise.
+fn memory(x: &[f64]) -> f64 {
+    let whole = dot(x, x);
+    let at = |lag: usize| dot(&x[lag..], &x[..x.len() - lag]) / whole;
+    1.0 + 2.0
+        * (1..(x.len() / 10).min(100))
+            .map(|lag| at(lag).powi(2))
+            .sum::<f64>()
 }
 
 /// Scores on the test part. It changes the verdict only where the test part contradicts it.
@@ -305,172 +345,4 @@ fn unexplained(problem: &Problem, base: &Fit, last: &Fit, bound: &Bound) -> f64 
     } else {
         bound.gain / (named + bound.gain)
     }
-}
-
-fn causes(
-    problem: &Problem,
-    fit: &Fit,
-    errors: &[Option<f64>],
-) -> Result<Vec<Cause>, DiagnoseError> {
-    let mut position = problem.nominal.len();
-    let mut causes = Vec::new();
-    for (i, found) in fit.point.effects.iter().enumerate() {
-        let own = &errors[position..position + found.values.len()];
-        position += found.values.len();
-        let evidence = evidence(problem, fit, i)?;
-        causes.push(cause(problem, found, own, evidence));
-    }
-    Ok(causes)
-}
-
-fn cause(problem: &Problem, found: &Found, errors: &[Option<f64>], evidence: Evidence) -> Cause {
-    let candidate = &problem.candidates[found.candidate];
-    let infos = problem.infos(found.candidate);
-    let parameters = found
-        .values
-        .iter()
-        .zip(errors)
-        .enumerate()
-        .map(|(i, (value, error))| {
-            let (key, unit) = key_and_unit(problem, found.candidate, i);
-            let parameter = Parameter {
-                value: *value,
-                low: error.map(|e| (value - Z95 * e).max(infos[i].min)),
-                high: error.map(|e| (value + Z95 * e).min(infos[i].max)),
-                unit,
-            };
-            (key, parameter)
-        });
-    Cause {
-        kind: candidate.kind.name().into(),
-        target: target_name(candidate),
-        parameters: parameters.collect(),
-        evidence,
-    }
-}
-
-/// What is lost without one of the effects, the others fitted anew.
-fn evidence(problem: &Problem, full: &Fit, index: usize) -> Result<Evidence, DiagnoseError> {
-    let orders: Vec<usize> = full.noise.channels.iter().map(|c| c.ar.len()).collect();
-    let rows = &problem.split.development;
-    let small = fit(problem, without(&full.point, index), rows, &orders, true)?;
-    let paired = compare(
-        &small.residual,
-        &full.residual,
-        &full.noise,
-        &problem.split.validation,
-    );
-    Ok(Evidence {
-        likelihood_gain: small.objective - full.objective,
-        validation_t: paired.t(),
-        practical_gain: paired.practical,
-    })
-}
-
-fn nominal(problem: &Problem, fit: &Fit, errors: &[Option<f64>]) -> Vec<Nominal> {
-    let rows = problem.nominal.iter().zip(&fit.point.nominal).zip(errors);
-    rows.map(|((parameter, value), error)| Nominal {
-        key: parameter.key.clone(),
-        before: parameter.value,
-        after: Parameter {
-            value: *value,
-            low: error.map(|e| value - Z95 * e),
-            high: error.map(|e| value + Z95 * e),
-            unit: parameter.unit_text.clone(),
-        },
-    })
-    .collect()
-}
-
-fn alternative(problem: &Problem, rival: &Rival) -> Result<Alternative, DiagnoseError> {
-    let errors = standard_errors(problem, &rival.fit, &problem.split.train)?;
-    Ok(Alternative {
-        causes: causes(problem, &rival.fit, &errors)?,
-        angle_deg: rival.angle_deg,
-        behind_t: rival.behind_t,
-        criterion_difference: rival.criterion_difference,
-    })
-}
-
-/// For each size of each candidate: what would have been detected, and would have been worth naming, with 95 % probability.
-fn smallest_seen(problem: &Problem, outcome: &Outcome) -> Vec<SmallestSeen> {
-    let (fit, rows) = (&outcome.chosen, &problem.split.train);
-    let (columns, priors) = nuisance(problem, fit);
-    let columns: Vec<_> = columns.iter().map(|x| fit.noise.whiten(x, rows)).collect();
-    let level = rms(&fit.residual, rows);
-    let mut all = Vec::new();
-    for entry in &outcome.ranking {
-        let signature = &entry.signature;
-        let infos = problem.infos(signature.candidate);
-        let bar = critical(
-            problem.options.family_wise_error,
-            outcome.tests,
-            infos.len(),
-        )
-        .sqrt()
-            + Z95_ONE_SIDED;
-        let practical = ((1.0 + problem.options.min_gain).powi(2) - 1.0).sqrt();
-        for (&size, change) in signature.sizes.iter().zip(&signature.columns) {
-            let secant = (signature.values[size] - infos[size].neutral).abs();
-            let left = projected(&fit.noise.whiten(change, rows), &columns, &priors);
-            let norm = left.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let raw = rms(change, rows)
-                .iter()
-                .zip(&level)
-                .map(|(a, b)| a / b)
-                .fold(0.0, f64::max);
-            let needed = secant * (bar / norm).max(practical / raw);
-            let room =
-                (infos[size].max - infos[size].neutral).max(infos[size].neutral - infos[size].min);
-            let (parameter, unit) = key_and_unit(problem, signature.candidate, size);
-            all.push(SmallestSeen {
-                kind: problem.candidates[signature.candidate].kind.name().into(),
-                target: target_name(&problem.candidates[signature.candidate]),
-                parameter,
-                size: (needed <= room).then_some(needed),
-                unit,
-            });
-        }
-    }
-    all.sort_by(|a, b| (&a.kind, &a.target, &a.parameter).cmp(&(&b.kind, &b.target, &b.parameter)));
-    all
-}
-
-/// Part of the sizes that are within reach of the experiment.
-fn visible(problem: &Problem, seen: &[SmallestSeen]) -> f64 {
-    if seen.is_empty() {
-        return 0.0;
-    }
-    let hidden = invisible(problem, seen).len();
-    1.0 - hidden as f64 / seen.len() as f64
-}
-
-fn invisible(problem: &Problem, seen: &[SmallestSeen]) -> Vec<String> {
-    let reach = |entry: &SmallestSeen| {
-        let candidate = problem
-            .candidates
-            .iter()
-            .position(|c| c.kind.name() == entry.kind && target_name(c) == entry.target)?;
-        let infos = problem.infos(candidate);
-        let index =
-            (0..infos.len()).find(|&i| key_and_unit(problem, candidate, i).0 == entry.parameter)?;
-        Some(REACH * problem.candidates[candidate].scale[index])
-    };
-    let hidden = seen.iter().filter(|e| match (e.size, reach(e)) {
-        (Some(size), Some(reach)) => size > reach,
-        _ => true,
-    });
-    hidden
-        .map(|e| {
-            let target = e
-                .target
-                .as_deref()
-                .map(|t| format!(" {t}"))
-                .unwrap_or_default();
-            format!(
-                "{}{target} (`{}`) would be seen at no typical size",
-                e.kind, e.parameter
-            )
-        })
-        .collect()
 }

@@ -17,12 +17,16 @@ mod answer;
 mod ceiling;
 mod conclude;
 mod data;
+mod evidence;
+mod features;
 mod fit;
 mod gate;
 mod noise;
+mod pairs;
 mod problem;
 mod screen;
 mod search;
+mod signature;
 mod uncertainty;
 mod validate;
 

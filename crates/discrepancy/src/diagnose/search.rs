@@ -4,9 +4,11 @@ use rayon::prelude::*;
 
 use super::answer::FitRecord;
 use super::fit::{Fit, fit};
-use super::noise::{Noise, Prior, dot, solve};
+use super::noise::Noise;
+use super::pairs::pairs;
 use super::problem::{Found, Point, Problem};
-use super::screen::{Ranked, critical, nuisance, projected, rank, refine, signatures};
+use super::screen::{Ranked, critical, rank, refine};
+use super::signature::signatures;
 use super::validate::{Paired, compare, objective};
 use super::{DiagnoseError, Stage};
 
@@ -30,8 +32,13 @@ pub(super) struct Outcome {
     pub fits: Vec<FitRecord>,
 }
 
-/// The validation gain must be beyond so many standard errors; detection on the training rows has come before.
-const LEAST_T: f64 = 2.0;
+/// The validation gain must be beyond so many standard errors; detection on the training rows has come before, and it is there that
+/// chance is kept out.
+pub(super) const LEAST_T: f64 = 1.0;
+/// Odds of 20 to 1, as a difference of minus twice the log-likelihood.
+pub(super) const DECISIVE: f64 = 6.0;
+/// In standard errors.
+const CLEARLY_BEHIND: f64 = 2.0;
 const REFINED: usize = 12;
 const PAIRED: usize = 30;
 
@@ -107,7 +114,7 @@ impl Search<'_, '_> {
         }
         problem.report(Stage::Fitting(base.point.effects.len()));
         let trials = self.fit_all(starts, &outcome.orders);
-        let Some(best) = self.choose(base, &trials) else {
+        let Some(best) = self.choose(base, &trials, &outcome.orders) else {
             return Ok(false);
         };
         let count = trials[best].point.effects.len();
@@ -131,67 +138,12 @@ impl Search<'_, '_> {
             .filter(beyond)
             .take(problem.options.fitted_candidates)
             .collect();
-        let mut starts: Vec<Point> = singles.iter().map(|r| extended(base, &[r])).collect();
+        let mut starts: Vec<Point> = singles.iter().flat_map(|r| all_starts(base, r)).collect();
         if base.point.effects.len() + 2 <= problem.options.max_effects {
-            let pairs = self.pairs(base, &ranking[..ranking.len().min(PAIRED)], tests);
+            let pairs = pairs(problem, base, &ranking[..ranking.len().min(PAIRED)], tests);
             starts.extend(pairs.iter().map(|(a, b)| extended(base, &[a, b])));
         }
         starts
-    }
-
-    /// The two pairs that gain most beyond their better half, from the signatures alone.
-    fn pairs(&self, base: &Fit, ranking: &[Ranked], tests: usize) -> Vec<(Ranked, Ranked)> {
-        let problem = self.problem;
-        let train = &problem.split.train;
-        let (columns, priors) = nuisance(problem, base);
-        let columns: Vec<_> = columns
-            .iter()
-            .map(|x| base.noise.whiten(x, train))
-            .collect();
-        let target = projected(&base.noise.whiten(&base.residual, train), &columns, &priors);
-        let pieces: Vec<Vec<Vec<f64>>> = ranking
-            .par_iter()
-            .map(|r| {
-                let whitened = r
-                    .signature
-                    .columns
-                    .iter()
-                    .map(|x| base.noise.whiten(x, train));
-                whitened.map(|x| projected(&x, &columns, &priors)).collect()
-            })
-            .collect();
-        let single: Vec<f64> = pieces
-            .par_iter()
-            .map(|x| explained(&target, &[x]))
-            .collect();
-        let indices: Vec<(usize, usize)> = (0..ranking.len())
-            .flat_map(|i| (i + 1..ranking.len()).map(move |j| (i, j)))
-            .collect();
-        let gains: Vec<f64> = indices
-            .par_iter()
-            .map(|&(i, j)| explained(&target, &[&pieces[i], &pieces[j]]) - single[i].max(single[j]))
-            .collect();
-        let best = single.iter().copied().fold(0.0, f64::max);
-        let mut good: Vec<(f64, usize, usize)> = indices
-            .iter()
-            .zip(&gains)
-            .map(|(&(i, j), gain)| (gain + single[i].max(single[j]), i, j, *gain))
-            .filter(|&(total, i, j, gain)| {
-                let dof = ranking[i].start.len().min(ranking[j].start.len());
-                let bar = critical(problem.options.family_wise_error, tests * tests, dof);
-                gain > bar && total > best + bar
-            })
-            .map(|(total, i, j, _)| (total, i, j))
-            .collect();
-        good.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let good = good.into_iter().take(2);
-        good.map(|(_, i, j)| {
-            (
-                paired_start(&ranking[i], problem),
-                paired_start(&ranking[j], problem),
-            )
-        })
-        .collect()
     }
 
     fn fit_all(&mut self, starts: Vec<Point>, orders: &[usize]) -> Vec<Fit> {
@@ -223,9 +175,9 @@ impl Search<'_, '_> {
         good
     }
 
-    /// The trial to take: among those that earn their place, the fewest effects and the best likelihood within one standard error
-    /// of the best on the validation blocks.
-    fn choose(&self, base: &Fit, trials: &[Fit]) -> Option<usize> {
+    /// The trial to take: of those that earn their place and are not clearly behind the best on the validation blocks, the fewest
+    /// effects, and among these the best by the information criterion.
+    fn choose(&self, base: &Fit, trials: &[Fit], orders: &[usize]) -> Option<usize> {
         let validation = &self.problem.split.validation;
         let passing: Vec<usize> = (0..trials.len())
             .filter(|&i| self.earns(base, &trials[i]))
@@ -247,12 +199,15 @@ impl Search<'_, '_> {
                 noise,
                 validation,
             );
-            i == best || behind.gain <= behind.error
+            // Two models that say all but the same differ by next to nothing, and that may be many standard errors.
+            behind.t() <= CLEARLY_BEHIND || behind.gain < DECISIVE
         });
         near.min_by(|&a, &b| {
-            let key = |i: usize| (trials[i].point.effects.len(), self.criterion(&trials[i]));
-            let (a, b) = (key(a), key(b));
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+            let effects = |i: usize| trials[i].point.effects.len();
+            let criterion = |i: usize| criterion(self.problem, &trials[i], orders);
+            effects(a)
+                .cmp(&effects(b))
+                .then(criterion(a).total_cmp(&criterion(b)))
         })
     }
 
@@ -269,11 +224,6 @@ impl Search<'_, '_> {
             &large.noise,
             &self.problem.split.validation,
         )
-    }
-
-    /// Bayesian information criterion on training and validation rows together.
-    fn criterion(&self, trial: &Fit) -> f64 {
-        criterion(self.problem, trial)
     }
 
     /// Takes away effects that no longer earn their place beside the others.
@@ -323,13 +273,12 @@ impl Search<'_, '_> {
                 &outcome.orders,
             ));
         }
-        let here = self.criterion(&outcome.chosen);
-        let better = rivals.iter().filter(|r| {
-            self.criterion(r) < here - 10.0 && self.paired(&outcome.chosen, r).gain > 0.0
-        });
-        let better = better
-            .min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)))
-            .cloned();
+        let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);
+        let here = value(&outcome.chosen);
+        let better = rivals
+            .iter()
+            .filter(|r| value(r) < here - 10.0 && self.paired(&outcome.chosen, r).gain > 0.0);
+        let better = better.min_by(|a, b| value(a).total_cmp(&value(b))).cloned();
         if let Some(better) = better {
             rivals.push(outcome.chosen.clone());
             rivals.retain(|r| r.point != better.point);
@@ -340,37 +289,11 @@ impl Search<'_, '_> {
     }
 }
 
-pub(super) fn criterion(problem: &Problem, trial: &Fit) -> f64 {
+/// Bayesian information criterion on training and validation rows together, with noise of the given orders.
+pub(super) fn criterion(problem: &Problem, trial: &Fit, orders: &[usize]) -> f64 {
     let rows = &problem.split.development;
-    let orders: Vec<usize> = trial.noise.channels.iter().map(|c| c.ar.len()).collect();
     let parameters: usize = trial.point.effects.iter().map(|f| f.values.len()).sum();
-    let n = rows.len() as f64;
-    objective(problem, &trial.residual, rows, &orders) + parameters as f64 * n.ln()
-}
-
-fn explained(target: &[f64], pieces: &[&Vec<Vec<f64>>]) -> f64 {
-    let columns: Vec<Vec<f64>> = pieces.iter().flat_map(|p| p.iter().cloned()).collect();
-    let coefficients = solve(target, &columns, &vec![Prior::default(); columns.len()]);
-    columns
-        .iter()
-        .zip(&coefficients)
-        .map(|(x, b)| b * dot(x, target))
-        .sum()
-}
-
-/// Alone it may have come out as nothing, so in a pair it starts from the size of its signature.
-fn paired_start(ranked: &Ranked, problem: &Problem) -> Ranked {
-    let mut ranked = ranked.clone();
-    let infos = problem.infos(ranked.candidate());
-    let idle = ranked
-        .signature
-        .sizes
-        .iter()
-        .all(|&i| ranked.start[i] == infos[i].neutral);
-    if idle {
-        ranked.start.clone_from(&ranked.signature.values);
-    }
-    ranked
+    objective(problem, &trial.residual, rows, orders) + parameters as f64 * (rows.len() as f64).ln()
 }
 
 fn extended(base: &Fit, added: &[&Ranked]) -> Point {
@@ -380,6 +303,17 @@ fn extended(base: &Fit, added: &[&Ranked]) -> Point {
         values: r.start.clone(),
     }));
     point
+}
+
+/// The best start and those of other shapes that promise half as much.
+fn all_starts(base: &Fit, ranked: &Ranked) -> Vec<Point> {
+    let mut starts = vec![extended(base, &[ranked])];
+    for other in &ranked.others {
+        let mut ranked = ranked.clone();
+        ranked.start.clone_from(other);
+        starts.push(extended(base, &[&ranked]));
+    }
+    starts
 }
 
 pub(super) fn without(point: &Point, index: usize) -> Point {

@@ -57,7 +57,7 @@ pub(super) fn compare(first: &Columns, second: &Columns, noise: &Noise, rows: &R
 }
 
 /// The fall of the sum of squares, and what is chance in it by batches.
-fn differences(first: &[f64], second: &[f64]) -> (f64, Vec<f64>) {
+pub(super) fn differences(first: &[f64], second: &[f64]) -> (f64, Vec<f64>) {
     let gain = dot(first, first) - dot(second, second);
     let chance: Vec<f64> = first
         .iter()

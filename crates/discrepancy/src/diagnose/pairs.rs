@@ -1,0 +1,92 @@
+//! Pair look-ahead: effects that are nothing alone and much together.
+
+use rayon::prelude::*;
+
+use super::fit::Fit;
+use super::noise::{Prior, dot, solve};
+use super::problem::Problem;
+use super::screen::{Ranked, critical, nuisance, projected};
+
+/// The two pairs that gain most beyond their better half, from the signatures alone.
+pub(super) fn pairs(
+    problem: &Problem,
+    base: &Fit,
+    ranking: &[Ranked],
+    tests: usize,
+) -> Vec<(Ranked, Ranked)> {
+    let train = &problem.split.train;
+    let (columns, priors) = nuisance(problem, base);
+    let columns: Vec<_> = columns
+        .iter()
+        .map(|x| base.noise.whiten(x, train))
+        .collect();
+    let target = projected(&base.noise.whiten(&base.residual, train), &columns, &priors);
+    let pieces: Vec<Vec<Vec<f64>>> = ranking
+        .par_iter()
+        .map(|r| {
+            let whitened = r
+                .signature
+                .columns
+                .iter()
+                .map(|x| base.noise.whiten(x, train));
+            whitened.map(|x| projected(&x, &columns, &priors)).collect()
+        })
+        .collect();
+    let single: Vec<f64> = pieces
+        .par_iter()
+        .map(|x| explained(&target, &[x]))
+        .collect();
+    let indices: Vec<(usize, usize)> = (0..ranking.len())
+        .flat_map(|i| (i + 1..ranking.len()).map(move |j| (i, j)))
+        .collect();
+    let gains: Vec<f64> = indices
+        .par_iter()
+        .map(|&(i, j)| explained(&target, &[&pieces[i], &pieces[j]]) - single[i].max(single[j]))
+        .collect();
+    let best = single.iter().copied().fold(0.0, f64::max);
+    let mut good: Vec<(f64, usize, usize)> = indices
+        .iter()
+        .zip(&gains)
+        .map(|(&(i, j), gain)| (gain + single[i].max(single[j]), i, j, *gain))
+        .filter(|&(total, i, j, gain)| {
+            let dof = ranking[i].start.len().min(ranking[j].start.len());
+            let bar = critical(problem.options.family_wise_error, tests * tests, dof);
+            gain > bar && total > best + bar
+        })
+        .map(|(total, i, j, _)| (total, i, j))
+        .collect();
+    good.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let good = good.into_iter().take(2);
+    good.map(|(_, i, j)| {
+        (
+            paired_start(&ranking[i], problem),
+            paired_start(&ranking[j], problem),
+        )
+    })
+    .collect()
+}
+
+fn explained(target: &[f64], pieces: &[&Vec<Vec<f64>>]) -> f64 {
+    let columns: Vec<Vec<f64>> = pieces.iter().flat_map(|p| p.iter().cloned()).collect();
+    let coefficients = solve(target, &columns, &vec![Prior::default(); columns.len()]);
+    columns
+        .iter()
+        .zip(&coefficients)
+        .map(|(x, b)| b * dot(x, target))
+        .sum()
+}
+
+/// Alone it may have come out as nothing, so in a pair it starts from the size of its signature.
+fn paired_start(ranked: &Ranked, problem: &Problem) -> Ranked {
+    let mut ranked = ranked.clone();
+    let infos = problem.infos(ranked.candidate());
+    let idle = ranked
+        .signature
+        .sizes
+        .iter()
+        .all(|&i| ranked.start[i] == infos[i].neutral);
+    if idle {
+        ranked.start.clone_from(&ranked.signature.values);
+    }
+    ranked
+}
