@@ -4,7 +4,7 @@ use std::path::Path;
 
 use truecut_recording::Measured;
 use truecut_recording::measured::measured as map;
-use truecut_scenario::{ProcessSpec, Scenario};
+use truecut_scenario::{DataSpec, ProcessSpec, Scenario};
 use truecut_telemetry::read_table;
 
 use crate::failure::Failure;
@@ -22,6 +22,20 @@ pub fn measured(scenario: &Scenario, file: Option<&Path>) -> Result<Option<Measu
             None => Ok(None),
         };
     };
+    load(scenario, data, file).map(Some)
+}
+
+/// The data that a scenario is held against.
+pub fn needed(scenario: &Scenario, file: Option<&Path>) -> Result<Measured, Failure> {
+    let Some(data) = &scenario.data else {
+        let text = format!("{}: there is no [data] table", scenario.path().display());
+        let help = "add [data] with one [[data.channel]] for each column: it says which is which, and in which unit";
+        return Err(Failure::with_help(text, help));
+    };
+    load(scenario, data, file)
+}
+
+fn load(scenario: &Scenario, data: &DataSpec, file: Option<&Path>) -> Result<Measured, Failure> {
     let Some(path) = file.or(data.file.as_deref()) else {
         let message = "the scenario names no file of measured data: write data.file, or run it with --data FILE";
         return Err(scenario.problem("data", message).into());
@@ -33,7 +47,7 @@ pub fn measured(scenario: &Scenario, file: Option<&Path>) -> Result<Option<Measu
     };
     let table = read_table(path, data.header).map_err(|error| failed(error.to_string()))?;
     let measured = map(&table, &data.mapping).map_err(|error| failed(error.to_string()))?;
-    Ok(Some(measured))
+    Ok(measured)
 }
 
 /// Whether a scenario replays data that only the command line can name.

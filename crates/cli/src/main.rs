@@ -3,13 +3,12 @@
 mod args;
 mod check;
 mod crosscheck;
-mod diagnose;
 mod data;
+mod diagnose;
 mod execute;
 mod failure;
 mod find;
 mod judge;
-mod measured;
 mod mjcf;
 mod outputs;
 mod progress;

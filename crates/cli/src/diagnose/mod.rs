@@ -12,8 +12,8 @@ use truecut_discrepancy::model::{Columns, Model};
 use truecut_discrepancy::trial::Trial;
 use truecut_scenario::Scenario;
 
+use crate::data;
 use crate::failure::Failure;
-use crate::measured;
 use crate::verdict::Verdict;
 
 /// `diagnose`, resolved.
@@ -40,7 +40,7 @@ pub struct Confirmed {
 /// Diagnoses, writes the files, tells the answer.
 pub fn diagnose(plan: &Plan) -> Result<Verdict, Failure> {
     let scenario = &plan.scenario;
-    let data = measured::load(scenario, plan.data.as_deref())?;
+    let data = data::needed(scenario, plan.data.as_deref())?;
     let trial = Trial::new(scenario, &data).map_err(|error| Failure::sim(scenario, error))?;
     let bar = Bar::new(plan.options.max_predictions);
     let answer = diagnose::diagnose(&trial, &trial.observation, &plan.options, &|now| {
