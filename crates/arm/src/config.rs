@@ -20,6 +20,7 @@
 //! position_gain_per_s = 20.0
 //! velocity_gain_nm_s_per_rad = 1.0e4       #   velocity_gain_n_s_per_m
 //! torque_limit_nm = 1.0e4                  #   force_limit_n
+//! velocity_feed_forward = 1.0              # optional share of the command's velocity, default 1
 //! [joint.source]                           # one for each value above
 //! stiffness = "data sheet of the reducer"
 //! damping = "estimated: 2 % at the first mode"
@@ -35,7 +36,9 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::error::{ArmError, ArmErrorKind};
-use crate::model::{Chain, JointKind, Servo, Transmission};
+use crate::model::{Chain, JointKind, Transmission};
+
+mod servo;
 
 type Number = Option<Spanned<f64>>;
 
@@ -88,6 +91,7 @@ struct RawServo {
     velocity_gain_n_s_per_m: Number,
     torque_limit_nm: Number,
     force_limit_n: Number,
+    velocity_feed_forward: Number,
 }
 
 #[derive(Deserialize, Default)]
@@ -264,61 +268,6 @@ impl Reader<'_> {
             (transmission.servo, sources.servo) = (Some(servo), text);
         }
         Ok(())
-    }
-
-    fn servo(
-        &self,
-        raw: &RawJoint,
-        servo: &RawServo,
-        kind: JointKind,
-    ) -> Result<(Servo, String), ArmError> {
-        let name = raw.name.get_ref();
-        let source = raw.source.servo.as_deref();
-        let position_gain = Some(servo.position_gain_per_s.clone());
-        let keys = [
-            (
-                ("position_gain_per_s", &position_gain),
-                ("position_gain_per_s", &position_gain),
-            ),
-            (
-                (
-                    "velocity_gain_nm_s_per_rad",
-                    &servo.velocity_gain_nm_s_per_rad,
-                ),
-                ("velocity_gain_n_s_per_m", &servo.velocity_gain_n_s_per_m),
-            ),
-            (
-                ("torque_limit_nm", &servo.torque_limit_nm),
-                ("force_limit_n", &servo.force_limit_n),
-            ),
-        ];
-        let mut values = [0.0; 3];
-        let mut text = String::new();
-        for (slot, (revolute, prismatic)) in values.iter_mut().zip(keys) {
-            let key = Key {
-                revolute,
-                prismatic,
-                source: "servo",
-                rule: Rule::Positive,
-            };
-            let Some((value, found)) = self.value(name, kind, &key, source)? else {
-                let missing = match kind {
-                    JointKind::Revolute => key.revolute.0,
-                    JointKind::Prismatic => key.prismatic.0,
-                };
-                let message = format!("joint \"{name}\": [joint.servo] lacks `{missing}`");
-                let at = servo.position_gain_per_s.span().start;
-                return Err(self.error(at, ArmErrorKind::Toml(message)));
-            };
-            (*slot, text) = (value, found);
-        }
-        let [position_gain_per_s, velocity_gain, torque_limit] = values;
-        let servo = Servo {
-            position_gain_per_s,
-            velocity_gain,
-            torque_limit,
-        };
-        Ok((servo, text))
     }
 
     /// The value of a key with its source, `None` if the key is absent.

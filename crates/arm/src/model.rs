@@ -63,6 +63,8 @@ pub struct Servo {
     pub velocity_gain: f64,
     /// Largest torque (N m) or force (N) of the drive, on the joint side of the gear.
     pub torque_limit: f64,
+    /// Share of the command's velocity that is added to the position loop's wish; 1 leaves no lag.
+    pub velocity_feed_forward: f64,
 }
 
 /// Where the values of a [`Transmission`] come from; empty where no value was given.
@@ -87,6 +89,9 @@ pub struct Transmission {
     pub dry_friction: f64,
     pub rotor_inertia: f64,
     pub servo: Option<Servo>,
+    /// The servo acts on the link: `stiffness` and `damping` are those of its loops. See
+    /// [`Robot::close_rigid_servos`].
+    pub rigid_servo: bool,
     pub sources: TransmissionSources,
 }
 
@@ -199,6 +204,20 @@ impl Robot {
             FrameId::Flange => flange,
             FrameId::Tool => flange * self.frames.flange_from_tool,
             FrameId::Foot => flange * self.frames.flange_from_foot,
+        }
+    }
+
+    /// Turns every joint that has a servo but no stiffness into one whose servo acts on its link: a P–P servo on a
+    /// rigid transmission is a spring `k_v k_p` between command and link and a damper `k_v`.
+    pub fn close_rigid_servos(&mut self) {
+        for joint in &mut self.chain.joints {
+            let transmission = &mut joint.transmission;
+            if let (None, Some(servo)) = (transmission.stiffness, transmission.servo) {
+                let gain = servo.velocity_gain;
+                transmission.stiffness = Some(gain * servo.position_gain_per_s);
+                transmission.damping = gain;
+                transmission.rigid_servo = true;
+            }
         }
     }
 

@@ -62,6 +62,8 @@
 mod any_float;
 mod claims;
 mod compare;
+pub mod filter;
+pub mod measured;
 mod metrics;
 mod names;
 mod recorder;
@@ -77,6 +79,7 @@ mod window;
 
 pub use claims::{ClaimError, ClaimFault, ClaimResult, ClaimSpec, RunReference};
 pub use compare::{CompareError, Deviation, compare};
+pub use measured::{DataError, Mapping, Measured, MeasuredChannel, Role};
 pub use metrics::{Metric, MetricError, MetricSpec};
 pub use names::nearest;
 pub use recorder::{OpenSinks, Pace, Recorder};

@@ -127,6 +127,11 @@ impl Document {
         self.effective.to_string()
     }
 
+    /// The document with the overrides applied, to be written on.
+    pub fn effective_document(&self) -> &DocumentMut {
+        &self.effective
+    }
+
     /// What is read: the document with the overrides applied.
     pub fn effective(&self) -> &Table {
         self.effective.as_table()
@@ -148,6 +153,20 @@ impl Document {
                 node.child(part).map(|(_, child)| child)
             })
             .is_some()
+    }
+
+    /// The number at the dotted `path` of the effective document.
+    pub fn number(&self, path: &str) -> Option<f64> {
+        let parts = split_path(path);
+        let table = Node::Table(self.effective.as_table());
+        let node = (parts.iter())
+            .try_fold(table, |node, part| node.child(part).map(|(_, child)| child))?;
+        let value = match node {
+            Node::Item(item) => item.as_value()?,
+            Node::Value(value) => value,
+            Node::Table(_) | Node::Inline(_) => return None,
+        };
+        (value.as_float()).or_else(|| value.as_integer().map(|number| number as f64))
     }
 
     /// Gives a fault its place in the file or in the override that caused it.

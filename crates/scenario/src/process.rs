@@ -7,6 +7,7 @@ use crate::chamfer::{ChamferSpec, ChamferTable};
 use crate::check::Check;
 use crate::document::Fault;
 use crate::load::{LoadSpec, LoadTable};
+use crate::replay::{ReplaySpec, ReplayTable};
 use crate::wheel::{WheelSpec, WheelTable};
 
 /// What the tool does to the workpiece.
@@ -18,6 +19,8 @@ pub enum ProcessSpec {
     Wheel(WheelSpec),
     /// Given forces.
     Load(LoadSpec),
+    /// Measured inputs.
+    Replay(ReplaySpec),
 }
 
 impl ProcessSpec {
@@ -27,15 +30,17 @@ impl ProcessSpec {
             ProcessSpec::Chamfer(_) => "chamfer",
             ProcessSpec::Wheel(_) => "wheel",
             ProcessSpec::Load(_) => "load",
+            ProcessSpec::Replay(_) => "replay",
         }
     }
 
-    /// How long the process takes by itself; `None` if it does not end by itself.
+    /// How long the process takes by itself, infinite if its data says; `None` if it does not end by itself.
     pub fn natural_duration_s(&self) -> Option<f64> {
         match self {
             ProcessSpec::Chamfer(chamfer) => Some(chamfer.cycle_s()),
             ProcessSpec::Wheel(wheel) => Some(wheel.pass_s()),
             ProcessSpec::Load(_) => None,
+            ProcessSpec::Replay(_) => Some(f64::INFINITY),
         }
     }
 }
@@ -50,20 +55,24 @@ pub(crate) struct ProcessTable {
     wheel: Option<WheelTable>,
     /// Given forces at the tool.
     load: Option<LoadTable>,
+    /// Measured inputs.
+    replay: Option<ReplayTable>,
 }
 
 impl ProcessTable {
     /// `None` after recording a fault if there is not exactly one process.
     pub(crate) fn resolve(self, check: &mut Check) -> Option<ProcessSpec> {
-        match (self.chamfer, self.wheel, self.load) {
-            (Some(chamfer), None, None) => Some(ProcessSpec::Chamfer(chamfer.resolve(check))),
-            (None, Some(wheel), None) => Some(ProcessSpec::Wheel(wheel.resolve())),
-            (None, None, Some(load)) => Some(ProcessSpec::Load(load.resolve(check))),
-            (chamfer, wheel, load) => {
+        match (self.chamfer, self.wheel, self.load, self.replay) {
+            (Some(chamfer), None, None, None) => Some(ProcessSpec::Chamfer(chamfer.resolve(check))),
+            (None, Some(wheel), None, None) => Some(ProcessSpec::Wheel(wheel.resolve())),
+            (None, None, Some(load), None) => Some(ProcessSpec::Load(load.resolve(check))),
+            (None, None, None, Some(replay)) => Some(ProcessSpec::Replay(replay.resolve(check))),
+            (chamfer, wheel, load, replay) => {
                 let given = [
                     chamfer.map(|_| "chamfer"),
                     wheel.map(|_| "wheel"),
                     load.map(|_| "load"),
+                    replay.map(|_| "replay"),
                 ];
                 let given: Vec<&str> = given.into_iter().flatten().collect();
                 check.refuse(not_one(&given));
@@ -74,7 +83,7 @@ impl ProcessTable {
 }
 
 fn not_one(given: &[&str]) -> Fault {
-    let known = "[process.chamfer], [process.wheel] and [process.load]";
+    let known = "[process.chamfer], [process.wheel], [process.load] and [process.replay]";
     match given.last() {
         None => Fault::key(
             "process",

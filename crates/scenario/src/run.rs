@@ -10,7 +10,7 @@ use crate::units::from_ms;
 /// Duration, step and recording interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunSpec {
-    /// Simulated time.
+    /// Simulated time; infinite for a replay that lasts as long as its data.
     pub duration_s: f64,
     /// Time step; `None` leaves the choice to the simulator (see the README, "Numerics").
     pub time_step_s: Option<f64>,
@@ -24,7 +24,7 @@ pub struct RunSpec {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RunTable {
-    /// Simulated time. Default: what the process takes (chamfer: feed and dwell; wheel: one pass).
+    /// Simulated time. Default: what the process takes (chamfer: feed and dwell; wheel: one pass; replay: its data).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
     duration_s: Option<f64>,
     /// Time step. Default: the smallest of 0.25 ms, 1/60 of the fastest mode's period and 1/40 of the
@@ -77,6 +77,9 @@ impl RunTable {
 
 impl RunSpec {
     fn check_length(&self, check: &mut Check) {
+        if self.duration_s == f64::INFINITY {
+            return;
+        }
         if self.duration_s > LONGEST_S {
             let given = check.document().has("run.duration_s");
             let (path, what) = if given {

@@ -9,7 +9,10 @@ use truecut_recording::{ClaimFault, ClaimSpec, Header, MetricSpec, UserUnit};
 
 use crate::check::Check;
 use crate::claim::ClaimTable;
+use crate::data::{DataSpec, DataTable};
 use crate::document::{Document, Fault};
+use crate::effect::table::{self, EffectTable};
+use crate::effect::{Effect, text};
 use crate::error::{Problem, ScenarioError};
 use crate::process::{ProcessSpec, ProcessTable};
 use crate::robot::{RobotSpec, RobotTable};
@@ -17,6 +20,7 @@ use crate::run::{RunSpec, RunTable};
 use crate::schema;
 use crate::structure;
 use crate::sweep::{SweepSpec, SweepTable};
+use crate::uncertain::{UncertainSpec, UncertainTable};
 
 /// A plant, a process and claims: everything that a run needs, in SI.
 #[derive(Debug, Clone)]
@@ -35,6 +39,14 @@ pub struct Scenario {
     pub claims: Vec<ClaimSpec>,
     /// Values of keys to run at, if the scenario is a sweep.
     pub sweep: Option<SweepSpec>,
+    /// What the nominal model leaves out, one of a kind for what it acts on.
+    pub effects: Vec<Effect>,
+    /// Whether each effect was given with the keys of a rotary joint; `None` where that is not said.
+    effect_is_rotary: Vec<Option<bool>>,
+    /// Measured data that drives the run or is compared with it.
+    pub data: Option<DataSpec>,
+    /// Nominal values that are not known exactly.
+    pub uncertain: Vec<UncertainSpec>,
     document: Arc<Document>,
     /// Units of thresholds, by the path of the table that holds the threshold.
     thresholds: Vec<(String, UserUnit)>,
@@ -57,8 +69,14 @@ pub(crate) struct FileTable {
     process: ProcessTable,
     /// What must hold of the run.
     claim: Option<Vec<ClaimTable>>,
+    /// What the nominal model leaves out.
+    effect: Option<Vec<EffectTable>>,
     /// The same scenario at many values of its keys.
     sweep: Option<SweepTable>,
+    /// Measured data that drives a replay or is compared with the run.
+    data: Option<DataTable>,
+    /// Nominal values that are not known exactly.
+    uncertain: Option<Vec<UncertainTable>>,
 }
 
 impl Scenario {
@@ -133,6 +151,46 @@ impl Scenario {
     /// The scenario as a TOML text with the overrides written into it.
     pub fn effective_text(&self) -> String {
         self.document.effective_text()
+    }
+
+    /// The same scenario with further effects, in memory: an effect of the same kind and target is replaced,
+    /// others are appended. [`Scenario::effective_text`] stays as it was; [`Scenario::extended_text`] writes
+    /// effects out.
+    ///
+    /// # Errors
+    /// An effect that does not fit its kind.
+    pub fn with_effects(&self, effects: &[Effect]) -> Result<Scenario, ScenarioError> {
+        let mut extended = self.clone();
+        for effect in effects {
+            effect
+                .check()
+                .map_err(|error| self.problem("effect", error))?;
+            let twin = |other: &Effect| other.kind == effect.kind && other.target == effect.target;
+            match extended.effects.iter().position(twin) {
+                Some(known) => extended.effects[known] = effect.clone(),
+                None => {
+                    extended.effects.push(effect.clone());
+                    extended.effect_is_rotary.push(None);
+                }
+            }
+        }
+        Ok(extended)
+    }
+
+    /// The scenario as a TOML text with the overrides and `effects` written into it as `[[effect]]` entries:
+    /// one of the same kind and target takes the new values, others are appended; comments stay.
+    ///
+    /// `rotary` says of each joint of the chain whether it is rotary, which chooses the keys.
+    pub fn extended_text(&self, effects: &[Effect], rotary: &[bool]) -> String {
+        let mut document = self.document.effective_document().clone();
+        text::write(&mut document, effects, rotary);
+        document.to_string()
+    }
+
+    /// Whether `effects[index]` was given with the keys of a rotary joint; `None` if both kinds of joint share
+    /// its keys, or if it did not come from a file.
+    pub fn effect_is_rotary(&self, index: usize) -> Option<bool> {
+        self.effect_is_rotary.get(index).copied().flatten()
     }
 
     /// Whether the scenario gives a value for the dotted key, rather than leaving it to its default.
@@ -260,6 +318,19 @@ impl FileTable {
         let mut thresholds = Vec::new();
         let robot = self.robot.resolve(&folder_of(document.path()), &mut check);
         let process = self.process.resolve(&mut check);
+        let data =
+            (self.data).and_then(|data| data.resolve(&folder_of(document.path()), &mut check));
+        let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
+            .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
+            .collect();
+        if matches!(process, Some(ProcessSpec::Replay(_))) && !document.has("data") {
+            let message = "missing table `[data]`: a replay needs measured inputs".to_owned();
+            check.refuse(Fault::key(
+                "process.replay",
+                message,
+                "has nothing to replay",
+            ));
+        }
         let natural_s = process.as_ref().map(ProcessSpec::natural_duration_s);
         let run =
             natural_s.map(|natural_s| self.run.unwrap_or_default().resolve(natural_s, &mut check));
@@ -278,6 +349,7 @@ impl FileTable {
             let message = "a sweep has no [[claim]]: its claims are [[sweep.claim]]".to_owned();
             check.refuse(Fault::key("claim.0", message, "never judged"));
         }
+        let effects = table::resolve(self.effect.unwrap_or_default(), &mut check);
         let faults = check.into_faults();
         if let Some(error) = located(&document, faults) {
             return Err(error);
@@ -296,6 +368,10 @@ impl FileTable {
             process,
             claims,
             sweep,
+            effects: effects.effects,
+            effect_is_rotary: effects.rotary,
+            data,
+            uncertain,
             document: Arc::new(document),
             thresholds,
         })

@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use serde_json::Value as Json;
+use toml_edit::{Item, TableLike};
 
 use crate::document::Fault;
 use crate::structure::unknown_key;
@@ -73,6 +74,21 @@ pub(crate) fn without_null(schema: &Json) -> &Json {
         .and_then(Json::as_array)
         .and_then(|alternatives| alternatives.iter().find(|one| !is_null(one)))
         .unwrap_or(schema)
+}
+
+/// The schema of a table whose keys depend on the value of one of them (named by `x-tag`): that of the
+/// table's own value, or the general one if the value is not known.
+pub(crate) fn of_tag<'a>(schema: &'a Json, table: &dyn TableLike) -> &'a Json {
+    let variant = || {
+        let tag = schema.get("x-tag")?.as_str()?;
+        let value = table.get(tag).and_then(Item::as_str)?;
+        let is_meant = |one: &&Json| {
+            let constant = one.pointer(&format!("/properties/{tag}/const"));
+            constant.and_then(Json::as_str) == Some(value)
+        };
+        schema.get("oneOf")?.as_array()?.iter().find(is_meant)
+    };
+    variant().unwrap_or(schema)
 }
 
 /// The JSON types that the value may have, apart from `null`.

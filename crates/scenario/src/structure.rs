@@ -10,7 +10,7 @@ use crate::document::{At, Fault};
 use truecut_recording::nearest;
 
 use crate::schema::{
-    choices, is_table, kinds, property, property_names, required, schema, without_null,
+    choices, is_table, kinds, of_tag, property, property_names, required, schema, without_null,
 };
 use crate::suggest::same_quantity;
 
@@ -67,6 +67,7 @@ fn check_table(
     path: &mut Vec<String>,
     faults: &mut Vec<Fault>,
 ) {
+    let schema = of_tag(schema, table);
     let mut meant: Vec<&str> = Vec::new();
     for (key, item) in table.iter() {
         match property(schema, key) {
@@ -74,6 +75,10 @@ fn check_table(
                 path.push(key.to_owned());
                 check_item(known, item, path, faults);
                 path.pop();
+            }
+            None if let Some(instead) = instead(schema, key) => {
+                meant.push(instead);
+                faults.push(other_key(path, key, instead));
             }
             None => {
                 meant.extend(
@@ -92,6 +97,22 @@ fn check_table(
         faults.push(missing_key(schema, path, key));
         path.pop();
     }
+}
+
+/// The key that the table has in place of one that belongs to its siblings.
+fn instead<'a>(schema: &'a Json, key: &str) -> Option<&'a str> {
+    schema.get("x-instead")?.get(key)?.as_str()
+}
+
+fn other_key(parent: &[String], key: &str, instead: &str) -> Fault {
+    let table = parent.join(".");
+    let message =
+        format!("`{key}` does not belong in [{table}]: what it acts on is given by `{instead}`");
+    Fault::key(
+        &format!("{table}.{key}"),
+        message,
+        format!("write `{instead}`"),
+    )
 }
 
 fn missing_key(schema: &Json, path: &[String], key: &str) -> Fault {

@@ -232,13 +232,14 @@ impl SweepTable {
 }
 
 /// The swept key must be a number of the robot, the run or the process.
-fn check_key(key: &str, at: &str, check: &mut Check) {
+/// Whether `key` is a number of the scenario that can be changed from outside; else a fault at `at`.
+pub(crate) fn check_key(key: &str, at: &str, check: &mut Check) -> bool {
     let path = split_path(key);
     let own = |part: &String| matches!(part.as_str(), "robot" | "run" | "process");
     if !path.first().is_some_and(own) {
         let message = format!("`{at}` is \"{key}\", but must be a key below robot, run or process");
-        check.refuse(Fault::value(at, message, "cannot be swept"));
-        return;
+        check.refuse(Fault::value(at, message, "cannot be changed"));
+        return false;
     }
     match schema::leaf_schema(&path) {
         Err(fault) => {
@@ -247,12 +248,14 @@ fn check_key(key: &str, at: &str, check: &mut Check) {
                 help: fault.help,
                 ..Fault::value(at, message, fault.label)
             });
+            false
         }
         Ok(leaf) if !schema::is_number(leaf) => {
             let message = format!("`{at}` is \"{key}\", which is not a number");
             check.refuse(Fault::value(at, message, "not a number"));
+            false
         }
-        Ok(_) => {}
+        Ok(_) => true,
     }
 }
 

@@ -7,6 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 use truecut_recording::{Unit, UserUnit};
 
+use crate::effect;
+
 /// Millimetres to metres (also mm/s to m/s and mm/rev to m/rev).
 pub(crate) fn from_mm(value: f64) -> f64 {
     value / 1e3
@@ -131,8 +133,15 @@ pub(crate) fn quantity(key: &str) -> &str {
         .unwrap_or(key)
 }
 
-/// The unit of the last part of a dotted key; dimensionless if it has no unit suffix.
+/// The unit of the last part of a dotted key; dimensionless if it has no unit suffix. Keys of effects are SI
+/// and stand in the catalogue.
 pub(crate) fn key_unit(key: &str) -> UserUnit {
+    if let Some((_, last)) = key
+        .strip_prefix("effect.")
+        .and_then(|rest| rest.split_once('.'))
+    {
+        return UserUnit::from(effect::unit_of_key(last));
+    }
     let found = SUFFIXES.iter().find(|one| key.ends_with(one.suffix));
     found.map_or_else(
         || UserUnit::from(Unit::One),

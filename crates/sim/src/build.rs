@@ -5,11 +5,13 @@ use crate::error::SimError;
 use crate::loads::{Attachment, Wrench};
 use crate::plant::{Drive, DriveKind};
 use crate::process::Process;
+use crate::replay::forward::ForwardInputs;
 use crate::scene::Workpiece;
 use crate::step_size;
 use crate::translate::build_process;
 use nalgebra::{Isometry3, Vector3, Vector6};
 use truecut_arm::{FrameId, JointKind, Load, Robot};
+use truecut_recording::Measured;
 use truecut_scenario::{Drive as DriveSpec, RobotSpec, Scenario};
 
 /// A scenario resolved against its robot, before any engine is built.
@@ -31,7 +33,8 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    pub(crate) fn new(scenario: &Scenario) -> Result<Self, SimError> {
+    /// `measured` drives a replay; other processes make no use of it.
+    pub(crate) fn new(scenario: &Scenario, measured: Option<&Measured>) -> Result<Self, SimError> {
         let spec = &scenario.robot;
         let robot = load_robot(spec)?;
         let kind = drive_kind(spec, &robot)?;
@@ -40,21 +43,34 @@ impl Prepared {
         } else {
             Vector3::zeros()
         };
+        let replay = ForwardInputs::of(scenario, measured, &robot, kind)?;
         let posture = posture(spec, &robot)?;
+        let posture = replay
+            .as_ref()
+            .map_or(posture.clone(), |replay| replay.posture(&posture));
         let mut world_from_process = robot.world_from_process(&posture);
-        let (process, workpiece) =
-            build_process(scenario, &robot, kind, &posture, &world_from_process)?;
-        let duration_s = scenario.run.duration_s;
+        let (process, workpiece) = match &replay {
+            Some(replay) => (
+                Box::new(replay.process()) as Box<dyn Process>,
+                Workpiece::None,
+            ),
+            None => build_process(scenario, &robot, kind, &posture, &world_from_process)?,
+        };
+        let duration_s =
+            (replay.as_ref()).map_or(scenario.run.duration_s, ForwardInputs::duration_s);
         let gravity = Load::gravity(gravity_m_s2);
         let sag = (spec.hold_against_sag && kind != DriveKind::Force).then_some(&gravity);
-        let command = command(
-            &robot,
-            &posture,
-            &world_from_process,
-            process.as_ref(),
-            duration_s,
-            sag,
-        )?;
+        let command = match &replay {
+            Some(replay) => replay.command(&posture),
+            None => command(
+                &robot,
+                &posture,
+                &world_from_process,
+                process.as_ref(),
+                duration_s,
+                sag,
+            )?,
+        };
         check_limits(&robot, &command)?;
         let start = match kind {
             DriveKind::Force => posture.clone(),
@@ -66,6 +82,9 @@ impl Prepared {
                 &gravity,
             )?,
         };
+        let start = replay
+            .as_ref()
+            .map_or(start.clone(), |replay| replay.start(&start));
         let touched = robot.world_from_frame(&start, FrameId::Tool);
         world_from_process.translation = touched.translation;
         let fastest = match kind {
@@ -123,9 +142,13 @@ impl Prepared {
     }
 }
 
-fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
+pub(crate) fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
     let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
-    Ok(robot.scaled(spec.inertia_scale, spec.stiffness_scale, spec.damping_scale))
+    let mut robot = robot.scaled(spec.inertia_scale, spec.stiffness_scale, spec.damping_scale);
+    if spec.drive == DriveSpec::Servo {
+        robot.close_rigid_servos();
+    }
+    Ok(robot)
 }
 
 fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
@@ -140,6 +163,19 @@ fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
     robot.transmission_stiffness("a driven arm")?;
     for joint in &robot.chain.joints {
         let t = &joint.transmission;
+        if kind == DriveKind::Servo && t.rigid_servo {
+            if t.rotor_inertia > 0.0 {
+                return Err(SimError::scenario(
+                    "robot.drive",
+                    format!(
+                        "joint `{}` has a servo and no transmission stiffness, so its rotor moves with the \
+                         link, but robot.toml gives a rotor inertia of {}: make it part of the link",
+                        joint.name, t.rotor_inertia
+                    ),
+                ));
+            }
+            continue;
+        }
         if kind == DriveKind::Servo && (t.servo.is_none() || t.rotor_inertia <= 0.0) {
             return Err(SimError::scenario(
                 "robot.drive",

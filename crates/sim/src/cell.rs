@@ -12,7 +12,7 @@ use crate::process::{FrameMotion, Process, ToolState};
 use crate::scene::Stage;
 use nalgebra::{Matrix3, Vector3, Vector6};
 use truecut_arm::JointKind;
-use truecut_recording::{Header, Outcome, Recorder, Scalar, Scene, Unit};
+use truecut_recording::{Header, Measured, Outcome, Recorder, Scalar, Scene, Unit};
 use truecut_scenario::Scenario;
 
 /// Steps between two calls of the progress function.
@@ -49,7 +49,18 @@ impl Cell {
     /// # Errors
     /// Whatever is wrong with the robot's files, or with a value of the scenario for this robot.
     pub fn build(scenario: &Scenario) -> Result<Self, SimError> {
-        let prepared = Prepared::new(scenario)?;
+        Self::build_with_data(scenario, None)
+    }
+
+    /// As [`Cell::build`], with the measured data that a replay is driven by. Other processes make no use of it.
+    ///
+    /// # Errors
+    /// As [`Cell::build`]; a replay without data, or with data that does not fit.
+    pub fn build_with_data(
+        scenario: &Scenario,
+        measured: Option<&Measured>,
+    ) -> Result<Self, SimError> {
+        let prepared = Prepared::new(scenario, measured)?;
         let plant = RapierPlant::new(
             &prepared.robot,
             &prepared.start,
@@ -166,9 +177,12 @@ impl Cell {
         let mut velocity = [0.0; truecut_arm::MAX_JOINTS];
         self.command
             .at(time_s, &mut position[..n], &mut velocity[..n]);
+        let mut force = [0.0; truecut_arm::MAX_JOINTS];
+        self.command.force_at(time_s, &mut force[..n]);
         let command = Command {
             position: &position[..n],
             velocity: &velocity[..n],
+            force: &force[..n],
         };
         let loads = self.process.evaluate(&self.tool_state(time_s));
         let wrenches = self.to_world(&loads);

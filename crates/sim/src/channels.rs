@@ -3,7 +3,7 @@
 use crate::plant::JointState;
 use crate::process::ToolState;
 use nalgebra::Vector3;
-use truecut_arm::{JointKind, Robot};
+use truecut_arm::{Joint, JointKind, Robot};
 use truecut_recording::{ChannelSpec, Unit};
 
 /// Channels of the robot, in the order of [`record`].
@@ -31,7 +31,7 @@ pub(crate) fn specs(robot: &Robot) -> Vec<ChannelSpec> {
         ));
     }
     for (i, joint) in robot.chain.joints.iter().enumerate() {
-        specs.extend(joint_specs(i + 1, &joint.name, joint.kind));
+        specs.extend(joint_specs(i + 1, joint));
     }
     specs.push(ChannelSpec::new(
         "energy.kinetic",
@@ -46,7 +46,8 @@ pub(crate) fn specs(robot: &Robot) -> Vec<ChannelSpec> {
     specs
 }
 
-fn joint_specs(number: usize, name: &str, kind: JointKind) -> [ChannelSpec; 4] {
+fn joint_specs(number: usize, joint: &Joint) -> [ChannelSpec; 5] {
+    let (name, kind) = (&joint.name, joint.kind);
     let (coordinate, position, velocity, effort, torque) = match kind {
         JointKind::Revolute => (
             "angle",
@@ -75,7 +76,21 @@ fn joint_specs(number: usize, name: &str, kind: JointKind) -> [ChannelSpec; 4] {
         spec("velocity", velocity, "Link velocity"),
         spec("command", position, "Commanded coordinate"),
         spec(torque, effort, "What the transmission exerts on the link"),
+        drive_spec(number, joint),
     ]
+}
+
+/// Channel of what a joint's drive exerts; `number` counts from 1.
+pub(crate) fn drive_spec(number: usize, joint: &Joint) -> ChannelSpec {
+    let (quantity, unit) = match joint.kind {
+        JointKind::Revolute => ("drive_torque", Unit::NewtonMetre),
+        JointKind::Prismatic => ("drive_force", Unit::Newton),
+    };
+    ChannelSpec::new(
+        format!("joint{number}.{quantity}"),
+        unit,
+        format!("What the drive exerts, joint `{}`", joint.name),
+    )
 }
 
 /// Appends the robot's values of one instant.
@@ -95,6 +110,7 @@ pub(crate) fn record(
             joints.velocity[i],
             joints.command[i],
             joints.transmission[i],
+            joints.drive[i],
         ]);
     }
     row.extend([energy_j.0, energy_j.1]);

@@ -1,6 +1,7 @@
 //! Commanded joint coordinates over time.
 
 use crate::error::SimError;
+use crate::process::ForceSamples;
 use nalgebra::{Isometry3, Translation3, Vector3};
 use truecut_arm::{FrameId, IkOptions, Load, Robot};
 
@@ -16,6 +17,8 @@ pub(crate) enum JointCommand {
     Hold(Vec<f64>),
     /// A straight path of the tool along process Y, attitude kept.
     Along(StraightPath),
+    /// Measured commands and drive forces.
+    Replay(Samples),
 }
 
 /// Knots of a straight path and the speed along it.
@@ -34,6 +37,16 @@ impl JointCommand {
                 velocity.fill(0.0);
             }
             Self::Along(path) => path.at(t_s, position, velocity),
+            Self::Replay(samples) => samples.at(t_s, position, velocity),
+        }
+    }
+
+    /// Given drive force of every joint at time `t`.
+    pub(crate) fn force_at(&self, t_s: f64, force: &mut [f64]) {
+        force.fill(0.0);
+        let Self::Replay(samples) = self else { return };
+        for (force, series) in force.iter_mut().zip(&samples.forces) {
+            *force = series.as_ref().map_or(0.0, |series| series.at(t_s));
         }
     }
 
@@ -42,6 +55,42 @@ impl JointCommand {
         match self {
             Self::Hold(posture) => std::slice::from_ref(posture),
             Self::Along(path) => &path.knots,
+            Self::Replay(samples) => &samples.postures,
+        }
+    }
+}
+
+/// Commands sampled at a constant rate from t = 0 on; a single one holds for ever.
+pub(crate) struct Samples {
+    pub interval_s: f64,
+    /// `[sample][joint]`.
+    pub postures: Vec<Vec<f64>>,
+    /// Given drive force of each joint, where there is one.
+    pub forces: Vec<Option<ForceSamples>>,
+}
+
+impl Samples {
+    /// Cubic Hermite interpolation with central differences (one-sided at both ends) as slopes: the velocity is the derivative of the
+    /// position, and both are continuous.
+    fn at(&self, t_s: f64, position: &mut [f64], velocity: &mut [f64]) {
+        let last = self.postures.len() - 1;
+        let x = (t_s / self.interval_s).clamp(0.0, last as f64);
+        let k = (x.floor() as usize).min(last.saturating_sub(1));
+        let u = x - k as f64;
+        let moves = last > 0 && (0.0..=last as f64 * self.interval_s).contains(&t_s);
+        for joint in 0..position.len() {
+            let p = |i: usize| self.postures[i.min(last)][joint];
+            let slope = |i: usize| match i {
+                _ if last < 2 => p(last) - p(0),
+                0 => -1.5 * p(0) + 2.0 * p(1) - 0.5 * p(2),
+                i if i >= last => 1.5 * p(last) - 2.0 * p(last - 1) + 0.5 * p(last - 2),
+                i => 0.5 * (p(i + 1) - p(i - 1)),
+            };
+            let (p0, p1, m0, m1) = (p(k), p(k + 1), slope(k), slope(k + 1));
+            let (rise, bend) = (p1 - p0, m0 + m1 - 2.0 * (p1 - p0));
+            position[joint] = p0 + u * (m0 + u * (rise - m0 + (u - 1.0) * bend));
+            let rate = m0 + u * (2.0 * (rise - m0 - bend) + 3.0 * u * bend);
+            velocity[joint] = if moves { rate / self.interval_s } else { 0.0 };
         }
     }
 }
@@ -124,6 +173,34 @@ impl StraightPath {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The interpolant goes through the samples, is exact for parabolas inside, and its velocity is its slope.
+    #[test]
+    fn verify_measured_commands_are_smooth_between_samples() {
+        let h = 0.01;
+        let parabola = |t: f64| 0.3 - 2.0 * t + 5.0 * t * t;
+        let command = JointCommand::Replay(Samples {
+            interval_s: h,
+            postures: (0..50).map(|k| vec![parabola(h * k as f64)]).collect(),
+            forces: vec![None],
+        });
+        let at = |t: f64| {
+            let (mut p, mut v) = ([0.0], [0.0]);
+            command.at(t, &mut p, &mut v);
+            (p[0], v[0])
+        };
+        for t in [0.0, 0.004, 0.01, 0.0137, 0.2, 0.2051, 0.47, 0.486] {
+            let (p, v) = at(t);
+            assert!((p - parabola(t)).abs() < 1e-14, "{t}");
+            assert!((v - (10.0 * t - 2.0)).abs() < 1e-11, "{t}");
+        }
+        assert_eq!(at(0.49).0, parabola(0.49));
+        assert_eq!(
+            at(7.0),
+            (parabola(0.49), 0.0),
+            "stands still behind the end"
+        );
+    }
 
     #[test]
     fn verify_velocity_is_the_derivative_of_the_command() {

@@ -9,6 +9,7 @@
 //! | [`plant`] | what the loads act on: the arm in rapier, its drives |
 //! | [`process`] | what the tool does: chamfering, a wheel on a plate, given forces |
 //! | [`loads`] | what a process may ask for |
+//! | [`replay`] | measured inputs that drive a model, forward or inverse |
 //! | [`sweep`] | a scenario over one or two parameters, as independent jobs |
 
 mod build;
@@ -23,6 +24,7 @@ mod mjcf;
 
 pub mod plant;
 pub mod process;
+pub mod replay;
 mod scene;
 mod step_size;
 pub mod sweep;
@@ -32,3 +34,4 @@ mod translate;
 pub use cell::{Cell, RunEnd};
 pub use error::SimError;
 pub use mjcf::export_mjcf;
+pub use replay::inverse::InverseModel;

@@ -12,7 +12,7 @@ use truecut_scenario::Scenario;
 /// # Errors
 /// What [`crate::Cell::build`] would refuse about the robot; a servo drive, which MJCF joints cannot hold.
 pub fn export_mjcf(scenario: &Scenario) -> Result<String, SimError> {
-    let prepared = Prepared::new(scenario)?;
+    let prepared = Prepared::new(scenario, None)?;
     let drive = match prepared.kind {
         DriveKind::Position => MjcfDrive::Position,
         DriveKind::Force => MjcfDrive::Free,

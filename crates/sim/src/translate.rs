@@ -55,6 +55,10 @@ pub(crate) fn build_process(
             );
             Ok((Box::new(GivenLoad::new(process)), Workpiece::None))
         }
+        ProcessSpec::Replay(_) => Err(SimError::scenario(
+            "process.replay",
+            "a replay needs its measured data",
+        )),
     }
 }
 

@@ -27,6 +27,35 @@ pub enum Reason {
     /// Readable, but not a recording.
     #[error("not a recording: {0}")]
     NotARecording(String),
+    /// Not CSV.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// A cell of a table.
+    #[error("line {line}, column \"{column}\": \"{value}\" is not a number{hint}")]
+    Cell {
+        /// Counted from 1.
+        line: usize,
+        /// Its name.
+        column: String,
+        /// As in the file.
+        value: String,
+        /// What may have been meant; empty or begins with a semicolon.
+        hint: &'static str,
+    },
+    /// A line of a table.
+    #[error("line {line}: {message}")]
+    Line {
+        /// Counted from 1.
+        line: usize,
+        /// Value and rule.
+        message: String,
+    },
+    /// Readable, but not a table of numbers.
+    #[error("not a table of numbers: {0}")]
+    NotATable(String),
+    /// Neither of the endings of a table.
+    #[error("unknown kind of file; measured data ends in .csv, .txt or .parquet")]
+    UnknownTable,
     /// Neither of the endings that are known.
     #[error("unknown kind of file; recordings end in .parquet or .arrows")]
     UnknownKind,

@@ -6,6 +6,8 @@
 //! | `.arrows` | while the run is under way | every row, then the results | [`read_ipc_stream`], any Arrow reader |
 //! | `.parquet` | at the end | every row and the results, the same bytes for the same run | [`read_parquet`], any Parquet reader |
 //!
+//! Measured data comes in as CSV or as any Parquet file of numbers: [`read_table`].
+//!
 //! Tables are SI, with `unit` and `description` in each column's metadata. The `.rrd` is for eyes:
 //! µm, mm and degrees, at most a thousand points a second of each channel, the smallest and largest
 //! of every interval among them.
@@ -65,6 +67,7 @@ mod decimate;
 mod display;
 mod error;
 mod ipc;
+mod measured;
 mod parquet_file;
 pub mod plot;
 mod rrd;
@@ -73,5 +76,6 @@ mod table;
 pub use background::Background;
 pub use error::{FileError, Reason};
 pub use ipc::{IpcSink, read_ipc_stream};
+pub use measured::read_table;
 pub use parquet_file::{ParquetSink, read_parquet, read_recording, write_parquet};
 pub use rrd::RrdSink;

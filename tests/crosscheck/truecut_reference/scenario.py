@@ -7,9 +7,13 @@ as a disagreement. Keys that only concern claims, sweeps or the viewer are ignor
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
+
+try:
+    import tomllib
+except ModuleNotFoundError:  # Python 3.10
+    import tomli as tomllib
 
 MM = 1e-3
 MPA = 1e6

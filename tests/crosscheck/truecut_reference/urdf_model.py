@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 
 import mujoco
 
 from .scenario import Robot
+
+try:
+    import tomllib
+except ModuleNotFoundError:  # Python 3.10
+    import tomli as tomllib
 
 KEEP_LINKS = '<mujoco><compiler fusestatic="false" discardvisual="true" balanceinertia="false"/></mujoco>'
 PRISMATIC = mujoco.mjtJoint.mjJNT_SLIDE

@@ -3,8 +3,24 @@
 //! An effect is a kind, what it acts on, and a size. At its neutral size it is exactly the nominal model.
 
 mod catalogue;
+pub(crate) mod table;
+pub(crate) mod text;
+
+use truecut_recording::Unit;
 
 pub use catalogue::{EffectKind, Family, ParameterInfo, TargetKind};
+
+/// Unit of a key of the catalogue; a key has the same one in every kind.
+pub(crate) fn unit_of_key(key: &str) -> Unit {
+    let mut known = EffectKind::ALL.iter().flat_map(|kind| kind.parameters());
+    known
+        .find_map(|info| match key {
+            _ if key == info.key => Some(info.unit),
+            _ if key == info.rotary_key => Some(info.rotary_unit),
+            _ => None,
+        })
+        .unwrap_or(Unit::One)
+}
 
 /// What an effect acts on.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -41,11 +57,58 @@ impl Effect {
         }
     }
 
+    /// Whether the effect fits its kind: target, number of values, bounds.
+    ///
+    /// # Errors
+    /// What does not fit, with value and bound.
+    pub fn check(&self) -> Result<(), String> {
+        let (wanted, known) = (self.kind.target(), self.kind.parameters());
+        let fits = match self.target {
+            Target::Whole => wanted == TargetKind::Whole,
+            Target::Joint(_) => wanted == TargetKind::Joint,
+            Target::Axis(axis) => wanted == TargetKind::Axis && axis < 3,
+            Target::Channel(_) => wanted == TargetKind::Channel,
+        };
+        if !fits {
+            return Err(format!(
+                "`{self}`: an effect of this kind does not act on that"
+            ));
+        }
+        if self.values.len() != known.len() {
+            let (got, needs) = (self.values.len(), known.len());
+            return Err(format!("`{self}` has {got} values, but must have {needs}"));
+        }
+        for (info, value) in known.iter().zip(&self.values) {
+            if !(info.min..=info.max).contains(value) {
+                return Err(format!(
+                    "`{}` of `{self}` is {value}, but must be from {} to {}",
+                    info.key, info.min, info.max
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Whether the effect, by its size, changes nothing.
     pub fn is_neutral(&self) -> bool {
         let sizes = self.kind.parameters().iter().zip(&self.values);
         sizes
             .filter(|(p, _)| p.is_size)
             .all(|(p, v)| *v == p.neutral)
+    }
+}
+
+impl std::fmt::Display for Effect {
+    /// Kind and target: `joint_coulomb of joint 2`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.kind.name())?;
+        match &self.target {
+            Target::Whole => Ok(()),
+            Target::Joint(joint) => write!(f, " of joint {}", joint + 1),
+            Target::Axis(axis) => {
+                write!(f, " about {}", ["x", "y", "z"].get(*axis).unwrap_or(&"?"))
+            }
+            Target::Channel(channel) => write!(f, " of {channel}"),
+        }
     }
 }

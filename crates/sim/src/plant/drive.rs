@@ -12,7 +12,9 @@ use truecut_arm::{Robot, Servo};
 pub enum DriveKind {
     /// The motor follows the command exactly.
     Position,
-    /// A P–P servo turns a rotor: `M_r θ'' = sat(k_v (k_p (c - θ) + c' - θ')) - τ_transmission`.
+    /// A P–P servo turns a rotor: `M_r θ'' = sat(k_v (k_p (c - θ) + f c' - θ')) - τ_transmission`. Where the
+    /// transmission is rigid it acts on the link, `sat(k_v (k_p (c - q) + f c' - q'))`: a spring `k_v k_p` to the
+    /// command and a damper `k_v`, which the plant takes half implicitly like any other.
     Servo,
     /// No transmission; the joints are free.
     Force,
@@ -39,6 +41,27 @@ struct JointDrive {
     damping: f64,
     rotor: f64,
     servo: Option<Servo>,
+    /// The servo acts on the link.
+    rigid: bool,
+}
+
+impl JointDrive {
+    fn rigid_servo(&self) -> Option<Servo> {
+        self.servo.filter(|_| self.rigid)
+    }
+
+    /// Torque of a servo on its link, from the motor's wish and the link's velocity at this instant.
+    fn rigid_torque(&self, servo: Servo, i: usize, state: &JointState) -> f64 {
+        let torque = self.stiffness * (state.motor[i] - state.position[i])
+            + self.damping * (state.motor_velocity[i] - state.velocity[i]);
+        torque.clamp(-servo.torque_limit, servo.torque_limit)
+    }
+
+    /// The same without the part that is proportional to the link's velocity, which the plant adds. A drive at
+    /// its limit takes that part back, at the velocity foreseen.
+    fn rigid_explicit(&self, servo: Servo, i: usize, state: &JointState) -> f64 {
+        self.rigid_torque(servo, i, state) + self.damping * state.velocity[i]
+    }
 }
 
 impl Drive {
@@ -60,6 +83,7 @@ impl Drive {
                     damping: if free { 0.0 } else { t.damping },
                     rotor: t.rotor_inertia,
                     servo: t.servo,
+                    rigid: kind == DriveKind::Servo && t.rigid_servo,
                 }
             })
             .collect();
@@ -99,8 +123,18 @@ impl Drive {
                     state.motor_velocity[i] = 0.0;
                 }
             }
+            if let Some(servo) = joint.rigid_servo() {
+                state.motor[i] = command.position[i];
+                state.motor_velocity[i] = servo.velocity_feed_forward * command.velocity[i];
+                explicit[i] = joint.rigid_explicit(servo, i, state);
+                continue;
+            }
             let wound = state.motor[i] - state.position[i];
             explicit[i] = joint.stiffness * wound + joint.damping * state.motor_velocity[i];
+            if self.kind == DriveKind::Force {
+                explicit[i] += command.force[i];
+                state.drive[i] = command.force[i];
+            }
         }
     }
 
@@ -112,12 +146,14 @@ impl Drive {
             return;
         }
         for (i, joint) in self.joints.iter().enumerate() {
-            let Some(servo) = joint.servo else { continue };
+            let Some(servo) = joint.servo.filter(|_| !joint.rigid) else {
+                continue;
+            };
             let v = self.half[i];
             let transmission = joint.stiffness * (state.motor[i] - state.position[i])
                 - joint.damping * state.velocity[i];
             let wish = servo.position_gain_per_s * (state.command[i] - state.motor[i])
-                + self.command_velocity[i];
+                + servo.velocity_feed_forward * self.command_velocity[i];
             let at = |gain: f64| {
                 // (M + dt/2 c) Δv = dt (τ - c v), c the sum of all velocity gains
                 let c = joint.damping + gain;
@@ -140,8 +176,20 @@ impl Drive {
     /// The transmission's torque at this instant, from the state as it is now known.
     pub fn transmission(&self, joint: usize, state: &JointState) -> f64 {
         let j = &self.joints[joint];
+        if let Some(servo) = j.rigid_servo() {
+            return j.rigid_torque(servo, joint, state);
+        }
         j.stiffness * (state.motor[joint] - state.position[joint])
             + j.damping * (state.motor_velocity[joint] - state.velocity[joint])
+    }
+
+    /// What the drive exerts at this instant: on the rotor (servo), else on the link.
+    pub fn drive_force(&self, joint: usize, state: &JointState) -> f64 {
+        match self.kind {
+            DriveKind::Force => state.drive[joint],
+            DriveKind::Servo if !self.joints[joint].rigid => self.servo_torque(joint, state),
+            DriveKind::Servo | DriveKind::Position => state.transmission[joint],
+        }
     }
 
     /// Moves the motor coordinates by the velocities just computed.
@@ -157,7 +205,12 @@ impl Drive {
     pub fn energy_j(&self, state: &JointState) -> (f64, f64) {
         let mut elastic = 0.0;
         let mut rotors = 0.0;
-        for (i, joint) in self.joints.iter().enumerate() {
+        for (i, joint) in self
+            .joints
+            .iter()
+            .enumerate()
+            .filter(|(_, joint)| !joint.rigid)
+        {
             let wound = state.motor[i] - state.position[i];
             elastic += 0.5 * joint.stiffness * wound * wound;
             if self.kind == DriveKind::Servo {
@@ -172,9 +225,10 @@ impl Drive {
     pub fn power_w(&self, state: &JointState) -> f64 {
         (0..self.joints.len())
             .map(|i| match self.kind {
+                _ if self.joints[i].rigid => state.transmission[i] * state.velocity[i],
                 DriveKind::Position => state.transmission[i] * state.motor_velocity[i],
                 DriveKind::Servo => self.servo_torque(i, state) * state.motor_velocity[i],
-                DriveKind::Force => 0.0,
+                DriveKind::Force => state.drive[i] * state.velocity[i],
             })
             .sum()
     }
@@ -184,7 +238,7 @@ impl Drive {
             return 0.0;
         };
         let wish = servo.position_gain_per_s * (state.command[i] - state.motor[i])
-            + self.command_velocity[i];
+            + servo.velocity_feed_forward * self.command_velocity[i];
         let torque = servo.velocity_gain * (wish - state.motor_velocity[i]) + self.feed_forward[i];
         torque.clamp(-servo.torque_limit, servo.torque_limit)
     }
@@ -194,6 +248,7 @@ impl Drive {
         self.joints
             .iter()
             .enumerate()
+            .filter(|(_, j)| !j.rigid)
             .map(|(i, j)| j.damping * (state.velocity[i] - state.motor_velocity[i]).powi(2))
             .sum()
     }

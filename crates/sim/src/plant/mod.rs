@@ -38,6 +38,8 @@ pub struct JointState {
     pub command: Vec<f64>,
     /// Torque (force) of the transmission on the link, N m or N.
     pub transmission: Vec<f64>,
+    /// Torque (force) of the drive: on the rotor (servo), else on the link, N m or N.
+    pub drive: Vec<f64>,
 }
 
 impl JointState {
@@ -49,7 +51,8 @@ impl JointState {
             motor: command.to_vec(),
             motor_velocity: zeros.clone(),
             command: command.to_vec(),
-            transmission: zeros,
+            transmission: zeros.clone(),
+            drive: zeros,
         }
     }
 }
@@ -61,6 +64,8 @@ pub struct Command<'a> {
     pub position: &'a [f64],
     /// rad/s or m/s.
     pub velocity: &'a [f64],
+    /// Given torque or force of each drive, N m or N; zero unless the drives are force drives.
+    pub force: &'a [f64],
 }
 
 /// A force and moment on a frame, in world axes: (N, N m).

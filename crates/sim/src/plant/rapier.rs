@@ -255,6 +255,7 @@ impl Plant for RapierPlant {
         self.drive.advance(&mut self.joints);
         for i in 0..self.dof() {
             self.joints.transmission[i] = self.drive.transmission(i, &self.joints);
+            self.joints.drive[i] = self.drive.drive_force(i, &self.joints);
         }
         self.update_defect(&after);
         self.half_before = std::mem::replace(&mut self.half, after);
@@ -320,6 +321,7 @@ mod tests {
         let command = Command {
             position: &position,
             velocity: &[0.0; 6],
+            force: &[0.0; 6],
         };
         plant.begin(command, &[]);
     }

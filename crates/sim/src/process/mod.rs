@@ -7,11 +7,13 @@
 mod chamfer;
 mod foot;
 mod load;
+mod replay;
 mod wheel;
 
 pub use chamfer::{Chamfer, ChamferParameters, Regeneration, SlipTheory};
 pub use foot::{Foot, FootFriction, FootParameters};
 pub use load::{Load, LoadParameters, RotatingForce, Sweep};
+pub use replay::{ForceSamples, Replay};
 pub use wheel::{Wheel, WheelParameters};
 
 use crate::loads::{Attachment, ContactOutcomes, Loads};

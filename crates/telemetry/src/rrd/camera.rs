@@ -24,7 +24,7 @@ pub(super) fn whole(scene: &Scene) -> Camera {
     let aside = [-ahead[1], ahead[0], 0.0];
     let direction = [0, 1, 2].map(|i| 0.45 * ahead[i] + 0.85 * aside[i] + [0.0, 0.0, 0.35][i]);
     Camera {
-        position_m: along(target_m, direction, 0.95 * size_m),
+        position_m: along(target_m, direction, 1.2 * size_m),
         target_m,
     }
 }

@@ -1,0 +1,181 @@
+//! Delay and gain between the simulated and the measured channel.
+
+use serde::Serialize;
+
+use super::series::{Estimate, Pair, centred, least_squares, rms};
+use crate::stats::spectrum::{inverse, padded_length, transform};
+use crate::stats::{Background, sum_covariance};
+
+/// `measured(t) ≈ offset + gain · simulated(t − delay)`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Alignment {
+    /// How much later the measured channel is, s.
+    pub delay_s: Estimate,
+    /// Measured over simulated.
+    pub gain: Estimate,
+    /// Share of the residual's variance about its mean that vanishes with both.
+    pub explained_share: f64,
+}
+
+/// Longest delay that is looked for, as a share of the record.
+const LONGEST_DELAY: f64 = 0.1;
+/// Least correlation at the best delay; below it the channels have nothing in common that could be
+/// aligned.
+const LEAST_CORRELATION: f64 = 0.3;
+/// Samples on either side that interpolate between two.
+const REACH: isize = 12;
+
+/// By least squares, from the peak of the cross-correlation on; between samples the simulated channel is
+/// interpolated by a windowed sinc. Standard errors hold for noise as coloured as what remains.
+/// `None` if the channels do not correlate or one of them is constant.
+pub fn align(pair: &Pair<'_>, interval_s: f64) -> Option<Alignment> {
+    let mut delay = coarse_delay(pair)?;
+    let mut fit = fit_at(pair, delay)?;
+    for _ in 0..20 {
+        let step = fit.step.clamp(-1.0, 1.0);
+        delay += step;
+        fit = fit_at(pair, delay)?;
+        if step.abs() < 1e-6 {
+            break;
+        }
+    }
+    if delay.abs() > LONGEST_DELAY * pair.measured.len() as f64 + 1.0 {
+        return None;
+    }
+    let before = rms(&centred(&pair.residual(), pair.valid), pair.valid);
+    let after = rms(&fit.remainder, &fit.valid);
+    let background = Background::beside(&fit.target, &fit.valid, &fit.columns);
+    let (errors, degrees) = match &background {
+        Some(background) => {
+            let inner = sum_covariance(&fit.columns, background);
+            let covariance = &fit.inverse * inner.matrix * &fit.inverse;
+            ([0, 1].map(|i| covariance[(i, i)].sqrt()), inner.degrees)
+        }
+        None => ([0.0; 2], f64::INFINITY),
+    };
+    let delay_error = errors[1] / fit.gain.abs() * interval_s;
+    Some(Alignment {
+        delay_s: Estimate::new(delay * interval_s, 0.0, delay_error, degrees),
+        gain: Estimate::new(fit.gain, 1.0, errors[0], degrees),
+        explained_share: if before > 0.0 {
+            (1.0 - (after / before).powi(2)).max(0.0)
+        } else {
+            0.0
+        },
+    })
+}
+
+/// The delay in whole samples at which the channels correlate best, without sign.
+fn coarse_delay(pair: &Pair<'_>) -> Option<f64> {
+    let count = pair.measured.len();
+    let measured = centred(pair.measured, pair.valid);
+    let simulated = centred(pair.simulated, pair.valid);
+    let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let scale = norm(&measured) * norm(&simulated);
+    if scale.is_nan() || scale <= 0.0 {
+        return None;
+    }
+    let length = padded_length(count);
+    let product = transform(&simulated, length)
+        .into_iter()
+        .zip(transform(&measured, length));
+    let correlation = inverse(product.map(|(x, y)| x.conj() * y).collect(), length);
+    let reach = (LONGEST_DELAY * count as f64) as usize;
+    // The shorter of two equal delays wins: it comes first.
+    let mut best = (0.0, 0.0);
+    for lag in 0..=reach {
+        for (delay, index) in [(lag as f64, lag), (-(lag as f64), (length - lag) % length)] {
+            let size = correlation[index].abs() / scale;
+            if size > best.0 + 1e-12 {
+                best = (size, delay);
+            }
+        }
+    }
+    (best.0 >= LEAST_CORRELATION).then_some(best.1)
+}
+
+/// The regression at one delay.
+struct Fit {
+    gain: f64,
+    /// What the delay lacks, samples, to first order.
+    step: f64,
+    columns: Vec<Vec<f64>>,
+    inverse: nalgebra::DMatrix<f64>,
+    /// The measured channel without its mean, and what the regression leaves of it.
+    target: Vec<f64>,
+    remainder: Vec<f64>,
+    valid: Vec<bool>,
+}
+
+fn fit_at(pair: &Pair<'_>, delay: f64) -> Option<Fit> {
+    const HALF_STEP: f64 = 0.05;
+    let shifts = [0.0, HALF_STEP, -HALF_STEP].map(|step| shift(pair.simulated, delay + step));
+    let reached = |row: usize| shifts.iter().all(|(_, reached)| reached[row]);
+    let valid: Vec<bool> = pair
+        .valid
+        .iter()
+        .enumerate()
+        .map(|(row, valid)| *valid && reached(row))
+        .collect();
+    let [shifted, later, earlier] = shifts.map(|(values, _)| values);
+    let slope: Vec<f64> = earlier
+        .iter()
+        .zip(&later)
+        .map(|(e, l)| (e - l) / (2.0 * HALF_STEP))
+        .collect();
+    let columns = vec![centred(&shifted, &valid), centred(&slope, &valid)];
+    let target = centred(pair.measured, &valid);
+    let (coefficients, inverse) = least_squares(&columns, &target)?;
+    let gain = coefficients[0];
+    let remainder = (0..target.len())
+        .map(|row| target[row] - gain * columns[0][row] - coefficients[1] * columns[1][row])
+        .collect();
+    // y ≈ g x(t − d) − g δ x′(t − d)
+    let step = -coefficients[1] / gain;
+    (gain != 0.0 && step.is_finite()).then_some(Fit {
+        gain,
+        step,
+        columns,
+        inverse,
+        target,
+        remainder,
+        valid,
+    })
+}
+
+/// The series `delay` samples later, and where the samples that this takes exist.
+fn shift(values: &[f64], delay: f64) -> (Vec<f64>, Vec<bool>) {
+    let count = values.len() as isize;
+    let whole = delay.floor();
+    let part = delay - whole;
+    let weights: Vec<f64> = (-REACH + 1..=REACH)
+        .map(|tap| kernel(tap as f64 - (1.0 - part)))
+        .collect();
+    // Weights of a constant add up to one.
+    let sum: f64 = weights.iter().sum();
+    let mut shifted = vec![0.0; values.len()];
+    let mut reached = vec![false; values.len()];
+    for row in 0..count {
+        // The sample at row − delay lies between `base` and `base + 1`.
+        let base = row - whole as isize - 1;
+        let first = base - REACH + 1;
+        if first < 0 || base + REACH >= count {
+            continue;
+        }
+        let taps = &values[first as usize..(base + REACH + 1) as usize];
+        shifted[row as usize] = taps.iter().zip(&weights).map(|(x, w)| x * w).sum::<f64>() / sum;
+        reached[row as usize] = true;
+    }
+    (shifted, reached)
+}
+
+/// sinc under a Hann window as wide as the reach.
+fn kernel(distance: f64) -> f64 {
+    let turn = std::f64::consts::PI * distance;
+    let sinc = if turn.abs() < 1e-12 {
+        1.0
+    } else {
+        turn.sin() / turn
+    };
+    sinc * (0.5 + 0.5 * (turn / REACH as f64).cos())
+}

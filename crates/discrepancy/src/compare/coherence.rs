@@ -1,0 +1,61 @@
+//! How much of the measured channel follows the simulated one, by frequency.
+
+use serde::Serialize;
+
+use super::series::Pair;
+use crate::stats::spectrum::cross_welch;
+
+/// Coherence in one band.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Band {
+    /// From where, Hz.
+    pub from_hz: f64,
+    /// To where, Hz.
+    pub to_hz: f64,
+    /// Share of the measured power in the band that is a linear function of the simulated channel: the
+    /// magnitude-squared coherence, weighted by measured power.
+    pub coherence: f64,
+    /// What that share would be on average if the two had nothing in common.
+    pub chance: f64,
+    /// Share of the measured power, trend aside, that lies in the band.
+    pub power_share: f64,
+}
+
+/// Bands of equal width in ln(frequency).
+const BANDS: usize = 6;
+
+/// Welch's estimate over eighths of the record. Empty if the record is too short, or cut too often.
+pub fn coherence(pair: &Pair<'_>, interval_s: f64) -> Vec<Band> {
+    let length = pair.measured.len() / 16 * 2;
+    let spectra = cross_welch(pair.simulated, pair.measured, pair.valid, length);
+    let Some((simulated, measured, cross)) = spectra else {
+        return Vec::new();
+    };
+    let last = length / 2;
+    let edge = |i: usize| (last as f64).powf(i as f64 / BANDS as f64).round() as usize;
+    let total: f64 = measured.density[1..].iter().sum();
+    let hertz = |bin: usize| bin as f64 / (length as f64 * interval_s);
+    (0..BANDS)
+        .map(|i| (edge(i), edge(i + 1) + usize::from(i + 1 == BANDS)))
+        .filter(|(first, end)| first < end)
+        .map(|(first, end)| {
+            let power: f64 = measured.density[first..end].iter().sum();
+            let common = (first..end).map(|bin| {
+                let own = simulated.density[bin];
+                if own > 0.0 {
+                    cross[bin].norm_sqr() / own
+                } else {
+                    0.0
+                }
+            });
+            let common: f64 = common.sum();
+            Band {
+                from_hz: hertz(first),
+                to_hz: hertz(end.min(last)),
+                coherence: if power > 0.0 { common / power } else { 0.0 },
+                chance: 2.0 / measured.degrees,
+                power_share: if total > 0.0 { power / total } else { 0.0 },
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,76 @@
+//! How large the residual is.
+
+use serde::Serialize;
+
+use super::series::{Estimate, Pair, mean, rms};
+use crate::stats::{Background, sum_covariance};
+
+/// Size of the residual, measured minus simulated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Level {
+    /// Samples that count.
+    pub samples: usize,
+    /// How many independent samples would give a mean as uncertain: the residual's variance over that
+    /// of its mean.
+    pub effective_samples: f64,
+    /// Root of the mean square residual, SI.
+    pub rms_error: f64,
+    /// `rms_error` over the range (largest minus smallest) of the measured samples.
+    pub nrmse: f64,
+    /// `rms_error` over the RMS of the measured samples.
+    pub relative_rms_error: f64,
+    /// Mean of the residual, SI.
+    pub bias: Estimate,
+    /// The largest residual, without sign, SI.
+    pub largest_error: f64,
+    /// `rms_error` over the known standard deviation of the measurement's noise.
+    pub error_over_noise: Option<f64>,
+}
+
+/// `background` is that of the residual; `None` if there is none to speak of.
+pub fn level(pair: &Pair<'_>, residual: &[f64], background: Option<&Background>) -> Level {
+    let samples = pair.valid.iter().filter(|valid| **valid).count();
+    let rms_error = rms(residual, pair.valid);
+    let bias = mean(residual, pair.valid);
+    let variance = rms_error * rms_error - bias * bias;
+    let (standard_error, degrees) = standard_error_of_mean(pair.valid, background);
+    let measured = || {
+        pair.measured
+            .iter()
+            .zip(pair.valid)
+            .filter(|(_, v)| **v)
+            .map(|(x, _)| *x)
+    };
+    let range =
+        measured().fold(f64::NEG_INFINITY, f64::max) - measured().fold(f64::INFINITY, f64::min);
+    let effective = variance / (standard_error * standard_error);
+    Level {
+        samples,
+        effective_samples: if effective.is_nan() {
+            samples as f64
+        } else {
+            effective.clamp(1.0, samples as f64)
+        },
+        rms_error,
+        nrmse: rms_error / range,
+        relative_rms_error: rms_error / rms(pair.measured, pair.valid),
+        bias: Estimate::new(bias, 0.0, standard_error, degrees),
+        largest_error: residual
+            .iter()
+            .fold(0.0, |largest: f64, r| largest.max(r.abs())),
+        error_over_noise: pair.noise.map(|noise| rms_error / noise),
+    }
+}
+
+fn standard_error_of_mean(valid: &[bool], background: Option<&Background>) -> (f64, f64) {
+    let Some(background) = background else {
+        return (0.0, f64::INFINITY);
+    };
+    let ones: Vec<f64> = valid
+        .iter()
+        .map(|valid| f64::from(u8::from(*valid)))
+        .collect();
+    let count: f64 = ones.iter().sum();
+    let covariance = sum_covariance(&[ones], background);
+    (covariance.matrix[(0, 0)].sqrt() / count, covariance.degrees)
+}

@@ -1,0 +1,230 @@
+//! What the simulation gets wrong, before any cause is named.
+//!
+//! [`compare_recordings`] takes a run and a measurement, [`compare_channel`] one channel. The residual is
+//! measured minus simulated. Noise is taken as it is: its background is a smooth function of frequency
+//! read off the residual's own spectrum ([`crate::stats::Background`]), and every standard error and
+//! threshold follows from it. So they hold for white noise and for noise that drifts.
+//!
+//! # A tour
+//!
+//! ```
+//! use truecut_discrepancy::compare::{LineKind, Pair, Setting, compare_channel};
+//! use truecut_recording::{ChannelSpec, Unit};
+//!
+//! // The measured force has a line once per revolution, at 5 Hz, that the simulation lacks.
+//! let time_s: Vec<f64> = (0..4000).map(|row| f64::from(row) * 1e-3).collect();
+//! let simulated: Vec<f64> = time_s.iter().map(|t| 100.0 * (3.0 * t).sin()).collect();
+//! let mut measured = simulated.clone();
+//! let mut state = 1_u32;
+//! for (value, t) in measured.iter_mut().zip(&time_s) {
+//!     state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223); // noise: Knuth's generator
+//!     *value += 2.0 * (std::f64::consts::TAU * 5.0 * t).sin() + f64::from(state >> 8) / 16_777_216.0;
+//! }
+//! let spec = ChannelSpec::new("tool.force_y", Unit::Newton, "Force on the tool");
+//! let pair = Pair { spec: &spec, measured: &measured, valid: &[true; 4000], simulated: &simulated, noise: None };
+//! let setting = Setting { interval_s: 1e-3, explanatory: &[], spindle_hz: Some(5.0) };
+//! let found = compare_channel(&pair, &setting)?;
+//! let line = &found.lines[0];
+//! assert_eq!((line.kind, line.per_revolution), (LineKind::Missing, Some(1)));
+//! assert!((line.residual - 2.0).abs() < 0.05);
+//! # Ok::<(), truecut_discrepancy::compare::CompareError>(())
+//! ```
+
+mod alignment;
+mod coherence;
+mod correlation;
+mod dependence;
+mod error;
+mod level;
+mod lines;
+mod recordings;
+mod series;
+mod suspicion;
+mod whiteness;
+
+pub use alignment::{Alignment, align};
+pub use coherence::{Band, coherence};
+pub use correlation::{InputCorrelation, input_correlation};
+pub use dependence::{Bin, Dependence, dependence};
+pub use error::CompareError;
+pub use level::{Level, level};
+pub use lines::{LineKind, Spectra, SpectralLine, lines};
+pub use recordings::{Comparison, compare_recordings};
+pub use series::{Estimate, Explanatory, Kind, Pair};
+pub use suspicion::{UnitSuspicion, unit_suspicion};
+pub use whiteness::{Whiteness, whiteness};
+
+use serde::Serialize;
+use truecut_recording::measured::MIN_SAMPLES;
+use truecut_recording::{Unit, significant};
+
+use crate::stats::Background;
+use crate::stats::distributions::family_wise;
+
+/// Findings are reported below this probability of a false alarm, counted over all signals tried.
+pub const LEVEL: f64 = 0.01;
+
+/// What a channel is compared in view of.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting<'a> {
+    /// Time between samples, s.
+    pub interval_s: f64,
+    /// What the residual may depend on.
+    pub explanatory: &'a [Explanatory],
+    /// Revolutions of the spindle per second.
+    pub spindle_hz: Option<f64>,
+}
+
+/// What the simulation gets wrong in one channel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChannelComparison {
+    /// Its name.
+    pub channel: String,
+    /// Unit of every value that is not said to have another.
+    pub unit: Unit,
+    /// Size of the residual.
+    pub level: Level,
+    /// Delay and gain, if the channels can be aligned.
+    pub alignment: Option<Alignment>,
+    /// Lines of the residual, strongest first.
+    pub lines: Vec<SpectralLine>,
+    /// Coherence by band.
+    pub coherence: Vec<Band>,
+    /// The residual's mean over each explanatory signal, most significant first. Their p-values count
+    /// all signals tried.
+    pub dependence: Vec<Dependence>,
+    /// Correlation with each input, most significant first; p-values count all inputs.
+    pub inputs: Vec<InputCorrelation>,
+    /// The residual's colour; none if there is no residual.
+    pub whiteness: Option<Whiteness>,
+    /// Spectra, for figures.
+    #[serde(skip)]
+    pub spectra: Option<Spectra>,
+}
+
+/// Compares one channel.
+///
+/// # Errors
+/// Fewer than [`MIN_SAMPLES`] samples that count, values that are not finite, a measured channel that
+/// never changes, a residual so absurd that the unit must be wrong.
+pub fn compare_channel(
+    pair: &Pair<'_>,
+    setting: &Setting<'_>,
+) -> Result<ChannelComparison, CompareError> {
+    check(pair)?;
+    let residual = pair.residual();
+    let background = Background::of(&residual, pair.valid);
+    let (lines, spectra) = lines(
+        pair,
+        &residual,
+        setting.interval_s,
+        setting.spindle_hz,
+        LEVEL,
+    );
+    let mut comparison = ChannelComparison {
+        channel: pair.spec.name.clone(),
+        unit: pair.spec.unit,
+        level: level(pair, &residual, background.as_ref()),
+        alignment: align(pair, setting.interval_s),
+        lines,
+        coherence: coherence(pair, setting.interval_s),
+        dependence: Vec::new(),
+        inputs: Vec::new(),
+        whiteness: None,
+        spectra,
+    };
+    if let Some(background) = &background {
+        comparison.whiteness = whiteness(&residual, pair.valid, background);
+        comparison.dependence = dependences(&residual, pair.valid, setting);
+        comparison.inputs = inputs(&residual, pair, setting);
+    }
+    Ok(comparison)
+}
+
+fn check(pair: &Pair<'_>) -> Result<(), CompareError> {
+    let channel = pair.spec.name.clone();
+    let counted = pair.valid.iter().filter(|valid| **valid).count();
+    if counted < MIN_SAMPLES {
+        return Err(CompareError::TooFew {
+            channel,
+            counted,
+            least: MIN_SAMPLES,
+        });
+    }
+    let finite = |values: &[f64]| {
+        values
+            .iter()
+            .zip(pair.valid)
+            .all(|(x, v)| !v || x.is_finite())
+    };
+    for (values, whose) in [(pair.measured, "measured"), (pair.simulated, "simulated")] {
+        if !finite(values) {
+            return Err(CompareError::NotFinite { channel, whose });
+        }
+    }
+    let mut values = pair
+        .measured
+        .iter()
+        .zip(pair.valid)
+        .filter(|(_, v)| **v)
+        .map(|(x, _)| *x);
+    let first = values.next().unwrap_or(0.0);
+    if values.all(|value| value == first) {
+        let value = format!("{} {}", significant(first, 4), pair.spec.unit);
+        return Err(CompareError::Constant { channel, value });
+    }
+    match unit_suspicion(pair) {
+        Some(suspicion) => Err(CompareError::Unit { channel, suspicion }),
+        None => Ok(()),
+    }
+}
+
+fn dependences(residual: &[f64], valid: &[bool], setting: &Setting<'_>) -> Vec<Dependence> {
+    let test = |signal: &Explanatory| dependence(residual, valid, signal);
+    let mut found: Vec<Dependence> = setting.explanatory.iter().filter_map(test).collect();
+    let count = found.len() as f64;
+    found
+        .iter_mut()
+        .for_each(|one| one.p_value = family_wise(one.p_value, count));
+    // Where p-values vanish, the larger share first.
+    found.sort_by(|a, b| {
+        a.p_value
+            .total_cmp(&b.p_value)
+            .then(b.share.total_cmp(&a.share))
+    });
+    found
+}
+
+fn inputs(residual: &[f64], pair: &Pair<'_>, setting: &Setting<'_>) -> Vec<InputCorrelation> {
+    let test = |name: &str, signal: &[f64]| {
+        let interval_s = setting.interval_s;
+        input_correlation(residual, pair.valid, name, signal, interval_s)
+    };
+    // Phase and time grow without end; the tests by bins and lines are theirs.
+    let signals = setting.explanatory.iter().filter(|signal| {
+        !matches!(signal.kind, Kind::SpindlePhase | Kind::Time)
+            && signal.spec.name != pair.spec.name
+    });
+    let mut found: Vec<InputCorrelation> = signals
+        .filter_map(|signal| test(&signal.spec.name, &signal.values))
+        .collect();
+    found.extend(test(
+        &format!("{} (simulated)", pair.spec.name),
+        pair.simulated,
+    ));
+    let count = found.len() as f64;
+    found
+        .iter_mut()
+        .for_each(|one| one.p_value = family_wise(one.p_value, count));
+    found.sort_by(|a, b| {
+        a.p_value
+            .total_cmp(&b.p_value)
+            .then(b.correlation.abs().total_cmp(&a.correlation.abs()))
+    });
+    found
+}
+
+#[cfg(test)]
+mod false_alarms;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,173 @@
+//! A run beside a measurement.
+
+use serde::Serialize;
+use truecut_recording::spectrum::resample;
+use truecut_recording::{ChannelSpec, Measured, Recording, Unit};
+
+use super::series::{Explanatory, Kind, Pair};
+use super::{ChannelComparison, CompareError, Setting, compare_channel};
+
+/// What a simulation gets wrong.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Where the measured data come from.
+    pub source: String,
+    /// Length of what was compared, s.
+    pub duration_s: f64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Revolutions of the spindle per second, if there is one.
+    pub spindle_hz: Option<f64>,
+    /// What was done to the data.
+    pub notes: Vec<String>,
+    /// One for each measured output, in the order of the data.
+    pub channels: Vec<ChannelComparison>,
+    /// The signals that the residuals were held against.
+    #[serde(skip)]
+    pub explanatory: Vec<Explanatory>,
+}
+
+/// Compares every measured output with the channel of the run that has its name, at the times of the
+/// measurement; the run is interpolated linearly. Residuals are held against the run's joint
+/// coordinates and velocities and its forces, against measured inputs, spindle phase and time.
+///
+/// # Errors
+/// As [`compare_channel`]; a channel that the run lacks or has in another dimension; a run shorter than
+/// half of the data; no measured output.
+pub fn compare_recordings(
+    simulated: &Recording,
+    measured: &Measured,
+    spindle_hz: Option<f64>,
+) -> Result<Comparison, CompareError> {
+    let simulated_s = simulated.time_s.last().copied().unwrap_or(0.0);
+    let rows = measured
+        .time_s
+        .iter()
+        .take_while(|time| **time <= simulated_s + 1e-9)
+        .count();
+    if 2 * rows < measured.time_s.len() || rows == 0 {
+        let measured_s = measured.duration_s();
+        return Err(CompareError::NoCommonTime {
+            simulated_s,
+            measured_s,
+        });
+    }
+    if measured.outputs().next().is_none() {
+        return Err(CompareError::NoOutput);
+    }
+    let time_s = &measured.time_s[..rows];
+    let mut notes = measured.notes.clone();
+    if rows < measured.time_s.len() {
+        notes.push(format!(
+            "the data after the run's end, {simulated_s} s, are left out"
+        ));
+    }
+    let explanatory = explanatory(simulated, measured, time_s, spindle_hz);
+    let setting = Setting {
+        interval_s: measured.interval_s(),
+        explanatory: &explanatory,
+        spindle_hz,
+    };
+    let mut channels = Vec::new();
+    for output in measured.outputs() {
+        let name = &output.spec.name;
+        let spec = simulated.header.channel(name)?;
+        if spec.unit != output.spec.unit {
+            return Err(CompareError::Dimension {
+                channel: name.clone(),
+                measured: output.spec.unit,
+                simulated: spec.unit,
+            });
+        }
+        let pair = Pair {
+            spec: &output.spec,
+            measured: &output.values[..rows],
+            valid: &output.valid[..rows],
+            simulated: &resample(&simulated.time_s, simulated.channel(name)?, time_s),
+            noise: output.noise,
+        };
+        channels.push(compare_channel(&pair, &setting)?);
+    }
+    Ok(Comparison {
+        source: measured.source.clone(),
+        duration_s: time_s[rows - 1],
+        rate_hz: measured.rate_hz(),
+        spindle_hz,
+        notes,
+        channels,
+        explanatory,
+    })
+}
+
+/// Everything that the residuals are held against, at the given times. Signals that hardly move are
+/// left out.
+fn explanatory(
+    simulated: &Recording,
+    measured: &Measured,
+    time_s: &[f64],
+    spindle_hz: Option<f64>,
+) -> Vec<Explanatory> {
+    let mut signals: Vec<Explanatory> = Vec::new();
+    for input in measured.inputs() {
+        let kind = kind(&input.spec).unwrap_or(Kind::Load);
+        let values = input.values[..time_s.len()].to_vec();
+        signals.push(Explanatory {
+            spec: input.spec.clone(),
+            kind,
+            values,
+        });
+    }
+    for (spec, column) in simulated.header.channels.iter().zip(&simulated.columns) {
+        let known = signals.iter().any(|signal| signal.spec.name == spec.name);
+        if let (Some(kind), false) = (kind(spec), known) {
+            let values = resample(&simulated.time_s, column, time_s);
+            signals.push(Explanatory {
+                spec: spec.clone(),
+                kind,
+                values,
+            });
+        }
+    }
+    signals.retain(|signal| moves(&signal.values));
+    if let Some(spindle_hz) = spindle_hz {
+        let values = time_s
+            .iter()
+            .map(|t| std::f64::consts::TAU * spindle_hz * t)
+            .collect();
+        let spec = ChannelSpec::new("spindle.angle", Unit::Radian, "Angle of the spindle");
+        signals.push(Explanatory {
+            spec,
+            kind: Kind::SpindlePhase,
+            values,
+        });
+    }
+    let spec = ChannelSpec::new("time", Unit::Second, "Time since the first sample");
+    signals.push(Explanatory {
+        spec,
+        kind: Kind::Time,
+        values: time_s.to_vec(),
+    });
+    signals
+}
+
+/// What kind of explanation a channel is, told by its name and unit.
+fn kind(spec: &ChannelSpec) -> Option<Kind> {
+    let (subject, quantity) = spec.name.split_once('.')?;
+    let of_joint = subject.starts_with("joint");
+    match quantity {
+        "angle" | "position" if of_joint => Some(Kind::Position),
+        "velocity" if of_joint => Some(Kind::Velocity),
+        _ if quantity.contains("force") || quantity.contains("torque") => {
+            let is_load = matches!(spec.unit, Unit::Newton | Unit::NewtonMetre);
+            is_load.then_some(Kind::Load)
+        }
+        _ => None,
+    }
+}
+
+/// Whether a signal does more than rounding does.
+fn moves(values: &[f64]) -> bool {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    high.is_finite() && low.is_finite() && high - low > 1e-9 * high.abs().max(low.abs())
+}

@@ -1,0 +1,133 @@
+//! The series that a comparison works on.
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use truecut_recording::ChannelSpec;
+
+use crate::stats::distributions::t_tail;
+
+/// One measured channel beside the simulated one, on the same uniform times.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair<'a> {
+    /// Name, unit and meaning.
+    pub spec: &'a ChannelSpec,
+    /// SI; finite also where it does not count.
+    pub measured: &'a [f64],
+    /// Whether a measured sample counts.
+    pub valid: &'a [bool],
+    /// SI, for every time.
+    pub simulated: &'a [f64],
+    /// Known standard deviation of the measurement's noise, SI.
+    pub noise: Option<f64>,
+}
+
+impl Pair<'_> {
+    /// Measured minus simulated; zero where the measurement does not count.
+    pub fn residual(&self) -> Vec<f64> {
+        let rows = self.measured.iter().zip(self.simulated).zip(self.valid);
+        rows.map(|((measured, simulated), valid)| if *valid { measured - simulated } else { 0.0 })
+            .collect()
+    }
+}
+
+/// What the residual may depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// A joint's coordinate.
+    Position,
+    /// A joint's velocity; its sign is what matters.
+    Velocity,
+    /// The angle of the spindle, rad; it counts modulo a turn.
+    SpindlePhase,
+    /// A force or torque.
+    Load,
+    /// Time since the first sample.
+    Time,
+}
+
+/// A signal that may explain the residual.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explanatory {
+    /// What it is, and its unit.
+    pub spec: ChannelSpec,
+    /// What kind it is.
+    pub kind: Kind,
+    /// SI, for every time.
+    pub values: Vec<f64>,
+}
+
+/// A number, how well it is known, and whether it differs from what it would be without a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The number.
+    pub value: f64,
+    /// Its standard error, for noise as coloured as it is.
+    pub standard_error: f64,
+    /// Degrees of freedom of the standard error.
+    pub degrees_of_freedom: f64,
+    /// Probability of a value at least as far from its neutral one if nothing is wrong; two-sided.
+    pub p_value: f64,
+}
+
+impl Estimate {
+    pub(super) fn new(value: f64, neutral: f64, standard_error: f64, degrees: f64) -> Estimate {
+        let distance = (value - neutral).abs();
+        let p_value = if distance == 0.0 {
+            1.0
+        } else {
+            (2.0 * t_tail(distance / standard_error, degrees)).min(1.0)
+        };
+        Estimate {
+            value,
+            standard_error,
+            degrees_of_freedom: degrees.min(1e6),
+            p_value,
+        }
+    }
+}
+
+/// Mean over the samples that count.
+pub(super) fn mean(values: &[f64], valid: &[bool]) -> f64 {
+    let counted = values.iter().zip(valid).filter(|(_, valid)| **valid);
+    let (sum, count) = counted.fold((0.0, 0.0), |(sum, count), (x, _)| (sum + x, count + 1.0));
+    if count > 0.0 { sum / count } else { f64::NAN }
+}
+
+/// Root of the mean square over the samples that count.
+pub(super) fn rms(values: &[f64], valid: &[bool]) -> f64 {
+    let squares: Vec<f64> = values.iter().map(|x| x * x).collect();
+    mean(&squares, valid).sqrt()
+}
+
+/// Values less their mean, zero where they do not count.
+pub(super) fn centred(values: &[f64], valid: &[bool]) -> Vec<f64> {
+    let mean = mean(values, valid);
+    let rows = values.iter().zip(valid);
+    rows.map(|(x, valid)| if *valid { x - mean } else { 0.0 })
+        .collect()
+}
+
+/// Least squares on a few columns, zero where samples do not count: coefficients and the inverse
+/// of the normal matrix. `None` if the columns do not tell themselves apart.
+pub(super) fn least_squares(
+    columns: &[Vec<f64>],
+    target: &[f64],
+) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let count = columns.len();
+    let normal = DMatrix::from_fn(count, count, |i, j| dot(&columns[i], &columns[j]));
+    let right = DVector::from_fn(count, |i, _| dot(&columns[i], target));
+    // Columns of different units: judged after scaling.
+    let scale = DVector::from_fn(count, |i, _| normal[(i, i)].sqrt());
+    if scale.iter().any(|one| one.is_nan() || *one <= 0.0) {
+        return None;
+    }
+    let scaled = DMatrix::from_fn(count, count, |i, j| normal[(i, j)] / scale[i] / scale[j]);
+    if scaled.clone().symmetric_eigen().eigenvalues.min() < 1e-10 {
+        return None;
+    }
+    let inverse = scaled.cholesky()?.inverse();
+    let inverse = DMatrix::from_fn(count, count, |i, j| inverse[(i, j)] / scale[i] / scale[j]);
+    Some((&inverse * right, inverse))
+}

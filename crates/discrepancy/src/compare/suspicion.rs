@@ -1,0 +1,100 @@
+//! Residuals so absurd that the unit must be wrong.
+
+use super::series::{Pair, centred, rms};
+
+/// A factor that would make the measured channel fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnitSuspicion {
+    /// Multiply the measured values by this.
+    pub factor: f64,
+    /// What the factor means.
+    pub meaning: String,
+    /// Error now, over the larger RMS of the two channels, means aside.
+    pub error: f64,
+    /// The same with the factor.
+    pub error_with_factor: f64,
+}
+
+/// Above this error the channels have nothing in common as they stand.
+const ABSURD: f64 = 0.6;
+/// The factor must bring the error below this share of it.
+const FAR_BETTER: f64 = 0.4;
+
+/// Looks for a factor (powers of ten, degrees, turns, rpm, standard gravity, inches, pounds, the sign)
+/// that makes an absurd residual vanish for the most part.
+pub fn unit_suspicion(pair: &Pair<'_>) -> Option<UnitSuspicion> {
+    let measured = centred(pair.measured, pair.valid);
+    let simulated = centred(pair.simulated, pair.valid);
+    let [size_measured, size_simulated] = [&measured, &simulated].map(|x| rms(x, pair.valid));
+    if [size_measured, size_simulated]
+        .iter()
+        .any(|size| size.is_nan() || *size <= 0.0)
+    {
+        return None;
+    }
+    let error = |factor: f64| {
+        let apart: Vec<f64> = measured
+            .iter()
+            .zip(&simulated)
+            .map(|(m, s)| factor * m - s)
+            .collect();
+        rms(&apart, pair.valid) / (factor.abs() * size_measured).max(size_simulated)
+    };
+    let now = error(1.0);
+    if now < ABSURD {
+        return None;
+    }
+    let tried = factors()
+        .into_iter()
+        .map(|(factor, meaning)| UnitSuspicion {
+            factor,
+            meaning,
+            error: now,
+            error_with_factor: error(factor),
+        });
+    let best = tried.min_by(|a, b| a.error_with_factor.total_cmp(&b.error_with_factor))?;
+    (best.error_with_factor < FAR_BETTER * now).then_some(best)
+}
+
+fn factors() -> Vec<(f64, String)> {
+    let turn = std::f64::consts::TAU;
+    let named = [
+        (
+            turn / 360.0,
+            "degrees taken for radians",
+            "radians taken for degrees",
+        ),
+        (turn / 60.0, "rpm taken for rad/s", "rad/s taken for rpm"),
+        (
+            turn,
+            "turns taken for radians, or Hz for rad/s",
+            "radians taken for turns, or rad/s for Hz",
+        ),
+        (
+            9.806_65,
+            "kilograms of force taken for newtons",
+            "newtons taken for kilograms of force",
+        ),
+        (
+            25.4,
+            "inches taken for millimetres",
+            "millimetres taken for inches",
+        ),
+        (0.0254, "inches taken for metres", "metres taken for inches"),
+        (
+            4.448_222,
+            "pounds of force taken for newtons",
+            "newtons taken for pounds of force",
+        ),
+    ];
+    let mut factors = vec![(-1.0, "the sign is reversed".to_owned())];
+    for (factor, taken, reverse) in named {
+        factors.push((factor, taken.to_owned()));
+        factors.push((1.0 / factor, reverse.to_owned()));
+    }
+    for power in (-9..=9).filter(|power| *power != 0) {
+        let factor = 10_f64.powi(power);
+        factors.push((factor, format!("a power of ten: 1e{power}")));
+    }
+    factors
+}

@@ -1,0 +1,371 @@
+//! The coloured background of a spectrum, from which lines stand out.
+
+use nalgebra::{DMatrix, DVector};
+use statrs::function::gamma::digamma;
+
+use super::distributions::f_tail;
+use super::spectrum::{Periodogram, SHARE_VALID, welch};
+
+/// Power density as a smooth function of frequency.
+///
+/// At each bin a straight line in the plane of ln(frequency) and ln(density) is fitted to the bins
+/// around it; at the lowest ones it is the same line, drawn on. So white noise, 1/f noise and
+/// anything smooth between are followed without assuming a model. Bins that stand out far above
+/// are left out and the fit is repeated: lines do not raise their own background.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Background {
+    bin_width: f64,
+    stretch: f64,
+    fits: Vec<Fit>,
+    /// Variance of the logarithm of one bin, with what neighbours share under the window.
+    scatter: f64,
+}
+
+/// The straight line at one bin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Fit {
+    middle: f64,
+    level: f64,
+    slope: f64,
+    count: f64,
+    spread: f64,
+}
+
+impl Fit {
+    fn log_density(&self, x: f64) -> f64 {
+        self.level + self.slope * (x - self.middle)
+    }
+
+    /// Variance of the line at x over that of one bin.
+    fn leverage(&self, x: f64) -> f64 {
+        let arm = x - self.middle;
+        let of_slope = if self.spread > 0.0 {
+            arm * arm / self.spread
+        } else {
+            0.0
+        };
+        1.0 / self.count.max(1.0) + of_slope
+    }
+}
+
+/// Running sums over the bins that are kept, of 1, x, x², y, xy.
+struct Sums(Vec<[f64; 5]>);
+
+impl Sums {
+    fn over(logs: &[f64], kept: &[bool], bin_width: f64) -> Sums {
+        let mut sums = vec![[0.0; 5]; logs.len() + 1];
+        for bin in 1..logs.len() {
+            let (x, y) = ((bin as f64 * bin_width).ln(), logs[bin]);
+            let weight = f64::from(u8::from(kept[bin]));
+            let terms = [1.0, x, x * x, y, x * y];
+            sums[bin + 1] = std::array::from_fn(|i| sums[bin][i] + weight * terms[i]);
+        }
+        Sums(sums)
+    }
+
+    fn between(&self, first: usize, end: usize) -> [f64; 5] {
+        std::array::from_fn(|i| self.0[end][i] - self.0[first][i])
+    }
+
+    /// The line through `width` bins around one, without those nearer to it than `apart`. At either end
+    /// of the spectrum the stretch is shifted, not cut; it is widened over bins that are left out.
+    fn fit(&self, bin: usize, width: usize, apart: usize) -> Fit {
+        let end_of_all = self.0.len() - 1;
+        let mut wide = width;
+        loop {
+            let highest_first = end_of_all.saturating_sub(wide).max(1);
+            let first = bin.saturating_sub(wide / 2).clamp(1, highest_first);
+            let end = (first + wide).min(end_of_all);
+            let mut sum = self.between(first, end);
+            if apart > 0 {
+                let near = (bin + 1).saturating_sub(apart).max(first)..(bin + apart).min(end);
+                let near = self.between(near.start, near.end.max(near.start));
+                sum = std::array::from_fn(|i| sum[i] - near[i]);
+            }
+            if sum[0] >= 0.6 * width as f64 || wide >= end_of_all {
+                return straight_line(sum);
+            }
+            wide = (2 * wide).min(end_of_all);
+        }
+    }
+}
+
+/// What neighbours share under a Hann window makes the variance of a mean of many logarithms so much
+/// larger. Powers correlate by ρ = (2/3)² and (1/6)² with the next and the next but one; logarithms of
+/// powers with two degrees of freedom by Li₂(ρ)/(π²/6), with many by ρ: 1 + 2 (0.308 + 0.017), and
+/// 1 + 2 (0.444 + 0.028).
+fn shared(degrees: f64) -> f64 {
+    if degrees < 3.0 { 1.65 } else { 1.944 }
+}
+
+/// Largest share of a bin that a regression may have taken and still leave a trace of the noise.
+const MOST_REMOVED: f64 = 0.5;
+
+/// Bins on either side of one that stands out which it may have touched.
+const LOBE: usize = 2;
+
+impl Background {
+    /// Of a periodogram; `None` for fewer than 16 bins, or power nowhere.
+    pub fn fit(periodogram: &Periodogram) -> Option<Background> {
+        Background::fit_beside(periodogram, &[])
+    }
+
+    /// Of the periodogram of what a regression has left. `removed` is the share of white noise that the
+    /// regression takes out of each bin: what is left is scaled up, or left out where it is little.
+    fn fit_beside(periodogram: &Periodogram, removed: &[f64]) -> Option<Background> {
+        let last = periodogram.density.len() - 1;
+        let mean = periodogram.density.iter().sum::<f64>() / (last + 1) as f64;
+        if last < 16 || mean.is_nan() || mean <= 0.0 {
+            return None;
+        }
+        let half = 0.5 * periodogram.degrees;
+        let offset = digamma(half) - half.ln();
+        // Exact zeros have no logarithm; nothing measured is 200 dB below the mean.
+        let log_of = |density: &f64| density.max(1e-20 * mean).ln() - offset;
+        let mut logs: Vec<f64> = periodogram.density.iter().map(log_of).collect();
+        let bin_width = 1.0 / periodogram.length as f64;
+        let width = (1.5 * (last as f64).sqrt())
+            .clamp(24.0, 256.0)
+            .min(last as f64) as usize;
+        let mut kept = vec![true; last + 1];
+        kept[0] = false;
+        // The bin at half the rate is real, with half the degrees of freedom.
+        kept[last] = !periodogram.length.is_multiple_of(2);
+        for (bin, share) in removed.iter().enumerate() {
+            if *share > MOST_REMOVED {
+                kept[bin] = false;
+            } else {
+                logs[bin] -= (1.0 - share).ln();
+            }
+        }
+        let mut background = Background {
+            bin_width,
+            stretch: width as f64 * bin_width,
+            fits: Vec::new(),
+            scatter: trigamma(half) * shared(periodogram.degrees),
+        };
+        for _ in 0..8 {
+            let sums = Sums::over(&logs, &kept, bin_width);
+            let found = background.standing_out(periodogram, &sums, width);
+            let before = kept.clone();
+            for bin in found {
+                let end = (bin + LOBE).min(last);
+                kept[bin.saturating_sub(LOBE).max(1)..=end].fill(false);
+            }
+            if kept == before {
+                break;
+            }
+        }
+        let sums = Sums::over(&logs, &kept, bin_width);
+        background.fits = (0..=last)
+            .map(|bin| sums.fit(bin.max(1), width, 0))
+            .collect();
+        Some(background)
+    }
+
+    /// Of a series: from its plain periodogram.
+    pub fn of(values: &[f64], valid: &[bool]) -> Option<Background> {
+        Background::fit(&welch(values, valid, whole(valid))?)
+    }
+
+    /// Of what columns leave of a series by least squares, as if they had taken no noise along. The
+    /// columns are zero where samples do not count, and have no mean. `None` also if they do not tell
+    /// themselves apart.
+    pub fn beside(values: &[f64], valid: &[bool], columns: &[Vec<f64>]) -> Option<Background> {
+        let count = columns.len();
+        let matrix = DMatrix::from_fn(values.len(), count, |row, i| columns[i][row]);
+        let normal = matrix.transpose() * &matrix;
+        let factor = normal.cholesky()?;
+        // Orthonormal columns that span the same.
+        let basis = factor
+            .l()
+            .solve_lower_triangular(&matrix.transpose())?
+            .transpose();
+        let series = DVector::from_fn(
+            values.len(),
+            |row, _| if valid[row] { values[row] } else { 0.0 },
+        );
+        let rest = &series - &basis * (basis.transpose() * &series);
+        let length = whole(valid);
+        let periodogram = welch(rest.as_slice(), valid, length)?;
+        let mut removed = vec![0.0; periodogram.density.len()];
+        for column in basis.column_iter() {
+            // A column of unit length in N samples has the density of noise of variance 1/N.
+            let scale = values.len() as f64;
+            let own = welch(column.into_owned().as_slice(), valid, length)?;
+            removed
+                .iter_mut()
+                .zip(&own.density)
+                .for_each(|(sum, share)| *sum += scale * share / own.length as f64);
+        }
+        Background::fit_beside(&periodogram, &removed)
+    }
+
+    /// Bins that are not noise: too far above the line through their neighbours, those left out that
+    /// they may have touched.
+    fn standing_out(&self, periodogram: &Periodogram, sums: &Sums, width: usize) -> Vec<usize> {
+        let last = periodogram.density.len() - 1;
+        let level = 0.05 / last as f64;
+        let stands_out = |bin: &usize| {
+            let fit = sums.fit(*bin, width, LOBE + 1);
+            let x = (*bin as f64 * self.bin_width).ln();
+            let ratio = periodogram.density[*bin] / fit.log_density(x).exp();
+            f_tail(
+                ratio,
+                periodogram.degrees,
+                2.0 / (self.scatter * fit.leverage(x)),
+            ) < level
+        };
+        (1..last).filter(stands_out).collect()
+    }
+
+    fn fit_at(&self, frequency: f64) -> &Fit {
+        let bin = (frequency / self.bin_width).round() as usize;
+        &self.fits[bin.clamp(1, self.fits.len() - 1)]
+    }
+
+    /// Two-sided density at `frequency` cycles per sample, above 0.
+    pub fn density(&self, frequency: f64) -> f64 {
+        self.fit_at(frequency).log_density(frequency.ln()).exp()
+    }
+
+    /// Mean density from 0 to `frequency`; a rise towards 0 as steep as 1/f or steeper is taken as
+    /// f^−0.9, since the mean would not exist.
+    pub fn mean_density_below(&self, frequency: f64) -> f64 {
+        let slope = self.fit_at(frequency).slope.max(-0.9);
+        self.density(frequency) / (1.0 + slope)
+    }
+
+    /// Variance of the logarithm of [`Background::density`].
+    pub fn log_variance(&self, frequency: f64) -> f64 {
+        let frequency = frequency.max(0.25 * self.bin_width);
+        self.scatter * self.fit_at(frequency).leverage(frequency.ln())
+    }
+
+    /// Width of the stretch that a density is taken from, cycles per sample.
+    pub fn stretch(&self) -> f64 {
+        self.stretch
+    }
+
+    /// Slope in the logarithmic plane at the lowest frequencies: 0 for white noise, −1 for 1/f.
+    pub fn lowest_slope(&self) -> f64 {
+        self.fits[1].slope
+    }
+}
+
+/// ψ′(x), by recurrence and its asymptotic series.
+fn trigamma(mut x: f64) -> f64 {
+    let mut sum = 0.0;
+    while x < 10.0 {
+        sum += 1.0 / (x * x);
+        x += 1.0;
+    }
+    let y = 1.0 / (x * x);
+    sum + 1.0 / x + 0.5 * y + y / x * (1.0 / 6.0 - y * (1.0 / 30.0 - y / 42.0))
+}
+
+/// The whole record if Welch's method can use it, else its longest run of samples without a gap.
+fn whole(valid: &[bool]) -> usize {
+    let counted = valid.iter().filter(|one| **one).count();
+    if counted as f64 >= SHARE_VALID * valid.len() as f64 {
+        return valid.len();
+    }
+    let blocks = super::contiguous_blocks(valid, 8);
+    blocks.iter().map(ExactSizeIterator::len).max().unwrap_or(0)
+}
+
+fn straight_line([count, x, xx, y, xy]: [f64; 5]) -> Fit {
+    let middle = x / count.max(1.0);
+    let level = y / count.max(1.0);
+    let spread = (xx - count * middle * middle).max(0.0);
+    let slope = if spread > 1e-9 {
+        (xy - count * middle * level) / spread
+    } else {
+        0.0
+    };
+    Fit {
+        middle,
+        level,
+        slope,
+        count,
+        spread,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::Ar;
+    use crate::testing::{Colour, noise};
+
+    /// Mean square of the error of the logarithm, found and stated.
+    fn errors(colour: Colour, frequency: f64, truth: f64) -> (f64, f64) {
+        let (mut found, mut stated) = (0.0, 0.0);
+        for seed in 0..200 {
+            let values = noise(colour, 4096, seed);
+            let background = Background::of(&values, &[true; 4096]).unwrap();
+            found += (background.density(frequency) / truth).ln().powi(2) / 200.0;
+            stated += background.log_variance(frequency) / 200.0;
+        }
+        (found, stated)
+    }
+
+    /// The error, bias included, is as stated: at the lowest frequency, where the line is drawn on,
+    /// at the bend of the spectrum of AR(1) noise, and beyond.
+    #[test]
+    fn verify_known_densities_are_met_with_the_stated_error() {
+        let model = Ar {
+            mean: 0.0,
+            coefficients: vec![0.9],
+            innovation_variance: 1.0,
+            samples: 1,
+        };
+        for frequency in [1.0 / 4096.0, 0.02, 0.2] {
+            for (colour, truth) in [
+                (Colour::White, 1.0),
+                (Colour::Ar1(0.9), model.density(frequency)),
+            ] {
+                let (found, stated) = errors(colour, frequency, truth);
+                assert!(
+                    (found / stated).ln().abs() < 1.6_f64.ln(),
+                    "{colour:?} at {frequency}: {found} for {stated}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn verify_slope_of_pink_noise() {
+        let slopes = (0..50).map(|seed| {
+            Background::of(&noise(Colour::Pink, 8192, seed), &[true; 8192])
+                .unwrap()
+                .lowest_slope()
+        });
+        let mean = slopes.sum::<f64>() / 50.0;
+        assert!((mean + 1.0).abs() < 0.1, "{mean}");
+    }
+
+    /// A line a hundred times the noise, in power per bin 10⁷ of it, leaves the background alone.
+    #[test]
+    fn verify_a_line_does_not_raise_its_background() {
+        let mut values = noise(Colour::White, 4096, 5);
+        for (row, value) in values.iter_mut().enumerate() {
+            *value += 100.0 * (0.3 * row as f64).sin();
+        }
+        let background = Background::of(&values, &[true; 4096]).unwrap();
+        let near = background.density(0.3 / std::f64::consts::TAU);
+        assert!((near.ln()).abs() < 0.6, "{near}");
+    }
+
+    #[test]
+    fn verify_trigamma() {
+        assert!((trigamma(1.0) - std::f64::consts::PI.powi(2) / 6.0).abs() < 1e-9);
+        assert!((trigamma(0.5) - std::f64::consts::PI.powi(2) / 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn silence_has_no_background() {
+        assert_eq!(Background::of(&[0.0; 100], &[true; 100]), None);
+        assert_eq!(Background::of(&[1.0; 10], &[true; 10]), None);
+    }
+}

@@ -1,0 +1,18 @@
+//! Statistics of evenly spaced series with gaps and coloured noise.
+//!
+//! A series is a slice of values and, beside it, a slice that says which of them count. Values that
+//! do not count are never read, so they may be NaN.
+
+mod ar;
+mod background;
+mod blocks;
+pub mod distributions;
+pub(crate) mod spectrum;
+mod sums;
+
+pub use ar::{Ar, Criterion, default_order_cap, effective_sample_size};
+pub use background::Background;
+pub use blocks::{PairedTest, blocks_of_length, contiguous_blocks, paired_block_test};
+pub use spectrum::{Periodogram, welch};
+pub use sums::{SumCovariance, sum_covariance};
+pub(crate) use sums::{degrees, density_on_grid, unbiased};

@@ -1,0 +1,245 @@
+//! Periodograms of series with gaps, and transforms of columns.
+
+use std::cell::RefCell;
+
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex64;
+
+thread_local! {
+    /// Keeps what it has computed for a length.
+    static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
+}
+
+/// Transform of a column after padding with zeros to `length`.
+pub(crate) fn transform(column: &[f64], length: usize) -> Vec<Complex64> {
+    let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length));
+    let mut input = plan.make_input_vec();
+    let kept = column.len().min(length);
+    input[..kept].copy_from_slice(&column[..kept]);
+    let mut output = plan.make_output_vec();
+    // Fails for wrong lengths only, and both are the plan's own.
+    let _ = plan.process(&mut input, &mut output);
+    output
+}
+
+/// Inverse of [`transform`]: `length` real values.
+pub(crate) fn inverse(mut spectrum: Vec<Complex64>, length: usize) -> Vec<f64> {
+    let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length));
+    let mut output = plan.make_output_vec();
+    spectrum[0].im = 0.0;
+    if length.is_multiple_of(2) {
+        spectrum[length / 2].im = 0.0;
+    }
+    // As above.
+    let _ = plan.process(&mut spectrum, &mut output);
+    output.iter_mut().for_each(|value| *value /= length as f64);
+    output
+}
+
+/// A length that holds a series twice, so that nothing wraps around, and is quick to transform.
+pub(crate) fn padded_length(samples: usize) -> usize {
+    (2 * samples).next_power_of_two()
+}
+
+/// The periodic Hann window.
+pub(crate) fn hann(length: usize) -> Vec<f64> {
+    let turn = std::f64::consts::TAU / length as f64;
+    (0..length)
+        .map(|row| 0.5 - 0.5 * (turn * row as f64).cos())
+        .collect()
+}
+
+/// Power over frequency, averaged over stretches of the record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Periodogram {
+    /// Samples in each stretch; bin k lies at k/length cycles per sample.
+    pub length: usize,
+    /// Two-sided density, so that the integral from −½ to ½ cycles per sample is the variance;
+    /// bins 0 to length/2.
+    pub density: Vec<f64>,
+    /// Degrees of freedom of each bin: `density` scatters as χ² with so many over so many.
+    pub degrees: f64,
+    /// Where the stretches start.
+    pub starts: Vec<usize>,
+}
+
+/// Share of the samples of a stretch that must count.
+pub(super) const SHARE_VALID: f64 = 0.8;
+
+/// Welch's estimate (P. D. Welch, IEEE Trans. Audio Electroacoust. 15, 1967): stretches of `length`
+/// samples under a Hann window, overlapping by half, each with its straight line of least squares
+/// taken away. Samples that do not count are zero; stretches where they are more than a fifth are left
+/// out. One stretch as long as the record gives the plain periodogram. `None` without a stretch.
+pub fn welch(values: &[f64], valid: &[bool], length: usize) -> Option<Periodogram> {
+    let starts = stretches(valid, length);
+    let window = hann(length);
+    let mut density = vec![0.0; length / 2 + 1];
+    for &start in &starts {
+        let rows = start..start + length;
+        let (tapered, power) = tapered(&values[rows.clone()], &valid[rows], &window);
+        for (sum, bin) in density.iter_mut().zip(transform(&tapered, length)) {
+            *sum += bin.norm_sqr() / power / starts.len() as f64;
+        }
+    }
+    (!starts.is_empty()).then(|| Periodogram {
+        length,
+        density,
+        degrees: degrees_of_freedom(starts.len()),
+        starts,
+    })
+}
+
+/// Cross power of two series over the same stretches as [`welch`] of both: (first, second, cross).
+pub(crate) fn cross_welch(
+    first: &[f64],
+    second: &[f64],
+    valid: &[bool],
+    length: usize,
+) -> Option<(Periodogram, Periodogram, Vec<Complex64>)> {
+    let [one, other] = [welch(first, valid, length)?, welch(second, valid, length)?];
+    let window = hann(length);
+    let mut cross = vec![Complex64::default(); length / 2 + 1];
+    for &start in &one.starts {
+        let rows = start..start + length;
+        let (x, power) = tapered(&first[rows.clone()], &valid[rows.clone()], &window);
+        let (y, _) = tapered(&second[rows.clone()], &valid[rows], &window);
+        let bins = transform(&x, length).into_iter().zip(transform(&y, length));
+        for (sum, (x, y)) in cross.iter_mut().zip(bins) {
+            *sum += x.conj() * y / power / one.starts.len() as f64;
+        }
+    }
+    Some((one, other, cross))
+}
+
+fn stretches(valid: &[bool], length: usize) -> Vec<usize> {
+    if length < 8 || length > valid.len() {
+        return Vec::new();
+    }
+    let step = (length / 2).max(1);
+    // Spread evenly, so that the end of the record is used as well.
+    let count = (valid.len() - length) / step + 1;
+    let room = (valid.len() - length) as f64;
+    let place = |i: usize| (room * i as f64 / (count - 1).max(1) as f64).round() as usize;
+    let counted = |start: &usize| {
+        let counted = valid[*start..start + length]
+            .iter()
+            .filter(|one| **one)
+            .count();
+        counted as f64 >= SHARE_VALID * length as f64
+    };
+    (0..count).map(place).filter(counted).collect()
+}
+
+/// Of a mean of periodograms under a Hann window that overlap by half (D. B. Percival and A. T.
+/// Walden, *Spectral Analysis for Physical Applications*, 1993, eq. 292b).
+fn degrees_of_freedom(stretches: usize) -> f64 {
+    let count = stretches as f64;
+    36.0 * count * count / (19.0 * count - 1.0)
+}
+
+/// A stretch without its straight line, under the window; and the sum of squares of the weights.
+fn tapered(values: &[f64], valid: &[bool], window: &[f64]) -> (Vec<f64>, f64) {
+    let (mean, slope, middle) = line(values, valid);
+    let mut power = 0.0;
+    let rows = values.iter().zip(valid).zip(window).enumerate();
+    let tapered = rows
+        .map(|(row, ((value, valid), weight))| {
+            if !*valid {
+                return 0.0;
+            }
+            power += weight * weight;
+            (value - mean - slope * (row as f64 - middle)) * weight
+        })
+        .collect();
+    (tapered, power)
+}
+
+/// The straight line of least squares: mean, slope per row, row of the mean.
+pub(crate) fn line(values: &[f64], valid: &[bool]) -> (f64, f64, f64) {
+    let rows = || {
+        values
+            .iter()
+            .zip(valid)
+            .enumerate()
+            .filter(|(_, (_, valid))| **valid)
+    };
+    let count = rows().count().max(1) as f64;
+    let mean = rows().map(|(_, (value, _))| value).sum::<f64>() / count;
+    let middle = rows().map(|(row, _)| row as f64).sum::<f64>() / count;
+    let (mut moment, mut spread) = (0.0, 0.0);
+    for (row, (value, _)) in rows() {
+        let arm = row as f64 - middle;
+        moment += arm * (value - mean);
+        spread += arm * arm;
+    }
+    (
+        mean,
+        if spread > 0.0 { moment / spread } else { 0.0 },
+        middle,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Colour, noise};
+
+    #[test]
+    fn verify_density_of_white_noise_is_its_variance_also_with_gaps() {
+        let mut values = noise(Colour::White, 40_000, 3);
+        let mut valid = vec![true; values.len()];
+        for gap in (0..values.len()).step_by(1000) {
+            values[gap..gap + 100].fill(f64::NAN);
+            valid[gap..gap + 100].fill(false);
+        }
+        let estimate = welch(&values, &valid, 1000).unwrap();
+        let mean = estimate.density[2..498].iter().sum::<f64>() / 496.0;
+        assert!((mean - 1.0).abs() < 0.03, "{mean}");
+        let scatter = estimate.density[2..498]
+            .iter()
+            .map(|d| (d - 1.0).powi(2))
+            .sum::<f64>()
+            / 496.0;
+        assert!(
+            (scatter * estimate.degrees / 2.0 - 1.0).abs() < 0.3,
+            "{scatter}"
+        );
+    }
+
+    #[test]
+    fn verify_transform_and_back() {
+        let values = [1.0, -2.0, 0.5, 4.0, 3.0, 0.0];
+        for length in [6, 7, 16] {
+            let back = inverse(transform(&values, length), length);
+            let expected = values.iter().chain(std::iter::repeat(&0.0));
+            assert!(
+                back.iter()
+                    .zip(expected)
+                    .all(|(a, b)| (a - b).abs() < 1e-12),
+                "{back:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn verify_cross_power_of_a_delayed_series_turns_with_frequency() {
+        let drive = noise(Colour::White, 20_004, 4);
+        let (now, late) = (&drive[4..], &drive[1..20_001]); // late by three samples
+        let valid = vec![true; now.len()];
+        let (_, _, cross) = cross_welch(now, late, &valid, 500).unwrap();
+        for bin in [10, 50, 100] {
+            let expected = -std::f64::consts::TAU * 3.0 * bin as f64 / 500.0;
+            let turned = cross[bin] * Complex64::from_polar(1.0, -expected);
+            assert!(
+                turned.arg().abs() < 0.1 && (turned.norm() - 1.0).abs() < 0.4,
+                "{turned}"
+            );
+        }
+    }
+
+    #[test]
+    fn too_short_a_record_gives_nothing() {
+        assert_eq!(welch(&[0.0; 20], &[true; 20], 21), None);
+        assert_eq!(welch(&[0.0; 20], &[false; 20], 10), None);
+    }
+}

@@ -1,0 +1,50 @@
+//! Noise of known colour, the same in every run.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Kinds of noise.
+#[derive(Clone, Copy, Debug)]
+pub enum Colour {
+    White,
+    /// First order, with this coefficient.
+    Ar1(f64),
+    /// Power density as 1/f over all frequencies of the record, and a decade below its lowest.
+    Pink,
+}
+
+/// `count` samples of unit innovation variance (white, AR).
+pub fn noise(colour: Colour, count: usize, seed: u64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
+    match colour {
+        Colour::White => (0..count).map(|_| draw()).collect(),
+        Colour::Ar1(a) => first_order(a, count, &mut draw),
+        // First-order processes of equal variance, their time constants a factor 3 apart.
+        Colour::Pink => {
+            let mut sum = vec![0.0; count];
+            let mut time_constant: f64 = 0.5;
+            while time_constant < 2.0 * count as f64 {
+                let a = (-1.0 / time_constant).exp();
+                let share = first_order(a, count, &mut draw);
+                let scale = (1.0 - a * a).sqrt();
+                for (total, one) in sum.iter_mut().zip(share) {
+                    *total += scale * one;
+                }
+                time_constant *= 3.0;
+            }
+            sum
+        }
+    }
+}
+
+/// Starts in the stationary state.
+fn first_order(a: f64, count: usize, draw: &mut impl FnMut() -> f64) -> Vec<f64> {
+    let mut state = draw() / (1.0 - a * a).sqrt();
+    let step = |_| {
+        state = a * state + draw();
+        state
+    };
+    (0..count).map(step).collect()
+}

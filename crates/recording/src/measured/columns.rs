@@ -1,0 +1,163 @@
+//! From columns to channels: times, units, masks, checks.
+
+use super::resample::{Base, Series, resample};
+use super::{
+    ChannelMapping, DataError, MIN_SAMPLES, Mapping, Measured, MeasuredChannel, Role, Table,
+    TimeBase,
+};
+use crate::recording::ChannelSpec;
+use crate::unit::significant;
+
+/// Maps the columns of `table` to channels on one uniform time base.
+///
+/// Samples are masked where the file has no number and where the sensor is at its end. Gaps up to
+/// `max_gap_s` are bridged by straight lines; in longer ones the result is not valid. A channel that is
+/// sampled faster than the result is smoothed first, without delay, so that nothing folds back.
+///
+/// # Errors
+/// A missing column, times that do not rise, too few samples, an output that never changes.
+pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError> {
+    let (rows, time_s) = times(table, mapping)?;
+    let mut series = Vec::new();
+    for channel in &mapping.channels {
+        series.push(read(table, mapping, channel, &rows, &time_s)?);
+    }
+    let base = Base::new(table, mapping, &time_s, &series)?;
+    let mut notes = base.notes(mapping);
+    let mut channels = Vec::new();
+    for (channel, series) in mapping.channels.iter().zip(&series) {
+        let (values, valid) = resample(series, &base, mapping.max_gap_s);
+        notes.extend(series.note(channel));
+        let masked = valid.iter().filter(|valid| !**valid).count();
+        if masked > 0 {
+            notes.push(format!(
+                "{}: {masked} of {} samples have no measurement within {} s and are left out",
+                channel.channel,
+                valid.len(),
+                significant(mapping.max_gap_s, 3)
+            ));
+        }
+        channels.push(MeasuredChannel {
+            spec: ChannelSpec::new(
+                channel.channel.clone(),
+                channel.unit.unit,
+                format!("Measured: column {}", channel.column),
+            ),
+            role: channel.role,
+            values,
+            valid,
+            noise: channel.noise,
+        });
+    }
+    Ok(Measured {
+        source: table.source.clone(),
+        time_s: base.times(),
+        channels,
+        notes,
+    })
+}
+
+/// Rows inside the window and their times, which rise strictly.
+fn times(table: &Table, mapping: &Mapping) -> Result<(Vec<usize>, Vec<f64>), DataError> {
+    let all: Vec<f64> = match &mapping.time {
+        TimeBase::Rate { hz } => (0..table.rows()).map(|row| row as f64 / hz).collect(),
+        TimeBase::Column { column, unit } => {
+            let column = table.column(column)?;
+            column.iter().map(|t| t * unit.si_factor).collect()
+        }
+    };
+    let fail = |row: usize, message: String| {
+        Err(DataError::Time {
+            source_name: table.source.clone(),
+            place: table.place(row),
+            message,
+        })
+    };
+    let mut before: Option<f64> = None;
+    let (mut rows, mut time_s) = (Vec::new(), Vec::new());
+    for (row, &t) in all.iter().enumerate() {
+        if !t.is_finite() {
+            return fail(row, "the time is not a finite number".into());
+        }
+        if let Some(before) = before.filter(|before| t <= *before) {
+            let message = format!("the time is {t} s after {before} s, but times must rise");
+            return fail(row, message);
+        }
+        before = Some(t);
+        // Times are rounded; the ends belong to the window.
+        let slack = 1e-9 * (1.0 + t.abs());
+        if t >= mapping.window_s[0] - slack && t <= mapping.window_s[1] + slack {
+            rows.push(row);
+            time_s.push(t);
+        }
+    }
+    if rows.len() < MIN_SAMPLES {
+        let message = format!(
+            "{} rows lie in the part that is used, but at least {MIN_SAMPLES} are needed",
+            rows.len()
+        );
+        return Err(DataError::File {
+            source_name: table.source.clone(),
+            message,
+        });
+    }
+    Ok((rows, time_s))
+}
+
+/// The valid samples of one channel, SI.
+fn read(
+    table: &Table,
+    mapping: &Mapping,
+    channel: &ChannelMapping,
+    rows: &[usize],
+    time_s: &[f64],
+) -> Result<Series, DataError> {
+    let column = table.column(&channel.column)?;
+    let factor = channel.scale * channel.unit.si_factor;
+    let mut series = Series::default();
+    for (&row, &t) in rows.iter().zip(time_s) {
+        let reading = column[row];
+        if !reading.is_finite() {
+            series.missing += 1;
+        } else if (channel.saturation).is_some_and(|[low, high]| reading <= low || reading >= high)
+        {
+            series.saturated += 1;
+        } else {
+            series.time_s.push(t);
+            series.values.push(reading * factor);
+        }
+    }
+    check(&series, mapping, channel).map_err(|message| DataError::Channel {
+        source_name: table.source.clone(),
+        column: channel.column.clone(),
+        channel: channel.channel.clone(),
+        message,
+    })?;
+    Ok(series)
+}
+
+fn check(series: &Series, mapping: &Mapping, channel: &ChannelMapping) -> Result<(), String> {
+    let twice = mapping
+        .channels
+        .iter()
+        .filter(|one| one.channel == channel.channel);
+    if twice.count() > 1 {
+        return Err("two columns are mapped to this channel".into());
+    }
+    if series.values.len() < MIN_SAMPLES {
+        return Err(format!(
+            "{} samples are left ({} without a number, {} saturated), but at least {MIN_SAMPLES} are needed",
+            series.values.len(),
+            series.missing,
+            series.saturated
+        ));
+    }
+    let first = series.values[0];
+    if channel.role == Role::Output && series.values.iter().all(|value| *value == first) {
+        return Err(format!(
+            "every sample is {first} {}, so that nothing was measured",
+            channel.unit.unit
+        ));
+    }
+    Ok(())
+}

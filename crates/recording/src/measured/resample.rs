@@ -1,0 +1,207 @@
+//! One uniform time base for all channels.
+
+use super::{ChannelMapping, DataError, MIN_SAMPLES, Mapping, Table};
+use crate::filter::Butterworth;
+use crate::unit::significant;
+
+/// Order of the filter that keeps out what would fold back; run forward and backward it acts twice.
+const ANTI_ALIAS_ORDER: usize = 4;
+/// Its cutoff as a share of the new rate.
+const ANTI_ALIAS_SHARE: f64 = 0.4;
+/// A channel counts as faster than the result from this ratio of rates on.
+const FASTER: f64 = 1.2;
+/// Share of an interval within which two times are the same.
+const SLACK: f64 = 1e-6;
+/// Most samples of a result.
+const MOST_SAMPLES: f64 = 2e7;
+
+/// The valid samples of a channel.
+#[derive(Debug, Default)]
+pub(super) struct Series {
+    pub time_s: Vec<f64>,
+    pub values: Vec<f64>,
+    /// Rows without a number.
+    pub missing: usize,
+    /// Rows at the end of the sensor's range.
+    pub saturated: usize,
+}
+
+impl Series {
+    pub fn note(&self, channel: &ChannelMapping) -> Option<String> {
+        (self.missing + self.saturated > 0).then(|| {
+            format!(
+                "{}: {} rows without a number and {} saturated are masked",
+                channel.channel, self.missing, self.saturated
+            )
+        })
+    }
+
+    /// Median time between samples.
+    fn interval_s(&self) -> f64 {
+        median_interval_s(&self.time_s)
+    }
+
+    /// Value at `t` on the line between the samples around it, and whether they are at most `max_gap_s`
+    /// apart. A time within `slack_s` of a sample is that sample's: times are rounded. `from` remembers the
+    /// place between calls with rising times.
+    fn at(&self, t: f64, max_gap_s: f64, slack_s: f64, from: &mut usize) -> (f64, bool) {
+        let last = self.time_s.len() - 1;
+        while *from + 1 < last && self.time_s[*from + 1] <= t + slack_s {
+            *from += 1;
+        }
+        let (a, b) = (*from, *from + 1);
+        let (t0, t1) = (self.time_s[a], self.time_s[b]);
+        let (y0, y1) = (self.values[a], self.values[b]);
+        if t <= t0 + slack_s {
+            return (y0, t0 - t <= max_gap_s);
+        }
+        if t >= t1 - slack_s {
+            return (y1, t - t1 <= max_gap_s);
+        }
+        let part = (t - t0) / (t1 - t0);
+        (y0 + (y1 - y0) * part, t1 - t0 <= max_gap_s)
+    }
+}
+
+fn median_interval_s(time_s: &[f64]) -> f64 {
+    let mut intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    intervals.sort_by(f64::total_cmp);
+    intervals[intervals.len() / 2]
+}
+
+/// The uniform times of the result.
+#[derive(Debug)]
+pub(super) struct Base {
+    start_s: f64,
+    interval_s: f64,
+    samples: usize,
+    file_interval_s: f64,
+}
+
+impl Base {
+    pub fn new(
+        table: &Table,
+        mapping: &Mapping,
+        time_s: &[f64],
+        series: &[Series],
+    ) -> Result<Base, DataError> {
+        let fail = |message: String| {
+            Err(DataError::File {
+                source_name: table.source.clone(),
+                message,
+            })
+        };
+        let file_interval_s = median_interval_s(time_s);
+        let interval_s = mapping.resample_hz.map_or(file_interval_s, |hz| 1.0 / hz);
+        // From the first time at which every channel has begun to the last at which none has ended.
+        let start = series.iter().map(|one| one.time_s[0]);
+        let start_s = start.fold(time_s[0], f64::max);
+        let end = series.iter().filter_map(|one| one.time_s.last().copied());
+        let end_s = end.fold(time_s[time_s.len() - 1], f64::min);
+        // A last sample that rounding put just beyond the end still counts.
+        let count = ((end_s - start_s) / interval_s + 1e-3).floor() + 1.0;
+        if count > MOST_SAMPLES {
+            return fail(format!(
+                "the data would have {count:.3e} samples, but must have at most {MOST_SAMPLES:.0e}: it fits into memory"
+            ));
+        }
+        if count < MIN_SAMPLES as f64 {
+            return fail(format!(
+                "the channels have {:.0} samples in common, but at least {MIN_SAMPLES} are needed",
+                count.max(0.0)
+            ));
+        }
+        Ok(Base {
+            start_s,
+            interval_s,
+            samples: count as usize,
+            file_interval_s,
+        })
+    }
+
+    /// Times from 0 on.
+    pub fn times(&self) -> Vec<f64> {
+        (0..self.samples)
+            .map(|k| k as f64 * self.interval_s)
+            .collect()
+    }
+
+    pub fn notes(&self, mapping: &Mapping) -> Vec<String> {
+        let rate = |interval_s: f64| significant(1.0 / interval_s, 6);
+        let mut notes = vec![format!(
+            "{} samples at {} Hz (median rate of the file {} Hz), by straight lines between samples; \
+             gaps up to {} s are bridged; time 0 is {} s of the file",
+            self.samples,
+            rate(self.interval_s),
+            rate(self.file_interval_s),
+            significant(mapping.max_gap_s, 3),
+            significant(self.start_s, 7),
+        )];
+        if self.interval_s > FASTER * self.file_interval_s {
+            notes.push(format!(
+                "channels sampled faster are smoothed first: Butterworth of order {ANTI_ALIAS_ORDER}, forward \
+                 and backward, cutoff {} Hz",
+                significant(ANTI_ALIAS_SHARE / self.interval_s, 4)
+            ));
+        }
+        notes
+    }
+}
+
+/// Values and validity of a channel at the times of `base`.
+pub(super) fn resample(series: &Series, base: &Base, max_gap_s: f64) -> (Vec<f64>, Vec<bool>) {
+    let ratio = base.interval_s / series.interval_s();
+    if ratio <= FASTER {
+        return on_grid(
+            series,
+            base.start_s,
+            base.interval_s,
+            base.samples,
+            max_gap_s,
+        );
+    }
+    let every = ratio.ceil() as usize;
+    let fine_s = base.interval_s / every as f64;
+    let fine = (base.samples - 1) * every + 1;
+    let (values, valid) = on_grid(series, base.start_s, fine_s, fine, max_gap_s);
+    let filter = Butterworth::low_pass(
+        ANTI_ALIAS_ORDER,
+        ANTI_ALIAS_SHARE / base.interval_s,
+        1.0 / fine_s,
+    );
+    let smooth = filter.zero_phase(&values);
+    // A filtered sample is a measurement if everything within a period of the cutoff is one.
+    let reach = (every as f64 / ANTI_ALIAS_SHARE).ceil() as usize;
+    let mut good_until = vec![0_usize; fine + 1];
+    for (k, valid) in valid.iter().enumerate() {
+        good_until[k + 1] = good_until[k] + usize::from(*valid);
+    }
+    let at = |k: usize| {
+        let (from, to) = (k.saturating_sub(reach), (k + reach + 1).min(fine));
+        good_until[to] - good_until[from] == to - from
+    };
+    (0..base.samples)
+        .map(|k| (smooth[k * every], at(k * every)))
+        .unzip()
+}
+
+fn on_grid(
+    series: &Series,
+    start_s: f64,
+    interval_s: f64,
+    samples: usize,
+    max_gap_s: f64,
+) -> (Vec<f64>, Vec<bool>) {
+    let mut from = 0;
+    let slack_s = SLACK * interval_s;
+    (0..samples)
+        .map(|k| {
+            series.at(
+                start_s + k as f64 * interval_s,
+                max_gap_s,
+                slack_s,
+                &mut from,
+            )
+        })
+        .unzip()
+}

@@ -1,0 +1,240 @@
+//! Columns become channels, and what cannot be used is refused with its place.
+
+use super::*;
+use crate::unit::{Unit, UserUnit};
+
+fn column(name: &str, values: Vec<f64>) -> Column {
+    Column {
+        name: name.into(),
+        values,
+    }
+}
+
+/// A table at 1 kHz with a sine of 5 Hz in mm and a ramp.
+fn table(rows: usize) -> Table {
+    let time: Vec<f64> = (0..rows).map(|k| k as f64 * 1e-3).collect();
+    let sine = time
+        .iter()
+        .map(|t| 3.0 * (std::f64::consts::TAU * 5.0 * t).sin());
+    Table {
+        source: "bench.csv".into(),
+        columns: vec![
+            column("sine", sine.collect()),
+            column("ramp", time.iter().map(|t| 2.0 * t).collect()),
+            column("t", time),
+        ],
+        lines: (2..rows + 2).collect(),
+    }
+}
+
+fn channel(column: &str, channel: &str, unit: &str) -> ChannelMapping {
+    ChannelMapping {
+        column: column.into(),
+        channel: channel.into(),
+        unit: UserUnit::parse(unit).unwrap(),
+        scale: 1.0,
+        role: Role::Output,
+        noise: None,
+        saturation: None,
+    }
+}
+
+fn mapping() -> Mapping {
+    Mapping {
+        time: TimeBase::Column {
+            column: "t".into(),
+            unit: UserUnit::from(Unit::Second),
+        },
+        window_s: [f64::NEG_INFINITY, f64::INFINITY],
+        resample_hz: None,
+        max_gap_s: 0.0105,
+        channels: vec![channel("sine", "joint1.position", "mm")],
+    }
+}
+
+fn refusal(table: &Table, mapping: &Mapping) -> String {
+    measured(table, mapping)
+        .expect_err("must be refused")
+        .to_string()
+}
+
+#[test]
+fn units_and_scales_become_si_on_a_uniform_base() {
+    let mut mapping = mapping();
+    mapping.channels[0].scale = 2.0;
+    let data = measured(&table(1000), &mapping).unwrap();
+    let channel = data.channel("joint1.position").unwrap();
+    assert_eq!(
+        (channel.spec.unit, channel.values.len()),
+        (Unit::Metre, 1000)
+    );
+    assert!(
+        (channel.values[50] - 6e-3).abs() < 1e-12,
+        "a quarter period"
+    );
+    assert!(channel.valid.iter().all(|valid| *valid));
+    assert!((data.rate_hz() - 1000.0).abs() < 1e-6 && (data.duration_s() - 0.999).abs() < 1e-9);
+}
+
+#[test]
+fn short_gaps_are_bridged_and_long_ones_masked() {
+    let mut table = table(1000);
+    // Nine samples are missing: the neighbours are 10 ms apart, within the 10.5 ms allowed. Then nineteen.
+    table.columns[1].values[100..109].fill(f64::NAN);
+    table.columns[1].values[500..519].fill(f64::NAN);
+    let mut mapping = mapping();
+    mapping.channels = vec![channel("ramp", "joint1.position", "m")];
+    let data = measured(&table, &mapping).unwrap();
+    let ramp = &data.channels[0];
+    assert!(ramp.valid[90..120].iter().all(|valid| *valid));
+    assert_eq!(ramp.first_gap(), Some(500..519));
+    assert!((ramp.values[104] - 0.208).abs() < 1e-12, "on the line");
+    let notes = data.notes.join("\n");
+    assert!(
+        notes.contains("28 rows without a number and 0 saturated"),
+        "{notes}"
+    );
+    assert!(
+        notes.contains("19 of 1000 samples have no measurement"),
+        "{notes}"
+    );
+}
+
+#[test]
+fn saturated_readings_are_masked_in_the_files_own_numbers() {
+    let mut mapping = mapping();
+    mapping.max_gap_s = 1.5e-3;
+    mapping.channels[0].saturation = Some([-2.9, 2.9]);
+    let data = measured(&table(1000), &mapping).unwrap();
+    let sine = &data.channels[0];
+    for (value, valid) in sine.values.iter().zip(&sine.valid) {
+        assert!(value.abs() < 2.9e-3);
+        assert!(*valid || value.abs() > 2.85e-3, "masked at {value}");
+    }
+    assert!(!sine.valid[50] && sine.valid[20]);
+}
+
+/// A fifth of the rate: 5 Hz passes, 300 Hz, which would fold to 100 Hz, does not.
+#[test]
+fn a_slower_result_has_nothing_folded_into_it() {
+    let mut table = table(2000);
+    let disturbance = (0..2000).map(|k| (std::f64::consts::TAU * 0.3 * k as f64).sin());
+    for (value, extra) in table.columns[0].values.iter_mut().zip(disturbance) {
+        *value += extra;
+    }
+    let mut mapping = mapping();
+    mapping.resample_hz = Some(200.0);
+    let data = measured(&table, &mapping).unwrap();
+    assert_eq!(data.time_s.len(), 400);
+    for (t, value) in data
+        .time_s
+        .iter()
+        .zip(&data.channels[0].values)
+        .skip(10)
+        .take(380)
+    {
+        let truth = 3e-3 * (std::f64::consts::TAU * 5.0 * t).sin();
+        assert!((value - truth).abs() < 1e-5, "{t}: {value} beside {truth}");
+    }
+    assert!(
+        data.notes
+            .iter()
+            .any(|note| note.contains("cutoff 80.00 Hz")),
+        "{:?}",
+        data.notes
+    );
+}
+
+#[test]
+fn channels_of_unequal_rates_come_to_one_base() {
+    let mut table = table(2000);
+    for (row, value) in table.columns[1].values.iter_mut().enumerate() {
+        if row % 8 != 0 {
+            *value = f64::NAN;
+        }
+    }
+    let mut mapping = mapping();
+    mapping
+        .channels
+        .push(channel("ramp", "joint2.position", "m"));
+    let data = measured(&table, &mapping).unwrap();
+    let slow = &data.channels[1];
+    assert_eq!(slow.values.len(), data.channels[0].values.len());
+    for (t, value) in data.time_s.iter().zip(&slow.values) {
+        assert!((value - 2.0 * t).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_window_cuts_and_times_begin_at_zero() {
+    let mut mapping = mapping();
+    mapping.window_s = [0.2, 0.7];
+    mapping.channels = vec![channel("ramp", "joint1.position", "m")];
+    let data = measured(&table(1000), &mapping).unwrap();
+    assert_eq!((data.time_s.len(), data.time_s[0]), (501, 0.0));
+    assert!((data.channels[0].values[0] - 0.4).abs() < 1e-12);
+}
+
+#[test]
+fn a_rate_replaces_a_column_of_times() {
+    let mut mapping = mapping();
+    mapping.time = TimeBase::Rate { hz: 500.0 };
+    let data = measured(&table(1000), &mapping).unwrap();
+    assert!((data.rate_hz() - 500.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_missing_column_names_the_nearest() {
+    let mut mapping = mapping();
+    mapping.channels[0].column = "sin".into();
+    assert_eq!(
+        refusal(&table(300), &mapping),
+        "bench.csv: no column \"sin\"; did you mean \"sine\"?; the file has sine, ramp, t"
+    );
+}
+
+#[test]
+fn times_that_do_not_rise_are_refused_with_their_row() {
+    let mut bad = table(300);
+    bad.columns[2].values[41] = 0.040;
+    assert_eq!(
+        refusal(&bad, &mapping()),
+        "bench.csv: row 42 (line 43): the time is 0.04 s after 0.04 s, but times must rise"
+    );
+    bad.columns[2].values[41] = f64::NAN;
+    bad.lines.clear();
+    assert_eq!(
+        refusal(&bad, &mapping()),
+        "bench.csv: row 42: the time is not a finite number"
+    );
+}
+
+#[test]
+fn an_output_that_never_changes_is_refused_and_an_input_is_not() {
+    let mut constant = table(300);
+    constant.columns[0].values.fill(0.0);
+    let text = refusal(&constant, &mapping());
+    assert!(
+        text.contains("every sample is 0 m, so that nothing was measured"),
+        "{text}"
+    );
+    let mut mapping = mapping();
+    mapping.channels[0].role = Role::Input;
+    assert!(measured(&constant, &mapping).is_ok());
+}
+
+#[test]
+fn too_few_samples_are_refused() {
+    let text = refusal(&table(199), &mapping());
+    assert!(
+        text.contains("199 rows lie in the part that is used, but at least 200"),
+        "{text}"
+    );
+    let mut holes = table(300);
+    holes.columns[0].values[..150].fill(f64::NAN);
+    let text = refusal(&holes, &mapping());
+    assert!(
+        text.contains("150 samples are left (150 without a number, 0 saturated)"),
+        "{text}"
+    );
+}

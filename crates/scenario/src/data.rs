@@ -1,0 +1,205 @@
+//! The `[data]` table: measured data, and which of its columns is which channel.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use truecut_recording::measured::{ChannelMapping, TimeBase};
+use truecut_recording::{Mapping, Role, Unit, UserUnit};
+
+use crate::check::Check;
+use crate::document::Fault;
+use crate::metric::read_unit;
+
+/// Measured data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DataSpec {
+    /// The file, `.csv` or `.parquet`; relative paths are resolved against the folder of the scenario file.
+    /// `None` if it is named only when the scenario is used.
+    pub file: Option<PathBuf>,
+    /// Whether the first row of a CSV file names the columns. Without, they are called "1", "2", ….
+    pub header: bool,
+    /// Which column is what.
+    pub mapping: Mapping,
+}
+
+/// Measured data that drives a replay or is compared with the run.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DataTable {
+    /// CSV or Parquet file, relative to the scenario file. May be left out and named by --data.
+    file: Option<String>,
+    /// Whether the first row of a CSV file names the columns. Default: true.
+    header: Option<bool>,
+    /// Column of the times. Either this or rate_hz is needed.
+    time: Option<String>,
+    /// Unit of the times. Default: "s".
+    time_unit: Option<String>,
+    /// Rate of the rows, if there is no column of times.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
+    rate_hz: Option<f64>,
+    /// First time of the file that is used. Default: all.
+    from_s: Option<f64>,
+    /// Last time of the file that is used. Default: all.
+    to_s: Option<f64>,
+    /// Rate at which the data is used. Default: the median rate of the file.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
+    resample_hz: Option<f64>,
+    /// Longest gap that is bridged by a straight line. Default: 0.05.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "a gap has a length"))]
+    max_gap_s: Option<f64>,
+    /// The columns that are used.
+    #[schemars(length(min = 1))]
+    channel: Vec<ChannelTable>,
+}
+
+/// One column that is used.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct ChannelTable {
+    /// Name of the column, or its number from "1" on in a file without header.
+    column: String,
+    /// Channel that it is compared with, or that it drives.
+    channel: String,
+    /// Unit of the column, after `scale`.
+    unit: String,
+    /// Factor on the column, e.g. newtons per volt. Default: 1.
+    scale: Option<f64>,
+    /// "output": compared; "input": drives the replay. Default: "output".
+    role: Option<RoleName>,
+    /// Known standard deviation of the noise, in `unit`.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "noise has a size; leave it out if it is not known"))]
+    noise: Option<f64>,
+    /// Readings of the column (before `scale`) at or beyond which samples are left out.
+    saturation: Option<[f64; 2]>,
+}
+
+/// Roles by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum RoleName {
+    /// Drives the replay.
+    Input,
+    /// Compared with the run.
+    Output,
+}
+
+/// Longest gap that is bridged where a scenario does not say, s.
+const DEFAULT_MAX_GAP_S: f64 = 0.05;
+
+impl DataTable {
+    /// `None` after recording a fault.
+    pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<DataSpec> {
+        let time = self.time_base(check);
+        let window_s = [
+            self.from_s.unwrap_or(f64::NEG_INFINITY),
+            self.to_s.unwrap_or(f64::INFINITY),
+        ];
+        if window_s[0] >= window_s[1] {
+            let message = format!(
+                "`data.to_s` is {}, but must be greater than from_s = {}",
+                window_s[1], window_s[0]
+            );
+            check.refuse(Fault::value("data.to_s", message, "nothing lies between"));
+        }
+        let mut channels = Vec::new();
+        for (index, channel) in self.channel.into_iter().enumerate() {
+            let table = format!("data.channel.{index}");
+            let first = |one: &ChannelMapping| one.channel == channel.channel;
+            if let Some(earlier) = channels.iter().position(first) {
+                let path = format!("{table}.channel");
+                let message = format!(
+                    "`{path}` is \"{}\", which `data.channel.{earlier}` is already",
+                    channel.channel
+                );
+                check.refuse(Fault::value(&path, message, "mapped twice"));
+            }
+            channels.extend(channel.resolve(&table, check));
+        }
+        Some(DataSpec {
+            file: self.file.map(|file| folder.join(file)),
+            header: self.header.unwrap_or(true),
+            mapping: Mapping {
+                time: time?,
+                window_s,
+                resample_hz: self.resample_hz,
+                max_gap_s: self.max_gap_s.unwrap_or(DEFAULT_MAX_GAP_S),
+                channels,
+            },
+        })
+    }
+
+    fn time_base(&self, check: &mut Check) -> Option<TimeBase> {
+        let unit = self.time_unit.as_deref().unwrap_or("s");
+        let unit = read_unit(unit, "data", "time_unit", check)?;
+        match (&self.time, self.rate_hz) {
+            (Some(_), Some(_)) => {
+                let message =
+                    "`data.rate_hz` has no effect: `data.time` gives the times".to_owned();
+                check.refuse(Fault::key("data.rate_hz", message, "has no effect here"));
+                None
+            }
+            (None, None) => {
+                let message = "missing key `time` in [data]: the samples need times".to_owned();
+                let fault = Fault::key("data.time", message, "neither time nor rate_hz");
+                check.refuse(fault.with_help("name the column of the times, or give rate_hz"));
+                None
+            }
+            (None, Some(hz)) => {
+                check.ignored("data", &["time_unit"], "there is no column of times");
+                Some(TimeBase::Rate { hz })
+            }
+            (Some(column), None) if unit.unit == Unit::Second => Some(TimeBase::Column {
+                column: column.clone(),
+                unit,
+            }),
+            (Some(_), None) => {
+                let accepted: Vec<&str> = Unit::Second.accepted_symbols().collect();
+                let message = format!(
+                    "`data.time_unit` is \"{}\", but must be one of {}",
+                    unit.symbol,
+                    accepted.join(", ")
+                );
+                check.refuse(Fault::value(
+                    "data.time_unit",
+                    message,
+                    "not a unit of time",
+                ));
+                None
+            }
+        }
+    }
+}
+
+impl ChannelTable {
+    /// `None` after recording a fault.
+    fn resolve(self, table: &str, check: &mut Check) -> Option<ChannelMapping> {
+        let scale = self.scale.unwrap_or(1.0);
+        if scale == 0.0 {
+            let path = format!("{table}.scale");
+            let message =
+                format!("`{path}` is 0, but must not be: nothing of the column would be left");
+            check.refuse(Fault::value(&path, message, "must not be 0"));
+        }
+        if let Some([low, high]) = self.saturation.filter(|[low, high]| low >= high) {
+            let path = format!("{table}.saturation");
+            let message = format!(
+                "`{path}` is [{low}, {high}], but the first reading must be below the second"
+            );
+            check.refuse(Fault::value(&path, message, "nothing lies between"));
+        }
+        let unit: UserUnit = read_unit(&self.unit, table, "unit", check)?;
+        Some(ChannelMapping {
+            column: self.column,
+            channel: self.channel,
+            scale,
+            role: match self.role {
+                Some(RoleName::Input) => Role::Input,
+                Some(RoleName::Output) | None => Role::Output,
+            },
+            noise: self.noise.map(|noise| noise * unit.si_factor),
+            saturation: self.saturation,
+            unit,
+        })
+    }
+}

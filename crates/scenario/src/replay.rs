@@ -1,0 +1,83 @@
+//! The `[process.replay]` table: measured inputs drive the model.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::check::Check;
+
+/// Measured inputs, the channels of `[data]` with role "input", drive the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReplaySpec {
+    /// Which way.
+    pub mode: ReplayMode,
+}
+
+/// Which way a measurement is replayed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ReplayMode {
+    /// Commands and forces in, motion out.
+    Forward,
+    /// Measured motion in, drive forces out.
+    Inverse {
+        /// Cutoff of the filter through which the measured coordinates go before they are differentiated.
+        differentiate_cutoff_hz: f64,
+        /// Cutoff of the filter through which measured and predicted drive forces go.
+        compare_cutoff_hz: f64,
+    },
+    /// No model: every channel is predicted to be constant, at its mean.
+    Observe,
+}
+
+/// Modes by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum ModeName {
+    /// Commands and forces in, motion out.
+    #[default]
+    Forward,
+    /// Measured motion in, drive forces out.
+    Inverse,
+    /// No model: every channel is predicted to be constant, at its mean.
+    Observe,
+}
+
+/// Measured inputs drive the model.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ReplayTable {
+    /// Which way. Default: "forward".
+    mode: Option<ModeName>,
+    /// Cutoff of the zero-phase filter before differentiation (mode "inverse"). Default: 20.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a filter passes something"))]
+    differentiate_cutoff_hz: Option<f64>,
+    /// Cutoff of the zero-phase filter on measured and predicted drive forces (mode "inverse"). Default: 10.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a filter passes something"))]
+    compare_cutoff_hz: Option<f64>,
+}
+
+// Ten times and five times the motion's own bandwidth of some 2 Hz, as identification of robots takes it
+// (Gautier 1997).
+const DEFAULT_DIFFERENTIATE_CUTOFF_HZ: f64 = 20.0;
+const DEFAULT_COMPARE_CUTOFF_HZ: f64 = 10.0;
+
+impl ReplayTable {
+    pub(crate) fn resolve(self, check: &mut Check) -> ReplaySpec {
+        let mode = self.mode.unwrap_or_default();
+        if mode != ModeName::Inverse {
+            let keys = ["differentiate_cutoff_hz", "compare_cutoff_hz"];
+            check.ignored("process.replay", &keys, "the mode is not \"inverse\"");
+        }
+        ReplaySpec {
+            mode: match mode {
+                ModeName::Forward => ReplayMode::Forward,
+                ModeName::Observe => ReplayMode::Observe,
+                ModeName::Inverse => ReplayMode::Inverse {
+                    differentiate_cutoff_hz: (self.differentiate_cutoff_hz)
+                        .unwrap_or(DEFAULT_DIFFERENTIATE_CUTOFF_HZ),
+                    compare_cutoff_hz: (self.compare_cutoff_hz)
+                        .unwrap_or(DEFAULT_COMPARE_CUTOFF_HZ),
+                },
+            },
+        }
+    }
+}

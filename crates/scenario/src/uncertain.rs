@@ -1,0 +1,80 @@
+//! The `[[uncertain]]` tables: nominal values that are not known exactly.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::check::Check;
+use crate::document::Fault;
+use crate::sweep::check_key;
+
+/// A nominal value that is not known exactly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UncertainSpec {
+    /// Dotted key of the scenario.
+    pub key: String,
+    /// Its value in the scenario, in the key's own unit.
+    pub value: f64,
+    /// Standard deviation, in the key's own unit.
+    pub sigma: f64,
+}
+
+/// A nominal value that is not known exactly; it may be refitted before anything else is blamed.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct UncertainTable {
+    /// Dotted key of the scenario.
+    key: String,
+    /// One standard deviation as a share of the value. Either this or absolute is needed.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "what is uncertain has a spread"))]
+    relative: Option<f64>,
+    /// One standard deviation in the key's own unit.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "what is uncertain has a spread"))]
+    absolute: Option<f64>,
+}
+
+/// Factors whose value is 1 where the scenario does not give them.
+const FACTORS: [&str; 3] = [
+    "robot.inertia_scale",
+    "robot.stiffness_scale",
+    "robot.damping_scale",
+];
+
+impl UncertainTable {
+    /// `table` is the dotted path of this table. `None` after recording a fault.
+    pub(crate) fn resolve(self, table: &str, check: &mut Check) -> Option<UncertainSpec> {
+        let at = format!("{table}.key");
+        check_key(&self.key, &at, check).then_some(())?;
+        let written = check.document().number(&self.key);
+        let default = FACTORS.contains(&self.key.as_str()).then_some(1.0);
+        let Some(value) = written.or(default) else {
+            let message = format!(
+                "`{at}` is \"{}\", which the scenario does not give: write its nominal value into it",
+                self.key
+            );
+            check.refuse(Fault::value(&at, message, "no nominal value"));
+            return None;
+        };
+        let sigma = match (self.relative, self.absolute) {
+            (Some(relative), None) if value != 0.0 => relative * value.abs(),
+            (None, Some(absolute)) => absolute,
+            (Some(_), None) => {
+                let path = format!("{table}.relative");
+                let message = format!("`{path}` has no meaning: `{}` is 0", self.key);
+                let fault = Fault::value(&path, message, "a share of nothing");
+                check.refuse(fault.with_help("give `absolute`"));
+                return None;
+            }
+            (given, _) => {
+                let message = format!("[{table}] needs either `relative` or `absolute`");
+                let label = if given.is_some() { "both" } else { "neither" };
+                check.refuse(Fault::key(&format!("{table}.relative"), message, label));
+                return None;
+            }
+        };
+        Some(UncertainSpec {
+            key: self.key,
+            value,
+            sigma,
+        })
+    }
+}

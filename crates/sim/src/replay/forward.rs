@@ -1,0 +1,204 @@
+//! Commands and forces in, motion out: the measured inputs of a forward run.
+
+use super::inputs::{JointQuantity, Source, joint_channel};
+use crate::command::{JointCommand, Samples};
+use crate::error::SimError;
+use crate::plant::DriveKind;
+use crate::process::{ForceSamples, Replay};
+use truecut_arm::Robot;
+use truecut_recording::{Measured, Role, Unit};
+use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
+
+/// Names of the measured tool forces, in process axes.
+const TOOL_FORCES: [&str; 3] = ["tool.force_x", "tool.force_y", "tool.force_z"];
+
+/// Measured inputs, checked against the robot.
+pub(crate) struct ForwardInputs {
+    interval_s: f64,
+    duration_s: f64,
+    /// Measured commands `[joint][sample]`.
+    commands: Vec<Option<Vec<f64>>>,
+    /// Measured drive forces `[joint][sample]`.
+    drive_forces: Vec<Option<Vec<f64>>>,
+    tool_forces: [Option<Vec<f64>>; 3],
+    /// First measured coordinate of each joint.
+    measured_start: Vec<Option<f64>>,
+}
+
+impl ForwardInputs {
+    /// `None` if the scenario replays nothing.
+    ///
+    /// # Errors
+    /// A mode without plant; no data; an input that does not fit the drive, is incomplete, in a wrong unit or
+    /// beyond the joint's limits; a run that is longer than its data.
+    pub fn of(
+        scenario: &Scenario,
+        measured: Option<&Measured>,
+        robot: &Robot,
+        kind: DriveKind,
+    ) -> Result<Option<ForwardInputs>, SimError> {
+        let ProcessSpec::Replay(replay) = &scenario.process else {
+            return Ok(None);
+        };
+        if replay.mode != ReplayMode::Forward {
+            let message = "has no plant to run; only mode \"forward\" has one";
+            return Err(SimError::scenario("process.replay.mode", message));
+        }
+        let Some(measured) = measured else {
+            let message =
+                "a replay needs its measured data: name the file in data.file, or when it is run";
+            return Err(SimError::scenario("process.replay", message));
+        };
+        let source = Source { scenario, measured };
+        let quantity = match kind {
+            DriveKind::Position | DriveKind::Servo => JointQuantity::Command,
+            DriveKind::Force => JointQuantity::Drive,
+        };
+        let joints = 0..robot.dof();
+        let mut taken: Vec<String> = (joints.clone())
+            .map(|joint| joint_channel(robot, joint, quantity))
+            .collect();
+        taken.extend(TOOL_FORCES.map(str::to_owned));
+        source.refuse_others(&taken)?;
+        if measured.inputs().next().is_none() {
+            let message = format!(
+                "no column has role \"input\"; this replay takes {}",
+                taken.join(", ")
+            );
+            return Err(SimError::scenario("data.channel", message));
+        }
+        let series = (joints.clone())
+            .map(|joint| input(&source, robot, joint, quantity))
+            .collect::<Result<Vec<_>, SimError>>()?;
+        let none = vec![None; robot.dof()];
+        let (commands, drive_forces) = match quantity {
+            JointQuantity::Command => (series, none),
+            _ => (none, series),
+        };
+        Ok(Some(ForwardInputs {
+            interval_s: measured.interval_s(),
+            duration_s: duration_s(scenario, measured)?,
+            commands,
+            drive_forces,
+            tool_forces: tool_forces(&source)?,
+            measured_start: joints
+                .map(|joint| measured_start(&source, robot, joint))
+                .collect::<Result<_, _>>()?,
+        }))
+    }
+
+    /// How long the run takes, s.
+    pub fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    /// The posture that commands and measurements begin with; the scenario's where they say nothing.
+    pub fn posture(&self, given: &[f64]) -> Vec<f64> {
+        let commanded = |joint: usize| self.commands[joint].as_ref().map(|samples| samples[0]);
+        (given.iter().enumerate())
+            .map(|(joint, given)| {
+                let measured = self.measured_start[joint];
+                commanded(joint).or(measured).unwrap_or(*given)
+            })
+            .collect()
+    }
+
+    /// The start of the run: the first measured coordinates where there are some, else `rest`.
+    pub fn start(&self, rest: &[f64]) -> Vec<f64> {
+        let joints = self.measured_start.iter().zip(rest);
+        joints
+            .map(|(measured, rest)| measured.unwrap_or(*rest))
+            .collect()
+    }
+
+    /// What the controller and the drives do; joints without a measured command stay at `posture`.
+    pub fn command(&self, posture: &[f64]) -> JointCommand {
+        let length = self
+            .commands
+            .iter()
+            .flatten()
+            .map(Vec::len)
+            .next()
+            .unwrap_or(1);
+        let at = |joint: usize, k: usize| match &self.commands[joint] {
+            Some(samples) => samples[k],
+            None => posture[joint],
+        };
+        let sample = |k| (0..posture.len()).map(|joint| at(joint, k)).collect();
+        JointCommand::Replay(Samples {
+            interval_s: self.interval_s,
+            postures: (0..length).map(sample).collect(),
+            forces: (self.drive_forces.iter())
+                .map(|values| self.series(values))
+                .collect(),
+        })
+    }
+
+    /// The forces on the tool.
+    pub fn process(&self) -> Replay {
+        Replay::new(
+            self.tool_forces
+                .each_ref()
+                .map(|values| self.series(values)),
+        )
+    }
+
+    fn series(&self, values: &Option<Vec<f64>>) -> Option<ForceSamples> {
+        values.clone().map(|values| ForceSamples {
+            interval_s: self.interval_s,
+            values,
+        })
+    }
+}
+
+fn duration_s(scenario: &Scenario, measured: &Measured) -> Result<f64, SimError> {
+    let (asked, available) = (scenario.run.duration_s, measured.duration_s());
+    if asked.is_finite() && asked > available * (1.0 + 1e-9) {
+        let message = format!("is {asked} s, but the data takes {available:.4} s");
+        return Err(SimError::scenario("run.duration_s", message));
+    }
+    Ok(asked.min(available))
+}
+
+fn input(
+    source: &Source<'_>,
+    robot: &Robot,
+    joint: usize,
+    quantity: JointQuantity,
+) -> Result<Option<Vec<f64>>, SimError> {
+    let channel = source.joint(robot, joint, quantity)?;
+    let Some(channel) = channel.filter(|channel| channel.role == Role::Input) else {
+        return Ok(None);
+    };
+    if quantity == JointQuantity::Command {
+        source.within_limits(robot, joint, channel)?;
+    }
+    Ok(Some(source.complete(channel)?.to_vec()))
+}
+
+fn tool_forces(source: &Source<'_>) -> Result<[Option<Vec<f64>>; 3], SimError> {
+    let mut forces = [None, None, None];
+    for (slot, name) in forces.iter_mut().zip(TOOL_FORCES) {
+        let found = source
+            .measured
+            .inputs()
+            .find(|channel| channel.spec.name == name);
+        if let Some(channel) = found {
+            source.expect_unit(channel, Unit::Newton)?;
+            *slot = Some(source.complete(channel)?.to_vec());
+        }
+    }
+    Ok(forces)
+}
+
+fn measured_start(
+    source: &Source<'_>,
+    robot: &Robot,
+    joint: usize,
+) -> Result<Option<f64>, SimError> {
+    let Some(channel) = source.joint(robot, joint, JointQuantity::Coordinate)? else {
+        return Ok(None);
+    };
+    source.within_limits(robot, joint, channel)?;
+    Ok(channel.valid[0].then_some(channel.values[0]))
+}

@@ -1,0 +1,334 @@
+//! Measured motion in, drive forces out.
+//!
+//! The coordinates go through a zero-phase Butterworth filter of fourth order and are differentiated twice by
+//! central differences. The rigid arm's inverse dynamics, its rotors and its friction give the drive forces;
+//! these and the measured ones go through one and the same second filter, so that neither leads nor lags. The
+//! practice is that of Gautier, "Dynamic identification of robots with power model" (1997), and Janot, Vandanjon
+//! and Gautier, "A generic instrumental variable approach for industrial robot identification" (2014).
+
+use super::inputs::{JointQuantity, Source, joint_channel};
+use super::motion::{Motion, sign};
+use super::regressors::{BodyRegressors, JointRegressors};
+use crate::channels::drive_spec;
+use crate::error::SimError;
+use nalgebra::Vector3;
+use truecut_arm::{Dynamics, FrameId, Robot};
+use truecut_recording::filter::Butterworth;
+use truecut_recording::{ChannelSpec, Measured, Role};
+use truecut_scenario::effect::{Effect, EffectKind, Target};
+use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
+
+/// Order of both filters; run forward and backward they act twice.
+const FILTER_ORDER: usize = 4;
+
+/// Predicts drive forces from measured motion, for any set of effects, without integrating anything.
+#[derive(Debug, Clone)]
+pub struct InverseModel {
+    robot: Robot,
+    /// Joints whose drive force is predicted, in the order of `measured.channels`.
+    joints: Vec<usize>,
+    measured: Measured,
+    specs: Vec<ChannelSpec>,
+    filter: Butterworth,
+    motion: Motion,
+    /// Filtered drive forces without effects, one column per predicted joint.
+    nominal: Vec<Vec<f64>>,
+    regressors: Vec<JointRegressors>,
+    body: BodyRegressors,
+    effects: Vec<Effect>,
+}
+
+impl InverseModel {
+    /// Filters and differentiates the motion and prepares everything that does not depend on effects.
+    ///
+    /// # Errors
+    /// A robot that cannot be loaded; a scenario that does not replay in mode "inverse"; an input that is
+    /// missing, incomplete or in a wrong unit; no measured drive force; effects that play no part here.
+    pub fn new(scenario: &Scenario, measured: &Measured) -> Result<InverseModel, SimError> {
+        let (differentiate_hz, compare_hz) = cutoffs(scenario)?;
+        let robot = crate::build::load_robot(&scenario.robot)?;
+        let source = Source { scenario, measured };
+        let joints = outputs(&robot, &source)?;
+        let rate = measured.rate_hz();
+        check_cutoff("differentiate_cutoff_hz", differentiate_hz, rate)?;
+        check_cutoff("compare_cutoff_hz", compare_hz, rate)?;
+        let smooth = Butterworth::low_pass(FILTER_ORDER, differentiate_hz, rate);
+        let filter = Butterworth::low_pass(FILTER_ORDER, compare_hz, rate);
+        let motion = Motion::new(&robot, &source, &smooth)?;
+        let (q, v) = (&motion.position, &motion.velocity);
+        let model = InverseModel {
+            nominal: nominal(&robot, &motion, &joints, &filter),
+            regressors: (joints.iter())
+                .map(|&joint| JointRegressors::new(&q[joint], &v[joint], &filter))
+                .collect(),
+            body: BodyRegressors::new(&robot, &motion, &joints, &filter, robot.dof() - 1),
+            specs: (joints.iter())
+                .map(|&joint| drive_spec(joint + 1, &robot.chain.joints[joint]))
+                .collect(),
+            measured: filtered(measured, &robot, &joints, &filter, compare_hz),
+            effects: scenario.effects.clone(),
+            joints,
+            motion,
+            filter,
+            robot,
+        };
+        model.predict(&[])?;
+        Ok(model)
+    }
+
+    /// What is predicted, in order: the drive forces that were measured.
+    pub fn channels(&self) -> &[ChannelSpec] {
+        &self.specs
+    }
+
+    /// The measured drive forces through the same filter; samples whose neighbourhood has a gap are not valid.
+    pub fn measured(&self) -> &Measured {
+        &self.measured
+    }
+
+    /// The robot.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// The drive forces as they depend on a link's inertial parameters about its origin, in its axes: mass, three
+    /// first moments, and the inertia's xx, yy, zz, xy, xz, yz; `[parameter][channel][sample]`, filtered. The drive
+    /// forces are linear in them, so that they can be identified.
+    ///
+    /// # Panics
+    /// If there is no such link.
+    pub fn inertial_columns(&self, link: usize) -> Vec<Vec<Vec<f64>>> {
+        BodyRegressors::new(&self.robot, &self.motion, &self.joints, &self.filter, link).columns
+    }
+
+    /// Acceleration of a predicted joint through the filter: the drive force per rotor inertia, one value for
+    /// each sample.
+    ///
+    /// # Panics
+    /// If there is no such channel.
+    pub fn rotor_column(&self, channel: usize) -> Vec<f64> {
+        let joint = self.joints[channel];
+        self.filter.zero_phase(&self.motion.acceleration[joint])
+    }
+
+    /// Whether effects of a kind play a part here.
+    pub fn supports(kind: EffectKind) -> bool {
+        use EffectKind as K;
+        matches!(
+            kind,
+            K::JointViscous
+                | K::JointCoulomb
+                | K::JointAsymmetricViscous
+                | K::JointAsymmetricCoulomb
+                | K::JointStribeck
+                | K::JointCounterbalance
+                | K::JointOffset
+                | K::Payload
+                | K::SensorGain
+                | K::SensorOffset
+        )
+    }
+
+    /// Drive forces with the scenario's effects and further `effects`, which replace those of the same kind and
+    /// target: one filtered column for each of [`InverseModel::channels`], SI.
+    ///
+    /// # Errors
+    /// An effect that plays no part in inverse dynamics, or whose joint or channel does not exist.
+    pub fn predict(&self, effects: &[Effect]) -> Result<Vec<Vec<f64>>, SimError> {
+        let mut columns = self.nominal.clone();
+        let kept = (self.effects.iter()).filter(|own| {
+            !effects
+                .iter()
+                .any(|e| e.kind == own.kind && e.target == own.target)
+        });
+        let all: Vec<&Effect> = kept.chain(effects).collect();
+        // Sensors see the sum of all torques, so they come last.
+        for effect in all.iter().filter(|effect| !is_sensor(effect.kind)) {
+            self.add(effect, &mut columns)?;
+        }
+        for effect in all.iter().filter(|effect| is_sensor(effect.kind)) {
+            self.sense(effect, &mut columns)?;
+        }
+        Ok(columns)
+    }
+
+    fn add(&self, effect: &Effect, columns: &mut [Vec<f64>]) -> Result<(), SimError> {
+        let refuse = |message: String| Err(SimError::scenario("effect", message));
+        if !InverseModel::supports(effect.kind) {
+            let name = effect.kind.name();
+            return refuse(format!("\"{name}\" plays no part in inverse dynamics"));
+        }
+        let values = &effect.values;
+        let joint = match effect.target {
+            Target::Whole => {
+                let center = Vector3::new(values[1], values[2], values[3]);
+                let flange = self.robot.last_link_from_frame(FrameId::Flange);
+                let center = flange * nalgebra::Point3::from(center);
+                self.body.add_point_mass(values[0], &center.coords, columns);
+                return Ok(());
+            }
+            Target::Joint(joint) if joint < self.robot.dof() => joint,
+            _ => {
+                let name = effect.kind.name();
+                let joints = self.robot.dof();
+                return refuse(format!(
+                    "\"{name}\" is on a joint that the chain of {joints} lacks"
+                ));
+            }
+        };
+        let Some(at) = self.joints.iter().position(|known| *known == joint) else {
+            return Ok(()); // Nobody measured what it would change.
+        };
+        let column = &mut columns[at];
+        if effect.kind == EffectKind::JointStribeck {
+            let (excess, speed) = (values[0], values[1]);
+            let law = |v: &f64| excess * (-(v / speed).powi(2)).exp() * sign(*v);
+            let law: Vec<f64> = self.motion.velocity[joint].iter().map(law).collect();
+            for (sum, f) in column.iter_mut().zip(self.filter.zero_phase(&law)) {
+                *sum += f;
+            }
+        } else {
+            self.regressors[at].add(effect.kind, values, column);
+        }
+        Ok(())
+    }
+
+    fn sense(&self, effect: &Effect, columns: &mut [Vec<f64>]) -> Result<(), SimError> {
+        let channel = match &effect.target {
+            Target::Channel(name) => self.specs.iter().position(|spec| spec.name == *name),
+            _ => None,
+        };
+        let Some(channel) = channel else {
+            let known: Vec<&str> = self.specs.iter().map(|spec| spec.name.as_str()).collect();
+            let message = format!(
+                "\"{}\" is on a channel that is not predicted here; these are {}",
+                effect.kind.name(),
+                known.join(", ")
+            );
+            return Err(SimError::scenario("effect", message));
+        };
+        for value in &mut columns[channel] {
+            match effect.kind {
+                EffectKind::SensorGain => *value *= effect.values[0],
+                _ => *value += effect.values[0],
+            }
+        }
+        Ok(())
+    }
+}
+
+fn is_sensor(kind: EffectKind) -> bool {
+    matches!(kind, EffectKind::SensorGain | EffectKind::SensorOffset)
+}
+
+fn cutoffs(scenario: &Scenario) -> Result<(f64, f64), SimError> {
+    match &scenario.process {
+        ProcessSpec::Replay(replay) => match replay.mode {
+            ReplayMode::Inverse {
+                differentiate_cutoff_hz,
+                compare_cutoff_hz,
+            } => Ok((differentiate_cutoff_hz, compare_cutoff_hz)),
+            _ => Err(SimError::scenario(
+                "process.replay.mode",
+                "must be \"inverse\" to predict drive forces from motion",
+            )),
+        },
+        other => Err(SimError::scenario(
+            format!("process.{}", other.name()),
+            "must be [process.replay] with mode \"inverse\" to predict drive forces from motion",
+        )),
+    }
+}
+
+fn check_cutoff(key: &str, hz: f64, rate_hz: f64) -> Result<(), SimError> {
+    if hz < 0.5 * rate_hz {
+        return Ok(());
+    }
+    let message = format!(
+        "is {hz}, but must be below half the rate of the data, {:.3} Hz",
+        0.5 * rate_hz
+    );
+    Err(SimError::scenario(format!("process.replay.{key}"), message))
+}
+
+/// Joints whose drive force was measured.
+fn outputs(robot: &Robot, source: &Source<'_>) -> Result<Vec<usize>, SimError> {
+    let mut joints = Vec::new();
+    for joint in 0..robot.dof() {
+        let channel = source.joint(robot, joint, JointQuantity::Drive)?;
+        if channel.is_some_and(|channel| channel.role == Role::Output) {
+            joints.push(joint);
+        }
+    }
+    let names: Vec<String> = (0..robot.dof())
+        .map(|joint| joint_channel(robot, joint, JointQuantity::Drive))
+        .collect();
+    let foreign = source
+        .measured
+        .outputs()
+        .find(|channel| !names.contains(&channel.spec.name));
+    if let Some(channel) = foreign {
+        let message = format!(
+            "channel \"{}\" is not predicted by inverse dynamics, which gives {}",
+            channel.spec.name,
+            names.join(", ")
+        );
+        return Err(source.error(&channel.spec.name, message));
+    }
+    if joints.is_empty() {
+        let message = format!("no column is mapped to any of {}", names.join(", "));
+        return Err(SimError::scenario("data.channel", message));
+    }
+    Ok(joints)
+}
+
+/// Rigid arm, rotors and the dry friction of robot.toml, filtered: `[joint][sample]`.
+fn nominal(
+    robot: &Robot,
+    motion: &Motion,
+    joints: &[usize],
+    filter: &Butterworth,
+) -> Vec<Vec<f64>> {
+    let mut columns = motion.inverse_dynamics(&mut Dynamics::new(robot), joints);
+    for (column, &joint) in columns.iter_mut().zip(joints) {
+        let transmission = &robot.chain.joints[joint].transmission;
+        let (velocity, acceleration) = (&motion.velocity[joint], &motion.acceleration[joint]);
+        for ((sum, v), a) in column.iter_mut().zip(velocity).zip(acceleration) {
+            *sum += transmission.rotor_inertia * a + transmission.dry_friction * sign(*v);
+        }
+        *column = filter.zero_phase(column);
+    }
+    columns
+}
+
+/// The measured drive forces through `filter`. A gap spoils the samples within a period of the cutoff.
+fn filtered(
+    measured: &Measured,
+    robot: &Robot,
+    joints: &[usize],
+    filter: &Butterworth,
+    cutoff_hz: f64,
+) -> Measured {
+    let reach = (measured.rate_hz() / cutoff_hz).ceil() as usize;
+    let mut channels = Vec::new();
+    for &joint in joints {
+        let name = joint_channel(robot, joint, JointQuantity::Drive);
+        let found = measured
+            .channels
+            .iter()
+            .find(|channel| channel.spec.name == name);
+        channels.extend(found.cloned());
+    }
+    for channel in &mut channels {
+        channel.values = filter.zero_phase(&channel.values);
+        let gaps = std::mem::replace(&mut channel.valid, vec![true; measured.time_s.len()]);
+        for k in (0..gaps.len()).filter(|k| !gaps[*k]) {
+            let end = (k + reach + 1).min(gaps.len());
+            channel.valid[k.saturating_sub(reach)..end].fill(false);
+        }
+    }
+    Measured {
+        channels,
+        ..measured.clone()
+    }
+}

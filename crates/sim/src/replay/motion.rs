@@ -1,0 +1,99 @@
+//! Measured motion of all joints, smoothed and differentiated.
+
+use super::inputs::{JointQuantity, Source, joint_channel};
+use crate::error::SimError;
+use nalgebra::Vector3;
+use truecut_arm::{Dynamics, Robot};
+use truecut_recording::Role;
+use truecut_recording::filter::{Butterworth, differentiate};
+
+/// Motion of every joint, `[joint][sample]`, and the gravity that it happens under.
+#[derive(Debug, Clone)]
+pub(super) struct Motion {
+    pub position: Vec<Vec<f64>>,
+    pub velocity: Vec<Vec<f64>>,
+    pub acceleration: Vec<Vec<f64>>,
+    gravity_m_s2: Vector3<f64>,
+}
+
+impl Motion {
+    /// The measured coordinates through `smooth`, and their central differences.
+    pub fn new(
+        robot: &Robot,
+        source: &Source<'_>,
+        smooth: &Butterworth,
+    ) -> Result<Motion, SimError> {
+        let interval = source.measured.interval_s();
+        let slopes = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            columns
+                .iter()
+                .map(|column| differentiate(column, interval))
+                .collect()
+        };
+        let measured = coordinates(robot, source)?;
+        let position: Vec<_> = measured.iter().map(|q| smooth.zero_phase(q)).collect();
+        let velocity = slopes(&position);
+        Ok(Motion {
+            acceleration: slopes(&velocity),
+            velocity,
+            position,
+            gravity_m_s2: if source.scenario.robot.gravity {
+                truecut_arm::standard_gravity_m_s2()
+            } else {
+                Vector3::zeros()
+            },
+        })
+    }
+
+    /// Inverse dynamics at every sample: `[joint][sample]` for the joints asked for.
+    pub fn inverse_dynamics(&self, dynamics: &mut Dynamics, joints: &[usize]) -> Vec<Vec<f64>> {
+        let n = self.position.len();
+        let samples = self.position.first().map_or(0, Vec::len);
+        let mut columns = vec![Vec::with_capacity(samples); joints.len()];
+        let at = |columns: &[Vec<f64>], k: usize, into: &mut [f64]| {
+            for (value, column) in into.iter_mut().zip(columns) {
+                *value = column[k];
+            }
+        };
+        let (mut q, mut v, mut a) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        let mut tau = vec![0.0; n];
+        for k in 0..samples {
+            at(&self.position, k, &mut q);
+            at(&self.velocity, k, &mut v);
+            at(&self.acceleration, k, &mut a);
+            dynamics.inverse_dynamics_into(&q, &v, &a, &self.gravity_m_s2, &mut tau);
+            for (column, &joint) in columns.iter_mut().zip(joints) {
+                column.push(tau[joint]);
+            }
+        }
+        columns
+    }
+}
+
+/// 1, 0 or -1.
+pub(super) fn sign(v: f64) -> f64 {
+    if v == 0.0 { 0.0 } else { v.signum() }
+}
+
+/// The measured coordinates of all joints.
+fn coordinates<'a>(robot: &Robot, source: &Source<'a>) -> Result<Vec<&'a [f64]>, SimError> {
+    let names: Vec<String> = (0..robot.dof())
+        .map(|joint| joint_channel(robot, joint, JointQuantity::Coordinate))
+        .collect();
+    source.refuse_others(&names)?;
+    (0..robot.dof())
+        .map(|joint| {
+            let channel = source.joint(robot, joint, JointQuantity::Coordinate)?;
+            let Some(channel) = channel.filter(|channel| channel.role == Role::Input) else {
+                let message = format!(
+                    "inverse dynamics needs the motion of every joint, but no column is mapped to {} with \
+                     role \"input\"",
+                    names[joint]
+                );
+                return Err(source.error(&names[joint], message));
+            };
+            source.within_limits(robot, joint, channel)?;
+            source.complete(channel)
+        })
+        .collect()
+}
