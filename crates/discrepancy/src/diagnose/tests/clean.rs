@@ -37,3 +37,10 @@ fn pink_noise_raises_no_alarm() {
     let alarms = alarms(Colour::Pink, 1000..1300);
     assert!(alarms <= 6, "{alarms} of 300");
 }
+
+#[test]
+fn zz_tune() {
+    for colour in [WHITE, COLOURED, Colour::Ar1(0.98), Colour::Pink] {
+        println!("TUNE {colour:?} {}", alarms(colour, 3000..3300));
+    }
+}
