@@ -9,7 +9,7 @@ use super::fit::{Fit, difference};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
 use super::screen::{angle_deg, projected};
-use super::search::{DECISIVE, Outcome, criterion};
+use super::search::{DECISIVE, Outcome, criterion, weight};
 use super::validate::compare;
 use crate::model::Columns;
 
@@ -28,13 +28,7 @@ pub(super) struct Rival {
 pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
     let chosen = &outcome.chosen;
     let here = criterion(problem, chosen, &outcome.orders);
-    let size = |fit: &Fit| {
-        fit.point
-            .effects
-            .iter()
-            .map(|f| f.values.len())
-            .sum::<usize>() as f64
-    };
+    let size = |fit: &Fit| weight(problem, fit);
     let n = problem.split.development.len() as f64;
     let others = outcome
         .rivals

@@ -23,8 +23,10 @@ pub(super) struct Bound {
 }
 
 /// Gains of a group must be beyond so many standard errors; dozens of groups are tried.
-const LEAST_T: f64 = 4.5;
+const LEAST_T: f64 = 5.0;
 const LEAST_FRACTION: f64 = 0.01;
+/// The same under white noise.
+const LEAST_FRACTION_PLAIN: f64 = 0.05;
 const FOLDS: usize = 6;
 const MOST_GROUPS: usize = 4;
 
@@ -109,46 +111,58 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Takes group after group while they gain clearly.
+    /// Takes group after group while they gain clearly: under the noise model, else under white noise. A pattern with sharp edges is
+    /// all but lost where the autoregression has taken a part of it for noise.
     fn explain<'g>(&self, all: &[&'g Group], channel: &str, locks: &mut Vec<Lock>) -> Trial<'g> {
-        let mut now = self.trial(Vec::new());
+        let mut now = self.trial(Vec::new(), self.order);
         while now.groups.len() < MOST_GROUPS {
-            let free: Vec<&'g Group> = all
-                .iter()
-                .copied()
-                .filter(|g| now.groups.iter().all(|h| h.name != g.name))
-                .collect();
-            let trials: Vec<Trial> = free
-                .par_iter()
-                .map(|group| self.trial([now.groups.as_slice(), &[group]].concat()))
-                .collect();
-            let Some(next) = trials
-                .into_iter()
-                .min_by(|a, b| a.innovation().total_cmp(&b.innovation()))
-            else {
-                break;
-            };
-            // Both under the noise of the larger, which has taken less of the pattern for noise.
-            let smaller = self.errors(&now.groups, &next.noise);
-            let (added, chance) = differences(&smaller, &next.errors);
-            let (error, total) = (dot(&chance, &chance).sqrt(), dot(&next.whole, &next.whole));
-            if added <= LEAST_T * error || added < LEAST_FRACTION * total {
-                break;
-            }
-            locks.push(Lock {
-                to: next.groups[next.groups.len() - 1].name.clone(),
-                channel: channel.to_string(),
-                fraction: added / total,
-                t: added / error,
-            });
+            let signals: Vec<&'g Group> = all.iter().copied().filter(|g| g.by_signal).collect();
+            let found = self.next(&now, all, self.order, LEAST_FRACTION);
+            let found = found.or_else(|| self.next(&now, &signals, 0, LEAST_FRACTION_PLAIN));
+            let Some((next, mut lock)) = found else { break };
+            lock.channel = channel.to_string();
+            locks.push(lock);
             now = next;
         }
         now
     }
 
+    /// The group that explains most beside those already taken, if it is clear.
+    fn next<'g>(
+        &self,
+        now: &Trial<'g>,
+        all: &[&'g Group],
+        order: usize,
+        least: f64,
+    ) -> Option<(Trial<'g>, Lock)> {
+        let free: Vec<&'g Group> = all
+            .iter()
+            .copied()
+            .filter(|g| now.groups.iter().all(|h| h.name != g.name))
+            .collect();
+        let trials: Vec<Trial> = free
+            .par_iter()
+            .map(|group| self.trial([now.groups.as_slice(), &[group]].concat(), order))
+            .collect();
+        let next = trials
+            .into_iter()
+            .min_by(|a, b| a.innovation().total_cmp(&b.innovation()))?;
+        // Both under the noise of the larger, which has taken less of the pattern for noise.
+        let smaller = self.errors(&now.groups, &next.noise);
+        let (added, chance) = differences(&smaller, &next.errors);
+        let (error, total) = (dot(&chance, &chance).sqrt(), dot(&next.whole, &next.whole));
+        let lock = Lock {
+            to: next.groups[next.groups.len() - 1].name.clone(),
+            channel: String::new(),
+            fraction: added / total,
+            t: added / error,
+        };
+        (added > LEAST_T * error && added > least * total).then_some((next, lock))
+    }
+
     /// Least squares under white noise, then twice under the noise of what is left: an autoregression of the residual as it is would
     /// take the pattern for noise.
-    fn trial<'g>(&self, groups: Vec<&'g Group>) -> Trial<'g> {
+    fn trial<'g>(&self, groups: Vec<&'g Group>, order: usize) -> Trial<'g> {
         let mut noise = ChannelNoise {
             ar: Vec::new(),
             sigma: 1.0,
@@ -156,7 +170,7 @@ impl<'a> Target<'a> {
         let mut left = self.residual.to_vec();
         for _ in 0..3 {
             left = self.without(&groups, &noise);
-            noise = self.noise(&left, self.order);
+            noise = self.noise(&left, order);
         }
         Trial {
             whole: whiten(&noise, self.residual, self.rows),
@@ -265,6 +279,7 @@ impl Target<'_> {
             let bounded = features.iter().flatten().all(|x| x.abs() < 1e6);
             bounded.then(|| Group {
                 name: format!("{}, through the dynamics", group.name),
+                by_signal: group.by_signal,
                 features,
             })
         });
@@ -305,6 +320,7 @@ impl Target<'_> {
             let time = &self.problem.data.time_s;
             let wave = |f: fn(f64) -> f64| time.iter().map(|t| f(TAU * frequency * t)).collect();
             lines.push(Group {
+                by_signal: false,
                 name: format!(
                     "a line at {} Hz",
                     truecut_recording::significant(frequency, 3)

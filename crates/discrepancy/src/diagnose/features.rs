@@ -7,6 +7,8 @@ use crate::model::Columns;
 /// A group of features of one kind, one column each.
 pub(super) struct Group {
     pub name: String,
+    /// Whether it follows a signal that comes back many times; time and lines do not, and slow noise may look like them.
+    pub by_signal: bool,
     pub features: Vec<Vec<f64>>,
 }
 
@@ -15,6 +17,7 @@ pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
     let data = problem.data;
     let mut groups = vec![Group {
         name: "a constant".into(),
+        by_signal: false,
         features: vec![vec![1.0; data.time_s.len()]],
     }];
     let (first, last) = (data.time_s[0], data.time_s[data.time_s.len() - 1]);
@@ -25,6 +28,7 @@ pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
         .collect();
     groups.push(Group {
         name: "time".into(),
+        by_signal: false,
         features: (0..4)
             .map(|k| relative.iter().map(|x| x.powi(k)).collect())
             .collect(),
@@ -52,6 +56,7 @@ pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
             };
             groups.push(Group {
                 name: format!("{harmonic} per revolution of {}", angle.name),
+                by_signal: true,
                 features: vec![phase(f64::cos), phase(f64::sin)],
             });
         }
@@ -77,6 +82,7 @@ fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Gro
     };
     groups.push(Group {
         name: format!("{name}, linearly"),
+        by_signal: true,
         features: [0, 1, 2, 4, 8, 16, 32]
             .iter()
             .map(|lag| shifted(*lag))
@@ -84,7 +90,8 @@ fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Gro
     });
     groups.push(Group {
         name: name.to_string(),
-        features: bins(x, 8),
+        by_signal: true,
+        features: bins(x, 12),
     });
     let before = shifted(2);
     let rate: Vec<f64> = x.iter().zip(&before).map(|(a, b)| a - b).collect();
@@ -92,17 +99,20 @@ fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Gro
         let signs: Vec<f64> = rate.iter().map(|v| (v * 20.0).tanh()).collect();
         groups.push(Group {
             name: format!("direction of {name}"),
+            by_signal: true,
             features: vec![signs.clone()],
         });
         groups.push(Group {
             name: format!("rate of {name}"),
+            by_signal: true,
             features: bins(&rate, 8),
         });
-        let products = bins(x, 6)
+        let products = bins(x, 12)
             .into_iter()
             .map(|b| b.iter().zip(&signs).map(|(b, s)| b * s).collect());
         groups.push(Group {
             name: format!("{name} and its direction"),
+            by_signal: true,
             features: products.collect(),
         });
     }

@@ -3,32 +3,40 @@
 use rayon::prelude::*;
 
 use super::fit::Fit;
-use super::noise::{Prior, dot, solve};
+use super::noise::{Noise, Prior, dot, solve};
 use super::problem::Problem;
 use super::screen::{Ranked, critical, nuisance, projected};
 
-/// The two pairs that gain most beyond their better half, from the signatures alone.
+/// Pairs that gain most beyond their better half, from the signatures alone: two under the noise model, and one under white noise,
+/// since the autoregression may have taken for noise what two effects leave that mask each other.
 pub(super) fn pairs(
     problem: &Problem,
     base: &Fit,
     ranking: &[Ranked],
     tests: usize,
 ) -> Vec<(Ranked, Ranked)> {
+    let white = Noise::white(&base.residual, &problem.split.train, &problem.floor);
+    let mut pairs = best_pairs(problem, base, ranking, tests, &base.noise, 2);
+    pairs.extend(best_pairs(problem, base, ranking, tests, &white, 1));
+    pairs
+}
+
+fn best_pairs(
+    problem: &Problem,
+    base: &Fit,
+    ranking: &[Ranked],
+    tests: usize,
+    noise: &Noise,
+    count: usize,
+) -> Vec<(Ranked, Ranked)> {
     let train = &problem.split.train;
     let (columns, priors) = nuisance(problem, base);
-    let columns: Vec<_> = columns
-        .iter()
-        .map(|x| base.noise.whiten(x, train))
-        .collect();
-    let target = projected(&base.noise.whiten(&base.residual, train), &columns, &priors);
+    let columns: Vec<_> = columns.iter().map(|x| noise.whiten(x, train)).collect();
+    let target = projected(&noise.whiten(&base.residual, train), &columns, &priors);
     let pieces: Vec<Vec<Vec<f64>>> = ranking
         .par_iter()
         .map(|r| {
-            let whitened = r
-                .signature
-                .columns
-                .iter()
-                .map(|x| base.noise.whiten(x, train));
+            let whitened = r.signature.columns.iter().map(|x| noise.whiten(x, train));
             whitened.map(|x| projected(&x, &columns, &priors)).collect()
         })
         .collect();
@@ -56,7 +64,7 @@ pub(super) fn pairs(
         .map(|(total, i, j, _)| (total, i, j))
         .collect();
     good.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let good = good.into_iter().take(2);
+    let good = good.into_iter().take(count);
     good.map(|(_, i, j)| {
         (
             paired_start(&ranking[i], problem),

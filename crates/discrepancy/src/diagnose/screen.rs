@@ -134,6 +134,7 @@ fn gain(
         let LinearFit {
             coefficients,
             objective,
+            ..
         } = fit_linear(
             &base.residual,
             &design,

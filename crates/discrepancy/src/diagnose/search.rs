@@ -38,7 +38,11 @@ pub(super) const LEAST_T: f64 = 1.0;
 /// Odds of 20 to 1, as a difference of minus twice the log-likelihood.
 pub(super) const DECISIVE: f64 = 6.0;
 /// In standard errors.
+pub(super) const LEAST_ROBUST_T: f64 = 5.0;
+/// In standard errors.
 const CLEARLY_BEHIND: f64 = 2.0;
+/// A gain of so many times the critical one is no chance: if its fits fail, the search has failed.
+const STRONG: f64 = 4.0;
 const REFINED: usize = 12;
 const PAIRED: usize = 30;
 
@@ -113,8 +117,13 @@ impl Search<'_, '_> {
             return Ok(false);
         }
         problem.report(Stage::Fitting(base.point.effects.len()));
+        let strong = outcome.ranking.iter().any(|r| {
+            let alpha = problem.options.family_wise_error;
+            r.gain > STRONG * critical(alpha, outcome.tests, r.start.len())
+        });
         let trials = self.fit_all(starts, &outcome.orders);
-        let Some(best) = self.choose(base, &trials, &outcome.orders) else {
+        self.failed |= trials.is_empty() && strong;
+        let Some(best) = self.choose(base, &trials, &outcome.orders, outcome.tests) else {
             return Ok(false);
         };
         let count = trials[best].point.effects.len();
@@ -171,16 +180,15 @@ impl Search<'_, '_> {
                 _ => {}
             }
         }
-        self.failed |= good.is_empty();
         good
     }
 
     /// The trial to take: of those that earn their place and are not clearly behind the best on the validation blocks, the fewest
     /// effects, and among these the best by the information criterion.
-    fn choose(&self, base: &Fit, trials: &[Fit], orders: &[usize]) -> Option<usize> {
+    fn choose(&self, base: &Fit, trials: &[Fit], orders: &[usize], tests: usize) -> Option<usize> {
         let validation = &self.problem.split.validation;
         let passing: Vec<usize> = (0..trials.len())
-            .filter(|&i| self.earns(base, &trials[i]))
+            .filter(|&i| self.is_detected(base, &trials[i], tests) && self.earns(base, &trials[i]))
             .collect();
         let common = passing
             .iter()
@@ -209,6 +217,19 @@ impl Search<'_, '_> {
                 .cmp(&effects(b))
                 .then(criterion(a).total_cmp(&criterion(b)))
         })
+    }
+
+    /// Whether chance is ruled out on the training rows, where a pair counts for all the pairs there are, and by a standard error that
+    /// also holds for noise of longer memory than the noise model's.
+    fn is_detected(&self, base: &Fit, trial: &Fit, tests: usize) -> bool {
+        let added = &trial.point.effects[base.point.effects.len()..];
+        let dof = added.iter().map(|f| f.values.len()).sum();
+        let tests = tests.pow(added.len() as u32);
+        let bar = critical(self.problem.options.family_wise_error, tests, dof);
+        let train = &self.problem.split.train;
+        let paired = compare(&base.residual, &trial.residual, &trial.noise, train);
+        // At the minimum the gain is the squared distance, and its error twice that of the size.
+        base.objective - trial.objective > bar && 2.0 * paired.t() > LEAST_ROBUST_T
     }
 
     /// Whether the larger model predicts the validation blocks better: beyond chance, and enough to matter.
@@ -289,11 +310,30 @@ impl Search<'_, '_> {
     }
 }
 
-/// Bayesian information criterion on training and validation rows together, with noise of the given orders.
+/// Bayesian information criterion on training and validation rows together, with noise of the given orders. A shape parameter counts
+/// twice: it is searched over all its range, from several starts.
 pub(super) fn criterion(problem: &Problem, trial: &Fit, orders: &[usize]) -> f64 {
     let rows = &problem.split.development;
-    let parameters: usize = trial.point.effects.iter().map(|f| f.values.len()).sum();
-    objective(problem, &trial.residual, rows, orders) + parameters as f64 * (rows.len() as f64).ln()
+    objective(problem, &trial.residual, rows, orders)
+        + weight(problem, trial) * (rows.len() as f64).ln()
+}
+
+/// Number of parameters of the effects; those searched from several starts counted twice.
+pub(super) fn weight(problem: &Problem, trial: &Fit) -> f64 {
+    let infos = trial
+        .point
+        .effects
+        .iter()
+        .flat_map(|f| problem.infos(f.candidate));
+    infos
+        .map(|info| {
+            if info.is_size || info.starts.is_empty() {
+                1.0
+            } else {
+                2.0
+            }
+        })
+        .sum()
 }
 
 fn extended(base: &Fit, added: &[&Ranked]) -> Point {

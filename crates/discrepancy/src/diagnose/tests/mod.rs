@@ -3,7 +3,6 @@
 
 mod clean;
 mod force;
-mod random;
 mod single;
 mod slide;
 mod special;
@@ -12,33 +11,37 @@ use truecut_scenario::effect::Effect;
 
 use super::{Answer, Observation, Options, Output, Verdict, diagnose};
 use crate::model::{Columns, Model};
-use random::Random;
+use crate::testing::{Colour, noise};
 
-/// Colour of the noise: coefficient of its first-order autoregression.
-const WHITE: f64 = 0.0;
-const COLOURED: f64 = 0.9;
+const WHITE: Colour = Colour::White;
+const COLOURED: Colour = Colour::Ar1(0.9);
 
 /// `columns` plus noise whose rms in each channel is `levels`.
 fn observed(
     columns: &Columns,
     levels: &[f64],
-    colour: f64,
-    random: &mut Random,
+    colour: Colour,
+    seed: u64,
     interval_s: f64,
 ) -> Observation {
     let samples = columns[0].len();
-    let outputs = columns.iter().zip(levels).map(|(column, level)| {
-        let noise = random.coloured(samples, colour);
-        Output {
-            values: column
-                .iter()
-                .zip(noise)
-                .map(|(y, n)| y + level * n)
-                .collect(),
-            valid: vec![true; samples],
-            noise: None,
-        }
-    });
+    let outputs = columns
+        .iter()
+        .zip(levels)
+        .enumerate()
+        .map(|(c, (column, level))| {
+            let noise = noise(colour, samples, 100 * seed + c as u64);
+            let rms = (noise.iter().map(|n| n * n).sum::<f64>() / samples as f64).sqrt();
+            Output {
+                values: column
+                    .iter()
+                    .zip(noise)
+                    .map(|(y, n)| y + level * n / rms)
+                    .collect(),
+                valid: vec![true; samples],
+                noise: None,
+            }
+        });
     Observation {
         source: "measured".into(),
         scenario: "analytic".into(),

@@ -39,7 +39,7 @@ pub fn diagnosed(
     effects: &[Effect],
     extra_n: &dyn Fn(f64, f64, f64) -> f64,
     ratio: f64,
-    colour: f64,
+    colour: Colour,
     seed: u64,
 ) -> Answer {
     let model = Slide::new(2000);
@@ -55,17 +55,11 @@ pub fn diagnosed(
         fine.simulate(&truth(effects, extra_n), 1.0),
     );
     let levels = levels(&nominal, &changed, ratio);
-    let data = observed(
-        &changed,
-        &levels,
-        colour,
-        &mut Random::new(seed),
-        INTERVAL_S,
-    );
+    let data = observed(&changed, &levels, colour, seed, INTERVAL_S);
     run(&model, &data)
 }
 
-fn count_found(ratio: f64, colour: f64, seed: u64) -> usize {
+fn count_found(ratio: f64, colour: Colour, seed: u64) -> usize {
     let found = |effect: &Effect| {
         let answer = diagnosed(
             std::slice::from_ref(effect),

@@ -4,7 +4,6 @@ use truecut_recording::ChannelSpec;
 use truecut_scenario::effect::{Effect, EffectKind};
 
 use super::force::{Force, INTERVAL_S, MASS_KG, effect};
-use super::random::Random;
 use super::single::{diagnosed, joint};
 use super::*;
 use crate::diagnose::Regressor;
@@ -15,13 +14,7 @@ fn nothing(_: f64, _: f64, _: f64) -> f64 {
 }
 
 fn force_answer(model: &dyn Model, force: Vec<f64>, level: f64, seed: u64) -> Answer {
-    let data = observed(
-        &vec![force],
-        &[level],
-        WHITE,
-        &mut Random::new(seed),
-        INTERVAL_S,
-    );
+    let data = observed(&vec![force], &[level], WHITE, seed, INTERVAL_S);
     run(model, &data)
 }
 
@@ -104,13 +97,7 @@ fn friction_at_one_place_stays_unknown_and_is_traced_to_the_place() {
         {
             *f += scratch(*x, *v);
         }
-        let mut data = observed(
-            &vec![force],
-            &[2.0],
-            WHITE,
-            &mut Random::new(seed),
-            INTERVAL_S,
-        );
+        let mut data = observed(&vec![force], &[2.0], WHITE, seed, INTERVAL_S);
         data.regressors.push(Regressor {
             name: "joint1.position".into(),
             values: model.position.clone(),
@@ -136,20 +123,13 @@ fn friction_at_one_place_stays_unknown_and_is_traced_to_the_place() {
 fn a_residual_above_the_known_noise_is_not_called_noise() {
     let model = Force::new(1200, 0.1);
     let mut force = model.force(MASS_KG, &[]);
-    let mut random = Random::new(1);
-    for start in (0..1200).step_by(97) {
-        let size = 25.0 * random.normal();
+    let sizes = noise(WHITE, 13, 1);
+    for (start, size) in (0..1200).step_by(97).zip(sizes) {
         force[start..(start + 15).min(1200)]
             .iter_mut()
-            .for_each(|f| *f += size);
+            .for_each(|f| *f += 25.0 * size);
     }
-    let mut data = observed(
-        &vec![force],
-        &[3.0],
-        WHITE,
-        &mut Random::new(65),
-        INTERVAL_S,
-    );
+    let mut data = observed(&vec![force], &[3.0], WHITE, 65, INTERVAL_S);
     data.outputs[0].noise = Some(3.0);
     let answer = run(&model, &data);
     assert_eq!(
@@ -338,8 +318,8 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         let data = observed(
             &vec![force.clone()],
             &[4.0],
-            0.6,
-            &mut Random::new(seed),
+            Colour::Ar1(0.6),
+            seed,
             INTERVAL_S,
         );
         let answer = run(&model, &data);
