@@ -167,9 +167,9 @@ fn ur10e(name: &str, file: &std::path::Path) -> (InverseModel, Vec<Vec<f64>>) {
     (model, torques)
 }
 
-/// Published errors of the torques of joints 1 to 6 in the held-out part, in per cent: an identified arm without
+/// Reference errors of the torques of joints 1 to 6 in the held-out part, in per cent: an identified arm without
 /// payload; the same with a payload that the model lacks; the model with that payload's mass and centre.
-/// The first row is of another split of the recording, so that a point or two is the agreement to expect.
+/// Filters and split of the reference are not stated, so that the agreement to expect is one of a few points.
 #[test]
 fn validate_ur10e_torque_errors_without_and_with_the_payload() {
     let name = "validate_ur10e_torque_errors_without_and_with_the_payload";
@@ -193,7 +193,7 @@ fn validate_ur10e_torque_errors_without_and_with_the_payload() {
         errors.collect::<Vec<f64>>()
     };
     let near = |got: &[f64], published: [f64; 6], what: &str| {
-        eprintln!("{what}: {got:.1?}, published {published:.0?}");
+        eprintln!("{what}: {got:.1?}, reference {published:.0?}");
         for (got, published) in got.iter().zip(published) {
             assert!(
                 (got - published).abs() < 4.0,
