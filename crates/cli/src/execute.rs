@@ -29,6 +29,7 @@ pub fn execute(
     let header = cell.header();
     // A slip in a claim must not cost the run.
     scenario.check_claims(&header)?;
+    scenario.check_bands(cell.row_interval_s())?;
     let time_step_s = cell.time_step_s();
     let sink_failed = |error| failed(truecut_sim::SimError::Sink(error));
     let mut recorder = Recorder::new(header, sinks).map_err(sink_failed)?;
