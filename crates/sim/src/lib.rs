@@ -35,6 +35,7 @@ mod simulate;
 mod step_size;
 pub mod sweep;
 mod theory;
+mod torque_use;
 mod translate;
 
 pub use build::rotary_joints;
