@@ -336,14 +336,9 @@ impl FileTable {
         let mut check = Check::new(&document);
         let mut thresholds = Vec::new();
         let process = self.process.resolve(&mut check);
-        let robot = RobotTable::resolve_optional(
-            self.robot,
-            process.as_ref(),
-            &folder_of(document.path()),
-            &mut check,
-        );
-        let data =
-            (self.data).and_then(|data| data.resolve(&folder_of(document.path()), &mut check));
+        let folder = folder_of(document.path());
+        let robot = RobotTable::resolve_optional(self.robot, process.as_ref(), &folder, &mut check);
+        let data = (self.data).and_then(|data| data.resolve(&folder, &mut check));
         let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
             .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
             .collect();
