@@ -278,10 +278,9 @@ fn verify_effects_change_the_drive_force_by_their_law() {
     );
     let model = InverseModel::new(&scenario("position", "inverse", ""), &measured).unwrap();
     let nominal = model.predict(&[]).unwrap();
-    // Looked at where the velocity is far from zero: in the middle of the stroke, both ways.
+    // In the middle of the stroke, both ways.
     let (forth, back) = (500, 750);
-    let w = TAU * 0.8;
-    let speed = 0.05 * w;
+    let speed = 0.05 * TAU * 0.8;
     let cases: [(EffectKind, &[f64], f64, f64); 6] = [
         (
             EffectKind::JointViscous,
