@@ -146,13 +146,12 @@ impl JointDrive {
 
     /// Torque on the link without the part of [`JointDrive::constant_damping`].
     pub fn explicit_torque(&self, at: &JointMotion) -> f64 {
-        let fed = at.motor_velocity * self.law.gear(at.motor);
-        let damping = if self.law.gap > 0.0 {
-            self.damping_now(at) * (fed - at.velocity)
+        let torque = if self.law.gap > 0.0 {
+            self.transmission(at)
         } else {
-            self.damping * fed
+            let fed = at.motor_velocity * self.law.gear(at.motor);
+            self.static_torque(at) + self.damping * fed
         };
-        let torque = self.static_torque(at) + damping;
         if self.law.loads_link() {
             torque + self.law.link_torque(at.position)
         } else {
@@ -186,7 +185,15 @@ impl JointDrive {
     /// Torque of the whole transmission on the link.
     pub fn transmission(&self, at: &JointMotion) -> f64 {
         let rate = at.motor_velocity * self.law.gear(at.motor) - at.velocity;
-        self.static_torque(at) + self.damping_now(at) * rate
+        let damping = self.damping_now(at) * rate;
+        let spring = self.elastic.torque(self.windup(at));
+        let flank = if self.law.gap > 0.0 && (spring + damping) * spring <= 0.0 {
+            // Flanks press on each other; their damping cannot make them pull.
+            0.0
+        } else {
+            spring + damping
+        };
+        flank + self.hysteresis_torque().unwrap_or(0.0)
     }
 
     /// Energy of spring and of torques on the link, J.
@@ -209,8 +216,10 @@ impl JointDrive {
         let rate = at.velocity - at.motor_velocity * self.law.gear(at.motor);
         let mut lost = if self.rigid {
             0.0
+        } else if self.law.gap > 0.0 {
+            (self.static_torque(at) - self.transmission(at)) * rate
         } else {
-            self.damping_now(at) * rate.powi(2)
+            self.damping * rate.powi(2)
         };
         if self.law.viscous > 0.0 {
             lost += self.law.viscous * at.velocity.powi(2);
