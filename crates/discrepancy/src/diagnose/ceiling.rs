@@ -8,6 +8,7 @@ use realfft::RealFftPlanner;
 use super::answer::{Ceiling, Lock};
 use super::data::{LAGS, Rows};
 use super::features::{Group, groups};
+use super::memory::channel_distance;
 use super::noise::{ChannelNoise, Noise, Prior, dot, solve, subtract};
 use super::problem::Problem;
 use super::validate::differences;
@@ -25,6 +26,8 @@ pub(super) struct Bound {
 /// Gains of a group must be beyond so many standard errors; dozens of groups are tried.
 const LEAST_T: f64 = 5.0;
 const LEAST_FRACTION: f64 = 0.01;
+/// And they must stand out of noise of any memory; a group has a dozen parameters.
+const LEAST_STANDING_OUT: f64 = 7.0;
 /// The same under white noise.
 const LEAST_FRACTION_PLAIN: f64 = 0.05;
 const FOLDS: usize = 6;
@@ -157,7 +160,9 @@ impl<'a> Target<'a> {
             fraction: added / total,
             t: added / error,
         };
-        (added > LEAST_T * error && added > least * total).then_some((next, lock))
+        let clear = added > LEAST_T * error && added > least * total;
+        let distance = || channel_distance(self.problem, &now.left, &next.left);
+        (clear && distance() > LEAST_STANDING_OUT).then_some((next, lock))
     }
 
     /// Least squares under white noise, then twice under the noise of what is left: an autoregression of the residual as it is would

@@ -282,31 +282,44 @@ fn first_of(rows: &Rows) -> usize {
         .unwrap_or(0)
 }
 
-/// Whether the error on the test part is clearly larger than before it, whitened or as it is.
+/// Whether the error on the test part is clearly larger than before it: whitened, or as it is about its mean. Slow noise wanders, so
+/// a mean alone must be far away.
 fn breaks_away(problem: &Problem, last: &Fit) -> bool {
     let (before, test) = (&problem.split.development, &problem.split.test);
-    let white = Noise::white(&last.residual, before, &problem.floor);
     (0..last.residual.len()).any(|c| {
-        let excess = |noise: &Noise, least: f64, ratio: f64| {
-            let squares = |rows: &Rows| -> Vec<f64> {
-                let single = Noise {
-                    channels: vec![noise.channels[c].clone()],
-                };
-                let rows = Rows {
-                    per_channel: vec![rows.per_channel[c].clone()],
-                };
-                let e = single.whiten(&vec![last.residual[c].clone()], &rows);
-                e.iter().map(|x| x * x).collect()
-            };
-            let (a, b) = (squares(before), squares(test));
-            let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-            let error = |x: &[f64]| error_of_sum(&batch_sums(x)) / x.len() as f64;
-            // In noise alone both errors are alike up to their lengths; where the test part is unlike, its own error is larger.
-            let expected = error(&a) * (a.len() as f64 / b.len() as f64).sqrt();
-            mean(&b) > ratio * mean(&a) && mean(&b) - mean(&a) > least * expected
+        let single = Noise {
+            channels: vec![last.noise.channels[c].clone()],
         };
-        excess(&last.noise, 6.0, 1.25) || excess(&white, 8.0, 2.0)
+        let column = vec![last.residual[c].clone()];
+        let pick = |rows: &Rows| -> Rows {
+            Rows {
+                per_channel: vec![rows.per_channel[c].clone()],
+            }
+        };
+        let whitened = |rows: &Rows| single.whiten(&column, &pick(rows));
+        let plain = |rows: &Rows| -> Vec<f64> {
+            rows.per_channel[c].iter().map(|&t| column[0][t]).collect()
+        };
+        let (a, b) = (plain(before), plain(test));
+        is_larger(&whitened(before), &whitened(test), 6.0, 1.25)
+            || is_larger(&centred(&a), &centred(&b), 8.0, 4.0)
+            || is_larger(&a, &b, 8.0, 12.0)
     })
+}
+
+fn centred(x: &[f64]) -> Vec<f64> {
+    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    x.iter().map(|x| x - mean).collect()
+}
+
+/// Whether the mean square is larger by the ratio, and by so many standard errors. In noise alone both errors are alike up to their
+/// lengths; where the later part is unlike, its own error is larger.
+fn is_larger(before: &[f64], after: &[f64], least: f64, ratio: f64) -> bool {
+    let squares = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| x * x).collect() };
+    let (n, m) = (before.len() as f64, after.len() as f64);
+    let expected = error_of_sum(&batch_sums(&squares(before))) / n * (n / m).sqrt();
+    let (a, b) = (dot(before, before) / n, dot(after, after) / m);
+    b > ratio * a && b - a > least * expected
 }
 
 fn channel_errors(

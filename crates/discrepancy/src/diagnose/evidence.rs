@@ -7,10 +7,11 @@ use super::answer::{
 };
 use super::data::Rows;
 use super::fit::{Fit, fit};
-use super::noise::dot;
+use super::memory::{LEAST_DISTANCE, distance};
+use super::noise::{dot, subtract};
 use super::problem::{Found, Problem};
 use super::screen::{Ranked, critical, nuisance, projected};
-use super::search::{LEAST_ROBUST_T, LEAST_T, Outcome, without};
+use super::search::{LEAST_T, Outcome, without};
 use super::uncertainty::standard_errors;
 use super::validate::{compare, rms};
 use crate::model::Columns;
@@ -123,10 +124,7 @@ pub(super) fn smallest_seen(problem: &Problem, outcome: &Outcome) -> Vec<Smalles
     for Ranked { signature, .. } in &outcome.ranking {
         let infos = problem.infos(signature.candidate);
         let alpha = problem.options.family_wise_error;
-        let detection = critical(alpha, outcome.tests, infos.len())
-            .sqrt()
-            .max(LEAST_ROBUST_T)
-            + Z95_ONE_SIDED;
+        let detection = critical(alpha, outcome.tests, infos.len()).sqrt() + Z95_ONE_SIDED;
         for (&size, change) in signature.sizes.iter().zip(&signature.columns) {
             let info = &infos[size];
             let secant = (signature.values[size] - info.neutral).abs();
@@ -135,9 +133,12 @@ pub(super) fn smallest_seen(problem: &Problem, outcome: &Outcome) -> Vec<Smalles
                 .zip(&level)
                 .map(|(a, b)| a / b)
                 .fold(0.0, f64::max);
+            let mut moved = fit.residual.clone();
+            subtract(&mut moved, change, -1.0);
             let factors = [
                 detection / norm(change, &split.train),
                 validation / norm(change, &split.validation),
+                (LEAST_DISTANCE + Z95_ONE_SIDED) / distance(problem, &moved, &fit.residual),
                 practical / seen,
             ];
             let needed = secant * factors.into_iter().fold(0.0, f64::max);

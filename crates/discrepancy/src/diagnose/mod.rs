@@ -21,6 +21,7 @@ mod evidence;
 mod features;
 mod fit;
 mod gate;
+mod memory;
 mod noise;
 mod pairs;
 mod problem;

@@ -7,7 +7,7 @@ use super::noise::{Noise, Prior, dot, solve};
 use super::problem::Problem;
 use super::screen::{Ranked, critical, nuisance, projected};
 
-/// Pairs that gain most beyond their better half, from the signatures alone: two under the noise model, and one under white noise,
+/// Pairs that gain most beyond their better half, from the signatures alone: two under the noise model, and three under white noise,
 /// since the autoregression may have taken for noise what two effects leave that mask each other.
 pub(super) fn pairs(
     problem: &Problem,
@@ -17,7 +17,7 @@ pub(super) fn pairs(
 ) -> Vec<(Ranked, Ranked)> {
     let white = Noise::white(&base.residual, &problem.split.train, &problem.floor);
     let mut pairs = best_pairs(problem, base, ranking, tests, &base.noise, 2);
-    pairs.extend(best_pairs(problem, base, ranking, tests, &white, 1));
+    pairs.extend(best_pairs(problem, base, ranking, tests, &white, 3));
     pairs
 }
 
@@ -64,8 +64,18 @@ fn best_pairs(
         .map(|(total, i, j, _)| (total, i, j))
         .collect();
     good.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let good = good.into_iter().take(count);
-    good.map(|(_, i, j)| {
+    // Pairs of which each has something new: many pairs say nearly the same.
+    let mut chosen: Vec<(usize, usize)> = Vec::new();
+    for (_, i, j) in good {
+        let new = chosen
+            .iter()
+            .all(|&(a, b)| ![a, b].contains(&i) && ![a, b].contains(&j));
+        if chosen.len() < count && new {
+            chosen.push((i, j));
+        }
+    }
+    let good = chosen.into_iter();
+    good.map(|(i, j)| {
         (
             paired_start(&ranking[i], problem),
             paired_start(&ranking[j], problem),

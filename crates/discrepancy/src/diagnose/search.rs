@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::answer::FitRecord;
 use super::fit::{Fit, fit};
+use super::memory::{LEAST_DISTANCE, distance};
 use super::noise::Noise;
 use super::pairs::pairs;
 use super::problem::{Found, Point, Problem};
@@ -38,13 +39,12 @@ pub(super) const LEAST_T: f64 = 1.0;
 /// Odds of 20 to 1, as a difference of minus twice the log-likelihood.
 pub(super) const DECISIVE: f64 = 6.0;
 /// In standard errors.
-pub(super) const LEAST_ROBUST_T: f64 = 5.0;
-/// In standard errors.
 const CLEARLY_BEHIND: f64 = 2.0;
 /// A gain of so many times the critical one is no chance: if its fits fail, the search has failed.
 const STRONG: f64 = 4.0;
 const REFINED: usize = 12;
 const PAIRED: usize = 30;
+const REPLACEMENTS: usize = 3;
 
 pub(super) struct Search<'a, 'b> {
     problem: &'a Problem<'b>,
@@ -86,7 +86,11 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
     }
     if outcome.chosen.point.effects.len() > 1 {
         problem.report(Stage::Alternatives);
-        search.replace(&mut outcome)?;
+        for _ in 0..REPLACEMENTS {
+            if !search.replace(&mut outcome)? {
+                break;
+            }
+        }
     }
     outcome.failed = search.failed && outcome.chosen.point.effects.is_empty();
     outcome.fits = search.fits;
@@ -219,17 +223,14 @@ impl Search<'_, '_> {
         })
     }
 
-    /// Whether chance is ruled out on the training rows, where a pair counts for all the pairs there are, and by a standard error that
-    /// also holds for noise of longer memory than the noise model's.
+    /// Whether chance is ruled out: on the training rows, where a pair counts for all the pairs there are, and for noise of any memory.
     fn is_detected(&self, base: &Fit, trial: &Fit, tests: usize) -> bool {
         let added = &trial.point.effects[base.point.effects.len()..];
         let dof = added.iter().map(|f| f.values.len()).sum();
         let tests = tests.pow(added.len() as u32);
         let bar = critical(self.problem.options.family_wise_error, tests, dof);
-        let train = &self.problem.split.train;
-        let paired = compare(&base.residual, &trial.residual, &trial.noise, train);
-        // At the minimum the gain is the squared distance, and its error twice that of the size.
-        base.objective - trial.objective > bar && 2.0 * paired.t() > LEAST_ROBUST_T
+        base.objective - trial.objective > bar
+            && distance(self.problem, &base.residual, &trial.residual) > LEAST_DISTANCE
     }
 
     /// Whether the larger model predicts the validation blocks better: beyond chance, and enough to matter.
@@ -266,13 +267,14 @@ impl Search<'_, '_> {
         Ok(())
     }
 
-    /// Replaces each effect in turn by others; the better model is taken, all are kept as rivals.
-    fn replace(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
+    /// Replaces each effect in turn by others; a clearly better model is taken, or one that is simpler and as good; all are kept as
+    /// rivals. Whether one was taken.
+    fn replace(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
         let problem = self.problem;
         let train = &problem.split.train;
         let mut rivals = Vec::new();
         for i in 0..outcome.chosen.point.effects.len() {
-            if problem.left() < 400 {
+            if problem.left() < 300 {
                 break;
             }
             let removed = outcome.chosen.point.effects[i].candidate;
@@ -296,17 +298,20 @@ impl Search<'_, '_> {
         }
         let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);
         let here = value(&outcome.chosen);
-        let better = rivals
-            .iter()
-            .filter(|r| value(r) < here - 10.0 && self.paired(&outcome.chosen, r).gain > 0.0);
+        let better = rivals.iter().filter(|r| {
+            let simpler = weight(problem, r) < weight(problem, &outcome.chosen);
+            let clearly = value(r) < here - 10.0 && self.paired(&outcome.chosen, r).gain > 0.0;
+            clearly || simpler && value(r) < here
+        });
         let better = better.min_by(|a, b| value(a).total_cmp(&value(b))).cloned();
+        let taken = better.is_some();
         if let Some(better) = better {
             rivals.push(outcome.chosen.clone());
             rivals.retain(|r| r.point != better.point);
             (outcome.chosen, outcome.orders) = settled(problem, better)?;
         }
         outcome.rivals = rivals;
-        Ok(())
+        Ok(taken)
     }
 }
 

@@ -23,8 +23,8 @@ fn force_answer(model: &dyn Model, force: Vec<f64>, level: f64, seed: u64) -> An
 fn both_effects_of_a_pair_are_named() {
     let pairs = [
         [
-            joint(EffectKind::JointStiffness, &[0.8]),
-            joint(EffectKind::JointCubicStiffness, &[2e9]),
+            joint(EffectKind::JointStiffness, &[0.9]),
+            joint(EffectKind::JointCubicStiffness, &[8e8]),
         ],
         [
             joint(EffectKind::JointStiffness, &[0.85]),
