@@ -33,7 +33,7 @@ pub enum Command {
     ExportMjcf(ExportArguments),
     /// Run scenarios here and in MuJoCo, and compare the recordings
     Crosscheck(CrosscheckArguments),
-    /// Find what the simulation gets wrong about measured data, name the cause, and extend the scenario
+    /// Look for what the simulation lacks against measured data, and extend the scenario (first form: a hint)
     Diagnose(DiagnoseArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
     Robot(RobotArguments),
