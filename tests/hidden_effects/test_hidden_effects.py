@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import os
 import sys
 from pathlib import Path
 
@@ -14,7 +13,6 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import example  # noqa: E402
-import run as bench_run  # noqa: E402
 from bench import ROOT, dataset, report, runner  # noqa: E402
 from bench.cases import all_cases, fast_cases  # noqa: E402
 from bench.effects import KINDS, Effect  # noqa: E402
@@ -28,7 +26,6 @@ from truecut_reference import scenario as scenario_file  # noqa: E402
 from truecut_reference import urdf_model  # noqa: E402
 from truecut_reference.simulate import simulate  # noqa: E402
 
-PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 EACH_TEMPLATE = pytest.mark.parametrize("template", SINGLES, ids=lambda t: f"{t.experiment}-{t.kind}-{t.target}")
 
 
@@ -305,13 +302,6 @@ def test_verify_bench_with_a_program_that_finds_nothing(tmp_path):
     text = report.as_markdown(judged, "report", 1.0)
     assert "| clean | 1 of 1 |" in text and "| single strong | 0 of 1 |" in text
     assert report.as_json(judged, "report", 1.0)["goals"]["false alarms on clean data"]["hits"] == 0
-
-
-def test_hidden_effects_fast_part(tmp_path):
-    """A dozen diagnoses, one for each kind of answer: all right."""
-    arguments = ["--fast", "--program", str(PROGRAM), "--out", str(tmp_path)]
-    code = bench_run.main(arguments)
-    assert code == 0, (tmp_path / "report.md").read_text(encoding="utf-8")
 
 
 def test_verify_chamfer_of_the_generator_is_the_reference():
