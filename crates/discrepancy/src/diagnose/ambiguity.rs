@@ -6,6 +6,7 @@ use super::Stage;
 use super::answer::Proposal;
 use super::data::{LAGS, Rows};
 use super::fit::{Fit, difference};
+use super::memory::{LEAST_GENERALISATION, distance as standing_out};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
 use super::screen::{angle_deg, projected};
@@ -46,17 +47,16 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
             let difference = criterion(problem, rival, &outcome.orders) - here;
             let likelihood = difference - (size(rival) - size(chosen)) * n.ln();
             // A larger model that says the same is a generalisation, not an alternative.
-            let least = if size(rival) > size(chosen) {
-                0.0
-            } else {
-                DECISIVE
-            };
+            let larger = size(rival) > size(chosen);
+            let least = if larger { 0.0 } else { DECISIVE };
+            let says_more = !larger
+                || standing_out(problem, &chosen.residual, &rival.residual) > LEAST_GENERALISATION;
             let close = behind.gain <= behind.error || likelihood < DECISIVE;
             Rival {
                 angle_deg: angle(problem, outcome, rival),
                 behind_t: behind.t(),
                 criterion_difference: difference,
-                as_good: close && difference < least,
+                as_good: close && difference < least && says_more,
                 fit: rival.clone(),
             }
         })

@@ -24,10 +24,10 @@ pub(super) struct Bound {
 }
 
 /// Gains of a group must be beyond so many standard errors; dozens of groups are tried.
-const LEAST_T: f64 = 5.0;
+const LEAST_T: f64 = 5.5;
 const LEAST_FRACTION: f64 = 0.01;
 /// And they must stand out of noise of any memory; a group has a dozen parameters.
-const LEAST_STANDING_OUT: f64 = 7.0;
+const LEAST_STANDING_OUT: f64 = 9.0;
 /// The same under white noise.
 const LEAST_FRACTION_PLAIN: f64 = 0.05;
 const FOLDS: usize = 6;

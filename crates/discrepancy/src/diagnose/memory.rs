@@ -1,8 +1,8 @@
 //! Whether a change stands out of noise of any memory.
 //!
 //! An autoregression of low order knows nothing of noise whose power grows towards ever lower frequencies (1/f); a constant or a slow
-//! drift then looks sure when it is not. Here the spectrum of what is left is taken as it is, octave by octave, and its slope is
-//! continued to the frequencies that the record is too short for.
+//! drift then looks sure when it is not. Here the spectrum of what is left is taken as it is, octave by octave, and its low
+//! end is continued to the frequencies that the record is too short for.
 
 use realfft::RealFftPlanner;
 
@@ -11,13 +11,15 @@ use crate::model::Columns;
 
 /// The change must be so many times what noise of that spectrum would do to it.
 pub(super) const LEAST_DISTANCE: f64 = 6.0;
+/// A generalisation must stand out so far from what it generalises, which is itself beyond doubt.
+pub(super) const LEAST_GENERALISATION: f64 = 1.8;
 /// Lowest frequency, in cycles per record, at which a spectrum can be read off.
 const LOWEST: usize = 3;
-/// The slope is read off between `LOWEST` and this.
-const SLOPE_UP_TO: usize = 48;
+/// The low end of a spectrum, in cycles per record.
+const FITTED_UP_TO: usize = 96;
 
 /// What is slower than can be read off counts by so much less: how noise goes on below the record's lowest frequencies is a guess.
-const SLOW_PART: f64 = 0.6;
+const SLOW_PART: f64 = 0.5;
 
 /// Distance of two residuals, in standard deviations of noise with the spectrum of the second; development part, all channels.
 pub(super) fn distance(problem: &Problem, first: &Columns, second: &Columns) -> f64 {
@@ -63,7 +65,7 @@ fn periodogram(mut x: Vec<f64>) -> Vec<f64> {
     spectrum.iter().map(|z| z.norm_sqr()).collect()
 }
 
-/// Means over an octave about each frequency, continued below `LOWEST` along the slope found above it.
+/// Means over an octave about each frequency, continued below `LOWEST` as the low end of the spectrum goes.
 fn smoothed(power: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0];
     for p in power {
@@ -75,29 +77,36 @@ fn smoothed(power: &[f64]) -> Vec<f64> {
         (sums[high + 1] - sums[low]) / (high + 1 - low) as f64
     };
     let mut smooth: Vec<f64> = (0..power.len()).map(|k| octave(k.max(LOWEST))).collect();
-    let top = SLOPE_UP_TO.min(power.len() - 1);
-    // Steps of about an octave, so that each counts the same.
-    let points: Vec<(f64, f64)> = (0..)
-        .map(|i| LOWEST << i)
-        .take_while(|k| *k <= top)
-        .map(|k| ((k as f64).ln(), octave(k).max(f64::MIN_POSITIVE).ln()))
-        .collect();
-    let n = points.len() as f64;
-    let (x, y) = points
-        .iter()
-        .fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
-    let products = points.iter().fold((0.0, 0.0), |(xy, xx), p| {
-        (xy + (p.0 - x) * (p.1 - y), xx + (p.0 - x).powi(2))
-    });
-    let slope = if products.1 > 0.0 {
-        (products.0 / products.1).min(0.0)
-    } else {
-        0.0
-    };
     for (k, value) in smooth.iter_mut().enumerate().take(LOWEST) {
         // What is slower than the record by up to a decade looks like a constant in it.
         let frequency = (k as f64).max(0.15);
-        *value = value.max((y + slope * (frequency.ln() - x)).exp());
+        *value = value.max(continued(power, frequency));
     }
     smooth
+}
+
+/// The low end of a spectrum, continued to any frequency: a power law, as of 1/f noise, or flat up to a corner, as of an
+/// autoregression of first order, whichever is likelier (Whittle's likelihood).
+fn continued(power: &[f64], frequency: f64) -> f64 {
+    let range = 2..FITTED_UP_TO.min(power.len() / 2).max(LOWEST + 1);
+    let n = range.len() as f64;
+    let mut best = (f64::INFINITY, 0.0);
+    let mut try_shape = |shape: &dyn Fn(f64) -> f64| {
+        let ratios: f64 = range.clone().map(|k| power[k] / shape(k as f64)).sum();
+        let level = ratios / n;
+        let logs: f64 = range.clone().map(|k| shape(k as f64).ln()).sum();
+        let criterion = n * level.max(f64::MIN_POSITIVE).ln() + logs;
+        if criterion < best.0 {
+            best = (criterion, level * shape(frequency));
+        }
+    };
+    for step in 0..=10 {
+        let exponent = 0.25 * f64::from(step);
+        try_shape(&|k| k.powf(-exponent));
+    }
+    for step in 0..=12 {
+        let corner = 2.0 * 1.5_f64.powi(step);
+        try_shape(&|k| 1.0 / (1.0 + (k / corner).powi(2)));
+    }
+    best.1
 }

@@ -10,7 +10,7 @@
 //! 6. What cannot be told apart is reported together, with an experiment that would.
 //! 7. A flexible predictor of what is left bounds what any model could still gain.
 //!
-//! All of it works on any [`Model`](crate::model::Model). Runs are deterministic: parallel parts keep their order.
+//! All of it works on any [`Model`]. Runs are deterministic: parallel parts keep their order.
 
 mod ambiguity;
 mod answer;

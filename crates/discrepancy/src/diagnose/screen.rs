@@ -189,10 +189,8 @@ pub(super) fn refine(
     ranked[..count].par_iter_mut().for_each(|entry| {
         let infos = problem.infos(entry.candidate());
         for _ in 0..2 {
-            let found = Found {
-                candidate: entry.candidate(),
-                values: entry.start.clone(),
-            };
+            let (candidate, values) = (entry.candidate(), entry.start.clone());
+            let found = Found { candidate, values };
             let Ok(predicted) = problem.predict(&with(&base.point, found)) else {
                 return;
             };

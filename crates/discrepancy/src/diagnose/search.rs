@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::answer::FitRecord;
 use super::fit::{Fit, fit};
-use super::memory::{LEAST_DISTANCE, distance};
+use super::memory::{LEAST_DISTANCE, LEAST_GENERALISATION, distance};
 use super::noise::Noise;
 use super::pairs::pairs;
 use super::problem::{Found, Point, Problem};
@@ -204,7 +204,7 @@ impl Search<'_, '_> {
             .iter()
             .copied()
             .max_by(|&a, &b| gain(a).total_cmp(&gain(b)))?;
-        let near = passing.into_iter().filter(|&i| {
+        let near = passing.iter().copied().filter(|&i| {
             let behind = compare(
                 &trials[i].residual,
                 &trials[best].residual,
@@ -214,13 +214,22 @@ impl Search<'_, '_> {
             // Two models that say all but the same differ by next to nothing, and that may be many standard errors.
             behind.t() <= CLEARLY_BEHIND || behind.gain < DECISIVE
         });
-        near.min_by(|&a, &b| {
+        let value = |i: usize| criterion(self.problem, &trials[i], orders);
+        let order = |a: &usize, b: &usize| {
             let effects = |i: usize| trials[i].point.effects.len();
-            let criterion = |i: usize| criterion(self.problem, &trials[i], orders);
-            effects(a)
-                .cmp(&effects(b))
-                .then(criterion(a).total_cmp(&criterion(b)))
-        })
+            effects(*a)
+                .cmp(&effects(*b))
+                .then(value(*a).total_cmp(&value(*b)))
+        };
+        let taken = near.min_by(order)?;
+        // A simpler one from which it does not stand out is what it generalises.
+        let simpler = passing.into_iter().filter(|&i| {
+            trials[i].point.effects.len() == trials[taken].point.effects.len()
+                && weight(self.problem, &trials[i]) < weight(self.problem, &trials[taken])
+                && distance(self.problem, &trials[i].residual, &trials[taken].residual)
+                    < LEAST_GENERALISATION
+        });
+        simpler.min_by(order).or(Some(taken))
     }
 
     /// Whether chance is ruled out: on the training rows, where a pair counts for all the pairs there are, and for noise of any memory.

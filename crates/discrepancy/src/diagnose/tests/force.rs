@@ -1,7 +1,5 @@
 //! A slide whose motion is given: the drive force in closed form. Fast enough for hundreds of diagnoses.
 
-use std::f64::consts::TAU;
-
 use truecut_recording::{ChannelSpec, Unit};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
@@ -31,7 +29,7 @@ pub fn effect(kind: EffectKind, values: &[f64]) -> Effect {
 impl Force {
     /// `amplitude_m` scales the motion: two sines that are not in step.
     pub fn new(samples: usize, amplitude_m: f64) -> Force {
-        let waves = [(1.0, 0.31 * TAU, 0.0), (0.5, 0.83 * TAU, 1.0)];
+        let waves = [(1.0, 1.95, 0.0), (0.5, 5.21, 1.0)];
         let at = |t: f64, f: &dyn Fn(f64, f64) -> f64| -> f64 {
             waves
                 .iter()
