@@ -2,9 +2,12 @@
 
 mod args;
 mod check;
+mod compare;
 mod crosscheck;
+mod data;
 mod execute;
 mod failure;
+mod figure;
 mod find;
 mod judge;
 mod mjcf;
@@ -12,7 +15,6 @@ mod outputs;
 mod progress;
 mod robot;
 mod run;
-mod svg;
 mod sweep;
 mod sweep_output;
 mod sweep_parquet;
@@ -48,6 +50,7 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
         Command::View(arguments) => view::view(&arguments),
         Command::ExportMjcf(arguments) => mjcf::export(&arguments),
         Command::Crosscheck(arguments) => crosscheck::crosscheck(&arguments.resolve()?),
+        Command::Compare(arguments) => compare::compare(&arguments.resolve()?),
         Command::Robot(arguments) => robot::describe(&arguments),
         Command::Schema => print(&format!(
             "{:#}\n",

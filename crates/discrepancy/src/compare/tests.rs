@@ -375,6 +375,22 @@ fn recordings_are_held_against_what_moves() {
     let json = serde_json::to_value(&found).unwrap();
     assert!(json["channels"][0]["level"]["nrmse"].is_f64(), "{json:#}");
 
+    // A measured coordinate brings its velocity along.
+    let mut driven = channel("joint3.angle");
+    driven.role = Role::Input;
+    let with_input = Measured {
+        channels: vec![channel("joint1.angle"), driven],
+        ..measured.clone()
+    };
+    let found = compare_recordings(&recording(Unit::Radian, SAMPLES), &with_input, None).unwrap();
+    let derived = found
+        .explanatory
+        .iter()
+        .find(|one| one.spec.name == "joint3.velocity")
+        .unwrap();
+    let expected = (angle[1004] - angle[996]) / (8.0 * INTERVAL_S);
+    assert!((derived.values[1000] - expected).abs() < 1e-9);
+
     let short = compare_recordings(&recording(Unit::Radian, 1000), &measured, None);
     assert!(
         matches!(short, Err(CompareError::NoCommonTime { .. })),
