@@ -63,6 +63,9 @@ pub struct RunArguments {
     /// Write no .rrd file for the viewer
     #[arg(long)]
     no_rrd: bool,
+    /// Measured data (.csv or .parquet) in the place of data.file of the scenarios
+    #[arg(long, value_name = "FILE")]
+    data: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -153,6 +156,7 @@ pub struct RobotArguments {
 /// `run`, resolved.
 pub struct RunPlan {
     pub scenarios: Vec<Scenario>,
+    pub data: Option<PathBuf>,
     pub out: PathBuf,
     pub rrd: bool,
 }
@@ -178,6 +182,7 @@ impl RunArguments {
         let scenarios = load_all(&self.scenarios, &self.common)?;
         Ok(RunPlan {
             scenarios,
+            data: self.data,
             out: self.out,
             rrd: !self.no_rrd,
         })
@@ -190,6 +195,7 @@ impl CrosscheckArguments {
         let scenarios = load_all(&self.scenarios, &self.common)?;
         Ok(RunPlan {
             scenarios,
+            data: None,
             out: self.out,
             rrd: false,
         })

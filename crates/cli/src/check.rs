@@ -9,6 +9,7 @@ use truecut_recording::ClaimResult;
 use truecut_scenario::Scenario;
 
 use crate::args::CheckPlan;
+use crate::data;
 use crate::execute::Runs;
 use crate::failure::Failure;
 use crate::judge::{judge, verdict};
@@ -98,6 +99,13 @@ fn judge_scenario(
             verdict,
             outcome,
             claims,
+        });
+    }
+    if data::is_left_open(scenario) {
+        return Ok(Judged {
+            verdict: Verdict::Good,
+            outcome: "not run: names no measured data".to_owned(),
+            claims: Vec::new(),
         });
     }
     let recording = runs.get(scenario, progress)?;

@@ -54,7 +54,7 @@ fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<Verdict, Failure> {
     let progress = Progress::new(1, "running");
     let Executed {
         recording, sinks, ..
-    } = execute(scenario, outputs.sinks(), &progress.run())?;
+    } = execute(scenario, None, outputs.sinks(), &progress.run())?;
     drop(progress);
     sinks
         .close(&recording, &[])

@@ -2,34 +2,54 @@
 
 use std::path::Path;
 
-use truecut_recording::measured::measured;
+use truecut_recording::measured::measured as map;
 use truecut_recording::{Measured, Recorder, Recording};
 use truecut_scenario::{ProcessSpec, Scenario};
-use truecut_sim::Cell;
 use truecut_sim::replay::predict::{Prediction, predict};
+use truecut_sim::{Cell, SimError};
+use truecut_telemetry::read_table;
 
 use crate::failure::Failure;
 use crate::progress::RunProgress;
 
-/// Reads the measured data of a scenario; `file` overrides the one that it names.
+/// The data that a replay is driven by: from `file`, else from the file that the scenario names. `None` for
+/// scenarios that replay nothing.
+pub fn measured(scenario: &Scenario, file: Option<&Path>) -> Result<Option<Measured>, Failure> {
+    if matches!(scenario.process, ProcessSpec::Replay(_)) && scenario.data.is_some() {
+        return read(scenario, file).map(Some);
+    }
+    match file {
+        Some(_) => Err(Failure::with_help(
+            format!("{} replays nothing", scenario.path().display()),
+            "leave out --data, or use a scenario with [process.replay]",
+        )),
+        None => Ok(None),
+    }
+}
+
+/// The data of a scenario: from `file`, else from the file that it names.
 pub fn read(scenario: &Scenario, file: Option<&Path>) -> Result<Measured, Failure> {
     let Some(data) = &scenario.data else {
-        let text = format!("{}: missing table `[data]`", scenario.path().display());
-        let help =
-            "it says which column of the measured data is which channel; see `truecut schema`";
-        return Err(Failure::with_help(text, help));
+        return Err(Failure::with_help(
+            format!("{}: missing table `[data]`", scenario.path().display()),
+            "it says which column of the measured data is which channel; see `truecut schema`",
+        ));
     };
-    let Some(file) = file.or(data.file.as_deref()) else {
-        let text = "`data.file` is missing, and no --data FILE is given";
-        return Err(scenario.problem("data", text).into());
+    let Some(path) = file.or(data.file.as_deref()) else {
+        let message = "the scenario names no file of measured data: write data.file, or run it with --data FILE";
+        return Err(scenario.problem("data", message).into());
     };
-    let table = truecut_telemetry::read_table(file, data.header);
-    let table = table.map_err(|error| Failure::message(error.to_string()))?;
-    measured(&table, &data.mapping).map_err(|error| Failure::message(error.to_string()))
+    // A fault of a file that the scenario names is one of the scenario, at that key.
+    let failed = |message: String| match file {
+        Some(_) => Failure::message(message),
+        None => scenario.problem("data.file", message).into(),
+    };
+    let table = read_table(path, data.header).map_err(|error| failed(error.to_string()))?;
+    map(&table, &data.mapping).map_err(|error| failed(error.to_string()))
 }
 
 /// Simulates what was measured: the recording, and the measured channels in the form that it is to be
-/// compared with.
+/// compared with. Inputs stay among them: they may explain what is left.
 pub fn simulate(
     scenario: &Scenario,
     measured: Measured,
@@ -40,9 +60,15 @@ pub fn simulate(
         let Prediction {
             header,
             columns,
-            measured,
+            measured: mut compared,
         } = prediction;
-        let time_s = measured.time_s.clone();
+        let time_s = compared.time_s.clone();
+        if time_s == measured.time_s {
+            let known = |name: &str| compared.channel(name).is_ok();
+            let inputs = measured.inputs().filter(|input| !known(&input.spec.name));
+            let inputs: Vec<_> = inputs.cloned().collect();
+            compared.channels.extend(inputs);
+        }
         return Ok((
             Recording {
                 header,
@@ -50,12 +76,12 @@ pub fn simulate(
                 columns,
                 ..Recording::default()
             },
-            measured,
+            compared,
         ));
     }
     let replayed = matches!(scenario.process, ProcessSpec::Replay(_)).then_some(&measured);
     let cell = Cell::build_with_data(scenario, replayed).map_err(failed)?;
-    let sink_failed = |error| failed(truecut_sim::SimError::Sink(error));
+    let sink_failed = |error| failed(SimError::Sink(error));
     let mut recorder = Recorder::new(cell.header(), Vec::new()).map_err(sink_failed)?;
     let end = cell
         .run(&mut recorder, &|part| progress.set(part))
@@ -74,4 +100,11 @@ pub fn spindle_hz(scenario: &Scenario) -> Option<f64> {
         ProcessSpec::Load(_) | ProcessSpec::Replay(_) => return None,
     };
     (speed_rad_s > 0.0).then_some(speed_rad_s / std::f64::consts::TAU)
+}
+
+/// Whether a scenario replays data that only the command line can name.
+pub fn is_left_open(scenario: &Scenario) -> bool {
+    let data = scenario.data.as_ref();
+    matches!(scenario.process, ProcessSpec::Replay(_))
+        && data.is_some_and(|data| data.file.is_none())
 }

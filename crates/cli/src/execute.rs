@@ -1,13 +1,15 @@
 //! Runs one scenario, and keeps recordings that several claims refer to.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use truecut_recording::{OpenSinks, Recorder, Recording, Sink};
+use truecut_recording::{OpenSinks, Outcome, Recorder, Recording, Sink};
 use truecut_scenario::Scenario;
 use truecut_sim::Cell;
+use truecut_sim::replay::predict::{Prediction, predict};
 
+use crate::data;
 use crate::failure::Failure;
 use crate::progress::RunProgress;
 
@@ -18,15 +20,26 @@ pub struct Executed {
     pub time_step_s: f64,
 }
 
-/// Runs a scenario into `sinks`. `progress` is told the part done, from 0 to 1.
+/// Runs a scenario into `sinks`. `data` names the measured data, if not the scenario does. `progress` is told
+/// the part done, from 0 to 1.
 pub fn execute(
     scenario: &Scenario,
+    data: Option<&Path>,
     sinks: Vec<Box<dyn Sink + Send>>,
     progress: &RunProgress,
 ) -> Result<Executed, Failure> {
     let failed = |error| Failure::sim(scenario, error);
-    let cell = Cell::build(scenario).map_err(failed)?;
-    let header = cell.header();
+    let measured = data::measured(scenario, data)?;
+    if let Some(measured) = &measured
+        && let Some(prediction) = predict(scenario, measured).map_err(failed)?
+    {
+        return record(scenario, prediction, sinks);
+    }
+    let cell = Cell::build_with_data(scenario, measured.as_ref()).map_err(failed)?;
+    let mut header = cell.header();
+    header
+        .notes
+        .extend(measured.map(|measured| measured.notes).unwrap_or_default());
     // A slip in a claim must not cost the run.
     scenario.check_claims(&header)?;
     let time_step_s = cell.time_step_s();
@@ -41,6 +54,30 @@ pub fn execute(
         recording,
         sinks,
         time_step_s,
+    })
+}
+
+/// Records what was predicted without a plant.
+fn record(
+    scenario: &Scenario,
+    prediction: Prediction,
+    sinks: Vec<Box<dyn Sink + Send>>,
+) -> Result<Executed, Failure> {
+    let failed = |error| Failure::sim(scenario, truecut_sim::SimError::Sink(error));
+    scenario.check_claims(&prediction.header)?;
+    let mut recorder = Recorder::new(prediction.header, sinks).map_err(failed)?;
+    let mut row = Vec::with_capacity(prediction.columns.len());
+    for (k, time_s) in prediction.measured.time_s.iter().enumerate() {
+        row.clear();
+        row.extend(prediction.columns.iter().map(|column| column[k]));
+        recorder.push_row(*time_s, &row).map_err(failed)?;
+    }
+    let finished = recorder.finish(Vec::new(), Vec::new(), Outcome::Completed);
+    let (recording, sinks) = finished.map_err(failed)?;
+    Ok(Executed {
+        recording,
+        sinks,
+        time_step_s: prediction.measured.interval_s(),
     })
 }
 
@@ -73,7 +110,7 @@ impl Runs {
         }
         let Executed {
             recording, sinks, ..
-        } = execute(scenario, Vec::new(), progress)?;
+        } = execute(scenario, None, Vec::new(), progress)?;
         sinks
             .close(&recording, &[])
             .map_err(|error| Failure::sim(scenario, truecut_sim::SimError::Sink(error)))?;

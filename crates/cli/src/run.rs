@@ -55,7 +55,7 @@ fn run_one(
 ) -> Result<Told, Failure> {
     let outputs = Outputs::prepare(&plan.out, scenario, plan.rrd)?;
     let started = Instant::now();
-    let executed = execute(scenario, outputs.sinks(), progress)?;
+    let executed = execute(scenario, plan.data.as_deref(), outputs.sinks(), progress)?;
     let wall_s = started.elapsed().as_secs_f64();
     let Executed {
         recording,

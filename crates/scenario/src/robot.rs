@@ -6,6 +6,9 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::check::Check;
+use crate::document::Fault;
+use crate::process::ProcessSpec;
+use crate::replay::{ReplayMode, ReplaySpec};
 use crate::units::{from_deg, from_mm};
 
 /// The arm that carries the tool.
@@ -33,6 +36,23 @@ pub struct RobotSpec {
     pub damping_scale: f64,
     /// Whether the command makes up for the sag under gravity, so that the links start at the posture.
     pub hold_against_sag: bool,
+}
+
+impl RobotSpec {
+    /// No arm at all.
+    pub const NONE: RobotSpec = RobotSpec {
+        urdf: PathBuf::new(),
+        config: None,
+        tip: None,
+        posture_rad: Vec::new(),
+        posture_m: Vec::new(),
+        gravity: true,
+        drive: Drive::Position,
+        inertia_scale: 1.0,
+        stiffness_scale: 1.0,
+        damping_scale: 1.0,
+        hold_against_sag: true,
+    };
 }
 
 /// How the joints are driven.
@@ -80,6 +100,37 @@ pub(crate) struct RobotTable {
 }
 
 impl RobotTable {
+    /// The arm, which every process needs but a replay that only observes.
+    pub(crate) fn resolve_optional(
+        table: Option<RobotTable>,
+        process: Option<&ProcessSpec>,
+        folder: &Path,
+        check: &mut Check,
+    ) -> RobotSpec {
+        let observes = matches!(
+            process,
+            Some(ProcessSpec::Replay(ReplaySpec {
+                mode: ReplayMode::Observe
+            }))
+        );
+        match table {
+            Some(_) if observes => {
+                let message =
+                    "[robot] has no effect: a replay in mode \"observe\" has no model".to_owned();
+                check.refuse(Fault::key("robot", message, "has no effect here"));
+                RobotSpec::NONE
+            }
+            Some(table) => table.resolve(folder, check),
+            None if observes => RobotSpec::NONE,
+            None => {
+                let message = "missing key `robot` in the file".to_owned();
+                let fault = Fault::key("robot", message, "`robot` is missing here");
+                check.refuse(fault.with_help("`robot`: The arm, its posture and its drive."));
+                RobotSpec::NONE
+            }
+        }
+    }
+
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> RobotSpec {
         let drive = self.drive.unwrap_or_default();
         let gravity = self.gravity.unwrap_or(true);

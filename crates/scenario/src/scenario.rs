@@ -29,7 +29,7 @@ pub struct Scenario {
     pub name: String,
     /// What it shows.
     pub description: Option<String>,
-    /// The arm.
+    /// The arm; [`RobotSpec::NONE`] where a replay only observes.
     pub robot: RobotSpec,
     /// Duration and step.
     pub run: RunSpec,
@@ -61,8 +61,8 @@ pub(crate) struct FileTable {
     name: String,
     /// What the scenario shows.
     description: Option<String>,
-    /// The arm, its posture and its drive.
-    robot: RobotTable,
+    /// The arm, its posture and its drive. Needed but for a replay in mode "observe".
+    robot: Option<RobotTable>,
     /// Duration, step and recording interval.
     run: Option<RunTable>,
     /// Exactly one of the processes.
@@ -316,10 +316,10 @@ impl FileTable {
     fn resolve(self, document: Document) -> Result<Scenario, ScenarioError> {
         let mut check = Check::new(&document);
         let mut thresholds = Vec::new();
-        let robot = self.robot.resolve(&folder_of(document.path()), &mut check);
         let process = self.process.resolve(&mut check);
-        let data =
-            (self.data).and_then(|data| data.resolve(&folder_of(document.path()), &mut check));
+        let folder = folder_of(document.path());
+        let robot = RobotTable::resolve_optional(self.robot, process.as_ref(), &folder, &mut check);
+        let data = (self.data).and_then(|data| data.resolve(&folder, &mut check));
         let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
             .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
             .collect();

@@ -1,7 +1,7 @@
 //! Replays against closed forms: measured inputs in, motion out, and back.
 
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use truecut_recording::{
     ChannelSpec, Measured, MeasuredChannel, Outcome, Recorder, Recording, Role, Unit,
 };
@@ -278,10 +278,9 @@ fn verify_effects_change_the_drive_force_by_their_law() {
     );
     let model = InverseModel::new(&scenario("position", "inverse", ""), &measured).unwrap();
     let nominal = model.predict(&[]).unwrap();
-    // Looked at where the velocity is far from zero: in the middle of the stroke, both ways.
+    // In the middle of the stroke, both ways.
     let (forth, back) = (500, 750);
-    let w = TAU * 0.8;
-    let speed = 0.05 * w;
+    let speed = 0.05 * TAU * 0.8;
     let cases: [(EffectKind, &[f64], f64, f64); 6] = [
         (
             EffectKind::JointViscous,
@@ -391,12 +390,11 @@ fn inputs_that_do_not_fit_are_refused_with_their_place() {
     assert!(text.contains("has no plant to run"), "{text}");
 }
 
-/// The folder is there, so that the paths above hold.
 #[test]
 fn the_robots_of_the_replays_load() {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots");
     for name in ["emps", "ur10e"] {
-        let urdf: PathBuf = assets.join(name).join("robot.urdf");
-        truecut_arm::Robot::load(&urdf, None, None).unwrap_or_else(|error| panic!("{error}"));
+        truecut_arm::Robot::load(&assets.join(name).join("robot.urdf"), None, None)
+            .unwrap_or_else(|error| panic!("{error}"));
     }
 }

@@ -84,51 +84,48 @@ fn csv_table(path: &Path, header: bool) -> Result<Table, Reason> {
     Ok(table)
 }
 
-/// The rows of a text, without comments and empty lines.
+/// The rows of a text, without comments and empty lines. A row is a line.
 fn rows(text: &str) -> Result<Vec<Row>, Reason> {
-    let Some(delimiter) = delimiter(text) else {
+    let lines: Vec<(usize, &str)> = (text.lines().enumerate())
+        .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
+        .map(|(index, line)| (index + 1, line))
+        .collect();
+    let Some(delimiter) = lines.first().and_then(|(_, first)| delimiter(first)) else {
         // Columns that stand under each other: any number of blanks between two of them.
-        let lines = text.lines().enumerate();
-        let lines = lines.filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
-        let row = |(index, line): (usize, &str)| Row {
-            line: index + 1,
-            cells: line.split_whitespace().map(str::to_owned).collect(),
+        let row = |&(line, text): &(usize, &str)| Row {
+            line,
+            cells: text.split_whitespace().map(str::to_owned).collect(),
         };
-        return Ok(lines.map(row).collect());
+        return Ok(lines.iter().map(row).collect());
     };
+    let kept: Vec<&str> = lines.iter().map(|(_, text)| *text).collect();
+    let kept = kept.join("\n");
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter)
-        .comment(Some(b'#'))
         .has_headers(false)
         .flexible(true)
         .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = record?;
+        .from_reader(kept.as_bytes());
+    let mut rows = Vec::with_capacity(lines.len());
+    for (record, &(line, _)) in reader.records().zip(&lines) {
         rows.push(Row {
-            line: record
-                .position()
-                .map_or(0, |position| position.line() as usize),
-            cells: record.iter().map(str::to_owned).collect(),
+            line,
+            cells: record?.iter().map(str::to_owned).collect(),
         });
+    }
+    if let Some(&(line, _)) = lines.get(rows.len()) {
+        let message = "a quoted cell goes on over several lines".to_owned();
+        return Err(Reason::Line { line, message });
     }
     Ok(rows)
 }
 
-/// What stands between the cells of the first row; `None` for blanks. A semicolon comes first: where it
-/// delimits, commas are decimal.
-fn delimiter(text: &str) -> Option<u8> {
-    let first = text
-        .lines()
-        .find(|line| !line.trim().is_empty() && !line.starts_with('#'))?;
-    let found = [';', '\t', ',']
-        .into_iter()
-        .find(|one| first.contains(*one));
-    found.map(|one| one as u8).or_else(|| {
-        // A single column has no delimiter; any will do.
-        (first.split_whitespace().count() == 1).then_some(b',')
-    })
+/// What stands between the cells of a line; `None` for blanks. A semicolon comes first: where it delimits,
+/// commas are decimal. A single column has no delimiter; any will do.
+fn delimiter(line: &str) -> Option<u8> {
+    let found = [';', '\t', ','].into_iter().find(|one| line.contains(*one));
+    let single = line.split_whitespace().count() == 1;
+    found.map(|one| one as u8).or(single.then_some(b','))
 }
 
 fn names(first: &Row, header: bool) -> Result<Vec<String>, Reason> {
@@ -205,4 +202,85 @@ fn parquet_table(path: &Path) -> Result<Table, Reason> {
         }
     }
     Ok(table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arrow::array::{ArrayRef, Float32Array, Int16Array, RecordBatch, StringArray};
+    use parquet::arrow::ArrowWriter;
+    use std::sync::Arc;
+
+    fn csv(text: &str, header: bool) -> Result<Table, FileError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bench.csv");
+        std::fs::write(&path, text).unwrap();
+        read_table(&path, header)
+    }
+
+    fn parquet(columns: Vec<(&str, ArrayRef)>) -> Result<Table, FileError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bench.parquet");
+        let batch = RecordBatch::try_from_iter_with_nullable(
+            columns.into_iter().map(|(name, array)| (name, array, true)),
+        )
+        .unwrap();
+        let file = File::create(&path).unwrap();
+        let mut writer = ArrowWriter::try_new(file, batch.schema(), None).unwrap();
+        writer.write(&batch).unwrap();
+        writer.close().unwrap();
+        read_table(&path, true)
+    }
+
+    #[test]
+    fn every_delimiter_gives_the_same_table() {
+        for delimiter in [",", ";", "\t", " ", "   ", ", "] {
+            let text = ["# bench", "t,q", "0,1.5", "", "# pause", "1,-2e3"]
+                .join("\n")
+                .replace(',', delimiter);
+            let table = csv(&text, true).unwrap();
+            assert_eq!(table.column("t").unwrap(), [0.0, 1.0], "{delimiter:?}");
+            assert_eq!(table.column("q").unwrap(), [1.5, -2e3], "{delimiter:?}");
+            assert_eq!(table.lines, [3, 6], "{delimiter:?}");
+        }
+    }
+
+    #[test]
+    fn columns_without_names_are_numbered() {
+        let table = csv("\u{feff}0,1\n1,2\n", false).unwrap();
+        assert_eq!(table.column("2").unwrap(), [1.0, 2.0]);
+        assert_eq!(table.rows(), 2);
+    }
+
+    #[test]
+    fn what_is_missing_is_not_a_number() {
+        let table = csv("t,q\n0,\n1,nan\n2,NA\n3,4\n", true).unwrap();
+        let q = table.column("q").unwrap();
+        assert!(q[..3].iter().all(|value| value.is_nan()) && q[3] == 4.0);
+    }
+
+    #[test]
+    fn parquet_columns_of_any_number_are_read() {
+        let table = parquet(vec![
+            ("t", Arc::new(Int16Array::from(vec![0, 1, 2])) as ArrayRef),
+            (
+                "q",
+                Arc::new(Float32Array::from(vec![Some(0.5), None, Some(2.0)])),
+            ),
+        ])
+        .unwrap();
+        assert_eq!(table.column("t").unwrap(), [0.0, 1.0, 2.0]);
+        let q = table.column("q").unwrap();
+        assert!(q[0] == 0.5 && q[1].is_nan() && q[2] == 2.0);
+    }
+
+    #[test]
+    fn a_parquet_column_of_texts_is_refused_by_name() {
+        let texts = Arc::new(StringArray::from(vec!["a"])) as ArrayRef;
+        let error = parquet(vec![("mode", texts)]).unwrap_err().to_string();
+        assert!(
+            error.ends_with("not a table of numbers: column \"mode\" is of type Utf8"),
+            "{error}"
+        );
+    }
 }
