@@ -143,6 +143,10 @@ fn arguments_that_make_no_sense_are_refused() {
         ),
         (&["run", "x.toml", "--set", "depth"], "write KEY=VALUE"),
         (&["run", "x.toml", "--jobs", "0"], "--jobs"),
+        (
+            &["run", "x.toml", "--jobs", "100000"],
+            "--jobs is 100000, but must be at most 1024",
+        ),
         (&["check", "nowhere"], "nowhere: no such file or folder"),
         (&["view", "nowhere.rrd"], "nowhere.rrd: no such file"),
         (

@@ -89,8 +89,23 @@ pub enum ArmErrorKind {
     Unreadable(#[source] std::io::Error),
     #[error("not well-formed XML: {0}")]
     Xml(String),
+    #[error("elements are nested more than {limit} deep; a URDF is nested less than ten deep")]
+    TooDeep { limit: usize },
     #[error("the root element is <{found}>; a URDF has <robot>")]
     NotARobot { found: String },
+    #[error(
+        "{what} is of xacro, a language from which URDF files are made; expand it first: xacro FILE > robot.urdf"
+    )]
+    Xacro { what: String },
+    #[error("the file has {count} links; at most {limit} are read")]
+    TooManyLinks { count: usize, limit: usize },
+    #[error("{owner}: {quantity} is {value}; it must be {rule}")]
+    OutOfBounds {
+        owner: String,
+        quantity: &'static str,
+        value: f64,
+        rule: &'static str,
+    },
     #[error("not a valid URDF: {0}")]
     Urdf(String),
     #[error("<{element} {attribute}=\"{value}\"> of {owner}: expected {expected}")]
@@ -148,7 +163,9 @@ pub enum ArmErrorKind {
         tip: String,
         mimicked: String,
     },
-    #[error("joint \"{joint}\": axis has length {length}; it must be longer than {limit}")]
+    #[error(
+        "joint \"{joint}\": axis has length {length}; it must be longer than {limit} and finite"
+    )]
     ZeroAxis {
         joint: String,
         length: f64,
@@ -290,6 +307,8 @@ pub enum ArmErrorKind {
         position_limit_m: f64,
         angle_limit_rad: f64,
     },
+    #[error("the table holds no posture; a row has one number for each of the {joints} joints")]
+    NoPostures { joints: usize },
     #[error("row {row}: {message}")]
     PostureTable { row: usize, message: String },
     #[error("{quantity} is {value}; it must be {rule}")]

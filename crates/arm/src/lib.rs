@@ -49,8 +49,10 @@
 //! # }
 //! ```
 
+mod bounds;
 mod compliance;
 pub mod config;
+mod depth;
 mod dynamics;
 mod equilibrium;
 mod error;

@@ -157,7 +157,16 @@ fn chain_joint(
     }
     let unbounded = |l: &crate::model::Limits| l.lower.is_infinite() && l.upper.is_infinite();
     if joint.freedom != Freedom::Continuous && joint.limits.as_ref().is_none_or(unbounded) {
-        notes.push(format!("joint \"{}\" has no position limits", joint.name));
+        // Bounds that are given and still infinite were written as 0 to 0 (see `urdf::limits`), or as such.
+        let why = if joint.limits.is_some() {
+            "; a <limit> from 0 to 0 counts as not given"
+        } else {
+            ""
+        };
+        notes.push(format!(
+            "joint \"{}\" has no position limits{why}",
+            joint.name
+        ));
     }
     Joint {
         name: joint.name.clone(),

@@ -67,6 +67,15 @@ pub struct Servo {
     pub velocity_feed_forward: f64,
 }
 
+impl Servo {
+    /// What the loops resist a lasting torque with, N m/rad or N/m: the product of both gains, since there is no
+    /// integral action.
+    #[must_use]
+    pub fn static_stiffness(&self) -> f64 {
+        self.position_gain_per_s * self.velocity_gain
+    }
+}
+
 /// Where the values of a [`Transmission`] come from; empty where no value was given.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
 pub struct TransmissionSources {

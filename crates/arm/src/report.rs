@@ -62,7 +62,18 @@ pub struct JointReport {
     pub damping: f64,
     pub dry_friction: f64,
     pub rotor_inertia: f64,
+    pub servo: Option<ServoReport>,
     pub sources: TransmissionSources,
+}
+
+/// A P–P servo; gains in the joint's own units.
+#[derive(Debug, Clone, Serialize)]
+pub struct ServoReport {
+    pub position_gain_per_s: f64,
+    pub velocity_gain: f64,
+    pub torque_limit: f64,
+    /// What the loop, which has no integral action, resists a lasting torque with: the product of both gains.
+    pub static_stiffness: f64,
 }
 
 /// A rigid body of the chain.
@@ -220,6 +231,12 @@ impl Robot {
                 damping: joint.transmission.damping,
                 dry_friction: joint.transmission.dry_friction,
                 rotor_inertia: joint.transmission.rotor_inertia,
+                servo: joint.transmission.servo.map(|servo| ServoReport {
+                    position_gain_per_s: servo.position_gain_per_s,
+                    velocity_gain: servo.velocity_gain,
+                    torque_limit: servo.torque_limit,
+                    static_stiffness: servo.static_stiffness(),
+                }),
                 sources: joint.transmission.sources.clone(),
             })
             .collect()

@@ -95,6 +95,17 @@ impl RobotReport {
                 "  {:width$}  {stiffness}, damping {} {effort} s/{per}, dry friction {} {effort}, rotor {} {inertia}",
                 joint.name, joint.damping, joint.dry_friction, joint.rotor_inertia
             )?;
+            if let Some(servo) = &joint.servo {
+                writeln!(
+                    f,
+                    "  {:width$}    servo: position gain {} 1/s, velocity gain {} {effort} s/{per}, limit {} {effort}; static stiffness {:.4e} {effort}/{per} in series",
+                    "",
+                    servo.position_gain_per_s,
+                    servo.velocity_gain,
+                    servo.torque_limit,
+                    servo.static_stiffness
+                )?;
+            }
         }
         let named = |pick: fn(&JointReport) -> &String| {
             let joints = self.joints.iter();

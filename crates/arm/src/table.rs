@@ -13,9 +13,11 @@ use crate::model::{FrameId, Robot};
 /// from flange, each number in the shortest form that reads back exactly.
 ///
 /// # Errors
-/// Names the row (1-based) and the value that is not a finite number, or the wrong count.
+/// Names the row (1-based) and the value that is not a finite number, or the wrong count; a table without any
+/// posture.
 pub fn fk_table(robot: &Robot, postures_csv: &str) -> Result<String, ArmError> {
     let mut out = String::from("x_m,y_m,z_m,r11,r12,r13,r21,r22,r23,r31,r32,r33\n");
+    let mut postures = 0;
     for (i, row) in postures_csv.lines().enumerate() {
         let row = row.trim();
         let cells: Vec<_> = row.split(',').map(str::trim).collect();
@@ -24,6 +26,7 @@ pub fn fk_table(robot: &Robot, postures_csv: &str) -> Result<String, ArmError> {
             continue;
         }
         let q = parse_row(&cells, i + 1, robot.dof())?;
+        postures += 1;
         let pose = robot.world_from_frame(&q, FrameId::Flange);
         let matrix = pose.rotation.to_rotation_matrix();
         let position = pose.translation.vector;
@@ -33,6 +36,10 @@ pub fn fk_table(robot: &Robot, postures_csv: &str) -> Result<String, ArmError> {
             .collect();
         // Writing to a String cannot fail.
         let _ = writeln!(out, "{}", numbers.join(","));
+    }
+    if postures == 0 {
+        let joints = robot.dof();
+        return Err(ArmErrorKind::NoPostures { joints }.into());
     }
     Ok(out)
 }

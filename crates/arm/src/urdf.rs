@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use urdf_rs::JointType;
 
+use crate::bounds;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{Limits, Visual};
 use crate::visual::{Palette, palette, visual};
@@ -13,6 +14,7 @@ use crate::xml::{ElementLines, UrdfLines, scan};
 
 /// Axes shorter than this count as zero.
 const MIN_AXIS_LENGTH: f64 = 1e-9;
+
 /// What a URDF joint allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Freedom {
@@ -112,15 +114,7 @@ pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
         tree.joints.push(joint);
         check_joint(&tree, tree.joints.len() - 1)?;
     }
-    for i in 0..tree.links.len() {
-        if tree.links[i].mass_kg < 0.0 {
-            let kind = ArmErrorKind::NegativeMass {
-                link: tree.links[i].name.clone(),
-                mass_kg: tree.links[i].mass_kg,
-            };
-            return Err(tree.link_error(i, "mass", kind));
-        }
-    }
+    bounds::check(&tree)?;
     connect(&mut tree)?;
     tree.root = find_root(&tree)?;
     Ok(tree)
@@ -272,7 +266,7 @@ fn check_joint(tree: &Tree, index: usize) -> Result<(), ArmError> {
         return Ok(());
     }
     let length = joint.axis.norm();
-    if length < MIN_AXIS_LENGTH {
+    if length < MIN_AXIS_LENGTH || !length.is_finite() {
         let kind = ArmErrorKind::ZeroAxis {
             joint: joint.name.clone(),
             length,

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
+use crate::depth;
 use crate::error::{ArmError, ArmErrorKind};
 
 /// Lines (1-based) of an element and of its first child of each name.
@@ -115,9 +116,20 @@ const JOINT_TYPES: [&str; 7] = [
 /// without a file, collision shapes without a size), so they are taken out before the data is read.
 const IGNORED: [&str; 4] = ["collision", "texture", "gazebo", "transmission"];
 
+/// Deepest nesting that is read: parsers recurse, and a URDF needs less than ten.
+const MOST_NESTED: usize = 256;
+
+/// Most links that are read; a chain of twelve joints with hands and mounts has a tenth of it.
+const MOST_LINKS: usize = 1000;
+
 /// Reads the positions and refuses broken XML, missing attributes and numbers that are none. Gives
 /// the lines, and the text with all ignored elements blanked.
 pub(crate) fn scan(text: &str, path: &Path) -> Result<(UrdfLines, String), ArmError> {
+    if let Some(at) = depth::exceeded(text, MOST_NESTED) {
+        let line = text[..at].matches('\n').count() + 1;
+        let kind = ArmErrorKind::TooDeep { limit: MOST_NESTED };
+        return Err(ArmError::in_file(path, Some(line), kind));
+    }
     let options = ParsingOptions {
         allow_dtd: true,
         ..ParsingOptions::default()
@@ -126,11 +138,23 @@ pub(crate) fn scan(text: &str, path: &Path) -> Result<(UrdfLines, String), ArmEr
         let line = error.pos().row as usize;
         ArmError::in_file(path, Some(line), ArmErrorKind::Xml(error.to_string()))
     })?;
-    let scanner = Scanner { document, path };
+    let scanner = Scanner {
+        document,
+        path,
+        line_starts: (text.match_indices('\n').map(|(at, _)| at + 1)).collect(),
+    };
     let root = scanner.document.root_element();
     if root.tag_name().name() != "robot" {
         let found = root.tag_name().name().to_owned();
         return Err(scanner.error(&root, ArmErrorKind::NotARobot { found }));
+    }
+    scanner.refuse_xacro(&root)?;
+    let links = root.children().filter(|node| node.has_tag_name("link"));
+    let count = links.count();
+    if count > MOST_LINKS {
+        let limit = MOST_LINKS;
+        let kind = ArmErrorKind::TooManyLinks { count, limit };
+        return Err(ArmError::in_file(path, None, kind));
     }
     let mut lines = UrdfLines::default();
     for element in root.children().filter(Node::is_element) {
@@ -171,11 +195,34 @@ fn without_ignored(text: &str, root: &Node) -> String {
 struct Scanner<'a> {
     document: Document<'a>,
     path: &'a Path,
+    /// First byte of every line but the first, ascending.
+    line_starts: Vec<usize>,
 }
 
 impl Scanner<'_> {
     fn line(&self, node: &Node) -> usize {
-        self.document.text_pos_at(node.range().start).row as usize
+        let start = node.range().start;
+        self.line_starts.partition_point(|line| *line <= start) + 1
+    }
+
+    /// A template for URDF files is often taken for one.
+    fn refuse_xacro(&self, root: &Node) -> Result<(), ArmError> {
+        for node in root.descendants().filter(Node::is_element) {
+            let of_xacro = |space: &str| space.ends_with("/xacro");
+            let what = if node.tag_name().namespace().is_some_and(of_xacro) {
+                Some(format!("<xacro:{}>", node.tag_name().name()))
+            } else {
+                let values = node.attributes().map(|attribute| attribute.value());
+                let mut templates = values.filter(|value| value.contains("${"));
+                templates
+                    .next()
+                    .map(|value| format!("the value \"{value}\""))
+            };
+            if let Some(what) = what {
+                return Err(self.error(&node, ArmErrorKind::Xacro { what }));
+            }
+        }
+        Ok(())
     }
 
     fn error(&self, node: &Node, kind: ArmErrorKind) -> ArmError {

@@ -1,154 +1,15 @@
 //! Bad robot files: one fault each, one error each, with place, value and rule.
 
+mod urdf_faults;
+
 use std::path::{Path, PathBuf};
 
 use truecut_arm::Robot;
+use urdf_faults::URDF_FAULTS;
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/invalid_input/urdf")
 }
-
-/// File, line of the fault, and what the message must quote.
-const URDF_FAULTS: &[(&str, Option<usize>, &[&str])] = &[
-    (
-        "xml_error",
-        Some(17),
-        &["not well-formed XML", "'inertial'"],
-    ),
-    ("not_a_robot", Some(3), &["<sdf>", "<robot>"]),
-    ("no_links", None, &["no links"]),
-    (
-        "loop_two_parents",
-        Some(49),
-        &[
-            "\"coupler\"",
-            "\"left_pin\"",
-            "\"right_pin\"",
-            "closed loop",
-        ],
-    ),
-    (
-        "loop_closed",
-        Some(26),
-        &["fore -> upper -> fore", "closed loop"],
-    ),
-    (
-        "two_roots",
-        Some(33),
-        &["2 root links", "\"base\", \"stand\"", "exactly one"],
-    ),
-    (
-        "floating_joint",
-        Some(19),
-        &["\"elbow\"", "\"fore\"", "floating", "only revolute"],
-    ),
-    (
-        "planar_joint",
-        Some(19),
-        &["\"elbow\"", "planar", "only revolute"],
-    ),
-    (
-        "unknown_joint_type",
-        Some(5),
-        &["\"shoulder\"", "\"hinge\""],
-    ),
-    (
-        "zero_mass",
-        Some(15),
-        &["\"upper\"", "\"shoulder\"", "mass 0 kg", "positive mass"],
-    ),
-    (
-        "negative_mass",
-        Some(15),
-        &["\"upper\"", "-4 kg", "must not be negative"],
-    ),
-    (
-        "inertia_triangle",
-        Some(16),
-        &["\"upper\"", "triangle rule", "0.13 kg m^2", "0.12 kg m^2"],
-    ),
-    (
-        "inertia_not_positive",
-        Some(16),
-        &["\"upper\"", "-2.000000e-2", "none may be negative"],
-    ),
-    (
-        "zero_axis",
-        Some(23),
-        &["\"elbow\"", "length 0", "longer than"],
-    ),
-    (
-        "duplicate_link",
-        Some(40),
-        &["link name \"upper\"", "twice", "line 12"],
-    ),
-    (
-        "duplicate_joint",
-        Some(19),
-        &["joint name \"shoulder\"", "twice", "line 5"],
-    ),
-    (
-        "nan_mass",
-        Some(15),
-        &["<mass value=\"nan\">", "\"upper\"", "finite"],
-    ),
-    (
-        "nan_origin",
-        Some(8),
-        &[
-            "<origin xyz=\"0 NaN 0.4\">",
-            "\"shoulder\"",
-            "three finite numbers",
-        ],
-    ),
-    (
-        "short_axis",
-        Some(9),
-        &["<axis xyz=\"0 1\">", "three finite numbers"],
-    ),
-    ("no_inertia_term", Some(16), &["<inertia>", "`iyz`"]),
-    ("no_joint_name", Some(19), &["<joint>", "`name`"]),
-    (
-        "unknown_link",
-        Some(7),
-        &["\"shoulder\"", "child", "\"uper\"", "base, upper"],
-    ),
-    (
-        "mimic_on_chain",
-        Some(24),
-        &["\"elbow\"", "mimics \"shoulder\"", "side branch"],
-    ),
-    ("no_moving_joint", Some(12), &["0 moving joints", "1 to 12"]),
-    (
-        "thirteen_joints",
-        Some(180),
-        &["13 moving joints", "1 to 12"],
-    ),
-    (
-        "limits_reversed",
-        Some(10),
-        &["\"shoulder\"", "lower limit 2", "upper limit -2"],
-    ),
-    (
-        "negative_damping",
-        Some(11),
-        &["\"shoulder\"", "damping is -5", "must not be negative"],
-    ),
-    (
-        "negative_velocity_limit",
-        Some(10),
-        &["\"shoulder\"", "velocity limit is -1"],
-    ),
-    (
-        "ambiguous_tip",
-        None,
-        &[
-            "choose one",
-            "\"left_hand\" (1 joint)",
-            "\"right_hand\" (1 joint)",
-        ],
-    ),
-];
 
 #[test]
 fn every_faulty_urdf_is_refused_with_its_reason() {
@@ -382,5 +243,40 @@ proptest::proptest! {
             let q = robot.default_posture();
             proptest::prop_assert!(robot.report(&q).is_ok());
         }
+    }
+}
+
+#[test]
+fn texts_that_would_exhaust_a_reader_are_refused_before_it_starts() {
+    let read = |text: &str| {
+        Robot::from_texts((text, Path::new("big.urdf")), None, None)
+            .expect_err("too much")
+            .to_string()
+    };
+    let nested = format!("<robot name=\"x\">\n{}", "<a>".repeat(10_000));
+    let message = read(&nested);
+    assert!(
+        message.contains("big.urdf:2: elements are nested more than 256 deep"),
+        "{message}"
+    );
+    let links: String = (0..20_000)
+        .map(|i| {
+            format!(
+                "<link name=\"l{i}\"/>\n<joint name=\"j{i}\" type=\"fixed\"><parent link=\"l{i}\"/>\
+                 <child link=\"l{}\"/></joint>\n",
+                i + 1
+            )
+        })
+        .collect();
+    let message = read(&format!("<robot name=\"x\">\n{links}</robot>"));
+    assert!(message.contains("20000 links; at most 1000"), "{message}");
+}
+
+#[test]
+fn a_table_without_postures_is_refused() {
+    let robot = Robot::from_texts((TWO_JOINTS, Path::new("two.urdf")), None, None).unwrap();
+    for table in ["", "\n\n", "shoulder,elbow\n", "# nothing\n"] {
+        let error = truecut_arm::report::fk_table(&robot, table).expect_err("no row");
+        assert!(error.to_string().contains("holds no posture"), "{error}");
     }
 }

@@ -229,13 +229,26 @@ impl CheckArguments {
 
 impl Common {
     fn use_jobs(&self) -> Result<(), Failure> {
-        let threads = self.jobs.map_or(0, std::num::NonZeroUsize::get);
+        let asked = self.jobs.map_or(0, std::num::NonZeroUsize::get);
+        if asked > MOST_JOBS {
+            return Err(Failure::message(format!(
+                "--jobs is {asked}, but must be at most {MOST_JOBS}: each takes a thread"
+            )));
+        }
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get);
+        let threads = asked.min(MOST_THREADS_PER_CORE * cores);
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build_global();
         pool.map_err(|error| Failure::message(format!("cannot start {threads} jobs: {error}")))
     }
 }
+
+/// More jobs are a slip.
+const MOST_JOBS: usize = 1024;
+
+/// More threads than that on a core only get in each other's way.
+const MOST_THREADS_PER_CORE: usize = 4;
 
 fn load_all(paths: &[PathBuf], common: &Common) -> Result<Vec<Scenario>, Failure> {
     common.use_jobs()?;

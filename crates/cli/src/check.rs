@@ -88,16 +88,9 @@ fn judge_scenario(
     if scenario.sweep.is_some() {
         let table = sweep::run(scenario, &|part| progress.set(part))?;
         let claims = table.claims(scenario);
-        let outcome = format!("{} rows", table.rows.len());
-        let all_hold = claims.iter().all(|claim| claim.holds);
-        let verdict = if all_hold {
-            Verdict::Good
-        } else {
-            Verdict::ClaimFailed
-        };
         return Ok(Judged {
-            verdict,
-            outcome,
+            verdict: table.verdict(&claims),
+            outcome: table.count(),
             claims,
         });
     }

@@ -42,6 +42,7 @@ pub fn execute(
         .extend(measured.map(|measured| measured.notes).unwrap_or_default());
     // A slip in a claim must not cost the run.
     scenario.check_claims(&header)?;
+    scenario.check_bands(cell.row_interval_s())?;
     let time_step_s = cell.time_step_s();
     let sink_failed = |error| failed(truecut_sim::SimError::Sink(error));
     let mut recorder = Recorder::new(header, sinks).map_err(sink_failed)?;

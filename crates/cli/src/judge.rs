@@ -39,9 +39,14 @@ fn judge_one(
     claim
         .evaluate(recording, reference.as_deref())
         .map_err(|error| {
-            scenario
-                .problem(&format!("claim.{index}"), error.to_string())
-                .into()
+            // A scalar is known only after the run, so a wrong one is found here.
+            let scalar = format!("claim.{index}.scalar");
+            let key = if scenario.gives(&scalar) {
+                scalar
+            } else {
+                format!("claim.{index}")
+            };
+            scenario.problem(&key, error.to_string()).into()
         })
 }
 

@@ -4,7 +4,6 @@ use truecut_scenario::Scenario;
 
 use crate::args::ExportArguments;
 use crate::failure::Failure;
-use crate::outputs::write_file;
 use crate::verdict::Verdict;
 
 /// Writes the model.
@@ -12,6 +11,8 @@ pub fn export(arguments: &ExportArguments) -> Result<Verdict, Failure> {
     let scenario = Scenario::load(&arguments.scenario, &arguments.set)?;
     let mjcf =
         truecut_sim::export_mjcf(&scenario).map_err(|error| Failure::sim(&scenario, error))?;
-    write_file(&arguments.output, mjcf.as_bytes())?;
+    // The file was named by hand; a folder that is not there is a slip in it.
+    std::fs::write(&arguments.output, mjcf.as_bytes())
+        .map_err(|error| Failure::message(format!("{}: {error}", arguments.output.display())))?;
     crate::print(&format!("{}\n", arguments.output.display()))
 }

@@ -9,6 +9,7 @@ use truecut_scenario::{Scenario, SweepClaim};
 use truecut_sim::sweep::{Job, jobs, run_job};
 
 use crate::failure::Failure;
+use crate::figure::short_number;
 use crate::progress::Progress;
 use crate::sweep_output;
 use crate::verdict::Verdict;
@@ -18,6 +19,8 @@ pub struct SweepTable {
     pub columns: Vec<Column>,
     /// Values in the unit of their column.
     pub rows: Vec<Vec<f64>>,
+    /// For each row, which of its runs did not come to its end, and why.
+    pub diverged: Vec<Option<String>>,
 }
 
 /// A column of a sweep's results.
@@ -27,6 +30,26 @@ pub struct Column {
     pub unit: UserUnit,
     /// Whether the values are those of an axis, rather than results.
     pub is_axis: bool,
+}
+
+impl Column {
+    /// The end of an axis' key, which is enough to know it by; the whole name of a result.
+    pub fn short_name(&self) -> &str {
+        let name = self.name.as_str();
+        if !self.is_axis {
+            return name;
+        }
+        // An entry of a list is known by its list: `release_n.0`.
+        let parts = name
+            .rsplit('.')
+            .take_while(|part| part.parse::<usize>().is_ok());
+        let last = parts.count();
+        let start = name
+            .rmatch_indices('.')
+            .nth(last)
+            .map_or(0, |(dot, _)| dot + 1);
+        &name[start..]
+    }
 }
 
 /// Runs a sweep with progress, prints its table and writes `sweep.parquet` and `sweep.svg`.
@@ -39,12 +62,7 @@ pub fn run_and_write(scenario: &Scenario, out: &Path) -> Result<Verdict, Failure
     let claims = table.claims(scenario);
     let text = sweep_output::write(scenario, &table, &claims, out)?;
     crate::print(&text)?;
-    let all_hold = claims.iter().all(|claim| claim.holds);
-    Ok(if all_hold {
-        Verdict::Good
-    } else {
-        Verdict::ClaimFailed
-    })
+    Ok(table.verdict(&claims))
 }
 
 /// Runs every job of a sweep. `progress` is told the part done.
@@ -57,11 +75,15 @@ pub fn run(scenario: &Scenario, progress: &(dyn Fn(f64) + Sync)) -> Result<Sweep
     let rows = jobs
         .par_iter()
         .map(|job| {
-            let row = run_job(job).map_err(|error| Failure::sim(scenario, error))?;
-            if let Ok(mut done) = done.lock() {
-                *done += 1.0;
-                progress(*done / count);
-            }
+            let of_job = std::cell::Cell::new(0.0);
+            let advance = |part: f64| {
+                if let Ok(mut done) = done.lock() {
+                    *done += part - of_job.replace(part);
+                    progress(*done / count);
+                }
+            };
+            let row = run_job(job, &advance).map_err(|error| Failure::sim(scenario, error))?;
+            advance(1.0);
             // What a run gives is SI; axes and a threshold that is searched for are in their key's unit.
             let value = |column: &Column| {
                 let entry = row.values.iter().find(|entry| entry.name == column.name);
@@ -70,15 +92,22 @@ pub fn run(scenario: &Scenario, progress: &(dyn Fn(f64) + Sync)) -> Result<Sweep
                     None => entry.value,
                 })
             };
-            Ok(columns.iter().map(value).collect())
+            let values = columns.iter().map(value).collect();
+            Ok((values, row.diverged))
         })
-        .collect::<Result<Vec<Vec<f64>>, Failure>>()?;
-    Ok(SweepTable { columns, rows })
+        .collect::<Result<Vec<(Vec<f64>, Option<String>)>, Failure>>()?;
+    let (rows, diverged) = rows.into_iter().unzip();
+    Ok(SweepTable {
+        columns,
+        rows,
+        diverged,
+    })
 }
 
 /// Finds mistakes in the metrics before the first run.
 fn check_first(scenario: &Scenario) -> Result<(), Failure> {
     let cell = truecut_sim::Cell::build(scenario).map_err(|error| Failure::sim(scenario, error))?;
+    scenario.check_bands(cell.row_interval_s())?;
     Ok(scenario.check_claims(&cell.header())?)
 }
 
@@ -115,6 +144,47 @@ impl SweepTable {
             .position(|column| column.name == name && !column.is_axis)
     }
 
+    /// What the sweep comes to: a run that did not come to its end weighs more than a claim that fails.
+    pub fn verdict(&self, claims: &[ClaimResult]) -> Verdict {
+        let of_claims = if claims.iter().all(|claim| claim.holds) {
+            Verdict::Good
+        } else {
+            Verdict::ClaimFailed
+        };
+        let of_runs = if self.count_diverged() == 0 {
+            Verdict::Good
+        } else {
+            Verdict::Diverged
+        };
+        of_runs.and(of_claims)
+    }
+
+    /// In how many rows a run diverged.
+    pub fn count_diverged(&self) -> usize {
+        self.diverged.iter().flatten().count()
+    }
+
+    /// How many rows there are, and how many of them diverged.
+    pub fn count(&self) -> String {
+        match (self.rows.len(), self.count_diverged()) {
+            (rows, 0) => format!("{rows} rows"),
+            (rows, diverged) => format!("{rows} rows, ✗ {diverged} diverged"),
+        }
+    }
+
+    /// The row by the values of its axes: `mu = 0.1, bore_mm = 32`; its number where there are no axes.
+    pub fn row_name(&self, row: usize) -> String {
+        let axes = self.columns.iter().zip(&self.rows[row]);
+        let axes: Vec<String> = axes
+            .filter(|(column, _)| column.is_axis)
+            .map(|(column, value)| format!("{} = {}", column.short_name(), short_number(*value)))
+            .collect();
+        if axes.is_empty() {
+            return format!("row {}", row + 1);
+        }
+        axes.join(", ")
+    }
+
     /// The sweep's claims, judged over all rows; the value shown is that of the worst row.
     pub fn claims(&self, scenario: &Scenario) -> Vec<ClaimResult> {
         let claims = scenario.sweep.iter().flat_map(|sweep| &sweep.claims);
@@ -148,13 +218,18 @@ impl SweepTable {
                 below.max(above)
             }
         };
-        let worst = self
-            .rows
-            .iter()
-            .map(value)
-            .max_by(|a, b| excess(*a).total_cmp(&excess(*b)));
-        let worst = worst.filter(|value| value.is_finite());
+        let values: Vec<f64> = self.rows.iter().map(value).collect();
+        let row = (0..values.len()).max_by(|a, b| {
+            excess(values[*a])
+                .total_cmp(&excess(values[*b]))
+                .then(b.cmp(a))
+        });
+        let worst = row.map(|row| values[row]).filter(|value| value.is_finite());
         let holds = worst.is_some_and(|value| excess(value) <= 0.0);
+        let row_name = row.map_or_else(|| "no row".to_owned(), |row| self.row_name(row));
+        let why = row.and_then(|row| self.diverged[row].clone());
+        let note =
+            (worst.is_none()).then(|| why.unwrap_or_else(|| "the row has no value".to_owned()));
         let metric = match &claim.over {
             Some(over) => format!("{} / {over}", claim.column),
             None => claim.column.clone(),
@@ -168,13 +243,19 @@ impl SweepTable {
             max,
             holds,
             reason: claim.reason.clone(),
-            shown: shown(&unit, worst, min, max),
-            note: worst.is_none().then(|| "a row has no value".to_owned()),
+            shown: shown(&unit, &row_name, worst, min, max),
+            note,
         }
     }
 }
 
-fn shown(unit: &UserUnit, worst: Option<f64>, min: Option<f64>, max: Option<f64>) -> String {
+fn shown(
+    unit: &UserUnit,
+    row: &str,
+    worst: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
+) -> String {
     let value = worst.map_or_else(|| "no value".to_owned(), |value| unit.show(value));
     let bounds = match (min, max) {
         (Some(min), Some(max)) => format!("{} to {}", unit.show(min), unit.show(max)),
@@ -182,5 +263,31 @@ fn shown(unit: &UserUnit, worst: Option<f64>, min: Option<f64>, max: Option<f64>
         (None, Some(max)) => format!("at most {}", unit.show(max)),
         (None, None) => String::new(),
     };
-    format!("worst row {value}, {bounds}")
+    format!("worst row {value} at {row}, {bounds}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_is_known_by_the_end_of_its_key() {
+        let column = |name: &str, is_axis| Column {
+            name: name.to_owned(),
+            unit: UserUnit::from(Unit::One),
+            is_axis,
+        };
+        assert_eq!(
+            column("process.chamfer.foot.friction.mu", true).short_name(),
+            "mu"
+        );
+        assert_eq!(
+            column("process.load.release_n.0", true).short_name(),
+            "release_n.0"
+        );
+        assert_eq!(
+            column("paper, eq. (27)", false).short_name(),
+            "paper, eq. (27)"
+        );
+    }
 }

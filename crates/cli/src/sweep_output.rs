@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::figure::{Figure, Layer, Legend, Panel, Style, short_number};
 use crate::outputs::write_file;
 use crate::sweep::{Column, SweepTable};
-use crate::sweep_parquet;
+use crate::sweep_parquet::{self, OUTCOME};
 use crate::text::{self, Align};
 
 /// Writes `sweep.parquet` and `sweep.svg`, and gives the text to print.
@@ -37,19 +37,36 @@ pub fn write(
 }
 
 fn tell(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg: &Path) -> String {
-    let head = table.columns.iter().map(heading).collect();
-    let rows = table.rows.iter().map(|row| {
-        let cells = table.columns.iter().zip(row);
-        cells.map(|(column, value)| cell(column, *value)).collect()
-    });
+    let headings = table.columns.iter().map(heading);
+    let head = headings.chain([OUTCOME.to_owned()]).collect();
+    let rows = table
+        .rows
+        .iter()
+        .zip(&table.diverged)
+        .map(|(row, diverged)| {
+            let cells = table.columns.iter().zip(row);
+            let cells = cells.map(|(column, value)| cell(column, *value));
+            let outcome = if diverged.is_some() {
+                "✗ diverged"
+            } else {
+                "completed"
+            };
+            cells.chain([outcome.to_owned()]).collect()
+        });
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
-    let aligns = vec![Align::Right; table.columns.len()];
+    let mut aligns = vec![Align::Right; table.columns.len()];
+    aligns.push(Align::Left);
     let mut text = format!(
-        "{}\n  {} rows\n\n{}",
+        "{}\n  {}\n\n{}",
         scenario.name,
-        table.rows.len(),
+        table.count(),
         text::table(&aligns, &rows)
     );
+    for (row, why) in table.diverged.iter().enumerate() {
+        if let Some(why) = why {
+            text.push_str(&format!("\n  ✗ {}: {why}\n", table.row_name(row)));
+        }
+    }
     if !claims.is_empty() {
         text.push_str(&format!("\n{}", text::claims(claims)));
     }
@@ -71,29 +88,11 @@ fn cell(column: &Column, value: f64) -> String {
 }
 
 fn heading(column: &Column) -> String {
-    let last = short(column);
+    let last = column.short_name();
     match column.unit.symbol.as_str() {
         "1" => last.to_owned(),
         symbol => format!("{last} [{symbol}]"),
     }
-}
-
-/// The end of an axis' key, which is enough to know it by; the whole name of a result.
-fn short(column: &Column) -> &str {
-    let name = column.name.as_str();
-    if !column.is_axis {
-        return name;
-    }
-    // An entry of a list is known by its list: `release_n.0`.
-    let parts = name
-        .rsplit('.')
-        .take_while(|part| part.parse::<usize>().is_ok());
-    let last = parts.count();
-    let start = name
-        .rmatch_indices('.')
-        .nth(last)
-        .map_or(0, |(dot, _)| dot + 1);
-    &name[start..]
 }
 
 /// One panel for each unit among the results, over the last axis; a curve for each value of the first.
@@ -147,7 +146,7 @@ fn curves_of(table: &SweepTable, index: usize, over: usize, outer: Option<usize>
         let name = &table.columns[index].name;
         let label = match outer.zip(group) {
             Some((outer, value)) => {
-                let axis = short(&table.columns[outer]);
+                let axis = table.columns[outer].short_name();
                 format!("{name}, {axis} = {}", short_number(value))
             }
             None => name.clone(),
@@ -162,28 +161,4 @@ fn curves_of(table: &SweepTable, index: usize, over: usize, outer: Option<usize>
         ));
     }
     curves.into_iter().map(|(_, curve)| curve).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use truecut_recording::{Unit, UserUnit};
-
-    #[test]
-    fn an_axis_is_known_by_the_end_of_its_key() {
-        let column = |name: &str, is_axis| Column {
-            name: name.to_owned(),
-            unit: UserUnit::from(Unit::One),
-            is_axis,
-        };
-        assert_eq!(
-            short(&column("process.chamfer.foot.friction.mu", true)),
-            "mu"
-        );
-        assert_eq!(
-            short(&column("process.load.release_n.0", true)),
-            "release_n.0"
-        );
-        assert_eq!(short(&column("paper, eq. (27)", false)), "paper, eq. (27)");
-    }
 }

@@ -61,6 +61,19 @@ pub fn headline(all: &[Scalar]) -> String {
             modes.join(", ")
         ));
     }
+    if let Some(use_max) = all.iter().find(|one| one.name == "plant.torque_use_max") {
+        let shown = significant(use_max.value, 3);
+        let what = use_max.description.split_once(": ");
+        let what = what.map_or("", |(_, what)| what);
+        text.push_str(&if use_max.value > 1.0 {
+            format!(
+                "  ✗ DRIVE OVERLOADED: {shown} times what a drive can give is asked for ({what}); \
+                 the real arm would not hold\n"
+            )
+        } else {
+            format!("  largest drive torque: {shown} of its limit ({what})\n")
+        });
+    }
     text
 }
 
@@ -151,6 +164,12 @@ mod tests {
             scalar("plant.mode1_frequency", Unit::Hertz, 6.672),
             scalar("plant.mode2_frequency", Unit::Hertz, 11.03),
             scalar("chamfer.width_spread", Unit::Metre, 1.9e-5),
+            Scalar::new(
+                "plant.torque_use_max",
+                Unit::One,
+                1.25,
+                "Over its limit: joint `a`",
+            ),
         ]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "  chamfer.width_spread  19.00 µm  what it is");
@@ -158,7 +177,9 @@ mod tests {
             lines[1],
             "  natural frequencies of the free arm: 6.672, 11.03 Hz"
         );
-        assert_eq!(lines.len(), 2);
+        assert!(lines[2].starts_with("  ✗ DRIVE OVERLOADED: 1.25 times"));
+        assert!(lines[2].contains("(joint `a`)"));
+        assert_eq!(lines.len(), 3);
     }
 
     #[test]

@@ -233,7 +233,7 @@ impl Recording {
 
 /// A channel, scalar or profile that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown {kind} \"{name}\"{}", suggestion(.nearest.as_deref()))]
+#[error("unknown {kind} \"{name}\"{}{}", suggestion(.nearest.as_deref()), listed(.nearest.as_deref(), .known))]
 pub struct UnknownName {
     /// `channel`, `scalar` or `profile`.
     pub kind: &'static str,
@@ -241,6 +241,16 @@ pub struct UnknownName {
     pub name: String,
     /// The nearest one that exists.
     pub nearest: Option<String>,
+    /// All that exist.
+    pub known: Vec<String>,
+}
+
+/// What there is to choose from, where nothing near was meant.
+fn listed(nearest: Option<&str>, known: &[String]) -> String {
+    if nearest.is_some() || known.is_empty() {
+        return String::new();
+    }
+    format!("; known: {}", known.join(", "))
 }
 
 impl UnknownName {
@@ -250,10 +260,12 @@ impl UnknownName {
         name: &str,
         existing: impl IntoIterator<Item = &'a str>,
     ) -> UnknownName {
+        let known: Vec<&str> = existing.into_iter().collect();
         UnknownName {
             kind,
             name: name.to_owned(),
-            nearest: nearest(name, existing).map(str::to_owned),
+            nearest: nearest(name, known.iter().copied()).map(str::to_owned),
+            known: known.into_iter().map(str::to_owned).collect(),
         }
     }
 }

@@ -15,6 +15,7 @@ use crate::effect::table::{self, EffectTable};
 use crate::effect::{Effect, text};
 use crate::error::{Problem, ScenarioError};
 use crate::process::{ProcessSpec, ProcessTable};
+use crate::reach;
 use crate::robot::{RobotSpec, RobotTable};
 use crate::run::{RunSpec, RunTable};
 use crate::schema;
@@ -349,6 +350,7 @@ impl FileTable {
             let message = "a sweep has no [[claim]]: its claims are [[sweep.claim]]".to_owned();
             check.refuse(Fault::key("claim.0", message, "never judged"));
         }
+        reach::check_windows(&claims, sweep.as_ref(), run.as_ref(), &mut check);
         let effects = table::resolve(self.effect.unwrap_or_default(), &mut check);
         let faults = check.into_faults();
         if let Some(error) = located(&document, faults) {

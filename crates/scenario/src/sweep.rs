@@ -6,9 +6,11 @@ use truecut_recording::{MetricSpec, UserUnit, nearest};
 
 use crate::check::Check;
 use crate::claim::check_bounds;
-use crate::document::{Fault, split_path};
+use crate::document::Fault;
 use crate::metric::{MetricTable, read_unit};
-use crate::schema;
+use crate::sweep_check::{
+    check_count, check_key, check_keys_differ, check_names_differ, check_rising,
+};
 use crate::units::key_unit;
 
 /// A sweep: rows for all combinations of the axes' values.
@@ -213,6 +215,17 @@ impl SweepTable {
             check.refuse(Fault::key("sweep", message, "nothing is swept"));
         }
         check_keys_differ(&axes, bisect.as_ref(), check);
+        check_count(&axes, check);
+        if !check.document().has("sweep.column") && !check.document().has("sweep.bisect") {
+            let message =
+                "[sweep] has neither [[sweep.column]] nor [sweep.bisect]: its rows would be empty";
+            check.refuse(Fault::key(
+                "sweep",
+                message.to_owned(),
+                "nothing is tabulated",
+            ));
+        }
+        check_names_differ(&axes, bisect.as_ref(), &columns, check);
         let known: Vec<String> = bisect
             .iter()
             .map(|bisect| bisect.name.clone())
@@ -227,49 +240,6 @@ impl SweepTable {
             bisect,
             columns,
             claims,
-        }
-    }
-}
-
-/// The swept key must be a number of the robot, the run or the process.
-/// Whether `key` is a number of the scenario that can be changed from outside; else a fault at `at`.
-pub(crate) fn check_key(key: &str, at: &str, check: &mut Check) -> bool {
-    let path = split_path(key);
-    let own = |part: &String| matches!(part.as_str(), "robot" | "run" | "process");
-    if !path.first().is_some_and(own) {
-        let message = format!("`{at}` is \"{key}\", but must be a key below robot, run or process");
-        check.refuse(Fault::value(at, message, "cannot be changed"));
-        return false;
-    }
-    match schema::leaf_schema(&path) {
-        Err(fault) => {
-            let message = format!("`{at}` is \"{key}\": {}", fault.message);
-            check.refuse(Fault {
-                help: fault.help,
-                ..Fault::value(at, message, fault.label)
-            });
-            false
-        }
-        Ok(leaf) if !schema::is_number(leaf) => {
-            let message = format!("`{at}` is \"{key}\", which is not a number");
-            check.refuse(Fault::value(at, message, "not a number"));
-            false
-        }
-        Ok(_) => true,
-    }
-}
-
-fn check_keys_differ(axes: &[SweepAxis], bisect: Option<&BisectSpec>, check: &mut Check) {
-    let bisect = bisect.map(|bisect| ("sweep.bisect.key".to_owned(), &bisect.key));
-    let axes = axes.iter().enumerate();
-    let keys: Vec<(String, &String)> = axes
-        .map(|(index, axis)| (format!("sweep.axis.{index}.key"), &axis.key))
-        .chain(bisect)
-        .collect();
-    for (index, (at, key)) in keys.iter().enumerate() {
-        if keys[..index].iter().any(|(_, earlier)| earlier == key) {
-            let message = format!("`{at}` is \"{key}\", which is swept already");
-            check.refuse(Fault::value(at, message, "swept twice"));
         }
     }
 }
@@ -313,14 +283,6 @@ impl AxisTable {
             values: values.collect(),
             unit,
         })
-    }
-}
-
-fn check_rising(table: &str, from: f64, to: f64, check: &mut Check) {
-    if from >= to {
-        let path = format!("{table}.to");
-        let message = format!("`{path}` is {to}, but must be greater than from = {from}");
-        check.refuse(Fault::value(&path, message, "not above from"));
     }
 }
 

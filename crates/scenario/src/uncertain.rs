@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::check::Check;
 use crate::document::Fault;
-use crate::sweep::check_key;
+use crate::sweep_check::check_key;
 
 /// A nominal value that is not known exactly.
 #[derive(Debug, Clone, PartialEq)]

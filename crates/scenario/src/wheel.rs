@@ -40,9 +40,9 @@ pub struct WheelSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Spin {
-    /// With the feed: friction drives the wheel forward.
+    /// Against the feed, as the plate passes under the advancing wheel: friction pulls the tool along.
     Climb,
-    /// Against the feed: friction holds the wheel back.
+    /// With the feed, against the passing plate: friction holds the tool back.
     Against,
 }
 
@@ -66,7 +66,9 @@ pub(crate) struct WheelTable {
     /// Speed of rotation; `spin` gives its sense.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel turns; spin gives the sense"))]
     speed_rpm: f64,
-    /// Climb: the wheel's surface moves with the feed. Against: against it.
+    /// Which way the surface moves where it touches the plate. Climb: against the feed, as the plate passes
+    /// under the advancing wheel; it rubs at surface speed less feed, and friction pulls the tool along.
+    /// Against: with the feed; it rubs at surface speed plus feed, and friction holds the tool back.
     spin: Spin,
     /// Stiffness of the contact.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is elastic"))]
@@ -90,7 +92,7 @@ pub(crate) struct WheelTable {
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a strip has a length"))]
     strip_length_mm: f64,
     /// Number of cells along the strip. Default: 400.
-    #[schemars(range(min = 1, max = 1_000_000), extend("x-rule" = "1 to 1000000 cells"))]
+    #[schemars(range(min = 1, max = 100_000), extend("x-rule" = "1 to 100000 cells"))]
     strip_cells: Option<u32>,
     /// Preston coefficient.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "polishing removes material"))]

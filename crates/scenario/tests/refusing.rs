@@ -296,11 +296,15 @@ fn claims_need_bounds_units_and_a_metric() {
     );
 }
 
+/// A sweep tabulates something.
+const COLUMN: &str =
+    "[[sweep.column]]\nname = \"width\"\nscalar = \"chamfer.width_mean\"\nunit = \"mm\"\n";
+
 #[test]
 fn sweeps_need_known_numeric_keys_and_rising_ends() {
     let head = TEXT.split("[[claim]]").next().unwrap();
     let sweep = |axis: &str| {
-        let text = format!("{head}\n[[sweep.axis]]\n{axis}\n");
+        let text = format!("{head}\n[[sweep.axis]]\n{axis}\n{COLUMN}");
         problems(&text, &[])[0].message.clone()
     };
     let near = sweep("key = \"process.chamfer.foot.presure_mpa\"\nvalues = [1]");
@@ -313,7 +317,7 @@ fn sweeps_need_known_numeric_keys_and_rising_ends() {
     let twice = format!("{depth}\nvalues = [1]\n[[sweep.axis]]\n{depth}\nvalues = [2]");
     assert!(sweep(&twice).contains("swept already"));
     let beside = problems(
-        &format!("{TEXT}\n[[sweep.axis]]\n{depth}\nvalues = [1]"),
+        &format!("{TEXT}\n[[sweep.axis]]\n{depth}\nvalues = [1]\n{COLUMN}"),
         &[],
     );
     assert!(

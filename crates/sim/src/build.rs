@@ -89,7 +89,7 @@ impl Prepared {
         world_from_process.translation = touched.translation;
         let fastest = match kind {
             DriveKind::Force => None,
-            _ => Some(step_size::fastest_mode_hz(
+            _ => Some(step_size::fastest_mode(
                 &robot,
                 &start,
                 process.as_ref(),

@@ -10,6 +10,7 @@ use crate::loads::{Attachment, Loads};
 use crate::plant::{Command, Plant, RapierPlant, WorldWrench};
 use crate::process::{FrameMotion, Process, ToolState};
 use crate::scene::Stage;
+use crate::torque_use::{TorqueUse, servo_note};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use truecut_arm::JointKind;
 use truecut_recording::{Header, Measured, Outcome, Recorder, Scalar, Scene, Unit};
@@ -17,6 +18,9 @@ use truecut_scenario::Scenario;
 
 /// Steps between two calls of the progress function.
 const STEPS_PER_REPORT: usize = 500;
+
+/// Largest recording, bytes.
+const LARGEST_RECORDING_BYTES: f64 = 2e9;
 
 /// One scenario, ready to run.
 pub struct Cell {
@@ -33,6 +37,7 @@ pub struct Cell {
     first_command: Vec<f64>,
     steps: usize,
     steps_per_row: usize,
+    torque_use: TorqueUse,
     scalars: Vec<Scalar>,
 }
 
@@ -69,7 +74,9 @@ impl Cell {
             prepared.gravity_m_s2,
             prepared.dt_s,
         );
-        Ok(Self::assemble(scenario, prepared, Box::new(plant)))
+        let cell = Self::assemble(scenario, prepared, Box::new(plant));
+        cell.check_memory(scenario)?;
+        Ok(cell)
     }
 
     fn assemble(scenario: &Scenario, prepared: Prepared, plant: Box<dyn Plant>) -> Self {
@@ -98,6 +105,15 @@ impl Cell {
                 .collect()
         };
         let interval = scenario.run.record_interval_s.unwrap_or(0.0);
+        let steps_per_row = ((interval / prepared.dt_s).round() as usize).max(1);
+        let recorded = steps_per_row as f64 * prepared.dt_s;
+        if interval > 0.0 && (recorded / interval - 1.0).abs() > 1e-6 {
+            header.notes.push(format!(
+                "a row every {:.6} ms: the {} ms asked for are no whole number of steps",
+                recorded * 1e3,
+                interval * 1e3
+            ));
+        }
         Self {
             tool_start_m: position(Attachment::Tool.into()),
             foot_start_m: position(Attachment::Foot.into()),
@@ -109,8 +125,9 @@ impl Cell {
                 .rotation
                 .to_rotation_matrix()
                 .matrix(),
-            steps_per_row: ((interval / prepared.dt_s).round() as usize).max(1),
+            steps_per_row,
             steps,
+            torque_use: TorqueUse::new(&prepared),
             scalars: plant_scalars(&prepared),
             process: prepared.process,
             command: prepared.command,
@@ -128,6 +145,40 @@ impl Cell {
     /// Time step, s.
     pub fn time_step_s(&self) -> f64 {
         self.plant.time_step_s()
+    }
+
+    /// Time between two rows of the recording, s.
+    pub fn row_interval_s(&self) -> f64 {
+        self.steps_per_row as f64 * self.time_step_s()
+    }
+
+    /// A recording is held in memory as a whole.
+    fn check_memory(&self, scenario: &Scenario) -> Result<(), SimError> {
+        let (rows, channels) = (
+            self.steps / self.steps_per_row + 1,
+            self.header.channels.len(),
+        );
+        let bytes = rows as f64 * channels as f64 * 8.0;
+        if bytes <= LARGEST_RECORDING_BYTES {
+            return Ok(());
+        }
+        let keys = [
+            "run.record_interval_ms",
+            "run.time_step_ms",
+            "run.duration_s",
+        ];
+        let key = keys.into_iter().find(|key| scenario.gives(key));
+        Err(SimError::scenario(
+            key.unwrap_or("process"),
+            format!(
+                "the recording would have {rows} rows of {channels} channels, {:.1} GB, but must be at most \
+                 {:.0} GB: it is held in memory; raise run.record_interval_ms (a row is now written every \
+                 {:.4} ms)",
+                bytes / 1e9,
+                LARGEST_RECORDING_BYTES / 1e9,
+                self.row_interval_s() * 1e3
+            ),
+        ))
     }
 
     /// Runs to the end, or until the run diverges. Rows go to the recorder as they come; `progress` is told
@@ -162,6 +213,7 @@ impl Cell {
             }
         }
         let findings = self.process.finish();
+        self.scalars.extend(self.torque_use.scalar());
         self.scalars.extend(findings.scalars);
         Ok(RunEnd {
             scalars: self.scalars,
@@ -191,6 +243,7 @@ impl Cell {
             .solve(self.plant.as_mut(), &loads.contacts, &self.axes);
         self.plant
             .finish(&self.contacts.wrenches, &self.contacts.joint_torques);
+        self.torque_use.watch(time_s, self.plant.as_ref());
         let state = self.tool_state(time_s);
         let diverged = self.watch(time_s, &wrenches);
         if diverged.is_none() {
@@ -296,6 +349,7 @@ impl Cell {
 
 fn header(scenario: &Scenario, prepared: &Prepared, scene: Scene) -> Header {
     let mut notes = prepared.notes.clone();
+    notes.extend(servo_note(prepared));
     notes.push(format!(
         "time step {:.6} ms, leapfrog, no numerical damping",
         prepared.dt_s * 1e3

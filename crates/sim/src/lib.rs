@@ -29,6 +29,7 @@ mod scene;
 mod step_size;
 pub mod sweep;
 mod theory;
+mod torque_use;
 mod translate;
 
 pub use cell::{Cell, RunEnd};

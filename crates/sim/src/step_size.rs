@@ -16,15 +16,93 @@ const FEWEST_STEPS_PER_PERIOD: f64 = 8.0;
 /// Default steps between two cutting edges.
 const STEPS_PER_TOOTH: f64 = 40.0;
 
+/// Most steps of a run: some twenty minutes of a six-joint arm.
+const MOST_STEPS: f64 = 2e7;
+
+/// The fastest mode of the plant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fastest {
+    pub frequency_hz: f64,
+    /// What makes it so fast.
+    pub cause: Cause,
+}
+
+/// What a fast mode is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cause {
+    /// Joints and links.
+    Joints,
+    /// The spring of a contact.
+    Contact,
+    /// A rotor between drive and transmission.
+    Rotor,
+}
+
+impl Cause {
+    /// The key it is written under, and what it is.
+    fn place(self) -> (&'static str, &'static str) {
+        match self {
+            Cause::Joints => (
+                "robot.urdf",
+                "the stiffness of a joint on the mass it moves",
+            ),
+            Cause::Contact => ("process", "the stiffness of the process's contact"),
+            Cause::Rotor => ("robot.urdf", "a rotor on its transmission"),
+        }
+    }
+}
+
+/// Refuses a run of more steps than anyone waits for.
+fn check_count(
+    step_s: f64,
+    asked: bool,
+    fastest: Option<Fastest>,
+    duration_s: f64,
+) -> Result<(), SimError> {
+    let count = duration_s / step_s;
+    if count <= MOST_STEPS {
+        return Ok(());
+    }
+    let of_mode = fastest.filter(|f| step_s * f.frequency_hz * STEPS_PER_PERIOD <= 1.01);
+    let (key, why) = match of_mode {
+        _ if asked => ("run.time_step_ms", "it is the step asked for".to_owned()),
+        Some(Fastest {
+            frequency_hz,
+            cause,
+        }) => {
+            let (key, what) = cause.place();
+            (
+                key,
+                format!(
+                    "it is 1/{STEPS_PER_PERIOD} of the period of the fastest mode, at {frequency_hz:.4e} Hz, \
+                     which {what} makes"
+                ),
+            )
+        }
+        None => (
+            "process",
+            "it follows from the time between two cutting edges, or is the longest".into(),
+        ),
+    };
+    Err(SimError::scenario(
+        key,
+        format!(
+            "{duration_s} s in steps of {step_s:.4e} s are {count:.2e} steps, but a run has at most \
+             {MOST_STEPS:.0e}; {why}"
+        ),
+    ))
+}
+
 /// The step of a run, s: the smallest of 0.25 ms, 1/60 of the fastest mode's period (contact springs and
 /// rotors included) and 1/40 of the tooth period, shortened so that the run is a whole number of steps;
 /// or the one asked for, if it is short enough.
 pub(crate) fn choose(
     asked_s: Option<f64>,
-    fastest_mode_hz: Option<f64>,
+    fastest: Option<Fastest>,
     process: &dyn Process,
     duration_s: f64,
 ) -> Result<f64, SimError> {
+    let fastest_mode_hz = fastest.map(|fastest| fastest.frequency_hz);
     if let Some(asked) = asked_s {
         if let Some(f) = fastest_mode_hz
             && asked * f * FEWEST_STEPS_PER_PERIOD > 1.0
@@ -39,6 +117,7 @@ pub(crate) fn choose(
                 ),
             ));
         }
+        check_count(asked, true, fastest, duration_s)?;
         return Ok(asked);
     }
     let mode = fastest_mode_hz.map_or(LONGEST_S, |f| 1.0 / (f * STEPS_PER_PERIOD));
@@ -46,18 +125,28 @@ pub(crate) fn choose(
         .tooth_period_s()
         .map_or(LONGEST_S, |t| t / STEPS_PER_TOOTH);
     let step = LONGEST_S.min(mode).min(tooth);
+    check_count(step, false, fastest, duration_s)?;
     Ok(duration_s / (duration_s / step).ceil())
 }
 
 /// Frequency of the fastest mode of the arm with the process's springs attached, Hz. `None` for an arm
 /// whose joints are free.
-pub(crate) fn fastest_mode_hz(
+pub(crate) fn fastest_mode(
     robot: &Robot,
     q: &[f64],
     process: &dyn Process,
     with_rotors: bool,
-) -> Result<f64, SimError> {
+) -> Result<Fastest, SimError> {
     let mut arm = robot.linearised(q, FrameId::Tool, &Load::none())?;
+    let highest = |arm: &truecut_arm::LinearArm| -> Result<f64, SimError> {
+        Ok(arm
+            .modes()?
+            .frequency_hz
+            .iter()
+            .copied()
+            .fold(0.0, f64::max))
+    };
+    let alone_hz = highest(&arm)?;
     let world_from_process = robot.world_from_process(q);
     for spring in process.contact_stiffness() {
         let direction = world_from_process.rotation * spring.direction;
@@ -67,10 +156,24 @@ pub(crate) fn fastest_mode_hz(
             .tr_mul(&direction);
         arm.stiffness += &row * row.transpose() * spring.stiffness_n_per_m;
     }
-    let modes = arm.modes()?;
-    let mut fastest = modes.frequency_hz.iter().copied().fold(0.0, f64::max);
-    if with_rotors {
-        fastest = fastest.max(rotor_mode_hz(robot, &arm.mass));
+    let mut fastest = Fastest {
+        frequency_hz: highest(&arm)?,
+        cause: Cause::Joints,
+    };
+    // A contact that makes the fastest mode half as fast again is what it is made of.
+    if fastest.frequency_hz > 1.5 * alone_hz {
+        fastest.cause = Cause::Contact;
+    }
+    let rotor_hz = if with_rotors {
+        rotor_mode_hz(robot, &arm.mass)
+    } else {
+        0.0
+    };
+    if rotor_hz > fastest.frequency_hz {
+        fastest = Fastest {
+            frequency_hz: rotor_hz,
+            cause: Cause::Rotor,
+        };
     }
     Ok(fastest)
 }

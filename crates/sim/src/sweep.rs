@@ -5,7 +5,7 @@
 
 use crate::cell::{Cell, RunEnd};
 use crate::error::SimError;
-use truecut_recording::{Recorder, Recording, Unit};
+use truecut_recording::{Outcome, Recorder, Recording, Unit};
 use truecut_scenario::{BisectSpec, Scenario, SweepSpec};
 
 /// One combination of the axes' values.
@@ -32,6 +32,9 @@ pub struct Entry {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Row {
     pub values: Vec<Entry>,
+    /// Which run did not come to its end, and why; then the threshold and every column are NaN, since a
+    /// metric over a part of a run is no result.
+    pub diverged: Option<String>,
 }
 
 impl Row {
@@ -78,11 +81,11 @@ fn number(value: f64) -> String {
     }
 }
 
-/// Runs one job.
+/// Runs one job. `progress` is told the part done, from 0 to 1; it never falls.
 ///
 /// # Errors
 /// What makes a scenario unfit to run at these values, or a column that its recording does not have.
-pub fn run_job(job: &Job) -> Result<Row, SimError> {
+pub fn run_job(job: &Job, progress: &dyn Fn(f64)) -> Result<Row, SimError> {
     let mut row = Row::default();
     for (key, value) in &job.overrides {
         row.values.push(Entry {
@@ -93,58 +96,120 @@ pub fn run_job(job: &Job) -> Result<Row, SimError> {
     }
     let recording = match &job.sweep.bisect {
         Some(bisect) => {
-            let (value, recording) = search(job, bisect)?;
+            let found = search(job, bisect, progress)?;
             row.values.push(Entry {
                 name: bisect.name.clone(),
-                value,
+                value: found.value,
                 unit: None,
             });
+            row.diverged = found.diverged;
+            found.recording
+        }
+        None => {
+            let recording = record_with(&job.scenario, &job.overrides, progress)?;
+            row.diverged = diverged(&recording);
             recording
         }
-        None => record(&job.scenario, &job.overrides)?,
     };
     for column in &job.sweep.columns {
         let metric = column.metric.evaluate(&recording)?;
         row.values.push(Entry {
             name: column.name.clone(),
-            value: metric.value,
+            value: row.diverged.as_ref().map_or(metric.value, |_| f64::NAN),
             unit: Some(metric.unit),
         });
     }
     Ok(row)
 }
 
+/// How a run ended if it did not come to its end.
+fn diverged(recording: &Recording) -> Option<String> {
+    (recording.outcome != Outcome::Completed).then(|| recording.outcome.to_string())
+}
+
+/// What a search ended with: the threshold, and the run there or that which stopped the search.
+struct Found {
+    value: f64,
+    recording: Recording,
+    diverged: Option<String>,
+}
+
 /// Bisects for the smallest value at which the metric meets its limit, and gives the run there. The metric
 /// is taken to fall as the key rises. If even the upper end does not meet the limit the value is NaN; if
-/// the lower end does, it is the lower end.
-fn search(job: &Job, bisect: &BisectSpec) -> Result<(f64, Recording), SimError> {
-    let at = |value: f64| -> Result<(bool, Recording), SimError> {
-        let mut overrides = job.overrides.clone();
-        overrides.push((bisect.key.clone(), format!("{value:?}")));
-        let recording = record(&job.scenario, &overrides)?;
-        let metric = bisect.metric.evaluate(&recording)?;
-        Ok((metric.value <= bisect.limit, recording))
+/// the lower end does, it is the lower end. A trial that diverges ends the search without a threshold: nothing
+/// is known of the metric there.
+fn search(job: &Job, bisect: &BisectSpec, progress: &dyn Fn(f64)) -> Result<Found, SimError> {
+    let halvings = ((bisect.to - bisect.from) / (bisect.tolerance * bisect.to.abs())).log2();
+    let most = halvings.max(0.0).ceil() + 2.0;
+    let made = std::cell::Cell::new(0.0);
+    let trial = |job, bisect, value| {
+        let tried = trial(job, bisect, value, &|part| {
+            progress((made.get() + part) / most)
+        });
+        made.set(made.get() + 1.0);
+        tried
     };
     let (mut low, mut high) = (bisect.from, bisect.to);
-    let (holds_high, mut best) = at(high)?;
-    if !holds_high {
-        return Ok((f64::NAN, best));
+    let mut best = trial(job, bisect, high)?;
+    if best.diverged.is_some() || !best.meets_limit {
+        return Ok(best.found(f64::NAN));
     }
-    let (holds_low, recording) = at(low)?;
-    if holds_low {
-        return Ok((low, recording));
+    let lowest = trial(job, bisect, low)?;
+    if lowest.diverged.is_some() {
+        return Ok(lowest.found(f64::NAN));
+    }
+    if lowest.meets_limit {
+        return Ok(lowest.found(low));
     }
     while high - low > bisect.tolerance * high.abs() {
         let middle = 0.5 * (low + high);
-        let (holds, recording) = at(middle)?;
-        if holds {
+        let tried = trial(job, bisect, middle)?;
+        if tried.diverged.is_some() {
+            return Ok(tried.found(f64::NAN));
+        }
+        if tried.meets_limit {
             high = middle;
-            best = recording;
+            best = tried;
         } else {
             low = middle;
         }
     }
-    Ok((high, best))
+    Ok(best.found(high))
+}
+
+/// One run of a search.
+struct Trial {
+    meets_limit: bool,
+    recording: Recording,
+    diverged: Option<String>,
+}
+
+impl Trial {
+    fn found(self, value: f64) -> Found {
+        Found {
+            value,
+            recording: self.recording,
+            diverged: self.diverged,
+        }
+    }
+}
+
+fn trial(
+    job: &Job,
+    bisect: &BisectSpec,
+    value: f64,
+    progress: &dyn Fn(f64),
+) -> Result<Trial, SimError> {
+    let mut overrides = job.overrides.clone();
+    overrides.push((bisect.key.clone(), format!("{value:?}")));
+    let recording = record_with(&job.scenario, &overrides, progress)?;
+    let metric = bisect.metric.evaluate(&recording)?;
+    Ok(Trial {
+        meets_limit: metric.value <= bisect.limit,
+        diverged: diverged(&recording)
+            .map(|outcome| format!("the trial at {} = {value} {outcome}", bisect.key)),
+        recording,
+    })
 }
 
 /// Runs a scenario with overrides and keeps the recording in memory.
@@ -152,6 +217,14 @@ fn search(job: &Job, bisect: &BisectSpec) -> Result<(f64, Recording), SimError> 
 /// # Errors
 /// As [`Cell::build`]; and a scenario that the overrides break.
 pub fn record(scenario: &Scenario, overrides: &[(String, String)]) -> Result<Recording, SimError> {
+    record_with(scenario, overrides, &|_| {})
+}
+
+fn record_with(
+    scenario: &Scenario,
+    overrides: &[(String, String)],
+    progress: &dyn Fn(f64),
+) -> Result<Recording, SimError> {
     let scenario = scenario.with_overrides(overrides)?;
     let cell = Cell::build(&scenario)?;
     let mut recorder = Recorder::new(cell.header(), Vec::new())?;
@@ -159,7 +232,7 @@ pub fn record(scenario: &Scenario, overrides: &[(String, String)]) -> Result<Rec
         scalars,
         profiles,
         outcome,
-    } = cell.run(&mut recorder, &|_| {})?;
+    } = cell.run(&mut recorder, progress)?;
     let (recording, sinks) = recorder.finish(scalars, profiles, outcome)?;
     sinks.close(&recording, &[])?;
     Ok(recording)

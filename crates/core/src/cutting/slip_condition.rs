@@ -142,7 +142,7 @@ pub fn first_slip_depth_m(
 
 /// Pressure at which the general condition is just met at depth `d`, Pa, for a foot family given by
 /// `foot_at(pressure)`. The capacity grows with pressure; bisection between 0 and `max_pressure_pa`.
-/// `None` if even that does not hold.
+/// 0 if no pressure is needed; `None` if even the largest does not hold.
 pub fn general_threshold_pa(
     cut: &Cut,
     foot_at: impl Fn(f64) -> PressureFoot,
@@ -154,6 +154,9 @@ pub fn general_threshold_pa(
     let holds = |p: f64| SlipBalance::at_depth(cut, &foot_at(p), arm, mu, depth_m).holds();
     if !holds(max_pressure_pa) {
         return None;
+    }
+    if holds(0.0) {
+        return Some(0.0);
     }
     let (mut low, mut high) = (0.0, max_pressure_pa);
     for _ in 0..60 {
@@ -250,6 +253,19 @@ mod tests {
             general_threshold_pa(&c, foot, &UNCOUPLED, 0.2, 1e-3, 5e6).expect("holds at 5 MPa");
         let exact = c.exact_threshold_pa(1e-3, 0.2, 0.0, AREA_M2);
         assert!((general / exact - 1.0).abs() < 1e-9);
+    }
+
+    /// A share of the axial force large enough for friction alone: no pressure is needed, and not some 1e-10 Pa.
+    #[test]
+    fn verify_a_foot_that_holds_by_itself_needs_no_pressure() {
+        let rigid = |pressure_pa: f64| PressureFoot {
+            seal_stiction_n: 1e9,
+            rod_stiffness_n_per_m: 1e15,
+            ..foot(pressure_pa)
+        };
+        let threshold = |mu| general_threshold_pa(&cut(1.0), rigid, &UNCOUPLED, mu, 1e-3, 5e6);
+        assert_eq!(threshold(1.2), Some(0.0));
+        assert!(threshold(0.2).is_some_and(|pressure| pressure > 1e5));
     }
 
     #[test]

@@ -233,6 +233,16 @@ impl Drive {
             .sum()
     }
 
+    /// Torque of a joint's drive, N m or N: what the servo gives, or what the transmission asks of a motor that
+    /// follows its command exactly.
+    pub fn torque(&self, joint: usize, state: &JointState) -> f64 {
+        match self.kind {
+            DriveKind::Position => state.transmission[joint],
+            DriveKind::Servo => self.servo_torque(joint, state),
+            DriveKind::Force => 0.0,
+        }
+    }
+
     fn servo_torque(&self, i: usize, state: &JointState) -> f64 {
         let Some(servo) = self.joints[i].servo else {
             return 0.0;

@@ -115,6 +115,12 @@ pub trait Plant: Send {
     /// Power of the drives at the last instant, W: what the moving command feeds in.
     fn drive_power_w(&self) -> f64;
 
+    /// Torque (force) that the drive of a joint exerts at the last instant, N m or N: where the motor follows
+    /// its command exactly, what the transmission asks for.
+    fn drive_torque(&self, joint: usize) -> f64 {
+        self.joints().transmission[joint]
+    }
+
     /// Power lost in the transmissions' damping at the last instant, W, not negative.
     fn dissipation_w(&self) -> f64;
 

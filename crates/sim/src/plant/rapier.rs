@@ -284,6 +284,10 @@ impl Plant for RapierPlant {
         self.drive.power_w(&self.joints)
     }
 
+    fn drive_torque(&self, joint: usize) -> f64 {
+        self.drive.torque(joint, &self.joints)
+    }
+
     fn dissipation_w(&self) -> f64 {
         self.drive.dissipation_w(&self.joints)
     }

@@ -253,23 +253,23 @@ fn theory_scalars(theory: &SlipTheory) -> Vec<Scalar> {
         pascal(
             "theory.paper_threshold_pressure",
             theory.paper_threshold_pa,
-            "Foot pressure that source A's eq. (27) asks for at full depth",
+            "Foot pressure that source A's eq. (27) asks for at the last tooth (backward feed only; 0: none needed)",
         ),
         pascal(
             "theory.exact_threshold_pressure",
             theory.exact_threshold_pa,
-            "Foot pressure at which friction just balances the rotating force, in the plane",
+            "Foot pressure at which friction balances the rotating force at the last tooth, in the plane; no regeneration",
         ),
         pascal(
             "theory.general_threshold_pressure",
             theory.general_threshold_pa,
-            "The same with the lateral force that the arm's axial load puts on the foot",
+            "The same with the lateral force that the arm's axial load puts on the foot; no regeneration",
         ),
         Scalar::new(
             "theory.slip_depth",
             Unit::Metre,
             theory.slip_depth_m,
-            "Depth at which the general condition is first broken",
+            "Depth already cut at which the general condition is first broken; no regeneration",
         ),
         Scalar::new(
             "theory.axial_share",
