@@ -7,6 +7,7 @@ use truecut_discrepancy::compare::{
 };
 use truecut_recording::{Unit, significant};
 
+use crate::figure::short_number;
 use crate::text::{self, Align, show};
 
 /// Most lines of a spectrum, and most signals, that are told; the report has all.
@@ -72,7 +73,7 @@ fn table(comparison: &Comparison) -> String {
             of(Unit::One, |a| (a.gain.value, a.gain.standard_error)),
             format!(
                 "{} of {}",
-                significant(level.effective_samples.round(), 3),
+                short_number(level.effective_samples.round()),
                 level.samples
             ),
         ]
@@ -99,20 +100,25 @@ fn with_error(unit: Unit, value: f64, error: f64) -> String {
     } else {
         format!(" {}", unit.symbol)
     };
+    // Nothing is negative once it is rounded away.
+    let value = if value.abs() < 0.5 * 10_f64.powi(-(decimals as i32)) {
+        0.0
+    } else {
+        value
+    };
     format!("{value:.decimals$} ± {error:.decimals$}{symbol}")
 }
 
 /// What is beyond noise, the plainest first.
 fn findings(channel: &ChannelComparison) -> Vec<String> {
-    let mut found: Vec<String> = channel
-        .lines
-        .iter()
-        .take(MOST)
-        .map(|one| line(channel.unit, one))
-        .collect();
-    let more = channel.lines.len().saturating_sub(MOST);
-    if more > 0 {
-        found.push(format!("{more} more lines"));
+    // A line may stand far out of a deep background and still be nothing to speak of.
+    let matters = |line: &&SpectralLine| line.residual > 0.05 * channel.level.rms_error;
+    let told = channel.lines.iter().filter(matters).take(MOST);
+    let mut found: Vec<String> = told.map(|one| line(channel.unit, one)).collect();
+    if let Some(next) = channel.lines.get(found.len()) {
+        let more = channel.lines.len() - found.len();
+        let largest = show(channel.unit, next.residual);
+        found.push(format!("{more} more lines, of {largest} and less"));
     }
     let significant_ones = channel.dependence.iter().filter(|one| one.p_value < LEVEL);
     found.extend(

@@ -125,7 +125,7 @@ mod tests {
         );
         assert_eq!(
             labels(&[1.0, 1e6], Scale::Logarithmic),
-            ["1", "100", "1.000e4", "1.000e6"]
+            ["1", "100", "10000", "1e6"]
         );
     }
 

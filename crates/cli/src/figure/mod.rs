@@ -109,10 +109,15 @@ pub fn thinned(points: impl ExactSizeIterator<Item = (f64, f64)>, count: usize) 
 /// Four digits without zeros at the end.
 pub fn short_number(value: f64) -> String {
     let text = truecut_recording::significant(value, 4);
-    if text.contains('.') && !text.contains('e') {
-        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    let (digits, exponent) = text.split_at(text.find('e').unwrap_or(text.len()));
+    if !digits.contains('.') {
+        return text;
     }
-    text
+    digits
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+        .to_owned()
+        + exponent
 }
 
 impl fmt::Debug for Figure {
@@ -202,9 +207,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        assert_eq!(
-            (short_number(0.2), short_number(300.0)),
-            ("0.2".to_owned(), "300".to_owned())
-        );
+        let numbers = [0.2, 300.0, 1e-6, 2.5e7].map(short_number);
+        assert_eq!(numbers, ["0.2", "300", "1e-6", "2.5e7"]);
     }
 }

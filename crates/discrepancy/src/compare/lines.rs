@@ -254,9 +254,9 @@ fn describe(
     let duration_s = pair.measured.len() as f64 * interval_s;
     let per_revolution = spindle_hz.and_then(|spindle| {
         let multiple = (frequency_hz / spindle).round();
-        // Half a width of the record's lines, and what a tachometer errs.
+        // Half a width of the record's lines, and what a spindle slows down under load.
         let off = (frequency_hz - multiple * spindle).abs();
-        let near = off < 0.5 / duration_s + 0.002 * frequency_hz;
+        let near = off < 0.5 / duration_s + 0.005 * frequency_hz;
         (near && (1.0..=HIGHEST_MULTIPLE).contains(&multiple)).then_some(multiple as u32)
     });
     SpectralLine {
