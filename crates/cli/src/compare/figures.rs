@@ -191,14 +191,17 @@ fn spectrum(channel: &ChannelComparison, rate_hz: f64) -> Panel {
         spectra.residual[bin].max(spectra.residual[bin.saturating_sub(1)])
     };
     // The strongest lines get a text; what is close to a stronger one would cover it.
+    let ends = [spectra.frequency_hz.first(), spectra.frequency_hz.last()]
+        .map(|end| end.copied().unwrap_or(1.0));
+    let apart = 0.055 * (ends[1] / ends[0]).ln();
     let mut marks: Vec<(f64, f64)> = Vec::new();
     let mut texts = Vec::new();
     for line in &channel.lines {
-        let near = |other: &(f64, f64)| (other.0 / line.frequency_hz).ln().abs() < 0.25;
-        let lock = line
-            .per_revolution
-            .map_or_else(String::new, |n| format!(" ({n}/rev)"));
-        let text = format!("{} Hz{lock}", significant(line.frequency_hz, 3));
+        let near = |other: &(f64, f64)| (other.0 / line.frequency_hz).ln().abs() < apart;
+        let text = match line.per_revolution {
+            Some(multiple) => format!("{multiple}/rev"),
+            None => format!("{} Hz", significant(line.frequency_hz, 3)),
+        };
         texts.push(if marks.iter().any(near) {
             String::new()
         } else {

@@ -111,14 +111,26 @@ fn with_error(unit: Unit, value: f64, error: f64) -> String {
 
 /// What is beyond noise, the plainest first.
 fn findings(channel: &ChannelComparison) -> Vec<String> {
-    // A line may stand far out of a deep background and still be nothing to speak of.
-    let matters = |line: &&SpectralLine| line.residual > 0.05 * channel.level.rms_error;
-    let told = channel.lines.iter().filter(matters).take(MOST);
-    let mut found: Vec<String> = told.map(|one| line(channel.unit, one)).collect();
-    if let Some(next) = channel.lines.get(found.len()) {
-        let more = channel.lines.len() - found.len();
-        let largest = show(channel.unit, next.residual);
-        found.push(format!("{more} more lines, of {largest} and less"));
+    // A line may stand far out of a deep background and still be nothing to speak of, unless it turns with
+    // the spindle.
+    let matters = |line: &&SpectralLine| {
+        line.per_revolution.is_some() || line.residual > 0.05 * channel.level.rms_error
+    };
+    let (told, rest): (Vec<_>, Vec<_>) = channel.lines.iter().partition(matters);
+    let mut found: Vec<String> = told
+        .iter()
+        .take(MOST)
+        .map(|one| line(channel.unit, one))
+        .collect();
+    let more: Vec<f64> = told
+        .iter()
+        .skip(MOST)
+        .chain(&rest)
+        .map(|line| line.residual)
+        .collect();
+    if !more.is_empty() {
+        let largest = show(channel.unit, more.iter().copied().fold(0.0, f64::max));
+        found.push(format!("{} more lines, of {largest} and less", more.len()));
     }
     let significant_ones = channel.dependence.iter().filter(|one| one.p_value < LEVEL);
     found.extend(

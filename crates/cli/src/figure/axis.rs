@@ -60,9 +60,23 @@ impl Axis {
         match self.scale {
             // What rounding leaves of zero is zero.
             Scale::Linear if tick.abs() < 1e-9 * (self.high - self.low) => "0".to_owned(),
-            Scale::Linear => short_number(tick),
-            Scale::Logarithmic => short_number(10_f64.powf(tick)),
+            Scale::Linear => shorter(tick),
+            Scale::Logarithmic => shorter(10_f64.powf(tick)),
         }
+    }
+}
+
+/// Without zeros before an exponent either: there is little room.
+fn shorter(value: f64) -> String {
+    let text = short_number(value);
+    match text.split_once('e') {
+        Some((digits, exponent)) => {
+            format!(
+                "{}e{exponent}",
+                digits.trim_end_matches('0').trim_end_matches('.')
+            )
+        }
+        None => text,
     }
 }
 
