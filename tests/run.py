@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Runs every test: `cargo test` over the workspace, then the cross-checks against MuJoCo.
+"""Runs every test: `cargo test` over the workspace, then the cross-checks against MuJoCo and the fast part of the
+hidden-effects bench.
 
 Makes `.venv` with the pinned packages of `tests/requirements.txt` on the first call. The last line sums up both
 parts as `N passed, M failed`; the exit code is 0 only if nothing failed.
@@ -21,6 +22,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 REQUIREMENTS = ROOT / "tests" / "requirements.txt"
 ENVIRONMENT = ROOT / ".venv"
+PYTHON_TESTS = (ROOT / "tests" / "crosscheck", ROOT / "tests" / "hidden_effects")
 OLDEST_PYTHON = (3, 10)
 
 
@@ -84,7 +86,7 @@ def run_pytest(python: Path) -> Counts:
     """The cross-checks. A test that is skipped counts as failed: nothing here may be left out quietly."""
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.xml"
-        command = [python, "-m", "pytest", "-q", f"--junitxml={report}", ROOT / "tests" / "crosscheck"]
+        command = [python, "-m", "pytest", "-q", f"--junitxml={report}", *PYTHON_TESTS]
         ended = subprocess.run(command, cwd=ROOT)
         if not report.exists():
             return Counts(0, 1)

@@ -3,5 +3,6 @@
 mod chamfering;
 mod every_key;
 mod friction_tables;
+mod reduced;
 mod support;
 mod threshold;

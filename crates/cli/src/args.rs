@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use truecut_discrepancy::diagnose::Options;
 use truecut_scenario::Scenario;
 
+use crate::diagnose;
 use crate::failure::Failure;
 use crate::find::find_scenarios;
 
@@ -33,6 +35,8 @@ pub enum Command {
     Crosscheck(CrosscheckArguments),
     /// Run a scenario beside measured data, and say what the simulation gets wrong
     Compare(CompareArguments),
+    /// Look for what the simulation lacks against measured data, and extend the scenario (first form: a hint)
+    Diagnose(DiagnoseArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
     Robot(RobotArguments),
     /// Print the JSON Schema of the scenario file
@@ -131,6 +135,23 @@ pub struct CompareArguments {
 }
 
 #[derive(Debug, Args)]
+pub struct DiagnoseArguments {
+    /// Scenario file with a [data] table
+    scenario: PathBuf,
+    /// Measured data (.csv or .parquet) [default: the file that the scenario names]
+    #[arg(long, value_name = "FILE")]
+    data: Option<PathBuf>,
+    /// Folder for outputs; the scenario gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Most simulations that the search may make
+    #[arg(long, value_name = "N")]
+    max_runs: Option<std::num::NonZeroUsize>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Args)]
 pub struct RobotArguments {
     /// URDF file
     pub urdf: PathBuf,
@@ -185,6 +206,23 @@ impl RunArguments {
             data: self.data,
             out: self.out,
             rrd: !self.no_rrd,
+        })
+    }
+}
+
+impl DiagnoseArguments {
+    /// Loads the scenario.
+    pub fn resolve(self) -> Result<diagnose::Plan, Failure> {
+        self.common.use_jobs()?;
+        let mut options = Options::default();
+        if let Some(runs) = self.max_runs {
+            options.max_predictions = runs.get();
+        }
+        Ok(diagnose::Plan {
+            scenario: Scenario::load(&self.scenario, &self.common.set)?,
+            data: self.data,
+            out: self.out,
+            options,
         })
     }
 }

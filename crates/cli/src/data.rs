@@ -4,7 +4,7 @@ use std::path::Path;
 
 use truecut_recording::measured::measured as map;
 use truecut_recording::{Measured, Recorder, Recording};
-use truecut_scenario::{ProcessSpec, Scenario};
+use truecut_scenario::{DataSpec, ProcessSpec, Scenario};
 use truecut_sim::replay::predict::{Prediction, predict};
 use truecut_sim::{Cell, SimError};
 use truecut_telemetry::read_table;
@@ -15,26 +15,30 @@ use crate::progress::RunProgress;
 /// The data that a replay is driven by: from `file`, else from the file that the scenario names. `None` for
 /// scenarios that replay nothing.
 pub fn measured(scenario: &Scenario, file: Option<&Path>) -> Result<Option<Measured>, Failure> {
-    if matches!(scenario.process, ProcessSpec::Replay(_)) && scenario.data.is_some() {
-        return read(scenario, file).map(Some);
-    }
-    match file {
-        Some(_) => Err(Failure::with_help(
-            format!("{} replays nothing", scenario.path().display()),
-            "leave out --data, or use a scenario with [process.replay]",
-        )),
-        None => Ok(None),
-    }
+    let replays = matches!(scenario.process, ProcessSpec::Replay(_));
+    let Some(data) = scenario.data.as_ref().filter(|_| replays) else {
+        return match file {
+            Some(_) => Err(Failure::with_help(
+                format!("{} replays nothing", scenario.path().display()),
+                "leave out --data, or use a scenario with [process.replay]",
+            )),
+            None => Ok(None),
+        };
+    };
+    load(scenario, data, file).map(Some)
 }
 
-/// The data of a scenario: from `file`, else from the file that it names.
-pub fn read(scenario: &Scenario, file: Option<&Path>) -> Result<Measured, Failure> {
+/// The data that a scenario is held against.
+pub fn needed(scenario: &Scenario, file: Option<&Path>) -> Result<Measured, Failure> {
     let Some(data) = &scenario.data else {
-        return Err(Failure::with_help(
-            format!("{}: missing table `[data]`", scenario.path().display()),
-            "it says which column of the measured data is which channel; see `truecut schema`",
-        ));
+        let text = format!("{}: there is no [data] table", scenario.path().display());
+        let help = "add [data] with one [[data.channel]] for each column: it says which is which, and in which unit";
+        return Err(Failure::with_help(text, help));
     };
+    load(scenario, data, file)
+}
+
+fn load(scenario: &Scenario, data: &DataSpec, file: Option<&Path>) -> Result<Measured, Failure> {
     let Some(path) = file.or(data.file.as_deref()) else {
         let message = "the scenario names no file of measured data: write data.file, or run it with --data FILE";
         return Err(scenario.problem("data", message).into());
@@ -45,7 +49,8 @@ pub fn read(scenario: &Scenario, file: Option<&Path>) -> Result<Measured, Failur
         None => scenario.problem("data.file", message).into(),
     };
     let table = read_table(path, data.header).map_err(|error| failed(error.to_string()))?;
-    map(&table, &data.mapping).map_err(|error| failed(error.to_string()))
+    let measured = map(&table, &data.mapping).map_err(|error| failed(error.to_string()))?;
+    Ok(measured)
 }
 
 /// Simulates what was measured: the recording, and the measured channels in the form that it is to be

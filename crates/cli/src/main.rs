@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod crosscheck;
 mod data;
+mod diagnose;
 mod execute;
 mod failure;
 mod figure;
@@ -51,6 +52,7 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
         Command::ExportMjcf(arguments) => mjcf::export(&arguments),
         Command::Crosscheck(arguments) => crosscheck::crosscheck(&arguments.resolve()?),
         Command::Compare(arguments) => compare::compare(&arguments.resolve()?),
+        Command::Diagnose(arguments) => diagnose::diagnose(&arguments.resolve()?),
         Command::Robot(arguments) => robot::describe(&arguments),
         Command::Schema => print(&format!(
             "{:#}\n",

@@ -44,7 +44,7 @@ fn cutting(c: &mut Criterion) {
                 .on_tool_n(black_box(1.2), -1.0)
         });
     });
-    let mut rim = Rim::new(1440, |_| 0.0, &[0.0], 0.0);
+    let mut rim = Rim::new(1440, |_| 0.0, &[0.0], |_| 0.0);
     let mut angle = 0.0;
     c.bench_function("rim, read and cut", |b| {
         b.iter(|| {

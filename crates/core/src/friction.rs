@@ -31,6 +31,15 @@ pub enum FrictionLaw {
         mu_static: f64,
         stribeck_speed_m_per_s: f64,
     },
+    /// Stribeck's law (Coulomb's with `mu_static = mu`) times `1 - drop (1 - exp(-|v|/v_d))`: friction that
+    /// keeps falling with the speed.
+    Falling {
+        mu: f64,
+        mu_static: f64,
+        stribeck_speed_m_per_s: f64,
+        drop: f64,
+        falling_speed_m_per_s: f64,
+    },
 }
 
 impl FrictionLaw {
@@ -39,7 +48,7 @@ impl FrictionLaw {
         match *self {
             Self::None | Self::Viscous { .. } => 0.0,
             Self::Coulomb { mu } => mu,
-            Self::Stribeck { mu_static, .. } => mu_static,
+            Self::Stribeck { mu_static, .. } | Self::Falling { mu_static, .. } => mu_static,
         }
     }
 }
@@ -89,6 +98,16 @@ pub fn solve_planar(
             stribeck_speed_m_per_s,
         } => stribeck(body, normal_impulse, |speed| {
             mu + (mu_static - mu) * (-(speed / stribeck_speed_m_per_s).powi(2)).exp()
+        }),
+        FrictionLaw::Falling {
+            mu,
+            mu_static,
+            stribeck_speed_m_per_s,
+            drop,
+            falling_speed_m_per_s,
+        } => stribeck(body, normal_impulse, |speed| {
+            let level = mu + (mu_static - mu) * (-(speed / stribeck_speed_m_per_s).powi(2)).exp();
+            level * (1.0 + drop * (-speed / falling_speed_m_per_s).exp_m1())
         }),
     }
 }
@@ -204,13 +223,6 @@ fn solve_2x2(a: &Matrix2<f64>, b: &Vector2<f64>) -> Vector2<f64> {
         (a[(1, 1)] * b.x - a[(0, 1)] * b.y) / det,
         (a[(0, 0)] * b.y - a[(1, 0)] * b.x) / det,
     )
-}
-
-/// The impulse of dry friction along a line (a joint, a slide), with the same rule in one dimension.
-///
-/// `inverse_mass` in 1/kg (or 1/(kg m²)), `bound` is friction force (torque) times the step.
-pub fn solve_line(inverse_mass: f64, free_velocity: f64, bound: f64) -> f64 {
-    (-free_velocity / inverse_mass).clamp(-bound, bound)
 }
 
 /// Source A's equivalent viscous friction (its eq. 13): `c_e = 4 F_f / (π ω X_f)`.
@@ -329,6 +341,28 @@ mod tests {
     }
 
     #[test]
+    fn verify_falling_friction_lies_on_its_curve_and_holds_at_rest() {
+        let w = Matrix2::identity() * 2e-3;
+        let (mu, drop, v_d, n, dt) = (0.2, 0.6, 4e-3, 400.0, 2.5e-4);
+        let law = FrictionLaw::Falling {
+            mu,
+            mu_static: mu,
+            stribeck_speed_m_per_s: 1.0,
+            drop,
+            falling_speed_m_per_s: v_d,
+        };
+        for speed in [1e-3, 4e-3, 2e-2] {
+            let c = solve_planar(&steady(w, Vector2::new(0.0, -speed)), law, n, dt);
+            let v = c.velocity_m_per_s.norm();
+            let expected = mu * (1.0 - drop * (1.0 - (-v / v_d).exp()));
+            let got = c.impulse_n_s.norm() / (n * dt);
+            assert!((got - expected).abs() < 1e-6, "{speed}: {got} {expected}");
+        }
+        let held = 0.99 * mu * n * dt * 2e-3;
+        assert!(!solve_planar(&steady(w, Vector2::new(held, 0.0)), law, n, dt).sliding);
+    }
+
+    #[test]
     fn verify_no_friction_leaves_the_velocity_alone() {
         let w = Matrix2::identity();
         let v = Vector2::new(1.0, 2.0);
@@ -337,12 +371,5 @@ mod tests {
             assert_eq!(c.velocity_m_per_s, v);
             assert_eq!(c.impulse_n_s, Vector2::zeros());
         }
-    }
-
-    #[test]
-    fn verify_line_friction_holds_or_slides() {
-        assert_eq!(solve_line(0.5, 0.01, 1.0), -0.02);
-        assert_eq!(solve_line(0.5, 10.0, 1.0), -1.0);
-        assert_eq!(solve_line(0.5, -10.0, 1.0), 1.0);
     }
 }

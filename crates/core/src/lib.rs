@@ -8,6 +8,7 @@
 //! | module | what it holds |
 //! | --- | --- |
 //! | [`friction`] | planar friction laws and the impulse that sticks or slides |
+//! | [`joint_law`] | play, hysteresis, ripple and friction of a joint |
 //! | [`pressure_foot`] | gas spring, seal stiction, lift-off |
 //! | [`cutting`] | chip area, cutting forces and the rim that chamfering leaves |
 //! | [`wheel`] | contact and removal of a compliant wheel on a flat plate |
@@ -26,6 +27,7 @@
 
 pub mod cutting;
 pub mod friction;
+pub mod joint_law;
 pub mod pressure_foot;
 pub mod roughness;
 pub mod vibration;

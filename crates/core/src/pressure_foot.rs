@@ -90,6 +90,16 @@ pub struct FootForce {
 }
 
 impl PressureFoot {
+    /// The foot when `left` of its gauge pressure is left. `gauge_share` is the part of the gas's absolute
+    /// pressure that was gauge pressure, `p / (p + p_ambient)`: that part of the gas spring goes with it.
+    pub fn at_pressure(&self, left: f64, gauge_share: f64) -> Self {
+        Self {
+            preload_n: self.preload_n * left,
+            gas_stiffness_n_per_m: self.gas_stiffness_n_per_m * (1.0 - gauge_share * (1.0 - left)),
+            ..*self
+        }
+    }
+
     /// Force at an advance (m, positive towards the workpiece), without touching the memory.
     pub fn force(&self, advance_m: f64, memory: &FootMemory) -> FootForce {
         let seal_n = (memory.seal_force_n
@@ -175,6 +185,26 @@ mod tests {
         assert!((share - 0.02).abs() < 0.001);
         let back = stiffness_for_share(share, 8.646e5);
         assert!((back / c.gas_stiffness_n_per_m() - 1.0).abs() < 1e-12);
+    }
+
+    /// A foot that has lost pressure is the foot of cylinders at the pressure that is left.
+    #[test]
+    fn verify_a_foot_after_loss_is_one_of_less_pressure() {
+        let full = cylinders();
+        let of = |c: &Cylinders| PressureFoot {
+            preload_n: c.preload_n(),
+            gas_stiffness_n_per_m: c.gas_stiffness_n_per_m(),
+            ..foot()
+        };
+        let low = Cylinders {
+            pressure_pa: 0.7 * full.pressure_pa,
+            ..full
+        };
+        let share = full.pressure_pa / (full.pressure_pa + AMBIENT_PRESSURE_PA);
+        let (got, expected) = (of(&full).at_pressure(0.7, share), of(&low));
+        assert!((got.preload_n / expected.preload_n - 1.0).abs() < 1e-12);
+        let ratio = got.gas_stiffness_n_per_m / expected.gas_stiffness_n_per_m;
+        assert!((ratio - 1.0).abs() < 1e-12);
     }
 
     #[test]

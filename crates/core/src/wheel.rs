@@ -11,13 +11,15 @@ pub struct WheelContact {
     pub damping_n_s_per_m: f64,
     /// Friction coefficient between wheel and plate.
     pub mu: f64,
-    /// Eccentricity of the running surface, m.
+    /// Eccentricity of the running surface, a quarter of a turn after the wheel starts, m.
     pub runout_m: f64,
+    /// Eccentricity at the contact when the wheel starts, m.
+    pub runout_at_start_m: f64,
 }
 
 impl WheelContact {
     /// Penetration (m) and its rate (m/s) when the axis has advanced by `advance` from touch-down, the wheel
-    /// was set down by `initial` and has turned by `angle`: `δ = δ0 + x + e sin φ`.
+    /// was set down by `initial` and has turned by `angle`: `δ = δ0 + x + e sin φ + e0 cos φ`.
     pub fn penetration_m(
         &self,
         initial_m: f64,
@@ -28,8 +30,9 @@ impl WheelContact {
     ) -> (f64, f64) {
         let (s, c) = angle_rad.sin_cos();
         (
-            initial_m + advance_m + self.runout_m * s,
-            advance_rate_m_per_s + self.runout_m * spin_rad_s * c,
+            initial_m + advance_m + self.runout_m * s + self.runout_at_start_m * c,
+            advance_rate_m_per_s + self.runout_m * spin_rad_s * c
+                - self.runout_at_start_m * spin_rad_s * s,
         )
     }
 
@@ -124,6 +127,7 @@ mod tests {
             damping_n_s_per_m: 50.0,
             mu: 0.4,
             runout_m: 20e-6,
+            runout_at_start_m: -7e-6,
         }
     }
 

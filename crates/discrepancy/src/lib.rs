@@ -1,12 +1,20 @@
-//! What a simulation gets wrong against measured data.
+//! What a simulation gets wrong against measured data, and why.
 //!
-//! [`compare`] says how they differ, before any cause; [`stats`] holds what it rests on: statistics
-//! that stay right when the noise is coloured.
+//! | module | what it holds |
+//! | --- | --- |
+//! | [`compare`] | how they differ, before any cause |
+//! | [`diagnose`] | the search for effects that explain measured data |
+//! | [`model`] | what that search needs of a simulation |
+//! | [`trial`] | a scenario and its data as such a model |
+//! | [`stats`] | statistics that stay right when the noise is coloured |
 
 #![warn(missing_docs)]
 
 pub mod compare;
+pub mod diagnose;
+pub mod model;
 pub mod stats;
+pub mod trial;
 
 #[cfg(test)]
 mod testing;

@@ -57,6 +57,7 @@ mod metric;
 mod overwrite;
 mod process;
 mod reach;
+mod relocate;
 mod replay;
 mod robot;
 mod run;

@@ -10,6 +10,10 @@ use crate::check::Check;
 pub struct ReplaySpec {
     /// Which way.
     pub mode: ReplayMode,
+    /// Factor on how far the inputs depart from where they begin.
+    pub amplitude_factor: f64,
+    /// Factor on how fast the inputs are played.
+    pub speed_factor: f64,
 }
 
 /// Which way a measurement is replayed.
@@ -53,6 +57,12 @@ pub(crate) struct ReplayTable {
     /// Cutoff of the zero-phase filter on measured and predicted drive forces (mode "inverse"). Default: 10.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a filter passes something"))]
     compare_cutoff_hz: Option<f64>,
+    /// Factor on the inputs, about their first values: to plan another experiment (mode "forward"). Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "an experiment moves"))]
+    amplitude_factor: Option<f64>,
+    /// Factor on the speed at which the inputs are played: to plan another experiment (mode "forward"). Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
+    speed_factor: Option<f64>,
 }
 
 // Ten times and five times the motion's own bandwidth of some 2 Hz, as identification of robots takes it
@@ -67,7 +77,13 @@ impl ReplayTable {
             let keys = ["differentiate_cutoff_hz", "compare_cutoff_hz"];
             check.ignored("process.replay", &keys, "the mode is not \"inverse\"");
         }
+        if mode != ModeName::Forward {
+            let keys = ["amplitude_factor", "speed_factor"];
+            check.ignored("process.replay", &keys, "the mode is not \"forward\"");
+        }
         ReplaySpec {
+            amplitude_factor: self.amplitude_factor.unwrap_or(1.0),
+            speed_factor: self.speed_factor.unwrap_or(1.0),
             mode: match mode {
                 ModeName::Forward => ReplayMode::Forward,
                 ModeName::Observe => ReplayMode::Observe,

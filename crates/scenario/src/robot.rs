@@ -110,7 +110,8 @@ impl RobotTable {
         let observes = matches!(
             process,
             Some(ProcessSpec::Replay(ReplaySpec {
-                mode: ReplayMode::Observe
+                mode: ReplayMode::Observe,
+                ..
             }))
         );
         match table {

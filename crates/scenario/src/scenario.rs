@@ -16,6 +16,7 @@ use crate::effect::{Effect, text};
 use crate::error::{Problem, ScenarioError};
 use crate::process::{ProcessSpec, ProcessTable};
 use crate::reach;
+use crate::relocate;
 use crate::robot::{RobotSpec, RobotTable};
 use crate::run::{RunSpec, RunTable};
 use crate::schema;
@@ -48,6 +49,8 @@ pub struct Scenario {
     pub data: Option<DataSpec>,
     /// Nominal values that are not known exactly.
     pub uncertain: Vec<UncertainSpec>,
+    /// Effects that were added in memory.
+    added: Vec<Effect>,
     document: Arc<Document>,
     /// Units of thresholds, by the path of the table that holds the threshold.
     thresholds: Vec<(String, UserUnit)>,
@@ -116,14 +119,15 @@ impl Scenario {
         table.resolve(document)
     }
 
-    /// The same scenario with further overrides, applied after those it was loaded with.
+    /// The same scenario with further overrides, applied after those it was loaded with; effects that were
+    /// added in memory stay.
     ///
     /// # Errors
     /// As [`Scenario::load`].
     pub fn with_overrides(&self, further: &[(String, String)]) -> Result<Scenario, ScenarioError> {
         let mut overrides = self.overrides();
         overrides.extend_from_slice(further);
-        Scenario::from_str(self.path(), self.document.text(), &overrides)
+        Scenario::from_str(self.path(), self.document.text(), &overrides)?.with_effects(&self.added)
     }
 
     /// The scenario file, as it was named.
@@ -162,6 +166,7 @@ impl Scenario {
     /// An effect that does not fit its kind.
     pub fn with_effects(&self, effects: &[Effect]) -> Result<Scenario, ScenarioError> {
         let mut extended = self.clone();
+        extended.added.extend_from_slice(effects);
         for effect in effects {
             effect
                 .check()
@@ -192,6 +197,19 @@ impl Scenario {
     /// its keys, or if it did not come from a file.
     pub fn effect_is_rotary(&self, index: usize) -> Option<bool> {
         self.effect_is_rotary.get(index).copied().flatten()
+    }
+
+    /// The number that the scenario gives for a dotted key, in the key's own unit; `None` if it gives none.
+    pub fn number(&self, key: &str) -> Option<f64> {
+        self.document.number(key)
+    }
+
+    /// As [`Scenario::extended_text`], for a file in `folder`: relative paths lead from there to the same files.
+    pub fn text_for_folder(&self, folder: &Path, effects: &[Effect], rotary: &[bool]) -> String {
+        let mut document = self.document.effective_document().clone();
+        text::write(&mut document, effects, rotary);
+        relocate::relocate(&mut document, &self.folder(), folder);
+        document.to_string()
     }
 
     /// Whether the scenario gives a value for the dotted key, rather than leaving it to its default.
@@ -374,6 +392,7 @@ impl FileTable {
             effect_is_rotary: effects.rotary,
             data,
             uncertain,
+            added: Vec::new(),
             document: Arc::new(document),
             thresholds,
         })

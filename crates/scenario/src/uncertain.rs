@@ -6,6 +6,7 @@ use serde::Deserialize;
 use crate::check::Check;
 use crate::document::Fault;
 use crate::sweep_check::check_key;
+use crate::units::key_unit;
 
 /// A nominal value that is not known exactly.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +17,8 @@ pub struct UncertainSpec {
     pub value: f64,
     /// Standard deviation, in the key's own unit.
     pub sigma: f64,
+    /// Symbol of the key's own unit.
+    pub unit: String,
 }
 
 /// A nominal value that is not known exactly; it may be refitted before anything else is blamed.
@@ -72,9 +75,14 @@ impl UncertainTable {
             }
         };
         Some(UncertainSpec {
+            unit: key_unit(last_part(&self.key)).symbol,
             key: self.key,
             value,
             sigma,
         })
     }
+}
+
+fn last_part(key: &str) -> &str {
+    key.rsplit('.').next().unwrap_or(key)
 }

@@ -168,6 +168,12 @@ fn effects_added_in_memory_replace_their_like_and_are_checked() {
         .with_effects(&[offset.clone(), heavy.clone()])
         .unwrap();
     assert_eq!(extended.effects, [heavy, offset]);
+    let longer = extended.with_overrides(&[("run.time_step_ms".into(), "0.1".into())]);
+    assert_eq!(
+        longer.unwrap().effects,
+        extended.effects,
+        "overrides keep them"
+    );
     for wrong in [
         Effect::neutral(EffectKind::Payload, Target::Joint(0)),
         Effect {
@@ -260,5 +266,29 @@ fn a_key_has_one_unit_in_all_kinds() {
             "{}",
             info.key
         );
+    }
+}
+
+/// The documentation has a row for every kind and every key.
+#[test]
+fn the_documented_table_has_every_kind_and_key() {
+    let docs = include_str!("../../../docs/effects.md");
+    for kind in EffectKind::ALL {
+        let row = format!("| `{}` |", kind.name());
+        let from = docs.find(&row).unwrap_or_else(|| panic!("{row}"));
+        let rows: Vec<&str> = docs[from..].lines().take(kind.parameters().len()).collect();
+        for (info, row) in kind.parameters().iter().zip(rows) {
+            let keys = if info.key == info.rotary_key {
+                format!("`{}`", info.key)
+            } else {
+                format!("`{}`, `{}`", info.key, info.rotary_key)
+            };
+            assert!(row.contains(&keys), "{keys}: {row}");
+            assert_eq!(row.contains('∘'), !info.is_size, "{row}");
+            let cells: Vec<&str> = row.split(" | ").collect();
+            let bounds: Vec<f64> = cells[5].split(", ").map(|x| x.parse().unwrap()).collect();
+            assert_eq!(bounds, [info.min, info.max], "{row}");
+            assert_eq!(cells[4].parse::<f64>().unwrap(), info.neutral, "{row}");
+        }
     }
 }

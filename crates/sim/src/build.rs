@@ -1,26 +1,37 @@
 //! From a scenario to everything that a cell is made of.
 
 use crate::command::{JointCommand, StraightPath};
+use crate::effect::{self, Altered, Effects};
 use crate::error::SimError;
 use crate::loads::{Attachment, Wrench};
-use crate::plant::{Drive, DriveKind};
+use crate::measurement::ChannelModel;
+use crate::plant::{Drive, DriveKind, JointLaw};
 use crate::process::Process;
 use crate::replay::forward::ForwardInputs;
+use crate::robots::Robots;
 use crate::scene::Workpiece;
-use crate::step_size;
+use crate::step_size::{self, Scheme};
 use crate::translate::build_process;
 use nalgebra::{Isometry3, Vector3, Vector6};
+use std::sync::Arc;
 use truecut_arm::{FrameId, JointKind, Load, Robot};
-use truecut_recording::Measured;
-use truecut_scenario::{Drive as DriveSpec, RobotSpec, Scenario};
+use truecut_core::joint_law::LinkFriction;
+use truecut_recording::{Measured, Scalar, Unit};
+use truecut_scenario::{Drive as DriveSpec, RobotSpec, RunSpec, Scenario};
 
 /// A scenario resolved against its robot, before any engine is built.
 pub(crate) struct Prepared {
-    pub robot: Robot,
+    /// The robot with the effects built in, joints of the base first.
+    pub robot: Arc<Robot>,
+    /// How many joints of the base there are.
+    pub base_joints: usize,
+    pub laws: Vec<JointLaw>,
+    /// Friction of every joint.
+    pub friction: Vec<LinkFriction>,
+    /// Channels that are not recorded as they are.
+    pub sensors: Vec<(String, ChannelModel)>,
     pub kind: DriveKind,
     pub gravity_m_s2: Vector3<f64>,
-    /// Posture asked for, at which the process frame is taken.
-    pub posture: Vec<f64>,
     /// Posture at rest after touch-down: the start of the run.
     pub start: Vec<f64>,
     pub world_from_process: Isometry3<f64>,
@@ -35,35 +46,54 @@ pub(crate) struct Prepared {
 impl Prepared {
     /// `measured` drives a replay; other processes make no use of it.
     pub(crate) fn new(scenario: &Scenario, measured: Option<&Measured>) -> Result<Self, SimError> {
+        Self::for_scheme(scenario, measured, &Robots::new(), Scheme::Leapfrog)
+    }
+
+    /// Robots that have been read are not read again; the step is chosen for the scheme.
+    pub(crate) fn for_scheme(
+        scenario: &Scenario,
+        measured: Option<&Measured>,
+        robots: &Robots,
+        scheme: Scheme,
+    ) -> Result<Self, SimError> {
         let spec = &scenario.robot;
-        let robot = load_robot(spec)?;
-        let kind = drive_kind(spec, &robot)?;
+        let nominal = robots.robot(spec)?;
+        let kind = drive_kind(spec, &nominal)?;
+        let effects = Effects::of(scenario, &nominal, kind)?;
         let gravity_m_s2 = if spec.gravity {
             truecut_arm::standard_gravity_m_s2()
         } else {
             Vector3::zeros()
         };
-        let replay = ForwardInputs::of(scenario, measured, &robot, kind)?;
-        let posture = posture(spec, &robot)?;
+        let replay = ForwardInputs::of(scenario, measured, &nominal, kind)?;
+        let posture = posture(spec, &nominal)?;
         let posture = replay
             .as_ref()
             .map_or(posture.clone(), |replay| replay.posture(&posture));
-        let mut world_from_process = robot.world_from_process(&posture);
+        let mut world_from_process = nominal.world_from_process(&posture);
         let (process, workpiece) = match &replay {
             Some(replay) => (
                 Box::new(replay.process()) as Box<dyn Process>,
                 Workpiece::None,
             ),
-            None => build_process(scenario, &robot, kind, &posture, &world_from_process)?,
+            None => build_process(
+                scenario,
+                &nominal,
+                kind,
+                &posture,
+                &world_from_process,
+                &effects,
+            )?,
         };
         let duration_s =
             (replay.as_ref()).map_or(scenario.run.duration_s, ForwardInputs::duration_s);
         let gravity = Load::gravity(gravity_m_s2);
         let sag = (spec.hold_against_sag && kind != DriveKind::Force).then_some(&gravity);
+        // The controller knows the nominal robot only; what it does not know shows in the run.
         let command = match &replay {
             Some(replay) => replay.command(&posture),
             None => command(
-                &robot,
+                &nominal,
                 &posture,
                 &world_from_process,
                 process.as_ref(),
@@ -71,43 +101,61 @@ impl Prepared {
                 sag,
             )?,
         };
-        check_limits(&robot, &command)?;
+        check_limits(&nominal, &command)?;
+        let altered = effect::alter(&nominal, &effects)?;
+        let command = command.behind(altered.base_joints);
         let start = match kind {
-            DriveKind::Force => posture.clone(),
+            DriveKind::Force => {
+                let mut start = vec![0.0; altered.base_joints];
+                start.extend(&posture);
+                effect::base_at_rest(&altered, &start, &gravity)
+            }
             _ => touch_down(
-                &robot,
+                &altered,
                 &command,
                 process.as_ref(),
                 &world_from_process,
                 &gravity,
             )?,
         };
-        let start = replay
-            .as_ref()
-            .map_or(start.clone(), |replay| replay.start(&start));
+        let start = replay.as_ref().map_or(start.clone(), |replay| {
+            let mut measured = start.clone();
+            let arm = replay.start(&start[altered.base_joints..]);
+            measured[altered.base_joints..].copy_from_slice(&arm);
+            measured
+        });
+        let friction = friction(&altered, kind);
+        let Altered {
+            robot,
+            base_joints,
+            laws,
+            ..
+        } = altered;
         let touched = robot.world_from_frame(&start, FrameId::Tool);
         world_from_process.translation = touched.translation;
         let fastest = match kind {
             DriveKind::Force => None,
             _ => Some(step_size::fastest_mode(
-                &robot,
+                &stiffest(&robot, &laws, &start, &command),
                 &start,
                 process.as_ref(),
                 kind == DriveKind::Servo,
             )?),
         };
-        let dt_s = step_size::choose(
-            scenario.run.time_step_s,
-            fastest,
-            process.as_ref(),
+        let run = RunSpec {
             duration_s,
-        )?;
+            ..scenario.run
+        };
+        let dt_s = step_size::choose(scheme, &run, fastest, process.as_ref())?;
         let notes = robot.chain.notes.clone();
         Ok(Self {
-            robot,
+            robot: Arc::new(robot),
+            base_joints,
+            laws,
+            friction,
+            sensors: effects.sensors,
             kind,
             gravity_m_s2,
-            posture,
             start,
             world_from_process,
             command,
@@ -121,25 +169,58 @@ impl Prepared {
 
     /// The first command.
     pub(crate) fn first_command(&self) -> Vec<f64> {
-        let (mut position, mut velocity) = (self.posture.clone(), self.posture.clone());
-        self.command.at(0.0, &mut position, &mut velocity);
-        position
+        first_of(&self.command, self.robot.dof())
     }
 
     pub(crate) fn drive(&self) -> Drive {
-        // A servo carries the static load of the start by feed-forward; its loops see only what changes.
-        let command = self.first_command();
-        let feed_forward = (self
-            .robot
-            .chain
-            .joints
-            .iter()
-            .zip(&self.start)
-            .zip(&command))
-        .map(|((joint, q), c)| joint.transmission.stiffness.unwrap_or(0.0) * (c - q))
-        .collect();
-        Drive::new(self.kind, &self.robot, self.dt_s, feed_forward)
+        Drive::new(
+            self.kind,
+            &self.robot,
+            self.base_joints,
+            &self.laws,
+            self.dt_s,
+        )
+        .holding(&self.first_command(), &self.start)
     }
+}
+
+fn first_of(command: &JointCommand, dof: usize) -> Vec<f64> {
+    let (mut position, mut velocity) = (vec![0.0; dof], vec![0.0; dof]);
+    command.at(0.0, &mut position, &mut velocity);
+    position
+}
+
+/// Friction of every joint: `robot.toml`'s dry friction, which belongs to the drive, and the effects'.
+fn friction(altered: &Altered, kind: DriveKind) -> Vec<LinkFriction> {
+    (altered.robot.chain.joints.iter().zip(&altered.friction))
+        .map(|(joint, effect)| {
+            let of_drive = match kind {
+                DriveKind::Force => 0.0,
+                _ => joint.transmission.dry_friction,
+            };
+            LinkFriction {
+                dry: effect.dry.map(|dry| of_drive + dry),
+                ..*effect
+            }
+        })
+        .collect()
+}
+
+/// The robot with its transmissions as stiff as they get at the start, for choosing the step.
+fn stiffest(robot: &Robot, laws: &[JointLaw], start: &[f64], command: &JointCommand) -> Robot {
+    let mut stiff = robot.clone();
+    let command = first_of(command, robot.dof());
+    for (i, (joint, law)) in stiff.chain.joints.iter_mut().zip(laws).enumerate() {
+        let windup = law.seen(command[i]) - start[i];
+        let beyond = windup - windup.clamp(-0.5 * law.gap, 0.5 * law.gap);
+        let added = law.hysteresis.map_or(0.0, |h| h.largest_stiffness())
+            + (3.0 * law.cubic * beyond * beyond).max(0.0);
+        if added > 0.0 {
+            let stiffness = &mut joint.transmission.stiffness;
+            *stiffness = stiffness.map(|k| k + added);
+        }
+    }
+    stiff
 }
 
 pub(crate) fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
@@ -149,6 +230,18 @@ pub(crate) fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
         robot.close_rigid_servos();
     }
     Ok(robot)
+}
+
+/// Of each joint of the scenario's robot whether it is rotary; chooses the keys of
+/// [`Scenario::extended_text`].
+///
+/// # Errors
+/// Whatever is wrong with the robot's files.
+pub fn rotary_joints(scenario: &Scenario) -> Result<Vec<bool>, SimError> {
+    let robot = load_robot(&scenario.robot)?;
+    Ok((robot.chain.joints.iter())
+        .map(|joint| joint.kind == JointKind::Revolute)
+        .collect())
 }
 
 fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
@@ -285,19 +378,18 @@ fn command(
 
 /// The posture at rest under gravity and the process's static loads; friction is unloaded.
 fn touch_down(
-    robot: &Robot,
+    altered: &Altered,
     command: &JointCommand,
     process: &dyn Process,
     world_from_process: &Isometry3<f64>,
     gravity: &Load,
 ) -> Result<Vec<f64>, SimError> {
-    let n = robot.dof();
-    let (mut position, mut velocity) = (vec![0.0; n], vec![0.0; n]);
-    command.at(0.0, &mut position, &mut velocity);
+    let robot = &altered.robot;
+    let position = first_of(command, robot.dof());
     let wrenches = process.static_loads().wrenches;
     let (attachment, wrench) = combine(robot, &position, &wrenches, world_from_process);
     let load = gravity.with_wrench(attachment.into(), wrench);
-    Ok(robot.static_posture(&position, &load)?)
+    effect::at_rest(altered, &position, &load)
 }
 
 /// All wrenches as one, in world axes: at the frame they share, or at the tool.
@@ -325,4 +417,41 @@ fn combine(
         rows += moment;
     }
     (target, total)
+}
+
+/// Name, lower and upper limit and unit of every joint.
+pub(crate) fn joint_limits(prepared: &Prepared) -> Vec<(String, f64, f64, &'static str)> {
+    (prepared.robot.chain.joints.iter())
+        .map(|joint| {
+            let unit = match joint.kind {
+                JointKind::Revolute => "rad",
+                JointKind::Prismatic => "m",
+            };
+            let (lower, upper) = joint
+                .limits
+                .map_or((f64::NEG_INFINITY, f64::INFINITY), |l| (l.lower, l.upper));
+            (joint.name.clone(), lower, upper, unit)
+        })
+        .collect()
+}
+
+/// What is known of the plant before the run.
+pub(crate) fn plant_scalars(prepared: &Prepared) -> Vec<Scalar> {
+    let mut scalars = vec![Scalar::new(
+        "run.time_step",
+        Unit::Second,
+        prepared.dt_s,
+        "Time step of the run",
+    )];
+    if let Ok(modes) = prepared.robot.modes(&prepared.start, None) {
+        for (i, f) in modes.frequency_hz.iter().enumerate() {
+            scalars.push(Scalar::new(
+                format!("plant.mode{}_frequency", i + 1),
+                Unit::Hertz,
+                *f,
+                "Natural frequency of the free arm at the start",
+            ));
+        }
+    }
+    scalars
 }

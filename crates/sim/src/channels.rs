@@ -6,8 +6,9 @@ use nalgebra::Vector3;
 use truecut_arm::{Joint, JointKind, Robot};
 use truecut_recording::{ChannelSpec, Unit};
 
-/// Channels of the robot, in the order of [`record`].
-pub(crate) fn specs(robot: &Robot) -> Vec<ChannelSpec> {
+/// Channels of the robot, in the order of [`record`]. The first `base_joints` are tilts of the base; the joints
+/// of the arm are counted from 1 behind them.
+pub(crate) fn specs(robot: &Robot, base_joints: usize) -> Vec<ChannelSpec> {
     let mut specs = Vec::new();
     for (axis, text) in [("x", "X (tool axis)"), ("y", "Y (horizontal)"), ("z", "Z")] {
         specs.push(ChannelSpec::new(
@@ -30,7 +31,12 @@ pub(crate) fn specs(robot: &Robot) -> Vec<ChannelSpec> {
             format!("Position of the tool, world {axis}"),
         ));
     }
-    for (i, joint) in robot.chain.joints.iter().enumerate() {
+    let (base, arm) = robot.chain.joints.split_at(base_joints);
+    for joint in base {
+        let largest = joint.axis.iamax();
+        specs.extend(base_specs(["x", "y", "z"][largest]));
+    }
+    for (i, joint) in arm.iter().enumerate() {
         specs.extend(joint_specs(i + 1, joint));
     }
     specs.push(ChannelSpec::new(
@@ -44,6 +50,29 @@ pub(crate) fn specs(robot: &Robot) -> Vec<ChannelSpec> {
         "Energy in gravity and transmissions",
     ));
     specs
+}
+
+fn base_specs(axis: &str) -> [ChannelSpec; 3] {
+    let spec = |quantity: &str, unit, text: &str| {
+        ChannelSpec::new(
+            format!("base.{quantity}_{axis}"),
+            unit,
+            format!("{text}, world {axis}"),
+        )
+    };
+    [
+        spec("tilt", Unit::Radian, "Tilt of the base"),
+        spec(
+            "tilt_rate",
+            Unit::RadianPerSecond,
+            "Rate of the tilt of the base",
+        ),
+        spec(
+            "moment",
+            Unit::NewtonMetre,
+            "Moment of the ground on the base",
+        ),
+    ]
 }
 
 fn joint_specs(number: usize, joint: &Joint) -> [ChannelSpec; 5] {
@@ -99,19 +128,17 @@ pub(crate) fn record(
     state: &ToolState,
     tool_position_m: &Vector3<f64>,
     joints: &JointState,
+    base_joints: usize,
     energy_j: (f64, f64),
 ) {
     row.extend(state.tool.displacement_m.iter());
     row.extend(state.tool.velocity_m_per_s.iter());
     row.extend(tool_position_m.iter());
     for i in 0..joints.position.len() {
-        row.extend([
-            joints.position[i],
-            joints.velocity[i],
-            joints.command[i],
-            joints.transmission[i],
-            joints.drive[i],
-        ]);
+        row.extend([joints.position[i], joints.velocity[i]]);
+        row.extend((i >= base_joints).then_some(joints.command[i]));
+        row.push(joints.transmission[i]);
+        row.extend((i >= base_joints).then_some(joints.drive[i]));
     }
     row.extend([energy_j.0, energy_j.1]);
 }

@@ -50,6 +50,29 @@ impl JointCommand {
         }
     }
 
+    /// The same for an arm with `count` further joints before the first, which stay at zero.
+    pub(crate) fn behind(mut self, count: usize) -> Self {
+        let postures = match &mut self {
+            Self::Hold(posture) => std::slice::from_mut(posture),
+            Self::Along(path) => &mut path.knots,
+            Self::Replay(samples) => {
+                samples
+                    .forces
+                    .splice(0..0, std::iter::repeat_n(None, count));
+                &mut samples.postures
+            }
+        };
+        for posture in postures {
+            posture.splice(0..0, std::iter::repeat_n(0.0, count));
+        }
+        self
+    }
+
+    /// Whether the command ever leaves its first posture.
+    pub(crate) fn moves(&self) -> bool {
+        !matches!(self, Self::Hold(_))
+    }
+
     /// Postures that the command passes through, for checking limits.
     pub(crate) fn postures(&self) -> &[Vec<f64>] {
         match self {

@@ -1,4 +1,4 @@
-//! Frictional contacts and dry joint friction, solved together for one step.
+//! Frictional contacts and joint friction, solved together for one step.
 //!
 //! Every contact sees the plant through `W = J M⁻¹ Jᵀ` and the free velocity. Several of them couple
 //! through the plant, so they are swept in order (Gauss–Seidel) until no impulse changes any more; one
@@ -7,7 +7,8 @@
 use crate::loads::{ContactOutcome, ContactOutcomes, ContactRequest};
 use crate::plant::{Plant, WorldWrench};
 use nalgebra::{DVector, Matrix2, Matrix3, Vector2, Vector3, Vector6};
-use truecut_core::friction::{Approach, PlanarContact, solve_line, solve_planar};
+use truecut_core::friction::{Approach, PlanarContact, solve_planar};
+use truecut_core::joint_law::{LinkFriction, solve_link_friction};
 
 /// Most sweeps over all contacts.
 const MAX_SWEEPS: usize = 200;
@@ -16,8 +17,8 @@ const TOLERANCE: f64 = 1e-13;
 
 /// Solves contacts and joint friction, keeping its buffers between steps.
 pub(crate) struct ContactSolver {
-    /// Dry friction of every joint, N m or N.
-    joint_friction: Vec<f64>,
+    /// Friction of every joint.
+    joint_friction: Vec<LinkFriction>,
     friction_joints: Vec<usize>,
     pub(crate) joint_torques: DVector<f64>,
     pub(crate) wrenches: Vec<WorldWrench>,
@@ -34,18 +35,19 @@ struct Plane {
     contact: PlanarContact,
 }
 
-/// Dry friction of one joint during the solution.
+/// Friction of one joint during the solution.
 struct Line {
     joint: usize,
     response: DVector<f64>,
+    velocity_before: f64,
     impulse: f64,
 }
 
 impl ContactSolver {
-    pub(crate) fn new(joint_friction: Vec<f64>) -> Self {
+    pub(crate) fn new(joint_friction: Vec<LinkFriction>) -> Self {
         let n = joint_friction.len();
         Self {
-            friction_joints: (0..n).filter(|i| joint_friction[*i] > 0.0).collect(),
+            friction_joints: (0..n).filter(|i| !joint_friction[*i].is_none()).collect(),
             joint_friction,
             joint_torques: DVector::zeros(n),
             wrenches: Vec::new(),
@@ -85,8 +87,8 @@ impl ContactSolver {
                 change = change.max(update_plane(plane, &mut velocity, dt));
             }
             for line in &mut lines {
-                let bound = self.joint_friction[line.joint] * dt;
-                change = change.max(update_line(line, bound, &mut velocity));
+                let law = &self.joint_friction[line.joint];
+                change = change.max(update_line(line, law, &mut velocity, dt));
             }
             if single || change <= TOLERANCE * velocity.amax() {
                 break;
@@ -138,6 +140,7 @@ fn line(plant: &mut dyn Plant, joint: usize) -> Line {
     Line {
         joint,
         response: plant.mobility(&unit),
+        velocity_before: plant.half_step_velocity()[joint],
         impulse: 0.0,
     }
 }
@@ -161,10 +164,10 @@ fn update_plane(plane: &mut Plane, velocity: &mut DVector<f64>, dt: f64) -> f64 
     (plane.response[0].amax() * change.x.abs()).max(plane.response[1].amax() * change.y.abs())
 }
 
-fn update_line(line: &mut Line, bound: f64, velocity: &mut DVector<f64>) -> f64 {
+fn update_line(line: &mut Line, law: &LinkFriction, velocity: &mut DVector<f64>, dt_s: f64) -> f64 {
     let inverse_mass = line.response[line.joint];
     let free = velocity[line.joint] - inverse_mass * line.impulse;
-    let impulse = solve_line(inverse_mass, free, bound);
+    let impulse = solve_link_friction(inverse_mass, line.velocity_before, free, law, dt_s);
     let change = impulse - line.impulse;
     line.impulse = impulse;
     velocity.axpy(change, &line.response, 1.0);

@@ -33,7 +33,8 @@ impl From<ScenarioError> for SimError {
 }
 
 impl SimError {
-    pub(crate) fn scenario(key: impl Into<String>, message: impl Into<String>) -> Self {
+    /// A fault of a scenario's value at a dotted key.
+    pub fn scenario(key: impl Into<String>, message: impl Into<String>) -> Self {
         Self::Scenario {
             key: key.into(),
             message: message.into(),

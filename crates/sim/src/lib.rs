@@ -6,9 +6,10 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
-//! | [`plant`] | what the loads act on: the arm in rapier, its drives |
+//! | [`plant`] | what the loads act on: the arm in rapier, or linearised and exactly stepped; its drives |
 //! | [`process`] | what the tool does: chamfering, a wheel on a plate, given forces |
 //! | [`loads`] | what a process may ask for |
+//! | [`measurement`] | what a sensor makes of a channel |
 //! | [`replay`] | measured inputs that drive a model, forward or inverse |
 //! | [`sweep`] | a scenario over one or two parameters, as independent jobs |
 
@@ -17,22 +18,30 @@ mod cell;
 mod channels;
 mod command;
 mod contact;
+mod effect;
 mod error;
 mod guard;
 pub mod loads;
+pub mod measurement;
 mod mjcf;
 
+pub mod facts;
 pub mod plant;
 pub mod process;
 pub mod replay;
+mod robots;
 mod scene;
+mod simulate;
 mod step_size;
 pub mod sweep;
 mod theory;
 mod torque_use;
 mod translate;
 
+pub use build::rotary_joints;
 pub use cell::{Cell, RunEnd};
 pub use error::SimError;
 pub use mjcf::export_mjcf;
 pub use replay::inverse::InverseModel;
+pub use robots::Robots;
+pub use simulate::{Engine, Rows, simulate};

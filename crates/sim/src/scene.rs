@@ -4,6 +4,7 @@ use crate::loads::Attachment;
 use crate::plant::Plant;
 use crate::process::Process;
 use nalgebra::{Isometry3, UnitQuaternion};
+use std::sync::Arc;
 use truecut_arm::{Link, Robot, Shape as ArmShape};
 use truecut_recording::{Arrow, Body, Frame, Geometry, Pose, Scene, Shape};
 
@@ -25,6 +26,29 @@ pub(crate) enum Workpiece {
     Strip(f64),
     /// Nothing.
     None,
+}
+
+/// What the scene is made from, when one is asked for.
+pub(crate) struct Setting {
+    pub robot: Arc<Robot>,
+    pub start: Vec<f64>,
+    pub world_from_process: Isometry3<f64>,
+    pub workpiece: Workpiece,
+    pub deflection_scale: f64,
+}
+
+impl Setting {
+    /// The scene, and the means to fill its frames.
+    pub(crate) fn stage(&self, process: &dyn Process) -> (Stage, Scene) {
+        Stage::new(
+            &self.robot,
+            &self.start,
+            self.world_from_process,
+            self.deflection_scale,
+            self.workpiece,
+            process,
+        )
+    }
 }
 
 /// Builds frames of the scene.

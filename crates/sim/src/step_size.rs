@@ -5,16 +5,51 @@ use crate::process::Process;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use truecut_arm::{FrameId, Load, Robot};
+use truecut_scenario::RunSpec;
 
-/// No default step is longer than this, s.
-const LONGEST_S: f64 = 0.25e-3;
-/// Default steps in one period of the fastest mode.
-const STEPS_PER_PERIOD: f64 = 60.0;
-/// Fewest steps in one period of the fastest mode that are accepted. The scheme would be stable down to π;
-/// at eight the fastest mode is out of tune by (2π/8)²/24 = 2.6 %, slower ones by far less.
-const FEWEST_STEPS_PER_PERIOD: f64 = 8.0;
 /// Default steps between two cutting edges.
 const STEPS_PER_TOOTH: f64 = 40.0;
+/// Default steps in one period of the fastest given force; the exact scheme meets a force of frequency w to
+/// (w dt)²/12: 0.2 %.
+const STEPS_PER_FORCE_PERIOD: f64 = 40.0;
+
+/// How the plant is stepped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scheme {
+    /// rapier's: second order in all that moves.
+    Leapfrog,
+    /// Exact for the linear arm; second order in what acts on it.
+    Exact,
+}
+
+impl Scheme {
+    /// No default step is longer than this, s.
+    fn longest_s(self) -> f64 {
+        match self {
+            Self::Leapfrog => 0.25e-3,
+            Self::Exact => 1e-3,
+        }
+    }
+
+    /// Default steps in one period of the fastest mode. The exact scheme keeps every mode in tune at any
+    /// step; what it needs are enough samples of the motion for contacts, records and friction.
+    fn steps_per_period(self) -> f64 {
+        match self {
+            Self::Leapfrog => 60.0,
+            Self::Exact => 20.0,
+        }
+    }
+
+    /// Fewest steps in one period of the fastest mode that are accepted. The leapfrog scheme would be stable
+    /// down to π; at eight the fastest mode is out of tune by (2π/8)²/24 = 2.6 %, slower ones by far less.
+    /// The exact scheme reads velocities off two positions, for which two steps in a period are too few.
+    fn fewest_steps_per_period(self) -> f64 {
+        match self {
+            Self::Leapfrog => 8.0,
+            Self::Exact => 4.0,
+        }
+    }
+}
 
 /// Most steps of a run: some twenty minutes of a six-joint arm.
 const MOST_STEPS: f64 = 2e7;
@@ -56,6 +91,7 @@ impl Cause {
 fn check_count(
     step_s: f64,
     asked: bool,
+    scheme: Scheme,
     fastest: Option<Fastest>,
     duration_s: f64,
 ) -> Result<(), SimError> {
@@ -63,7 +99,8 @@ fn check_count(
     if count <= MOST_STEPS {
         return Ok(());
     }
-    let of_mode = fastest.filter(|f| step_s * f.frequency_hz * STEPS_PER_PERIOD <= 1.01);
+    let per_period = scheme.steps_per_period();
+    let of_mode = fastest.filter(|f| step_s * f.frequency_hz * per_period <= 1.01);
     let (key, why) = match of_mode {
         _ if asked => ("run.time_step_ms", "it is the step asked for".to_owned()),
         Some(Fastest {
@@ -74,7 +111,7 @@ fn check_count(
             (
                 key,
                 format!(
-                    "it is 1/{STEPS_PER_PERIOD} of the period of the fastest mode, at {frequency_hz:.4e} Hz, \
+                    "it is 1/{per_period} of the period of the fastest mode, at {frequency_hz:.4e} Hz, \
                      which {what} makes"
                 ),
             )
@@ -93,40 +130,57 @@ fn check_count(
     ))
 }
 
-/// The step of a run, s: the smallest of 0.25 ms, 1/60 of the fastest mode's period (contact springs and
-/// rotors included) and 1/40 of the tooth period, shortened so that the run is a whole number of steps;
-/// or the one asked for, if it is short enough.
+/// The step of a run, s: the smallest of the scheme's longest (0.25 ms; exact: 1 ms), its part (1/60; exact:
+/// 1/20) of the fastest mode's period (contact springs and rotors included), 1/40 of the tooth period and,
+/// for the exact scheme, 1/40 of the period of the fastest given force, shortened so that the run is a whole
+/// number of steps (exact scheme with a recording interval: the interval is); or the one asked for, if it
+/// is short enough.
 pub(crate) fn choose(
-    asked_s: Option<f64>,
+    scheme: Scheme,
+    run: &RunSpec,
     fastest: Option<Fastest>,
     process: &dyn Process,
-    duration_s: f64,
 ) -> Result<f64, SimError> {
     let fastest_mode_hz = fastest.map(|fastest| fastest.frequency_hz);
-    if let Some(asked) = asked_s {
-        if let Some(f) = fastest_mode_hz
-            && asked * f * FEWEST_STEPS_PER_PERIOD > 1.0
-        {
-            let limit_ms = 1e3 / (f * FEWEST_STEPS_PER_PERIOD);
-            return Err(SimError::scenario(
-                "run.time_step_ms",
-                format!(
-                    "a step of {} ms is too long: the fastest mode, at {f:.1} Hz, needs at least \
-                     {FEWEST_STEPS_PER_PERIOD} steps in a period, that is {limit_ms:.3} ms at most",
-                    asked * 1e3
-                ),
-            ));
-        }
-        check_count(asked, true, fastest, duration_s)?;
-        return Ok(asked);
+    if let Some(asked) = run.time_step_s {
+        check_count(asked, true, scheme, fastest, run.duration_s)?;
+        return check(scheme, asked, fastest_mode_hz);
     }
-    let mode = fastest_mode_hz.map_or(LONGEST_S, |f| 1.0 / (f * STEPS_PER_PERIOD));
+    let longest = scheme.longest_s();
+    let mode = fastest_mode_hz.map_or(longest, |f| 1.0 / (f * scheme.steps_per_period()));
     let tooth = process
         .tooth_period_s()
-        .map_or(LONGEST_S, |t| t / STEPS_PER_TOOTH);
-    let step = LONGEST_S.min(mode).min(tooth);
-    check_count(step, false, fastest, duration_s)?;
-    Ok(duration_s / (duration_s / step).ceil())
+        .map_or(longest, |t| t / STEPS_PER_TOOTH);
+    let mut step = longest.min(mode).min(tooth);
+    if scheme == Scheme::Exact
+        && let Some(f) = process.highest_frequency_hz()
+    {
+        step = step.min(1.0 / (f * STEPS_PER_FORCE_PERIOD));
+    }
+    check_count(step, false, scheme, fastest, run.duration_s)?;
+    let whole = match run.record_interval_s {
+        Some(interval) if scheme == Scheme::Exact => interval,
+        _ => run.duration_s,
+    };
+    Ok(whole / (whole / step).ceil())
+}
+
+fn check(scheme: Scheme, asked_s: f64, fastest_mode_hz: Option<f64>) -> Result<f64, SimError> {
+    let fewest = scheme.fewest_steps_per_period();
+    if let Some(f) = fastest_mode_hz
+        && asked_s * f * fewest > 1.0
+    {
+        let limit_ms = 1e3 / (f * fewest);
+        return Err(SimError::scenario(
+            "run.time_step_ms",
+            format!(
+                "a step of {} ms is too long: the fastest mode, at {f:.1} Hz, needs at least \
+                 {fewest} steps in a period, that is {limit_ms:.3} ms at most",
+                asked_s * 1e3
+            ),
+        ));
+    }
+    Ok(asked_s)
 }
 
 /// Frequency of the fastest mode of the arm with the process's springs attached, Hz. `None` for an arm

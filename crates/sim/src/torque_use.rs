@@ -74,7 +74,7 @@ pub(crate) fn servo_note(prepared: &Prepared) -> Option<String> {
         let compliance = robot.process_compliance(&prepared.start, FrameId::Tool);
         compliance.map(|c| directional_stiffness(&c, &nalgebra::Vector3::x_axis()))
     };
-    let mut held = prepared.robot.clone();
+    let mut held = truecut_arm::Robot::clone(&prepared.robot);
     let mut loops = Vec::new();
     for (index, joint) in held.chain.joints.iter_mut().enumerate() {
         let transmission = &mut joint.transmission;

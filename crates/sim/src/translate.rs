@@ -1,5 +1,6 @@
 //! From the tables of a scenario to the processes and laws that run.
 
+use crate::effect::{CuttingEffects, Effects, FootEffects, WheelEffects};
 use crate::error::SimError;
 use crate::plant::DriveKind;
 use crate::process::{
@@ -13,11 +14,13 @@ use truecut_arm::{FrameId, Robot, axial_lateral_coupling};
 use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients, FeedSchedule};
 use truecut_core::cutting::slip_condition::{ArmCoupling, Cut};
 use truecut_core::friction::{EquivalentViscous, FrictionLaw};
-use truecut_core::pressure_foot::{Cylinders, PressureFoot, stiffness_for_share};
+use truecut_core::pressure_foot::{
+    AMBIENT_PRESSURE_PA, Cylinders, PressureFoot, stiffness_for_share,
+};
 use truecut_core::wheel::WheelContact;
 use truecut_scenario::{
-    ChamferSpec, FeedDirection, FootSpec, FootSpring, FrictionSpec, LoadFrame, LoadSpec,
-    ProcessSpec, Regeneration as RegenerationSpec, Scenario, Spin, WheelSpec,
+    ChamferSpec, CuttingSpec, FeedDirection, FootSpec, FootSpring, FrictionSpec, LoadFrame,
+    LoadSpec, ProcessSpec, Regeneration as RegenerationSpec, Scenario, Spin, WheelSpec,
 };
 
 /// The process of a scenario on a robot at its posture, and what its workpiece looks like.
@@ -27,6 +30,7 @@ pub(crate) fn build_process(
     kind: DriveKind,
     posture: &[f64],
     world_from_process: &Isometry3<f64>,
+    effects: &Effects,
 ) -> Result<(Box<dyn Process>, Workpiece), SimError> {
     let compliance = match kind {
         DriveKind::Force => None,
@@ -36,12 +40,12 @@ pub(crate) fn build_process(
         ProcessSpec::Chamfer(spec) => {
             let compliance = compliance.ok_or_else(|| needs_drive("chamfer"))?;
             let workpiece = Workpiece::Hole(spec.hole_diameter_m / 2.0);
-            Ok((Box::new(chamfer(spec, &compliance)?), workpiece))
+            Ok((Box::new(chamfer(spec, &compliance, effects)?), workpiece))
         }
         ProcessSpec::Wheel(spec) => {
             compliance.ok_or_else(|| needs_drive("wheel"))?;
             let workpiece = Workpiece::Strip(spec.strip_length_m);
-            Ok((Box::new(Wheel::new(wheel(spec))), workpiece))
+            Ok((Box::new(Wheel::new(wheel(spec, &effects.wheel))), workpiece))
         }
         ProcessSpec::Load(spec) => {
             if spec.foot.is_some() && compliance.is_none() {
@@ -52,6 +56,7 @@ pub(crate) fn build_process(
                 scenario.run.duration_s,
                 compliance.as_ref(),
                 world_from_process,
+                &effects.foot,
             );
             Ok((Box::new(GivenLoad::new(process)), Workpiece::None))
         }
@@ -102,45 +107,80 @@ fn cylinders(spec: &FootSpec, pressure_pa: f64) -> Cylinders {
     }
 }
 
-fn foot(spec: &FootSpec, compliance: &Matrix3<f64>, frequency_rad_s: f64) -> FootParameters {
+fn foot(
+    spec: &FootSpec,
+    compliance: &Matrix3<f64>,
+    frequency_rad_s: f64,
+    effects: &FootEffects,
+) -> FootParameters {
+    let mut spring = foot_spring(spec, spec.pressure_pa, 1.0 / compliance[(0, 0)]);
+    spring.seal_stiction_n = (spring.seal_stiction_n + effects.seal_stiction_n).max(0.0);
     FootParameters {
-        spring: foot_spring(spec, spec.pressure_pa, 1.0 / compliance[(0, 0)]),
-        friction: match spec.friction {
-            FrictionSpec::None => FootFriction::Law(FrictionLaw::None),
-            FrictionSpec::Coulomb { mu } => FootFriction::Law(FrictionLaw::Coulomb { mu }),
-            FrictionSpec::Stribeck {
-                mu,
-                mu_static,
-                stribeck_speed_m_per_s,
-            } => FootFriction::Law(FrictionLaw::Stribeck {
-                mu,
-                mu_static,
-                stribeck_speed_m_per_s,
-            }),
-            FrictionSpec::EquivalentViscous {
-                mu,
-                amplitude_floor_m,
-            } => FootFriction::Equivalent(EquivalentViscous {
-                mu,
-                frequency_rad_s,
-                amplitude_floor_m,
-            }),
+        spring,
+        pressure_loss_per_s: effects.pressure_loss_per_s,
+        gauge_share: match spec.spring {
+            FootSpring::Gas { .. } => spec.pressure_pa / (spec.pressure_pa + AMBIENT_PRESSURE_PA),
+            FootSpring::AxialShare(_) => 0.0,
         },
+        friction: foot_friction(spec, frequency_rad_s, effects),
     }
 }
 
-fn chamfer(spec: &ChamferSpec, compliance: &Matrix3<f64>) -> Result<Chamfer, SimError> {
-    let c = &spec.cutting;
-    let coefficients = CuttingCoefficients {
-        edge_axial_n_per_m: c.edge_axial_n_per_m,
-        edge_radial_n_per_m: c.edge_radial_n_per_m,
-        edge_tangential_n_per_m: c.edge_tangential_n_per_m,
-        ..CuttingCoefficients::from_resultant(c.axial_pa, c.in_plane_pa, c.in_plane_angle_rad)
+fn foot_friction(spec: &FootSpec, frequency_rad_s: f64, effects: &FootEffects) -> FootFriction {
+    let nominal = match spec.friction {
+        FrictionSpec::None => FootFriction::Law(FrictionLaw::None),
+        FrictionSpec::Coulomb { mu } => FootFriction::Law(FrictionLaw::Coulomb { mu }),
+        FrictionSpec::Stribeck {
+            mu,
+            mu_static,
+            stribeck_speed_m_per_s,
+        } => FootFriction::Law(FrictionLaw::Stribeck {
+            mu,
+            mu_static,
+            stribeck_speed_m_per_s,
+        }),
+        FrictionSpec::EquivalentViscous {
+            mu,
+            amplitude_floor_m,
+        } => FootFriction::Equivalent(EquivalentViscous {
+            mu,
+            frequency_rad_s,
+            amplitude_floor_m,
+        }),
     };
-    let parameters = ChamferParameters {
+    nominal.with_effects(effects)
+}
+
+fn chamfer(
+    spec: &ChamferSpec,
+    compliance: &Matrix3<f64>,
+    effects: &Effects,
+) -> Result<Chamfer, SimError> {
+    let nominal = chamfer_parameters(spec, compliance, &Effects::default());
+    let theory = match &spec.foot {
+        // With several edges nothing rotates, and the conditions have nothing to say.
+        Some(foot_spec) if spec.edges == 1 => slip_theory(&nominal, foot_spec, compliance)?,
+        _ => None,
+    };
+    Ok(Chamfer::new(
+        chamfer_parameters(spec, compliance, effects),
+        theory,
+    ))
+}
+
+fn chamfer_parameters(
+    spec: &ChamferSpec,
+    compliance: &Matrix3<f64>,
+    effects: &Effects,
+) -> ChamferParameters {
+    let cut = &effects.cutting;
+    // A spindle that is off turns under a feed that is not: the feed per revolution changes.
+    let spindle_rad_s = spec.spindle_rad_s * cut.spindle_factor;
+    ChamferParameters {
+        effects: *cut,
         schedule: FeedSchedule {
-            spindle_rad_s: spec.spindle_rad_s,
-            feed_m_per_rev: spec.feed_m_per_rev,
+            spindle_rad_s,
+            feed_m_per_rev: spec.feed_m_per_rev / cut.spindle_factor,
             edges: spec.edges as usize,
             depth_m: spec.depth_m,
             dwell_revolutions: spec.dwell_revolutions,
@@ -148,7 +188,7 @@ fn chamfer(spec: &ChamferSpec, compliance: &Matrix3<f64>) -> Result<Chamfer, Sim
         chip: ChipArea {
             half_angle_rad: spec.half_angle_rad,
         },
-        coefficients,
+        coefficients: coefficients(&spec.cutting, cut),
         axial_sign: match spec.direction {
             FeedDirection::Forward => -1.0,
             FeedDirection::Backward => 1.0,
@@ -160,14 +200,23 @@ fn chamfer(spec: &ChamferSpec, compliance: &Matrix3<f64>) -> Result<Chamfer, Sim
             RegenerationSpec::Axial => Regeneration::Axial,
             RegenerationSpec::Full => Regeneration::Full,
         },
-        foot: (spec.foot.as_ref()).map(|f| foot(f, compliance, spec.spindle_rad_s)),
-    };
-    let theory = match &spec.foot {
-        // With several edges nothing rotates, and the conditions have nothing to say.
-        Some(foot_spec) if spec.edges == 1 => slip_theory(&parameters, foot_spec, compliance)?,
-        _ => None,
-    };
-    Ok(Chamfer::new(parameters, theory))
+        foot: (spec.foot.as_ref()).map(|f| foot(f, compliance, spindle_rad_s, &effects.foot)),
+    }
+}
+
+fn coefficients(spec: &CuttingSpec, effects: &CuttingEffects) -> CuttingCoefficients {
+    let [axial, radial, tangential] = effects.edge_n_per_m;
+    let factor = effects.coefficient_factor;
+    CuttingCoefficients {
+        edge_axial_n_per_m: spec.edge_axial_n_per_m + axial,
+        edge_radial_n_per_m: spec.edge_radial_n_per_m + radial,
+        edge_tangential_n_per_m: spec.edge_tangential_n_per_m + tangential,
+        ..CuttingCoefficients::from_resultant(
+            spec.axial_pa * factor,
+            spec.in_plane_pa * factor,
+            spec.in_plane_angle_rad,
+        )
+    }
 }
 
 fn slip_theory(
@@ -205,15 +254,17 @@ fn slip_theory(
     ))
 }
 
-fn wheel(spec: &WheelSpec) -> WheelParameters {
+fn wheel(spec: &WheelSpec, effects: &WheelEffects) -> WheelParameters {
+    let [at_start, quarter_later] = effects.eccentricity_m;
     WheelParameters {
         contact: WheelContact {
             radius_m: spec.radius_m,
             width_m: spec.width_m,
-            stiffness_n_per_m: spec.stiffness_n_per_m,
+            stiffness_n_per_m: spec.stiffness_n_per_m * effects.stiffness_factor,
             damping_n_s_per_m: spec.damping_n_s_per_m,
             mu: spec.mu,
-            runout_m: spec.runout_m,
+            runout_m: spec.runout_m + quarter_later,
+            runout_at_start_m: at_start,
         },
         spin_rad_s: spec.spin_rad_s,
         surface_sign: match spec.spin {
@@ -234,6 +285,7 @@ fn load(
     duration_s: f64,
     compliance: Option<&Matrix3<f64>>,
     world_from_process: &Isometry3<f64>,
+    effects: &FootEffects,
 ) -> LoadParameters {
     let axes = |force: [f64; 3]| match spec.frame {
         LoadFrame::Process => Vector3::from(force),
@@ -254,6 +306,6 @@ fn load(
             frequency_hz: r.frequency_hz,
             start_angle_rad: r.start_angle_rad,
         }),
-        foot: (spec.foot.as_ref().zip(compliance)).map(|(f, c)| foot(f, c, turning)),
+        foot: (spec.foot.as_ref().zip(compliance)).map(|(f, c)| foot(f, c, turning, effects)),
     }
 }

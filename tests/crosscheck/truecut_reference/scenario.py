@@ -175,6 +175,13 @@ class Load:
 
 
 @dataclass(frozen=True)
+class Replay:
+    """Measured inputs drive the arm."""
+
+    mode: str
+
+
+@dataclass(frozen=True)
 class Scenario:
     """One scenario in SI units."""
 
@@ -182,7 +189,7 @@ class Scenario:
     name: str
     robot: Robot
     duration_s: float
-    process: Chamfer | Wheel | Load
+    process: Chamfer | Wheel | Load | Replay
 
 
 def load(path: Path | str, overrides: dict[str, float] | None = None) -> Scenario:
@@ -200,12 +207,13 @@ def from_table(table: dict, path: Path | None = None) -> Scenario:
     if len(processes) != 1:
         raise ScenarioError(f"{path}: exactly one process table is needed, found {sorted(processes)}")
     ((kind, body),) = processes.items()
-    process = {"chamfer": _chamfer, "wheel": _wheel, "load": _load}[kind](body)
+    process = {"chamfer": _chamfer, "wheel": _wheel, "load": _load, "replay": _replay}[kind](body)
     run = table.get("run", {})
     default_s = {
         Chamfer: lambda: process.duration_s,
         Wheel: lambda: process.strip_length_m / process.feed_m_per_s,
         Load: lambda: run["duration_s"],
+        Replay: lambda: math.inf,
     }[type(process)]
     return Scenario(
         path=path,
@@ -322,3 +330,7 @@ def _load(t: dict) -> Load:
         rotating_start_angle_rad=math.radians(rotating.get("start_angle_deg", 0.0)),
         foot=_foot(t.get("foot")),
     )
+
+
+def _replay(t: dict) -> Replay:
+    return Replay(mode=t.get("mode", "forward"))

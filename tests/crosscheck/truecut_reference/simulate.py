@@ -62,13 +62,24 @@ class Result:
         return self.state_time_s if name in self.state_names else self.force_time_s
 
 
-def process_for(scenario: Scenario, plant: Plant, longest_step_s: float, command: Command | None):
+class Laws:
+    """Which law stands for which part of a run: the nominal ones. Subclasses put others in their place."""
+
+    chamfer = ChamferProcess
+    wheel = WheelProcess
+    foot_normal = FootNormal
+    foot_friction = FootFriction
+
+
+def process_for(
+    scenario: Scenario, plant: Plant, longest_step_s: float, command: Command | None, laws: type[Laws] | Laws = Laws
+):
     """The process of the scenario, with a step that suits its geometry."""
     spec = scenario.process
     if isinstance(spec, Chamfer):
-        return ChamferProcess(spec, longest_step_s)
+        return laws.chamfer(spec, longest_step_s)
     if isinstance(spec, Wheel):
-        return WheelProcess(spec, scenario.duration_s, longest_step_s, plant, command)
+        return laws.wheel(spec, scenario.duration_s, longest_step_s, plant, command)
     assert isinstance(spec, Load)
     return LoadProcess(spec, scenario.duration_s, longest_step_s, plant.axes)
 
@@ -79,6 +90,7 @@ def simulate(
     longest_step_s: float,
     until_s: float = math.inf,
     command: Command | None = None,
+    laws: type[Laws] | Laws = Laws,
 ) -> Result:
     """Runs the scenario in MuJoCo from static equilibrium, to its end or to `until_s`.
 
@@ -86,14 +98,14 @@ def simulate(
     """
     began = time.perf_counter()
     plant = Plant(model, scenario.robot)
-    process = process_for(scenario, plant, longest_step_s, command)
+    process = process_for(scenario, plant, longest_step_s, command, laws)
     force_tool, force_foot = process.start_loads()
     plant.settle(force_tool, force_foot)
     has_foot = process.foot is not None
     normal = friction = None
     if has_foot:
-        normal = FootNormal(process.foot, 1.0 / plant.compliance("foot")[0, 0])
-        friction = FootFriction(process.foot.friction)
+        normal = laws.foot_normal(process.foot, 1.0 / plant.compliance("foot")[0, 0])
+        friction = laws.foot_friction(process.foot.friction)
     h = process.step_s
     count = round(min(scenario.duration_s, until_s) / h)
     origin = plant.kinematics()[0].copy()

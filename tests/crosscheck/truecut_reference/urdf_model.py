@@ -20,10 +20,14 @@ PRISMATIC = mujoco.mjtJoint.mjJNT_SLIDE
 
 def from_urdf(robot: Robot) -> mujoco.MjModel:
     """Model of the scenario's robot, with joint springs and dampers and the sites flange, tool and foot."""
-    text = robot.urdf.read_text(encoding="utf-8")
-    text = re.sub(r"(<robot\b[^>]*>)", r"\1" + KEEP_LINKS, text, count=1)
-    spec = mujoco.MjSpec.from_string(text)
     config = tomllib.loads(robot.config.read_text(encoding="utf-8")) if robot.config.exists() else {}
+    return specification(robot, robot.urdf.read_text(encoding="utf-8"), config).compile()
+
+
+def specification(robot: Robot, urdf: str, config: dict) -> mujoco.MjSpec:
+    """The same before it is compiled, from the texts of `robot.urdf` and the tables of `robot.toml`."""
+    text = re.sub(r"(<robot\b[^>]*>)", r"\1" + KEEP_LINKS, urdf, count=1)
+    spec = mujoco.MjSpec.from_string(text)
     entries = {entry["name"]: entry for entry in config.get("joint", [])}
     for joint in spec.joints:
         entry = entries[joint.name]
@@ -43,7 +47,7 @@ def from_urdf(robot: Robot) -> mujoco.MjModel:
     for name in ("flange", "tool", "foot"):
         frame = frames.get(name, {})
         flange.add_site(name=name, pos=frame.get("xyz_m", [0.0] * 3), quat=_quaternion(frame.get("rpy_deg", [0.0] * 3)))
-    return spec.compile()
+    return spec
 
 
 def _last_body(body):

@@ -1,6 +1,6 @@
 //! A figure of each channel: signals, residual, its spectrum, and what it depends on most.
 
-use truecut_discrepancy::compare::{ChannelComparison, Comparison, Kind};
+use truecut_discrepancy::compare::{ChannelComparison, Comparison, Dependence, Explanatory, Kind};
 use truecut_recording::spectrum::resample;
 use truecut_recording::{Measured, Recording, Unit, UserUnit, significant};
 
@@ -238,19 +238,7 @@ fn explanation(comparison: &Comparison, channel: &ChannelComparison, columns: &C
         .explanatory
         .iter()
         .find(|one| one.spec.name == found.signal);
-    let values = signal.map_or(&[][..], |signal| &signal.values);
-    let turn = std::f64::consts::TAU;
-    let is_phase = found.kind == Kind::SpindlePhase;
-    let values: Vec<f64> = values
-        .iter()
-        .map(|value| {
-            if is_phase {
-                value.rem_euclid(turn)
-            } else {
-                *value
-            }
-        })
-        .collect();
+    let values = signal.map_or_else(Vec::new, within_a_turn);
     let of_signal = signal.map_or(Unit::One, |signal| signal.spec.unit);
     let x_unit = reading_unit(of_signal, largest(values.iter().copied()));
     let unit = reading_unit(channel.unit, largest(columns.residual()));
@@ -274,23 +262,33 @@ fn explanation(comparison: &Comparison, channel: &ChannelComparison, columns: &C
                 colour: GREEN,
                 ..Layer::default()
             },
-            Layer {
-                label: "mean ± 2 standard errors".to_owned(),
-                points: found
-                    .bins
-                    .iter()
-                    .map(|b| (x_unit.from_si(b.signal), unit.from_si(b.mean)))
-                    .collect(),
-                style: Style::Bars(
-                    found
-                        .bins
-                        .iter()
-                        .map(|b| unit.from_si(2.0 * b.standard_error))
-                        .collect(),
-                ),
-                colour: ORANGE,
-            },
+            means(found, &x_unit, &unit),
         ],
         ..Panel::default()
+    }
+}
+
+/// The values of a signal; an angle of the spindle within one turn.
+fn within_a_turn(signal: &Explanatory) -> Vec<f64> {
+    let turn = |angle: &f64| angle.rem_euclid(std::f64::consts::TAU);
+    match signal.kind {
+        Kind::SpindlePhase => signal.values.iter().map(turn).collect(),
+        _ => signal.values.clone(),
+    }
+}
+
+fn means(found: &Dependence, x_unit: &UserUnit, unit: &UserUnit) -> Layer {
+    let bins = || found.bins.iter();
+    Layer {
+        label: "mean ± 2 standard errors".to_owned(),
+        points: bins()
+            .map(|bin| (x_unit.from_si(bin.signal), unit.from_si(bin.mean)))
+            .collect(),
+        style: Style::Bars(
+            bins()
+                .map(|bin| unit.from_si(2.0 * bin.standard_error))
+                .collect(),
+        ),
+        colour: ORANGE,
     }
 }

@@ -28,7 +28,7 @@ pub fn compare(plan: &ComparePlan) -> Result<Verdict, Failure> {
         let text = "a sweep cannot be compared with data: only single runs can";
         return Err(scenario.problem("sweep", text).into());
     }
-    let measured = data::read(scenario, plan.data.as_deref())?;
+    let measured = data::needed(scenario, plan.data.as_deref())?;
     let progress = Progress::new(1, "running");
     let (simulated, measured) = data::simulate(scenario, measured, &progress.run())?;
     drop(progress);

@@ -188,18 +188,27 @@ fn draw_layer(layer: &Layer, chart: &mut Chart<'_, '_>, x: &Axis, y: &Axis) -> D
         }
         Style::Marks(texts) => {
             chart.draw_series(dots(5, colour.stroke_width(2)))?;
-            let style = ("sans-serif", 12).into_font().color(&colour);
-            let style = style.pos(Pos::new(HPos::Center, VPos::Bottom));
-            let marked = layer.points.iter().zip(texts);
-            let texts = marked.filter_map(|(point, text)| {
-                Some(
-                    EmptyElement::at(place(point)?)
-                        + Text::new(text.clone(), (0, -8), style.clone()),
-                )
-            });
-            chart.draw_series(texts)?;
+            write_beside(layer, texts, chart, &place)?;
         }
     }
+    Ok(())
+}
+
+/// A text above each point.
+fn write_beside(
+    layer: &Layer,
+    texts: &[String],
+    chart: &mut Chart<'_, '_>,
+    place: &dyn Fn(&(f64, f64)) -> Option<(f64, f64)>,
+) -> Drawn {
+    let colour = colour(layer.colour);
+    let style = ("sans-serif", 12).into_font().color(&colour);
+    let style = style.pos(Pos::new(HPos::Center, VPos::Bottom));
+    let marked = layer.points.iter().zip(texts);
+    let texts = marked.filter_map(|(point, text)| {
+        Some(EmptyElement::at(place(point)?) + Text::new(text.clone(), (0, -8), style.clone()))
+    });
+    chart.draw_series(texts)?;
     Ok(())
 }
 

@@ -87,6 +87,15 @@ pub struct EdgeForces {
 }
 
 impl EdgeForces {
+    /// All parts times a factor.
+    pub fn times(&self, factor: f64) -> Self {
+        Self {
+            axial_n: self.axial_n * factor,
+            radial_n: self.radial_n * factor,
+            tangential_n: self.tangential_n * factor,
+        }
+    }
+
     /// Force on the tool in (X, Y, Z) for an edge at angle φ: back along the feed, inwards, and against the
     /// edge's motion.
     ///

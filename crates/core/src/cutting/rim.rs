@@ -30,23 +30,24 @@ struct EdgeTrace {
 
 impl Rim {
     /// A rim of `bins` bins with initial depth given by angle, for `edges` edges that start at the given
-    /// angles (rad).
+    /// angles (rad), each at a depth of its own.
     pub fn new(
         bins: usize,
         initial_depth_m: impl Fn(f64) -> f64,
         edge_angles_rad: &[f64],
-        edge_depth_m: f64,
+        edge_depth_m: impl Fn(usize) -> f64,
     ) -> Self {
         let depth_m = (0..bins)
             .map(|i| initial_depth_m(TAU * i as f64 / bins as f64))
             .collect();
         let edges = edge_angles_rad
             .iter()
-            .map(|angle| {
+            .enumerate()
+            .map(|(edge, angle)| {
                 let position = angle / TAU * bins as f64;
                 EdgeTrace {
                     position,
-                    depth_m: edge_depth_m,
+                    depth_m: edge_depth_m(edge),
                     next_bin: position.ceil() as i64,
                     held: VecDeque::new(),
                 }
@@ -132,7 +133,7 @@ mod tests {
         let feed = 5e-5;
         let bins = 720;
         // The pass before the first: depth grows from 0 to one feed around the rim.
-        let mut rim = Rim::new(bins, |angle| feed * angle / TAU, &[0.0], feed);
+        let mut rim = Rim::new(bins, |angle| feed * angle / TAU, &[0.0], |_| feed);
         let steps_per_rev = 777; // not a multiple of the bins
         for i in 1..(3 * steps_per_rev) {
             let angle = TAU * i as f64 / steps_per_rev as f64;
@@ -154,7 +155,7 @@ mod tests {
     #[test]
     fn verify_an_edge_never_reads_what_it_has_just_cut() {
         for steps_per_rev in [97, 719, 720, 721, 5000] {
-            let mut rim = Rim::new(720, |_| 0.0, &[0.0], 1.0);
+            let mut rim = Rim::new(720, |_| 0.0, &[0.0], |_| 1.0);
             for i in 1..steps_per_rev {
                 let angle = TAU * i as f64 / steps_per_rev as f64;
                 if angle > TAU * (1.0 - 1.5 / 720.0) {
@@ -171,7 +172,7 @@ mod tests {
 
     #[test]
     fn verify_a_lifted_edge_leaves_the_surface() {
-        let mut rim = Rim::new(90, |_| 2e-4, &[0.0], 0.0);
+        let mut rim = Rim::new(90, |_| 2e-4, &[0.0], |_| 0.0);
         for i in 1..200 {
             rim.cut(0, TAU * i as f64 / 100.0, 1e-4);
         }
@@ -182,7 +183,7 @@ mod tests {
     #[test]
     fn verify_second_edge_reads_the_cut_of_the_first() {
         let half = std::f64::consts::PI;
-        let mut rim = Rim::new(360, |_| 0.0, &[0.0, half], 1e-4);
+        let mut rim = Rim::new(360, |_| 0.0, &[0.0, half], |_| 1e-4);
         for i in 1..=500 {
             let angle = half * i as f64 / 500.0;
             rim.cut(0, angle, 1e-4);

@@ -1,11 +1,12 @@
 //! Joint drives: command, motor coordinate, transmission.
 //!
 //! A joint is a motor coordinate θ, a transmission (stiffness K, damping D) and the link coordinate q. The
-//! torque on the link is `K (θ - q) + D (θ' - q')`. The damping of the link's own velocity is *not* in the
-//! explicit torque: the plant takes half of it implicitly.
+//! torque on the link is `K (θ - q) + D (θ' - q')`, and what the effects make of it ([`JointLaw`]). The damping
+//! of the link's own velocity is *not* in the explicit torque: the plant takes half of it implicitly.
 
-use super::{Command, JointState};
-use truecut_arm::{Robot, Servo};
+use super::law::{JointDrive, JointMotion};
+use super::{Command, JointLaw, JointState};
+use truecut_arm::Robot;
 
 /// How the joints are driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,60 +32,28 @@ pub struct Drive {
     half: Vec<f64>,
     half_before: Vec<f64>,
     dt_s: f64,
-    /// Torque that gravity asks of the motor at the start, fed forward by the servo.
+    /// Torque that the static load of the start asks of the motor, fed forward by the servo.
     feed_forward: Vec<f64>,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct JointDrive {
-    stiffness: f64,
-    damping: f64,
-    rotor: f64,
-    servo: Option<Servo>,
-    /// The servo acts on the link.
-    rigid: bool,
-}
-
-impl JointDrive {
-    fn rigid_servo(&self) -> Option<Servo> {
-        self.servo.filter(|_| self.rigid)
-    }
-
-    /// Torque of a servo on its link, from the motor's wish and the link's velocity at this instant.
-    fn rigid_torque(&self, servo: Servo, i: usize, state: &JointState) -> f64 {
-        let torque = self.stiffness * (state.motor[i] - state.position[i])
-            + self.damping * (state.motor_velocity[i] - state.velocity[i]);
-        torque.clamp(-servo.torque_limit, servo.torque_limit)
-    }
-
-    /// The same without the part that is proportional to the link's velocity, which the plant adds. A drive at
-    /// its limit takes that part back, at the velocity foreseen.
-    fn rigid_explicit(&self, servo: Servo, i: usize, state: &JointState) -> f64 {
-        self.rigid_torque(servo, i, state) + self.damping * state.velocity[i]
-    }
-}
-
 impl Drive {
-    /// Drives of `robot`; every joint must have what the kind needs (checked when the cell is built).
-    pub fn new(kind: DriveKind, robot: &Robot, dt_s: f64, feed_forward: Vec<f64>) -> Self {
-        let free = kind == DriveKind::Force;
-        let joints: Vec<_> = robot
-            .chain
-            .joints
-            .iter()
-            .map(|joint| {
-                let t = &joint.transmission;
-                JointDrive {
-                    stiffness: if free {
-                        0.0
-                    } else {
-                        t.stiffness.unwrap_or(0.0)
-                    },
-                    damping: if free { 0.0 } else { t.damping },
-                    rotor: t.rotor_inertia,
-                    servo: t.servo,
-                    rigid: kind == DriveKind::Servo && t.rigid_servo,
-                }
+    /// Drives of `robot`, with the laws of its joints; every joint must have what the kind needs (checked when
+    /// the cell is built). The first `base_joints` have no motor: they are springs to the ground.
+    pub fn new(
+        kind: DriveKind,
+        robot: &Robot,
+        base_joints: usize,
+        laws: &[JointLaw],
+        dt_s: f64,
+    ) -> Self {
+        let joints: Vec<_> = (robot.chain.joints.iter().zip(laws).enumerate())
+            .map(|(i, (joint, law))| {
+                let kind = if i < base_joints {
+                    DriveKind::Position
+                } else {
+                    kind
+                };
+                JointDrive::new(kind, &joint.transmission, *law)
             })
             .collect();
         let zeros = vec![0.0; joints.len()];
@@ -93,24 +62,39 @@ impl Drive {
             joints,
             command_velocity: zeros.clone(),
             half: zeros.clone(),
-            half_before: zeros,
+            half_before: zeros.clone(),
             dt_s,
-            feed_forward,
+            feed_forward: zeros,
         }
     }
 
-    /// Damping of a joint's link velocity, N m s/rad or N s/m.
-    pub fn damping(&self, joint: usize) -> f64 {
-        self.joints[joint].damping
+    /// The same with the servos feeding forward what holds motors at `command` and links at `start` at rest:
+    /// a servo carries the static load of the start, and its loops see only what changes.
+    pub fn holding(mut self, command: &[f64], start: &[f64]) -> Self {
+        for (i, joint) in self.joints.iter().enumerate() {
+            let at = JointMotion {
+                motor: command[i],
+                motor_velocity: 0.0,
+                position: start[i],
+                velocity: 0.0,
+            };
+            self.feed_forward[i] = joint.law.gear(command[i]) * joint.static_torque(&at);
+        }
+        self
     }
 
-    /// Sets motor state and the explicit part of the transmission torque, `K (θ - q) + D θ'`, from the
-    /// command and the state at this instant; `explicit` receives one value per joint.
+    /// Damping of a joint's link velocity that the plant takes half implicitly, N m s/rad or N s/m.
+    pub fn damping(&self, joint: usize) -> f64 {
+        self.joints[joint].constant_damping()
+    }
+
+    /// Sets motor state and the explicit part of the joint torque (`K (θ - q) + D θ'` of a nominal joint) from
+    /// the command and the state at this instant; `explicit` receives one value per joint.
     pub fn evaluate(&mut self, command: Command<'_>, state: &mut JointState, explicit: &mut [f64]) {
         state.command.copy_from_slice(command.position);
         self.command_velocity.copy_from_slice(command.velocity);
-        for (i, joint) in self.joints.iter().enumerate() {
-            match self.kind {
+        for (i, joint) in self.joints.iter_mut().enumerate() {
+            match joint.kind {
                 DriveKind::Position => {
                     state.motor[i] = command.position[i];
                     state.motor_velocity[i] = command.velocity[i];
@@ -126,12 +110,13 @@ impl Drive {
             if let Some(servo) = joint.rigid_servo() {
                 state.motor[i] = command.position[i];
                 state.motor_velocity[i] = servo.velocity_feed_forward * command.velocity[i];
-                explicit[i] = joint.rigid_explicit(servo, i, state);
+                explicit[i] = joint.rigid_explicit(servo, &state.motion(i));
                 continue;
             }
-            let wound = state.motor[i] - state.position[i];
-            explicit[i] = joint.stiffness * wound + joint.damping * state.motor_velocity[i];
-            if self.kind == DriveKind::Force {
+            let at = state.motion(i);
+            joint.remember(&at);
+            explicit[i] = joint.explicit_torque(&at);
+            if joint.kind == DriveKind::Force {
                 explicit[i] += command.force[i];
                 state.drive[i] = command.force[i];
             }
@@ -150,20 +135,24 @@ impl Drive {
                 continue;
             };
             let v = self.half[i];
-            let transmission = joint.stiffness * (state.motor[i] - state.position[i])
-                - joint.damping * state.velocity[i];
+            let now = state.motion(i);
+            // The rotor carries the transmission's torque times the gear's true ratio (virtual work).
+            let gear = joint.law.gear(now.motor);
+            let damping = joint.damping_now(&now);
+            let transmission = gear * (joint.static_torque(&now) - damping * now.velocity);
+            let damping = damping * gear * gear;
             let wish = servo.position_gain_per_s * (state.command[i] - state.motor[i])
                 + servo.velocity_feed_forward * self.command_velocity[i];
             let at = |gain: f64| {
                 // (M + dt/2 c) Δv = dt (τ - c v), c the sum of all velocity gains
-                let c = joint.damping + gain;
+                let c = damping + gain;
                 let torque = gain * wish + self.feed_forward[i] - transmission - c * v;
                 self.dt_s * torque / (joint.rotor + 0.5 * self.dt_s * c)
             };
             let mut change = at(servo.velocity_gain);
             let drive = servo.velocity_gain * (wish - (v + 0.5 * change)) + self.feed_forward[i];
             if drive.abs() > servo.torque_limit {
-                let c = joint.damping;
+                let c = damping;
                 let torque = servo.torque_limit.copysign(drive) - transmission - c * v;
                 change = self.dt_s * torque / (joint.rotor + 0.5 * self.dt_s * c);
             }
@@ -175,12 +164,11 @@ impl Drive {
 
     /// The transmission's torque at this instant, from the state as it is now known.
     pub fn transmission(&self, joint: usize, state: &JointState) -> f64 {
-        let j = &self.joints[joint];
-        if let Some(servo) = j.rigid_servo() {
-            return j.rigid_torque(servo, joint, state);
+        let (drive, at) = (&self.joints[joint], state.motion(joint));
+        match drive.rigid_servo() {
+            Some(servo) => drive.rigid_torque(servo, &at),
+            None => drive.transmission(&at),
         }
-        j.stiffness * (state.motor[joint] - state.position[joint])
-            + j.damping * (state.motor_velocity[joint] - state.velocity[joint])
     }
 
     /// What the drive exerts at this instant: on the rotor (servo), else on the link.
@@ -205,15 +193,9 @@ impl Drive {
     pub fn energy_j(&self, state: &JointState) -> (f64, f64) {
         let mut elastic = 0.0;
         let mut rotors = 0.0;
-        for (i, joint) in self
-            .joints
-            .iter()
-            .enumerate()
-            .filter(|(_, joint)| !joint.rigid)
-        {
-            let wound = state.motor[i] - state.position[i];
-            elastic += 0.5 * joint.stiffness * wound * wound;
-            if self.kind == DriveKind::Servo {
+        for (i, joint) in self.joints.iter().enumerate() {
+            elastic += joint.energy_j(&state.motion(i));
+            if joint.kind == DriveKind::Servo && !joint.rigid {
                 rotors += 0.5 * joint.rotor * state.motor_velocity[i].powi(2);
             }
         }
@@ -223,10 +205,13 @@ impl Drive {
     /// Power that the motors put into the transmissions (position drive) or the drives' torques into the
     /// rotors (servo), W.
     pub fn power_w(&self, state: &JointState) -> f64 {
-        (0..self.joints.len())
-            .map(|i| match self.kind {
-                _ if self.joints[i].rigid => state.transmission[i] * state.velocity[i],
-                DriveKind::Position => state.transmission[i] * state.motor_velocity[i],
+        (self.joints.iter().enumerate())
+            .map(|(i, joint)| match joint.kind {
+                _ if joint.rigid => state.transmission[i] * state.velocity[i],
+                DriveKind::Position => {
+                    let gear = joint.law.gear(state.motor[i]);
+                    state.transmission[i] * (state.motor_velocity[i] * gear)
+                }
                 DriveKind::Servo => self.servo_torque(i, state) * state.motor_velocity[i],
                 DriveKind::Force => state.drive[i] * state.velocity[i],
             })
@@ -253,13 +238,10 @@ impl Drive {
         torque.clamp(-servo.torque_limit, servo.torque_limit)
     }
 
-    /// Power lost in the transmissions' damping, W.
+    /// Power lost in the transmissions' damping and in the joints' effects, W.
     pub fn dissipation_w(&self, state: &JointState) -> f64 {
-        self.joints
-            .iter()
-            .enumerate()
-            .filter(|(_, j)| !j.rigid)
-            .map(|(i, j)| j.damping * (state.velocity[i] - state.motor_velocity[i]).powi(2))
+        (self.joints.iter().enumerate())
+            .map(|(i, joint)| joint.dissipation_w(&state.motion(i)))
             .sum()
     }
 }

@@ -6,11 +6,17 @@
 //! [`Plant::finish`] applies the contacts' impulses and steps the velocities, [`Plant::drift`] the positions.
 
 mod drive;
+mod law;
+mod linear;
 mod rapier;
+mod recurrence;
+mod reduced;
 mod world;
 
 pub use drive::{Drive, DriveKind};
+pub use law::JointLaw;
 pub use rapier::RapierPlant;
+pub use reduced::{RENEWAL_RAD, ReducedPlant};
 
 use crate::loads::Attachment;
 use nalgebra::{DVector, Isometry3, Matrix6xX, Vector6};
@@ -53,6 +59,15 @@ impl JointState {
             command: command.to_vec(),
             transmission: zeros.clone(),
             drive: zeros,
+        }
+    }
+
+    fn motion(&self, joint: usize) -> law::JointMotion {
+        law::JointMotion {
+            motor: self.motor[joint],
+            motor_velocity: self.motor_velocity[joint],
+            position: self.position[joint],
+            velocity: self.velocity[joint],
         }
     }
 }
@@ -121,7 +136,8 @@ pub trait Plant: Send {
         self.joints().transmission[joint]
     }
 
-    /// Power lost in the transmissions' damping at the last instant, W, not negative.
+    /// Power lost in the transmissions and in viscous friction at the last instant, W. Negative only while a
+    /// hysteresis gives back what it stores.
     fn dissipation_w(&self) -> f64;
 
     /// Poses of all links, base first.

@@ -299,7 +299,7 @@ impl Plant for RapierPlant {
 
 #[cfg(test)]
 mod tests {
-    use super::super::DriveKind;
+    use super::super::{DriveKind, JointLaw};
     use super::*;
     use std::path::Path;
 
@@ -308,7 +308,7 @@ mod tests {
             .join("../../assets/robots/irb6600_175_255/robot.urdf");
         let robot = Robot::load(&urdf, None, None).expect("asset");
         let q = [0.3, -0.2, 0.4, 0.1, 0.5, -0.3];
-        let drive = Drive::new(DriveKind::Force, &robot, dt_s, vec![0.0; 6]);
+        let drive = Drive::new(DriveKind::Force, &robot, 0, &[JointLaw::default(); 6], dt_s);
         RapierPlant::new(
             &robot,
             &q,

@@ -1,13 +1,15 @@
 //! Hole chamfering with an optional pressure foot.
 
+mod report;
+
 use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState};
+use crate::effect::CuttingEffects;
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients, EdgeForces, FeedSchedule};
 use truecut_core::cutting::rim::Rim;
-use truecut_core::roughness;
-use truecut_recording::{ChannelSpec, Profile, Scalar, Unit};
+use truecut_recording::ChannelSpec;
 
 /// Bins around the rim: a quarter of a degree, 92 µm on a 42 mm hole.
 const RIM_BINS: usize = 1440;
@@ -39,6 +41,54 @@ pub struct ChamferParameters {
     pub hole_radius_m: f64,
     pub regeneration: Regeneration,
     pub foot: Option<FootParameters>,
+    pub effects: CuttingEffects,
+}
+
+impl ChamferParameters {
+    /// Angle of an edge, from process Y towards Z, rad, growing with time.
+    fn edge_angle_rad(&self, edge: usize, time_s: f64) -> f64 {
+        let schedule = &self.schedule;
+        self.start_angle_rad
+            + schedule.spindle_rad_s * time_s
+            + TAU * edge as f64 / schedule.edges as f64
+    }
+
+    /// Depth of an edge on a rigid arm when it is at `angle_rad`, m.
+    fn depth_m(&self, edge: usize, time_s: f64, angle_rad: f64) -> f64 {
+        let depth = self.schedule.edge_depth_m(time_s);
+        let e = &self.effects;
+        if !e.shift_depth() {
+            return depth;
+        }
+        // What moves an edge outwards by r takes it deeper into the rim by r / tanθ.
+        let (sin, cos) = angle_rad.sin_cos();
+        let hole = -(e.hole_offset_m[0] * cos + e.hole_offset_m[1] * sin);
+        let (ahead_sin, ahead_cos) = (TAU * edge as f64 / self.schedule.edges as f64).sin_cos();
+        let runout = e.runout_m[0] * ahead_cos + e.runout_m[1] * ahead_sin;
+        let recess = if edge == 0 { e.recess_m } else { 0.0 };
+        depth + e.depth_offset_m - recess + (hole + runout) / self.chip.half_angle_rad.tan()
+    }
+
+    /// Depth that the edges before it have left at this angle on a rigid arm, m. The edge ahead came by one
+    /// tooth period ago, but one that stands back may have left the surface of an earlier one.
+    fn previous_depth_m(&self, edge: usize, time_s: f64, angle_rad: f64) -> f64 {
+        let schedule = &self.schedule;
+        let before = |count: usize| {
+            let ahead = (edge + count) % schedule.edges;
+            self.depth_m(
+                ahead,
+                time_s - count as f64 * schedule.tooth_period_s(),
+                angle_rad,
+            )
+        };
+        if self.effects.shift_depth() {
+            (1..=schedule.edges)
+                .map(before)
+                .fold(f64::NEG_INFINITY, f64::max)
+        } else {
+            before(1)
+        }
+    }
 }
 
 /// What the slip conditions predict for this pass; published beside the result.
@@ -67,6 +117,8 @@ pub struct Chamfer {
     foot: Option<Foot>,
     slip_started_s: Option<f64>,
     first_slip_s: Option<f64>,
+    /// Way that an edge has cut along the rim, m.
+    path_m: f64,
     last: Last,
 }
 
@@ -94,38 +146,36 @@ impl Chamfer {
     pub fn new(parameters: ChamferParameters, theory: Option<SlipTheory>) -> Self {
         let schedule = parameters.schedule;
         let angles: Vec<f64> = (0..schedule.edges)
-            .map(|e| parameters.start_angle_rad + TAU * e as f64 / schedule.edges as f64)
+            .map(|e| parameters.edge_angle_rad(e, 0.0))
             .collect();
         let pitch = TAU / schedule.edges as f64;
         // The pass before the first one: so deep that the first revolution, too, meets a full chip.
         let previous = |angle: f64| {
+            let turned = (angle - parameters.start_angle_rad).rem_euclid(TAU);
+            let edge = ((turned / pitch) as usize).min(schedule.edges - 1);
             let ahead = (angle - parameters.start_angle_rad).rem_euclid(pitch);
             let arrival = ahead / schedule.spindle_rad_s;
-            schedule
-                .edge_depth_m(arrival - schedule.tooth_period_s())
-                .max(0.0)
+            parameters.previous_depth_m(edge, arrival, angle).max(0.0)
         };
-        let first_depth = schedule.edge_depth_m(0.0);
+        let first = |edge: usize| parameters.depth_m(edge, 0.0, angles[edge]);
         Self {
             parameters,
             theory,
-            thickness_rim: Rim::new(RIM_BINS, previous, &angles, first_depth),
-            surface: Rim::new(RIM_BINS, |_| 0.0, &angles, first_depth),
+            thickness_rim: Rim::new(RIM_BINS, previous, &angles, first),
+            surface: Rim::new(RIM_BINS, |_| 0.0, &angles, first),
             foot: parameters.foot.map(Foot::new),
             slip_started_s: None,
             first_slip_s: None,
+            path_m: 0.0,
             last: Last::default(),
         }
     }
 
     fn edge(&self, index: usize, state: &ToolState) -> EdgeState {
         let p = &self.parameters;
-        let schedule = &p.schedule;
-        let angle_rad = p.start_angle_rad
-            + schedule.spindle_rad_s * state.time_s
-            + TAU * index as f64 / schedule.edges as f64;
+        let angle_rad = p.edge_angle_rad(index, state.time_s);
         let (sin, cos) = angle_rad.sin_cos();
-        let nominal = schedule.edge_depth_m(state.time_s);
+        let nominal = p.depth_m(index, state.time_s, angle_rad);
         // Backward the tool cuts the far rim while it is drawn back, so moving on along X takes it out.
         let axial = -p.axial_sign * state.tool.displacement_m.x;
         let outward = state.tool.displacement_m.y * cos + state.tool.displacement_m.z * sin;
@@ -136,7 +186,7 @@ impl Chamfer {
             Regeneration::Full => nominal + axial + radial,
         };
         let previous = match p.regeneration {
-            Regeneration::Off => schedule.edge_depth_m(state.time_s - schedule.tooth_period_s()),
+            Regeneration::Off => p.previous_depth_m(index, state.time_s, angle_rad),
             _ => self.thickness_rim.depth_at_m(angle_rad),
         };
         EdgeState {
@@ -150,23 +200,16 @@ impl Chamfer {
     fn edge_forces(&self, edge: &EdgeState) -> EdgeForces {
         let p = &self.parameters;
         let length = p.chip.edge_length_m(edge.depth_m);
-        p.coefficients.forces_n(edge.chip_area_m2, length)
+        let sharp = p.coefficients.forces_n(edge.chip_area_m2, length);
+        if p.effects.wear_per_m == 0.0 {
+            return sharp;
+        }
+        sharp.times(1.0 + p.effects.wear_per_m * self.path_m)
     }
 
     fn edge_force_n(&self, edge: &EdgeState) -> Vector3<f64> {
         self.edge_forces(edge)
             .on_tool_n(edge.angle_rad, self.parameters.axial_sign)
-    }
-
-    /// Volume of the chamfer: at each angle a triangle of legs `d` and `d tanθ` that is swept along the rim
-    /// at the radius of its centroid, m³.
-    fn removed_volume_m3(&self) -> f64 {
-        let p = &self.parameters;
-        let tan = p.chip.half_angle_rad.tan();
-        let step = TAU / self.surface.bins() as f64;
-        (self.surface.depths_m().iter())
-            .map(|d| 0.5 * d * d * tan * (p.hole_radius_m + d * tan / 3.0) * step)
-            .sum()
     }
 
     fn note_slip(&mut self, time_s: f64) {
@@ -180,157 +223,11 @@ impl Chamfer {
             self.first_slip_s = Some(started);
         }
     }
-
-    fn width_profile(&self) -> Profile {
-        let tan = self.parameters.chip.half_angle_rad.tan();
-        Profile {
-            name: "chamfer.width".into(),
-            description: "Radial width of the finished chamfer around the rim".into(),
-            axis_name: "rim_angle".into(),
-            axis_unit: Unit::Radian,
-            axis: (0..self.surface.bins())
-                .map(|i| self.surface.angle_rad(i))
-                .collect(),
-            unit: Unit::Metre,
-            values: self.surface.depths_m().iter().map(|d| d * tan).collect(),
-        }
-    }
-
-    fn scalars(&self, width: &Profile) -> Vec<Scalar> {
-        let metre =
-            |name: &str, value: f64, text: &str| Scalar::new(name, Unit::Metre, value, text);
-        let values = &width.values;
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let to_normal = self.parameters.chip.half_angle_rad.cos();
-        let slip_depth = self
-            .first_slip_s
-            .map_or(f64::NAN, |t| self.parameters.schedule.depth_cut_m(t));
-        let mut scalars = vec![
-            metre(
-                "chamfer.width_mean",
-                mean,
-                "Mean radial width of the chamfer",
-            ),
-            metre("chamfer.width_min", low, "Smallest width around the rim"),
-            metre(
-                "chamfer.width_max",
-                low + roughness::spread(values),
-                "Largest width around the rim",
-            ),
-            metre(
-                "chamfer.width_spread",
-                roughness::spread(values),
-                "Largest minus smallest width around the rim",
-            ),
-            metre(
-                "chamfer.vibration_roughness",
-                roughness::arithmetic_mean_deviation(values) * to_normal,
-                "Ra that vibration leaves: mean deviation of the surface, along its normal, around the rim",
-            ),
-        ];
-        scalars.push(Scalar::new(
-            "chamfer.removed_volume",
-            Unit::CubicMetre,
-            self.removed_volume_m3(),
-            "Volume of the finished chamfer",
-        ));
-        if self.foot.is_some() {
-            scalars.push(metre(
-                "chamfer.first_slip_depth",
-                slip_depth,
-                "Depth already cut when the foot first slipped for 3 ms or more",
-            ));
-        }
-        scalars.extend(self.theory.iter().flat_map(theory_scalars));
-        scalars
-    }
-}
-
-fn theory_scalars(theory: &SlipTheory) -> Vec<Scalar> {
-    let pascal = |name: &str, value: f64, text: &str| Scalar::new(name, Unit::Pascal, value, text);
-    vec![
-        pascal(
-            "theory.paper_threshold_pressure",
-            theory.paper_threshold_pa,
-            "Foot pressure that source A's eq. (27) asks for at the last tooth (backward feed only; 0: none needed)",
-        ),
-        pascal(
-            "theory.exact_threshold_pressure",
-            theory.exact_threshold_pa,
-            "Foot pressure at which friction balances the rotating force at the last tooth, in the plane; no regeneration",
-        ),
-        pascal(
-            "theory.general_threshold_pressure",
-            theory.general_threshold_pa,
-            "The same with the lateral force that the arm's axial load puts on the foot; no regeneration",
-        ),
-        Scalar::new(
-            "theory.slip_depth",
-            Unit::Metre,
-            theory.slip_depth_m,
-            "Depth already cut at which the general condition is first broken; no regeneration",
-        ),
-        Scalar::new(
-            "theory.axial_share",
-            Unit::One,
-            theory.axial_share,
-            "Share of the axial force that the foot carries while its seals hold",
-        ),
-        Scalar::new(
-            "theory.lateral_per_axial",
-            Unit::One,
-            theory.lateral_per_axial,
-            "Lateral force on a held foot per newton of axial force in the arm",
-        ),
-    ]
 }
 
 impl Process for Chamfer {
     fn channels(&self) -> Vec<ChannelSpec> {
-        let newton = |name: &str, text: &str| ChannelSpec::new(name, Unit::Newton, text);
-        let mut channels = vec![
-            newton("cutting.force_x", "Cutting force on the tool, process X"),
-            newton("cutting.force_y", "Cutting force on the tool, process Y"),
-            newton("cutting.force_z", "Cutting force on the tool, process Z"),
-            ChannelSpec::new(
-                "cutting.depth",
-                Unit::Metre,
-                "Depth already cut by the feed, D(t)",
-            ),
-            ChannelSpec::new(
-                "cutting.engaged_depth",
-                Unit::Metre,
-                "Depth of the first edge, vibration included",
-            ),
-            ChannelSpec::new(
-                "cutting.chip_area",
-                Unit::SquareMetre,
-                "Chip area of all edges",
-            ),
-            ChannelSpec::new(
-                "cutting.edge_angle",
-                Unit::Radian,
-                "Angle of the first edge, from process Y towards Z",
-            ),
-            ChannelSpec::new(
-                "cutting.torque",
-                Unit::NewtonMetre,
-                "Torque of all edges about the spindle, at the rim of the hole",
-            ),
-            newton(
-                "dynamometer.force_x",
-                "Axial force on the workpiece: cutting and foot",
-            ),
-            newton(
-                "dynamometer.force_y",
-                "Force on the workpiece, process Y: cutting and foot friction",
-            ),
-            newton(
-                "dynamometer.force_z",
-                "Force on the workpiece, process Z: cutting and foot friction",
-            ),
-        ];
+        let mut channels = report::channels();
         if self.foot.is_some() {
             channels.extend(Foot::channels());
         }
@@ -344,14 +241,14 @@ impl Process for Chamfer {
             .sum();
         loads.wrenches.push(Wrench::force(Attachment::Tool, force));
         if let Some(foot) = &self.foot {
-            let (wrench, contact) = foot.evaluate(&state.foot);
+            let (wrench, contact) = foot.evaluate(state.time_s, &state.foot);
             loads.wrenches.push(wrench);
             loads.contacts.push(contact);
         }
         loads
     }
 
-    fn commit(&mut self, state: &ToolState, loads: &Loads, contacts: &ContactOutcomes, _dt: f64) {
+    fn commit(&mut self, state: &ToolState, loads: &Loads, contacts: &ContactOutcomes, dt_s: f64) {
         let mut area = 0.0;
         let mut tangential = 0.0;
         for index in 0..self.parameters.schedule.edges {
@@ -364,6 +261,10 @@ impl Process for Chamfer {
                 self.last.engaged_depth_m = edge.depth_m;
                 self.last.edge_angle_rad = edge.angle_rad.rem_euclid(TAU);
             }
+        }
+        if area > 0.0 {
+            let p = &self.parameters;
+            self.path_m += p.hole_radius_m * p.schedule.spindle_rad_s * dt_s;
         }
         self.last.chip_area_m2 = area;
         self.last.torque_n_m = tangential * self.parameters.hole_radius_m;

@@ -1,6 +1,7 @@
 //! The pressure foot as part of a process: normal spring by the core, friction by request.
 
 use super::{ContactStiffness, FrameMotion};
+use crate::effect::FootEffects;
 use crate::loads::{Attachment, ContactOutcome, ContactRequest, Wrench};
 use nalgebra::{Vector2, Vector3};
 use truecut_core::friction::{EquivalentViscous, FrictionLaw};
@@ -16,11 +17,55 @@ pub enum FootFriction {
     Equivalent(EquivalentViscous),
 }
 
+impl FootFriction {
+    /// The same friction times a factor, or falling with the speed. A law without friction stays without; the
+    /// equivalent viscous law has no speed to fall with (both are refused where effects are read).
+    pub(crate) fn with_effects(self, effects: &FootEffects) -> Self {
+        let by = |mu: f64| mu * effects.friction_factor;
+        let law = match self {
+            Self::Equivalent(e) => {
+                return Self::Equivalent(EquivalentViscous { mu: by(e.mu), ..e });
+            }
+            Self::Law(law) => law,
+        };
+        let (mu, mu_static, speed) = match law {
+            FrictionLaw::Coulomb { mu } => (by(mu), by(mu), 1.0),
+            FrictionLaw::Stribeck {
+                mu,
+                mu_static,
+                stribeck_speed_m_per_s,
+            } => (by(mu), by(mu_static), stribeck_speed_m_per_s),
+            FrictionLaw::None | FrictionLaw::Viscous { .. } | FrictionLaw::Falling { .. } => {
+                return self;
+            }
+        };
+        Self::Law(match (effects.falling, law) {
+            (Some((drop, falling_speed_m_per_s)), _) => FrictionLaw::Falling {
+                mu,
+                mu_static,
+                stribeck_speed_m_per_s: speed,
+                drop,
+                falling_speed_m_per_s,
+            },
+            (None, FrictionLaw::Coulomb { .. }) => FrictionLaw::Coulomb { mu },
+            (None, _) => FrictionLaw::Stribeck {
+                mu,
+                mu_static,
+                stribeck_speed_m_per_s: speed,
+            },
+        })
+    }
+}
+
 /// All that a foot is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FootParameters {
     pub spring: PressureFoot,
     pub friction: FootFriction,
+    /// Part of the gauge pressure lost per second, 1/s: `p = p0 exp(-rate t)`.
+    pub pressure_loss_per_s: f64,
+    /// Part of the gas's absolute pressure that is gauge pressure; 0 for a spring that is not gas.
+    pub gauge_share: f64,
 }
 
 /// A foot and what it remembers.
@@ -116,15 +161,23 @@ impl Foot {
         ]
     }
 
-    fn force(&self, motion: &FrameMotion) -> FootForce {
-        self.parameters
-            .spring
+    fn spring(&self, time_s: f64) -> PressureFoot {
+        let p = &self.parameters;
+        if p.pressure_loss_per_s == 0.0 {
+            return p.spring;
+        }
+        let left = (-p.pressure_loss_per_s * time_s).exp();
+        p.spring.at_pressure(left, p.gauge_share)
+    }
+
+    fn force(&self, time_s: f64, motion: &FrameMotion) -> FootForce {
+        self.spring(time_s)
             .force(motion.displacement_m.x, &self.memory)
     }
 
     /// Normal force on the robot and the friction request.
-    pub fn evaluate(&self, motion: &FrameMotion) -> (Wrench, ContactRequest) {
-        let normal_force_n = self.force(motion).normal_n;
+    pub fn evaluate(&self, time_s: f64, motion: &FrameMotion) -> (Wrench, ContactRequest) {
+        let normal_force_n = self.force(time_s, motion).normal_n;
         let law = match self.parameters.friction {
             FootFriction::Law(law) => law,
             FootFriction::Equivalent(e) => FrictionLaw::Viscous {
@@ -144,10 +197,9 @@ impl Foot {
 
     /// Advances seals and amplitude; keeps what will be recorded.
     pub fn commit(&mut self, time_s: f64, motion: &FrameMotion, outcome: &ContactOutcome) {
-        let force = self.force(motion);
+        let force = self.force(time_s, motion);
         self.memory = self
-            .parameters
-            .spring
+            .spring(time_s)
             .commit(motion.displacement_m.x, &self.memory);
         if let FootFriction::Equivalent(e) = self.parameters.friction {
             let revolution = (time_s * e.frequency_rad_s / std::f64::consts::TAU).floor() as i64;

@@ -91,7 +91,7 @@ impl Process for Load {
         let force = self.force_n(state.time_s);
         loads.wrenches.push(Wrench::force(Attachment::Tool, force));
         if let Some(foot) = &self.foot {
-            let (wrench, contact) = foot.evaluate(&state.foot);
+            let (wrench, contact) = foot.evaluate(state.time_s, &state.foot);
             loads.wrenches.push(wrench);
             loads.contacts.push(contact);
         }
@@ -133,6 +133,13 @@ impl Process for Load {
 
     fn tooth_period_s(&self) -> Option<f64> {
         None
+    }
+
+    fn highest_frequency_hz(&self) -> Option<f64> {
+        let sweep = self.parameters.sweep.map(|s| s.from_hz.max(s.to_hz));
+        let turning = self.parameters.rotating.map(|r| r.frequency_hz.abs());
+        let highest = sweep.unwrap_or(0.0).max(turning.unwrap_or(0.0));
+        (highest > 0.0).then_some(highest)
     }
 
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {

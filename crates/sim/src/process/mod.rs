@@ -77,6 +77,11 @@ pub trait Process: Send {
     /// Time between two cutting edges, s, if the process has edges.
     fn tooth_period_s(&self) -> Option<f64>;
 
+    /// Highest frequency of the forces that are given and not computed, Hz, if the process has any.
+    fn highest_frequency_hz(&self) -> Option<f64> {
+        None
+    }
+
     /// Springs that stiffen the robot while in contact.
     fn contact_stiffness(&self) -> Vec<ContactStiffness>;
 

@@ -193,7 +193,10 @@ impl Process for Wheel {
 
     fn static_loads(&self) -> Loads {
         let mut loads = Loads::default();
-        let preload = Vector3::new(-self.parameters.normal_force_n, 0.0, 0.0);
+        let contact = &self.parameters.contact;
+        let swing = contact.stiffness_n_per_m * contact.runout_at_start_m;
+        let normal_n = (self.parameters.normal_force_n + swing).max(0.0);
+        let preload = Vector3::new(-normal_n, 0.0, 0.0);
         loads
             .wrenches
             .push(Wrench::force(Attachment::Tool, preload));

@@ -75,12 +75,15 @@ impl ForwardInputs {
             JointQuantity::Command => (series, none),
             _ => (none, series),
         };
+        let scaled = |series: Option<Vec<f64>>| {
+            series.map(|values| about_first(values, replay.amplitude_factor))
+        };
         Ok(Some(ForwardInputs {
-            interval_s: measured.interval_s(),
-            duration_s: duration_s(scenario, measured)?,
-            commands,
-            drive_forces,
-            tool_forces: tool_forces(&source)?,
+            interval_s: measured.interval_s() / replay.speed_factor,
+            duration_s: duration_s(scenario, measured, replay.speed_factor)?,
+            commands: commands.into_iter().map(scaled).collect(),
+            drive_forces: drive_forces.into_iter().map(scaled).collect(),
+            tool_forces: tool_forces(&source)?.map(scaled),
             measured_start: joints
                 .map(|joint| measured_start(&source, robot, joint))
                 .collect::<Result<_, _>>()?,
@@ -103,11 +106,14 @@ impl ForwardInputs {
             .collect()
     }
 
-    /// The start of the run: the first measured coordinates where there are some, else `rest`.
+    /// The start of the run: at rest under the first command; joints that nothing commands start where they were
+    /// measured. (A measured start of a joint on its spring would strike the spring with the noise of one sample.)
     pub fn start(&self, rest: &[f64]) -> Vec<f64> {
-        let joints = self.measured_start.iter().zip(rest);
-        joints
-            .map(|(measured, rest)| measured.unwrap_or(*rest))
+        (rest.iter().enumerate())
+            .map(|(joint, rest)| match &self.commands[joint] {
+                Some(_) => *rest,
+                None => self.measured_start[joint].unwrap_or(*rest),
+            })
             .collect()
     }
 
@@ -151,8 +157,21 @@ impl ForwardInputs {
     }
 }
 
-fn duration_s(scenario: &Scenario, measured: &Measured) -> Result<f64, SimError> {
-    let (asked, available) = (scenario.run.duration_s, measured.duration_s());
+/// Values with their distance from the first one times `factor`.
+fn about_first(mut values: Vec<f64>, factor: f64) -> Vec<f64> {
+    // The nominal run must not differ by a rounding.
+    if factor != 1.0
+        && let Some(first) = values.first().copied()
+    {
+        for value in &mut values {
+            *value = first + factor * (*value - first);
+        }
+    }
+    values
+}
+
+fn duration_s(scenario: &Scenario, measured: &Measured, speed: f64) -> Result<f64, SimError> {
+    let (asked, available) = (scenario.run.duration_s, measured.duration_s() / speed);
     if asked.is_finite() && asked > available * (1.0 + 1e-9) {
         let message = format!("is {asked} s, but the data takes {available:.4} s");
         return Err(SimError::scenario("run.duration_s", message));

@@ -1,0 +1,137 @@
+//! What a diagnosis leaves on disk. Everything goes into its own folder; the user's files are only read.
+
+use std::path::{Path, PathBuf};
+
+use truecut_discrepancy::diagnose::Diagnosis;
+use truecut_discrepancy::model::Model;
+use truecut_discrepancy::trial::Trial;
+use truecut_recording::{ChannelSpec, Chunk, Header, Recording, Sink};
+use truecut_scenario::Scenario;
+use truecut_telemetry::RrdSink;
+
+use super::{Confirmed, Plan, report};
+use crate::failure::Failure;
+use crate::outputs::write_file;
+
+const ANSWER: &str = "diagnosis.json";
+const EXTENDED: &str = "extended.toml";
+const EXPERIMENT: &str = "experiment.toml";
+const REPORT: &str = "report.html";
+const VIEWER: &str = "diagnosis.rrd";
+
+/// The files that were written and are worth naming.
+pub struct Written {
+    pub report: PathBuf,
+    pub extended: Option<PathBuf>,
+}
+
+/// Writes the answer, the extended scenario, the experiment proposed, the report and the curves.
+pub fn write(plan: &Plan, trial: &Trial, confirmed: &Confirmed) -> Result<Written, Failure> {
+    let folder = plan.out.join(plan.scenario.stem());
+    let scenario = &plan.scenario;
+    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
+        match std::fs::remove_file(folder.join(name)) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                let text = format!("{}: {error}", folder.join(name).display());
+                return Err(Failure::message(text));
+            }
+            _ => {}
+        }
+    }
+    let answer = &confirmed.answer;
+    let mut written = Written {
+        report: folder.join(REPORT),
+        extended: None,
+    };
+    if !answer.effects.is_empty() {
+        let path = folder.join(EXTENDED);
+        let text = extended(scenario, trial, confirmed, &folder)?;
+        write_file(&path, text.as_bytes())?;
+        written.extended = Some(path);
+    }
+    if let Some(best) = answer.diagnosis.experiments.first() {
+        let varied = scenario.with_overrides(&best.overrides)?;
+        let text = varied.text_for_folder(&folder, &[], &trial.rotary());
+        write_file(&folder.join(EXPERIMENT), text.as_bytes())?;
+    }
+    write_file(
+        &folder.join(REPORT),
+        report::html(trial, confirmed).as_bytes(),
+    )?;
+    curves(trial, confirmed, &folder.join(VIEWER))?;
+    // Last: whoever finds it finds the others, too.
+    write_file(&folder.join(ANSWER), &json(&answer.diagnosis)?)?;
+    Ok(written)
+}
+
+fn json(diagnosis: &Diagnosis) -> Result<Vec<u8>, Failure> {
+    let mut text = serde_json::to_string_pretty(diagnosis)
+        .map_err(|error| Failure::message(format!("{ANSWER}: {error}")))?;
+    text.push('\n');
+    Ok(text.into_bytes())
+}
+
+/// The user's file with refitted values and effects; relative paths lead from the new folder to the same files.
+fn extended(
+    scenario: &Scenario,
+    trial: &Trial,
+    confirmed: &Confirmed,
+    folder: &Path,
+) -> Result<String, Failure> {
+    let answer = &confirmed.answer;
+    let refitted = trial.nominal().iter().zip(&answer.nominal);
+    let overrides: Vec<(String, String)> = refitted
+        .filter(|(parameter, value)| parameter.value != **value)
+        .map(|(parameter, value)| (parameter.key.clone(), format!("{value:?}")))
+        .collect();
+    let scenario = scenario.with_overrides(&overrides)?;
+    Ok(scenario.text_for_folder(folder, &answer.effects, &trial.rotary()))
+}
+
+/// Measured, nominal and extended channels and their differences, for the viewer.
+fn curves(trial: &Trial, confirmed: &Confirmed, path: &Path) -> Result<(), Failure> {
+    let mut recording = Recording {
+        header: Header {
+            scenario_name: format!("Diagnosis: {}", trial.observation.scenario),
+            ..Header::default()
+        },
+        time_s: trial.observation.time_s.clone(),
+        ..Recording::default()
+    };
+    for (index, spec) in trial.channels().iter().enumerate() {
+        let output = &trial.observation.outputs[index];
+        let measured: Vec<f64> = (output.values.iter().zip(&output.valid))
+            .map(|(value, valid)| if *valid { *value } else { f64::NAN })
+            .collect();
+        let less = |other: &[f64]| -> Vec<f64> {
+            measured.iter().zip(other).map(|(a, b)| a - b).collect()
+        };
+        let (nominal, extended) = (&confirmed.nominal[index], &confirmed.extended[index]);
+        let columns = [
+            ("measured", measured.clone()),
+            ("nominal", nominal.clone()),
+            ("extended", extended.clone()),
+            ("residual_nominal", less(nominal)),
+            ("residual_extended", less(extended)),
+        ];
+        for (what, values) in columns {
+            let name = format!("{}.{what}", spec.name);
+            let text = format!("{}: {}", spec.description, what.replace('_', " of "));
+            recording
+                .header
+                .channels
+                .push(ChannelSpec::new(name, spec.unit, text));
+            recording.columns.push(values);
+        }
+    }
+    let failed = |error: truecut_recording::SinkError| Failure::message(error.to_string());
+    let mut sink = RrdSink::new(path);
+    sink.begin(&recording.header).map_err(failed)?;
+    let chunk = Chunk {
+        time_s: &recording.time_s,
+        columns: recording.columns.iter().map(Vec::as_slice).collect(),
+        frames: &[],
+    };
+    sink.chunk(&chunk).map_err(failed)?;
+    sink.finish(&recording, &[]).map_err(failed)
+}

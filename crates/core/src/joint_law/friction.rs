@@ -1,0 +1,194 @@
+//! Friction between a link and its bearings: dry, viscous by direction, higher at low speed.
+
+/// Friction of one joint, by direction (0: while the coordinate grows, 1: while it falls):
+/// `F_s + c_s |v| + E exp(-(v / v_s)²)`, against the motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkFriction {
+    /// Dry friction F_s, N m (N).
+    pub dry: [f64; 2],
+    /// Viscous friction c_s, N m s/rad (N s/m).
+    pub viscous: [f64; 2],
+    /// Excess E at standstill (Stribeck), N m (N).
+    pub excess: f64,
+    /// Speed v_s by which the excess has fallen to 1/e, rad/s (m/s).
+    pub stribeck_speed: f64,
+}
+
+/// Most steps for the speed at which a sliding joint and its friction agree.
+const MAX_STEPS: usize = 60;
+
+impl LinkFriction {
+    /// Dry friction of one level.
+    pub fn coulomb(level: f64) -> Self {
+        Self {
+            dry: [level; 2],
+            viscous: [0.0; 2],
+            excess: 0.0,
+            stribeck_speed: 1.0,
+        }
+    }
+
+    /// Whether it never does anything.
+    pub fn is_none(&self) -> bool {
+        self.dry == [0.0; 2] && self.viscous == [0.0; 2] && self.excess == 0.0
+    }
+
+    /// Size of the friction at a speed in one direction, N m (N).
+    pub fn level(&self, direction: usize, speed: f64) -> f64 {
+        let dry = self.dry[direction] + self.viscous[direction] * speed;
+        if self.excess == 0.0 {
+            dry
+        } else {
+            dry + self.excess * (-(speed / self.stribeck_speed).powi(2)).exp()
+        }
+    }
+
+    /// Slope of the level over the speed.
+    fn slope(&self, direction: usize, speed: f64) -> f64 {
+        let x = speed / self.stribeck_speed;
+        let falling = if self.excess == 0.0 {
+            0.0
+        } else {
+            -2.0 * self.excess * x / self.stribeck_speed * (-x * x).exp()
+        };
+        self.viscous[direction] + falling
+    }
+}
+
+/// Impulse of the friction on the link over one step, N m s (N s).
+///
+/// `inverse_mass` is the joint's velocity per impulse, `before` its velocity at the start of the step, `free`
+/// the one that it would end with without friction. The joint sticks (ends at rest) if the friction at
+/// standstill can do it; otherwise the friction of the speed at mid-step acts against the motion, as in
+/// [`crate::friction`]. It never turns the motion round.
+pub fn solve_link_friction(
+    inverse_mass: f64,
+    before: f64,
+    free: f64,
+    law: &LinkFriction,
+    dt_s: f64,
+) -> f64 {
+    let stopping = -free / inverse_mass;
+    if law.viscous == [0.0; 2] && law.excess == 0.0 {
+        return stopping.clamp(-law.dry[0] * dt_s, law.dry[1] * dt_s);
+    }
+    if free == 0.0 {
+        return 0.0;
+    }
+    let sign = free.signum();
+    let direction = usize::from(sign < 0.0);
+    let most = stopping.abs();
+    if most <= law.level(direction, 0.0) * dt_s {
+        return stopping;
+    }
+    // Size p of the impulse: p = dt level(u), u = max(0, u0 - W p / 2) the speed at mid-step.
+    let speed_at = |p: f64| (0.5 * sign * (before + free) - 0.5 * inverse_mass * p).max(0.0);
+    let defect = |p: f64| p - dt_s * law.level(direction, speed_at(p));
+    if defect(most) <= 0.0 {
+        return stopping;
+    }
+    let (mut low, mut high) = (0.0, most);
+    let mut p = dt_s * law.level(direction, speed_at(0.0));
+    for _ in 0..MAX_STEPS {
+        if !(low..=high).contains(&p) {
+            p = 0.5 * (low + high);
+        }
+        let value = defect(p);
+        if value > 0.0 {
+            high = p;
+        } else {
+            low = p;
+        }
+        let speed = speed_at(p);
+        let turning = if speed > 0.0 {
+            0.5 * inverse_mass * dt_s * law.slope(direction, speed)
+        } else {
+            0.0
+        };
+        let step = value / (1.0 + turning);
+        if step.abs() <= 1e-15 * most || high - low <= 1e-15 * most {
+            break;
+        }
+        p -= step;
+    }
+    -sign * p
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn verify_dry_friction_is_the_bounded_impulse() {
+        let law = LinkFriction {
+            dry: [4.0, 1.0],
+            ..LinkFriction::coulomb(0.0)
+        };
+        assert_eq!(solve_link_friction(0.5, 10.0, 10.0, &law, 0.25), -1.0);
+        assert_eq!(solve_link_friction(0.5, -10.0, -10.0, &law, 0.25), 0.25);
+        assert_eq!(
+            solve_link_friction(0.5, 0.0, 0.01, &law, 0.25),
+            -0.02,
+            "held"
+        );
+    }
+
+    /// Over one step the mid-step rule is the trapezoid: `v⁺ = v (1 - x) / (1 + x)`, `x = c dt / 2M`.
+    #[test]
+    fn verify_viscous_friction_by_direction_is_the_trapezoid() {
+        let law = LinkFriction {
+            viscous: [30.0, 90.0],
+            ..LinkFriction::coulomb(0.0)
+        };
+        let (mass, dt) = (2.0, 1e-3);
+        for (v, c) in [(0.7, 30.0), (-0.7, 90.0)] {
+            let p = solve_link_friction(1.0 / mass, v, v, &law, dt);
+            let x = c * dt / (2.0 * mass);
+            assert!(
+                (v + p / mass - v * (1.0 - x) / (1.0 + x)).abs() < 1e-14,
+                "{v}"
+            );
+        }
+    }
+
+    #[test]
+    fn verify_a_joint_breaks_away_at_the_stribeck_peak() {
+        let law = LinkFriction {
+            excess: 5.0,
+            stribeck_speed: 0.02,
+            ..LinkFriction::coulomb(10.0)
+        };
+        let (mass, dt) = (100.0, 1e-3);
+        let pushed = |force: f64| {
+            let free = force * dt / mass;
+            free + solve_link_friction(1.0 / mass, 0.0, free, &law, dt) / mass
+        };
+        assert_eq!(pushed(14.99), 0.0);
+        assert!(pushed(15.01) > 0.0);
+        assert!((law.level(0, 0.02) - 10.0 - 5.0 * (-1f64).exp()).abs() < 1e-12);
+    }
+
+    proptest! {
+        /// Friction takes energy at mid-step, never turns the motion round, and lies on its curve.
+        #[test]
+        fn verify_friction_lies_on_its_curve(
+            before in -1.0..1.0f64, change in -0.1..0.1f64, mass in 0.1..100.0f64,
+            f0 in 0.0..50.0f64, f1 in 0.0..50.0f64, c0 in 0.0..500.0f64, c1 in 0.0..500.0f64,
+            excess in 0.0..50.0f64, v_s in 1e-3..1.0f64,
+        ) {
+            let law = LinkFriction { dry: [f0, f1], viscous: [c0, c1], excess, stribeck_speed: v_s };
+            let (dt, free) = (2.5e-4, before + change);
+            let p = solve_link_friction(1.0 / mass, before, free, &law, dt);
+            let after = free + p / mass;
+            prop_assert!(p * free <= 0.0);
+            prop_assert!(after * free >= -1e-15 && after.abs() <= free.abs());
+            if after.abs() > 1e-9 {
+                let direction = usize::from(free < 0.0);
+                let middle = (0.5 * free.signum() * (before + after)).max(0.0);
+                let expected = dt * law.level(direction, middle);
+                prop_assert!((p.abs() - expected).abs() <= 1e-9 * expected + 1e-15, "{p} {expected}");
+            }
+        }
+    }
+}

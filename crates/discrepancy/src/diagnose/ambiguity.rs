@@ -1,0 +1,161 @@
+//! What explains the data as well, and which experiment would tell the causes apart.
+
+use rayon::prelude::*;
+
+use super::Stage;
+use super::answer::Proposal;
+use super::data::{LAGS, Rows};
+use super::fit::{Fit, difference};
+use super::noise::{Noise, dot};
+use super::problem::{Point, Problem};
+use super::screen::{angle_deg, projected};
+use super::search::{DECISIVE, Outcome, criterion, weight};
+use super::validate::compare;
+use crate::model::Columns;
+
+/// A model of as many effects beside the one chosen.
+#[derive(Debug, Clone)]
+pub(super) struct Rival {
+    pub fit: Fit,
+    pub angle_deg: f64,
+    pub behind_t: f64,
+    pub criterion_difference: f64,
+    /// Whether the data do not decide.
+    pub as_good: bool,
+}
+
+/// All rivals, closest first.
+pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
+    let chosen = &outcome.chosen;
+    let here = criterion(problem, chosen, &outcome.orders);
+    let size = |fit: &Fit| weight(problem, fit);
+    let n = problem.split.development.len() as f64;
+    let others = outcome
+        .rivals
+        .iter()
+        .filter(|r| r.point.effects.len() == chosen.point.effects.len());
+    let mut rivals: Vec<Rival> = others
+        .filter(|r| kinds(&r.point) != kinds(&chosen.point))
+        .map(|rival| {
+            let behind = compare(
+                &rival.residual,
+                &chosen.residual,
+                &chosen.noise,
+                &problem.split.validation,
+            );
+            let difference = criterion(problem, rival, &outcome.orders) - here;
+            let likelihood = difference - (size(rival) - size(chosen)) * n.ln();
+            // A larger model that says the same is a generalisation, not an alternative.
+            let least = if size(rival) > size(chosen) {
+                0.0
+            } else {
+                DECISIVE
+            };
+            let close = behind.gain <= behind.error || likelihood < DECISIVE;
+            Rival {
+                angle_deg: angle(problem, outcome, rival),
+                behind_t: behind.t(),
+                criterion_difference: difference,
+                as_good: close && difference < least,
+                fit: rival.clone(),
+            }
+        })
+        .collect();
+    rivals.sort_by(|a, b| a.criterion_difference.total_cmp(&b.criterion_difference));
+    rivals.dedup_by(|a, b| kinds(&a.fit.point) == kinds(&b.fit.point));
+    rivals
+}
+
+fn kinds(point: &Point) -> Vec<usize> {
+    let mut kinds: Vec<usize> = point.effects.iter().map(|f| f.candidate).collect();
+    kinds.sort_unstable();
+    kinds
+}
+
+/// Angle between what the two models add to the effects that they share, whitened, less what nominal parameters can do.
+fn angle(problem: &Problem, outcome: &Outcome, rival: &Fit) -> f64 {
+    let (chosen, base) = (&outcome.chosen, &outcome.base);
+    let mut shared = chosen.point.clone();
+    shared.effects.retain(|f| {
+        rival
+            .point
+            .effects
+            .iter()
+            .any(|g| g.candidate == f.candidate)
+    });
+    let common = match shared.effects.is_empty() {
+        true => base.predicted.clone(),
+        false => problem
+            .predict(&shared)
+            .unwrap_or_else(|_| base.predicted.clone()),
+    };
+    let rows = &problem.split.development;
+    let nuisance: Vec<Vec<f64>> = base
+        .jacobian
+        .iter()
+        .map(|x| chosen.noise.whiten(x, rows))
+        .collect();
+    let priors: Vec<_> = problem
+        .variables(&base.point)
+        .iter()
+        .map(|v| v.prior)
+        .collect();
+    let signature = |fit: &Fit| {
+        let change = chosen
+            .noise
+            .whiten(&difference(&fit.predicted, &common, 1.0), rows);
+        projected(&change, &nuisance, &priors)
+    };
+    angle_deg(&signature(chosen), &signature(rival))
+}
+
+/// The experiments that separate the causes best, at most three.
+pub(super) fn experiments(problem: &Problem, chosen: &Fit, rival: &Fit) -> Vec<Proposal> {
+    problem.report(Stage::Experiments);
+    let rows = &problem.split.development;
+    let now = distance(&chosen.predicted, &rival.predicted, &chosen.noise, rows);
+    let experiments = problem.model.experiments();
+    let separations: Vec<Option<f64>> = experiments
+        .par_iter()
+        .map(|experiment| {
+            let predicted = |point: &Point| {
+                let effects: Vec<_> = point.effects.iter().map(|f| problem.effect(f)).collect();
+                problem.count_prediction();
+                problem
+                    .model
+                    .predict_experiment(experiment, &point.nominal, &effects)
+                    .ok()
+            };
+            let (a, b) = (predicted(&chosen.point)?, predicted(&rival.point)?);
+            let rows = Rows {
+                per_channel: a
+                    .iter()
+                    .map(|column| (LAGS..column.len()).collect())
+                    .collect(),
+            };
+            let fits = a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| a.len() == b.len());
+            fits.then(|| distance(&a, &b, &chosen.noise, &rows))
+                .filter(|d| d.is_finite())
+        })
+        .collect();
+    let mut proposals: Vec<Proposal> = experiments
+        .into_iter()
+        .zip(separations)
+        .filter_map(|(experiment, separation)| {
+            Some(Proposal {
+                description: experiment.description,
+                overrides: experiment.overrides,
+                separation: separation?,
+                separation_now: now,
+            })
+        })
+        .collect();
+    proposals.sort_by(|a, b| b.separation.total_cmp(&a.separation));
+    proposals.truncate(3);
+    proposals
+}
+
+fn distance(a: &Columns, b: &Columns, noise: &Noise, rows: &Rows) -> f64 {
+    let whitened = noise.whiten(&difference(a, b, 1.0), rows);
+    dot(&whitened, &whitened).sqrt()
+}

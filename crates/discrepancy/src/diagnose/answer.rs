@@ -1,0 +1,286 @@
+//! What a diagnosis says. Serialised as `diagnosis.json`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use truecut_recording::Unit;
+use truecut_scenario::effect::Target;
+
+use super::problem::{Found, Problem};
+use crate::model::{Candidate, PredictError};
+
+/// Version of the layout.
+pub(super) const VERSION: u32 = 1;
+
+/// The verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The model explains the data up to noise.
+    NothingBeyondNoise,
+    /// The causes are named.
+    Named,
+    /// Several causes explain the data alike.
+    Ambiguous,
+    /// There is a discrepancy that no effect known explains.
+    UnknownCause,
+    /// The data do not move enough for anything to be seen.
+    NotIdentifiable,
+    /// There is a discrepancy, and no fit of it converged.
+    FitFailed,
+}
+
+/// One parameter of a cause. SI, in the unit named.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// Estimate.
+    pub value: f64,
+    /// Lower end of the 95 % interval; null where the data do not bound it.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+    /// Symbol of the unit.
+    pub unit: String,
+}
+
+/// Why a cause is believed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Fall of minus twice the log-likelihood when the effect joins the others.
+    pub likelihood_gain: f64,
+    /// The same on validation blocks, whitened, in standard errors.
+    pub validation_t: f64,
+    /// Largest relative fall of a channel's rms on validation blocks.
+    pub practical_gain: f64,
+}
+
+/// An effect that explains the discrepancy.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Cause {
+    /// Name of the kind.
+    pub kind: String,
+    /// `joint1`, an axis, a channel; null where there is only one.
+    pub target: Option<String>,
+    /// By key of the scenario.
+    pub parameters: BTreeMap<String, Parameter>,
+    /// Why it is believed.
+    pub evidence: Evidence,
+}
+
+/// Another set of causes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Alternative {
+    /// Its effects, all of them.
+    pub causes: Vec<Cause>,
+    /// Angle between its signature and that of the causes named, whitened, less what nominal parameters can do.
+    pub angle_deg: f64,
+    /// How much worse it predicts the validation blocks, in standard errors; negative where it predicts them better.
+    pub behind_t: f64,
+    /// How much larger its Bayesian information criterion is.
+    pub criterion_difference: f64,
+}
+
+/// Errors of a channel on the test part, rms, in the channel's unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChannelErrors {
+    /// Of the nominal model as the scenario has it.
+    pub before: f64,
+    /// Of the nominal model with parameters refitted within their uncertainty.
+    pub refitted: f64,
+    /// Of the extended model.
+    pub after: f64,
+    /// The noise: as stated, otherwise what a flexible predictor leaves of the residual.
+    pub noise_floor: f64,
+    /// Symbol of the unit.
+    pub unit: String,
+}
+
+/// A nominal parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Nominal {
+    /// Its key.
+    pub key: String,
+    /// As the scenario has it.
+    pub before: f64,
+    /// Refitted, with the effects named.
+    pub after: Parameter,
+}
+
+/// The smallest effect of a kind that would have been seen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SmallestSeen {
+    /// Name of the kind.
+    pub kind: String,
+    /// As in [`Cause`].
+    pub target: Option<String>,
+    /// Key of the size.
+    pub parameter: String,
+    /// The distance from the neutral value that would be detected with 95 % probability; null where no size within reach would.
+    pub size: Option<f64>,
+    /// Symbol of the unit.
+    pub unit: String,
+}
+
+/// Something the residual follows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Lock {
+    /// What: `velocity of joint1.position`, `a line at 12.5 Hz`.
+    pub to: String,
+    /// Channel whose residual follows it.
+    pub channel: String,
+    /// Part of the whitened variance that it explains, cross-validated.
+    pub fraction: f64,
+    /// In standard errors.
+    pub t: f64,
+}
+
+/// What any model could still gain.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Ceiling {
+    /// Part of the whitened variance left that a flexible predictor explains on blocks it was not fitted to.
+    pub fraction: f64,
+    /// In standard errors.
+    pub t: f64,
+    /// What the residual follows, strongest first.
+    pub locks: Vec<Lock>,
+}
+
+/// An experiment that would tell causes apart.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Proposal {
+    /// What would be done differently.
+    pub description: String,
+    /// Keys of the scenario and their values as written.
+    pub overrides: Vec<(String, String)>,
+    /// Whitened distance between the predictions of the causes and of the first alternative.
+    pub separation: f64,
+    /// The same in the data at hand.
+    pub separation_now: f64,
+}
+
+/// One fit of the search.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitRecord {
+    /// Kinds and targets fitted together.
+    pub effects: Vec<String>,
+    /// Whether it ended at a minimum.
+    pub converged: bool,
+    /// Steps.
+    pub iterations: usize,
+    /// Why the simulation could not be run, if so.
+    pub failure: Option<String>,
+}
+
+/// What it took.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Work {
+    /// Simulations.
+    pub predictions: usize,
+    /// Wall time.
+    pub seconds: f64,
+}
+
+/// The whole answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Diagnosis {
+    /// Of this layout.
+    pub version: u32,
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Name of the data.
+    pub data: String,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// One sentence.
+    pub reason: String,
+    /// Effects that explain the discrepancy, the strongest first. With `unknown_cause`, those that explain a part.
+    pub causes: Vec<Cause>,
+    /// What explains it as well; with other verdicts than `ambiguous` empty.
+    pub alternatives: Vec<Alternative>,
+    /// The next best explanation, if any was fitted.
+    pub runner_up: Option<Alternative>,
+    /// Part of the discrepancy beyond noise that the causes leave unexplained.
+    pub unexplained_fraction: f64,
+    /// Errors by channel.
+    pub channels: BTreeMap<String, ChannelErrors>,
+    /// Nominal parameters.
+    pub nominal: Vec<Nominal>,
+    /// What would have been seen, beyond the causes.
+    pub smallest_seen: Vec<SmallestSeen>,
+    /// What the experiment lacks.
+    pub missing: Vec<String>,
+    /// What any model could still gain.
+    pub ceiling: Ceiling,
+    /// The best experiment first.
+    pub experiments: Vec<Proposal>,
+    /// All fits of the search.
+    pub fits: Vec<FitRecord>,
+    /// What it took.
+    pub work: Work,
+}
+
+impl FitRecord {
+    pub(super) fn new(
+        problem: &Problem,
+        effects: &[Found],
+        converged: bool,
+        iterations: usize,
+        failure: Option<&PredictError>,
+    ) -> FitRecord {
+        let name = |found: &Found| {
+            let candidate = &problem.candidates[found.candidate];
+            match target_name(candidate) {
+                Some(target) => format!("{} {target}", candidate.kind.name()),
+                None => candidate.kind.name().to_string(),
+            }
+        };
+        FitRecord {
+            effects: effects.iter().map(name).collect(),
+            converged,
+            iterations,
+            failure: failure.map(ToString::to_string),
+        }
+    }
+}
+
+/// The name of a target as channels and answers have it.
+pub(super) fn target_name(candidate: &Candidate) -> Option<String> {
+    match &candidate.target {
+        Target::Whole => None,
+        Target::Joint(index) => Some(format!("joint{}", index + 1)),
+        Target::Axis(index) => Some(
+            ["x", "y", "z"]
+                .get(*index)
+                .map_or_else(|| format!("axis{}", index + 1), ToString::to_string),
+        ),
+        Target::Channel(name) => Some(name.clone()),
+    }
+}
+
+/// Key and unit of a candidate's parameter.
+pub(super) fn key_and_unit(
+    problem: &Problem,
+    candidate: usize,
+    parameter: usize,
+) -> (String, String) {
+    let info = &problem.infos(candidate)[parameter];
+    let candidate = &problem.candidates[candidate];
+    let (key, unit) = match candidate.rotary {
+        true => (info.rotary_key, info.rotary_unit),
+        false => (info.key, info.unit),
+    };
+    // A sensor's offset and drift are in the unit of its channel.
+    let of_channel = matches!(info.key, "offset" | "amplitude") && unit == Unit::One;
+    let unit = match &candidate.target {
+        Target::Channel(name) if of_channel => {
+            let spec = problem
+                .model
+                .channels()
+                .iter()
+                .find(|spec| spec.name == *name);
+            spec.map_or(unit, |spec| spec.unit)
+        }
+        _ => unit,
+    };
+    (key.to_string(), unit.to_string())
+}

@@ -1,0 +1,362 @@
+//! What any model could still gain: a flexible predictor of the residual, cross-validated by blocks.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+use realfft::RealFftPlanner;
+
+use super::answer::{Ceiling, Lock};
+use super::data::{LAGS, Rows};
+use super::features::{Group, groups};
+use super::memory::channel_distance;
+use super::noise::{ChannelNoise, Noise, Prior, dot, solve, subtract};
+use super::problem::Problem;
+use super::validate::differences;
+use crate::model::Columns;
+
+/// The predictor's end: what it explains, and what it leaves.
+pub(super) struct Bound {
+    pub ceiling: Ceiling,
+    /// Sum of whitened squares that it takes away.
+    pub gain: f64,
+    /// Residual less the prediction of all groups found, fitted to all rows.
+    pub left: Columns,
+}
+
+/// Gains of a group must be beyond so many standard errors; dozens of groups are tried.
+const LEAST_T: f64 = 5.0;
+const LEAST_FRACTION: f64 = 0.01;
+/// And they must stand out of noise of any memory; a group has a dozen parameters.
+const LEAST_STANDING_OUT: f64 = 7.0;
+/// The same under white noise.
+const LEAST_FRACTION_PLAIN: f64 = 0.05;
+const FOLDS: usize = 6;
+const MOST_GROUPS: usize = 4;
+
+/// One channel: what is to be explained, and where.
+struct Target<'a> {
+    problem: &'a Problem<'a>,
+    residual: &'a [f64],
+    rows: &'a [usize],
+    order: usize,
+    floor: f64,
+    /// Of each row.
+    fold: Vec<usize>,
+    folds: usize,
+}
+
+/// Groups fitted together, with the noise of what they leave.
+struct Trial<'a> {
+    groups: Vec<&'a Group>,
+    noise: ChannelNoise,
+    left: Vec<f64>,
+    /// The whitened residual of each row.
+    whole: Vec<f64>,
+    /// The same less a prediction fitted to the other folds.
+    errors: Vec<f64>,
+}
+
+/// Bounds what can be explained of the residual.
+pub(super) fn bound(
+    problem: &Problem,
+    predicted: &Columns,
+    residual: &Columns,
+    noise: &Noise,
+) -> Bound {
+    let groups = groups(problem, predicted);
+    let mut left = residual.clone();
+    let (mut gain, mut sums, mut total) = (0.0, Vec::new(), 0.0);
+    let mut locks = Vec::new();
+    for c in 0..residual.len() {
+        let target = Target::new(problem, &residual[c], c, noise.channels[c].ar.len());
+        let mut own = target.lines();
+        own.extend(target.through_dynamics(&groups));
+        let all: Vec<&Group> = groups.iter().chain(&own).collect();
+        let trial = target.explain(&all, &problem.model.channels()[c].name, &mut locks);
+        let (own, chance) = differences(&trial.whole, &trial.errors);
+        gain += own;
+        sums.extend(chance);
+        total += dot(&trial.whole, &trial.whole);
+        left[c] = trial.left;
+    }
+    locks.sort_by(|a, b| b.fraction.total_cmp(&a.fraction));
+    let error = dot(&sums, &sums).sqrt();
+    let ceiling = Ceiling {
+        fraction: if total > 0.0 {
+            (gain / total).max(0.0)
+        } else {
+            0.0
+        },
+        t: if error > 0.0 { gain / error } else { 0.0 },
+        locks,
+    };
+    Bound {
+        ceiling,
+        gain: gain.max(0.0),
+        left,
+    }
+}
+
+impl<'a> Target<'a> {
+    fn new(problem: &'a Problem, residual: &'a [f64], c: usize, order: usize) -> Target<'a> {
+        let rows = &problem.split.development.per_channel[c];
+        let blocks = &problem.split.blocks;
+        let folds = FOLDS.min(blocks.len());
+        let fold_of = |t: &usize| blocks.iter().position(|b| b.contains(t)).unwrap_or(0) % folds;
+        Target {
+            problem,
+            residual,
+            rows,
+            order,
+            floor: problem.floor[c],
+            fold: rows.iter().map(fold_of).collect(),
+            folds,
+        }
+    }
+
+    /// Takes group after group while they gain clearly: under the noise model, else under white noise. A pattern with sharp edges is
+    /// all but lost where the autoregression has taken a part of it for noise.
+    fn explain<'g>(&self, all: &[&'g Group], channel: &str, locks: &mut Vec<Lock>) -> Trial<'g> {
+        let mut now = self.trial(Vec::new(), self.order);
+        while now.groups.len() < MOST_GROUPS {
+            let signals: Vec<&'g Group> = all.iter().copied().filter(|g| g.by_signal).collect();
+            let found = self.next(&now, all, self.order, LEAST_FRACTION);
+            let found = found.or_else(|| self.next(&now, &signals, 0, LEAST_FRACTION_PLAIN));
+            let Some((next, mut lock)) = found else { break };
+            lock.channel = channel.to_string();
+            locks.push(lock);
+            now = next;
+        }
+        now
+    }
+
+    /// The group that explains most beside those already taken, if it is clear.
+    fn next<'g>(
+        &self,
+        now: &Trial<'g>,
+        all: &[&'g Group],
+        order: usize,
+        least: f64,
+    ) -> Option<(Trial<'g>, Lock)> {
+        let free: Vec<&'g Group> = all
+            .iter()
+            .copied()
+            .filter(|g| now.groups.iter().all(|h| h.name != g.name))
+            .collect();
+        let trials: Vec<Trial> = free
+            .par_iter()
+            .map(|group| self.trial([now.groups.as_slice(), &[group]].concat(), order))
+            .collect();
+        let next = trials
+            .into_iter()
+            .min_by(|a, b| a.innovation().total_cmp(&b.innovation()))?;
+        // Both under the noise of the larger, which has taken less of the pattern for noise.
+        let smaller = self.errors(&now.groups, &next.noise);
+        let (added, chance) = differences(&smaller, &next.errors);
+        let (error, total) = (dot(&chance, &chance).sqrt(), dot(&next.whole, &next.whole));
+        let lock = Lock {
+            to: next.groups[next.groups.len() - 1].name.clone(),
+            channel: String::new(),
+            fraction: added / total,
+            t: added / error,
+        };
+        let clear = added > LEAST_T * error && added > least * total;
+        let distance = || channel_distance(self.problem, &now.left, &next.left);
+        (clear && distance() > LEAST_STANDING_OUT).then_some((next, lock))
+    }
+
+    /// Least squares under white noise, then twice under the noise of what is left: an autoregression of the residual as it is would
+    /// take the pattern for noise.
+    fn trial<'g>(&self, groups: Vec<&'g Group>, order: usize) -> Trial<'g> {
+        let mut noise = ChannelNoise {
+            ar: Vec::new(),
+            sigma: 1.0,
+        };
+        let mut left = self.residual.to_vec();
+        for _ in 0..3 {
+            left = self.without(&groups, &noise);
+            noise = self.noise(&left, order);
+        }
+        Trial {
+            whole: whiten(&noise, self.residual, self.rows),
+            errors: self.errors(&groups, &noise),
+            groups,
+            noise,
+            left,
+        }
+    }
+
+    fn noise(&self, left: &[f64], order: usize) -> ChannelNoise {
+        let rows = Rows {
+            per_channel: vec![self.rows.to_vec()],
+        };
+        let mut noise = Noise::fit(&vec![left.to_vec()], &rows, &[order], &[self.floor]);
+        noise.channels.remove(0)
+    }
+
+    fn without(&self, groups: &[&Group], noise: &ChannelNoise) -> Vec<f64> {
+        let columns: Vec<Vec<f64>> = features(groups)
+            .map(|x| whiten(noise, x, self.rows))
+            .collect();
+        let coefficients = solve(
+            &whiten(noise, self.residual, self.rows),
+            &columns,
+            &ridge(&columns),
+        );
+        let mut left = vec![self.residual.to_vec()];
+        for (x, b) in features(groups).zip(&coefficients) {
+            subtract(&mut left, &vec![x.clone()], *b);
+        }
+        left.remove(0)
+    }
+
+    /// Whitened residual less predictions fitted to the other folds.
+    fn errors(&self, groups: &[&Group], noise: &ChannelNoise) -> Vec<f64> {
+        let target = whiten(noise, self.residual, self.rows);
+        let columns: Vec<Vec<f64>> = features(groups)
+            .map(|x| whiten(noise, x, self.rows))
+            .collect();
+        let mut errors = target.clone();
+        for held_out in 0..self.folds {
+            let pick = |x: &[f64]| -> Vec<f64> {
+                let kept = x.iter().zip(&self.fold).filter(|(_, f)| **f != held_out);
+                kept.map(|(x, _)| *x).collect()
+            };
+            let picked: Vec<Vec<f64>> = columns.iter().map(|x| pick(x)).collect();
+            let coefficients = solve(&pick(&target), &picked, &ridge(&picked));
+            for p in (0..self.rows.len()).filter(|p| self.fold[*p] == held_out) {
+                let predicted: f64 = columns
+                    .iter()
+                    .zip(&coefficients)
+                    .map(|(x, b)| x[p] * b)
+                    .sum();
+                errors[p] -= predicted;
+            }
+        }
+        errors
+    }
+}
+
+impl Trial<'_> {
+    /// Variance of what cannot be predicted, cross-validated.
+    fn innovation(&self) -> f64 {
+        self.noise.sigma.powi(2) * dot(&self.errors, &self.errors)
+    }
+}
+
+fn whiten(noise: &ChannelNoise, column: &[f64], rows: &[usize]) -> Vec<f64> {
+    let scale = 1.0 / noise.sigma;
+    let whitened = rows.iter().map(|&t| {
+        let past = column[t - noise.ar.len()..t].iter().rev();
+        (column[t] - past.zip(&noise.ar).map(|(x, a)| x * a).sum::<f64>()) * scale
+    });
+    whitened.collect()
+}
+
+fn features<'a>(groups: &'a [&'a Group]) -> impl Iterator<Item = &'a Vec<f64>> {
+    groups.iter().flat_map(|g| &g.features)
+}
+
+/// A little shrinkage, so that bins with few samples do not matter.
+fn ridge(columns: &[Vec<f64>]) -> Vec<Prior> {
+    let precision = |x: &Vec<f64>| (dot(x, x) / x.len().max(1) as f64).sqrt();
+    columns
+        .iter()
+        .map(|x| Prior {
+            offset: 0.0,
+            precision: precision(x),
+        })
+        .collect()
+}
+
+impl Target<'_> {
+    /// The groups seen through the dynamics of the residual itself, as its autoregression has them: a friction that depends on the
+    /// position leaves a structure ringing, and it is the ringing that is measured.
+    fn through_dynamics(&self, groups: &[Group]) -> Vec<Group> {
+        let ar = self.noise(self.residual, LAGS).ar;
+        let groups = groups.par_iter().filter_map(|group| {
+            let features: Vec<Vec<f64>> = group
+                .features
+                .iter()
+                .map(|x| self.filtered(x, &ar))
+                .collect();
+            // An autoregression may come out unstable.
+            let bounded = features.iter().flatten().all(|x| x.abs() < 1e6);
+            bounded.then(|| Group {
+                name: format!("{}, through the dynamics", group.name),
+                by_signal: group.by_signal,
+                features,
+            })
+        });
+        groups.collect()
+    }
+
+    fn filtered(&self, input: &[f64], ar: &[f64]) -> Vec<f64> {
+        let mut output = vec![0.0; input.len()];
+        for range in &self.problem.data.trajectories {
+            for t in range.clone() {
+                let past = output[range.start..t].iter().rev();
+                output[t] = input[t] + past.zip(ar).map(|(x, a)| x * a).sum::<f64>();
+            }
+        }
+        output
+    }
+}
+
+/// Lines that are looked for.
+const LINES: usize = 4;
+
+impl Target<'_> {
+    /// The strongest lines of the residual beyond its smooth spectrum, each found in what those before leave.
+    fn lines(&self) -> Vec<Group> {
+        let mut lines: Vec<Group> = Vec::new();
+        while lines.len() < LINES {
+            let found: Vec<&Group> = lines.iter().collect();
+            let left = self.without(
+                &found,
+                &ChannelNoise {
+                    ar: Vec::new(),
+                    sigma: 1.0,
+                },
+            );
+            let Some(frequency) = self.line(&left) else {
+                break;
+            };
+            let time = &self.problem.data.time_s;
+            let wave = |f: fn(f64) -> f64| time.iter().map(|t| f(TAU * frequency * t)).collect();
+            lines.push(Group {
+                by_signal: false,
+                name: format!(
+                    "a line at {} Hz",
+                    truecut_recording::significant(frequency, 3)
+                ),
+                features: vec![wave(f64::cos), wave(f64::sin)],
+            });
+        }
+        lines
+    }
+
+    fn line(&self, left: &[f64]) -> Option<f64> {
+        let time = &self.problem.data.time_s;
+        let (interval, duration) = (time[1] - time[0], time[time.len() - 1] - time[0]);
+        // Of low order: it flattens the spectrum without swallowing a line.
+        let e = whiten(&self.noise(left, self.order.min(2)), left, self.rows);
+        // Samples that are no rows stay zero.
+        let mut padded = vec![0.0; (8 * time.len()).next_power_of_two()];
+        for (e, &t) in e.iter().zip(self.rows) {
+            padded[t] = *e;
+        }
+        let length = padded.len();
+        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
+        let mut spectrum = transform.make_output_vec();
+        transform.process(&mut padded, &mut spectrum).ok()?;
+        let slowest = (2.0 * length as f64 * interval / duration).ceil() as usize;
+        let powers = spectrum
+            .iter()
+            .map(|z| z.norm_sqr())
+            .enumerate()
+            .skip(slowest);
+        let (peak, _) = powers.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(peak as f64 / (length as f64 * interval))
+    }
+}

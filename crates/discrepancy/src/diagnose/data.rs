@@ -1,0 +1,256 @@
+//! The measured outputs as the search sees them, and how they are divided.
+
+use std::ops::Range;
+
+use super::DiagnoseError;
+use crate::model::Columns;
+
+/// One measured output.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// SI, one per sample; whatever is not valid may be anything.
+    pub values: Vec<f64>,
+    /// Whether each sample is to be used.
+    pub valid: Vec<bool>,
+    /// Standard deviation of the noise, where it is known.
+    pub noise: Option<f64>,
+}
+
+/// A known signal that a residual may depend on: a measured input, a spindle angle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Regressor {
+    /// Its name.
+    pub name: String,
+    /// SI, one per sample.
+    pub values: Vec<f64>,
+    /// Whether it is an angle in radians whose revolutions are all alike.
+    pub is_angle: bool,
+}
+
+/// Measured data on a uniform time base.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observation {
+    /// Name of the data, for the answer.
+    pub source: String,
+    /// Name of the scenario, for the answer.
+    pub scenario: String,
+    /// Seconds, one per sample.
+    pub time_s: Vec<f64>,
+    /// Samples of each trajectory, in order, without overlap. Each is simulated from its own start.
+    pub trajectories: Vec<Range<usize>>,
+    /// Measured outputs, in the order of the model's channels.
+    pub outputs: Vec<Output>,
+    /// Known signals.
+    pub regressors: Vec<Regressor>,
+}
+
+/// Samples that are needed at least, valid ones and in each channel.
+pub const MIN_SAMPLES: usize = 200;
+
+impl Observation {
+    pub(super) fn check(&self, channels: usize) -> Result<(), DiagnoseError> {
+        let n = self.time_s.len();
+        if self.outputs.len() != channels {
+            return Err(DiagnoseError::ChannelCount {
+                expected: channels,
+                found: self.outputs.len(),
+            });
+        }
+        for (index, output) in self.outputs.iter().enumerate() {
+            if output.values.len() != n || output.valid.len() != n {
+                return Err(DiagnoseError::Length {
+                    what: format!("output {}", index + 1),
+                    expected: n,
+                    found: output.values.len().min(output.valid.len()),
+                });
+            }
+            let valid = (0..n).filter(|&t| output.valid[t]);
+            let (mut count, mut bad) = (0, None);
+            for t in valid {
+                count += 1;
+                if !output.values[t].is_finite() {
+                    bad = Some(t);
+                }
+            }
+            if let Some(sample) = bad {
+                return Err(DiagnoseError::NotFinite {
+                    output: index + 1,
+                    sample,
+                });
+            }
+            if count < MIN_SAMPLES {
+                return Err(DiagnoseError::TooFewSamples {
+                    output: index + 1,
+                    found: count,
+                });
+            }
+        }
+        for regressor in &self.regressors {
+            if regressor.values.len() != n {
+                return Err(DiagnoseError::Length {
+                    what: format!("regressor `{}`", regressor.name),
+                    expected: n,
+                    found: regressor.values.len(),
+                });
+            }
+        }
+        let mut end = 0;
+        for range in &self.trajectories {
+            if range.start < end || range.end > n || range.is_empty() {
+                return Err(DiagnoseError::Trajectories);
+            }
+            end = range.end;
+        }
+        if self.trajectories.is_empty() {
+            return Err(DiagnoseError::Trajectories);
+        }
+        Ok(())
+    }
+
+    /// Measured minus predicted; zero where the data are not valid.
+    pub(super) fn residual(&self, predicted: &Columns) -> Columns {
+        let outputs = self.outputs.iter().zip(predicted);
+        outputs
+            .map(|(output, column)| {
+                let rows = output.values.iter().zip(&output.valid).zip(column);
+                rows.map(|((y, valid), p)| if *valid { y - p } else { 0.0 })
+                    .collect()
+            })
+            .collect()
+    }
+}
+
+/// Samples of each channel that may serve as rows: each has [`LAGS`] valid predecessors in its block.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Rows {
+    /// Ascending.
+    pub per_channel: Vec<Vec<usize>>,
+}
+
+impl Rows {
+    pub fn len(&self) -> usize {
+        self.per_channel.iter().map(Vec::len).sum()
+    }
+
+    fn joined(&self, other: &Rows) -> Rows {
+        let pairs = self.per_channel.iter().zip(&other.per_channel);
+        let per_channel = pairs
+            .map(|(a, b)| {
+                let mut all = [a.as_slice(), b.as_slice()].concat();
+                all.sort_unstable();
+                all
+            })
+            .collect();
+        Rows { per_channel }
+    }
+}
+
+/// Longest memory of the noise model, in samples.
+pub(super) const LAGS: usize = 10;
+
+/// The division into rows for fitting, for choosing, and for the final test.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Split {
+    pub train: Rows,
+    pub validation: Rows,
+    /// Training and validation together.
+    pub development: Rows,
+    pub test: Rows,
+    /// Contiguous sample ranges of the development part, in order.
+    pub blocks: Vec<Range<usize>>,
+}
+
+/// Part of the data that is opened last.
+const TEST_PART: f64 = 0.22;
+/// With at least as many trajectories, whole ones are set aside.
+const WHOLE_TRAJECTORIES: usize = 6;
+
+impl Split {
+    /// Contiguous blocks: the last part is the test, the rest serves in turn for training (two blocks) and validation (one).
+    pub fn new(data: &Observation) -> Split {
+        let count = data.trajectories.len();
+        let mut development = Vec::new();
+        let mut test = Vec::new();
+        if count >= WHOLE_TRAJECTORIES {
+            let held_out = ((count as f64 * TEST_PART).round() as usize).max(1);
+            development.extend(data.trajectories[..count - held_out].iter().cloned());
+            test.extend(data.trajectories[count - held_out..].iter().cloned());
+        } else {
+            for range in &data.trajectories {
+                let held_out = (range.len() as f64 * TEST_PART).round() as usize;
+                development.extend(blocks_of(range.start..range.end - held_out, count));
+                test.push(range.end - held_out..range.end);
+            }
+        }
+        let of = |chosen: &dyn Fn(usize) -> bool| {
+            let ranges = development.iter().enumerate();
+            let ranges: Vec<_> = ranges.filter(|(i, _)| chosen(*i)).map(|(_, r)| r).collect();
+            rows_of(data, &ranges)
+        };
+        let train = of(&|i| i % 3 != 1);
+        let validation = of(&|i| i % 3 == 1);
+        Split {
+            development: train.joined(&validation),
+            train,
+            validation,
+            test: rows_of(data, &test.iter().collect::<Vec<_>>()),
+            blocks: development,
+        }
+    }
+}
+
+impl Split {
+    /// Refuses data whose gaps leave too little.
+    pub fn check(&self) -> Result<(), DiagnoseError> {
+        let parts = [
+            ("fitting", &self.train),
+            ("choosing", &self.validation),
+            ("the test", &self.test),
+        ];
+        for (part, rows) in parts {
+            for (index, rows) in rows.per_channel.iter().enumerate() {
+                if rows.len() < MIN_ROWS {
+                    return Err(DiagnoseError::TooFewRows {
+                        output: index + 1,
+                        part,
+                        found: rows.len(),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Rows that each part needs, in each channel.
+const MIN_ROWS: usize = 20;
+
+/// Equal blocks, long enough that the gap at their start costs little.
+fn blocks_of(range: Range<usize>, trajectories: usize) -> Vec<Range<usize>> {
+    let most = (12 / trajectories).max(3);
+    let count = (range.len() / 60).clamp(3, most);
+    let edge = |i: usize| range.start + range.len() * i / count;
+    (0..count).map(|i| edge(i)..edge(i + 1)).collect()
+}
+
+/// The guard gap: the first samples of a block are not used as rows, so that neither the noise's memory nor a lagged value reaches
+/// across a border.
+fn rows_of(data: &Observation, ranges: &[&Range<usize>]) -> Rows {
+    let per_channel = data.outputs.iter().map(|output| {
+        let mut rows = Vec::new();
+        for range in ranges {
+            let guard = LAGS.max((range.len() / 8).min(2 * LAGS));
+            let mut run = 0;
+            for t in range.start..range.end {
+                run = if output.valid[t] { run + 1 } else { 0 };
+                if run > LAGS && t >= range.start + guard {
+                    rows.push(t);
+                }
+            }
+        }
+        rows
+    });
+    Rows {
+        per_channel: per_channel.collect(),
+    }
+}

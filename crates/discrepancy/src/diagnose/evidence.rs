@@ -1,0 +1,197 @@
+//! Causes with their intervals and evidence; what would have been seen.
+
+use super::DiagnoseError;
+use super::ambiguity::Rival;
+use super::answer::{
+    Alternative, Cause, Evidence, Nominal, Parameter, SmallestSeen, key_and_unit, target_name,
+};
+use super::data::Rows;
+use super::fit::{Fit, fit};
+use super::memory::{LEAST_DISTANCE, distance};
+use super::noise::{dot, subtract};
+use super::problem::{Found, Problem};
+use super::screen::{Ranked, critical, nuisance, projected};
+use super::search::{LEAST_T, Outcome, without};
+use super::uncertainty::standard_errors;
+use super::validate::{compare, rms};
+use crate::model::Columns;
+
+/// Normal quantile of a two-sided 95 % interval.
+const Z95: f64 = 1.959_964;
+/// Normal quantile of a one-sided 95 % probability.
+const Z95_ONE_SIDED: f64 = 1.644_854;
+/// An effect is within reach up to so many times its typical size.
+const REACH: f64 = 3.0;
+pub(super) fn causes(
+    problem: &Problem,
+    fit: &Fit,
+    errors: &[Option<f64>],
+) -> Result<Vec<Cause>, DiagnoseError> {
+    let mut position = problem.nominal.len();
+    let mut causes = Vec::new();
+    for (i, found) in fit.point.effects.iter().enumerate() {
+        let own = &errors[position..position + found.values.len()];
+        position += found.values.len();
+        let evidence = evidence(problem, fit, i)?;
+        causes.push(cause(problem, found, own, evidence));
+    }
+    Ok(causes)
+}
+
+fn cause(problem: &Problem, found: &Found, errors: &[Option<f64>], evidence: Evidence) -> Cause {
+    let candidate = &problem.candidates[found.candidate];
+    let infos = problem.infos(found.candidate);
+    let parameters = found
+        .values
+        .iter()
+        .zip(errors)
+        .enumerate()
+        .map(|(i, (value, error))| {
+            let (key, unit) = key_and_unit(problem, found.candidate, i);
+            let parameter = Parameter {
+                value: *value,
+                low: error.map(|e| (value - Z95 * e).max(infos[i].min)),
+                high: error.map(|e| (value + Z95 * e).min(infos[i].max)),
+                unit,
+            };
+            (key, parameter)
+        });
+    Cause {
+        kind: candidate.kind.name().into(),
+        target: target_name(candidate),
+        parameters: parameters.collect(),
+        evidence,
+    }
+}
+
+/// What is lost without one of the effects, the others fitted anew.
+fn evidence(problem: &Problem, full: &Fit, index: usize) -> Result<Evidence, DiagnoseError> {
+    let orders: Vec<usize> = full.noise.channels.iter().map(|c| c.ar.len()).collect();
+    let rows = &problem.split.development;
+    let small = fit(problem, without(&full.point, index), rows, &orders, true)?;
+    let paired = compare(
+        &small.residual,
+        &full.residual,
+        &full.noise,
+        &problem.split.validation,
+    );
+    Ok(Evidence {
+        likelihood_gain: small.objective - full.objective,
+        validation_t: paired.t(),
+        practical_gain: paired.practical,
+    })
+}
+
+pub(super) fn nominal(problem: &Problem, fit: &Fit, errors: &[Option<f64>]) -> Vec<Nominal> {
+    let rows = problem.nominal.iter().zip(&fit.point.nominal).zip(errors);
+    rows.map(|((parameter, value), error)| Nominal {
+        key: parameter.key.clone(),
+        before: parameter.value,
+        after: Parameter {
+            value: *value,
+            low: error.map(|e| value - Z95 * e),
+            high: error.map(|e| value + Z95 * e),
+            unit: parameter.unit_text.clone(),
+        },
+    })
+    .collect()
+}
+
+pub(super) fn alternative(problem: &Problem, rival: &Rival) -> Result<Alternative, DiagnoseError> {
+    let errors = standard_errors(problem, &rival.fit, &problem.split.train)?;
+    Ok(Alternative {
+        causes: causes(problem, &rival.fit, &errors)?,
+        angle_deg: rival.angle_deg,
+        behind_t: rival.behind_t,
+        criterion_difference: rival.criterion_difference,
+    })
+}
+
+/// For each size of each candidate: what would have been detected, and would have been worth naming, with 95 % probability.
+pub(super) fn smallest_seen(problem: &Problem, outcome: &Outcome) -> Vec<SmallestSeen> {
+    let (fit, split) = (&outcome.chosen, &problem.split);
+    let (columns, priors) = nuisance(problem, fit);
+    let norm = |change: &Columns, rows: &Rows| {
+        let columns: Vec<_> = columns.iter().map(|x| fit.noise.whiten(x, rows)).collect();
+        let left = projected(&fit.noise.whiten(change, rows), &columns, &priors);
+        dot(&left, &left).sqrt()
+    };
+    let level = rms(&fit.residual, &split.train);
+    // A gain of `norm^2` on the validation blocks has the standard error `2 norm`.
+    let validation = 2.0 * (LEAST_T + Z95_ONE_SIDED);
+    let practical = ((1.0 + problem.options.min_gain).powi(2) - 1.0).sqrt();
+    let mut all = Vec::new();
+    for Ranked { signature, .. } in &outcome.ranking {
+        let infos = problem.infos(signature.candidate);
+        let alpha = problem.options.family_wise_error;
+        let detection = critical(alpha, outcome.tests, infos.len()).sqrt() + Z95_ONE_SIDED;
+        for (&size, change) in signature.sizes.iter().zip(&signature.columns) {
+            let info = &infos[size];
+            let secant = (signature.values[size] - info.neutral).abs();
+            let seen = rms(change, &split.train)
+                .iter()
+                .zip(&level)
+                .map(|(a, b)| a / b)
+                .fold(0.0, f64::max);
+            let mut moved = fit.residual.clone();
+            subtract(&mut moved, change, -1.0);
+            let factors = [
+                detection / norm(change, &split.train),
+                validation / norm(change, &split.validation),
+                (LEAST_DISTANCE + Z95_ONE_SIDED) / distance(problem, &moved, &fit.residual),
+                practical / seen,
+            ];
+            let needed = secant * factors.into_iter().fold(0.0, f64::max);
+            let room = (info.max - info.neutral).max(info.neutral - info.min);
+            let (parameter, unit) = key_and_unit(problem, signature.candidate, size);
+            all.push(SmallestSeen {
+                kind: problem.candidates[signature.candidate].kind.name().into(),
+                target: target_name(&problem.candidates[signature.candidate]),
+                parameter,
+                size: (needed <= room).then_some(needed),
+                unit,
+            });
+        }
+    }
+    all.sort_by(|a, b| (&a.kind, &a.target, &a.parameter).cmp(&(&b.kind, &b.target, &b.parameter)));
+    all
+}
+
+/// Part of the sizes that are within reach of the experiment.
+pub(super) fn visible(problem: &Problem, seen: &[SmallestSeen]) -> f64 {
+    if seen.is_empty() {
+        return 0.0;
+    }
+    let hidden = invisible(problem, seen).len();
+    1.0 - hidden as f64 / seen.len() as f64
+}
+
+pub(super) fn invisible(problem: &Problem, seen: &[SmallestSeen]) -> Vec<String> {
+    let reach = |entry: &SmallestSeen| {
+        let candidate = problem
+            .candidates
+            .iter()
+            .position(|c| c.kind.name() == entry.kind && target_name(c) == entry.target)?;
+        let infos = problem.infos(candidate);
+        let index =
+            (0..infos.len()).find(|&i| key_and_unit(problem, candidate, i).0 == entry.parameter)?;
+        Some(REACH * problem.candidates[candidate].scale[index])
+    };
+    let hidden = seen.iter().filter(|e| match (e.size, reach(e)) {
+        (Some(size), Some(reach)) => size > reach,
+        _ => true,
+    });
+    hidden
+        .map(|e| {
+            let target = e
+                .target
+                .as_deref()
+                .map(|t| format!(" {t}"))
+                .unwrap_or_default();
+            format!(
+                "{}{target} (`{}`) would be seen at no typical size",
+                e.kind, e.parameter
+            )
+        })
+        .collect()
+}

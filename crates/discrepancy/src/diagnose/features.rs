@@ -1,0 +1,141 @@
+//! What a residual may follow, as features for a flexible predictor.
+
+use super::data::Observation;
+use super::problem::Problem;
+use crate::model::Columns;
+
+/// A group of features of one kind, one column each.
+pub(super) struct Group {
+    pub name: String,
+    /// Whether it follows a signal that comes back many times; time and lines do not, and slow noise may look like them.
+    pub by_signal: bool,
+    pub features: Vec<Vec<f64>>,
+}
+
+/// What the residual may follow: predicted outputs and known signals, their rates, time.
+pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
+    let data = problem.data;
+    let mut groups = vec![Group {
+        name: "a constant".into(),
+        by_signal: false,
+        features: vec![vec![1.0; data.time_s.len()]],
+    }];
+    let (first, last) = (data.time_s[0], data.time_s[data.time_s.len() - 1]);
+    let relative: Vec<f64> = data
+        .time_s
+        .iter()
+        .map(|t| 2.0 * (t - first) / (last - first) - 1.0)
+        .collect();
+    groups.push(Group {
+        name: "time".into(),
+        by_signal: false,
+        features: (0..4)
+            .map(|k| relative.iter().map(|x| x.powi(k)).collect())
+            .collect(),
+    });
+    let outputs = problem
+        .model
+        .channels()
+        .iter()
+        .map(|spec| spec.name.as_str())
+        .zip(predicted.iter());
+    let known = data.regressors.iter().filter(|r| !r.is_angle);
+    for (name, values) in outputs.chain(known.map(|r| (r.name.as_str(), &r.values))) {
+        if let Some(standard) = standardised(values) {
+            signal_groups(name, &standard, data, &mut groups);
+        }
+    }
+    for angle in data.regressors.iter().filter(|r| r.is_angle) {
+        for harmonic in 1..=6 {
+            let phase = |f: fn(f64) -> f64| {
+                angle
+                    .values
+                    .iter()
+                    .map(|x| f(harmonic as f64 * x))
+                    .collect()
+            };
+            groups.push(Group {
+                name: format!("{harmonic} per revolution of {}", angle.name),
+                by_signal: true,
+                features: vec![phase(f64::cos), phase(f64::sin)],
+            });
+        }
+    }
+    groups
+}
+
+fn standardised(values: &[f64]) -> Option<Vec<f64>> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let spread = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
+    (spread > 1e-12 * mean.abs() && spread > 0.0)
+        .then(|| values.iter().map(|x| (x - mean) / spread).collect())
+}
+
+fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Group>) {
+    let starts: Vec<usize> = data.trajectories.iter().map(|r| r.start).collect();
+    let shifted = |lag: usize| -> Vec<f64> {
+        let first = |t: usize| starts.iter().rev().find(|s| **s <= t).copied().unwrap_or(0);
+        (0..x.len())
+            .map(|t| x[t.saturating_sub(lag).max(first(t))])
+            .collect()
+    };
+    groups.push(Group {
+        name: format!("{name}, linearly"),
+        by_signal: true,
+        features: [0, 1, 2, 4, 8, 16, 32]
+            .iter()
+            .map(|lag| shifted(*lag))
+            .collect(),
+    });
+    groups.push(Group {
+        name: name.to_string(),
+        by_signal: true,
+        features: bins(x, 12),
+    });
+    let before = shifted(2);
+    let rate: Vec<f64> = x.iter().zip(&before).map(|(a, b)| a - b).collect();
+    if let Some(rate) = standardised(&rate) {
+        let signs: Vec<f64> = rate.iter().map(|v| (v * 20.0).tanh()).collect();
+        groups.push(Group {
+            name: format!("direction of {name}"),
+            by_signal: true,
+            features: vec![signs.clone()],
+        });
+        groups.push(Group {
+            name: format!("rate of {name}"),
+            by_signal: true,
+            features: bins(&rate, 8),
+        });
+        let products = bins(x, 12)
+            .into_iter()
+            .map(|b| b.iter().zip(&signs).map(|(b, s)| b * s).collect());
+        groups.push(Group {
+            name: format!("{name} and its direction"),
+            by_signal: true,
+            features: products.collect(),
+        });
+    }
+}
+
+/// Overlapping linear bins ("hats") between quantiles: together they follow any smooth curve.
+fn bins(x: &[f64], count: usize) -> Vec<Vec<f64>> {
+    let mut sorted = x.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let mut knots: Vec<f64> = (0..count)
+        .map(|i| sorted[(sorted.len() - 1) * i / (count - 1)])
+        .collect();
+    knots.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    let hat = |i: usize, value: f64| {
+        let rise = i
+            .checked_sub(1)
+            .map_or(1.0, |p| (value - knots[p]) / (knots[i] - knots[p]));
+        let fall = knots
+            .get(i + 1)
+            .map_or(1.0, |next| (next - value) / (next - knots[i]));
+        rise.min(fall).clamp(0.0, 1.0)
+    };
+    (0..knots.len())
+        .map(|i| x.iter().map(|v| hat(i, *v)).collect())
+        .collect()
+}

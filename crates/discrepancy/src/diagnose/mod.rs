@@ -1,0 +1,208 @@
+//! Finds the effects that explain what a model gets wrong, or says that it cannot.
+//!
+//! 1. The data are divided into blocks: for fitting, for choosing, and a last part that is opened once, when the choice is frozen.
+//! 2. Nominal parameters are refitted within their stated uncertainty before structure is blamed.
+//! 3. *Detection*: likelihood-ratio tests of each candidate's signature under coloured noise, whose autoregression is fitted
+//!    together with the candidate, at a family-wise error that counts all tests made.
+//! 4. *Search* by simulation error: the best are fitted by damped Gauss-Newton; forward selection with a look at pairs,
+//!    replacement, backward removal.
+//! 5. *Choice* on the validation blocks by a paired test, with a least practical gain.
+//! 6. What cannot be told apart is reported together, with an experiment that would.
+//! 7. A flexible predictor of what is left bounds what any model could still gain.
+//!
+//! All of it works on any [`Model`](crate::model::Model). Runs are deterministic: parallel parts keep their order.
+
+mod ambiguity;
+mod answer;
+mod ceiling;
+mod conclude;
+mod data;
+mod evidence;
+mod features;
+mod fit;
+mod gate;
+mod memory;
+mod noise;
+mod pairs;
+mod problem;
+mod screen;
+mod search;
+mod signature;
+mod uncertainty;
+mod validate;
+
+use std::time::Instant;
+
+use thiserror::Error;
+use truecut_scenario::effect::Effect;
+
+use crate::model::{Columns, Model, PredictError};
+pub use answer::{
+    Alternative, Cause, Ceiling, ChannelErrors, Diagnosis, Evidence, FitRecord, Lock, Nominal,
+    Parameter, Proposal, SmallestSeen, Verdict, Work,
+};
+pub use data::{MIN_SAMPLES, Observation, Output, Regressor};
+
+/// What a caller may choose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Probability of a detection in pure noise, over all candidates together.
+    pub family_wise_error: f64,
+    /// Least part of a channel's held-out residual rms that an effect must take away.
+    pub min_gain: f64,
+    /// Most effects that are named together.
+    pub max_effects: usize,
+    /// Most simulations.
+    pub max_predictions: usize,
+    /// Part of the discrepancy which, if it stays unexplained, leaves the cause unknown.
+    pub unknown_above: f64,
+    /// Candidates that are fitted after each screening.
+    pub fitted_candidates: usize,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            family_wise_error: 0.005,
+            min_gain: 0.01,
+            max_effects: 4,
+            max_predictions: 2500,
+            unknown_above: 0.2,
+            fitted_candidates: 6,
+        }
+    }
+}
+
+/// What is being done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Nominal parameters within their uncertainty.
+    Refit,
+    /// Signatures of candidates; the number of effects already found.
+    Screening(usize),
+    /// Candidates fitted by simulation error.
+    Fitting(usize),
+    /// Whether another cause explains as much.
+    Alternatives,
+    /// What any model could still gain.
+    Ceiling,
+    /// Experiments that would tell the causes apart.
+    Experiments,
+}
+
+/// How far the work is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// What is being done.
+    pub stage: Stage,
+    /// Simulations made.
+    pub predictions: usize,
+    /// Simulations allowed.
+    pub max_predictions: usize,
+}
+
+/// Data or a model that cannot be used.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum DiagnoseError {
+    /// Not one measured output per channel of the model.
+    #[error("the model predicts {expected} channels, the data have {found} outputs")]
+    ChannelCount {
+        /// Of the model.
+        expected: usize,
+        /// Of the data.
+        found: usize,
+    },
+    /// Columns of unequal length.
+    #[error("{what} has {found} samples, the time base has {expected}")]
+    Length {
+        /// The column.
+        what: String,
+        /// Of the time base.
+        expected: usize,
+        /// Of the column.
+        found: usize,
+    },
+    /// A sample that is said to be valid and is not a number.
+    #[error("output {output} is not finite at sample {sample}, which is marked as valid")]
+    NotFinite {
+        /// Counted from 1.
+        output: usize,
+        /// Counted from 0.
+        sample: usize,
+    },
+    /// Fewer than [`MIN_SAMPLES`].
+    #[error("output {output} has {found} valid samples; a diagnosis needs at least {MIN_SAMPLES}")]
+    TooFewSamples {
+        /// Counted from 1.
+        output: usize,
+        /// Valid ones.
+        found: usize,
+    },
+    /// Gaps leave no rows for fitting, choosing or testing.
+    #[error(
+        "output {output} has too few stretches without gaps: {found} samples are left for {part}"
+    )]
+    TooFewRows {
+        /// Counted from 1.
+        output: usize,
+        /// Which part of the data.
+        part: &'static str,
+        /// Rows left.
+        found: usize,
+    },
+    /// Trajectories that are empty, overlap or lie outside the data.
+    #[error("trajectories must be in order, within the data, not empty, and must not overlap")]
+    Trajectories,
+    /// The nominal model itself cannot be run.
+    #[error("the nominal model cannot be simulated: {0}")]
+    Nominal(#[from] PredictError),
+}
+
+/// The diagnosis with what is needed to draw and to extend.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    /// What is written.
+    pub diagnosis: Diagnosis,
+    /// The effects named, in the order of their gain.
+    pub effects: Vec<Effect>,
+    /// Nominal parameters after the fit with these effects.
+    pub nominal: Vec<f64>,
+    /// Prediction of the nominal model as the scenario has it.
+    pub before: Columns,
+    /// Prediction with the effects.
+    pub after: Columns,
+    /// Samples of each channel that served for the final test.
+    pub test_rows: Vec<Vec<usize>>,
+}
+
+/// Diagnoses what the model gets wrong about the data.
+///
+/// # Errors
+/// Data that do not fit the model or do not suffice; a nominal model that cannot be simulated.
+pub fn diagnose(
+    model: &dyn Model,
+    data: &Observation,
+    options: &Options,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Answer, DiagnoseError> {
+    let begun = Instant::now();
+    data.check(model.channels().len())?;
+    let problem = problem::Problem::new(model, data, options, progress);
+    problem.split.check()?;
+    let before = problem.predict(&problem.start())?;
+    let mut answer = match gate::unexcited(&problem, &before) {
+        Some(missing) => conclude::not_excited(&problem, before, missing),
+        None => {
+            let outcome = search::search(&problem)?;
+            conclude::conclude(&problem, before, outcome)?
+        }
+    };
+    answer.diagnosis.work = Work {
+        predictions: problem.predictions(),
+        seconds: begun.elapsed().as_secs_f64(),
+    };
+    Ok(answer)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,219 @@
+//! Coloured noise as an autoregression for each channel, and least squares under it.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::data::{LAGS, Rows};
+use crate::model::Columns;
+
+/// `n[t] = sum_k ar[k] n[t-1-k] + e[t]`, `e` white with standard deviation `sigma`.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ChannelNoise {
+    pub ar: Vec<f64>,
+    pub sigma: f64,
+}
+
+/// Noise of all channels, taken to be independent of one another.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Noise {
+    pub channels: Vec<ChannelNoise>,
+}
+
+/// Orders among which the Bayesian information criterion chooses.
+const ORDERS: &[usize] = &[0, 1, 2, 3, 4, 6, 8, LAGS];
+
+impl Noise {
+    /// White noise of the residual's own level.
+    pub fn white(residual: &Columns, rows: &Rows, floor: &[f64]) -> Noise {
+        Noise::fit(residual, rows, &vec![0; residual.len()], floor)
+    }
+
+    /// Least squares of given orders. `floor` bounds each channel's sigma from below.
+    pub fn fit(residual: &Columns, rows: &Rows, orders: &[usize], floor: &[f64]) -> Noise {
+        let channels = (0..residual.len())
+            .map(|c| fit_channel(&residual[c], &rows.per_channel[c], orders[c], floor[c]));
+        Noise {
+            channels: channels.collect(),
+        }
+    }
+
+    /// The order of each channel that the Bayesian information criterion prefers.
+    pub fn orders(residual: &Columns, rows: &Rows, floor: &[f64]) -> Vec<usize> {
+        (0..residual.len())
+            .map(|c| {
+                let rows = &rows.per_channel[c];
+                let n = rows.len() as f64;
+                let allowed = ORDERS.iter().filter(|p| **p * 20 <= rows.len());
+                let mut best = (f64::INFINITY, 0);
+                for &order in allowed {
+                    let sigma = fit_channel(&residual[c], rows, order, floor[c]).sigma;
+                    let criterion = 2.0 * n * sigma.ln() + order as f64 * n.ln();
+                    if criterion < best.0 {
+                        best = (criterion, order);
+                    }
+                }
+                best.1
+            })
+            .collect()
+    }
+
+    /// `sum n ln(sigma^2)`: minus twice the logarithm of the profile likelihood, less a constant.
+    pub fn objective(&self, rows: &Rows) -> f64 {
+        let terms = self.channels.iter().zip(&rows.per_channel);
+        terms
+            .map(|(noise, rows)| 2.0 * rows.len() as f64 * noise.sigma.ln())
+            .sum()
+    }
+
+    /// Whitened to unit variance, channel after channel.
+    pub fn whiten(&self, columns: &Columns, rows: &Rows) -> Vec<f64> {
+        let mut out = Vec::with_capacity(rows.len());
+        for ((noise, column), rows) in self.channels.iter().zip(columns).zip(&rows.per_channel) {
+            let scale = 1.0 / noise.sigma;
+            out.extend(rows.iter().map(|&t| {
+                let past = column[t - noise.ar.len()..t].iter().rev();
+                let predicted: f64 = past.zip(&noise.ar).map(|(x, a)| x * a).sum();
+                (column[t] - predicted) * scale
+            }));
+        }
+        out
+    }
+}
+
+fn fit_channel(residual: &[f64], rows: &[usize], order: usize, floor: f64) -> ChannelNoise {
+    let n = rows.len().max(1) as f64;
+    // Second moments of the present value and its predecessors.
+    let mut moment = DMatrix::<f64>::zeros(order + 1, order + 1);
+    for &t in rows {
+        let window = &residual[t - order..=t];
+        for i in 0..=order {
+            for j in i..=order {
+                moment[(i, j)] += window[order - i] * window[order - j];
+            }
+        }
+    }
+    moment.fill_lower_triangle_with_upper_triangle();
+    let mut normal = moment.view((1, 1), (order, order)).into_owned();
+    // A residual that is all but smooth leaves its moments singular to rounding.
+    let ridge = 1e-10 * (moment[(0, 0)] + f64::MIN_POSITIVE);
+    for i in 0..order {
+        normal[(i, i)] += ridge;
+    }
+    let right = moment.view((1, 0), (order, 1)).into_owned();
+    let ar = match normal.cholesky() {
+        Some(factor) => factor.solve(&right).column(0).iter().copied().collect(),
+        None => vec![0.0; order],
+    };
+    let coefficients = DVector::from_vec(ar);
+    let sub = moment.view((1, 1), (order, order));
+    let explained =
+        2.0 * right.column(0).dot(&coefficients) - (sub * &coefficients).dot(&coefficients);
+    let free = (n - order as f64).max(1.0);
+    let sigma = ((moment[(0, 0)] - explained).max(0.0) / free).sqrt();
+    ChannelNoise {
+        ar: coefficients.iter().copied().collect(),
+        sigma: sigma.max(floor),
+    }
+}
+
+/// What is known of a coefficient beforehand: `precision * (coefficient + offset)` is standard normal; precision 0 means nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Prior {
+    pub offset: f64,
+    pub precision: f64,
+}
+
+/// A linear model fitted together with its noise.
+#[derive(Debug, Clone)]
+pub(super) struct LinearFit {
+    pub coefficients: Vec<f64>,
+    /// Minus twice the log-likelihood with the prior's part.
+    pub objective: f64,
+}
+
+/// Generalised least squares: coefficients and autoregression in turn (Cochrane and Orcutt 1949), so that the noise model is that
+/// of what is left and not of what is to be found. Started from white noise and from `start`; the better end counts.
+pub(super) fn fit_linear(
+    residual: &Columns,
+    design: &[&Columns],
+    priors: &[Prior],
+    rows: &Rows,
+    start: &Noise,
+    orders: &[usize],
+    floor: &[f64],
+) -> LinearFit {
+    let mut best: Option<LinearFit> = None;
+    for first in [Noise::white(residual, rows, floor), start.clone()] {
+        let mut noise = first;
+        for _ in 0..3 {
+            let target = noise.whiten(residual, rows);
+            let columns: Vec<_> = design.iter().map(|x| noise.whiten(x, rows)).collect();
+            let coefficients = solve(&target, &columns, priors);
+            let mut left = residual.clone();
+            for (x, b) in design.iter().zip(&coefficients) {
+                subtract(&mut left, x, *b);
+            }
+            noise = Noise::fit(&left, rows, orders, floor);
+            let objective = noise.objective(rows) + penalty(&coefficients, priors);
+            if best.as_ref().is_none_or(|b| objective < b.objective) {
+                best = Some(LinearFit {
+                    coefficients,
+                    objective,
+                });
+            }
+        }
+    }
+    best.expect("two starts were made")
+}
+
+/// `left -= factor * column`, in every channel.
+pub(super) fn subtract(left: &mut Columns, column: &Columns, factor: f64) {
+    for (left, x) in left.iter_mut().zip(column) {
+        for (l, x) in left.iter_mut().zip(x) {
+            *l -= factor * x;
+        }
+    }
+}
+
+pub(super) fn penalty(coefficients: &[f64], priors: &[Prior]) -> f64 {
+    let terms = coefficients.iter().zip(priors);
+    terms
+        .map(|(b, p)| (p.precision * (b + p.offset)).powi(2))
+        .sum()
+}
+
+/// Inner product.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Least squares with priors; columns that are nothing but rounding get zero.
+pub(super) fn solve(target: &[f64], columns: &[Vec<f64>], priors: &[Prior]) -> Vec<f64> {
+    let k = columns.len();
+    let norm: Vec<f64> = columns.iter().map(|x| dot(x, x).sqrt()).collect();
+    let scale: Vec<f64> = norm
+        .iter()
+        .zip(priors)
+        .map(|(n, p)| 1.0 / n.hypot(p.precision).max(f64::MIN_POSITIVE.sqrt()))
+        .collect();
+    let mut normal = DMatrix::<f64>::identity(k, k) * 1e-9;
+    let mut right = DVector::<f64>::zeros(k);
+    for i in 0..k {
+        right[i] =
+            scale[i] * (dot(&columns[i], target) - priors[i].precision.powi(2) * priors[i].offset);
+        for j in i..k {
+            let mut entry = dot(&columns[i], &columns[j]);
+            if i == j {
+                entry += priors[i].precision.powi(2);
+            }
+            normal[(i, j)] += entry * scale[i] * scale[j];
+            normal[(j, i)] = normal[(i, j)];
+        }
+    }
+    match normal.cholesky() {
+        Some(factor) => {
+            let solution = factor.solve(&right);
+            (0..k).map(|i| solution[i] * scale[i]).collect()
+        }
+        None => vec![0.0; k],
+    }
+}

@@ -1,0 +1,199 @@
+//! Model, data and bookkeeping in one place; points of the search and their parameters.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use truecut_scenario::effect::{Effect, ParameterInfo};
+
+use super::data::{Observation, Split};
+use super::noise::Prior;
+use super::{Options, Progress, Stage};
+use crate::model::{Candidate, Columns, Model, NominalParameter, PredictError};
+
+pub(super) struct Problem<'a> {
+    pub model: &'a dyn Model,
+    pub data: &'a Observation,
+    pub options: &'a Options,
+    pub candidates: Vec<Candidate>,
+    pub nominal: &'a [NominalParameter],
+    pub split: Split,
+    /// Least innovation that noise can have, for each channel: data have finitely many digits.
+    pub floor: Vec<f64>,
+    progress: &'a (dyn Fn(Progress) + Sync),
+    predictions: AtomicUsize,
+}
+
+/// An effect with its values.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Found {
+    pub candidate: usize,
+    pub values: Vec<f64>,
+}
+
+/// Nominal parameters and effects.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Point {
+    pub nominal: Vec<f64>,
+    pub effects: Vec<Found>,
+}
+
+/// A parameter of a point as the optimiser sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Variable {
+    pub value: f64,
+    /// For finite differences.
+    pub step: f64,
+    pub min: f64,
+    pub max: f64,
+    pub prior: Prior,
+}
+
+impl<'a> Problem<'a> {
+    pub fn new(
+        model: &'a dyn Model,
+        data: &'a Observation,
+        options: &'a Options,
+        progress: &'a (dyn Fn(Progress) + Sync),
+    ) -> Problem<'a> {
+        let floor = data.outputs.iter().map(|output| {
+            let rows = output.values.iter().zip(&output.valid);
+            let squares = rows.filter(|(_, valid)| **valid).map(|(y, _)| y * y);
+            let rms = (squares.sum::<f64>() / output.values.len() as f64).sqrt();
+            (1e-9 * rms).max(1e-150)
+        });
+        Problem {
+            model,
+            data,
+            options,
+            candidates: model.candidates(),
+            nominal: model.nominal(),
+            split: Split::new(data),
+            floor: floor.collect(),
+            progress,
+            predictions: AtomicUsize::new(0),
+        }
+    }
+
+    pub fn report(&self, stage: Stage) {
+        (self.progress)(Progress {
+            stage,
+            predictions: self.predictions(),
+            max_predictions: self.options.max_predictions,
+        });
+    }
+
+    pub fn predictions(&self) -> usize {
+        self.predictions.load(Ordering::Relaxed)
+    }
+
+    /// Counts a prediction that was not made through [`Problem::predict`].
+    pub fn count_prediction(&self) {
+        self.predictions.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Predictions that may still be made.
+    pub fn left(&self) -> usize {
+        self.options
+            .max_predictions
+            .saturating_sub(self.predictions())
+    }
+
+    pub fn predict(&self, point: &Point) -> Result<Columns, PredictError> {
+        let effects: Vec<Effect> = point.effects.iter().map(|f| self.effect(f)).collect();
+        self.predictions.fetch_add(1, Ordering::Relaxed);
+        let columns = self.model.predict(&point.nominal, &effects)?;
+        self.checked(columns)
+    }
+
+    fn checked(&self, columns: Columns) -> Result<Columns, PredictError> {
+        let samples = self.data.time_s.len();
+        let fits = columns.len() == self.data.outputs.len()
+            && columns.iter().all(|column| column.len() == samples);
+        if !fits {
+            return Err(PredictError(format!(
+                "the model must predict {} channels of {samples} samples",
+                self.data.outputs.len()
+            )));
+        }
+        match columns.iter().flatten().all(|x| x.is_finite()) {
+            true => Ok(columns),
+            false => Err(PredictError("the prediction is not finite".into())),
+        }
+    }
+
+    pub fn effect(&self, found: &Found) -> Effect {
+        let candidate = &self.candidates[found.candidate];
+        Effect {
+            kind: candidate.kind,
+            target: candidate.target.clone(),
+            values: found.values.clone(),
+        }
+    }
+
+    pub fn infos(&self, candidate: usize) -> &'static [ParameterInfo] {
+        self.candidates[candidate].kind.parameters()
+    }
+
+    pub fn start(&self) -> Point {
+        Point {
+            nominal: self.nominal.iter().map(|p| p.value).collect(),
+            effects: Vec::new(),
+        }
+    }
+
+    /// All parameters of a point: nominal ones, then the effects'.
+    pub fn variables(&self, point: &Point) -> Vec<Variable> {
+        let nominal = self
+            .nominal
+            .iter()
+            .zip(&point.nominal)
+            .map(|(p, value)| Variable {
+                value: *value,
+                step: 0.05 * p.sigma,
+                min: f64::NEG_INFINITY,
+                max: f64::INFINITY,
+                prior: Prior {
+                    offset: value - p.value,
+                    precision: 1.0 / p.sigma,
+                },
+            });
+        let effects = point.effects.iter().flat_map(|found| {
+            let scales = &self.candidates[found.candidate].scale;
+            let rows = self.infos(found.candidate).iter().zip(scales);
+            rows.zip(&found.values)
+                .map(|((info, scale), value)| Variable {
+                    value: *value,
+                    step: (0.01 * distance(info, *value)).max(1e-4 * scale),
+                    min: info.min,
+                    max: info.max,
+                    prior: Prior::default(),
+                })
+        });
+        nominal.chain(effects).collect()
+    }
+
+    /// The same point with other parameters.
+    pub fn with_values(&self, point: &Point, values: &[f64]) -> Point {
+        let (nominal, mut rest) = values.split_at(point.nominal.len());
+        let effects = point.effects.iter().map(|found| {
+            let (own, others) = rest.split_at(found.values.len());
+            rest = others;
+            Found {
+                candidate: found.candidate,
+                values: own.to_vec(),
+            }
+        });
+        Point {
+            effects: effects.collect(),
+            nominal: nominal.to_vec(),
+        }
+    }
+}
+
+/// How far a size is from doing nothing; for a shape parameter, its magnitude.
+fn distance(info: &ParameterInfo, value: f64) -> f64 {
+    if info.is_size {
+        (value - info.neutral).abs()
+    } else {
+        value.abs()
+    }
+}

@@ -1,0 +1,368 @@
+//! The search: screening, fits, choice on the validation blocks, forward, in pairs, by replacement and backward.
+
+use rayon::prelude::*;
+
+use super::answer::FitRecord;
+use super::fit::{Fit, fit};
+use super::memory::{LEAST_DISTANCE, distance};
+use super::noise::Noise;
+use super::pairs::pairs;
+use super::problem::{Found, Point, Problem};
+use super::screen::{Ranked, critical, rank, refine};
+use super::signature::signatures;
+use super::validate::{Paired, compare, objective};
+use super::{DiagnoseError, Stage};
+
+/// Where the search ended.
+pub(super) struct Outcome {
+    /// The nominal model, refitted.
+    pub base: Fit,
+    /// The model chosen; fitted to the training rows.
+    pub chosen: Fit,
+    /// Orders of the noise of the model chosen.
+    pub orders: Vec<usize>,
+    /// Other models of as many effects that were fitted.
+    pub rivals: Vec<Fit>,
+    /// The last screening: what is left to be seen beyond the model chosen.
+    pub ranking: Vec<Ranked>,
+    /// Signatures tested in the last screening.
+    pub tests: usize,
+    /// A discrepancy was detected, and no fit of it ended well.
+    pub failed: bool,
+    /// All fits.
+    pub fits: Vec<FitRecord>,
+}
+
+/// The validation gain must be beyond so many standard errors; detection on the training rows has come before, and it is there that
+/// chance is kept out.
+pub(super) const LEAST_T: f64 = 1.0;
+/// Odds of 20 to 1, as a difference of minus twice the log-likelihood.
+pub(super) const DECISIVE: f64 = 6.0;
+/// In standard errors.
+const CLEARLY_BEHIND: f64 = 2.0;
+/// A gain of so many times the critical one is no chance: if its fits fail, the search has failed.
+const STRONG: f64 = 4.0;
+const REFINED: usize = 12;
+const PAIRED: usize = 30;
+const REPLACEMENTS: usize = 3;
+
+pub(super) struct Search<'a, 'b> {
+    problem: &'a Problem<'b>,
+    fits: Vec<FitRecord>,
+    failed: bool,
+}
+
+/// Runs the search.
+///
+/// # Errors
+/// The nominal model cannot be simulated.
+pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
+    problem.report(Stage::Refit);
+    let train = &problem.split.train;
+    let predicted = problem.predict(&problem.start())?;
+    let orders = Noise::orders(&problem.data.residual(&predicted), train, &problem.floor);
+    let first = fit(problem, problem.start(), train, &orders, true)?;
+    let (base, orders) = settled(problem, first)?;
+    let mut search = Search {
+        problem,
+        fits: Vec::new(),
+        failed: false,
+    };
+    let mut outcome = Outcome {
+        chosen: base.clone(),
+        base,
+        orders,
+        rivals: Vec::new(),
+        ranking: Vec::new(),
+        tests: 0,
+        failed: false,
+        fits: Vec::new(),
+    };
+    while search.forward(&mut outcome)? {
+        search.backward(&mut outcome)?;
+        if outcome.chosen.point.effects.len() >= problem.options.max_effects {
+            break;
+        }
+    }
+    if outcome.chosen.point.effects.len() > 1 {
+        problem.report(Stage::Alternatives);
+        for _ in 0..REPLACEMENTS {
+            if !search.replace(&mut outcome)? {
+                break;
+            }
+        }
+    }
+    outcome.failed = search.failed && outcome.chosen.point.effects.is_empty();
+    outcome.fits = search.fits;
+    Ok(outcome)
+}
+
+/// The same model with noise of the orders that its own residual asks for.
+fn settled(problem: &Problem, first: Fit) -> Result<(Fit, Vec<usize>), DiagnoseError> {
+    let train = &problem.split.train;
+    let orders = Noise::orders(&first.residual, train, &problem.floor);
+    Ok((fit(problem, first.point, train, &orders, true)?, orders))
+}
+
+impl Search<'_, '_> {
+    /// Adds the effect, or the pair, that explains most; false where nothing earns its place.
+    fn forward(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
+        let problem = self.problem;
+        let base = &outcome.chosen;
+        problem.report(Stage::Screening(base.point.effects.len()));
+        let train = &problem.split.train;
+        let found = signatures(problem, base);
+        outcome.tests = found.len();
+        let ranking = rank(problem, base, &found, train, &outcome.orders);
+        let ranking = refine(problem, base, ranking, train, &outcome.orders, REFINED);
+        let starts = self.promising(base, &ranking, outcome.tests);
+        outcome.ranking = ranking;
+        if starts.is_empty() || problem.left() < 40 {
+            return Ok(false);
+        }
+        problem.report(Stage::Fitting(base.point.effects.len()));
+        let strong = outcome.ranking.iter().any(|r| {
+            let alpha = problem.options.family_wise_error;
+            r.gain > STRONG * critical(alpha, outcome.tests, r.start.len())
+        });
+        let trials = self.fit_all(starts, &outcome.orders);
+        self.failed |= trials.is_empty() && strong;
+        let Some(best) = self.choose(base, &trials, &outcome.orders, outcome.tests) else {
+            return Ok(false);
+        };
+        let count = trials[best].point.effects.len();
+        outcome.rivals = trials
+            .iter()
+            .enumerate()
+            .filter(|(i, t)| *i != best && t.point.effects.len() == count)
+            .map(|(_, t)| t.clone())
+            .collect();
+        (outcome.chosen, outcome.orders) = settled(problem, trials[best].clone())?;
+        Ok(true)
+    }
+
+    /// Starting points: single candidates beyond the critical gain, best first, and pairs that gain clearly more together.
+    fn promising(&self, base: &Fit, ranking: &[Ranked], tests: usize) -> Vec<Point> {
+        let problem = self.problem;
+        let alpha = problem.options.family_wise_error;
+        let beyond = |r: &&Ranked| r.gain > critical(alpha, tests, r.start.len());
+        let singles: Vec<&Ranked> = ranking
+            .iter()
+            .filter(beyond)
+            .take(problem.options.fitted_candidates)
+            .collect();
+        let mut starts: Vec<Point> = singles.iter().flat_map(|r| all_starts(base, r)).collect();
+        if base.point.effects.len() + 2 <= problem.options.max_effects {
+            let pairs = pairs(problem, base, &ranking[..ranking.len().min(PAIRED)], tests);
+            starts.extend(pairs.iter().map(|(a, b)| extended(base, &[a, b])));
+        }
+        starts
+    }
+
+    fn fit_all(&mut self, starts: Vec<Point>, orders: &[usize]) -> Vec<Fit> {
+        let problem = self.problem;
+        let train = &problem.split.train;
+        let trials: Vec<(Point, Result<Fit, _>)> = starts
+            .into_par_iter()
+            .map(|start| (start.clone(), fit(problem, start, train, orders, false)))
+            .collect();
+        let mut good = Vec::new();
+        for (start, trial) in trials {
+            let (effects, converged, iterations) = match &trial {
+                Ok(fit) => (&fit.point.effects, fit.converged, fit.iterations),
+                Err(_) => (&start.effects, false, 0),
+            };
+            self.fits.push(FitRecord::new(
+                problem,
+                effects,
+                converged,
+                iterations,
+                trial.as_ref().err(),
+            ));
+            match trial {
+                Ok(fit) if fit.converged => good.push(fit),
+                _ => {}
+            }
+        }
+        good
+    }
+
+    /// The trial to take: of those that earn their place and are not clearly behind the best on the validation blocks, the fewest
+    /// effects, and among these the best by the information criterion.
+    fn choose(&self, base: &Fit, trials: &[Fit], orders: &[usize], tests: usize) -> Option<usize> {
+        let validation = &self.problem.split.validation;
+        let passing: Vec<usize> = (0..trials.len())
+            .filter(|&i| self.is_detected(base, &trials[i], tests) && self.earns(base, &trials[i]))
+            .collect();
+        let common = passing
+            .iter()
+            .copied()
+            .min_by(|&a, &b| trials[a].objective.total_cmp(&trials[b].objective))?;
+        let noise = &trials[common].noise;
+        let gain = |i: usize| compare(&base.residual, &trials[i].residual, noise, validation).gain;
+        let best = passing
+            .iter()
+            .copied()
+            .max_by(|&a, &b| gain(a).total_cmp(&gain(b)))?;
+        let near = passing.into_iter().filter(|&i| {
+            let behind = compare(
+                &trials[i].residual,
+                &trials[best].residual,
+                noise,
+                validation,
+            );
+            // Two models that say all but the same differ by next to nothing, and that may be many standard errors.
+            behind.t() <= CLEARLY_BEHIND || behind.gain < DECISIVE
+        });
+        near.min_by(|&a, &b| {
+            let effects = |i: usize| trials[i].point.effects.len();
+            let criterion = |i: usize| criterion(self.problem, &trials[i], orders);
+            effects(a)
+                .cmp(&effects(b))
+                .then(criterion(a).total_cmp(&criterion(b)))
+        })
+    }
+
+    /// Whether chance is ruled out: on the training rows, where a pair counts for all the pairs there are, and for noise of any memory.
+    fn is_detected(&self, base: &Fit, trial: &Fit, tests: usize) -> bool {
+        let added = &trial.point.effects[base.point.effects.len()..];
+        let dof = added.iter().map(|f| f.values.len()).sum();
+        let tests = tests.pow(added.len() as u32);
+        let bar = critical(self.problem.options.family_wise_error, tests, dof);
+        base.objective - trial.objective > bar
+            && distance(self.problem, &base.residual, &trial.residual) > LEAST_DISTANCE
+    }
+
+    /// Whether the larger model predicts the validation blocks better: beyond chance, and enough to matter.
+    fn earns(&self, small: &Fit, large: &Fit) -> bool {
+        let paired = self.paired(small, large);
+        paired.t() > LEAST_T && paired.practical >= self.problem.options.min_gain
+    }
+
+    fn paired(&self, small: &Fit, large: &Fit) -> Paired {
+        compare(
+            &small.residual,
+            &large.residual,
+            &large.noise,
+            &self.problem.split.validation,
+        )
+    }
+
+    /// Takes away effects that no longer earn their place beside the others.
+    fn backward(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
+        let problem = self.problem;
+        while outcome.chosen.point.effects.len() > 1 {
+            let last = outcome.chosen.point.effects.len() - 1;
+            let starts = (0..=last)
+                .map(|i| without(&outcome.chosen.point, i))
+                .collect();
+            let trials = self.fit_all(starts, &outcome.orders);
+            let idle = trials
+                .into_iter()
+                .find(|small| !self.earns(small, &outcome.chosen));
+            let Some(small) = idle else { break };
+            outcome.rivals.clear();
+            (outcome.chosen, outcome.orders) = settled(problem, small)?;
+        }
+        Ok(())
+    }
+
+    /// Replaces each effect in turn by others; a clearly better model is taken, or one that is simpler and as good; all are kept as
+    /// rivals. Whether one was taken.
+    fn replace(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
+        let problem = self.problem;
+        let train = &problem.split.train;
+        let mut rivals = Vec::new();
+        for i in 0..outcome.chosen.point.effects.len() {
+            if problem.left() < 300 {
+                break;
+            }
+            let removed = outcome.chosen.point.effects[i].candidate;
+            let Ok(rest) = fit(
+                problem,
+                without(&outcome.chosen.point, i),
+                train,
+                &outcome.orders,
+                true,
+            ) else {
+                continue;
+            };
+            let found = signatures(problem, &rest);
+            let ranking = rank(problem, &rest, &found, train, &outcome.orders);
+            let ranking = refine(problem, &rest, ranking, train, &outcome.orders, REFINED / 2);
+            let others = ranking.iter().filter(|r| r.candidate() != removed).take(3);
+            rivals.extend(self.fit_all(
+                others.map(|r| extended(&rest, &[r])).collect(),
+                &outcome.orders,
+            ));
+        }
+        let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);
+        let here = value(&outcome.chosen);
+        let better = rivals.iter().filter(|r| {
+            let simpler = weight(problem, r) < weight(problem, &outcome.chosen);
+            let clearly = value(r) < here - 10.0 && self.paired(&outcome.chosen, r).gain > 0.0;
+            clearly || simpler && value(r) < here
+        });
+        let better = better.min_by(|a, b| value(a).total_cmp(&value(b))).cloned();
+        let taken = better.is_some();
+        if let Some(better) = better {
+            rivals.push(outcome.chosen.clone());
+            rivals.retain(|r| r.point != better.point);
+            (outcome.chosen, outcome.orders) = settled(problem, better)?;
+        }
+        outcome.rivals = rivals;
+        Ok(taken)
+    }
+}
+
+/// Bayesian information criterion on training and validation rows together, with noise of the given orders. A shape parameter counts
+/// twice: it is searched over all its range, from several starts.
+pub(super) fn criterion(problem: &Problem, trial: &Fit, orders: &[usize]) -> f64 {
+    let rows = &problem.split.development;
+    objective(problem, &trial.residual, rows, orders)
+        + weight(problem, trial) * (rows.len() as f64).ln()
+}
+
+/// Number of parameters of the effects; those searched from several starts counted twice.
+pub(super) fn weight(problem: &Problem, trial: &Fit) -> f64 {
+    let infos = trial
+        .point
+        .effects
+        .iter()
+        .flat_map(|f| problem.infos(f.candidate));
+    infos
+        .map(|info| {
+            if info.is_size || info.starts.is_empty() {
+                1.0
+            } else {
+                2.0
+            }
+        })
+        .sum()
+}
+
+fn extended(base: &Fit, added: &[&Ranked]) -> Point {
+    let mut point = base.point.clone();
+    point.effects.extend(added.iter().map(|r| Found {
+        candidate: r.candidate(),
+        values: r.start.clone(),
+    }));
+    point
+}
+
+/// The best start and those of other shapes that promise half as much.
+fn all_starts(base: &Fit, ranked: &Ranked) -> Vec<Point> {
+    let mut starts = vec![extended(base, &[ranked])];
+    for other in &ranked.others {
+        let mut ranked = ranked.clone();
+        ranked.start.clone_from(other);
+        starts.push(extended(base, &[&ranked]));
+    }
+    starts
+}
+
+pub(super) fn without(point: &Point, index: usize) -> Point {
+    let mut point = point.clone();
+    point.effects.remove(index);
+    point
+}

@@ -1,0 +1,90 @@
+//! What the diagnosis needs of a simulation: nominal parameters, candidate effects, predictions.
+
+use thiserror::Error;
+use truecut_recording::ChannelSpec;
+use truecut_scenario::effect::{Effect, EffectKind, Target};
+
+/// One value per sample, for each channel.
+pub type Columns = Vec<Vec<f64>>;
+
+/// A parameter of the nominal model that is known with a stated uncertainty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NominalParameter {
+    /// Its key in the scenario.
+    pub key: String,
+    /// Its value in the scenario, SI.
+    pub value: f64,
+    /// One standard deviation, SI, positive.
+    pub sigma: f64,
+    /// Symbol of its unit.
+    pub unit_text: String,
+}
+
+/// An effect that the model could have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// What it is.
+    pub kind: EffectKind,
+    /// What it acts on.
+    pub target: Target,
+    /// Whether its parameters are those of a rotary joint.
+    pub rotary: bool,
+    /// For each parameter, a typical distance from its neutral value: SI, positive.
+    pub scale: Vec<f64>,
+}
+
+/// A variation of the experiment that could be made instead.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// One line: what would be done differently.
+    pub description: String,
+    /// Keys of the scenario and the values that they would take, as they are written in the file.
+    pub overrides: Vec<(String, String)>,
+}
+
+/// A simulation that could not be run to its end.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{0}")]
+pub struct PredictError(pub String);
+
+/// A simulation of the measured experiment.
+///
+/// Predictions are full forward simulations from the measured inputs: no measured output enters them.
+pub trait Model: Sync {
+    /// The predicted outputs, in order.
+    fn channels(&self) -> &[ChannelSpec];
+
+    /// Nominal parameters that may be refitted before structure is blamed.
+    fn nominal(&self) -> &[NominalParameter];
+
+    /// The effects that may be looked for.
+    fn candidates(&self) -> Vec<Candidate>;
+
+    /// One column for each channel, at the samples of the data.
+    ///
+    /// # Errors
+    /// A run that fails, e.g. because it diverges at these values. The search treats it as a step not to be taken.
+    fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError>;
+
+    /// Other experiments that could be made, for telling causes apart.
+    fn experiments(&self) -> Vec<Experiment> {
+        Vec::new()
+    }
+
+    /// What the outputs would be in another experiment, at the sampling interval of the data.
+    ///
+    /// # Errors
+    /// A run that fails.
+    fn predict_experiment(
+        &self,
+        experiment: &Experiment,
+        nominal: &[f64],
+        effects: &[Effect],
+    ) -> Result<Columns, PredictError> {
+        let _ = (nominal, effects);
+        Err(PredictError(format!(
+            "the model cannot predict the experiment `{}`",
+            experiment.description
+        )))
+    }
+}

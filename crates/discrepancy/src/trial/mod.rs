@@ -1,0 +1,253 @@
+//! A scenario and its measured data as a [`Model`]: what the diagnosis simulates.
+//!
+//! Predictions come from the reduced plant, which is fast; [`Trial::confirm`] makes the same prediction in
+//! rapier. Scenarios that replay measured motion backwards (mode "inverse") integrate nothing and need neither.
+
+mod candidates;
+mod experiments;
+mod observation;
+mod sampling;
+
+use truecut_recording::measured::Measured;
+use truecut_recording::{ChannelSpec, Outcome, UnknownName};
+use truecut_scenario::effect::Effect;
+use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
+use truecut_sim::facts::{RobotFacts, robot_facts};
+use truecut_sim::{Engine, InverseModel, Robots, Rows, SimError, simulate};
+
+use crate::diagnose::Observation;
+use crate::model::{Candidate, Columns, Experiment, Model, NominalParameter, PredictError};
+
+/// A scenario with the data that it is held against.
+pub struct Trial {
+    scenario: Scenario,
+    measured: Measured,
+    facts: RobotFacts,
+    channels: Vec<ChannelSpec>,
+    nominal: Vec<NominalParameter>,
+    candidates: Vec<Candidate>,
+    engine: Kind,
+    robots: Robots,
+    /// The data as the search sees them.
+    pub observation: Observation,
+}
+
+/// How predictions are made.
+enum Kind {
+    Forward,
+    Inverse {
+        /// Nominal parameters for which `model` was made.
+        nominal: Vec<f64>,
+        model: Box<InverseModel>,
+    },
+}
+
+impl Trial {
+    /// Prepares a scenario and its data: nominal run, candidates with typical sizes, known signals.
+    ///
+    /// # Errors
+    /// Whatever makes the scenario unfit to run with these data; outputs that it does not have.
+    pub fn new(scenario: &Scenario, measured: &Measured) -> Result<Trial, SimError> {
+        let facts = robot_facts(scenario)?;
+        let robots = Robots::new();
+        let nominal: Vec<NominalParameter> = (scenario.uncertain.iter())
+            .map(|one| NominalParameter {
+                key: one.key.clone(),
+                value: one.value,
+                sigma: one.sigma,
+                unit_text: one.unit.clone(),
+            })
+            .collect();
+        let values: Vec<f64> = nominal.iter().map(|one| one.value).collect();
+        let (engine, recording, used) = match mode(scenario) {
+            Some(ReplayMode::Inverse { .. }) => {
+                let model = Box::new(InverseModel::new(scenario, measured)?);
+                let used = model.measured().clone();
+                let kind = Kind::Inverse {
+                    nominal: values,
+                    model,
+                };
+                (kind, None, used)
+            }
+            _ => {
+                let rows = simulate(scenario, Some(measured), &robots, Engine::Reduced, &[])?;
+                (Kind::Forward, Some(rows), measured.clone())
+            }
+        };
+        let channels = match (&engine, &recording) {
+            (Kind::Inverse { model, .. }, _) => model.channels().to_vec(),
+            (_, Some(recording)) => outputs(scenario, measured, recording)?,
+            _ => Vec::new(),
+        };
+        let observation = observation::observation(scenario, &used, &channels, recording.as_ref());
+        let signals = candidates::Signals::new(scenario, measured, &facts, recording.as_ref());
+        Ok(Trial {
+            candidates: candidates::candidates(scenario, &signals, &channels),
+            scenario: scenario.clone(),
+            measured: measured.clone(),
+            facts,
+            channels,
+            nominal,
+            engine,
+            robots,
+            observation,
+        })
+    }
+
+    /// Whether each joint of the chain is rotary: it chooses the keys of effects.
+    pub fn rotary(&self) -> Vec<bool> {
+        self.facts.joints.iter().map(|joint| joint.rotary).collect()
+    }
+
+    /// The measured data.
+    pub fn measured(&self) -> &Measured {
+        &self.measured
+    }
+
+    /// The prediction of the full model: rapier where the search used the reduced plant.
+    ///
+    /// # Errors
+    /// A run that fails or diverges.
+    pub fn confirm(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
+        match &self.engine {
+            Kind::Inverse { .. } => self.predict(nominal, effects),
+            Kind::Forward => self.forward(nominal, effects, Engine::Rapier),
+        }
+    }
+
+    /// The scenario with other nominal parameters and further effects.
+    fn varied(&self, nominal: &[f64], effects: &[Effect]) -> Result<Scenario, PredictError> {
+        let changed = self.nominal.iter().zip(nominal);
+        let overrides: Vec<(String, String)> = changed
+            .filter(|(parameter, value)| parameter.value != **value)
+            .map(|(parameter, value)| (parameter.key.clone(), format!("{value:?}")))
+            .collect();
+        let varied = if overrides.is_empty() {
+            self.scenario.with_effects(effects)
+        } else {
+            (self.scenario.with_overrides(&overrides))
+                .and_then(|scenario| scenario.with_effects(effects))
+        };
+        varied.map_err(|error| PredictError(error.to_string()))
+    }
+
+    fn forward(
+        &self,
+        nominal: &[f64],
+        effects: &[Effect],
+        engine: Engine,
+    ) -> Result<Columns, PredictError> {
+        let scenario = self.varied(nominal, effects)?;
+        self.run(&scenario, engine)
+    }
+
+    fn run(&self, scenario: &Scenario, engine: Engine) -> Result<Columns, PredictError> {
+        let names: Vec<&str> = self
+            .channels
+            .iter()
+            .map(|spec| spec.name.as_str())
+            .collect();
+        let rows = simulate(scenario, Some(&self.measured), &self.robots, engine, &names)
+            .map_err(|error| PredictError(error.to_string()))?;
+        if rows.outcome != Outcome::Completed {
+            return Err(PredictError(rows.outcome.to_string()));
+        }
+        let times = &self.measured.time_s;
+        let column = |values: &Vec<f64>| sampling::at(&rows.time_s, values, times);
+        Ok(rows.columns.iter().map(column).collect())
+    }
+}
+
+impl Model for Trial {
+    fn channels(&self) -> &[ChannelSpec] {
+        &self.channels
+    }
+
+    fn nominal(&self) -> &[NominalParameter] {
+        &self.nominal
+    }
+
+    fn candidates(&self) -> Vec<Candidate> {
+        self.candidates.clone()
+    }
+
+    fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
+        let failed = |error: SimError| PredictError(error.to_string());
+        match &self.engine {
+            Kind::Forward => self.forward(nominal, effects, Engine::Reduced),
+            Kind::Inverse {
+                nominal: made_for,
+                model,
+            } if made_for == nominal => model.predict(effects).map_err(failed),
+            Kind::Inverse { .. } => {
+                let scenario = self.varied(nominal, &[])?;
+                let model = InverseModel::new(&scenario, &self.measured).map_err(failed)?;
+                model.predict(effects).map_err(failed)
+            }
+        }
+    }
+
+    fn experiments(&self) -> Vec<Experiment> {
+        experiments::experiments(&self.scenario)
+    }
+
+    fn predict_experiment(
+        &self,
+        experiment: &Experiment,
+        nominal: &[f64],
+        effects: &[Effect],
+    ) -> Result<Columns, PredictError> {
+        let scenario = (self
+            .varied(nominal, effects)?
+            .with_overrides(&experiment.overrides))
+        .and_then(|scenario| scenario.with_effects(effects))
+        .map_err(|error| PredictError(error.to_string()))?;
+        self.run(&scenario, Engine::Reduced)
+    }
+}
+
+fn mode(scenario: &Scenario) -> Option<ReplayMode> {
+    match &scenario.process {
+        ProcessSpec::Replay(replay) => Some(replay.mode),
+        _ => None,
+    }
+}
+
+/// The channels of the run that were measured, in the order of the data.
+fn outputs(
+    scenario: &Scenario,
+    measured: &Measured,
+    rows: &Rows,
+) -> Result<Vec<ChannelSpec>, SimError> {
+    let mapped = |name: &str| {
+        let data = scenario.data.as_ref();
+        data.and_then(|data| (data.mapping.channels.iter()).position(|one| one.channel == name))
+    };
+    let key = |name: &str| {
+        mapped(name).map_or_else(
+            || "data".to_owned(),
+            |i| format!("data.channel.{i}.channel"),
+        )
+    };
+    (measured.outputs())
+        .map(|output| {
+            let name = &output.spec.name;
+            let known = || rows.channels.iter().map(|spec| spec.name.as_str());
+            let simulated =
+                (rows.channels.iter().find(|spec| spec.name == *name)).ok_or_else(|| {
+                    let error = UnknownName::new("channel", name, known());
+                    SimError::scenario(key(name), error.to_string())
+                })?;
+            if simulated.unit != output.spec.unit {
+                let accepted: Vec<&str> = simulated.unit.accepted_symbols().collect();
+                let message = format!(
+                    "channel {name} is given in {}, but its unit must be one of {}",
+                    output.spec.unit,
+                    accepted.join(", ")
+                );
+                return Err(SimError::scenario(key(name), message));
+            }
+            Ok(simulated.clone())
+        })
+        .collect()
+}

@@ -1,0 +1,112 @@
+//! Measured data as the search sees them, with the signals that a residual may follow.
+
+use std::f64::consts::TAU;
+
+use truecut_recording::ChannelSpec;
+use truecut_recording::measured::Measured;
+use truecut_scenario::{ProcessSpec, Scenario};
+use truecut_sim::Rows;
+
+use super::sampling;
+use crate::diagnose::{Observation, Output, Regressor};
+
+/// Channels of the nominal run that say where the machine was: a residual may follow them.
+const SIGNALS: [&str; 5] = [
+    "cutting.depth",
+    "foot.normal_force",
+    "wheel.normal_force",
+    "tool.displacement_x",
+    "wheel.position",
+];
+
+/// Outputs in the order of `channels`; commands, velocities, spindle angle and load as known signals.
+pub(super) fn observation(
+    scenario: &Scenario,
+    measured: &Measured,
+    channels: &[ChannelSpec],
+    nominal: Option<&Rows>,
+) -> Observation {
+    let outputs = (channels.iter())
+        .filter_map(|spec| measured.channel(&spec.name).ok())
+        .map(|channel| Output {
+            values: channel.values.clone(),
+            valid: channel.valid.clone(),
+            noise: channel.noise,
+        })
+        .collect();
+    let mut regressors: Vec<Regressor> = (measured.inputs())
+        .map(|channel| Regressor {
+            name: channel.spec.name.clone(),
+            values: channel.values.clone(),
+            is_angle: false,
+        })
+        .collect();
+    let rates: Vec<Regressor> = (regressors.iter())
+        .map(|input| Regressor {
+            name: format!("rate of {}", input.name),
+            values: rate(&input.values, measured.interval_s()),
+            is_angle: false,
+        })
+        .collect();
+    regressors.extend(rates);
+    if let Some(speed) = spin_rad_s(scenario) {
+        regressors.push(Regressor {
+            name: "spindle angle".to_owned(),
+            values: (measured.time_s.iter())
+                .map(|t| (speed * t).rem_euclid(TAU))
+                .collect(),
+            is_angle: true,
+        });
+    }
+    if let Some(recording) = nominal {
+        let known = SIGNALS.iter().filter_map(|name| {
+            let index = recording
+                .channels
+                .iter()
+                .position(|spec| spec.name == **name)?;
+            Some(Regressor {
+                name: (*name).to_owned(),
+                values: sampling::at(
+                    &recording.time_s,
+                    &recording.columns[index],
+                    &measured.time_s,
+                ),
+                is_angle: false,
+            })
+        });
+        regressors.extend(known);
+    }
+    Observation {
+        source: measured.source.clone(),
+        scenario: scenario.name.clone(),
+        time_s: measured.time_s.clone(),
+        trajectories: std::iter::once(0..measured.time_s.len()).collect(),
+        outputs,
+        regressors,
+    }
+}
+
+/// Spindle or wheel speed, if anything spins.
+pub(super) fn spin_rad_s(scenario: &Scenario) -> Option<f64> {
+    match &scenario.process {
+        ProcessSpec::Chamfer(chamfer) => Some(chamfer.spindle_rad_s),
+        ProcessSpec::Wheel(wheel) => Some(wheel.spin_rad_s),
+        _ => None,
+    }
+}
+
+/// Central differences; one-sided at the ends.
+fn rate(values: &[f64], interval_s: f64) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    (0..values.len())
+        .map(|i| {
+            let (before, after) = (i.saturating_sub(1), (i + 1).min(last));
+            let span = (after - before) as f64 * interval_s;
+            if span > 0.0 {
+                (values[after] - values[before]) / span
+            } else {
+                0.0
+            }
+        })
+        .collect()
+}

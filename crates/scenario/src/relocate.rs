@@ -1,0 +1,93 @@
+//! A scenario text that moves to another folder: its relative paths must follow.
+
+use std::path::{Component, Path, PathBuf};
+
+use toml_edit::{DocumentMut, Item, Value};
+
+/// Keys that hold the path of a file, relative to the folder of the scenario.
+const PATHS: [&[&str]; 3] = [&["robot", "urdf"], &["robot", "config"], &["data", "file"]];
+
+/// Rewrites relative paths of a text from folder `from` so that they hold in folder `to`.
+pub(crate) fn relocate(document: &mut DocumentMut, from: &Path, to: &Path) {
+    for path in PATHS {
+        let mut item = Some(document.as_item_mut());
+        for key in path {
+            item = item.and_then(|item| item.get_mut(key));
+        }
+        rewrite(item, from, to);
+    }
+    let claims = document
+        .get_mut("claim")
+        .and_then(Item::as_array_of_tables_mut);
+    for claim in claims.into_iter().flat_map(|claims| claims.iter_mut()) {
+        let other = claim
+            .get_mut("relative_to")
+            .and_then(|item| item.get_mut("scenario"));
+        rewrite(other, from, to);
+    }
+}
+
+fn rewrite(item: Option<&mut Item>, from: &Path, to: &Path) {
+    let Some(value) = item.and_then(Item::as_value_mut) else {
+        return;
+    };
+    let Some(path) = value.as_str().map(PathBuf::from) else {
+        return;
+    };
+    if path.is_absolute() {
+        return;
+    }
+    let moved = relative(&absolute(&from.join(path)), &absolute(to));
+    let decor = value.decor().clone();
+    *value = Value::from(moved.to_string_lossy().into_owned());
+    *value.decor_mut() = decor;
+}
+
+/// The path from the root, without `.` and `..`; links are left as they are.
+fn absolute(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let mut clean = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => {
+                clean.pop();
+            }
+            Component::CurDir => {}
+            part => clean.push(part),
+        }
+    }
+    clean
+}
+
+/// How to get from folder `from` to `target`, both absolute.
+fn relative(target: &Path, from: &Path) -> PathBuf {
+    let shared = (target.components().zip(from.components()))
+        .take_while(|(a, b)| a == b)
+        .count();
+    let up = from.components().skip(shared).map(|_| Component::ParentDir);
+    up.chain(target.components().skip(shared)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_lead_to_the_same_files_and_comments_stay() {
+        let text = "[robot]\nurdf = \"../robots/a.urdf\" # the arm\n[data]\nfile = \"/data/b.csv\"\n\
+                    [[claim]]\nrelative_to = { scenario = \"other.toml\" }\n";
+        let mut document: DocumentMut = text.parse().unwrap();
+        relocate(
+            &mut document,
+            Path::new("/project/scenarios"),
+            Path::new("/project/out/run"),
+        );
+        let moved = document.to_string();
+        assert!(
+            moved.contains("urdf = \"../../robots/a.urdf\" # the arm"),
+            "{moved}"
+        );
+        assert!(moved.contains("file = \"/data/b.csv\""), "{moved}");
+        assert!(moved.contains("\"../../scenarios/other.toml\""), "{moved}");
+    }
+}

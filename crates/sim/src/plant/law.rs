@@ -1,0 +1,232 @@
+//! One joint as the drive sees it: transmission with its effects, and torques on the link.
+
+use super::DriveKind;
+use truecut_arm::{Servo, Transmission};
+use truecut_core::joint_law::{BoucWen, Counterbalance, Elastic, Ripple};
+
+/// What a joint's transmission and link do beyond spring and damper.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointLaw {
+    /// Viscous friction on the link, N m s/rad (N s/m).
+    pub viscous: f64,
+    /// Full width of the play, rad (m).
+    pub gap: f64,
+    /// Cubic stiffness, N m/rad³ (N/m³).
+    pub cubic: f64,
+    pub hysteresis: Option<BoucWen>,
+    pub ripple: Option<Ripple>,
+    pub counterbalance: Option<Counterbalance>,
+    /// Constant torque on the link, N m (N).
+    pub offset: f64,
+}
+
+impl JointLaw {
+    /// Whether the joint rests where a linear one would.
+    pub(crate) fn is_nominal(&self) -> bool {
+        let elastic = self.gap == 0.0 && self.cubic == 0.0 && self.ripple.is_none();
+        elastic && self.counterbalance.is_none() && self.offset == 0.0
+    }
+
+    /// Where the link sees the motor, rad (m).
+    pub(crate) fn seen(&self, motor: f64) -> f64 {
+        self.ripple
+            .map_or(motor, |ripple| motor + ripple.error(motor))
+    }
+
+    /// Change of [`JointLaw::seen`] per motor coordinate.
+    pub(super) fn gear(&self, motor: f64) -> f64 {
+        self.ripple.map_or(1.0, |ripple| 1.0 + ripple.slope(motor))
+    }
+
+    /// Torque on the link that does not come through the transmission, N m (N).
+    pub(crate) fn link_torque(&self, q: f64) -> f64 {
+        self.offset + self.counterbalance.map_or(0.0, |spring| spring.torque(q))
+    }
+
+    /// Potential energy of [`JointLaw::link_torque`], J.
+    pub(super) fn link_energy_j(&self, q: f64) -> f64 {
+        self.counterbalance.map_or(0.0, |spring| spring.energy_j(q)) - self.offset * q
+    }
+
+    /// Whether [`JointLaw::link_torque`] is ever there.
+    pub(super) fn loads_link(&self) -> bool {
+        self.offset != 0.0 || self.counterbalance.is_some()
+    }
+}
+
+/// Drive of one joint with the memory of its transmission.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JointDrive {
+    pub kind: DriveKind,
+    pub rotor: f64,
+    pub servo: Option<Servo>,
+    /// The servo acts on the link, through no transmission.
+    pub rigid: bool,
+    elastic: Elastic,
+    damping: f64,
+    pub law: JointLaw,
+    /// State of the hysteresis and the wind-up at which it was reached; `None` before the first step.
+    hysteresis: Option<(f64, f64)>,
+}
+
+/// Motor and link of one joint at one instant.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JointMotion {
+    pub motor: f64,
+    pub motor_velocity: f64,
+    pub position: f64,
+    pub velocity: f64,
+}
+
+impl JointDrive {
+    pub fn new(kind: DriveKind, transmission: &Transmission, law: JointLaw) -> Self {
+        let free = kind == DriveKind::Force;
+        Self {
+            kind,
+            rotor: transmission.rotor_inertia,
+            servo: transmission.servo,
+            rigid: kind == DriveKind::Servo && transmission.rigid_servo,
+            elastic: Elastic {
+                stiffness: if free {
+                    0.0
+                } else {
+                    transmission.stiffness.unwrap_or(0.0)
+                },
+                cubic: law.cubic,
+                gap: law.gap,
+            },
+            damping: if free { 0.0 } else { transmission.damping },
+            law,
+            hysteresis: None,
+        }
+    }
+
+    /// Damping of the link's own velocity that does not depend on the state: the bearings', and the
+    /// transmission's unless play parts motor and link at times.
+    pub fn constant_damping(&self) -> f64 {
+        let through = if self.law.gap > 0.0 {
+            0.0
+        } else {
+            self.damping
+        };
+        through + self.law.viscous
+    }
+
+    fn windup(&self, at: &JointMotion) -> f64 {
+        self.law.seen(at.motor) - at.position
+    }
+
+    /// Damping of the transmission as it now stands; none within the play.
+    pub fn damping_now(&self, at: &JointMotion) -> f64 {
+        if self.elastic.engaged(self.windup(at)) {
+            self.damping
+        } else {
+            0.0
+        }
+    }
+
+    /// Torque on the link that depends on positions only: spring and hysteresis of the transmission.
+    pub fn static_torque(&self, at: &JointMotion) -> f64 {
+        let spring = self.elastic.torque(self.windup(at));
+        spring + self.hysteresis_torque().unwrap_or(0.0)
+    }
+
+    fn hysteresis_torque(&self) -> Option<f64> {
+        Some(self.law.hysteresis?.torque(self.hysteresis?.0))
+    }
+
+    /// Moves the hysteresis to the wind-up of this instant.
+    pub fn remember(&mut self, at: &JointMotion) {
+        if let Some(law) = self.law.hysteresis {
+            let windup = self.windup(at);
+            let (state, before) = self.hysteresis.unwrap_or((0.0, windup));
+            self.hysteresis = Some((law.advance(state, windup - before), windup));
+        }
+    }
+
+    /// Torque on the link without the part of [`JointDrive::constant_damping`].
+    pub fn explicit_torque(&self, at: &JointMotion) -> f64 {
+        let torque = if self.law.gap > 0.0 {
+            self.transmission(at)
+        } else {
+            let fed = at.motor_velocity * self.law.gear(at.motor);
+            self.static_torque(at) + self.damping * fed
+        };
+        if self.law.loads_link() {
+            torque + self.law.link_torque(at.position)
+        } else {
+            torque
+        }
+    }
+
+    /// The servo, if it acts on the link.
+    pub fn rigid_servo(&self) -> Option<Servo> {
+        self.servo.filter(|_| self.rigid)
+    }
+
+    /// Torque of a servo on its link: `at` holds the command and its velocity as motor coordinates.
+    pub fn rigid_torque(&self, servo: Servo, at: &JointMotion) -> f64 {
+        let torque = self.elastic.torque(at.motor - at.position)
+            + self.damping * (at.motor_velocity - at.velocity);
+        torque.clamp(-servo.torque_limit, servo.torque_limit)
+    }
+
+    /// The same with the torques on the link, without the part that is proportional to the link's velocity,
+    /// which the plant adds. A drive at its limit takes that part back, at the velocity foreseen.
+    pub fn rigid_explicit(&self, servo: Servo, at: &JointMotion) -> f64 {
+        let drive = self.rigid_torque(servo, at) + self.damping * at.velocity;
+        if self.law.loads_link() {
+            drive + self.law.link_torque(at.position)
+        } else {
+            drive
+        }
+    }
+
+    /// Torque of the whole transmission on the link.
+    pub fn transmission(&self, at: &JointMotion) -> f64 {
+        let rate = at.motor_velocity * self.law.gear(at.motor) - at.velocity;
+        let damping = self.damping_now(at) * rate;
+        let spring = self.elastic.torque(self.windup(at));
+        let flank = if self.law.gap > 0.0 && (spring + damping) * spring <= 0.0 {
+            // Flanks press on each other; their damping cannot make them pull.
+            0.0
+        } else {
+            spring + damping
+        };
+        flank + self.hysteresis_torque().unwrap_or(0.0)
+    }
+
+    /// Energy of spring and of torques on the link, J.
+    pub fn energy_j(&self, at: &JointMotion) -> f64 {
+        // A servo without transmission stores nothing.
+        let spring = if self.rigid {
+            0.0
+        } else {
+            self.elastic.energy_j(self.windup(at))
+        };
+        if self.law.loads_link() {
+            spring + self.law.link_energy_j(at.position)
+        } else {
+            spring
+        }
+    }
+
+    /// Power lost, W: damping, viscous friction, and what the hysteresis takes (and in part gives back).
+    pub fn dissipation_w(&self, at: &JointMotion) -> f64 {
+        let rate = at.velocity - at.motor_velocity * self.law.gear(at.motor);
+        let mut lost = if self.rigid {
+            0.0
+        } else if self.law.gap > 0.0 {
+            (self.static_torque(at) - self.transmission(at)) * rate
+        } else {
+            self.damping * rate.powi(2)
+        };
+        if self.law.viscous > 0.0 {
+            lost += self.law.viscous * at.velocity.powi(2);
+        }
+        if let Some(torque) = self.hysteresis_torque() {
+            lost -= torque * rate;
+        }
+        lost
+    }
+}

@@ -1,0 +1,76 @@
+//! A run in one call, for those who want its rows and nothing on disk.
+
+use crate::cell::Cell;
+use crate::error::SimError;
+use crate::robots::Robots;
+use truecut_recording::{ChannelSpec, Measured, Outcome};
+use truecut_scenario::Scenario;
+
+/// What integrates the arm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Engine {
+    /// The full model.
+    Rapier,
+    /// The arm linearised and exactly stepped: many times as fast.
+    Reduced,
+}
+
+/// Columns of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rows {
+    /// The channels asked for, in the order of `columns`.
+    pub channels: Vec<ChannelSpec>,
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// One column for each channel, SI.
+    pub columns: Vec<Vec<f64>>,
+    /// How the run ended.
+    pub outcome: Outcome,
+}
+
+/// Runs a scenario, with its measured data if it has any, and keeps the channels named (all if none is
+/// named). With data, rows come at the data's times as nearly as the steps allow.
+///
+/// # Errors
+/// Whatever makes the scenario unfit to run; a channel that it does not have.
+pub fn simulate(
+    scenario: &Scenario,
+    measured: Option<&Measured>,
+    robots: &Robots,
+    engine: Engine,
+    channels: &[&str],
+) -> Result<Rows, SimError> {
+    let mut scenario = scenario.clone();
+    if let Some(measured) = measured {
+        scenario.run.record_interval_s = Some(measured.interval_s());
+    }
+    let cell = match engine {
+        Engine::Rapier => Cell::build_with_data(&scenario, measured)?,
+        Engine::Reduced => Cell::build_reduced_with_data(robots, &scenario, measured)?,
+    };
+    let all = cell.channels().to_vec();
+    let kept: Vec<usize> = if channels.is_empty() {
+        (0..all.len()).collect()
+    } else {
+        (channels.iter())
+            .map(|name| cell.channel_index(name))
+            .collect::<Result<_, _>>()?
+    };
+    let mut rows = Rows {
+        channels: kept.iter().map(|i| all[*i].clone()).collect(),
+        time_s: Vec::with_capacity(cell.rows()),
+        columns: kept
+            .iter()
+            .map(|_| Vec::with_capacity(cell.rows()))
+            .collect(),
+        outcome: Outcome::Completed,
+    };
+    let end = cell.run_rows(|time_s, row| {
+        rows.time_s.push(time_s);
+        for (column, index) in rows.columns.iter_mut().zip(&kept) {
+            column.push(row[*index]);
+        }
+    });
+    rows.outcome = end.outcome;
+    Ok(rows)
+}

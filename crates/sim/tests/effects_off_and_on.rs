@@ -1,0 +1,160 @@
+//! Every kind of effect: at its neutral size it is the nominal run to the last bit, at another size it shows.
+
+mod support;
+
+use support::{ARM_POSTURE, chamfer, load, run, wheel};
+use truecut_recording::Recording;
+use truecut_scenario::Scenario;
+use truecut_scenario::effect::{Effect, EffectKind, Family, Target, TargetKind};
+
+fn target(kind: EffectKind) -> Target {
+    match kind.target() {
+        TargetKind::Whole => Target::Whole,
+        TargetKind::Joint => Target::Joint(1),
+        TargetKind::Axis => Target::Axis(1),
+        TargetKind::Channel => Target::Channel("tool.velocity_y".into()),
+    }
+}
+
+/// A scenario in which effects of the kind have something to act on.
+fn stage(kind: EffectKind) -> Scenario {
+    match kind.family() {
+        Family::Cutting => chamfer(2, 0.3),
+        // Two edges push the tool to no side, and the foot would not slide.
+        Family::Foot => chamfer(1, 0.3),
+        Family::Wheel => wheel(),
+        Family::Joint | Family::Robot | Family::Sensor => load(
+            "irb6600_175_255",
+            ARM_POSTURE,
+            "duration_s = 0.1",
+            "release_n = [600.0, 600.0, -500.0]",
+        ),
+    }
+}
+
+/// A size that a person might find.
+fn size(kind: EffectKind) -> Vec<f64> {
+    use EffectKind as K;
+    match kind {
+        K::JointStiffness | K::CuttingCoefficient | K::FootFriction | K::WheelStiffness => {
+            vec![1.1]
+        }
+        K::JointDamping | K::SensorGain => vec![1.5],
+        K::JointViscous => vec![300.0],
+        K::JointCoulomb => vec![50.0],
+        K::JointAsymmetricViscous => vec![300.0, 100.0],
+        K::JointAsymmetricCoulomb => vec![50.0, 20.0],
+        K::JointStribeck => vec![40.0, 0.01],
+        K::JointBacklash => vec![1e-4],
+        K::JointHysteresis => vec![100.0, 1e-4],
+        K::JointCubicStiffness => vec![1e11],
+        K::JointRipple => vec![2e-5, -1e-5, 80.0],
+        K::JointCounterbalance => vec![800.0, -300.0],
+        K::JointOffset => vec![60.0],
+        K::Payload => vec![12.0, 0.0, 0.05, 0.1],
+        K::BaseCompliance => vec![1e-7],
+        K::CuttingEdgeForce => vec![4e3, 5e3, 6e3],
+        K::CuttingRunout => vec![5e-6, 3e-6],
+        K::CuttingHoleOffset => vec![2e-5, -1e-5],
+        K::CuttingWornTooth => vec![1e-5],
+        K::CuttingWear => vec![0.05],
+        K::CuttingDepthOffset => vec![3e-5],
+        K::SpindleSpeed => vec![0.98],
+        K::FootFrictionFalling => vec![0.4, 1e-3],
+        K::FootPressureLoss => vec![0.3],
+        K::FootSealStiction => vec![97.0],
+        K::WheelEccentricity => vec![1e-5, -2e-5],
+        K::SensorDelay => vec![0.0031],
+        K::SensorOffset => vec![0.002],
+        K::SensorDrift => vec![0.01, 0.05],
+        K::SensorLowPass => vec![0.004],
+    }
+}
+
+/// Channels whose values are not the same bits, by name.
+fn differences(one: &Recording, other: &Recording) -> Vec<String> {
+    assert_eq!(one.header.channels.len(), other.header.channels.len());
+    assert_eq!(one.time_s, other.time_s);
+    let columns = one.columns.iter().zip(&other.columns);
+    (one.header.channels.iter().zip(columns))
+        .filter(|(_, (a, b))| a.iter().zip(*b).any(|(a, b)| a.to_bits() != b.to_bits()))
+        .map(|(channel, _)| channel.name.clone())
+        .collect()
+}
+
+#[test]
+fn verify_a_neutral_effect_changes_no_bit() {
+    for kind in EffectKind::ALL {
+        let scenario = stage(*kind);
+        // What only shapes may have any value.
+        let mut effect = Effect::neutral(*kind, target(*kind));
+        for (info, value) in kind.parameters().iter().zip(&mut effect.values) {
+            if !info.is_size {
+                *value = 0.5 * (info.neutral + info.max.min(info.neutral + 1.0));
+            }
+        }
+        let nominal = run(&scenario, &[]);
+        let with = run(&scenario, &[effect]);
+        let differing = differences(&nominal, &with);
+        assert!(differing.is_empty(), "{}: {differing:?}", kind.name());
+        let bits = |r: &Recording| -> Vec<u64> {
+            r.scalars
+                .iter()
+                .map(|scalar| scalar.value.to_bits())
+                .collect()
+        };
+        assert_eq!(bits(&nominal), bits(&with), "{}", kind.name());
+    }
+}
+
+#[test]
+fn verify_every_effect_shows_and_only_where_it_acts() {
+    for kind in EffectKind::ALL {
+        let scenario = stage(*kind);
+        let nominal = run(&scenario, &[]);
+        let effect = Effect {
+            values: size(*kind),
+            ..Effect::neutral(*kind, target(*kind))
+        };
+        let with = run(&scenario, &[effect]);
+        for (channel, column) in with.header.channels.iter().zip(&with.columns) {
+            assert!(
+                column.iter().all(|v| v.is_finite()),
+                "{}: {}",
+                kind.name(),
+                channel.name
+            );
+        }
+        // A tilting base has channels of its own, a stiffer transmission another step; both show.
+        if with.header.channels.len() != nominal.header.channels.len()
+            || with.time_s != nominal.time_s
+        {
+            continue;
+        }
+        let differing = differences(&nominal, &with);
+        assert!(!differing.is_empty(), "{}", kind.name());
+        if kind.family() == Family::Sensor {
+            assert_eq!(differing, ["tool.velocity_y"], "{}", kind.name());
+        }
+    }
+}
+
+/// A text with the entries is the same run as the effects in memory.
+#[test]
+fn an_extended_text_is_the_same_run() {
+    let scenario = stage(EffectKind::JointCoulomb);
+    let effects: Vec<Effect> = [
+        EffectKind::JointCoulomb,
+        EffectKind::JointRipple,
+        EffectKind::Payload,
+    ]
+    .map(|kind| Effect {
+        values: size(kind),
+        ..Effect::neutral(kind, target(kind))
+    })
+    .into();
+    let in_memory = run(&scenario, &effects);
+    let again = support::scenario(&in_memory.header.scenario_text);
+    assert_eq!(again.effects, effects);
+    assert!(differences(&in_memory, &run(&again, &[])).is_empty());
+}

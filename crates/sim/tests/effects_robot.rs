@@ -1,0 +1,91 @@
+//! Effects on the build of the robot, against closed forms.
+
+mod support;
+
+use std::f64::consts::TAU;
+use support::{column, load, peaks, period, run};
+use truecut_recording::Recording;
+use truecut_scenario::effect::{Effect, EffectKind, Target};
+
+/// A payload that the controller does not know lets a vertical slide sag by `m g / k`.
+#[test]
+fn verify_payload_sag() {
+    let scenario = load(
+        "rig_planar",
+        "",
+        "duration_s = 0.01",
+        "constant_n = [0.0, 0.0, 0.0]",
+    );
+    let payload = Effect {
+        values: vec![25.0, 0.0, 0.0, 0.0],
+        ..Effect::neutral(EffectKind::Payload, Target::Whole)
+    };
+    let nominal = run(&scenario, &[]);
+    let with = run(&scenario, &[payload]);
+    let z = |r: &Recording| column(r, "tool.position_z")[0];
+    let sag = z(&nominal) - z(&with);
+    assert!((sag / (25.0 * 9.81 / 1.394e6) - 1.0).abs() < 1e-9, "{sag}");
+}
+
+fn tilt(compliance: f64) -> Effect {
+    Effect {
+        values: vec![compliance],
+        ..Effect::neutral(EffectKind::BaseCompliance, Target::Axis(1))
+    }
+}
+
+/// A carriage of mass m at x tilts its base by `C m g X cosθ`, and slides down the slope by `m g sinθ / k`.
+#[test]
+fn verify_base_tilts_under_the_arm() {
+    let compliance = 2e-5;
+    let scenario = load(
+        "rig_1dof",
+        "posture_mm = [100]",
+        "duration_s = 0.01",
+        "constant_n = [0.0, 0.0, 0.0]",
+    );
+    let with = run(&scenario, &[tilt(compliance)]);
+    let (theta, x) = (
+        column(&with, "base.tilt_y")[0],
+        column(&with, "joint1.position")[0],
+    );
+    let weight = 100.0 * 9.81;
+    assert!(theta > 1e-3);
+    assert!(
+        (theta / (compliance * weight * x * theta.cos()) - 1.0).abs() < 1e-9,
+        "{theta}"
+    );
+    assert!(
+        ((x - 0.1) / (weight * theta.sin() / 1e6) - 1.0).abs() < 1e-6,
+        "{x}"
+    );
+    let still = column(&with, "base.tilt_rate_y")
+        .iter()
+        .fold(0.0, |a: f64, v| a.max(v.abs()));
+    assert!(still < 1e-9, "it starts at rest: {still}");
+}
+
+/// A rigid carriage on a tilting base is a torsional oscillator: `ω² = 1 / (C (I + m x²))`.
+#[test]
+fn verify_base_swings_at_its_frequency() {
+    let compliance = 1e-5;
+    let scenario = load(
+        "rig_1dof",
+        "posture_mm = [100]\ngravity = false\nstiffness_scale = 100",
+        "duration_s = 0.5",
+        "frame = \"world\"\nrelease_n = [0.0, 0.0, 20.0]",
+    );
+    let with = run(&scenario, &[tilt(compliance)]);
+    let theta = column(&with, "base.tilt_y");
+    let expected = TAU * (compliance * (1.0 + 100.0 * 0.01f64)).sqrt();
+    assert!(
+        (period(&with, theta) / expected - 1.0).abs() < 2e-3,
+        "{}",
+        period(&with, theta)
+    );
+    let found = peaks(theta);
+    assert!(
+        (found[found.len() - 1] / found[0] - 1.0).abs() < 0.02,
+        "no damping of its own"
+    );
+}

@@ -1,0 +1,169 @@
+"""The bench's scenarios, and one run of each in MuJoCo as sampled outputs; runs are kept on disk."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import math
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from truecut_reference import scenario as scenario_file
+from truecut_reference.scenario import Replay
+
+from . import ROOT, machining, motion, sensors
+from .arm import Arm
+from .effects import Effect
+
+try:
+    import tomllib
+except ModuleNotFoundError:  # Python 3.10
+    import tomli as tomllib
+
+HERE = Path(__file__).resolve().parent
+SCENARIOS = HERE.parent / "scenarios"
+CACHE = Path(os.environ.get("TRUECUT_HIDDEN_CACHE", ROOT / "target" / "hidden_effects" / "cache"))
+SI_OF = {"deg": math.pi / 180.0, "N m": 1.0, "N": 1.0, "um": 1e-6, "mm": 1e-3, "rad": 1.0}
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the data."""
+
+    name: str
+    channel: str
+    unit: str
+    is_input: bool
+
+    @property
+    def si(self) -> float:
+        """SI value of one unit of the column."""
+        return SI_OF[self.unit]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One scenario of the bench with how it is measured.
+
+    `band_hz`: what the experiment moves lies below. `reference_noise`: RMS in band of an ordinary sensor, by output.
+    """
+
+    name: str
+    rate_hz: float
+    duration_s: float
+    step_s: float
+    band_hz: float
+    reference_noise: tuple[float, ...]
+
+    @property
+    def path(self) -> Path:
+        """The scenario file."""
+        return SCENARIOS / f"{self.name}.toml"
+
+    @functools.cached_property
+    def table(self) -> dict:
+        """The scenario file, parsed."""
+        return tomllib.loads(self.path.read_text(encoding="utf-8"))
+
+    @functools.cached_property
+    def columns(self) -> list[Column]:
+        """Columns of the data, without the time."""
+        rows = self.table["data"]["channel"]
+        return [Column(r["column"], r["channel"], r["unit"], r.get("role") == "input") for r in rows]
+
+    @property
+    def outputs(self) -> list[Column]:
+        """Columns that are compared."""
+        return [column for column in self.columns if not column.is_input]
+
+    @functools.cached_property
+    def uncertain(self) -> dict[str, float]:
+        """Nominal parameters that may be refitted: key, one standard deviation as a part of the value."""
+        return {row["key"]: row["relative"] for row in self.table["uncertain"]}
+
+    def nominal_value(self, key: str) -> float:
+        """What the file says of a key; the scales of the robot are 1 where it is silent."""
+        found = self.table
+        for part in key.split("."):
+            found = found.get(part, {}) if isinstance(found, dict) else {}
+        return found if isinstance(found, (int, float)) else 1.0
+
+    @functools.cached_property
+    def time_s(self) -> np.ndarray:
+        """Times of the samples."""
+        return np.arange(round(self.duration_s * self.rate_hz) + 1) / self.rate_hz
+
+    def command(self) -> np.ndarray | None:
+        """Commanded joint coordinates at the samples, a row per instant; None where the process has its own."""
+        return motion.commands(self.name, self.time_s) if "replay" in self.table["process"] else None
+
+    def outputs_of(
+        self, effects: tuple[Effect, ...] = (), shifts: tuple[float, ...] = (), standing_still: float | None = None
+    ) -> np.ndarray:
+        """True outputs (SI, a row per sample), with the uncertain parameters shifted by so many deviations.
+
+        `standing_still` scales the commanded motion down to that part of it.
+        """
+        shifts = shifts or (0.0,) * len(self.uncertain)
+        what = {"effects": [e.as_dict() for e in effects], "shifts": shifts, "still": standing_still}
+        key = json.dumps(what, sort_keys=True) + str(self) + _sources(self.name)
+        path = CACHE / f"{self.name}-{hashlib.sha256(key.encode()).hexdigest()[:20]}.npy"
+        if path.exists():
+            return np.load(path)
+        found = self._run(effects, shifts, standing_still)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        written = path.with_suffix(f".{os.getpid()}.tmp.npy")
+        np.save(written, found)
+        written.replace(path)
+        return found
+
+    def _run(self, effects, shifts, standing_still) -> np.ndarray:
+        overrides = {
+            key: self.nominal_value(key) * (1.0 + relative * shift)
+            for (key, relative), shift in zip(self.uncertain.items(), shifts)
+        }
+        scenario = scenario_file.load(self.path, overrides)
+        physical = [e for e in effects if not sensors.is_sensor(e)]
+        if isinstance(scenario.process, Replay):
+            command = self.command()
+            if standing_still is not None:
+                command = command[0] + standing_still * (command - command[0])
+            arm = Arm(scenario.robot, physical, self.time_s, command, self.step_s)
+            time_s, channels = arm.run(every=1)
+            times = dict.fromkeys(channels, time_s)
+        else:
+            result = machining.run(scenario, physical, self.step_s)
+            channels = result.channels
+            times = {name: result.time_of(name) for name in channels}
+        outputs = []
+        for column in self.outputs:
+            of_channel = [e for e in effects if sensors.is_sensor(e) and e.target == column.channel]
+            t, values = times[column.channel], channels[column.channel]
+            outputs.append(sensors.measured(t, values, of_channel, self.time_s))
+        return np.stack(outputs, axis=1)
+
+
+@functools.cache
+def _sources(name: str) -> str:
+    """Hash of everything that a run depends on besides its arguments."""
+    robots = sorted((ROOT / "assets" / "robots").glob("*/robot.*"))
+    reference = sorted((ROOT / "tests" / "crosscheck" / "truecut_reference").glob("*.py"))
+    mine = [HERE / f"{m}.py" for m in ("arm", "joint_law", "machining", "motion", "sensors")]
+    found = hashlib.sha256()
+    for path in [*robots, *reference, *mine, SCENARIOS / f"{name}.toml"]:
+        found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+AXIS = Experiment("axis", 250.0, 6.0, 0.25e-3, 30.0, (5e-5, 1.0))
+SINGLE_TONE = Experiment("axis_single_tone", 250.0, 6.0, 0.25e-3, 10.0, (5e-5,))
+SMALL = Experiment("axis_small", 250.0, 5.0, 0.25e-3, 30.0, (2e-6, 0.05))
+TWO_JOINT = Experiment("two_joint", 250.0, 5.0, 0.25e-3, 30.0, (1.0, 0.3, 1e-4))
+CHAMFER = Experiment("chamfer", 250.0, 4.0, 0.125e-3, 60.0, (1.0, 1.0, 1e-6))
+TEETH = Experiment("teeth", 500.0, 3.1, 0.2e-3, 100.0, (0.02, 0.02, 1e-8))
+TEETH_THREE = Experiment("teeth_three", 500.0, 3.1, 0.2e-3, 100.0, (0.02, 0.02, 1e-8))
+WHEEL = Experiment("wheel", 250.0, 4.4, 0.25e-3, 30.0, (0.1, 5e-7))
+ALL = {e.name: e for e in (AXIS, SINGLE_TONE, SMALL, TWO_JOINT, CHAMFER, TEETH, TEETH_THREE, WHEEL)}

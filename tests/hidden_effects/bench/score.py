@@ -1,0 +1,190 @@
+"""Whether an answer is right.
+
+A single effect is right when it is named first, or stands in an ambiguous set of which every other member, as the
+program sized it, leaves a trace within 10 degrees of the truth's in the generator's own simulation.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from .cases import Case
+from .effects import KINDS, OUTSIDE, Effect
+from .experiment import ALL
+from .signature import angle_deg
+
+SAME_TRACE_DEG = 10.0
+BAD_INPUT = 2
+VERDICTS = ("nothing_beyond_noise", "named", "ambiguous", "unknown_cause", "not_identifiable", "fit_failed")
+
+
+@dataclass
+class Answer:
+    """What the program said: its exit code, `diagnosis.json` if it wrote one, its messages, and how long it took."""
+
+    code: int
+    diagnosis: dict | None
+    messages: str
+    seconds: float
+
+    @property
+    def verdict(self) -> str:
+        """The verdict, or how the program ended without one."""
+        if self.diagnosis is not None:
+            return self.diagnosis["verdict"]
+        return "refused" if self.code == BAD_INPUT else f"exit {self.code}"
+
+    @property
+    def causes(self) -> list[dict]:
+        """Causes in order."""
+        return self.diagnosis["causes"] if self.diagnosis else []
+
+    @property
+    def members(self) -> list[dict]:
+        """All explanations that are put forward: causes and alternatives."""
+        others = self.diagnosis.get("alternatives", []) if self.diagnosis else []
+        flat = []
+        for other in others:
+            flat += other["causes"] if "causes" in other else [other]
+        return self.causes + flat
+
+
+@dataclass
+class Score:
+    """The judgement of one answer."""
+
+    right: bool
+    reason: str
+    verdict: str
+    named: list[str]
+    parameter_errors: dict[str, float] = field(default_factory=dict)
+    gain_ratio: float | None = None
+    """Held-out residual after extension over the noise floor, in the worst channel."""
+    floor_ratio: float | None = None
+    """The program's noise floor over the noise that was really added, in the channel where they differ most."""
+    unexplained: float | None = None
+
+
+def target_of(cause: dict) -> int | str | None:
+    """Target as the generator writes it: a joint's number, an axis, a channel, or None."""
+    target = cause.get("target")
+    if isinstance(target, dict):
+        target = next(iter(target.values()), None)
+    if isinstance(target, str):
+        for word in ("joint ", "axis ", "channel "):
+            target = target.removeprefix(word)
+        target = target.strip("`\"'")
+        if target in ("", "whole"):
+            return None
+        return int(target) if target.isdigit() else target
+    return target
+
+
+def name_of(cause: dict) -> str:
+    """Kind and target."""
+    target = target_of(cause)
+    return cause["kind"] if target is None else f"{cause['kind']} {target}"
+
+
+def is_cause(cause: dict, effect: Effect) -> bool:
+    """Whether a cause is this effect."""
+    return cause["kind"] == effect.kind and target_of(cause) == effect.target
+
+
+def sized(cause: dict) -> Effect | None:
+    """A cause as an effect of the generator; None if a parameter is missing or the kind is unknown."""
+    if cause["kind"] not in KINDS:
+        return None
+    sizes, shapes = KINDS[cause["kind"]]
+    values = {key: entry["value"] for key, entry in cause.get("parameters", {}).items()}
+    if set(values) != {*sizes, *shapes}:
+        return None
+    return Effect(cause["kind"], target_of(cause), values)
+
+
+def same_trace(case: Case, cause: dict) -> bool:
+    """Whether the generator finds a cause, as sized by the program, within 10 degrees of the truth."""
+    effect = sized(cause)
+    if effect is None:
+        return False
+    try:
+        return angle_deg(ALL[case.experiment], case.truth, (effect,)) <= SAME_TRACE_DEG
+    except (RuntimeError, ValueError, KeyError, FloatingPointError):
+        return False  # a size that the generator cannot simulate leaves no trace to compare
+
+
+def _ambiguous(case: Case, answer: Answer) -> tuple[bool, str]:
+    truth = case.truth[0]
+    if not any(is_cause(cause, truth) for cause in answer.members):
+        return False, f"{truth.name} is not among the alternatives"
+    others = [cause for cause in answer.members if not is_cause(cause, truth)]
+    if not others:
+        return False, "ambiguous between nothing"
+    apart = [name_of(cause) for cause in others if not same_trace(case, cause)]
+    return (False, f"the generator tells {', '.join(apart)} from {truth.name}") if apart else (True, "same trace")
+
+
+def judge(case: Case, answer: Answer) -> tuple[bool, str]:
+    """Whether the answer is right, and why."""
+    verdict, causes = answer.verdict, answer.causes
+    if case.expected == "refused":
+        return verdict == "refused", f"{verdict}, expected exit code 2"
+    if case.expected == "nothing":
+        return verdict == "nothing_beyond_noise", verdict
+    if case.expected == "unknown":
+        return verdict == "unknown_cause", verdict
+    if case.expected == "not_identifiable":
+        # a column that does not move at all may be refused as well
+        fine = verdict == "not_identifiable" or (case.still == 0.0 and verdict == "refused")
+        return fine, verdict
+    if case.expected == "not_named":
+        return verdict in ("nothing_beyond_noise", "unknown_cause"), verdict
+    if case.expected == "ambiguous":
+        return _ambiguous(case, answer) if verdict == "ambiguous" else (False, f"{verdict}, not ambiguous")
+    if case.expected == "pair":
+        missing = [e.name for e in case.truth if not any(is_cause(c, e) for c in causes)]
+        if verdict != "named":
+            return False, verdict
+        return not missing, f"missing: {', '.join(missing)}" if missing else "both named"
+    assert case.expected == "named"
+    if verdict == "named":
+        return is_cause(causes[0], case.truth[0]), f"named {name_of(causes[0])}"
+    if verdict == "ambiguous":
+        return _ambiguous(case, answer)
+    return False, verdict
+
+
+def parameter_errors(case: Case, answer: Answer) -> dict[str, float]:
+    """Relative error of each named effect's size. Two components of one thing count as one vector."""
+    found = {}
+    for effect in case.truth:
+        cause = next((c for c in answer.causes if is_cause(c, effect)), None)
+        if cause is None or effect.kind in OUTSIDE:
+            continue
+        true, neutral = effect.sizes, KINDS[effect.kind][0]
+        told = cause["parameters"]
+        gaps = [told[key]["value"] - neutral[key] - size if key in told else -size for key, size in true.items()]
+        found[effect.kind] = math.hypot(*gaps) / math.hypot(*true.values())
+        if effect.kind == "payload":
+            centre = [key for key in effect.values if key.startswith("center")]
+            apart = [told[key]["value"] - effect.values[key] if key in told else math.inf for key in centre]
+            found["payload centre, m"] = math.hypot(*apart)
+    return found
+
+
+def score(case: Case, answer: Answer, noise_rms: dict[str, float]) -> Score:
+    """Judges one answer. `noise_rms` is the noise added to each channel, SI."""
+    right, reason = judge(case, answer)
+    found = Score(right, reason, answer.verdict, [name_of(cause) for cause in answer.causes])
+    if answer.verdict == "named":
+        channels = answer.diagnosis["channels"]
+        told = {n: c for n, c in channels.items() if c.get("after") is not None and c.get("noise_floor")}
+        found.gain_ratio = max((c["after"] / c["noise_floor"] for c in told.values()), default=None)
+        floors = [c["noise_floor"] / noise_rms[n] for n, c in told.items() if noise_rms.get(n)]
+        found.floor_ratio = max(floors, key=lambda ratio: abs(math.log(ratio)), default=None)
+        if right:
+            found.parameter_errors = parameter_errors(case, answer)
+    if answer.diagnosis:
+        found.unexplained = answer.diagnosis.get("unexplained_fraction")
+    return found
