@@ -2,6 +2,8 @@
 
 mod results;
 
+mod compare;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};

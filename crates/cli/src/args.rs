@@ -33,6 +33,8 @@ pub enum Command {
     ExportMjcf(ExportArguments),
     /// Run scenarios here and in MuJoCo, and compare the recordings
     Crosscheck(CrosscheckArguments),
+    /// Run a scenario beside measured data, and say what the simulation gets wrong
+    Compare(CompareArguments),
     /// Look for what the simulation lacks against measured data, and extend the scenario (first form: a hint)
     Diagnose(DiagnoseArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
@@ -116,6 +118,23 @@ pub struct CrosscheckArguments {
 }
 
 #[derive(Debug, Args)]
+pub struct CompareArguments {
+    /// Scenario file, with a table [data]
+    scenario: PathBuf,
+    /// The measured data, .csv or .parquet [default: data.file of the scenario]
+    #[arg(long, value_name = "FILE")]
+    data: Option<PathBuf>,
+    /// Folder for outputs; the scenario gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Speed of the spindle, to tell what turns with it [default: the scenario's]
+    #[arg(long, value_name = "RPM", value_parser = parse_rpm)]
+    rpm: Option<f64>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Args)]
 pub struct DiagnoseArguments {
     /// Scenario file with a [data] table
     scenario: PathBuf,
@@ -161,6 +180,14 @@ pub struct RunPlan {
     pub data: Option<PathBuf>,
     pub out: PathBuf,
     pub rrd: bool,
+}
+
+/// `compare`, resolved.
+pub struct ComparePlan {
+    pub scenario: Scenario,
+    pub data: Option<PathBuf>,
+    pub out: PathBuf,
+    pub spindle_hz: Option<f64>,
 }
 
 /// `check`, resolved.
@@ -209,6 +236,19 @@ impl CrosscheckArguments {
             data: None,
             out: self.out,
             rrd: false,
+        })
+    }
+}
+
+impl CompareArguments {
+    /// Loads the scenario.
+    pub fn resolve(self) -> Result<ComparePlan, Failure> {
+        self.common.use_jobs()?;
+        Ok(ComparePlan {
+            scenario: Scenario::load(&self.scenario, &self.common.set)?,
+            data: self.data,
+            out: self.out,
+            spindle_hz: self.rpm.map(|rpm| rpm / 60.0),
         })
     }
 }
@@ -277,6 +317,14 @@ fn parse_set(text: &str) -> Result<(String, String), String> {
         }
         _ => Err("write KEY=VALUE, e.g. process.chamfer.spindle_rpm=400".into()),
     }
+}
+
+fn parse_rpm(text: &str) -> Result<f64, String> {
+    let rpm = text
+        .parse()
+        .ok()
+        .filter(|rpm: &f64| rpm.is_finite() && *rpm > 0.0);
+    rpm.ok_or_else(|| "must be a number above 0".into())
 }
 
 #[cfg(test)]

@@ -2,11 +2,13 @@
 
 mod args;
 mod check;
+mod compare;
 mod crosscheck;
 mod data;
 mod diagnose;
 mod execute;
 mod failure;
+mod figure;
 mod find;
 mod judge;
 mod mjcf;
@@ -14,7 +16,6 @@ mod outputs;
 mod progress;
 mod robot;
 mod run;
-mod svg;
 mod sweep;
 mod sweep_output;
 mod sweep_parquet;
@@ -50,6 +51,7 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
         Command::View(arguments) => view::view(&arguments),
         Command::ExportMjcf(arguments) => mjcf::export(&arguments),
         Command::Crosscheck(arguments) => crosscheck::crosscheck(&arguments.resolve()?),
+        Command::Compare(arguments) => compare::compare(&arguments.resolve()?),
         Command::Diagnose(arguments) => diagnose::diagnose(&arguments.resolve()?),
         Command::Robot(arguments) => robot::describe(&arguments),
         Command::Schema => print(&format!(

@@ -9,8 +9,8 @@ use truecut_scenario::{Scenario, SweepClaim};
 use truecut_sim::sweep::{Job, jobs, run_job};
 
 use crate::failure::Failure;
+use crate::figure::short_number;
 use crate::progress::Progress;
-use crate::svg::short_number;
 use crate::sweep_output;
 use crate::verdict::Verdict;
 

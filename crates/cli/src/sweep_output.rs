@@ -6,8 +6,8 @@ use truecut_recording::{ClaimResult, significant};
 use truecut_scenario::Scenario;
 
 use crate::failure::Failure;
+use crate::figure::{Figure, Layer, Legend, Panel, Style, short_number};
 use crate::outputs::write_file;
-use crate::svg::{Chart, Curve, charts, short_number};
 use crate::sweep::{Column, SweepTable};
 use crate::sweep_parquet::{self, OUTCOME};
 use crate::text::{self, Align};
@@ -26,7 +26,13 @@ pub fn write(
     sweep_parquet::write(&parquet, table, &scenario.effective_text())
         .map_err(|error| Failure::message(format!("{}: {error}", parquet.display())))?;
     let svg = folder.join("sweep.svg");
-    write_file(&svg, charts(&scenario.name, &curves(table)).as_bytes())?;
+    let figure = Figure {
+        title: scenario.name.clone(),
+        panels: panels(table),
+        columns: 1,
+        legend: Legend::Beside,
+    };
+    write_file(&svg, figure.to_svg().as_bytes())?;
     Ok(tell(scenario, table, claims, &svg))
 }
 
@@ -89,68 +95,70 @@ fn heading(column: &Column) -> String {
     }
 }
 
-/// One chart for each unit among the results, over the last axis; a curve for each value of the first.
-fn curves(table: &SweepTable) -> Vec<Chart> {
-    let axes: Vec<usize> = (0..table.columns.len())
-        .filter(|i| table.columns[*i].is_axis)
-        .collect();
+/// One panel for each unit among the results, over the last axis; a curve for each value of the first.
+fn panels(table: &SweepTable) -> Vec<Panel> {
+    let columns = || 0..table.columns.len();
+    let axes: Vec<usize> = columns().filter(|i| table.columns[*i].is_axis).collect();
     let Some((&over, outer)) = axes.split_last() else {
         return Vec::new();
     };
     let outer = outer.first().copied();
-    let mut charts: Vec<Chart> = Vec::new();
-    for (index, column) in table
-        .columns
-        .iter()
-        .enumerate()
-        .filter(|(_, column)| !column.is_axis)
-    {
-        let y_label = column.unit.symbol.clone();
-        let position = charts.iter().position(|chart| chart.y_label == y_label);
-        let position = position.unwrap_or_else(|| {
+    let mut panels: Vec<Panel> = Vec::new();
+    for index in columns().filter(|i| !table.columns[*i].is_axis) {
+        let y_label = match table.columns[index].unit.symbol.as_str() {
+            "1" => String::new(),
+            symbol => format!("[{symbol}]"),
+        };
+        let known = panels.iter().position(|panel| panel.y_label == y_label);
+        let position = known.unwrap_or_else(|| {
             let x_label = heading(&table.columns[over]);
-            charts.push(Chart {
+            panels.push(Panel {
                 x_label,
                 y_label,
-                curves: Vec::new(),
+                ..Panel::default()
             });
-            charts.len() - 1
+            panels.len() - 1
         });
-        charts[position]
-            .curves
+        panels[position]
+            .layers
             .extend(curves_of(table, index, over, outer));
     }
-    charts
+    for panel in &mut panels {
+        let count = panel.layers.len();
+        for (index, layer) in panel.layers.iter_mut().enumerate() {
+            layer.colour = index;
+            // Earlier curves are wider, so that one that a later one covers still shows.
+            layer.style = Style::Dotted(2 + (count - 1 - index).min(4) as u32);
+        }
+    }
+    panels
 }
 
-fn curves_of(table: &SweepTable, index: usize, over: usize, outer: Option<usize>) -> Vec<Curve> {
-    let mut curves: Vec<(Option<f64>, Curve)> = Vec::new();
+fn curves_of(table: &SweepTable, index: usize, over: usize, outer: Option<usize>) -> Vec<Layer> {
+    let mut curves: Vec<(Option<f64>, Layer)> = Vec::new();
     for row in &table.rows {
         let group = outer.map(|outer| row[outer]);
         let point = (row[over], row[index]);
-        match curves.iter_mut().find(|(known, _)| *known == group) {
-            Some((_, curve)) => curve.points.push(point),
-            None => {
-                let name = &table.columns[index].name;
-                let label = match outer.zip(group) {
-                    Some((outer, value)) => {
-                        format!(
-                            "{name}, {} = {}",
-                            table.columns[outer].short_name(),
-                            short_number(value)
-                        )
-                    }
-                    None => name.clone(),
-                };
-                curves.push((
-                    group,
-                    Curve {
-                        label,
-                        points: vec![point],
-                    },
-                ));
-            }
+        if let Some((_, curve)) = curves.iter_mut().find(|(known, _)| *known == group) {
+            curve.points.push(point);
+            continue;
         }
+        let name = &table.columns[index].name;
+        let label = match outer.zip(group) {
+            Some((outer, value)) => {
+                let axis = table.columns[outer].short_name();
+                format!("{name}, {axis} = {}", short_number(value))
+            }
+            None => name.clone(),
+        };
+        curves.push((
+            group,
+            Layer {
+                label,
+                points: vec![point],
+                ..Layer::default()
+            },
+        ));
     }
     curves.into_iter().map(|(_, curve)| curve).collect()
 }

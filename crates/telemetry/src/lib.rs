@@ -44,18 +44,6 @@
 //!
 //! assert_eq!(read_parquet(&folder.path().join("recording.parquet"))?, recording);
 //! assert_eq!(read_ipc_stream(&folder.path().join("recording.arrows"))?, recording);
-//!
-//! // What many runs come to is a plot.
-//! use truecut_telemetry::plot::{Curve, Style, plot_curves};
-//!
-//! let curve = Curve {
-//!     name: "simulation".into(),
-//!     points: vec![(0.10, 0.71), (0.15, 0.46), (0.20, 0.33)],
-//!     style: Style::LineAndDots,
-//! };
-//! let file = folder.path().join("threshold.svg");
-//! plot_curves(&file, "Pressure that stops sliding", "friction coefficient [1]", "pressure [MPa]", &[curve])?;
-//! # assert!(file.exists());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -69,7 +57,6 @@ mod error;
 mod ipc;
 mod measured;
 mod parquet_file;
-pub mod plot;
 mod rrd;
 mod table;
 

@@ -5,11 +5,11 @@ use std::fmt::Write;
 use truecut_discrepancy::diagnose::{Cause, Diagnosis};
 use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::Trial;
-use truecut_recording::significant;
+use truecut_recording::{UserUnit, significant};
 
 use super::Confirmed;
 use super::telling;
-use crate::svg::{Chart, Curve, charts};
+use crate::figure::{Figure, Layer, Legend, Panel, thinned};
 use crate::text::reading_unit;
 
 /// Points of a curve that a page can show.
@@ -221,14 +221,16 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
         .fold(0.0_f64, |size, value| size.max(value.abs()));
     let unit = reading_unit(spec.unit, size);
     let (nominal, extended) = (&confirmed.nominal[index], &confirmed.extended[index]);
-    let curve = |label: &str, value: &dyn Fn(usize) -> f64, unit: truecut_recording::UserUnit| {
+    let curve = |label: &str, colour, value: &dyn Fn(usize) -> f64, unit: &UserUnit| {
         let points: Vec<(f64, f64)> = (0..time_s.len())
             .filter(|row| output.valid[*row])
             .map(|row| (time_s[row], unit.from_si(value(row))))
             .collect();
-        Curve {
+        Layer {
             label: label.to_owned(),
-            points: thinned(&points),
+            points: thinned(points.into_iter(), POINTS),
+            colour,
+            ..Layer::default()
         }
     };
     let measured = |row: usize| output.values[row];
@@ -238,45 +240,38 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
             worst.max((measured(row) - nominal[row]).abs())
         });
     let small = reading_unit(spec.unit, worst);
-    let overlay = Chart {
+    let panel = |title: &str, label: &str, unit: &UserUnit, layers| Panel {
+        title: title.to_owned(),
         x_label: "time [s]".to_owned(),
-        y_label: format!("{} [{}]", spec.name, unit.symbol),
-        curves: vec![
-            curve("nominal", &|row| nominal[row], unit.clone()),
-            curve("extended", &|row| extended[row], unit.clone()),
-            curve("measured", &measured, unit),
-        ],
+        y_label: format!("{label} [{}]", unit.symbol),
+        layers,
+        ..Panel::default()
     };
-    let residual = Chart {
-        x_label: "time [s]".to_owned(),
-        y_label: format!("measured less simulated [{}]", small.symbol),
-        curves: vec![
-            curve(
-                "less nominal",
-                &|row| measured(row) - nominal[row],
-                small.clone(),
+    let signals = vec![
+        curve("measured", 0, &measured, &unit),
+        curve("nominal", 1, &|row| nominal[row], &unit),
+        curve("extended", 2, &|row| extended[row], &unit),
+    ];
+    let left = |model: &[f64], row: usize| measured(row) - model[row];
+    let residuals = vec![
+        curve("less nominal", 1, &|row| left(nominal, row), &small),
+        curve("less extended", 2, &|row| left(extended, row), &small),
+    ];
+    let figure = Figure {
+        title: spec.description.clone(),
+        panels: vec![
+            panel("Signals", &spec.name, &unit, signals),
+            panel(
+                "Residuals: measured − simulated",
+                "residual",
+                &small,
+                residuals,
             ),
-            curve("less extended", &|row| measured(row) - extended[row], small),
         ],
+        columns: 1,
+        legend: Legend::Above,
     };
-    charts(&spec.description, &[overlay, residual])
-}
-
-/// The lowest and the highest point of each stretch, so that no peak is lost.
-fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    if points.len() <= POINTS {
-        return points.to_vec();
-    }
-    let stretch = points.len().div_ceil(POINTS / 2);
-    let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-    (points.chunks(stretch))
-        .flat_map(|part| {
-            let ends = [part.iter().min_by(by_value), part.iter().max_by(by_value)];
-            let mut ends: Vec<(f64, f64)> = ends.into_iter().flatten().copied().collect();
-            ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-            ends
-        })
-        .collect()
+    figure.to_svg()
 }
 
 fn table(title: &str, head: &[&str], rows: &[Vec<String>]) -> String {

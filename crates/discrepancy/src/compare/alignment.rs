@@ -21,7 +21,7 @@ pub struct Alignment {
 const LONGEST_DELAY: f64 = 0.1;
 /// Least correlation at the best delay; below it the channels have nothing in common that could be
 /// aligned.
-const LEAST_CORRELATION: f64 = 0.3;
+const LEAST_CORRELATION: f64 = 0.8;
 /// Samples on either side that interpolate between two.
 const REACH: isize = 12;
 

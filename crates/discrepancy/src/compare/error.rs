@@ -11,8 +11,13 @@ pub enum CompareError {
     #[error("no channel has the role \"output\": there is nothing to compare")]
     NoOutput,
     /// A measured channel that the simulation lacks.
-    #[error(transparent)]
-    Unknown(#[from] UnknownName),
+    #[error("{error}")]
+    Unknown {
+        /// The channel.
+        channel: String,
+        /// What it may have been.
+        error: UnknownName,
+    },
     /// A channel measured in another dimension than simulated.
     #[error("channel \"{channel}\" is measured in {measured}, but simulated in {simulated}")]
     Dimension {
@@ -76,4 +81,19 @@ pub enum CompareError {
         /// The factor that would fit.
         suspicion: UnitSuspicion,
     },
+}
+
+impl CompareError {
+    /// The measured channel that it is about, if it is one.
+    pub fn channel(&self) -> Option<&str> {
+        match self {
+            CompareError::NoOutput | CompareError::NoCommonTime { .. } => None,
+            CompareError::Unknown { channel, .. }
+            | CompareError::Dimension { channel, .. }
+            | CompareError::TooFew { channel, .. }
+            | CompareError::NotFinite { channel, .. }
+            | CompareError::Constant { channel, .. }
+            | CompareError::Unit { channel, .. } => Some(channel),
+        }
+    }
 }

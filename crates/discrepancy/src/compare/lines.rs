@@ -63,7 +63,7 @@ const MOST: usize = 12;
 
 /// Lines of the residual that stand out of its coloured background with a family-wise p below `level`:
 /// of Welch's spectrum over quarters of the record, as an F test of each bin against the background. The
-/// most significant is placed and measured over the whole record and taken out, with all that leaks
+/// highest is placed and measured over the whole record and taken out, with all that leaks
 /// from it through the window and the gaps; then the next is looked for. Strongest first.
 pub fn lines(
     pair: &Pair<'_>,
@@ -159,8 +159,8 @@ pub(super) fn line_p_values(periodogram: &Periodogram, background: &Background) 
     (0..=last).map(p_of).collect()
 }
 
-/// The most significant bin above its neighbours and below the level, farther than a window's lobe
-/// from those already taken: what is left there is a line that wanders.
+/// The highest bin below the level, above its neighbours, farther than a window's lobe from those
+/// already taken: what is left there is a line that wanders.
 fn highest_peak(density: &[f64], p_values: &[f64], level: f64, taken: &[usize]) -> Option<usize> {
     let top = |bin: &usize| density[*bin] > density[bin - 1] && density[*bin] >= density[bin + 1];
     let apart = |bin: &usize| taken.iter().all(|other| other.abs_diff(*bin) > 2);
@@ -169,12 +169,7 @@ fn highest_peak(density: &[f64], p_values: &[f64], level: f64, taken: &[usize]) 
         .filter(|bin| p_values[*bin] < level)
         .filter(top)
         .filter(apart);
-    // Of those whose p has vanished the highest.
-    found.min_by(|a, b| {
-        p_values[*a]
-            .total_cmp(&p_values[*b])
-            .then(density[*b].total_cmp(&density[*a]))
-    })
+    found.max_by(|a, b| density[*a].total_cmp(&density[*b]))
 }
 
 /// The frequency near `rough` (cycles per sample), within `wide` of it, where the whole record has most.
@@ -259,9 +254,9 @@ fn describe(
     let duration_s = pair.measured.len() as f64 * interval_s;
     let per_revolution = spindle_hz.and_then(|spindle| {
         let multiple = (frequency_hz / spindle).round();
-        // Half a width of the record's lines, and what a tachometer errs.
+        // Half a width of the record's lines, and what a spindle slows down under load.
         let off = (frequency_hz - multiple * spindle).abs();
-        let near = off < 0.5 / duration_s + 0.002 * frequency_hz;
+        let near = off < 0.5 / duration_s + 0.005 * frequency_hz;
         (near && (1.0..=HIGHEST_MULTIPLE).contains(&multiple)).then_some(multiple as u32)
     });
     SpectralLine {

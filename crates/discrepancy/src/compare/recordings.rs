@@ -71,7 +71,11 @@ pub fn compare_recordings(
     let mut channels = Vec::new();
     for output in measured.outputs() {
         let name = &output.spec.name;
-        let spec = simulated.header.channel(name)?;
+        let unknown = |error| CompareError::Unknown {
+            channel: name.clone(),
+            error,
+        };
+        let spec = simulated.header.channel(name).map_err(unknown)?;
         if spec.unit != output.spec.unit {
             return Err(CompareError::Dimension {
                 channel: name.clone(),
@@ -83,7 +87,11 @@ pub fn compare_recordings(
             spec: &output.spec,
             measured: &output.values[..rows],
             valid: &output.valid[..rows],
-            simulated: &resample(&simulated.time_s, simulated.channel(name)?, time_s),
+            simulated: &resample(
+                &simulated.time_s,
+                simulated.channel(name).map_err(unknown)?,
+                time_s,
+            ),
             noise: output.noise,
         };
         channels.push(compare_channel(&pair, &setting)?);
@@ -129,6 +137,7 @@ fn explanatory(
         }
     }
     signals.retain(|signal| moves(&signal.values));
+    derive_velocities(&mut signals, measured.interval_s());
     if let Some(spindle_hz) = spindle_hz {
         let values = time_s
             .iter()
@@ -148,6 +157,51 @@ fn explanatory(
         values: time_s.to_vec(),
     });
     signals
+}
+
+/// Adds the velocity of every joint whose coordinate is known but not its velocity.
+fn derive_velocities(signals: &mut Vec<Explanatory>, interval_s: f64) {
+    let mut derived = Vec::new();
+    for (index, position) in signals
+        .iter()
+        .enumerate()
+        .filter(|(_, one)| one.kind == Kind::Position)
+    {
+        let joint = position.spec.name.split('.').next().unwrap_or_default();
+        let name = format!("{joint}.velocity");
+        if signals.iter().all(|one| one.spec.name != name) {
+            let (unit, per_second) = match position.spec.unit {
+                Unit::Metre => (Unit::MetrePerSecond, "position"),
+                _ => (Unit::RadianPerSecond, "angle"),
+            };
+            let spec =
+                ChannelSpec::new(name, unit, format!("Change of the {per_second} per second"));
+            let values = velocity(&position.values, interval_s);
+            derived.push((
+                index,
+                Explanatory {
+                    spec,
+                    kind: Kind::Velocity,
+                    values,
+                },
+            ));
+        }
+    }
+    // Each behind its coordinate.
+    for (index, velocity) in derived.into_iter().rev() {
+        signals.insert(index + 1, velocity);
+    }
+}
+
+/// Over 10 ms before and after, so that a sensor's steps do not make signs.
+fn velocity(position: &[f64], interval_s: f64) -> Vec<f64> {
+    let reach = ((0.01 / interval_s).round() as usize).max(1);
+    let last = position.len() - 1;
+    let slope = |row: usize| {
+        let (from, to) = (row.saturating_sub(reach), (row + reach).min(last));
+        (position[to] - position[from]) / ((to - from) as f64 * interval_s)
+    };
+    (0..=last).map(slope).collect()
 }
 
 /// What kind of explanation a channel is, told by its name and unit.

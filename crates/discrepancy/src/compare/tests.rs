@@ -3,7 +3,9 @@
 use super::*;
 use crate::testing::{Colour, noise};
 use std::f64::consts::TAU;
-use truecut_recording::{ChannelSpec, Header, Measured, MeasuredChannel, Recording, Role};
+use truecut_recording::ChannelSpec;
+
+mod whole;
 
 const SAMPLES: usize = 4000;
 const INTERVAL_S: f64 = 2.5e-3;
@@ -319,82 +321,4 @@ fn what_cannot_be_compared_is_refused() {
         compare_channel(&pair, &setting),
         Err(CompareError::TooFew { counted: 0, .. })
     ));
-}
-
-fn recording(unit: Unit, rows: usize) -> Recording {
-    Recording {
-        header: Header {
-            channels: vec![
-                ChannelSpec::new("joint1.angle", unit, ""),
-                ChannelSpec::new("joint1.velocity", Unit::RadianPerSecond, ""),
-                ChannelSpec::new("joint2.angle", Unit::Radian, ""),
-            ],
-            ..Header::default()
-        },
-        time_s: times()[..rows].to_vec(),
-        columns: vec![
-            of_time(|t| (TAU * 0.9 * t).sin())[..rows].to_vec(),
-            of_time(|t| TAU * 0.9 * (TAU * 0.9 * t).cos())[..rows].to_vec(),
-            vec![0.3; rows],
-        ],
-        ..Recording::default()
-    }
-}
-
-#[test]
-fn recordings_are_held_against_what_moves() {
-    let angle = sum(&[
-        &of_time(|t| (TAU * 0.9 * t).sin()),
-        &noise(Colour::White, SAMPLES, 1),
-    ]);
-    let channel = |name: &str| MeasuredChannel {
-        spec: ChannelSpec::new(name, Unit::Radian, ""),
-        role: Role::Output,
-        values: angle.clone(),
-        valid: vec![true; SAMPLES],
-        noise: None,
-    };
-    let mut measured = Measured {
-        source: "file.csv".into(),
-        time_s: times(),
-        channels: vec![channel("joint1.angle")],
-        notes: Vec::new(),
-    };
-    let found = compare_recordings(&recording(Unit::Radian, SAMPLES), &measured, None).unwrap();
-    let signals: Vec<&str> = found
-        .explanatory
-        .iter()
-        .map(|one| one.spec.name.as_str())
-        .collect();
-    assert_eq!(
-        signals,
-        ["joint1.angle", "joint1.velocity", "time"],
-        "a joint at rest explains nothing"
-    );
-    assert_eq!(found.channels.len(), 1);
-    let json = serde_json::to_value(&found).unwrap();
-    assert!(json["channels"][0]["level"]["nrmse"].is_f64(), "{json:#}");
-
-    let short = compare_recordings(&recording(Unit::Radian, 1000), &measured, None);
-    assert!(
-        matches!(short, Err(CompareError::NoCommonTime { .. })),
-        "{short:?}"
-    );
-    let part = compare_recordings(&recording(Unit::Radian, 3000), &measured, None).unwrap();
-    assert!(part.notes[0].contains("left out"), "{:?}", part.notes);
-    let other = compare_recordings(&recording(Unit::Metre, SAMPLES), &measured, None);
-    assert!(
-        matches!(other, Err(CompareError::Dimension { .. })),
-        "{other:?}"
-    );
-    measured.channels.push(channel("joint1.angel"));
-    let unknown =
-        compare_recordings(&recording(Unit::Radian, SAMPLES), &measured, None).unwrap_err();
-    assert!(unknown.to_string().contains("joint1.angle"), "{unknown}");
-    measured
-        .channels
-        .iter_mut()
-        .for_each(|channel| channel.role = Role::Input);
-    let none = compare_recordings(&recording(Unit::Radian, SAMPLES), &measured, None);
-    assert_eq!(none, Err(CompareError::NoOutput));
 }

@@ -224,16 +224,24 @@ impl Background {
         &self.fits[bin.clamp(1, self.fits.len() - 1)]
     }
 
-    /// Two-sided density at `frequency` cycles per sample, above 0.
+    /// Two-sided density at `frequency` cycles per sample, above 0. Below the lowest bin, where the record
+    /// says nothing, a rise as steep as 1/f or steeper is taken as f^−0.9.
     pub fn density(&self, frequency: f64) -> f64 {
+        if frequency < self.bin_width {
+            let lowest = self.fits[1].log_density(self.bin_width.ln()).exp();
+            return lowest * (frequency / self.bin_width).powf(self.slope_below());
+        }
         self.fit_at(frequency).log_density(frequency.ln()).exp()
     }
 
-    /// Mean density from 0 to `frequency`; a rise towards 0 as steep as 1/f or steeper is taken as
-    /// f^−0.9, since the mean would not exist.
+    /// Mean density from 0 to a frequency that is not above the lowest bin.
     pub fn mean_density_below(&self, frequency: f64) -> f64 {
-        let slope = self.fit_at(frequency).slope.max(-0.9);
-        self.density(frequency) / (1.0 + slope)
+        self.density(frequency) / (1.0 + self.slope_below())
+    }
+
+    /// Where it is −1 or less a mean from 0 on would not exist.
+    fn slope_below(&self) -> f64 {
+        self.lowest_slope().max(-0.9)
     }
 
     /// Variance of the logarithm of [`Background::density`].

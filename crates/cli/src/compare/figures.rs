@@ -1,0 +1,294 @@
+//! A figure of each channel: signals, residual, its spectrum, and what it depends on most.
+
+use truecut_discrepancy::compare::{ChannelComparison, Comparison, Dependence, Explanatory, Kind};
+use truecut_recording::spectrum::resample;
+use truecut_recording::{Measured, Recording, Unit, UserUnit, significant};
+
+use crate::figure::{Figure, Layer, Legend, Panel, Scale, Style, short_number, thinned};
+use crate::text::reading_unit;
+
+/// Most points of a curve.
+const POINTS: usize = 2400;
+const BLUE: usize = 0;
+const ORANGE: usize = 1;
+const GREEN: usize = 2;
+const BLACK: usize = 6;
+
+/// One channel as it is drawn, all of equal length; NaN where there is no measurement.
+struct Columns {
+    time_s: Vec<f64>,
+    measured: Vec<f64>,
+    simulated: Vec<f64>,
+}
+
+impl Columns {
+    fn residual(&self) -> impl ExactSizeIterator<Item = f64> {
+        self.measured
+            .iter()
+            .zip(&self.simulated)
+            .map(|(m, s)| m - s)
+    }
+}
+
+pub fn channel(
+    comparison: &Comparison,
+    channel: &ChannelComparison,
+    simulated: &Recording,
+    measured: &Measured,
+) -> Figure {
+    let columns = columns(channel, comparison, simulated, measured);
+    Figure {
+        title: format!(
+            "{}: measured and simulated, NRMSE {} %",
+            channel.channel,
+            significant(100.0 * channel.level.nrmse, 3)
+        ),
+        panels: vec![
+            signals(channel.unit, &columns),
+            residual(channel.unit, &columns),
+            spectrum(channel, comparison.rate_hz),
+            explanation(comparison, channel, &columns),
+        ],
+        columns: 2,
+        legend: Legend::Above,
+    }
+}
+
+fn columns(
+    channel: &ChannelComparison,
+    comparison: &Comparison,
+    simulated: &Recording,
+    measured: &Measured,
+) -> Columns {
+    let rows = measured
+        .time_s
+        .iter()
+        .take_while(|t| **t <= comparison.duration_s + 1e-9)
+        .count();
+    let time_s = measured.time_s[..rows].to_vec();
+    // Both exist: the comparison has used them.
+    let found = measured.channel(&channel.channel).ok();
+    let values = found.map_or_else(Vec::new, |one| {
+        let samples = one.values.iter().zip(&one.valid).take(rows);
+        samples
+            .map(|(value, valid)| if *valid { *value } else { f64::NAN })
+            .collect()
+    });
+    let column = simulated.channel(&channel.channel).unwrap_or_default();
+    Columns {
+        simulated: resample(&simulated.time_s, column, &time_s),
+        measured: values,
+        time_s,
+    }
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values
+        .filter(|value| value.is_finite())
+        .fold(0.0, |largest: f64, value| largest.max(value.abs()))
+}
+
+/// `force [N]`; nothing in brackets without a unit.
+fn labelled(what: &str, unit: &UserUnit) -> String {
+    if unit.symbol == "1" {
+        what.to_owned()
+    } else {
+        format!("{what} [{}]", unit.symbol)
+    }
+}
+
+/// A curve over time in the given unit.
+fn curve(
+    time_s: &[f64],
+    values: impl ExactSizeIterator<Item = f64>,
+    unit: &UserUnit,
+) -> Vec<(f64, f64)> {
+    thinned(
+        time_s
+            .iter()
+            .zip(values)
+            .map(|(t, value)| (*t, unit.from_si(value))),
+        POINTS,
+    )
+}
+
+fn signals(unit: Unit, columns: &Columns) -> Panel {
+    let unit = reading_unit(
+        unit,
+        largest(columns.measured.iter().chain(&columns.simulated).copied()),
+    );
+    let layer = |label: &str, values: &[f64], colour| Layer {
+        label: label.to_owned(),
+        points: curve(&columns.time_s, values.iter().copied(), &unit),
+        colour,
+        ..Layer::default()
+    };
+    Panel {
+        title: "Signals".to_owned(),
+        x_label: "time [s]".to_owned(),
+        y_label: labelled("value", &unit),
+        layers: vec![
+            layer("measured", &columns.measured, BLUE),
+            layer("simulated", &columns.simulated, ORANGE),
+        ],
+        ..Panel::default()
+    }
+}
+
+fn residual(unit: Unit, columns: &Columns) -> Panel {
+    let unit = reading_unit(unit, largest(columns.residual()));
+    Panel {
+        title: "Residual: measured − simulated".to_owned(),
+        x_label: "time [s]".to_owned(),
+        y_label: labelled("residual", &unit),
+        layers: vec![Layer {
+            points: curve(&columns.time_s, columns.residual(), &unit),
+            colour: GREEN,
+            ..Layer::default()
+        }],
+        ..Panel::default()
+    }
+}
+
+fn spectrum(channel: &ChannelComparison, rate_hz: f64) -> Panel {
+    let mut panel = Panel {
+        title: "Spectrum of the residual".to_owned(),
+        x_label: "frequency [Hz]".to_owned(),
+        x_scale: Scale::Logarithmic,
+        y_scale: Scale::Logarithmic,
+        ..Panel::default()
+    };
+    let Some(spectra) = &channel.spectra else {
+        return panel;
+    };
+    let amplitude = |density: f64| (2.0 * density / rate_hz).sqrt();
+    let unit = reading_unit(
+        channel.unit,
+        amplitude(spectra.residual.iter().copied().fold(0.0, f64::max)),
+    );
+    let density = |density: &f64| unit.from_si(amplitude(*density));
+    let points = |densities: &[f64]| {
+        let all = spectra.frequency_hz.iter().zip(densities);
+        thinned(
+            all.map(|(f, d)| (*f, density(d)))
+                .collect::<Vec<_>>()
+                .into_iter(),
+            POINTS,
+        )
+    };
+    let layer = |label: &str, densities: &[f64], style, colour| Layer {
+        label: label.to_owned(),
+        points: points(densities),
+        style,
+        colour,
+    };
+    let at = |hertz: f64| {
+        let bin = spectra
+            .frequency_hz
+            .partition_point(|f| *f < hertz)
+            .min(spectra.residual.len() - 1);
+        // The line may lie in the bin before.
+        spectra.residual[bin].max(spectra.residual[bin.saturating_sub(1)])
+    };
+    // The strongest lines get a text; what is close to a stronger one would cover it.
+    let ends = [spectra.frequency_hz.first(), spectra.frequency_hz.last()]
+        .map(|end| end.copied().unwrap_or(1.0));
+    let apart = 0.055 * (ends[1] / ends[0]).ln();
+    let mut marks: Vec<(f64, f64)> = Vec::new();
+    let mut texts = Vec::new();
+    for line in &channel.lines {
+        let near = |other: &(f64, f64)| (other.0 / line.frequency_hz).ln().abs() < apart;
+        let text = match line.per_revolution {
+            Some(multiple) => format!("{multiple}/rev"),
+            None => format!("{} Hz", significant(line.frequency_hz, 3)),
+        };
+        texts.push(if marks.iter().any(near) {
+            String::new()
+        } else {
+            text
+        });
+        marks.push((line.frequency_hz, density(&at(line.frequency_hz))));
+    }
+    panel.y_label = format!("{}/√Hz", labelled("density", &unit).trim_end_matches(']')) + "]";
+    panel.layers = vec![
+        layer("residual", &spectra.residual, Style::Line, GREEN),
+        layer("its background", &spectra.background, Style::Dashed, BLACK),
+    ];
+    if !marks.is_empty() {
+        let label = "lines".to_owned();
+        panel.layers.push(Layer {
+            label,
+            points: marks,
+            style: Style::Marks(texts),
+            colour: ORANGE,
+        });
+    }
+    panel
+}
+
+/// The residual against the signal that explains most.
+fn explanation(comparison: &Comparison, channel: &ChannelComparison, columns: &Columns) -> Panel {
+    let Some(found) = channel.dependence.first() else {
+        return Panel {
+            title: "No signal moves".to_owned(),
+            ..Panel::default()
+        };
+    };
+    let signal = comparison
+        .explanatory
+        .iter()
+        .find(|one| one.spec.name == found.signal);
+    let values = signal.map_or_else(Vec::new, within_a_turn);
+    let of_signal = signal.map_or(Unit::One, |signal| signal.spec.unit);
+    let x_unit = reading_unit(of_signal, largest(values.iter().copied()));
+    let unit = reading_unit(channel.unit, largest(columns.residual()));
+    let step = values.len().div_ceil(POINTS).max(1);
+    let cloud = values.iter().zip(columns.residual()).step_by(step);
+    let p = if found.p_value < 1e-6 {
+        "< 1e-6".to_owned()
+    } else {
+        format!("= {}", short_number(found.p_value))
+    };
+    Panel {
+        title: format!("Residual over {} (p {p})", found.signal),
+        x_label: labelled(&found.signal, &x_unit),
+        y_label: labelled("residual", &unit),
+        layers: vec![
+            Layer {
+                points: cloud
+                    .map(|(x, r)| (x_unit.from_si(*x), unit.from_si(r)))
+                    .collect(),
+                style: Style::Cloud,
+                colour: GREEN,
+                ..Layer::default()
+            },
+            means(found, &x_unit, &unit),
+        ],
+        ..Panel::default()
+    }
+}
+
+/// The values of a signal; an angle of the spindle within one turn.
+fn within_a_turn(signal: &Explanatory) -> Vec<f64> {
+    let turn = |angle: &f64| angle.rem_euclid(std::f64::consts::TAU);
+    match signal.kind {
+        Kind::SpindlePhase => signal.values.iter().map(turn).collect(),
+        _ => signal.values.clone(),
+    }
+}
+
+fn means(found: &Dependence, x_unit: &UserUnit, unit: &UserUnit) -> Layer {
+    let bins = || found.bins.iter();
+    Layer {
+        label: "mean ± 2 standard errors".to_owned(),
+        points: bins()
+            .map(|bin| (x_unit.from_si(bin.signal), unit.from_si(bin.mean)))
+            .collect(),
+        style: Style::Bars(
+            bins()
+                .map(|bin| unit.from_si(2.0 * bin.standard_error))
+                .collect(),
+        ),
+        colour: ORANGE,
+    }
+}
