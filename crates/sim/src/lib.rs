@@ -44,4 +44,4 @@ pub use error::SimError;
 pub use mjcf::export_mjcf;
 pub use replay::inverse::InverseModel;
 pub use robots::Robots;
-pub use simulate::{Engine, Rows, simulate};
+pub use simulate::{Engine, Rows, reduced_step_s, simulate};

@@ -7,12 +7,15 @@ use truecut_recording::{ChannelSpec, Measured, Outcome};
 use truecut_scenario::Scenario;
 
 /// What integrates the arm.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Engine {
     /// The full model.
     Rapier,
     /// The arm linearised and exactly stepped: many times as fast.
-    Reduced,
+    Reduced {
+        /// Runs that need a shorter step are refused, s; 0 refuses none.
+        shortest_step_s: f64,
+    },
 }
 
 /// Columns of a run.
@@ -40,13 +43,21 @@ pub fn simulate(
     engine: Engine,
     channels: &[&str],
 ) -> Result<Rows, SimError> {
-    let mut scenario = scenario.clone();
-    if let Some(measured) = measured {
-        scenario.run.record_interval_s = Some(measured.interval_s());
-    }
     let cell = match engine {
-        Engine::Rapier => Cell::build_with_data(&scenario, measured)?,
-        Engine::Reduced => Cell::build_reduced_with_data(robots, &scenario, measured)?,
+        Engine::Rapier => Cell::build_with_data(&at_the_times(scenario, measured), measured)?,
+        Engine::Reduced { shortest_step_s } => {
+            let cell = reduced(scenario, measured, robots)?;
+            if cell.time_step_s() < shortest_step_s {
+                return Err(SimError::scenario(
+                    "run.time_step_ms",
+                    format!(
+                        "the run needs steps of {:.3e} s, but {shortest_step_s:.3e} s is the shortest allowed",
+                        cell.time_step_s()
+                    ),
+                ));
+            }
+            cell
+        }
     };
     let all = cell.channels().to_vec();
     let kept: Vec<usize> = if channels.is_empty() {
@@ -73,4 +84,33 @@ pub fn simulate(
     });
     rows.outcome = end.outcome;
     Ok(rows)
+}
+
+/// The step that the reduced plant takes, s.
+///
+/// # Errors
+/// Whatever makes the scenario unfit to run.
+pub fn reduced_step_s(
+    scenario: &Scenario,
+    measured: Option<&Measured>,
+    robots: &Robots,
+) -> Result<f64, SimError> {
+    Ok(reduced(scenario, measured, robots)?.time_step_s())
+}
+
+fn reduced(
+    scenario: &Scenario,
+    measured: Option<&Measured>,
+    robots: &Robots,
+) -> Result<Cell, SimError> {
+    Cell::build_reduced_with_data(robots, &at_the_times(scenario, measured), measured)
+}
+
+/// The scenario with rows at the data's times.
+fn at_the_times(scenario: &Scenario, measured: Option<&Measured>) -> Scenario {
+    let mut scenario = scenario.clone();
+    if let Some(measured) = measured {
+        scenario.run.record_interval_s = Some(measured.interval_s());
+    }
+    scenario
 }

@@ -7,6 +7,7 @@ program sized it, leaves a trace within 10 degrees of the truth's in the generat
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, field
 
 from .cases import Case
@@ -77,7 +78,8 @@ def target_of(cause: dict) -> int | str | None:
         target = target.strip("`\"'")
         if target in ("", "whole"):
             return None
-        return int(target) if target.isdigit() else target
+        joint = re.fullmatch(r"(?:joint)?(\d+)", target)
+        return int(joint[1]) if joint else target
     return target
 
 

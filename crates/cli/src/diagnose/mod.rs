@@ -46,7 +46,7 @@ pub fn diagnose(plan: &Plan) -> Result<Verdict, Failure> {
     let answer = diagnose::diagnose(&trial, &trial.observation, &plan.options, &|now| {
         bar.show(now)
     })
-    .map_err(|error| refused(scenario, &data.source, error))?;
+    .map_err(|error| refused(scenario, &data.source, &error))?;
     bar.end();
     let confirmed = confirm(&trial, answer);
     let written = files::write(plan, &trial, &confirmed)?;
@@ -96,8 +96,21 @@ fn score(trial: &Trial, answer: &mut Answer, nominal: &Columns, extended: &Colum
     }
 }
 
-fn refused(scenario: &Scenario, source: &str, error: DiagnoseError) -> Failure {
+/// The fault, at the key of the scenario that it is about.
+fn refused(scenario: &Scenario, source: &str, error: &DiagnoseError) -> Failure {
     let text = format!("{source}: {error}");
+    if let DiagnoseError::Unit { channel, .. } = error {
+        let data = scenario.data.as_ref();
+        let place = data.and_then(|data| {
+            let mut channels = data.mapping.channels.iter();
+            channels.position(|one| one.channel == *channel)
+        });
+        if let Some(index) = place {
+            return scenario
+                .problem(&format!("data.channel.{index}.unit"), text)
+                .into();
+        }
+    }
     Failure::with_help(
         text,
         format!("for the scenario {}", scenario.path().display()),

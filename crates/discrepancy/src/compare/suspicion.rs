@@ -17,8 +17,9 @@ pub struct UnitSuspicion {
 
 /// Above this error the channels have nothing in common as they stand.
 const ABSURD: f64 = 0.6;
-/// The factor must bring the error below this share of it.
+/// The factor must bring the error below this share of it, and below this error.
 const FAR_BETTER: f64 = 0.4;
+const FITTING: f64 = 0.3;
 
 /// Looks for a factor (powers of ten, degrees, turns, rpm, standard gravity, inches, pounds, the sign)
 /// that makes an absurd residual vanish for the most part.
@@ -53,7 +54,7 @@ pub fn unit_suspicion(pair: &Pair<'_>) -> Option<UnitSuspicion> {
             error_with_factor: error(factor),
         });
     let best = tried.min_by(|a, b| a.error_with_factor.total_cmp(&b.error_with_factor))?;
-    (best.error_with_factor < FAR_BETTER * now).then_some(best)
+    (best.error_with_factor < (FAR_BETTER * now).min(FITTING)).then_some(best)
 }
 
 fn factors() -> Vec<(f64, String)> {

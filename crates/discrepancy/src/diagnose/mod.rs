@@ -34,8 +34,10 @@ mod validate;
 use std::time::Instant;
 
 use thiserror::Error;
+use truecut_recording::significant;
 use truecut_scenario::effect::Effect;
 
+use crate::compare::{Pair, UnitSuspicion, unit_suspicion};
 use crate::model::{Columns, Model, PredictError};
 pub use answer::{
     Alternative, Cause, Ceiling, ChannelErrors, Diagnosis, Evidence, FitRecord, Lock, Nominal,
@@ -153,6 +155,21 @@ pub enum DiagnoseError {
     /// Trajectories that are empty, overlap or lie outside the data.
     #[error("trajectories must be in order, within the data, not empty, and must not overlap")]
     Trajectories,
+    /// A residual so absurd that the unit must be wrong.
+    #[error(
+        "channel \"{channel}\": measured and simulated differ by {} % of the larger, but by {} % if the measured values \
+         are multiplied by {} ({}); check its unit and scale",
+        significant(100.0 * .suspicion.error, 3),
+        significant(100.0 * .suspicion.error_with_factor, 3),
+        significant(.suspicion.factor, 6),
+        .suspicion.meaning
+    )]
+    Unit {
+        /// The channel.
+        channel: String,
+        /// The factor that would fit.
+        suspicion: UnitSuspicion,
+    },
     /// The nominal model itself cannot be run.
     #[error("the nominal model cannot be simulated: {0}")]
     Nominal(#[from] PredictError),
@@ -190,6 +207,7 @@ pub fn diagnose(
     let problem = problem::Problem::new(model, data, options, progress);
     problem.split.check()?;
     let before = problem.predict(&problem.start())?;
+    check_units(model, data, &before)?;
     let mut answer = match gate::unexcited(&problem, &before) {
         Some(missing) => conclude::not_excited(&problem, before, missing),
         None => {
@@ -202,6 +220,34 @@ pub fn diagnose(
         seconds: begun.elapsed().as_secs_f64(),
     };
     Ok(answer)
+}
+
+/// Refuses channels whose residual is absurd as they stand, and is not if a unit is exchanged.
+fn check_units(
+    model: &dyn Model,
+    data: &Observation,
+    before: &Columns,
+) -> Result<(), DiagnoseError> {
+    let rows = model.channels().iter().zip(&data.outputs).zip(before);
+    for ((spec, output), simulated) in rows {
+        let measured = output.values.iter().zip(&output.valid);
+        let pair = Pair {
+            spec,
+            measured: &measured
+                .map(|(value, valid)| if *valid { *value } else { 0.0 })
+                .collect::<Vec<_>>(),
+            valid: &output.valid,
+            simulated,
+            noise: output.noise,
+        };
+        if let Some(suspicion) = unit_suspicion(&pair) {
+            return Err(DiagnoseError::Unit {
+                channel: spec.name.clone(),
+                suspicion,
+            });
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -7,13 +7,14 @@ mod candidates;
 mod experiments;
 mod observation;
 mod sampling;
+mod stiff;
 
 use truecut_recording::measured::Measured;
 use truecut_recording::{ChannelSpec, Outcome, UnknownName};
-use truecut_scenario::effect::Effect;
+use truecut_scenario::effect::{Effect, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::facts::{RobotFacts, robot_facts};
-use truecut_sim::{Engine, InverseModel, Robots, Rows, SimError, simulate};
+use truecut_sim::{Engine, InverseModel, Robots, Rows, SimError, reduced_step_s, simulate};
 
 use crate::diagnose::Observation;
 use crate::model::{Candidate, Columns, Experiment, Model, NominalParameter, PredictError};
@@ -28,9 +29,16 @@ pub struct Trial {
     candidates: Vec<Candidate>,
     engine: Kind,
     robots: Robots,
+    /// Runs with a shorter step are not made, s.
+    shortest_step_s: f64,
+    /// Base compliances below which the change is taken as proportional.
+    stiff: Vec<(Target, f64)>,
     /// The data as the search sees them.
     pub observation: Observation,
 }
+
+/// A run of the search may need so many times the steps of the nominal one; what is faster is beyond what the data show.
+const FINEST: f64 = 4.0;
 
 /// How predictions are made.
 enum Kind {
@@ -70,7 +78,10 @@ impl Trial {
                 (kind, None, used)
             }
             _ => {
-                let rows = simulate(scenario, Some(measured), &robots, Engine::Reduced, &[])?;
+                let any = Engine::Reduced {
+                    shortest_step_s: 0.0,
+                };
+                let rows = simulate(scenario, Some(measured), &robots, any, &[])?;
                 (Kind::Forward, Some(rows), measured.clone())
             }
         };
@@ -81,7 +92,11 @@ impl Trial {
         };
         let observation = observation::observation(scenario, &used, &channels, recording.as_ref());
         let signals = candidates::Signals::new(scenario, measured, &facts, recording.as_ref());
-        Ok(Trial {
+        let shortest_step_s = match &engine {
+            Kind::Inverse { .. } => 0.0,
+            Kind::Forward => reduced_step_s(scenario, Some(measured), &robots)? / FINEST,
+        };
+        let mut trial = Trial {
             candidates: candidates::candidates(scenario, &signals, &channels),
             scenario: scenario.clone(),
             measured: measured.clone(),
@@ -90,8 +105,12 @@ impl Trial {
             nominal,
             engine,
             robots,
+            shortest_step_s,
+            stiff: Vec::new(),
             observation,
-        })
+        };
+        trial.stiff = trial.least_compliances();
+        Ok(trial)
     }
 
     /// Whether each joint of the chain is rotary: it chooses the keys of effects.
@@ -129,6 +148,12 @@ impl Trial {
                 .and_then(|scenario| scenario.with_effects(effects))
         };
         varied.map_err(|error| PredictError(error.to_string()))
+    }
+
+    fn reduced(&self) -> Engine {
+        Engine::Reduced {
+            shortest_step_s: self.shortest_step_s,
+        }
     }
 
     fn forward(
@@ -174,7 +199,7 @@ impl Model for Trial {
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
         let failed = |error: SimError| PredictError(error.to_string());
         match &self.engine {
-            Kind::Forward => self.forward(nominal, effects, Engine::Reduced),
+            Kind::Forward => self.extrapolated(nominal, effects),
             Kind::Inverse {
                 nominal: made_for,
                 model,
@@ -202,7 +227,7 @@ impl Model for Trial {
             .with_overrides(&experiment.overrides))
         .and_then(|scenario| scenario.with_effects(effects))
         .map_err(|error| PredictError(error.to_string()))?;
-        self.run(&scenario, Engine::Reduced)
+        self.run(&scenario, self.reduced())
     }
 }
 
