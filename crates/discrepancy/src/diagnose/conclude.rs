@@ -262,8 +262,13 @@ fn open_test(
         return;
     }
     let paired = compare(&base.residual, &last.residual, &last.noise, test);
+    // Before the test part is called different, what the part before leaves uncertain is settled by both together.
+    let all = problem.split.development.joined(test);
+    let orders: Vec<usize> = last.noise.channels.iter().map(|c| c.ar.len()).collect();
+    let refitted_to_all = fit(problem, last.point.clone(), &all, &orders, true);
+    let settled = refitted_to_all.unwrap_or_else(|_| last.clone());
     let worse = !last.point.effects.is_empty() && paired.t() < -2.0;
-    if worse || breaks_away(problem, last) {
+    if worse || breaks_away(problem, &settled) {
         diagnosis.verdict = Verdict::UnknownCause;
         diagnosis.alternatives.clear();
         diagnosis.experiments.clear();

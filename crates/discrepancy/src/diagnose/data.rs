@@ -132,7 +132,7 @@ impl Rows {
         self.per_channel.iter().map(Vec::len).sum()
     }
 
-    fn joined(&self, other: &Rows) -> Rows {
+    pub fn joined(&self, other: &Rows) -> Rows {
         let pairs = self.per_channel.iter().zip(&other.per_channel);
         let per_channel = pairs
             .map(|(a, b)| {

@@ -3,8 +3,8 @@
 use super::problem::Problem;
 use crate::model::Columns;
 
-/// An output must move by so many times its noise.
-const LEAST_MOTION: f64 = 3.0;
+/// An output must move by so many times its noise; what can be seen in fainter motion is found by the screening.
+const LEAST_MOTION: f64 = 0.5;
 
 /// What is missing, where no output moves beyond its noise.
 pub(super) fn unexcited(problem: &Problem, nominal: &Columns) -> Option<Vec<String>> {

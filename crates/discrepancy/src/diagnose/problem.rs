@@ -47,6 +47,9 @@ pub(super) struct Variable {
     pub prior: Prior,
 }
 
+/// A nominal parameter is refitted within so many standard deviations; what asks for more is no matter of uncertainty.
+const WITHIN_SIGMA: f64 = 3.0;
+
 impl<'a> Problem<'a> {
     pub fn new(
         model: &'a dyn Model,
@@ -149,8 +152,8 @@ impl<'a> Problem<'a> {
             .map(|(p, value)| Variable {
                 value: *value,
                 step: 0.05 * p.sigma,
-                min: f64::NEG_INFINITY,
-                max: f64::INFINITY,
+                min: p.value - WITHIN_SIGMA * p.sigma,
+                max: p.value + WITHIN_SIGMA * p.sigma,
                 prior: Prior {
                     offset: value - p.value,
                     precision: 1.0 / p.sigma,

@@ -61,8 +61,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
     let train = &problem.split.train;
     let predicted = problem.predict(&problem.start())?;
     let orders = Noise::orders(&problem.data.residual(&predicted), train, &problem.floor);
-    let first = fit(problem, problem.start(), train, &orders, true)?;
-    let (base, orders) = settled(problem, first)?;
+    let (base, orders) = settled(problem, refit(problem, &orders)?)?;
     let mut search = Search {
         problem,
         fits: Vec::new(),
@@ -95,6 +94,37 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
     outcome.failed = search.failed && outcome.chosen.point.effects.is_empty();
     outcome.fits = search.fits;
     Ok(outcome)
+}
+
+/// More nominal parameters than these are refitted from their values alone.
+const MOST_STARTED: usize = 4;
+
+/// Nominal parameters refitted: from their values, from either side of them, and with the first steps under white noise, since an
+/// autoregression takes a wrong constant or a late slip for noise. The likeliest end counts.
+fn refit(problem: &Problem, orders: &[usize]) -> Result<Fit, DiagnoseError> {
+    let train = &problem.split.train;
+    let nominal = problem.start();
+    let mut best = fit(problem, nominal.clone(), train, orders, true)?;
+    let mut starts = vec![nominal.clone()];
+    if problem.nominal.len() <= MOST_STARTED {
+        for (i, parameter) in problem.nominal.iter().enumerate() {
+            for side in [-1.0, 1.0] {
+                let mut start = nominal.clone();
+                start.nominal[i] += side * parameter.sigma;
+                starts.push(start);
+            }
+        }
+    }
+    let fits: Vec<_> = starts
+        .into_par_iter()
+        .map(|start| fit(problem, start, train, orders, false))
+        .collect();
+    for other in fits.into_iter().flatten() {
+        if other.objective < best.objective {
+            best = other;
+        }
+    }
+    Ok(best)
 }
 
 /// The same model with noise of the orders that its own residual asks for.

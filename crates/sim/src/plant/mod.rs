@@ -11,6 +11,7 @@ mod linear;
 mod rapier;
 mod recurrence;
 mod reduced;
+mod smoothed;
 mod world;
 
 pub use drive::{Drive, DriveKind};

@@ -18,6 +18,7 @@
 
 use super::linear::{Arm, Linear};
 use super::recurrence::add_product;
+use super::smoothed::Smoothed;
 use super::{Command, Drive, DriveKind, FrameState, JointState, Plant, WorldWrench};
 use crate::loads::Attachment;
 use nalgebra::{DVector, Isometry3, Quaternion, UnitQuaternion, Vector3};
@@ -47,6 +48,8 @@ pub struct ReducedPlant {
     carried: DVector<f64>,
     /// Distance from the posture of the linearisation.
     shift: DVector<f64>,
+    /// Torques of the process at this instant and before.
+    process: Smoothed,
     bias: DVector<f64>,
     free: DVector<f64>,
     free_is_known: bool,
@@ -90,6 +93,7 @@ impl ReducedPlant {
             velocity: zeros.clone(),
             predicted: zeros.clone(),
             momentum: zeros.clone(),
+            process: Smoothed::new(n),
             scratch: zeros,
             explicit: vec![0.0; n],
             free_is_known: false,
@@ -241,7 +245,11 @@ impl Plant for ReducedPlant {
             self.carried[i] = carried;
             force[i] = self.explicit[i] - self.drive.damping(i) * carried - self.bias[i];
         }
-        self.add_wrenches(wrenches, &mut force);
+        self.process.advance();
+        let mut now = std::mem::replace(self.process.now(), DVector::zeros(0));
+        self.add_wrenches(wrenches, &mut now);
+        *self.process.now() = now;
+        self.process.add_to(&mut force);
         self.force = force;
         self.free_is_known = false;
     }
