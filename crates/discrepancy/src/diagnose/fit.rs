@@ -88,6 +88,31 @@ pub(super) fn fit(
     })
 }
 
+/// A point as it is, with its noise and derivatives.
+///
+/// # Errors
+/// The simulation cannot be run there.
+pub(super) fn unfitted(
+    problem: &Problem,
+    point: Point,
+    rows: &Rows,
+    orders: &[usize],
+) -> Result<Fit, PredictError> {
+    let predicted = problem.predict(&point)?;
+    let residual = problem.data.residual(&predicted);
+    let noise = Noise::fit(&residual, rows, orders, &problem.floor);
+    Ok(Fit {
+        jacobian: jacobian(problem, &point, &predicted)?,
+        objective: noise.objective(rows),
+        point,
+        predicted,
+        residual,
+        noise,
+        converged: true,
+        iterations: 0,
+    })
+}
+
 enum Step {
     Taken,
     /// The step that is left is a small part of a standard error.

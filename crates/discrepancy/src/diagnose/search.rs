@@ -3,13 +3,13 @@
 use rayon::prelude::*;
 
 use super::answer::FitRecord;
-use super::fit::{Fit, fit};
+use super::fit::{Fit, fit, unfitted};
 use super::memory::{LEAST_DISTANCE, LEAST_GENERALISATION, distance};
 use super::noise::Noise;
 use super::pairs::pairs;
 use super::problem::{Found, Point, Problem};
 use super::screen::{Ranked, critical, rank, refine};
-use super::signature::signatures;
+use super::signature::{Signature, signatures};
 use super::validate::{Paired, compare, objective};
 use super::{DiagnoseError, Stage};
 
@@ -43,7 +43,11 @@ const CLEARLY_BEHIND: f64 = 2.0;
 /// A gain of so many times the critical one is no chance: if its fits fail, the search has failed.
 const STRONG: f64 = 4.0;
 const REFINED: usize = 12;
+/// In standard deviations of a nominal parameter.
+const FAR_SIGMA: f64 = 1.8;
 const PAIRED: usize = 30;
+/// Candidates that are fitted for their promise under white noise.
+const WHITE: usize = 4;
 const REPLACEMENTS: usize = 3;
 
 pub(super) struct Search<'a, 'b> {
@@ -141,12 +145,13 @@ impl Search<'_, '_> {
         let base = &outcome.chosen;
         problem.report(Stage::Screening(base.point.effects.len()));
         let train = &problem.split.train;
-        let found = signatures(problem, base);
-        outcome.tests = found.len();
-        let ranking = rank(problem, base, &found, train, &outcome.orders);
-        let ranking = refine(problem, base, ranking, train, &outcome.orders, REFINED);
-        let starts = self.promising(base, &ranking, outcome.tests);
-        outcome.ranking = ranking;
+        let (ranking, tests, mut starts) = self.screened(base, &outcome.orders);
+        (outcome.ranking, outcome.tests) = (ranking, tests);
+        if base.point.effects.is_empty() && !starts.is_empty() && self.is_far(base) {
+            // Nominal values may have been drawn there by what is to be found, and its trace is another there.
+            let unmoved = unfitted(problem, problem.start(), train, &outcome.orders)?;
+            starts.extend(self.screened(&unmoved, &outcome.orders).2);
+        }
         if starts.is_empty() || problem.left() < 40 {
             return Ok(false);
         }
@@ -157,6 +162,45 @@ impl Search<'_, '_> {
         });
         let trials = self.fit_all(starts, &outcome.orders);
         self.failed |= trials.is_empty() && strong;
+        if std::env::var("DBG").is_ok() {
+            eprintln!(
+                "base {:?} orders {:?} rms {:?}",
+                base.point,
+                outcome.orders,
+                super::validate::rms(&base.residual, &problem.split.development)
+            );
+            for r in outcome.ranking.iter().take(12) {
+                eprintln!(
+                    "rank {:?} {:?} {} {:?}",
+                    problem.candidates[r.candidate()].kind.name(),
+                    problem.candidates[r.candidate()].target,
+                    r.gain,
+                    r.start
+                );
+            }
+            for t in &trials {
+                eprintln!(
+                    "trial {:?} {:?} gain {} dist {} paired {:?}",
+                    t.point
+                        .effects
+                        .iter()
+                        .map(|f| (
+                            problem.candidates[f.candidate].kind.name(),
+                            f.values.clone()
+                        ))
+                        .collect::<Vec<_>>(),
+                    t.point.nominal,
+                    base.objective - t.objective,
+                    distance(problem, &base.residual, &t.residual),
+                    self.paired(base, t)
+                );
+                eprintln!(
+                    "   rms base {:?} trial {:?}",
+                    super::validate::rms(&base.residual, &problem.split.development),
+                    super::validate::rms(&t.residual, &problem.split.development)
+                );
+            }
+        }
         let Some(best) = self.choose(base, &trials, &outcome.orders, outcome.tests) else {
             return Ok(false);
         };
@@ -169,6 +213,24 @@ impl Search<'_, '_> {
             .collect();
         (outcome.chosen, outcome.orders) = settled(problem, trials[best].clone())?;
         Ok(true)
+    }
+
+    /// The ranking of all candidates, the number of signatures tested, and what is to be fitted.
+    fn screened(&self, base: &Fit, orders: &[usize]) -> (Vec<Ranked>, usize, Vec<Point>) {
+        let (problem, train) = (self.problem, &self.problem.split.train);
+        let found = signatures(problem, base);
+        let ranking = rank(problem, base, &found, train, orders);
+        let ranking = refine(problem, base, ranking, train, orders, REFINED);
+        let mut starts = self.promising(base, &ranking, found.len());
+        starts.extend(self.promising_in_white(base, &found, &starts));
+        (ranking, found.len(), starts)
+    }
+
+    /// Whether a nominal parameter is far from what the scenario has.
+    fn is_far(&self, base: &Fit) -> bool {
+        let pairs = self.problem.nominal.iter().zip(&base.point.nominal);
+        let mut far = pairs.map(|(p, value)| (value - p.value).abs() / p.sigma);
+        far.any(|sigmas| sigmas > FAR_SIGMA)
     }
 
     /// Starting points: single candidates beyond the critical gain, best first, and pairs that gain clearly more together.
@@ -187,6 +249,29 @@ impl Search<'_, '_> {
             starts.extend(pairs.iter().map(|(a, b)| extended(base, &[a, b])));
         }
         starts
+    }
+
+    /// Starting points that promise most under white noise. What an autoregression of the residual takes for noise is found here;
+    /// whether it is noise is decided by the fits.
+    fn promising_in_white(&self, base: &Fit, found: &[Signature], starts: &[Point]) -> Vec<Point> {
+        let (problem, train) = (self.problem, &self.problem.split.train);
+        let orders = vec![0; base.residual.len()];
+        let ranking = rank(problem, base, found, train, &orders);
+        let ranking = refine(problem, base, ranking, train, &orders, 2 * WHITE);
+        let alpha = problem.options.family_wise_error;
+        let beyond = ranking
+            .iter()
+            .filter(|r| r.gain > critical(alpha, found.len(), r.start.len()));
+        let last = |point: &Point| point.effects.last().map(|f| f.candidate);
+        let added = base.point.effects.len() + 1;
+        beyond
+            .take(WHITE)
+            .filter(|r| {
+                let mut single = starts.iter().filter(|s| s.effects.len() == added);
+                single.all(|s| last(s) != Some(r.candidate()))
+            })
+            .map(|r| extended(base, &[r]))
+            .collect()
     }
 
     fn fit_all(&mut self, starts: Vec<Point>, orders: &[usize]) -> Vec<Fit> {

@@ -250,7 +250,9 @@ fn cutting_scale(chamfer: &ChamferSpec, kind: EffectKind, duration_s: f64) -> Ve
     let path = turns * 0.5 * chamfer.hole_diameter_m;
     match kind {
         K::CuttingEdgeForce => vec![line; 3],
-        K::CuttingRunout | K::CuttingHoleOffset => vec![2.0 * SHARE * tooth_feed; 2],
+        K::CuttingRunout => vec![2.0 * SHARE * tooth_feed; 2],
+        // The hole's offset varies the depth around the rim.
+        K::CuttingHoleOffset => vec![0.5 * SHARE * chamfer.depth_m; 2],
         K::CuttingWornTooth => vec![2.0 * SHARE * tooth_feed],
         K::CuttingWear => vec![2.0 * SHARE / path],
         K::CuttingDepthOffset => vec![2.0 * SHARE * chamfer.depth_m],
