@@ -2,6 +2,8 @@
 
 use rayon::prelude::*;
 
+use truecut_scenario::effect::EffectKind;
+
 use super::Stage;
 use super::answer::Proposal;
 use super::data::{LAGS, Rows};
@@ -46,17 +48,18 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
             );
             let difference = criterion(problem, rival, &outcome.orders) - here;
             let likelihood = difference - (size(rival) - size(chosen)) * n.ln();
-            // A larger model that says the same is a generalisation, not an alternative.
-            let larger = size(rival) > size(chosen);
-            let least = if larger { 0.0 } else { DECISIVE };
-            let says_more = !larger
-                || standing_out(problem, &chosen.residual, &rival.residual) > LEAST_GENERALISATION;
-            let close = behind.gain <= behind.error || likelihood < DECISIVE;
+            let near = behind.gain <= behind.error && likelihood < 2.0 * DECISIVE;
+            let close = near || likelihood < DECISIVE;
+            // A generalisation that says the same is no alternative; one that fits worse for its parameters neither.
+            let more = generalises(problem, &rival.point, &chosen.point)
+                && (difference > 0.0
+                    || standing_out(problem, &chosen.residual, &rival.residual)
+                        < LEAST_GENERALISATION);
             Rival {
                 angle_deg: angle(problem, outcome, rival),
                 behind_t: behind.t(),
                 criterion_difference: difference,
-                as_good: close && difference < least && says_more,
+                as_good: close && !more,
                 fit: rival.clone(),
             }
         })
@@ -64,6 +67,30 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
     rivals.sort_by(|a, b| a.criterion_difference.total_cmp(&b.criterion_difference));
     rivals.dedup_by(|a, b| kinds(&a.fit.point) == kinds(&b.fit.point));
     rivals
+}
+
+/// Kinds that hold another one as a limit.
+const GENERALISATIONS: [(EffectKind, EffectKind); 6] = [
+    (EffectKind::JointAsymmetricViscous, EffectKind::JointViscous),
+    (EffectKind::JointAsymmetricCoulomb, EffectKind::JointCoulomb),
+    (EffectKind::JointStribeck, EffectKind::JointCoulomb),
+    (EffectKind::JointHysteresis, EffectKind::JointCoulomb),
+    (EffectKind::SensorDrift, EffectKind::SensorOffset),
+    (EffectKind::FootFrictionFalling, EffectKind::FootFriction),
+];
+
+/// Whether the points differ in one effect, and that of the first holds that of the second as a limit.
+fn generalises(problem: &Problem, first: &Point, second: &Point) -> bool {
+    let alone = |of: &Point, other: &Point| -> Vec<usize> {
+        let (of, other) = (kinds(of), kinds(other));
+        of.into_iter().filter(|k| !other.contains(k)).collect()
+    };
+    let (larger, smaller) = (alone(first, second), alone(second, first));
+    let ([larger], [smaller]) = (larger.as_slice(), smaller.as_slice()) else {
+        return false;
+    };
+    let (larger, smaller) = (&problem.candidates[*larger], &problem.candidates[*smaller]);
+    larger.target == smaller.target && GENERALISATIONS.contains(&(larger.kind, smaller.kind))
 }
 
 fn kinds(point: &Point) -> Vec<usize> {
