@@ -54,7 +54,8 @@ def model_of(robot: Robot, effects: list[Effect]) -> mujoco.MjModel:
             rate = 2.0 * math.pi * v["frequency_hz"]
             damping = 2.0 * v["damping_ratio"] * rate * v["mass_kg"]
             slide = mujoco.mjtJoint.mjJNT_SLIDE
-            joint = body.add_joint(name="absorber", type=slide, axis=[1.0, 0.0, 0.0])
+            # along the flange's path: a radial one would go with it as a plain mass
+            joint = body.add_joint(name="absorber", type=slide, axis=[0.0, 1.0, 0.0])
             joint.stiffness, joint.damping = [v["mass_kg"] * rate * rate, 0.0, 0.0], [damping, 0.0, 0.0]
     return spec.compile()
 

@@ -15,6 +15,8 @@ from .signature import size_of
 WRONG_UNIT_SI = {"in rad": 1.0, "in kN m": 1e3, "in m": 1.0, "in kN": 1e3}
 # missing cells, and rows where no column drives a replay
 GAP_S, MISSING_PART, MISSING_ROWS = 0.2, 0.01, 20
+# the last part of a set: no model can be better there than the errors of the measurement
+HELD_OUT = 0.22
 
 
 def noise_scale(case: Case) -> float:
@@ -56,8 +58,11 @@ def measurement(case: Case) -> tuple[dict[str, np.ndarray], dict]:
         keep = np.ones(count, bool)
         keep[draw.choice(np.arange(10, count - 10), MISSING_ROWS, replace=False)] = False
         columns = {name: values[keep] for name, values in columns.items()}
+    held_out = (measured - clean)[-round(HELD_OUT * count) :]
+    floor = np.sqrt(np.nanmean(np.square(held_out), axis=0))
     known = {
         "noise_scale": scale,
+        "floor_rms": {c.channel: float(floor[i]) for i, c in enumerate(experiment.outputs)},
         "noise_rms": {c.channel: float(noise[:, i].std()) for i, c in enumerate(experiment.outputs)},
     }
     return columns, known

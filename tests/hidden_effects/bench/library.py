@@ -120,7 +120,7 @@ PAIRS: tuple[tuple[Template, Template], ...] = (
 STRANGERS = (
     _axis("outside_load_dependent_delay", {"delay_s": 0.03}, {"scale": 300.0}, TORQUE),
     _axis("outside_quadratic_drag", {"drag_n_m_s2_per_rad2": 8.0}),
-    Template("axis", "outside_absorber", None, {"mass_kg": 4.0}, {"frequency_hz": 5.5, "damping_ratio": 0.03}),
+    Template("axis", "outside_absorber", None, {"mass_kg": 4.0}, {"frequency_hz": 2.5, "damping_ratio": 0.03}),
     _axis("outside_place_dependent_friction", {"level_n_m": 8.0}, {"cycles": 40.0}),
 )
 

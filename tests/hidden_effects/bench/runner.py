@@ -97,6 +97,5 @@ def judge_all(sets: dict[str, Case], answers: dict[str, Answer], work: Path, job
     """The judgement of each set. Ambiguous answers cost the generator runs of its own."""
     with ProcessPoolExecutor(jobs) as pool:
         labels = [json.loads((work / "labels" / f"{name}.json").read_text(encoding="utf-8")) for name in sets]
-        noise = [label["noise_rms"] for label in labels]
-        scores = pool.map(score, sets.values(), [answers[name] for name in sets], noise)
+        scores = pool.map(score, sets.values(), [answers[name] for name in sets], labels)
         return [(name, case, found, answers[name].seconds) for (name, case), found in zip(sets.items(), scores)]

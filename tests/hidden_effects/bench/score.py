@@ -61,7 +61,7 @@ class Score:
     named: list[str]
     parameter_errors: dict[str, float] = field(default_factory=dict)
     gain_ratio: float | None = None
-    """Held-out residual after extension over the noise floor, in the worst channel."""
+    """Held-out residual after extension over the errors that the measurement really has there, in the worst channel."""
     floor_ratio: float | None = None
     """The program's noise floor over the noise that was really added, in the channel where they differ most."""
     unexplained: float | None = None
@@ -175,15 +175,16 @@ def parameter_errors(case: Case, answer: Answer) -> dict[str, float]:
     return found
 
 
-def score(case: Case, answer: Answer, noise_rms: dict[str, float]) -> Score:
-    """Judges one answer. `noise_rms` is the noise added to each channel, SI."""
+def score(case: Case, answer: Answer, label: dict) -> Score:
+    """Judges one answer. Of the label: the noise added to each channel, and the errors of the measurement in its last part, SI."""
     right, reason = judge(case, answer)
     found = Score(right, reason, answer.verdict, [name_of(cause) for cause in answer.causes])
     if answer.verdict == "named":
         channels = answer.diagnosis["channels"]
         told = {n: c for n, c in channels.items() if c.get("after") is not None and c.get("noise_floor")}
-        found.gain_ratio = max((c["after"] / c["noise_floor"] for c in told.values()), default=None)
-        floors = [c["noise_floor"] / noise_rms[n] for n, c in told.items() if noise_rms.get(n)]
+        truly = label["floor_rms"]
+        found.gain_ratio = max((c["after"] / truly[n] for n, c in told.items() if truly.get(n)), default=None)
+        floors = [c["noise_floor"] / truly[n] for n, c in told.items() if truly.get(n)]
         found.floor_ratio = max(floors, key=lambda ratio: abs(math.log(ratio)), default=None)
         if right:
             found.parameter_errors = parameter_errors(case, answer)

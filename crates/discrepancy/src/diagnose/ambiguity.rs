@@ -48,8 +48,7 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
             );
             let difference = criterion(problem, rival, &outcome.orders) - here;
             let likelihood = difference - (size(rival) - size(chosen)) * n.ln();
-            let near = behind.gain <= behind.error && likelihood < 2.0 * DECISIVE;
-            let close = near || likelihood < DECISIVE;
+            let close = likelihood < DECISIVE;
             // A generalisation that says the same is no alternative; one that fits worse for its parameters neither.
             let more = generalises(problem, &rival.point, &chosen.point)
                 && (difference > 0.0

@@ -8,9 +8,13 @@ use realfft::RealFftPlanner;
 use super::answer::{Ceiling, Lock};
 use super::data::{LAGS, Rows};
 use super::features::{Group, groups};
+use super::fit::Fit;
 use super::memory::channel_distance;
 use super::noise::{ChannelNoise, Noise, Prior, dot, solve, subtract};
 use super::problem::Problem;
+use super::resonance::resonance;
+use super::signature::Signature;
+use super::span::spans;
 use super::validate::differences;
 use crate::model::Columns;
 
@@ -23,13 +27,16 @@ pub(super) struct Bound {
     pub left: Columns,
 }
 
-/// Gains of a group must be beyond so many standard errors; dozens of groups are tried.
-const LEAST_T: f64 = 5.5;
+/// Gains of a group must be beyond so many standard errors; a pattern that is strong in few places has large ones.
+const LEAST_T: f64 = 1.0;
 const LEAST_FRACTION: f64 = 0.01;
-/// And they must stand out of noise of any memory; a group has a dozen parameters.
+/// And they must stand out of noise of any memory, which keeps chance out: a group has a dozen parameters or two, and a hundred groups
+/// are tried.
 const LEAST_STANDING_OUT: f64 = 9.0;
 /// The same under white noise.
 const LEAST_FRACTION_PLAIN: f64 = 0.05;
+/// Crossings of its mean by a feature that comes back.
+const LEAST_CROSSINGS: usize = 6;
 const FOLDS: usize = 6;
 const MOST_GROUPS: usize = 4;
 
@@ -57,13 +64,9 @@ struct Trial<'a> {
 }
 
 /// Bounds what can be explained of the residual.
-pub(super) fn bound(
-    problem: &Problem,
-    predicted: &Columns,
-    residual: &Columns,
-    noise: &Noise,
-) -> Bound {
-    let groups = groups(problem, predicted);
+pub(super) fn bound(problem: &Problem, last: &Fit, signatures: &[Signature]) -> Bound {
+    let (residual, noise) = (&last.residual, &last.noise);
+    let groups = groups(problem, &last.predicted);
     let mut left = residual.clone();
     let (mut gain, mut sums, mut total) = (0.0, Vec::new(), 0.0);
     let mut locks = Vec::new();
@@ -71,7 +74,18 @@ pub(super) fn bound(
         let target = Target::new(problem, &residual[c], c, noise.channels[c].ar.len());
         let mut own = target.lines();
         own.extend(target.through_dynamics(&groups));
-        let all: Vec<&Group> = groups.iter().chain(&own).collect();
+        own.extend(spans(problem, signatures, c));
+        own.extend(resonance(
+            problem,
+            &last.predicted,
+            target.residual,
+            target.rows,
+        ));
+        let all: Vec<&Group> = groups
+            .iter()
+            .chain(&own)
+            .filter(|g| !g.by_signal || target.comes_back(g))
+            .collect();
         let trial = target.explain(&all, &problem.model.channels()[c].name, &mut locks);
         let (own, chance) = differences(&trial.whole, &trial.errors);
         gain += own;
@@ -112,6 +126,17 @@ impl<'a> Target<'a> {
             fold: rows.iter().map(fold_of).collect(),
             folds,
         }
+    }
+
+    /// Whether most features of a group return often: those that wander look like slow noise, which would be taken for them.
+    fn comes_back(&self, group: &Group) -> bool {
+        let returns = |x: &Vec<f64>| {
+            let picked: Vec<f64> = self.rows.iter().map(|&t| x[t]).collect();
+            let mean = picked.iter().sum::<f64>() / picked.len() as f64;
+            let above: Vec<bool> = picked.iter().map(|x| *x > mean).collect();
+            above.windows(2).filter(|w| w[0] != w[1]).count() >= LEAST_CROSSINGS
+        };
+        2 * group.features.iter().filter(|x| returns(x)).count() > group.features.len()
     }
 
     /// Takes group after group while they gain clearly: under the noise model, else under white noise. A pattern with sharp edges is

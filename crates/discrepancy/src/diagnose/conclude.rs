@@ -19,7 +19,7 @@ use crate::model::Columns;
 /// Where the noise is known: least ratio of the residual's variance to it that counts.
 const EXCESS: f64 = 1.25;
 /// With less than this part of the candidates within reach the experiment is too poor.
-const LEAST_VISIBLE: f64 = 0.1;
+const LEAST_VISIBLE: f64 = 0.05;
 
 /// The answer where nothing moves.
 pub(super) fn not_excited(problem: &Problem, before: Columns, missing: Vec<String>) -> Answer {
@@ -91,7 +91,7 @@ pub(super) fn conclude(
         true,
     )?;
     problem.report(Stage::Ceiling);
-    let bound = bound(problem, &last.predicted, &last.residual, &last.noise);
+    let bound = bound(problem, &last, &outcome.signatures);
     let mut diagnosis = empty(problem);
     diagnosis.ceiling = bound.ceiling.clone();
     diagnosis.smallest_seen = smallest_seen(problem, &outcome);
@@ -334,7 +334,7 @@ fn channel_errors(
     after: &[f64],
     left: &Columns,
 ) -> BTreeMap<String, ChannelErrors> {
-    let floor = rms(left, &problem.split.development);
+    let floor = rms(left, &problem.split.test);
     let specs = problem.model.channels().iter().enumerate();
     specs
         .map(|(c, spec)| {

@@ -107,6 +107,19 @@ fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Gro
             by_signal: true,
             features: bins(&rate, 8),
         });
+        let delays = bins(x, 8)
+            .into_iter()
+            .map(|b| b.iter().zip(&rate).map(|(b, r)| b * r).collect());
+        groups.push(Group {
+            name: format!("rate of {name}, by its size"),
+            by_signal: true,
+            features: delays.collect(),
+        });
+        groups.push(Group {
+            name: format!("place of {name} and its direction"),
+            by_signal: true,
+            features: harmonics(x, &signs),
+        });
         let products = bins(x, 12)
             .into_iter()
             .map(|b| b.iter().zip(&signs).map(|(b, s)| b * s).collect());
@@ -116,6 +129,24 @@ fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Gro
             features: products.collect(),
         });
     }
+}
+
+/// Half waves over the range of a signal.
+const HARMONICS: usize = 14;
+
+/// Waves over the range of a signal, with a sign.
+fn harmonics(x: &[f64], signs: &[f64]) -> Vec<Vec<f64>> {
+    let low = x.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut waves = vec![signs.to_vec()];
+    for k in 1..=HARMONICS {
+        for wave in [f64::cos, f64::sin] {
+            let phase = |v: f64| std::f64::consts::PI * k as f64 * (v - low) / (high - low);
+            let pairs = x.iter().zip(signs);
+            waves.push(pairs.map(|(v, s)| wave(phase(*v)) * s).collect());
+        }
+    }
+    waves
 }
 
 /// Overlapping linear bins ("hats") between quantiles: together they follow any smooth curve.

@@ -25,9 +25,11 @@ mod memory;
 mod noise;
 mod pairs;
 mod problem;
+mod resonance;
 mod screen;
 mod search;
 mod signature;
+mod span;
 mod uncertainty;
 mod validate;
 
@@ -69,7 +71,7 @@ impl Default for Options {
             min_gain: 0.01,
             max_effects: 4,
             max_predictions: 2500,
-            unknown_above: 0.2,
+            unknown_above: 0.1,
             fitted_candidates: 6,
         }
     }

@@ -27,6 +27,8 @@ pub(super) struct Outcome {
     pub ranking: Vec<Ranked>,
     /// Signatures tested in the last screening.
     pub tests: usize,
+    /// And these signatures themselves.
+    pub signatures: Vec<Signature>,
     /// A discrepancy was detected, and no fit of it ended well.
     pub failed: bool,
     /// All fits.
@@ -78,6 +80,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         rivals: Vec::new(),
         ranking: Vec::new(),
         tests: 0,
+        signatures: Vec::new(),
         failed: false,
         fits: Vec::new(),
     };
@@ -145,8 +148,8 @@ impl Search<'_, '_> {
         let base = &outcome.chosen;
         problem.report(Stage::Screening(base.point.effects.len()));
         let train = &problem.split.train;
-        let (ranking, tests, mut starts) = self.screened(base, &outcome.orders);
-        (outcome.ranking, outcome.tests) = (ranking, tests);
+        let (ranking, found, mut starts) = self.screened(base, &outcome.orders);
+        (outcome.ranking, outcome.tests, outcome.signatures) = (ranking, found.len(), found);
         if base.point.effects.is_empty() && !starts.is_empty() && self.is_far(base) {
             // Nominal values may have been drawn there by what is to be found, and its trace is another there.
             let unmoved = unfitted(problem, problem.start(), train, &outcome.orders)?;
@@ -162,45 +165,6 @@ impl Search<'_, '_> {
         });
         let trials = self.fit_all(starts, &outcome.orders);
         self.failed |= trials.is_empty() && strong;
-        if std::env::var("DBG").is_ok() {
-            eprintln!(
-                "base {:?} orders {:?} rms {:?}",
-                base.point,
-                outcome.orders,
-                super::validate::rms(&base.residual, &problem.split.development)
-            );
-            for r in outcome.ranking.iter().take(12) {
-                eprintln!(
-                    "rank {:?} {:?} {} {:?}",
-                    problem.candidates[r.candidate()].kind.name(),
-                    problem.candidates[r.candidate()].target,
-                    r.gain,
-                    r.start
-                );
-            }
-            for t in &trials {
-                eprintln!(
-                    "trial {:?} {:?} gain {} dist {} paired {:?}",
-                    t.point
-                        .effects
-                        .iter()
-                        .map(|f| (
-                            problem.candidates[f.candidate].kind.name(),
-                            f.values.clone()
-                        ))
-                        .collect::<Vec<_>>(),
-                    t.point.nominal,
-                    base.objective - t.objective,
-                    distance(problem, &base.residual, &t.residual),
-                    self.paired(base, t)
-                );
-                eprintln!(
-                    "   rms base {:?} trial {:?}",
-                    super::validate::rms(&base.residual, &problem.split.development),
-                    super::validate::rms(&t.residual, &problem.split.development)
-                );
-            }
-        }
         let Some(best) = self.choose(base, &trials, &outcome.orders, outcome.tests) else {
             return Ok(false);
         };
@@ -215,15 +179,15 @@ impl Search<'_, '_> {
         Ok(true)
     }
 
-    /// The ranking of all candidates, the number of signatures tested, and what is to be fitted.
-    fn screened(&self, base: &Fit, orders: &[usize]) -> (Vec<Ranked>, usize, Vec<Point>) {
+    /// The ranking of all candidates, the signatures tested, and what is to be fitted.
+    fn screened(&self, base: &Fit, orders: &[usize]) -> (Vec<Ranked>, Vec<Signature>, Vec<Point>) {
         let (problem, train) = (self.problem, &self.problem.split.train);
         let found = signatures(problem, base);
         let ranking = rank(problem, base, &found, train, orders);
         let ranking = refine(problem, base, ranking, train, orders, REFINED);
         let mut starts = self.promising(base, &ranking, found.len());
         starts.extend(self.promising_in_white(base, &found, &starts));
-        (ranking, found.len(), starts)
+        (ranking, found, starts)
     }
 
     /// Whether a nominal parameter is far from what the scenario has.

@@ -1,0 +1,89 @@
+//! A resonance that the model does not have, driven by something that it does have.
+
+use std::f64::consts::TAU;
+
+use super::features::Group;
+use super::noise::{Prior, dot, solve};
+use super::problem::Problem;
+use crate::model::Columns;
+
+/// Resonances per octave that are tried, and their damping ratios: closer ones leave nearly one trace.
+const PER_OCTAVE: f64 = 12.0;
+const DAMPING: [f64; 2] = [0.03, 0.1];
+/// The fastest has so many samples in a period.
+const SAMPLES: f64 = 8.0;
+/// The slowest has so many periods in the record.
+const PERIODS: f64 = 4.0;
+
+/// The resonance, and the signal that drives it, that explain most of the residual; none if nothing moves.
+pub(super) fn resonance(
+    problem: &Problem,
+    predicted: &Columns,
+    residual: &[f64],
+    rows: &[usize],
+) -> Option<Group> {
+    let time = &problem.data.time_s;
+    let (interval, duration) = (time[1] - time[0], time[time.len() - 1] - time[0]);
+    let (slowest, fastest) = (PERIODS / duration, 1.0 / (SAMPLES * interval));
+    let count = (PER_OCTAVE * (fastest / slowest).log2()).max(0.0) as usize;
+    let names = problem.model.channels().iter().map(|spec| &spec.name);
+    let known = problem.data.regressors.iter().filter(|r| !r.is_angle);
+    let signals = names
+        .zip(predicted)
+        .chain(known.map(|r| (&r.name, &r.values)));
+    let target: Vec<f64> = rows.iter().map(|&t| residual[t]).collect();
+    let mut best: Option<(f64, Group)> = None;
+    for (name, values) in signals {
+        for step in 0..=count {
+            let hz = slowest * 2.0_f64.powf(step as f64 / PER_OCTAVE);
+            for damping in DAMPING {
+                let features = response(problem, values, TAU * hz * interval, damping);
+                let gain = explained(&target, &features, rows);
+                if gain.is_finite() && best.as_ref().is_none_or(|(most, _)| gain > *most) {
+                    let hz = truecut_recording::significant(hz, 2);
+                    let group = Group {
+                        name: format!("a resonance near {hz} Hz, driven by {name}"),
+                        by_signal: true,
+                        features: features.into(),
+                    };
+                    best = Some((gain, group));
+                }
+            }
+        }
+    }
+    best.map(|(_, group)| group)
+}
+
+fn explained(target: &[f64], features: &[Vec<f64>; 2], rows: &[usize]) -> f64 {
+    let picked: Vec<Vec<f64>> = features
+        .iter()
+        .map(|x| rows.iter().map(|&t| x[t]).collect())
+        .collect();
+    let share = solve(target, &picked, &[Prior::default(); 2]);
+    let parts = picked.iter().zip(&share);
+    parts.map(|(x, b)| b * dot(x, target)).sum()
+}
+
+/// Displacement and velocity of an oscillator of the angular frequency (per sample) whose base a signal moves; exact for a signal that
+/// is held over each sample. It rests at the signal's first value.
+fn response(problem: &Problem, signal: &[f64], angular: f64, damping: f64) -> [Vec<f64>; 2] {
+    let decay = (-damping * angular).exp();
+    let damped = angular * (1.0 - damping * damping).sqrt();
+    let (sin, cos) = damped.sin_cos();
+    let ratio = damping * angular / damped;
+    let mut out = [vec![0.0; signal.len()], vec![0.0; signal.len()]];
+    for range in &problem.data.trajectories {
+        let (mut x, mut v) = (0.0, 0.0);
+        let first = signal[range.start];
+        for t in range.clone() {
+            let base = signal[t] - first;
+            out[0][t] = x - base;
+            out[1][t] = v / angular;
+            // About the value that is held, the motion is free.
+            let (a, b) = (x - base, v);
+            x = base + decay * (a * (cos + ratio * sin) + b / damped * sin);
+            v = decay * (b * (cos - ratio * sin) - a * angular * angular / damped * sin);
+        }
+    }
+    out
+}
