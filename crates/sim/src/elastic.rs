@@ -133,8 +133,7 @@ impl ElasticArm {
         // δ(q − command) = C δτ + δC τ, and τ itself changes by −(tangent − K) δq.
         let stiffness = robot.transmission_stiffness("the deflection")?;
         let tangent = robot.tangent_stiffness(&after, &under_load)?;
-        let torque =
-            robot.load_torques(&before, &free) - robot.load_torques(&after, &under_load);
+        let torque = robot.load_torques(&before, &free) - robot.load_torques(&after, &under_load);
         let spread = tangent
             .lu()
             .solve(&stiffness)

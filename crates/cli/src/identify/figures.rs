@@ -22,7 +22,11 @@ pub fn stiffness(report: &StiffnessReport) -> Figure {
     let mut panels: Vec<Panel> = (report.components.iter())
         .map(|one| {
             let size = one.points.iter().fold(0.0_f64, |a, p| a.max(p[0].abs()));
-            let kind = if one.unit == "m" { Unit::Metre } else { Unit::Radian };
+            let kind = if one.unit == "m" {
+                Unit::Metre
+            } else {
+                Unit::Radian
+            };
             let unit = reading_unit(kind, size);
             let cloud = |which: usize, label: &str, colour| Layer {
                 label: label.to_owned(),
@@ -109,7 +113,10 @@ pub fn modes(report: &ModesReport) -> Figure {
 }
 
 fn curve(frf: &FrfReport, which: usize, value: fn(f64, f64) -> f64) -> Vec<(f64, f64)> {
-    let points = frf.curves.iter().map(|(f, all)| (*f, value(all[which].re, all[which].im)));
+    let points = frf
+        .curves
+        .iter()
+        .map(|(f, all)| (*f, value(all[which].re, all[which].im)));
     thinned(points, POINTS)
 }
 
@@ -130,7 +137,10 @@ fn layers(frf: &FrfReport, value: fn(f64, f64) -> f64) -> Vec<Layer> {
 fn magnitude(report: &ModesReport, frf: &FrfReport) -> Panel {
     let mut layers = layers(frf, f64::hypot);
     let near = |f: f64| {
-        let nearest = frf.curves.iter().min_by(|a, b| (a.0 - f).abs().total_cmp(&(b.0 - f).abs()));
+        let nearest = frf
+            .curves
+            .iter()
+            .min_by(|a, b| (a.0 - f).abs().total_cmp(&(b.0 - f).abs()));
         nearest.map_or(f64::NAN, |(_, all)| all[1].re.hypot(all[1].im))
     };
     let modes = report.measured.iter().map(|mode| mode.frequency_hz.value);
@@ -162,5 +172,8 @@ fn phase(frf: &FrfReport) -> Panel {
 
 fn file_name(frf: &FrfReport) -> String {
     let name = std::path::Path::new(&frf.source).file_name();
-    name.map_or_else(|| frf.source.clone(), |name| name.to_string_lossy().into_owned())
+    name.map_or_else(
+        || frf.source.clone(),
+        |name| name.to_string_lossy().into_owned(),
+    )
 }

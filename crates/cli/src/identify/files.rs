@@ -26,7 +26,10 @@ pub fn stiffness(folder: &Path, report: &StiffnessReport) -> Result<Vec<PathBuf>
 /// The report and the figure.
 pub fn modes(folder: &Path, report: &ModesReport) -> Result<Vec<PathBuf>, Failure> {
     let figure = figures::modes(report).to_svg();
-    write(folder, &[("modes.json", json(report)?), ("modes.svg", figure)])
+    write(
+        folder,
+        &[("modes.json", json(report)?), ("modes.svg", figure)],
+    )
 }
 
 fn json(report: &impl Serialize) -> Result<String, Failure> {
@@ -62,7 +65,11 @@ pub fn entries(report: &StiffnessReport) -> String {
                 number(value),
                 toml::Value::from(source(report, low, high, joint.unit)),
             ),
-            _ => writeln!(text, "\n# {}: not identified ({:?})", joint.name, joint.status),
+            _ => writeln!(
+                text,
+                "\n# {}: not identified ({:?})",
+                joint.name, joint.status
+            ),
         };
     }
     text

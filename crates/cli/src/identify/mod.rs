@@ -32,7 +32,7 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<Verdict, Failure> {
         .map(|spec| of_stiffness(&file, spec, &arm))
         .transpose()?;
     let modes = (file.modes.as_ref())
-        .map(|spec| of_modes(&file, spec, &arm))
+        .map(|spec| of_modes(&file, spec, &arm, stiffness.as_ref()))
         .transpose()?;
     let folder = arguments.out.join(file.stem());
     let mut told = format!("{}\n", file.name);
@@ -62,7 +62,29 @@ fn of_modes(
     file: &Identification,
     spec: &ModesSpec,
     arm: &ElasticArm,
+    stiffness: Option<&StiffnessReport>,
 ) -> Result<ModesReport, Failure> {
+    let (frfs, shift) = frfs(file, spec)?;
+    let Some(fit) = modal::fit(&frfs, spec.band_hz, spec.count, shift) else {
+        let [low, high] = spec.band_hz;
+        let message = format!(
+            "no mode stands out of the FRFs from {low} to {high} Hz; is it the right band, and the right unit?"
+        );
+        return Err(file.problem("modes.band_hz", message).into());
+    };
+    let beside = |arm: &ElasticArm| {
+        beside_model(&frfs, &fit, arm, spec.axes, spec.band_hz)
+            .map_err(|error| Failure::identified_arm(file, error))
+    };
+    let mut report = beside(arm)?;
+    if let Some(updated) = stiffness.and_then(StiffnessReport::updated) {
+        report.add_identified(&beside(&arm.with_stiffness(&updated))?);
+    }
+    Ok(report)
+}
+
+/// All FRFs, and what an exponential window has added to their decay rates, 1/s.
+fn frfs(file: &Identification, spec: &ModesSpec) -> Result<(Vec<Frf>, f64), Failure> {
     let mut frfs: Vec<Frf> = Vec::new();
     let mut shifts = Vec::new();
     for (index, one) in spec.frfs.iter().enumerate() {
@@ -81,24 +103,19 @@ fn of_modes(
     }
     let shift = shifts.first().copied().unwrap_or(0.0);
     if shifts.iter().any(|one| *one != shift) {
-        let message = "all FRFs share their poles, so that all must have the same exponential_s, or none";
+        let message =
+            "all FRFs share their poles, so that all must have the same exponential_s, or none";
         return Err(file.problem("modes", message).into());
     }
-    let Some(fit) = modal::fit(&frfs, spec.band_hz, spec.count, shift) else {
-        let [low, high] = spec.band_hz;
-        let message = format!(
-            "no mode stands out of the FRFs from {low} to {high} Hz; is it the right band, and the right unit?"
-        );
-        return Err(file.problem("modes.band_hz", message).into());
-    };
-    beside_model(&frfs, &fit, arm, spec.axes, spec.band_hz)
-        .map_err(|error| Failure::identified_arm(file, error))
+    Ok((frfs, shift))
 }
 
 /// The table of a file; a fault in it is one of the identification, at the key that names the file.
 fn table(file: &Identification, path: &Path, header: bool, key: &str) -> Result<Table, Failure> {
-    read_table(path, header)
-        .map_err(|error| file.problem(&format!("{key}.file"), error.to_string()).into())
+    read_table(path, header).map_err(|error| {
+        file.problem(&format!("{key}.file"), error.to_string())
+            .into()
+    })
 }
 
 fn refused(file: &Identification, error: &IdentifyError) -> Failure {
@@ -110,5 +127,9 @@ fn shown(path: &Path, beside: &[PathBuf]) -> String {
     let names: Vec<String> = (beside.iter())
         .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
         .collect();
-    format!("  {}   (beside it: {})\n\n", path.display(), names.join(", "))
+    format!(
+        "  {}   (beside it: {})\n\n",
+        path.display(),
+        names.join(", ")
+    )
 }

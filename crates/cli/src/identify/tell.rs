@@ -14,16 +14,34 @@ pub fn stiffness(report: &StiffnessReport, written: &[PathBuf]) -> String {
         "  joint stiffness: {} loadings in {} postures, {} readings of {}\n\n",
         report.loadings, report.postures, report.readings, report.source
     );
-    let head = ["joint", "stiffness", "95 % interval", "unit", "robot's file", ""];
+    let head = [
+        "joint",
+        "stiffness",
+        "95 % interval",
+        "unit",
+        "robot's file",
+        "",
+    ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     rows.extend(report.joints.iter().map(joint));
     told.push_str(&table(
-        &[Align::Left, Align::Right, Align::Left, Align::Left, Align::Right, Align::Left],
+        &[
+            Align::Left,
+            Align::Right,
+            Align::Left,
+            Align::Left,
+            Align::Right,
+            Align::Left,
+        ],
         &rows,
     ));
     told.push('\n');
     for one in &report.components {
-        let unit = if one.unit == "m" { Unit::Metre } else { Unit::Radian };
+        let unit = if one.unit == "m" {
+            Unit::Metre
+        } else {
+            Unit::Radian
+        };
         let nominal = (one.nominal_residual_rms)
             .map(|rms| format!(", robot's file leaves {}", show(unit, rms)));
         told.push_str(&format!(
@@ -82,12 +100,26 @@ pub fn modes(report: &ModesReport, written: &[PathBuf]) -> String {
         "  modes: {} FRFs, {low} to {high} Hz\n\n",
         report.frfs.len()
     );
-    let head = ["mode", "measured", "±", "damping", "interval", "model", "damping", "model/measured", "MAC"];
+    let head = [
+        "mode",
+        "measured",
+        "±",
+        "damping",
+        "interval",
+        "model",
+        "damping",
+        "MAC",
+        "with identified stiffness",
+    ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     rows.extend((report.measured.iter().enumerate()).map(|(k, mode)| measured(k, mode, report)));
     let paired = |k: usize| report.measured.iter().any(|mode| mode.partner == Some(k));
-    for (k, mode) in report.model.iter().enumerate().filter(|(k, one)| one.visible && !paired(*k)) {
-        let _ = k;
+    let alone = report
+        .model
+        .iter()
+        .enumerate()
+        .filter(|(k, one)| one.visible && !paired(*k));
+    for (_, mode) in alone {
         let mut row = vec![String::new(); 9];
         row[1] = "not measured".to_owned();
         row[5] = hz(mode.frequency_hz);
@@ -96,6 +128,14 @@ pub fn modes(report: &ModesReport, written: &[PathBuf]) -> String {
     }
     let mut aligns = [Align::Right; 9];
     aligns[0] = Align::Left;
+    // A column that says nothing is left out.
+    if report
+        .measured
+        .iter()
+        .all(|mode| mode.identified_stiffness_hz.is_none())
+    {
+        rows.iter_mut().for_each(|row| row.truncate(8));
+    }
     told.push_str(&table(&aligns, &rows));
     let unseen = report.model.iter().filter(|one| !one.visible).count();
     if unseen > 0 {
@@ -130,10 +170,8 @@ fn measured(k: usize, mode: &Measured, report: &ModesReport) -> Vec<String> {
         format!("{} to {}", percent(damping.low), percent(damping.high)),
         partner.map_or("none".to_owned(), |one| hz(one.frequency_hz)),
         partner.map_or(String::new(), |one| percent(one.damping_ratio)),
-        partner.map_or(String::new(), |one| {
-            significant(one.frequency_hz / mode.frequency_hz.value, 4)
-        }),
         mode.mac.map_or(String::new(), |mac| format!("{mac:.2}")),
+        mode.identified_stiffness_hz.map_or(String::new(), hz),
     ]
 }
 

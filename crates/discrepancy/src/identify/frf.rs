@@ -81,7 +81,8 @@ pub fn frf(
     for row in 0..table.rows() {
         let f = frequency[row] * spec.frequency.1.si_factor;
         if !(f.is_finite() && f > before && f >= 0.0) {
-            let message = format!("the frequency is {f} Hz, but must be a number, 0 or above, and rise");
+            let message =
+                format!("the frequency is {f} Hz, but must be a number, 0 or above, and rise");
             return Err(fail(row, "frequency", message));
         }
         before = f;
@@ -125,7 +126,10 @@ impl Frf {
                 self.source, band_hz[0], band_hz[1]
             )
         } else if self.value.iter().all(|one| one.norm() == 0.0) {
-            format!("{}: every value in the band is 0, so that nothing was measured", self.source)
+            format!(
+                "{}: every value in the band is 0, so that nothing was measured",
+                self.source
+            )
         } else {
             return Ok(());
         };
@@ -154,7 +158,9 @@ pub(super) fn noise(value: &[Complex<f64>], coherence: &[f64], averages: usize) 
         .map(|i| {
             let near = &single[i.saturating_sub(HALF)..(i + HALF + 1).min(single.len())];
             let mean = near.iter().sum::<f64>() / near.len() as f64;
-            mean.sqrt().max(1e-3 * value[i].norm()).max(f64::MIN_POSITIVE)
+            mean.sqrt()
+                .max(1e-3 * value[i].norm())
+                .max(f64::MIN_POSITIVE)
         })
         .collect()
 }

@@ -47,11 +47,17 @@ pub fn impact(
             band_hz[1],
             significant(signals.rate_hz, 4)
         );
-        return Err(IdentifyError::new("modes.band_hz", format!("{}: {message}", table.source)));
+        return Err(IdentifyError::new(
+            "modes.band_hz",
+            format!("{}: {message}", table.source),
+        ));
     }
     let blows = blows(&signals, spec);
     let Some(length) = window(&signals, spec, &blows) else {
-        return fail("force", "no blow is found that its window fits behind".into());
+        return fail(
+            "force",
+            "no blow is found that its window fits behind".into(),
+        );
     };
     let mut notes = Vec::new();
     let before = (spec.before_s * signals.rate_hz).round() as usize;
@@ -68,7 +74,10 @@ pub fn impact(
         ));
     }
     if windows.is_empty() {
-        return fail("force", "every blow is double or cut by an end of the record".into());
+        return fail(
+            "force",
+            "every blow is double or cut by an end of the record".into(),
+        );
     }
     if let Some(left) = still_ringing(&signals, spec, &windows, length) {
         notes.push(format!(
@@ -78,7 +87,7 @@ pub fn impact(
         ));
     }
     let mut found = average(&signals, spec, &windows, length, band_hz);
-    found.source = table.source.clone();
+    found.source = format!("{}, {}", table.source, spec.response.column);
     notes.insert(
         0,
         format!(
@@ -96,7 +105,9 @@ pub fn impact(
 fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<Signals, IdentifyError> {
     let read = |name: &str, factor: f64, part: &str| -> Result<Vec<f64>, IdentifyError> {
         let at = || format!("{key}.{part}");
-        let values = table.column(name).map_err(|error| IdentifyError::new(at(), error))?;
+        let values = table
+            .column(name)
+            .map_err(|error| IdentifyError::new(at(), error))?;
         if let Some(row) = values.iter().position(|value| !value.is_finite()) {
             let message = format!(
                 "{}: {}: column \"{name}\" holds no number; a spectrum needs every sample",
@@ -116,9 +127,9 @@ fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<Signals, Ident
             let steps = (times.len().max(2) - 1) as f64;
             let span = times.last().zip(times.first()).map_or(0.0, |(b, a)| b - a);
             let interval = span / steps;
-            let uneven = times.windows(2).position(|pair| {
-                !((pair[1] - pair[0] - interval).abs() <= JITTER * interval)
-            });
+            let uneven = times
+                .windows(2)
+                .position(|pair| !((pair[1] - pair[0] - interval).abs() <= JITTER * interval));
             if let Some(row) = uneven.or((span <= 0.0).then_some(0)) {
                 let message = format!(
                     "{}: {}: the next sample follows after {} s, but the mean interval is {} s; a spectrum needs \
@@ -174,10 +185,20 @@ fn window(signals: &Signals, spec: &ImpactSpec, blows: &[usize]) -> Option<usize
 }
 
 /// Whether a window holds one blow.
-fn single(signals: &Signals, spec: &ImpactSpec, start: usize, length: usize, before: usize) -> bool {
+fn single(
+    signals: &Signals,
+    spec: &ImpactSpec,
+    start: usize,
+    length: usize,
+    before: usize,
+) -> bool {
     let force = &signals.force[start..start + length];
     let peak = (0..force.len()).fold(0, |best, i| {
-        if force[i].abs() > force[best].abs() { i } else { best }
+        if force[i].abs() > force[best].abs() {
+            i
+        } else {
+            best
+        }
     });
     let largest = force[peak].abs();
     let trigger = spec.trigger_n.unwrap_or(0.1 * largest).min(0.1 * largest);
@@ -201,7 +222,8 @@ fn still_ringing(
         let mean = part.iter().sum::<f64>() / part.len() as f64;
         (part.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / part.len() as f64).sqrt()
     };
-    let decay = (spec.exponential_s).map_or(1.0, |tau| (-(length as f64) / signals.rate_hz / tau).exp());
+    let decay =
+        (spec.exponential_s).map_or(1.0, |tau| (-(length as f64) / signals.rate_hz / tau).exp());
     let worst = windows.iter().map(|&start| {
         let window = &signals.response[start..start + length];
         // The largest tenth: a window begins before its blow.
@@ -226,7 +248,8 @@ fn average(
     for &start in windows {
         let spectrum = |signal: &[f64]| {
             // What stands before the blow is the sensor's offset.
-            let rest = signal[start..start + before.max(1)].iter().sum::<f64>() / before.max(1) as f64;
+            let rest =
+                signal[start..start + before.max(1)].iter().sum::<f64>() / before.max(1) as f64;
             let offset = if before >= 4 { rest } else { 0.0 };
             let mut window: Vec<f64> = (signal[start..start + length].iter().enumerate())
                 .map(|(i, x)| {
@@ -259,7 +282,9 @@ fn average(
     Frf {
         source: String::new(),
         frequency_hz: used.iter().map(|&k| hz(k)).collect(),
-        noise: coherence.as_ref().map(|one| noise(&value, one, windows.len())),
+        noise: coherence
+            .as_ref()
+            .map(|one| noise(&value, one, windows.len())),
         value,
         coherence,
         kind: spec.kind,

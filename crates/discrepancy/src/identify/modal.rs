@@ -77,7 +77,13 @@ pub fn fit(
     let modes = (poles.iter().enumerate())
         .map(|(k, pole)| {
             let deviation = |i: usize| half * covariance[(i, i)].max(0.0).sqrt();
-            measured(pole, (deviation(2 * k), deviation(2 * k + 1)), damping_shift, &best, k)
+            measured(
+                pole,
+                (deviation(2 * k), deviation(2 * k + 1)),
+                damping_shift,
+                &best,
+                k,
+            )
         })
         .collect();
     Some(ModalFit {
@@ -108,7 +114,11 @@ fn measured(
         (decay - spread) / omega
     };
     MeasuredMode {
-        frequency_hz: [hz(omega), hz(omega) * (-of_omega).exp(), hz(omega) * of_omega.exp()],
+        frequency_hz: [
+            hz(omega),
+            hz(omega) * (-of_omega).exp(),
+            hz(omega) * of_omega.exp(),
+        ],
         damping_ratio: [decay / omega, low, (decay + spread) / omega],
         participation: (best.residues.iter())
             .map(|of_frf| of_frf[k] * Complex::new(0.0, 2.0 * damped))

@@ -66,6 +66,8 @@ pub struct Measured {
     pub partner: Option<usize>,
     /// Modal assurance criterion with it, over the FRFs; none with a single FRF.
     pub mac: Option<f64>,
+    /// Frequency of its partner in the model with the stiffnesses identified beside it, Hz.
+    pub identified_stiffness_hz: Option<f64>,
 }
 
 /// A value and the ends of its 95 % interval.
@@ -133,9 +135,13 @@ pub fn beside_model(
             mac: partner
                 .filter(|_| frfs.len() > 1)
                 .map(|k| mac(&mode.participation, &model[k].participation)),
+            identified_stiffness_hz: None,
         })
         .collect();
     let mut notes: Vec<String> = frfs.iter().flat_map(|frf| frf.notes.clone()).collect();
+    // FRFs of one record share what was done to it.
+    let mut told = std::collections::BTreeSet::new();
+    notes.retain(|note| told.insert(note.clone()));
     if frfs.len() == 1 && fit.modes.len() > 1 {
         notes.push("with a single FRF modes are paired by frequency and sign alone".to_owned());
     }
@@ -152,11 +158,26 @@ pub fn beside_model(
     })
 }
 
+impl ModesReport {
+    /// Adds the frequencies of the model with identified stiffnesses, held against the same FRFs.
+    pub fn add_identified(&mut self, other: &ModesReport) {
+        for (mode, beside) in self.measured.iter_mut().zip(&other.measured) {
+            mode.identified_stiffness_hz = beside.partner.map(|k| other.model[k].frequency_hz);
+        }
+    }
+}
+
 fn modelled(frfs: &[Frf], arm: &ElasticArm, axes: Axes) -> Result<Vec<Modelled>, SimError> {
     let rows: Vec<[Vec<f64>; 2]> = (frfs.iter())
-        .map(|frf| [arm.along(&frf.excitation, axes), arm.along(&frf.response, axes)])
+        .map(|frf| {
+            [
+                arm.along(&frf.excitation, axes),
+                arm.along(&frf.response, axes),
+            ]
+        })
         .collect();
-    let along = |row: &[f64], shape: &[f64]| -> f64 { row.iter().zip(shape).map(|(a, b)| a * b).sum() };
+    let along =
+        |row: &[f64], shape: &[f64]| -> f64 { row.iter().zip(shape).map(|(a, b)| a * b).sum() };
     let modes = arm.modes()?.into_iter().map(|mode| Modelled {
         frequency_hz: mode.frequency_hz,
         damping_ratio: mode.damping_ratio,
@@ -180,14 +201,19 @@ fn contribution(mode: &Modelled, frf: usize, hz: f64, kind: MotionKind) -> Compl
 }
 
 fn model_value(model: &[Modelled], frf: usize, hz: f64, kind: MotionKind) -> Complex<f64> {
-    model.iter().map(|mode| contribution(mode, frf, hz, kind)).sum()
+    model
+        .iter()
+        .map(|mode| contribution(mode, frf, hz, kind))
+        .sum()
 }
 
 fn shows(model: &[Modelled], mode: usize, frfs: &[Frf], band_hz: [f64; 2]) -> bool {
     let hz = model[mode].frequency_hz;
     let share = |m: usize| {
         let own = contribution(&model[mode], m, hz, frfs[m].kind).norm();
-        own / model_value(model, m, hz, frfs[m].kind).norm().max(f64::MIN_POSITIVE)
+        own / model_value(model, m, hz, frfs[m].kind)
+            .norm()
+            .max(f64::MIN_POSITIVE)
     };
     (band_hz[0]..=band_hz[1]).contains(&hz) && (0..frfs.len()).any(|m| share(m) > HIDDEN)
 }
@@ -231,7 +257,11 @@ fn pair(measured: &[MeasuredMode], model: &[Modelled]) -> Vec<Option<usize>> {
                 }
             };
             offer(taken, cost + FAR, None);
-            for (k, one) in model.iter().enumerate().filter(|(k, _)| taken & (1 << k) == 0) {
+            for (k, one) in model
+                .iter()
+                .enumerate()
+                .filter(|(k, _)| taken & (1 << k) == 0)
+            {
                 let apart = distance(mode, one) + if one.visible { 0.0 } else { 0.5 * FAR };
                 if apart < FAR {
                     offer(taken | (1 << k), cost + apart, Some(k));
@@ -261,15 +291,23 @@ fn frf_report(frf: &Frf, fit: &ModalFit, model: &[Complex<f64>], m: usize) -> Fr
         residual: fit.residual[m],
         coherence: (frf.coherence.as_ref()).map(|c| c.iter().sum::<f64>() / c.len() as f64),
         model_error: (off / all).sqrt(),
-        curves: curves.map(|((f, h), (fit, model))| (*f, [*h, *fit, *model])).collect(),
+        curves: curves
+            .map(|((f, h), (fit, model))| (*f, [*h, *fit, *model]))
+            .collect(),
     }
 }
 
 /// Directions that no FRF looks at are worth a word: modes along them stay unseen.
 fn missing(frfs: &[Frf]) -> Option<String> {
     let at_tool = frfs.iter().all(|frf| frf.response.point == Point::Tool);
-    let seen = |axis: usize| frfs.iter().any(|frf| frf.response.direction[axis].abs() > 0.3);
-    let blind: Vec<&str> = (0..3).filter(|&axis| !seen(axis)).map(|axis| ["x", "y", "z"][axis]).collect();
+    let seen = |axis: usize| {
+        frfs.iter()
+            .any(|frf| frf.response.direction[axis].abs() > 0.3)
+    };
+    let blind: Vec<&str> = (0..3)
+        .filter(|&axis| !seen(axis))
+        .map(|axis| ["x", "y", "z"][axis])
+        .collect();
     (at_tool && !blind.is_empty() && frfs.len() > 1)
         .then(|| format!("no response was measured along {}", blind.join(" and ")))
 }

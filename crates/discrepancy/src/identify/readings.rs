@@ -126,7 +126,9 @@ impl Readings {
             }
         };
         let world_from_axes = arm.world_from_axes(&command, spec.axes);
-        let turn = |from: usize| world_from_axes * Vector3::new(load[from], load[from + 1], load[from + 2]);
+        let turn = |from: usize| {
+            world_from_axes * Vector3::new(load[from], load[from + 1], load[from + 2])
+        };
         let (force, moment) = (turn(0), turn(3));
         self.loadings.push(Loading {
             place: place(table, row),

@@ -111,6 +111,19 @@ const MAX_STEPS: usize = 40;
 /// Compliances stand still when they change by less than this share.
 const STILL: f64 = 1e-9;
 
+impl StiffnessReport {
+    /// Stiffnesses of all joints: identified where they are, else those of the file. `None` if nothing was identified
+    /// or a joint has neither.
+    pub fn updated(&self) -> Option<Vec<f64>> {
+        let any = self.joints.iter().any(|joint| joint.value.is_some());
+        let all = self
+            .joints
+            .iter()
+            .map(|joint| joint.value.or(joint.nominal));
+        any.then(|| all.collect()).flatten()
+    }
+}
+
 /// Identifies the stiffness of every joint.
 ///
 /// # Errors
@@ -172,18 +185,30 @@ impl Solution {
             return Err(IdentifyError::new("stiffness", message));
         }
         let unit = DMatrix::from_fn(design.matrix.nrows(), joints, |r, c| {
-            if loaded[c] { design.matrix[(r, c)] / norms[c] } else { 0.0 }
+            if loaded[c] {
+                design.matrix[(r, c)] / norms[c]
+            } else {
+                0.0
+            }
         });
         let svd = unit.clone().svd(true, true);
         let (Some(u), Some(v_t)) = (&svd.u, &svd.v_t) else {
-            return Err(IdentifyError::new("stiffness", "the design has no singular values"));
+            return Err(IdentifyError::new(
+                "stiffness",
+                "the design has no singular values",
+            ));
         };
         let limit = RANK * svd.singular_values.max();
         let mut scaled = DVector::zeros(joints);
         let mut covariance = DMatrix::zeros(joints, joints);
         let mut known = DMatrix::zeros(joints, joints);
         let mut rank = 0;
-        for (k, s) in svd.singular_values.iter().enumerate().filter(|(_, s)| **s > limit) {
+        for (k, s) in svd
+            .singular_values
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| **s > limit)
+        {
             let v = v_t.row(k).transpose();
             scaled += &v * (u.column(k).dot(&design.target) / s);
             covariance += &v * v.transpose() / (s * s);
@@ -191,7 +216,10 @@ impl Solution {
             rank += 1;
         }
         let residual = &design.target - &unit * &scaled;
-        let Some(degrees) = design.readings.checked_sub(rank + design.zeros).filter(|d| *d > 0)
+        let Some(degrees) = design
+            .readings
+            .checked_sub(rank + design.zeros)
+            .filter(|d| *d > 0)
         else {
             let message = format!(
                 "{} readings for {rank} stiffnesses and {} zeros: more are needed to tell how sure they are",

@@ -3,6 +3,7 @@
 //! It is no scenario, since nothing is simulated in time, but follows the same rules: a schema derived from its
 //! tables, units said with every column, faults with their places.
 
+mod hammer;
 mod modes;
 mod stiffness;
 
@@ -12,7 +13,7 @@ use std::sync::OnceLock;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-pub use modes::{
+pub use hammer::{
     Direction, FrfSpec, FrfValues, HammerPoint, ImpactSpec, ModesSpec, MotionKind, SampleTimes,
     Signal,
 };

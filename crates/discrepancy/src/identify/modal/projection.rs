@@ -85,7 +85,9 @@ impl Problem {
     /// Cost of fitting nothing.
     pub fn total(&self) -> f64 {
         let of = |c: &Curve| -> f64 {
-            (c.value.iter().zip(&c.weight)).map(|(h, w)| h.norm_sqr() * w * w).sum()
+            (c.value.iter().zip(&c.weight))
+                .map(|(h, w)| h.norm_sqr() * w * w)
+                .sum()
         };
         self.curves.iter().map(of).sum()
     }
@@ -109,10 +111,8 @@ impl Problem {
             let (plain, _) = unit_columns(curve.design(poles));
             let triangle = basis.tr_mul(&plain);
             let scaled = back_substitute(&triangle, &within, &rank);
-            let coefficients = DVector::from_iterator(
-                scaled.len(),
-                scaled.iter().zip(&norms).map(|(c, n)| c / n),
-            );
+            let coefficients =
+                DVector::from_iterator(scaled.len(), scaled.iter().zip(&norms).map(|(c, n)| c / n));
             fitted.residues.push(
                 (0..poles.len())
                     .map(|k| C::new(coefficients[2 * k], coefficients[2 * k + 1]))
@@ -149,7 +149,9 @@ impl Problem {
                         .collect();
                     let slope = curve.weighted(&slope);
                     let outside = &slope - &at.bases[m] * at.bases[m].tr_mul(&slope);
-                    jacobian.view_mut((row, column), (rows, 1)).copy_from(&(-outside));
+                    jacobian
+                        .view_mut((row, column), (rows, 1))
+                        .copy_from(&(-outside));
                 }
             }
             row += rows;
@@ -206,7 +208,11 @@ impl Problem {
             .map(|(curve, coefficients)| {
                 let columns = curve.columns(poles);
                 (0..curve.omega.len())
-                    .map(|i| (columns.iter().zip(coefficients)).map(|(c, a)| c[i] * *a).sum())
+                    .map(|i| {
+                        (columns.iter().zip(coefficients))
+                            .map(|(c, a)| c[i] * *a)
+                            .sum()
+                    })
                     .collect()
             })
             .collect()
@@ -234,7 +240,9 @@ impl Problem {
                 own / curve.value[i].norm().max(f64::MIN_POSITIVE)
             })
         };
-        (self.curves.iter().zip(&fitted.residues)).map(of).fold(0.0, f64::max)
+        (self.curves.iter().zip(&fitted.residues))
+            .map(of)
+            .fold(0.0, f64::max)
     }
 }
 
@@ -320,7 +328,9 @@ fn orthonormal(design: &mut DMatrix<f64>) -> Vec<bool> {
 fn back_substitute(triangle: &DMatrix<f64>, right: &DVector<f64>, new: &[bool]) -> DVector<f64> {
     let mut solution = DVector::zeros(right.len());
     for k in (0..right.len()).rev().filter(|&k| new[k]) {
-        let known: f64 = (k + 1..right.len()).map(|j| triangle[(k, j)] * solution[j]).sum();
+        let known: f64 = (k + 1..right.len())
+            .map(|j| triangle[(k, j)] * solution[j])
+            .sum();
         solution[k] = (right[k] - known) / triangle[(k, k)];
     }
     solution

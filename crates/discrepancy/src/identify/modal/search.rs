@@ -13,6 +13,8 @@ const ZETAS: [f64; 4] = [0.005, 0.02, 0.06, 0.15];
 const STARTS: usize = 60;
 /// More modes are not looked for.
 const MOST: usize = 16;
+/// Modes that are added although none of them is worth it yet.
+const PATIENCE: usize = 3;
 /// A mode must make up this share of some FRF at its own frequency.
 const VISIBLE: f64 = 0.05;
 /// Beyond this a pole is no mode but a slope.
@@ -23,33 +25,48 @@ const MAX_STEPS: usize = 60;
 
 /// The poles that the data show, or `count` of them.
 pub(super) fn poles(problem: &Problem, band_hz: [f64; 2], count: Option<usize>) -> Vec<Pole> {
-    let mut poles: Vec<Pole> = Vec::new();
-    let mut cost = problem.solve(&poles).cost();
+    let none = problem.solve(&[]).cost();
+    let (mut poles, mut cost) = (Vec::new(), none);
+    // What a mode leaves while others are still missing looks like coloured noise, in which it is worth little; a few
+    // more are tried before the last that was worth it stands.
+    let (mut worthy, mut worthy_cost) = (Vec::new(), none);
     let total = problem.total();
     while poles.len() < count.unwrap_or(MOST) && cost > EXACT * total {
         if problem.size() <= problem.unknowns(poles.len() + 1) + 1.0 {
             break;
         }
-        let mut found = None;
-        for start in starts(problem, band_hz, &poles) {
-            let mut trial = poles.clone();
-            trial.push(start);
-            let trial = refine(problem, &trial);
-            if !sensible(problem, &trial, band_hz) {
-                continue;
-            }
-            let trial_cost = problem.solve(&trial).cost();
-            if trial_cost < found.as_ref().map_or(cost, |(_, best)| *best) {
-                found = Some((trial, trial_cost));
-            }
-        }
-        let Some((trial, trial_cost)) = found else { break };
-        if count.is_none() && !worth_it(problem, (&poles, cost), (&trial, trial_cost)) {
+        let Some(more) = one_more(problem, band_hz, &poles, cost) else {
+            break;
+        };
+        (poles, cost) = more;
+        if count.is_some() || worth_it(problem, (&worthy, worthy_cost), (&poles, cost)) {
+            (worthy, worthy_cost) = (poles.clone(), cost);
+        } else if poles.len() >= worthy.len() + PATIENCE {
             break;
         }
-        (poles, cost) = (trial, trial_cost);
     }
-    poles
+    worthy
+}
+
+/// The poles with the one added that takes most off the cost; `None` if none takes anything off.
+fn one_more(
+    problem: &Problem,
+    band_hz: [f64; 2],
+    poles: &[Pole],
+    cost: f64,
+) -> Option<(Vec<Pole>, f64)> {
+    let mut found: Option<(Vec<Pole>, f64)> = None;
+    for start in starts(problem, band_hz, poles) {
+        let mut trial = poles.to_vec();
+        trial.push(start);
+        let trial = refine(problem, &trial);
+        let least = found.as_ref().map_or(cost, |(_, best)| *best);
+        let trial_cost = problem.solve(&trial).cost();
+        if trial_cost < least && sensible(problem, &trial, band_hz) {
+            found = Some((trial, trial_cost));
+        }
+    }
+    found
 }
 
 /// Bayes's information criterion; residuals that go together count once.
@@ -65,7 +82,10 @@ fn starts(problem: &Problem, band_hz: [f64; 2], poles: &[Pole]) -> Vec<Pole> {
     let low = band_hz[0].max(1e-3 * band_hz[1]);
     let at = |i: usize| TAU * low * (band_hz[1] / low).powf((i as f64 + 0.5) / STARTS as f64);
     let mut trial = poles.to_vec();
-    trial.push(Pole { omega: 1.0, zeta: 0.1 });
+    trial.push(Pole {
+        omega: 1.0,
+        zeta: 0.1,
+    });
     let mut best: Vec<(Pole, f64)> = Vec::new();
     for zeta in ZETAS {
         let costs = (0..STARTS).map(|i| {
@@ -117,7 +137,9 @@ pub(super) fn refine(problem: &Problem, start: &[Pole]) -> Vec<Pole> {
                 damping *= 10.0;
             }
         }
-        let Some((trial, fitted, step)) = moved else { break };
+        let Some((trial, fitted, step)) = moved else {
+            break;
+        };
         let gain = cost - fitted.cost();
         poles = trial;
         at = fitted;

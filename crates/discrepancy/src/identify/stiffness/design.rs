@@ -85,8 +85,7 @@ impl Design {
                     predicted: into(component, &|axis| found.motion[axis]),
                 });
                 lines.extend(
-                    (0..joints)
-                        .map(|k| into(component, &|axis| found.by_compliance[(axis, k)])),
+                    (0..joints).map(|k| into(component, &|axis| found.by_compliance[(axis, k)])),
                 );
             }
         }
@@ -172,7 +171,9 @@ impl Design {
         // One bad row must not hide in the deviation that it makes: the median stands for it.
         let mut sizes: Vec<f64> = residual.iter().map(|r| r.abs()).collect();
         sizes.sort_by(f64::total_cmp);
-        let typical = sizes.get(sizes.len() / 2).map_or(0.0, |median| median / 0.6745);
+        let typical = sizes
+            .get(sizes.len() / 2)
+            .map_or(0.0, |median| median / 0.6745);
         if typical <= 1e-6 * variance.sqrt() {
             return Vec::new();
         }
@@ -190,11 +191,7 @@ impl Design {
 }
 
 /// A component of a world motion in other axes.
-fn in_axes(
-    world_from_axes: &Matrix3<f64>,
-    component: usize,
-    pick: &dyn Fn(usize) -> f64,
-) -> f64 {
+fn in_axes(world_from_axes: &Matrix3<f64>, component: usize, pick: &dyn Fn(usize) -> f64) -> f64 {
     let from = 3 * (component / 3);
     let vector = Vector3::new(pick(from), pick(from + 1), pick(from + 2));
     world_from_axes.column(component % 3).dot(&vector)
@@ -217,7 +214,8 @@ fn remove_zeros(readings: &Readings, rows: &mut [Row], matrix: &mut DMatrix<f64>
             }
             zeros += 1;
             let count = own.len() as f64;
-            let mean = |pick: &dyn Fn(usize) -> f64| own.iter().map(|&i| pick(i)).sum::<f64>() / count;
+            let mean =
+                |pick: &dyn Fn(usize) -> f64| own.iter().map(|&i| pick(i)).sum::<f64>() / count;
             let measured = mean(&|i| rows[i].measured);
             let predicted = mean(&|i| rows[i].predicted);
             for k in 0..matrix.ncols() {

@@ -7,7 +7,11 @@ use super::{Status, StiffnessReport};
 /// All stiffnesses off by more than this factor are no matter of stiffness.
 const ABSURD: f64 = 30.0;
 
-pub(super) fn notes(report: &StiffnessReport, beyond_noise: bool, unknown_zero: bool) -> Vec<String> {
+pub(super) fn notes(
+    report: &StiffnessReport,
+    beyond_noise: bool,
+    unknown_zero: bool,
+) -> Vec<String> {
     let mut notes = Vec::new();
     if let (true, Some(times)) = (beyond_noise, report.residual_over_noise) {
         notes.push(format!(
