@@ -33,7 +33,7 @@ pub fn stiffness(report: &StiffnessReport) -> Figure {
                 points: (one.points.iter())
                     .map(|p| (unit.from_si(p[0]), unit.from_si(p[which])))
                     .collect(),
-                style: Style::Cloud,
+                style: Style::Marks(vec![String::new(); one.points.len()]),
                 colour,
             };
             let ends = [-unit.from_si(size), unit.from_si(size)];
@@ -128,7 +128,7 @@ fn layers(frf: &FrfReport, value: fn(f64, f64) -> f64) -> Vec<Layer> {
         colour,
     };
     vec![
-        layer(0, "measured", Style::Cloud, ORANGE),
+        layer(0, "measured", Style::Dotted(3), ORANGE),
         layer(1, "fit", Style::Line, BLUE),
         layer(2, "model", Style::Dashed, GREEN),
     ]

@@ -230,9 +230,10 @@ fn hammer(window_s: f64, exponential_s: Option<f64>) -> ImpactSpec {
 #[test]
 fn verify_blows_give_the_modes_of_the_closed_form() {
     // Sampled displacement is exact; the constant and 1/ω² terms take up what aliasing there is.
-    for (seconds, exponential, shift) in [(12.0, None, 0.0), (2.5, Some(0.6), 1.0 / 0.6)] {
-        let table = blows(3, seconds, 1e-4);
-        let spec = hammer(seconds - 0.1, exponential);
+    // A window much shorter than the decay needs the exponential; blows themselves wait until the arm is quiet.
+    for (window_s, exponential, shift) in [(11.9, None, 0.0), (2.5, Some(0.6), 1.0 / 0.6)] {
+        let table = blows(3, 12.0, 1e-4);
+        let spec = hammer(window_s, exponential);
         let found = impact(&table, &spec, BAND, "modes.impact.0").unwrap();
         assert!(found.coherence.as_ref().unwrap().iter().all(|c| *c > 0.9));
         let found = fit(&[found], BAND, None, shift).unwrap();
