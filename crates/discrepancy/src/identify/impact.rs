@@ -129,7 +129,7 @@ fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<Signals, Ident
             let interval = span / steps;
             let uneven = times
                 .windows(2)
-                .position(|pair| !((pair[1] - pair[0] - interval).abs() <= JITTER * interval));
+                .position(|pair| (pair[1] - pair[0] - interval).abs() > JITTER * interval);
             if let Some(row) = uneven.or((span <= 0.0).then_some(0)) {
                 let message = format!(
                     "{}: {}: the next sample follows after {} s, but the mean interval is {} s; a spectrum needs \

@@ -180,15 +180,16 @@ fn a_joint_that_only_noise_moves_has_a_lower_bound() {
 
 #[test]
 fn a_single_posture_and_direction_cannot_tell_two_joints_apart() {
-    let file = planar("unloaded", 1e-5);
+    let file = planar("unloaded", 1e-4);
     let mut draw = normal(8);
     let mut table = table(&true_arm(&file), 0.0, || 0.0);
-    // One posture, pushed up and down, seen in one direction.
+    // One posture, pushed up and down, seen in one direction; what the posture's change under load tells is
+    // far below the noise.
     for column in &mut table.columns {
         column.values = (column.values[2..4].iter().copied().cycle().take(8)).collect();
         match column.name.as_str() {
             "displacement_x" => column.values.fill(f64::NAN),
-            "displacement_z" => column.values.iter_mut().for_each(|z| *z += 1e-5 * draw()),
+            "displacement_z" => column.values.iter_mut().for_each(|z| *z += 1e-4 * draw()),
             _ => {}
         }
     }
