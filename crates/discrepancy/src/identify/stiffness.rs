@@ -103,6 +103,8 @@ pub struct Outlier {
 
 /// Singular values below this share of the largest are zero: a geometry that determines nothing.
 const RANK: f64 = 1e-7;
+/// Directions below this share of the largest singular value do not move the point of linearisation.
+const VAGUE: f64 = 0.05;
 /// Most of a joint's effect in directions that nothing determines, for it to count as determined.
 const SHARE: f64 = 1e-6;
 /// Compliance at least as small as this is none, rad/(N m) or m/N.
@@ -141,7 +143,7 @@ pub fn identify(
         let solution = Solution::new(&design)?;
         steps += 1;
         let before = compliance.clone();
-        compliance = solution.compliance.iter().map(|c| c.max(RIGID)).collect();
+        compliance = solution.point.iter().map(|c| c.max(RIGID)).collect();
         let scale = compliance.iter().copied().fold(0.0, f64::max);
         let pairs = || compliance.iter().zip(&before);
         if pairs().all(|(now, then)| (now - then).abs() <= STILL * (now + 1e-3 * scale)) {
@@ -160,6 +162,9 @@ pub fn identify(
 /// Least squares on a design, with what it leaves open.
 struct Solution {
     compliance: Vec<f64>,
+    /// Compliances at which to linearise next: without the directions that hardly anything determines, in which
+    /// noise would lead far astray.
+    point: Vec<f64>,
     standard_error: Vec<f64>,
     /// Correlations of the estimates.
     correlation: DMatrix<f64>,
@@ -200,6 +205,7 @@ impl Solution {
         };
         let limit = RANK * svd.singular_values.max();
         let mut scaled = DVector::zeros(joints);
+        let mut firm = DVector::zeros(joints);
         let mut covariance = DMatrix::zeros(joints, joints);
         let mut known = DMatrix::zeros(joints, joints);
         let mut rank = 0;
@@ -210,7 +216,11 @@ impl Solution {
             .filter(|(_, s)| **s > limit)
         {
             let v = v_t.row(k).transpose();
-            scaled += &v * (u.column(k).dot(&design.target) / s);
+            let share = &v * (u.column(k).dot(&design.target) / s);
+            if *s > VAGUE * svd.singular_values.max() {
+                firm += &share;
+            }
+            scaled += share;
             covariance += &v * v.transpose() / (s * s);
             known += &v * v.transpose();
             rank += 1;
@@ -234,6 +244,7 @@ impl Solution {
         singular_values.sort_by(|a, b| b.total_cmp(a));
         Ok(Solution {
             compliance: (0..joints).map(|k| scaled[k] / norm(k)).collect(),
+            point: (0..joints).map(|k| firm[k] / norm(k)).collect(),
             standard_error: (0..joints)
                 .map(|k| variance.sqrt() * deviation(k) / norm(k))
                 .collect(),
