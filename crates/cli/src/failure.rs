@@ -4,7 +4,7 @@ use std::path::Path;
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use truecut_arm::{ArmError, ArmErrorKind};
-use truecut_scenario::{Scenario, ScenarioError};
+use truecut_scenario::{Identification, Scenario, ScenarioError};
 use truecut_sim::SimError;
 
 /// Why a command could not do its work.
@@ -133,6 +133,22 @@ impl Failure {
                 Failure::message(format!("{}: {error}", scenario.path().display()))
             }
             SimError::Sink(error) => Failure::message(error.to_string()),
+        }
+    }
+}
+
+impl Failure {
+    /// An error of the arm of an identification, at the key that it is about.
+    pub fn identified_arm(file: &Identification, error: SimError) -> Failure {
+        match error {
+            SimError::Scenario { key, message } => {
+                (file.problem(&key, format!("`{key}` {message}"))).into()
+            }
+            SimError::Arm(error) if error.line().is_some() => {
+                let help = format!("it is the robot of {}", file.path().display());
+                Failure::arm_with(&error, Some(help))
+            }
+            other => file.problem("robot.urdf", other.to_string()).into(),
         }
     }
 }

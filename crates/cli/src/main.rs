@@ -10,6 +10,7 @@ mod execute;
 mod failure;
 mod figure;
 mod find;
+mod identify;
 mod judge;
 mod mjcf;
 mod outputs;
@@ -54,10 +55,15 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
         Command::Compare(arguments) => compare::compare(&arguments.resolve()?),
         Command::Diagnose(arguments) => diagnose::diagnose(&arguments.resolve()?),
         Command::Robot(arguments) => robot::describe(&arguments),
-        Command::Schema => print(&format!(
-            "{:#}\n",
-            truecut_scenario::Scenario::json_schema()
-        )),
+        Command::Identify(arguments) => identify::identify(&arguments),
+        Command::Schema(arguments) => {
+            let schema = if arguments.identification {
+                truecut_scenario::Identification::json_schema()
+            } else {
+                truecut_scenario::Scenario::json_schema()
+            };
+            print(&format!("{schema:#}\n"))
+        }
     }
 }
 

@@ -399,15 +399,15 @@ impl FileTable {
     }
 }
 
-fn folder_of(path: &Path) -> PathBuf {
+pub(crate) fn folder_of(path: &Path) -> PathBuf {
     path.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
 
-fn one_problem(problem: Problem) -> ScenarioError {
+pub(crate) fn one_problem(problem: Problem) -> ScenarioError {
     ScenarioError::Invalid(Box::new(problem), Vec::new())
 }
 
-fn located(document: &Document, faults: Vec<Fault>) -> Option<ScenarioError> {
+pub(crate) fn located(document: &Document, faults: Vec<Fault>) -> Option<ScenarioError> {
     let mut problems: Vec<Problem> = faults
         .into_iter()
         .map(|fault| document.locate(fault))

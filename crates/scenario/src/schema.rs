@@ -11,14 +11,17 @@ use crate::structure::unknown_key;
 /// JSON Schema of the scenario file, without references.
 pub(crate) fn schema() -> &'static Json {
     static SCHEMA: OnceLock<Json> = OnceLock::new();
-    SCHEMA.get_or_init(|| {
-        let settings = schemars::generate::SchemaSettings::default()
-            .with(|settings| settings.inline_subschemas = true);
-        let schema = settings
-            .into_generator()
-            .into_root_schema_for::<crate::scenario::FileTable>();
-        schema.to_value()
-    })
+    SCHEMA.get_or_init(schema_of::<crate::scenario::FileTable>)
+}
+
+/// JSON Schema of a file whose tables are of type `T`, without references.
+pub(crate) fn schema_of<T: schemars::JsonSchema>() -> Json {
+    let settings = schemars::generate::SchemaSettings::default()
+        .with(|settings| settings.inline_subschemas = true);
+    settings
+        .into_generator()
+        .into_root_schema_for::<T>()
+        .to_value()
 }
 
 /// The schema of the value at `path`.

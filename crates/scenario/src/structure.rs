@@ -14,10 +14,15 @@ use crate::schema::{
 };
 use crate::suggest::same_quantity;
 
-/// Every rule of the schema that the table breaks, in the order of the file where it has one.
+/// Every rule of the scenario's schema that the table breaks, in the order of the file where it has one.
 pub(crate) fn check(table: &Table) -> Vec<Fault> {
+    check_against(schema(), table)
+}
+
+/// As [`check`], for another format.
+pub(crate) fn check_against(schema: &Json, table: &Table) -> Vec<Fault> {
     let mut faults = Vec::new();
-    check_table(schema(), table, &mut Vec::new(), &mut faults);
+    check_table(schema, table, &mut Vec::new(), &mut faults);
     faults
 }
 

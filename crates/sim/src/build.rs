@@ -289,7 +289,7 @@ fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
 }
 
 /// Joint coordinates in chain order from the lists of rotary and prismatic ones.
-fn posture(spec: &RobotSpec, robot: &Robot) -> Result<Vec<f64>, SimError> {
+pub(crate) fn posture(spec: &RobotSpec, robot: &Robot) -> Result<Vec<f64>, SimError> {
     let mut rotary = spec.posture_rad.iter();
     let mut prismatic = spec.posture_m.iter();
     let joints = &robot.chain.joints;

@@ -8,6 +8,7 @@
 //! | --- | --- |
 //! | [`plant`] | what the loads act on: the arm in rapier, or linearised and exactly stepped; its drives |
 //! | [`process`] | what the tool does: chamfering, a wheel on a plate, given forces |
+//! | [`elastic`] | the arm as an elastic structure: deflection under a load, modes; what identification needs |
 //! | [`loads`] | what a process may ask for |
 //! | [`measurement`] | what a sensor makes of a channel |
 //! | [`replay`] | measured inputs that drive a model, forward or inverse |
@@ -19,6 +20,7 @@ mod channels;
 mod command;
 mod contact;
 mod effect;
+pub mod elastic;
 mod error;
 mod guard;
 pub mod loads;

@@ -1,0 +1,135 @@
+//! `truecut identify`: joint stiffness and modes from measurements of the arm itself.
+
+mod figures;
+mod files;
+mod tell;
+
+use std::path::{Path, PathBuf};
+
+use truecut_discrepancy::identify::frf::{Frf, frf};
+use truecut_discrepancy::identify::impact::impact;
+use truecut_discrepancy::identify::modes::{ModesReport, beside_model};
+use truecut_discrepancy::identify::readings::readings;
+use truecut_discrepancy::identify::stiffness::{self, StiffnessReport};
+use truecut_discrepancy::identify::{IdentifyError, modal};
+use truecut_recording::measured::Table;
+use truecut_scenario::Identification;
+use truecut_scenario::identification::{ModesSpec, StiffnessSpec};
+use truecut_sim::elastic::ElasticArm;
+use truecut_telemetry::read_table;
+
+use crate::args::IdentifyArguments;
+use crate::failure::Failure;
+use crate::verdict::Verdict;
+
+/// Identifies what the file holds, prints it and writes reports and figures.
+pub fn identify(arguments: &IdentifyArguments) -> Result<Verdict, Failure> {
+    let file = Identification::load(&arguments.file)?;
+    let arm =
+        ElasticArm::load(&file.robot).map_err(|error| Failure::identified_arm(&file, error))?;
+    // Everything is read and fitted before anything is written.
+    let stiffness = (file.stiffness.as_ref())
+        .map(|spec| of_stiffness(&file, spec, &arm))
+        .transpose()?;
+    let modes = (file.modes.as_ref())
+        .map(|spec| of_modes(&file, spec, &arm, stiffness.as_ref()))
+        .transpose()?;
+    let folder = arguments.out.join(file.stem());
+    let mut told = format!("{}\n", file.name);
+    if let Some(report) = &stiffness {
+        let written = files::stiffness(&folder, report)?;
+        told.push_str(&tell::stiffness(report, &written));
+    }
+    if let Some(report) = &modes {
+        let written = files::modes(&folder, report)?;
+        told.push_str(&tell::modes(report, &written));
+    }
+    crate::print(&told)
+}
+
+fn of_stiffness(
+    file: &Identification,
+    spec: &StiffnessSpec,
+    arm: &ElasticArm,
+) -> Result<StiffnessReport, Failure> {
+    let table = table(file, &spec.file, spec.header, "stiffness")?;
+    readings(&table, spec, arm)
+        .and_then(|readings| stiffness::identify(&readings, spec, arm))
+        .map_err(|error| refused(file, &error))
+}
+
+fn of_modes(
+    file: &Identification,
+    spec: &ModesSpec,
+    arm: &ElasticArm,
+    stiffness: Option<&StiffnessReport>,
+) -> Result<ModesReport, Failure> {
+    let (frfs, shift) = frfs(file, spec)?;
+    let Some(fit) = modal::fit(&frfs, spec.band_hz, spec.count, shift) else {
+        let [low, high] = spec.band_hz;
+        let message = format!(
+            "no mode stands out of the FRFs from {low} to {high} Hz; is it the right band, and the right unit?"
+        );
+        return Err(file.problem("modes.band_hz", message).into());
+    };
+    let beside = |arm: &ElasticArm| {
+        beside_model(&frfs, &fit, arm, spec.axes, spec.band_hz)
+            .map_err(|error| Failure::identified_arm(file, error))
+    };
+    let mut report = beside(arm)?;
+    if let Some(updated) = stiffness.and_then(StiffnessReport::updated) {
+        report.add_identified(&beside(&arm.with_stiffness(&updated))?);
+    }
+    Ok(report)
+}
+
+/// All FRFs, and what an exponential window has added to their decay rates, 1/s.
+fn frfs(file: &Identification, spec: &ModesSpec) -> Result<(Vec<Frf>, f64), Failure> {
+    let mut frfs: Vec<Frf> = Vec::new();
+    let mut shifts = Vec::new();
+    for (index, one) in spec.frfs.iter().enumerate() {
+        let key = format!("modes.frf.{index}");
+        let table = table(file, &one.file, one.header, &key)?;
+        let found = frf(&table, one, spec.band_hz, &key);
+        frfs.push(found.map_err(|error| refused(file, &error))?);
+        shifts.push(0.0);
+    }
+    for (index, one) in spec.impacts.iter().enumerate() {
+        let key = format!("modes.impact.{index}");
+        let table = table(file, &one.file, one.header, &key)?;
+        let found = impact(&table, one, spec.band_hz, &key);
+        frfs.push(found.map_err(|error| refused(file, &error))?);
+        shifts.push(one.exponential_s.map_or(0.0, |tau| 1.0 / tau));
+    }
+    let shift = shifts.first().copied().unwrap_or(0.0);
+    if shifts.iter().any(|one| *one != shift) {
+        let message =
+            "all FRFs share their poles, so that all must have the same exponential_s, or none";
+        return Err(file.problem("modes", message).into());
+    }
+    Ok((frfs, shift))
+}
+
+/// The table of a file; a fault in it is one of the identification, at the key that names the file.
+fn table(file: &Identification, path: &Path, header: bool, key: &str) -> Result<Table, Failure> {
+    read_table(path, header).map_err(|error| {
+        file.problem(&format!("{key}.file"), error.to_string())
+            .into()
+    })
+}
+
+fn refused(file: &Identification, error: &IdentifyError) -> Failure {
+    file.problem(&error.key, error.message.clone()).into()
+}
+
+/// A written file as it is told.
+fn shown(path: &Path, beside: &[PathBuf]) -> String {
+    let names: Vec<String> = (beside.iter())
+        .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
+        .collect();
+    format!(
+        "  {}   (beside it: {})\n\n",
+        path.display(),
+        names.join(", ")
+    )
+}

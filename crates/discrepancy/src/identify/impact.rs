@@ -1,0 +1,295 @@
+//! FRFs from the signals of hammer and sensor: blows are found, and averaged by H1.
+//!
+//! H1 = Σ F* X / Σ F* F is free of bias from noise of the sensor. An exponential window e^(−t/τ) acts on force and
+//! response alike, which gives exactly H(iω + 1/τ): the fit takes the 1/τ off its poles again.
+
+use nalgebra::Complex;
+use realfft::RealFftPlanner;
+use truecut_recording::measured::Table;
+use truecut_recording::significant;
+use truecut_scenario::identification::{ImpactSpec, SampleTimes};
+
+use super::frf::{Frf, noise};
+use super::{IdentifyError, place};
+
+/// Sampling may jitter by this share of the interval.
+const JITTER: f64 = 0.01;
+/// A second blow inside a window: this share of the first.
+const DOUBLE: f64 = 0.2;
+/// A response has rung down when its last tenth is at most this share of its first.
+const RUNG_DOWN: f64 = 0.03;
+
+/// Hammer and response, uniformly sampled, SI.
+struct Signals {
+    rate_hz: f64,
+    force: Vec<f64>,
+    response: Vec<f64>,
+}
+
+/// The FRF of all blows in a table.
+///
+/// # Errors
+/// Signals that are not uniform or hold gaps, no blow, windows too short for the band.
+pub fn impact(
+    table: &Table,
+    spec: &ImpactSpec,
+    band_hz: [f64; 2],
+    key: &str,
+) -> Result<Frf, IdentifyError> {
+    let signals = signals(table, spec, key)?;
+    let fail = |part: &str, message: String| {
+        let message = format!("{}: {message}", table.source);
+        Err(IdentifyError::new(format!("{key}.{part}"), message))
+    };
+    if band_hz[1] > 0.5 * signals.rate_hz {
+        let message = format!(
+            "the band ends at {} Hz, above half of the {} samples a second",
+            band_hz[1],
+            significant(signals.rate_hz, 4)
+        );
+        return Err(IdentifyError::new(
+            "modes.band_hz",
+            format!("{}: {message}", table.source),
+        ));
+    }
+    let blows = blows(&signals, spec);
+    let Some(length) = window(&signals, spec, &blows) else {
+        return fail(
+            "force",
+            "no blow is found that its window fits behind".into(),
+        );
+    };
+    let mut notes = Vec::new();
+    let before = (spec.before_s * signals.rate_hz).round() as usize;
+    let windows: Vec<usize> = (blows.iter())
+        .filter_map(|blow| blow.checked_sub(before))
+        .filter(|start| start + length <= signals.force.len())
+        .filter(|&start| single(&signals, spec, start, length, before))
+        .collect();
+    if windows.len() < blows.len() {
+        let left_out = blows.len() - windows.len();
+        notes.push(format!(
+            "{left_out} of {} blows are left out: double, or cut by an end of the record",
+            blows.len()
+        ));
+    }
+    if windows.is_empty() {
+        return fail(
+            "force",
+            "every blow is double or cut by an end of the record".into(),
+        );
+    }
+    if let Some(left) = still_ringing(&signals, spec, &windows, length) {
+        notes.push(format!(
+            "the response still has {} % of its first size when the window ends: damping comes out too large; \
+             take a longer window_s, or exponential_s",
+            significant(100.0 * left, 2)
+        ));
+    }
+    let mut found = average(&signals, spec, &windows, length, band_hz);
+    found.source = format!("{}, {}", table.source, spec.response.column);
+    notes.insert(
+        0,
+        format!(
+            "{} blows averaged, windows of {} s: {} Hz between frequencies",
+            windows.len(),
+            significant(length as f64 / signals.rate_hz, 3),
+            significant(signals.rate_hz / length as f64, 3)
+        ),
+    );
+    found.notes = notes;
+    found.check(band_hz, key)?;
+    Ok(found)
+}
+
+fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<Signals, IdentifyError> {
+    let read = |name: &str, factor: f64, part: &str| -> Result<Vec<f64>, IdentifyError> {
+        let at = || format!("{key}.{part}");
+        let values = table
+            .column(name)
+            .map_err(|error| IdentifyError::new(at(), error))?;
+        if let Some(row) = values.iter().position(|value| !value.is_finite()) {
+            let message = format!(
+                "{}: {}: column \"{name}\" holds no number; a spectrum needs every sample",
+                table.source,
+                place(table, row)
+            );
+            return Err(IdentifyError::new(at(), message));
+        }
+        Ok(values.iter().map(|value| value * factor).collect())
+    };
+    let force = read(&spec.force.column, spec.force.factor, "force")?;
+    let response = read(&spec.response.column, spec.response.factor, "motion")?;
+    let rate_hz = match &spec.times {
+        SampleTimes::Rate(hz) => *hz,
+        SampleTimes::Column(name, unit) => {
+            let times = read(name, unit.si_factor, "time")?;
+            let steps = (times.len().max(2) - 1) as f64;
+            let span = times.last().zip(times.first()).map_or(0.0, |(b, a)| b - a);
+            let interval = span / steps;
+            let uneven = times
+                .windows(2)
+                .position(|pair| (pair[1] - pair[0] - interval).abs() > JITTER * interval);
+            if let Some(row) = uneven.or((span <= 0.0).then_some(0)) {
+                let message = format!(
+                    "{}: {}: the next sample follows after {} s, but the mean interval is {} s; a spectrum needs \
+                     equal intervals",
+                    table.source,
+                    place(table, row),
+                    significant(times.get(row + 1).map_or(0.0, |next| next - times[row]), 6),
+                    significant(interval, 6)
+                );
+                return Err(IdentifyError::new(format!("{key}.time"), message));
+            }
+            1.0 / interval
+        }
+    };
+    Ok(Signals {
+        rate_hz,
+        force,
+        response,
+    })
+}
+
+/// Samples at which blows begin: the force rises through the trigger, and was below it for a while.
+fn blows(signals: &Signals, spec: &ImpactSpec) -> Vec<usize> {
+    let largest = signals.force.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    let trigger = spec.trigger_n.unwrap_or(0.1 * largest);
+    if largest < trigger || largest == 0.0 {
+        return Vec::new();
+    }
+    // Inside a window a second crossing is a double blow, judged later.
+    let quiet = spec.window_s.unwrap_or(0.25) * signals.rate_hz;
+    let mut found: Vec<usize> = Vec::new();
+    for (i, force) in signals.force.iter().enumerate() {
+        let apart = found.last().is_none_or(|last| (i - last) as f64 > quiet);
+        if force.abs() >= trigger && apart {
+            found.push(i);
+        }
+    }
+    found
+}
+
+/// Samples of a window.
+fn window(signals: &Signals, spec: &ImpactSpec, blows: &[usize]) -> Option<usize> {
+    let before = (spec.before_s * signals.rate_hz).round() as usize;
+    if let Some(window_s) = spec.window_s {
+        return (!blows.is_empty()).then(|| before + (window_s * signals.rate_hz).round() as usize);
+    }
+    let end = signals.force.len() + before;
+    let ends = blows.iter().skip(1).copied().chain([end]);
+    (blows.iter().zip(ends))
+        .map(|(start, end)| end - start)
+        .min()
+        .filter(|length| *length > before)
+}
+
+/// Whether a window holds one blow.
+fn single(
+    signals: &Signals,
+    spec: &ImpactSpec,
+    start: usize,
+    length: usize,
+    before: usize,
+) -> bool {
+    let force = &signals.force[start..start + length];
+    let peak = (0..force.len()).fold(0, |best, i| {
+        if force[i].abs() > force[best].abs() {
+            i
+        } else {
+            best
+        }
+    });
+    let largest = force[peak].abs();
+    let trigger = spec.trigger_n.unwrap_or(0.1 * largest).min(0.1 * largest);
+    // The first blow ends where the force falls through the trigger; later it must stay small.
+    let end = (peak..force.len()).find(|&i| force[i].abs() < trigger);
+    let later = end.map_or(&[][..], |end| &force[end..]);
+    let early = &force[..peak.min(before.saturating_sub(1))];
+    let small = |part: &[f64]| part.iter().all(|f| f.abs() < DOUBLE * largest);
+    small(later) && small(early)
+}
+
+/// What is left of the response at the end of its windows, if that is too much.
+fn still_ringing(
+    signals: &Signals,
+    spec: &ImpactSpec,
+    windows: &[usize],
+    length: usize,
+) -> Option<f64> {
+    let tenth = (length / 10).max(1);
+    let rms = |part: &[f64]| {
+        let mean = part.iter().sum::<f64>() / part.len() as f64;
+        (part.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / part.len() as f64).sqrt()
+    };
+    let decay =
+        (spec.exponential_s).map_or(1.0, |tau| (-(length as f64) / signals.rate_hz / tau).exp());
+    let worst = windows.iter().map(|&start| {
+        let window = &signals.response[start..start + length];
+        // The largest tenth: a window begins before its blow.
+        let first = window.chunks(tenth).map(rms).fold(0.0, f64::max);
+        decay * rms(&window[length - tenth..]) / first.max(f64::MIN_POSITIVE)
+    });
+    Some(worst.fold(0.0, f64::max)).filter(|left| *left > RUNG_DOWN)
+}
+
+fn average(
+    signals: &Signals,
+    spec: &ImpactSpec,
+    windows: &[usize],
+    length: usize,
+    band_hz: [f64; 2],
+) -> Frf {
+    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(length);
+    let count = length / 2 + 1;
+    let (mut ff, mut xx) = (vec![0.0; count], vec![0.0; count]);
+    let mut fx = vec![Complex::new(0.0, 0.0); count];
+    let before = (spec.before_s * signals.rate_hz).round() as usize;
+    for &start in windows {
+        let spectrum = |signal: &[f64]| {
+            // What stands before the blow is the sensor's offset.
+            let rest =
+                signal[start..start + before.max(1)].iter().sum::<f64>() / before.max(1) as f64;
+            let offset = if before >= 4 { rest } else { 0.0 };
+            let mut window: Vec<f64> = (signal[start..start + length].iter().enumerate())
+                .map(|(i, x)| {
+                    let t = i as f64 / signals.rate_hz;
+                    (x - offset) * spec.exponential_s.map_or(1.0, |tau| (-t / tau).exp())
+                })
+                .collect();
+            let mut out = plan.make_output_vec();
+            // The lengths fit: the plan made the output for this window.
+            let _ = plan.process(&mut window, &mut out);
+            out
+        };
+        let (force, response) = (spectrum(&signals.force), spectrum(&signals.response));
+        for k in 0..count {
+            ff[k] += force[k].norm_sqr();
+            xx[k] += response[k].norm_sqr();
+            fx[k] += force[k].conj() * response[k];
+        }
+    }
+    let hz = |k: usize| k as f64 * signals.rate_hz / length as f64;
+    let used: Vec<usize> = (1..count)
+        .filter(|&k| hz(k) >= band_hz[0] && hz(k) <= band_hz[1] && ff[k] > 0.0)
+        .collect();
+    let value: Vec<Complex<f64>> = used.iter().map(|&k| fx[k] / ff[k]).collect();
+    // One blow is always coherent with itself.
+    let coherence: Option<Vec<f64>> = (windows.len() > 1).then(|| {
+        let of = |k: usize| (fx[k].norm_sqr() / (ff[k] * xx[k]).max(f64::MIN_POSITIVE)).min(1.0);
+        used.iter().map(|&k| of(k)).collect()
+    });
+    Frf {
+        source: String::new(),
+        frequency_hz: used.iter().map(|&k| hz(k)).collect(),
+        noise: coherence
+            .as_ref()
+            .map(|one| noise(&value, one, windows.len())),
+        value,
+        coherence,
+        kind: spec.kind,
+        excitation: spec.struck,
+        response: spec.observed,
+        notes: Vec::new(),
+    }
+}

@@ -1,0 +1,51 @@
+//! What measurements of the arm itself say: joint stiffness from load and deflection, modes from hammer FRFs.
+//!
+//! | module | what it holds |
+//! | --- | --- |
+//! | [`readings`] | a table of loads and displacements, as rows in SI |
+//! | [`stiffness`] | joint stiffnesses from them, with intervals, and which cannot be told |
+//! | [`frf`] | FRFs from files |
+//! | [`impact`] | FRFs from the signals of hammer and sensor: H1 and coherence |
+//! | [`modal`] | poles and residues common to FRFs |
+//! | [`modes`] | measured modes beside those of the model |
+
+pub mod frf;
+pub mod impact;
+pub mod modal;
+pub mod modes;
+pub mod readings;
+pub mod stiffness;
+
+#[cfg(test)]
+mod tests;
+
+/// Probability that an interval of this module is meant to hold the true value with.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// Data that say nothing, at the key of the identification file that they belong to.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct IdentifyError {
+    /// Dotted key.
+    pub key: String,
+    /// Value and rule.
+    pub message: String,
+}
+
+impl IdentifyError {
+    /// A fault at a key.
+    pub fn new(key: impl Into<String>, message: impl std::fmt::Display) -> IdentifyError {
+        IdentifyError {
+            key: key.into(),
+            message: message.to_string(),
+        }
+    }
+}
+
+/// A row of a table as a message names it.
+fn place(table: &truecut_recording::measured::Table, row: usize) -> String {
+    match table.lines.get(row) {
+        Some(line) => format!("row {} (line {line})", row + 1),
+        None => format!("row {}", row + 1),
+    }
+}

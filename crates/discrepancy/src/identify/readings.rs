@@ -1,0 +1,174 @@
+//! From a table of loads and displacements to rows in SI, world axes.
+
+use nalgebra::{Matrix3, Vector3, Vector6};
+use truecut_recording::Unit;
+use truecut_recording::measured::Table;
+use truecut_scenario::identification::{StiffnessQuantity, StiffnessSpec};
+use truecut_sim::elastic::ElasticArm;
+
+use super::{IdentifyError, place};
+
+/// One loading.
+#[derive(Debug, Clone)]
+pub struct Loading {
+    /// Where it stands in the file.
+    pub place: String,
+    /// Number of its posture, counted in the order of the file.
+    pub posture: usize,
+    /// Coordinates that the controller held, rad and m.
+    pub command: Vec<f64>,
+    /// Force and moment on the arm, world axes.
+    pub wrench: Vector6<f64>,
+    /// World from the axes of `answers`.
+    pub world_from_axes: Matrix3<f64>,
+    /// Measured displacements (0 to 2) and rotations (3 to 5), with what they were measured to be.
+    pub answers: Vec<(usize, f64)>,
+}
+
+/// Loadings, and the noise of what was measured.
+#[derive(Debug, Clone)]
+pub struct Readings {
+    /// The file.
+    pub source: String,
+    /// The rows.
+    pub loadings: Vec<Loading>,
+    /// Number of postures.
+    pub postures: usize,
+    /// Known standard deviations by component.
+    pub noise: [Option<f64>; 6],
+}
+
+/// Postures that differ by less than this, rad or m, are one: encoders are read with more digits.
+const SAME_POSTURE: f64 = 1e-6;
+
+/// Reads the rows of a table.
+///
+/// # Errors
+/// A missing column, a load or posture that is no number, a posture outside the limits.
+pub fn readings(
+    table: &Table,
+    spec: &StiffnessSpec,
+    arm: &ElasticArm,
+) -> Result<Readings, IdentifyError> {
+    let joints = arm.joints();
+    let mut columns = Vec::new();
+    let mut noise = [None; 6];
+    for (index, column) in spec.columns.iter().enumerate() {
+        let key = format!("stiffness.column.{index}");
+        let values = (table.column(&column.column))
+            .map_err(|error| IdentifyError::new(format!("{key}.column"), error))?;
+        match column.quantity {
+            StiffnessQuantity::Joint(joint) => {
+                check_joint(&joints, joint, column.unit.unit, &key)?;
+            }
+            StiffnessQuantity::Displacement(axis) => noise[axis] = column.noise,
+            StiffnessQuantity::Rotation(axis) => noise[3 + axis] = column.noise,
+            _ => {}
+        }
+        columns.push((column, values, key));
+    }
+    let mut found = Readings {
+        source: table.source.clone(),
+        loadings: Vec::new(),
+        postures: 0,
+        noise,
+    };
+    for row in 0..table.rows() {
+        let mut command = arm.posture().to_vec();
+        let (mut load, mut answers) = ([0.0; 6], Vec::new());
+        for (column, values, key) in &columns {
+            let value = values[row] * column.scale * column.unit.si_factor;
+            if !value.is_finite() && !column.quantity.is_answer() {
+                let message = format!(
+                    "{}: {}: column \"{}\" holds no number, but postures and loads must be known",
+                    table.source,
+                    place(table, row),
+                    column.column
+                );
+                return Err(IdentifyError::new(format!("{key}.column"), message));
+            }
+            match column.quantity {
+                StiffnessQuantity::Joint(joint) => command[joint] = value,
+                StiffnessQuantity::Force(axis) => load[axis] = value,
+                StiffnessQuantity::Moment(axis) => load[3 + axis] = value,
+                _ if !value.is_finite() => {}
+                StiffnessQuantity::Displacement(axis) => answers.push((axis, value)),
+                StiffnessQuantity::Rotation(axis) => answers.push((3 + axis, value)),
+            }
+        }
+        found.push(table, row, spec, arm, (command, load, answers))?;
+    }
+    Ok(found)
+}
+
+impl Readings {
+    fn push(
+        &mut self,
+        table: &Table,
+        row: usize,
+        spec: &StiffnessSpec,
+        arm: &ElasticArm,
+        (command, load, answers): (Vec<f64>, [f64; 6], Vec<(usize, f64)>),
+    ) -> Result<(), IdentifyError> {
+        arm.check_posture(&command).map_err(|error| {
+            let message = format!("{}: {}: {error}", table.source, place(table, row));
+            IdentifyError::new("stiffness.file", message)
+        })?;
+        let near = |other: &&Loading| {
+            let pairs = other.command.iter().zip(&command);
+            pairs.fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs())) < SAME_POSTURE
+        };
+        let posture = match self.loadings.iter().find(near) {
+            Some(known) => known.posture,
+            None => {
+                self.postures += 1;
+                self.postures - 1
+            }
+        };
+        let world_from_axes = arm.world_from_axes(&command, spec.axes);
+        let turn = |from: usize| {
+            world_from_axes * Vector3::new(load[from], load[from + 1], load[from + 2])
+        };
+        let (force, moment) = (turn(0), turn(3));
+        self.loadings.push(Loading {
+            place: place(table, row),
+            posture,
+            command,
+            wrench: Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z),
+            world_from_axes,
+            answers,
+        });
+        Ok(())
+    }
+}
+
+fn check_joint(
+    joints: &[truecut_sim::elastic::ElasticJoint],
+    joint: usize,
+    unit: Unit,
+    key: &str,
+) -> Result<(), IdentifyError> {
+    let Some(known) = joints.get(joint) else {
+        let message = format!(
+            "`{key}.channel` is joint {}, but the chain has {} joints",
+            joint + 1,
+            joints.len()
+        );
+        return Err(IdentifyError::new(format!("{key}.channel"), message));
+    };
+    let (wanted, kind) = if known.rotary {
+        (Unit::Radian, "rotary")
+    } else {
+        (Unit::Metre, "prismatic")
+    };
+    if unit == wanted {
+        return Ok(());
+    }
+    let accepted: Vec<&str> = wanted.accepted_symbols().collect();
+    let message = format!(
+        "`{key}.unit` is not a unit of joint `{}`, which is {kind}; accepted: {}",
+        known.name,
+        accepted.join(", ")
+    );
+    Err(IdentifyError::new(format!("{key}.unit"), message))
+}

@@ -1,0 +1,353 @@
+//! Joint stiffnesses from loads and displacements.
+//!
+//! The unknowns are the compliances c = 1/K, in which the displacement d = J C Jᵀ w is linear but for gravity and
+//! the posture's change under load. Both are exact here: each step of Gauss and Newton takes the arm at rest with
+//! and without the load, and its derivatives.
+//!
+//! What the data say of each joint is read off the singular values of the design (columns of unit length) and off
+//! the interval of its compliance: where that reaches zero, only a lower bound of the stiffness is known.
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use truecut_scenario::identification::{StiffnessSpec, Zero};
+use truecut_sim::elastic::{ElasticArm, ElasticJoint};
+
+use super::readings::Readings;
+use super::{CONFIDENCE, IdentifyError};
+use crate::stats::distributions::{chi_squared_tail, t_quantile};
+
+mod design;
+mod notes;
+
+pub use design::Component;
+use design::Design;
+
+/// What a load-deflection table says.
+#[derive(Debug, Clone, Serialize)]
+pub struct StiffnessReport {
+    /// The file.
+    pub source: String,
+    /// Rows, and postures among them.
+    pub loadings: usize,
+    /// Number of postures.
+    pub postures: usize,
+    /// Measured displacements and rotations.
+    pub readings: usize,
+    /// Readings beyond the unknowns.
+    pub degrees_of_freedom: usize,
+    /// The joints, in chain order.
+    pub joints: Vec<JointStiffness>,
+    /// Singular values of the design with columns of unit length, largest first.
+    pub singular_values: Vec<f64>,
+    /// What is left, by measured component.
+    pub components: Vec<Component>,
+    /// Residual over stated noise (root of the reduced chi-squared), if noise was stated.
+    pub residual_over_noise: Option<f64>,
+    /// Rows whose residual stands out, the worst first.
+    pub outliers: Vec<Outlier>,
+    /// Steps until the compliances stood still.
+    pub steps: usize,
+    /// What a person should know, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// A joint, identified or not.
+#[derive(Debug, Clone, Serialize)]
+pub struct JointStiffness {
+    /// Name in the URDF.
+    pub name: String,
+    /// "N m/rad" or "N/m".
+    pub unit: &'static str,
+    /// What could be said.
+    pub status: Status,
+    /// Stiffness.
+    pub value: Option<f64>,
+    /// Lower end of its 95 % interval.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+    /// Compliance and its standard error.
+    pub compliance: Option<[f64; 2]>,
+    /// What robot.toml says.
+    pub nominal: Option<f64>,
+    /// Whether that lies in the interval.
+    pub agrees: Option<bool>,
+    /// Joints that its effect is mistaken for, in these postures and loads.
+    pub confused_with: Vec<String>,
+}
+
+/// What the data say of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// A stiffness with an interval.
+    Identified,
+    /// Stiffer than `low`; how much stiffer is lost in the noise.
+    LowerBound,
+    /// No load turned it.
+    NotLoaded,
+    /// Its effect is exactly that of others.
+    NotSeparable,
+    /// A compliance below zero by more than noise: loads or displacements are not what they are said to be.
+    Contradictory,
+}
+
+/// A row that stands out.
+#[derive(Debug, Clone, Serialize)]
+pub struct Outlier {
+    /// Its place in the file.
+    pub place: String,
+    /// Residual over its standard deviation.
+    pub sigmas: f64,
+}
+
+/// Singular values below this share of the largest are zero: a geometry that determines nothing.
+const RANK: f64 = 1e-7;
+/// Directions below this share of the largest singular value do not move the point of linearisation.
+const VAGUE: f64 = 0.05;
+/// Most of a joint's effect in directions that nothing determines, for it to count as determined.
+const SHARE: f64 = 1e-6;
+/// Compliance at least as small as this is none, rad/(N m) or m/N.
+const RIGID: f64 = 1e-11;
+const MAX_STEPS: usize = 40;
+/// Compliances stand still when they change by less than this share.
+const STILL: f64 = 1e-9;
+
+impl StiffnessReport {
+    /// Stiffnesses of all joints: identified where they are, else those of the file. `None` if nothing was identified
+    /// or a joint has neither.
+    pub fn updated(&self) -> Option<Vec<f64>> {
+        let any = self.joints.iter().any(|joint| joint.value.is_some());
+        let all = self
+            .joints
+            .iter()
+            .map(|joint| joint.value.or(joint.nominal));
+        any.then(|| all.collect()).flatten()
+    }
+}
+
+/// Identifies the stiffness of every joint.
+///
+/// # Errors
+/// Too few readings, no load at all, or an arm that finds no rest under the loads.
+pub fn identify(
+    readings: &Readings,
+    spec: &StiffnessSpec,
+    arm: &ElasticArm,
+) -> Result<StiffnessReport, IdentifyError> {
+    let joints = arm.joints();
+    let mut compliance = vec![RIGID; joints.len()];
+    let mut steps = 0;
+    let (design, solution) = loop {
+        let design = Design::new(readings, spec, arm, &compliance)?;
+        let solution = Solution::new(&design)?;
+        steps += 1;
+        let before = compliance.clone();
+        compliance = solution.point.iter().map(|c| c.max(RIGID)).collect();
+        let scale = compliance.iter().copied().fold(0.0, f64::max);
+        let pairs = || compliance.iter().zip(&before);
+        if pairs().all(|(now, then)| (now - then).abs() <= STILL * (now + 1e-3 * scale)) {
+            break (design, solution);
+        }
+        if steps == MAX_STEPS {
+            let message = format!(
+                "fit failed: the compliances do not stand still after {MAX_STEPS} steps; are the units right?"
+            );
+            return Err(IdentifyError::new("stiffness", message));
+        }
+    };
+    report(readings, spec, arm, &joints, (&design, &solution, steps))
+}
+
+/// Least squares on a design, with what it leaves open.
+struct Solution {
+    compliance: Vec<f64>,
+    /// Compliances at which to linearise next: without the directions that hardly anything determines, in which
+    /// noise would lead far astray.
+    point: Vec<f64>,
+    standard_error: Vec<f64>,
+    /// Correlations of the estimates.
+    correlation: DMatrix<f64>,
+    singular_values: Vec<f64>,
+    /// Of each joint: whether a load turns it, and how much of its effect nothing determines.
+    loaded: Vec<bool>,
+    open: DMatrix<f64>,
+    residual: DVector<f64>,
+    degrees: usize,
+    /// Σ r² over degrees; r over the stated or common noise.
+    variance: f64,
+}
+
+impl Solution {
+    fn new(design: &Design) -> Result<Solution, IdentifyError> {
+        let joints = design.matrix.ncols();
+        let norms: Vec<f64> = design.matrix.column_iter().map(|c| c.norm()).collect();
+        let largest = norms.iter().copied().fold(0.0, f64::max);
+        let loaded: Vec<bool> = norms.iter().map(|n| *n > 1e-9 * largest).collect();
+        if largest == 0.0 {
+            let message = "no load of the table turns any joint: every force and moment is zero, or the same \
+                           in all rows of a posture";
+            return Err(IdentifyError::new("stiffness", message));
+        }
+        let unit = DMatrix::from_fn(design.matrix.nrows(), joints, |r, c| {
+            if loaded[c] {
+                design.matrix[(r, c)] / norms[c]
+            } else {
+                0.0
+            }
+        });
+        let svd = unit.clone().svd(true, true);
+        let (Some(u), Some(v_t)) = (&svd.u, &svd.v_t) else {
+            return Err(IdentifyError::new(
+                "stiffness",
+                "the design has no singular values",
+            ));
+        };
+        let limit = RANK * svd.singular_values.max();
+        let mut scaled = DVector::zeros(joints);
+        let mut firm = DVector::zeros(joints);
+        let mut covariance = DMatrix::zeros(joints, joints);
+        let mut known = DMatrix::zeros(joints, joints);
+        let mut rank = 0;
+        for (k, s) in svd
+            .singular_values
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| **s > limit)
+        {
+            let v = v_t.row(k).transpose();
+            let share = &v * (u.column(k).dot(&design.target) / s);
+            if *s > VAGUE * svd.singular_values.max() {
+                firm += &share;
+            }
+            scaled += share;
+            covariance += &v * v.transpose() / (s * s);
+            known += &v * v.transpose();
+            rank += 1;
+        }
+        let residual = &design.target - &unit * &scaled;
+        let Some(degrees) = design
+            .readings
+            .checked_sub(rank + design.zeros)
+            .filter(|d| *d > 0)
+        else {
+            let message = format!(
+                "{} readings for {rank} stiffnesses and {} zeros: more are needed to tell how sure they are",
+                design.readings, design.zeros
+            );
+            return Err(IdentifyError::new("stiffness.file", message));
+        };
+        let variance = residual.norm_squared() / degrees as f64;
+        let deviation = |k: usize| covariance[(k, k)].sqrt();
+        let norm = |k: usize| if loaded[k] { norms[k] } else { f64::INFINITY };
+        let mut singular_values: Vec<f64> = svd.singular_values.iter().copied().collect();
+        singular_values.sort_by(|a, b| b.total_cmp(a));
+        Ok(Solution {
+            compliance: (0..joints).map(|k| scaled[k] / norm(k)).collect(),
+            point: (0..joints).map(|k| firm[k] / norm(k)).collect(),
+            standard_error: (0..joints)
+                .map(|k| variance.sqrt() * deviation(k) / norm(k))
+                .collect(),
+            correlation: DMatrix::from_fn(joints, joints, |i, j| {
+                covariance[(i, j)] / (deviation(i) * deviation(j)).max(f64::MIN_POSITIVE)
+            }),
+            singular_values,
+            open: DMatrix::identity(joints, joints) - known,
+            loaded,
+            residual,
+            degrees,
+            variance,
+        })
+    }
+
+    fn joint(&self, k: usize, joint: &ElasticJoint, names: &[&str]) -> JointStiffness {
+        let others = |related: &dyn Fn(usize) -> bool| -> Vec<String> {
+            let others = (0..names.len()).filter(|&i| i != k && related(i));
+            others.map(|i| names[i].to_owned()).collect()
+        };
+        let mut found = JointStiffness {
+            name: joint.name.clone(),
+            unit: if joint.rotary { "N m/rad" } else { "N/m" },
+            status: Status::NotLoaded,
+            value: None,
+            low: None,
+            high: None,
+            compliance: None,
+            nominal: joint.stiffness,
+            agrees: None,
+            confused_with: Vec::new(),
+        };
+        if !self.loaded[k] {
+            return found;
+        }
+        if self.open[(k, k)] > SHARE {
+            found.status = Status::NotSeparable;
+            found.confused_with = others(&|i| self.loaded[i] && self.open[(k, i)].abs() > SHARE);
+            return found;
+        }
+        let (c, error) = (self.compliance[k], self.standard_error[k]);
+        let half = t_quantile(1.0 - CONFIDENCE, self.degrees as f64) * error;
+        found.compliance = Some([c, error]);
+        if c + half <= 0.0 {
+            found.status = Status::Contradictory;
+            return found;
+        }
+        found.low = Some(1.0 / (c + half));
+        found.status = Status::LowerBound;
+        if c > half {
+            found.status = Status::Identified;
+            found.value = Some(1.0 / c);
+            found.high = Some(1.0 / (c - half));
+        } else {
+            found.confused_with = others(&|i| self.correlation[(k, i)].abs() > 0.9);
+        }
+        found.agrees = (joint.stiffness)
+            .map(|nominal| ((1.0 / nominal) - c).abs() <= half * (1.0 + 1e-12) + 1e-12 * c.abs());
+        found
+    }
+}
+
+fn report(
+    readings: &Readings,
+    spec: &StiffnessSpec,
+    arm: &ElasticArm,
+    joints: &[ElasticJoint],
+    (design, solution, steps): (&Design, &Solution, usize),
+) -> Result<StiffnessReport, IdentifyError> {
+    let names: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
+    let told: Vec<JointStiffness> = (joints.iter().enumerate())
+        .map(|(k, joint)| solution.joint(k, joint, &names))
+        .collect();
+    let nominal: Option<Vec<f64>> = (joints.iter())
+        .map(|joint| joint.stiffness.map(|stiffness| 1.0 / stiffness))
+        .collect();
+    // Without a stiffness for every joint the model predicts nothing.
+    let predicted = nominal
+        .map(|nominal| Design::new(readings, spec, arm, &nominal))
+        .transpose()?;
+    let stated = readings.noise.iter().any(Option::is_some);
+    let over = stated.then(|| solution.variance.sqrt());
+    let components = design.components(&solution.residual, predicted.as_ref(), &readings.noise);
+    let outliers = design.outliers(&solution.residual, solution.variance, readings);
+    let mut report = StiffnessReport {
+        source: readings.source.clone(),
+        loadings: readings.loadings.len(),
+        postures: readings.postures,
+        readings: design.readings,
+        degrees_of_freedom: solution.degrees,
+        joints: told,
+        singular_values: solution.singular_values.clone(),
+        components,
+        residual_over_noise: over,
+        outliers,
+        steps,
+        notes: Vec::new(),
+    };
+    let excess = chi_squared_tail(
+        solution.variance * solution.degrees as f64,
+        solution.degrees as f64,
+    );
+    let beyond = stated && excess < 0.01;
+    report.notes = notes::notes(&report, beyond, spec.zero == Zero::Unknown);
+    Ok(report)
+}

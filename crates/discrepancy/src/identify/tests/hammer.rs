@@ -1,0 +1,280 @@
+//! Modes from FRFs and blows.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Complex;
+use truecut_recording::measured::{Column, Table};
+use truecut_scenario::identification::{
+    HammerPoint, ImpactSpec, MotionKind, Point, SampleTimes, Signal,
+};
+
+use super::normal;
+use crate::identify::frf::Frf;
+use crate::identify::impact::impact;
+use crate::identify::modal::{ModalFit, fit};
+
+/// Frequency, damping ratio, and participation in two FRFs.
+type Mode = (f64, f64, [f64; 2]);
+
+const THREE: [Mode; 3] = [
+    (8.0, 0.02, [1.0, 0.6]),
+    (13.0, 0.04, [0.5, -0.8]),
+    (31.0, 0.015, [2.0, 1.0]),
+];
+const BAND: [f64; 2] = [3.0, 45.0];
+
+const HERE: HammerPoint = HammerPoint {
+    point: Point::Tool,
+    offset_m: [0.0; 3],
+    direction: [1.0, 0.0, 0.0],
+};
+
+fn value(modes: &[Mode], which: usize, kind: MotionKind, hz: f64) -> Complex<f64> {
+    let omega = TAU * hz;
+    let of = |&(f, zeta, share): &Mode| {
+        let own = TAU * f;
+        Complex::from(share[which])
+            / Complex::new(own * own - omega * omega, 2.0 * zeta * own * omega)
+    };
+    Frf::from_compliance(kind, hz) * modes.iter().map(of).sum::<Complex<f64>>()
+}
+
+/// Two FRFs of the modes and one above the band, with noise as a share of the largest value.
+fn frfs(modes: &[Mode], kind: MotionKind, noise: f64, seed: u64) -> Vec<Frf> {
+    let mut draw = normal(seed);
+    let all: Vec<Mode> = modes
+        .iter()
+        .copied()
+        .chain([(120.0, 0.02, [4.0, 3.0])])
+        .collect();
+    let curve = |which: usize| {
+        let frequency_hz: Vec<f64> = (0..420).map(|i| 3.0 + 0.1 * f64::from(i)).collect();
+        let exact: Vec<Complex<f64>> = frequency_hz
+            .iter()
+            .map(|f| value(&all, which, kind, *f))
+            .collect();
+        let size = exact.iter().fold(0.0_f64, |a, h| a.max(h.norm())) * noise;
+        Frf {
+            source: format!("{which}"),
+            value: exact
+                .iter()
+                .map(|h| h + Complex::new(size * draw(), size * draw()))
+                .collect(),
+            frequency_hz,
+            noise: None,
+            coherence: None,
+            kind,
+            excitation: HERE,
+            response: HERE,
+            notes: Vec::new(),
+        }
+    };
+    [0, 1].map(curve).into()
+}
+
+fn check(found: &ModalFit, modes: &[Mode], of_hz: f64, of_zeta: f64) {
+    assert_eq!(found.modes.len(), modes.len(), "{:?}", found.modes);
+    for (mode, (hz, zeta, share)) in found.modes.iter().zip(modes) {
+        let (f, z) = (mode.frequency_hz[0], mode.damping_ratio[0]);
+        assert!((f / hz - 1.0).abs() < of_hz, "{f} Hz for {hz}");
+        assert!((z / zeta - 1.0).abs() < of_zeta, "{z} for {zeta}");
+        for (found, share) in mode.participation.iter().zip(share) {
+            assert!(
+                (found - share).norm() < 3.0 * of_zeta * share.abs(),
+                "{found} for {share}"
+            );
+        }
+    }
+}
+
+#[test]
+fn verify_exact_frfs_give_modes_damping_and_shares_back() {
+    // The mode above the band is not quite the constant that stands for it.
+    for kind in [
+        MotionKind::Displacement,
+        MotionKind::Velocity,
+        MotionKind::Acceleration,
+    ] {
+        check(
+            &fit(&frfs(&THREE, kind, 0.0, 0), BAND, Some(3), 0.0).unwrap(),
+            &THREE,
+            1e-4,
+            5e-3,
+        );
+    }
+}
+
+#[test]
+fn verify_noisy_frfs_show_as_many_modes_as_there_are() {
+    for seed in 0..20 {
+        let found = fit(
+            &frfs(&THREE, MotionKind::Acceleration, 0.01, seed),
+            BAND,
+            None,
+            0.0,
+        )
+        .unwrap();
+        check(&found, &THREE, 3e-3, 0.1);
+    }
+    // Two modes closer than their widths, told apart by two FRFs.
+    let close = [(10.0, 0.03, [1.0, 0.5]), (10.5, 0.03, [0.5, -1.0])];
+    for seed in 0..5 {
+        let found = fit(
+            &frfs(&close, MotionKind::Displacement, 0.002, seed),
+            [3.0, 20.0],
+            None,
+            0.0,
+        );
+        check(&found.unwrap(), &close, 3e-3, 0.03);
+    }
+}
+
+#[test]
+fn verify_intervals_of_modes_hold_the_truth_as_often_as_they_say() {
+    let modes = &THREE[..2];
+    let (mut held, mut all) = ([0, 0], 0);
+    for seed in 0..200 {
+        let mut frfs = frfs(modes, MotionKind::Displacement, 0.01, 1000 + seed);
+        for frf in &mut frfs {
+            frf.frequency_hz.truncate(200);
+            frf.value.truncate(200);
+        }
+        let found = fit(&frfs, [3.0, 23.0], Some(2), 0.0).unwrap();
+        for (mode, (hz, zeta, _)) in found.modes.iter().zip(modes) {
+            let inside = |of: [f64; 3], truth: &f64| i32::from((of[1]..of[2]).contains(truth));
+            held[0] += inside(mode.frequency_hz, hz);
+            held[1] += inside(mode.damping_ratio, zeta);
+            all += 1;
+        }
+    }
+    for held in held {
+        let share = f64::from(held) / f64::from(all);
+        // 400 draws of 95 %: 1.1 points of deviation.
+        assert!((0.917..0.983).contains(&share), "{share}");
+    }
+}
+
+#[test]
+fn noise_alone_has_no_mode() {
+    let mut shown = 0;
+    for seed in 0..20 {
+        let mut frfs = frfs(&THREE, MotionKind::Acceleration, 1.0, seed);
+        let mut draw = normal(500 + seed);
+        for frf in &mut frfs {
+            frf.value
+                .iter_mut()
+                .for_each(|h| *h = Complex::new(draw(), draw()));
+        }
+        shown += fit(&frfs, BAND, None, 0.0).map_or(0, |fit| fit.modes.len());
+    }
+    assert_eq!(shown, 0);
+}
+
+/// Blows on the modes: half a sine of force, the response by convolution with the closed form.
+fn blows(count: usize, seconds: f64, noise: f64) -> Table {
+    const RATE: f64 = 400.0;
+    let length = (seconds * RATE) as usize;
+    let mut force = vec![0.0; count * length];
+    for blow in 0..count {
+        for k in 0..4 {
+            force[blow * length + 20 + k] =
+                300.0 * ((k as f64 + 0.5) / 4.0 * std::f64::consts::PI).sin();
+        }
+    }
+    let mut motion = vec![0.0; force.len()];
+    for (at, f) in force.iter().enumerate().filter(|(_, f)| **f > 0.0) {
+        for (i, x) in motion.iter_mut().enumerate().skip(at) {
+            let t = (i - at) as f64 / RATE;
+            for (hz, zeta, share) in THREE {
+                let own = TAU * hz;
+                let damped = own * (1.0_f64 - zeta * zeta).sqrt();
+                *x += f / RATE * share[0] / damped * (-zeta * own * t).exp() * (damped * t).sin();
+            }
+        }
+    }
+    let mut draw = normal(9);
+    let size = motion.iter().fold(0.0_f64, |a, x| a.max(x.abs())) * noise;
+    motion.iter_mut().for_each(|x| *x += size * draw());
+    let column = |name: &str, values| Column {
+        name: name.into(),
+        values,
+    };
+    Table {
+        source: "blows.csv".into(),
+        columns: vec![column("f", force), column("x", motion)],
+        ..Table::default()
+    }
+}
+
+fn hammer(window_s: f64, exponential_s: Option<f64>) -> ImpactSpec {
+    let signal = |name: &str| Signal {
+        column: name.into(),
+        factor: 1.0,
+    };
+    ImpactSpec {
+        file: "blows.csv".into(),
+        header: true,
+        times: SampleTimes::Rate(400.0),
+        force: signal("f"),
+        response: signal("x"),
+        kind: MotionKind::Displacement,
+        trigger_n: None,
+        before_s: 0.01,
+        window_s: Some(window_s),
+        exponential_s,
+        struck: HERE,
+        observed: HERE,
+    }
+}
+
+#[test]
+fn verify_blows_give_the_modes_of_the_closed_form() {
+    // Sampled displacement is exact; the constant and 1/ω² terms take up what aliasing there is.
+    // A window much shorter than the decay needs the exponential; blows themselves wait until the arm is quiet.
+    for (window_s, exponential, shift) in [(11.9, None, 0.0), (2.5, Some(0.6), 1.0 / 0.6)] {
+        let table = blows(3, 12.0, 1e-4);
+        let spec = hammer(window_s, exponential);
+        let found = impact(&table, &spec, BAND, "modes.impact.0").unwrap();
+        assert!(found.coherence.as_ref().unwrap().iter().all(|c| *c > 0.9));
+        let found = fit(&[found], BAND, None, shift).unwrap();
+        assert_eq!(found.modes.len(), 3);
+        for (mode, (hz, zeta, _)) in found.modes.iter().zip(THREE) {
+            assert!(
+                (mode.frequency_hz[0] / hz - 1.0).abs() < 1e-3,
+                "{:?}",
+                mode.frequency_hz
+            );
+            assert!(
+                (mode.damping_ratio[0] / zeta - 1.0).abs() < 0.03,
+                "{:?}",
+                mode.damping_ratio
+            );
+        }
+    }
+}
+
+#[test]
+fn double_blows_are_left_out_and_short_windows_are_told() {
+    let mut table = blows(3, 3.0, 1e-4);
+    table.columns[0].values[1200 + 20 + 60] = 250.0;
+    let found = impact(&table, &hammer(2.9, None), BAND, "modes.impact.0").unwrap();
+    assert!(
+        found.notes[0].starts_with("2 blows averaged"),
+        "{:?}",
+        found.notes
+    );
+    assert!(
+        found.notes[1].starts_with("1 of 3 blows are left out"),
+        "{:?}",
+        found.notes
+    );
+    let found = impact(&table, &hammer(0.8, None), BAND, "modes.impact.0").unwrap();
+    assert!(
+        found
+            .notes
+            .iter()
+            .any(|note| note.contains("damping comes out too large")),
+        "{:?}",
+        found.notes
+    );
+}

@@ -1,0 +1,216 @@
+//! The identification file: measurements of the arm itself, load against deflection and hammer FRFs.
+//!
+//! It is no scenario, since nothing is simulated in time, but follows the same rules: a schema derived from its
+//! tables, units said with every column, faults with their places.
+
+mod hammer;
+mod modes;
+mod stiffness;
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+pub use hammer::{
+    Direction, FrfSpec, FrfValues, HammerPoint, ImpactSpec, ModesSpec, MotionKind, SampleTimes,
+    Signal,
+};
+pub use stiffness::{Axes, Point, StiffnessColumn, StiffnessQuantity, StiffnessSpec, Zero};
+
+use crate::check::Check;
+use crate::document::{Document, Fault};
+use crate::error::ScenarioError;
+use crate::robot::RobotSpec;
+use crate::scenario::{folder_of, located, one_problem};
+use crate::units::{from_deg, from_mm};
+use crate::{schema, structure};
+
+/// Measurements of an arm, in SI, and the arm that they are held against.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    /// Name of the measurement.
+    pub name: String,
+    /// The arm.
+    pub robot: RobotSpec,
+    /// Load against deflection.
+    pub stiffness: Option<StiffnessSpec>,
+    /// Hammer FRFs.
+    pub modes: Option<ModesSpec>,
+    document: Document,
+}
+
+/// A truecut identification: an arm, and what was measured of its stiffness and its modes.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "truecut identification")]
+struct FileTable {
+    /// Name of the measurement.
+    name: String,
+    /// The arm that was measured.
+    robot: ArmTable,
+    /// Load against deflection: a table of postures, loads and displacements.
+    stiffness: Option<stiffness::StiffnessTable>,
+    /// Hammer FRFs of one posture.
+    modes: Option<modes::ModesTable>,
+}
+
+/// The arm that was measured.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct ArmTable {
+    /// URDF file, relative to this file.
+    urdf: String,
+    /// Transmission data, relative to this file. Default: robot.toml beside the URDF.
+    config: Option<String>,
+    /// Link whose frame is the flange. Default: the end of the chain.
+    tip: Option<String>,
+    /// Rotary joints, in chain order. Default: all zero; joints with a column in [stiffness] take it from there.
+    posture_deg: Option<Vec<f64>>,
+    /// Prismatic joints, in chain order. Default: all zero.
+    posture_mm: Option<Vec<f64>>,
+    /// Whether gravity acts. Default: true.
+    gravity: Option<bool>,
+    /// Factor on all masses and inertias, e.g. to what a scale says. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "masses are positive"))]
+    inertia_scale: Option<f64>,
+}
+
+impl Identification {
+    /// Reads an identification file.
+    ///
+    /// # Errors
+    /// A file that cannot be read; every rule of the format that is broken, with its place.
+    pub fn load(path: &Path) -> Result<Identification, ScenarioError> {
+        let text = std::fs::read_to_string(path).map_err(|error| ScenarioError::Unreadable {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        })?;
+        Identification::from_str(path, &text)
+    }
+
+    /// Reads an identification from a text. `path` names it in errors, and its folder resolves relative paths.
+    ///
+    /// # Errors
+    /// Every rule of the format that is broken, with its place.
+    pub fn from_str(path: &Path, text: &str) -> Result<Identification, ScenarioError> {
+        let document = Document::parse(path, text, &[]).map_err(|problem| one_problem(*problem))?;
+        let faults = structure::check_against(schema(), document.effective());
+        if let Some(error) = located(&document, faults) {
+            return Err(error);
+        }
+        let table: FileTable = serde_json::from_value(structure::to_json(document.effective()))
+            .map_err(|error| {
+                one_problem(document.locate(Fault::value("", error.to_string(), "here")))
+            })?;
+        table.resolve(document)
+    }
+
+    /// The file, as it was named.
+    pub fn path(&self) -> &Path {
+        self.document.path()
+    }
+
+    /// Name of the file without folder and extension; outputs are named by it.
+    pub fn stem(&self) -> String {
+        self.path().file_stem().map_or_else(
+            || "identification".to_owned(),
+            |stem| stem.to_string_lossy().into_owned(),
+        )
+    }
+
+    /// An error about the value of a dotted key that showed only later, e.g. with the data.
+    pub fn problem(&self, key: &str, message: impl Into<String>) -> ScenarioError {
+        let fault = Fault::value(key, message.into(), "here");
+        one_problem(self.document.locate(fault))
+    }
+
+    /// Whether the file gives a value for the dotted key.
+    pub fn gives(&self, key: &str) -> bool {
+        self.document.has(key)
+    }
+
+    /// JSON Schema of the identification file, for editors. `x-rule` beside a bound gives its reason.
+    pub fn json_schema() -> serde_json::Value {
+        schema().clone()
+    }
+}
+
+fn schema() -> &'static serde_json::Value {
+    static SCHEMA: OnceLock<serde_json::Value> = OnceLock::new();
+    SCHEMA.get_or_init(schema::schema_of::<FileTable>)
+}
+
+impl FileTable {
+    fn resolve(self, document: Document) -> Result<Identification, ScenarioError> {
+        let mut check = Check::new(&document);
+        let folder = folder_of(document.path());
+        if self.stiffness.is_none() && self.modes.is_none() {
+            let message = "neither [stiffness] nor [modes]: nothing was measured".to_owned();
+            check.refuse(Fault::key("name", message, "nothing to identify"));
+        }
+        let stiffness = (self.stiffness).and_then(|table| table.resolve(&folder, &mut check));
+        let modes = (self.modes).and_then(|table| table.resolve(&folder, &mut check));
+        let faults = check.into_faults();
+        if let Some(error) = located(&document, faults) {
+            return Err(error);
+        }
+        Ok(Identification {
+            name: self.name,
+            robot: self.robot.resolve(&folder),
+            stiffness,
+            modes,
+            document,
+        })
+    }
+}
+
+impl ArmTable {
+    fn resolve(self, folder: &Path) -> RobotSpec {
+        let file = |name: String| -> PathBuf { folder.join(name) };
+        let radians = self.posture_deg.unwrap_or_default().into_iter();
+        let metres = self.posture_mm.unwrap_or_default().into_iter();
+        RobotSpec {
+            urdf: file(self.urdf),
+            config: self.config.map(file),
+            tip: self.tip,
+            posture_rad: radians.map(from_deg).collect(),
+            posture_m: metres.map(from_mm).collect(),
+            gravity: self.gravity.unwrap_or(true),
+            inertia_scale: self.inertia_scale.unwrap_or(1.0),
+            ..RobotSpec::NONE
+        }
+    }
+}
+
+/// Refuses a `scale` of zero, at its key.
+fn check_scale(path: &str, scale: f64, check: &mut Check) {
+    if scale == 0.0 {
+        let message =
+            format!("`{path}` is 0, but must not be: nothing of the column would be left");
+        check.refuse(Fault::value(path, message, "must not be 0"));
+    }
+}
+
+/// Refuses a unit of another dimension, at its key.
+fn check_unit(
+    path: &str,
+    found: &truecut_recording::UserUnit,
+    wanted: &[truecut_recording::Unit],
+    check: &mut Check,
+) -> bool {
+    if wanted.contains(&found.unit) {
+        return true;
+    }
+    let accepted: Vec<&str> = (wanted.iter())
+        .flat_map(|unit| unit.accepted_symbols())
+        .collect();
+    let message = format!(
+        "`{path}` is \"{}\", but must be one of {}",
+        found.symbol,
+        accepted.join(", ")
+    );
+    check.refuse(Fault::value(path, message, "wrong dimension"));
+    false
+}

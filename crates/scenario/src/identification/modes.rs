@@ -1,0 +1,367 @@
+//! The table `[modes]`: hammer FRFs, ready made or as the signals of hammer and sensor.
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use truecut_recording::{Unit, UserUnit};
+
+use super::hammer::{
+    FrfSpec, FrfValues, HammerPoint, ImpactSpec, ModesSpec, MotionKind, SampleTimes, Signal,
+};
+use super::stiffness::{Axes, Point};
+use super::{check_scale, check_unit};
+use crate::check::Check;
+use crate::document::Fault;
+use crate::metric::read_unit;
+use crate::units::{from_mm, from_ms};
+
+/// Hammer FRFs of one posture.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ModesTable {
+    /// Axes of the directions. Default: "world".
+    axes: Option<Axes>,
+    /// Frequencies that are used, Hz.
+    band_hz: [f64; 2],
+    /// Number of modes in the band. Default: as many as the data show.
+    #[schemars(range(min = 1, max = 40))]
+    count: Option<usize>,
+    /// FRFs in files.
+    frf: Option<Vec<FrfTable>>,
+    /// Signals of hammer and sensor.
+    impact: Option<Vec<ImpactTable>>,
+}
+
+/// Where and in which direction.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct PointTable {
+    /// Frame of the arm. Default: "tool".
+    point: Option<Point>,
+    /// From the frame's origin, in the frame's axes. Default: [0, 0, 0].
+    offset_mm: Option<[f64; 3]>,
+    /// Direction in `axes`, of any length but zero.
+    direction: [f64; 3],
+}
+
+/// An FRF in a file.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct FrfTable {
+    /// CSV or Parquet file, relative to this file.
+    file: String,
+    /// Whether the first row of a CSV file names the columns. Default: true.
+    header: Option<bool>,
+    /// Column of frequencies.
+    frequency: String,
+    /// Unit of the frequencies. Default: "Hz".
+    frequency_unit: Option<String>,
+    /// Column of real parts, with `imaginary`.
+    real: Option<String>,
+    /// Column of imaginary parts.
+    imaginary: Option<String>,
+    /// Column of magnitudes (not in dB), with `phase`.
+    magnitude: Option<String>,
+    /// Column of phases.
+    phase: Option<String>,
+    /// Unit of the phases. Default: "deg".
+    phase_unit: Option<String>,
+    /// Column of the coherence, which weighs the frequencies.
+    coherence: Option<String>,
+    /// Number of averages behind the coherence. Default: 1.
+    #[schemars(range(min = 1))]
+    averages: Option<usize>,
+    /// Unit of the response: a length (compliance), velocity (mobility) or acceleration (accelerance).
+    response_unit: String,
+    /// Unit of the force. Default: "N".
+    force_unit: Option<String>,
+    /// Factor on the values, e.g. 9.80665 from g to m/s^2. Default: 1.
+    scale: Option<f64>,
+    /// Where the hammer struck.
+    excitation: PointTable,
+    /// Where the response was measured.
+    response: PointTable,
+}
+
+/// Signals of hammer and sensor, with one blow or more.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct ImpactTable {
+    /// CSV or Parquet file, relative to this file.
+    file: String,
+    /// Whether the first row of a CSV file names the columns. Default: true.
+    header: Option<bool>,
+    /// Column of the times. Either this or rate_hz is needed.
+    time: Option<String>,
+    /// Unit of the times. Default: "s".
+    time_unit: Option<String>,
+    /// Rate of the rows, if there is no column of times.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
+    rate_hz: Option<f64>,
+    /// Column of the hammer's force.
+    force: String,
+    /// Unit of the force. Default: "N".
+    force_unit: Option<String>,
+    /// Factor on the force, e.g. newtons per volt. Default: 1.
+    force_scale: Option<f64>,
+    /// Column of the response.
+    motion: String,
+    /// Unit of the response: a length, velocity or acceleration.
+    motion_unit: String,
+    /// Factor on the response, e.g. 9.80665 from g to m/s^2. Default: 1.
+    motion_scale: Option<f64>,
+    /// Force at which a blow begins. Default: a tenth of the largest.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a blow is a force"))]
+    trigger_n: Option<f64>,
+    /// Time before a blow that belongs to its window. Default: 10.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "it lies before the blow"))]
+    before_ms: Option<f64>,
+    /// Time from a blow to the end of its window. Default: to shortly before the next, or to the end.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the window holds the response"))]
+    window_s: Option<f64>,
+    /// Time constant of an exponential window for responses that outlast `window_s`. Default: none.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the window decays"))]
+    exponential_s: Option<f64>,
+    /// Where the hammer struck.
+    excitation: PointTable,
+    /// Where the response was measured.
+    response: PointTable,
+}
+
+impl ModesTable {
+    /// `None` after recording a fault.
+    pub(super) fn resolve(self, folder: &Path, check: &mut Check) -> Option<ModesSpec> {
+        let [low, high] = self.band_hz;
+        if !(low >= 0.0 && low < high) {
+            let message = format!(
+                "`modes.band_hz` is [{low}, {high}], but must rise from a frequency of at least 0"
+            );
+            check.refuse(Fault::value(
+                "modes.band_hz",
+                message,
+                "nothing lies between",
+            ));
+        }
+        let frfs = self.frf.unwrap_or_default();
+        let impacts = self.impact.unwrap_or_default();
+        if frfs.is_empty() && impacts.is_empty() {
+            let message = "neither [[modes.frf]] nor [[modes.impact]]: there is no FRF".to_owned();
+            check.refuse(Fault::key("modes", message, "no FRF"));
+        }
+        let mut resolved = ModesSpec {
+            axes: self.axes.unwrap_or_default(),
+            band_hz: self.band_hz,
+            count: self.count,
+            frfs: Vec::new(),
+            impacts: Vec::new(),
+        };
+        for (index, frf) in frfs.into_iter().enumerate() {
+            let table = format!("modes.frf.{index}");
+            resolved.frfs.extend(frf.resolve(&table, folder, check));
+        }
+        for (index, impact) in impacts.into_iter().enumerate() {
+            let table = format!("modes.impact.{index}");
+            resolved
+                .impacts
+                .extend(impact.resolve(&table, folder, check));
+        }
+        Some(resolved)
+    }
+}
+
+impl PointTable {
+    fn resolve(self, table: &str, check: &mut Check) -> Option<HammerPoint> {
+        let length = self.direction.iter().map(|v| v * v).sum::<f64>().sqrt();
+        if length == 0.0 {
+            let path = format!("{table}.direction");
+            let message = format!("`{path}` is [0, 0, 0], which is no direction");
+            check.refuse(Fault::value(&path, message, "no direction"));
+            return None;
+        }
+        Some(HammerPoint {
+            point: self.point.unwrap_or_default(),
+            offset_m: self.offset_mm.unwrap_or_default().map(from_mm),
+            direction: self.direction.map(|v| v / length),
+        })
+    }
+}
+
+impl FrfTable {
+    fn resolve(self, table: &str, folder: &Path, check: &mut Check) -> Option<FrfSpec> {
+        let values = self.values(table, check);
+        if self.coherence.is_none() {
+            check.ignored(table, &["averages"], "there is no column of coherence");
+        }
+        let frequency = unit_of(
+            self.frequency_unit.as_deref(),
+            "Hz",
+            (table, "frequency_unit"),
+            &[Unit::Hertz],
+            check,
+        );
+        let (factor, kind) = response(
+            (&self.response_unit, "response_unit"),
+            self.force_unit.as_deref(),
+            table,
+            check,
+        )?;
+        let scale = self.scale.unwrap_or(1.0);
+        check_scale(&format!("{table}.scale"), scale, check);
+        let excitation = self
+            .excitation
+            .resolve(&format!("{table}.excitation"), check);
+        let response = self.response.resolve(&format!("{table}.response"), check);
+        Some(FrfSpec {
+            file: folder.join(self.file),
+            header: self.header.unwrap_or(true),
+            frequency: (self.frequency, frequency?),
+            values: values?,
+            coherence: self.coherence,
+            averages: self.averages,
+            factor: factor * scale,
+            kind,
+            excitation: excitation?,
+            response: response?,
+        })
+    }
+
+    fn values(&self, table: &str, check: &mut Check) -> Option<FrfValues> {
+        let pairs = [&self.real, &self.imaginary, &self.magnitude, &self.phase];
+        let polar = match pairs.map(|one| one.is_some()) {
+            [true, true, false, false] => false,
+            [false, false, true, true] => true,
+            _ => {
+                let message = format!(
+                    "[{table}] must name either the columns `real` and `imaginary`, or `magnitude` and `phase`"
+                );
+                check.refuse(Fault::key(table, message, "not two columns of one kind"));
+                return None;
+            }
+        };
+        let name = |one: &Option<String>| one.clone().unwrap_or_default();
+        if !polar {
+            check.ignored(table, &["phase_unit"], "there is no column of phases");
+            return Some(FrfValues::Cartesian(
+                name(&self.real),
+                name(&self.imaginary),
+            ));
+        }
+        let unit = unit_of(
+            self.phase_unit.as_deref(),
+            "deg",
+            (table, "phase_unit"),
+            &[Unit::Radian],
+            check,
+        )?;
+        Some(FrfValues::Polar(
+            name(&self.magnitude),
+            name(&self.phase),
+            unit.si_factor,
+        ))
+    }
+}
+
+impl ImpactTable {
+    fn resolve(self, table: &str, folder: &Path, check: &mut Check) -> Option<ImpactSpec> {
+        let times = self.times(table, check);
+        let (motion, kind) = response((&self.motion_unit, "motion_unit"), None, table, check)?;
+        let force = unit_of(
+            self.force_unit.as_deref(),
+            "N",
+            (table, "force_unit"),
+            &[Unit::Newton],
+            check,
+        );
+        let [force_scale, motion_scale] =
+            [self.force_scale, self.motion_scale].map(|scale| scale.unwrap_or(1.0));
+        check_scale(&format!("{table}.force_scale"), force_scale, check);
+        check_scale(&format!("{table}.motion_scale"), motion_scale, check);
+        let struck = self
+            .excitation
+            .resolve(&format!("{table}.excitation"), check);
+        let observed = self.response.resolve(&format!("{table}.response"), check);
+        Some(ImpactSpec {
+            file: folder.join(self.file),
+            header: self.header.unwrap_or(true),
+            times: times?,
+            force: Signal {
+                column: self.force,
+                factor: force?.si_factor * force_scale,
+            },
+            response: Signal {
+                column: self.motion,
+                factor: motion * motion_scale,
+            },
+            kind,
+            trigger_n: self.trigger_n,
+            before_s: self.before_ms.map_or(0.01, from_ms),
+            window_s: self.window_s,
+            exponential_s: self.exponential_s,
+            struck: struck?,
+            observed: observed?,
+        })
+    }
+
+    fn times(&self, table: &str, check: &mut Check) -> Option<SampleTimes> {
+        match (&self.time, self.rate_hz) {
+            (Some(column), None) => {
+                let place = (table, "time_unit");
+                let unit = unit_of(
+                    self.time_unit.as_deref(),
+                    "s",
+                    place,
+                    &[Unit::Second],
+                    check,
+                )?;
+                Some(SampleTimes::Column(column.clone(), unit))
+            }
+            (None, Some(hz)) => {
+                check.ignored(table, &["time_unit"], "there is no column of times");
+                Some(SampleTimes::Rate(hz))
+            }
+            _ => {
+                let message = format!(
+                    "[{table}] must give either `time`, the column of the times, or `rate_hz`"
+                );
+                check.refuse(Fault::key(table, message, "not one time base"));
+                None
+            }
+        }
+    }
+}
+
+/// A unit of one of the dimensions `wanted`.
+fn unit_of(
+    written: Option<&str>,
+    default: &str,
+    (table, key): (&str, &str),
+    wanted: &[Unit],
+    check: &mut Check,
+) -> Option<UserUnit> {
+    let unit = read_unit(written.unwrap_or(default), table, key, check)?;
+    check_unit(&format!("{table}.{key}"), &unit, wanted, check).then_some(unit)
+}
+
+/// Factor to SI and kind of a response per force.
+fn response(
+    (written, key): (&str, &str),
+    force: Option<&str>,
+    table: &str,
+    check: &mut Check,
+) -> Option<(f64, MotionKind)> {
+    let wanted = [
+        Unit::Metre,
+        Unit::MetrePerSecond,
+        Unit::MetrePerSecondSquared,
+    ];
+    let motion = unit_of(Some(written), "m", (table, key), &wanted, check);
+    let force = unit_of(force, "N", (table, "force_unit"), &[Unit::Newton], check);
+    let motion = motion?;
+    let kind = match motion.unit {
+        Unit::Metre => MotionKind::Displacement,
+        Unit::MetrePerSecond => MotionKind::Velocity,
+        _ => MotionKind::Acceleration,
+    };
+    Some((motion.si_factor / force?.si_factor, kind))
+}
