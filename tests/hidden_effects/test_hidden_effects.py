@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
 import sys
 from pathlib import Path
 
@@ -14,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import example  # noqa: E402
 from bench import ROOT, dataset, report, runner  # noqa: E402
-from bench.cases import all_cases, fast_cases  # noqa: E402
+from bench.cases import SEEDS, all_cases, fast_cases  # noqa: E402
 from bench.effects import KINDS, Effect  # noqa: E402
 from bench.experiment import ALL, AXIS, CHAMFER, TWO_JOINT  # noqa: E402
 from bench.library import ANGLE, INSEPARABLE, PAIRS, SINGLES, STRANGERS, TORQUE  # noqa: E402
@@ -26,6 +27,7 @@ from truecut_reference import scenario as scenario_file  # noqa: E402
 from truecut_reference import urdf_model  # noqa: E402
 from truecut_reference.simulate import simulate  # noqa: E402
 
+PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 EACH_TEMPLATE = pytest.mark.parametrize("template", SINGLES, ids=lambda t: f"{t.experiment}-{t.kind}-{t.target}")
 
 
@@ -212,8 +214,8 @@ def _answer(verdict: str, *causes: tuple, alternatives=(), after: float = 1.0) -
 
 
 def score(case, answer: Answer):
-    """The judgement with a noise of 1.25 in the channel that the answers speak of."""
-    return score_of(case, answer, {ANGLE: 1.25})
+    """The judgement where the measurement errs by 1.25 in the channel that the answers speak of."""
+    return score_of(case, answer, {"floor_rms": {ANGLE: 1.25}})
 
 
 def _case(family: str, kind: str = ""):
@@ -228,7 +230,7 @@ def test_verify_judge_of_single_effects():
     viscous = ("joint_viscous", "joint 1", {"viscous_n_m_s_per_rad": 1.0})
     found = score(case, _answer("named", coulomb, viscous, after=1.1))
     assert found.right and found.parameter_errors["joint_coulomb"] == pytest.approx(0.05)
-    assert found.gain_ratio == pytest.approx(1.1)
+    assert found.gain_ratio == pytest.approx(1.1 / 1.25)
     assert found.floor_ratio == pytest.approx(0.8)
     assert not score(case, _answer("named", viscous, coulomb)).right
     assert not score(case, _answer("named", ("joint_coulomb", 2, {"friction_n_m": level}))).right
@@ -302,6 +304,18 @@ def test_verify_bench_with_a_program_that_finds_nothing(tmp_path):
     text = report.as_markdown(judged, "report", 1.0)
     assert "| clean | 1 of 1 |" in text and "| single strong | 0 of 1 |" in text
     assert report.as_json(judged, "report", 1.0)["goals"]["false alarms on clean data"]["hits"] == 0
+
+
+def test_verify_fast_part(tmp_path):
+    """Every answer about the sets of the fast part is right: one for each kind of answer."""
+    cases = fast_cases("report")
+    sets = runner.write_all(cases, tmp_path / "work", SEEDS["report"], 2)
+    answers = runner.diagnose_all([str(PROGRAM)], sets, tmp_path / "work", 2)
+    judged = runner.judge_all(sets, answers, tmp_path / "work", 2)
+    wrong = [(case.family, case.truth, found.reason) for _, case, found, _ in judged if not found.right]
+    assert not wrong, wrong
+    errors = [found.gain_ratio for _, _, found, _ in judged if found.gain_ratio is not None]
+    assert errors and max(errors) < 1.15, errors
 
 
 def test_verify_chamfer_of_the_generator_is_the_reference():

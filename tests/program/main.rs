@@ -3,6 +3,7 @@
 mod results;
 
 mod compare;
+mod diagnose;
 mod identify;
 
 use std::path::{Path, PathBuf};

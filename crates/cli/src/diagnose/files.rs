@@ -25,6 +25,24 @@ pub struct Written {
     pub extended: Option<PathBuf>,
 }
 
+/// Refuses a folder in which an answer would replace what is being diagnosed.
+pub fn spare_inputs(plan: &Plan, data: &str) -> Result<(), Failure> {
+    let folder = plan.out.join(plan.scenario.stem());
+    let inputs = [plan.scenario.path(), Path::new(data)];
+    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
+        let Ok(there) = folder.join(name).canonicalize() else {
+            continue;
+        };
+        for input in inputs {
+            if input.canonicalize().is_ok_and(|input| input == there) {
+                let text = format!("the answer would replace {}, which it is about", input.display());
+                return Err(Failure::with_help(text, "choose another folder with --out".into()));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Writes the answer, the extended scenario, the experiment proposed, the report and the curves.
 pub fn write(plan: &Plan, trial: &Trial, confirmed: &Confirmed) -> Result<Written, Failure> {
     let folder = plan.out.join(plan.scenario.stem());

@@ -41,6 +41,7 @@ pub struct Confirmed {
 pub fn diagnose(plan: &Plan) -> Result<Verdict, Failure> {
     let scenario = &plan.scenario;
     let data = data::needed(scenario, plan.data.as_deref())?;
+    files::spare_inputs(plan, &data.source)?;
     let trial = Trial::new(scenario, &data).map_err(|error| Failure::sim(scenario, error))?;
     let bar = Bar::new(plan.options.max_predictions);
     let answer = diagnose::diagnose(&trial, &trial.observation, &plan.options, &|now| {

@@ -19,7 +19,7 @@ pub struct UnitSuspicion {
 const ABSURD: f64 = 0.6;
 /// The factor must bring the error below this share of it, and below this error.
 const FAR_BETTER: f64 = 0.4;
-const FITTING: f64 = 0.3;
+const FITTING: f64 = 0.5;
 
 /// Looks for a factor (powers of ten, degrees, turns, rpm, standard gravity, inches, pounds, the sign)
 /// that makes an absurd residual vanish for the most part.

@@ -1,0 +1,108 @@
+//! `truecut diagnose` as a user meets it, on the example that is shipped. Its data come from MuJoCo
+//! (`tests/hidden_effects/example.py`), with 1.2 mrad of play in the second joint.
+
+use super::*;
+
+use std::collections::BTreeMap;
+
+use truecut_discrepancy::diagnose::{Diagnosis, Verdict};
+
+/// Play that the data hold, rad.
+const PLAY_RAD: f64 = 1.2e-3;
+
+/// The example, copied to a desk.
+fn desk() -> Desk {
+    let desk = Desk::new();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .canonicalize()
+        .unwrap();
+    let folder = root.join("scenarios/diagnosis");
+    let text = std::fs::read_to_string(folder.join("elbow.toml")).unwrap();
+    let text = text.replace("../../assets", &root.join("assets").display().to_string());
+    std::fs::write(desk.path("elbow.toml"), text).unwrap();
+    std::fs::copy(folder.join("elbow.csv"), desk.path("elbow.csv")).unwrap();
+    desk
+}
+
+/// All files of the desk's own folder, by name.
+fn files(desk: &Desk) -> BTreeMap<PathBuf, Vec<u8>> {
+    let entries = std::fs::read_dir(desk.folder.path()).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    paths
+        .filter(|path| path.is_file())
+        .map(|path| (path.clone(), std::fs::read(&path).unwrap()))
+        .collect()
+}
+
+#[test]
+fn diagnose_names_what_the_example_hides() {
+    let desk = desk();
+    let told = desk.ends(0, &["diagnose", "elbow.toml"]);
+    assert!(told.contains("CAUSE NAMED"), "{told}");
+    let text = std::fs::read_to_string(desk.path("out/elbow/diagnosis.json")).unwrap();
+    let found: Diagnosis = serde_json::from_str(&text).unwrap();
+    assert_eq!(found.verdict, Verdict::Named);
+    let [cause] = found.causes.as_slice() else {
+        panic!("one cause, and no other: {:?}", found.causes);
+    };
+    assert_eq!(cause.kind, "joint_backlash");
+    assert_eq!(cause.target.as_deref(), Some("joint2"));
+    let gap = &cause.parameters["gap_rad"];
+    assert!((gap.value / PLAY_RAD - 1.0).abs() < 0.02, "{gap:?}");
+    assert!(gap.low < PLAY_RAD && PLAY_RAD < gap.high, "{gap:?}");
+    for (name, errors) in &found.channels {
+        assert!(
+            errors.after < 1.15 * errors.noise_floor && errors.after < errors.before,
+            "{name}: {errors:?}"
+        );
+    }
+    // The user's file with the cause added: comments are kept, and it runs.
+    let extended = std::fs::read_to_string(desk.path("out/elbow/extended.toml")).unwrap();
+    assert!(extended.contains("# What is wrong with this arm?"));
+    assert!(extended.contains("kind = \"joint_backlash\""));
+    desk.ends(0, &["check", "out/elbow/extended.toml"]);
+    let report = std::fs::read_to_string(desk.path("out/elbow/report.html")).unwrap();
+    assert!(report.contains("<svg") && report.contains("joint_backlash"));
+    assert!(desk.path("out/elbow/diagnosis.rrd").exists());
+}
+
+#[test]
+fn diagnose_interrupted_leaves_the_users_files_as_they_are() {
+    let desk = desk();
+    let before = files(&desk);
+    for milliseconds in [1, 30, 100, 300, 1000, 2500] {
+        let mut child = desk
+            .command(&["diagnose", "elbow.toml"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert_eq!(files(&desk), before, "after {milliseconds} ms");
+    }
+}
+
+#[test]
+fn diagnose_does_not_write_over_what_it_reads() {
+    let desk = desk();
+    let folder = desk.path("out/extended");
+    std::fs::create_dir_all(&folder).unwrap();
+    let text = std::fs::read_to_string(desk.path("elbow.toml")).unwrap();
+    let data = desk.path("elbow.csv").display().to_string();
+    let own = folder.join("extended.toml");
+    std::fs::write(&own, text.replace("elbow.csv", &data)).unwrap();
+    let kept = std::fs::read(&own).unwrap();
+    let told = refused(&desk, &["diagnose", "out/extended/extended.toml"]);
+    assert!(told.contains("would replace") && told.contains("--out"), "{told}");
+    assert_eq!(std::fs::read(&own).unwrap(), kept);
+}
+
+/// What is said with exit code 2.
+fn refused(desk: &Desk, arguments: &[&str]) -> String {
+    let output = desk.truecut(arguments);
+    assert_eq!(output.status.code(), Some(BAD_INPUT));
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
