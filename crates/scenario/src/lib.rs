@@ -44,6 +44,7 @@
 
 #![warn(missing_docs)]
 
+mod adjust;
 mod chamfer;
 mod check;
 mod claim;
@@ -71,13 +72,14 @@ mod uncertain;
 mod units;
 mod wheel;
 
+pub use adjust::{JointSpec, LinkSpec};
 pub use chamfer::{ChamferSpec, CuttingSpec, FeedDirection, Regeneration};
 pub use data::DataSpec;
 pub use error::{Problem, ScenarioError};
 pub use foot::{FootSpec, FootSpring, FrictionSpec};
 pub use load::{ForceSweepSpec, LoadFrame, LoadSpec, RotatingForceSpec};
 pub use process::ProcessSpec;
-pub use replay::{ReplayMode, ReplaySpec};
+pub use replay::{ReplayMode, ReplaySpec, Turning};
 pub use robot::{Drive, RobotSpec};
 pub use run::RunSpec;
 pub use scenario::Scenario;
