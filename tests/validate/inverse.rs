@@ -1,12 +1,16 @@
 //! Drive forces from measured motion, against measured ones.
 
-use crate::support::{data_file, fit, measured, on_joint, relative, residual, scenario};
+use crate::support::{
+    PUBLISHED_FILTER, data_file, fit, measured, on_joint, relative, residual, scenario,
+};
 use nalgebra::{DMatrix, DVector};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 use truecut_sim::InverseModel;
 
 fn emps(file: &std::path::Path) -> InverseModel {
-    let scenario = scenario("emps_inverse.toml");
+    let scenario = scenario("emps_inverse.toml")
+        .with_overrides(&PUBLISHED_FILTER.map(|(key, value)| (key.to_owned(), value.to_owned())))
+        .unwrap_or_else(|e| panic!("{e}"));
     let data = measured(&scenario, file);
     InverseModel::new(&scenario, &data).unwrap_or_else(|e| panic!("{e}"))
 }

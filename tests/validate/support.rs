@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 use std::path::{Path, PathBuf};
+use truecut_discrepancy::diagnose::{Answer, Options, diagnose};
+use truecut_discrepancy::trial::Trial;
 use truecut_recording::Measured;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
@@ -25,6 +27,61 @@ pub fn scenario(name: &str) -> Scenario {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let path = repository.join("scenarios/replay").join(name);
     Scenario::load(&path, &[]).unwrap_or_else(|error| panic!("{name}: {error:?}"))
+}
+
+/// The filter under which the published errors of the EMPS hold.
+pub const PUBLISHED_FILTER: [(&str, &str); 1] = [("process.replay.compare_cutoff_hz", "50")];
+
+/// What `truecut diagnose` answers.
+pub fn diagnosed(scenario: &Scenario, file: &Path) -> Answer {
+    diagnosed_with(scenario, file, &Options::default())
+}
+
+/// The same with options.
+pub fn diagnosed_with(scenario: &Scenario, file: &Path, options: &Options) -> Answer {
+    let data = measured(scenario, file);
+    let trial = Trial::new(scenario, &data).unwrap_or_else(|e| panic!("{e}"));
+    let answer = diagnose(&trial, &trial.observation, options, &|_| ());
+    let answer = answer.unwrap_or_else(|e| panic!("{e}"));
+    eprintln!("{}", answer.diagnosis.reason);
+    for (effect, cause) in answer.effects.iter().zip(&answer.diagnosis.causes) {
+        eprintln!("{} {:?} {:.4?}", cause.kind, cause.target, effect.values);
+    }
+    answer
+}
+
+/// The scenario with the refitted values and the effects of an answer, as `extended.toml` has them.
+pub fn extended_text(scenario: &Scenario, answer: &Answer) -> String {
+    let refitted = scenario.uncertain.iter().zip(&answer.nominal);
+    let overrides: Vec<(String, String)> = refitted
+        .map(|(parameter, value)| (parameter.key.clone(), format!("{value:?}")))
+        .collect();
+    let refitted = (scenario.with_overrides(&overrides)).unwrap_or_else(|e| panic!("{e}"));
+    let drives = scenario.robot != truecut_scenario::RobotSpec::NONE;
+    let rotary = match drives {
+        true => truecut_sim::rotary_joints(scenario).unwrap_or_else(|e| panic!("{e}")),
+        false => Vec::new(),
+    };
+    refitted.extended_text(&answer.effects, &rotary)
+}
+
+/// The scenario of [`extended_text`].
+pub fn extended(scenario: &Scenario, answer: &Answer) -> Scenario {
+    let text = extended_text(scenario, answer);
+    Scenario::from_str(scenario.path(), &text, &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The effects of an answer by kind, with the joint they act on (counted from 0).
+pub fn named(answer: &Answer) -> Vec<(EffectKind, Option<usize>)> {
+    let joint = |effect: &Effect| match effect.target {
+        Target::Joint(joint) => Some(joint),
+        _ => None,
+    };
+    let mut named: Vec<_> = (answer.effects.iter())
+        .map(|effect| (effect.kind, joint(effect)))
+        .collect();
+    named.sort_by_key(|(kind, joint)| (kind.name(), *joint));
+    named
 }
 
 /// The data of a replay scenario.

@@ -149,6 +149,9 @@ pub struct DiagnoseArguments {
     /// Most simulations that the search may make
     #[arg(long, value_name = "N")]
     max_runs: Option<std::num::NonZeroUsize>,
+    /// Most causes that are named together [default: 4]
+    #[arg(long, value_name = "N")]
+    max_causes: Option<std::num::NonZeroUsize>,
     #[command(flatten)]
     common: Common,
 }
@@ -235,6 +238,9 @@ impl DiagnoseArguments {
         let mut options = Options::default();
         if let Some(runs) = self.max_runs {
             options.max_predictions = runs.get();
+        }
+        if let Some(causes) = self.max_causes {
+            options.max_effects = causes.get();
         }
         Ok(diagnose::Plan {
             scenario: Scenario::load(&self.scenario, &self.common.set)?,

@@ -102,7 +102,8 @@ pub fn spindle_hz(scenario: &Scenario) -> Option<f64> {
     let speed_rad_s = match &scenario.process {
         ProcessSpec::Chamfer(chamfer) => chamfer.spindle_rad_s,
         ProcessSpec::Wheel(wheel) => wheel.spin_rad_s.abs(),
-        ProcessSpec::Load(_) | ProcessSpec::Replay(_) => return None,
+        ProcessSpec::Replay(replay) => replay.turning?.spindle_rad_s,
+        ProcessSpec::Load(_) => return None,
     };
     (speed_rad_s > 0.0).then_some(speed_rad_s / std::f64::consts::TAU)
 }

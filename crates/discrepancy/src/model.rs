@@ -66,6 +66,11 @@ pub trait Model: Sync {
     /// A run that fails, e.g. because it diverges at these values. The search treats it as a step not to be taken.
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError>;
 
+    /// Whether the machine runs steadily by itself: that a prediction stands still is then no lack of excitation.
+    fn is_steady(&self) -> bool {
+        false
+    }
+
     /// Other experiments that could be made, for telling causes apart.
     fn experiments(&self) -> Vec<Experiment> {
         Vec::new()

@@ -44,6 +44,7 @@
 
 #![warn(missing_docs)]
 
+mod adjust;
 mod chamfer;
 mod check;
 mod claim;
@@ -72,6 +73,7 @@ mod uncertain;
 mod units;
 mod wheel;
 
+pub use adjust::{JointSpec, LinkSpec};
 pub use chamfer::{ChamferSpec, CuttingSpec, FeedDirection, Regeneration};
 pub use data::DataSpec;
 pub use error::{Problem, ScenarioError};
@@ -79,7 +81,7 @@ pub use foot::{FootSpec, FootSpring, FrictionSpec};
 pub use identification::Identification;
 pub use load::{ForceSweepSpec, LoadFrame, LoadSpec, RotatingForceSpec};
 pub use process::ProcessSpec;
-pub use replay::{ReplayMode, ReplaySpec};
+pub use replay::{ReplayMode, ReplaySpec, Turning};
 pub use robot::{Drive, RobotSpec};
 pub use run::RunSpec;
 pub use scenario::Scenario;

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::check::Check;
+use crate::units::{from_mm, from_rpm};
 
 /// Measured inputs, the channels of `[data]` with role "input", drive the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +15,17 @@ pub struct ReplaySpec {
     pub amplitude_factor: f64,
     /// Factor on how fast the inputs are played.
     pub speed_factor: f64,
+    /// The cut that is observed (mode "observe"), if it is one of turning.
+    pub turning: Option<Turning>,
+}
+
+/// What is known of a turning cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turning {
+    /// Speed of the workpiece.
+    pub spindle_rad_s: f64,
+    /// Depth of cut.
+    pub depth_m: f64,
 }
 
 /// Which way a measurement is replayed.
@@ -63,6 +75,12 @@ pub(crate) struct ReplayTable {
     /// Factor on the speed at which the inputs are played: to plan another experiment (mode "forward"). Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
     speed_factor: Option<f64>,
+    /// Speed of the workpiece of a turning cut that is observed (mode "observe", with depth_mm).
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the spindle turns"))]
+    spindle_rpm: Option<f64>,
+    /// Depth of a turning cut that is observed (mode "observe", with spindle_rpm).
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cut has a depth"))]
+    depth_mm: Option<f64>,
 }
 
 // Ten times and five times the motion's own bandwidth of some 2 Hz, as identification of robots takes it
@@ -71,6 +89,20 @@ const DEFAULT_DIFFERENTIATE_CUTOFF_HZ: f64 = 20.0;
 const DEFAULT_COMPARE_CUTOFF_HZ: f64 = 10.0;
 
 impl ReplayTable {
+    fn turning(&self, check: &mut Check) -> Option<Turning> {
+        let who = "an observed cut";
+        let (rpm, depth) = (self.spindle_rpm, self.depth_mm);
+        if rpm.is_none() && depth.is_none() {
+            return None;
+        }
+        let rpm = check.needed("process.replay", "spindle_rpm", rpm, who)?;
+        let depth = check.needed("process.replay", "depth_mm", depth, who)?;
+        Some(Turning {
+            spindle_rad_s: from_rpm(rpm),
+            depth_m: from_mm(depth),
+        })
+    }
+
     pub(crate) fn resolve(self, check: &mut Check) -> ReplaySpec {
         let mode = self.mode.unwrap_or_default();
         if mode != ModeName::Inverse {
@@ -81,7 +113,12 @@ impl ReplayTable {
             let keys = ["amplitude_factor", "speed_factor"];
             check.ignored("process.replay", &keys, "the mode is not \"forward\"");
         }
+        if mode != ModeName::Observe {
+            let keys = ["spindle_rpm", "depth_mm"];
+            check.ignored("process.replay", &keys, "the mode is not \"observe\"");
+        }
         ReplaySpec {
+            turning: self.turning(check),
             amplitude_factor: self.amplitude_factor.unwrap_or(1.0),
             speed_factor: self.speed_factor.unwrap_or(1.0),
             mode: match mode {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::adjust::{self, JointSpec, JointTable, LinkSpec, LinkTable};
 use crate::check::Check;
 use crate::document::Fault;
 use crate::process::ProcessSpec;
@@ -36,6 +37,10 @@ pub struct RobotSpec {
     pub damping_scale: f64,
     /// Whether the command makes up for the sag under gravity, so that the links start at the posture.
     pub hold_against_sag: bool,
+    /// Links that differ from the URDF.
+    pub links: Vec<LinkSpec>,
+    /// Joints that differ from robot.toml.
+    pub joints: Vec<JointSpec>,
 }
 
 impl RobotSpec {
@@ -52,6 +57,8 @@ impl RobotSpec {
         stiffness_scale: 1.0,
         damping_scale: 1.0,
         hold_against_sag: true,
+        links: Vec::new(),
+        joints: Vec::new(),
     };
 }
 
@@ -97,6 +104,10 @@ pub(crate) struct RobotTable {
     damping_scale: Option<f64>,
     /// Whether the command makes up for the sag under gravity. Default: true.
     hold_against_sag: Option<bool>,
+    /// Links whose inertial values differ from the URDF.
+    link: Option<Vec<LinkTable>>,
+    /// Joints whose rotor differs from robot.toml.
+    joint: Option<Vec<JointTable>>,
 }
 
 impl RobotTable {
@@ -163,6 +174,8 @@ impl RobotTable {
             stiffness_scale: self.stiffness_scale.unwrap_or(1.0),
             damping_scale: self.damping_scale.unwrap_or(1.0),
             hold_against_sag: self.hold_against_sag.unwrap_or(true),
+            links: adjust::links(self.link, check),
+            joints: adjust::joints(self.joint, check),
         }
     }
 }

@@ -8,9 +8,10 @@ use crate::sweep::{BisectSpec, SweepAxis, SweepColumn};
 /// Whether `key` is a number of the scenario that can be changed from outside; else a fault at `at`.
 pub(crate) fn check_key(key: &str, at: &str, check: &mut Check) -> bool {
     let path = split_path(key);
-    let own = |part: &String| matches!(part.as_str(), "robot" | "run" | "process");
+    let own = |part: &String| matches!(part.as_str(), "robot" | "run" | "process" | "effect");
     if !path.first().is_some_and(own) {
-        let message = format!("`{at}` is \"{key}\", but must be a key below robot, run or process");
+        let message =
+            format!("`{at}` is \"{key}\", but must be a key below robot, run, process or effect");
         check.refuse(Fault::value(at, message, "cannot be changed"));
         return false;
     }

@@ -75,7 +75,7 @@ impl UncertainTable {
             }
         };
         Some(UncertainSpec {
-            unit: key_unit(last_part(&self.key)).symbol,
+            unit: key_unit(own_part(&self.key)).symbol,
             key: self.key,
             value,
             sigma,
@@ -83,6 +83,10 @@ impl UncertainTable {
     }
 }
 
-fn last_part(key: &str) -> &str {
+/// What says the unit: the last part of a key; all of it for effects, whose keys are SI.
+fn own_part(key: &str) -> &str {
+    if key.starts_with("effect.") {
+        return key;
+    }
     key.rsplit('.').next().unwrap_or(key)
 }

@@ -225,11 +225,7 @@ fn stiffest(robot: &Robot, laws: &[JointLaw], start: &[f64], command: &JointComm
 
 pub(crate) fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
     let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
-    let mut robot = robot.scaled(spec.inertia_scale, spec.stiffness_scale, spec.damping_scale);
-    if spec.drive == DriveSpec::Servo {
-        robot.close_rigid_servos();
-    }
-    Ok(robot)
+    crate::adjust::adjusted(&robot, spec)
 }
 
 /// Of each joint of the scenario's robot whether it is rotary; chooses the keys of

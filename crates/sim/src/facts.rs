@@ -14,8 +14,8 @@ pub struct JointFacts {
     pub stiffness: Option<f64>,
 }
 
-/// The robot of a scenario, in numbers.
-#[derive(Debug, Clone, PartialEq)]
+/// The robot of a scenario, in numbers; the default is none at all.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct RobotFacts {
     /// The joints, in chain order.
     pub joints: Vec<JointFacts>,

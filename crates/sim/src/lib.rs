@@ -14,6 +14,7 @@
 //! | [`replay`] | measured inputs that drive a model, forward or inverse |
 //! | [`sweep`] | a scenario over one or two parameters, as independent jobs |
 
+mod adjust;
 mod build;
 mod cell;
 mod channels;
@@ -45,5 +46,6 @@ pub use cell::{Cell, RunEnd};
 pub use error::SimError;
 pub use mjcf::export_mjcf;
 pub use replay::inverse::InverseModel;
+pub use replay::steady::SteadyModel;
 pub use robots::Robots;
 pub use simulate::{Engine, Rows, reduced_step_s, simulate};

@@ -1,11 +1,12 @@
 //! Robots that are read once and used by many cells.
 
+use crate::adjust::{adjusted, leaves_as_is};
 use crate::error::SimError;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use truecut_arm::Robot;
-use truecut_scenario::{Drive, RobotSpec};
+use truecut_scenario::RobotSpec;
 
 type Files = (PathBuf, Option<PathBuf>, Option<String>);
 
@@ -24,19 +25,13 @@ impl Robots {
         Self::default()
     }
 
-    /// The robot of a scenario, with its scales applied.
+    /// The robot of a scenario, as the scenario has it.
     pub(crate) fn robot(&self, spec: &RobotSpec) -> Result<Arc<Robot>, SimError> {
         let robot = self.unscaled(spec)?;
-        let scales = (spec.inertia_scale, spec.stiffness_scale, spec.damping_scale);
-        let servo = spec.drive == Drive::Servo;
-        if !servo && scales == (1.0, 1.0, 1.0) {
+        if leaves_as_is(spec) {
             return Ok(robot);
         }
-        let mut scaled = robot.scaled(scales.0, scales.1, scales.2);
-        if servo {
-            scaled.close_rigid_servos();
-        }
-        Ok(Arc::new(scaled))
+        Ok(Arc::new(adjusted(&robot, spec)?))
     }
 
     fn unscaled(&self, spec: &RobotSpec) -> Result<Arc<Robot>, SimError> {

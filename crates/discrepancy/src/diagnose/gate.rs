@@ -8,6 +8,9 @@ const LEAST_MOTION: f64 = 0.5;
 
 /// What is missing, where no output moves beyond its noise.
 pub(super) fn unexcited(problem: &Problem, nominal: &Columns) -> Option<Vec<String>> {
+    if problem.model.is_steady() {
+        return None;
+    }
     let mut missing = Vec::new();
     for (c, spec) in problem.model.channels().iter().enumerate() {
         let output = &problem.data.outputs[c];

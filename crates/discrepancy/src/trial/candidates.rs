@@ -8,7 +8,7 @@ use truecut_recording::measured::Measured;
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target, TargetKind};
 use truecut_scenario::{ChamferSpec, ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::facts::RobotFacts;
-use truecut_sim::{InverseModel, Rows};
+use truecut_sim::{InverseModel, Rows, SteadyModel};
 
 use crate::model::Candidate;
 
@@ -30,6 +30,8 @@ struct JointSignals {
     stiffness: Option<f64>,
     /// Root mean square of the velocity.
     speed: f64,
+    /// Greatest speed.
+    fastest: f64,
     /// Standard deviation of the coordinate.
     travel: f64,
     /// Root mean square of the drive force or torque.
@@ -73,10 +75,13 @@ impl Signals {
                     "transmission_torque",
                     "transmission_force",
                 ];
+                let velocity = differences(&coordinate);
                 JointSignals {
                     rotary: joint.rotary,
                     stiffness: joint.stiffness.map(|k| k * scenario.robot.stiffness_scale),
-                    speed: rms(&differences(&coordinate)) / interval_s,
+                    speed: rms(&velocity) / interval_s,
+                    fastest: velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
+                        / interval_s,
                     travel: deviation(&coordinate),
                     effort: rms(&first(number, &efforts).unwrap_or_default()),
                 }
@@ -92,7 +97,17 @@ impl Signals {
             duration_s: measured.duration_s(),
         }
     }
+
+    /// Of each joint, the greatest speed over which a friction may fall.
+    pub(super) fn fall_speeds(&self) -> Vec<f64> {
+        (self.joints.iter())
+            .map(|joint| FALL_PART * joint.fastest)
+            .collect()
+    }
 }
+
+/// At its fastest the joint must be beyond the fall: at twice its speed 2 % of the excess are left.
+const FALL_PART: f64 = 0.5;
 
 /// Every effect that applies to the scenario and is not in it already.
 pub(super) fn candidates(
@@ -131,7 +146,7 @@ fn applies(scenario: &Scenario, kind: EffectKind) -> bool {
     if let ProcessSpec::Replay(replay) = process {
         match replay.mode {
             ReplayMode::Inverse { .. } => return InverseModel::supports(kind),
-            ReplayMode::Observe => return kind.family() == Family::Sensor,
+            ReplayMode::Observe => return SteadyModel::supports(scenario, kind),
             ReplayMode::Forward => {}
         }
     }
@@ -182,6 +197,7 @@ fn scale(
         (Family::Robot, _) => robot_scale(signals, kind),
         (Family::Cutting, _) => match &scenario.process {
             ProcessSpec::Chamfer(chamfer) => cutting_scale(chamfer, kind, signals.duration_s),
+            ProcessSpec::Replay(replay) => vec![0.01 * replay.turning?.depth_m; 2],
             _ => return None,
         },
         (Family::Foot, _) => foot_scale(scenario, kind, signals.duration_s)?,

@@ -5,8 +5,12 @@
 
 mod candidates;
 mod experiments;
+mod lately;
+mod nominal;
 mod observation;
+mod parallel;
 mod sampling;
+mod speeds;
 mod stiff;
 
 use truecut_recording::measured::Measured;
@@ -14,8 +18,11 @@ use truecut_recording::{ChannelSpec, Outcome, UnknownName};
 use truecut_scenario::effect::{Effect, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::facts::{RobotFacts, robot_facts};
-use truecut_sim::{Engine, InverseModel, Robots, Rows, SimError, reduced_step_s, simulate};
+use truecut_sim::{
+    Engine, InverseModel, Robots, Rows, SimError, SteadyModel, reduced_step_s, simulate,
+};
 
+use self::lately::Lately;
 use crate::diagnose::Observation;
 use crate::model::{Candidate, Columns, Experiment, Model, NominalParameter, PredictError};
 
@@ -29,8 +36,12 @@ pub struct Trial {
     candidates: Vec<Candidate>,
     engine: Kind,
     robots: Robots,
+    /// Drive forces of the arm without effects, for nominal parameters that were asked for lately.
+    rigid: Lately,
     /// Runs with a shorter step are not made, s.
     shortest_step_s: f64,
+    /// Of each joint, the greatest speed at which a friction's fall with speed can be told from other friction.
+    fall_speeds: Vec<f64>,
     /// Base compliances below which the change is taken as proportional.
     stiff: Vec<(Target, f64)>,
     /// The data as the search sees them.
@@ -47,7 +58,11 @@ enum Kind {
         /// Nominal parameters for which `model` was made.
         nominal: Vec<f64>,
         model: Box<InverseModel>,
+        /// Samples of the data for one that the search sees.
+        every: usize,
     },
+    /// A steady machine of which nothing is simulated.
+    Steady(Box<SteadyModel>),
 }
 
 impl Trial {
@@ -56,7 +71,10 @@ impl Trial {
     /// # Errors
     /// Whatever makes the scenario unfit to run with these data; outputs that it does not have.
     pub fn new(scenario: &Scenario, measured: &Measured) -> Result<Trial, SimError> {
-        let facts = robot_facts(scenario)?;
+        let facts = match mode(scenario) {
+            Some(ReplayMode::Observe) => RobotFacts::default(),
+            _ => robot_facts(scenario)?,
+        };
         let robots = Robots::new();
         let nominal: Vec<NominalParameter> = (scenario.uncertain.iter())
             .map(|one| NominalParameter {
@@ -70,12 +88,19 @@ impl Trial {
         let (engine, recording, used) = match mode(scenario) {
             Some(ReplayMode::Inverse { .. }) => {
                 let model = Box::new(InverseModel::new(scenario, measured)?);
-                let used = model.measured().clone();
+                let every = parallel::spacing(scenario, measured.rate_hz());
+                let used = parallel::thinned(model.measured(), every);
                 let kind = Kind::Inverse {
                     nominal: values,
                     model,
+                    every,
                 };
                 (kind, None, used)
+            }
+            Some(ReplayMode::Observe) => {
+                let model = SteadyModel::new(scenario, measured)?;
+                let used = model.measured().clone();
+                (Kind::Steady(Box::new(model)), None, used)
             }
             _ => {
                 let any = Engine::Reduced {
@@ -87,13 +112,14 @@ impl Trial {
         };
         let channels = match (&engine, &recording) {
             (Kind::Inverse { model, .. }, _) => model.channels().to_vec(),
+            (Kind::Steady(model), _) => model.channels().to_vec(),
             (_, Some(recording)) => outputs(scenario, measured, recording)?,
             _ => Vec::new(),
         };
         let observation = observation::observation(scenario, &used, &channels, recording.as_ref());
         let signals = candidates::Signals::new(scenario, measured, &facts, recording.as_ref());
         let shortest_step_s = match &engine {
-            Kind::Inverse { .. } => 0.0,
+            Kind::Inverse { .. } | Kind::Steady(_) => 0.0,
             Kind::Forward => reduced_step_s(scenario, Some(measured), &robots)? / FINEST,
         };
         let mut trial = Trial {
@@ -105,7 +131,9 @@ impl Trial {
             nominal,
             engine,
             robots,
+            rigid: Lately::default(),
             shortest_step_s,
+            fall_speeds: signals.fall_speeds(),
             stiff: Vec::new(),
             observation,
         };
@@ -129,7 +157,7 @@ impl Trial {
     /// A run that fails or diverges.
     pub fn confirm(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
         match &self.engine {
-            Kind::Inverse { .. } => self.predict(nominal, effects),
+            Kind::Inverse { .. } | Kind::Steady(_) => self.predict(nominal, effects),
             Kind::Forward => self.forward(nominal, effects, Engine::Rapier),
         }
     }
@@ -198,18 +226,34 @@ impl Model for Trial {
 
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
         let failed = |error: SimError| PredictError(error.to_string());
+        self.check_speeds(effects)?;
         match &self.engine {
             Kind::Forward => self.extrapolated(nominal, effects),
+            Kind::Steady(model) => model.predict(effects).map_err(failed),
             Kind::Inverse {
                 nominal: made_for,
                 model,
-            } if made_for == nominal => model.predict(effects).map_err(failed),
-            Kind::Inverse { .. } => {
-                let scenario = self.varied(nominal, &[])?;
-                let model = InverseModel::new(&scenario, &self.measured).map_err(failed)?;
-                model.predict(effects).map_err(failed)
+                every,
+            } => {
+                let columns = if made_for == nominal {
+                    model.predict(effects)
+                } else {
+                    let own = self.rigid.columns(&self.of_robot(nominal), || {
+                        let robot = self.varied_robot(nominal)?;
+                        model.nominal_for(&robot, &self.robots).map_err(failed)
+                    })?;
+                    model.predict_from(own, &self.with_own(nominal, effects))
+                };
+                let columns = columns.map_err(failed)?;
+                Ok((columns.iter())
+                    .map(|column| parallel::picked(column, *every))
+                    .collect())
             }
         }
+    }
+
+    fn is_steady(&self) -> bool {
+        matches!(self.engine, Kind::Steady(_))
     }
 
     fn experiments(&self) -> Vec<Experiment> {

@@ -11,12 +11,13 @@ use super::motion::{Motion, sign};
 use super::regressors::{BodyRegressors, JointRegressors};
 use crate::channels::drive_spec;
 use crate::error::SimError;
+use crate::robots::Robots;
 use nalgebra::Vector3;
 use truecut_arm::{Dynamics, FrameId, Robot};
 use truecut_recording::filter::Butterworth;
 use truecut_recording::{ChannelSpec, Measured, Role};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
-use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
+use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario};
 
 /// Order of both filters; run forward and backward they act twice.
 const FILTER_ORDER: usize = 4;
@@ -74,6 +75,20 @@ impl InverseModel {
         };
         model.predict(&[])?;
         Ok(model)
+    }
+
+    /// Drive forces without effects, for the same motion and a robot with other masses and rotors; for
+    /// [`InverseModel::predict_from`].
+    ///
+    /// # Errors
+    /// A robot that cannot be loaded.
+    pub fn nominal_for(
+        &self,
+        spec: &RobotSpec,
+        robots: &Robots,
+    ) -> Result<Vec<Vec<f64>>, SimError> {
+        let robot = robots.robot(spec)?;
+        Ok(nominal(&robot, &self.motion, &self.joints, &self.filter))
     }
 
     /// What is predicted, in order: the drive forces that were measured.
@@ -135,7 +150,18 @@ impl InverseModel {
     /// # Errors
     /// An effect that plays no part in inverse dynamics, or whose joint or channel does not exist.
     pub fn predict(&self, effects: &[Effect]) -> Result<Vec<Vec<f64>>, SimError> {
-        let mut columns = self.nominal.clone();
+        self.predict_from(self.nominal.clone(), effects)
+    }
+
+    /// [`InverseModel::predict`] on other drive forces than the nominal ones.
+    ///
+    /// # Errors
+    /// As [`InverseModel::predict`].
+    pub fn predict_from(
+        &self,
+        mut columns: Vec<Vec<f64>>,
+        effects: &[Effect],
+    ) -> Result<Vec<Vec<f64>>, SimError> {
         let kept = (self.effects.iter()).filter(|own| {
             !effects
                 .iter()
@@ -301,7 +327,8 @@ fn nominal(
     columns
 }
 
-/// The measured drive forces through `filter`. A gap spoils the samples within a period of the cutoff.
+/// The measured drive forces through `filter`. A gap spoils the samples within a period of the cutoff, and so do the ends: what was
+/// before and after the filter can only guess.
 fn filtered(
     measured: &Measured,
     robot: &Robot,
@@ -322,6 +349,9 @@ fn filtered(
     for channel in &mut channels {
         channel.values = filter.zero_phase(&channel.values);
         let gaps = std::mem::replace(&mut channel.valid, vec![true; measured.time_s.len()]);
+        let last = gaps.len() - 1;
+        channel.valid[..=reach.min(last)].fill(false);
+        channel.valid[last - reach.min(last)..].fill(false);
         for k in (0..gaps.len()).filter(|k| !gaps[*k]) {
             let end = (k + reach + 1).min(gaps.len());
             channel.valid[k.saturating_sub(reach)..end].fill(false);

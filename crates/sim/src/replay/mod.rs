@@ -5,6 +5,7 @@
 //! | [`forward`] | commands and forces in, motion out |
 //! | [`inputs`] | which measured channel drives what, and whether it may |
 //! | [`inverse`] | measured motion in, drive forces out |
+//! | [`steady`] | a steady machine: means, and a cut that turns |
 //! | [`predict`] | replays without a plant; recordings at the times of data |
 
 pub(crate) mod forward;
@@ -13,3 +14,4 @@ pub mod inverse;
 mod motion;
 pub mod predict;
 mod regressors;
+pub mod steady;

@@ -1,8 +1,9 @@
 //! Replays without a plant, and recordings at the times of measured data.
 
 use super::inverse::InverseModel;
+use super::steady::SteadyModel;
 use crate::error::SimError;
-use truecut_recording::{Header, Measured, Recording, Role, UnknownName};
+use truecut_recording::{Header, Measured, Recording, UnknownName};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 
 /// What a replay without a plant predicts, at the times of the data it is given for.
@@ -20,7 +21,7 @@ pub struct Prediction {
 /// channel by its mean. `None` for a scenario that has a plant to run.
 ///
 /// # Errors
-/// As [`InverseModel::new`].
+/// As [`InverseModel::new`] and [`SteadyModel::new`].
 pub fn predict(scenario: &Scenario, measured: &Measured) -> Result<Option<Prediction>, SimError> {
     let ProcessSpec::Replay(replay) = &scenario.process else {
         return Ok(None);
@@ -28,12 +29,9 @@ pub fn predict(scenario: &Scenario, measured: &Measured) -> Result<Option<Predic
     let (columns, compared, note) = match replay.mode {
         ReplayMode::Forward => return Ok(None),
         ReplayMode::Observe => {
-            let outputs = Measured {
-                channels: measured.outputs().cloned().collect(),
-                ..measured.clone()
-            };
-            let note = "no model: every channel is predicted by its mean".to_owned();
-            (means(&outputs), outputs, note)
+            let model = SteadyModel::new(scenario, measured)?;
+            let note = "nothing is simulated: every channel is predicted by its mean".to_owned();
+            (model.predict(&[])?, model.measured().clone(), note)
         }
         ReplayMode::Inverse {
             differentiate_cutoff_hz,
@@ -65,21 +63,6 @@ pub fn predict(scenario: &Scenario, measured: &Measured) -> Result<Option<Predic
         columns,
         measured: compared,
     }))
-}
-
-/// Every channel's mean over its valid samples, at every time.
-fn means(measured: &Measured) -> Vec<Vec<f64>> {
-    let mean = |channel: &truecut_recording::MeasuredChannel| {
-        debug_assert_eq!(channel.role, Role::Output);
-        let valid = channel
-            .values
-            .iter()
-            .zip(&channel.valid)
-            .filter(|(_, valid)| **valid);
-        let (sum, count) = valid.fold((0.0, 0_usize), |(sum, n), (value, _)| (sum + value, n + 1));
-        vec![sum / count as f64; channel.values.len()]
-    };
-    measured.channels.iter().map(mean).collect()
 }
 
 /// A channel of a recording at other times, by cubic interpolation between its rows; NaN outside the

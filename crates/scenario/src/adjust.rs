@@ -1,0 +1,132 @@
+//! The `[[robot.link]]` and `[[robot.joint]]` tables: inertial values that differ from the robot's files.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::check::Check;
+use crate::document::Fault;
+use crate::robot::RobotSpec;
+use crate::units::from_mm;
+
+/// How a link differs from the URDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkSpec {
+    /// Name of a moving link of the chain.
+    pub name: String,
+    /// Factor on mass and inertia.
+    pub mass_factor: f64,
+    /// Added to the centre of mass, in the link's frame.
+    pub center_m: [f64; 3],
+}
+
+/// How a joint differs from robot.toml.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointSpec {
+    /// Name of a joint of the chain.
+    pub name: String,
+    /// Factor on the rotor inertia.
+    pub rotor_inertia_factor: f64,
+}
+
+/// Inertial values of a link that differ from the URDF. Links are rarely weighed.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LinkTable {
+    /// Link of the URDF that a joint moves.
+    name: String,
+    /// Factor on its mass and inertia. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "masses are positive"))]
+    mass_factor: Option<f64>,
+    /// Added to its centre of mass, along x of the link's frame. Default: 0.
+    center_x_mm: Option<f64>,
+    /// Added to its centre of mass, along y of the link's frame. Default: 0.
+    center_y_mm: Option<f64>,
+    /// Added to its centre of mass, along z of the link's frame. Default: 0.
+    center_z_mm: Option<f64>,
+}
+
+/// Inertial values of a drive that differ from robot.toml.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct JointTable {
+    /// Joint of the URDF.
+    name: String,
+    /// Factor on the inertia of its rotor. Default: 1.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "inertias are not negative"))]
+    rotor_inertia_factor: Option<f64>,
+}
+
+impl RobotSpec {
+    /// Gives an inertial value, by its key in the scenario and in the key's own unit, without reading the scenario anew. Whether there
+    /// is such a value and it may be so large; else nothing changes.
+    pub fn set_inertial(&mut self, key: &str, value: f64) -> bool {
+        let parts: Vec<&str> = key.split('.').collect();
+        let (slot, value) = match parts[..] {
+            ["robot", "inertia_scale"] if value > 0.0 => (Some(&mut self.inertia_scale), value),
+            ["robot", "link", index, own] => {
+                let link = index
+                    .parse()
+                    .ok()
+                    .and_then(|i: usize| self.links.get_mut(i));
+                match (link, own) {
+                    (Some(link), "mass_factor") if value > 0.0 => {
+                        (Some(&mut link.mass_factor), value)
+                    }
+                    (Some(link), "center_x_mm") => (Some(&mut link.center_m[0]), from_mm(value)),
+                    (Some(link), "center_y_mm") => (Some(&mut link.center_m[1]), from_mm(value)),
+                    (Some(link), "center_z_mm") => (Some(&mut link.center_m[2]), from_mm(value)),
+                    _ => (None, value),
+                }
+            }
+            ["robot", "joint", index, "rotor_inertia_factor"] if value >= 0.0 => {
+                let joint = index
+                    .parse()
+                    .ok()
+                    .and_then(|i: usize| self.joints.get_mut(i));
+                (joint.map(|joint| &mut joint.rotor_inertia_factor), value)
+            }
+            _ => (None, value),
+        };
+        match slot {
+            Some(slot) => {
+                *slot = value;
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+pub(crate) fn links(tables: Option<Vec<LinkTable>>, check: &mut Check) -> Vec<LinkSpec> {
+    let tables = tables.unwrap_or_default();
+    refuse_twice("robot.link", tables.iter().map(|one| &one.name), check);
+    let resolve = |table: LinkTable| LinkSpec {
+        name: table.name,
+        mass_factor: table.mass_factor.unwrap_or(1.0),
+        center_m: [table.center_x_mm, table.center_y_mm, table.center_z_mm]
+            .map(|offset| from_mm(offset.unwrap_or(0.0))),
+    };
+    tables.into_iter().map(resolve).collect()
+}
+
+pub(crate) fn joints(tables: Option<Vec<JointTable>>, check: &mut Check) -> Vec<JointSpec> {
+    let tables = tables.unwrap_or_default();
+    refuse_twice("robot.joint", tables.iter().map(|one| &one.name), check);
+    let resolve = |table: JointTable| JointSpec {
+        name: table.name,
+        rotor_inertia_factor: table.rotor_inertia_factor.unwrap_or(1.0),
+    };
+    tables.into_iter().map(resolve).collect()
+}
+
+fn refuse_twice<'a>(list: &str, names: impl Iterator<Item = &'a String>, check: &mut Check) {
+    let mut seen: Vec<&String> = Vec::new();
+    for (index, name) in names.enumerate() {
+        if let Some(earlier) = seen.iter().position(|known| *known == name) {
+            let path = format!("{list}.{index}.name");
+            let message = format!("`{path}` is \"{name}\", which `{list}.{earlier}` is already");
+            check.refuse(Fault::value(&path, message, "given twice"));
+        }
+        seen.push(name);
+    }
+}

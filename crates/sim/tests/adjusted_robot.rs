@@ -1,0 +1,77 @@
+//! Links and rotors that differ from the robot's files.
+
+use std::path::Path;
+use truecut_scenario::Scenario;
+use truecut_sim::facts::robot_facts;
+use truecut_sim::sweep::record;
+
+fn scenario(tables: &str) -> Scenario {
+    let text = format!(
+        r#"
+name = "test"
+[robot]
+urdf = "../../assets/robots/arm_2r/robot.urdf"
+posture_deg = [30, 40]
+{tables}
+[run]
+duration_s = 0.05
+[process.load]
+release_n = [0, 100, 0]
+"#
+    );
+    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/arm/of_a_test.toml");
+    Scenario::from_str(&at, &text, &[]).unwrap_or_else(|error| panic!("{error:?}"))
+}
+
+fn names() -> (String, String) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/arm_2r/robot.urdf");
+    let robot = truecut_arm::Robot::load(&path, None, None).unwrap();
+    (
+        robot.chain.links[1].name.clone(),
+        robot.chain.joints[1].name.clone(),
+    )
+}
+
+fn tables(factor: f64, center_mm: f64, rotor: f64) -> String {
+    let (link, joint) = names();
+    format!(
+        "[[robot.link]]\nname = \"{link}\"\nmass_factor = {factor:?}\ncenter_x_mm = {center_mm:?}\n\
+         [[robot.joint]]\nname = \"{joint}\"\nrotor_inertia_factor = {rotor:?}\n"
+    )
+}
+
+#[test]
+fn a_link_and_a_rotor_as_in_the_files_change_no_bit() {
+    let plain = record(&scenario(""), &[]).unwrap();
+    let given = record(&scenario(&tables(1.0, 0.0, 1.0)), &[]).unwrap();
+    assert_eq!(plain.columns, given.columns);
+}
+
+#[test]
+fn each_of_them_changes_the_run() {
+    let plain = record(&scenario(""), &[]).unwrap();
+    for (factor, center) in [(1.2, 0.0), (1.0, 30.0)] {
+        let other = record(&scenario(&tables(factor, center, 1.0)), &[]).unwrap();
+        assert_ne!(plain.columns, other.columns, "{factor} {center}");
+    }
+}
+
+#[test]
+fn verify_the_moving_mass_follows_the_factor_of_a_link() {
+    let mass = |tables: &str| robot_facts(&scenario(tables)).unwrap().moving_mass_kg;
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/arm_2r/robot.urdf");
+    let own = truecut_arm::Robot::load(&path, None, None)
+        .unwrap()
+        .chain
+        .links[1]
+        .mass_kg;
+    let added = mass(&tables(1.5, 0.0, 1.0)) - mass("");
+    assert!((added - 0.5 * own).abs() < 1e-12, "{added} of {own}");
+}
+
+#[test]
+fn a_link_that_is_not_there_is_refused_at_its_name() {
+    let scenario = scenario("[[robot.link]]\nname = \"uper_arm\"\n");
+    let error = record(&scenario, &[]).unwrap_err().to_string();
+    assert!(error.contains("uper_arm"), "{error}");
+}
