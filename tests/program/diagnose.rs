@@ -50,7 +50,8 @@ fn diagnose_names_what_the_example_hides() {
     assert_eq!(cause.target.as_deref(), Some("joint2"));
     let gap = &cause.parameters["gap_rad"];
     assert!((gap.value / PLAY_RAD - 1.0).abs() < 0.02, "{gap:?}");
-    assert!(gap.low < PLAY_RAD && PLAY_RAD < gap.high, "{gap:?}");
+    let (low, high) = (gap.low.unwrap(), gap.high.unwrap());
+    assert!(low < PLAY_RAD && PLAY_RAD < high, "{gap:?}");
     for (name, errors) in &found.channels {
         assert!(
             errors.after < 1.15 * errors.noise_floor && errors.after < errors.before,
@@ -96,7 +97,10 @@ fn diagnose_does_not_write_over_what_it_reads() {
     std::fs::write(&own, text.replace("elbow.csv", &data)).unwrap();
     let kept = std::fs::read(&own).unwrap();
     let told = refused(&desk, &["diagnose", "out/extended/extended.toml"]);
-    assert!(told.contains("would replace") && told.contains("--out"), "{told}");
+    assert!(
+        told.contains("would replace") && told.contains("--out"),
+        "{told}"
+    );
     assert_eq!(std::fs::read(&own).unwrap(), kept);
 }
 

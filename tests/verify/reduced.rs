@@ -42,24 +42,25 @@ const FORCE: [&str; 3] = [
 
 /// Every shipped scenario that is not a sweep, and the most that tool displacement and force (on the
 /// dynamometer, or under the wheel) may be apart, as NRMSE in percent: what was measured, rounded up. The
-/// first pair holds at the reduced plant's own default step, the second at rapier's, where only the
-/// linearisation is left. With a free rod chip regeneration magnifies any difference.
+/// first pair holds at the reduced plant's own default step, the second at rapier's. There the linearisation is
+/// left, and what rapier errs by itself: the reduced plant meets process forces to fourth order, rapier to second.
+/// With a free rod chip regeneration magnifies any difference.
 const BOUNDS: [(&str, [f64; 2], [f64; 2]); 12] = [
     ("arm/free_decay.toml", [0.04, 0.0], [0.04, 0.0]),
     ("arm/frequency_sweep.toml", [0.01, 0.0], [0.01, 0.0]),
     ("arm/static_load.toml", [0.06, 0.0], [0.06, 0.0]),
-    ("chamfer/backward_high.toml", [0.02, 0.35], [0.001, 0.03]),
-    ("chamfer/backward_low.toml", [0.01, 0.04], [0.01, 0.01]),
-    ("chamfer/backward_rod_free.toml", [0.35, 0.9], [0.35, 0.9]),
+    ("chamfer/backward_high.toml", [0.005, 0.1], [0.003, 0.05]),
+    ("chamfer/backward_low.toml", [0.01, 0.03], [0.01, 0.01]),
+    ("chamfer/backward_rod_free.toml", [0.3, 0.8], [0.3, 0.8]),
     (
         "chamfer/backward_sufficient.toml",
-        [0.02, 0.35],
-        [0.001, 0.03],
+        [0.005, 0.1],
+        [0.003, 0.05],
     ),
-    ("chamfer/forward_300.toml", [0.015, 0.05], [0.01, 0.01]),
+    ("chamfer/forward_300.toml", [0.01, 0.02], [0.01, 0.01]),
     ("chamfer/forward_400.toml", [0.015, 0.02], [0.015, 0.01]),
-    ("chamfer/forward_rod_free.toml", [0.35, 0.9], [0.35, 0.9]),
-    ("chamfer/planar_low.toml", [0.01, 0.45], [0.001, 0.001]),
+    ("chamfer/forward_rod_free.toml", [0.3, 0.8], [0.3, 0.8]),
+    ("chamfer/planar_low.toml", [0.012, 0.08], [0.001, 0.03]),
     ("wheel/plate.toml", [0.001, 0.12], [0.001, 0.12]),
 ];
 

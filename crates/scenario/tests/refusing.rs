@@ -310,7 +310,10 @@ fn sweeps_need_known_numeric_keys_and_rising_ends() {
     let near = sweep("key = \"process.chamfer.foot.presure_mpa\"\nvalues = [1]");
     assert!(near.contains("did you mean `pressure_mpa`?"), "{near}");
     assert!(sweep("key = \"process.chamfer.direction\"\nvalues = [1]").contains("is not a number"));
-    assert!(sweep("key = \"claim.0.max\"\nvalues = [1]").contains("below robot, run or process"));
+    assert!(
+        sweep("key = \"claim.0.max\"\nvalues = [1]")
+            .contains("below robot, run, process or effect")
+    );
     let depth = "key = \"process.chamfer.depth_mm\"";
     assert!(sweep(&format!("{depth}\nfrom = 2\nto = 1\nsteps = 3")).contains("greater than from"));
     assert!(sweep(&format!("{depth}\nfrom = 1\nto = 2")).contains("missing key `steps`"));

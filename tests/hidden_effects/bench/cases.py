@@ -16,7 +16,7 @@ from .experiment import ALL
 from .library import ANGLE, INSEPARABLE, PAIRS, SINGLES, STRANGERS, TORQUE, single
 from .noise import COLOURS
 
-SEEDS = {"report": 20_000, "tune": 10_000}
+SEEDS = {"report": 30_000, "tune": 20_000}
 LEVELS = {"strong": 10.0, "middle": 2.0, "weak": 0.5}
 CLEAN_SETS = 300
 CLEAN_EXPERIMENTS = ("axis", "two_joint", "chamfer", "teeth", "wheel")

@@ -35,8 +35,14 @@ pub fn spare_inputs(plan: &Plan, data: &str) -> Result<(), Failure> {
         };
         for input in inputs {
             if input.canonicalize().is_ok_and(|input| input == there) {
-                let text = format!("the answer would replace {}, which it is about", input.display());
-                return Err(Failure::with_help(text, "choose another folder with --out".into()));
+                let text = format!(
+                    "the answer would replace {}, which it is about",
+                    input.display()
+                );
+                return Err(Failure::with_help(
+                    text,
+                    "choose another folder with --out".to_owned(),
+                ));
             }
         }
     }

@@ -194,12 +194,15 @@ fn draw_layer(layer: &Layer, chart: &mut Chart<'_, '_>, x: &Axis, y: &Axis) -> D
     Ok(())
 }
 
+/// Where a point of the data lies in the figure; none if outside.
+type Placing<'a> = dyn Fn(&(f64, f64)) -> Option<(f64, f64)> + 'a;
+
 /// A text above each point.
 fn write_beside(
     layer: &Layer,
     texts: &[String],
     chart: &mut Chart<'_, '_>,
-    place: &dyn Fn(&(f64, f64)) -> Option<(f64, f64)>,
+    place: &Placing<'_>,
 ) -> Drawn {
     let colour = colour(layer.colour);
     let style = ("sans-serif", 12).into_font().color(&colour);

@@ -65,6 +65,16 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
         .collect();
     rivals.sort_by(|a, b| a.criterion_difference.total_cmp(&b.criterion_difference));
     rivals.dedup_by(|a, b| kinds(&a.fit.point) == kinds(&b.fit.point));
+    // Of alternatives, too, generalisations go.
+    let points: Vec<Point> = rivals
+        .iter()
+        .filter(|r| r.as_good)
+        .map(|r| r.fit.point.clone())
+        .collect();
+    for rival in &mut rivals {
+        let known = |point: &Point| generalises(problem, &rival.fit.point, point);
+        rival.as_good &= !points.iter().any(known);
+    }
     rivals
 }
 

@@ -28,8 +28,8 @@ pub(super) struct Bound {
 }
 
 /// Gains of a group must be beyond so many standard errors; a pattern that is strong in few places has large ones.
-const LEAST_T: f64 = 1.0;
-const LEAST_FRACTION: f64 = 0.01;
+const LEAST_T: f64 = 2.0;
+const LEAST_FRACTION: f64 = 0.03;
 /// And they must stand out of noise of any memory, which keeps chance out: a group has a dozen parameters or two, and a hundred groups
 /// are tried.
 const LEAST_STANDING_OUT: f64 = 9.0;

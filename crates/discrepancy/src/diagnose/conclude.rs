@@ -317,13 +317,19 @@ fn centred(x: &[f64]) -> Vec<f64> {
     x.iter().map(|x| x - mean).collect()
 }
 
+/// A sample's square counts for at most so many times the mean square.
+const SINGLE: f64 = 16.0;
+
 /// Whether the mean square is larger by the ratio, and by so many standard errors. In noise alone both errors are alike up to their
 /// lengths; where the later part is unlike, its own error is larger.
 fn is_larger(before: &[f64], after: &[f64], least: f64, ratio: f64) -> bool {
-    let squares = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| x * x).collect() };
     let (n, m) = (before.len() as f64, after.len() as f64);
+    // One sample about which an event comes a step early is no discrepancy of the whole part.
+    let most = SINGLE * dot(before, before) / n;
+    let squares = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| (x * x).min(most)).collect() };
     let expected = error_of_sum(&batch_sums(&squares(before))) / n * (n / m).sqrt();
-    let (a, b) = (dot(before, before) / n, dot(after, after) / m);
+    let mean = |x: &[f64]| squares(x).iter().sum::<f64>() / x.len() as f64;
+    let (a, b) = (mean(before), mean(after));
     b > ratio * a && b - a > least * expected
 }
 

@@ -46,7 +46,7 @@ const CLEARLY_BEHIND: f64 = 2.0;
 const STRONG: f64 = 4.0;
 const REFINED: usize = 12;
 /// In standard deviations of a nominal parameter.
-const FAR_SIGMA: f64 = 1.8;
+const FAR_SIGMA: f64 = 0.5;
 const PAIRED: usize = 30;
 /// Candidates that are fitted for their promise under white noise.
 const WHITE: usize = 4;
