@@ -69,6 +69,16 @@ fn diagnose_names_what_the_example_hides() {
 }
 
 #[test]
+fn diagnose_that_may_not_search_says_so() {
+    let desk = desk();
+    let told = desk.ends(0, &["diagnose", "elbow.toml", "--max-runs", "5"]);
+    assert!(told.contains("limit of 5 simulations"), "{told}");
+    let text = std::fs::read_to_string(desk.path("out/elbow/diagnosis.json")).unwrap();
+    let found: Diagnosis = serde_json::from_str(&text).unwrap();
+    assert_eq!(found.verdict, Verdict::FitFailed);
+}
+
+#[test]
 fn diagnose_interrupted_leaves_the_users_files_as_they_are() {
     let desk = desk();
     let before = files(&desk);

@@ -148,7 +148,14 @@ fn judge(problem: &Problem, outcome: &Outcome, last: &Fit, diagnosis: &mut Diagn
         .map(|l| format!("the residual of `{}` follows {}", l.channel, l.to));
     let locked = locked.or(excess.map(|(_, text)| text));
     let percent = (100.0 * diagnosis.unexplained_fraction).round();
-    (diagnosis.verdict, diagnosis.reason) = if outcome.failed {
+    let stopped = format!(
+        "The search stopped at the limit of {} simulations with something left to be fitted.",
+        problem.options.max_predictions
+    );
+    (diagnosis.verdict, diagnosis.reason) = if outcome.stopped && diagnosis.causes.is_empty() {
+        diagnosis.unexplained_fraction = 1.0;
+        (Verdict::FitFailed, stopped.clone())
+    } else if outcome.failed {
         diagnosis.unexplained_fraction = 1.0;
         (
             Verdict::FitFailed,
@@ -197,6 +204,9 @@ fn judge(problem: &Problem, outcome: &Outcome, last: &Fit, diagnosis: &mut Diagn
             "Several causes explain the discrepancy alike.".into(),
         )
     };
+    if outcome.stopped && !diagnosis.causes.is_empty() {
+        diagnosis.reason = format!("{} {stopped}", diagnosis.reason);
+    }
     if !matches!(diagnosis.verdict, Verdict::Ambiguous) {
         diagnosis.alternatives.clear();
         diagnosis.experiments.clear();

@@ -31,6 +31,8 @@ pub(super) struct Outcome {
     pub signatures: Vec<Signature>,
     /// A discrepancy was detected, and no fit of it ended well.
     pub failed: bool,
+    /// The simulations allowed were used up while something was left to be fitted.
+    pub stopped: bool,
     /// All fits.
     pub fits: Vec<FitRecord>,
 }
@@ -44,6 +46,8 @@ pub(super) const DECISIVE: f64 = 6.0;
 const CLEARLY_BEHIND: f64 = 2.0;
 /// A gain of so many times the critical one is no chance: if its fits fail, the search has failed.
 const STRONG: f64 = 4.0;
+/// Simulations that a round of fits takes at least.
+const LEAST_LEFT: usize = 40;
 const REFINED: usize = 12;
 /// In standard deviations of a nominal parameter.
 const FAR_SIGMA: f64 = 0.5;
@@ -82,6 +86,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         tests: 0,
         signatures: Vec::new(),
         failed: false,
+        stopped: false,
         fits: Vec::new(),
     };
     while search.forward(&mut outcome)? {
@@ -155,7 +160,8 @@ impl Search<'_, '_> {
             let unmoved = unfitted(problem, problem.start(), train, &outcome.orders)?;
             starts.extend(self.screened(&unmoved, &outcome.orders).2);
         }
-        if starts.is_empty() || problem.left() < 40 {
+        outcome.stopped = !starts.is_empty() && problem.left() < LEAST_LEFT;
+        if starts.is_empty() || outcome.stopped {
             return Ok(false);
         }
         problem.report(Stage::Fitting(base.point.effects.len()));
