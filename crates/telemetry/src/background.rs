@@ -141,6 +141,7 @@ mod tests {
     struct Counting {
         rows: Arc<Mutex<usize>>,
         fails_after: Option<usize>,
+        finished: Arc<Mutex<bool>>,
     }
 
     impl Sink for Counting {
@@ -163,6 +164,7 @@ mod tests {
                 recording.time_s.len(),
                 "finish comes last"
             );
+            *self.finished.lock().unwrap() = true;
             Ok(())
         }
     }
@@ -181,13 +183,15 @@ mod tests {
     #[test]
     fn every_chunk_arrives_before_the_end() {
         let counting = Counting::default();
-        let mut background = Background::new(vec![Box::new(counting)]);
+        let mut background = Background::new(vec![Box::new(counting.clone())]);
         send(&mut background, 50).unwrap();
         let recording = Recording {
             time_s: vec![0.0; 100],
             ..Recording::default()
         };
         background.finish(&recording, &[]).unwrap();
+        assert_eq!(*counting.rows.lock().unwrap(), 100);
+        assert!(*counting.finished.lock().unwrap());
     }
 
     #[test]

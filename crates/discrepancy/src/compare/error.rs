@@ -67,14 +67,7 @@ pub enum CompareError {
         value: String,
     },
     /// A residual so absurd that the unit must be wrong.
-    #[error(
-        "channel \"{channel}\": measured and simulated differ by {} % of the larger, but by {} % if the measured values \
-         are multiplied by {} ({}); check its unit and scale",
-        significant(100.0 * .suspicion.error, 3),
-        significant(100.0 * .suspicion.error_with_factor, 3),
-        significant(.suspicion.factor, 6),
-        .suspicion.meaning
-    )]
+    #[error("channel \"{channel}\": {suspicion}")]
     Unit {
         /// The channel.
         channel: String,

@@ -1,9 +1,19 @@
 //! Residuals so absurd that the unit must be wrong.
 
+use thiserror::Error;
+use truecut_recording::significant;
+
 use super::series::{Pair, centred, rms};
 
 /// A factor that would make the measured channel fit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error(
+    "measured and simulated differ by {} % of the larger, but by {} % if the measured values are multiplied by {} ({meaning}); check its \
+     unit and scale",
+    significant(100.0 * error, 3),
+    significant(100.0 * error_with_factor, 3),
+    significant(*factor, 6)
+)]
 pub struct UnitSuspicion {
     /// Multiply the measured values by this.
     pub factor: f64,

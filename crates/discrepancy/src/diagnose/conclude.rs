@@ -117,7 +117,7 @@ pub(super) fn conclude(
     if let Some(rival) = rivals.iter().find(|r| r.as_good) {
         diagnosis.experiments = experiments(problem, &outcome.chosen, &rival.fit);
     }
-    judge(problem, &outcome, &last, &mut diagnosis);
+    judge(problem, &before, &outcome, &last, &mut diagnosis);
     open_test(problem, &before, &base, &last, &bound, &mut diagnosis);
     diagnosis.fits = outcome.fits;
     Ok(Answer {
@@ -136,8 +136,14 @@ pub(super) fn conclude(
 }
 
 /// The verdict, before the test part is opened.
-fn judge(problem: &Problem, outcome: &Outcome, last: &Fit, diagnosis: &mut Diagnosis) {
-    let excess = excess(problem, last);
+fn judge(
+    problem: &Problem,
+    before: &Columns,
+    outcome: &Outcome,
+    last: &Fit,
+    diagnosis: &mut Diagnosis,
+) {
+    let excess = excess(problem, before, last);
     if let Some((fraction, _)) = &excess {
         diagnosis.unexplained_fraction = diagnosis.unexplained_fraction.max(*fraction);
     }
@@ -214,11 +220,9 @@ fn judge(problem: &Problem, outcome: &Outcome, last: &Fit, diagnosis: &mut Diagn
 }
 
 /// Where the noise is known and the residual is clearly above it: which part of the discrepancy that is, and a clause that says so.
-fn excess(problem: &Problem, last: &Fit) -> Option<(f64, String)> {
+fn excess(problem: &Problem, before: &Columns, last: &Fit) -> Option<(f64, String)> {
     let rows = &problem.split.development;
-    let nominal = problem
-        .data
-        .residual(&problem.predict(&problem.start()).ok()?);
+    let nominal = problem.data.residual(before);
     let mut most: Option<(f64, String)> = None;
     for (c, output) in problem.data.outputs.iter().enumerate() {
         let Some(noise) = output.noise else { continue };

@@ -36,7 +36,6 @@ mod validate;
 use std::time::Instant;
 
 use thiserror::Error;
-use truecut_recording::significant;
 use truecut_scenario::effect::Effect;
 
 use crate::compare::{Pair, UnitSuspicion, unit_suspicion};
@@ -158,14 +157,7 @@ pub enum DiagnoseError {
     #[error("trajectories must be in order, within the data, not empty, and must not overlap")]
     Trajectories,
     /// A residual so absurd that the unit must be wrong.
-    #[error(
-        "channel \"{channel}\": measured and simulated differ by {} % of the larger, but by {} % if the measured values \
-         are multiplied by {} ({}); check its unit and scale",
-        significant(100.0 * .suspicion.error, 3),
-        significant(100.0 * .suspicion.error_with_factor, 3),
-        significant(.suspicion.factor, 6),
-        .suspicion.meaning
-    )]
+    #[error("channel \"{channel}\": {suspicion}")]
     Unit {
         /// The channel.
         channel: String,

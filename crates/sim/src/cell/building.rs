@@ -1,0 +1,224 @@
+//! How a cell is built: from a scenario, with either plant.
+
+use super::Cell;
+use crate::build::{Prepared, joint_limits, plant_scalars};
+use crate::channels;
+use crate::contact::ContactSolver;
+use crate::error::SimError;
+use crate::guard::Guard;
+use crate::loads::Attachment;
+use crate::measurement::Sensor;
+use crate::plant::{Plant, RapierPlant, ReducedPlant};
+use crate::robots::Robots;
+use crate::scene::Setting;
+use crate::step_size::Scheme;
+use crate::torque_use::{TorqueUse, servo_note};
+use truecut_arm::JointKind;
+use truecut_recording::{ChannelSpec, Measured, UnknownName};
+use truecut_scenario::Scenario;
+use truecut_scenario::effect::Target;
+
+/// Largest recording, bytes.
+const LARGEST_RECORDING_BYTES: f64 = 2e9;
+
+impl Cell {
+    /// Loads the robot, finds the posture at touch-down, chooses the step and builds the world.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the robot's files, or with a value of the scenario for this robot.
+    pub fn build(scenario: &Scenario) -> Result<Self, SimError> {
+        Self::build_with_data(scenario, None)
+    }
+
+    /// As [`Cell::build`], with the measured data that a replay is driven by. Other processes make no use of it.
+    ///
+    /// # Errors
+    /// As [`Cell::build`]; a replay without data, or with data that does not fit.
+    pub fn build_with_data(
+        scenario: &Scenario,
+        measured: Option<&Measured>,
+    ) -> Result<Self, SimError> {
+        let prepared = Prepared::new(scenario, measured)?;
+        let plant = RapierPlant::new(
+            &prepared.robot,
+            &prepared.start,
+            &prepared.first_command(),
+            prepared.drive(),
+            prepared.gravity_m_s2,
+            prepared.dt_s,
+        );
+        let note = format!(
+            "time step {:.6} ms, leapfrog, no numerical damping",
+            prepared.dt_s * 1e3
+        );
+        let cell = Self::assemble(scenario, prepared, Box::new(plant), note)?;
+        cell.check_memory(scenario)?;
+        Ok(cell)
+    }
+
+    /// As [`Cell::build`], with the arm linearised about its start ([`ReducedPlant`]): many times as fast,
+    /// with steps up to 1 ms.
+    ///
+    /// # Errors
+    /// As [`Cell::build`].
+    pub fn build_reduced(scenario: &Scenario) -> Result<Self, SimError> {
+        Self::build_reduced_from(&Robots::new(), scenario)
+    }
+
+    /// As [`Cell::build_reduced`], with robots that may have been read before.
+    ///
+    /// # Errors
+    /// As [`Cell::build`].
+    pub fn build_reduced_from(robots: &Robots, scenario: &Scenario) -> Result<Self, SimError> {
+        Self::build_reduced_with_data(robots, scenario, None)
+    }
+
+    /// As [`Cell::build_reduced_from`], with the measured data that a replay is driven by.
+    ///
+    /// # Errors
+    /// As [`Cell::build_with_data`].
+    pub fn build_reduced_with_data(
+        robots: &Robots,
+        scenario: &Scenario,
+        measured: Option<&Measured>,
+    ) -> Result<Self, SimError> {
+        let prepared = Prepared::for_scheme(scenario, measured, robots, Scheme::Exact)?;
+        let plant = ReducedPlant::new(
+            prepared.robot.clone(),
+            &prepared.start,
+            &prepared.first_command(),
+            (prepared.kind, prepared.drive()),
+            prepared.gravity_m_s2,
+            prepared.dt_s,
+            prepared.command.moves(),
+        )
+        .ok_or_else(|| {
+            SimError::scenario(
+                "robot.urdf",
+                "the mass matrix of the arm at its start is singular",
+            )
+        })?;
+        let note = plant.note();
+        let cell = Self::assemble(scenario, prepared, Box::new(plant), note)?;
+        cell.check_memory(scenario)?;
+        Ok(cell)
+    }
+
+    fn assemble(
+        scenario: &Scenario,
+        prepared: Prepared,
+        plant: Box<dyn Plant>,
+        step_note: String,
+    ) -> Result<Self, SimError> {
+        let mut channels = channels::specs(&prepared.robot, prepared.base_joints);
+        channels.extend(prepared.process.channels());
+        let position = |attachment| {
+            let frame: truecut_arm::FrameId = attachment;
+            let pose = prepared.robot.world_from_frame(&prepared.start, frame);
+            pose.translation.vector
+        };
+        let steps = (prepared.duration_s / prepared.dt_s - 1e-9).ceil() as usize;
+        let interval = scenario.run.record_interval_s.unwrap_or(0.0);
+        let steps_per_row = ((interval / prepared.dt_s).round() as usize).max(1);
+        let recorded = steps_per_row as f64 * prepared.dt_s;
+        let mut notes = prepared.notes.clone();
+        notes.extend(servo_note(&prepared));
+        notes.push(step_note);
+        if interval > 0.0 && (recorded / interval - 1.0).abs() > 1e-6 {
+            notes.push(format!(
+                "a row every {:.6} ms: the {} ms asked for are no whole number of steps",
+                recorded * 1e3,
+                interval * 1e3
+            ));
+        }
+        let sensors = sensors(scenario, &prepared, &channels)?;
+        Ok(Self {
+            scenario: scenario.clone(),
+            rotary: (prepared.robot.chain.joints[prepared.base_joints..].iter())
+                .map(|joint| joint.kind == JointKind::Revolute)
+                .collect(),
+            channels,
+            notes,
+            tool_start_m: position(Attachment::Tool.into()),
+            foot_start_m: position(Attachment::Foot.into()),
+            first_command: prepared.first_command(),
+            contacts: ContactSolver::new(prepared.friction.clone()),
+            guard: Guard::new(joint_limits(&prepared)),
+            axes: *prepared
+                .world_from_process
+                .rotation
+                .to_rotation_matrix()
+                .matrix(),
+            steps_per_row,
+            steps,
+            energy_j: (0.0, 0.0),
+            torque_use: TorqueUse::new(&prepared),
+            scalars: plant_scalars(&prepared),
+            process: prepared.process,
+            command: prepared.command,
+            base_joints: prepared.base_joints,
+            sensors,
+            setting: Setting {
+                robot: prepared.robot,
+                start: prepared.start,
+                world_from_process: prepared.world_from_process,
+                workpiece: prepared.workpiece,
+                deflection_scale: scenario.run.deflection_scale,
+            },
+            plant,
+        })
+    }
+
+    /// A recording is held in memory as a whole.
+    fn check_memory(&self, scenario: &Scenario) -> Result<(), SimError> {
+        let (rows, channels) = (self.steps / self.steps_per_row + 1, self.channels.len());
+        let bytes = rows as f64 * channels as f64 * 8.0;
+        if bytes <= LARGEST_RECORDING_BYTES {
+            return Ok(());
+        }
+        let keys = [
+            "run.record_interval_ms",
+            "run.time_step_ms",
+            "run.duration_s",
+        ];
+        let key = keys.into_iter().find(|key| scenario.gives(key));
+        Err(SimError::scenario(
+            key.unwrap_or("process"),
+            format!(
+                "the recording would have {rows} rows of {channels} channels, {:.1} GB, but must be at most \
+                 {:.0} GB: it is held in memory; raise run.record_interval_ms (a row is now written every \
+                 {:.4} ms)",
+                bytes / 1e9,
+                LARGEST_RECORDING_BYTES / 1e9,
+                self.row_interval_s() * 1e3
+            ),
+        ))
+    }
+}
+
+/// The column of every channel with a sensor of its own.
+fn sensors(
+    scenario: &Scenario,
+    prepared: &Prepared,
+    channels: &[ChannelSpec],
+) -> Result<Vec<(usize, Sensor)>, SimError> {
+    let mut sensors = Vec::new();
+    // Neutral ones too must name a channel.
+    for (index, effect) in scenario.effects.iter().enumerate() {
+        let Target::Channel(channel) = &effect.target else {
+            continue;
+        };
+        let column = (channels.iter().position(|spec| spec.name == *channel)).ok_or_else(|| {
+            let known = channels.iter().map(|spec| spec.name.as_str());
+            let error = UnknownName::new("channel", channel, known);
+            SimError::scenario(format!("effect.{index}.channel"), error.to_string())
+        })?;
+        let model = prepared.sensors.iter().find(|(name, _)| name == channel);
+        if let Some((_, model)) = model
+            && sensors.iter().all(|(known, _)| *known != column)
+        {
+            sensors.push((column, Sensor::new(*model)));
+        }
+    }
+    Ok(sensors)
+}

@@ -1,0 +1,130 @@
+//! One step: loads, contacts, plant, guard, memory of the process.
+
+use super::Cell;
+use crate::channels;
+use crate::guard::Watch;
+use crate::loads::{Attachment, Loads};
+use crate::plant::{Command, WorldWrench};
+use crate::process::{FrameMotion, ToolState};
+use nalgebra::{Vector3, Vector6};
+use truecut_recording::Outcome;
+
+impl Cell {
+    /// One step at `time_s`, up to the moment when it could be recorded: the state then, or how it diverged.
+    pub(super) fn step(&mut self, time_s: f64) -> Result<ToolState, Outcome> {
+        let n = self.plant.dof();
+        let mut position = [0.0; truecut_arm::MAX_JOINTS];
+        let mut velocity = [0.0; truecut_arm::MAX_JOINTS];
+        self.command
+            .at(time_s, &mut position[..n], &mut velocity[..n]);
+        let mut force = [0.0; truecut_arm::MAX_JOINTS];
+        self.command.force_at(time_s, &mut force[..n]);
+        let command = Command {
+            position: &position[..n],
+            velocity: &velocity[..n],
+            force: &force[..n],
+        };
+        let loads = self.process.evaluate(&self.tool_state(time_s));
+        let wrenches = self.to_world(&loads);
+        self.plant.begin(command, &wrenches);
+        self.contacts
+            .solve(self.plant.as_mut(), &loads.contacts, &self.axes);
+        self.plant
+            .finish(&self.contacts.wrenches, &self.contacts.joint_torques);
+        self.torque_use.watch(time_s, self.plant.as_ref());
+        let state = self.tool_state(time_s);
+        if let Some(diverged) = self.watch(time_s, &wrenches) {
+            return Err(diverged);
+        }
+        let dt_s = self.plant.time_step_s();
+        self.process
+            .commit(&state, &loads, &self.contacts.outcomes, dt_s);
+        Ok(state)
+    }
+
+    fn to_world(&self, loads: &Loads) -> arrayvec::ArrayVec<WorldWrench, 4> {
+        loads
+            .wrenches
+            .iter()
+            .map(|w| {
+                let mut wrench = Vector6::zeros();
+                wrench
+                    .fixed_rows_mut::<3>(0)
+                    .copy_from(&(self.axes * w.force_n));
+                wrench
+                    .fixed_rows_mut::<3>(3)
+                    .copy_from(&(self.axes * w.moment_n_m));
+                (w.frame, wrench)
+            })
+            .collect()
+    }
+
+    fn motion(&self, attachment: Attachment, start_m: &Vector3<f64>) -> FrameMotion {
+        let frame = self.plant.frame(attachment);
+        let joints = self.plant.joints();
+        let velocity: Vector3<f64> = frame
+            .jacobian
+            .fixed_rows::<3>(0)
+            .column_iter()
+            .zip(&joints.velocity)
+            .map(|(column, v)| column * *v)
+            .sum();
+        FrameMotion {
+            displacement_m: self
+                .axes
+                .tr_mul(&(frame.world_from_frame.translation.vector - start_m)),
+            velocity_m_per_s: self.axes.tr_mul(&velocity),
+        }
+    }
+
+    fn tool_state(&self, time_s: f64) -> ToolState {
+        ToolState {
+            time_s,
+            tool: self.motion(Attachment::Tool, &self.tool_start_m),
+            foot: self.motion(Attachment::Foot, &self.foot_start_m),
+        }
+    }
+
+    fn watch(&mut self, time_s: f64, wrenches: &[WorldWrench]) -> Option<Outcome> {
+        let mut power_w = self.plant.drive_power_w() - self.plant.dissipation_w();
+        let joints = self.plant.joints();
+        for (attachment, wrench) in wrenches.iter().chain(&self.contacts.wrenches) {
+            let jacobian = &self.plant.frame(*attachment).jacobian;
+            let columns = jacobian.column_iter().zip(&joints.velocity);
+            power_w += columns
+                .map(|(column, v)| column.dot(wrench) * v)
+                .sum::<f64>();
+        }
+        for (torque, v) in self.contacts.joint_torques.iter().zip(&joints.velocity) {
+            power_w += torque * v;
+        }
+        self.energy_j = self.plant.energy_j();
+        let joints = self.plant.joints();
+        self.guard.check(&Watch {
+            time_s,
+            dt_s: self.plant.time_step_s(),
+            positions: &joints.position,
+            velocities: &joints.velocity,
+            energy_j: self.energy_j.0 + self.energy_j.1,
+            power_w,
+        })
+    }
+
+    /// The row of the instant that was stepped last.
+    pub(super) fn record(&mut self, state: &ToolState, row: &mut Vec<f64>) {
+        row.clear();
+        let position = self.plant.frame(Attachment::Tool).world_from_frame;
+        channels::record(
+            row,
+            state,
+            &position.translation.vector,
+            self.plant.joints(),
+            self.base_joints,
+            self.energy_j,
+        );
+        self.process.record(row);
+        for (column, sensor) in &mut self.sensors {
+            row[*column] = sensor.measure(state.time_s, row[*column]);
+        }
+    }
+}
