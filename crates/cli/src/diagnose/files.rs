@@ -117,6 +117,7 @@ fn curves(trial: &Trial, confirmed: &Confirmed, path: &Path) -> Result<(), Failu
     let mut recording = Recording {
         header: Header {
             scenario_name: format!("Diagnosis: {}", trial.observation.scenario),
+            notes: vec![confirmed.answer.diagnosis.reason.clone()],
             ..Header::default()
         },
         time_s: trial.observation.time_s.clone(),
@@ -139,7 +140,11 @@ fn curves(trial: &Trial, confirmed: &Confirmed, path: &Path) -> Result<(), Failu
             ("residual_extended", less(extended)),
         ];
         for (what, values) in columns {
-            let name = format!("{}.{what}", spec.name);
+            // Residuals are small beside the signals: they get a view of their own.
+            let name = match what.strip_prefix("residual_") {
+                Some(of) => format!("residual.{}.{of}", spec.name),
+                None => format!("{}.{what}", spec.name),
+            };
             let text = format!("{}: {}", spec.description, what.replace('_', " of "));
             recording
                 .header
