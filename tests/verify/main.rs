@@ -3,6 +3,7 @@
 mod chamfering;
 mod every_key;
 mod friction_tables;
+mod passes;
 mod reduced;
 mod support;
 mod threshold;

@@ -79,7 +79,7 @@ mod window;
 
 pub use claims::{ClaimError, ClaimFault, ClaimResult, ClaimSpec, RunReference};
 pub use compare::{CompareError, Deviation, compare};
-pub use measured::{DataError, Mapping, Measured, MeasuredChannel, Role};
+pub use measured::{DataError, Mapping, Measured, MeasuredChannel, Pass, Role};
 pub use metrics::{Metric, MetricError, MetricSpec};
 pub use names::nearest;
 pub use recorder::{OpenSinks, Pace, Recorder};

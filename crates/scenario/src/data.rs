@@ -48,6 +48,10 @@ pub(crate) struct DataTable {
     /// Longest gap that is bridged by a straight line. Default: 0.05.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "a gap has a length"))]
     max_gap_s: Option<f64>,
+    /// Times of the file at which the process begins anew, each time as the scenario says: one for each hole, say. Whole
+    /// passes are then set aside for the last test. Default: once, with the first sample used.
+    #[schemars(length(min = 1))]
+    starts_s: Option<Vec<f64>>,
     /// The columns that are used.
     #[schemars(length(min = 1))]
     channel: Vec<ChannelTable>,
@@ -102,6 +106,7 @@ impl DataTable {
             );
             check.refuse(Fault::value("data.to_s", message, "nothing lies between"));
         }
+        self.check_starts(check);
         let mut channels = Vec::new();
         for (index, channel) in self.channel.into_iter().enumerate() {
             let table = format!("data.channel.{index}");
@@ -124,9 +129,24 @@ impl DataTable {
                 window_s,
                 resample_hz: self.resample_hz,
                 max_gap_s: self.max_gap_s.unwrap_or(DEFAULT_MAX_GAP_S),
+                starts_s: self.starts_s.unwrap_or_default(),
                 channels,
             },
         })
+    }
+
+    fn check_starts(&self, check: &mut Check) {
+        let starts = self.starts_s.as_deref().unwrap_or_default();
+        for (index, pair) in starts.windows(2).enumerate() {
+            if pair[0] >= pair[1] {
+                let path = format!("data.starts_s.{}", index + 1);
+                let message = format!(
+                    "`{path}` is {}, but must be greater than the start before it, {}",
+                    pair[1], pair[0]
+                );
+                check.refuse(Fault::value(&path, message, "starts must rise"));
+            }
+        }
     }
 
     fn time_base(&self, check: &mut Check) -> Option<TimeBase> {

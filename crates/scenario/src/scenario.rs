@@ -342,6 +342,11 @@ impl FileTable {
         let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
             .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
             .collect();
+        if matches!(process, Some(ProcessSpec::Replay(_))) && document.has("data.starts_s") {
+            let message =
+                "`data.starts_s` has no effect: a replay runs through all of the data".to_owned();
+            check.refuse(Fault::key("data.starts_s", message, "has no effect here"));
+        }
         if matches!(process, Some(ProcessSpec::Replay(_))) && !document.has("data") {
             let message = "missing table `[data]`: a replay needs measured inputs".to_owned();
             check.refuse(Fault::key(

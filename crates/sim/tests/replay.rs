@@ -52,6 +52,7 @@ fn data(rate_hz: f64, samples: usize, channels: Vec<(&str, Unit, Role, Vec<f64>)
             })
             .collect(),
         notes: Vec::new(),
+        ..Measured::default()
     }
 }
 

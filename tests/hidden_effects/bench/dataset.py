@@ -58,7 +58,9 @@ def measurement(case: Case) -> tuple[dict[str, np.ndarray], dict]:
         keep = np.ones(count, bool)
         keep[draw.choice(np.arange(10, count - 10), MISSING_ROWS, replace=False)] = False
         columns = {name: values[keep] for name, values in columns.items()}
-    held_out = (measured - clean)[-round(HELD_OUT * count) :]
+    # whole passes are set aside where there are several
+    last = count // experiment.passes if experiment.passes > 2 else round(HELD_OUT * count)
+    held_out = (measured - clean)[-last:]
     floor = np.sqrt(np.nanmean(np.square(held_out), axis=0))
     known = {
         "noise_scale": scale,

@@ -7,7 +7,7 @@ import hashlib
 import json
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +57,8 @@ class Experiment:
     step_s: float
     band_hz: float
     reference_noise: tuple[float, ...]
+    # says nothing of a run, only how often it is measured
+    passes: int = field(default=1, repr=False)
 
     @property
     def path(self) -> Path:
@@ -92,9 +94,14 @@ class Experiment:
         return found if isinstance(found, (int, float)) else 1.0
 
     @functools.cached_property
-    def time_s(self) -> np.ndarray:
-        """Times of the samples."""
+    def pass_time_s(self) -> np.ndarray:
+        """Times of the samples of one pass."""
         return np.arange(round(self.duration_s * self.rate_hz) + 1) / self.rate_hz
+
+    @functools.cached_property
+    def time_s(self) -> np.ndarray:
+        """Times of the samples, pass after pass."""
+        return np.arange(self.passes * self.pass_time_s.size) / self.rate_hz
 
     def command(self) -> np.ndarray | None:
         """Commanded joint coordinates at the samples, a row per instant; None where the process has its own."""
@@ -105,8 +112,12 @@ class Experiment:
     ) -> np.ndarray:
         """True outputs (SI, a row per sample), with the uncertain parameters shifted by so many deviations.
 
-        `standing_still` scales the commanded motion down to that part of it.
+        `standing_still` scales the commanded motion down to that part of it. Every pass starts afresh.
         """
+        one = self._one_pass(effects, shifts, standing_still)
+        return np.concatenate([one] * self.passes)
+
+    def _one_pass(self, effects: tuple[Effect, ...], shifts: tuple[float, ...], standing_still: float | None):
         shifts = shifts or (0.0,) * len(self.uncertain)
         what = {"effects": [e.as_dict() for e in effects], "shifts": shifts, "still": standing_still}
         key = json.dumps(what, sort_keys=True) + str(self) + _sources(self.name)
@@ -142,7 +153,7 @@ class Experiment:
         for column in self.outputs:
             of_channel = [e for e in effects if sensors.is_sensor(e) and e.target == column.channel]
             t, values = times[column.channel], channels[column.channel]
-            outputs.append(sensors.measured(t, values, of_channel, self.time_s))
+            outputs.append(sensors.measured(t, values, of_channel, self.pass_time_s))
         return np.stack(outputs, axis=1)
 
 
@@ -162,7 +173,7 @@ AXIS = Experiment("axis", 250.0, 6.0, 0.25e-3, 30.0, (5e-5, 1.0))
 SINGLE_TONE = Experiment("axis_single_tone", 250.0, 6.0, 0.25e-3, 10.0, (5e-5,))
 SMALL = Experiment("axis_small", 250.0, 5.0, 0.25e-3, 30.0, (2e-6, 0.05))
 TWO_JOINT = Experiment("two_joint", 250.0, 5.0, 0.25e-3, 30.0, (1.0, 0.3, 1e-4))
-CHAMFER = Experiment("chamfer", 250.0, 4.0, 0.125e-3, 60.0, (1.0, 1.0, 1e-6))
+CHAMFER = Experiment("chamfer", 250.0, 4.0, 0.125e-3, 60.0, (1.0, 1.0, 1e-6), passes=3)
 TEETH = Experiment("teeth", 500.0, 3.1, 0.2e-3, 100.0, (0.02, 0.02, 1e-8))
 TEETH_THREE = Experiment("teeth_three", 500.0, 3.1, 0.2e-3, 100.0, (0.02, 0.02, 1e-8))
 WHEEL = Experiment("wheel", 250.0, 4.4, 0.25e-3, 30.0, (0.1, 5e-7))

@@ -1,7 +1,8 @@
 //! A figure of each channel: signals, residual, its spectrum, and what it depends on most.
 
-use truecut_discrepancy::compare::{ChannelComparison, Comparison, Dependence, Explanatory, Kind};
-use truecut_recording::spectrum::resample;
+use truecut_discrepancy::compare::{
+    ChannelComparison, Comparison, Dependence, Explanatory, Kind, along,
+};
 use truecut_recording::{Measured, Recording, Unit, UserUnit, significant};
 
 use crate::figure::{Figure, Layer, Legend, Panel, Scale, Style, short_number, thinned};
@@ -76,7 +77,7 @@ fn columns(
     });
     let column = simulated.channel(&channel.channel).unwrap_or_default();
     Columns {
-        simulated: resample(&simulated.time_s, column, &time_s),
+        simulated: along(simulated, measured, column, rows),
         measured: values,
         time_s,
     }

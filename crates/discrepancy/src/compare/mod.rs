@@ -49,7 +49,7 @@ pub use dependence::{Bin, Dependence, dependence};
 pub use error::CompareError;
 pub use level::{Level, level};
 pub use lines::{LineKind, Spectra, SpectralLine, lines};
-pub use recordings::{Comparison, compare_recordings};
+pub use recordings::{Comparison, along, compare_recordings};
 pub use series::{Estimate, Explanatory, Kind, Pair};
 pub use suspicion::{UnitSuspicion, unit_suspicion};
 pub use whiteness::{Whiteness, whiteness};

@@ -40,12 +40,17 @@ pub fn compare_recordings(
     spindle_hz: Option<f64>,
 ) -> Result<Comparison, CompareError> {
     let simulated_s = simulated.time_s.last().copied().unwrap_or(0.0);
-    let rows = measured
-        .time_s
+    let process_s = measured.process_time_s();
+    let runs: Vec<bool> = (process_s.iter())
+        .map(|time| (-1e-9..=simulated_s + 1e-9).contains(time))
+        .collect();
+    // Between passes nothing is simulated, and after the last one nothing more is compared.
+    let rows = runs
         .iter()
-        .take_while(|time| **time <= simulated_s + 1e-9)
-        .count();
-    if 2 * rows < measured.time_s.len() || rows == 0 {
+        .rposition(|runs| *runs)
+        .map_or(0, |last| last + 1);
+    let compared = runs.iter().filter(|runs| **runs).count();
+    if 2 * compared < measured.time_s.len() || rows == 0 {
         let measured_s = measured.duration_s();
         return Err(CompareError::NoCommonTime {
             simulated_s,
@@ -62,7 +67,13 @@ pub fn compare_recordings(
             "the data after the run's end, {simulated_s} s, are left out"
         ));
     }
-    let explanatory = explanatory(simulated, measured, time_s, spindle_hz);
+    if compared < rows {
+        notes.push(format!(
+            "{} samples outside the passes of {simulated_s} s are left out",
+            rows - compared
+        ));
+    }
+    let explanatory = explanatory(simulated, measured, &process_s[..rows], spindle_hz);
     let setting = Setting {
         interval_s: measured.interval_s(),
         explanatory: &explanatory,
@@ -83,15 +94,15 @@ pub fn compare_recordings(
                 simulated: spec.unit,
             });
         }
+        let column = simulated.channel(name).map_err(unknown)?;
+        let valid: Vec<bool> = (output.valid[..rows].iter().zip(&runs))
+            .map(|(valid, runs)| *valid && *runs)
+            .collect();
         let pair = Pair {
             spec: &output.spec,
             measured: &output.values[..rows],
-            valid: &output.valid[..rows],
-            simulated: &resample(
-                &simulated.time_s,
-                simulated.channel(name).map_err(unknown)?,
-                time_s,
-            ),
+            valid: &valid,
+            simulated: &along(simulated, measured, column, rows),
             noise: output.noise,
         };
         channels.push(compare_channel(&pair, &setting)?);
@@ -107,7 +118,14 @@ pub fn compare_recordings(
     })
 }
 
-/// Everything that the residuals are held against, at the given times. Signals that hardly move are
+/// The first `rows` samples of a simulated channel at the times of the measurement, pass by pass.
+pub fn along(simulated: &Recording, measured: &Measured, column: &[f64], rows: usize) -> Vec<f64> {
+    let mut values = measured.along_passes(|times| resample(&simulated.time_s, column, times));
+    values.truncate(rows);
+    values
+}
+
+/// Everything that the residuals are held against, at the given process times. Signals that hardly move are
 /// left out.
 fn explanatory(
     simulated: &Recording,
@@ -128,7 +146,7 @@ fn explanatory(
     for (spec, column) in simulated.header.channels.iter().zip(&simulated.columns) {
         let known = signals.iter().any(|signal| signal.spec.name == spec.name);
         if let (Some(kind), false) = (kind(spec), known) {
-            let values = resample(&simulated.time_s, column, time_s);
+            let values = along(simulated, measured, column, time_s.len());
             signals.push(Explanatory {
                 spec: spec.clone(),
                 kind,
@@ -154,7 +172,7 @@ fn explanatory(
     signals.push(Explanatory {
         spec,
         kind: Kind::Time,
-        values: time_s.to_vec(),
+        values: measured.time_s[..time_s.len()].to_vec(),
     });
     signals
 }

@@ -79,11 +79,13 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
 }
 
 /// Kinds that hold another one as a limit.
-const GENERALISATIONS: [(EffectKind, EffectKind); 6] = [
+const GENERALISATIONS: [(EffectKind, EffectKind); 7] = [
     (EffectKind::JointAsymmetricViscous, EffectKind::JointViscous),
     (EffectKind::JointAsymmetricCoulomb, EffectKind::JointCoulomb),
     (EffectKind::JointStribeck, EffectKind::JointCoulomb),
     (EffectKind::JointHysteresis, EffectKind::JointCoulomb),
+    // Over a small travel a spring that balances is a constant.
+    (EffectKind::JointCounterbalance, EffectKind::JointOffset),
     (EffectKind::SensorDrift, EffectKind::SensorOffset),
     (EffectKind::FootFrictionFalling, EffectKind::FootFriction),
 ];

@@ -28,11 +28,11 @@ pub(super) struct Bound {
 }
 
 /// Gains of a group must be beyond so many standard errors; a pattern that is strong in few places has large ones.
-const LEAST_T: f64 = 2.0;
+const LEAST_T: f64 = 1.5;
 const LEAST_FRACTION: f64 = 0.03;
 /// And they must stand out of noise of any memory, which keeps chance out: a group has a dozen parameters or two, and a hundred groups
 /// are tried.
-const LEAST_STANDING_OUT: f64 = 9.0;
+const LEAST_STANDING_OUT: f64 = 11.0;
 /// The same under white noise.
 const LEAST_FRACTION_PLAIN: f64 = 0.05;
 /// Crossings of its mean by a feature that comes back.
@@ -186,7 +186,10 @@ impl<'a> Target<'a> {
             t: added / error,
         };
         let clear = added > LEAST_T * error && added > least * total;
-        let distance = || channel_distance(self.problem, &now.left, &next.left);
+        let distance = || {
+            let parameters = next.groups.iter().map(|group| group.features.len()).sum();
+            channel_distance(self.problem, self.rows, &now.left, &next.left, parameters)
+        };
         (clear && distance() > LEAST_STANDING_OUT).then_some((next, lock))
     }
 

@@ -162,33 +162,49 @@ pub(super) struct Split {
 
 /// Part of the data that is opened last.
 const TEST_PART: f64 = 0.22;
-/// With at least as many trajectories, whole ones are set aside.
-const WHOLE_TRAJECTORIES: usize = 6;
+/// With at least as many trajectories, whole ones are set aside for the last test.
+const WHOLE_TRAJECTORIES: usize = 3;
+/// With at least as many, they are not divided further.
+const UNDIVIDED_TRAJECTORIES: usize = 6;
 
 impl Split {
-    /// Contiguous blocks: the last part is the test, the rest serves in turn for training (two blocks) and validation (one).
+    /// Contiguous blocks: the last part is the test, the rest serves in turn for training (two blocks) and validation (one). In
+    /// every trajectory other blocks validate, so that each stretch of a process that runs the same way again does both.
     pub fn new(data: &Observation) -> Split {
         let count = data.trajectories.len();
-        let mut development = Vec::new();
-        let mut test = Vec::new();
-        if count >= WHOLE_TRAJECTORIES {
-            let held_out = ((count as f64 * TEST_PART).round() as usize).max(1);
-            development.extend(data.trajectories[..count - held_out].iter().cloned());
-            test.extend(data.trajectories[count - held_out..].iter().cloned());
-        } else {
-            for range in &data.trajectories {
-                let held_out = (range.len() as f64 * TEST_PART).round() as usize;
-                development.extend(blocks_of(range.start..range.end - held_out, count));
-                test.push(range.end - held_out..range.end);
+        let held_out = match count >= WHOLE_TRAJECTORIES {
+            true => ((count as f64 * TEST_PART).round() as usize).max(1),
+            false => 0,
+        };
+        let (divided, whole) = data.trajectories.split_at(count - held_out);
+        let (mut development, mut validates) = (Vec::new(), Vec::new());
+        let mut test = whole.to_vec();
+        for (index, range) in divided.iter().enumerate() {
+            if count >= UNDIVIDED_TRAJECTORIES {
+                development.push(range.clone());
+                validates.push(index % 3 == 1);
+                continue;
+            }
+            let tail = match held_out {
+                0 => (range.len() as f64 * TEST_PART).round() as usize,
+                _ => 0,
+            };
+            let blocks = blocks_of(range.start..range.end - tail, divided.len());
+            validates.extend((0..blocks.len()).map(|block| (block + index) % 3 == 1));
+            development.extend(blocks);
+            if tail > 0 {
+                test.push(range.end - tail..range.end);
             }
         }
-        let of = |chosen: &dyn Fn(usize) -> bool| {
-            let ranges = development.iter().enumerate();
-            let ranges: Vec<_> = ranges.filter(|(i, _)| chosen(*i)).map(|(_, r)| r).collect();
+        let of = |validating: bool| {
+            let ranges = development.iter().zip(&validates);
+            let ranges: Vec<_> = ranges
+                .filter(|(_, validates)| **validates == validating)
+                .map(|(range, _)| range)
+                .collect();
             rows_of(data, &ranges)
         };
-        let train = of(&|i| i % 3 != 1);
-        let validation = of(&|i| i % 3 == 1);
+        let (train, validation) = (of(false), of(true));
         Split {
             development: train.joined(&validation),
             train,

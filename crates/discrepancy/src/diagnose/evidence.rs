@@ -7,7 +7,7 @@ use super::answer::{
 };
 use super::data::Rows;
 use super::fit::{Fit, fit};
-use super::memory::{LEAST_DISTANCE, distance};
+use super::memory::{LEAST_MEAN_DISTANCE, distance};
 use super::noise::{dot, subtract};
 use super::problem::{Found, Problem};
 use super::screen::{Ranked, critical, nuisance, projected};
@@ -138,7 +138,7 @@ pub(super) fn smallest_seen(problem: &Problem, outcome: &Outcome) -> Vec<Smalles
             let factors = [
                 detection / norm(change, &split.train),
                 validation / norm(change, &split.validation),
-                (LEAST_DISTANCE + Z95_ONE_SIDED) / distance(problem, &moved, &fit.residual),
+                (LEAST_MEAN_DISTANCE + Z95_ONE_SIDED) / distance(problem, &moved, &fit.residual),
                 practical / seen,
             ];
             let needed = secant * factors.into_iter().fold(0.0, f64::max);

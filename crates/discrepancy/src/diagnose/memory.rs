@@ -10,7 +10,9 @@ use super::problem::Problem;
 use crate::model::Columns;
 
 /// The change must be so many times what noise of that spectrum would do to it.
-pub(super) const LEAST_DISTANCE: f64 = 6.0;
+const LEAST_DISTANCE: f64 = 3.5;
+/// And so many times on average over the two views of the noise: this one, and an autoregression.
+pub(super) const LEAST_MEAN_DISTANCE: f64 = 5.1;
 /// A generalisation must stand out so far from what it generalises, which is itself beyond doubt.
 pub(super) const LEAST_GENERALISATION: f64 = 1.8;
 /// Lowest frequency, in cycles per record, at which a spectrum can be read off.
@@ -19,31 +21,59 @@ const LOWEST: usize = 3;
 const FITTED_UP_TO: usize = 96;
 
 /// What is slower than can be read off counts by so much less: how noise goes on below the record's lowest frequencies is a guess.
-const SLOW_PART: f64 = 0.5;
+const SLOW_PART: f64 = 0.8;
+/// And where the change is whatever fits best, out of many that are slow, by so much.
+const SLOW_PART_OF_ANY: f64 = 0.5;
+/// Shapes of a spectrum's low end that are less likely than the likeliest by no more than this logarithm are possible, too.
+const POSSIBLE: f64 = 2.0;
 
 /// Distance of two residuals, in standard deviations of noise with the spectrum of the second; development part, all channels.
 pub(super) fn distance(problem: &Problem, first: &Columns, second: &Columns) -> f64 {
-    let parts = first
-        .iter()
-        .zip(second)
-        .map(|(a, b)| squares(problem, a, b));
-    weighed(parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]))
+    let rows = &problem.split.development.per_channel;
+    let parts =
+        (first.iter().zip(second).zip(rows)).map(|((a, b), rows)| squares(problem, rows, a, b, 0));
+    let parts = parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]);
+    weighed(parts, SLOW_PART)
 }
 
-/// The same for one channel.
-pub(super) fn channel_distance(problem: &Problem, first: &[f64], second: &[f64]) -> f64 {
-    weighed(squares(problem, first, second))
+/// Whether a change is beyond chance in noise of any memory, besides gaining `gain` in minus twice the log-likelihood under an
+/// autoregression.
+pub(super) fn stands_out(problem: &Problem, gain: f64, first: &Columns, second: &Columns) -> bool {
+    let distance = distance(problem, first, second);
+    let mean = 0.5 * (gain.max(0.0).sqrt() + distance);
+    distance > LEAST_DISTANCE && mean > LEAST_MEAN_DISTANCE
 }
 
-fn weighed([slow, fast]: [f64; 2]) -> f64 {
-    fast.sqrt().max(SLOW_PART * (slow + fast).sqrt())
+/// Distance in one channel, where the change may be anything that fits. Its `parameters` take the noise away, too, where they are
+/// slow: there the spectrum is continued from where they cannot reach.
+pub(super) fn channel_distance(
+    problem: &Problem,
+    rows: &[usize],
+    first: &[f64],
+    second: &[f64],
+    parameters: usize,
+) -> f64 {
+    let squares = squares(problem, rows, first, second, parameters);
+    weighed(squares, SLOW_PART_OF_ANY)
+}
+
+fn weighed([slow, fast]: [f64; 2], slow_part: f64) -> f64 {
+    fast.sqrt().max(slow_part * (slow + fast).sqrt())
 }
 
 /// Squared distances below `LOWEST` and from it on.
-fn squares(problem: &Problem, first: &[f64], second: &[f64]) -> [f64; 2] {
+fn squares(
+    problem: &Problem,
+    rows: &[usize],
+    first: &[f64],
+    second: &[f64],
+    parameters: usize,
+) -> [f64; 2] {
     let samples = || problem.split.blocks.iter().cloned().flatten();
-    let change = periodogram(samples().map(|t| first[t] - second[t]).collect());
-    let noise = smoothed(&periodogram(samples().map(|t| second[t]).collect()));
+    let change = between(rows, samples(), |t| first[t] - second[t]);
+    let change = periodogram(change);
+    let left = periodogram(samples().map(|t| second[t]).collect());
+    let noise = smoothed(&left, LOWEST.max(parameters));
     let last = change.len() - 1;
     let mut parts = [0.0; 2];
     for (k, (c, n)) in change.iter().zip(&noise).enumerate() {
@@ -56,6 +86,28 @@ fn squares(problem: &Problem, first: &[f64], second: &[f64]) -> [f64; 2] {
     parts
 }
 
+/// A change at the rows, and on straight lines between them: elsewhere nothing was fitted, and it may be anything.
+fn between(
+    rows: &[usize],
+    samples: impl Iterator<Item = usize>,
+    change: impl Fn(usize) -> f64,
+) -> Vec<f64> {
+    let last = rows.len() - 1;
+    let mut next = 0;
+    let line = samples.map(|t| {
+        while next < last && rows[next] < t {
+            next += 1;
+        }
+        let (a, b) = (rows[next.saturating_sub(1)], rows[next]);
+        if t >= b || t <= a || a == b {
+            return change(if t <= a && next > 0 { a } else { b });
+        }
+        let part = (t - a) as f64 / (b - a) as f64;
+        (1.0 - part) * change(a) + part * change(b)
+    });
+    line.collect()
+}
+
 fn periodogram(mut x: Vec<f64>) -> Vec<f64> {
     let transform = RealFftPlanner::<f64>::new().plan_fft_forward(x.len());
     let mut spectrum = transform.make_output_vec();
@@ -65,8 +117,8 @@ fn periodogram(mut x: Vec<f64>) -> Vec<f64> {
     spectrum.iter().map(|z| z.norm_sqr()).collect()
 }
 
-/// Means over an octave about each frequency, continued below `LOWEST` as the low end of the spectrum goes.
-fn smoothed(power: &[f64]) -> Vec<f64> {
+/// Means over an octave about each frequency, continued below `lowest` as the low end of the spectrum goes.
+fn smoothed(power: &[f64], lowest: usize) -> Vec<f64> {
     let mut sums = vec![0.0];
     for p in power {
         sums.push(sums[sums.len() - 1] + p);
@@ -77,28 +129,30 @@ fn smoothed(power: &[f64]) -> Vec<f64> {
         (sums[high + 1] - sums[low]) / (high + 1 - low) as f64
     };
     let mut smooth: Vec<f64> = (0..power.len()).map(|k| octave(k.max(LOWEST))).collect();
-    for (k, value) in smooth.iter_mut().enumerate().take(LOWEST) {
+    for (k, value) in smooth.iter_mut().enumerate().take(lowest) {
         // What is slower than the record by up to a decade looks like a constant in it.
         let frequency = (k as f64).max(0.15);
-        *value = value.max(continued(power, frequency));
+        *value = value.max(continued(power, lowest, frequency));
     }
     smooth
 }
 
 /// The low end of a spectrum, continued to any frequency: a power law, as of 1/f noise, or flat up to a corner, as of an
-/// autoregression of first order, whichever is likelier (Whittle's likelihood).
-fn continued(power: &[f64], frequency: f64) -> f64 {
-    let range = 2..FITTED_UP_TO.min(power.len() / 2).max(LOWEST + 1);
+/// autoregression of first order. Of those that are possible by Whittle's likelihood the one with most power there.
+fn continued(power: &[f64], lowest: usize, frequency: f64) -> f64 {
+    let range = lowest - 1
+        ..FITTED_UP_TO
+            .min(power.len() / 2)
+            .max(2 * lowest)
+            .min(power.len());
     let n = range.len() as f64;
-    let mut best = (f64::INFINITY, 0.0);
+    let mut shapes = Vec::new();
     let mut try_shape = |shape: &dyn Fn(f64) -> f64| {
         let ratios: f64 = range.clone().map(|k| power[k] / shape(k as f64)).sum();
         let level = ratios / n;
         let logs: f64 = range.clone().map(|k| shape(k as f64).ln()).sum();
         let criterion = n * level.max(f64::MIN_POSITIVE).ln() + logs;
-        if criterion < best.0 {
-            best = (criterion, level * shape(frequency));
-        }
+        shapes.push((criterion, level * shape(frequency)));
     };
     for step in 0..=10 {
         let exponent = 0.25 * f64::from(step);
@@ -108,5 +162,7 @@ fn continued(power: &[f64], frequency: f64) -> f64 {
         let corner = 2.0 * 1.5_f64.powi(step);
         try_shape(&|k| 1.0 / (1.0 + (k / corner).powi(2)));
     }
-    best.1
+    let best = shapes.iter().map(|s| s.0).fold(f64::INFINITY, f64::min);
+    let possible = shapes.iter().filter(|s| s.0 <= best + POSSIBLE);
+    possible.map(|s| s.1).fold(0.0, f64::max)
 }

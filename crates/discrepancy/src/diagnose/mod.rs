@@ -26,6 +26,7 @@ mod noise;
 mod pairs;
 mod problem;
 mod resonance;
+mod revise;
 mod screen;
 mod search;
 mod signature;

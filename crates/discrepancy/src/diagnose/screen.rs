@@ -90,9 +90,10 @@ pub(super) fn rank(
             .collect();
         own.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let Some(first) = own.first() else { continue };
+        // Where a fit starts matters for shapes, and for sizes whose kind says where to start.
         let shape = |r: &Ranked| -> Vec<f64> {
-            let all = r.start.iter().zip(problem.infos(candidate));
-            all.filter(|(_, info)| !info.is_size)
+            let all = r.signature.values.iter().zip(problem.infos(candidate));
+            all.filter(|(_, info)| !info.is_size || !info.starts.is_empty())
                 .map(|(x, _)| *x)
                 .collect()
         };

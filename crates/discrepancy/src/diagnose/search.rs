@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::answer::FitRecord;
 use super::fit::{Fit, fit, unfitted};
-use super::memory::{LEAST_DISTANCE, LEAST_GENERALISATION, distance};
+use super::memory::{LEAST_GENERALISATION, distance, stands_out};
 use super::noise::Noise;
 use super::pairs::pairs;
 use super::problem::{Found, Point, Problem};
@@ -48,7 +48,7 @@ const CLEARLY_BEHIND: f64 = 2.0;
 const STRONG: f64 = 4.0;
 /// Simulations that a round of fits takes at least.
 const LEAST_LEFT: usize = 40;
-const REFINED: usize = 12;
+pub(super) const REFINED: usize = 12;
 /// In standard deviations of a nominal parameter.
 const FAR_SIGMA: f64 = 0.5;
 const PAIRED: usize = 30;
@@ -57,7 +57,7 @@ const WHITE: usize = 4;
 const REPLACEMENTS: usize = 3;
 
 pub(super) struct Search<'a, 'b> {
-    problem: &'a Problem<'b>,
+    pub(super) problem: &'a Problem<'b>,
     fits: Vec<FitRecord>,
     failed: bool,
 }
@@ -140,7 +140,7 @@ fn refit(problem: &Problem, orders: &[usize]) -> Result<Fit, DiagnoseError> {
 }
 
 /// The same model with noise of the orders that its own residual asks for.
-fn settled(problem: &Problem, first: Fit) -> Result<(Fit, Vec<usize>), DiagnoseError> {
+pub(super) fn settled(problem: &Problem, first: Fit) -> Result<(Fit, Vec<usize>), DiagnoseError> {
     let train = &problem.split.train;
     let orders = Noise::orders(&first.residual, train, &problem.floor);
     Ok((fit(problem, first.point, train, &orders, true)?, orders))
@@ -163,6 +163,10 @@ impl Search<'_, '_> {
         outcome.stopped = !starts.is_empty() && problem.left() < LEAST_LEFT;
         if starts.is_empty() || outcome.stopped {
             return Ok(false);
+        }
+        if let Some(better) = self.restarted(base, &outcome.orders) {
+            (outcome.chosen, outcome.orders) = settled(problem, better)?;
+            return Ok(true);
         }
         problem.report(Stage::Fitting(base.point.effects.len()));
         let strong = outcome.ranking.iter().any(|r| {
@@ -244,7 +248,7 @@ impl Search<'_, '_> {
             .collect()
     }
 
-    fn fit_all(&mut self, starts: Vec<Point>, orders: &[usize]) -> Vec<Fit> {
+    pub(super) fn fit_all(&mut self, starts: Vec<Point>, orders: &[usize]) -> Vec<Fit> {
         let problem = self.problem;
         let train = &problem.split.train;
         let trials: Vec<(Point, Result<Fit, _>)> = starts
@@ -323,89 +327,23 @@ impl Search<'_, '_> {
         let dof = added.iter().map(|f| f.values.len()).sum();
         let tests = tests.pow(added.len() as u32);
         let bar = critical(self.problem.options.family_wise_error, tests, dof);
-        base.objective - trial.objective > bar
-            && distance(self.problem, &base.residual, &trial.residual) > LEAST_DISTANCE
+        let gain = base.objective - trial.objective;
+        gain > bar && stands_out(self.problem, gain, &base.residual, &trial.residual)
     }
 
     /// Whether the larger model predicts the validation blocks better: beyond chance, and enough to matter.
-    fn earns(&self, small: &Fit, large: &Fit) -> bool {
+    pub(super) fn earns(&self, small: &Fit, large: &Fit) -> bool {
         let paired = self.paired(small, large);
         paired.t() > LEAST_T && paired.practical >= self.problem.options.min_gain
     }
 
-    fn paired(&self, small: &Fit, large: &Fit) -> Paired {
+    pub(super) fn paired(&self, small: &Fit, large: &Fit) -> Paired {
         compare(
             &small.residual,
             &large.residual,
             &large.noise,
             &self.problem.split.validation,
         )
-    }
-
-    /// Takes away effects that no longer earn their place beside the others.
-    fn backward(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
-        let problem = self.problem;
-        while outcome.chosen.point.effects.len() > 1 {
-            let last = outcome.chosen.point.effects.len() - 1;
-            let starts = (0..=last)
-                .map(|i| without(&outcome.chosen.point, i))
-                .collect();
-            let trials = self.fit_all(starts, &outcome.orders);
-            let idle = trials
-                .into_iter()
-                .find(|small| !self.earns(small, &outcome.chosen));
-            let Some(small) = idle else { break };
-            outcome.rivals.clear();
-            (outcome.chosen, outcome.orders) = settled(problem, small)?;
-        }
-        Ok(())
-    }
-
-    /// Replaces each effect in turn by others; a clearly better model is taken, or one that is simpler and as good; all are kept as
-    /// rivals. Whether one was taken.
-    fn replace(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
-        let problem = self.problem;
-        let train = &problem.split.train;
-        let mut rivals = Vec::new();
-        for i in 0..outcome.chosen.point.effects.len() {
-            if problem.left() < 300 {
-                break;
-            }
-            let removed = outcome.chosen.point.effects[i].candidate;
-            let Ok(rest) = fit(
-                problem,
-                without(&outcome.chosen.point, i),
-                train,
-                &outcome.orders,
-                true,
-            ) else {
-                continue;
-            };
-            let found = signatures(problem, &rest);
-            let ranking = rank(problem, &rest, &found, train, &outcome.orders);
-            let ranking = refine(problem, &rest, ranking, train, &outcome.orders, REFINED / 2);
-            let others = ranking.iter().filter(|r| r.candidate() != removed).take(3);
-            rivals.extend(self.fit_all(
-                others.map(|r| extended(&rest, &[r])).collect(),
-                &outcome.orders,
-            ));
-        }
-        let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);
-        let here = value(&outcome.chosen);
-        let better = rivals.iter().filter(|r| {
-            let simpler = weight(problem, r) < weight(problem, &outcome.chosen);
-            let clearly = value(r) < here - 10.0 && self.paired(&outcome.chosen, r).gain > 0.0;
-            clearly || simpler && value(r) < here
-        });
-        let better = better.min_by(|a, b| value(a).total_cmp(&value(b))).cloned();
-        let taken = better.is_some();
-        if let Some(better) = better {
-            rivals.push(outcome.chosen.clone());
-            rivals.retain(|r| r.point != better.point);
-            (outcome.chosen, outcome.orders) = settled(problem, better)?;
-        }
-        outcome.rivals = rivals;
-        Ok(taken)
     }
 }
 
@@ -435,7 +373,7 @@ pub(super) fn weight(problem: &Problem, trial: &Fit) -> f64 {
         .sum()
 }
 
-fn extended(base: &Fit, added: &[&Ranked]) -> Point {
+pub(super) fn extended(base: &Fit, added: &[&Ranked]) -> Point {
     let mut point = base.point.clone();
     point.effects.extend(added.iter().map(|r| Found {
         candidate: r.candidate(),

@@ -3,6 +3,8 @@
 //! A typical size is one that changes an output by a tenth or so; the search starts from it and is not bound
 //! to it. It comes from the nominal run: a friction from the drive force, a play from the wind-up.
 
+use std::f64::consts::TAU;
+
 use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target, TargetKind};
@@ -94,7 +96,7 @@ impl Signals {
                 .map(|one| (one.spec.name.clone(), deviation(&one.values)))
                 .collect(),
             interval_s: measured.interval_s(),
-            duration_s: measured.duration_s(),
+            duration_s: (measured.process_time_s().into_iter()).fold(0.0, f64::max),
         }
     }
 
@@ -221,6 +223,11 @@ fn scale(
         .then_some(scale)
 }
 
+/// Most cycles per 2 pi of the coordinate that are looked for.
+const MOST_CYCLES: f64 = 160.0;
+/// A joint that turns the phase of a ripple by less than this shows a constant, which a ripple cannot be told from, rad.
+const LEAST_PHASE: f64 = 0.1;
+
 fn joint_scale(joint: &JointSignals, kind: EffectKind) -> Option<Vec<f64>> {
     use EffectKind as K;
     let effort = SHARE * joint.effort;
@@ -239,6 +246,10 @@ fn joint_scale(joint: &JointSignals, kind: EffectKind) -> Option<Vec<f64>> {
         K::JointHysteresis => vec![effort, windup?],
         K::JointCubicStiffness => vec![SHARE * joint.stiffness? / windup?.powi(2)],
         K::JointRipple => {
+            let turn = if joint.rotary { 1.0 } else { TAU };
+            if MOST_CYCLES * turn * joint.travel < LEAST_PHASE {
+                return None;
+            }
             let amplitude = SHARE * windup?;
             vec![amplitude, amplitude, 0.1 / joint.travel]
         }

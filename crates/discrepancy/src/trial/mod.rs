@@ -15,9 +15,10 @@ mod stiff;
 
 use truecut_recording::measured::Measured;
 use truecut_recording::{ChannelSpec, Outcome, UnknownName};
-use truecut_scenario::effect::{Effect, Target};
+use truecut_scenario::effect::{Effect, Family, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::facts::{RobotFacts, robot_facts};
+use truecut_sim::measurement::ChannelModel;
 use truecut_sim::{
     Engine, InverseModel, Robots, Rows, SimError, SteadyModel, reduced_step_s, simulate,
 };
@@ -37,7 +38,9 @@ pub struct Trial {
     engine: Kind,
     robots: Robots,
     /// Drive forces of the arm without effects, for nominal parameters that were asked for lately.
-    rigid: Lately,
+    rigid: Lately<Vec<f64>, Columns>,
+    /// Runs by nominal parameters and effects on the machine: what sensors make of them needs no other run.
+    runs: Lately<(Vec<f64>, Vec<Effect>), Rows>,
     /// Runs with a shorter step are not made, s.
     shortest_step_s: f64,
     /// Of each joint, the greatest speed at which a friction's fall with speed can be told from other friction.
@@ -132,6 +135,7 @@ impl Trial {
             engine,
             robots,
             rigid: Lately::default(),
+            runs: Lately::default(),
             shortest_step_s,
             fall_speeds: signals.fall_speeds(),
             stiff: Vec::new(),
@@ -184,17 +188,45 @@ impl Trial {
         }
     }
 
+    /// Rapier's prediction, or the reduced plant's.
     fn forward(
         &self,
         nominal: &[f64],
         effects: &[Effect],
         engine: Engine,
     ) -> Result<Columns, PredictError> {
-        let scenario = self.varied(nominal, effects)?;
-        self.run(&scenario, engine)
+        if engine == Engine::Rapier || !self.scenario.effects.is_empty() {
+            let rows = self.run(&self.varied(nominal, effects)?, engine)?;
+            return Ok(self.at_the_data(&rows));
+        }
+        let (sensors, machine): (Vec<Effect>, Vec<Effect>) =
+            (effects.iter().cloned()).partition(|effect| effect.kind.family() == Family::Sensor);
+        let run = self.runs.get((nominal.to_vec(), machine.clone()), || {
+            self.run(&self.varied(nominal, &machine)?, engine)
+        })?;
+        if sensors.is_empty() {
+            return Ok(self.at_the_data(&run));
+        }
+        Ok(self.at_the_data(&self.sensed((*run).clone(), &sensors)))
     }
 
-    fn run(&self, scenario: &Scenario, engine: Engine) -> Result<Columns, PredictError> {
+    /// What sensors with these effects make of a run.
+    fn sensed(&self, mut run: Rows, sensors: &[Effect]) -> Rows {
+        for (spec, column) in run.channels.iter().zip(&mut run.columns) {
+            let mut sensor = ChannelModel::default();
+            let own = sensors.iter().filter(
+                |effect| matches!(&effect.target, Target::Channel(name) if *name == spec.name),
+            );
+            own.for_each(|effect| sensor.add(effect));
+            if sensor != ChannelModel::default() {
+                sensor.apply(&run.time_s, column);
+            }
+        }
+        run
+    }
+
+    /// The channels that were measured, of one run.
+    fn run(&self, scenario: &Scenario, engine: Engine) -> Result<Rows, PredictError> {
         let names: Vec<&str> = self
             .channels
             .iter()
@@ -202,12 +234,17 @@ impl Trial {
             .collect();
         let rows = simulate(scenario, Some(&self.measured), &self.robots, engine, &names)
             .map_err(|error| PredictError(error.to_string()))?;
-        if rows.outcome != Outcome::Completed {
-            return Err(PredictError(rows.outcome.to_string()));
+        match rows.outcome {
+            Outcome::Completed => Ok(rows),
+            outcome => Err(PredictError(outcome.to_string())),
         }
-        let times = &self.measured.time_s;
-        let column = |values: &Vec<f64>| sampling::at(&rows.time_s, values, times);
-        Ok(rows.columns.iter().map(column).collect())
+    }
+
+    fn at_the_data(&self, rows: &Rows) -> Columns {
+        let column = |values: &Vec<f64>| {
+            (self.measured).along_passes(|times| sampling::at(&rows.time_s, values, times))
+        };
+        rows.columns.iter().map(column).collect()
     }
 }
 
@@ -238,11 +275,11 @@ impl Model for Trial {
                 let columns = if made_for == nominal {
                     model.predict(effects)
                 } else {
-                    let own = self.rigid.columns(&self.of_robot(nominal), || {
+                    let own = self.rigid.get(self.of_robot(nominal), || {
                         let robot = self.varied_robot(nominal)?;
                         model.nominal_for(&robot, &self.robots).map_err(failed)
                     })?;
-                    model.predict_from(own, &self.with_own(nominal, effects))
+                    model.predict_from((*own).clone(), &self.with_own(nominal, effects))
                 };
                 let columns = columns.map_err(failed)?;
                 Ok((columns.iter())
@@ -271,7 +308,8 @@ impl Model for Trial {
             .with_overrides(&experiment.overrides))
         .and_then(|scenario| scenario.with_effects(effects))
         .map_err(|error| PredictError(error.to_string()))?;
-        self.run(&scenario, self.reduced())
+        let rows = self.run(&scenario, self.reduced())?;
+        Ok(self.at_the_data(&rows))
     }
 }
 

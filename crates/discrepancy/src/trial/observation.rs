@@ -19,6 +19,9 @@ const SIGNALS: [&str; 5] = [
     "wheel.position",
 ];
 
+/// A run that ends so many intervals before a sample says nothing of it.
+const BEYOND: f64 = 1.5;
+
 /// Outputs in the order of `channels`; commands, velocities, spindle angle and load as known signals.
 pub(super) fn observation(
     scenario: &Scenario,
@@ -26,11 +29,17 @@ pub(super) fn observation(
     channels: &[ChannelSpec],
     nominal: Option<&Rows>,
 ) -> Observation {
+    let process_s = measured.process_time_s();
+    let end_s = nominal.and_then(|rows| rows.time_s.last());
+    let end_s = end_s.map_or(f64::INFINITY, |end| end + BEYOND * measured.interval_s());
+    let runs = |row: usize| (0.0..=end_s).contains(&process_s[row]);
     let outputs = (channels.iter())
         .filter_map(|spec| measured.channel(&spec.name).ok())
         .map(|channel| Output {
             values: channel.values.clone(),
-            valid: channel.valid.clone(),
+            valid: (channel.valid.iter().enumerate())
+                .map(|(row, valid)| *valid && runs(row))
+                .collect(),
             noise: channel.noise,
         })
         .collect();
@@ -52,7 +61,7 @@ pub(super) fn observation(
     if let Some(speed) = spin_rad_s(scenario) {
         regressors.push(Regressor {
             name: "spindle angle".to_owned(),
-            values: (measured.time_s.iter())
+            values: (process_s.iter())
                 .map(|t| (speed * t).rem_euclid(TAU))
                 .collect(),
             is_angle: true,
@@ -66,11 +75,9 @@ pub(super) fn observation(
                 .position(|spec| spec.name == **name)?;
             Some(Regressor {
                 name: (*name).to_owned(),
-                values: sampling::at(
-                    &recording.time_s,
-                    &recording.columns[index],
-                    &measured.time_s,
-                ),
+                values: measured.along_passes(|times| {
+                    sampling::at(&recording.time_s, &recording.columns[index], times)
+                }),
                 is_angle: false,
             })
         });
@@ -80,7 +87,9 @@ pub(super) fn observation(
         source: measured.source.clone(),
         scenario: scenario.name.clone(),
         time_s: measured.time_s.clone(),
-        trajectories: std::iter::once(0..measured.time_s.len()).collect(),
+        trajectories: (measured.passes().into_iter())
+            .map(|pass| pass.samples)
+            .collect(),
         outputs,
         regressors,
     }

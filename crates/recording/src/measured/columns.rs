@@ -2,7 +2,7 @@
 
 use super::resample::{Base, Series, resample};
 use super::{
-    ChannelMapping, DataError, MIN_SAMPLES, Mapping, Measured, MeasuredChannel, Role, Table,
+    ChannelMapping, DataError, MIN_SAMPLES, Mapping, Measured, MeasuredChannel, Pass, Role, Table,
     TimeBase,
 };
 use crate::recording::ChannelSpec;
@@ -49,12 +49,60 @@ pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError>
             noise: channel.noise,
         });
     }
+    let time_s = base.times();
+    let passes = passes(table, mapping, &base, &time_s)?;
+    if !passes.is_empty() {
+        notes.push(format!(
+            "{} passes, each from the process's own start",
+            passes.len()
+        ));
+    }
     Ok(Measured {
         source: table.source.clone(),
-        time_s: base.times(),
+        time_s,
+        passes,
         channels,
         notes,
     })
+}
+
+/// Fewest samples of a pass.
+const MIN_PASS: usize = 60;
+
+/// The passes that begin at the mapping's starts; each ends where the next begins.
+fn passes(
+    table: &Table,
+    mapping: &Mapping,
+    base: &Base,
+    time_s: &[f64],
+) -> Result<Vec<Pass>, DataError> {
+    let starts: Vec<f64> = (mapping.starts_s.iter())
+        .map(|start| start - base.start_s())
+        .collect();
+    let slack = 1e-6 * base.interval_s();
+    let first = |start: f64| time_s.partition_point(|time| *time < start - slack);
+    let mut passes = Vec::new();
+    for (index, start_s) in starts.iter().enumerate() {
+        let end = starts
+            .get(index + 1)
+            .map_or(time_s.len(), |next| first(*next));
+        let samples = first(*start_s)..end;
+        if samples.len() < MIN_PASS {
+            return Err(DataError::File {
+                source_name: table.source.clone(),
+                message: format!(
+                    "the pass that starts at {} s has {} samples, but at least {MIN_PASS} are needed",
+                    mapping.starts_s[index],
+                    samples.len()
+                ),
+            });
+        }
+        passes.push(Pass {
+            samples,
+            start_s: *start_s,
+        });
+    }
+    Ok(passes)
 }
 
 /// Rows inside the window and their times, which rise strictly.

@@ -15,6 +15,8 @@ pub use columns::measured;
 pub use error::DataError;
 pub use table::{Column, Table};
 
+use std::ops::Range;
+
 use crate::recording::{ChannelSpec, UnknownName};
 use crate::unit::UserUnit;
 
@@ -78,6 +80,8 @@ pub struct Mapping {
     pub resample_hz: Option<f64>,
     /// Longest gap that is bridged by a straight line, s.
     pub max_gap_s: f64,
+    /// Times of the file at which the process begins anew, rising; empty if it begins once, with the first sample.
+    pub starts_s: Vec<f64>,
     /// The channels, in the order of the result.
     pub channels: Vec<ChannelMapping>,
 }
@@ -89,10 +93,21 @@ pub struct Measured {
     pub source: String,
     /// Uniform times from 0 on, s.
     pub time_s: Vec<f64>,
+    /// Runs of the process in these data, in order and without overlap; empty if there is one, from time 0 on.
+    pub passes: Vec<Pass>,
     /// The channels; each has one value for every time.
     pub channels: Vec<MeasuredChannel>,
     /// What was done to the data, one sentence each.
     pub notes: Vec<String>,
+}
+
+/// One of several runs of the same process in one file: a hole of several, say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pass {
+    /// Its samples.
+    pub samples: Range<usize>,
+    /// Time at which it begins, s; at most that of its first sample.
+    pub start_s: f64,
 }
 
 /// One measured channel.
@@ -129,6 +144,45 @@ impl Measured {
     /// Time from the first to the last sample, s.
     pub fn duration_s(&self) -> f64 {
         self.interval_s() * self.time_s.len().saturating_sub(1) as f64
+    }
+
+    /// The runs of the process in these data: at least one.
+    pub fn passes(&self) -> Vec<Pass> {
+        match self.passes.is_empty() {
+            true => vec![Pass {
+                samples: 0..self.time_s.len(),
+                start_s: 0.0,
+            }],
+            false => self.passes.clone(),
+        }
+    }
+
+    /// Time of every sample since the start of its pass, s. Samples before the first pass have negative times.
+    pub fn process_time_s(&self) -> Vec<f64> {
+        let passes = self.passes();
+        let mut times: Vec<f64> = (self.time_s.iter())
+            .map(|time| time - passes[0].start_s)
+            .collect();
+        for pass in &passes {
+            for row in pass.samples.clone() {
+                times[row] = self.time_s[row] - pass.start_s;
+            }
+        }
+        times
+    }
+
+    /// A simulated channel at the samples' process times: `at` gives it at rising times, once for each pass.
+    pub fn along_passes(&self, at: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+        let times = self.process_time_s();
+        let passes = self.passes();
+        let mut values = Vec::with_capacity(times.len());
+        if passes[0].samples.start > 0 {
+            values.extend(at(&times[..passes[0].samples.start]));
+        }
+        for pass in &passes {
+            values.extend(at(&times[pass.samples.clone()]));
+        }
+        values
     }
 
     /// A channel by name.

@@ -119,6 +119,15 @@ impl Base {
         })
     }
 
+    /// Time of the file that is 0 here, s.
+    pub fn start_s(&self) -> f64 {
+        self.start_s
+    }
+
+    pub fn interval_s(&self) -> f64 {
+        self.interval_s
+    }
+
     /// Times from 0 on.
     pub fn times(&self) -> Vec<f64> {
         (0..self.samples)

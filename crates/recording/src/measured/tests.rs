@@ -47,6 +47,7 @@ fn mapping() -> Mapping {
         },
         window_s: [f64::NEG_INFINITY, f64::INFINITY],
         resample_hz: None,
+        starts_s: Vec::new(),
         max_gap_s: 0.0105,
         channels: vec![channel("sine", "joint1.position", "mm")],
     }
@@ -237,4 +238,52 @@ fn too_few_samples_are_refused() {
         text.contains("150 samples are left (150 without a number, 0 saturated)"),
         "{text}"
     );
+}
+
+#[test]
+fn passes_have_process_times_of_their_own() {
+    let mut mapping = mapping();
+    mapping.starts_s = vec![0.1, 0.4995];
+    let data = measured(&table(1000), &mapping).unwrap();
+    let samples: Vec<_> = data.passes().into_iter().map(|pass| pass.samples).collect();
+    assert_eq!(samples, [100..500, 500..1000]);
+    let process_s = data.process_time_s();
+    let expected = [
+        (0, -0.1),
+        (100, 0.0),
+        (499, 0.399),
+        (500, 0.0005),
+        (999, 0.4995),
+    ];
+    for (row, time) in expected {
+        assert!(
+            (process_s[row] - time).abs() < 1e-9,
+            "{row}: {}",
+            process_s[row]
+        );
+    }
+    // What is simulated once stands at every pass, and before the first one what its start says.
+    let simulated = data.along_passes(|times| times.iter().map(|t| 10.0 * t.max(0.0)).collect());
+    assert!(
+        (simulated[50], simulated.len()) == (0.0, 1000) && (simulated[510] - 0.105).abs() < 1e-9
+    );
+    assert!(data.notes.iter().any(|note| note.starts_with("2 passes")));
+}
+
+#[test]
+fn one_pass_is_all_of_the_data() {
+    let data = measured(&table(400), &mapping()).unwrap();
+    assert_eq!(
+        (data.passes().len(), data.passes()[0].samples.clone()),
+        (1, 0..400)
+    );
+    assert_eq!(data.process_time_s(), data.time_s);
+}
+
+#[test]
+fn a_pass_without_samples_is_refused() {
+    let mut mapping = mapping();
+    mapping.starts_s = vec![0.0, 0.98];
+    let expected = "the pass that starts at 0.98 s has 20 samples, but at least 60 are needed";
+    assert!(refusal(&table(1000), &mapping).contains(expected));
 }

@@ -42,6 +42,7 @@ fn measured(channels: &[(&str, Role)]) -> Measured {
         time_s: times(),
         channels: channels.iter().map(channel).collect(),
         notes: Vec::new(),
+        ..Measured::default()
     }
 }
 
@@ -102,4 +103,35 @@ fn recordings_that_do_not_fit_are_refused() {
         against(Unit::Radian, SAMPLES, &inputs),
         Err(CompareError::NoOutput)
     );
+}
+
+#[test]
+fn every_pass_is_held_against_the_run_from_its_start() {
+    use truecut_recording::Pass;
+    let half = SAMPLES / 2;
+    let run = recording(Unit::Radian, half - 100);
+    let once = run.columns[0].clone();
+    let mut data = measured(&[("joint1.angle", Role::Output)]);
+    let noise = noise(Colour::White, SAMPLES, 3);
+    let at = |row: usize| once[(row % half).min(once.len() - 1)];
+    data.channels[0].values = (0..SAMPLES).map(|row| at(row) + noise[row]).collect();
+    let start = |row: usize| Pass {
+        samples: row..row + half,
+        start_s: data.time_s[row],
+    };
+    data.passes = vec![start(0), start(half)];
+    let level = |data: &Measured| compare_recordings(&run, data, None).unwrap();
+    let found = level(&data);
+    let rms = found.channels[0].level.rms;
+    let floor = (noise.iter().map(|n| n * n).sum::<f64>() / SAMPLES as f64).sqrt();
+    assert!((rms / floor - 1.0).abs() < 0.05, "{rms} beside {floor}");
+    assert!(
+        found
+            .notes
+            .iter()
+            .any(|note| note.contains("outside the passes"))
+    );
+    // Without passes the second half is after the run's end.
+    data.passes.clear();
+    assert!(compare_recordings(&run, &data, None).is_err());
 }

@@ -147,7 +147,7 @@ pub(super) const SPINDLE_SPEED: Entry = Entry {
         1.5,
         "Times the commanded speed",
     )
-    .starts(&[0.97, 0.99, 1.01, 1.03])],
+    .starts(&[0.97, 0.98, 0.99, 0.996, 1.004, 1.01, 1.02, 1.03])],
 };
 
 pub(super) const FOOT_FRICTION: Entry = Entry {

@@ -1,0 +1,108 @@
+//! What is done to a choice made: the same effects from other sizes, one taken away, one exchanged for another.
+
+use super::DiagnoseError;
+use super::fit::{Fit, fit};
+use super::screen::{rank, refine};
+use super::search::{Outcome, REFINED, Search, criterion, extended, settled, weight, without};
+use super::signature::signatures;
+
+/// Sizes, in parts of those found, from which a fit is made again.
+const RESTARTS: [f64; 4] = [-1.0, 0.4, 2.5, 4.0];
+/// By so much, as a difference of minus twice the log-likelihood, another optimum must be better.
+const CLEARLY_BETTER: f64 = 10.0;
+
+impl Search<'_, '_> {
+    /// Where something is left to be found: the same effects from other sizes, if that explains clearly more. What is not linear, a
+    /// phase or the moment of a slip, may have led the first fit to a lesser optimum.
+    pub(super) fn restarted(&mut self, base: &Fit, orders: &[usize]) -> Option<Fit> {
+        let mut starts = Vec::new();
+        for (index, found) in base.point.effects.iter().enumerate() {
+            let infos = self.problem.infos(found.candidate);
+            let sizes: Vec<usize> = (0..infos.len()).filter(|&i| infos[i].is_size).collect();
+            let mut groups: Vec<&[usize]> = vec![&sizes];
+            if sizes.len() > 1 {
+                groups.extend(sizes.chunks(1));
+            }
+            for (group, factor) in groups.iter().flat_map(|g| RESTARTS.map(|f| (g, f))) {
+                let mut start = base.point.clone();
+                for &i in *group {
+                    let (info, value) = (&infos[i], &mut start.effects[index].values[i]);
+                    let moved = info.neutral + factor * (*value - info.neutral);
+                    *value = moved.clamp(info.min, info.max);
+                }
+                starts.push(start);
+            }
+        }
+        let trials = self.fit_all(starts, orders);
+        let best = trials
+            .into_iter()
+            .min_by(|a, b| a.objective.total_cmp(&b.objective))?;
+        (best.objective < base.objective - CLEARLY_BETTER).then_some(best)
+    }
+
+    /// Takes away effects that no longer earn their place beside the others.
+    pub(super) fn backward(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
+        let problem = self.problem;
+        while outcome.chosen.point.effects.len() > 1 {
+            let last = outcome.chosen.point.effects.len() - 1;
+            let starts = (0..=last)
+                .map(|i| without(&outcome.chosen.point, i))
+                .collect();
+            let trials = self.fit_all(starts, &outcome.orders);
+            let idle = trials
+                .into_iter()
+                .find(|small| !self.earns(small, &outcome.chosen));
+            let Some(small) = idle else { break };
+            outcome.rivals.clear();
+            (outcome.chosen, outcome.orders) = settled(problem, small)?;
+        }
+        Ok(())
+    }
+
+    /// Replaces each effect in turn by others; a clearly better model is taken, or one that is simpler and as good; all are kept as
+    /// rivals. Whether one was taken.
+    pub(super) fn replace(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
+        let problem = self.problem;
+        let train = &problem.split.train;
+        let mut rivals = Vec::new();
+        for i in 0..outcome.chosen.point.effects.len() {
+            if problem.left() < 300 {
+                break;
+            }
+            let removed = outcome.chosen.point.effects[i].candidate;
+            let Ok(rest) = fit(
+                problem,
+                without(&outcome.chosen.point, i),
+                train,
+                &outcome.orders,
+                true,
+            ) else {
+                continue;
+            };
+            let found = signatures(problem, &rest);
+            let ranking = rank(problem, &rest, &found, train, &outcome.orders);
+            let ranking = refine(problem, &rest, ranking, train, &outcome.orders, REFINED / 2);
+            let others = ranking.iter().filter(|r| r.candidate() != removed).take(3);
+            rivals.extend(self.fit_all(
+                others.map(|r| extended(&rest, &[r])).collect(),
+                &outcome.orders,
+            ));
+        }
+        let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);
+        let here = value(&outcome.chosen);
+        let better = rivals.iter().filter(|r| {
+            let simpler = weight(problem, r) < weight(problem, &outcome.chosen);
+            let clearly = value(r) < here - 10.0 && self.paired(&outcome.chosen, r).gain > 0.0;
+            clearly || simpler && value(r) < here
+        });
+        let better = better.min_by(|a, b| value(a).total_cmp(&value(b))).cloned();
+        let taken = better.is_some();
+        if let Some(better) = better {
+            rivals.push(outcome.chosen.clone());
+            rivals.retain(|r| r.point != better.point);
+            (outcome.chosen, outcome.orders) = settled(problem, better)?;
+        }
+        outcome.rivals = rivals;
+        Ok(taken)
+    }
+}
