@@ -12,27 +12,27 @@ const RESTARTS: [f64; 4] = [-1.0, 0.4, 2.5, 4.0];
 const CLEARLY_BETTER: f64 = 10.0;
 
 impl Search<'_, '_> {
-    /// Where something is left to be found: the same effects from other sizes, if that explains clearly more. What is not linear, a
-    /// phase or the moment of a slip, may have led the first fit to a lesser optimum.
+    /// Where something is left to be found: the effect added last from other sizes, if that explains clearly more. What is not linear,
+    /// a phase or the moment of a slip, may have led its first fit to a lesser optimum.
     pub(super) fn restarted(&mut self, base: &Fit, orders: &[usize]) -> Option<Fit> {
-        let mut starts = Vec::new();
-        for (index, found) in base.point.effects.iter().enumerate() {
-            let infos = self.problem.infos(found.candidate);
-            let sizes: Vec<usize> = (0..infos.len()).filter(|&i| infos[i].is_size).collect();
-            let mut groups: Vec<&[usize]> = vec![&sizes];
-            if sizes.len() > 1 {
-                groups.extend(sizes.chunks(1));
-            }
-            for (group, factor) in groups.iter().flat_map(|g| RESTARTS.map(|f| (g, f))) {
-                let mut start = base.point.clone();
-                for &i in *group {
-                    let (info, value) = (&infos[i], &mut start.effects[index].values[i]);
-                    let moved = info.neutral + factor * (*value - info.neutral);
-                    *value = moved.clamp(info.min, info.max);
-                }
-                starts.push(start);
-            }
+        let last = base.point.effects.len().checked_sub(1)?;
+        let infos = self.problem.infos(base.point.effects[last].candidate);
+        let sizes: Vec<usize> = (0..infos.len()).filter(|&i| infos[i].is_size).collect();
+        let mut groups: Vec<&[usize]> = vec![&sizes];
+        if sizes.len() > 1 {
+            groups.extend(sizes.chunks(1));
         }
+        let moved = groups.iter().flat_map(|g| RESTARTS.map(|f| (*g, f)));
+        let starts = moved.map(|(group, factor)| {
+            let mut start = base.point.clone();
+            for &i in group {
+                let (info, value) = (&infos[i], &mut start.effects[last].values[i]);
+                let moved = info.neutral + factor * (*value - info.neutral);
+                *value = moved.clamp(info.min, info.max);
+            }
+            start
+        });
+        let starts = starts.collect();
         let trials = self.fit_all(starts, orders);
         let best = trials
             .into_iter()
