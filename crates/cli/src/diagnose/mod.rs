@@ -3,6 +3,7 @@
 mod files;
 mod report;
 mod telling;
+mod viewer;
 
 use std::path::PathBuf;
 

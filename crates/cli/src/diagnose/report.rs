@@ -125,28 +125,14 @@ fn others(diagnosis: &Diagnosis) -> String {
 }
 
 fn gain(diagnosis: &Diagnosis) -> String {
-    let rows: Vec<Vec<String>> = (diagnosis.channels.iter())
-        .map(|(channel, errors)| {
-            let mut row = vec![escape(channel)];
-            let values = [
-                errors.before,
-                errors.refitted,
-                errors.after,
-                errors.noise_floor,
-            ];
-            row.extend(values.map(|value| significant(value, 4)));
-            row.push(escape(&errors.unit));
-            row
-        })
+    let rows = telling::error_rows(diagnosis);
+    let [head, rows @ ..] = &rows[..] else {
+        return String::new();
+    };
+    let rows: Vec<Vec<String>> = (rows.iter())
+        .map(|row| row.iter().map(|cell| escape(cell)).collect())
         .collect();
-    let head = [
-        "channel",
-        "nominal",
-        "refitted",
-        "extended",
-        "noise floor",
-        "unit",
-    ];
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
     let mut text = table("Error on data kept back (root mean square)", &head, &rows);
     let _ = writeln!(
         text,
@@ -160,7 +146,7 @@ fn seen(diagnosis: &Diagnosis) -> String {
     let rows: Vec<Vec<String>> = (diagnosis.smallest_seen.iter())
         .map(|one| {
             let size = match one.size {
-                Some(size) => format!("{} {}", significant(size, 3), one.unit),
+                Some(size) => telling::with_unit(&significant(size, 3), &one.unit),
                 None => "none within reach".to_owned(),
             };
             let target = one.target.as_deref().unwrap_or_default();
