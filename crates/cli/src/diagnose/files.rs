@@ -23,9 +23,31 @@ pub struct Written {
     pub extended: Option<PathBuf>,
 }
 
-/// Refuses a folder in which an answer would replace what is being diagnosed.
-pub fn spare_inputs(plan: &Plan, data: &str) -> Result<(), Failure> {
+/// Makes the folder, before the work that is to be kept in it. What an earlier diagnosis left stays until there is a new one.
+///
+/// # Errors
+/// A folder that cannot be written to, or in which an answer would replace what is being diagnosed.
+pub fn prepare(plan: &Plan, data: &str) -> Result<(), Failure> {
     let folder = plan.out.join(plan.scenario.stem());
+    spare_inputs(plan, data, &folder)?;
+    let failed = |path: &Path, error| Failure::message(format!("{}: {error}", path.display()));
+    std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
+    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
+        let path = folder.join(name);
+        if path.is_dir() {
+            let text = format!(
+                "{}: it is a folder, but a file of this name is to be written",
+                path.display()
+            );
+            return Err(Failure::message(text));
+        }
+    }
+    let probe = folder.join(format!(".{}", std::process::id()));
+    std::fs::write(&probe, b"").map_err(|error| failed(&folder, error))?;
+    std::fs::remove_file(&probe).map_err(|error| failed(&probe, error))
+}
+
+fn spare_inputs(plan: &Plan, data: &str, folder: &Path) -> Result<(), Failure> {
     let inputs = [plan.scenario.path(), Path::new(data)];
     for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
         let Ok(there) = folder.join(name).canonicalize() else {
