@@ -20,6 +20,7 @@ const VIEWER: &str = "diagnosis.rrd";
 /// The files that were written and are worth naming.
 pub struct Written {
     pub report: PathBuf,
+    pub viewer: PathBuf,
     pub extended: Option<PathBuf>,
 }
 
@@ -85,6 +86,7 @@ pub fn write(plan: &Plan, trial: &Trial, confirmed: &Confirmed) -> Result<Writte
     let answer = &confirmed.answer;
     let mut written = Written {
         report: folder.join(REPORT),
+        viewer: folder.join(VIEWER),
         extended: None,
     };
     let text = extended(scenario, trial, confirmed, &folder)?;
@@ -102,7 +104,7 @@ pub fn write(plan: &Plan, trial: &Trial, confirmed: &Confirmed) -> Result<Writte
         &folder.join(REPORT),
         report::html(trial, confirmed).as_bytes(),
     )?;
-    viewer::write(trial, confirmed, &text, &folder.join(VIEWER))?;
+    viewer::write(trial, confirmed, &text, &written.viewer)?;
     // Last: whoever finds it finds the others, too.
     write_file(&folder.join(ANSWER), &json(&answer.diagnosis)?)?;
     Ok(written)

@@ -1,8 +1,11 @@
 //! The answer as text: to be read in ten seconds.
 
+use std::path::Path;
+
 use truecut_discrepancy::diagnose::{Alternative, Cause, Diagnosis, Parameter, Verdict};
 use truecut_discrepancy::trial::Trial;
 use truecut_recording::{Unit, significant};
+use truecut_scenario::effect::EffectKind;
 
 use super::Confirmed;
 use super::files::Written;
@@ -14,7 +17,7 @@ const SEEN_ROWS: usize = 8;
 const LOCKS: usize = 3;
 
 /// The verdict in words.
-pub fn verdict(verdict: Verdict) -> &'static str {
+fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::NothingBeyondNoise => "nothing beyond noise",
         Verdict::Named => "cause named",
@@ -23,6 +26,32 @@ pub fn verdict(verdict: Verdict) -> &'static str {
         Verdict::NotIdentifiable => "not identifiable from these data",
         Verdict::FitFailed => "the fit failed",
     }
+}
+
+/// The verdict with the causes that it is about: to be read first.
+pub fn headline(diagnosis: &Diagnosis) -> String {
+    let names: Vec<String> = diagnosis.causes.iter().map(name).collect();
+    let rivals = diagnosis.alternatives.iter().map(names_of);
+    let verdict = verdict(diagnosis.verdict).to_uppercase();
+    match diagnosis.verdict {
+        Verdict::Named => format!("{verdict}: {}", names.join(" and ")),
+        Verdict::Ambiguous => {
+            let all: Vec<String> = std::iter::once(names.join(" and ")).chain(rivals).collect();
+            format!("{verdict}: {}", all.join(" or "))
+        }
+        _ => verdict,
+    }
+}
+
+/// Its effects, all of them.
+pub fn names_of(alternative: &Alternative) -> String {
+    let names: Vec<String> = alternative.causes.iter().map(name).collect();
+    names.join(" and ")
+}
+
+/// What a cause is, in one sentence.
+pub fn description(cause: &Cause) -> &'static str {
+    EffectKind::from_name(&cause.kind).map_or("", EffectKind::description)
 }
 
 /// A cause: `joint_backlash on joint 2`.
@@ -101,14 +130,10 @@ pub fn error_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
 
 /// Alternatives, or the next best explanation, and the experiment that would decide: what, how far.
 pub fn alternative_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
-    let all = |alternative: &Alternative| {
-        let names: Vec<String> = alternative.causes.iter().map(name).collect();
-        names.join(" and ")
-    };
     let mut rows: Vec<Vec<String>> = (diagnosis.alternatives.iter())
         .map(|one| {
             vec![
-                format!("or {}", all(one)),
+                format!("or {}", names_of(one)),
                 format!("{:.0}° apart", one.angle_deg),
             ]
         })
@@ -117,7 +142,7 @@ pub fn alternative_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
         && let Some(next) = &diagnosis.runner_up
     {
         rows.push(vec![
-            format!("next best: {}", all(next)),
+            format!("next best: {}", names_of(next)),
             format!(
                 "{:.1} standard errors behind, {:.0}° apart",
                 next.behind_t, next.angle_deg
@@ -153,10 +178,10 @@ pub fn locks(diagnosis: &Diagnosis) -> Vec<String> {
 pub fn tell(trial: &Trial, confirmed: &Confirmed, written: &Written) -> String {
     let diagnosis = &confirmed.answer.diagnosis;
     let mut text = format!(
-        "{}\n  data     {}\n  verdict  {}: {}\n",
+        "{}\n  data     {}\n  verdict  {}\n           {}\n",
         diagnosis.scenario,
         diagnosis.data,
-        verdict(diagnosis.verdict).to_uppercase(),
+        headline(diagnosis),
         diagnosis.reason
     );
     for note in &trial.measured().notes {
@@ -167,14 +192,12 @@ pub fn tell(trial: &Trial, confirmed: &Confirmed, written: &Written) -> String {
     text.push_str(&gain(diagnosis));
     text.push_str(&seen(diagnosis));
     text.push_str(&rest(confirmed));
-    text.push_str(&format!("\n  {}", written.report.display()));
-    if let Some(extended) = &written.extended {
-        text.push_str(&format!(
-            "   (the extended scenario: {})",
-            extended.display()
-        ));
-    }
-    text.push_str("\n\n");
+    let row = |what: &str, path: &Path| vec![what.to_owned(), path.display().to_string()];
+    let mut files = vec![row("report", &written.report)];
+    files.extend((written.extended.iter()).map(|path| row("extended scenario", path)));
+    files.push(row("for truecut view", &written.viewer));
+    text.push_str(&text::table(&[Align::Left; 2], &files));
+    text.push('\n');
     text
 }
 

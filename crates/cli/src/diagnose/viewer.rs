@@ -77,10 +77,14 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     let mut text = format!(
         "## {}\n\n**{}**\n\n{}\n\nData: `{}`\n",
         diagnosis.scenario,
-        telling::verdict(diagnosis.verdict).to_uppercase(),
+        telling::headline(diagnosis),
         diagnosis.reason,
         diagnosis.data
     );
+    for cause in &diagnosis.causes {
+        let (name, what) = (telling::name(cause), telling::description(cause));
+        text.push_str(&format!("- *{name}*: {what}\n"));
+    }
     let causes = telling::cause_rows(diagnosis);
     let head = match diagnosis.verdict {
         Verdict::UnknownCause => ["explains a part", "", "95 % interval"],
