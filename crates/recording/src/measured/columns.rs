@@ -105,7 +105,7 @@ fn times(table: &Table, mapping: &Mapping) -> Result<(Vec<usize>, Vec<f64>), Dat
 }
 
 /// What is larger, SI, is an error code of a logger and no measurement; its square would not be a number for long.
-const LARGEST: f64 = 1e30;
+pub const LARGEST: f64 = 1e30;
 
 /// The valid samples of one channel, SI.
 fn read(
