@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::text::reading_unit;
 
 const LEGEND: &str = "**Reading the curves.** Grey and wide: measured. Orange: the nominal model. Blue: the extended model. \
-Signals open where the nominal model is worst (double-click a plot to see all of it); residuals are of the whole record, \
+Signals open where the nominal model is worst (zoom out to see all of it); residuals are of the whole record, \
 between the grey lines lies 95 % of the noise.\n";
 
 /// Writes the file. `scenario` is the extended scenario.
