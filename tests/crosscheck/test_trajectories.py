@@ -138,6 +138,13 @@ def test_crosscheck_mujoco_smooth_forces(truecut, tmp_path, name, robot):
             "gravity = false\ninertia_scale = 1.3\nstiffness_scale = 0.7\ndamping_scale = 2.0",
             "constant_n = [0.0, 500.0, 0.0]",
         ),
+        (
+            "adjusted_links_and_rotors",
+            '[[robot.link]]\nname = "link_2"\nmass_factor = 1.4\ncenter_x_mm = -80.0\n'
+            '[[robot.link]]\nname = "link_6"\nmass_factor = 0.6\ncenter_z_mm = 120.0\n'
+            '[[robot.joint]]\nname = "joint_2"\nrotor_inertia_factor = 3.0',
+            "release_n = [300.0, 500.0, 0.0]",
+        ),
     ],
 )
 def test_crosscheck_mujoco_plant_variants(truecut, tmp_path, name, keys, load):

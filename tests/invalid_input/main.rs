@@ -14,7 +14,7 @@ use std::process::{Command, Output};
 
 const BAD_INPUT: i32 = 2;
 
-fn fixtures(folder: &str, extension: &str) -> Vec<PathBuf> {
+fn fixtures(folder: &str, extension: &str, least: usize) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../tests/invalid_input")
         .join(folder);
@@ -23,7 +23,7 @@ fn fixtures(folder: &str, extension: &str) -> Vec<PathBuf> {
     files.retain(|file| file.extension().is_some_and(|found| found == extension));
     files.sort();
     assert!(
-        files.len() > 15,
+        files.len() >= least,
         "{} holds only {} fixtures",
         folder.display(),
         files.len()
@@ -96,7 +96,7 @@ fn complaints(command: &str, file: &Path) -> Vec<String> {
 #[test]
 fn every_bad_scenario_is_refused_with_place_value_and_rule() {
     let mut wrong = Vec::new();
-    for file in fixtures("", "toml") {
+    for file in fixtures("", "toml", 100) {
         let complaints = complaints("run", &file);
         if !complaints.is_empty() {
             wrong.push(format!("{}: {}", file.display(), complaints.join("\n  ")));
@@ -108,10 +108,33 @@ fn every_bad_scenario_is_refused_with_place_value_and_rule() {
 #[test]
 fn every_bad_identification_is_refused_with_place_value_and_rule() {
     let mut wrong = Vec::new();
-    for file in fixtures("identify", "toml") {
+    for file in fixtures("identify", "toml", 16) {
         let complaints = complaints("identify", &file);
         if !complaints.is_empty() {
             wrong.push(format!("{}: {}", file.display(), complaints.join("\n  ")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+/// Faults that show only where a scenario is held against its data; a comparison refuses them like a diagnosis, unless the fault is
+/// one of searching.
+#[test]
+fn every_bad_diagnosis_is_refused_with_place_value_and_rule() {
+    let mut wrong = Vec::new();
+    for file in fixtures("diagnose", "toml", 4) {
+        let of_search = file.ends_with("times_in_milliseconds.toml");
+        let commands = if of_search {
+            &["diagnose"][..]
+        } else {
+            &["diagnose", "compare"]
+        };
+        for command in commands {
+            let complaints = complaints(command, &file);
+            if !complaints.is_empty() {
+                let text = complaints.join("\n  ");
+                wrong.push(format!("{command} {}: {text}", file.display()));
+            }
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
@@ -121,7 +144,7 @@ fn every_bad_identification_is_refused_with_place_value_and_rule() {
 /// the line that they are about.
 #[test]
 fn every_bad_robot_is_refused_at_its_line() {
-    for file in fixtures("urdf", "urdf") {
+    for file in fixtures("urdf", "urdf", 16) {
         let output = truecut(&["robot", file.to_str().unwrap()]);
         let report = String::from_utf8_lossy(&output.stderr);
         assert_eq!(

@@ -114,6 +114,27 @@ fn diagnose_does_not_write_over_what_it_reads() {
     assert_eq!(std::fs::read(&own).unwrap(), kept);
 }
 
+/// Where the answer cannot be written, that is said before the search, and an earlier answer is left alone.
+#[test]
+fn diagnose_looks_at_its_folder_first() {
+    let desk = desk();
+    let folder = desk.path("out/elbow");
+    std::fs::create_dir_all(folder.join("report.html")).unwrap();
+    std::fs::write(folder.join("diagnosis.json"), "earlier").unwrap();
+    let told = refused(&desk, &["diagnose", "elbow.toml"]);
+    assert!(told.contains("report.html: it is a folder"), "{told}");
+    let kept = std::fs::read_to_string(folder.join("diagnosis.json")).unwrap();
+    assert_eq!(kept, "earlier");
+    assert!(!folder.join("diagnosis.rrd").exists());
+    std::fs::write(desk.path("taken"), "a file").unwrap();
+    let told = refused(&desk, &["diagnose", "elbow.toml", "--out", "taken"]);
+    assert!(told.contains("taken/elbow"), "{told}");
+    assert_eq!(
+        std::fs::read_to_string(desk.path("taken")).unwrap(),
+        "a file"
+    );
+}
+
 /// What is said with exit code 2.
 fn refused(desk: &Desk, arguments: &[&str]) -> String {
     let output = desk.truecut(arguments);

@@ -35,7 +35,7 @@ pub enum Command {
     Crosscheck(CrosscheckArguments),
     /// Run a scenario beside measured data, and say what the simulation gets wrong
     Compare(CompareArguments),
-    /// Look for what the simulation lacks against measured data, and extend the scenario (first form: a hint)
+    /// Look for what the simulation lacks against measured data, name it, and extend the scenario
     Diagnose(DiagnoseArguments),
     /// Read load-deflection tables and hammer FRFs: joint stiffness with intervals, measured modes beside the model's
     Identify(IdentifyArguments),
@@ -146,7 +146,7 @@ pub struct DiagnoseArguments {
     /// Folder for outputs; the scenario gets a folder of its own in it
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// Most simulations that the search may make
+    /// Most simulations that the search may make [default: 2500]
     #[arg(long, value_name = "N")]
     max_runs: Option<std::num::NonZeroUsize>,
     /// Most causes that are named together [default: 4]

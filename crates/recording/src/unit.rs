@@ -56,6 +56,16 @@ pub enum Unit {
     KilogramSquareMetre,
     /// Translational compliance.
     MetrePerNewton,
+    /// Rotary compliance.
+    RadianPerNewtonMetre,
+    /// Translational force per cube of a displacement.
+    NewtonPerCubicMetre,
+    /// Moment per cube of an angle.
+    NewtonMetrePerCubicRadian,
+    /// Relative growth per length.
+    PerMetre,
+    /// Relative change per time that is not a frequency.
+    PerSecond,
     /// Absolute temperature.
     Kelvin,
 }
@@ -127,6 +137,11 @@ const SYMBOLS: &[(&str, Unit, f64)] = &[
     ("m/N", Unit::MetrePerNewton, 1.0),
     ("um/N", Unit::MetrePerNewton, 1e-6),
     ("µm/N", Unit::MetrePerNewton, 1e-6),
+    ("rad/(N m)", Unit::RadianPerNewtonMetre, 1.0),
+    ("N/m^3", Unit::NewtonPerCubicMetre, 1.0),
+    ("N m/rad^3", Unit::NewtonMetrePerCubicRadian, 1.0),
+    ("1/m", Unit::PerMetre, 1.0),
+    ("1/s", Unit::PerSecond, 1.0),
     ("K", Unit::Kelvin, 1.0),
 ];
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use truecut_recording::Unit;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Target, TargetKind};
 
@@ -269,6 +270,33 @@ fn a_key_has_one_unit_in_all_kinds() {
     }
 }
 
+/// `"N m/rad^3"` → `"n_m_per_rad3"`, as keys end.
+fn ending(unit: Unit) -> String {
+    let words = unit.symbol().trim_start_matches('1').replace('/', " per ");
+    let letters = words.replace(['^', '(', ')'], "").to_lowercase();
+    letters.split_whitespace().collect::<Vec<_>>().join("_")
+}
+
+/// What is printed beside a number is what its key says; a key without unit is dimensionless, or of its channel.
+#[test]
+fn the_unit_of_a_parameter_is_that_of_its_key() {
+    const PLAIN: [&str; 5] = ["factor", "drop", "cycles", "offset", "amplitude"];
+    for info in EffectKind::ALL.iter().flat_map(|kind| kind.parameters()) {
+        for (key, unit) in [(info.key, info.unit), (info.rotary_key, info.rotary_unit)] {
+            if PLAIN.contains(&key) {
+                assert_eq!(unit, Unit::One, "{key}");
+            } else {
+                let ending = ending(unit);
+                let known = key == ending || key.ends_with(&format!("_{ending}"));
+                assert!(unit != Unit::One && known, "{key}: {unit}");
+            }
+        }
+    }
+    assert_eq!(ending(Unit::NewtonMetrePerCubicRadian), "n_m_per_rad3");
+    assert_eq!(ending(Unit::RadianPerNewtonMetre), "rad_per_n_m");
+    assert_eq!(ending(Unit::PerMetre), "per_m");
+}
+
 /// The documentation has a row for every kind and every key.
 #[test]
 fn the_documented_table_has_every_kind_and_key() {
@@ -289,6 +317,13 @@ fn the_documented_table_has_every_kind_and_key() {
             let bounds: Vec<f64> = cells[5].split(", ").map(|x| x.parse().unwrap()).collect();
             assert_eq!(bounds, [info.min, info.max], "{row}");
             assert_eq!(cells[4].parse::<f64>().unwrap(), info.neutral, "{row}");
+            let units = match (info.unit, info.rotary_unit) {
+                (prismatic, rotary) if prismatic != rotary => format!("{prismatic}, {rotary}"),
+                // Said in words: the unit of the channel, cycles per turn.
+                (Unit::One, _) if cells[3] != "1" => cells[3].to_owned(),
+                (unit, _) => unit.to_string(),
+            };
+            assert_eq!(cells[3].replace('³', "^3"), units, "{row}");
         }
     }
 }

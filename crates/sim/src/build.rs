@@ -66,10 +66,11 @@ impl Prepared {
             Vector3::zeros()
         };
         let replay = ForwardInputs::of(scenario, measured, &nominal, kind)?;
-        let posture = posture(spec, &nominal)?;
-        let posture = replay
-            .as_ref()
-            .map_or(posture.clone(), |replay| replay.posture(&posture));
+        let mut posture = posture(spec, &nominal)?;
+        if let Some(replay) = &replay {
+            replay.check_posture(spec, &nominal, &posture)?;
+            posture = replay.posture(&posture);
+        }
         let mut world_from_process = nominal.world_from_process(&posture);
         let (process, workpiece) = match &replay {
             Some(replay) => (

@@ -60,6 +60,13 @@ fn wave(rate_hz: f64, samples: usize, law: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..samples).map(|k| law(k as f64 / rate_hz)).collect()
 }
 
+/// A command of the joint at 1 kHz.
+fn commanded(samples: usize, law: impl Fn(f64) -> f64) -> Measured {
+    let values = wave(1000.0, samples, law);
+    let channel = ("joint1.command", Unit::Metre, Role::Input, values);
+    data(1000.0, samples, vec![channel])
+}
+
 fn run(scenario: &Scenario, measured: &Measured) -> Recording {
     let cell = Cell::build_with_data(scenario, Some(measured)).unwrap_or_else(|e| panic!("{e}"));
     let mut recorder = Recorder::new(cell.header(), Vec::new()).unwrap();
@@ -90,16 +97,7 @@ fn steady_state(t: f64, feed_forward: f64) -> f64 {
 
 #[test]
 fn verify_rigid_servo_follows_its_transfer_function_to_second_order() {
-    let measured = data(
-        1000.0,
-        2001,
-        vec![(
-            "joint1.command",
-            Unit::Metre,
-            Role::Input,
-            wave(1000.0, 2001, command),
-        )],
-    );
+    let measured = commanded(2001, command);
     let error = |step_ms: f64| {
         let scenario = scenario("servo", "forward", "");
         let step = [("run.time_step_ms".to_owned(), step_ms.to_string())];
@@ -123,16 +121,7 @@ fn verify_rigid_servo_follows_its_transfer_function_to_second_order() {
 /// What the servo exerts is what the motion needs, also in the recording.
 #[test]
 fn verify_recorded_drive_force_moves_the_mass() {
-    let measured = data(
-        1000.0,
-        1501,
-        vec![(
-            "joint1.command",
-            Unit::Metre,
-            Role::Input,
-            wave(1000.0, 1501, command),
-        )],
-    );
+    let measured = commanded(1501, command);
     let recording = run(&scenario("servo", "forward", ""), &measured);
     let force = recording.channel("joint1.drive_force").unwrap();
     let velocity = recording.channel("joint1.velocity").unwrap();
@@ -151,16 +140,7 @@ fn verify_recorded_drive_force_moves_the_mass() {
 #[test]
 fn verify_saturated_servo_accelerates_uniformly() {
     let step = |t: f64| if t < 0.002 { 0.0 } else { 0.02 };
-    let measured = data(
-        1000.0,
-        301,
-        vec![(
-            "joint1.command",
-            Unit::Metre,
-            Role::Input,
-            wave(1000.0, 301, step),
-        )],
-    );
+    let measured = commanded(301, step);
     let recording = run(&scenario("servo", "forward", ""), &measured);
     let velocity = recording.channel("joint1.velocity").unwrap();
     let force = recording.channel("joint1.drive_force").unwrap();
@@ -202,16 +182,7 @@ fn verify_measured_drive_force_moves_a_free_mass() {
 /// Forward and inverse are the same mechanics: the recorded motion asks for the recorded force.
 #[test]
 fn verify_inverse_dynamics_give_back_the_force_of_a_forward_run() {
-    let measured = data(
-        1000.0,
-        2001,
-        vec![(
-            "joint1.command",
-            Unit::Metre,
-            Role::Input,
-            wave(1000.0, 2001, command),
-        )],
-    );
+    let measured = commanded(2001, command);
     let recording = run(&scenario("servo", "forward", ""), &measured);
     let at = |name: &str| sample_at(&recording, name, &measured.time_s).unwrap();
     let moved = data(

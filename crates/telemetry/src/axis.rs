@@ -1,19 +1,8 @@
-//! Numbered axes: round numbers, linear or logarithmic.
-
-/// How values are laid out along an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Scale {
-    /// Equal steps are equally long.
-    #[default]
-    Linear,
-    /// Equal ratios are equally long; what is not above zero is not drawn.
-    Logarithmic,
-}
+//! Numbered axes: round numbers.
 
 /// An axis with its range and its numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Axis {
-    scale: Scale,
     low: f64,
     high: f64,
     /// Places of the numbers.
@@ -22,21 +11,13 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// An axis that holds all these values, with about so many numbers. NaN and infinities do not
-    /// count, nor does what a logarithm cannot take.
-    pub(crate) fn around(values: impl Iterator<Item = f64>, scale: Scale, count: usize) -> Axis {
-        let usable =
-            values.filter(|value| value.is_finite() && (scale == Scale::Linear || *value > 0.0));
+    /// count.
+    pub(crate) fn around(values: impl Iterator<Item = f64>, count: usize) -> Axis {
+        let usable = values.filter(|value| value.is_finite());
         let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value), high.max(value))
         });
-        match scale {
-            _ if low > high => Axis::linear(0.0, 1.0, count),
-            Scale::Linear => Axis::linear(low, high, count),
-            Scale::Logarithmic => Axis::logarithmic(low, high, count),
-        }
-    }
-
-    fn linear(low: f64, high: f64, count: usize) -> Axis {
+        let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
         // A flat curve gets an axis around it, wide enough for its numbers to differ.
         let flat = high - low <= 1e-12 * low.abs().max(high.abs());
         let margin = if flat {
@@ -51,52 +32,15 @@ impl Axis {
             .map(|i| (first + i as f64) * step)
             .collect();
         Axis {
-            scale: Scale::Linear,
             low: first * step,
             high: last * step,
             ticks,
         }
     }
 
-    fn logarithmic(low: f64, high: f64, count: usize) -> Axis {
-        let (low, high) = if high / low < 1.0 + 1e-9 {
-            (0.5 * low, 2.0 * high)
-        } else {
-            (low, high)
-        };
-        let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
-        // Few decades have room for numbers within.
-        let within: &[f64] = if (last - first) as usize * 3 <= count.max(9) {
-            &[1.0, 2.0, 5.0]
-        } else {
-            &[1.0]
-        };
-        let all =
-            (first..=last).flat_map(|decade| within.iter().map(move |m| m * 10f64.powi(decade)));
-        let all: Vec<f64> = all.collect();
-        let hair = 1.0 + 1e-9;
-        let from = all
-            .iter()
-            .rposition(|tick| *tick <= low * hair)
-            .unwrap_or(0);
-        let to = all
-            .iter()
-            .position(|tick| *tick * hair >= high)
-            .unwrap_or(all.len() - 1);
-        Axis {
-            scale: Scale::Logarithmic,
-            low: all[from],
-            high: all[to],
-            ticks: all[from..=to].to_vec(),
-        }
-    }
-
     /// The place of a value, 0 at the low end and 1 at the high one; `None` if it cannot be drawn.
     pub(crate) fn place(&self, value: f64) -> Option<f64> {
-        let place = match self.scale {
-            Scale::Linear => (value - self.low) / (self.high - self.low),
-            Scale::Logarithmic => (value / self.low).ln() / (self.high / self.low).ln(),
-        };
+        let place = (value - self.low) / (self.high - self.low);
         place.is_finite().then_some(place)
     }
 
@@ -107,8 +51,8 @@ impl Axis {
 
     /// A tick as written, with no more digits than its neighbours need to differ.
     pub(crate) fn label(&self, tick: f64) -> String {
-        let step = match (self.scale, self.ticks.as_slice()) {
-            (Scale::Linear, [first, second, ..]) => second - first,
+        let step = match self.ticks.as_slice() {
+            [first, second, ..] => second - first,
             _ => tick,
         };
         let largest = self.low.abs().max(self.high.abs());
@@ -146,40 +90,31 @@ mod tests {
 
     #[test]
     fn numbers_are_round() {
-        let axis = Axis::around([0.3, 9.2].into_iter(), Scale::Linear, 5);
+        let axis = Axis::around([0.3, 9.2].into_iter(), 5);
         assert_eq!(labels(&axis), ["0", "2", "4", "6", "8", "10"]);
-        let axis = Axis::around([-0.013, 0.021].into_iter(), Scale::Linear, 5);
+        let axis = Axis::around([-0.013, 0.021].into_iter(), 5);
         assert_eq!(
             labels(&axis),
             ["-0.02", "-0.01", "0.00", "0.01", "0.02", "0.03"]
         );
-        let axis = Axis::around([0.05, 1.5].into_iter(), Scale::Logarithmic, 6);
-        assert_eq!(labels(&axis), ["0.05", "0.1", "0.2", "0.5", "1", "2"]);
-        let axis = Axis::around([1.0, 1e6].into_iter(), Scale::Logarithmic, 6);
-        assert_eq!(axis.ticks.len(), 7);
     }
 
     #[test]
     fn verify_ends_and_middle() {
-        let axis = Axis::around([0.0, 10.0].into_iter(), Scale::Linear, 5);
+        let axis = Axis::around([0.0, 10.0].into_iter(), 5);
         assert_eq!(
             (axis.place(0.0), axis.place(5.0), axis.place(10.0)),
             (Some(0.0), Some(0.5), Some(1.0))
         );
-        let axis = Axis::around([1.0, 100.0].into_iter(), Scale::Logarithmic, 6);
-        assert!((axis.place(10.0).unwrap() - 0.5).abs() < 1e-12);
-        assert_eq!(axis.place(0.0), None);
-        assert_eq!(axis.place(-1.0), None);
+        assert_eq!(axis.place(f64::NAN), None);
     }
 
     #[test]
     fn nothing_and_flat_curves_still_have_an_axis() {
         for values in [vec![], vec![f64::NAN], vec![3.0, 3.0], vec![0.0]] {
-            for scale in [Scale::Linear, Scale::Logarithmic] {
-                let axis = Axis::around(values.iter().copied(), scale, 5);
-                let (low, high) = axis.ends();
-                assert!(low < high && axis.ticks.len() >= 2, "{values:?}: {axis:?}");
-            }
+            let axis = Axis::around(values.iter().copied(), 5);
+            let (low, high) = axis.ends();
+            assert!(low < high && axis.ticks.len() >= 2, "{values:?}: {axis:?}");
         }
     }
 }

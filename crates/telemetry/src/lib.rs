@@ -65,4 +65,4 @@ pub use error::{FileError, Reason};
 pub use ipc::{IpcSink, read_ipc_stream};
 pub use measured::read_table;
 pub use parquet_file::{ParquetSink, read_parquet, read_recording, write_parquet};
-pub use rrd::RrdSink;
+pub use rrd::{BeforeAfter, ChannelBeforeAfter, RrdSink, write_before_after};

@@ -39,6 +39,11 @@ struct Row {
 
 fn csv_table(path: &Path, header: bool) -> Result<Table, Reason> {
     let bytes = std::fs::read(path)?;
+    if let Some(other) = not_utf8(&bytes) {
+        return Err(Reason::NotATable(format!(
+            "it is {other}; save it as UTF-8"
+        )));
+    }
     let text = String::from_utf8_lossy(&bytes);
     let text = text.trim_start_matches('\u{feff}');
     let mut rows = rows(text)?.into_iter().peekable();
@@ -81,7 +86,20 @@ fn csv_table(path: &Path, header: bool) -> Result<Table, Reason> {
         }
         table.lines.push(row.line);
     }
+    if table.lines.is_empty() {
+        let text = "there is no row below the names of the columns";
+        return Err(Reason::NotATable(text.into()));
+    }
     Ok(table)
+}
+
+/// What a file is in which every second byte is none of a text.
+fn not_utf8(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("UTF-16"),
+        _ if bytes.contains(&0) => Some("not a text"),
+        _ => None,
+    }
 }
 
 /// The rows of a text, without comments and empty lines. A row is a line.
@@ -146,6 +164,13 @@ fn names(first: &Row, header: bool) -> Result<Vec<String>, Reason> {
     for (index, name) in first.cells.iter().enumerate() {
         if name.is_empty() {
             let message = format!("column {} has no name", index + 1);
+            return Err(Reason::Line { line, message });
+        }
+        if name.contains(char::REPLACEMENT_CHARACTER) {
+            let message = format!(
+                "the name of column {}, \"{name}\", is not in UTF-8; save the file as UTF-8",
+                index + 1
+            );
             return Err(Reason::Line { line, message });
         }
         if first.cells[..index].contains(name) {

@@ -26,6 +26,14 @@ class ScenarioError(ValueError):
 
 
 @dataclass(frozen=True)
+class LinkAdjustment:
+    """How a moving link differs from the URDF: factor on mass and inertia, shift of the centre in the link's frame."""
+
+    mass_factor: float = 1.0
+    center_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
 class Robot:
     """The arm, its posture and what drives it. Posture lists follow the chain."""
 
@@ -40,6 +48,8 @@ class Robot:
     stiffness_scale: float
     damping_scale: float
     hold_against_sag: bool
+    links: dict[str, LinkAdjustment] = field(default_factory=dict)
+    rotor_factors: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -246,7 +256,14 @@ def _robot(t: dict, folder: Path) -> Robot:
         stiffness_scale=t.get("stiffness_scale", 1.0),
         damping_scale=t.get("damping_scale", 1.0),
         hold_against_sag=t.get("hold_against_sag", True),
+        links={row["name"]: _link(row) for row in t.get("link", [])},
+        rotor_factors={row["name"]: row.get("rotor_inertia_factor", 1.0) for row in t.get("joint", [])},
     )
+
+
+def _link(t: dict) -> LinkAdjustment:
+    center_m = tuple(t.get(f"center_{axis}_mm", 0.0) * MM for axis in "xyz")
+    return LinkAdjustment(mass_factor=t.get("mass_factor", 1.0), center_m=center_m)
 
 
 def _foot(t: dict | None) -> Foot | None:

@@ -6,8 +6,9 @@ import math
 import re
 
 import mujoco
+import numpy as np
 
-from .scenario import Robot
+from .scenario import LinkAdjustment, Robot, ScenarioError
 
 try:
     import tomllib
@@ -42,12 +43,43 @@ def specification(robot: Robot, urdf: str, config: dict) -> mujoco.MjSpec:
         body.mass *= robot.inertia_scale
         body.inertia *= robot.inertia_scale
         body.fullinertia *= robot.inertia_scale
+    for name, adjustment in robot.links.items():
+        body = spec.body(name)
+        if body is None or not body.joints:
+            raise ScenarioError(f"robot.link: no joint moves a link \"{name}\"")
+        _adjust(body, adjustment, np.array(adjustment.center_m))
     flange = spec.body(robot.tip) if robot.tip else _last_body(spec.worldbody)
     frames = config.get("frames", {})
     for name in ("flange", "tool", "foot"):
         frame = frames.get(name, {})
         flange.add_site(name=name, pos=frame.get("xyz_m", [0.0] * 3), quat=_quaternion(frame.get("rpy_deg", [0.0] * 3)))
     return spec
+
+
+def rotor_inertia(robot: Robot, joint_names: list[str]) -> np.ndarray:
+    """Inertia of each joint's rotor on the joint's side of the gear, as robot.toml and the scenario have it."""
+    config = tomllib.loads(robot.config.read_text(encoding="utf-8"))
+    entries = {entry["name"]: entry for entry in config.get("joint", [])}
+    unknown = set(robot.rotor_factors) - set(joint_names)
+    if unknown:
+        raise ScenarioError(f"robot.joint: no joint is called {sorted(unknown)}")
+    return np.array([entries[n]["rotor_inertia_kg_m2"] * robot.rotor_factors.get(n, 1.0) for n in joint_names])
+
+
+def _adjust(body, adjustment: LinkAdjustment, shift_m: np.ndarray) -> None:
+    """A link is its body and all that is fixed to it: each is heavier by the factor and moves by the same shift.
+
+    `shift_m` is in the body's own frame.
+    """
+    body.mass *= adjustment.mass_factor
+    body.inertia *= adjustment.mass_factor
+    body.fullinertia *= adjustment.mass_factor
+    body.ipos = np.array(body.ipos) + shift_m
+    for child in body.bodies:
+        if not child.joints:
+            rotation = np.zeros(9)
+            mujoco.mju_quat2Mat(rotation, np.array(child.quat))
+            _adjust(child, adjustment, rotation.reshape(3, 3).T @ shift_m)
 
 
 def _last_body(body):

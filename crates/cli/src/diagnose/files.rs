@@ -5,11 +5,9 @@ use std::path::{Path, PathBuf};
 use truecut_discrepancy::diagnose::Diagnosis;
 use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::Trial;
-use truecut_recording::{ChannelSpec, Chunk, Header, Recording, Sink};
 use truecut_scenario::Scenario;
-use truecut_telemetry::RrdSink;
 
-use super::{Confirmed, Plan, report};
+use super::{Confirmed, Plan, report, viewer};
 use crate::failure::Failure;
 use crate::outputs::write_file;
 
@@ -22,12 +20,35 @@ const VIEWER: &str = "diagnosis.rrd";
 /// The files that were written and are worth naming.
 pub struct Written {
     pub report: PathBuf,
+    pub viewer: PathBuf,
     pub extended: Option<PathBuf>,
 }
 
-/// Refuses a folder in which an answer would replace what is being diagnosed.
-pub fn spare_inputs(plan: &Plan, data: &str) -> Result<(), Failure> {
+/// Makes the folder, before the work that is to be kept in it. What an earlier diagnosis left stays until there is a new one.
+///
+/// # Errors
+/// A folder that cannot be written to, or in which an answer would replace what is being diagnosed.
+pub fn prepare(plan: &Plan, data: &str) -> Result<(), Failure> {
     let folder = plan.out.join(plan.scenario.stem());
+    spare_inputs(plan, data, &folder)?;
+    let failed = |path: &Path, error| Failure::message(format!("{}: {error}", path.display()));
+    std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
+    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
+        let path = folder.join(name);
+        if path.is_dir() {
+            let text = format!(
+                "{}: it is a folder, but a file of this name is to be written",
+                path.display()
+            );
+            return Err(Failure::message(text));
+        }
+    }
+    let probe = folder.join(format!(".{}", std::process::id()));
+    std::fs::write(&probe, b"").map_err(|error| failed(&folder, error))?;
+    std::fs::remove_file(&probe).map_err(|error| failed(&probe, error))
+}
+
+fn spare_inputs(plan: &Plan, data: &str, folder: &Path) -> Result<(), Failure> {
     let inputs = [plan.scenario.path(), Path::new(data)];
     for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
         let Ok(there) = folder.join(name).canonicalize() else {
@@ -65,11 +86,12 @@ pub fn write(plan: &Plan, trial: &Trial, confirmed: &Confirmed) -> Result<Writte
     let answer = &confirmed.answer;
     let mut written = Written {
         report: folder.join(REPORT),
+        viewer: folder.join(VIEWER),
         extended: None,
     };
+    let text = extended(scenario, trial, confirmed, &folder)?;
     if !answer.effects.is_empty() {
         let path = folder.join(EXTENDED);
-        let text = extended(scenario, trial, confirmed, &folder)?;
         write_file(&path, text.as_bytes())?;
         written.extended = Some(path);
     }
@@ -82,7 +104,7 @@ pub fn write(plan: &Plan, trial: &Trial, confirmed: &Confirmed) -> Result<Writte
         &folder.join(REPORT),
         report::html(trial, confirmed).as_bytes(),
     )?;
-    curves(trial, confirmed, &folder.join(VIEWER))?;
+    viewer::write(trial, confirmed, &text, &written.viewer)?;
     // Last: whoever finds it finds the others, too.
     write_file(&folder.join(ANSWER), &json(&answer.diagnosis)?)?;
     Ok(written)
@@ -110,57 +132,4 @@ fn extended(
         .collect();
     let scenario = scenario.with_overrides(&overrides)?;
     Ok(scenario.text_for_folder(folder, &answer.effects, &trial.rotary()))
-}
-
-/// Measured, nominal and extended channels and their differences, for the viewer.
-fn curves(trial: &Trial, confirmed: &Confirmed, path: &Path) -> Result<(), Failure> {
-    let mut recording = Recording {
-        header: Header {
-            scenario_name: format!("Diagnosis: {}", trial.observation.scenario),
-            notes: vec![confirmed.answer.diagnosis.reason.clone()],
-            ..Header::default()
-        },
-        time_s: trial.observation.time_s.clone(),
-        ..Recording::default()
-    };
-    for (index, spec) in trial.channels().iter().enumerate() {
-        let output = &trial.observation.outputs[index];
-        let measured: Vec<f64> = (output.values.iter().zip(&output.valid))
-            .map(|(value, valid)| if *valid { *value } else { f64::NAN })
-            .collect();
-        let less = |other: &[f64]| -> Vec<f64> {
-            measured.iter().zip(other).map(|(a, b)| a - b).collect()
-        };
-        let (nominal, extended) = (&confirmed.nominal[index], &confirmed.extended[index]);
-        let columns = [
-            ("measured", measured.clone()),
-            ("nominal", nominal.clone()),
-            ("extended", extended.clone()),
-            ("residual_nominal", less(nominal)),
-            ("residual_extended", less(extended)),
-        ];
-        for (what, values) in columns {
-            // Residuals are small beside the signals: they get a view of their own.
-            let name = match what.strip_prefix("residual_") {
-                Some(of) => format!("residual.{}.{of}", spec.name),
-                None => format!("{}.{what}", spec.name),
-            };
-            let text = format!("{}: {}", spec.description, what.replace('_', " of "));
-            recording
-                .header
-                .channels
-                .push(ChannelSpec::new(name, spec.unit, text));
-            recording.columns.push(values);
-        }
-    }
-    let failed = |error: truecut_recording::SinkError| Failure::message(error.to_string());
-    let mut sink = RrdSink::new(path);
-    sink.begin(&recording.header).map_err(failed)?;
-    let chunk = Chunk {
-        time_s: &recording.time_s,
-        columns: recording.columns.iter().map(Vec::as_slice).collect(),
-        frames: &[],
-    };
-    sink.chunk(&chunk).map_err(failed)?;
-    sink.finish(&recording, &[]).map_err(failed)
 }

@@ -3,6 +3,7 @@
 mod files;
 mod report;
 mod telling;
+mod viewer;
 
 use std::path::PathBuf;
 
@@ -41,13 +42,13 @@ pub struct Confirmed {
 pub fn diagnose(plan: &Plan) -> Result<Verdict, Failure> {
     let scenario = &plan.scenario;
     let data = data::needed(scenario, plan.data.as_deref())?;
-    files::spare_inputs(plan, &data.source)?;
+    files::prepare(plan, &data.source)?;
     let trial = Trial::new(scenario, &data).map_err(|error| Failure::sim(scenario, error))?;
     let bar = Bar::new(plan.options.max_predictions);
     let answer = diagnose::diagnose(&trial, &trial.observation, &plan.options, &|now| {
         bar.show(now)
     })
-    .map_err(|error| refused(scenario, &data.source, &error))?;
+    .map_err(|error| refused(&trial, scenario, &data.source, &error))?;
     bar.end();
     let confirmed = confirm(&trial, answer);
     let written = files::write(plan, &trial, &confirmed)?;
@@ -98,19 +99,24 @@ fn score(trial: &Trial, answer: &mut Answer, nominal: &Columns, extended: &Colum
 }
 
 /// The fault, at the key of the scenario that it is about.
-fn refused(scenario: &Scenario, source: &str, error: &DiagnoseError) -> Failure {
+fn refused(trial: &Trial, scenario: &Scenario, source: &str, error: &DiagnoseError) -> Failure {
     let text = format!("{source}: {error}");
-    if let DiagnoseError::Unit { channel, .. } = error {
-        let data = scenario.data.as_ref();
-        let place = data.and_then(|data| {
-            let mut channels = data.mapping.channels.iter();
-            channels.position(|one| one.channel == *channel)
-        });
-        if let Some(index) = place {
-            return scenario
-                .problem(&format!("data.channel.{index}.unit"), text)
-                .into();
+    let (channel, key) = match error {
+        DiagnoseError::Unit { channel, .. } => (Some(channel), "unit"),
+        DiagnoseError::TooFewSamples { output, .. }
+        | DiagnoseError::TooFewRows { output, .. }
+        | DiagnoseError::NotFinite { output, .. } => {
+            let spec = trial.channels().get(output - 1);
+            (spec.map(|spec| &spec.name), "channel")
         }
+        _ => (None, ""),
+    };
+    let mapped = scenario.data.iter().flat_map(|data| &data.mapping.channels);
+    let place = (mapped.enumerate()).find(|(_, one)| Some(&one.channel) == channel);
+    if let Some((index, _)) = place {
+        return scenario
+            .problem(&format!("data.channel.{index}.{key}"), text)
+            .into();
     }
     Failure::with_help(
         text,

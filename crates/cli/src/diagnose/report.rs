@@ -27,9 +27,9 @@ pub fn html(trial: &Trial, confirmed: &Confirmed) -> String {
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
          <style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n<p>Data: {}</p>\n\
-         <p class=\"verdict\"><b>{}</b>: {}</p>\n",
+         <p class=\"verdict\"><b>{}</b><br>{}</p>\n",
         escape(&diagnosis.data),
-        telling::verdict(diagnosis.verdict),
+        escape(&telling::headline(diagnosis)),
         escape(&diagnosis.reason)
     );
     page.push_str(&causes(diagnosis));
@@ -57,7 +57,11 @@ fn causes(diagnosis: &Diagnosis) -> String {
             })
             .collect();
         vec![
-            escape(&telling::name(cause)),
+            format!(
+                "{}<br><small>{}</small>",
+                escape(&telling::name(cause)),
+                escape(telling::description(cause))
+            ),
             parameters.join("<br>"),
             format!(
                 "{} standard errors on validation data; {:.1} % less error",
@@ -90,15 +94,11 @@ fn causes(diagnosis: &Diagnosis) -> String {
 }
 
 fn others(diagnosis: &Diagnosis) -> String {
-    let all = |causes: &[Cause]| {
-        let names: Vec<String> = causes.iter().map(telling::name).collect();
-        escape(&names.join(" and "))
-    };
     let candidates = diagnosis.alternatives.iter().chain(&diagnosis.runner_up);
     let rows: Vec<Vec<String>> = candidates
         .map(|one| {
             vec![
-                all(&one.causes),
+                escape(&telling::names_of(one)),
                 format!("{:.0}°", one.angle_deg),
                 significant(one.behind_t, 3),
             ]
@@ -125,28 +125,14 @@ fn others(diagnosis: &Diagnosis) -> String {
 }
 
 fn gain(diagnosis: &Diagnosis) -> String {
-    let rows: Vec<Vec<String>> = (diagnosis.channels.iter())
-        .map(|(channel, errors)| {
-            let mut row = vec![escape(channel)];
-            let values = [
-                errors.before,
-                errors.refitted,
-                errors.after,
-                errors.noise_floor,
-            ];
-            row.extend(values.map(|value| significant(value, 4)));
-            row.push(escape(&errors.unit));
-            row
-        })
+    let rows = telling::error_rows(diagnosis);
+    let [head, rows @ ..] = &rows[..] else {
+        return String::new();
+    };
+    let rows: Vec<Vec<String>> = (rows.iter())
+        .map(|row| row.iter().map(|cell| escape(cell)).collect())
         .collect();
-    let head = [
-        "channel",
-        "nominal",
-        "refitted",
-        "extended",
-        "noise floor",
-        "unit",
-    ];
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
     let mut text = table("Error on data kept back (root mean square)", &head, &rows);
     let _ = writeln!(
         text,
@@ -160,7 +146,7 @@ fn seen(diagnosis: &Diagnosis) -> String {
     let rows: Vec<Vec<String>> = (diagnosis.smallest_seen.iter())
         .map(|one| {
             let size = match one.size {
-                Some(size) => format!("{} {}", significant(size, 3), one.unit),
+                Some(size) => telling::with_unit(&significant(size, 3), &one.unit),
                 None => "none within reach".to_owned(),
             };
             let target = one.target.as_deref().unwrap_or_default();
@@ -284,7 +270,11 @@ fn table(title: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     }
     text.push_str("</tr>\n");
     for row in rows {
-        let cells: String = row.iter().map(|cell| format!("<td>{cell}</td>")).collect();
+        let cell = |cell: &String| match cell.parse::<f64>() {
+            Ok(_) => format!("<td class=\"n\">{cell}</td>"),
+            Err(_) => format!("<td>{cell}</td>"),
+        };
+        let cells: String = row.iter().map(cell).collect();
         let _ = writeln!(text, "<tr>{cells}</tr>");
     }
     text.push_str("</table>\n");

@@ -1,18 +1,23 @@
 //! The answer as text: to be read in ten seconds.
 
+use std::path::Path;
+
 use truecut_discrepancy::diagnose::{Alternative, Cause, Diagnosis, Parameter, Verdict};
 use truecut_discrepancy::trial::Trial;
-use truecut_recording::significant;
+use truecut_recording::{Unit, significant};
+use truecut_scenario::effect::EffectKind;
 
 use super::Confirmed;
 use super::files::Written;
-use crate::text::{self, Align};
+use crate::text::{self, Align, reading_unit};
 
 /// Most rows of the list of what would have been seen.
 const SEEN_ROWS: usize = 8;
+/// Most of what is said to be followed by what is left.
+const LOCKS: usize = 3;
 
 /// The verdict in words.
-pub fn verdict(verdict: Verdict) -> &'static str {
+fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::NothingBeyondNoise => "nothing beyond noise",
         Verdict::Named => "cause named",
@@ -23,6 +28,32 @@ pub fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
+/// The verdict with the causes that it is about: to be read first.
+pub fn headline(diagnosis: &Diagnosis) -> String {
+    let names: Vec<String> = diagnosis.causes.iter().map(name).collect();
+    let rivals = diagnosis.alternatives.iter().map(names_of);
+    let verdict = verdict(diagnosis.verdict).to_uppercase();
+    match diagnosis.verdict {
+        Verdict::Named => format!("{verdict}: {}", names.join(" and ")),
+        Verdict::Ambiguous => {
+            let all: Vec<String> = std::iter::once(names.join(" and ")).chain(rivals).collect();
+            format!("{verdict}: {}", all.join(" or "))
+        }
+        _ => verdict,
+    }
+}
+
+/// Its effects, all of them.
+pub fn names_of(alternative: &Alternative) -> String {
+    let names: Vec<String> = alternative.causes.iter().map(name).collect();
+    names.join(" and ")
+}
+
+/// What a cause is, in one sentence.
+pub fn description(cause: &Cause) -> &'static str {
+    EffectKind::from_name(&cause.kind).map_or("", EffectKind::description)
+}
+
 /// A cause: `joint_backlash on joint 2`.
 pub fn name(cause: &Cause) -> String {
     match &cause.target {
@@ -31,56 +62,32 @@ pub fn name(cause: &Cause) -> String {
     }
 }
 
+/// A number with its unit, which nothing has that is dimensionless.
+pub fn with_unit(number: &str, unit: &str) -> String {
+    match unit {
+        "1" => number.to_owned(),
+        unit => format!("{number} {unit}"),
+    }
+}
+
 /// A value with its interval and unit.
 pub fn estimate(parameter: &Parameter) -> String {
-    let unit = match parameter.unit.as_str() {
-        "1" => String::new(),
-        unit => format!(" {unit}"),
-    };
     let number = |value: f64| significant(value, 4);
+    let value = number(parameter.value);
     match (parameter.low, parameter.high) {
-        (Some(low), Some(high)) => format!(
-            "{} ({} to {}){unit}",
-            number(parameter.value),
-            number(low),
-            number(high)
+        (Some(low), Some(high)) => with_unit(
+            &format!("{value} ({} to {})", number(low), number(high)),
+            &parameter.unit,
         ),
         _ => format!(
-            "{}{unit} (not bounded by the data)",
-            number(parameter.value)
+            "{} (not bounded by the data)",
+            with_unit(&value, &parameter.unit)
         ),
     }
 }
 
-pub fn tell(trial: &Trial, confirmed: &Confirmed, written: &Written) -> String {
-    let diagnosis = &confirmed.answer.diagnosis;
-    let mut text = format!(
-        "{}\n  data     {}\n  verdict  {}: {}\n",
-        diagnosis.scenario,
-        diagnosis.data,
-        verdict(diagnosis.verdict).to_uppercase(),
-        diagnosis.reason
-    );
-    for note in &trial.measured().notes {
-        text.push_str(&format!("  note     {note}\n"));
-    }
-    text.push_str(&causes(diagnosis));
-    text.push_str(&alternatives(diagnosis));
-    text.push_str(&gain(diagnosis));
-    text.push_str(&seen(diagnosis));
-    text.push_str(&rest(confirmed));
-    text.push_str(&format!("\n  {}", written.report.display()));
-    if let Some(extended) = &written.extended {
-        text.push_str(&format!(
-            "   (the extended scenario: {})",
-            extended.display()
-        ));
-    }
-    text.push_str("\n\n");
-    text
-}
-
-fn causes(diagnosis: &Diagnosis) -> String {
+/// Causes and refitted values, a parameter a row: what, its key or its value before, its estimate.
+pub fn cause_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for cause in &diagnosis.causes {
         let mut first = Some(name(cause));
@@ -99,22 +106,34 @@ fn causes(diagnosis: &Diagnosis) -> String {
             estimate(&nominal.after),
         ]);
     }
-    titled(
-        "Causes and refitted values (95 % interval)",
-        &[Align::Left; 3],
-        &rows,
-    )
+    rows
 }
 
-fn alternatives(diagnosis: &Diagnosis) -> String {
-    let all = |alternative: &Alternative| {
-        let names: Vec<String> = alternative.causes.iter().map(name).collect();
-        names.join(" and ")
-    };
+/// A head, and for each channel its errors on the data kept back and the noise, in the unit in which one reads them.
+pub fn error_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
+    let mut rows = vec![vec!["".to_owned(), "nominal".to_owned()]];
+    let refitted = !diagnosis.nominal.is_empty();
+    rows[0].extend(refitted.then(|| "refitted alone".to_owned()));
+    rows[0].extend(["extended", "noise", ""].map(str::to_owned));
+    for (channel, errors) in &diagnosis.channels {
+        let unit = errors.unit.parse().unwrap_or(Unit::One);
+        let unit = reading_unit(unit, errors.before.max(errors.noise_floor));
+        let number = |value: f64| significant(unit.from_si(value), 4);
+        let mut row = vec![channel.clone(), number(errors.before)];
+        row.extend(refitted.then(|| number(errors.refitted)));
+        row.extend([number(errors.after), number(errors.noise_floor)]);
+        row.push(with_unit("", &unit.symbol).trim().to_owned());
+        rows.push(row);
+    }
+    rows
+}
+
+/// Alternatives, or the next best explanation, and the experiment that would decide: what, how far.
+pub fn alternative_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     let mut rows: Vec<Vec<String>> = (diagnosis.alternatives.iter())
         .map(|one| {
             vec![
-                format!("or {}", all(one)),
+                format!("or {}", names_of(one)),
                 format!("{:.0}° apart", one.angle_deg),
             ]
         })
@@ -123,7 +142,7 @@ fn alternatives(diagnosis: &Diagnosis) -> String {
         && let Some(next) = &diagnosis.runner_up
     {
         rows.push(vec![
-            format!("next best: {}", all(next)),
+            format!("next best: {}", names_of(next)),
             format!(
                 "{:.1} standard errors behind, {:.0}° apart",
                 next.behind_t, next.angle_deg
@@ -140,33 +159,70 @@ fn alternatives(diagnosis: &Diagnosis) -> String {
             ),
         ]);
     }
+    rows
+}
+
+/// What is left of the channels follows …
+pub fn locks(diagnosis: &Diagnosis) -> Vec<String> {
+    let locks = diagnosis.ceiling.locks.iter().map(|lock| {
+        format!(
+            "what is left of {} follows {} ({:.0} % of it)",
+            lock.channel,
+            lock.to,
+            100.0 * lock.fraction
+        )
+    });
+    locks.take(LOCKS).collect()
+}
+
+pub fn tell(trial: &Trial, confirmed: &Confirmed, written: &Written) -> String {
+    let diagnosis = &confirmed.answer.diagnosis;
+    let mut text = format!(
+        "{}\n  data     {}\n  verdict  {}\n           {}\n",
+        diagnosis.scenario,
+        diagnosis.data,
+        headline(diagnosis),
+        diagnosis.reason
+    );
+    for note in &trial.measured().notes {
+        text.push_str(&format!("  note     {note}\n"));
+    }
+    text.push_str(&causes(diagnosis));
+    text.push_str(&alternatives(diagnosis));
+    text.push_str(&gain(diagnosis));
+    text.push_str(&seen(diagnosis));
+    text.push_str(&rest(confirmed));
+    let row = |what: &str, path: &Path| vec![what.to_owned(), path.display().to_string()];
+    let mut files = vec![row("report", &written.report)];
+    files.extend((written.extended.iter()).map(|path| row("extended scenario", path)));
+    files.push(row("for truecut view", &written.viewer));
+    text.push_str(&text::table(&[Align::Left; 2], &files));
+    text.push('\n');
+    text
+}
+
+fn causes(diagnosis: &Diagnosis) -> String {
+    titled(
+        "Causes and refitted values (95 % interval)",
+        &[Align::Left; 3],
+        &cause_rows(diagnosis),
+    )
+}
+
+fn alternatives(diagnosis: &Diagnosis) -> String {
+    let rows = alternative_rows(diagnosis);
     titled("Other explanations", &[Align::Left; 2], &rows)
 }
 
 fn gain(diagnosis: &Diagnosis) -> String {
-    let number = |value: f64| significant(value, 4);
-    let mut rows: Vec<Vec<String>> = (diagnosis.channels.iter())
-        .map(|(channel, errors)| {
-            vec![
-                channel.clone(),
-                number(errors.before),
-                number(errors.after),
-                number(errors.noise_floor),
-                errors.unit.clone(),
-            ]
-        })
-        .collect();
-    if !rows.is_empty() {
-        let head = ["", "nominal", "extended", "noise", ""].map(str::to_owned);
-        rows.insert(0, head.to_vec());
+    if diagnosis.channels.is_empty() {
+        return String::new();
     }
-    let aligns = [
-        Align::Left,
-        Align::Right,
-        Align::Right,
-        Align::Right,
-        Align::Left,
-    ];
+    let rows = error_rows(diagnosis);
+    let mut aligns = vec![Align::Right; rows[0].len()];
+    for side in [0, rows[0].len() - 1] {
+        aligns[side] = Align::Left;
+    }
     titled("Error on data kept back (root mean square)", &aligns, &rows)
 }
 
@@ -178,11 +234,10 @@ fn seen(diagnosis: &Diagnosis) -> String {
         .filter_map(|one| {
             let size = one.size?;
             let target = one.target.as_deref().unwrap_or_default();
-            let unit = if one.unit == "1" { "" } else { &one.unit };
             Some(vec![
                 format!("{} {target}", one.kind),
                 one.parameter.clone(),
-                format!("{} {unit}", significant(size, 3)),
+                with_unit(&significant(size, 3), &one.unit),
             ])
         })
         .take(SEEN_ROWS)
@@ -200,13 +255,8 @@ fn rest(confirmed: &Confirmed) -> String {
     for missing in &diagnosis.missing {
         text.push_str(&format!("  missing: {missing}\n"));
     }
-    for lock in diagnosis.ceiling.locks.iter().take(3) {
-        text.push_str(&format!(
-            "  what is left of {} follows {} ({:.0} % of it)\n",
-            lock.channel,
-            lock.to,
-            100.0 * lock.fraction
-        ));
+    for lock in locks(diagnosis) {
+        text.push_str(&format!("  {lock}\n"));
     }
     if let Some(failure) = &confirmed.failure {
         text.push_str(&format!(
@@ -226,4 +276,32 @@ fn titled(title: &str, aligns: &[Align], rows: &[Vec<String>]) -> String {
         return String::new();
     }
     format!("\n  {title}\n{}", text::table(aligns, rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(value: f64, width: Option<f64>, unit: Unit) -> Parameter {
+        Parameter {
+            value,
+            low: width.map(|width| value - width),
+            high: width.map(|width| value + width),
+            unit: unit.to_string(),
+        }
+    }
+
+    #[test]
+    fn estimates_carry_their_unit_and_factors_none() {
+        let cubic = parameter(2.5e7, Some(1e6), Unit::NewtonMetrePerCubicRadian);
+        assert_eq!(estimate(&cubic), "2.500e7 (2.400e7 to 2.600e7) N m/rad^3");
+        let tilt = parameter(5e-7, None, Unit::RadianPerNewtonMetre);
+        assert_eq!(
+            estimate(&tilt),
+            "5.000e-7 rad/(N m) (not bounded by the data)"
+        );
+        let factor = parameter(1.25, Some(0.25), Unit::One);
+        assert_eq!(estimate(&factor), "1.250 (1.000 to 1.500)");
+        assert_eq!(with_unit("0.300", "1"), "0.300");
+    }
 }

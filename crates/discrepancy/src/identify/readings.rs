@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3, Vector6};
 use truecut_recording::Unit;
-use truecut_recording::measured::Table;
+use truecut_recording::measured::{LARGEST, Table};
 use truecut_scenario::identification::{StiffnessQuantity, StiffnessSpec};
 use truecut_sim::elastic::ElasticArm;
 
@@ -87,6 +87,16 @@ pub fn readings(
                 );
                 return Err(IdentifyError::new(format!("{key}.column"), message));
             }
+            if value.abs() > LARGEST {
+                let message = format!(
+                    "{}: {}: column \"{}\" holds {:e}, which is no measurement: at most {LARGEST:e} in SI units",
+                    table.source,
+                    place(table, row),
+                    column.column,
+                    values[row]
+                );
+                return Err(IdentifyError::new(format!("{key}.column"), message));
+            }
             match column.quantity {
                 StiffnessQuantity::Joint(joint) => command[joint] = value,
                 StiffnessQuantity::Force(axis) => load[axis] = value,
@@ -98,10 +108,24 @@ pub fn readings(
         }
         found.push(table, row, spec, arm, (command, load, answers))?;
     }
+    found.check_motion()?;
     Ok(found)
 }
 
 impl Readings {
+    /// Refuses a table in which nothing ever moved.
+    fn check_motion(&self) -> Result<(), IdentifyError> {
+        let mut answers = self.loadings.iter().flat_map(|loading| &loading.answers);
+        if answers.clone().count() == 0 || answers.any(|(_, value)| *value != 0.0) {
+            return Ok(());
+        }
+        let message = format!(
+            "{}: every displacement and rotation is 0, so that nothing was measured",
+            self.source
+        );
+        Err(IdentifyError::new("stiffness.file", message))
+    }
+
     fn push(
         &mut self,
         table: &Table,

@@ -54,6 +54,28 @@ pub struct Trial {
 /// A run of the search may need so many times the steps of the nominal one; what is faster is beyond what the data show.
 const FINEST: f64 = 4.0;
 
+/// Most steps of one run: a diagnosis makes thousands of runs.
+const MOST_STEPS: f64 = 1e6;
+
+/// Refuses data so long that no diagnosis would end.
+fn check_length(scenario: &Scenario, measured: &Measured, robots: &Robots) -> Result<(), SimError> {
+    let ProcessSpec::Replay(replay) = &scenario.process else {
+        return Ok(());
+    };
+    let duration_s = measured.duration_s() / replay.speed_factor;
+    let duration_s = duration_s.min(scenario.run.duration_s);
+    let steps = duration_s / reduced_step_s(scenario, Some(measured), robots)?;
+    if steps <= MOST_STEPS {
+        return Ok(());
+    }
+    let message = format!(
+        "the data take {duration_s:.1} s, and one run of them {steps:.2e} steps; a diagnosis makes thousands of runs, of at most \
+         {MOST_STEPS:.0e} steps each: if the times are not in seconds, say so with data.time_unit; else thin the data \
+         with data.resample_hz, or use a part, from data.from_s to data.to_s"
+    );
+    Err(SimError::scenario("data", message))
+}
+
 /// How predictions are made.
 enum Kind {
     Forward,
@@ -106,6 +128,7 @@ impl Trial {
                 (Kind::Steady(Box::new(model)), None, used)
             }
             _ => {
+                check_length(scenario, measured, &robots)?;
                 let any = Engine::Reduced {
                     shortest_step_s: 0.0,
                 };

@@ -152,6 +152,9 @@ fn times(table: &Table, mapping: &Mapping) -> Result<(Vec<usize>, Vec<f64>), Dat
     Ok((rows, time_s))
 }
 
+/// What is larger, SI, is an error code of a logger and no measurement; its square would not be a number for long.
+pub const LARGEST: f64 = 1e30;
+
 /// The valid samples of one channel, SI.
 fn read(
     table: &Table,
@@ -163,6 +166,12 @@ fn read(
     let column = table.column(&channel.column)?;
     let factor = channel.scale * channel.unit.si_factor;
     let mut series = Series::default();
+    let refuse = |message: String| DataError::Channel {
+        source_name: table.source.clone(),
+        column: channel.column.clone(),
+        channel: channel.channel.clone(),
+        message,
+    };
     for (&row, &t) in rows.iter().zip(time_s) {
         let reading = column[row];
         if !reading.is_finite() {
@@ -170,17 +179,18 @@ fn read(
         } else if (channel.saturation).is_some_and(|[low, high]| reading <= low || reading >= high)
         {
             series.saturated += 1;
+        } else if (reading * factor).abs() > LARGEST {
+            return Err(refuse(format!(
+                "{}: {reading:e} is not a measurement, which is at most {LARGEST:e} in SI units; leave the cell empty, or \
+                 give `saturation`",
+                table.place(row)
+            )));
         } else {
             series.time_s.push(t);
             series.values.push(reading * factor);
         }
     }
-    check(&series, mapping, channel).map_err(|message| DataError::Channel {
-        source_name: table.source.clone(),
-        column: channel.column.clone(),
-        channel: channel.channel.clone(),
-        message,
-    })?;
+    check(&series, mapping, channel).map_err(refuse)?;
     Ok(series)
 }
 

@@ -11,7 +11,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use columns::measured;
+pub use columns::{LARGEST, measured};
 pub use error::DataError;
 pub use table::{Column, Table};
 

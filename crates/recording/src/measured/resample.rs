@@ -30,7 +30,7 @@ impl Series {
     pub fn note(&self, channel: &ChannelMapping) -> Option<String> {
         (self.missing + self.saturated > 0).then(|| {
             format!(
-                "{}: {} rows without a number and {} saturated are masked",
+                "{}: masked rows: {} without a number, {} saturated",
                 channel.channel, self.missing, self.saturated
             )
         })

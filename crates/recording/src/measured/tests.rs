@@ -92,7 +92,7 @@ fn short_gaps_are_bridged_and_long_ones_masked() {
     assert!((ramp.values[104] - 0.208).abs() < 1e-12, "on the line");
     let notes = data.notes.join("\n");
     assert!(
-        notes.contains("28 rows without a number and 0 saturated"),
+        notes.contains("masked rows: 28 without a number, 0 saturated"),
         "{notes}"
     );
     assert!(

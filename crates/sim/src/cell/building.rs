@@ -15,8 +15,8 @@ use crate::step_size::Scheme;
 use crate::torque_use::{TorqueUse, servo_note};
 use truecut_arm::JointKind;
 use truecut_recording::{ChannelSpec, Measured, UnknownName};
-use truecut_scenario::Scenario;
 use truecut_scenario::effect::Target;
+use truecut_scenario::{ProcessSpec, Scenario};
 
 /// Largest recording, bytes.
 const LARGEST_RECORDING_BYTES: f64 = 2e9;
@@ -182,12 +182,18 @@ impl Cell {
             "run.duration_s",
         ];
         let key = keys.into_iter().find(|key| scenario.gives(key));
+        let is_replay = matches!(scenario.process, ProcessSpec::Replay(_));
+        let unit = if is_replay {
+            ", or, if the times of the data are not in seconds, say so with data.time_unit"
+        } else {
+            ""
+        };
         Err(SimError::scenario(
             key.unwrap_or("process"),
             format!(
                 "the recording would have {rows} rows of {channels} channels, {:.1} GB, but must be at most \
                  {:.0} GB: it is held in memory; raise run.record_interval_ms (a row is now written every \
-                 {:.4} ms)",
+                 {:.4} ms){unit}",
                 bytes / 1e9,
                 LARGEST_RECORDING_BYTES / 1e9,
                 self.row_interval_s() * 1e3

@@ -241,9 +241,7 @@ impl Process for Chamfer {
             .sum();
         loads.wrenches.push(Wrench::force(Attachment::Tool, force));
         if let Some(foot) = &self.foot {
-            let (wrench, contact) = foot.evaluate(state.time_s, &state.foot);
-            loads.wrenches.push(wrench);
-            loads.contacts.push(contact);
+            foot.press(state, &mut loads);
         }
         loads
     }

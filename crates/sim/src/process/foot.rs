@@ -1,8 +1,8 @@
 //! The pressure foot as part of a process: normal spring by the core, friction by request.
 
-use super::{ContactStiffness, FrameMotion};
+use super::{ContactStiffness, FrameMotion, ToolState};
 use crate::effect::FootEffects;
-use crate::loads::{Attachment, ContactOutcome, ContactRequest, Wrench};
+use crate::loads::{Attachment, ContactOutcome, ContactRequest, Loads, Wrench};
 use nalgebra::{Vector2, Vector3};
 use truecut_core::friction::{EquivalentViscous, FrictionLaw};
 use truecut_core::pressure_foot::{FootForce, FootMemory, PressureFoot};
@@ -175,9 +175,9 @@ impl Foot {
             .force(motion.displacement_m.x, &self.memory)
     }
 
-    /// Normal force on the robot and the friction request.
-    pub fn evaluate(&self, time_s: f64, motion: &FrameMotion) -> (Wrench, ContactRequest) {
-        let normal_force_n = self.force(time_s, motion).normal_n;
+    /// Adds the normal force on the robot and the friction request.
+    pub fn press(&self, state: &ToolState, loads: &mut Loads) {
+        let normal_force_n = self.force(state.time_s, &state.foot).normal_n;
         let law = match self.parameters.friction {
             FootFriction::Law(law) => law,
             FootFriction::Equivalent(e) => FrictionLaw::Viscous {
@@ -185,14 +185,14 @@ impl Foot {
                     .coefficient_n_s_per_m(normal_force_n, self.amplitude.finished_m),
             },
         };
-        (
-            Wrench::force(Attachment::Foot, Vector3::new(-normal_force_n, 0.0, 0.0)),
-            ContactRequest {
-                frame: Attachment::Foot,
-                normal_force_n,
-                law,
-            },
-        )
+        let force_n = Vector3::new(-normal_force_n, 0.0, 0.0);
+        let wrench = Wrench::force(Attachment::Foot, force_n);
+        loads.wrenches.push(wrench);
+        loads.contacts.push(ContactRequest {
+            frame: Attachment::Foot,
+            normal_force_n,
+            law,
+        });
     }
 
     /// Advances seals and amplitude; keeps what will be recorded.

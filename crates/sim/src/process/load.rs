@@ -91,9 +91,7 @@ impl Process for Load {
         let force = self.force_n(state.time_s);
         loads.wrenches.push(Wrench::force(Attachment::Tool, force));
         if let Some(foot) = &self.foot {
-            let (wrench, contact) = foot.evaluate(state.time_s, &state.foot);
-            loads.wrenches.push(wrench);
-            loads.contacts.push(contact);
+            foot.press(state, &mut loads);
         }
         loads
     }

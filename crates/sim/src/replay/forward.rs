@@ -5,15 +5,20 @@ use crate::command::{JointCommand, Samples};
 use crate::error::SimError;
 use crate::plant::DriveKind;
 use crate::process::{ForceSamples, Replay};
-use truecut_arm::Robot;
+use truecut_arm::{JointKind, Robot};
 use truecut_recording::{Measured, Role, Unit};
-use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
+use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario};
 
 /// Names of the measured tool forces, in process axes.
 const TOOL_FORCES: [&str; 3] = ["tool.force_x", "tool.force_y", "tool.force_z"];
 
+/// Data begin within this of the posture that a scenario gives, degrees or mm.
+const POSTURE_ROUNDING: f64 = 1.0;
+
 /// Measured inputs, checked against the robot.
 pub(crate) struct ForwardInputs {
+    /// Name of the data.
+    source: String,
     interval_s: f64,
     duration_s: f64,
     /// Measured commands `[joint][sample]`.
@@ -79,6 +84,7 @@ impl ForwardInputs {
             series.map(|values| about_first(values, replay.amplitude_factor))
         };
         Ok(Some(ForwardInputs {
+            source: measured.source.clone(),
             interval_s: measured.interval_s() / replay.speed_factor,
             duration_s: duration_s(scenario, measured, replay.speed_factor)?,
             commands: commands.into_iter().map(scaled).collect(),
@@ -104,6 +110,38 @@ impl ForwardInputs {
                 commanded(joint).or(measured).unwrap_or(*given)
             })
             .collect()
+    }
+
+    /// Refuses data that begin in another posture than the scenario gives: one of them is not what the other is about.
+    ///
+    /// # Errors
+    /// A joint that begins further from `given` than a posture is rounded.
+    pub fn check_posture(
+        &self,
+        spec: &RobotSpec,
+        robot: &Robot,
+        given: &[f64],
+    ) -> Result<(), SimError> {
+        let begun = self.posture(given);
+        for (index, joint) in robot.chain.joints.iter().enumerate() {
+            let (key, written, unit, per_si) = match joint.kind {
+                JointKind::Revolute => ("posture_deg", &spec.posture_rad, "°", 1f64.to_degrees()),
+                JointKind::Prismatic => ("posture_mm", &spec.posture_m, " mm", 1e3),
+            };
+            let (begun, given) = (begun[index] * per_si, given[index] * per_si);
+            if written.is_empty() || (begun - given).abs() <= POSTURE_ROUNDING {
+                continue;
+            }
+            let message = format!(
+                "{}: joint {} `{}` begins at {begun:.4}{unit}, but `robot.{key}` has {given:.4}{unit}: they must agree \
+                 within {POSTURE_ROUNDING}{unit}; check the unit of the column, or write the posture of the data (or none)",
+                self.source,
+                index + 1,
+                joint.name,
+            );
+            return Err(SimError::scenario(format!("robot.{key}"), message));
+        }
+        Ok(())
     }
 
     /// The start of the run: at rest under the first command; joints that nothing commands start where they were

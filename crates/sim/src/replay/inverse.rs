@@ -8,6 +8,7 @@
 
 use super::inputs::{JointQuantity, Source, joint_channel};
 use super::motion::{Motion, sign};
+use super::place;
 use super::regressors::{BodyRegressors, JointRegressors};
 use crate::channels::drive_spec;
 use crate::error::SimError;
@@ -179,10 +180,21 @@ impl InverseModel {
     }
 
     fn add(&self, effect: &Effect, columns: &mut [Vec<f64>]) -> Result<(), SimError> {
-        let refuse = |message: String| Err(SimError::scenario("effect", message));
+        let refuse = |key: &str, message: String| {
+            Err(SimError::scenario(
+                place(&self.effects, effect, key),
+                message,
+            ))
+        };
         if !InverseModel::supports(effect.kind) {
             let name = effect.kind.name();
-            return refuse(format!("\"{name}\" plays no part in inverse dynamics"));
+            let all = EffectKind::ALL.iter().filter(|kind| Self::supports(**kind));
+            let known: Vec<&str> = all.map(|kind| kind.name()).collect();
+            let known = known.join(", ");
+            return refuse(
+                "kind",
+                format!("\"{name}\" plays no part in inverse dynamics; {known} do"),
+            );
         }
         let values = &effect.values;
         let joint = match effect.target {
@@ -197,9 +209,10 @@ impl InverseModel {
             _ => {
                 let name = effect.kind.name();
                 let joints = self.robot.dof();
-                return refuse(format!(
-                    "\"{name}\" is on a joint that the chain of {joints} lacks"
-                ));
+                return refuse(
+                    "joint",
+                    format!("\"{name}\" is on a joint that the chain of {joints} lacks"),
+                );
             }
         };
         let Some(at) = self.joints.iter().position(|known| *known == joint) else {
@@ -231,7 +244,8 @@ impl InverseModel {
                 effect.kind.name(),
                 known.join(", ")
             );
-            return Err(SimError::scenario("effect", message));
+            let place = place(&self.effects, effect, "channel");
+            return Err(SimError::scenario(place, message));
         };
         for value in &mut columns[channel] {
             match effect.kind {

@@ -15,3 +15,11 @@ mod motion;
 pub mod predict;
 mod regressors;
 pub mod steady;
+
+use truecut_scenario::effect::Effect;
+
+/// The key of an effect among the scenario's `own`; of their list for one that is not in the file.
+fn place(own: &[Effect], effect: &Effect, key: &str) -> String {
+    let index = own.iter().position(|one| one == effect);
+    index.map_or("effect".to_owned(), |index| format!("effect.{index}.{key}"))
+}

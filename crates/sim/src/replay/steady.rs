@@ -5,6 +5,7 @@ use truecut_recording::{ChannelSpec, Measured};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 use truecut_scenario::{ProcessSpec, Scenario, Turning};
 
+use super::place;
 use crate::error::SimError;
 
 /// Predicts what a steady machine's channels are, without integrating anything.
@@ -87,7 +88,8 @@ impl SteadyModel {
                 (EffectKind::SensorDrift, _, Target::Channel(name)) => {
                     let Some(at) = self.specs.iter().position(|spec| spec.name == *name) else {
                         let message = format!("channel \"{name}\" is not among the outputs");
-                        return Err(SimError::scenario("effect", message));
+                        let place = place(&self.effects, effect, "channel");
+                        return Err(SimError::scenario(place, message));
                     };
                     let (size, time_constant) = (effect.values[0], effect.values[1]);
                     for (value, t) in columns[at].iter_mut().zip(times) {
@@ -96,8 +98,12 @@ impl SteadyModel {
                 }
                 _ => {
                     let name = effect.kind.name();
-                    let message = format!("\"{name}\" plays no part where nothing is simulated");
-                    return Err(SimError::scenario("effect", message));
+                    let message = format!(
+                        "\"{name}\" plays no part where nothing is simulated; sensor_drift does, and with spindle_rpm and \
+                         depth_mm in [process.replay] cutting_runout"
+                    );
+                    let place = place(&self.effects, effect, "kind");
+                    return Err(SimError::scenario(place, message));
                 }
             }
         }

@@ -68,10 +68,29 @@ impl Layout {
 
     /// Parts one above the other, with shares of the height.
     pub(super) fn stacked(&self, parts: Vec<(f32, Part)>) -> RecordingStreamResult<Part> {
+        self.stack(
+            ContainerBlueprint::new(kinds::ContainerKind::Vertical),
+            parts,
+        )
+    }
+
+    /// As [`Layout::stacked`], with a title for where it is one of several tabs.
+    pub(super) fn titled_stack(
+        &self,
+        title: &str,
+        parts: Vec<(f32, Part)>,
+    ) -> RecordingStreamResult<Part> {
+        let container = ContainerBlueprint::new(kinds::ContainerKind::Vertical);
+        self.stack(container.with_display_name(title), parts)
+    }
+
+    fn stack(
+        &self,
+        container: ContainerBlueprint,
+        parts: Vec<(f32, Part)>,
+    ) -> RecordingStreamResult<Part> {
         let (shares, parts): (Vec<f32>, Vec<Part>) = parts.into_iter().unzip();
-        let container =
-            ContainerBlueprint::new(kinds::ContainerKind::Vertical).with_row_shares(shares);
-        self.container(container, &parts)
+        self.container(container.with_row_shares(shares), &parts)
     }
 
     /// Parts of which one is seen at a time, the first to begin with.
@@ -96,7 +115,12 @@ impl Layout {
     }
 
     /// Ends the layout with this container as its root and makes it the recording's.
-    pub(super) fn send(self, Part(root): &Part, to: &RecordingStream) -> RecordingStreamResult<()> {
+    pub(super) fn send(
+        self,
+        Part(root): &Part,
+        play: kinds::PlayState,
+        to: &RecordingStream,
+    ) -> RecordingStreamResult<()> {
         let id = root
             .strip_prefix("container/")
             .and_then(|id| Uuid::parse_str(id).ok());
@@ -113,7 +137,7 @@ impl Layout {
             .with_state(kinds::PanelState::Collapsed)
             .with_timeline(super::TIMELINE)
             .with_playback_speed(0.5)
-            .with_play_state(kinds::PlayState::Playing)
+            .with_play_state(play)
             .with_loop_mode(kinds::LoopMode::All);
         self.store.log("time_panel", &time)?;
         let messages = self.messages.take();

@@ -2,7 +2,7 @@
 
 use rerun::{Color, Radius, RecordingStream, RecordingStreamResult};
 
-use crate::axis::{Axis, Scale};
+use crate::axis::Axis;
 
 /// Size of the drawing, in its own units.
 const WIDTH: f32 = 760.0;
@@ -46,9 +46,9 @@ impl Chart {
     /// Draws the chart under an entity; it does not depend on time.
     pub(super) fn log(&self, stream: &RecordingStream, entity: &str) -> RecordingStreamResult<()> {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
-        let x = Axis::around(points().map(|point| point.0), Scale::Linear, 10);
+        let x = Axis::around(points().map(|point| point.0), 10);
         let y = points().map(|point| point.1).chain([self.least_y]);
-        let y = Axis::around(y, Scale::Linear, 5);
+        let y = Axis::around(y, 5);
         let mut drawing = Drawing {
             x,
             y,

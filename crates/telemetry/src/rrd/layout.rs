@@ -33,7 +33,7 @@ pub(super) fn send(
     has_foot: bool,
     at_end: Option<&AtEnd<'_>>,
 ) -> RecordingStreamResult<()> {
-    let layout = Layout::new(super::application(header))?;
+    let layout = Layout::new(super::application(&header.scenario_name))?;
     let left = left_side(&layout, header)?;
     let recording = at_end.map(|end| end.recording);
     let plots = |wanted: fn(Place) -> bool| {
@@ -70,7 +70,7 @@ pub(super) fn send(
     }
     let right = layout.stacked(right)?;
     let root = layout.side_by_side(vec![(1.0, left), (1.1, right)])?;
-    layout.send(&root, stream)
+    layout.send(&root, kinds::PlayState::Playing, stream)
 }
 
 fn left_side(layout: &Layout, header: &Header) -> RecordingStreamResult<Part> {

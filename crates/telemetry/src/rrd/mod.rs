@@ -1,5 +1,6 @@
 //! Recordings for the rerun viewer, `.rrd`.
 
+mod before_after;
 mod blueprint;
 mod camera;
 mod chart;
@@ -16,6 +17,7 @@ use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, Time
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
 use crate::display::{Group, groups};
+pub use before_after::{BeforeAfter, ChannelBeforeAfter, write_before_after};
 use layout::AtEnd;
 use scene::SceneLogger;
 use series::FootState;
@@ -84,7 +86,7 @@ impl Sink for RrdSink {
 
 impl Open {
     fn begin(path: &std::path::Path, header: &Header) -> Result<Open, Failure> {
-        let stream = RecordingStreamBuilder::new(application(header))
+        let stream = RecordingStreamBuilder::new(application(&header.scenario_name))
             .recording_name(header.scenario_name.as_str())
             // Whatever the environment says: the user asked for this file.
             .enabled(true)
@@ -160,15 +162,17 @@ fn log_text(stream: &RecordingStream, entity: &str, markdown: String) -> Recordi
 }
 
 fn time_column(times_s: impl Iterator<Item = f64>) -> TimeColumn {
-    let nanoseconds: Vec<i64> = times_s
-        .map(|time_s| (1e9 * time_s).round() as i64)
-        .collect();
-    TimeColumn::new(None, Timeline::new_duration(TIMELINE), nanoseconds.into())
+    let times: Vec<i64> = times_s.map(nanoseconds).collect();
+    TimeColumn::new(None, Timeline::new_duration(TIMELINE), times.into())
+}
+
+fn nanoseconds(time_s: f64) -> i64 {
+    (1e9 * time_s).round() as i64
 }
 
 /// The viewer keeps one layout for each application, so each scenario is one: two recordings opened
 /// together then each keep their own.
-fn application(header: &Header) -> ApplicationId {
+fn application(scenario_name: &str) -> ApplicationId {
     let plain = |letter: char| {
         if letter.is_ascii_alphanumeric() {
             letter
@@ -176,6 +180,6 @@ fn application(header: &Header) -> ApplicationId {
             '_'
         }
     };
-    let name: String = header.scenario_name.chars().map(plain).take(100).collect();
+    let name: String = scenario_name.chars().map(plain).take(100).collect();
     ApplicationId::new_or_unknown(format!("truecut_{name}"))
 }

@@ -214,9 +214,9 @@ pub(super) const JOINT_CUBIC_STIFFNESS: Entry = Entry {
     description: "The transmission stiffens with its wind-up: `cubic w^3` beyond the linear part.",
     parameters: &[joint(
         "cubic_n_per_m3",
-        Unit::NewtonPerMetre,
+        Unit::NewtonPerCubicMetre,
         "cubic_n_m_per_rad3",
-        Unit::NewtonMetrePerRadian,
+        Unit::NewtonMetrePerCubicRadian,
         0.0,
         -1e15,
         1e15,

@@ -111,7 +111,7 @@ pub(super) const CUTTING_WEAR: Entry = Entry {
     description: "Forces grow with the path that the edge has cut.",
     parameters: &[same(
         "growth_per_m",
-        Unit::One,
+        Unit::PerMetre,
         0.0,
         0.0,
         1000.0,
@@ -193,7 +193,7 @@ pub(super) const FOOT_PRESSURE_LOSS: Entry = Entry {
     description: "The supply pressure sinks during the pass.",
     parameters: &[same(
         "rate_per_s",
-        Unit::One,
+        Unit::PerSecond,
         0.0,
         0.0,
         10.0,

@@ -48,7 +48,7 @@ pub(super) const BASE_COMPLIANCE: Entry = Entry {
     description: "The base tilts about a world axis under load.",
     parameters: &[same(
         "compliance_rad_per_n_m",
-        Unit::One,
+        Unit::RadianPerNewtonMetre,
         0.0,
         0.0,
         1.0,
