@@ -10,7 +10,8 @@
 //! | [`friction`] | planar friction laws and the impulse that sticks or slides |
 //! | [`joint_law`] | play, hysteresis, ripple and friction of a joint |
 //! | [`pressure_foot`] | gas spring, seal stiction, lift-off |
-//! | [`cutting`] | chip area, cutting forces and the rim that chamfering leaves |
+//! | [`cutting`] | chip area, cutting forces, milling, and the surface that cutting leaves |
+//! | [`chatter`] | stability: mode coupling, regeneration, lobes |
 //! | [`wheel`] | contact and removal of a compliant wheel on a flat plate |
 //! | [`vibration`] | closed forms for oscillators under rotating forces and dry friction |
 //! | [`roughness`] | figures of a measured or simulated surface profile |
@@ -25,6 +26,7 @@
 //! assert!((k.in_plane_pa() * area_m2 - 109.68).abs() < 0.01); // newton, spec "M"
 //! ```
 
+pub mod chatter;
 pub mod cutting;
 pub mod friction;
 pub mod joint_law;

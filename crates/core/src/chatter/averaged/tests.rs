@@ -1,0 +1,118 @@
+use super::*;
+use crate::chatter::DirectionalMatrix;
+use crate::chatter::planar::PlanarSplit;
+use crate::cutting::milling::engagement::Engagement;
+use nalgebra::Vector3;
+use std::f64::consts::FRAC_PI_2;
+
+fn scattered(count: usize, seed: usize) -> Vec<TipMode> {
+    let x = |i: usize| (((seed * 31 + i) * 7 + 3) as f64 * 0.618_034).fract();
+    (0..count)
+        .map(|i| TipMode {
+            natural_frequency_rad_s: TAU * (5.0 + 40.0 * x(4 * i)),
+            damping_ratio: 0.01 + 0.03 * x(4 * i + 50),
+            shape_per_sqrt_kg: Vector3::new(
+                x(4 * i + 1) - 0.5,
+                x(4 * i + 2) - 0.5,
+                x(4 * i + 3) - 0.5,
+            ) * 0.1,
+        })
+        .collect()
+}
+
+/// Below the limit all eigenvalues of the damped system lie to the left, above it one lies to the right, and at the
+/// limit it stands on the axis at the frequency given.
+#[test]
+fn verify_limit_is_where_an_eigenvalue_crosses() {
+    let mut found = 0;
+    for seed in 0..60 {
+        let modes = scattered(1 + seed % 6, seed);
+        let down = Engagement::down(0.2 + 0.013 * seed as f64, 1.0).expect("partial");
+        let mut process = DirectionalMatrix::planar(4, 2e9, 0.3, down);
+        process.coefficients.axial_pa = 0.2e9;
+        let b = process.average_pa();
+        let right = |depth| rightmost_per_s(&modes, &b, depth).expect("modes").re;
+        let deepest = 20e-3;
+        let Some(limit) = mode_coupling_limit(&modes, &b).filter(|l| l.depth_m < deepest) else {
+            for i in 1..=40 {
+                let depth = deepest * f64::from(i) / 40.0;
+                assert!(right(depth) <= 1e-6, "seed {seed}: {depth}");
+            }
+            continue;
+        };
+        found += 1;
+        let at = rightmost_per_s(&modes, &b, limit.depth_m).expect("modes");
+        let scale = TAU * limit.frequency_hz.max(1.0);
+        assert!(at.re.abs() < 1e-6 * scale, "seed {seed}: {at}");
+        assert!((at.im / TAU - limit.frequency_hz).abs() < 1e-4 * scale);
+        for i in 1..20 {
+            assert!(
+                right(limit.depth_m * f64::from(i) / 20.0) < 0.0,
+                "seed {seed}"
+            );
+        }
+        assert!(right(limit.depth_m * 1.01) > 0.0);
+    }
+    assert!(found > 20, "{found}");
+}
+
+/// Two directions of equal mass and damping: the n-mode limit is the closed criterion's.
+#[test]
+fn verify_planar_criterion_is_the_case_of_two_modes() {
+    let (mass, damping) = (500.0_f64, 871.8);
+    let modes: Vec<TipMode> = [(0.9e6, Vector3::x()), (1.0e6, Vector3::y())]
+        .iter()
+        .map(|(k, axis)| {
+            let omega = (k / mass).sqrt();
+            TipMode::of_mass(omega, damping / (2.0 * mass * omega), mass, axis)
+        })
+        .collect();
+    let b = DirectionalMatrix::planar(2, 767e6, 0.22, Engagement::SLOT).average_pa();
+    let limit = mode_coupling_limit(&modes, &b).expect("skew").depth_m;
+    let flutters = |depth: f64| {
+        let block = b.fixed_view::<2, 2>(0, 0).into_owned();
+        let k = Matrix2::new(0.9e6, 0.0, 0.0, 1.0e6) - block * depth;
+        PlanarSplit::of(&k).flutters(mass, damping)
+    };
+    assert!(!flutters(limit * (1.0 - 1e-6)) && flutters(limit * (1.0 + 1e-6)));
+}
+
+/// `spec` section 5, benchmark 2: lowest zero-order limit over all speeds, 1.087 mm at 633 Hz.
+#[test]
+fn verify_benchmark_2_lowest_limit() {
+    let modes = [
+        TipMode::of_stiffness(TAU * 603.0, 0.039, 5.59e6, &Vector3::x()),
+        TipMode::of_stiffness(TAU * 666.0, 0.035, 5.715e6, &Vector3::y()),
+    ];
+    let quarter = Engagement {
+        entry_rad: 0.0,
+        exit_rad: FRAC_PI_2,
+    };
+    let b = DirectionalMatrix::planar(3, 6e8, 0.07, quarter).average_pa();
+    let lowest = (0..4000)
+        .filter_map(|i| {
+            let rpm = 4000.0 + 2.0 * f64::from(i);
+            zero_order_limit(&modes, &b, 20.0 / rpm)
+        })
+        .min_by(|a, b| a.depth_m.total_cmp(&b.depth_m))
+        .expect("limits");
+    assert!((lowest.depth_m / 1.087e-3 - 1.0).abs() < 2e-3, "{lowest:?}");
+    assert!((lowest.frequency_hz - 633.0).abs() < 1.0, "{lowest:?}");
+}
+
+/// One mode across the feed only: Tlusty's limit −1/(2 B Re G) at its least, where the phase is free.
+#[test]
+fn verify_one_direction_at_its_lowest_is_the_real_part_rule() {
+    let mode = TipMode::of_stiffness(TAU * 100.0, 0.03, 1e7, &Vector3::y());
+    let b = DirectionalMatrix::planar(2, 8e8, 0.3, Engagement::SLOT).average_pa();
+    let lowest = (0..3000)
+        .filter_map(|i| zero_order_limit(&[mode], &b, 1.0 / (5.0 + 0.02 * f64::from(i))))
+        .map(|c| c.depth_m)
+        .fold(f64::INFINITY, f64::min);
+    // Re G is lowest at −1/(4kζ(1+ζ)).
+    let expected = 1e7 * 4.0 * 0.03 * 1.03 / (2.0 * b.m22.abs());
+    assert!(
+        (lowest / expected - 1.0).abs() < 2e-3,
+        "{lowest} {expected}"
+    );
+}
