@@ -69,6 +69,7 @@ mod report_text;
 mod table;
 mod tangent;
 mod tip;
+mod tip_modes;
 mod urdf;
 mod visual;
 mod xml;
