@@ -13,6 +13,7 @@
 //! | [`cutting`] | chip area, cutting forces, milling, and the surface that cutting leaves |
 //! | [`chatter`] | stability: mode coupling, regeneration, lobes |
 //! | [`wheel`] | contact and removal of a compliant wheel on a flat plate |
+//! | [`stiffness`] | the stiffness ellipsoid and its sections |
 //! | [`vibration`] | closed forms for oscillators under rotating forces and dry friction |
 //! | [`roughness`] | figures of a measured or simulated surface profile |
 //!
@@ -32,5 +33,6 @@ pub mod friction;
 pub mod joint_law;
 pub mod pressure_foot;
 pub mod roughness;
+pub mod stiffness;
 pub mod vibration;
 pub mod wheel;
