@@ -4,21 +4,34 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 /// Relative residual at which an eigenvalue counts as found.
 const TOLERANCE: f64 = 1e-8;
-/// Largest subspace. The period maps of delayed systems are compact, their eigenvalues fall off fast: some twenty
-/// vectors are the rule.
+/// Largest subspace. The period maps of delayed systems are compact, their eigenvalues fall off fast.
 const MAX_VECTORS: usize = 90;
-const FIRST_CHECK: usize = 6;
+const FIRST_CHECK: usize = 4;
+/// Applications before the subspace is begun: they cost little beside orthogonalising and leave of the start vector what
+/// matters, so that few vectors do.
+const PRELUDE: usize = 16;
 
-/// Eigenvalue of largest magnitude of the map `apply(x, y): y = M x` on vectors of length `length` (Arnoldi's method,
-/// no restart).
+/// Eigenvalue of largest magnitude of the map `apply(x, y): y = M x` on vectors of length `length` (power iteration
+/// to begin with, then Arnoldi's method without restart).
 pub(crate) fn dominant_eigenvalue(
     length: usize,
     mut apply: impl FnMut(&[f64], &mut [f64]),
 ) -> Complex<f64> {
     let vectors = MAX_VECTORS.min(length);
-    let mut basis = vec![start(length)];
     let mut hessenberg = DMatrix::<f64>::zeros(vectors + 1, vectors);
     let mut image = vec![0.0; length];
+    let mut first = start(length);
+    for _ in 0..PRELUDE {
+        apply(&first, &mut image);
+        let size = norm(&image);
+        if size == 0.0 {
+            return Complex::new(0.0, 0.0);
+        }
+        for (to, from) in first.iter_mut().zip(&image) {
+            *to = from / size;
+        }
+    }
+    let mut basis = vec![first];
     let mut next_check = FIRST_CHECK.min(vectors);
     for m in 1..=vectors {
         apply(&basis[m - 1], &mut image);
@@ -40,7 +53,7 @@ pub(crate) fn dominant_eigenvalue(
             if exhausted || residual(&square, found, left) <= TOLERANCE * found.norm() {
                 return found;
             }
-            next_check = (m + 4).min(vectors);
+            next_check = (m + 2 + m / 4).min(vectors);
         }
         basis.push(image.iter().map(|x| x / left).collect());
     }

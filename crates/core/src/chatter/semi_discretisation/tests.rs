@@ -177,16 +177,20 @@ fn verify_krylov_against_dense_monodromy() {
         .collect();
     let sdm = SemiDiscretisation::new(&modes, &process, 40);
     let length = 12 + 80;
-    for (period, depth) in [(0.01, 1e-3), (0.05, 4e-3), (0.00625, 8e-3)] {
-        let map = PeriodMap::new(&sdm, period, depth);
-        let mut work = Work::default();
+    for i in 0..24 {
+        let (period, depth) = (
+            0.003 + 0.0025 * f64::from(i),
+            0.37e-3 * f64::from(1 + i * 7 % 24),
+        );
+        let map = period_map::PeriodMap::<6, 2>::new(&sdm, period, depth);
+        assert_eq!(map.length(), length);
         let dense = DMatrix::from_columns(
             &(0..length)
                 .map(|i| {
                     let mut unit = vec![0.0; length];
                     let mut image = vec![0.0; length];
                     unit[i] = 1.0;
-                    map.apply(&unit, &mut image, &mut work);
+                    map.apply(&unit, &mut image);
                     nalgebra::DVector::from_vec(image)
                 })
                 .collect::<Vec<_>>(),
