@@ -13,9 +13,11 @@ use std::path::Path;
 use nalgebra::{Isometry3, Matrix2, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use truecut_arm::{FrameId, IkOptions, Load, Robot, planar_principal, translational};
 use truecut_core::chatter::averaged::{
-    mode_coupling_limit, rightmost_per_s, zero_order_limit_within,
+    mode_coupling_limit, rightmost_per_s, zero_order_limit, zero_order_limit_within,
 };
+use truecut_core::chatter::limit::{LimitSearch, first_limit};
 use truecut_core::chatter::planar::{coalescence_limit_m, slot_limit_m};
+use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
 use truecut_core::chatter::{DirectionalMatrix, TipMode};
 use truecut_core::cutting::milling::engagement::Engagement;
 
@@ -303,6 +305,38 @@ fn verify_regenerative_limits_contradict_mode_coupling() {
             limit.depth_m * 1e3,
             expected_mm,
             0.02,
+        );
+    }
+}
+
+/// Four teeth in a slot: sin² and cos² of neighbouring teeth make the directional matrix constant, zero order is exact, and
+/// 6-DoF semi-discretisation must give the same limits. The scan of the latter ends 1e-4 wide; what is left is its step.
+#[test]
+fn verify_zero_order_is_exact_for_four_teeth_in_a_slot() {
+    let robot = robot();
+    let postures = postures(&robot, P1_M);
+    let process = steel(Engagement::SLOT);
+    for (angle, rpm) in [(120, 300.0), (120, 1000.0), (120, 2400.0), (20, 2400.0)] {
+        let modes = modes(&robot, &postures[&angle]);
+        let period_s = 15.0 / rpm;
+        let zero = zero_order_limit(&modes, &process.average_pa(), period_s).expect("a limit");
+        let steps = recommended_steps(&modes, period_s);
+        let sdm = SemiDiscretisation::new(&modes, &process, steps);
+        let search = LimitSearch::to_depth(2.0 * zero.depth_m);
+        let limit = first_limit(&sdm, period_s, &search).expect("a limit");
+        assert_close(
+            &format!("{angle} deg, {rpm} rpm"),
+            limit.depth_m,
+            zero.depth_m,
+            1e-3,
+        );
+        let highest = 2.0 * std::f64::consts::TAU * zero.frequency_hz;
+        let frequencies = limit.multiplier.frequencies_rad_s(period_s, highest);
+        let chatter = zero.frequency_hz * std::f64::consts::TAU;
+        assert!(
+            frequencies.iter().any(|f| (f / chatter - 1.0).abs() < 1e-3),
+            "{angle} deg, {rpm} rpm: {} Hz",
+            zero.frequency_hz
         );
     }
 }

@@ -64,10 +64,24 @@ impl Multiplier {
         self.magnitude().ln() / tooth_period_s
     }
 
-    /// Frequencies (rad/s) at which such a vibration may appear are this one, its mirror image and whole tooth-passing
-    /// frequencies more: arg μ / T in [0, π/T].
+    /// arg μ / T in [0, π/T], rad/s: the lowest frequency that such a vibration can have.
     pub fn base_frequency_rad_s(&self, tooth_period_s: f64) -> f64 {
         self.value.arg().abs() / tooth_period_s
+    }
+
+    /// All frequencies of such a vibration up to `highest_rad_s`, rising: the base frequency, and it and its mirror image
+    /// about every multiple of the tooth-passing frequency. The one near a natural frequency dominates.
+    pub fn frequencies_rad_s(&self, tooth_period_s: f64, highest_rad_s: f64) -> Vec<f64> {
+        let base = self.base_frequency_rad_s(tooth_period_s);
+        let passing = TAU / tooth_period_s;
+        let pairs = (0..).map(|k| passing * f64::from(k));
+        let all = pairs
+            .take_while(|center| center - base <= highest_rad_s)
+            .flat_map(|center| [center - base, center + base]);
+        let mut found: Vec<f64> = all.filter(|f| (0.0..=highest_rad_s).contains(f)).collect();
+        found.sort_by(f64::total_cmp);
+        found.dedup();
+        found
     }
 }
 

@@ -216,4 +216,28 @@ fn verify_zero_depth_is_free_decay() {
     let folded = (damped * period).rem_euclid(2.0 * PI);
     let folded = folded.min(2.0 * PI - folded);
     assert!((own * period - folded).abs() < 1e-6);
+    let all = found.frequencies_rad_s(period, 2.0 * damped);
+    assert!(all.iter().any(|f| (f / damped - 1.0).abs() < 1e-6));
+    assert!(all.windows(2).all(|w| w[0] < w[1]));
+}
+
+/// Both diagrams of `benches/lobes_numpy.py`, which multiplies dense matrices out: sums of |μ| over 20 × 20 points. Its
+/// directional factors are sums over 50 samples a step, good for some 1e-5.
+#[test]
+fn verify_diagrams_agree_with_dense_numpy() {
+    let slot = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, Engagement::SLOT);
+    let one = vec![TipMode::of_mass(TAU * 922.0, 0.011, 0.03993, &Vector3::x())];
+    let two = benchmark_2(Engagement::SLOT).0;
+    for (modes, expected) in [(one, 442.183579), (two, 462.977473)] {
+        let sdm = SemiDiscretisation::new(&modes, &slot, 40);
+        let mut sum = 0.0;
+        for i in 0..20 {
+            let period = 6e-3 / (1.0 + 4.0 * f64::from(i * 5) / 100.0);
+            for j in 0..20 {
+                let depth = 4e-3 * f64::from(j * 5 + 1) / 100.0;
+                sum += sdm.multiplier(period, depth).magnitude();
+            }
+        }
+        assert!((sum / expected - 1.0).abs() < 1e-4, "{sum} {expected}");
+    }
 }

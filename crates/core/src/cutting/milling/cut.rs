@@ -27,8 +27,12 @@ pub struct MillingParameters {
     pub stock: Stock,
     /// c, m.
     pub feed_per_tooth_m: f64,
-    /// Teeth meet the surface that was left (true), or the one that a tool on its nominal path would have left.
+    /// Teeth meet the surface that was left (true), or the one that a steadily displaced tool would have left.
     pub regeneration: bool,
+    /// Displacement of the tool that left the surface before the pass began and, without regeneration, at any time:
+    /// the deflection under the mean force, if the cut is to begin steadily and, without regeneration, to have its
+    /// nominal chip; x and y count.
+    pub steady_displacement_m: Vector3<f64>,
     /// How many earlier passes are remembered; a tooth that was out of the cut for longer finds the oldest of them.
     pub passes: usize,
     /// The edge is cut into slices over each of which it lags by no more than this, rad.
@@ -87,13 +91,13 @@ struct EarlierPass {
 }
 
 impl MillingCut {
-    /// A pass whose earlier teeth ran on the nominal path. `finished` collects walls and floor, if wanted.
+    /// A pass before which the tool ran steadily displaced. `finished` collects walls and floor, if wanted.
     pub fn new(parameters: MillingParameters, finished: Option<FinishedSurface>) -> Self {
         // A pass and a half more than is read, for the shift along the arc.
         let span = parameters.cutter.pitch_rad() * (parameters.passes as f64 + 1.5);
         Self {
             parameters,
-            trace: Trace::new(span),
+            trace: Trace::new(span, parameters.steady_displacement_m),
             finished,
         }
     }
@@ -174,7 +178,7 @@ impl MillingCut {
                 self.trace.at(then)
             } else {
                 Passed {
-                    displacement_m: Vector3::zeros(),
+                    displacement_m: p.steady_displacement_m,
                     displacement_m_per_rad: Vector3::zeros(),
                 }
             };
@@ -245,3 +249,5 @@ impl MillingCut {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod time_domain;

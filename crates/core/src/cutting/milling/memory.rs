@@ -12,6 +12,7 @@ use std::collections::VecDeque;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     span_rad: f64,
+    before_m: Vector3<f64>,
     points: VecDeque<(f64, Vector3<f64>)>,
 }
 
@@ -23,10 +24,11 @@ pub struct Passed {
 }
 
 impl Trace {
-    /// Remembers rotation by `span_rad`. Before its first point the tool ran on its nominal path.
-    pub fn new(span_rad: f64) -> Self {
+    /// Remembers rotation by `span_rad`. Before its first point the tool ran displaced by `before_m`.
+    pub fn new(span_rad: f64, before_m: Vector3<f64>) -> Self {
         Self {
             span_rad,
+            before_m,
             points: VecDeque::new(),
         }
     }
@@ -47,7 +49,7 @@ impl Trace {
     }
 
     /// Where the tool was at `rotation_rad`: cubic through the two points on either side (Lagrange), straight at the
-    /// ends; the nominal path before the first point, the last point after it.
+    /// ends; what was before the first point, the last point after it.
     pub fn at(&self, rotation_rad: f64) -> Passed {
         let still = |displacement_m| Passed {
             displacement_m,
@@ -55,7 +57,7 @@ impl Trace {
         };
         let after = self.points.partition_point(|p| p.0 <= rotation_rad);
         if after == 0 {
-            return still(Vector3::zeros());
+            return still(self.before_m);
         }
         if after == self.points.len() {
             return still(self.points[after - 1].1);
@@ -106,7 +108,7 @@ mod tests {
     #[test]
     fn verify_trace_interpolates_to_fourth_order() {
         let step = std::f64::consts::TAU / 40.0;
-        let mut trace = Trace::new(7.0);
+        let mut trace = Trace::new(7.0, Vector3::zeros());
         for i in 0..200 {
             trace.commit(f64::from(i) * step, wave(f64::from(i) * step));
         }
@@ -121,11 +123,11 @@ mod tests {
     }
 
     #[test]
-    fn before_the_first_point_the_path_was_nominal() {
-        let mut trace = Trace::new(1.0);
-        assert_eq!(trace.at(0.3).displacement_m, Vector3::zeros());
+    fn before_the_first_point_the_tool_was_where_it_was_said_to_be() {
+        let mut trace = Trace::new(1.0, Vector3::y());
+        assert_eq!(trace.at(0.3).displacement_m, Vector3::y());
         trace.commit(1.0, Vector3::x());
-        assert_eq!(trace.at(0.9).displacement_m, Vector3::zeros());
+        assert_eq!(trace.at(0.9).displacement_m, Vector3::y());
         assert_eq!(trace.at(1.5).displacement_m, Vector3::x());
         trace.commit(2.0, Vector3::zeros());
         assert_eq!(trace.at(1.5).displacement_m, Vector3::x() * 0.5);
@@ -133,7 +135,7 @@ mod tests {
 
     #[test]
     fn the_trace_stays_short() {
-        let mut trace = Trace::new(0.5);
+        let mut trace = Trace::new(0.5, Vector3::zeros());
         for i in 0..10_000 {
             trace.commit(0.01 * f64::from(i), Vector3::zeros());
         }

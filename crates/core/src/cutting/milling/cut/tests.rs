@@ -1,13 +1,10 @@
 use super::*;
-use crate::chatter::limit::{LimitSearch, first_limit};
-use crate::chatter::semi_discretisation::SemiDiscretisation;
-use crate::chatter::{DirectionalMatrix, TipMode};
 use crate::cutting::milling::cutter::Runout;
 use crate::cutting::milling::engagement::Engagement;
 use crate::cutting::milling::nominal::NominalCut;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-fn aluminium() -> CuttingCoefficients {
+pub(super) fn aluminium() -> CuttingCoefficients {
     CuttingCoefficients {
         tangential_pa: 767.0e6,
         radial_pa: 168.8e6,
@@ -18,13 +15,18 @@ fn aluminium() -> CuttingCoefficients {
     }
 }
 
-fn parameters(cutter: Cutter, engagement: Engagement, depth_m: f64) -> MillingParameters {
+pub(super) fn parameters(
+    cutter: Cutter,
+    engagement: Engagement,
+    depth_m: f64,
+) -> MillingParameters {
     MillingParameters {
         cutter,
         coefficients: aluminium(),
         stock: engagement.stock(&cutter, depth_m),
         feed_per_tooth_m: 0.05e-3,
         regeneration: true,
+        steady_displacement_m: Vector3::zeros(),
         passes: 3 * cutter.teeth,
         slice_lag_rad: 0.01,
     }
@@ -253,127 +255,4 @@ fn verify_teeth_meet_nothing_before_the_stock() {
     assert_eq!(chip(9), 0.0);
     assert!((chip(10) - 0.25 * p.feed_per_tooth_m).abs() < 1e-12);
     assert!((chip(11) - p.feed_per_tooth_m).abs() < 1e-12);
-}
-
-/// One direction x against its cut, RK4, in steps of which a whole number makes a tooth period.
-struct Oscillator {
-    omega_rad_s: f64,
-    zeta: f64,
-    mass_kg: f64,
-}
-
-impl Oscillator {
-    /// Growth rate (1/s) of what is left when the periodic vibration is taken away: differences between states one tooth
-    /// period apart. The tool sinks to depth within `ramp` tooth periods, so slowly that teeth keep cutting.
-    fn growth_per_s(&self, p: &MillingParameters, period_s: f64, ramp: usize, run: usize) -> f64 {
-        let steps = (period_s * self.omega_rad_s / TAU * 50.0).ceil().max(60.0) as usize;
-        let dt = period_s / steps as f64;
-        let per_s = p.cutter.pitch_rad() / period_s;
-        let mut cut = MillingCut::new(*p, None);
-        let (mut x, mut v) = (0.0, 0.0);
-        let mut strobe: Vec<(f64, f64)> = Vec::new();
-        for i in 0..(ramp + run) * steps {
-            let state = |t: f64, x: f64| {
-                let sunk = (t / (ramp as f64 * period_s)).min(1.0);
-                let z = p.stock.top_m * (1.0 - sunk);
-                ToolState {
-                    // Not on a step, nor half of one: entry and exit must not be a matter of rounding.
-                    rotation_rad: per_s * (t + 0.21 * dt),
-                    displacement_m: Vector3::new(x, 0.0, z),
-                }
-            };
-            let t = i as f64 * dt;
-            if i % steps == 0 {
-                let now = (x, v / self.omega_rad_s);
-                if let Some((x0, v0)) = strobe.last()
-                    && (now.0 - x0).hypot(now.1 - v0) > p.feed_per_tooth_m
-                {
-                    return f64::INFINITY;
-                }
-                strobe.push(now);
-            }
-            cut.commit(&state(t, x));
-            let rate = |t: f64, x: f64, v: f64| {
-                let force = cut.evaluate(&state(t, x)).force_on_tool_n.x;
-                let w = self.omega_rad_s;
-                (
-                    v,
-                    force / self.mass_kg - 2.0 * self.zeta * w * v - w * w * x,
-                )
-            };
-            let k1 = rate(t, x, v);
-            let k2 = rate(t + 0.5 * dt, x + 0.5 * dt * k1.0, v + 0.5 * dt * k1.1);
-            let k3 = rate(t + 0.5 * dt, x + 0.5 * dt * k2.0, v + 0.5 * dt * k2.1);
-            let k4 = rate(t + dt, x + dt * k3.0, v + dt * k3.1);
-            x += dt / 6.0 * (k1.0 + 2.0 * k2.0 + 2.0 * k3.0 + k4.0);
-            v += dt / 6.0 * (k1.1 + 2.0 * k2.1 + 2.0 * k3.1 + k4.1);
-        }
-        let changes: Vec<f64> = strobe
-            .windows(2)
-            .map(|w| (w[1].0 - w[0].0).hypot(w[1].1 - w[0].1))
-            .collect();
-        let window = run / 4;
-        let level = |from: usize| {
-            let part = &changes[from..from + window];
-            part.iter().map(|c| c * c).sum::<f64>().sqrt()
-        };
-        let (early, late) = (ramp + window, changes.len() - window);
-        if level(early) < 1e-6 * p.feed_per_tooth_m {
-            return f64::NEG_INFINITY;
-        }
-        (level(late) / level(early)).ln() / ((late - early) as f64 * period_s)
-    }
-}
-
-/// Benchmark 1 in the time domain at five speeds: depth limits by bisection on the growth rate agree with
-/// semi-discretisation within 5 %, flips among them. Both sides are good for 1 %: the bisection stops at 1 %.
-#[test]
-fn verify_time_domain_limits_agree_with_semi_discretisation() {
-    let tool = Oscillator {
-        omega_rad_s: TAU * 922.0,
-        zeta: 0.011,
-        mass_kg: 0.03993,
-    };
-    let mode = TipMode::of_mass(tool.omega_rad_s, tool.zeta, tool.mass_kg, &Vector3::x());
-    let cutter = Cutter::straight(10e-3, 2);
-    for (immersion, rpm) in [
-        (0.5, 5e3),
-        (0.5, 10e3),
-        (1.0, 12e3),
-        (0.5, 16e3),
-        (1.0, 20e3),
-    ] {
-        let down = Engagement::down(immersion * 20e-3, 20e-3).expect("partial");
-        let process = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, down);
-        let period_s = 30.0 / rpm;
-        let sdm = SemiDiscretisation::new(&[mode], &process, 200);
-        let search = LimitSearch::to_depth(5e-3);
-        let theory_m = first_limit(&sdm, period_s, &search)
-            .expect("a limit")
-            .depth_m;
-        let grows = |depth_m: f64| {
-            let p = MillingParameters {
-                coefficients: process.coefficients,
-                stock: down.stock(&cutter, depth_m),
-                feed_per_tooth_m: 20e-6,
-                ..parameters(cutter, down, depth_m)
-            };
-            tool.growth_per_s(&p, period_s, 60, 80) > 0.0
-        };
-        let (mut low, mut high) = (0.7 * theory_m, 1.3 * theory_m);
-        assert!(!grows(low) && grows(high), "{immersion}, {rpm} rpm");
-        while high - low > 0.01 * theory_m {
-            let middle = 0.5 * (low + high);
-            if grows(middle) {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        let found_m = 0.5 * (low + high);
-        assert!(
-            (found_m / theory_m - 1.0).abs() <= 0.05,
-            "a/D {immersion}, {rpm} rpm: {found_m} m instead of {theory_m} m"
-        );
-    }
 }

@@ -26,6 +26,7 @@ fn mill(cutter: Cutter, displacement: impl Fn(f64) -> Vector3<f64>) -> FinishedS
         stock: engagement.stock(&cutter, 2e-3),
         feed_per_tooth_m: FEED_M,
         regeneration: true,
+        steady_displacement_m: Vector3::zeros(),
         passes: 4,
         slice_lag_rad: 0.02,
     };
@@ -150,6 +151,7 @@ fn rays_that_no_tooth_reached_stay_uncut() {
         stock: Engagement::SLOT.stock(&cutter(2), 2e-3),
         feed_per_tooth_m: FEED_M,
         regeneration: true,
+        steady_displacement_m: Vector3::zeros(),
         passes: 4,
         slice_lag_rad: 0.02,
     };
