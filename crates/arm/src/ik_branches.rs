@@ -14,6 +14,9 @@ use crate::opw::{OpwGeometry, wrap};
 /// Postures that agree to this in every joint, modulo whole turns, count as one.
 const SAME_POSTURE: f64 = 1e-6;
 
+/// What is left of a pose (m and rad together) by a posture that counts as exact.
+const CLOSED_FORM_TOLERANCE: f64 = 1e-10;
+
 /// How solutions of arms without a closed form are looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BranchOptions {
@@ -81,7 +84,7 @@ impl IkSolver<'_> {
                 let frame_from_last = self.robot.last_link_from_frame(frame).inverse();
                 let solved = geometry.solve(&(world_from_target * frame_from_last));
                 let polish = |q: [f64; 6]| self.polished(&q, world_from_target, frame);
-                solved.into_iter().map(polish).collect()
+                solved.into_iter().filter_map(polish).collect()
             }
             None => self.searched(world_from_target, frame),
         };
@@ -187,8 +190,9 @@ impl IkSolver<'_> {
         }
     }
 
-    /// Newton steps on a posture that is right to rounding: what is left of the closed form's own tolerance.
-    fn polished(&self, q: &[f64; 6], target: &Isometry3<f64>, frame: FrameId) -> Vec<f64> {
+    /// Newton steps on a posture that is right to the closed form's own tolerance. Near a singularity a step is worthless;
+    /// what is then not right to rounding is handed to the damped search, and dropped if that does not reach the pose.
+    fn polished(&self, q: &[f64; 6], target: &Isometry3<f64>, frame: FrameId) -> Option<Vec<f64>> {
         let mut best = q.to_vec();
         let mut error = self.robot.pose_error(&best, frame, target);
         for _ in 0..3 {
@@ -203,13 +207,21 @@ impl IkSolver<'_> {
             };
             let trial: Vec<f64> = best.iter().zip(step.iter()).map(|(q, s)| q + s).collect();
             let trial_error = self.robot.pose_error(&trial, frame, target);
-            // Near a singularity the step is worthless; the closed form's posture stays.
             if step.amax() > 1e-3 || trial_error.norm() >= error.norm() {
                 break;
             }
             (best, error) = (trial, trial_error);
         }
-        best
+        if error.norm() <= CLOSED_FORM_TOLERANCE {
+            return Some(best);
+        }
+        let options = &self.options.numeric;
+        let searched = self
+            .unlimited
+            .inverse_kinematics(target, frame, &best, options);
+        let mut found = searched.ok()?;
+        found.iter_mut().for_each(|q| *q = wrap(*q));
+        Some(found)
     }
 
     /// Numeric solutions from seeds spread over the joints' ranges.

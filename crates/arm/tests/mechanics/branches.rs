@@ -316,3 +316,30 @@ fn verify_singularity_distances() {
         assert!(rank(q) > 0.01 * near, "{q:?}: {distance:?}");
     }
 }
+
+/// At the singularities themselves a posture is still found, and puts the flange there to 1e-9.
+#[test]
+fn verify_singular_poses_are_reached() {
+    let psi = f64::atan2(-0.2, 1.142);
+    for opw in [IRB6600, HP20] {
+        let robot = opw.robot(0.0);
+        let solver = robot.ik_solver(&BranchOptions::default());
+        for q in spread(300) {
+            let mut straight_wrist = q;
+            straight_wrist[4] = 0.0;
+            let mut folded_wrist = q;
+            folded_wrist[4] = 1e-7;
+            let mut stretched = q;
+            stretched[2] = -FRAC_PI_2 - psi;
+            for posture in [straight_wrist, folded_wrist, stretched] {
+                let flange = robot.world_from_frame(&posture, FrameId::Flange);
+                let found = solver.branches(&flange, FrameId::Flange);
+                assert!(!found.is_empty(), "{posture:?}");
+                for other in &found {
+                    let pose = robot.world_from_frame(other, FrameId::Flange);
+                    assert!(off(&pose, &flange) <= 1e-9, "{posture:?} {other:?}");
+                }
+            }
+        }
+    }
+}

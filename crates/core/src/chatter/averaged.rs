@@ -69,11 +69,33 @@ pub fn zero_order_limit_within(
 }
 
 /// Rightmost eigenvalue (1/s, imaginary part ≥ 0) of n damped modes under `a B`, teeth meeting the nominal surface:
-/// q̈ + 2ζω q̇ + (ω² − a UᵀBU) q = 0.
+/// q̈ + 2ζω q̇ + (ω² − a UᵀBU) q = 0. `None` without modes.
 pub fn rightmost_per_s(
     modes: &[TipMode],
     average_pa: &Matrix3<f64>,
     depth_m: f64,
+) -> Option<Complex<f64>> {
+    rightmost(modes, average_pa, depth_m, 0.0)
+}
+
+/// Rightmost eigenvalue (1/s, imaginary part ≥ 0) with regeneration, for vibration that is slow beside the teeth, ωT ≪ 1:
+/// the tooth before left nearly the same wave, x(t) − x(t−T) ≈ T ẋ, and the cut is a damper −a T B ẋ. In a slot that
+/// is C_p = ¼ N a K_t T [[K_r, 1], [−1, K_r]] (`spec` section 2, criticism 4): positive where K_r is. `None` without modes.
+pub fn slow_regenerative_rightmost_per_s(
+    modes: &[TipMode],
+    average_pa: &Matrix3<f64>,
+    depth_m: f64,
+    tooth_period_s: f64,
+) -> Option<Complex<f64>> {
+    rightmost(modes, average_pa, 0.0, depth_m * tooth_period_s)
+}
+
+/// Of q̈ + 2ζω q̇ + ω² q = UᵀBU (`on_position` q + `on_rate` q̇).
+fn rightmost(
+    modes: &[TipMode],
+    average_pa: &Matrix3<f64>,
+    on_position: f64,
+    on_rate: f64,
 ) -> Option<Complex<f64>> {
     let n = modes.len();
     let mut state = DMatrix::zeros(2 * n, 2 * n);
@@ -81,10 +103,13 @@ pub fn rightmost_per_s(
         let omega = row.natural_frequency_rad_s;
         state[(i, n + i)] = 1.0;
         state[(n + i, i)] -= omega * omega;
-        state[(n + i, n + i)] = -2.0 * row.damping_ratio * omega;
+        state[(n + i, n + i)] -= 2.0 * row.damping_ratio * omega;
         for (j, column) in modes.iter().enumerate() {
-            let force = average_pa * column.shape_per_sqrt_kg * depth_m;
-            state[(n + i, j)] += row.shape_per_sqrt_kg.dot(&force);
+            let force = row
+                .shape_per_sqrt_kg
+                .dot(&(average_pa * column.shape_per_sqrt_kg));
+            state[(n + i, j)] += force * on_position;
+            state[(n + i, n + j)] += force * on_rate;
         }
     }
     let eigenvalues = state.complex_eigenvalues();

@@ -1,6 +1,7 @@
 use super::*;
 use crate::chatter::DirectionalMatrix;
 use crate::chatter::planar::PlanarSplit;
+use crate::chatter::semi_discretisation::SemiDiscretisation;
 use crate::cutting::milling::engagement::Engagement;
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
@@ -115,4 +116,40 @@ fn verify_one_direction_at_its_lowest_is_the_real_part_rule() {
         (lowest / expected - 1.0).abs() < 2e-3,
         "{lowest} {expected}"
     );
+}
+
+/// A slot's regeneration as a damper: C_p = ¼ N a K_t T [[K_r, 1], [−1, K_r]].
+#[test]
+fn verify_slow_regeneration_is_damping() {
+    let (teeth, k_t, k_r, depth, period) = (4, 2e9, 0.3, 0.3e-3, 6.25e-3);
+    let b = DirectionalMatrix::planar(teeth, k_t, k_r, Engagement::SLOT).average_pa();
+    let damper = -depth * period * b.fixed_view::<2, 2>(0, 0).into_owned();
+    let size = 0.25 * teeth as f64 * depth * k_t * period;
+    let expected = Matrix2::new(k_r, 1.0, -1.0, k_r) * size;
+    assert!((damper - expected).amax() < 1e-12 * size);
+    // One direction along the feed: half the damper's diagonal over the mass is added to the decay rate.
+    let mass = 2000.0;
+    let mode = TipMode::of_mass(TAU * 7.0, 0.02, mass, &Vector3::x());
+    let found = slow_regenerative_rightmost_per_s(&[mode], &b, depth, period).expect("a mode");
+    let decay = 0.02 * TAU * 7.0 + 0.5 * size * k_r / mass;
+    assert!((found.re / -decay - 1.0).abs() < 1e-9, "{found}");
+}
+
+/// For slow vibration the damper's eigenvalue is that of semi-discretisation: x(t) − x(t−T) departs from T ẋ by ωT/2,
+/// as a stiffness that leaves the growth rate alone to first order.
+#[test]
+fn verify_slow_regeneration_against_semi_discretisation() {
+    let modes = [
+        TipMode::of_mass(TAU * 7.0, 0.02, 2000.0, &Vector3::x()),
+        TipMode::of_mass(TAU * 9.0, 0.02, 1500.0, &Vector3::y()),
+    ];
+    let process = DirectionalMatrix::planar(4, 2e9, 0.3, Engagement::SLOT);
+    let period = 1e-3;
+    let sdm = SemiDiscretisation::new(&modes, &process, 40);
+    for depth in [0.1e-3, 0.3e-3] {
+        let growth = sdm.multiplier(period, depth).growth_per_s(period);
+        let slow = slow_regenerative_rightmost_per_s(&modes, &process.average_pa(), depth, period)
+            .expect("modes");
+        assert!((growth / slow.re - 1.0).abs() < 0.02, "{growth} {slow}");
+    }
 }
