@@ -89,16 +89,8 @@ impl OpwGeometry {
     }
 
     fn from_axes(axes: &[Axis], last_link: &Isometry3<f64>) -> Option<Self> {
+        let wrist = wrist_centre(axes)?;
         let d = |i: usize| axes[i - 1].direction;
-        let square = |i, j| d(i).dot(&d(j)).abs() <= ANGLE_TOLERANCE;
-        let parallel = d(2).cross(&d(3)).norm() <= ANGLE_TOLERANCE;
-        if !(square(1, 2) && parallel && square(3, 4) && square(4, 5) && square(5, 6)) {
-            return None;
-        }
-        let wrist = meeting_point(&axes[3], &axes[4])?;
-        if distance(&axes[5], &wrist) > LENGTH_TOLERANCE_M {
-            return None;
-        }
         // Shoulder frame: z along axis 1, y along axis 2 or against it, so that axis 2 stands in front.
         let z = d(1);
         let to_second = axes[1].point - axes[0].point;
@@ -261,6 +253,18 @@ pub(crate) fn wrap(angle_rad: f64) -> f64 {
 
 fn distance(axis: &Axis, point: &Vector3<f64>) -> f64 {
     (point - axis.point).cross(&axis.direction).norm()
+}
+
+/// Where axes 4, 5 and 6 meet, if all six stand as the geometry asks.
+fn wrist_centre(axes: &[Axis]) -> Option<Vector3<f64>> {
+    let d = |i: usize| axes[i - 1].direction;
+    let square = |i, j| d(i).dot(&d(j)).abs() <= ANGLE_TOLERANCE;
+    let parallel = d(2).cross(&d(3)).norm() <= ANGLE_TOLERANCE;
+    if !(square(1, 2) && parallel && square(3, 4) && square(4, 5) && square(5, 6)) {
+        return None;
+    }
+    let wrist = meeting_point(&axes[3], &axes[4])?;
+    (distance(&axes[5], &wrist) <= LENGTH_TOLERANCE_M).then_some(wrist)
 }
 
 /// Where two axes at right angles meet.
