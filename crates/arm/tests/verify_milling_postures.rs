@@ -19,7 +19,9 @@ use truecut_core::chatter::limit::{LimitSearch, first_limit};
 use truecut_core::chatter::planar::{coalescence_limit_m, slot_limit_m};
 use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
 use truecut_core::chatter::{DirectionalMatrix, TipMode};
+use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::engagement::Engagement;
+use truecut_core::cutting::milling::nominal::NominalCut;
 
 const P1_M: [f64; 3] = [1.050, -1.450, 0.870];
 const P2_M: [f64; 3] = [1.350, -1.450, 0.870];
@@ -339,4 +341,34 @@ fn verify_zero_order_is_exact_for_four_teeth_in_a_slot() {
             zero.frequency_hz
         );
     }
+}
+
+/// What mode coupling keeps with regeneration is the floor's feedback. In steel at 0.4 mm per revolution it is too weak to
+/// make the arm flutter at P1, at any redundancy angle and in any feed direction; ten times the feed is not.
+#[test]
+fn the_floor_alone_makes_no_posture_flutter() {
+    let robot = robot();
+    let floor = |feed_per_tooth_m: f64| {
+        let cut = NominalCut {
+            cutter: Cutter::straight(8e-3, 4),
+            coefficients: steel(Engagement::SLOT).coefficients,
+            engagement: Engagement::SLOT,
+            axial_depth_m: 0.3e-3,
+            feed_per_tooth_m,
+        };
+        cut.floor_feedback_n_per_m()
+    };
+    let worst = |feed_per_tooth_m: f64| {
+        let feedback = floor(feed_per_tooth_m);
+        let rightmost = postures(&robot, P1_M).into_values().flat_map(|q| {
+            let modes = modes(&robot, &q);
+            (0..36).map(move |i| {
+                let turned = DirectionalMatrix::turned_pa(&feedback, f64::from(i) * 0.1745);
+                rightmost_per_s(&modes, &turned, 1.0).expect("modes").re
+            })
+        });
+        rightmost.fold(f64::NEG_INFINITY, f64::max)
+    };
+    assert!(worst(0.1e-3) < -0.7, "{}", worst(0.1e-3));
+    assert!(worst(1e-3) > 0.0, "{}", worst(1e-3));
 }

@@ -40,14 +40,15 @@ pub fn mode_coupling_limit(modes: &[TipMode], average_pa: &Matrix3<f64>) -> Opti
 }
 
 /// Lowest depth at which regeneration makes n modes unstable at a tooth period, to zero order (averaged matrix), m and
-/// Hz. Chatter frequencies are sought between a fiftieth of the lowest and four times the highest natural frequency;
-/// `None` if no depth is unstable there.
+/// Hz. Chatter frequencies are sought from a fiftieth of the lowest natural frequency to four times the highest or one and
+/// a half times the tooth-passing frequency, whichever is more; `None` if no depth is unstable there.
 pub fn zero_order_limit(
     modes: &[TipMode],
     average_pa: &Matrix3<f64>,
     tooth_period_s: f64,
 ) -> Option<Crossing> {
-    let range = (slowest_rad_s(modes) * 0.02, fastest_rad_s(modes)? * 4.0);
+    let highest = (fastest_rad_s(modes)? * 4.0).max(1.5 * TAU / tooth_period_s);
+    let range = (slowest_rad_s(modes) * 0.02, highest);
     zero_order_limit_within(modes, average_pa, tooth_period_s, range)
 }
 

@@ -4,7 +4,7 @@ use super::cutter::Cutter;
 use super::engagement::Engagement;
 use super::sweep::{Sweep, on_tool_n};
 use crate::cutting::chamfer::CuttingCoefficients;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
 /// A steady cut by a tool that does not vibrate and runs true.
@@ -35,6 +35,14 @@ impl NominalCut {
         teeth
             .map(|tooth| self.tooth_force_n(self.cutter.tooth_angle_rad(tooth, rotation_rad)))
             .sum()
+    }
+
+    /// Depth feedback from the floor, averaged, N/m: force on the tool by columns of its displacement. A tool that sinks
+    /// is engaged deeper at once, F̄ (b − z)/b, whatever the depth; in a slot ∂F/∂z per depth is (f_rev/4)(−K_rc, K_tc)
+    /// without edge forces. It does not grow with the depth and is added to `b B` where that enters a stability question.
+    pub fn floor_feedback_n_per_m(&self) -> Matrix3<f64> {
+        let per_depth = self.average_force_n() / self.axial_depth_m;
+        Matrix3::from_columns(&[Vector3::zeros(), Vector3::zeros(), -per_depth])
     }
 
     fn tooth_force_n(&self, tip_rad: f64) -> Vector3<f64> {
@@ -146,6 +154,29 @@ mod tests {
             let (ours, book) = (cut.average_force_n(), printed(&cut));
             assert!((ours - book).norm() < 1e-9 * book.norm(), "{ours} {book}");
         }
+    }
+
+    /// `spec` section 2: (f_rev/4)(−K_rc, K_tc) per depth, 2e5 N/m in steel of K_t 2 GPa at 0.4 mm per revolution.
+    #[test]
+    fn verify_floor_feedback_of_a_slot() {
+        let cut = NominalCut {
+            cutter: Cutter::straight(8e-3, 4),
+            coefficients: CuttingCoefficients {
+                tangential_pa: 2e9,
+                radial_pa: 0.6e9,
+                axial_pa: 0.0,
+                edge_axial_n_per_m: 0.0,
+                edge_radial_n_per_m: 0.0,
+                edge_tangential_n_per_m: 0.0,
+            },
+            engagement: Engagement::SLOT,
+            axial_depth_m: 0.3e-3,
+            feed_per_tooth_m: 0.1e-3,
+        };
+        let feedback = cut.floor_feedback_n_per_m();
+        let expected = -Vector3::new(-0.25 * 0.4e-3 * 0.6e9, 0.25 * 0.4e-3 * 2e9, 0.0);
+        assert!((feedback.column(2) - expected).norm() < 1e-6);
+        assert!((feedback.column(2).y + 2e5).abs() < 1e-6);
     }
 
     /// The force at an angle, averaged numerically over a revolution. 7200 samples meet an entry to 0.9 mrad, which
