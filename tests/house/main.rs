@@ -33,6 +33,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("rerun", &["telemetry"]),
     ("clap", &["cli"]),
     ("urdf-rs", &["arm"]),
+    ("rs-opw-kinematics", &["arm"]),
 ];
 
 /// What the analytic core may use besides the standard library: mathematics, and a macro for errors.

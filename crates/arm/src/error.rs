@@ -307,6 +307,39 @@ pub enum ArmErrorKind {
         position_limit_m: f64,
         angle_limit_rad: f64,
     },
+    #[error("pose out of reach at ({x_m}, {y_m}, {z_m}) m: no posture puts the {frame} there")]
+    OutOfReach {
+        frame: &'static str,
+        x_m: f64,
+        y_m: f64,
+        z_m: f64,
+    },
+    #[error(
+        "the pose at ({x_m}, {y_m}, {z_m}) m is reached by {count} postures, but by none within the joint limits{nearest}"
+    )]
+    LimitsExclude {
+        count: usize,
+        x_m: f64,
+        y_m: f64,
+        z_m: f64,
+        /// Which limit the nearest of them breaks and by how much.
+        nearest: String,
+    },
+    #[error(
+        "the path breaks off at pose {index}: the nearest posture is {jump_rad} rad away in joint \"{joint}\" (limit {limit_rad} rad); a singularity or a joint limit lies there"
+    )]
+    PathBreaks {
+        index: usize,
+        joint: String,
+        jump_rad: f64,
+        limit_rad: f64,
+    },
+    #[error("pose {index} of the path: {source}")]
+    OnPath {
+        index: usize,
+        #[source]
+        source: Box<ArmErrorKind>,
+    },
     #[error("the table holds no posture; a row has one number for each of the {joints} joints")]
     NoPostures { joints: usize },
     #[error("row {row}: {message}")]

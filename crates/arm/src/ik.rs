@@ -81,7 +81,12 @@ impl Robot {
     }
 
     /// Translation and rotation vector from the frame to the target, world axes.
-    fn pose_error(&self, q: &[f64], frame: FrameId, target: &Isometry3<f64>) -> Vector6<f64> {
+    pub(crate) fn pose_error(
+        &self,
+        q: &[f64],
+        frame: FrameId,
+        target: &Isometry3<f64>,
+    ) -> Vector6<f64> {
         let pose = self.world_from_frame(q, frame);
         let linear = target.translation.vector - pose.translation.vector;
         let angular = (target.rotation * pose.rotation.inverse()).scaled_axis();

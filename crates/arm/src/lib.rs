@@ -57,6 +57,8 @@ mod dynamics;
 mod equilibrium;
 mod error;
 mod ik;
+mod ik_branches;
+mod ik_path;
 mod kinematics;
 mod load;
 mod merge;
@@ -64,11 +66,13 @@ mod mjcf;
 mod modal;
 mod model;
 mod motion;
+mod opw;
 pub mod report;
 mod report_text;
 mod table;
 mod tangent;
 mod tip;
+mod tip_modes;
 mod urdf;
 mod visual;
 mod xml;
@@ -80,6 +84,8 @@ pub use compliance::{
 pub use dynamics::Dynamics;
 pub use error::{ArmError, ArmErrorKind};
 pub use ik::IkOptions;
+pub use ik_branches::{BranchOptions, IkSolver, tool_pose};
+pub use ik_path::PathOptions;
 pub use load::CONFIG_FILE_NAME;
 pub use mjcf::{MjcfDrive, MjcfOptions, to_mjcf};
 pub use modal::{LinearArm, Modes};
@@ -88,5 +94,6 @@ pub use model::{
     Transmission, TransmissionSources, Visual, standard_gravity_m_s2,
 };
 pub use motion::{Energy, FrameMotion};
+pub use opw::{ArmBranch, OpwGeometry, SingularityDistance};
 pub use report::RobotReport;
 pub use tangent::Load;

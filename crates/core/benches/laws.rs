@@ -1,9 +1,12 @@
 //! Cost of the analytic laws that run in every step.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, Vector2, Vector3};
 use std::hint::black_box;
 use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients};
+use truecut_core::cutting::milling::cut::{MillingCut, MillingParameters, ToolState};
+use truecut_core::cutting::milling::cutter::Cutter;
+use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_core::cutting::rim::Rim;
 use truecut_core::friction::{Approach, FrictionLaw, solve_planar};
 use truecut_core::pressure_foot::{FootMemory, PressureFoot};
@@ -55,6 +58,40 @@ fn cutting(c: &mut Criterion) {
     });
 }
 
+fn milling(c: &mut Criterion) {
+    let cutter = Cutter {
+        helix_angle_rad: 0.52,
+        ..Cutter::straight(8e-3, 4)
+    };
+    let parameters = MillingParameters {
+        cutter,
+        coefficients: CuttingCoefficients::from_resultant(2e8, 2.1e9, 0.29),
+        stock: Engagement::SLOT.stock(&cutter, 0.3e-3),
+        feed_per_tooth_m: 0.1e-3,
+        regeneration: true,
+        steady_displacement_m: Vector3::zeros(),
+        passes: 8,
+        slice_lag_rad: 0.02,
+    };
+    let mut cut = MillingCut::new(parameters, None);
+    let mut rotation_rad = 0.0;
+    c.bench_function(
+        "milling, evaluate and commit, four teeth, eight passes",
+        |b| {
+            b.iter(|| {
+                rotation_rad += 0.025;
+                let state = ToolState {
+                    rotation_rad,
+                    displacement_m: Vector3::new(1e-6, -2e-6, black_box(1e-7)),
+                };
+                let loads = cut.evaluate(&state);
+                cut.commit(&state);
+                loads
+            });
+        },
+    );
+}
+
 fn contacts(c: &mut Criterion) {
     let foot = PressureFoot {
         preload_n: 482.5,
@@ -72,5 +109,5 @@ fn contacts(c: &mut Criterion) {
     });
 }
 
-criterion_group!(laws, friction, cutting, contacts);
+criterion_group!(laws, friction, cutting, milling, contacts);
 criterion_main!(laws);

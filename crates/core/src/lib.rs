@@ -10,8 +10,10 @@
 //! | [`friction`] | planar friction laws and the impulse that sticks or slides |
 //! | [`joint_law`] | play, hysteresis, ripple and friction of a joint |
 //! | [`pressure_foot`] | gas spring, seal stiction, lift-off |
-//! | [`cutting`] | chip area, cutting forces and the rim that chamfering leaves |
+//! | [`cutting`] | chip area, cutting forces, milling, and the surface that cutting leaves |
+//! | [`chatter`] | stability: mode coupling, regeneration, lobes |
 //! | [`wheel`] | contact and removal of a compliant wheel on a flat plate |
+//! | [`stiffness`] | the stiffness ellipsoid and its sections |
 //! | [`vibration`] | closed forms for oscillators under rotating forces and dry friction |
 //! | [`roughness`] | figures of a measured or simulated surface profile |
 //!
@@ -25,10 +27,12 @@
 //! assert!((k.in_plane_pa() * area_m2 - 109.68).abs() < 0.01); // newton, spec "M"
 //! ```
 
+pub mod chatter;
 pub mod cutting;
 pub mod friction;
 pub mod joint_law;
 pub mod pressure_foot;
 pub mod roughness;
+pub mod stiffness;
 pub mod vibration;
 pub mod wheel;

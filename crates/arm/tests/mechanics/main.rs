@@ -1,8 +1,10 @@
 //! Kinematics, dynamics, compliance and modes: each against a definition it does not share code with.
 
+mod branches;
 mod dynamics;
 mod inverse_kinematics;
 mod modal;
+mod ortho_parallel;
 mod random_chain;
 mod statics;
 mod tangents;

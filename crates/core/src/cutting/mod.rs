@@ -1,5 +1,6 @@
 //! Cutting: chip area, forces, the surface that is left.
 
 pub mod chamfer;
+pub mod milling;
 pub mod rim;
 pub mod slip_condition;

@@ -1,0 +1,131 @@
+//! Joint paths that stay on one branch.
+
+use nalgebra::Isometry3;
+
+use crate::error::{ArmError, ArmErrorKind};
+use crate::ik_branches::{IkSolver, travel};
+use crate::model::FrameId;
+
+/// When a joint path counts as continuous.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathOptions {
+    /// Largest motion of one joint (rad or m) from one pose to the next.
+    pub largest_step: f64,
+}
+
+impl Default for PathOptions {
+    /// A tenth of a radian: poses of a path must be close enough for that.
+    fn default() -> Self {
+        Self { largest_step: 0.1 }
+    }
+}
+
+impl IkSolver<'_> {
+    /// Postures along a path of poses, each the nearest to the one before, from a start posture that need not be on it.
+    ///
+    /// # Errors
+    /// At the first pose that is out of reach or limits, or to which a joint would have to jump: the arm would change
+    /// its branch there.
+    pub fn follow(
+        &self,
+        poses: &[Isometry3<f64>],
+        frame: FrameId,
+        start: &[f64],
+        options: &PathOptions,
+    ) -> Result<Vec<Vec<f64>>, ArmError> {
+        self.robot().check_length(start)?;
+        let mut path: Vec<Vec<f64>> = Vec::with_capacity(poses.len());
+        for (index, pose) in poses.iter().enumerate() {
+            let before = path.last().map_or(start, Vec::as_slice);
+            let next = self
+                .nearest_kind(pose, frame, before)
+                .map_err(|kind| on_path(index, kind))?;
+            if index > 0 {
+                self.check_step(index, before, &next, options)?;
+            }
+            path.push(next);
+        }
+        Ok(path)
+    }
+
+    /// The continuous joint path of shortest travel over all postures within limits at the first pose.
+    ///
+    /// # Errors
+    /// If no posture reaches the first pose, or no path from any of them reaches the last: then the one that came
+    /// furthest tells why.
+    pub fn shortest_path(
+        &self,
+        poses: &[Isometry3<f64>],
+        frame: FrameId,
+        options: &PathOptions,
+    ) -> Result<Vec<Vec<f64>>, ArmError> {
+        let Some(first) = poses.first() else {
+            return Ok(Vec::new());
+        };
+        let mut shortest: Option<(f64, Vec<Vec<f64>>)> = None;
+        let mut furthest: Option<(usize, ArmError)> = None;
+        for start in self.within_limits(first, frame) {
+            match self.follow(poses, frame, &start, options) {
+                Ok(path) => {
+                    let length = path.windows(2).map(|w| travel(&w[0], &w[1])).sum();
+                    if shortest.as_ref().is_none_or(|(best, _)| length < *best) {
+                        shortest = Some((length, path));
+                    }
+                }
+                Err(error) => {
+                    let index = index_of(&error);
+                    if furthest.as_ref().is_none_or(|(best, _)| index > *best) {
+                        furthest = Some((index, error));
+                    }
+                }
+            }
+        }
+        match (shortest, furthest) {
+            (Some((_, path)), _) => Ok(path),
+            (None, Some((_, error))) => Err(error),
+            (None, None) => {
+                let branches = self.branches(first, frame);
+                Err(on_path(0, self.unreachable(first, frame, &branches)))
+            }
+        }
+    }
+
+    fn check_step(
+        &self,
+        index: usize,
+        before: &[f64],
+        next: &[f64],
+        options: &PathOptions,
+    ) -> Result<(), ArmError> {
+        let joints = self.robot().chain.joints.iter();
+        let steps = joints
+            .zip(before.iter().zip(next))
+            .map(|(j, (a, b))| (j, (a - b).abs()));
+        let largest = steps.max_by(|a, b| a.1.total_cmp(&b.1));
+        match largest {
+            Some((joint, jump)) if jump > options.largest_step => Err(ArmErrorKind::PathBreaks {
+                index,
+                joint: joint.name.clone(),
+                jump_rad: jump,
+                limit_rad: options.largest_step,
+            }
+            .into()),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn on_path(index: usize, kind: ArmErrorKind) -> ArmError {
+    ArmErrorKind::OnPath {
+        index,
+        source: Box::new(kind),
+    }
+    .into()
+}
+
+fn index_of(error: &ArmError) -> usize {
+    match error.kind() {
+        ArmErrorKind::OnPath { index, .. } | ArmErrorKind::PathBreaks { index, .. } => *index,
+        _ => 0,
+    }
+}

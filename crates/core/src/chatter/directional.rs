@@ -1,0 +1,126 @@
+//! The directional matrix: force on the tool per axial depth and displacement.
+
+use nalgebra::Matrix3;
+use std::f64::consts::TAU;
+
+use crate::cutting::chamfer::CuttingCoefficients;
+use crate::cutting::milling::engagement::Engagement;
+use crate::cutting::milling::sweep::Sweep;
+
+/// What the directional matrix is made of: teeth, coefficients, engagement. Straight edges; edge forces have no part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DirectionalMatrix {
+    pub teeth: usize,
+    pub coefficients: CuttingCoefficients,
+    pub engagement: Engagement,
+}
+
+impl DirectionalMatrix {
+    /// From K_t (Pa) and the ratio K_r = K_rc/K_tc, without an axial part.
+    pub fn planar(
+        teeth: usize,
+        tangential_pa: f64,
+        radial_ratio: f64,
+        engagement: Engagement,
+    ) -> Self {
+        let coefficients = CuttingCoefficients {
+            axial_pa: 0.0,
+            radial_pa: radial_ratio * tangential_pa,
+            tangential_pa,
+            edge_axial_n_per_m: 0.0,
+            edge_radial_n_per_m: 0.0,
+            edge_tangential_n_per_m: 0.0,
+        };
+        Self {
+            teeth,
+            coefficients,
+            engagement,
+        }
+    }
+
+    /// Averaged over a revolution, Pa (N/m per m of axial depth): `½ K_t A0` with A0 = N/2π [α_ij] between entry and
+    /// exit, α as in Altintas and Budak 1995; the third row is the axial force, the third column zero.
+    pub fn average_pa(&self) -> Matrix3<f64> {
+        let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
+        sweep.chip_force_pa(&self.coefficients) * (self.teeth as f64 / TAU)
+    }
+
+    /// Averaged while tooth 0 turns from φ = `from_rad` to `to_rad`, all teeth together, Pa.
+    pub fn average_between_pa(&self, from_rad: f64, to_rad: f64) -> Matrix3<f64> {
+        let pitch = TAU / self.teeth as f64;
+        let mut sweep = Sweep::default();
+        for tooth in 0..self.teeth {
+            let behind = pitch * tooth as f64;
+            let cutting = self.engagement.overlaps(from_rad - behind, to_rad - behind);
+            cutting.for_each(|(from, to)| sweep += Sweep::between(from, to));
+        }
+        sweep.chip_force_pa(&self.coefficients) / (to_rad - from_rad)
+    }
+
+    /// B turned by `angle_rad` about z: the matrix of a cut whose feed stands at this angle from the x axis.
+    pub fn turned_pa(matrix_pa: &Matrix3<f64>, angle_rad: f64) -> Matrix3<f64> {
+        let (s, c) = angle_rad.sin_cos();
+        let q = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
+        q * matrix_pa * q.transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Matrix2;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    /// α_ij of Altintas and Budak between entry and exit.
+    fn alpha(kr: f64, engagement: &Engagement) -> Matrix2<f64> {
+        let at = |p: f64| {
+            let (s, c) = (2.0 * p).sin_cos();
+            0.5 * Matrix2::new(
+                c - 2.0 * kr * p + kr * s,
+                -s - 2.0 * p + kr * c,
+                -s + 2.0 * p + kr * c,
+                -c - 2.0 * kr * p - kr * s,
+            )
+        };
+        at(engagement.exit_rad) - at(engagement.entry_rad)
+    }
+
+    /// `spec` section 5, benchmark 2: A for K_r = 0.07 between 0 and π/2, to three decimals; and the formulas as printed
+    /// for several engagements.
+    #[test]
+    fn verify_altintas_budak_matrix() {
+        let quarter = Engagement {
+            entry_rad: 0.0,
+            exit_rad: FRAC_PI_2,
+        };
+        let printed = Matrix2::new(-1.110, -1.641, 1.501, 0.890);
+        assert!((alpha(0.07, &quarter) - printed).amax() < 6e-4);
+        for engagement in [
+            quarter,
+            Engagement::SLOT,
+            Engagement::down(0.3, 1.0).expect("partial"),
+        ] {
+            let b = DirectionalMatrix::planar(3, 6e8, 0.07, engagement).average_pa();
+            let expected = alpha(0.07, &engagement) * (0.5 * 6e8 * 3.0 / TAU);
+            let planar = b.fixed_view::<2, 2>(0, 0).into_owned();
+            assert!((planar - expected).amax() < 1e-9 * expected.amax());
+            assert_eq!(b.column(2).amax(), 0.0);
+        }
+    }
+
+    #[test]
+    fn verify_steps_of_a_tooth_period_average_to_the_whole() {
+        let down = Engagement::down(0.35, 1.0).expect("partial");
+        let matrix = DirectionalMatrix::planar(4, 6e8, 0.3, down);
+        let steps = 17;
+        let pitch = PI / 2.0;
+        let mean: Matrix3<f64> = (0..steps)
+            .map(|i| {
+                let at = |k: usize| 0.123 + pitch * k as f64 / steps as f64;
+                matrix.average_between_pa(at(i), at(i + 1))
+            })
+            .sum::<Matrix3<f64>>()
+            / steps as f64;
+        assert!((mean - matrix.average_pa()).amax() < 1e-9 * mean.amax());
+    }
+}

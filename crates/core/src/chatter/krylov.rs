@@ -1,0 +1,137 @@
+//! Dominant eigenvalue of a linear map that is only known by what it does to a vector.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+/// Relative residual at which an eigenvalue counts as found.
+const TOLERANCE: f64 = 1e-8;
+/// Largest subspace. The period maps of delayed systems are compact, their eigenvalues fall off fast.
+const MAX_VECTORS: usize = 90;
+const FIRST_CHECK: usize = 4;
+/// Applications before the subspace is begun: they cost little beside orthogonalising and leave of the start vector what
+/// matters, so that few vectors do.
+const PRELUDE: usize = 16;
+
+/// Eigenvalue of largest magnitude of the map `apply(x, y): y = M x` on vectors of length `length` (power iteration
+/// to begin with, then Arnoldi's method without restart).
+pub(crate) fn dominant_eigenvalue(
+    length: usize,
+    mut apply: impl FnMut(&[f64], &mut [f64]),
+) -> Complex<f64> {
+    let vectors = MAX_VECTORS.min(length);
+    let mut hessenberg = DMatrix::<f64>::zeros(vectors + 1, vectors);
+    let mut image = vec![0.0; length];
+    let mut first = start(length);
+    for _ in 0..PRELUDE {
+        apply(&first, &mut image);
+        let size = norm(&image);
+        if size == 0.0 {
+            return Complex::new(0.0, 0.0);
+        }
+        for (to, from) in first.iter_mut().zip(&image) {
+            *to = from / size;
+        }
+    }
+    let mut basis = vec![first];
+    let mut next_check = FIRST_CHECK.min(vectors);
+    for m in 1..=vectors {
+        apply(&basis[m - 1], &mut image);
+        let before = norm(&image);
+        // Twice is enough (Kahan and Parlett) for a basis orthogonal to rounding.
+        for _ in 0..2 {
+            for (i, vector) in basis.iter().enumerate() {
+                let along = dot(vector, &image);
+                hessenberg[(i, m - 1)] += along;
+                subtract(&mut image, along, vector);
+            }
+        }
+        let left = norm(&image);
+        hessenberg[(m, m - 1)] = left;
+        let exhausted = m == vectors || left <= 1e-14 * before || before == 0.0;
+        if exhausted || m == next_check {
+            let square = hessenberg.view((0, 0), (m, m)).into_owned();
+            let found = largest(&square);
+            if exhausted || residual(&square, found, left) <= TOLERANCE * found.norm() {
+                return found;
+            }
+            next_check = (m + 2 + m / 4).min(vectors);
+        }
+        basis.push(image.iter().map(|x| x / left).collect());
+    }
+    Complex::new(0.0, 0.0)
+}
+
+/// A start vector with a part in every direction: a fixed low-discrepancy sequence.
+fn start(length: usize) -> Vec<f64> {
+    let raw: Vec<f64> = (1..=length)
+        .map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.35)
+        .collect();
+    let size = norm(&raw);
+    raw.iter().map(|x| x / size).collect()
+}
+
+fn largest(square: &DMatrix<f64>) -> Complex<f64> {
+    let eigenvalues = square.complex_eigenvalues();
+    let found = eigenvalues
+        .iter()
+        .max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
+    found.copied().unwrap_or_default()
+}
+
+/// ‖M v − θ v‖ of the Ritz vector, from one step of inverse iteration on the small matrix.
+fn residual(square: &DMatrix<f64>, eigenvalue: Complex<f64>, coupling: f64) -> f64 {
+    let m = square.nrows();
+    let shift = eigenvalue * (1.0 + 1e-10);
+    let shifted = DMatrix::from_fn(m, m, |r, c| {
+        let on_diagonal = if r == c { shift } else { Complex::default() };
+        Complex::new(square[(r, c)], 0.0) - on_diagonal
+    });
+    let ones = DVector::from_element(m, Complex::new(1.0, 0.0));
+    match shifted.lu().solve(&ones) {
+        Some(vector) => coupling * vector[m - 1].norm() / vector.norm(),
+        None => 0.0,
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn subtract(from: &mut [f64], factor: f64, vector: &[f64]) {
+    for (x, v) in from.iter_mut().zip(vector) {
+        *x -= factor * v;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against a dense solver, for matrices whose spectrum falls off and for one that does not.
+    #[test]
+    fn verify_dominant_eigenvalue_of_dense_matrices() {
+        for (n, decay) in [(3, 1.0_f64), (40, 0.7), (120, 0.9), (30, 1.0)] {
+            let x = |i: usize| ((i * i + 3 * i + 1) as f64 * 0.754_877_666).fract() - 0.5;
+            let matrix = DMatrix::from_fn(n, n, |r, c| decay.powi(c as i32) * x(r * n + c));
+            let found = dominant_eigenvalue(n, |from, to| {
+                let image = &matrix * DVector::from_column_slice(from);
+                to.copy_from_slice(image.as_slice());
+            });
+            let expected = largest(&matrix);
+            assert!(
+                (found.norm() / expected.norm() - 1.0).abs() < 1e-7,
+                "{found} {expected}"
+            );
+            assert!((found.re - expected.re).abs() < 1e-6 * expected.norm());
+        }
+    }
+
+    #[test]
+    fn a_map_to_zero_has_only_zero() {
+        let found = dominant_eigenvalue(5, |_, to| to.fill(0.0));
+        assert_eq!(found.norm(), 0.0);
+    }
+}

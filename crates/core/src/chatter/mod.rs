@@ -1,0 +1,27 @@
+//! Stability of cutting: mode coupling, regeneration, lobes.
+//!
+//! All of it is about small motions x of the tool point in the milling frame of [`crate::cutting::milling`] under the
+//! force `F = b B(φ) (x(t) − x(t−T))`, with b the axial depth, T the tooth period and B the directional matrix
+//! ([`DirectionalMatrix`], Pa). Without regeneration (teeth meet the nominal surface) the delayed term is absent.
+//! A common factor ½K_t is not taken out of B, so that `B = ½ K_t A` in the notation of Altintas and Budak 1995.
+//!
+//! | module | question |
+//! | --- | --- |
+//! | [`planar`] | two directions, equal masses, isotropic damping: does a skew stiffness make them flutter? |
+//! | [`averaged`] | n modes under the averaged B: depth limit of mode coupling, and of regeneration (zero-order) |
+//! | [`semi_discretisation`] | n modes under the periodic B: Floquet multipliers |
+//! | [`limit`] | the depth at which a stable cut first becomes unstable |
+//!
+//! Each function answers for one point (one speed, one depth, one posture); whoever wants a diagram calls it from as
+//! many threads as there are.
+
+pub mod averaged;
+mod directional;
+mod krylov;
+pub mod limit;
+mod modes;
+pub mod planar;
+pub mod semi_discretisation;
+
+pub use directional::DirectionalMatrix;
+pub use modes::{TipMode, in_axes};

@@ -1,0 +1,243 @@
+use super::*;
+use crate::chatter::averaged::zero_order_limit;
+use crate::chatter::limit::{LimitSearch, first_limit};
+use crate::cutting::milling::engagement::Engagement;
+use nalgebra::Vector3;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+fn seconds_per_tooth(rpm: f64, teeth: usize) -> f64 {
+    60.0 / (rpm * teeth as f64)
+}
+
+/// Benchmark 1 (Insperger): one direction of 0.03993 kg, 922 Hz, ζ = 0.011, two teeth, K_t = 6e8, K_n = 2e8 Pa.
+fn benchmark_1(immersion: f64, steps: usize) -> SemiDiscretisation {
+    let mode = TipMode::of_mass(TAU * 922.0, 0.011, 0.03993, &Vector3::x());
+    let down = Engagement::down(immersion, 1.0).expect("partial");
+    let process = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, down);
+    SemiDiscretisation::new(&[mode], &process, steps)
+}
+
+/// `spec` section 5: |μ| at a/D = 1, 5000 rpm, k = 200, to 0.1 %; the values agree to all five digits.
+#[test]
+fn verify_benchmark_1_multipliers() {
+    let sdm = benchmark_1(1.0, 200);
+    let period = seconds_per_tooth(5000.0, 2);
+    for (depth_mm, expected) in [(0.2, 0.81929), (0.5, 1.07273), (1.0, 1.40417)] {
+        let found = sdm.multiplier(period, depth_mm * 1e-3).magnitude();
+        assert!(
+            (found / expected - 1.0).abs() < 1e-5,
+            "{depth_mm} mm: {found}"
+        );
+    }
+    let narrow = benchmark_1(0.05, 200).multiplier(period, 1e-3).magnitude();
+    assert!((narrow - 0.7494).abs() < 1e-4, "{narrow}");
+}
+
+/// The limit k → ∞ of the same numbers.
+#[test]
+fn verify_benchmark_1_converges() {
+    let period = seconds_per_tooth(5000.0, 2);
+    for (depth_mm, expected) in [(0.2, 0.8197), (0.5, 1.0740), (1.0, 1.4065)] {
+        let found = benchmark_1(1.0, 4000)
+            .multiplier(period, depth_mm * 1e-3)
+            .magnitude();
+        assert!((found - expected).abs() < 1.5e-4, "{depth_mm} mm: {found}");
+    }
+}
+
+/// `spec` section 5: first limits in mm at k = 100, ±2 %, and which of them are flips.
+#[test]
+fn verify_benchmark_1_first_limits() {
+    use Bifurcation::{Flip, Hopf};
+    let speeds = [5e3, 8e3, 10e3, 12e3, 16e3, 18e3, 20e3, 25e3];
+    let table: [(f64, [(f64, Bifurcation); 8]); 3] = [
+        (
+            0.05,
+            [
+                (2.21, Hopf),
+                (2.16, Hopf),
+                (4.09, Flip),
+                (1.68, Hopf),
+                (5.50, Flip),
+                (1.30, Flip),
+                (2.29, Hopf),
+                (2.91, Hopf),
+            ],
+        ),
+        (
+            0.5,
+            [
+                (0.852, Hopf),
+                (0.800, Hopf),
+                (2.11, Flip),
+                (0.614, Hopf),
+                (2.07, Flip),
+                (1.62, Hopf),
+                (0.720, Hopf),
+                (1.04, Hopf),
+            ],
+        ),
+        (
+            1.0,
+            [
+                (0.414, Hopf),
+                (0.680, Hopf),
+                (0.323, Hopf),
+                (2.14, Flip),
+                (0.319, Hopf),
+                (0.690, Hopf),
+                (1.42, Flip),
+                (3.94, Hopf),
+            ],
+        ),
+    ];
+    for (immersion, row) in table {
+        let sdm = benchmark_1(immersion, 100);
+        for (rpm, (expected_mm, kind)) in speeds.into_iter().zip(row) {
+            let period = seconds_per_tooth(rpm, 2);
+            let limit = first_limit(&sdm, period, &LimitSearch::to_depth(7e-3)).expect("a limit");
+            let found_mm = limit.depth_m * 1e3;
+            assert!(
+                (found_mm / expected_mm - 1.0).abs() < 0.02,
+                "a/D {immersion}, {rpm} rpm: {found_mm} mm instead of {expected_mm} mm"
+            );
+            assert_eq!(
+                limit.multiplier.bifurcation(),
+                kind,
+                "a/D {immersion}, {rpm} rpm"
+            );
+        }
+    }
+}
+
+/// Benchmark 2 (Altintas and Budak class): two directions, three teeth.
+fn benchmark_2(engagement: Engagement) -> (Vec<TipMode>, DirectionalMatrix) {
+    let modes = vec![
+        TipMode::of_stiffness(TAU * 603.0, 0.039, 5.59e6, &Vector3::x()),
+        TipMode::of_stiffness(TAU * 666.0, 0.035, 5.715e6, &Vector3::y()),
+    ];
+    (modes, DirectionalMatrix::planar(3, 6e8, 0.07, engagement))
+}
+
+/// `spec` section 5: zero-order and semi-discretisation limits in mm at four speeds, ±2 %.
+#[test]
+fn verify_benchmark_2_zero_order_and_semi_discretisation() {
+    let quarter = Engagement {
+        entry_rad: 0.0,
+        exit_rad: FRAC_PI_2,
+    };
+    let half = [
+        (5e3, 1.087, 1.10),
+        (8e3, 1.095, 1.10),
+        (10e3, 1.340, 1.366),
+        (12e3, 4.03, 4.29),
+    ];
+    let slot = [
+        (5e3, 0.780, 0.789),
+        (8e3, 0.777, 0.783),
+        (10e3, 0.956, 0.968),
+        (12e3, 2.69, 2.77),
+    ];
+    for (engagement, rows) in [(quarter, half), (Engagement::SLOT, slot)] {
+        let (modes, process) = benchmark_2(engagement);
+        let sdm = SemiDiscretisation::new(&modes, &process, 80);
+        for (rpm, zero_mm, sdm_mm) in rows {
+            let period = seconds_per_tooth(rpm, 3);
+            let zero = zero_order_limit(&modes, &process.average_pa(), period).expect("a limit");
+            assert!(
+                (zero.depth_m * 1e3 / zero_mm - 1.0).abs() < 0.02,
+                "{rpm} rpm: zero order {} mm instead of {zero_mm} mm",
+                zero.depth_m * 1e3
+            );
+            let limit = first_limit(&sdm, period, &LimitSearch::to_depth(6e-3)).expect("a limit");
+            assert!(
+                (limit.depth_m * 1e3 / sdm_mm - 1.0).abs() < 0.02,
+                "{rpm} rpm: {} mm instead of {sdm_mm} mm",
+                limit.depth_m * 1e3
+            );
+        }
+    }
+}
+
+/// The period map against the dense matrices of the textbook, multiplied out: same dominant multiplier.
+#[test]
+fn verify_krylov_against_dense_monodromy() {
+    let down = Engagement::down(0.4, 1.0).expect("partial");
+    let process = DirectionalMatrix::planar(4, 9e8, 0.3, down);
+    let modes: Vec<TipMode> = (0..6)
+        .map(|i| TipMode {
+            natural_frequency_rad_s: TAU * (6.0 + 9.0 * i as f64),
+            damping_ratio: 0.02,
+            shape_per_sqrt_kg: Vector3::new(
+                0.04 * (1.0 + i as f64).sin(),
+                0.05 * (2.0 * i as f64).cos(),
+                0.03,
+            ),
+        })
+        .collect();
+    let sdm = SemiDiscretisation::new(&modes, &process, 40);
+    let length = 12 + 80;
+    for i in 0..24 {
+        let (period, depth) = (
+            0.003 + 0.0025 * f64::from(i),
+            0.37e-3 * f64::from(1 + i * 7 % 24),
+        );
+        let map = period_map::PeriodMap::<6, 2>::new(&sdm, period, depth);
+        assert_eq!(map.length(), length);
+        let dense = DMatrix::from_columns(
+            &(0..length)
+                .map(|i| {
+                    let mut unit = vec![0.0; length];
+                    let mut image = vec![0.0; length];
+                    unit[i] = 1.0;
+                    map.apply(&unit, &mut image);
+                    nalgebra::DVector::from_vec(image)
+                })
+                .collect::<Vec<_>>(),
+        );
+        let eigenvalues = dense.complex_eigenvalues();
+        let expected = eigenvalues.iter().map(|e| e.norm()).fold(0.0, f64::max);
+        let found = sdm.multiplier(period, depth).magnitude();
+        assert!((found / expected - 1.0).abs() < 1e-7, "{found} {expected}");
+    }
+}
+
+/// Without depth, multipliers are those of the free modes: e^{−ζωT}.
+#[test]
+fn verify_zero_depth_is_free_decay() {
+    let sdm = benchmark_1(1.0, 40);
+    let period = seconds_per_tooth(9000.0, 2);
+    let expected = (-0.011 * TAU * 922.0 * period).exp();
+    let found = sdm.multiplier(period, 0.0);
+    assert!((found.magnitude() / expected - 1.0).abs() < 1e-9);
+    assert!(found.is_stable() && found.growth_per_s(period) < 0.0);
+    let own = found.base_frequency_rad_s(period);
+    let damped = TAU * 922.0 * (1.0 - 0.011_f64.powi(2)).sqrt();
+    let folded = (damped * period).rem_euclid(2.0 * PI);
+    let folded = folded.min(2.0 * PI - folded);
+    assert!((own * period - folded).abs() < 1e-6);
+    let all = found.frequencies_rad_s(period, 2.0 * damped);
+    assert!(all.iter().any(|f| (f / damped - 1.0).abs() < 1e-6));
+    assert!(all.windows(2).all(|w| w[0] < w[1]));
+}
+
+/// Both diagrams of `benches/lobes_numpy.py`, which multiplies dense matrices out: sums of |μ| over 20 × 20 points. Its
+/// directional factors are sums over 50 samples a step, good for some 1e-5.
+#[test]
+fn verify_diagrams_agree_with_dense_numpy() {
+    let slot = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, Engagement::SLOT);
+    let one = vec![TipMode::of_mass(TAU * 922.0, 0.011, 0.03993, &Vector3::x())];
+    let two = benchmark_2(Engagement::SLOT).0;
+    for (modes, expected) in [(one, 442.183579), (two, 462.977473)] {
+        let sdm = SemiDiscretisation::new(&modes, &slot, 40);
+        let mut sum = 0.0;
+        for i in 0..20 {
+            let period = 6e-3 / (1.0 + 4.0 * f64::from(i * 5) / 100.0);
+            for j in 0..20 {
+                let depth = 4e-3 * f64::from(j * 5 + 1) / 100.0;
+                sum += sdm.multiplier(period, depth).magnitude();
+            }
+        }
+        assert!((sum / expected - 1.0).abs() < 1e-4, "{sum} {expected}");
+    }
+}
