@@ -27,6 +27,11 @@ pub(super) struct Rival {
     pub as_good: bool,
 }
 
+/// Traces less apart than this, in degrees, are all but the same: what parts them is no larger than what the model gets wrong of either,
+/// and the odds must be 400 to 1.
+const NEAR_DEG: f64 = 6.0;
+const DECISIVE_OF_NEAR: f64 = 12.0;
+
 /// All rivals, closest first.
 pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
     let chosen = &outcome.chosen;
@@ -48,14 +53,20 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
             );
             let difference = criterion(problem, rival, &outcome.orders) - here;
             let likelihood = difference - (size(rival) - size(chosen)) * n.ln();
-            let close = likelihood < DECISIVE;
+            let angle_deg = angle(problem, outcome, rival);
+            let decisive = if angle_deg < NEAR_DEG {
+                DECISIVE_OF_NEAR
+            } else {
+                DECISIVE
+            };
+            let close = likelihood < decisive;
             // A generalisation that says the same is no alternative; one that fits worse for its parameters neither.
             let more = generalises(problem, &rival.point, &chosen.point)
                 && (difference > 0.0
                     || standing_out(problem, &chosen.residual, &rival.residual)
                         < LEAST_GENERALISATION);
             Rival {
-                angle_deg: angle(problem, outcome, rival),
+                angle_deg,
                 behind_t: behind.t(),
                 criterion_difference: difference,
                 as_good: close && !more,
@@ -79,13 +90,11 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
 }
 
 /// Kinds that hold another one as a limit.
-const GENERALISATIONS: [(EffectKind, EffectKind); 7] = [
+const GENERALISATIONS: [(EffectKind, EffectKind); 6] = [
     (EffectKind::JointAsymmetricViscous, EffectKind::JointViscous),
     (EffectKind::JointAsymmetricCoulomb, EffectKind::JointCoulomb),
     (EffectKind::JointStribeck, EffectKind::JointCoulomb),
     (EffectKind::JointHysteresis, EffectKind::JointCoulomb),
-    // Over a small travel a spring that balances is a constant.
-    (EffectKind::JointCounterbalance, EffectKind::JointOffset),
     (EffectKind::SensorDrift, EffectKind::SensorOffset),
     (EffectKind::FootFrictionFalling, EffectKind::FootFriction),
 ];

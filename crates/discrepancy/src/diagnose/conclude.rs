@@ -155,7 +155,7 @@ fn judge(
     let locked = locked.or(excess.map(|(_, text)| text));
     let percent = (100.0 * diagnosis.unexplained_fraction).round();
     let stopped = format!(
-        "The search stopped at the limit of {} simulations with something left to be fitted.",
+        "The search stopped at the limit of {} simulations before it had looked at everything.",
         problem.options.max_predictions
     );
     (diagnosis.verdict, diagnosis.reason) = if outcome.stopped && diagnosis.causes.is_empty() {

@@ -47,6 +47,9 @@ pub(super) struct Variable {
     pub prior: Prior,
 }
 
+/// One part in so many of the predictions is kept for the conclusion.
+const KEPT_PART: usize = 10;
+
 /// A nominal parameter is refitted within so many standard deviations; what asks for more is no matter of uncertainty.
 const WITHIN_SIGMA: f64 = 3.0;
 
@@ -93,11 +96,10 @@ impl<'a> Problem<'a> {
         self.predictions.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Predictions that may still be made.
+    /// Predictions that the search may still make; a part of those allowed is kept for the conclusion.
     pub fn left(&self) -> usize {
-        self.options
-            .max_predictions
-            .saturating_sub(self.predictions())
+        let for_search = self.options.max_predictions / KEPT_PART * (KEPT_PART - 1);
+        for_search.saturating_sub(self.predictions())
     }
 
     pub fn predict(&self, point: &Point) -> Result<Columns, PredictError> {

@@ -48,6 +48,8 @@ const CLEARLY_BEHIND: f64 = 2.0;
 const STRONG: f64 = 4.0;
 /// Simulations that a round of fits takes at least.
 const LEAST_LEFT: usize = 40;
+/// Simulations that a fit takes, roughly.
+const OF_A_FIT: usize = 25;
 pub(super) const REFINED: usize = 12;
 /// In standard deviations of a nominal parameter.
 const FAR_SIGMA: f64 = 0.5;
@@ -151,6 +153,11 @@ impl Search<'_, '_> {
     fn forward(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
         let problem = self.problem;
         let base = &outcome.chosen;
+        // Looking for another effect takes as many simulations as looking for the first did.
+        if !base.point.effects.is_empty() && problem.left() < outcome.tests + LEAST_LEFT {
+            outcome.stopped = true;
+            return Ok(false);
+        }
         problem.report(Stage::Screening(base.point.effects.len()));
         let train = &problem.split.train;
         let (ranking, found, mut starts) = self.screened(base, &outcome.orders);
@@ -248,8 +255,10 @@ impl Search<'_, '_> {
             .collect()
     }
 
-    pub(super) fn fit_all(&mut self, starts: Vec<Point>, orders: &[usize]) -> Vec<Fit> {
+    /// Fits from all starts, best promise first; only as many as the simulations left allow.
+    pub(super) fn fit_all(&mut self, mut starts: Vec<Point>, orders: &[usize]) -> Vec<Fit> {
         let problem = self.problem;
+        starts.truncate((problem.left() / OF_A_FIT).max(1));
         let train = &problem.split.train;
         let trials: Vec<(Point, Result<Fit, _>)> = starts
             .into_par_iter()
