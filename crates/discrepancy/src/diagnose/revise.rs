@@ -3,7 +3,9 @@
 use super::DiagnoseError;
 use super::fit::{Fit, fit};
 use super::screen::{rank, refine};
-use super::search::{Outcome, REFINED, Search, criterion, extended, settled, weight, without};
+use super::search::{
+    DECISIVE, Outcome, REFINED, Search, criterion, extended, settled, weight, without,
+};
 use super::signature::signatures;
 
 /// Sizes, in parts of those found, from which a fit is made again.
@@ -104,5 +106,28 @@ impl Search<'_, '_> {
         }
         outcome.rivals = rivals;
         Ok(taken)
+    }
+
+    /// Takes a pair that was fitted to begin with where it says clearly more with no more parameters: an effect that can do much alone
+    /// is added first, and no exchange of one effect for another leads from it to two that are there.
+    pub(super) fn prefer_a_pair(&self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
+        let problem = self.problem;
+        if outcome.chosen.point.effects.is_empty() {
+            return Ok(());
+        }
+        let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);
+        let here = value(&outcome.chosen) - DECISIVE;
+        let better = outcome.pairs.iter().filter(|pair| {
+            weight(problem, pair) <= weight(problem, &outcome.chosen) && value(pair) < here
+        });
+        let best = better.min_by(|a, b| value(a).total_cmp(&value(b))).cloned();
+        if let Some(pair) = best {
+            let last = std::mem::replace(&mut outcome.chosen, pair.clone());
+            outcome.rivals = std::mem::take(&mut outcome.pairs);
+            outcome.rivals.push(last);
+            outcome.rivals.retain(|rival| rival.point != pair.point);
+            (outcome.chosen, outcome.orders) = settled(problem, pair)?;
+        }
+        Ok(())
     }
 }

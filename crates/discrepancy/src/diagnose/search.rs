@@ -23,6 +23,8 @@ pub(super) struct Outcome {
     pub orders: Vec<usize>,
     /// Other models of as many effects that were fitted.
     pub rivals: Vec<Fit>,
+    /// Pairs of effects that were fitted to begin with.
+    pub pairs: Vec<Fit>,
     /// The last screening: what is left to be seen beyond the model chosen.
     pub ranking: Vec<Ranked>,
     /// Signatures tested in the last screening.
@@ -84,6 +86,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         base,
         orders,
         rivals: Vec::new(),
+        pairs: Vec::new(),
         ranking: Vec::new(),
         tests: 0,
         signatures: Vec::new(),
@@ -105,6 +108,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
             }
         }
     }
+    search.prefer_a_pair(&mut outcome)?;
     outcome.failed = search.failed && outcome.chosen.point.effects.is_empty();
     outcome.fits = search.fits;
     Ok(outcome)
@@ -182,6 +186,10 @@ impl Search<'_, '_> {
         });
         let trials = self.fit_all(starts, &outcome.orders);
         self.failed |= trials.is_empty() && strong;
+        if base.point.effects.is_empty() {
+            let pairs = trials.iter().filter(|t| t.point.effects.len() == 2);
+            outcome.pairs = pairs.cloned().collect();
+        }
         let Some(best) = self.choose(base, &trials, &outcome.orders, outcome.tests) else {
             return Ok(false);
         };
