@@ -122,7 +122,7 @@ fn every_pass_is_held_against_the_run_from_its_start() {
     data.passes = vec![start(0), start(half)];
     let level = |data: &Measured| compare_recordings(&run, data, None).unwrap();
     let found = level(&data);
-    let rms = found.channels[0].level.rms;
+    let rms = found.channels[0].level.rms_error;
     let floor = (noise.iter().map(|n| n * n).sum::<f64>() / SAMPLES as f64).sqrt();
     assert!((rms / floor - 1.0).abs() < 0.05, "{rms} beside {floor}");
     assert!(
