@@ -59,6 +59,7 @@ fn verify_every_pass_is_the_same_run_from_its_own_start() {
             .unwrap_or_else(|e| panic!("{e}"))
     };
     let columns = predicted(0.0);
+    assert_eq!(columns.len(), 3);
     for column in &columns {
         let most = column.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         for k in 0..2 * SAMPLES_OF_A_PASS {
@@ -103,6 +104,7 @@ fn verify_sensors_measure_a_kept_run_as_a_run_of_their_own() {
     let own = trial
         .predict(&nominal, &sensors)
         .unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((kept.len(), own.len()), (3, 3));
     for (kept, own) in kept.iter().zip(&own) {
         let most = own.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         for (k, (a, b)) in kept.iter().zip(own).enumerate() {

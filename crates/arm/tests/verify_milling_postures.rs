@@ -6,10 +6,12 @@
 //! angle θr. Front shoulder, upper elbow, one wrist by continuity. Inertia is the reference model's, not the asset's
 //! 0.82 of it; ζ = 0.02 in every mode; no gravity.
 
+mod milling_arm;
+
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
-use std::path::Path;
 
+use milling_arm::robot;
 use nalgebra::{Isometry3, Matrix2, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use truecut_arm::{FrameId, IkOptions, Load, Robot, planar_principal, translational};
 use truecut_core::chatter::averaged::{
@@ -27,17 +29,6 @@ const P1_M: [f64; 3] = [1.050, -1.450, 0.870];
 const P2_M: [f64; 3] = [1.350, -1.450, 0.870];
 /// Joint angles at P1, θr = 20°, degrees.
 const START_DEG: [f64; 6] = [-43.1717, 33.4476, 5.1977, -72.4716, 110.6398, 131.8613];
-
-fn robot() -> Robot {
-    let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../assets/robots/irb6600_175_255/robot.urdf");
-    let mut robot = Robot::load(&urdf, None, None)
-        .expect("the asset loads")
-        .scaled(1.0 / 0.82, 1.0, 1.0);
-    let axes = Matrix3::from_columns(&[-Vector3::z(), Vector3::y(), Vector3::x()]);
-    robot.frames.flange_from_tool = pose([0.25, 0.0, 0.18], &axes);
-    robot
-}
 
 fn pose(point_m: [f64; 3], axes: &Matrix3<f64>) -> Isometry3<f64> {
     let rotation = Rotation3::from_matrix_unchecked(*axes);

@@ -4,11 +4,13 @@
 //! the averaged 6-DoF theory of mode coupling, teeth that meet their own surface with semi-discretisation: stable at 0.9
 //! of the limit and unstable at 1.1 of it. The two limits differ by a factor of five to twenty.
 
-use std::f64::consts::TAU;
-use std::path::Path;
+mod milling_arm;
 
-use nalgebra::{DVector, Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use truecut_arm::{BranchOptions, FrameId, Robot, tool_pose};
+use std::f64::consts::TAU;
+
+use milling_arm::robot;
+use nalgebra::{DVector, Vector3};
+use truecut_arm::{BranchOptions, FrameId, tool_pose};
 use truecut_core::chatter::averaged::mode_coupling_limit;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
 use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
@@ -27,16 +29,7 @@ const GROWN_M: f64 = 1e-5;
 /// The arm of the posture study (`verify_milling_postures.rs`), its modes at P1 with ζ = 0.02, world axes; the feed is along
 /// world x.
 fn modes(angle_deg: f64) -> Vec<TipMode> {
-    let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../assets/robots/irb6600_175_255/robot.urdf");
-    let mut robot = Robot::load(&urdf, None, None)
-        .expect("the asset loads")
-        .scaled(1.0 / 0.82, 1.0, 1.0);
-    let axes = Matrix3::from_columns(&[-Vector3::z(), Vector3::y(), Vector3::x()]);
-    robot.frames.flange_from_tool = Isometry3::from_parts(
-        Translation3::new(0.25, 0.0, 0.18),
-        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes)),
-    );
+    let robot = robot();
     let point = Vector3::new(1.050, -1.450, 0.870);
     let down = -Vector3::z_axis();
     let pose = tool_pose(&point, &down, &Vector3::x(), angle_deg.to_radians()).expect("square");

@@ -120,7 +120,10 @@ pub fn compare_recordings(
 
 /// The first `rows` samples of a simulated channel at the times of the measurement, pass by pass.
 pub fn along(simulated: &Recording, measured: &Measured, column: &[f64], rows: usize) -> Vec<f64> {
-    let mut values = measured.along_passes(|times| resample(&simulated.time_s, column, times));
+    let stretches = measured.stretches_s();
+    let mut values: Vec<f64> = (stretches.iter())
+        .flat_map(|times| resample(&simulated.time_s, column, times))
+        .collect();
     values.truncate(rows);
     values
 }

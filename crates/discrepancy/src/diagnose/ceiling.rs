@@ -7,7 +7,7 @@ use realfft::RealFftPlanner;
 
 use super::answer::{Ceiling, Lock};
 use super::data::{LAGS, Rows};
-use super::features::{Group, groups};
+use super::features::{Group, delay_by_size, groups};
 use super::fit::Fit;
 use super::memory::channel_distance;
 use super::noise::{ChannelNoise, Noise, Prior, dot, solve, subtract};
@@ -64,7 +64,7 @@ struct Trial<'a> {
 }
 
 /// Bounds what can be explained of the residual.
-pub(super) fn bound(problem: &Problem, last: &Fit, signatures: &[Signature]) -> Bound {
+pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Signature]) -> Bound {
     let (residual, noise) = (&last.residual, &last.noise);
     let groups = groups(problem, &last.predicted);
     let mut left = residual.clone();
@@ -75,6 +75,7 @@ pub(super) fn bound(problem: &Problem, last: &Fit, signatures: &[Signature]) -> 
         let mut own = target.lines();
         own.extend(target.through_dynamics(&groups));
         own.extend(spans(problem, signatures, c));
+        own.extend(delay_by_size(problem, c, &base.predicted[c]));
         own.extend(resonance(
             problem,
             &last.predicted,

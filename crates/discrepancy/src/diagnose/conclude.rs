@@ -91,7 +91,7 @@ pub(super) fn conclude(
         true,
     )?;
     problem.report(Stage::Ceiling);
-    let bound = bound(problem, &last, &outcome.signatures);
+    let bound = bound(problem, &base, &last, &outcome.signatures);
     let mut diagnosis = empty(problem);
     diagnosis.ceiling = bound.ceiling.clone();
     diagnosis.smallest_seen = smallest_seen(problem, &outcome);

@@ -72,20 +72,49 @@ fn standardised(values: &[f64]) -> Option<Vec<f64>> {
         .then(|| values.iter().map(|x| (x - mean) / spread).collect())
 }
 
-fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Group>) {
+/// Delays of an output in samples, and the sizes at which they may differ.
+const DELAYS: [usize; 6] = [0, 2, 5, 10, 18, 30];
+const SIZES: usize = 4;
+
+/// A channel that comes late by a time which goes with its size. The output is the nominal model's: what effects of sensors make of it
+/// is late already.
+pub(super) fn delay_by_size(problem: &Problem, channel: usize, output: &[f64]) -> Option<Group> {
+    let x = standardised(output)?;
+    let sizes: Vec<f64> = output.iter().map(|x| x.abs()).collect();
+    let sizes = bins(&standardised(&sizes)?, SIZES);
+    let delayed = DELAYS.iter().map(|lag| shifted(&x, problem.data, *lag));
+    Some(Group {
+        name: format!(
+            "delay of {}, by its size",
+            problem.model.channels()[channel].name
+        ),
+        by_signal: true,
+        features: delayed.flat_map(|x| products(&sizes, &x)).collect(),
+    })
+}
+
+fn products(bins: &[Vec<f64>], factor: &[f64]) -> Vec<Vec<f64>> {
+    bins.iter()
+        .map(|b| b.iter().zip(factor).map(|(b, f)| b * f).collect())
+        .collect()
+}
+
+/// A signal so many samples before, within its pass.
+fn shifted(x: &[f64], data: &Observation, lag: usize) -> Vec<f64> {
     let starts: Vec<usize> = data.trajectories.iter().map(|r| r.start).collect();
-    let shifted = |lag: usize| -> Vec<f64> {
-        let first = |t: usize| starts.iter().rev().find(|s| **s <= t).copied().unwrap_or(0);
-        (0..x.len())
-            .map(|t| x[t.saturating_sub(lag).max(first(t))])
-            .collect()
-    };
+    let first = |t: usize| starts.iter().rev().find(|s| **s <= t).copied().unwrap_or(0);
+    (0..x.len())
+        .map(|t| x[t.saturating_sub(lag).max(first(t))])
+        .collect()
+}
+
+fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Group>) {
     groups.push(Group {
         name: format!("{name}, linearly"),
         by_signal: true,
         features: [0, 1, 2, 4, 8, 16, 32]
             .iter()
-            .map(|lag| shifted(*lag))
+            .map(|lag| shifted(x, data, *lag))
             .collect(),
     });
     groups.push(Group {
@@ -93,7 +122,7 @@ fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Gro
         by_signal: true,
         features: bins(x, 12),
     });
-    let before = shifted(2);
+    let before = shifted(x, data, 2);
     let rate: Vec<f64> = x.iter().zip(&before).map(|(a, b)| a - b).collect();
     if let Some(rate) = standardised(&rate) {
         let signs: Vec<f64> = rate.iter().map(|v| (v * 20.0).tanh()).collect();
@@ -107,26 +136,20 @@ fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Gro
             by_signal: true,
             features: bins(&rate, 8),
         });
-        let delays = bins(x, 8)
-            .into_iter()
-            .map(|b| b.iter().zip(&rate).map(|(b, r)| b * r).collect());
         groups.push(Group {
             name: format!("rate of {name}, by its size"),
             by_signal: true,
-            features: delays.collect(),
+            features: products(&bins(x, 8), &rate),
         });
         groups.push(Group {
             name: format!("place of {name} and its direction"),
             by_signal: true,
             features: harmonics(x, &signs),
         });
-        let products = bins(x, 12)
-            .into_iter()
-            .map(|b| b.iter().zip(&signs).map(|(b, s)| b * s).collect());
         groups.push(Group {
             name: format!("{name} and its direction"),
             by_signal: true,
-            features: products.collect(),
+            features: products(&bins(x, 12), &signs),
         });
     }
 }

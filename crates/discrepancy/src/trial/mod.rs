@@ -31,6 +31,8 @@ use crate::model::{Candidate, Columns, Experiment, Model, NominalParameter, Pred
 pub struct Trial {
     scenario: Scenario,
     measured: Measured,
+    /// Times of the measured samples since the start of their pass.
+    stretches_s: Vec<Vec<f64>>,
     facts: RobotFacts,
     channels: Vec<ChannelSpec>,
     nominal: Vec<NominalParameter>,
@@ -152,6 +154,7 @@ impl Trial {
             candidates: candidates::candidates(scenario, &signals, &channels),
             scenario: scenario.clone(),
             measured: measured.clone(),
+            stretches_s: measured.stretches_s(),
             facts,
             channels,
             nominal,
@@ -265,7 +268,10 @@ impl Trial {
 
     fn at_the_data(&self, rows: &Rows) -> Columns {
         let column = |values: &Vec<f64>| {
-            (self.measured).along_passes(|times| sampling::at(&rows.time_s, values, times))
+            let stretches = self.stretches_s.iter();
+            stretches
+                .flat_map(|times| sampling::at(&rows.time_s, values, times))
+                .collect()
         };
         rows.columns.iter().map(column).collect()
     }

@@ -68,6 +68,7 @@ pub(super) fn observation(
         });
     }
     if let Some(recording) = nominal {
+        let stretches = measured.stretches_s();
         let known = SIGNALS.iter().filter_map(|name| {
             let index = recording
                 .channels
@@ -75,9 +76,11 @@ pub(super) fn observation(
                 .position(|spec| spec.name == **name)?;
             Some(Regressor {
                 name: (*name).to_owned(),
-                values: measured.along_passes(|times| {
-                    sampling::at(&recording.time_s, &recording.columns[index], times)
-                }),
+                values: (stretches.iter())
+                    .flat_map(|times| {
+                        sampling::at(&recording.time_s, &recording.columns[index], times)
+                    })
+                    .collect(),
                 is_angle: false,
             })
         });

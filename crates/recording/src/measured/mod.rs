@@ -171,18 +171,16 @@ impl Measured {
         times
     }
 
-    /// A simulated channel at the samples' process times: `at` gives it at rising times, once for each pass.
-    pub fn along_passes(&self, at: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    /// Process times in stretches that rise: what lies before the first pass, if anything, then pass by pass.
+    pub fn stretches_s(&self) -> Vec<Vec<f64>> {
         let times = self.process_time_s();
         let passes = self.passes();
-        let mut values = Vec::with_capacity(times.len());
-        if passes[0].samples.start > 0 {
-            values.extend(at(&times[..passes[0].samples.start]));
-        }
-        for pass in &passes {
-            values.extend(at(&times[pass.samples.clone()]));
-        }
-        values
+        let before = 0..passes[0].samples.start;
+        let stretches = std::iter::once(before).chain(passes.into_iter().map(|pass| pass.samples));
+        stretches
+            .filter(|samples| !samples.is_empty())
+            .map(|samples| times[samples].to_vec())
+            .collect()
     }
 
     /// A channel by name.

@@ -263,7 +263,11 @@ fn passes_have_process_times_of_their_own() {
         );
     }
     // What is simulated once stands at every pass, and before the first one what its start says.
-    let simulated = data.along_passes(|times| times.iter().map(|t| 10.0 * t.max(0.0)).collect());
+    let stretches = data.stretches_s();
+    assert_eq!(stretches.len(), 3);
+    let simulated: Vec<f64> = (stretches.iter().flatten())
+        .map(|t| 10.0 * t.max(0.0))
+        .collect();
     assert!(
         (simulated[50], simulated.len()) == (0.0, 1000) && (simulated[510] - 0.105).abs() < 1e-9
     );

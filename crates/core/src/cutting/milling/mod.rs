@@ -57,3 +57,21 @@ pub enum MillingError {
         diameter_m: f64,
     },
 }
+
+/// Inputs that several tests share.
+#[cfg(test)]
+pub(crate) mod examples {
+    use crate::cutting::chamfer::CuttingCoefficients;
+
+    /// Al 7075-T6 with edge forces on all three axes.
+    pub(crate) fn aluminium() -> CuttingCoefficients {
+        CuttingCoefficients {
+            tangential_pa: 767.0e6,
+            radial_pa: 168.8e6,
+            axial_pa: 222.0e6,
+            edge_tangential_n_per_m: 27.7e3,
+            edge_radial_n_per_m: 26.6e3,
+            edge_axial_n_per_m: 1.5e3,
+        }
+    }
+}

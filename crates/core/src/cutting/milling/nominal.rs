@@ -82,17 +82,7 @@ impl NominalCut {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn coefficients() -> CuttingCoefficients {
-        CuttingCoefficients {
-            tangential_pa: 767.0e6,
-            radial_pa: 168.8e6,
-            axial_pa: 222.0e6,
-            edge_tangential_n_per_m: 27.7e3,
-            edge_radial_n_per_m: 26.6e3,
-            edge_axial_n_per_m: 1.5e3,
-        }
-    }
+    use crate::cutting::milling::examples::aluminium;
 
     fn cuts() -> Vec<NominalCut> {
         let engagements = [
@@ -109,7 +99,7 @@ mod tests {
                 };
                 cuts.push(NominalCut {
                     cutter,
-                    coefficients: coefficients(),
+                    coefficients: aluminium(),
                     engagement,
                     axial_depth_m: 12e-3,
                     feed_per_tooth_m: 0.1e-3,

@@ -158,7 +158,9 @@ fn verify_intervals_of_modes_hold_the_truth_as_often_as_they_say() {
 fn noise_alone_has_no_mode() {
     let mut shown = 0;
     for seed in 0..20 {
-        let mut frfs = frfs(&THREE, MotionKind::Acceleration, 1.0, seed);
+        let mut frfs = frfs(&THREE, MotionKind::Acceleration, 0.0, seed);
+        let with_modes = fit(&frfs, BAND, None, 0.0).expect("a fit of three modes");
+        assert_eq!(with_modes.modes.len(), 3, "the same setup shows modes");
         let mut draw = normal(500 + seed);
         for frf in &mut frfs {
             frf.value

@@ -194,6 +194,7 @@ fn a_single_posture_and_direction_cannot_tell_two_joints_apart() {
         }
     }
     let report = run(&file, &table);
+    assert_eq!(report.joints.len(), 2);
     for (joint, other) in report.joints.iter().zip(["elbow", "shoulder"]) {
         let vague = [Status::NotSeparable, Status::LowerBound].contains(&joint.status);
         assert!(vague && joint.value.is_none(), "{joint:?}");

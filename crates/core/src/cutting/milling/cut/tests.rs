@@ -1,19 +1,9 @@
 use super::*;
 use crate::cutting::milling::cutter::Runout;
 use crate::cutting::milling::engagement::Engagement;
+use crate::cutting::milling::examples::aluminium;
 use crate::cutting::milling::nominal::NominalCut;
 use std::f64::consts::{FRAC_PI_2, PI};
-
-pub(super) fn aluminium() -> CuttingCoefficients {
-    CuttingCoefficients {
-        tangential_pa: 767.0e6,
-        radial_pa: 168.8e6,
-        axial_pa: 222.0e6,
-        edge_tangential_n_per_m: 27.7e3,
-        edge_radial_n_per_m: 26.6e3,
-        edge_axial_n_per_m: 1.5e3,
-    }
-}
 
 pub(super) fn parameters(
     cutter: Cutter,

@@ -1,12 +1,13 @@
 //! Small oscillators against the cut, in the time domain, beside the stability theory.
 
-use super::tests::{aluminium, parameters};
+use super::tests::parameters;
 use super::*;
 use crate::chatter::limit::{LimitSearch, first_limit};
 use crate::chatter::planar::PlanarSplit;
 use crate::chatter::semi_discretisation::SemiDiscretisation;
 use crate::chatter::{DirectionalMatrix, TipMode};
 use crate::cutting::milling::engagement::Engagement;
+use crate::cutting::milling::examples::aluminium;
 use crate::cutting::milling::nominal::NominalCut;
 use nalgebra::{Matrix2, Vector4};
 
