@@ -50,6 +50,8 @@ pub struct Dynamics {
     pub(crate) states: Vec<State>,
     pub(crate) zeros: Vec<f64>,
     pub(crate) frames: [(Vector3<f64>, Matrix3<f64>); 3],
+    /// The posture that `states` hold; a step asks for several things at one posture.
+    placed: Vec<f64>,
 }
 
 impl Dynamics {
@@ -91,6 +93,7 @@ impl Dynamics {
             states: vec![State::default(); bodies.len()],
             zeros: vec![0.0; bodies.len()],
             frames: [FrameId::Flange, FrameId::Tool, FrameId::Foot].map(frame),
+            placed: vec![f64::NAN; bodies.len()],
             bodies,
         }
     }
@@ -103,6 +106,11 @@ impl Dynamics {
 
     pub(crate) fn place(&mut self, q: &[f64]) {
         assert_eq!(q.len(), self.bodies.len(), "one coordinate per joint");
+        // Never with a NaN in it.
+        if self.placed == q {
+            return;
+        }
+        self.placed.copy_from_slice(q);
         for ((body, state), &q) in self.bodies.iter().zip(&mut self.states).zip(q) {
             if body.revolute {
                 let (sin, cos) = q.sin_cos();

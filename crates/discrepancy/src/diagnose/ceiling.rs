@@ -10,7 +10,7 @@ use super::data::{LAGS, Rows};
 use super::features::{Group, delay_by_size, groups};
 use super::fit::Fit;
 use super::memory::channel_distance;
-use super::noise::{ChannelNoise, Noise, Prior, dot, solve, subtract};
+use super::noise::{ChannelNoise, Moments, Noise, Prior, dot, subtract};
 use super::problem::Problem;
 use super::resonance::resonance;
 use super::signature::Signature;
@@ -227,11 +227,8 @@ impl<'a> Target<'a> {
         let columns: Vec<Vec<f64>> = features(groups)
             .map(|x| whiten(noise, x, self.rows))
             .collect();
-        let coefficients = solve(
-            &whiten(noise, self.residual, self.rows),
-            &columns,
-            &ridge(&columns),
-        );
+        let moments = Moments::new(&whiten(noise, self.residual, self.rows), &columns);
+        let coefficients = moments.solve(&ridge(moments.squares(), self.rows.len()));
         let mut left = vec![self.residual.to_vec()];
         for (x, b) in features(groups).zip(&coefficients) {
             subtract(&mut left, &vec![x.clone()], *b);
@@ -245,14 +242,25 @@ impl<'a> Target<'a> {
         let columns: Vec<Vec<f64>> = features(groups)
             .map(|x| whiten(noise, x, self.rows))
             .collect();
+        let parts: Vec<Moments> = (0..self.folds)
+            .map(|fold| {
+                let pick = |x: &[f64]| -> Vec<f64> {
+                    let kept = x.iter().zip(&self.fold).filter(|(_, f)| **f == fold);
+                    kept.map(|(x, _)| *x).collect()
+                };
+                let picked: Vec<Vec<f64>> = columns.iter().map(|x| pick(x)).collect();
+                Moments::new(&pick(&target), &picked)
+            })
+            .collect();
+        let whole = parts
+            .iter()
+            .skip(1)
+            .fold(parts[0].clone(), |sum, part| sum.plus(part));
         let mut errors = target.clone();
-        for held_out in 0..self.folds {
-            let pick = |x: &[f64]| -> Vec<f64> {
-                let kept = x.iter().zip(&self.fold).filter(|(_, f)| **f != held_out);
-                kept.map(|(x, _)| *x).collect()
-            };
-            let picked: Vec<Vec<f64>> = columns.iter().map(|x| pick(x)).collect();
-            let coefficients = solve(&pick(&target), &picked, &ridge(&picked));
+        for (held_out, part) in parts.iter().enumerate() {
+            let others = whole.minus(part);
+            let count = self.fold.iter().filter(|f| **f != held_out).count();
+            let coefficients = others.solve(&ridge(others.squares(), count));
             for p in (0..self.rows.len()).filter(|p| self.fold[*p] == held_out) {
                 let predicted: f64 = columns
                     .iter()
@@ -286,16 +294,13 @@ fn features<'a>(groups: &'a [&'a Group]) -> impl Iterator<Item = &'a Vec<f64>> {
     groups.iter().flat_map(|g| &g.features)
 }
 
-/// A little shrinkage, so that bins with few samples do not matter.
-fn ridge(columns: &[Vec<f64>]) -> Vec<Prior> {
-    let precision = |x: &Vec<f64>| (dot(x, x) / x.len().max(1) as f64).sqrt();
-    columns
-        .iter()
-        .map(|x| Prior {
-            offset: 0.0,
-            precision: precision(x),
-        })
-        .collect()
+/// A little shrinkage, so that bins with few samples do not matter. From the sum of squares of each column over `count` rows.
+fn ridge(squares: impl Iterator<Item = f64>, count: usize) -> Vec<Prior> {
+    let priors = squares.map(|sum| Prior {
+        offset: 0.0,
+        precision: (sum / count.max(1) as f64).sqrt(),
+    });
+    priors.collect()
 }
 
 impl Target<'_> {

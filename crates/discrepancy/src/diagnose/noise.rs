@@ -181,39 +181,84 @@ pub(super) fn penalty(coefficients: &[f64], priors: &[Prior]) -> f64 {
         .sum()
 }
 
-/// Inner product.
+/// Inner product, in eight sums that do not wait for one another.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for i in 0..8 {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
+    sums.iter().sum::<f64>() + rest
 }
 
 /// Least squares with priors; columns that are nothing but rounding get zero.
 pub(super) fn solve(target: &[f64], columns: &[Vec<f64>], priors: &[Prior]) -> Vec<f64> {
-    let k = columns.len();
-    let norm: Vec<f64> = columns.iter().map(|x| dot(x, x).sqrt()).collect();
-    let scale: Vec<f64> = norm
-        .iter()
-        .zip(priors)
-        .map(|(n, p)| 1.0 / n.hypot(p.precision).max(f64::MIN_POSITIVE.sqrt()))
-        .collect();
-    let mut normal = DMatrix::<f64>::identity(k, k) * 1e-9;
-    let mut right = DVector::<f64>::zeros(k);
-    for i in 0..k {
-        right[i] =
-            scale[i] * (dot(&columns[i], target) - priors[i].precision.powi(2) * priors[i].offset);
-        for j in i..k {
-            let mut entry = dot(&columns[i], &columns[j]);
-            if i == j {
-                entry += priors[i].precision.powi(2);
+    Moments::new(target, columns).solve(priors)
+}
+
+/// Inner products of columns with one another and with what they are to explain. Those of parts of the rows add up.
+#[derive(Debug, Clone)]
+pub(super) struct Moments {
+    columns: DMatrix<f64>,
+    target: DVector<f64>,
+}
+
+impl Moments {
+    pub(super) fn new(target: &[f64], columns: &[Vec<f64>]) -> Moments {
+        let k = columns.len();
+        let mut products = DMatrix::zeros(k, k);
+        for i in 0..k {
+            for j in i..k {
+                products[(i, j)] = dot(&columns[i], &columns[j]);
+                products[(j, i)] = products[(i, j)];
             }
-            normal[(i, j)] += entry * scale[i] * scale[j];
-            normal[(j, i)] = normal[(i, j)];
+        }
+        Moments {
+            columns: products,
+            target: DVector::from_iterator(k, columns.iter().map(|x| dot(x, target))),
         }
     }
-    match normal.cholesky() {
-        Some(factor) => {
-            let solution = factor.solve(&right);
-            (0..k).map(|i| solution[i] * scale[i]).collect()
+
+    pub(super) fn plus(&self, other: &Moments) -> Moments {
+        Moments {
+            columns: &self.columns + &other.columns,
+            target: &self.target + &other.target,
         }
-        None => vec![0.0; k],
+    }
+
+    pub(super) fn minus(&self, other: &Moments) -> Moments {
+        Moments {
+            columns: &self.columns - &other.columns,
+            target: &self.target - &other.target,
+        }
+    }
+
+    /// Sum of squares of each column.
+    pub(super) fn squares(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.target.len()).map(|i| self.columns[(i, i)].max(0.0))
+    }
+
+    pub(super) fn solve(&self, priors: &[Prior]) -> Vec<f64> {
+        let scale: Vec<f64> = (self.squares().zip(priors))
+            .map(|(s, p)| 1.0 / s.sqrt().hypot(p.precision).max(f64::MIN_POSITIVE.sqrt()))
+            .collect();
+        let k = scale.len();
+        let mut normal = DMatrix::from_fn(k, k, |i, j| self.columns[(i, j)] * scale[i] * scale[j]);
+        for i in 0..k {
+            normal[(i, i)] += (priors[i].precision * scale[i]).powi(2) + 1e-9;
+        }
+        let right = DVector::from_fn(k, |i, _| {
+            scale[i] * (self.target[i] - priors[i].precision.powi(2) * priors[i].offset)
+        });
+        match normal.cholesky() {
+            Some(factor) => {
+                let solution = factor.solve(&right);
+                (0..k).map(|i| solution[i] * scale[i]).collect()
+            }
+            None => vec![0.0; k],
+        }
     }
 }
