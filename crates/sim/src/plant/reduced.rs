@@ -38,6 +38,8 @@ pub struct ReducedPlant {
     travels: bool,
     linear: Linear,
     joints: JointState,
+    last_from_tool: Isometry3<f64>,
+    last_from_foot: Isometry3<f64>,
     tool: FrameState,
     foot: FrameState,
     /// Mean velocities over the step ahead (after `finish`) and over the step before.
@@ -80,6 +82,8 @@ impl ReducedPlant {
         let linear = arm.about(q)?;
         let zeros = DVector::zeros(n);
         Some(Self {
+            last_from_tool: arm.robot.last_link_from_frame(FrameId::Tool),
+            last_from_foot: arm.robot.last_link_from_frame(FrameId::Foot),
             travels: turns && (path || !springs),
             tool: linear.tool.clone(),
             foot: linear.foot.clone(),
@@ -165,14 +169,22 @@ impl ReducedPlant {
     fn update_frames(&mut self) {
         if self.travels {
             let q = &self.joints.position;
-            let links = self.arm.robot.world_from_links(q);
-            let last = links.last().copied().unwrap_or_else(Isometry3::identity);
-            for (id, state) in [
-                (FrameId::Tool, &mut self.tool),
-                (FrameId::Foot, &mut self.foot),
-            ] {
-                self.arm.dynamics.jacobian_into(q, id, &mut state.jacobian);
-                state.world_from_frame = last * self.arm.robot.last_link_from_frame(id);
+            let joints = self.arm.robot.chain.joints.iter().zip(q);
+            let last = joints.fold(Isometry3::identity(), |pose, (joint, &q)| {
+                pose * joint.parent_from_link(q)
+            });
+            self.tool.world_from_frame = last * self.last_from_tool;
+            self.foot.world_from_frame = last * self.last_from_foot;
+            let jacobian = &mut self.tool.jacobian;
+            (self.arm.dynamics).jacobian_into(q, FrameId::Tool, jacobian);
+            // Both are fixed to the last link: they turn alike, and move apart by the turning.
+            let arm_m = self.foot.world_from_frame.translation.vector
+                - self.tool.world_from_frame.translation.vector;
+            self.foot.jacobian.copy_from(jacobian);
+            for mut column in self.foot.jacobian.column_iter_mut() {
+                let turn: Vector3<f64> = column.fixed_rows::<3>(3).into_owned();
+                let mut linear = column.fixed_rows_mut::<3>(0);
+                linear += turn.cross(&arm_m);
             }
             return;
         }
