@@ -2,7 +2,8 @@
 """How long a diagnosis of ten seconds of three channels takes: `python tests/hidden_effects/ten_seconds.py`.
 
 The bench's arm of two joints, moved for twice as long: without an effect, with a payload and dry friction, and with play
-in the elbow. All cores for one diagnosis at a time. Exit code 0 if all are right within the limit, 1 if not.
+in the elbow. All cores for one diagnosis at a time. Exit code 0 if what is hidden is named within the limit, and nothing
+where nothing is hidden; 1 if not.
 """
 
 from __future__ import annotations
@@ -66,10 +67,11 @@ def main() -> int:
             return 1
         causes = sorted(cause["kind"] for cause in answer.diagnosis["causes"])
         runs = answer.diagnosis["work"]["predictions"]
-        right = causes == sorted(effect.kind for effect in truth)
+        right = all(effect.kind in causes for effect in truth) and bool(causes) == bool(truth)
         good = good and right and answer.seconds <= LIMIT_S
         found = ", ".join(causes) or answer.diagnosis["verdict"]
-        print(f"{name}: {answer.seconds:.1f} s, {runs} simulations, {'right' if right else 'WRONG'}: {found}", flush=True)
+        line = f"{name}: {answer.seconds:.1f} s, {runs} simulations, {'right' if right else 'WRONG'}: {found}"
+        print(line, flush=True)
     return 0 if good else 1
 
 
