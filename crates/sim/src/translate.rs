@@ -60,6 +60,10 @@ pub(crate) fn build_process(
             );
             Ok((Box::new(GivenLoad::new(process)), Workpiece::None))
         }
+        ProcessSpec::Milling(_) => Err(SimError::scenario(
+            "process.milling",
+            "milling is read, but not yet run",
+        )),
         ProcessSpec::Replay(_) => Err(SimError::scenario(
             "process.replay",
             "a replay needs its measured data",
