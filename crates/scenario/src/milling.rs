@@ -39,6 +39,8 @@ pub struct MillingSpec {
     pub regeneration: bool,
     /// Way from the cutter's rim to the face of the stock at the start; `None`: the cut is under way at the start.
     pub lead_in_m: Option<f64>,
+    /// Way along which the depth of cut rises from zero to the full one, behind the lead-in: the stock begins as a wedge.
+    pub ramp_m: f64,
     /// Where the tool goes.
     pub path: MillingPathSpec,
 }
@@ -185,6 +187,10 @@ pub(crate) struct MillingTable {
     /// deflected by its mean force.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "the cutter starts outside the stock"))]
     lead_in_mm: Option<f64>,
+    /// Way along which the depth of cut rises from zero to the full one, behind the lead-in: the stock begins as a wedge. Default:
+    /// 0.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "the depth rises along the feed"))]
+    ramp_mm: Option<f64>,
     /// The end mill.
     cutter: CutterTable,
     /// Cutting force coefficients from a file; or give [process.milling.cutting].
@@ -221,7 +227,6 @@ const LARGEST_FEED: f64 = 0.1;
 impl MillingTable {
     /// `None` after recording a fault.
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<MillingSpec> {
-        let table = "process.milling";
         let cutter = self.cutter.resolve(check);
         let engagement = self.engagement(cutter.diameter_m, check);
         let spindle_rad_s = from_rpm(self.spindle_rpm);
@@ -230,16 +235,9 @@ impl MillingTable {
         let lead_in_m = self.lead_in_mm.map(from_mm);
         let coefficients = material::resolve(self.material, self.cutting, folder, check);
         let path = self.path.resolve(check);
-        if let (Some(lead_in_m), Some(path)) = (lead_in_m, &path)
-            && lead_in_m >= path.length_m
-        {
-            let path_of_key = format!("{table}.lead_in_mm");
-            let message = format!(
-                "`{path_of_key}` is {} mm, but must be less than the path's length of {} mm: the cutter reaches the stock",
-                lead_in_m * 1e3,
-                path.length_m * 1e3
-            );
-            check.refuse(Fault::value(&path_of_key, message, "longer than the path"));
+        let ramp_m = from_mm(self.ramp_mm.unwrap_or(0.0));
+        if let Some(path) = &path {
+            check_entry(lead_in_m, ramp_m, path.length_m, check);
         }
         Some(MillingSpec {
             cutter,
@@ -251,6 +249,7 @@ impl MillingTable {
             engagement: engagement?,
             regeneration: self.regeneration.unwrap_or(true),
             lead_in_m,
+            ramp_m,
             path: path?,
         })
     }
@@ -345,6 +344,26 @@ impl MillingTable {
         }
         Some(depth_m)
     }
+}
+
+/// The cut must come to its full depth on the path.
+fn check_entry(lead_in_m: Option<f64>, ramp_m: f64, length_m: f64, check: &mut Check) {
+    let before_m = lead_in_m.unwrap_or(0.0) + ramp_m;
+    if before_m < length_m {
+        return;
+    }
+    let key = if lead_in_m.unwrap_or(0.0) >= length_m {
+        "lead_in_mm"
+    } else {
+        "ramp_mm"
+    };
+    let path = format!("process.milling.{key}");
+    let message = format!(
+        "`{path}`: the full depth is reached {} mm from the start, but must be before the path's end at {} mm",
+        before_m * 1e3,
+        length_m * 1e3
+    );
+    check.refuse(Fault::value(&path, message, "longer than the path"));
 }
 
 impl CutterTable {

@@ -231,7 +231,7 @@ fn what_cannot_be_cut_is_refused_with_value_and_rule() {
         (
             "axial_depth_mm = 0.3",
             "axial_depth_mm = 0.3\nlead_in_mm = 300",
-            "less than the path's length",
+            "must be before the path's end at 300 mm",
         ),
         (
             "[process.milling]",

@@ -1,0 +1,200 @@
+//! Growth of vibration, read off a motion in the time domain.
+//!
+//! Forced vibration repeats with the teeth (with the revolution, if they differ), so that the change
+//! `d(t) = x(t) − x(t − T)` is free of it and grows like the rest, e^{σt}. Its level is taken in windows of at least two
+//! of its own periods, and σ is the slope of the levels' logarithm. What saturates is left out: once d is no longer small
+//! beside the feed per tooth, teeth leave the cut and nothing is linear any more.
+
+use nalgebra::Vector3;
+
+/// What a motion does in the long run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Growth {
+    /// σ, 1/s; negative where vibration dies away. `None` if too little of the motion is in the linear range.
+    pub rate_per_s: Option<f64>,
+    /// Level of d in the last window, root mean square, m.
+    pub last_level_m: f64,
+}
+
+/// How a motion is judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GrowthOptions {
+    /// Period of what is forced, s.
+    pub period_s: f64,
+    /// Largest d that counts as linear, m.
+    pub linear_m: f64,
+}
+
+/// Fewest windows for a slope.
+const FEWEST_WINDOWS: usize = 5;
+/// Levels below this part of the linear range are rounding.
+const FLOOR: f64 = 1e-8;
+/// Part of the linear stretch, from its end, over which the slope is taken: fast modes have died away before.
+const LATE: f64 = 0.6;
+
+/// Growth of a motion sampled at constant intervals. `None` if it lasts for less than three periods, or a sample is not finite.
+pub fn growth(
+    motion_m: &[Vector3<f64>],
+    interval_s: f64,
+    options: &GrowthOptions,
+) -> Option<Growth> {
+    let change = changes(motion_m, options.period_s / interval_s)?;
+    let window = window_samples(&change, options.period_s / interval_s);
+    let levels: Vec<(f64, f64)> = change
+        .chunks_exact(window)
+        .map(|part| {
+            let square = part.iter().map(Vector3::norm_squared).sum::<f64>() / window as f64;
+            let peak = part.iter().map(Vector3::norm).fold(0.0, f64::max);
+            (square.sqrt(), peak)
+        })
+        .collect();
+    let last_level_m = levels.last()?.0;
+    let stretch = longest_linear(&levels, options.linear_m);
+    let late = stretch.start + ((stretch.len() as f64) * (1.0 - LATE)) as usize..stretch.end;
+    let rate_per_s = (late.len() >= FEWEST_WINDOWS).then(|| {
+        let logarithms: Vec<f64> = levels[late].iter().map(|level| level.0.ln()).collect();
+        slope(&logarithms) / (window as f64 * interval_s)
+    });
+    Some(Growth {
+        rate_per_s,
+        last_level_m,
+    })
+}
+
+/// x(t) − x(t − T), T in samples.
+fn changes(motion: &[Vector3<f64>], period: f64) -> Option<Vec<Vector3<f64>>> {
+    let first = period.ceil() as usize + 1;
+    if motion.len() < 3 * first || motion.iter().any(|x| x.iter().any(|x| !x.is_finite())) {
+        return None;
+    }
+    let at = |i: usize| {
+        let place = i as f64 - period;
+        let k = place.round();
+        if (place - k).abs() < 1e-6 {
+            return motion[k as usize];
+        }
+        // Cubic through the two samples on either side.
+        let k = (place.floor() as usize).clamp(1, motion.len() - 3);
+        let u = place - k as f64;
+        let [a, b, c, d] = std::array::from_fn(|j| motion[k + j - 1]);
+        a * (-u * (u - 1.0) * (u - 2.0) / 6.0)
+            + b * ((u + 1.0) * (u - 1.0) * (u - 2.0) / 2.0)
+            + c * (-(u + 1.0) * u * (u - 2.0) / 2.0)
+            + d * ((u + 1.0) * u * (u - 1.0) / 6.0)
+    };
+    Some((first..motion.len()).map(|i| motion[i] - at(i)).collect())
+}
+
+/// A window of at least one period of what is forced and two of what is not, by the sign changes of its largest component.
+fn window_samples(change: &[Vector3<f64>], period: f64) -> usize {
+    let late = &change[change.len() / 2..];
+    let size = |axis: usize| late.iter().map(|d| d[axis] * d[axis]).sum::<f64>();
+    let axis = (0..3)
+        .max_by(|a, b| size(*a).total_cmp(&size(*b)))
+        .unwrap_or(0);
+    let crossings = late
+        .windows(2)
+        .filter(|w| w[0][axis] * w[1][axis] < 0.0)
+        .count();
+    let two_periods = 4.0 * late.len() as f64 / crossings.max(1) as f64;
+    let most = change.len() / (2 * FEWEST_WINDOWS);
+    (two_periods.max(period).ceil() as usize).clamp(1, most.max(1))
+}
+
+/// The longest stretch of windows that stay in the linear range and above rounding.
+fn longest_linear(levels: &[(f64, f64)], linear_m: f64) -> std::ops::Range<usize> {
+    let good = |level: &(f64, f64)| level.1 <= linear_m && level.0 > FLOOR * linear_m;
+    let mut best = 0..0;
+    let mut start = 0;
+    for (i, level) in levels.iter().enumerate() {
+        if !good(level) {
+            start = i + 1;
+        } else if i + 1 - start > best.len() {
+            best = start..i + 1;
+        }
+    }
+    best
+}
+
+/// Slope of evenly spaced values, per step.
+fn slope(values: &[f64]) -> f64 {
+    let middle = 0.5 * (values.len() - 1) as f64;
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for (i, value) in values.iter().enumerate() {
+        let x = i as f64 - middle;
+        sum += x * value;
+        squares += x * x;
+    }
+    sum / squares
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    const STEP_S: f64 = 1e-4;
+
+    fn motion(rate_per_s: f64, period_s: f64, size_m: f64, count: usize) -> Vec<Vector3<f64>> {
+        (0..count)
+            .map(|i| {
+                let t = i as f64 * STEP_S;
+                let free = size_m * (rate_per_s * t).exp();
+                let fast = size_m * (-30.0 * t).exp() * (TAU * 41.0 * t).cos();
+                let forced =
+                    2e-5 * (TAU * t / period_s).sin() + 1e-5 * (2.0 * TAU * t / period_s).cos();
+                Vector3::new(
+                    3e-4 + forced + free * (TAU * 9.3 * t).sin() + fast,
+                    0.5 * free * (TAU * 9.3 * t + 1.0).sin(),
+                    0.0,
+                )
+            })
+            .collect()
+    }
+
+    /// A slow mode that grows or decays beside forced vibration ten times as large and a fast mode that dies away, tooth
+    /// periods of whole and of broken numbers of samples.
+    #[test]
+    fn verify_rate_of_an_exponential() {
+        for period_s in [6.25e-3, 7.123e-3] {
+            for rate_per_s in [-2.0, -0.4, 0.5, 2.0] {
+                let motion = motion(rate_per_s, period_s, 1e-6, 20_000);
+                let options = GrowthOptions {
+                    period_s,
+                    linear_m: 1e-4,
+                };
+                let found = growth(&motion, STEP_S, &options).expect("long enough");
+                let rate = found.rate_per_s.expect("linear");
+                assert!(
+                    (rate - rate_per_s).abs() < 0.02,
+                    "{rate} instead of {rate_per_s}"
+                );
+            }
+        }
+    }
+
+    /// What has saturated does not count, and what is saturated from the beginning has no rate.
+    #[test]
+    fn growth_ends_where_the_motion_is_no_longer_linear() {
+        let options = GrowthOptions {
+            period_s: 6.25e-3,
+            linear_m: 1e-5,
+        };
+        let mut motion = motion(3.0, 6.25e-3, 1e-6, 20_000);
+        motion.iter_mut().for_each(|x| x.y = x.y.clamp(-3e-5, 3e-5));
+        let found = growth(&motion, STEP_S, &options).expect("long enough");
+        assert!((found.rate_per_s.expect("linear") - 3.0).abs() < 0.1);
+        assert!(found.last_level_m > options.linear_m);
+        let narrow = GrowthOptions {
+            linear_m: 1e-9,
+            ..options
+        };
+        assert_eq!(
+            growth(&motion, STEP_S, &narrow)
+                .expect("long enough")
+                .rate_per_s,
+            None
+        );
+        assert_eq!(growth(&motion[..100], STEP_S, &options), None);
+    }
+}

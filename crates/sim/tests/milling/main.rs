@@ -1,0 +1,6 @@
+//! Milling runs against closed forms and stability theory.
+
+mod arm;
+mod forces;
+mod limits;
+mod support;
