@@ -1,13 +1,13 @@
 """Peripheral milling along a straight line: teeth on true circles against the surface that earlier teeth cut.
 
-The surface is not stored as displacements over the spindle's angle. Where a tooth stands now, the ray from the axis through
-its tip meets the arc that an earlier tooth cut at the time when that tooth's tip lay on the ray: the time is found by
-Newton's method from the recorded places of the axis (cubic Hermite between steps). The chip is what lies between the
-outermost of those points and the tip.
+The surface is not stored as displacements over the spindle's angle. Where a tooth stands now, the ray from the axis
+through its tip meets the arc that an earlier tooth cut at the time when that tooth's tip lay on the ray: the time is
+found by Newton's method from the recorded places of the axis (cubic Hermite between steps). The chip is what lies
+between the outermost of those points and the tip.
 
-Frame of the cut: x the feed, z the tool axis from the tip into the spindle (process -X), y = z x x. A tooth at the angle
-phi from +y towards +x points along (sin phi, cos phi); the tool turns clockwise seen from the spindle. The law covers
-straight edges without runout, which is what is cross-checked; anything else is refused.
+Frame of the cut: x the feed, z the tool axis from the tip into the spindle (process -X), y = z x x. A tooth at the
+angle phi from +y towards +x points along (sin phi, cos phi); the tool turns clockwise seen from the spindle. The law
+covers straight edges without runout, which is what is cross-checked; anything else is refused.
 """
 
 from __future__ import annotations
