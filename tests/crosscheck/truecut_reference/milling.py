@@ -52,8 +52,11 @@ class MillingProcess:
         self._command_rate = self._command.derivative()
         self.axes = _cut_axes(plant, spec)
         self.origin = plant.tool_position0.copy()
-        self.mean_force, self.mean_moment = _mean_load(spec)
-        self.steady = plant.deflection("tool", self.mean_force @ self.axes, self.mean_moment @ self.axes)
+        force, moment = _mean_load(spec)
+        steady = plant.deflection("tool", force @ self.axes, moment @ self.axes)
+        # A tool that sinks under the force cuts deeper, in proportion; both are found together.
+        deeper = spec.axial_depth_m / (spec.axial_depth_m + float(self.axes[2] @ steady))
+        self.mean_force, self.mean_moment, self.steady = deeper * force, deeper * moment, deeper * steady
         self.in_cut = spec.lead_in_m is None and spec.ramp_m == 0.0
         # Rest, and with it the place of the axis before the start: known once the arm has settled.
         self.offset = np.zeros(3)
