@@ -102,6 +102,7 @@ pub fn spindle_hz(scenario: &Scenario) -> Option<f64> {
     let speed_rad_s = match &scenario.process {
         ProcessSpec::Chamfer(chamfer) => chamfer.spindle_rad_s,
         ProcessSpec::Wheel(wheel) => wheel.spin_rad_s.abs(),
+        ProcessSpec::Milling(milling) => milling.spindle_rad_s,
         ProcessSpec::Replay(replay) => replay.turning?.spindle_rad_s,
         ProcessSpec::Load(_) => return None,
     };

@@ -56,6 +56,7 @@ mod foot;
 pub mod identification;
 mod load;
 mod metric;
+mod milling;
 mod overwrite;
 mod process;
 mod reach;
@@ -80,6 +81,10 @@ pub use error::{Problem, ScenarioError};
 pub use foot::{FootSpec, FootSpring, FrictionSpec};
 pub use identification::Identification;
 pub use load::{ForceSweepSpec, LoadFrame, LoadSpec, RotatingForceSpec};
+pub use milling::{
+    CutterSpec, Elbow, EngagementSpec, MillingCoefficients, MillingPathSpec, MillingSpec,
+    PathStart, Shoulder, TurnKnot, Wrist,
+};
 pub use process::ProcessSpec;
 pub use replay::{ReplayMode, ReplaySpec, Turning};
 pub use robot::{Drive, RobotSpec};

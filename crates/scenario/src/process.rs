@@ -1,5 +1,7 @@
 //! The `[process]` table: exactly one of the processes.
 
+use std::path::Path;
+
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -7,6 +9,7 @@ use crate::chamfer::{ChamferSpec, ChamferTable};
 use crate::check::Check;
 use crate::document::Fault;
 use crate::load::{LoadSpec, LoadTable};
+use crate::milling::{MillingSpec, MillingTable};
 use crate::replay::{ReplaySpec, ReplayTable};
 use crate::wheel::{WheelSpec, WheelTable};
 
@@ -17,6 +20,8 @@ pub enum ProcessSpec {
     Chamfer(ChamferSpec),
     /// Polishing a strip with a compliant wheel.
     Wheel(WheelSpec),
+    /// Milling along a straight line.
+    Milling(MillingSpec),
     /// Given forces.
     Load(LoadSpec),
     /// Measured inputs.
@@ -29,6 +34,7 @@ impl ProcessSpec {
         match self {
             ProcessSpec::Chamfer(_) => "chamfer",
             ProcessSpec::Wheel(_) => "wheel",
+            ProcessSpec::Milling(_) => "milling",
             ProcessSpec::Load(_) => "load",
             ProcessSpec::Replay(_) => "replay",
         }
@@ -39,6 +45,7 @@ impl ProcessSpec {
         match self {
             ProcessSpec::Chamfer(chamfer) => Some(chamfer.cycle_s()),
             ProcessSpec::Wheel(wheel) => Some(wheel.pass_s()),
+            ProcessSpec::Milling(milling) => Some(milling.pass_s()),
             ProcessSpec::Load(_) => None,
             ProcessSpec::Replay(_) => Some(f64::INFINITY),
         }
@@ -53,6 +60,8 @@ pub(crate) struct ProcessTable {
     chamfer: Option<ChamferTable>,
     /// Polishing a strip with a compliant wheel.
     wheel: Option<WheelTable>,
+    /// Milling along a straight line.
+    milling: Option<MillingTable>,
     /// Given forces at the tool.
     load: Option<LoadTable>,
     /// Measured inputs.
@@ -60,30 +69,33 @@ pub(crate) struct ProcessTable {
 }
 
 impl ProcessTable {
-    /// `None` after recording a fault if there is not exactly one process.
-    pub(crate) fn resolve(self, check: &mut Check) -> Option<ProcessSpec> {
-        match (self.chamfer, self.wheel, self.load, self.replay) {
-            (Some(chamfer), None, None, None) => Some(ProcessSpec::Chamfer(chamfer.resolve(check))),
-            (None, Some(wheel), None, None) => Some(ProcessSpec::Wheel(wheel.resolve())),
-            (None, None, Some(load), None) => Some(ProcessSpec::Load(load.resolve(check))),
-            (None, None, None, Some(replay)) => Some(ProcessSpec::Replay(replay.resolve(check))),
-            (chamfer, wheel, load, replay) => {
-                let given = [
-                    chamfer.map(|_| "chamfer"),
-                    wheel.map(|_| "wheel"),
-                    load.map(|_| "load"),
-                    replay.map(|_| "replay"),
-                ];
-                let given: Vec<&str> = given.into_iter().flatten().collect();
-                check.refuse(not_one(&given));
-                None
-            }
+    /// `None` after recording a fault if there is not exactly one process. `folder` is that of the scenario file.
+    pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<ProcessSpec> {
+        let given = [
+            self.chamfer.is_some().then_some("chamfer"),
+            self.wheel.is_some().then_some("wheel"),
+            self.milling.is_some().then_some("milling"),
+            self.load.is_some().then_some("load"),
+            self.replay.is_some().then_some("replay"),
+        ];
+        let given: Vec<&str> = given.into_iter().flatten().collect();
+        if given.len() != 1 {
+            check.refuse(not_one(&given));
+            return None;
         }
+        let chamfer = (self.chamfer).map(|one| ProcessSpec::Chamfer(one.resolve(check)));
+        let wheel = self.wheel.map(|one| ProcessSpec::Wheel(one.resolve()));
+        let milling = (self.milling)
+            .and_then(|one| one.resolve(folder, check))
+            .map(ProcessSpec::Milling);
+        let load = self.load.map(|one| ProcessSpec::Load(one.resolve(check)));
+        let replay = (self.replay).map(|one| ProcessSpec::Replay(one.resolve(check)));
+        chamfer.or(wheel).or(milling).or(load).or(replay)
     }
 }
 
 fn not_one(given: &[&str]) -> Fault {
-    let known = "[process.chamfer], [process.wheel], [process.load] and [process.replay]";
+    let known = "[process.chamfer], [process.wheel], [process.milling], [process.load] and [process.replay]";
     match given.last() {
         None => Fault::key(
             "process",

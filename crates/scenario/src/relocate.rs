@@ -5,7 +5,12 @@ use std::path::{Component, Path, PathBuf};
 use toml_edit::{DocumentMut, Item, Value};
 
 /// Keys that hold the path of a file, relative to the folder of the scenario.
-const PATHS: [&[&str]; 3] = [&["robot", "urdf"], &["robot", "config"], &["data", "file"]];
+const PATHS: [&[&str]; 4] = [
+    &["robot", "urdf"],
+    &["robot", "config"],
+    &["process", "milling", "material", "file"],
+    &["data", "file"],
+];
 
 /// Rewrites relative paths of a text from folder `from` so that they hold in folder `to`.
 pub(crate) fn relocate(document: &mut DocumentMut, from: &Path, to: &Path) {

@@ -24,7 +24,8 @@ pub struct RunSpec {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RunTable {
-    /// Simulated time. Default: what the process takes (chamfer: feed and dwell; wheel: one pass; replay: its data).
+    /// Simulated time. Default: what the process takes (chamfer: feed and dwell; wheel and
+    /// milling: one pass; replay: its data).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
     duration_s: Option<f64>,
     /// Time step. Default: the smallest of 0.25 ms, 1/60 of the fastest mode's period and 1/40 of the

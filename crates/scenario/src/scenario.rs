@@ -335,8 +335,8 @@ impl FileTable {
     fn resolve(self, document: Document) -> Result<Scenario, ScenarioError> {
         let mut check = Check::new(&document);
         let mut thresholds = Vec::new();
-        let process = self.process.resolve(&mut check);
         let folder = folder_of(document.path());
+        let process = self.process.resolve(&folder, &mut check);
         let robot = RobotTable::resolve_optional(self.robot, process.as_ref(), &folder, &mut check);
         let data = (self.data).and_then(|data| data.resolve(&folder, &mut check));
         let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
@@ -358,6 +358,9 @@ impl FileTable {
         let natural_s = process.as_ref().map(ProcessSpec::natural_duration_s);
         let run =
             natural_s.map(|natural_s| self.run.unwrap_or_default().resolve(natural_s, &mut check));
+        if let (Some(ProcessSpec::Milling(milling)), Some(run)) = (&process, &run) {
+            milling.check_duration(run.duration_s, &mut check);
+        }
         let mut claims = Vec::new();
         for (index, claim) in self.claim.unwrap_or_default().into_iter().enumerate() {
             let table = format!("claim.{index}");

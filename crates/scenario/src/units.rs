@@ -76,7 +76,8 @@ const fn suffix(
 }
 
 /// Longer suffixes stand before shorter ones that they end in.
-const SUFFIXES: [Suffix; 17] = [
+const SUFFIXES: [Suffix; 18] = [
+    suffix("_mm_per_tooth", "mm per tooth", "mm", Unit::Metre, 1e-3),
     suffix("_mm_per_rev", "mm per revolution", "mm", Unit::Metre, 1e-3),
     suffix(
         "_n_s_per_mm",

@@ -6,18 +6,19 @@ use crate::error::SimError;
 use crate::loads::{Attachment, Wrench};
 use crate::measurement::ChannelModel;
 use crate::plant::{Drive, DriveKind, JointLaw};
-use crate::process::Process;
+use crate::process::{Process, Start};
 use crate::replay::forward::ForwardInputs;
 use crate::robots::Robots;
 use crate::scene::Workpiece;
 use crate::step_size::{self, Scheme};
+use crate::tool_path::SolvedPath;
 use crate::translate::build_process;
 use nalgebra::{Isometry3, Vector3, Vector6};
 use std::sync::Arc;
 use truecut_arm::{FrameId, JointKind, Load, Robot};
 use truecut_core::joint_law::LinkFriction;
 use truecut_recording::{Measured, Scalar, Unit};
-use truecut_scenario::{Drive as DriveSpec, RobotSpec, RunSpec, Scenario};
+use truecut_scenario::{Drive as DriveSpec, ProcessSpec, RobotSpec, RunSpec, Scenario};
 
 /// A scenario resolved against its robot, before any engine is built.
 pub(crate) struct Prepared {
@@ -71,8 +72,12 @@ impl Prepared {
             replay.check_posture(spec, &nominal, &posture)?;
             posture = replay.posture(&posture);
         }
+        let path = SolvedPath::of(scenario, &nominal, &posture)?;
+        if let Some(path) = &path {
+            posture.clone_from(&path.knots[0]);
+        }
         let mut world_from_process = nominal.world_from_process(&posture);
-        let (process, workpiece) = match &replay {
+        let (mut process, workpiece) = match &replay {
             Some(replay) => (
                 Box::new(replay.process()) as Box<dyn Process>,
                 Workpiece::None,
@@ -91,9 +96,12 @@ impl Prepared {
         let gravity = Load::gravity(gravity_m_s2);
         let sag = (spec.hold_against_sag && kind != DriveKind::Force).then_some(&gravity);
         // The controller knows the nominal robot only; what it does not know shows in the run.
-        let command = match &replay {
-            Some(replay) => replay.command(&posture),
-            None => command(
+        let command = match (&replay, path, &scenario.process) {
+            (Some(replay), ..) => replay.command(&posture),
+            (None, Some(path), ProcessSpec::Milling(milling)) => {
+                JointCommand::Along(StraightPath::of(&nominal, path, milling.feed_m_per_s, sag)?)
+            }
+            (None, ..) => command(
                 &nominal,
                 &posture,
                 &world_from_process,
@@ -133,6 +141,7 @@ impl Prepared {
             ..
         } = altered;
         let touched = robot.world_from_frame(&start, FrameId::Tool);
+        let unloaded = world_from_process.translation;
         world_from_process.translation = touched.translation;
         let fastest = match kind {
             DriveKind::Force => None,
@@ -148,6 +157,11 @@ impl Prepared {
             ..scenario.run
         };
         let dt_s = step_size::choose(scheme, &run, fastest, process.as_ref())?;
+        process.begin(&Start {
+            time_step_s: dt_s,
+            tool_offset_m: world_from_process.rotation.inverse()
+                * (touched.translation.vector - unloaded.vector),
+        });
         let notes = robot.chain.notes.clone();
         Ok(Self {
             robot: Arc::new(robot),
@@ -171,6 +185,11 @@ impl Prepared {
     /// The first command.
     pub(crate) fn first_command(&self) -> Vec<f64> {
         first_of(&self.command, self.robot.dof())
+    }
+
+    /// Velocities of the joints at the start.
+    pub(crate) fn start_velocity(&self) -> Vec<f64> {
+        self.command.start_velocity(self.robot.dof())
     }
 
     pub(crate) fn drive(&self) -> Drive {

@@ -2,6 +2,7 @@
 
 use crate::error::SimError;
 use crate::process::ForceSamples;
+use crate::tool_path::SolvedPath;
 use nalgebra::{Isometry3, Translation3, Vector3};
 use truecut_arm::{FrameId, IkOptions, Load, Robot};
 
@@ -15,7 +16,7 @@ const KNOT_SPACING_M: f64 = 2e-3;
 pub(crate) enum JointCommand {
     /// One posture for the whole run.
     Hold(Vec<f64>),
-    /// A straight path of the tool along process Y, attitude kept.
+    /// A straight path of the tool.
     Along(StraightPath),
     /// Measured commands and drive forces.
     Replay(Samples),
@@ -25,6 +26,9 @@ pub(crate) enum JointCommand {
 pub(crate) struct StraightPath {
     speed_m_per_s: f64,
     start_m: f64,
+    spacing_m: f64,
+    /// Whether it starts at rest; else at its speed.
+    from_rest: bool,
     knots: Vec<Vec<f64>>,
 }
 
@@ -71,6 +75,17 @@ impl JointCommand {
     /// Whether the command ever leaves its first posture.
     pub(crate) fn moves(&self) -> bool {
         !matches!(self, Self::Hold(_))
+    }
+
+    /// Velocities of the joints at the start, where the arm starts with those of its command; else none.
+    pub(crate) fn start_velocity(&self, dof: usize) -> Vec<f64> {
+        let (mut position, mut velocity) = (vec![0.0; dof], vec![0.0; dof]);
+        if let Self::Along(path) = self
+            && !path.from_rest
+        {
+            path.at(0.0, &mut position, &mut velocity);
+        }
+        velocity
     }
 
     /// Postures that the command passes through, for checking limits.
@@ -157,12 +172,37 @@ impl StraightPath {
         Ok(Self {
             speed_m_per_s,
             start_m: -2.0 * KNOT_SPACING_M,
+            spacing_m: KNOT_SPACING_M,
+            from_rest: true,
             knots,
+        })
+    }
+
+    /// A path whose postures are known, at its speed from the start on, with the sag that the command makes up for.
+    pub(crate) fn of(
+        robot: &Robot,
+        path: SolvedPath,
+        speed_m_per_s: f64,
+        sag: Option<&Load>,
+    ) -> Result<Self, SimError> {
+        let knots = path.knots.into_iter().map(|q| match sag {
+            Some(load) => robot.holding_command(&q, load),
+            None => Ok(q),
+        });
+        Ok(Self {
+            speed_m_per_s,
+            start_m: 0.0,
+            spacing_m: path.spacing_m,
+            from_rest: false,
+            knots: knots.collect::<Result<_, _>>()?,
         })
     }
 
     /// Distance along the path and its rate: a smooth run-up (quintic in position), then constant speed.
     fn distance(&self, t_s: f64) -> (f64, f64) {
+        if !self.from_rest {
+            return (self.speed_m_per_s * t_s, self.speed_m_per_s);
+        }
         let x = (t_s / RUN_UP_S).clamp(0.0, 1.0);
         // speed rises as 3x² - 2x³
         let ramped = RUN_UP_S * (x.powi(3) - 0.5 * x.powi(4));
@@ -176,7 +216,7 @@ impl StraightPath {
 
     fn at(&self, t_s: f64, position: &mut [f64], velocity: &mut [f64]) {
         let (distance, rate) = self.distance(t_s);
-        let x = (distance - self.start_m) / KNOT_SPACING_M;
+        let x = (distance - self.start_m) / self.spacing_m;
         let k = (x.floor() as usize).clamp(1, self.knots.len() - 3);
         let u = x - k as f64;
         for joint in 0..position.len() {
@@ -188,7 +228,7 @@ impl StraightPath {
             let c = (-2.0 * p0 - 3.0 * p1 + 6.0 * p2 - p3) / 6.0;
             position[joint] = ((a * u + b) * u + c) * u + p1;
             let slope = (3.0 * a * u + 2.0 * b) * u + c;
-            velocity[joint] = slope * rate / KNOT_SPACING_M;
+            velocity[joint] = slope * rate / self.spacing_m;
         }
     }
 }
@@ -230,6 +270,8 @@ mod tests {
         let path = StraightPath {
             speed_m_per_s: 0.05,
             start_m: -2.0 * KNOT_SPACING_M,
+            spacing_m: KNOT_SPACING_M,
+            from_rest: true,
             knots: (0..60)
                 .map(|k| vec![(0.03 * k as f64).sin(), 0.2 * k as f64])
                 .collect(),

@@ -38,6 +38,7 @@ mod simulate;
 mod step_size;
 pub mod sweep;
 mod theory;
+mod tool_path;
 mod torque_use;
 mod translate;
 

@@ -3,7 +3,7 @@
 use crate::loads::Attachment;
 use crate::plant::Plant;
 use crate::process::Process;
-use nalgebra::{Isometry3, UnitQuaternion};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 use truecut_arm::{Link, Robot, Shape as ArmShape};
 use truecut_recording::{Arrow, Body, Frame, Geometry, Pose, Scene, Shape};
@@ -24,6 +24,13 @@ pub(crate) enum Workpiece {
     Hole(f64),
     /// A strip of this length along process Y, m.
     Strip(f64),
+    /// A slab under a milling path of this length along `feed` (process axes), and its depth of cut, m.
+    Slab {
+        feed: Vector3<f64>,
+        length_m: f64,
+        width_m: f64,
+        depth_m: f64,
+    },
     /// Nothing.
     None,
 }
@@ -150,6 +157,12 @@ fn plate_with_hole(radius_m: f64) -> Vec<Shape> {
 fn workpiece_shapes(workpiece: Workpiece) -> Vec<Shape> {
     match workpiece {
         Workpiece::None => Vec::new(),
+        Workpiece::Slab {
+            feed,
+            length_m,
+            width_m,
+            depth_m,
+        } => vec![slab(feed, length_m, width_m, depth_m)],
         Workpiece::Hole(radius_m) => plate_with_hole(radius_m),
         Workpiece::Strip(length_m) => vec![Shape {
             geometry: Geometry::Box {
@@ -158,6 +171,19 @@ fn workpiece_shapes(workpiece: Workpiece) -> Vec<Shape> {
             color_rgba: [120, 128, 138, 255],
             body_from_shape: Pose::translation([THICKNESS_M / 2.0, length_m / 2.0, 0.0]),
         }],
+    }
+}
+
+/// The stock under a straight path that begins at the origin: its upper face is the depth of cut above the tip.
+fn slab(feed: Vector3<f64>, length_m: f64, width_m: f64, depth_m: f64) -> Shape {
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), feed.z.atan2(feed.y));
+    let centre = feed * (0.5 * length_m) + Vector3::x() * (0.5 * THICKNESS_M - depth_m);
+    Shape {
+        geometry: Geometry::Box {
+            half_extents_m: [0.5 * THICKNESS_M, 0.5 * length_m + width_m, width_m],
+        },
+        color_rgba: [120, 128, 138, 255],
+        body_from_shape: pose(&Isometry3::from_parts(centre.into(), turn)),
     }
 }
 

@@ -133,7 +133,7 @@ fn check_count(
 /// The step of a run, s: the smallest of the scheme's longest (0.25 ms; exact: 1 ms), its part (1/60; exact:
 /// 1/20) of the fastest mode's period (contact springs and rotors included), 1/40 of the tooth period and,
 /// for the exact scheme, 1/40 of the period of the fastest given force, shortened so that the run is a whole
-/// number of steps (exact scheme with a recording interval: the interval is); or the one asked for, if it
+/// number of steps (exact scheme with a recording interval: the interval is; milling: the tooth period); or the one asked for, if it
 /// is short enough.
 pub(crate) fn choose(
     scheme: Scheme,
@@ -158,6 +158,12 @@ pub(crate) fn choose(
         step = step.min(1.0 / (f * STEPS_PER_FORCE_PERIOD));
     }
     check_count(step, false, scheme, fastest, run.duration_s)?;
+    if let Some(period) = process
+        .tooth_period_s()
+        .filter(|_| process.steps_with_teeth())
+    {
+        return Ok(period / (period / step).ceil());
+    }
     let whole = match run.record_interval_s {
         Some(interval) if scheme == Scheme::Exact => interval,
         _ => run.duration_s,

@@ -1,11 +1,13 @@
 //! From the tables of a scenario to the processes and laws that run.
 
+mod milling;
+
 use crate::effect::{CuttingEffects, Effects, FootEffects, WheelEffects};
 use crate::error::SimError;
 use crate::plant::DriveKind;
 use crate::process::{
     Chamfer, ChamferParameters, FootFriction, FootParameters, Load as GivenLoad, LoadParameters,
-    Process, Regeneration, RotatingForce, SlipTheory, Sweep, Wheel, WheelParameters,
+    Milling, Process, Regeneration, RotatingForce, SlipTheory, Sweep, Wheel, WheelParameters,
 };
 use crate::scene::Workpiece;
 use crate::theory;
@@ -59,6 +61,11 @@ pub(crate) fn build_process(
                 &effects.foot,
             );
             Ok((Box::new(GivenLoad::new(process)), Workpiece::None))
+        }
+        ProcessSpec::Milling(spec) => {
+            compliance.ok_or_else(|| needs_drive("milling"))?;
+            let (setup, workpiece) = milling::milling(spec, robot, posture, world_from_process)?;
+            Ok((Box::new(Milling::new(setup)), workpiece))
         }
         ProcessSpec::Replay(_) => Err(SimError::scenario(
             "process.replay",

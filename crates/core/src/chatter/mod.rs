@@ -10,6 +10,7 @@
 //! | [`planar`] | two directions, equal masses, isotropic damping: does a skew stiffness make them flutter? |
 //! | [`averaged`] | n modes under the averaged B: depth limit of mode coupling, and of regeneration (zero-order) |
 //! | [`semi_discretisation`] | n modes under the periodic B: Floquet multipliers |
+//! | [`growth`] | how fast a motion in the time domain grows |
 //! | [`limit`] | the depth at which a stable cut first becomes unstable |
 //!
 //! Each function answers for one point (one speed, one depth, one posture); whoever wants a diagram calls it from as
@@ -17,6 +18,7 @@
 
 pub mod averaged;
 mod directional;
+pub mod growth;
 mod krylov;
 pub mod limit;
 mod modes;

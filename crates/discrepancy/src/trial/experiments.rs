@@ -52,6 +52,19 @@ const WHEEL: &[Knob] = &[
     },
 ];
 
+const MILLING: &[Knob] = &[
+    Knob {
+        key: "process.milling.spindle_rpm",
+        words: "spindle speed",
+        factors: &[0.5, 2.0],
+    },
+    Knob {
+        key: "process.milling.axial_depth_mm",
+        words: "axial depth",
+        factors: &[0.5, 2.0],
+    },
+];
+
 const REPLAY: &[Knob] = &[
     Knob {
         key: "process.replay.amplitude_factor",
@@ -71,6 +84,7 @@ pub(super) fn experiments(scenario: &Scenario) -> Vec<Experiment> {
         ProcessSpec::Chamfer(_) => CHAMFER,
         ProcessSpec::Wheel(_) => WHEEL,
         ProcessSpec::Replay(_) => REPLAY,
+        ProcessSpec::Milling(_) => MILLING,
         ProcessSpec::Load(_) => &[],
     };
     let variation = |knob: &Knob, factor: f64| {

@@ -103,6 +103,7 @@ pub(super) fn spin_rad_s(scenario: &Scenario) -> Option<f64> {
     match &scenario.process {
         ProcessSpec::Chamfer(chamfer) => Some(chamfer.spindle_rad_s),
         ProcessSpec::Wheel(wheel) => Some(wheel.spin_rad_s),
+        ProcessSpec::Milling(milling) => Some(milling.spindle_rad_s),
         ProcessSpec::Replay(replay) => replay.turning.map(|cut| cut.spindle_rad_s),
         _ => None,
     }

@@ -46,7 +46,8 @@ impl Cell {
             prepared.drive(),
             prepared.gravity_m_s2,
             prepared.dt_s,
-        );
+        )
+        .moving(&prepared.start_velocity());
         let note = format!(
             "time step {:.6} ms, leapfrog, no numerical damping",
             prepared.dt_s * 1e3
@@ -97,7 +98,8 @@ impl Cell {
                 "robot.urdf",
                 "the mass matrix of the arm at its start is singular",
             )
-        })?;
+        })?
+        .moving(&prepared.start_velocity());
         let note = plant.note();
         let cell = Self::assemble(scenario, prepared, Box::new(plant), note)?;
         cell.check_memory(scenario)?;

@@ -89,7 +89,7 @@ fn foot_of(process: &ProcessSpec) -> Option<&FootSpec> {
     match process {
         ProcessSpec::Chamfer(spec) => spec.foot.as_ref(),
         ProcessSpec::Load(spec) => spec.foot.as_ref(),
-        ProcessSpec::Wheel(_) | ProcessSpec::Replay(_) => None,
+        ProcessSpec::Wheel(_) | ProcessSpec::Milling(_) | ProcessSpec::Replay(_) => None,
     }
 }
 
@@ -99,11 +99,12 @@ fn misfit(effect: &Effect, process: &ProcessSpec) -> Option<String> {
         ProcessSpec::Chamfer(_) => "process.chamfer",
         ProcessSpec::Load(_) => "process.load",
         ProcessSpec::Wheel(_) => "process.wheel",
+        ProcessSpec::Milling(_) => "process.milling",
         ProcessSpec::Replay(_) => "process.replay",
     };
     match effect.kind.family() {
         Family::Cutting if !matches!(process, ProcessSpec::Chamfer(_)) => Some(format!(
-            "{effect} does not apply to {name}: it acts on a cutting edge"
+            "{effect} does not apply to {name}: it acts on a chamfering edge"
         )),
         Family::Wheel if !matches!(process, ProcessSpec::Wheel(_)) => Some(format!(
             "{effect} does not apply to {name}: it acts on a polishing wheel"

@@ -83,6 +83,12 @@ impl Drive {
         self
     }
 
+    /// Motors move with their links at the start.
+    pub fn start_at(&mut self, velocity: &[f64]) {
+        self.half.copy_from_slice(velocity);
+        self.half_before.copy_from_slice(velocity);
+    }
+
     /// Damping of a joint's link velocity that the plant takes half implicitly, N m s/rad or N s/m.
     pub fn damping(&self, joint: usize) -> f64 {
         self.joints[joint].constant_damping()

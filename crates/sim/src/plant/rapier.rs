@@ -89,6 +89,15 @@ impl RapierPlant {
         plant
     }
 
+    /// The same arm with its joints moving at the start.
+    pub(crate) fn moving(mut self, velocity: &[f64]) -> Self {
+        self.joints.velocity.copy_from_slice(velocity);
+        self.half.copy_from_slice(velocity);
+        self.half_before.copy_from_slice(velocity);
+        self.drive.start_at(velocity);
+        self
+    }
+
     fn update_frames(&mut self) {
         let q = &self.joints.position;
         let mut pose = Isometry3::identity();

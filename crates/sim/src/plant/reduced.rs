@@ -108,6 +108,13 @@ impl ReducedPlant {
         })
     }
 
+    /// The same arm with its joints moving at the start.
+    pub(crate) fn moving(mut self, velocity: &[f64]) -> Self {
+        self.joints.velocity.copy_from_slice(velocity);
+        self.drive.start_at(velocity);
+        self
+    }
+
     /// Whether poses and Jacobians follow the arm's motion.
     pub fn travels(&self) -> bool {
         self.travels
@@ -153,11 +160,11 @@ impl ReducedPlant {
         }
     }
 
-    /// Sets both mean velocities about the start, at which the arm rests under `force`.
+    /// Sets both mean velocities about the start, at which the arm has its first velocity under `force`.
     fn start(&mut self) {
         let recurrence = &self.linear.recurrence;
-        self.scratch.copy_from(&self.carried);
-        self.scratch.neg_mut();
+        self.scratch.copy_from_slice(&self.joints.velocity);
+        self.scratch -= &self.carried;
         recurrence.before_start(&self.scratch, &self.force, &mut self.mean);
         self.mean += &self.carried;
         self.free_is_known = false;

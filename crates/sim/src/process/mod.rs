@@ -7,12 +7,14 @@
 mod chamfer;
 mod foot;
 mod load;
+mod milling;
 mod replay;
 mod wheel;
 
 pub use chamfer::{Chamfer, ChamferParameters, Regeneration, SlipTheory};
 pub use foot::{Foot, FootFriction, FootParameters};
 pub use load::{Load, LoadParameters, RotatingForce, Sweep};
+pub use milling::{Milling, MillingSetup, MillingTheory};
 pub use replay::{ForceSamples, Replay};
 pub use wheel::{Wheel, WheelParameters};
 
@@ -50,8 +52,20 @@ pub struct Findings {
     pub profiles: Vec<Profile>,
 }
 
+/// What is known when the arm stands at its start.
+#[derive(Debug, Clone, Copy)]
+pub struct Start {
+    /// Time step of the run, s.
+    pub time_step_s: f64,
+    /// Tool point at the start minus where an arm without load would have it, process axes, m.
+    pub tool_offset_m: Vector3<f64>,
+}
+
 /// One machining process.
 pub trait Process: Send {
+    /// Called once, before the first step.
+    fn begin(&mut self, _start: &Start) {}
+
     /// Channels that [`Process::record`] fills, in its order.
     fn channels(&self) -> Vec<ChannelSpec>;
 
@@ -76,6 +90,11 @@ pub trait Process: Send {
 
     /// Time between two cutting edges, s, if the process has edges.
     fn tooth_period_s(&self) -> Option<f64>;
+
+    /// Whether the default step is to be a whole part of the tooth period, so that every tooth meets the same instants.
+    fn steps_with_teeth(&self) -> bool {
+        false
+    }
 
     /// Highest frequency of the forces that are given and not computed, Hz, if the process has any.
     fn highest_frequency_hz(&self) -> Option<f64> {

@@ -28,6 +28,22 @@ impl NominalCut {
         self.force_of(&sweep) * scale
     }
 
+    /// Moment on the tool about its tip, averaged over a revolution, N m: tooth forces at the radius and, every height
+    /// contributing alike, half the depth above the tip; z brakes the spindle.
+    pub fn average_moment_n_m(&self) -> Vector3<f64> {
+        let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
+        let k = &self.coefficients;
+        let c = self.feed_per_tooth_m;
+        let radius_m = self.cutter.radius_m;
+        let scale = self.cutter.teeth as f64 * self.axial_depth_m / TAU * radius_m;
+        // Axial forces at (r sin φ, r cos φ).
+        let axial_sin = k.axial_pa * c * sweep.sin_sin + k.edge_axial_n_per_m * sweep.sin;
+        let axial_cos = k.axial_pa * c * sweep.sin_cos + k.edge_axial_n_per_m * sweep.cos;
+        let braking = k.tangential_pa * c * sweep.sin + k.edge_tangential_n_per_m * sweep.one;
+        let up = Vector3::new(0.0, 0.0, 0.5 * self.axial_depth_m);
+        up.cross(&self.average_force_n()) + Vector3::new(axial_cos, -axial_sin, braking) * scale
+    }
+
     /// Force on the tool when the spindle has turned by `rotation_rad`, N. The helical edge is integrated in closed
     /// form: with lag κ per height, dz = dφ/κ.
     pub fn force_n(&self, rotation_rad: f64) -> Vector3<f64> {
@@ -187,6 +203,41 @@ mod tests {
                     "{mean} instead of {expected}"
                 );
             }
+        }
+    }
+
+    /// The moment at an angle, summed over thin discs and averaged numerically over a revolution.
+    #[test]
+    fn verify_mean_of_the_moment_over_a_revolution() {
+        for cut in cuts() {
+            let (discs, samples) = (20, 3600);
+            let thin = NominalCut {
+                cutter: Cutter {
+                    helix_angle_rad: 0.0,
+                    ..Cutter::straight(cut.cutter.radius_m, 1)
+                },
+                axial_depth_m: cut.axial_depth_m / f64::from(discs),
+                ..cut
+            };
+            let mut mean = Vector3::zeros();
+            for disc in 0..discs {
+                let height = cut.axial_depth_m * (f64::from(disc) + 0.5) / f64::from(discs);
+                for i in 0..samples {
+                    let angle = TAU * (f64::from(i) + 0.5) / f64::from(samples);
+                    let (sin, cos) = angle.sin_cos();
+                    let reach = cut.cutter.radius_m;
+                    let arm = Vector3::new(reach * sin, reach * cos, height);
+                    mean += arm.cross(&thin.force_n(angle)) / f64::from(samples);
+                }
+            }
+            mean *= cut.cutter.teeth as f64;
+            let expected = cut.average_moment_n_m();
+            let error = (mean - expected).amax();
+            assert!(
+                error < 2e-3 * expected.amax(),
+                "{mean} instead of {expected}"
+            );
+            assert!(expected.z > 0.0);
         }
     }
 

@@ -1,0 +1,383 @@
+//! What a milling pass reports: channels, forces, vibration, the finished surface.
+
+use super::{Last, Milling, MillingSetup, MillingTheory};
+use nalgebra::Vector3;
+use std::f64::consts::TAU;
+use truecut_core::chatter::growth::{GrowthOptions, growth};
+use truecut_core::cutting::milling::dexel::{DexelRow, RayGrid, Wall};
+use truecut_core::cutting::milling::finish;
+use truecut_recording::spectrum::{Spectrum, amplitude_spectrum_up_to};
+use truecut_recording::{ChannelSpec, Profile, Scalar, Unit};
+
+use super::super::Findings;
+
+const AXES: [(&str, &str); 3] = [
+    ("x", "along the feed"),
+    ("y", "across it"),
+    ("z", "into the spindle"),
+];
+/// Change of the deflection from one tooth to the next that still counts as small, as a part of the feed per tooth. It is what
+/// the chip sees of vibration where teeth meet their own surface; where they meet the nominal one the chip sees the deflection, and slow
+/// flutter is small for longer.
+const LINEAR_SHARE: f64 = 0.05;
+const LINEAR_SHARE_NOMINAL: f64 = 0.15;
+/// Spectra reach to so many times the tooth-passing frequency.
+const SPECTRUM_TEETH: f64 = 3.0;
+/// Feed per revolution by which rays at the ends of a surface are left out: their neighbours are not all cut.
+const MARGIN_REVOLUTIONS: f64 = 2.0;
+
+/// Channels of the cut.
+pub(super) fn channels(wall: Option<Wall>) -> Vec<ChannelSpec> {
+    let mut specs = Vec::new();
+    for (axis, text) in AXES {
+        specs.push(ChannelSpec::new(
+            format!("milling.force_{axis}"),
+            Unit::Newton,
+            format!("Cutting force on the tool, {text}"),
+        ));
+    }
+    specs.push(ChannelSpec::new(
+        "milling.torque",
+        Unit::NewtonMetre,
+        "Torque of the cut about the tool axis; positive brakes the spindle",
+    ));
+    for (axis, text) in AXES {
+        specs.push(ChannelSpec::new(
+            format!("milling.deflection_{axis}"),
+            Unit::Metre,
+            format!("Tool point minus its place on the path, {text}"),
+        ));
+    }
+    let others = [
+        (
+            "milling.chip_thickness",
+            Unit::Metre,
+            "Thickest chip of all teeth",
+        ),
+        ("milling.teeth_in_cut", Unit::One, "Teeth that cut"),
+        ("milling.in_cut", Unit::One, "1 while a tooth cuts, else 0"),
+        (
+            "milling.spindle_angle",
+            Unit::Radian,
+            "Angle of the first tooth, from +y towards the feed, 0 to 2 pi",
+        ),
+    ];
+    specs.extend(others.map(|(name, unit, text)| ChannelSpec::new(name, unit, text)));
+    if wall.is_some() {
+        specs.push(ChannelSpec::new(
+            "milling.wall_error",
+            Unit::Metre,
+            "Material that the last tooth left on the wall; negative if it took too much",
+        ));
+    }
+    specs
+}
+
+pub(super) fn record(setup: &MillingSetup, last: &Last, row: &mut Vec<f64>) {
+    let zero = Vector3::zeros();
+    let (force, torque, chip, teeth) = last.loads.map_or((zero, 0.0, 0.0, 0), |loads| {
+        let torque = loads.moment_on_tool_n_m.z;
+        (
+            loads.force_on_tool_n,
+            torque,
+            loads.thickest_chip_m,
+            loads.teeth_in_cut,
+        )
+    });
+    row.extend(force.iter());
+    row.push(torque);
+    row.extend(last.deflection_m.iter());
+    row.extend([
+        chip,
+        teeth as f64,
+        f64::from(u8::from(teeth > 0)),
+        last.rotation_rad.rem_euclid(TAU),
+    ]);
+    row.extend(setup.wall.map(|_| last.wall_error_m));
+}
+
+/// Scalars and profiles at the end of the run.
+pub(super) fn findings(milling: &Milling) -> Findings {
+    let mut findings = Findings::default();
+    forces(milling, &mut findings);
+    vibration(milling, &mut findings);
+    surfaces(milling, &mut findings);
+    predictions(&milling.setup.theory, &mut findings);
+    findings
+}
+
+fn forces(milling: &Milling, findings: &mut Findings) {
+    let (sum, square, count) = milling.history.force.whole;
+    let part = |value: f64| {
+        if count == 0 {
+            f64::NAN
+        } else {
+            value / count as f64
+        }
+    };
+    let nominal = &milling.setup.nominal_force_n;
+    for (i, (axis, text)) in AXES.into_iter().enumerate() {
+        let scalar = |name: &str, value: f64, what: &str| {
+            Scalar::new(
+                format!("milling.{name}_force_{axis}"),
+                Unit::Newton,
+                value,
+                format!("{what} {text}"),
+            )
+        };
+        findings.scalars.extend([
+            scalar(
+                "mean",
+                part(sum[i]),
+                "Mean over whole revolutions of the force on the tool",
+            ),
+            scalar(
+                "rms",
+                part(square[i]).sqrt(),
+                "Root mean square over whole revolutions of the force on the tool",
+            ),
+            scalar(
+                "nominal",
+                nominal[i],
+                "Mean force of the nominal cut in closed form",
+            ),
+        ]);
+    }
+}
+
+/// Samples of the settled cut at even steps.
+struct Samples<'a> {
+    interval_s: f64,
+    deflection_m: &'a [Vector3<f64>],
+    velocity_m_per_s: &'a [Vector3<f64>],
+}
+
+impl Samples<'_> {
+    fn spectrum(&self, values: &[Vector3<f64>], axis: usize, highest_hz: f64) -> Option<Spectrum> {
+        let times: Vec<f64> = (0..values.len())
+            .map(|i| i as f64 * self.interval_s)
+            .collect();
+        let values: Vec<f64> = values.iter().map(|v| v[axis]).collect();
+        amplitude_spectrum_up_to(&times, &values, highest_hz)
+    }
+}
+
+fn vibration(milling: &Milling, findings: &mut Findings) {
+    let (setup, history) = (&milling.setup, &milling.history);
+    let samples = Samples {
+        interval_s: milling.step_s * history.stride.max(1) as f64,
+        deflection_m: &history.deflection_m,
+        velocity_m_per_s: &history.velocity_m_per_s,
+    };
+    let forced_s = forced_period_s(setup);
+    let share = if setup.parameters.regeneration {
+        LINEAR_SHARE
+    } else {
+        LINEAR_SHARE_NOMINAL
+    };
+    let options = GrowthOptions {
+        period_s: forced_s,
+        linear_m: share * setup.parameters.feed_per_tooth_m,
+    };
+    let grown = growth(samples.deflection_m, samples.interval_s, &options);
+    let highest_hz = SPECTRUM_TEETH / setup.tooth_period_s();
+    let line = dominant_line(&samples, 1.0 / forced_s, highest_hz);
+    let scalar = |name: &str, unit, value: Option<f64>, text: &str| {
+        Scalar::new(
+            format!("milling.{name}"),
+            unit,
+            value.unwrap_or(f64::NAN),
+            text,
+        )
+    };
+    findings.scalars.extend([
+        scalar(
+            "growth_rate",
+            Unit::PerSecond,
+            grown.and_then(|g| g.rate_per_s),
+            "Growth of vibration that does not repeat with the teeth, while it is small beside the feed per tooth; negative: \
+             it dies away",
+        ),
+        scalar(
+            "vibration_level",
+            Unit::Metre,
+            grown.map(|g| g.last_level_m),
+            "Change of the deflection from one tooth to the next (with runout: one revolution), root mean square at the end",
+        ),
+        scalar(
+            "chatter_frequency",
+            Unit::Hertz,
+            line.map(|l| l.0),
+            "Highest line of the deflection in the plane of cut apart from the teeth's harmonics",
+        ),
+        scalar("chatter_amplitude", Unit::Metre, line.map(|l| l.1), "Amplitude of that line"),
+    ]);
+    for (i, (axis, text)) in AXES.into_iter().enumerate() {
+        let Some(spectrum) = samples.spectrum(samples.velocity_m_per_s, i, highest_hz) else {
+            continue;
+        };
+        let pairs = spectrum.frequency_hz.iter().zip(&spectrum.amplitude);
+        findings.profiles.push(Profile {
+            name: format!("milling.acceleration_spectrum_{axis}"),
+            description: format!(
+                "Amplitude spectrum of the tool point's acceleration {text}, of the settled cut"
+            ),
+            axis_name: "frequency".into(),
+            axis_unit: Unit::Hertz,
+            values: pairs.map(|(f, v)| TAU * f * v).collect(),
+            axis: spectrum.frequency_hz,
+            unit: Unit::MetrePerSecondSquared,
+        });
+    }
+}
+
+/// Period of forced vibration: that of the teeth, or of the revolution if they differ.
+fn forced_period_s(setup: &MillingSetup) -> f64 {
+    let cutter = &setup.parameters.cutter;
+    let teeth = if cutter.runout.offset_m == 0.0 {
+        1
+    } else {
+        cutter.teeth
+    };
+    setup.tooth_period_s() * teeth as f64
+}
+
+/// The highest line along x or y that stands apart from the harmonics of what is forced: frequency, Hz, and amplitude, m.
+fn dominant_line(samples: &Samples<'_>, forced_hz: f64, highest_hz: f64) -> Option<(f64, f64)> {
+    let mut best: Option<(f64, f64)> = None;
+    for axis in 0..2 {
+        let spectrum = samples.spectrum(samples.deflection_m, axis, highest_hz)?;
+        let clear_hz = 0.5 * spectrum.resolution_hz;
+        let mut low_hz = clear_hz;
+        while low_hz < highest_hz {
+            let harmonic_hz = ((low_hz / forced_hz).floor() + 1.0) * forced_hz;
+            let band_hz = [low_hz, (harmonic_hz - clear_hz).min(highest_hz)];
+            low_hz = harmonic_hz + clear_hz;
+            if band_hz[1] <= band_hz[0] {
+                continue;
+            }
+            if let Some(line) = spectrum.highest_line(band_hz)
+                && best.is_none_or(|(_, amplitude)| line.amplitude > amplitude)
+            {
+                best = Some((line.frequency_hz, line.amplitude));
+            }
+        }
+    }
+    best
+}
+
+fn surfaces(milling: &Milling, findings: &mut Findings) {
+    let Some(finished) = milling.cut.finished() else {
+        return;
+    };
+    let setup = &milling.setup;
+    for (i, wall) in setup.finished_walls.iter().enumerate() {
+        let name = match wall {
+            Wall::Exit => "exit_wall",
+            Wall::Entry => "entry_wall",
+        };
+        let text = match wall {
+            Wall::Exit => "the wall where teeth leave, at half the depth",
+            Wall::Entry => "the wall where teeth enter, at half the depth",
+        };
+        surface(
+            setup,
+            finished.grid(),
+            finished.wall(i),
+            (name, text),
+            findings,
+        );
+    }
+    surface(
+        setup,
+        finished.grid(),
+        finished.floor(0),
+        ("floor", "the floor, under the tool axis"),
+        findings,
+    );
+}
+
+fn surface(
+    setup: &MillingSetup,
+    grid: &RayGrid,
+    row: &DexelRow,
+    (name, text): (&str, &str),
+    findings: &mut Findings,
+) {
+    let left = row.left_m();
+    let margin = MARGIN_REVOLUTIONS * setup.parameters.feed_per_revolution_m() / grid.spacing_m;
+    let margin = margin.ceil() as usize;
+    let first = left
+        .iter()
+        .position(|x| x.is_finite())
+        .unwrap_or(left.len())
+        + margin;
+    // The last ray before the first that is not cut.
+    let end = (left.iter().skip(first)).position(|x| !x.is_finite());
+    let end = end
+        .map_or(left.len(), |count| first + count)
+        .saturating_sub(margin);
+    let kept = left.get(first..end).unwrap_or_default();
+    let figures = finish::figures(kept);
+    let scalar = |what: &str, value: Option<f64>, words: &str| {
+        Scalar::new(
+            format!("milling.{name}_{what}"),
+            Unit::Metre,
+            value.unwrap_or(f64::NAN),
+            format!("{words} {text}"),
+        )
+    };
+    findings.scalars.extend([
+        scalar(
+            "error",
+            figures.map(|f| f.location_error_m),
+            "Surface location error: mean of the material left on",
+        ),
+        scalar(
+            "scallop",
+            figures.map(|f| f.peak_to_valley_m),
+            "Highest minus lowest point of",
+        ),
+        scalar(
+            "roughness",
+            figures.map(|f| f.arithmetic_deviation_m),
+            "Ra about the mean of",
+        ),
+    ]);
+    if kept.is_empty() {
+        return;
+    }
+    findings.profiles.push(Profile {
+        name: format!("milling.{name}"),
+        description: format!("Material left above the nominal surface on {text}"),
+        axis_name: "path_position".into(),
+        axis_unit: Unit::Metre,
+        axis: (first..end)
+            .map(|ray| grid.x_m(ray) - setup.origin_m())
+            .collect(),
+        unit: Unit::Metre,
+        values: kept.to_vec(),
+    });
+}
+
+fn predictions(theory: &MillingTheory, findings: &mut Findings) {
+    let scalar = |name: &str, unit, value: f64, text: &str| {
+        Scalar::new(format!("theory.{name}"), unit, value, text)
+    };
+    findings.scalars.extend([
+        scalar(
+            "mode_coupling_depth",
+            Unit::Metre,
+            theory.coupling_depth_m,
+            "Depth limit of the averaged theory for teeth that meet the nominal surface, at the start",
+        ),
+        scalar("mode_coupling_frequency", Unit::Hertz, theory.coupling_hz, "Chatter frequency there"),
+        scalar(
+            "regenerative_depth",
+            Unit::Metre,
+            theory.regenerative_depth_m,
+            "Depth limit to zero order for teeth that meet their own surface, at the start",
+        ),
+        scalar("regenerative_frequency", Unit::Hertz, theory.regenerative_hz, "Chatter frequency there"),
+    ]);
+}

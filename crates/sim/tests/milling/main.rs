@@ -1,0 +1,7 @@
+//! Milling runs against closed forms and stability theory.
+
+mod arm;
+mod forces;
+mod limits;
+mod reduced;
+mod support;
