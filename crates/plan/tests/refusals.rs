@@ -8,7 +8,7 @@ use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_core::cutting::milling::nominal::NominalCut;
-use truecut_plan::{Criterion, Cut, PlanError, Planner, PlannerOptions, ToolPath};
+use truecut_plan::{Criterion, Cut, Family, PlanError, Planner, PlannerOptions, ToolPath};
 
 /// The asset as it is: spindle along axis 6, tip 0.3 m beyond the flange.
 fn robot() -> Robot {
@@ -36,9 +36,14 @@ fn line(from: [f64; 3], to: [f64; 3]) -> ToolPath {
     ToolPath::new(&points, -Vector3::z_axis(), Vector3::x()).expect("a path")
 }
 
+/// Of the arm with its shoulder in front and its elbow up.
 fn refusal(path: &ToolPath) -> PlanError {
     let options = PlannerOptions {
         angle_step_rad: 0.2,
+        family: Some(Family {
+            rear_shoulder: false,
+            lower_elbow: false,
+        }),
         ..PlannerOptions::default()
     };
     let robot = robot();
