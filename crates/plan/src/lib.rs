@@ -31,6 +31,7 @@ mod chain;
 mod criterion;
 mod error;
 mod intervals;
+pub mod lobes;
 pub mod map;
 mod parts;
 mod planner;

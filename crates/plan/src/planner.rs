@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 use truecut_arm::{BranchOptions, Robot};
 
 use crate::chain::widest;
@@ -211,11 +212,23 @@ impl<'a> Planner<'a> {
     /// # Errors
     /// If the arm cannot follow the path at this angle.
     pub fn constant_angle(&self, criterion: Criterion, angle_rad: f64) -> Result<Plan, PlanError> {
-        let starts = self.surveyor.candidates(0.0, angle_rad)?;
+        self.at_angles(criterion, &|_| angle_rad)
+    }
+
+    /// The joint path at redundancy angles given by place (m; rad), stable or not: the one that turns the joints least.
+    ///
+    /// # Errors
+    /// If the arm cannot follow the path at these angles.
+    pub fn at_angles(
+        &self,
+        criterion: Criterion,
+        angle: &(dyn Fn(f64) -> f64 + Sync),
+    ) -> Result<Plan, PlanError> {
+        let starts = self.surveyor.candidates(0.0, angle(0.0))?;
         let mut furthest: Option<PlanError> = None;
         let mut best: Option<(f64, Vec<Candidate>)> = None;
         for start in starts {
-            match self.follow(&start, &|_| angle_rad) {
+            match self.follow(&start, angle) {
                 Ok(found) => {
                     let steps = found.windows(2);
                     let steps = steps.map(|w| largest_motion_rad(&w[0].posture, &w[1].posture));
@@ -235,7 +248,23 @@ impl<'a> Planner<'a> {
         let Some((_, found)) = best else {
             return Err(furthest.unwrap_or_else(|| self.broken(0.0)));
         };
-        self.assessed(criterion, &found, &|_| angle_rad, Vec::new())
+        self.assessed(criterion, &found, angle, Vec::new())
+    }
+
+    /// What another criterion says of the stations of a plan.
+    ///
+    /// # Errors
+    /// If the arm has no modes somewhere.
+    pub fn reassessed(
+        &self,
+        plan: &Plan,
+        criterion: Criterion,
+    ) -> Result<Vec<Assessment>, PlanError> {
+        let found = plan.points.par_iter().map(|point| {
+            let frame = self.frame(point.along_m);
+            assess(criterion, self.robot, &point.posture, &frame, self.cut)
+        });
+        found.collect()
     }
 
     /// What a criterion says on every `every`th station and every angle, for postures of one family.

@@ -29,7 +29,7 @@ impl Planner<'_> {
     pub(crate) fn follow(
         &self,
         start: &Candidate,
-        angle: &dyn Fn(f64) -> f64,
+        angle: &(dyn Fn(f64) -> f64 + Sync),
     ) -> Result<Vec<Candidate>, PlanError> {
         let mut found = vec![start.clone()];
         for column in &self.reach.columns[1..] {

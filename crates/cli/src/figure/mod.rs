@@ -1,9 +1,11 @@
 //! Figures as SVG: panels of curves over numbered axes, drawn by plotters.
 
 mod axis;
+mod charts;
 mod draw;
 
 pub use axis::Scale;
+pub use charts::charts_of;
 
 use std::fmt;
 
@@ -63,6 +65,13 @@ pub enum Style {
     Bars(Vec<f64>),
     /// Circles with a text beside each.
     Marks(Vec<String>),
+    /// Rectangles about the points, from −1 (orange) over 0 (white) to 1 (blue); NaN leaves one out. Axes must be linear.
+    Cells {
+        /// Width and height in the units of the axes.
+        size: (f64, f64),
+        /// One value for each point.
+        shades: Vec<f64>,
+    },
 }
 
 impl Figure {

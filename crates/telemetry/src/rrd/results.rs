@@ -113,6 +113,7 @@ fn spectrum_curve(series: &Series, spectrum: &Spectrum, least: f64) -> Curve {
             .map(|(frequency_hz, amplitude)| (*frequency_hz, shown(*amplitude)))
             .collect(),
         marks: marks.collect(),
+        dots: false,
     }
 }
 
@@ -150,6 +151,7 @@ pub(super) fn log_profiles(
                 color: [242, 142, 43],
                 points: points.collect(),
                 marks: Vec::new(),
+                dots: false,
             }],
         };
         let entity = format!("{PROFILES}/{index}");
