@@ -178,10 +178,16 @@ fn planar_limit_m(
     limit.unwrap_or(f64::INFINITY)
 }
 
+/// Steps of a tooth period for limits to a per cent: twelve to a cycle of the fastest mode, forty at least. The modes that
+/// chatter are slower than the fastest.
+pub(crate) fn diagram_steps(modes: &[TipMode], tooth_period_s: f64) -> usize {
+    recommended_steps(modes, 0.5 * tooth_period_s)
+}
+
 /// First depth that regeneration makes unstable, up to `deepest_m`.
 fn regenerative_limit_m(modes: &[TipMode], cut: &Cut, deepest_m: f64) -> Option<f64> {
     let period_s = cut.tooth_period_s();
-    let steps = recommended_steps(modes, period_s);
+    let steps = diagram_steps(modes, period_s);
     let prepared = SemiDiscretisation::new(modes, &cut.directional(), steps);
     let search = LimitSearch {
         deepest_m,

@@ -5,11 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use truecut_core::chatter::TipMode;
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
-use truecut_core::chatter::semi_discretisation::{
-    Multiplier, SemiDiscretisation, recommended_steps,
-};
+use truecut_core::chatter::semi_discretisation::{Multiplier, SemiDiscretisation};
 
-use crate::criterion::Cut;
+use crate::criterion::{Cut, diagram_steps};
 
 /// Relative width to which a limit is narrowed.
 const NARROWED: f64 = 1e-3;
@@ -88,7 +86,7 @@ impl Column {
     fn at(modes: &[TipMode], cut: &Cut, spindle_rad_s: f64, depth_m: &[f64]) -> Self {
         let directional = cut.directional();
         let period_s = cut.nominal.cutter.tooth_period_s(spindle_rad_s);
-        let steps = recommended_steps(modes, period_s);
+        let steps = diagram_steps(modes, period_s);
         let prepared = SemiDiscretisation::new(modes, &directional, steps);
         let found: Vec<Multiplier> = depth_m
             .iter()
@@ -136,17 +134,21 @@ fn narrowed(
     }
 }
 
-/// Of the frequencies of a multiplier the one nearest to a natural frequency, as a ratio: there the tool answers most, Hz.
+/// Of the frequencies of a multiplier the one that the tool answers most, Hz.
 fn chatter_hz(multiplier: &Multiplier, modes: &[TipMode], period_s: f64) -> f64 {
     let natural = modes.iter().map(|m| m.natural_frequency_rad_s);
-    let highest = natural.clone().fold(0.0, f64::max) * 2.0;
-    let distance = |f: f64| {
-        let ratios = natural.clone().map(|n| (f / n).ln().abs());
-        ratios.fold(f64::INFINITY, f64::min)
+    let highest = natural.fold(0.0, f64::max) * 1.5;
+    let answer = |f: f64| -> f64 {
+        let of_mode = |m: &TipMode| {
+            let own = m.natural_frequency_rad_s;
+            let rest = (own * own - f * f).hypot(2.0 * m.damping_ratio * own * f);
+            m.shape_per_sqrt_kg.norm_squared() / rest
+        };
+        modes.iter().map(of_mode).sum()
     };
     let frequencies = multiplier.frequencies_rad_s(period_s, highest);
-    let nearest = frequencies
+    let strongest = frequencies
         .into_iter()
-        .min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
-    nearest.unwrap_or(0.0) / std::f64::consts::TAU
+        .max_by(|a, b| answer(*a).total_cmp(&answer(*b)));
+    strongest.unwrap_or(0.0) / std::f64::consts::TAU
 }

@@ -122,11 +122,13 @@ impl<'a> MapCells<'a> {
     }
 }
 
-/// Values from the lower to the upper limit of a joint, a full turn where it has none.
+/// Values from the lower to the upper limit of a joint, by a hair within so that rounding does not break them; a full turn where
+/// it has none.
 fn range(robot: &Robot, joint: usize, step_rad: f64) -> Vec<f64> {
     use std::f64::consts::PI;
     let limits = robot.chain.joints[joint].limits;
     let (low, high) = limits.map_or((-PI, PI), |l| (l.lower.max(-PI), l.upper.min(PI)));
+    let (low, high) = (low + 1e-6, high - 1e-6);
     let count = ((high - low) / step_rad).round().max(1.0) as usize;
     let at = |i: usize| low + (high - low) * i as f64 / count as f64;
     (0..=count).map(at).collect()

@@ -28,6 +28,8 @@ pub struct PlannerOptions {
     pub singularity: SingularityLimits,
     /// Shoulder and elbow that are allowed; any if none is given.
     pub family: Option<Family>,
+    /// Of equal joint paths (wrists, whole turns) the one that starts nearest to this posture is taken.
+    pub near: [f64; 6],
 }
 
 impl Default for PlannerOptions {
@@ -39,6 +41,7 @@ impl Default for PlannerOptions {
             end_shift_rad: 10_f64.to_radians(),
             singularity: SingularityLimits::default(),
             family: None,
+            near: [0.0; 6],
         }
     }
 }
@@ -124,7 +127,7 @@ pub struct Planner<'a> {
     pub(crate) robot: &'a Robot,
     pub(crate) path: &'a ToolPath,
     pub(crate) cut: &'a Cut,
-    options: PlannerOptions,
+    pub(crate) options: PlannerOptions,
     pub(crate) surveyor: Surveyor<'a>,
     pub(crate) reach: Reach,
 }
@@ -267,7 +270,7 @@ impl<'a> Planner<'a> {
         found.collect()
     }
 
-    /// What a criterion says on every `every`th station and every angle, for postures of one family.
+    /// What a criterion says on `count` stations, spread over the path, and every angle, for postures of one family.
     ///
     /// # Errors
     /// If the arm has no modes somewhere.
@@ -275,9 +278,12 @@ impl<'a> Planner<'a> {
         &self,
         criterion: Criterion,
         family: Family,
-        every: usize,
+        count: usize,
     ) -> Result<MarginMap, PlanError> {
-        let columns: Vec<_> = self.reach.columns.iter().step_by(every.max(1)).collect();
+        let last = self.reach.columns.len() - 1;
+        let count = count.clamp(2, last + 1);
+        let index = |k: usize| k * last / (count - 1);
+        let columns: Vec<_> = (0..count).map(|k| &self.reach.columns[index(k)]).collect();
         let rows = columns.iter().map(|column| {
             let world_from_milling = self.frame(column.along_m);
             let assess = |c: &Candidate| self.assess(criterion, c, &world_from_milling);
@@ -391,8 +397,14 @@ impl<'a> Planner<'a> {
             .map(|s| (s.midpoint_m(), s.interval.middle_rad()));
         let knots: Vec<(f64, f64)> = knots.collect();
         let angle = |along_m: f64| between(&knots, along_m);
-        let start = self.start(chain[0].sheet, angle(0.0))?;
-        let found = self.follow(&start, &angle)?;
-        self.assessed(criterion, &found, &angle, segments)
+        let starts = self.starts(chain[0].sheet, angle(0.0))?;
+        let mut refused = None;
+        for start in &starts {
+            match self.follow(start, &angle) {
+                Ok(found) => return self.assessed(criterion, &found, &angle, segments),
+                Err(error) => refused = refused.or(Some(error)),
+            }
+        }
+        Err(refused.unwrap_or_else(|| self.broken(0.0)))
     }
 }

@@ -5,24 +5,25 @@ use rayon::prelude::*;
 use crate::criterion::Criterion;
 use crate::error::PlanError;
 use crate::planner::{Plan, PlanPoint, Planner, Segment};
-use crate::reach::{Candidate, are_joined, largest_motion_rad};
+use crate::reach::{Candidate, Family, are_joined, largest_motion_rad};
 
 impl Planner<'_> {
-    /// The candidate at the path's start that hangs together with a sheet.
-    pub(crate) fn start(&self, sheet: usize, angle_rad: f64) -> Result<Candidate, PlanError> {
-        let cells = &self.reach.columns[0].cells;
-        let step = std::f64::consts::TAU / cells.len() as f64;
-        let nearest = (angle_rad / step).round() as i64;
-        let candidates = self.surveyor.candidates(0.0, angle_rad)?;
-        for offset in [0, 1, -1] {
-            let cell = &cells[(nearest + offset).rem_euclid(cells.len() as i64) as usize];
-            for of_sheet in cell.iter().filter(|c| c.sheet == sheet) {
-                if let Some(found) = candidates.iter().find(|c| are_joined(c, of_sheet)) {
-                    return Ok(found.clone());
-                }
-            }
-        }
-        Err(self.broken(0.0))
+    /// Candidates at the path's start of the family of a sheet, those nearest to the posture asked for first: both wrists and
+    /// all whole turns cut alike.
+    pub(crate) fn starts(&self, sheet: usize, angle_rad: f64) -> Result<Vec<Candidate>, PlanError> {
+        let first = self.reach.columns[0].cells.iter().flatten();
+        let family: Option<Family> = first
+            .filter(|c| c.sheet == sheet)
+            .map(|c| c.branch.into())
+            .next();
+        let mut starts = self.surveyor.candidates(0.0, angle_rad)?;
+        starts.retain(|c| Some(c.branch.into()) == family);
+        let distance = |c: &Candidate| -> f64 {
+            let apart = c.posture.iter().zip(self.options.near);
+            apart.map(|(a, b)| (a - b).powi(2)).sum()
+        };
+        starts.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        Ok(starts)
     }
 
     /// Candidates at all stations, each without a jump from the one before.

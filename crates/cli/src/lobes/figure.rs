@@ -36,16 +36,16 @@ fn depths(diagram: &Diagram<'_>) -> Panel {
     let ends = [0, lobes.spindle_rad_s.len() - 1].map(|i| rpm(lobes.spindle_rad_s[i]));
     let mut layers = vec![shading(diagram)];
     layers.push(Layer {
-        label: "zero order".to_owned(),
-        points: curve(&lobes.zero_order),
-        style: Style::Dashed,
-        colour: GREEN,
-    });
-    layers.push(Layer {
         label: "semi-discretisation".to_owned(),
         points: curve(&lobes.limit),
         style: Style::Line,
         colour: BLACK,
+    });
+    layers.push(Layer {
+        label: "zero order".to_owned(),
+        points: curve(&lobes.zero_order),
+        style: Style::Dashed,
+        colour: GREEN,
     });
     if let Some(coupling) = lobes.mode_coupling {
         let mm = coupling.depth_m * 1e3;
@@ -143,16 +143,16 @@ fn frequencies(diagram: &Diagram<'_>) -> Panel {
         .collect();
     let mut layers = vec![
         Layer {
-            label: "zero order".to_owned(),
-            points: curve(&lobes.zero_order),
-            style: Style::Dashed,
-            colour: GREEN,
-        },
-        Layer {
             label: "semi-discretisation".to_owned(),
             points: curve(&lobes.limit),
             style: Style::Line,
             colour: BLACK,
+        },
+        Layer {
+            label: "zero order".to_owned(),
+            points: curve(&lobes.zero_order),
+            style: Style::Dashed,
+            colour: GREEN,
         },
     ];
     if !measured.is_empty() {

@@ -14,7 +14,7 @@ use crate::progress::Progress;
 
 /// Depths as parts of the limit, in turns.
 const SHARES: [f64; 2] = [0.8, 1.25];
-/// Longest run, s, and least number of tooth periods.
+/// Longest run, s.
 const LONGEST_S: f64 = 6.0;
 
 /// One run.
@@ -48,21 +48,26 @@ pub fn make(
     runs.collect()
 }
 
-/// Speeds and depths, and whether the theory says that they chatter.
+/// Speeds and depths, and whether the theory says that they chatter: spread over the speeds that have a limit in the diagram.
 fn places(study: &MillingStudy, lobes: &Lobes, count: usize) -> Vec<(f64, f64, bool)> {
+    let coupling = vec![lobes.mode_coupling; lobes.limit.len()];
+    let limits = if study.regeneration() {
+        &lobes.limit
+    } else {
+        &coupling
+    };
+    let with_limit: Vec<(f64, f64)> = (lobes.spindle_rad_s.iter().zip(limits))
+        .filter_map(|(speed, limit)| Some((*speed, limit.as_ref()?.depth_m)))
+        .collect();
+    if with_limit.is_empty() {
+        return Vec::new();
+    }
     let speeds = count.div_ceil(SHARES.len());
-    let columns = lobes.spindle_rad_s.len();
-    let all = (0..count).filter_map(|k| {
-        let at = (k / SHARES.len()) as f64 + 0.5;
-        let i = (at / speeds as f64 * columns as f64) as usize;
-        let limit = if study.regeneration() {
-            lobes.limit[i]
-        } else {
-            lobes.mode_coupling
-        };
+    let all = (0..count).map(|k| {
+        let part = ((k / SHARES.len()) as f64 + 0.5) / speeds as f64;
+        let (speed, limit_m) = with_limit[(part * with_limit.len() as f64) as usize];
         let share = SHARES[k % SHARES.len()];
-        let depth_m = limit?.depth_m * share;
-        Some((lobes.spindle_rad_s[i], depth_m, share > 1.0))
+        (speed, limit_m * share, share > 1.0)
     });
     all.collect()
 }

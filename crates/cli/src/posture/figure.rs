@@ -37,8 +37,9 @@ fn margins(answer: &Answer<'_>, map: &MarginMap) -> Panel {
     let mut shades = Vec::new();
     for (along, column) in map.along_m.iter().zip(&map.assessments) {
         for (angle, found) in map.angles_rad.iter().zip(column) {
+            let Some(found) = found else { continue };
             points.push((along * 1e3, angle.to_degrees()));
-            shades.push(found.map_or(f64::NAN, |a| shade(&a)));
+            shades.push(shade(found));
         }
     }
     let step = |values: &[f64]| {
@@ -113,7 +114,11 @@ fn over_angle(answer: &Answer<'_>) -> Panel {
         .map(|(map, colour)| {
             let column = &map.assessments[map.along_m.len() / 2];
             let value = |found: &Option<Assessment>| found.map_or(f64::NAN, |a| a.value * 1e3);
-            let points = map.angles_rad.iter().zip(column);
+            let points = map
+                .angles_rad
+                .iter()
+                .zip(column)
+                .filter(|(_, found)| found.is_some());
             Layer {
                 label: name(map.criterion).to_owned(),
                 points: points
@@ -124,9 +129,14 @@ fn over_angle(answer: &Answer<'_>) -> Panel {
             }
         })
         .collect();
+    let reached = layers.iter().flat_map(|layer| &layer.points);
+    let reached = reached.filter(|p| p.1.is_finite()).map(|p| p.0);
+    let ends = reached.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    });
     layers.push(Layer {
         label: "cut".to_owned(),
-        points: vec![(0.0, depth_mm), (360.0, depth_mm)],
+        points: ends.map(|x| (x, depth_mm)).to_vec(),
         style: Style::Dashed,
         colour: BLACK,
     });
@@ -173,7 +183,7 @@ fn along_path(answer: &Answer<'_>) -> Panel {
         colour: BLACK,
     });
     Panel {
-        title: "Plan; dashed: scenario".to_owned(),
+        title: "dashed: scenario".to_owned(),
         x_label: "along the path [mm]".to_owned(),
         y_label: "value over what is needed".to_owned(),
         y_scale: Scale::Logarithmic,

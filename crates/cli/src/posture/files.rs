@@ -10,7 +10,7 @@ use truecut_telemetry::{PlanShown, PlanStation, write_plan};
 use super::{Answer, figure, tell};
 use crate::columns_parquet::{self, Column};
 use crate::failure::Failure;
-use crate::figure::charts_of;
+use crate::figure::{Figure, charts_of};
 use crate::outputs::write_file;
 
 /// Writes the figure first, then the scenario with the plan, then what lies beside them.
@@ -35,12 +35,7 @@ pub fn write(answer: &Answer<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(vec![svg, planned, stations, map, rrd])
 }
 
-fn show(
-    answer: &Answer<'_>,
-    rrd: &Path,
-    text: &str,
-    drawn: &crate::figure::Figure,
-) -> Result<(), Failure> {
+fn show(answer: &Answer<'_>, rrd: &Path, text: &str, drawn: &Figure) -> Result<(), Failure> {
     let (scene, frames) = answer.study.view(&answer.plan);
     let title = format!("{}: postures", answer.scenario.name);
     let shown = PlanShown {
@@ -50,9 +45,22 @@ fn show(
         scene: &scene,
         frames: &frames,
         stations: &stations(answer)?,
-        pages: &[charts_of(drawn)],
+        pages: &[charts_of(&beside_the_arm(answer, drawn))],
     };
     write_plan(rrd, &shown).map_err(|error| Failure::message(error.to_string()))
+}
+
+/// What the viewer shows beside the arm: the angle, limits over it, values along the path. The maps are left to the figure.
+fn beside_the_arm(answer: &Answer<'_>, drawn: &Figure) -> Figure {
+    let maps = answer.maps.len();
+    let angle = &drawn.panels[answer.chosen()];
+    let panels = std::iter::once(angle).chain(&drawn.panels[maps..]);
+    Figure {
+        title: drawn.title.clone(),
+        panels: panels.cloned().collect(),
+        columns: drawn.columns,
+        legend: drawn.legend,
+    }
 }
 
 fn stations(answer: &Answer<'_>) -> Result<Vec<PlanStation>, Failure> {

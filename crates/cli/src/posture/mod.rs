@@ -42,7 +42,7 @@ struct Own {
 }
 
 /// Columns of the maps over the path.
-const MAP_COLUMNS: usize = 24;
+const MAP_COLUMNS: usize = 17;
 
 /// Plans, prints and writes.
 pub fn posture(request: &Request) -> Result<Verdict, Failure> {
@@ -62,6 +62,7 @@ fn answer<'a>(request: &'a Request, study: &'a MillingStudy) -> Result<Answer<'a
     let progress = Progress::new(stages, "posture plan");
     let options = PlannerOptions {
         family: study.family(),
+        near: study.near(),
         ..PlannerOptions::default()
     };
     let told = progress.run();
@@ -70,7 +71,6 @@ fn answer<'a>(request: &'a Request, study: &'a MillingStudy) -> Result<Answer<'a
     let told = progress.run();
     let plan = planner.plan(request.criterion)?;
     drop(told);
-    let every = planner.reach().columns.len().div_ceil(MAP_COLUMNS);
     let of_each = |of: &dyn Fn(Criterion) -> Result<Vec<Assessment>, PlanError>| {
         Criterion::ALL
             .map(of)
@@ -79,16 +79,16 @@ fn answer<'a>(request: &'a Request, study: &'a MillingStudy) -> Result<Answer<'a
     };
     let maps = Criterion::ALL.map(|criterion| {
         let _told = progress.run();
-        planner.map(criterion, plan.family, every)
+        planner.map(criterion, plan.family, MAP_COLUMNS)
     });
     let plan_assessed = of_each(&|criterion| {
         let _told = progress.run();
-        planner.reassessed(&plan, criterion)
+        reassessed(&planner, &plan, criterion)
     })?;
     let own = planner.at_angles(request.criterion, &|at_m| study.angle_rad(at_m));
     let own = match own {
         Ok(own) => Some(Own {
-            assessed: of_each(&|criterion| planner.reassessed(&own, criterion))?,
+            assessed: of_each(&|criterion| reassessed(&planner, &own, criterion))?,
             plan: own,
         }),
         Err(_) => None,
@@ -101,6 +101,18 @@ fn answer<'a>(request: &'a Request, study: &'a MillingStudy) -> Result<Answer<'a
         own,
         plan,
     })
+}
+
+/// What a criterion says of a plan; its own has said so already.
+fn reassessed(
+    planner: &Planner<'_>,
+    plan: &Plan,
+    criterion: Criterion,
+) -> Result<Vec<Assessment>, PlanError> {
+    if criterion == plan.criterion {
+        return Ok(plan.points.iter().map(|p| p.assessment).collect());
+    }
+    planner.reassessed(plan, criterion)
 }
 
 impl Answer<'_> {

@@ -2,6 +2,8 @@
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
 
+use crate::relocate::find_mut;
+
 use super::path::{Elbow, Shoulder, TurnKnot, Wrist};
 
 /// Postures along a straight path, as a plan chose them.
@@ -31,14 +33,11 @@ impl PlannedPath {
     /// Writes the path into a scenario: what says where it starts and how the tool stands is replaced.
     pub(crate) fn write(&self, document: &mut DocumentMut) {
         let posture = self.posture_rad.iter().map(|q| rounded(q.to_degrees(), 9));
-        let robot = document.get_mut("robot").and_then(Item::as_table_like_mut);
+        let robot = find_mut(document, &["robot"]).and_then(Item::as_table_like_mut);
         if let Some(robot) = robot {
             set(robot, "posture_deg", Value::Array(posture.collect()));
         }
-        let mut item = Some(document.as_item_mut());
-        for key in ["process", "milling", "path"] {
-            item = item.and_then(|item| item.get_mut(key));
-        }
+        let item = find_mut(document, &["process", "milling", "path"]);
         if let Some(path) = item.and_then(Item::as_table_like_mut) {
             self.write_path(path);
         }

@@ -9,10 +9,6 @@ use std::sync::Arc;
 use nalgebra::{Unit, Vector3};
 use truecut_arm::{FrameId, OpwGeometry, Robot};
 use truecut_core::chatter::TipMode;
-use truecut_core::cutting::chamfer::CuttingCoefficients;
-use truecut_core::cutting::milling::cutter::{Cutter, Runout};
-use truecut_core::cutting::milling::engagement::Engagement;
-use truecut_core::cutting::milling::nominal::NominalCut;
 use truecut_plan::{Cut, Family, Plan, PlanError, ToolPath, modes_in_cut};
 use truecut_scenario::{
     Elbow, MillingSpec, PlannedPath, ProcessSpec, Scenario, Shoulder, TurnKnot, Wrist,
@@ -22,6 +18,7 @@ use crate::build::posture;
 use crate::error::SimError;
 use crate::robots::Robots;
 use crate::tool_path::SolvedPath;
+use crate::translate::nominal_cut;
 
 const PATH: &str = "process.milling.path";
 const DEPTH: &str = "process.milling.axial_depth_mm";
@@ -111,6 +108,11 @@ impl MillingStudy {
         })
     }
 
+    /// The robot's posture in the scenario, to which a plan shall start near; zeros for an arm that is not of six joints.
+    pub fn near(&self) -> [f64; 6] {
+        self.posture[..].try_into().unwrap_or([0.0; 6])
+    }
+
     /// Modes of the arm at a posture in the milling frame.
     ///
     /// # Errors
@@ -171,34 +173,8 @@ pub fn in_scenario(error: PlanError) -> SimError {
 }
 
 fn cut(spec: &MillingSpec) -> Cut {
-    let [entry_rad, exit_rad] = spec.engagement.angles_rad(spec.cutter.diameter_m);
-    let k = &spec.coefficients;
     Cut {
-        nominal: NominalCut {
-            cutter: Cutter {
-                radius_m: 0.5 * spec.cutter.diameter_m,
-                teeth: spec.cutter.teeth as usize,
-                helix_angle_rad: spec.cutter.helix_rad,
-                runout: Runout {
-                    offset_m: spec.cutter.runout_m,
-                    angle_rad: spec.cutter.runout_angle_rad,
-                },
-            },
-            coefficients: CuttingCoefficients {
-                axial_pa: k.axial_pa,
-                radial_pa: k.radial_pa,
-                tangential_pa: k.tangential_pa,
-                edge_axial_n_per_m: k.edge_axial_n_per_m,
-                edge_radial_n_per_m: k.edge_radial_n_per_m,
-                edge_tangential_n_per_m: k.edge_tangential_n_per_m,
-            },
-            engagement: Engagement {
-                entry_rad,
-                exit_rad,
-            },
-            axial_depth_m: spec.axial_depth_m,
-            feed_per_tooth_m: spec.feed_per_tooth_m(),
-        },
+        nominal: nominal_cut(spec),
         spindle_rad_s: spec.spindle_rad_s,
     }
 }

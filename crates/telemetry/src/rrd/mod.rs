@@ -138,7 +138,7 @@ impl Open {
         log_text(stream, results::ABOUT, results::about(recording))?;
         let mut charts = results::log_spectra(stream, &self.groups, recording)?;
         // After the first spectrum, that of the tool.
-        let profiles = results::log_profiles(stream, &recording.profiles)?;
+        let profiles = results::log_profiles(stream, &recording.profiles, &recording.scalars)?;
         let after_first = charts.len().min(1);
         charts.splice(after_first..after_first, profiles);
         let at_end = AtEnd {
