@@ -70,6 +70,65 @@ strip_cells = 40
 preston_per_pa = 4e-11
 "#;
 
+const MILLING: &str = r#"
+name = "every key"
+[robot]
+urdf = "../../assets/robots/irb6600_175_255/robot.urdf"
+config = "../../assets/robots/irb6600_175_255/milling.toml"
+[process.milling]
+spindle_rpm = 2400
+feed_mm_per_s = 16
+axial_depth_mm = 0.3
+engagement = "between"
+entry_deg = 20
+exit_deg = 170
+regeneration = true
+start_angle_deg = 0.0
+lead_in_mm = 0.2
+ramp_mm = 0.5
+[process.milling.cutter]
+diameter_mm = 4
+teeth = 4
+helix_deg = 30
+runout_um = 5
+runout_angle_deg = 20
+[process.milling.cutting]
+tangential_mpa = 2000
+radial_mpa = 600
+axial_mpa = 200
+edge_tangential_n_per_mm = 5.0
+edge_radial_n_per_mm = 5.0
+edge_axial_n_per_mm = 1.0
+[process.milling.path]
+start_mm = [1050, -1450, 870]
+direction = [1, 0.5, 0]
+length_mm = 4
+zero_direction = [1, 0.3, 0]
+redundancy_deg = 120
+"#;
+
+const MILLING_FROM_THE_POSTURE: &str = r#"
+name = "every key"
+[robot]
+urdf = "../../assets/robots/irb6600_175_255/robot.urdf"
+posture_deg = [10, 20, -15, 0, 85, 0]
+[process.milling]
+spindle_rpm = 2400
+feed_mm_per_tooth = 0.1
+axial_depth_mm = 0.3
+engagement = "down"
+radial_depth_mm = 3
+[process.milling.cutter]
+diameter_mm = 4
+teeth = 2
+[process.milling.cutting]
+tangential_mpa = 600
+radial_mpa = 200
+[process.milling.path]
+direction = [0.3, 1, 0]
+length_mm = 1
+"#;
+
 const LOAD: &str = r#"
 name = "every key"
 [robot]
@@ -137,7 +196,7 @@ fn changed(key: &str, value: &str) -> Option<String> {
         let (first, rest) = inside.split_once(',')?;
         return Some(format!("[{}, {rest}", first.parse::<f64>().ok()? * 1.03));
     }
-    if ["edges", "cylinders", "strip_cells"].contains(&key) {
+    if ["edges", "cylinders", "strip_cells", "teeth"].contains(&key) {
         return Some((value.parse::<i64>().ok()? + 1).to_string());
     }
     let number: f64 = value.parse().ok()?;
@@ -168,6 +227,12 @@ fn verify_every_key_of_chamfering_counts() {
 #[test]
 fn verify_every_key_of_the_wheel_counts() {
     check(WHEEL, 12);
+}
+
+#[test]
+fn verify_every_key_of_milling_counts() {
+    check(MILLING, 25);
+    check(MILLING_FROM_THE_POSTURE, 9);
 }
 
 #[test]

@@ -279,7 +279,7 @@ impl MillingTable {
         if chip_m > LARGEST_FEED * diameter_m {
             let path = format!("{table}.{key}");
             let message = format!(
-                "`{path}` gives a feed per tooth of {} mm, but must give at most {} mm, a tenth of the diameter: \
+                "`{path}` gives a feed per tooth of {:.4} mm, but must give at most {} mm, a tenth of the diameter: \
                  chips are far thinner than the cutter",
                 chip_m * 1e3,
                 LARGEST_FEED * diameter_m * 1e3

@@ -30,6 +30,7 @@ VECTORS = {
     "tool.deflection": ("tool.deflection_x", "tool.deflection_y", "tool.deflection_z"),
     "tool.velocity": ("tool.velocity_x", "tool.velocity_y", "tool.velocity_z"),
     "cutting.force": ("cutting.force_x", "cutting.force_y", "cutting.force_z"),
+    "milling.force": ("milling.force_x", "milling.force_y", "milling.force_z"),
     "dynamometer.force": ("dynamometer.force_x", "dynamometer.force_y", "dynamometer.force_z"),
     "foot.friction": ("foot.friction_y", "foot.friction_z"),
     "load.force": ("load.force_x", "load.force_y", "load.force_z"),

@@ -28,8 +28,8 @@ def process_axes(tool_rotation: np.ndarray) -> np.ndarray:
 class Plant:
     """One arm at its start posture. Vectors of the process frame are rows (X, Y, Z); see `process_axes`."""
 
-    def __init__(self, model: str | mujoco.MjModel, robot: Robot) -> None:
-        """`model` is MJCF text or a compiled model with the sites flange, tool and foot."""
+    def __init__(self, model: str | mujoco.MjModel, robot: Robot, q0: np.ndarray | None = None) -> None:
+        """`model` is MJCF text or a compiled model with the sites flange, tool and foot; `q0` stands for the robot's posture."""
         if robot.drive not in ("position", "force"):
             raise NotImplementedError(f"drive '{robot.drive}' has no counterpart in the reference")
         self.model = mujoco.MjModel.from_xml_string(model) if isinstance(model, str) else model
@@ -48,7 +48,7 @@ class Plant:
         self.body = {n: int(m.site_bodyid[i]) for n, i in self.site.items()}
         self.stiffness = m.jnt_stiffness.reshape(self.nv, -1)[:, 0].copy()
         self.damping = m.dof_damping.reshape(self.nv, -1)[:, 0].copy()
-        self.q0 = posture(m, robot)
+        self.q0 = posture(m, robot) if q0 is None else np.array(q0, dtype=float)
         self.data.qpos[:] = self.q0
         mujoco.mj_forward(m, self.data)
         tool = self.data.site("tool")
@@ -87,8 +87,8 @@ class Plant:
                 return q
         raise RuntimeError("no posture sags into the command")
 
-    def settle(self, force_tool: np.ndarray, force_foot: np.ndarray) -> None:
-        """Puts the arm at rest in static equilibrium under the given forces (N, process frame); a free arm at q0."""
+    def settle(self, force_tool: np.ndarray, force_foot: np.ndarray, moment_tool=None) -> None:
+        """Puts the arm at rest in static equilibrium under the given loads (N, N m, process frame); a free arm at q0."""
         d, m = self.data, self.model
         d.qvel[:] = 0.0
         if self.free:
@@ -96,9 +96,9 @@ class Plant:
             mujoco.mj_forward(m, d)
             return
         for _ in range(200):
-            self.apply(force_tool, force_foot)
+            self.apply(force_tool, force_foot, None, moment_tool)
             mujoco.mj_forward(m, d)
-            self.apply(force_tool, force_foot)  # moment arms of the new posture
+            self.apply(force_tool, force_foot, None, moment_tool)  # moment arms of the new posture
             residual = d.qfrc_passive + d.qfrc_applied - d.qfrc_bias
             change = residual / self.stiffness
             d.qpos[:] += change
@@ -107,8 +107,26 @@ class Plant:
         else:
             raise RuntimeError("static equilibrium not found")
         mujoco.mj_forward(m, d)
-        self.apply(force_tool, force_foot)
+        self.apply(force_tool, force_foot, None, moment_tool)
         mujoco.mj_forward(m, d)
+
+    def start_moving(self, qvel: np.ndarray) -> None:
+        """Gives the arm, where it stands, its first joint velocities."""
+        self.data.qvel[:] = qvel
+        mujoco.mj_forward(self.model, self.data)
+
+    def deflection(self, site: str, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
+        """Displacement of a site under a force and a moment (world axes, N, N m), linear, gravity left out; m, world axes."""
+        scratch = mujoco.MjData(self.model)
+        scratch.qpos[:] = self.q0
+        mujoco.mj_forward(self.model, scratch)
+        along, about = np.zeros((3, self.nv)), np.zeros((3, self.nv))
+        mujoco.mj_jacSite(self.model, scratch, along, about, self.site[site])
+        return along @ ((along.T @ force + about.T @ moment) / self.stiffness)
+
+    def fastest_mode_hz(self) -> float:
+        """Highest natural frequency at the start posture."""
+        return float(modes_hz(self.stiffness, self.mass_matrix())[-1])
 
     def compliance(self, site: str) -> np.ndarray:
         """Translational compliance J K^-1 J^T (m/N) at the start posture, process axes, gravity left out."""
@@ -122,14 +140,17 @@ class Plant:
 
     # -- motion ------------------------------------------------------------------------------------------------
 
-    def apply(self, force_tool, force_foot, torque_joints=None) -> None:
-        """Sets the forces (N, process frame) at the two sites and joint torques, for the steps to come."""
+    def apply(self, force_tool, force_foot, torque_joints=None, moment_tool=None) -> None:
+        """Sets the forces (N, process frame) at the two sites, a moment at the tool and joint torques, for the steps to come."""
         m, d = self.model, self.data
         applied = d.qfrc_applied
         if torque_joints is None:
             applied[:] = 0.0
         else:
             applied[:] = torque_joints
+        if moment_tool is not None:
+            moment, point = np.dot(moment_tool, self.axes), d.site_xpos[self.site["tool"]]
+            mujoco.mj_applyFT(m, d, self._torque, moment, point, self.body["tool"], applied)
         for name, force in (("tool", force_tool), ("foot", force_foot)):
             if force[0] or force[1] or force[2]:
                 mujoco.mj_applyFT(

@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import scipy.interpolate
 
 if __package__ in (None, ""):
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -20,7 +21,8 @@ if __package__ in (None, ""):
 from truecut_reference import compare, table  # noqa: E402
 from truecut_reference import scenario as scenario_file
 from truecut_reference.plant import Plant  # noqa: E402
-from truecut_reference.scenario import Chamfer, Load, Scenario, Wheel  # noqa: E402
+from truecut_reference.milling import growth_rate  # noqa: E402
+from truecut_reference.scenario import Chamfer, Load, Milling, Scenario, Wheel  # noqa: E402
 from truecut_reference.simulate import Result, simulate  # noqa: E402
 from truecut_reference.wheel import RUN_UP_S, CommandedPath  # noqa: E402
 
@@ -30,6 +32,8 @@ BAD_INPUT = 2
 # A commanded path may leave the straight line by this much (m and rad): a hundredth of a wheel's deflection.
 PATH_TOLERANCE = 1e-6
 PATH_SPEED_TOLERANCE = 1e-4
+# Part of the feed per tooth by which a tool may move from tooth to tooth and its vibration still count as small.
+GROWTH_LINEAR_SHARE = 0.05
 
 
 def tolerance_of(scenario: Scenario) -> float:
@@ -50,7 +54,7 @@ def crosscheck(scenario: Scenario, model, recording: compare.Recording, step_s: 
     """Everything that `crosscheck.json` holds; `agrees` is the verdict and `failures` its reasons."""
     tolerance = tolerance_of(scenario)
     end_s = float(recording.time_s[-1])
-    travels = isinstance(scenario.process, Wheel)
+    travels = isinstance(scenario.process, (Wheel, Milling))
     command = recording.command() if travels else None
     fine, coarse = reference_pair(scenario, model, step_s, end_s, command)
     judged = "tool.displacement"
@@ -64,8 +68,11 @@ def crosscheck(scenario: Scenario, model, recording: compare.Recording, step_s: 
     if travels:
         # The travel is a thousand times the deflection: it would hide any error in the latter.
         judged = "tool.deflection"
-        path = CommandedPath(Plant(model, scenario.robot), command)
-        report["commanded_path"] = _path(path, scenario.process.feed_m_per_s)
+        plant = Plant(model, scenario.robot)
+        if isinstance(scenario.process, Milling):
+            plant = Plant(model, scenario.robot, plant.rigid_posture(command.joints[0]))
+        path = CommandedPath(plant, command)
+        report["commanded_path"] = _path(path, plant, scenario.process)
         for one in (fine, coarse):
             _add_deflection(one.channels, one.state_time_s, path)
             one.state_names.update(compare.VECTORS[judged])
@@ -79,23 +86,40 @@ def crosscheck(scenario: Scenario, model, recording: compare.Recording, step_s: 
         "halving_the_step": _halving(fine, coarse, until_s, tolerance, judged),
     }
     report |= _against(fine, recording, until_s, judged)
+    if isinstance(scenario.process, Milling):
+        report["growth_rate"] = _growth(scenario.process, fine, recording)
     report["failures"] = failures(report, tolerance)
     report["agrees"] = not report["failures"]
     return report
 
 
-def _path(path: CommandedPath, feed_m_per_s: float) -> dict:
-    """What the commanded path is held to: straight along Y, no turn, and at the feed speed once it is run up."""
-    places = path.places_m
-    steady = path.time_s >= RUN_UP_S
-    speed = np.diff(places[steady, 1]) / np.diff(path.time_s[steady])
+def _path(path: CommandedPath, plant: Plant, process: Wheel | Milling) -> dict:
+    """What the commanded path is held to: straight, no turn (a wheel), and at the feed speed once it is run up."""
+    mills = isinstance(process, Milling)
+    direction = plant.axes @ np.asarray(process.direction) if mills else np.array([0.0, 1.0, 0.0])
+    along = path.places_m @ direction
+    steady = path.time_s >= (0.0 if mills else RUN_UP_S)
+    speed = np.diff(along[steady]) / np.diff(path.time_s[steady])
+    off = path.places_m - np.outer(along, direction)
     found = {
-        "start (m)": (float(np.abs(places[0]).max()), PATH_TOLERANCE),
-        "off its line (m)": (float(np.abs(places[:, [0, 2]]).max()), PATH_TOLERANCE),
+        "start (m)": (float(np.abs(path.places_m[0]).max()), PATH_TOLERANCE),
+        "off its line (m)": (float(np.abs(off).max()), PATH_TOLERANCE),
         "turn of the tool (rad)": (path.rotation_rad, PATH_TOLERANCE),
-        "speed over feed - 1": (float(np.abs(speed / feed_m_per_s - 1.0).max()), PATH_SPEED_TOLERANCE),
+        "speed over feed - 1": (float(np.abs(speed / process.feed_m_per_s - 1.0).max()), PATH_SPEED_TOLERANCE),
     }
     return {name: {"value": value, "limit": limit} for name, (value, limit) in found.items()}
+
+
+def _growth(process: Milling, fine: Result, recording: compare.Recording) -> dict:
+    """Growth rates (1/s) of both sides' vibration once the cut has settled, at the recording's times, by one estimator."""
+    rows = (recording.time_s >= process.settled_s) & (recording.time_s <= fine.state_time_s[-1])
+    time_s = recording.time_s[rows]
+    names = compare.VECTORS["tool.deflection"]
+    window_s = max(process.tooth_period_s, 1.0 / recording.scalars["milling.chatter_frequency"])
+    args = (process.tooth_period_s, window_s, GROWTH_LINEAR_SHARE * process.feed_per_tooth_m)
+    here = np.array([recording.channels[name][rows] for name in names]).T
+    spline = scipy.interpolate.CubicSpline(fine.state_time_s, np.array([fine.channels[name] for name in names]).T)
+    return {"recording": growth_rate(time_s, here, *args), "reference": growth_rate(time_s, spline(time_s), *args)}
 
 
 def _add_deflection(channels: dict, time_s: np.ndarray, path: CommandedPath) -> None:

@@ -169,6 +169,48 @@ class Wheel:
 
 
 @dataclass(frozen=True)
+class Milling:
+    """A straight pass of an end mill; angles are counted from +y towards the feed."""
+
+    spindle_rad_per_s: float
+    feed_m_per_s: float
+    axial_depth_m: float
+    engagement_rad: tuple[float, float]
+    regeneration: bool
+    start_angle_rad: float
+    lead_in_m: float | None
+    ramp_m: float
+    diameter_m: float
+    teeth: int
+    helix_rad: float
+    runout_m: float
+    tangential_pa: float
+    radial_pa: float
+    axial_pa: float
+    edge_tangential_n_per_m: float
+    edge_radial_n_per_m: float
+    edge_axial_n_per_m: float
+    direction: tuple[float, float, float]
+    length_m: float
+
+    @property
+    def tooth_period_s(self) -> float:
+        """Time from one tooth to the next."""
+        return 2.0 * math.pi / (self.spindle_rad_per_s * self.teeth)
+
+    @property
+    def feed_per_tooth_m(self) -> float:
+        """Way from one tooth to the next."""
+        return self.feed_m_per_s * self.tooth_period_s
+
+    @property
+    def settled_s(self) -> float:
+        """When the cut has its full width and depth."""
+        entry_m = 0.0 if self.lead_in_m is None else self.lead_in_m + 0.5 * self.diameter_m
+        return (entry_m + self.ramp_m) / self.feed_m_per_s
+
+
+@dataclass(frozen=True)
 class Load:
     """Forces given in advance, at the tool. Vectors are in the process frame or the world frame."""
 
@@ -199,7 +241,7 @@ class Scenario:
     name: str
     robot: Robot
     duration_s: float
-    process: Chamfer | Wheel | Load | Replay
+    process: Chamfer | Wheel | Milling | Load | Replay
 
 
 def load(path: Path | str, overrides: dict[str, float] | None = None) -> Scenario:
@@ -217,11 +259,14 @@ def from_table(table: dict, path: Path | None = None) -> Scenario:
     if len(processes) != 1:
         raise ScenarioError(f"{path}: exactly one process table is needed, found {sorted(processes)}")
     ((kind, body),) = processes.items()
-    process = {"chamfer": _chamfer, "wheel": _wheel, "load": _load, "replay": _replay}[kind](body)
+    readers = {"chamfer": _chamfer, "wheel": _wheel, "load": _load, "replay": _replay}
+    folder = path.parent if path else Path()
+    process = _milling(body, folder) if kind == "milling" else readers[kind](body)
     run = table.get("run", {})
     default_s = {
         Chamfer: lambda: process.duration_s,
         Wheel: lambda: process.strip_length_m / process.feed_m_per_s,
+        Milling: lambda: process.length_m / process.feed_m_per_s,
         Load: lambda: run["duration_s"],
         Replay: lambda: math.inf,
     }[type(process)]
@@ -330,6 +375,58 @@ def _wheel(t: dict) -> Wheel:
         strip_cells=t.get("strip_cells", 400),
         preston_per_pa=t["preston_per_pa"],
     )
+
+
+def _milling(t: dict, folder: Path) -> Milling:
+    cutter, path = t["cutter"], t["path"]
+    cutting = t["cutting"] if "cutting" in t else _material(t["material"], folder)
+    diameter_mm, teeth = cutter["diameter_mm"], cutter["teeth"]
+    spindle = t["spindle_rpm"] * RPM
+    if "feed_mm_per_s" in t:
+        feed = t["feed_mm_per_s"] * MM
+    else:
+        feed = t["feed_mm_per_tooth"] * MM * teeth * spindle / (2.0 * math.pi)
+    along = [b - a for a, b in zip(path["start_mm"], path["end_mm"])] if "end_mm" in path else path["direction"]
+    length = math.hypot(*along)
+    lead = t.get("lead_in_mm")
+    part = t.get("radial_depth_mm", diameter_mm) / diameter_mm
+    engagement = {
+        "slot": (0.0, math.pi),
+        "up": (0.0, math.acos(1.0 - 2.0 * part)),
+        "down": (math.acos(2.0 * part - 1.0), math.pi),
+        "between": (math.radians(t.get("entry_deg", 0.0)), math.radians(t.get("exit_deg", 0.0))),
+    }[t["engagement"]]
+    return Milling(
+        spindle_rad_per_s=spindle,
+        feed_m_per_s=feed,
+        axial_depth_m=t["axial_depth_mm"] * MM,
+        engagement_rad=engagement,
+        regeneration=t.get("regeneration", True),
+        start_angle_rad=math.radians(t.get("start_angle_deg", 0.0)),
+        lead_in_m=None if lead is None else lead * MM,
+        ramp_m=t.get("ramp_mm", 0.0) * MM,
+        diameter_m=diameter_mm * MM,
+        teeth=teeth,
+        helix_rad=math.radians(cutter.get("helix_deg", 0.0)),
+        runout_m=cutter.get("runout_um", 0.0) * 1e-6,
+        tangential_pa=cutting["tangential_mpa"] * MPA,
+        radial_pa=cutting["radial_mpa"] * MPA,
+        axial_pa=cutting.get("axial_mpa", 0.0) * MPA,
+        edge_tangential_n_per_m=cutting.get("edge_tangential_n_per_mm", 0.0) / MM,
+        edge_radial_n_per_m=cutting.get("edge_radial_n_per_mm", 0.0) / MM,
+        edge_axial_n_per_m=cutting.get("edge_axial_n_per_mm", 0.0) / MM,
+        direction=tuple(a / length for a in along),
+        length_m=length * MM if "end_mm" in path else path["length_mm"] * MM,
+    )
+
+
+def _material(t: dict, folder: Path) -> dict:
+    """The set of coefficients that a material file holds under a name, or its only one."""
+    sets = tomllib.loads((folder / t["file"]).read_text(encoding="utf-8"))["set"]
+    chosen = [one for one in sets if one["id"] == t.get("set", sets[0]["id"])]
+    if len(chosen) != 1 or ("set" not in t and len(sets) > 1):
+        raise ScenarioError(f"{t['file']}: no set {t.get('set')}")
+    return chosen[0]
 
 
 def _load(t: dict) -> Load:

@@ -17,9 +17,10 @@ from .chamfer import ChamferProcess
 from .foot import FootNormal
 from .friction import FootFriction, coulomb_impulse
 from .load import LoadProcess
+from .milling import MillingProcess
 from .plant import Plant
 from .profile import Profile
-from .scenario import Chamfer, Load, Scenario, Wheel
+from .scenario import Chamfer, Load, Milling, Scenario, Wheel
 from .wheel import Command, WheelProcess
 
 EVENT_S = 3e-3
@@ -80,6 +81,8 @@ def process_for(
         return laws.chamfer(spec, longest_step_s)
     if isinstance(spec, Wheel):
         return laws.wheel(spec, scenario.duration_s, longest_step_s, plant, command)
+    if isinstance(spec, Milling):
+        return MillingProcess(spec, longest_step_s, plant, command)
     assert isinstance(spec, Load)
     return LoadProcess(spec, scenario.duration_s, longest_step_s, plant.axes)
 
@@ -98,9 +101,15 @@ def simulate(
     """
     began = time.perf_counter()
     plant = Plant(model, scenario.robot)
+    if isinstance(scenario.process, Milling) and command is not None:
+        # The path says where the arm begins, the command where on the path.
+        plant = Plant(model, scenario.robot, plant.rigid_posture(command.joints[0]))
     process = process_for(scenario, plant, longest_step_s, command, laws)
     force_tool, force_foot = process.start_loads()
-    plant.settle(force_tool, force_foot)
+    plant.settle(force_tool, force_foot, getattr(process, "moment", None))
+    if isinstance(process, MillingProcess):
+        plant.start_moving(process.start_velocity())
+        process.settled()
     has_foot = process.foot is not None
     normal = friction = None
     if has_foot:
@@ -140,7 +149,7 @@ def simulate(
         states.append((x[0], x[1], x[2], v0, v1, v2))
         joints.append(plant.data.qpos.copy())
         forces.append((tx, ty, tz, n_force, -fy, -fz, float(slides), slip_speed, float(n_force <= 0.0), *process.row))
-        plant.apply((tx, ty, tz), (-n_force, fy, fz), process.joint_torque(t + half))
+        plant.apply((tx, ty, tz), (-n_force, fy, fz), process.joint_torque(t + half), getattr(process, "moment", None))
         plant.step(h)
     return _result(plant, process, states, forces, joints, h, time.perf_counter() - began)
 
@@ -156,7 +165,7 @@ def _result(plant, process, states, forces, joints, h, wall_s) -> Result:
         channels[f"joint{n + 1}.{'angle' if hinge else 'position'}"] = joint[:, n]
     state_names = set(channels)
     kind = "load" if isinstance(process, LoadProcess) else "cutting"
-    if not isinstance(process, WheelProcess):
+    if not isinstance(process, (WheelProcess, MillingProcess)):
         for i, axis in enumerate("xyz"):
             channels[f"{kind}.force_{axis}"] = force[:, i]
     if process.foot is not None:

@@ -1,9 +1,10 @@
 //! Growth of vibration, read off a motion in the time domain.
 //!
 //! Forced vibration repeats with the teeth (with the revolution, if they differ), so that the change
-//! `d(t) = x(t) − x(t − T)` is free of it and grows like the rest, e^{σt}. Its level is taken in windows of at least two
-//! of its own periods, and σ is the slope of the levels' logarithm. What saturates is left out: once d is no longer small
-//! beside the feed per tooth, teeth leave the cut and nothing is linear any more.
+//! `d(t) = x(t) − x(t − T)` is free of it and grows like the rest, e^{σt}. A tool that travels changes its posture and with
+//! it, slowly, what is forced; the change of the change, `d(t) − d(t − T)`, grows alike and does not see that. Its level is
+//! taken in windows of at least one of its own periods, and σ is the slope of the levels' logarithm. What saturates is left
+//! out: once d is no longer small beside the feed per tooth, teeth leave the cut and nothing is linear any more.
 
 use nalgebra::Vector3;
 
@@ -26,31 +27,40 @@ pub struct GrowthOptions {
 }
 
 /// Fewest windows for a slope.
-const FEWEST_WINDOWS: usize = 5;
+const FEWEST_WINDOWS: usize = 4;
 /// Levels below this part of the linear range are rounding.
-const FLOOR: f64 = 1e-8;
+const FLOOR: f64 = 1e-7;
 /// Part of the linear stretch, from its end, over which the slope is taken: fast modes have died away before.
 const LATE: f64 = 0.6;
 
-/// Growth of a motion sampled at constant intervals. `None` if it lasts for less than three periods, or a sample is not finite.
+/// Growth of a motion sampled at constant intervals. `None` if it lasts for less than five periods, or a sample is not finite.
 pub fn growth(
     motion_m: &[Vector3<f64>],
     interval_s: f64,
     options: &GrowthOptions,
 ) -> Option<Growth> {
-    let change = changes(motion_m, options.period_s / interval_s)?;
-    let window = window_samples(&change, options.period_s / interval_s);
-    let levels: Vec<(f64, f64)> = change
-        .chunks_exact(window)
-        .map(|part| {
-            let square = part.iter().map(Vector3::norm_squared).sum::<f64>() / window as f64;
-            let peak = part.iter().map(Vector3::norm).fold(0.0, f64::max);
-            (square.sqrt(), peak)
+    let period = options.period_s / interval_s;
+    let first = changes(motion_m, period)?;
+    let second = changes(&first, period)?;
+    let first = &first[first.len() - second.len()..];
+    let window = window_samples(&second, period);
+    let root_mean_square = |part: &[Vector3<f64>]| {
+        (part.iter().map(Vector3::norm_squared).sum::<f64>() / part.len() as f64).sqrt()
+    };
+    let levels: Vec<(f64, f64)> = (first.chunks_exact(window).zip(second.chunks_exact(window)))
+        .map(|(first, second)| {
+            let peak = first.iter().map(Vector3::norm).fold(0.0, f64::max);
+            (root_mean_square(second), peak)
         })
         .collect();
-    let last_level_m = levels.last()?.0;
+    let last_level_m = root_mean_square(first.chunks_exact(window).next_back()?);
     let stretch = longest_linear(&levels, options.linear_m);
-    let late = stretch.start + ((stretch.len() as f64) * (1.0 - LATE)) as usize..stretch.end;
+    let late = stretch.end - (stretch.len() as f64 * LATE) as usize..stretch.end;
+    let late = if late.len() < FEWEST_WINDOWS {
+        stretch
+    } else {
+        late
+    };
     let rate_per_s = (late.len() >= FEWEST_WINDOWS).then(|| {
         let logarithms: Vec<f64> = levels[late].iter().map(|level| level.0.ln()).collect();
         slope(&logarithms) / (window as f64 * interval_s)
@@ -61,31 +71,33 @@ pub fn growth(
     })
 }
 
-/// x(t) − x(t − T), T in samples.
+/// Samples through which a motion is interpolated: the place between the third and the fourth.
+const POINTS: usize = 6;
+
+/// x(t) − x(t − T), T in samples. Where T is no whole number of them, x is interpolated to fifth degree (Lagrange).
 fn changes(motion: &[Vector3<f64>], period: f64) -> Option<Vec<Vector3<f64>>> {
-    let first = period.ceil() as usize + 1;
-    if motion.len() < 3 * first || motion.iter().any(|x| x.iter().any(|x| !x.is_finite())) {
+    let whole = period.ceil() as usize;
+    let first = whole + 2;
+    let finite = |x: &Vector3<f64>| x.iter().all(|x| x.is_finite());
+    if whole < POINTS || motion.len() < 4 * first || !motion.iter().all(finite) {
         return None;
     }
-    let at = |i: usize| {
-        let place = i as f64 - period;
-        let k = place.round();
-        if (place - k).abs() < 1e-6 {
-            return motion[k as usize];
-        }
-        // Cubic through the two samples on either side.
-        let k = (place.floor() as usize).clamp(1, motion.len() - 3);
-        let u = place - k as f64;
-        let [a, b, c, d] = std::array::from_fn(|j| motion[k + j - 1]);
-        a * (-u * (u - 1.0) * (u - 2.0) / 6.0)
-            + b * ((u + 1.0) * (u - 1.0) * (u - 2.0) / 2.0)
-            + c * (-(u + 1.0) * u * (u - 2.0) / 2.0)
-            + d * ((u + 1.0) * u * (u - 1.0) / 6.0)
+    let place = whole as f64 - period + 2.0;
+    let weights: [f64; POINTS] = std::array::from_fn(|k| {
+        let others = (0..POINTS).filter(|j| *j != k);
+        others
+            .map(|j| (place - j as f64) / (k as f64 - j as f64))
+            .product()
+    });
+    let change = |i: usize| {
+        let points = &motion[i - first..];
+        let then: Vector3<f64> = weights.iter().zip(points).map(|(w, x)| x * *w).sum();
+        motion[i] - then
     };
-    Some((first..motion.len()).map(|i| motion[i] - at(i)).collect())
+    Some((first..motion.len()).map(change).collect())
 }
 
-/// A window of at least one period of what is forced and two of what is not, by the sign changes of its largest component.
+/// A window of at least one period of what is forced and one of what is not, by the sign changes of its largest component.
 fn window_samples(change: &[Vector3<f64>], period: f64) -> usize {
     let late = &change[change.len() / 2..];
     let size = |axis: usize| late.iter().map(|d| d[axis] * d[axis]).sum::<f64>();
@@ -96,9 +108,9 @@ fn window_samples(change: &[Vector3<f64>], period: f64) -> usize {
         .windows(2)
         .filter(|w| w[0][axis] * w[1][axis] < 0.0)
         .count();
-    let two_periods = 4.0 * late.len() as f64 / crossings.max(1) as f64;
-    let most = change.len() / (2 * FEWEST_WINDOWS);
-    (two_periods.max(period).ceil() as usize).clamp(1, most.max(1))
+    let own_period = 2.0 * late.len() as f64 / crossings.max(1) as f64;
+    let most = change.len() / (3 * FEWEST_WINDOWS);
+    (own_period.max(period).ceil() as usize).clamp(1, most.max(1))
 }
 
 /// The longest stretch of windows that stay in the linear range and above rounding.
@@ -144,7 +156,7 @@ mod tests {
                 let forced =
                     2e-5 * (TAU * t / period_s).sin() + 1e-5 * (2.0 * TAU * t / period_s).cos();
                 Vector3::new(
-                    3e-4 + forced + free * (TAU * 9.3 * t).sin() + fast,
+                    3e-4 + 1e-4 * t + 1e-5 * t * t + forced + free * (TAU * 9.3 * t).sin() + fast,
                     0.5 * free * (TAU * 9.3 * t + 1.0).sin(),
                     0.0,
                 )
@@ -152,8 +164,8 @@ mod tests {
             .collect()
     }
 
-    /// A slow mode that grows or decays beside forced vibration ten times as large and a fast mode that dies away, tooth
-    /// periods of whole and of broken numbers of samples.
+    /// A slow mode that grows or decays beside forced vibration ten times as large, a drift and a fast mode that dies away,
+    /// tooth periods of whole and of broken numbers of samples.
     #[test]
     fn verify_rate_of_an_exponential() {
         for period_s in [6.25e-3, 7.123e-3] {

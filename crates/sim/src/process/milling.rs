@@ -160,11 +160,11 @@ impl Milling {
         }
     }
 
-    /// Walls and floor to be finished, on rays from where the cut has its full depth.
+    /// Walls and floor to be finished, on rays from where the cut has its full width and depth.
     fn surface(&self) -> FinishedSurface {
         let s = &self.setup;
         let p = &s.parameters;
-        let from_m = s.lead_in_m.unwrap_or(0.0) + s.ramp_m;
+        let from_m = s.settled_m().min(s.path_length_m);
         let length_m = s.path_length_m - from_m;
         let spacing_m = (p.feed_per_tooth_m / RAYS_PER_MARK).max(length_m / MOST_RAYS);
         let grid = RayGrid {
@@ -264,6 +264,18 @@ impl Milling {
     }
 }
 
+/// Steps between two samples, of so many in a tooth period: a whole part of them where they are a whole number, so that
+/// motions one tooth apart are compared sample by sample.
+fn stride(per_tooth: f64) -> usize {
+    let longest = ((per_tooth / KEPT_PER_TOOTH) as usize).max(1);
+    let whole = per_tooth.round();
+    if (per_tooth - whole).abs() > 1e-6 {
+        return longest;
+    }
+    let divides = |stride: &usize| (whole as usize).is_multiple_of(*stride);
+    (1..=longest).rev().find(divides).unwrap_or(1)
+}
+
 impl ForceSums {
     fn add(&mut self, rotation_rad: f64, force_n: &Vector3<f64>) {
         if self.count == 0 {
@@ -295,7 +307,7 @@ impl Process for Milling {
         }
         self.cut = MillingCut::new(parameters, Some(self.surface()));
         let per_tooth = self.setup.tooth_period_s() / start.time_step_s;
-        self.history.stride = ((per_tooth / KEPT_PER_TOOTH) as usize).max(1);
+        self.history.stride = stride(per_tooth);
         self.last = Last {
             deflection_m: self.start_offset_m,
             rotation_rad: self.rotation_rad(0.0),

@@ -42,7 +42,7 @@ fn grows(scenario: &Scenario) -> bool {
     let end = run(scenario);
     let rate = scalar(&end, "milling.growth_rate");
     let level = scalar(&end, "milling.vibration_level");
-    let small = 0.25 * milling(scenario).feed_per_tooth_m();
+    let small = 0.05 * milling(scenario).feed_per_tooth_m();
     rate > 0.0 || (rate.is_nan() && level > small)
 }
 

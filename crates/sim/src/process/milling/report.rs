@@ -17,7 +17,7 @@ const AXES: [(&str, &str); 3] = [
     ("z", "into the spindle"),
 ];
 /// Change of the deflection from one tooth to the next that still counts as small beside the feed per tooth.
-const LINEAR_SHARE: f64 = 0.25;
+const LINEAR_SHARE: f64 = 0.05;
 /// Spectra reach to so many times the tooth-passing frequency.
 const SPECTRUM_TEETH: f64 = 3.0;
 /// Feed per revolution by which rays at the ends of a surface are left out: their neighbours are not all cut.
