@@ -1,17 +1,19 @@
 //! Arguments as they are written, and the resolved form that the commands work with.
 
+mod stability;
+
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use truecut_discrepancy::diagnose::Options;
-use truecut_plan::Criterion;
 use truecut_scenario::Scenario;
 
 use crate::diagnose;
 use crate::failure::Failure;
 use crate::find::find_scenarios;
-use crate::{lobes, posture};
+
+pub use stability::{LobesArguments, PostureArguments};
 
 /// Physics-backed simulation of robotic machining.
 ///
@@ -163,62 +165,6 @@ pub struct DiagnoseArguments {
 }
 
 #[derive(Debug, Args)]
-pub struct LobesArguments {
-    /// Scenario file, with [process.milling]
-    scenario: PathBuf,
-    /// Slowest and fastest spindle speed [default: a tenth of the scenario's, and one and a quarter of it]
-    #[arg(long, value_name = "FROM,TO", value_parser = parse_range)]
-    rpm: Option<[f64; 2]>,
-    /// Deepest cut [default: three times the scenario's, or a fifth more than its limit]
-    #[arg(long, value_name = "MM", value_parser = parse_rpm)]
-    deepest: Option<f64>,
-    /// How many speeds and depths the diagram has
-    #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u16).range(2..=1000))]
-    size: u16,
-    /// How many runs are simulated, just below and just above the limit in turns; 0 for none
-    #[arg(long, value_name = "N", default_value = "12", value_parser = clap::value_parser!(u16).range(0..=1000))]
-    runs: u16,
-    /// Where on the path the arm stands, from its start [default: 0]
-    #[arg(long, value_name = "MM", value_parser = parse_distance)]
-    at: Option<f64>,
-    /// Folder for outputs; the scenario gets a folder of its own in it
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
-    #[command(flatten)]
-    common: Common,
-}
-
-#[derive(Debug, Args)]
-pub struct PostureArguments {
-    /// Scenario file, with [process.milling]
-    scenario: PathBuf,
-    /// By what a posture counts as stable
-    #[arg(long, value_enum, default_value_t = CriterionName::Regenerative)]
-    criterion: CriterionName,
-    /// Draw the maps of stiffness and limit over joints 2 and 3 too
-    #[arg(long)]
-    maps: bool,
-    /// Folder for outputs; the scenario gets a folder of its own in it
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
-    #[command(flatten)]
-    common: Common,
-}
-
-/// By what a posture counts as stable.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum CriterionName {
-    /// (k_max - k_min)/k_max at least 0.1: a published rule, no stability bound
-    Anisotropy,
-    /// Undamped planar mode coupling
-    Flutter,
-    /// Mode coupling of all modes, teeth meeting the nominal surface
-    ModeCoupling,
-    /// Regeneration of all modes, teeth meeting the surface that earlier ones left
-    Regenerative,
-}
-
-#[derive(Debug, Args)]
 pub struct IdentifyArguments {
     /// Identification file, with [stiffness], [modes] or both
     pub file: PathBuf,
@@ -310,46 +256,6 @@ impl DiagnoseArguments {
             out: self.out,
             options,
         })
-    }
-}
-
-impl LobesArguments {
-    /// Loads the scenario.
-    pub fn resolve(self) -> Result<lobes::Plan, Failure> {
-        self.common.use_jobs()?;
-        Ok(lobes::Plan {
-            scenario: Scenario::load(&self.scenario, &self.common.set)?,
-            rpm: self.rpm,
-            deepest_m: self.deepest.map(|mm| mm * 1e-3),
-            size: self.size.into(),
-            runs: self.runs.into(),
-            at_m: self.at.unwrap_or(0.0) * 1e-3,
-            out: self.out,
-        })
-    }
-}
-
-impl PostureArguments {
-    /// Loads the scenario.
-    pub fn resolve(self) -> Result<posture::Request, Failure> {
-        self.common.use_jobs()?;
-        Ok(posture::Request {
-            scenario: Scenario::load(&self.scenario, &self.common.set)?,
-            criterion: self.criterion.into(),
-            maps: self.maps,
-            out: self.out,
-        })
-    }
-}
-
-impl From<CriterionName> for Criterion {
-    fn from(name: CriterionName) -> Criterion {
-        match name {
-            CriterionName::Anisotropy => Criterion::Anisotropy,
-            CriterionName::Flutter => Criterion::Flutter,
-            CriterionName::ModeCoupling => Criterion::ModeCoupling,
-            CriterionName::Regenerative => Criterion::Regenerative,
-        }
     }
 }
 
@@ -451,24 +357,6 @@ fn parse_rpm(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|rpm: &f64| rpm.is_finite() && *rpm > 0.0);
     rpm.ok_or_else(|| "must be a number above 0".into())
-}
-
-fn parse_distance(text: &str) -> Result<f64, String> {
-    let value = text
-        .parse()
-        .ok()
-        .filter(|value: &f64| value.is_finite() && *value >= 0.0);
-    value.ok_or_else(|| "must be a number, 0 or above".into())
-}
-
-fn parse_range(text: &str) -> Result<[f64; 2], String> {
-    let ends = text
-        .split_once(',')
-        .map(|(from, to)| [from, to].map(str::trim));
-    match ends.map(|ends| ends.map(parse_rpm)) {
-        Some([Ok(from), Ok(to)]) if from < to => Ok([from, to]),
-        _ => Err("write FROM,TO, two numbers above 0 that rise, e.g. 300,3000".into()),
-    }
 }
 
 #[cfg(test)]

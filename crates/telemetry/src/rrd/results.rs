@@ -309,3 +309,33 @@ pub(super) fn about(recording: &Recording) -> String {
 pub(super) fn scenario(text: &str) -> String {
     format!("```toml\n{text}\n```\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chatter_line_stands_on_the_peak_beside_its_frequency() {
+        let profile = |name: &str| Profile {
+            name: name.into(),
+            description: String::new(),
+            axis_name: "frequency".into(),
+            axis_unit: Unit::Hertz,
+            unit: Unit::MetrePerSecondSquared,
+            axis: (0..100).map(|k| 0.2 * f64::from(k)).collect(),
+            values: (0..100)
+                .map(|k| if k == 49 || k == 80 { 2.0 } else { 0.1 })
+                .collect(),
+        };
+        let line = [Scalar::new(CHATTER_HZ, Unit::Hertz, 9.91, "")];
+        let unit = UserUnit::from(Unit::MetrePerSecondSquared);
+        let mark = |name: &str, scalars: &[Scalar]| chatter_mark(&profile(name), scalars, &unit);
+        let (hz, value, text) = mark("milling.acceleration_spectrum_x", &line).expect("a mark");
+        assert!((hz - 9.8).abs() < 1e-9 && value == 2.0);
+        assert_eq!(text, "chatter line, 9.91 Hz");
+        assert_eq!(mark("milling.acceleration_spectrum_x", &[]), None);
+        assert_eq!(mark("rim.width", &line), None);
+        let none = [Scalar::new(CHATTER_HZ, Unit::Hertz, f64::NAN, "")];
+        assert_eq!(mark("milling.acceleration_spectrum_x", &none), None);
+    }
+}
