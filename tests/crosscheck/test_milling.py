@@ -1,7 +1,7 @@
-"""The same milling pass in truecut and in MuJoCo, the cut written a second time: teeth on true circles against the surface.
+"""The same milling pass in truecut and in MuJoCo, the cut written a second time: teeth on true circles.
 
-Bounds, while vibration is small beside the feed per tooth: deflection of the tool 1 % of its range, growth rate 3 %. One
-pass grows and one does not, each on a machine of one mode, whose teeth meet their own surface, and on the arm.
+Bounds, while vibration is small beside the feed per tooth: deflection of the tool 1 % of its range, growth rate 3 %.
+One pass grows and one does not, on a machine of one mode, whose teeth meet their own surface, and on the arm.
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ def test_crosscheck_mujoco_milling_rig(truecut, tmp_path, kind, depth_mm):
     """One mode at 922 Hz, limit 0.852 mm: every tooth meets what the teeth before it left."""
     path = tmp_path / f"rig_{kind}.toml"
     path.write_text(RIG.format(robots=ROOT / "assets" / "robots", depth_mm=depth_mm), encoding="utf-8")
-    # At the default step truecut's mode is out of tune by 5e-4, a twentieth of a turn in a hundred: too much where vibration is
-    # all there is.
+    # At the default step truecut's mode is out of tune by 5e-4, a twentieth of a turn in a hundred: too much where
+    # vibration is all there is.
     here, there = check(truecut, f"milling rig, {kind}", path, {"run.time_step_ms": 0.006})
     assert (here > 0.0) == (kind == "unstable")
     assert here == pytest.approx(there, rel=0.03)
@@ -71,8 +71,10 @@ def test_crosscheck_mujoco_milling_arm_own_surface(truecut):
 
 
 def test_crosscheck_mujoco_milling_arm_nominal_surface(truecut):
-    """Teeth meet a surface without waves: the arm, at rest under the mean force, begins to flutter. Vibration is still small
-    where the run ends."""
+    """Teeth meet a surface without waves: the arm, at rest under the mean force, begins to flutter.
+
+    Vibration is still small where the run ends.
+    """
     changes = {"run.duration_s": 0.9, "process.milling.axial_depth_mm": 0.2}
     here, there = check(truecut, "milling arm, nominal surface", MILLING / "nominal_surface.toml", changes)
     assert here > 0.0

@@ -72,7 +72,7 @@ impl Prepared {
             replay.check_posture(spec, &nominal, &posture)?;
             posture = replay.posture(&posture);
         }
-        let path = milling_path(scenario, &nominal, &posture)?;
+        let path = SolvedPath::of(scenario, &nominal, &posture)?;
         if let Some(path) = &path {
             posture.clone_from(&path.knots[0]);
         }
@@ -202,18 +202,6 @@ impl Prepared {
         )
         .holding(&self.first_command(), &self.start)
     }
-}
-
-/// The postures along the path of a milling scenario.
-fn milling_path(
-    scenario: &Scenario,
-    robot: &Robot,
-    posture: &[f64],
-) -> Result<Option<SolvedPath>, SimError> {
-    let ProcessSpec::Milling(milling) = &scenario.process else {
-        return Ok(None);
-    };
-    SolvedPath::solve(&milling.path, robot, posture).map(Some)
 }
 
 fn first_of(command: &JointCommand, dof: usize) -> Vec<f64> {

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Translation3, Unit, Vector3};
 use truecut_arm::{
     ArmErrorKind, BranchOptions, FrameId, IkOptions, IkSolver, PathOptions, Robot, tool_pose,
 };
-use truecut_scenario::{Elbow, MillingPathSpec, PathStart, Shoulder, Wrist};
+use truecut_scenario::{Elbow, MillingPathSpec, PathStart, ProcessSpec, Scenario, Shoulder, Wrist};
 
 const PATH: &str = "process.milling.path";
 /// Knots of a path lie at most this far apart, m. Cubic interpolation between them errs by less than 1e-9 m on the
@@ -24,13 +24,21 @@ pub(crate) struct SolvedPath {
 }
 
 impl SolvedPath {
-    /// Solves the postures of a path. `posture` is where the robot stands (a path without a start), or what the first posture is
-    /// to be near.
-    pub(crate) fn solve(
-        spec: &MillingPathSpec,
+    /// The path of a scenario whose process has one.
+    pub(crate) fn of(
+        scenario: &Scenario,
         robot: &Robot,
         posture: &[f64],
-    ) -> Result<Self, SimError> {
+    ) -> Result<Option<Self>, SimError> {
+        let ProcessSpec::Milling(milling) = &scenario.process else {
+            return Ok(None);
+        };
+        Self::solve(&milling.path, robot, posture).map(Some)
+    }
+
+    /// Solves the postures of a path. `posture` is where the robot stands (a path without a start), or what the first posture is
+    /// to be near.
+    fn solve(spec: &MillingPathSpec, robot: &Robot, posture: &[f64]) -> Result<Self, SimError> {
         let intervals = (spec.length_m / KNOT_SPACING_M).ceil().max(3.0);
         let spacing_m = spec.length_m / intervals;
         let poses = poses(spec, robot, posture, spacing_m, intervals as usize + 1)?;

@@ -1,13 +1,13 @@
 """Peripheral milling along a straight line: teeth on true circles against the surface that earlier teeth cut.
 
-The surface is not stored as displacements over the spindle's angle. Where a tooth stands now, the ray from the axis through
-its tip meets the arc that an earlier tooth cut at the time when that tooth's tip lay on the ray: the time is found by
-Newton's method from the recorded places of the axis (cubic Hermite between steps). The chip is what lies between the
-outermost of those points and the tip.
+The surface is not stored as displacements over the spindle's angle. Where a tooth stands now, the ray from the axis
+through its tip meets the arc that an earlier tooth cut at the time when that tooth's tip lay on the ray: the time is
+found by Newton's method from the recorded places of the axis (cubic Hermite between steps). The chip is what lies
+between the outermost of those points and the tip.
 
-Frame of the cut: x the feed, z the tool axis from the tip into the spindle (process -X), y = z x x. A tooth at the angle
-phi from +y towards +x points along (sin phi, cos phi); the tool turns clockwise seen from the spindle. The law covers
-straight edges without runout, which is what is cross-checked; anything else is refused.
+Frame of the cut: x the feed, z the tool axis from the tip into the spindle (process -X), y = z x x. A tooth at the
+angle phi from +y towards +x points along (sin phi, cos phi); the tool turns clockwise seen from the spindle. The law
+covers straight edges without runout, which is what is cross-checked; anything else is refused.
 """
 
 from __future__ import annotations
@@ -52,8 +52,11 @@ class MillingProcess:
         self._command_rate = self._command.derivative()
         self.axes = _cut_axes(plant, spec)
         self.origin = plant.tool_position0.copy()
-        self.mean_force, self.mean_moment = _mean_load(spec)
-        self.steady = plant.deflection("tool", self.mean_force @ self.axes, self.mean_moment @ self.axes)
+        force, moment = _mean_load(spec)
+        steady = plant.deflection("tool", force @ self.axes, moment @ self.axes)
+        # A tool that sinks under the force cuts deeper, in proportion; both are found together.
+        deeper = spec.axial_depth_m / (spec.axial_depth_m + float(self.axes[2] @ steady))
+        self.mean_force, self.mean_moment, self.steady = deeper * force, deeper * moment, deeper * steady
         self.in_cut = spec.lead_in_m is None and spec.ramp_m == 0.0
         # Rest, and with it the place of the axis before the start: known once the arm has settled.
         self.offset = np.zeros(3)

@@ -3,7 +3,7 @@
 //! Forced vibration repeats with the teeth (with the revolution, if they differ), so that the change
 //! `d(t) = x(t) − x(t − T)` is free of it and grows like the rest, e^{σt}. A tool that travels changes its posture and with
 //! it, slowly, what is forced; the change of the change, `d(t) − d(t − T)`, grows alike and does not see that. Its level is
-//! taken in windows of at least one of its own periods, and σ is the slope of the levels' logarithm. What saturates is left
+//! taken in windows of two of its own periods, and σ is the slope of the levels' logarithm. What saturates is left
 //! out: once d is no longer small beside the feed per tooth, teeth leave the cut and nothing is linear any more.
 
 use nalgebra::Vector3;
@@ -44,26 +44,23 @@ pub fn growth(
     let second = changes(&first, period)?;
     let first = &first[first.len() - second.len()..];
     let window = window_samples(&second, period);
-    let root_mean_square = |part: &[Vector3<f64>]| {
-        (part.iter().map(Vector3::norm_squared).sum::<f64>() / part.len() as f64).sqrt()
-    };
-    let levels: Vec<(f64, f64)> = (first.chunks_exact(window).zip(second.chunks_exact(window)))
-        .map(|(first, second)| {
-            let peak = first.iter().map(Vector3::norm).fold(0.0, f64::max);
-            (root_mean_square(second), peak)
+    let hop = (window / 2).max(1);
+    let levels: Vec<(f64, f64)> = (0..=second.len() - window)
+        .step_by(hop)
+        .map(|at| {
+            let peak = first[at..at + window]
+                .iter()
+                .map(Vector3::norm)
+                .fold(0.0, f64::max);
+            (level(&second[at..at + window]), peak)
         })
         .collect();
-    let last_level_m = root_mean_square(first.chunks_exact(window).next_back()?);
+    let last_level_m = level(&first[first.len() - window..]);
     let stretch = longest_linear(&levels, options.linear_m);
-    let late = stretch.end - (stretch.len() as f64 * LATE) as usize..stretch.end;
-    let late = if late.len() < FEWEST_WINDOWS {
-        stretch
-    } else {
-        late
-    };
+    let late = late_part(&levels, stretch, options.linear_m);
     let rate_per_s = (late.len() >= FEWEST_WINDOWS).then(|| {
         let logarithms: Vec<f64> = levels[late].iter().map(|level| level.0.ln()).collect();
-        slope(&logarithms) / (window as f64 * interval_s)
+        slope(&logarithms) / (hop as f64 * interval_s)
     });
     Some(Growth {
         rate_per_s,
@@ -97,7 +94,19 @@ fn changes(motion: &[Vector3<f64>], period: f64) -> Option<Vec<Vector3<f64>>> {
     Some((first..motion.len()).map(change).collect())
 }
 
-/// A window of at least one period of what is forced and one of what is not, by the sign changes of its largest component.
+/// Root mean square under a Hann window, which is blind to where in its period a vibration stands.
+fn level(part: &[Vector3<f64>]) -> f64 {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for (i, x) in part.iter().enumerate() {
+        let sine = (std::f64::consts::PI * (i as f64 + 0.5) / part.len() as f64).sin();
+        sum += sine * sine * x.norm_squared();
+        weights += sine * sine;
+    }
+    (sum / weights).sqrt()
+}
+
+/// Samples of a window of two periods, of what is forced or of what is not, whichever is longer; the latter by the sign
+/// changes of its largest component.
 fn window_samples(change: &[Vector3<f64>], period: f64) -> usize {
     let late = &change[change.len() / 2..];
     let size = |axis: usize| late.iter().map(|d| d[axis] * d[axis]).sum::<f64>();
@@ -109,8 +118,8 @@ fn window_samples(change: &[Vector3<f64>], period: f64) -> usize {
         .filter(|w| w[0][axis] * w[1][axis] < 0.0)
         .count();
     let own_period = 2.0 * late.len() as f64 / crossings.max(1) as f64;
-    let most = change.len() / (3 * FEWEST_WINDOWS);
-    (own_period.max(period).ceil() as usize).clamp(1, most.max(1))
+    let most = change.len() / FEWEST_WINDOWS;
+    ((2.0 * own_period.max(period)).ceil() as usize).clamp(1, most.max(1))
 }
 
 /// The longest stretch of windows that stay in the linear range and above rounding.
@@ -126,6 +135,27 @@ fn longest_linear(levels: &[(f64, f64)], linear_m: f64) -> std::ops::Range<usize
         }
     }
     best
+}
+
+/// The part of a linear stretch over which the slope is taken: its end; where the motion then leaves the linear range, from its
+/// quietest window on, since before that it died away.
+fn late_part(
+    levels: &[(f64, f64)],
+    stretch: std::ops::Range<usize>,
+    linear_m: f64,
+) -> std::ops::Range<usize> {
+    let late = stretch.end - (stretch.len() as f64 * LATE) as usize..stretch.end;
+    let outgrown = levels
+        .get(stretch.end)
+        .is_some_and(|next| next.1 > linear_m);
+    let quietest = stretch
+        .clone()
+        .min_by(|a, b| levels[*a].0.total_cmp(&levels[*b].0));
+    match quietest {
+        Some(quietest) if outgrown => quietest..stretch.end,
+        _ if late.len() < FEWEST_WINDOWS => stretch,
+        _ => late,
+    }
 }
 
 /// Slope of evenly spaced values, per step.
@@ -156,7 +186,7 @@ mod tests {
                 let forced =
                     2e-5 * (TAU * t / period_s).sin() + 1e-5 * (2.0 * TAU * t / period_s).cos();
                 Vector3::new(
-                    3e-4 + 1e-4 * t + 1e-5 * t * t + forced + free * (TAU * 9.3 * t).sin() + fast,
+                    3e-4 + 1e-4 * t + 1e-6 * t * t + forced + free * (TAU * 9.3 * t).sin() + fast,
                     0.5 * free * (TAU * 9.3 * t + 1.0).sin(),
                     0.0,
                 )
@@ -183,6 +213,24 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A motion that dies away before it grows out of the linear range has the rate of its growth, whatever came before.
+    #[test]
+    fn growth_counts_from_the_quietest_window_on() {
+        let options = GrowthOptions {
+            period_s: 6.25e-3,
+            linear_m: 5e-6,
+        };
+        let mut motion = motion(5.0, 6.25e-3, 1e-8, 12_000);
+        for (i, x) in motion.iter_mut().enumerate() {
+            let t = i as f64 * STEP_S;
+            x.y += 1e-6 * (-8.0 * t).exp() * (TAU * 9.3 * t).sin();
+            x.z += 2e-5 / (1.0 + (-80.0 * (t - 1.0)).exp()) * (TAU * 9.3 * t).sin();
+        }
+        let found = growth(&motion, STEP_S, &options).expect("long enough");
+        assert!(found.last_level_m > options.linear_m);
+        assert!(found.rate_per_s.is_none_or(|rate| rate > 0.0), "{found:?}");
     }
 
     /// What has saturated does not count, and what is saturated from the beginning has no rate.

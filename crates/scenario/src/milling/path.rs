@@ -86,7 +86,7 @@ pub enum Elbow {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Wrist {
-    /// The fifth joint's angle is positive.
+    /// The fifth joint's angle is positive, counted as that of the ortho-parallel model.
     Positive,
     /// It is negative.
     Negative,

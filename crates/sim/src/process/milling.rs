@@ -41,7 +41,9 @@ pub struct MillingSetup {
     pub ramp_m: f64,
     /// Takes components in the milling frame to components in the process frame.
     pub process_from_milling: Rotation3<f64>,
-    /// Force (N) and moment (N m) on the tool of the nominal cut, averaged over a revolution, milling frame.
+    /// Force on the tool of the nominal cut, averaged over a revolution, milling frame, N.
+    pub nominal_force_n: Vector3<f64>,
+    /// Force (N) and moment (N m) on a tool that rests in the cut, sunk or lifted by them, milling frame.
     pub mean_load: (Vector3<f64>, Vector3<f64>),
     /// Deflection of the arm under it, milling frame, m.
     pub mean_deflection_m: Vector3<f64>,

@@ -47,6 +47,9 @@ pub(super) fn milling(
         .fixed_rows_mut::<3>(3)
         .copy_from(&(world_from_milling * mean_load.1));
     let deflection: Vector3<f64> = (compliance * wrench).fixed_rows::<3>(0).into();
+    let deflection = world_from_milling.inverse() * deflection;
+    // A tool that sinks by z under the force F cuts deeper: F (b - z)/b, of which z is the deflection.
+    let deeper = 1.0 / (1.0 + deflection.z / spec.axial_depth_m).max(0.1);
     let walls = finished_walls(&cut.engagement);
     let workpiece = Workpiece::Slab {
         feed: process_from_milling * Vector3::x(),
@@ -63,8 +66,9 @@ pub(super) fn milling(
         lead_in_m: spec.lead_in_m,
         ramp_m: spec.ramp_m,
         process_from_milling,
-        mean_load,
-        mean_deflection_m: world_from_milling.inverse() * deflection,
+        nominal_force_n: mean_load.0,
+        mean_load: (mean_load.0 * deeper, mean_load.1 * deeper),
+        mean_deflection_m: deflection * deeper,
         wall: walls.first().copied(),
         finished_walls: walls,
         theory: theory(

@@ -1,6 +1,6 @@
 //! Depth limits in the time domain against stability theory.
 
-use crate::support::{RIG, milling, run, scalar, scenario};
+use crate::support::{RIG, grows, scenario};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
@@ -37,15 +37,6 @@ fn benchmark(immersion: f64, rpm: f64, depth_m: f64) -> Scenario {
     )
 }
 
-/// Whether vibration grows; what has left the linear range before a rate can be taken has grown.
-fn grows(scenario: &Scenario) -> bool {
-    let end = run(scenario);
-    let rate = scalar(&end, "milling.growth_rate");
-    let level = scalar(&end, "milling.vibration_level");
-    let small = 0.05 * milling(scenario).feed_per_tooth_m();
-    rate > 0.0 || (rate.is_nan() && level > small)
-}
-
 /// Benchmark 1 in rapier: an end mill of two teeth on one spring, five speeds, flips among them. Bisection on the growth rate of
 /// the recording to 1 %.
 #[test]
@@ -79,7 +70,7 @@ fn verify_limits_of_the_benchmark_in_rapier() {
         }
         let found_m = 0.5 * (low + high);
         println!(
-            "{immersion} {rpm}: {} {}",
+            "a/D {immersion}, {rpm} rpm: {:.4} mm, {:+.4}",
             found_m * 1e3,
             found_m / theory_m - 1.0
         );

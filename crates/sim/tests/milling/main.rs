@@ -3,4 +3,5 @@
 mod arm;
 mod forces;
 mod limits;
+mod reduced;
 mod support;

@@ -57,8 +57,25 @@ pub fn run(scenario: &Scenario) -> RunEnd {
     end
 }
 
+/// The same with the arm linearised.
+pub fn run_reduced(scenario: &Scenario) -> RunEnd {
+    let cell = Cell::build_reduced(scenario).unwrap_or_else(|e| panic!("{e}"));
+    let end = cell.run_rows(|_, _| {});
+    assert_eq!(end.outcome, Outcome::Completed);
+    end
+}
+
 pub fn scalar(end: &RunEnd, name: &str) -> f64 {
     let named = |scalar: &&Scalar| scalar.name == name;
     let found = end.scalars.iter().find(named);
     found.unwrap_or_else(|| panic!("no scalar {name}")).value
+}
+
+/// Whether vibration grows: its rate is positive, or at the end it is beyond what counts as small, a twentieth of the feed per tooth.
+pub fn grows(scenario: &Scenario) -> bool {
+    let end = run(scenario);
+    let rate = scalar(&end, "milling.growth_rate");
+    let level = scalar(&end, "milling.vibration_level");
+    println!("{rate:.3} /s, {level:.2e} m");
+    rate > 0.0 || level > 0.05 * milling(scenario).feed_per_tooth_m()
 }

@@ -16,8 +16,11 @@ const AXES: [(&str, &str); 3] = [
     ("y", "across it"),
     ("z", "into the spindle"),
 ];
-/// Change of the deflection from one tooth to the next that still counts as small beside the feed per tooth.
+/// Change of the deflection from one tooth to the next that still counts as small, as a part of the feed per tooth. It is what
+/// the chip sees of vibration where teeth meet their own surface; where they meet the nominal one the chip sees the deflection, and slow
+/// flutter is small for longer.
 const LINEAR_SHARE: f64 = 0.05;
+const LINEAR_SHARE_NOMINAL: f64 = 0.15;
 /// Spectra reach to so many times the tooth-passing frequency.
 const SPECTRUM_TEETH: f64 = 3.0;
 /// Feed per revolution by which rays at the ends of a surface are left out: their neighbours are not all cut.
@@ -112,7 +115,7 @@ fn forces(milling: &Milling, findings: &mut Findings) {
             value / count as f64
         }
     };
-    let nominal = &milling.setup.mean_load.0;
+    let nominal = &milling.setup.nominal_force_n;
     for (i, (axis, text)) in AXES.into_iter().enumerate() {
         let scalar = |name: &str, value: f64, what: &str| {
             Scalar::new(
@@ -167,9 +170,14 @@ fn vibration(milling: &Milling, findings: &mut Findings) {
         velocity_m_per_s: &history.velocity_m_per_s,
     };
     let forced_s = forced_period_s(setup);
+    let share = if setup.parameters.regeneration {
+        LINEAR_SHARE
+    } else {
+        LINEAR_SHARE_NOMINAL
+    };
     let options = GrowthOptions {
         period_s: forced_s,
-        linear_m: LINEAR_SHARE * setup.parameters.feed_per_tooth_m,
+        linear_m: share * setup.parameters.feed_per_tooth_m,
     };
     let grown = growth(samples.deflection_m, samples.interval_s, &options);
     let highest_hz = SPECTRUM_TEETH / setup.tooth_period_s();
