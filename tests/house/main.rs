@@ -7,9 +7,10 @@ use std::path::Path;
 const MAY_DEPEND_ON: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("arm", &["core"]),
+    ("plan", &["arm", "core"]),
     ("recording", &[]),
     ("scenario", &["recording", "arm", "core"]),
-    ("sim", &["scenario", "recording", "arm", "core"]),
+    ("sim", &["plan", "scenario", "recording", "arm", "core"]),
     ("telemetry", &["recording"]),
     ("discrepancy", &["sim", "scenario", "recording"]),
     (
@@ -17,6 +18,7 @@ const MAY_DEPEND_ON: &[(&str, &[&str])] = &[
         &[
             "core",
             "arm",
+            "plan",
             "recording",
             "scenario",
             "sim",

@@ -117,6 +117,28 @@ fn every_bad_identification_is_refused_with_place_value_and_rule() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
+/// Paths and cuts for which no posture can be planned. A diagram refuses what is no milling, too.
+#[test]
+fn every_bad_plan_is_refused_with_place_value_and_rule() {
+    let mut wrong = Vec::new();
+    for file in fixtures("posture", "toml", 5) {
+        let of_process = file.ends_with("not_milling.toml");
+        let commands = if of_process {
+            &["posture", "lobes"][..]
+        } else {
+            &["posture"]
+        };
+        for command in commands {
+            let complaints = complaints(command, &file);
+            if !complaints.is_empty() {
+                let text = complaints.join("\n  ");
+                wrong.push(format!("{command} {}: {text}", file.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
 /// Faults that show only where a scenario is held against its data; a comparison refuses them like a diagnosis, unless the fault is
 /// one of searching.
 #[test]
@@ -188,6 +210,12 @@ fn arguments_that_make_no_sense_are_refused() {
             &["robot", "nowhere.urdf"],
             "nowhere.urdf: cannot read the file",
         ),
+        (
+            &["lobes", "x.toml", "--rpm", "900,300"],
+            "write FROM,TO, two numbers above 0 that rise",
+        ),
+        (&["lobes", "x.toml", "--size", "1"], "--size"),
+        (&["posture", "x.toml", "--criterion", "hope"], "--criterion"),
         (&["fly"], "unrecognized subcommand"),
     ] {
         let output = truecut(arguments);

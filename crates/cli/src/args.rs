@@ -1,5 +1,7 @@
 //! Arguments as they are written, and the resolved form that the commands work with.
 
+mod stability;
+
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -10,6 +12,8 @@ use truecut_scenario::Scenario;
 use crate::diagnose;
 use crate::failure::Failure;
 use crate::find::find_scenarios;
+
+pub use stability::{LobesArguments, PostureArguments};
 
 /// Physics-backed simulation of robotic machining.
 ///
@@ -37,6 +41,10 @@ pub enum Command {
     Compare(CompareArguments),
     /// Look for what the simulation lacks against measured data, name it, and extend the scenario
     Diagnose(DiagnoseArguments),
+    /// Stability diagram of a milling scenario: limit depth over spindle speed, simulated runs laid over it
+    Lobes(LobesArguments),
+    /// Choose the arm's postures along the path of a milling scenario so that the cut is stable
+    Posture(PostureArguments),
     /// Read load-deflection tables and hammer FRFs: joint stiffness with intervals, measured modes beside the model's
     Identify(IdentifyArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture

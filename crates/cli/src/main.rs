@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod columns_parquet;
 mod compare;
 mod crosscheck;
 mod data;
@@ -12,8 +13,10 @@ mod figure;
 mod find;
 mod identify;
 mod judge;
+mod lobes;
 mod mjcf;
 mod outputs;
+mod posture;
 mod progress;
 mod robot;
 mod run;
@@ -54,6 +57,8 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
         Command::Crosscheck(arguments) => crosscheck::crosscheck(&arguments.resolve()?),
         Command::Compare(arguments) => compare::compare(&arguments.resolve()?),
         Command::Diagnose(arguments) => diagnose::diagnose(&arguments.resolve()?),
+        Command::Lobes(arguments) => lobes::lobes(&arguments.resolve()?),
+        Command::Posture(arguments) => posture::posture(&arguments.resolve()?),
         Command::Robot(arguments) => robot::describe(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
         Command::Schema(arguments) => {

@@ -83,7 +83,7 @@ pub use identification::Identification;
 pub use load::{ForceSweepSpec, LoadFrame, LoadSpec, RotatingForceSpec};
 pub use milling::{
     CutterSpec, Elbow, EngagementSpec, MillingCoefficients, MillingPathSpec, MillingSpec,
-    PathStart, Shoulder, TurnKnot, Wrist,
+    PathStart, PlannedPath, Shoulder, TurnKnot, Wrist,
 };
 pub use process::ProcessSpec;
 pub use replay::{ReplayMode, ReplaySpec, Turning};

@@ -2,9 +2,11 @@
 
 mod material;
 mod path;
+mod planned;
 
 pub use material::MillingCoefficients;
 pub use path::{Elbow, MillingPathSpec, PathStart, Shoulder, TurnKnot, Wrist};
+pub use planned::PlannedPath;
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;

@@ -15,11 +15,7 @@ const PATHS: [&[&str]; 4] = [
 /// Rewrites relative paths of a text from folder `from` so that they hold in folder `to`.
 pub(crate) fn relocate(document: &mut DocumentMut, from: &Path, to: &Path) {
     for path in PATHS {
-        let mut item = Some(document.as_item_mut());
-        for key in path {
-            item = item.and_then(|item| item.get_mut(key));
-        }
-        rewrite(item, from, to);
+        rewrite(find_mut(document, path), from, to);
     }
     let claims = document
         .get_mut("claim")
@@ -30,6 +26,16 @@ pub(crate) fn relocate(document: &mut DocumentMut, from: &Path, to: &Path) {
             .and_then(|item| item.get_mut("scenario"));
         rewrite(other, from, to);
     }
+}
+
+/// The item at a path. (`Item::get_mut` would make what is not there.)
+pub(crate) fn find_mut<'a>(document: &'a mut DocumentMut, path: &[&str]) -> Option<&'a mut Item> {
+    let mut item = Some(document.as_item_mut());
+    for key in path {
+        let table = item.and_then(Item::as_table_like_mut);
+        item = table.and_then(|table| table.get_mut(key));
+    }
+    item
 }
 
 fn rewrite(item: Option<&mut Item>, from: &Path, to: &Path) {
@@ -94,5 +100,13 @@ mod tests {
         );
         assert!(moved.contains("file = \"/data/b.csv\""), "{moved}");
         assert!(moved.contains("\"../../scenarios/other.toml\""), "{moved}");
+    }
+
+    #[test]
+    fn nothing_is_added() {
+        let text = "[robot]\nurdf = \"/robots/a.urdf\"\n[process.chamfer]\nspindle_rpm = 300\n";
+        let mut document: DocumentMut = text.parse().unwrap();
+        relocate(&mut document, Path::new("/a"), Path::new("/b"));
+        assert_eq!(document.to_string(), text);
     }
 }

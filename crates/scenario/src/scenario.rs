@@ -14,6 +14,7 @@ use crate::document::{Document, Fault};
 use crate::effect::table::{self, EffectTable};
 use crate::effect::{Effect, text};
 use crate::error::{Problem, ScenarioError};
+use crate::milling::PlannedPath;
 use crate::process::{ProcessSpec, ProcessTable};
 use crate::reach;
 use crate::relocate;
@@ -202,6 +203,15 @@ impl Scenario {
     /// The number that the scenario gives for a dotted key, in the key's own unit; `None` if it gives none.
     pub fn number(&self, key: &str) -> Option<f64> {
         self.document.number(key)
+    }
+
+    /// The scenario as a TOML text for a file in `folder`, overrides written into it, its milling path with the postures of a
+    /// plan; comments and all other keys stay.
+    pub fn planned_text(&self, folder: &Path, planned: &PlannedPath) -> String {
+        let mut document = self.document.effective_document().clone();
+        planned.write(&mut document);
+        relocate::relocate(&mut document, &self.folder(), folder);
+        document.to_string()
     }
 
     /// As [`Scenario::extended_text`], for a file in `folder`: relative paths lead from there to the same files.

@@ -12,6 +12,7 @@
 //! | [`loads`] | what a process may ask for |
 //! | [`measurement`] | what a sensor makes of a channel |
 //! | [`replay`] | measured inputs that drive a model, forward or inverse |
+//! | [`stability`] | what stability tools need of a milling scenario: arm, path, cut |
 //! | [`sweep`] | a scenario over one or two parameters, as independent jobs |
 
 mod adjust;
@@ -35,6 +36,7 @@ pub mod replay;
 mod robots;
 mod scene;
 mod simulate;
+pub mod stability;
 mod step_size;
 pub mod sweep;
 mod theory;

@@ -68,7 +68,7 @@ pub(crate) struct Stage {
     has_foot: bool,
 }
 
-fn pose(p: &Isometry3<f64>) -> Pose {
+pub(crate) fn pose(p: &Isometry3<f64>) -> Pose {
     let q = p.rotation;
     Pose {
         translation_m: p.translation.vector.into(),
@@ -102,7 +102,7 @@ fn link_shapes(link: &Link, ghost: bool) -> Vec<Shape> {
         .collect()
 }
 
-fn arm_bodies(robot: &Robot, q: &[f64], kind: &str, ghost: bool) -> Vec<Body> {
+pub(crate) fn arm_bodies(robot: &Robot, q: &[f64], kind: &str, ghost: bool) -> Vec<Body> {
     let mut poses = vec![Isometry3::identity()];
     poses.extend(robot.world_from_links(q));
     let links = std::iter::once(&robot.chain.base).chain(&robot.chain.links);

@@ -38,7 +38,11 @@ impl SolvedPath {
 
     /// Solves the postures of a path. `posture` is where the robot stands (a path without a start), or what the first posture is
     /// to be near.
-    fn solve(spec: &MillingPathSpec, robot: &Robot, posture: &[f64]) -> Result<Self, SimError> {
+    pub(crate) fn solve(
+        spec: &MillingPathSpec,
+        robot: &Robot,
+        posture: &[f64],
+    ) -> Result<Self, SimError> {
         let intervals = (spec.length_m / KNOT_SPACING_M).ceil().max(3.0);
         let spacing_m = spec.length_m / intervals;
         let poses = poses(spec, robot, posture, spacing_m, intervals as usize + 1)?;

@@ -2,6 +2,8 @@
 
 mod milling;
 
+pub(crate) use milling::nominal_cut;
+
 use crate::effect::{CuttingEffects, Effects, FootEffects, WheelEffects};
 use crate::error::SimError;
 use crate::plant::DriveKind;

@@ -190,7 +190,46 @@ fn draw_layer(layer: &Layer, chart: &mut Chart<'_, '_>, x: &Axis, y: &Axis) -> D
             chart.draw_series(dots(5, colour.stroke_width(2)))?;
             write_beside(layer, texts, chart, &place)?;
         }
+        Style::Cells { size, shades } => draw_cells(layer, *size, shades, chart)?,
     }
+    Ok(())
+}
+
+/// Shades that are told apart.
+const SHADES: f64 = 12.0;
+
+/// Rectangles; those of one shade that stand on each other are drawn as one.
+fn draw_cells(layer: &Layer, size: (f64, f64), shades: &[f64], chart: &mut Chart<'_, '_>) -> Drawn {
+    let level = |shade: f64| (shade.clamp(-1.0, 1.0) * SHADES).round();
+    let mut cells: Vec<((f64, f64), f64, f64)> = Vec::new();
+    for ((x, y), shade) in layer.points.iter().zip(shades) {
+        if shade.is_nan() {
+            continue;
+        }
+        let level = level(*shade);
+        let low = y - 0.5 * size.1;
+        match cells.last_mut() {
+            Some(((left, _), top, known))
+                if *known == level
+                    && (*left - x).abs() < 1e-9
+                    && (*top - low).abs() < 0.01 * size.1 =>
+            {
+                *top = y + 0.5 * size.1;
+            }
+            _ => cells.push(((*x, low), y + 0.5 * size.1, level)),
+        }
+    }
+    let mixed = |level: f64| {
+        let RGBColor(r, g, b) = if level < 0.0 { COLOURS[1] } else { COLOURS[0] };
+        let share = 0.75 * (level / SHADES).abs();
+        let part = |c: u8| (255.0 - share * (255.0 - f64::from(c))).round() as u8;
+        RGBColor(part(r), part(g), part(b))
+    };
+    // Neighbours overlap by a hair, so that no seams show.
+    let half = 0.505 * size.0;
+    chart.draw_series(cells.into_iter().map(|((x, low), top, level)| {
+        Rectangle::new([(x - half, low), (x + half, top)], mixed(level).filled())
+    }))?;
     Ok(())
 }
 
@@ -268,6 +307,10 @@ fn draw_sample(layer: &Layer, area: &Area<'_>, (x, y): (i32, i32)) -> Drawn {
             area.draw(&Circle::new((x + 11, y), 4, colour.filled()))?;
         }
         Style::Marks(_) => area.draw(&Circle::new((x + 11, y), 5, colour.stroke_width(2)))?,
+        Style::Cells { .. } => {
+            let ends = [(x + 3, y - 6), (x + 19, y + 6)];
+            area.draw(&Rectangle::new(ends, colour.mix(0.6).filled()))?;
+        }
     }
     let style = ("sans-serif", 13).into_font().color(&BLACK);
     area.draw(&Text::new(layer.label.as_str(), (x + 28, y - 6), style))?;

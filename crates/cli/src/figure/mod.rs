@@ -1,9 +1,11 @@
 //! Figures as SVG: panels of curves over numbered axes, drawn by plotters.
 
 mod axis;
+mod charts;
 mod draw;
 
 pub use axis::Scale;
+pub use charts::charts_of;
 
 use std::fmt;
 
@@ -26,7 +28,7 @@ pub enum Legend {
 }
 
 /// Curves over common axes.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Panel {
     pub title: String,
     pub x_label: String,
@@ -38,7 +40,7 @@ pub struct Panel {
 }
 
 /// One set of points.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Layer {
     /// In the legend; none if empty.
     pub label: String,
@@ -50,7 +52,7 @@ pub struct Layer {
 
 /// How points are drawn. Points without a place on the axes (NaN, zero on a logarithmic axis) are left
 /// out, and break a line.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub enum Style {
     #[default]
     Line,
@@ -63,6 +65,13 @@ pub enum Style {
     Bars(Vec<f64>),
     /// Circles with a text beside each.
     Marks(Vec<String>),
+    /// Rectangles about the points, from −1 (orange) over 0 (white) to 1 (blue); NaN leaves one out. Axes must be linear.
+    Cells {
+        /// Width and height in the units of the axes.
+        size: (f64, f64),
+        /// One value for each point.
+        shades: Vec<f64>,
+    },
 }
 
 impl Figure {
@@ -177,6 +186,17 @@ mod tests {
             3,
             "two dots and one in the legend\n{svg}"
         );
+    }
+
+    #[test]
+    fn cells_of_one_shade_are_drawn_as_one() {
+        let points = [(0.0, 0.0), (0.0, 1.0), (0.0, 2.0), (1.0, 0.0), (1.0, 1.0)];
+        let shades = vec![0.5, 0.5, -0.5, f64::NAN, 0.5];
+        let size = (1.0, 1.0);
+        let svg = figure(&points, Style::Cells { size, shades }, Scale::Linear);
+        // Background, three cells, and the sample in the legend.
+        assert_eq!(svg.matches("<rect").count(), 5, "{svg}");
+        assert!(!svg.contains("NaN"));
     }
 
     #[test]

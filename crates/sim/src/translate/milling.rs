@@ -127,7 +127,8 @@ fn coefficients(spec: &MillingCoefficients) -> CuttingCoefficients {
     }
 }
 
-fn nominal_cut(spec: &MillingSpec) -> NominalCut {
+/// The cut of a scenario, its closed forms.
+pub(crate) fn nominal_cut(spec: &MillingSpec) -> NominalCut {
     let [entry_rad, exit_rad] = spec.engagement.angles_rad(spec.cutter.diameter_m);
     NominalCut {
         cutter: cutter(&spec.cutter),

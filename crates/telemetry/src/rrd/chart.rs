@@ -24,6 +24,8 @@ pub(super) struct Curve {
     pub(super) points: Vec<(f64, f64)>,
     /// Places that are labelled, e.g. the peaks.
     pub(super) marks: Vec<(f64, f64, String)>,
+    /// Only marks are drawn: points are not joined.
+    pub(super) dots: bool,
 }
 
 pub(super) struct Chart {
@@ -108,7 +110,7 @@ impl Drawing {
                 .iter()
                 .filter_map(|(x, y)| self.place(*x, *y))
                 .collect();
-            if line.len() > 1 {
+            if line.len() > 1 && !curve.dots {
                 lines.push((line, color, Radius::new_ui_points(1.0)));
             }
         }

@@ -129,7 +129,7 @@ fn least_axis(group: &Group, recording: &Recording) -> Option<ScalarAxis> {
     (largest < group.least).then(|| ScalarAxis::new().with_range(range))
 }
 
-fn chart_view(layout: &Layout, chart: &Drawn) -> RecordingStreamResult<Part> {
+pub(super) fn chart_view(layout: &Layout, chart: &Drawn) -> RecordingStreamResult<Part> {
     let range = rerun::datatypes::Range2D {
         x_range: ACROSS.into(),
         y_range: DOWN.into(),
@@ -146,7 +146,7 @@ fn chart_view(layout: &Layout, chart: &Drawn) -> RecordingStreamResult<Part> {
 }
 
 /// The whole arm, and beside it the tool from near by.
-fn scene_views(layout: &Layout, scene: &Scene) -> RecordingStreamResult<Part> {
+pub(super) fn scene_views(layout: &Layout, scene: &Scene) -> RecordingStreamResult<Part> {
     let exaggerated = scene
         .bodies
         .iter()

@@ -4,7 +4,9 @@ mod before_after;
 mod blueprint;
 mod camera;
 mod chart;
+mod charts;
 mod layout;
+mod plan;
 mod results;
 mod scene;
 mod series;
@@ -18,7 +20,9 @@ use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
 use crate::display::{Group, groups};
 pub use before_after::{BeforeAfter, ChannelBeforeAfter, write_before_after};
+pub use charts::{ChartCurve, ChartPage, ChartShown, write_charts};
 use layout::AtEnd;
+pub use plan::{PlanShown, PlanStation, write_plan};
 use scene::SceneLogger;
 use series::FootState;
 
@@ -134,7 +138,7 @@ impl Open {
         log_text(stream, results::ABOUT, results::about(recording))?;
         let mut charts = results::log_spectra(stream, &self.groups, recording)?;
         // After the first spectrum, that of the tool.
-        let profiles = results::log_profiles(stream, &recording.profiles)?;
+        let profiles = results::log_profiles(stream, &recording.profiles, &recording.scalars)?;
         let after_first = charts.len().min(1);
         charts.splice(after_first..after_first, profiles);
         let at_end = AtEnd {

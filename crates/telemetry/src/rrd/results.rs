@@ -2,7 +2,9 @@
 
 use rerun::{RecordingStream, RecordingStreamResult};
 use truecut_recording::spectrum::{Line, Spectrum, amplitude_spectrum_up_to};
-use truecut_recording::{ClaimResult, Outcome, Profile, Recording, UserUnit, significant};
+use truecut_recording::{
+    ClaimResult, Outcome, Profile, Recording, Scalar, Unit, UserUnit, significant,
+};
 
 use super::chart::{Chart, Curve};
 use crate::display::{Group, Place, Series, shown_unit};
@@ -22,6 +24,9 @@ pub(super) const PROFILES: &str = "/profiles";
 const HIGHEST_HZ: f64 = 60.0;
 /// Below this a ramp shows, not a vibration.
 const LOWEST_HZ: f64 = 2.0;
+/// The scalar that names the frequency of chatter, and how many bins from it its line may stand.
+const CHATTER_HZ: &str = "milling.chatter_frequency";
+const CHATTER_BINS: f64 = 1.5;
 /// Lines below this share of what means something on the plot are not worth a name.
 const LEAST_SHARE: f64 = 0.01;
 
@@ -113,6 +118,7 @@ fn spectrum_curve(series: &Series, spectrum: &Spectrum, least: f64) -> Curve {
             .map(|(frequency_hz, amplitude)| (*frequency_hz, shown(*amplitude)))
             .collect(),
         marks: marks.collect(),
+        dots: false,
     }
 }
 
@@ -130,6 +136,7 @@ fn keep_highest_mark(curves: &mut [Curve]) {
 pub(super) fn log_profiles(
     stream: &RecordingStream,
     profiles: &[Profile],
+    scalars: &[Scalar],
 ) -> RecordingStreamResult<Vec<Drawn>> {
     let mut drawn = Vec::new();
     for (index, profile) in profiles.iter().enumerate() {
@@ -149,7 +156,10 @@ pub(super) fn log_profiles(
                 name: spread(profile, &y_unit),
                 color: [242, 142, 43],
                 points: points.collect(),
-                marks: Vec::new(),
+                marks: chatter_mark(profile, scalars, &y_unit)
+                    .into_iter()
+                    .collect(),
+                dots: false,
             }],
         };
         let entity = format!("{PROFILES}/{index}");
@@ -157,6 +167,27 @@ pub(super) fn log_profiles(
         drawn.push(Drawn { entity, title });
     }
     Ok(drawn)
+}
+
+/// The chatter line of a spectrum of milling: the highest point near the frequency that the run names.
+fn chatter_mark(
+    profile: &Profile,
+    scalars: &[Scalar],
+    unit: &UserUnit,
+) -> Option<(f64, f64, String)> {
+    if profile.axis_unit != Unit::Hertz || !profile.name.starts_with("milling.") {
+        return None;
+    }
+    let line = scalars.iter().find(|one| one.name == CHATTER_HZ)?.value;
+    let resolution = profile.axis.get(1)? - profile.axis.first()?;
+    let near = profile.axis.iter().zip(&profile.values);
+    let near = near.filter(|(hz, _)| (**hz - line).abs() <= CHATTER_BINS * resolution);
+    let (hz, value) = near.max_by(|a, b| a.1.total_cmp(b.1))?;
+    Some((
+        *hz,
+        unit.from_si(*value),
+        format!("chatter line, {line:.2} Hz"),
+    ))
 }
 
 fn is_small(profile: &Profile) -> bool {
@@ -277,4 +308,34 @@ pub(super) fn about(recording: &Recording) -> String {
 /// The scenario as a block of code.
 pub(super) fn scenario(text: &str) -> String {
     format!("```toml\n{text}\n```\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chatter_line_stands_on_the_peak_beside_its_frequency() {
+        let profile = |name: &str| Profile {
+            name: name.into(),
+            description: String::new(),
+            axis_name: "frequency".into(),
+            axis_unit: Unit::Hertz,
+            unit: Unit::MetrePerSecondSquared,
+            axis: (0..100).map(|k| 0.2 * f64::from(k)).collect(),
+            values: (0..100)
+                .map(|k| if k == 49 || k == 80 { 2.0 } else { 0.1 })
+                .collect(),
+        };
+        let line = [Scalar::new(CHATTER_HZ, Unit::Hertz, 9.91, "")];
+        let unit = UserUnit::from(Unit::MetrePerSecondSquared);
+        let mark = |name: &str, scalars: &[Scalar]| chatter_mark(&profile(name), scalars, &unit);
+        let (hz, value, text) = mark("milling.acceleration_spectrum_x", &line).expect("a mark");
+        assert!((hz - 9.8).abs() < 1e-9 && value == 2.0);
+        assert_eq!(text, "chatter line, 9.91 Hz");
+        assert_eq!(mark("milling.acceleration_spectrum_x", &[]), None);
+        assert_eq!(mark("rim.width", &line), None);
+        let none = [Scalar::new(CHATTER_HZ, Unit::Hertz, f64::NAN, "")];
+        assert_eq!(mark("milling.acceleration_spectrum_x", &none), None);
+    }
 }

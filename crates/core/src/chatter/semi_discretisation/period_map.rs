@@ -48,7 +48,11 @@ impl<const N: usize> State<N> {
     }
 }
 
+/// Directional matrices that differ by no more than rounding, as in a slot with four teeth, share one step.
+const ALIKE: f64 = 1e-13;
+
 /// One cutting step: what each coordinate, each rate and both remembered positions add to the next state.
+#[derive(Clone)]
 struct CuttingStep<const N: usize, const D: usize> {
     from_q: [State<N>; N],
     from_v: [State<N>; N],
@@ -82,15 +86,19 @@ impl<const N: usize, const D: usize> PeriodMap<N, D> {
         });
         let outputs = std::array::from_fn(|d| std::array::from_fn(|j| of.outputs[d * N + j]));
         let oscillators = Oscillators { rates, outputs };
-        let steps = of.forces.iter().map(|force| {
-            if force.is_empty() {
-                return None;
-            }
+        let mut steps: Vec<Option<CuttingStep<N, D>>> = Vec::with_capacity(of.steps());
+        for (i, force) in of.forces.iter().enumerate() {
             let scale = depth_m * h * h;
-            let scaled = std::array::from_fn(|j| std::array::from_fn(|d| force[j * D + d] * scale));
-            Some(oscillators.cutting_step(&scaled))
-        });
-        let steps = steps.collect();
+            let scaled =
+                || std::array::from_fn(|j| std::array::from_fn(|d| force[j * D + d] * scale));
+            steps.push(if force.is_empty() {
+                None
+            } else if i > 0 && are_alike(&of.forces[i - 1], force) {
+                steps[i - 1].clone()
+            } else {
+                Some(oscillators.cutting_step(&scaled()))
+            });
+        }
         Self {
             free: rates.map(|(a, b)| free_step(a, b)),
             oscillators,
@@ -230,6 +238,11 @@ impl<const N: usize, const D: usize> Oscillators<N, D> {
         }
         step
     }
+}
+
+fn are_alike(a: &[f64], b: &[f64]) -> bool {
+    let size = b.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= ALIKE * size)
 }
 
 /// exp of [[0, 1], [−a, −b]].

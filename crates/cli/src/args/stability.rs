@@ -1,0 +1,140 @@
+//! Arguments of `lobes` and `posture`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use truecut_plan::Criterion;
+use truecut_scenario::Scenario;
+
+use super::{Common, parse_rpm};
+use crate::failure::Failure;
+use crate::{lobes, posture};
+
+#[derive(Debug, Args)]
+pub struct LobesArguments {
+    /// Scenario file, with [process.milling]
+    scenario: PathBuf,
+    /// Slowest and fastest spindle speed [default: a tenth of the scenario's, and one and a quarter of it]
+    #[arg(long, value_name = "FROM,TO", value_parser = parse_range)]
+    rpm: Option<[f64; 2]>,
+    /// Deepest cut [default: three times the scenario's, or a fifth more than its limit]
+    #[arg(long, value_name = "MM", value_parser = parse_rpm)]
+    deepest: Option<f64>,
+    /// How many speeds and depths the diagram has
+    #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u16).range(2..=1000))]
+    size: u16,
+    /// How many runs are simulated, just below and just above the limit in turns; 0 for none
+    #[arg(long, value_name = "N", default_value = "12", value_parser = clap::value_parser!(u16).range(0..=1000))]
+    runs: u16,
+    /// Where on the path the arm stands, from its start [default: 0]
+    #[arg(long, value_name = "MM", value_parser = parse_distance)]
+    at: Option<f64>,
+    /// Folder for outputs; the scenario gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Args)]
+pub struct PostureArguments {
+    /// Scenario file, with [process.milling]
+    scenario: PathBuf,
+    /// By what a posture counts as stable
+    #[arg(long, value_enum, default_value_t = CriterionName::Regenerative)]
+    criterion: CriterionName,
+    /// Draw the maps of stiffness and limit over joints 2 and 3 too
+    #[arg(long)]
+    maps: bool,
+    /// Folder for outputs; the scenario gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// By what a posture counts as stable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum CriterionName {
+    /// (k_max - k_min)/k_max at least 0.1: a published rule, no stability bound
+    Anisotropy,
+    /// Undamped planar mode coupling
+    Flutter,
+    /// Mode coupling of all modes, teeth meeting the nominal surface
+    ModeCoupling,
+    /// Regeneration of all modes, teeth meeting the surface that earlier ones left
+    Regenerative,
+}
+
+impl LobesArguments {
+    /// Loads the scenario.
+    pub fn resolve(self) -> Result<lobes::Plan, Failure> {
+        self.common.use_jobs()?;
+        Ok(lobes::Plan {
+            scenario: Scenario::load(&self.scenario, &self.common.set)?,
+            rpm: self.rpm,
+            deepest_m: self.deepest.map(|mm| mm * 1e-3),
+            size: self.size.into(),
+            runs: self.runs.into(),
+            at_m: self.at.unwrap_or(0.0) * 1e-3,
+            out: self.out,
+        })
+    }
+}
+
+impl PostureArguments {
+    /// Loads the scenario.
+    pub fn resolve(self) -> Result<posture::Request, Failure> {
+        self.common.use_jobs()?;
+        Ok(posture::Request {
+            scenario: Scenario::load(&self.scenario, &self.common.set)?,
+            criterion: self.criterion.into(),
+            maps: self.maps,
+            out: self.out,
+        })
+    }
+}
+
+impl From<CriterionName> for Criterion {
+    fn from(name: CriterionName) -> Criterion {
+        match name {
+            CriterionName::Anisotropy => Criterion::Anisotropy,
+            CriterionName::Flutter => Criterion::Flutter,
+            CriterionName::ModeCoupling => Criterion::ModeCoupling,
+            CriterionName::Regenerative => Criterion::Regenerative,
+        }
+    }
+}
+
+fn parse_distance(text: &str) -> Result<f64, String> {
+    let value = text
+        .parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite() && *value >= 0.0);
+    value.ok_or_else(|| "must be a number, 0 or above".into())
+}
+
+fn parse_range(text: &str) -> Result<[f64; 2], String> {
+    let ends = text
+        .split_once(',')
+        .map(|(from, to)| [from, to].map(str::trim));
+    match ends.map(|ends| ends.map(parse_rpm)) {
+        Some([Ok(from), Ok(to)]) if from < to => Ok([from, to]),
+        _ => Err("write FROM,TO, two numbers above 0 that rise, e.g. 300,3000".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_rise_and_distances_are_not_negative() {
+        assert_eq!(parse_range("300, 3000"), Ok([300.0, 3000.0]));
+        for wrong in ["300", "3000,300", "0,300", "a,b", "300,inf"] {
+            assert!(parse_range(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(parse_distance("0"), Ok(0.0));
+        assert!(parse_distance("-1").is_err() && parse_distance("nan").is_err());
+    }
+}

@@ -1,0 +1,49 @@
+//! A figure's panels as charts of the viewer.
+
+use truecut_telemetry::{ChartCurve, ChartPage, ChartShown};
+
+use super::{Figure, Layer, Panel, Scale, Style};
+
+/// The colours of a figure's layers, on a dark ground.
+const COLOURS: [[u8; 3]; 7] = [
+    [60, 150, 255],
+    [242, 142, 43],
+    [40, 190, 140],
+    [225, 140, 190],
+    [230, 159, 0],
+    [86, 180, 233],
+    [235, 235, 235],
+];
+
+/// The panels as charts; cells are left to the figure.
+pub fn charts_of(figure: &Figure) -> ChartPage {
+    ChartPage {
+        title: figure.title.clone(),
+        charts: figure.panels.iter().map(chart).collect(),
+    }
+}
+
+fn chart(panel: &Panel) -> ChartShown {
+    let shown = |layer: &&Layer| !matches!(layer.style, Style::Cells { .. });
+    // Charts of the viewer are linear: a logarithmic axis becomes one of logarithms.
+    let logarithmic = panel.y_scale == Scale::Logarithmic;
+    let curve = |layer: &Layer| ChartCurve {
+        name: layer.label.clone(),
+        color: COLOURS[layer.colour % COLOURS.len()],
+        points: (layer.points.iter())
+            .map(|(x, y)| (*x, if logarithmic { y.log10() } else { *y }))
+            .collect(),
+        dots: matches!(layer.style, Style::Marks(_)),
+    };
+    let y_label = if logarithmic {
+        format!("log10 of {}", panel.y_label)
+    } else {
+        panel.y_label.clone()
+    };
+    ChartShown {
+        title: panel.title.clone(),
+        x_label: panel.x_label.clone(),
+        y_label,
+        curves: panel.layers.iter().filter(shown).map(curve).collect(),
+    }
+}

@@ -1,0 +1,121 @@
+//! What `truecut lobes` writes.
+
+use std::path::{Path, PathBuf};
+
+use truecut_core::chatter::averaged::Crossing;
+use truecut_telemetry::write_charts;
+
+use super::{Diagram, figure, rpm, tell};
+use crate::columns_parquet::{self, Column};
+use crate::failure::Failure;
+use crate::figure::charts_of;
+use crate::outputs::write_file;
+
+/// Writes the figure first, then what lies beside it.
+pub fn write(diagram: &Diagram<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let folder = out.join(diagram.scenario.stem());
+    let at = |name: &str| folder.join(name);
+    let (svg, field, limits) = (
+        at("lobes.svg"),
+        at("lobes.parquet"),
+        at("lobes_limits.parquet"),
+    );
+    let figure = figure::figure(diagram);
+    write_file(&svg, figure.to_svg().as_bytes())?;
+    let text = diagram.scenario.effective_text();
+    columns_parquet::write(&field, &field_columns(diagram), &text)?;
+    columns_parquet::write(&limits, &limit_columns(diagram), &text)?;
+    let mut written = vec![svg, field, limits];
+    if !diagram.runs.is_empty() {
+        let runs = at("lobes_runs.parquet");
+        columns_parquet::write(&runs, &run_columns(diagram), &text)?;
+        written.push(runs);
+    }
+    let rrd = at("lobes.rrd");
+    let pages = [charts_of(&figure)];
+    let summary = tell::summary(diagram);
+    write_charts(&rrd, &figure.title, &summary, &pages)
+        .map_err(|error| Failure::message(error.to_string()))?;
+    written.push(rrd);
+    Ok(written)
+}
+
+fn field_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
+    let lobes = &diagram.lobes;
+    let depths = lobes.depth_m.len();
+    let speeds = lobes.spindle_rad_s.iter();
+    let repeated = speeds.flat_map(|speed| std::iter::repeat_n(rpm(*speed), depths));
+    let each = lobes
+        .spindle_rad_s
+        .iter()
+        .flat_map(|_| lobes.depth_m.iter());
+    vec![
+        column("spindle_speed", "rpm", repeated.collect()),
+        column("axial_depth", "mm", each.map(|depth| depth * 1e3).collect()),
+        column("multiplier", "1", lobes.multiplier.concat()),
+    ]
+}
+
+fn limit_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
+    let lobes = &diagram.lobes;
+    let depth = |limits: &[Option<Crossing>]| -> Vec<f64> {
+        let mm = limits
+            .iter()
+            .map(|l| l.map_or(f64::NAN, |l| l.depth_m * 1e3));
+        mm.collect()
+    };
+    let hz = |limits: &[Option<Crossing>]| -> Vec<f64> {
+        let hz = limits
+            .iter()
+            .map(|l| l.map_or(f64::NAN, |l| l.frequency_hz));
+        hz.collect()
+    };
+    let coupling = vec![lobes.mode_coupling; lobes.spindle_rad_s.len()];
+    vec![
+        column(
+            "spindle_speed",
+            "rpm",
+            lobes.spindle_rad_s.iter().map(|s| rpm(*s)).collect(),
+        ),
+        column("limit_depth", "mm", depth(&lobes.limit)),
+        column("chatter_frequency", "Hz", hz(&lobes.limit)),
+        column("zero_order_depth", "mm", depth(&lobes.zero_order)),
+        column("zero_order_frequency", "Hz", hz(&lobes.zero_order)),
+        column("mode_coupling_depth", "mm", depth(&coupling)),
+    ]
+}
+
+fn run_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
+    let runs = &diagram.runs;
+    let chatters = |run: &super::Run| match run.chatters {
+        Some(chatters) => f64::from(u8::from(chatters)),
+        None => f64::NAN,
+    };
+    vec![
+        column(
+            "spindle_speed",
+            "rpm",
+            runs.iter().map(|r| rpm(r.spindle_rad_s)).collect(),
+        ),
+        column(
+            "axial_depth",
+            "mm",
+            runs.iter().map(|r| r.depth_m * 1e3).collect(),
+        ),
+        column("chatters", "1", runs.iter().map(chatters).collect()),
+        column(
+            "growth_rate",
+            "1/s",
+            runs.iter().map(|r| r.growth_per_s).collect(),
+        ),
+        column(
+            "chatter_frequency",
+            "Hz",
+            runs.iter().map(|r| r.chatter_hz).collect(),
+        ),
+    ]
+}
+
+fn column(name: &'static str, unit: &'static str, values: Vec<f64>) -> Column<'static> {
+    Column { name, unit, values }
+}

@@ -1,0 +1,115 @@
+//! `truecut lobes`: the stability diagram of a milling scenario, with simulated runs laid over it.
+
+mod figure;
+mod files;
+mod runs;
+mod tell;
+
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+
+use truecut_core::chatter::averaged::zero_order_limit;
+use truecut_plan::lobes::{LobeRequest, Lobes};
+use truecut_scenario::Scenario;
+use truecut_sim::stability::MillingStudy;
+
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::verdict::Verdict;
+use runs::Run;
+
+/// `lobes`, resolved.
+pub struct Plan {
+    pub scenario: Scenario,
+    pub rpm: Option<[f64; 2]>,
+    pub deepest_m: Option<f64>,
+    /// Number of speeds, and of depths.
+    pub size: usize,
+    pub runs: usize,
+    /// Where on the path the arm stands.
+    pub at_m: f64,
+    pub out: PathBuf,
+}
+
+/// The diagram of a scenario.
+struct Diagram<'a> {
+    scenario: &'a Scenario,
+    study: MillingStudy,
+    posture: Vec<f64>,
+    lobes: Lobes,
+    runs: Vec<Run>,
+}
+
+/// Speeds of the default range as parts of the scenario's.
+const RANGE: [f64; 2] = [0.1, 1.25];
+/// The default depth as a part of the limit at the scenario's speed, and of its depth.
+const BEYOND_LIMIT: f64 = 1.2;
+const BEYOND_DEPTH: f64 = 3.0;
+
+/// Computes the diagram, makes the runs, prints and writes.
+pub fn lobes(plan: &Plan) -> Result<Verdict, Failure> {
+    let scenario = &plan.scenario;
+    let failed = |error| Failure::sim(scenario, error);
+    let study = MillingStudy::of(scenario).map_err(failed)?;
+    let posture = posture_at(plan, &study)?;
+    let modes = study.modes(&posture).map_err(failed)?;
+    let request = request(plan, &study, &modes);
+    let progress = Progress::new(1, "stability diagram");
+    let told = progress.run();
+    let lobes = truecut_plan::lobes::lobes(&modes, &study.cut, &request, &|part| told.set(part));
+    drop(told);
+    drop(progress);
+    let runs = runs::make(scenario, &study, &lobes, plan.runs)?;
+    let diagram = Diagram {
+        scenario,
+        study,
+        posture,
+        lobes,
+        runs,
+    };
+    let written = files::write(&diagram, &plan.out)?;
+    crate::print(&tell::tell(&diagram, &written))
+}
+
+/// The posture at the place asked for.
+fn posture_at(plan: &Plan, study: &MillingStudy) -> Result<Vec<f64>, Failure> {
+    let length_m = study.path.length_m();
+    if plan.at_m > length_m {
+        return Err(Failure::message(format!(
+            "--at is {} mm, but must be at most the path's length of {} mm",
+            plan.at_m * 1e3,
+            length_m * 1e3
+        )));
+    }
+    let (spacing_m, knots) =
+        (study.postures()).map_err(|error| Failure::sim(&plan.scenario, error))?;
+    let nearest = ((plan.at_m / spacing_m).round() as usize).min(knots.len() - 1);
+    Ok(knots[nearest].clone())
+}
+
+fn request(
+    plan: &Plan,
+    study: &MillingStudy,
+    modes: &[truecut_core::chatter::TipMode],
+) -> LobeRequest {
+    let cut = &study.cut;
+    let speed = cut.spindle_rad_s;
+    let deepest = || {
+        let average = cut.directional().average_pa();
+        let limit = zero_order_limit(modes, &average, cut.tooth_period_s());
+        let beyond = limit.map_or(0.0, |limit| BEYOND_LIMIT * limit.depth_m);
+        beyond.max(BEYOND_DEPTH * cut.nominal.axial_depth_m)
+    };
+    LobeRequest {
+        spindle_rad_s: plan.rpm.map_or(RANGE.map(|part| part * speed), |range| {
+            range.map(|rpm| rpm * TAU / 60.0)
+        }),
+        deepest_m: plan.deepest_m.unwrap_or_else(deepest),
+        speeds: plan.size,
+        depths: plan.size,
+    }
+}
+
+fn rpm(rad_s: f64) -> f64 {
+    rad_s * 60.0 / TAU
+}

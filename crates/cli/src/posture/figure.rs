@@ -1,0 +1,203 @@
+//! Where the criteria agree, and where not.
+
+use truecut_plan::{Assessment, Criterion, MarginMap};
+
+use super::Answer;
+use crate::figure::{Figure, Layer, Legend, Panel, Scale, Style};
+
+const BLUE: usize = 0;
+const ORANGE: usize = 1;
+const GREEN: usize = 2;
+const PINK: usize = 3;
+const BLACK: usize = 6;
+/// Colour of each criterion.
+const COLOURS: [usize; 4] = [PINK, GREEN, ORANGE, BLUE];
+/// Margin at which a cell is as blue as it gets, as a ratio to what is needed.
+const FULL: f64 = 3.0;
+
+/// A map for each criterion, then limits over the angle and margins along the path.
+pub fn figure(answer: &Answer<'_>) -> Figure {
+    let mut panels: Vec<Panel> = answer.maps.iter().map(|map| margins(answer, map)).collect();
+    panels.push(over_angle(answer));
+    panels.push(along_path(answer));
+    Figure {
+        title: format!(
+            "{}: stable redundancy angles by four criteria",
+            answer.scenario.name
+        ),
+        panels,
+        columns: 2,
+        legend: Legend::Above,
+    }
+}
+
+/// Stable (blue) and unstable (orange) over path and angle.
+fn margins(answer: &Answer<'_>, map: &MarginMap) -> Panel {
+    let mut points = Vec::new();
+    let mut shades = Vec::new();
+    for (along, column) in map.along_m.iter().zip(&map.assessments) {
+        for (angle, found) in map.angles_rad.iter().zip(column) {
+            let Some(found) = found else { continue };
+            points.push((along * 1e3, angle.to_degrees()));
+            shades.push(shade(found));
+        }
+    }
+    let step = |values: &[f64]| {
+        let count = values.len().max(2) - 1;
+        (values[values.len() - 1] - values[0]) / count as f64
+    };
+    let cells = Layer {
+        label: String::new(),
+        points,
+        style: Style::Cells {
+            size: (step(&map.along_m) * 1e3, step(&map.angles_rad).to_degrees()),
+            shades,
+        },
+        colour: BLUE,
+    };
+    let mut layers = vec![cells];
+    layers.push(Layer {
+        label: "plan".to_owned(),
+        points: angles(&answer.plan),
+        style: Style::Line,
+        colour: BLACK,
+    });
+    if let Some(own) = &answer.own {
+        layers.push(Layer {
+            label: "scenario".to_owned(),
+            points: angles(&own.plan),
+            style: Style::Dashed,
+            colour: BLACK,
+        });
+    }
+    let of_plan = map.criterion == answer.plan.criterion;
+    let mark = if of_plan { ", planned by" } else { "" };
+    Panel {
+        title: format!("{}{mark}", name(map.criterion)),
+        x_label: "along the path [mm]".to_owned(),
+        y_label: "redundancy angle [deg]".to_owned(),
+        layers,
+        ..Panel::default()
+    }
+}
+
+/// −1 … 1 by the logarithm of value over need; never white.
+fn shade(found: &Assessment) -> f64 {
+    let ratio = (1.0 + found.margin).max(1e-6).ln() / FULL.ln();
+    let least = if found.is_stable() { 0.15 } else { -0.15 };
+    (ratio.clamp(-1.0, 1.0) * 0.85) + least
+}
+
+/// Angles in one turn; where they pass over its end the curve breaks.
+fn angles(plan: &truecut_plan::Plan) -> Vec<(f64, f64)> {
+    let mut curve: Vec<(f64, f64)> = Vec::new();
+    for point in &plan.points {
+        let angle = point.angle_rad.to_degrees().rem_euclid(360.0);
+        if curve
+            .last()
+            .is_some_and(|(_, before)| (before - angle).abs() > 180.0)
+        {
+            curve.push((f64::NAN, f64::NAN));
+        }
+        curve.push((point.along_m * 1e3, angle));
+    }
+    curve
+}
+
+/// Limit depth by each theory over the angle in the middle of the path.
+fn over_angle(answer: &Answer<'_>) -> Panel {
+    let cut = &answer.study.cut;
+    let depth_mm = cut.nominal.axial_depth_m * 1e3;
+    let theories = answer.maps.iter().zip(COLOURS);
+    let theories = theories.filter(|(map, _)| map.criterion != Criterion::Anisotropy);
+    let mut layers: Vec<Layer> = theories
+        .map(|(map, colour)| {
+            let column = &map.assessments[map.along_m.len() / 2];
+            let value = |found: &Option<Assessment>| found.map_or(f64::NAN, |a| a.value * 1e3);
+            let points = map
+                .angles_rad
+                .iter()
+                .zip(column)
+                .filter(|(_, found)| found.is_some());
+            Layer {
+                label: name(map.criterion).to_owned(),
+                points: points
+                    .map(|(angle, found)| (angle.to_degrees(), value(found)))
+                    .collect(),
+                style: Style::Line,
+                colour,
+            }
+        })
+        .collect();
+    let reached = layers.iter().flat_map(|layer| &layer.points);
+    let reached = reached.filter(|p| p.1.is_finite()).map(|p| p.0);
+    let ends = reached.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    });
+    layers.push(Layer {
+        label: "cut".to_owned(),
+        points: ends.map(|x| (x, depth_mm)).to_vec(),
+        style: Style::Dashed,
+        colour: BLACK,
+    });
+    Panel {
+        title: "Limit at mid-path".to_owned(),
+        x_label: "redundancy angle [deg]".to_owned(),
+        y_label: "limit depth [mm]".to_owned(),
+        y_scale: Scale::Logarithmic,
+        layers,
+        ..Panel::default()
+    }
+}
+
+/// Margins of the plan, and of the scenario's own angles dashed.
+fn along_path(answer: &Answer<'_>) -> Panel {
+    let curve = |plan: &truecut_plan::Plan, found: &[Assessment]| -> Vec<(f64, f64)> {
+        let points = plan.points.iter().zip(found);
+        points
+            .map(|(p, a)| (p.along_m * 1e3, 1.0 + a.margin))
+            .collect()
+    };
+    let mut layers = Vec::new();
+    for (k, colour) in COLOURS.into_iter().enumerate() {
+        layers.push(Layer {
+            label: name(Criterion::ALL[k]).to_owned(),
+            points: curve(&answer.plan, &answer.plan_assessed[k]),
+            style: Style::Line,
+            colour,
+        });
+        if let Some(own) = &answer.own {
+            layers.push(Layer {
+                label: String::new(),
+                points: curve(&own.plan, &own.assessed[k]),
+                style: Style::Dashed,
+                colour,
+            });
+        }
+    }
+    let length_mm = answer.study.path.length_m() * 1e3;
+    layers.push(Layer {
+        label: String::new(),
+        points: vec![(0.0, 1.0), (length_mm, 1.0)],
+        style: Style::Line,
+        colour: BLACK,
+    });
+    Panel {
+        title: "dashed: scenario".to_owned(),
+        x_label: "along the path [mm]".to_owned(),
+        y_label: "value over what is needed".to_owned(),
+        y_scale: Scale::Logarithmic,
+        layers,
+        ..Panel::default()
+    }
+}
+
+/// Short names for legends.
+pub fn name(criterion: Criterion) -> &'static str {
+    match criterion {
+        Criterion::Anisotropy => "r ≥ 0.1",
+        Criterion::Flutter => "flutter",
+        Criterion::ModeCoupling => "mode coupling",
+        Criterion::Regenerative => "regeneration",
+    }
+}

@@ -1,0 +1,160 @@
+//! The plan in words.
+
+use std::path::PathBuf;
+
+use truecut_plan::{Assessment, Criterion, MarginMap};
+use truecut_recording::{Unit, significant};
+
+use super::{Answer, figure};
+use crate::text::{self, Align};
+
+/// What is printed.
+pub fn tell(answer: &Answer<'_>, written: &[PathBuf]) -> String {
+    let mut text = summary(answer);
+    let [first, planned, rest @ ..] = written else {
+        return text;
+    };
+    let names: Vec<String> = (rest.iter())
+        .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
+        .collect();
+    text.push_str(&format!(
+        "\n  {}   (beside it: {})\n  run it: truecut run {}\n\n",
+        first.display(),
+        names.join(", "),
+        planned.display()
+    ));
+    text
+}
+
+/// Segments, criteria, and the scenario's own angles.
+pub fn summary(answer: &Answer<'_>) -> String {
+    let plan = &answer.plan;
+    let weakest = plan.weakest();
+    let mut text = format!(
+        "{}\n  planned by {}: stable all along; the least reserve, {}, is {} from the start\n\n",
+        answer.scenario.name,
+        plan.criterion,
+        percent(weakest.assessment.margin),
+        text::show(Unit::Metre, weakest.along_m),
+    );
+    text.push_str(&segments(answer));
+    text.push_str("\n  stable redundancy angles, deg\n");
+    text.push_str(&intervals(answer));
+    text.push_str("\n  least value along the path over what is needed\n");
+    text.push_str(&comparison(answer));
+    if !answer.scenario.effects.is_empty() {
+        text.push_str("  note: the plan is for the nominal arm; effects act in runs only\n");
+    }
+    text
+}
+
+fn percent(margin: f64) -> String {
+    if margin.is_infinite() {
+        return "more than looked for".to_owned();
+    }
+    format!("{} %", significant(100.0 * margin, 3))
+}
+
+fn segments(answer: &Answer<'_>) -> String {
+    let head = ["segment", "stable from", "to", "angle", "least reserve"];
+    let plan = &answer.plan;
+    let rows = plan.segments.iter().map(|segment| {
+        let inside = plan
+            .points
+            .iter()
+            .filter(|p| p.along_m >= segment.from_m - 1e-9 && p.along_m <= segment.to_m + 1e-9);
+        let least = inside
+            .map(|p| p.assessment.margin)
+            .fold(f64::INFINITY, f64::min);
+        let degrees = |rad: f64| format!("{:.1} deg", rad.to_degrees());
+        vec![
+            format!(
+                "{:.1} to {:.1} mm",
+                segment.from_m * 1e3,
+                segment.to_m * 1e3
+            ),
+            degrees(segment.interval.from_rad),
+            degrees(segment.interval.to_rad),
+            degrees(segment.interval.middle_rad()),
+            percent(least),
+        ]
+    });
+    let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
+        .chain(rows)
+        .collect();
+    text::table(&[Align::Right; 5], &rows)
+}
+
+/// Stable angles by each criterion at the start, in the middle and at the end, as far as the arm reaches.
+fn intervals(answer: &Answer<'_>) -> String {
+    let columns = answer.maps[0].along_m.len();
+    let places = [0, columns / 2, columns - 1];
+    let mut head = vec!["criterion".to_owned()];
+    head.extend(places.map(|i| format!("at {:.0} mm", answer.maps[0].along_m[i] * 1e3)));
+    let rows = answer.maps.iter().map(|map| {
+        let mut row = vec![figure::name(map.criterion).to_owned()];
+        row.extend(places.map(|i| ranges(map, i)));
+        row
+    });
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
+    text::table(&[Align::Left; 4], &rows)
+}
+
+/// Runs of stable angles of a column, degrees.
+fn ranges(map: &MarginMap, column: usize) -> String {
+    let stable = |found: &Option<Assessment>| found.is_some_and(|a| a.is_stable());
+    let cells = map.angles_rad.iter().zip(&map.assessments[column]);
+    let mut runs: Vec<(f64, f64)> = Vec::new();
+    let mut open = false;
+    for (angle, found) in cells {
+        let degrees = angle.to_degrees();
+        match (stable(found), runs.last_mut()) {
+            (true, Some(run)) if open => run.1 = degrees,
+            (true, _) => runs.push((degrees, degrees)),
+            _ => {}
+        }
+        open = stable(found);
+    }
+    if runs.is_empty() {
+        return "none".to_owned();
+    }
+    let shown: Vec<String> = runs.iter().map(|(a, b)| format!("{a:.0}–{b:.0}")).collect();
+    shown.join(", ")
+}
+
+/// Worst ratios of the plan and of the scenario's own angles by each criterion.
+fn comparison(answer: &Answer<'_>) -> String {
+    let least = |found: &[Assessment]| {
+        let worst = found
+            .iter()
+            .map(|a| 1.0 + a.margin)
+            .fold(f64::INFINITY, f64::min);
+        let mark = if worst < 1.0 { "✗ " } else { "" };
+        if worst.is_infinite() {
+            "above 3".to_owned()
+        } else {
+            format!("{mark}{}", significant(worst, 3))
+        }
+    };
+    let head = ["criterion", "plan", "scenario's own angles"];
+    let rows = Criterion::ALL
+        .into_iter()
+        .enumerate()
+        .map(|(k, criterion)| {
+            let own = answer.own.as_ref().map(|own| least(&own.assessed[k]));
+            let mark = if k == answer.chosen() {
+                " (planned by)"
+            } else {
+                ""
+            };
+            vec![
+                format!("{criterion}{mark}"),
+                least(&answer.plan_assessed[k]),
+                own.unwrap_or_else(|| "cannot be followed".to_owned()),
+            ]
+        });
+    let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
+        .chain(rows)
+        .collect();
+    text::table(&[Align::Left, Align::Right, Align::Right], &rows)
+}

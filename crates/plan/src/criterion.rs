@@ -1,0 +1,198 @@
+//! By what a posture counts as stable.
+
+use std::fmt;
+
+use nalgebra::{Matrix2, Matrix3};
+use truecut_arm::{FrameId, Load, Robot, translational};
+use truecut_core::chatter::averaged::mode_coupling_limit;
+use truecut_core::chatter::limit::{LimitSearch, first_limit};
+use truecut_core::chatter::planar::coalescence_limit_m;
+use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
+use truecut_core::chatter::{DirectionalMatrix, TipMode, in_axes};
+use truecut_core::cutting::milling::nominal::NominalCut;
+
+use crate::error::PlanError;
+use crate::section::free_anisotropy;
+
+/// Least anisotropy of the published rule.
+pub const LEAST_ANISOTROPY: f64 = 0.1;
+
+/// Depths up to this many times the cut's are looked at for a regenerative limit.
+const DEEPEST: f64 = 3.0;
+/// Steps of that scan, and the relative width to which a limit is narrowed.
+const SCAN_STEPS: usize = 6;
+const NARROWED: f64 = 4e-3;
+
+/// What is cut, and how fast.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cut {
+    pub nominal: NominalCut,
+    pub spindle_rad_s: f64,
+}
+
+impl Cut {
+    /// Time between two teeth, s.
+    pub fn tooth_period_s(&self) -> f64 {
+        self.nominal.cutter.tooth_period_s(self.spindle_rad_s)
+    }
+
+    /// Speed of the tool along its path, m/s.
+    pub fn feed_m_per_s(&self) -> f64 {
+        self.nominal.feed_per_tooth_m / self.tooth_period_s()
+    }
+
+    /// The directional matrix in the milling frame.
+    pub fn directional(&self) -> DirectionalMatrix {
+        DirectionalMatrix {
+            teeth: self.nominal.cutter.teeth,
+            coefficients: self.nominal.coefficients,
+            engagement: self.nominal.engagement,
+        }
+    }
+}
+
+/// By what a posture counts as stable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Criterion {
+    /// r = (k_max − k_min)/k_max in the cutting plane is at least 0.1. Knows neither depth nor teeth nor material.
+    Anisotropy,
+    /// Undamped planar mode coupling of two directions with equal masses.
+    Flutter,
+    /// Mode coupling of all damped modes under the averaged cut, teeth meeting the nominal surface.
+    ModeCoupling,
+    /// Regeneration with all damped modes, semi-discretised.
+    Regenerative,
+}
+
+impl Criterion {
+    pub const ALL: [Self; 4] = [
+        Self::Anisotropy,
+        Self::Flutter,
+        Self::ModeCoupling,
+        Self::Regenerative,
+    ];
+
+    /// What the assessed value must reach: an anisotropy, or the depth in m.
+    pub fn needed(self, cut: &Cut) -> f64 {
+        match self {
+            Self::Anisotropy => LEAST_ANISOTROPY,
+            _ => cut.nominal.axial_depth_m,
+        }
+    }
+}
+
+impl fmt::Display for Criterion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Anisotropy => "stiffness anisotropy",
+            Self::Flutter => "planar flutter",
+            Self::ModeCoupling => "6-DoF mode coupling",
+            Self::Regenerative => "regeneration",
+        })
+    }
+}
+
+/// What a criterion says of a posture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Assessment {
+    /// r of [`Criterion::Anisotropy`], else the limit depth in m; infinite if no depth is unstable, or none up to three times the
+    /// cut's for [`Criterion::Regenerative`].
+    pub value: f64,
+    /// value / needed − 1: stable from 0 on. −0.3 says that 30 % are missing.
+    pub margin: f64,
+}
+
+impl Assessment {
+    pub fn is_stable(&self) -> bool {
+        self.margin >= 0.0
+    }
+}
+
+/// Modes of the arm at its tool point in the axes of the cut, slowest first; motors stand still, without gravity.
+///
+/// # Errors
+/// If a joint has no stiffness, or the arm is singular there.
+pub fn modes_in_cut(
+    robot: &Robot,
+    posture: &[f64],
+    world_from_milling: &Matrix3<f64>,
+) -> Result<Vec<TipMode>, PlanError> {
+    let modes = robot.tip_modes(posture, FrameId::Tool, None)?;
+    Ok(in_axes(&modes, world_from_milling))
+}
+
+/// What a criterion says of a posture in a cut whose milling frame stands in the world as `world_from_milling`.
+///
+/// # Errors
+/// If the arm has no compliance or modes there.
+pub fn assess(
+    criterion: Criterion,
+    robot: &Robot,
+    posture: &[f64],
+    world_from_milling: &Matrix3<f64>,
+    cut: &Cut,
+) -> Result<Assessment, PlanError> {
+    let depth_m = cut.nominal.axial_depth_m;
+    let value = match criterion {
+        Criterion::Anisotropy => {
+            let compliance = tool_compliance(robot, posture)?;
+            free_anisotropy(&compliance, world_from_milling)
+        }
+        Criterion::Flutter => {
+            let compliance = tool_compliance(robot, posture)?;
+            planar_limit_m(&compliance, world_from_milling, cut)
+        }
+        Criterion::ModeCoupling => {
+            let modes = modes_in_cut(robot, posture, world_from_milling)?;
+            let limit = mode_coupling_limit(&modes, &cut.directional().average_pa());
+            limit.map_or(f64::INFINITY, |limit| limit.depth_m)
+        }
+        Criterion::Regenerative => {
+            let modes = modes_in_cut(robot, posture, world_from_milling)?;
+            regenerative_limit_m(&modes, cut, DEEPEST * depth_m).unwrap_or(f64::INFINITY)
+        }
+    };
+    Ok(Assessment {
+        value,
+        margin: value / criterion.needed(cut) - 1.0,
+    })
+}
+
+/// Translational compliance at the tool point, world axes, rotation free, m/N.
+fn tool_compliance(robot: &Robot, posture: &[f64]) -> Result<Matrix3<f64>, PlanError> {
+    let compliance = robot.cartesian_compliance(posture, FrameId::Tool, &Load::none())?;
+    Ok(translational(&compliance))
+}
+
+/// Undamped limit of the cutting plane alone, m; infinite if no depth makes its two frequencies meet.
+fn planar_limit_m(
+    compliance_m_per_n: &Matrix3<f64>,
+    world_from_milling: &Matrix3<f64>,
+    cut: &Cut,
+) -> f64 {
+    let turned = world_from_milling.transpose() * compliance_m_per_n * world_from_milling;
+    let block = |m: &Matrix3<f64>| -> Matrix2<f64> { m.fixed_view::<2, 2>(0, 0).into_owned() };
+    let average = block(&cut.directional().average_pa());
+    let stiffness = block(&turned).try_inverse();
+    let limit = stiffness.and_then(|k| coalescence_limit_m(&k, &average));
+    limit.unwrap_or(f64::INFINITY)
+}
+
+/// Steps of a tooth period for limits to a per cent: twelve to a cycle of the fastest mode, forty at least. The modes that
+/// chatter are slower than the fastest.
+pub(crate) fn diagram_steps(modes: &[TipMode], tooth_period_s: f64) -> usize {
+    recommended_steps(modes, 0.5 * tooth_period_s)
+}
+
+/// First depth that regeneration makes unstable, up to `deepest_m`.
+fn regenerative_limit_m(modes: &[TipMode], cut: &Cut, deepest_m: f64) -> Option<f64> {
+    let period_s = cut.tooth_period_s();
+    let steps = diagram_steps(modes, period_s);
+    let prepared = SemiDiscretisation::new(modes, &cut.directional(), steps);
+    let search = LimitSearch {
+        deepest_m,
+        scan_steps: SCAN_STEPS,
+        relative_width: NARROWED,
+    };
+    first_limit(&prepared, period_s, &search).map(|limit| limit.depth_m)
+}

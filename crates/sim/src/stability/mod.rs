@@ -1,0 +1,180 @@
+//! What stability tools need of a milling scenario: its arm, path and cut, and what they answer in its terms.
+//!
+//! The arm is the nominal one with its transmissions, motors standing still; effects of the scenario act in runs only.
+
+mod view;
+
+use std::sync::Arc;
+
+use nalgebra::{Unit, Vector3};
+use truecut_arm::{FrameId, OpwGeometry, Robot};
+use truecut_core::chatter::TipMode;
+use truecut_plan::{Cut, Family, Plan, PlanError, ToolPath, modes_in_cut};
+use truecut_scenario::{
+    Elbow, MillingSpec, PlannedPath, ProcessSpec, Scenario, Shoulder, TurnKnot, Wrist,
+};
+
+use crate::build::posture;
+use crate::error::SimError;
+use crate::robots::Robots;
+use crate::tool_path::SolvedPath;
+use crate::translate::nominal_cut;
+
+const PATH: &str = "process.milling.path";
+const DEPTH: &str = "process.milling.axial_depth_mm";
+
+/// A milling scenario as its stability is asked for.
+#[derive(Debug, Clone)]
+pub struct MillingStudy {
+    pub robot: Arc<Robot>,
+    pub path: ToolPath,
+    pub cut: Cut,
+    milling: MillingSpec,
+    /// The robot's posture in the scenario.
+    posture: Vec<f64>,
+    /// Direction of the tool's x axis at redundancy angle 0.
+    zero_direction: Vector3<f64>,
+}
+
+impl MillingStudy {
+    /// # Errors
+    /// If the scenario is not one of milling, or something is wrong with its robot or path.
+    pub fn of(scenario: &Scenario) -> Result<Self, SimError> {
+        let ProcessSpec::Milling(milling) = &scenario.process else {
+            return Err(SimError::scenario(
+                "process",
+                format!(
+                    "the process is \"{}\", but must be \"milling\": a stability diagram and a choice of postures are about its \
+                     cut",
+                    scenario.process.name()
+                ),
+            ));
+        };
+        let robot = Robots::new().robot(&scenario.robot)?;
+        let posture = posture(&scenario.robot, &robot)?;
+        let here = robot.world_from_frame(&posture, FrameId::Tool);
+        let (start_m, axis, zero_direction) = match &milling.path.start {
+            Some(start) => (
+                Vector3::from(start.point_m),
+                Vector3::from(start.tool_axis),
+                Vector3::from(start.zero_direction),
+            ),
+            // The tool keeps its attitude, and that is redundancy angle 0.
+            None => (
+                here.translation.vector,
+                here * Vector3::z(),
+                here * Vector3::x(),
+            ),
+        };
+        let end_m = start_m + Vector3::from(milling.path.direction) * milling.path.length_m;
+        let axis = Unit::new_normalize(axis);
+        let path = ToolPath::new(&[start_m, end_m], axis, zero_direction).map_err(in_scenario)?;
+        Ok(Self {
+            cut: cut(milling),
+            robot,
+            path,
+            milling: milling.clone(),
+            posture,
+            zero_direction,
+        })
+    }
+
+    /// Whether teeth meet the surface that earlier teeth left.
+    pub fn regeneration(&self) -> bool {
+        self.milling.regeneration
+    }
+
+    /// Postures of the scenario's own path and their distance along it, m.
+    ///
+    /// # Errors
+    /// If the arm cannot follow it.
+    pub fn postures(&self) -> Result<(f64, Vec<Vec<f64>>), SimError> {
+        let solved = SolvedPath::solve(&self.milling.path, &self.robot, &self.posture)?;
+        Ok((solved.spacing_m, solved.knots))
+    }
+
+    /// Redundancy angle of the scenario's own path at a place, rad.
+    pub fn angle_rad(&self, along_m: f64) -> f64 {
+        let start = self.milling.path.start.as_ref();
+        start.map_or(0.0, |start| start.redundancy_rad(along_m))
+    }
+
+    /// Shoulder and elbow that the scenario asks for; `None` if it leaves one of them open.
+    pub fn family(&self) -> Option<Family> {
+        let start = self.milling.path.start.as_ref()?;
+        Some(Family {
+            rear_shoulder: start.shoulder? == Shoulder::Rear,
+            lower_elbow: start.elbow? == Elbow::Lower,
+        })
+    }
+
+    /// The robot's posture in the scenario, to which a plan shall start near; zeros for an arm that is not of six joints.
+    pub fn near(&self) -> [f64; 6] {
+        self.posture[..].try_into().unwrap_or([0.0; 6])
+    }
+
+    /// Modes of the arm at a posture in the milling frame.
+    ///
+    /// # Errors
+    /// If a joint has no stiffness.
+    pub fn modes(&self, posture: &[f64]) -> Result<Vec<TipMode>, SimError> {
+        modes_in_cut(&self.robot, posture, &self.path.world_from_milling(0)).map_err(in_scenario)
+    }
+
+    /// A plan in the terms of a scenario file.
+    pub fn planned(&self, plan: &Plan) -> PlannedPath {
+        let first = &plan.points[0];
+        let wrist = OpwGeometry::of(&self.robot)
+            .is_some_and(|geometry| geometry.branch(&first.posture).flipped_wrist);
+        let turn = plan
+            .knots()
+            .into_iter()
+            .map(|(at_m, redundancy_rad)| TurnKnot {
+                at_m,
+                redundancy_rad,
+            });
+        let point = first.point_m;
+        let end = plan.points[plan.points.len() - 1].point_m;
+        PlannedPath {
+            start_m: point.into(),
+            end_m: end.into(),
+            tool_axis: self.path.tool_axis().into_inner().into(),
+            zero_direction: self.zero_direction.into(),
+            turn: turn.collect(),
+            shoulder: if plan.family.rear_shoulder {
+                Shoulder::Rear
+            } else {
+                Shoulder::Front
+            },
+            elbow: if plan.family.lower_elbow {
+                Elbow::Lower
+            } else {
+                Elbow::Upper
+            },
+            wrist: if wrist {
+                Wrist::Negative
+            } else {
+                Wrist::Positive
+            },
+            posture_rad: first.posture.clone(),
+        }
+    }
+}
+
+/// A planner's refusal at the key that it is about.
+pub fn in_scenario(error: PlanError) -> SimError {
+    let key = match error {
+        PlanError::Arm(error) => return error.into(),
+        PlanError::NoStableAngle { .. } => DEPTH,
+        PlanError::NotOrthoParallel => "robot.urdf",
+        _ => PATH,
+    };
+    SimError::scenario(key, error.to_string())
+}
+
+fn cut(spec: &MillingSpec) -> Cut {
+    Cut {
+        nominal: nominal_cut(spec),
+        spindle_rad_s: spec.spindle_rad_s,
+    }
+}

@@ -1,0 +1,125 @@
+//! Charts without a run, for the viewer: curves over anything, beside a text.
+
+use std::path::Path;
+
+use rerun::blueprint::components::PlayState;
+use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
+use truecut_recording::SinkError;
+
+use super::blueprint::{Layout, Part};
+use super::chart::{Chart, Curve};
+use super::layout::chart_view;
+use super::results::Drawn;
+use super::{Failure, application, flush, log_text};
+
+/// Where the text is logged.
+const TEXT: &str = "/text";
+
+/// Charts that stand one above the other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartPage {
+    /// Title of its tab.
+    pub title: String,
+    /// From the top.
+    pub charts: Vec<ChartShown>,
+}
+
+/// A chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartShown {
+    /// Above it.
+    pub title: String,
+    /// Below it, with a unit.
+    pub x_label: String,
+    /// With a unit.
+    pub y_label: String,
+    /// Drawn in this order.
+    pub curves: Vec<ChartCurve>,
+}
+
+/// A curve, or dots.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartCurve {
+    /// In the legend; none if empty.
+    pub name: String,
+    /// Red, green, blue.
+    pub color: [u8; 3],
+    /// NaN breaks the curve.
+    pub points: Vec<(f64, f64)>,
+    /// Points are not joined.
+    pub dots: bool,
+}
+
+/// Writes the file: at the left the text, at the right the pages as tabs.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write_charts(
+    path: &Path,
+    title: &str,
+    text: &str,
+    pages: &[ChartPage],
+) -> Result<(), SinkError> {
+    let written = || -> Result<(), Failure> {
+        let stream = RecordingStreamBuilder::new(application(title))
+            .recording_name(title)
+            // Whatever the environment says: the user asked for this file.
+            .enabled(true)
+            .save(path)?;
+        log_text(&stream, TEXT, format!("# {title}\n\n```\n{text}\n```\n"))?;
+        let layout = Layout::new(application(title))?;
+        let words = layout.view("TextDocument", title, TEXT, &["$origin".to_owned()], &[])?;
+        let right = log_pages(&stream, &layout, pages)?;
+        let root = layout.side_by_side(vec![(0.6, words), (1.4, right)])?;
+        layout.send(&root, PlayState::Paused, &stream)?;
+        flush(&stream)
+    };
+    written().map_err(|error| SinkError::new(path.display().to_string(), "write the charts", error))
+}
+
+/// Logs pages of charts and gives the part of the layout that shows them.
+pub(super) fn log_pages(
+    stream: &RecordingStream,
+    layout: &Layout,
+    pages: &[ChartPage],
+) -> RecordingStreamResult<Part> {
+    let mut tabs = Vec::new();
+    for (p, page) in pages.iter().enumerate() {
+        let mut rows = Vec::new();
+        for (c, chart) in page.charts.iter().enumerate() {
+            let entity = format!("/charts/{p}/{c}");
+            drawn(chart).log(stream, &entity)?;
+            let title = chart.title.clone();
+            rows.push((1.0, chart_view(layout, &Drawn { entity, title })?));
+        }
+        tabs.push(layout.titled_stack(&page.title, rows)?);
+    }
+    if tabs.len() == 1 {
+        return Ok(tabs.remove(0));
+    }
+    layout.tabs(&tabs)
+}
+
+fn drawn(chart: &ChartShown) -> Chart {
+    let curve = |curve: &ChartCurve| {
+        let marks = if curve.dots {
+            let points = curve.points.iter().filter(|(_, y)| y.is_finite());
+            points.map(|(x, y)| (*x, *y, String::new())).collect()
+        } else {
+            Vec::new()
+        };
+        Curve {
+            name: curve.name.clone(),
+            color: curve.color,
+            points: curve.points.clone(),
+            dots: curve.dots,
+            marks,
+        }
+    };
+    Chart {
+        x_label: chart.x_label.clone(),
+        y_label: chart.y_label.clone(),
+        least_y: f64::NAN,
+        curves: chart.curves.iter().map(curve).collect(),
+    }
+}

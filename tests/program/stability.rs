@@ -1,0 +1,115 @@
+//! `truecut lobes` and `truecut posture`: what they print and write, and that a plan can be run.
+
+use std::path::Path;
+
+use super::Desk;
+
+const PATH_600: &str = "scenarios/milling/path_600.toml";
+
+fn repository() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .canonicalize()
+        .unwrap()
+}
+
+/// Runs the program, which must end well, and gives what it printed.
+fn told(desk: &Desk, arguments: &[&str]) -> String {
+    let output = desk.truecut(arguments);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let report = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}:\n{told}{report}");
+    told
+}
+
+#[test]
+fn lobes_draws_tabulates_and_runs() {
+    let desk = Desk::new();
+    let example = repository().join(PATH_600);
+    let range = ["--rpm", "400,700", "--deepest", "0.4"];
+    let size = ["--size", "12", "--runs", "2"];
+    let arguments = [&["lobes", example.to_str().unwrap()][..], &range, &size].concat();
+    let printed = told(&desk, &arguments);
+    for wanted in [
+        "limits near 600.0 rpm",
+        "2 of 2 runs do what the theory says",
+        "mode coupling",
+    ] {
+        assert!(printed.contains(wanted), "{wanted}:\n{printed}");
+    }
+    let folder = desk.path("out/path_600");
+    let names = [
+        "lobes.svg",
+        "lobes.rrd",
+        "lobes.parquet",
+        "lobes_limits.parquet",
+        "lobes_runs.parquet",
+    ];
+    for name in names {
+        assert!(folder.join(name).is_file(), "{name}");
+    }
+    let limits = truecut_telemetry::read_table(&folder.join("lobes_limits.parquet"), true).unwrap();
+    let column = |name: &str| {
+        let index = limits.columns.iter().position(|c| c.name == name);
+        limits.columns[index.unwrap_or_else(|| panic!("{name}"))]
+            .values
+            .clone()
+    };
+    // Four teeth in a slot: zero order is exact.
+    let pairs = column("limit_depth")
+        .into_iter()
+        .zip(column("zero_order_depth"));
+    let both: Vec<(f64, f64)> = pairs
+        .filter(|(a, b)| a.is_finite() && b.is_finite())
+        .collect();
+    assert!(both.len() > 6, "{both:?}");
+    assert!(
+        both.iter().all(|(a, b)| (a / b - 1.0).abs() < 0.01),
+        "{both:?}"
+    );
+}
+
+#[test]
+fn posture_writes_a_scenario_that_runs() {
+    let desk = Desk::new();
+    let example = repository().join(PATH_600);
+    let name = example.to_str().unwrap();
+    let printed = told(&desk, &["posture", name, "--criterion", "mode-coupling"]);
+    for wanted in [
+        "planned by 6-DoF mode coupling: stable all along",
+        "6-DoF mode coupling (planned by)",
+        "truecut run",
+    ] {
+        assert!(printed.contains(wanted), "{wanted}:\n{printed}");
+    }
+    let folder = desk.path("out/path_600");
+    for name in [
+        "posture.svg",
+        "posture.rrd",
+        "posture.parquet",
+        "posture_map.parquet",
+    ] {
+        assert!(folder.join(name).is_file(), "{name}");
+    }
+    // The shipped scenario claims that it chatters; planned, it does not, and says so.
+    let planned = folder.join("path_600_planned.toml");
+    let arguments = [
+        "run",
+        planned.to_str().unwrap(),
+        "--no-rrd",
+        "--set",
+        "run.duration_s=3",
+    ];
+    let output = desk.truecut(&arguments);
+    let printed = String::from_utf8_lossy(&output.stdout);
+    let report = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(
+        output.status.code(),
+        Some(super::CLAIM_FAILED),
+        "{printed}{report}"
+    );
+    assert!(
+        printed.contains("✗") && printed.contains("chatters"),
+        "{printed}"
+    );
+}
