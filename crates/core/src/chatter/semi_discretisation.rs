@@ -13,6 +13,7 @@
 //! which no tooth cuts are free motion, known in closed form.
 
 use super::{DirectionalMatrix, TipMode};
+use crate::cutting::milling::nominal::NominalCut;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 
@@ -104,6 +105,18 @@ pub struct SemiDiscretisation {
     /// For each step, n × outputs row by row: modal force per depth and remembered displacement, Pa/kg in the scaling
     /// of C; empty where no tooth cuts.
     forces: Vec<Vec<f64>>,
+    floor: Option<Floor>,
+}
+
+/// What the floor adds: the edge is engaged deeper at once where the tool sinks.
+#[derive(Debug, Clone, PartialEq)]
+struct Floor {
+    /// Displacement along the tool's axis per modal coordinate.
+    heights: Vec<f64>,
+    /// For each step, modal forces per displacement along the axis, N/m in modal scaling.
+    forces: Vec<Vec<f64>>,
+    /// Where a resting tool stands under the mean force, upwards, per depth in which it then cuts.
+    lift: f64,
 }
 
 impl SemiDiscretisation {
@@ -146,7 +159,36 @@ impl SemiDiscretisation {
             outputs,
             output_count,
             forces: forces.collect(),
+            floor: None,
         }
+    }
+
+    /// With the feedback of the floor: a tool that sinks by z is engaged over b − z at once, so that the nominal force changes by
+    /// −z/b of itself, whatever the depth. It grows with the feed, and regeneration has no part in it. Under the mean force the tool
+    /// has sunk (or risen) to begin with, and cuts deeper (or less deep) than was set: depths are those that were set.
+    #[must_use]
+    pub fn with_floor(mut self, cut: &NominalCut) -> Self {
+        let pitch = cut.cutter.pitch_rad();
+        let angle = |i: usize| pitch * i as f64 / self.steps() as f64;
+        let forces = (0..self.steps()).map(|i| {
+            let per_depth = cut.force_per_depth_between(angle(i), angle(i + 1));
+            let modes = self.modes.iter();
+            modes
+                .map(|mode| -mode.shape_per_sqrt_kg.dot(&per_depth))
+                .collect()
+        });
+        let heights = self.modes.iter().map(|mode| mode.shape_per_sqrt_kg.z);
+        let mean = cut.average_force_n() / cut.axial_depth_m;
+        let lifts = self.modes.iter().map(|mode| {
+            let shape = mode.shape_per_sqrt_kg;
+            shape.z * shape.dot(&mean) / mode.natural_frequency_rad_s.powi(2)
+        });
+        self.floor = Some(Floor {
+            lift: lifts.sum(),
+            forces: forces.collect(),
+            heights: heights.collect(),
+        });
+        self
     }
 
     /// Steps in a tooth period.
@@ -156,8 +198,10 @@ impl SemiDiscretisation {
 
     /// Dominant multiplier over a tooth period of `tooth_period_s` at an axial depth of `depth_m`.
     pub fn multiplier(&self, tooth_period_s: f64, depth_m: f64) -> Multiplier {
+        // z = lift (b − z) is where the tool stands.
+        let lift = self.floor.as_ref().map_or(0.0, |floor| floor.lift);
         Multiplier {
-            value: period_map::dominant_multiplier(self, tooth_period_s, depth_m),
+            value: period_map::dominant_multiplier(self, tooth_period_s, depth_m / (1.0 + lift)),
         }
     }
 }

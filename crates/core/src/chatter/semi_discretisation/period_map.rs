@@ -66,6 +66,15 @@ struct Oscillators<const N: usize, const D: usize> {
     rates: [(f64, f64); N],
     /// C, output by output.
     outputs: [[f64; N]; D],
+    /// Displacement along the tool's axis per coordinate.
+    heights: [f64; N],
+}
+
+/// Accelerations of the modes, in steps: per remembered position, and per displacement along the tool's axis.
+#[derive(Clone, Copy)]
+struct Push<const N: usize, const D: usize> {
+    remembered: [[f64; D]; N],
+    floor: [f64; N],
 }
 
 /// All steps of one tooth period at a speed and depth. Time runs in steps.
@@ -85,18 +94,36 @@ impl<const N: usize, const D: usize> PeriodMap<N, D> {
             (omega * omega, 2.0 * of.modes[j].damping_ratio * omega)
         });
         let outputs = std::array::from_fn(|d| std::array::from_fn(|j| of.outputs[d * N + j]));
-        let oscillators = Oscillators { rates, outputs };
+        let floor = of.floor.as_ref();
+        let oscillators = Oscillators {
+            rates,
+            outputs,
+            heights: floor.map_or([0.0; N], |f| std::array::from_fn(|j| f.heights[j])),
+        };
         let mut steps: Vec<Option<CuttingStep<N, D>>> = Vec::with_capacity(of.steps());
         for (i, force) in of.forces.iter().enumerate() {
             let scale = depth_m * h * h;
-            let scaled =
-                || std::array::from_fn(|j| std::array::from_fn(|d| force[j * D + d] * scale));
-            steps.push(if force.is_empty() {
+            let push = || Push {
+                remembered: std::array::from_fn(|j| {
+                    // Where no tooth cuts nothing is listed.
+                    std::array::from_fn(|d| force.get(j * D + d).map_or(0.0, |f| f * scale))
+                }),
+                floor: floor.map_or([0.0; N], |f| {
+                    std::array::from_fn(|j| f.forces[i][j] * h * h)
+                }),
+            };
+            let alike = |i: usize| {
+                are_alike(&of.forces[i - 1], force)
+                    && floor.is_none_or(|f| are_alike(&f.forces[i - 1], &f.forces[i]))
+            };
+            let is_free = force.is_empty()
+                && floor.is_none_or(|f| f.forces[i].iter().all(|force| *force == 0.0));
+            steps.push(if is_free {
                 None
-            } else if i > 0 && are_alike(&of.forces[i - 1], force) {
+            } else if i > 0 && alike(i) {
                 steps[i - 1].clone()
             } else {
-                Some(oscillators.cutting_step(&scaled()))
+                Some(oscillators.cutting_step(&push()))
             });
         }
         Self {
@@ -174,12 +201,14 @@ impl<const N: usize, const D: usize> Oscillators<N, D> {
         std::array::from_fn(|d| (0..N).map(|j| self.outputs[d][j] * q[j]).sum())
     }
 
-    /// A (q, v) · factor = (v, −a q − b v + F C q) · factor.
-    fn derivative(&self, force: &[[f64; D]; N], column: &State<N>, factor: f64) -> State<N> {
+    /// A (q, v) · factor = (v, −a q − b v + F C q + f z) · factor.
+    fn derivative(&self, force: &Push<N, D>, column: &State<N>, factor: f64) -> State<N> {
         let seen = self.seen(&column.q);
+        let height: f64 = (0..N).map(|j| self.heights[j] * column.q[j]).sum();
         let mut next = State::ZERO;
-        for (j, ((a, b), row)) in self.rates.iter().zip(force).enumerate() {
+        for (j, ((a, b), row)) in self.rates.iter().zip(&force.remembered).enumerate() {
             let push: f64 = row.iter().zip(&seen).map(|(f, s)| f * s).sum();
+            let push = push + force.floor[j] * height;
             next.q[j] = column.v[j] * factor;
             next.v[j] = (push - a * column.q[j] - b * column.v[j]) * factor;
         }
@@ -189,7 +218,7 @@ impl<const N: usize, const D: usize> Oscillators<N, D> {
     /// Exact solution of y' = A y − B (z₀ (1 − τ) + z₁ τ), B = (0, F), over τ = 0 … 1 by the Taylor series of e^A,
     /// ∫e^{A(1−τ)} dτ and ∫e^{A(1−τ)} τ dτ, which short steps let converge fast. Terms of the columns that start with a
     /// rate follow from those that start with a coordinate: A eᵥ = e_q − b eᵥ.
-    fn cutting_step(&self, force: &[[f64; D]; N]) -> CuttingStep<N, D> {
+    fn cutting_step(&self, force: &Push<N, D>) -> CuttingStep<N, D> {
         let mut term_q = [State::<N>::ZERO; N];
         let mut term_v = [State::<N>::ZERO; N];
         for j in 0..N {
@@ -229,7 +258,7 @@ impl<const N: usize, const D: usize> Oscillators<N, D> {
             from_before: [State::ZERO; D],
             from_after: [State::ZERO; D],
         };
-        for (j, pushes) in force.iter().enumerate() {
+        for (j, pushes) in force.remembered.iter().enumerate() {
             for (d, push) in pushes.iter().enumerate() {
                 step.from_before[d].add(*push, &rising[j]);
                 step.from_before[d].add(-push, &whole[j]);

@@ -1,6 +1,7 @@
 use super::*;
 use crate::chatter::averaged::zero_order_limit;
 use crate::chatter::limit::{LimitSearch, first_limit};
+use crate::cutting::milling::cutter::Cutter;
 use crate::cutting::milling::engagement::Engagement;
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -240,4 +241,54 @@ fn verify_diagrams_agree_with_dense_numpy() {
         }
         assert!((sum / expected - 1.0).abs() < 1e-4, "{sum} {expected}");
     }
+}
+
+/// The floor alone (no depth): a slot with four teeth pushes with a constant force per displacement, and the multiplier is that of the
+/// state matrix.
+#[test]
+fn verify_floor_feedback_is_that_of_the_state_matrix() {
+    let shapes = [
+        Vector3::new(0.02, 0.05, 0.04),
+        Vector3::new(-0.04, 0.03, 0.06),
+    ];
+    let modes: Vec<TipMode> = (shapes.iter().zip([60.0, 75.0]))
+        .map(|(shape, omega)| TipMode {
+            natural_frequency_rad_s: omega,
+            damping_ratio: 0.02,
+            shape_per_sqrt_kg: *shape,
+        })
+        .collect();
+    let process = DirectionalMatrix::planar(4, 2e9, 0.3, Engagement::SLOT);
+    let cut = NominalCut {
+        cutter: Cutter::straight(8e-3, 4),
+        coefficients: process.coefficients,
+        engagement: Engagement::SLOT,
+        axial_depth_m: 0.3e-3,
+        feed_per_tooth_m: 1e-3,
+    };
+    let feedback = cut.floor_feedback_n_per_m();
+    let mut state = DMatrix::zeros(4, 4);
+    for i in 0..2 {
+        state[(i, 2 + i)] = 1.0;
+        let own = modes[i].natural_frequency_rad_s;
+        state[(2 + i, i)] = -own * own;
+        state[(2 + i, 2 + i)] = -2.0 * modes[i].damping_ratio * own;
+        for j in 0..2 {
+            state[(2 + i, j)] += shapes[i].dot(&(feedback * shapes[j]));
+        }
+    }
+    let growth = state.complex_eigenvalues();
+    let growth = growth
+        .iter()
+        .map(|z| z.re)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let period_s = 0.025;
+    let plain = SemiDiscretisation::new(&modes, &process, 40);
+    let without = plain.multiplier(period_s, 0.0).growth_per_s(period_s);
+    let found = plain
+        .with_floor(&cut)
+        .multiplier(period_s, 0.0)
+        .growth_per_s(period_s);
+    assert!((found - growth).abs() < 1e-6, "{found} {growth}");
+    assert!((without - growth).abs() > 0.05, "{without}");
 }
