@@ -325,7 +325,7 @@ mod tests {
     fn verify_series_and_exponential_agree() {
         let stiffness = DMatrix::from_row_slice(2, 2, &[0.7, -0.2, -0.5, 0.9]);
         let damping = DMatrix::from_row_slice(2, 2, &[0.3, 0.1, 0.05, 0.2]);
-        for scale in [0.0, 1e-6, 1e-2, 1.0] {
+        for scale in [0.0_f64, 1e-6, 1e-2, 1.0] {
             for sign in [1.0, -1.0] {
                 let (k, d) = (&stiffness * scale, &damping * (sign * scale.sqrt()));
                 assert!(one_norm(&k) + one_norm(&d) < MOST_FOR_SERIES);
