@@ -109,10 +109,6 @@ pub(super) fn rank(
     best
 }
 
-/// Where sizes to start from are named, the effect is another at another size: a fit starts near the one that was tried, within this
-/// ratio.
-const SIMILAR: f64 = 3.0;
-
 #[expect(clippy::too_many_arguments, reason = "the inner loop of `rank`")]
 fn gain(
     problem: &Problem,
@@ -152,11 +148,7 @@ fn gain(
         let size = |position: usize| {
             let i = signature.sizes[used[position]];
             let secant = signature.values[i] - infos[i].neutral;
-            let mut part = coefficients[position];
-            if part > 0.0 && !infos[i].starts.is_empty() {
-                part = part.clamp(1.0 / SIMILAR, SIMILAR);
-            }
-            (i, infos[i].neutral + part * secant)
+            (i, infos[i].neutral + coefficients[position] * secant)
         };
         let outside = (0..used.len()).find(|&p| {
             let (i, value) = size(p);

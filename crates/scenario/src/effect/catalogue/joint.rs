@@ -173,9 +173,7 @@ pub(super) const JOINT_BACKLASH: Entry = Entry {
         0.0,
         1.0,
         "Full width of the play",
-    )
-    // What play does is nowhere near proportional to its width: at a tenth of the right one it looks like nothing.
-    .starts(&[2e-4, 6e-4, 2e-3])],
+    )],
 };
 
 pub(super) const JOINT_HYSTERESIS: Entry = Entry {
