@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bench import ROOT  # noqa: E402
 from bench.dataset import write_csv  # noqa: E402
 from bench.effects import Effect  # noqa: E402
-from bench.experiment import TWO_JOINT  # noqa: E402
+from bench.experiment import TWO_JOINT, Experiment  # noqa: E402
 from bench.noise import unit_noise  # noqa: E402
 
 DATA = ROOT / "scenarios" / "diagnosis" / "elbow.csv"
@@ -26,17 +26,22 @@ HIDDEN = Effect("joint_backlash", 2, {"gap_rad": 1.2e-3})
 DECIMALS = {"t_s": 4, "command_1_deg": 7, "command_2_deg": 7, "torque_1_n_m": 3, "torque_2_n_m": 3, "height_mm": 3}
 
 
-def columns() -> dict[str, np.ndarray]:
-    """The file's columns in their units."""
-    e = TWO_JOINT
-    noise = unit_noise("ar1", e.time_s.size, len(e.outputs), e.rate_hz, e.band_hz, seed=2024)
-    measured = e.outputs_of((HIDDEN,), (0.5,)) + 0.7 * noise * np.array(e.reference_noise)
+def measurement(e: Experiment, hidden: tuple[Effect, ...], seed: int) -> dict[str, np.ndarray]:
+    """Columns of a measurement in their units."""
+    noise = unit_noise("ar1", e.time_s.size, len(e.outputs), e.rate_hz, e.band_hz, seed)
+    measured = e.outputs_of(hidden, (0.5,)) + 0.7 * noise * np.array(e.reference_noise)
     found = {"t_s": e.time_s}
     command = e.command()
     for i, column in enumerate(c for c in e.columns if c.is_input):
         found[column.name] = command[:, i] / column.si
     for i, column in enumerate(e.outputs):
         found[column.name] = measured[:, i] / column.si
+    return found
+
+
+def columns() -> dict[str, np.ndarray]:
+    """The example's columns, rounded as in its file."""
+    found = measurement(TWO_JOINT, (HIDDEN,), 2024)
     return {name: np.round(values, DECIMALS[name]) for name, values in found.items()}
 
 

@@ -15,16 +15,14 @@ import shlex
 import sys
 from pathlib import Path
 
-import numpy as np
-
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from bench import ROOT  # noqa: E402
 from bench.dataset import write_csv  # noqa: E402
 from bench.effects import Effect  # noqa: E402
 from bench.experiment import TWO_JOINT  # noqa: E402
-from bench.noise import unit_noise  # noqa: E402
 from bench.runner import ask  # noqa: E402
+from example import measurement  # noqa: E402
 
 LIMIT_S = 30.0
 LONG = dataclasses.replace(TWO_JOINT, duration_s=10.0)
@@ -36,20 +34,6 @@ HIDDEN = {
 }
 
 
-def write(path: Path, truth: tuple[Effect, ...], seed: int) -> None:
-    """The data of one of them."""
-    measured = LONG.outputs_of(truth, (0.5,))
-    noise = unit_noise("ar1", LONG.time_s.size, len(LONG.outputs), LONG.rate_hz, LONG.band_hz, seed)
-    measured = measured + 0.7 * noise * np.array(LONG.reference_noise)
-    columns = {"t_s": LONG.time_s}
-    for i, column in enumerate(c for c in LONG.columns if c.is_input):
-        columns[column.name] = LONG.command()[:, i] / column.si
-    for i, column in enumerate(LONG.outputs):
-        columns[column.name] = measured[:, i] / column.si
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_csv(path, columns)
-
-
 def main() -> int:
     """Writes the data, asks the program, prints a line for each."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -59,7 +43,8 @@ def main() -> int:
     good = True
     for number, (name, truth) in enumerate(HIDDEN.items()):
         folder = work / name.replace(" ", "_")
-        write(folder / "data.csv", truth, 700 + number)
+        folder.mkdir(parents=True, exist_ok=True)
+        write_csv(folder / "data.csv", measurement(LONG, truth, 700 + number))
         cores = os.cpu_count() or 1
         answer = ask(shlex.split(options.program), LONG.path, folder / "data.csv", folder / "answer", cores)
         if answer.diagnosis is None:

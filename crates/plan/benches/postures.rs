@@ -1,42 +1,21 @@
 //! Cost of a thousand postures, and of a stability diagram of an arm.
 
+#[path = "../tests/support/mod.rs"]
+mod support;
+
 use std::hint::black_box;
-use std::path::Path;
 
 use criterion::{Criterion as Bench, criterion_group, criterion_main};
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use truecut_arm::Robot;
+use nalgebra::{Matrix3, Vector3};
+use support::{robot, slot};
 use truecut_core::chatter::DirectionalMatrix;
-use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::engagement::Engagement;
-use truecut_core::cutting::milling::nominal::NominalCut;
 use truecut_plan::lobes::{LobeRequest, lobes};
 use truecut_plan::{Criterion, Cut, Family, Planner, PlannerOptions, ToolPath, modes_in_cut};
 
-fn robot() -> Robot {
-    let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../assets/robots/irb6600_175_255/robot.urdf");
-    let mut robot = Robot::load(&urdf, None, None).expect("the asset loads");
-    let axes = Matrix3::from_columns(&[-Vector3::z(), Vector3::y(), Vector3::x()]);
-    robot.frames.flange_from_tool = Isometry3::from_parts(
-        Translation3::new(0.25, 0.0, 0.18),
-        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes)),
-    );
-    robot
-}
-
 fn cut() -> Cut {
     let steel = DirectionalMatrix::planar(4, 2e9, 0.3, Engagement::SLOT);
-    Cut {
-        nominal: NominalCut {
-            cutter: Cutter::straight(10e-3, 4),
-            coefficients: steel.coefficients,
-            engagement: Engagement::SLOT,
-            axial_depth_m: 0.3e-3,
-            feed_per_tooth_m: 0.1e-3,
-        },
-        spindle_rad_s: 62.8,
-    }
+    slot(&steel, 0.3e-3, 600.0)
 }
 
 const FAMILY: Family = Family {

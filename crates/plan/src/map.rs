@@ -189,12 +189,7 @@ impl<'a> Wrist<'a> {
         let asked = [q1, q2, q3];
         let is_asked = |q: &Vec<f64>| q.iter().zip(asked).all(|(a, b)| (a - b).abs() < 1e-6);
         let limits = &self.request.singularity;
-        let is_clear = |q: &Vec<f64>| {
-            let d = self.geometry.singularity_distance(q);
-            d.wrist_rad >= limits.wrist_rad
-                && d.elbow_rad >= limits.elbow_rad
-                && d.shoulder_m >= limits.shoulder_m
-        };
+        let is_clear = |q: &Vec<f64>| limits.allow(&self.geometry.singularity_distance(q));
         let postures = self.solver.within_limits(&pose, FrameId::Tool).into_iter();
         let postures = postures.filter(|q| is_asked(q) && is_clear(q));
         let turned = |q: &Vec<f64>| q[3..].iter().map(|a| a * a).sum::<f64>();

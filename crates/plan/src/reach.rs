@@ -35,6 +35,15 @@ impl Default for SingularityLimits {
     }
 }
 
+impl SingularityLimits {
+    /// Whether a posture at this distance stays away from all of them.
+    pub(crate) fn allow(&self, distance: &SingularityDistance) -> bool {
+        distance.wrist_rad >= self.wrist_rad
+            && distance.elbow_rad >= self.elbow_rad
+            && distance.shoulder_m >= self.shoulder_m
+    }
+}
+
 /// Shoulder and elbow of a branch. Both wrists of a family have the same stiffness and modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Family {
@@ -94,7 +103,9 @@ impl Surveyor<'_> {
         let candidates = postures.into_iter().filter_map(|posture| {
             let branch = self.geometry.branch(&posture);
             let wanted = self.family.is_none_or(|family| family == branch.into());
-            let clear = self.is_clear(&self.geometry.singularity_distance(&posture));
+            let clear = self
+                .limits
+                .allow(&self.geometry.singularity_distance(&posture));
             (wanted && clear).then_some(Candidate {
                 posture,
                 branch,
@@ -102,12 +113,6 @@ impl Surveyor<'_> {
             })
         });
         Ok(candidates.collect())
-    }
-
-    fn is_clear(&self, distance: &SingularityDistance) -> bool {
-        distance.wrist_rad >= self.limits.wrist_rad
-            && distance.elbow_rad >= self.limits.elbow_rad
-            && distance.shoulder_m >= self.limits.shoulder_m
     }
 
     fn column(&self, along_m: f64, angles_rad: &[f64]) -> Result<Column, PlanError> {

@@ -1,14 +1,13 @@
 //! Stiffness at the tool, its sections, and the maps over joints 2 and 3.
 
-use std::path::Path;
+mod support;
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use truecut_arm::{FrameId, Robot};
+use nalgebra::{Matrix3, Vector3};
+use support::{robot, slot};
+use truecut_arm::FrameId;
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::chatter::averaged::mode_coupling_limit;
-use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::engagement::Engagement;
-use truecut_core::cutting::milling::nominal::NominalCut;
 use truecut_core::stiffness::PlanarDefinition;
 use truecut_plan::map::{MapCells, MapRequest, axis_directions, joint_map};
 use truecut_plan::section::tool_stiffness;
@@ -17,33 +16,10 @@ use truecut_plan::{Cut, SingularityLimits};
 /// P1, θr = 20°, degrees (`spec` section 2).
 const P1_DEG: [f64; 6] = [-43.1717, 33.4476, 5.1977, -72.4716, 110.6398, 131.8613];
 
-fn robot() -> Robot {
-    let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../assets/robots/irb6600_175_255/robot.urdf");
-    let mut robot = Robot::load(&urdf, None, None)
-        .expect("the asset loads")
-        .scaled(1.0 / 0.82, 1.0, 1.0);
-    let axes = Matrix3::from_columns(&[-Vector3::z(), Vector3::y(), Vector3::x()]);
-    robot.frames.flange_from_tool = Isometry3::from_parts(
-        Translation3::new(0.25, 0.0, 0.18),
-        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes)),
-    );
-    robot
-}
-
 /// Aluminium with two teeth.
 fn cut() -> Cut {
     let aluminium = DirectionalMatrix::planar(2, 767e6, 0.22, Engagement::SLOT);
-    Cut {
-        nominal: NominalCut {
-            cutter: Cutter::straight(10e-3, 2),
-            coefficients: aluminium.coefficients,
-            engagement: Engagement::SLOT,
-            axial_depth_m: 0.3e-3,
-            feed_per_tooth_m: 0.1e-3,
-        },
-        spindle_rad_s: 251.0,
-    }
+    slot(&aluminium, 0.3e-3, 2400.0)
 }
 
 fn request(tool_axis: nalgebra::Unit<Vector3<f64>>) -> MapRequest {

@@ -1,35 +1,19 @@
 //! The planner on the published path: 0.3 m from P1 = (1.050, −1.450, 0.870) m to P2 = (1.350, −1.450, 0.870) m, tool down,
 //! slot in 45 steel with four teeth, 0.3 mm deep.
 
-use std::path::Path;
+mod support;
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Vector3};
+use support::{robot, slot};
 use truecut_arm::{BranchOptions, FrameId, Robot};
 use truecut_core::chatter::DirectionalMatrix;
-use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::engagement::Engagement;
-use truecut_core::cutting::milling::nominal::NominalCut;
 use truecut_plan::{
     Criterion, Cut, Family, Plan, PlanError, Planner, PlannerOptions, ToolPath, assess,
 };
 
 const P1_M: [f64; 3] = [1.050, -1.450, 0.870];
 const P2_M: [f64; 3] = [1.350, -1.450, 0.870];
-
-/// The arm of the posture study: the asset with the reference model's inertia, spindle across the flange.
-fn robot() -> Robot {
-    let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../assets/robots/irb6600_175_255/robot.urdf");
-    let mut robot = Robot::load(&urdf, None, None)
-        .expect("the asset loads")
-        .scaled(1.0 / 0.82, 1.0, 1.0);
-    let axes = Matrix3::from_columns(&[-Vector3::z(), Vector3::y(), Vector3::x()]);
-    robot.frames.flange_from_tool = Isometry3::from_parts(
-        Translation3::new(0.25, 0.0, 0.18),
-        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes)),
-    );
-    robot
-}
 
 fn path(points: &[[f64; 3]]) -> ToolPath {
     let points: Vec<_> = points.iter().map(|p| Vector3::from(*p)).collect();
@@ -38,16 +22,7 @@ fn path(points: &[[f64; 3]]) -> ToolPath {
 
 fn steel(axial_depth_m: f64, rpm: f64) -> Cut {
     let steel = DirectionalMatrix::planar(4, 2e9, 0.3, Engagement::SLOT);
-    Cut {
-        nominal: NominalCut {
-            cutter: Cutter::straight(10e-3, 4),
-            coefficients: steel.coefficients,
-            engagement: Engagement::SLOT,
-            axial_depth_m,
-            feed_per_tooth_m: 0.1e-3,
-        },
-        spindle_rad_s: rpm * std::f64::consts::TAU / 60.0,
-    }
+    slot(&steel, axial_depth_m, rpm)
 }
 
 fn front_upper() -> PlannerOptions {

@@ -1,13 +1,14 @@
 //! Paths that cannot be followed: where, and why.
 
+mod support;
+
 use std::path::Path;
 
 use nalgebra::Vector3;
+use support::slot;
 use truecut_arm::{FrameId, Robot};
 use truecut_core::chatter::DirectionalMatrix;
-use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::engagement::Engagement;
-use truecut_core::cutting::milling::nominal::NominalCut;
 use truecut_plan::{Criterion, Cut, Family, PlanError, Planner, PlannerOptions, ToolPath};
 
 /// The asset as it is: spindle along axis 6, tip 0.3 m beyond the flange.
@@ -19,16 +20,7 @@ fn robot() -> Robot {
 
 fn cut(axial_depth_m: f64) -> Cut {
     let steel = DirectionalMatrix::planar(4, 2e9, 0.3, Engagement::SLOT);
-    Cut {
-        nominal: NominalCut {
-            cutter: Cutter::straight(10e-3, 4),
-            coefficients: steel.coefficients,
-            engagement: Engagement::SLOT,
-            axial_depth_m,
-            feed_per_tooth_m: 0.1e-3,
-        },
-        spindle_rad_s: 251.0,
-    }
+    slot(&steel, axial_depth_m, 2400.0)
 }
 
 fn line(from: [f64; 3], to: [f64; 3]) -> ToolPath {
@@ -121,9 +113,11 @@ fn verify_the_place_of_a_wrist_singularity() {
 #[test]
 fn joint_limits_are_named() {
     let mut robot = robot();
-    if let Some(limits) = robot.chain.joints[0].limits.as_mut() {
-        (limits.lower, limits.upper) = (-0.5, 0.5);
-    }
+    let limits = robot.chain.joints[0]
+        .limits
+        .as_mut()
+        .expect("the asset has limits");
+    (limits.lower, limits.upper) = (-0.5, 0.5);
     let path = line([1.5, 0.3, 0.8], [1.5, 1.2, 0.8]);
     let options = PlannerOptions {
         angle_step_rad: 0.2,

@@ -46,6 +46,20 @@ fn point(plan: &Plan, along_m: f64) -> &PlanPoint {
     nearest.expect("points")
 }
 
+/// The plan by regeneration, and the constant angle of 120 degrees.
+fn plans(study: &MillingStudy) -> [Plan; 2] {
+    let options = PlannerOptions {
+        family: study.family(),
+        ..PlannerOptions::default()
+    };
+    let planner = Planner::new(&study.robot, &study.path, &study.cut, &options).expect("in reach");
+    let plan = planner.plan(Criterion::Regenerative).expect("a plan");
+    let constant = planner
+        .constant_angle(Criterion::Regenerative, 120_f64.to_radians())
+        .expect("in reach");
+    [plan, constant]
+}
+
 /// The scenario on 5 s of path about a place, at the plan's angle and branch there.
 fn about(scenario: &Scenario, study: &MillingStudy, plan: &Plan, along_m: f64) -> Scenario {
     let point = point(plan, along_m);
@@ -92,15 +106,7 @@ fn milled(scenario: &Scenario) -> f64 {
 fn verify_every_segment_is_as_stable_in_rapier_as_planned() {
     let scenario = shipped(SLOW_MM_PER_TOOTH);
     let study = MillingStudy::of(&scenario).unwrap_or_else(|e| panic!("{e}"));
-    let options = PlannerOptions {
-        family: study.family(),
-        ..PlannerOptions::default()
-    };
-    let planner = Planner::new(&study.robot, &study.path, &study.cut, &options).expect("in reach");
-    let plan = planner.plan(Criterion::Regenerative).expect("a plan");
-    let constant = planner
-        .constant_angle(Criterion::Regenerative, 120_f64.to_radians())
-        .expect("in reach");
+    let [plan, constant] = plans(&study);
     assert!(plan.points.iter().all(|p| p.assessment.margin > 0.8));
     assert!(constant.points.iter().all(|p| p.assessment.margin < -0.25));
     plan.segments.par_iter().for_each(|segment| {
@@ -118,21 +124,13 @@ fn verify_every_segment_is_as_stable_in_rapier_as_planned() {
     });
 }
 
-/// At the full feed the floor's feedback, which no criterion of the planner has, damps by 0.2 to 0.9 1/s: with it, theory meets rapier
-/// again. What is left is the sunken tool's deeper cut.
+/// At the full feed the floor, which no criterion of the planner has, damps by 0.2 to 0.9 1/s: with its feedback and the sunken tool's deeper
+/// cut theory meets rapier again.
 #[test]
 fn verify_floor_feedback_explains_the_full_feed() {
     let scenario = shipped(FULL_MM_PER_TOOTH);
     let study = MillingStudy::of(&scenario).unwrap_or_else(|e| panic!("{e}"));
-    let options = PlannerOptions {
-        family: study.family(),
-        ..PlannerOptions::default()
-    };
-    let planner = Planner::new(&study.robot, &study.path, &study.cut, &options).expect("in reach");
-    let plan = planner.plan(Criterion::Regenerative).expect("a plan");
-    let constant = planner
-        .constant_angle(Criterion::Regenerative, 120_f64.to_radians())
-        .expect("in reach");
+    let [plan, constant] = plans(&study);
     plan.segments.par_iter().for_each(|segment| {
         let at = segment.midpoint_m();
         for plan in [&plan, &constant] {

@@ -16,8 +16,6 @@ use crate::progress::Progress;
 const SHARES: [f64; 2] = [0.8, 1.25];
 /// Longest run, s.
 const LONGEST_S: f64 = 6.0;
-/// Motion from tooth to tooth, as a part of the feed per tooth, beyond which a run has no growth rate.
-const LINEAR_SHARE: f64 = 0.05;
 
 /// One run.
 pub struct Run {
@@ -93,7 +91,7 @@ fn one(
     let level = value("milling.vibration_level") / study.cut.nominal.feed_per_tooth_m;
     let chatters = match &end.outcome {
         Outcome::Completed if growth_per_s.is_finite() => Some(growth_per_s > 0.0),
-        Outcome::Completed if level > LINEAR_SHARE => Some(true),
+        Outcome::Completed if level > study.linear_share() => Some(true),
         Outcome::Completed => None,
         _ => Some(true),
     };

@@ -134,7 +134,6 @@ fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<f64>> {
         } else {
             info.starts.to_vec()
         };
-        let _ = scale;
         grid = combine(&grid, &starts);
     }
     let mut all = Vec::new();

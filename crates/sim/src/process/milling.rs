@@ -7,6 +7,8 @@
 
 mod report;
 
+pub(crate) use report::linear_share;
+
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::{Rotation3, Vector3};

@@ -14,6 +14,7 @@ mod wheel;
 pub use chamfer::{Chamfer, ChamferParameters, Regeneration, SlipTheory};
 pub use foot::{Foot, FootFriction, FootParameters};
 pub use load::{Load, LoadParameters, RotatingForce, Sweep};
+pub(crate) use milling::linear_share;
 pub use milling::{Milling, MillingSetup, MillingTheory};
 pub use replay::{ForceSamples, Replay};
 pub use wheel::{Wheel, WheelParameters};

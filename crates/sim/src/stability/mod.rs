@@ -16,6 +16,7 @@ use truecut_scenario::{
 
 use crate::build::posture;
 use crate::error::SimError;
+use crate::process::linear_share;
 use crate::robots::Robots;
 use crate::tool_path::SolvedPath;
 use crate::translate::nominal_cut;
@@ -82,6 +83,11 @@ impl MillingStudy {
     /// Whether teeth meet the surface that earlier teeth left.
     pub fn regeneration(&self) -> bool {
         self.milling.regeneration
+    }
+
+    /// Motion from tooth to tooth, as a part of the feed per tooth, beyond which a run has no growth rate.
+    pub fn linear_share(&self) -> f64 {
+        linear_share(self.milling.regeneration)
     }
 
     /// Postures of the scenario's own path and their distance along it, m.

@@ -19,8 +19,10 @@ const AXES: [(&str, &str); 3] = [
 /// Change of the deflection from one tooth to the next that still counts as small, as a part of the feed per tooth. It is what
 /// the chip sees of vibration where teeth meet their own surface; where they meet the nominal one the chip sees the deflection, and slow
 /// flutter is small for longer.
-const LINEAR_SHARE: f64 = 0.05;
-const LINEAR_SHARE_NOMINAL: f64 = 0.15;
+pub(crate) fn linear_share(regeneration: bool) -> f64 {
+    if regeneration { 0.05 } else { 0.15 }
+}
+
 /// Spectra reach to so many times the tooth-passing frequency.
 const SPECTRUM_TEETH: f64 = 3.0;
 /// Feed per revolution by which rays at the ends of a surface are left out: their neighbours are not all cut.
@@ -170,11 +172,7 @@ fn vibration(milling: &Milling, findings: &mut Findings) {
         velocity_m_per_s: &history.velocity_m_per_s,
     };
     let forced_s = forced_period_s(setup);
-    let share = if setup.parameters.regeneration {
-        LINEAR_SHARE
-    } else {
-        LINEAR_SHARE_NOMINAL
-    };
+    let share = linear_share(setup.parameters.regeneration);
     let options = GrowthOptions {
         period_s: forced_s,
         linear_m: share * setup.parameters.feed_per_tooth_m,
