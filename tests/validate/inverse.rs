@@ -158,8 +158,11 @@ fn difference(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn ur10e(name: &str, file: &std::path::Path) -> (InverseModel, Vec<Vec<f64>>) {
-    let scenario = scenario(name);
+/// The recording `from_s` on: the reference takes it from before the arm moves.
+fn ur10e(name: &str, from_s: f64, file: &std::path::Path) -> (InverseModel, Vec<Vec<f64>>) {
+    let from_s = ("data.from_s".to_owned(), from_s.to_string());
+    let scenario = scenario(name).with_overrides(&[from_s]);
+    let scenario = scenario.unwrap_or_else(|e| panic!("{e}"));
     let model = InverseModel::new(&scenario, &measured(&scenario, file));
     let model = model.unwrap_or_else(|e| panic!("{e}"));
     let torques = model
@@ -183,7 +186,7 @@ fn validate_ur10e_torque_errors_without_and_with_the_payload() {
     let Some(loaded) = data_file(name, "ur10e/ur-20_02_19_14harm50secLoad.csv") else {
         return;
     };
-    let (model, torques) = ur10e("ur10e_inverse.toml", &unloaded);
+    let (model, torques) = ur10e("ur10e_inverse.toml", 838.965, &unloaded);
     let samples = torques[0].len();
     let (train, test) = (0..samples * 3 / 5, samples * 3 / 5..samples);
     let scale: Vec<f64> = (torques.iter())
@@ -212,7 +215,7 @@ fn validate_ur10e_torque_errors_without_and_with_the_payload() {
         "no payload",
     );
 
-    let (model, torques) = ur10e("ur10e_load_inverse.toml", &loaded);
+    let (model, torques) = ur10e("ur10e_load_inverse.toml", 1884.721, &loaded);
     let samples = torques[0].len();
     let (train, test) = (0..samples * 3 / 5, samples * 3 / 5..samples);
     let same_arm = Identification::new(&model, scale.clone());

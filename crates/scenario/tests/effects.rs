@@ -280,7 +280,7 @@ fn ending(unit: Unit) -> String {
 /// What is printed beside a number is what its key says; a key without unit is dimensionless, or of its channel.
 #[test]
 fn the_unit_of_a_parameter_is_that_of_its_key() {
-    const PLAIN: [&str; 5] = ["factor", "drop", "cycles", "offset", "amplitude"];
+    const PLAIN: [&str; 6] = ["share", "factor", "drop", "cycles", "offset", "amplitude"];
     for info in EffectKind::ALL.iter().flat_map(|kind| kind.parameters()) {
         for (key, unit) in [(info.key, info.unit), (info.rotary_key, info.rotary_unit)] {
             if PLAIN.contains(&key) {

@@ -38,6 +38,8 @@ struct Plane {
 /// Friction of one joint during the solution.
 struct Line {
     joint: usize,
+    /// Under the load of this step.
+    law: LinkFriction,
     response: DVector<f64>,
     velocity_before: f64,
     impulse: f64,
@@ -78,7 +80,7 @@ impl ContactSolver {
             .map(|request| plane(plant, request, &tangents))
             .collect();
         let mut lines: Vec<Line> = (self.friction_joints.iter())
-            .map(|joint| line(plant, *joint))
+            .map(|joint| line(plant, *joint, &self.joint_friction[*joint]))
             .collect();
         let single = planes.len() + lines.len() == 1;
         for _ in 0..MAX_SWEEPS {
@@ -87,8 +89,7 @@ impl ContactSolver {
                 change = change.max(update_plane(plane, &mut velocity, dt));
             }
             for line in &mut lines {
-                let law = &self.joint_friction[line.joint];
-                change = change.max(update_line(line, law, &mut velocity, dt));
+                change = change.max(update_line(line, &mut velocity, dt));
             }
             if single || change <= TOLERANCE * velocity.amax() {
                 break;
@@ -134,11 +135,13 @@ fn plane(plant: &mut dyn Plant, request: &ContactRequest, tangents: &[Vector3<f6
     }
 }
 
-fn line(plant: &mut dyn Plant, joint: usize) -> Line {
+/// The load is that of the last instant: what the transmission passes on now is known when the step is done.
+fn line(plant: &mut dyn Plant, joint: usize, law: &LinkFriction) -> Line {
     let mut unit = DVector::zeros(plant.dof());
     unit[joint] = 1.0;
     Line {
         joint,
+        law: law.under(plant.joints().transmission[joint]),
         response: plant.mobility(&unit),
         velocity_before: plant.half_step_velocity()[joint],
         impulse: 0.0,
@@ -164,10 +167,10 @@ fn update_plane(plane: &mut Plane, velocity: &mut DVector<f64>, dt: f64) -> f64 
     (plane.response[0].amax() * change.x.abs()).max(plane.response[1].amax() * change.y.abs())
 }
 
-fn update_line(line: &mut Line, law: &LinkFriction, velocity: &mut DVector<f64>, dt_s: f64) -> f64 {
+fn update_line(line: &mut Line, velocity: &mut DVector<f64>, dt_s: f64) -> f64 {
     let inverse_mass = line.response[line.joint];
     let free = velocity[line.joint] - inverse_mass * line.impulse;
-    let impulse = solve_link_friction(inverse_mass, line.velocity_before, free, law, dt_s);
+    let impulse = solve_link_friction(inverse_mass, line.velocity_before, free, &line.law, dt_s);
     let change = impulse - line.impulse;
     line.impulse = impulse;
     velocity.axpy(change, &line.response, 1.0);

@@ -48,7 +48,7 @@ pub use build::rotary_joints;
 pub use cell::{Cell, RunEnd};
 pub use error::SimError;
 pub use mjcf::export_mjcf;
-pub use replay::inverse::InverseModel;
+pub use replay::inverse::{Forces, InverseModel};
 pub use replay::steady::SteadyModel;
 pub use robots::Robots;
 pub use simulate::{Engine, Rows, reduced_step_s, simulate};

@@ -2,7 +2,7 @@
 
 mod support;
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use support::{ARM_POSTURE, column, load, peaks, period, run, wheel};
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
@@ -52,6 +52,27 @@ fn verify_coulomb_takes_four_f_over_k_a_cycle() {
     let tail = &x[x.len() - 200..];
     assert!(tail.iter().all(|v| *v == tail[0]), "held to the bit");
     assert!(tail[0].abs() <= friction / 1e6);
+}
+
+/// Friction that grows with the load makes the spring weaker by `1 - s` on the way in and stiffer by `1 + s` on the way out: a swing
+/// ends at `√((1 - s)/(1 + s))` of its beginning and lasts `π/2ω (1/√(1 - s) + 1/√(1 + s))`.
+#[test]
+fn verify_load_friction_takes_its_part_of_every_swing() {
+    let share = 0.05;
+    let recording = run(
+        &decay(1000.0, 1.0),
+        &[joint(EffectKind::JointLoadFriction, 0, &[share])],
+    );
+    let x = column(&recording, "joint1.position");
+    let found = peaks(x);
+    assert!(found.len() > 8);
+    let kept = (1.0 - share) / (1.0 + share);
+    for pair in found.windows(2).take(8) {
+        assert!((pair[1] / pair[0] / kept - 1.0).abs() < 1e-3, "{pair:?}");
+    }
+    let cycle = PI / 100.0 * ((1.0 - share).powf(-0.5) + (1.0 + share).powf(-0.5));
+    let ratio = period(&recording, x) / cycle;
+    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
 }
 
 /// Across the play the carriage flies at `ω A`: `T = 2π/ω + 2 gap / (ω A)`, and it starts half the gap out.

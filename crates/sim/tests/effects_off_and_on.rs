@@ -42,6 +42,7 @@ fn size(kind: EffectKind) -> Vec<f64> {
         K::JointDamping | K::SensorGain => vec![1.5],
         K::JointViscous => vec![300.0],
         K::JointCoulomb => vec![50.0],
+        K::JointLoadFriction => vec![0.2],
         K::JointAsymmetricViscous => vec![300.0, 100.0],
         K::JointAsymmetricCoulomb => vec![50.0, 20.0],
         K::JointStribeck => vec![40.0, 0.01],

@@ -158,12 +158,12 @@ class Arm:
             rate = [y + 0.5 * h * z for y, z in zip(v, a)]
             applied = np.array(self.extra(half[k], half_rate[k], middle, rate, True))
             if rubbing:
-                applied += self.friction(k * h, applied, q, v, rubbing)
+                applied += self.friction(k * h, applied, q, v, torque, rubbing)
             d.qfrc_applied[own] = applied
             mujoco.mj_step(m, d)
         return t[::every], self._channels(np.array(rows))
 
-    def friction(self, t: float, applied: np.ndarray, q, v, rubbing: list[int]) -> np.ndarray:
+    def friction(self, t: float, applied: np.ndarray, q, v, torque, rubbing: list[int]) -> np.ndarray:
         """Torque of dry friction over the coming step, by bounded impulses (projected Gauss-Seidel)."""
         d, h, own = self.data, self.h, slice(self.first, self.first + self.n)
         mass = np.zeros((self.model.nv, self.model.nv))
@@ -172,7 +172,7 @@ class Arm:
         # the acceleration at hand holds what was applied over the last step
         free = d.qvel[own] + h * (d.qacc[own] + mobility @ (applied - d.qfrc_applied[own]))
         impulse = np.zeros(self.n)
-        bounds = {i: self.laws[i].friction_bounds(t, q[i], v[i]) for i in rubbing}
+        bounds = {i: self.laws[i].friction_bounds(t, q[i], v[i], torque[i]) for i in rubbing}
         for _ in range(1 if len(rubbing) == 1 else SWEEPS):
             for i in rubbing:
                 low, high = bounds[i]

@@ -11,6 +11,7 @@ KINDS: dict[str, tuple[dict[str, float], tuple[str, ...]]] = {
     "joint_damping": ({"factor": 1.0}, ()),
     "joint_viscous": ({"viscous_n_m_s_per_rad": 0.0}, ()),
     "joint_coulomb": ({"friction_n_m": 0.0}, ()),
+    "joint_load_friction": ({"share": 0.0}, ()),
     "joint_asymmetric_viscous": ({"viscous_positive_n_m_s_per_rad": 0.0, "viscous_negative_n_m_s_per_rad": 0.0}, ()),
     "joint_asymmetric_coulomb": ({"friction_positive_n_m": 0.0, "friction_negative_n_m": 0.0}, ()),
     "joint_stribeck": ({"excess_n_m": 0.0}, ("speed_rad_per_s",)),

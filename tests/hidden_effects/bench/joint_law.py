@@ -5,7 +5,8 @@ Motor coordinate theta, link coordinate q, wind-up w = theta + e(theta) - q with
     transmission   K w + D w', or with play g  K (w -+ g/2) + D w' while wound up beyond it (never pulling the flanks
                    together), else nothing;  plus  c w^3  and  A z,  dz/dw = (1 - z sign(w')) / w_y  (Dahl)
     link           -b q',  spring  C cos q + S sin q,  constant force
-    dry friction   between -F(+) and F(-), an impulse that stops the joint where it can
+    dry friction   between -F(+) and F(-), an impulse that stops the joint where it can; F grows by a share of what the
+                   transmission passes on
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ class JointLaw:
     drag: float = 0.0
     friction_positive: float = 0.0
     friction_negative: float = 0.0
+    load_share: float = 0.0
     excess: float = 0.0
     excess_speed: float = 1.0
     place_level: float = 0.0
@@ -73,6 +75,8 @@ class JointLaw:
         elif kind == "joint_asymmetric_coulomb":
             self.friction_positive += v["friction_positive_n_m"]
             self.friction_negative += v["friction_negative_n_m"]
+        elif kind == "joint_load_friction":
+            self.load_share = v["share"]
         elif kind == "joint_stribeck":
             self.excess, self.excess_speed = v["excess_n_m"], v["speed_rad_per_s"]
         elif kind == "joint_backlash":
@@ -141,13 +145,15 @@ class JointLaw:
     @property
     def rubs(self) -> bool:
         """Whether there is any dry friction."""
-        return max(self.friction_positive, self.friction_negative, self.excess, self.place_level) > 0.0
+        dry = max(self.friction_positive, self.friction_negative, self.load_share)
+        return max(dry, self.excess, self.place_level) > 0.0
 
-    def friction_bounds(self, t: float, q: float, rate: float) -> tuple[float, float]:
-        """Smallest and largest torque that dry friction can exert on the link."""
+    def friction_bounds(self, t: float, q: float, rate: float, load: float) -> tuple[float, float]:
+        """Smallest and largest torque that dry friction can exert on the link while the transmission passes on `load`."""
         if t < self.friction_from_s:
             return 0.0, 0.0
-        more = self.place_level * (1.0 + math.sin(self.place_cycles * q)) if self.place_level else 0.0
+        more = self.load_share * abs(load)
+        more += self.place_level * (1.0 + math.sin(self.place_cycles * q)) if self.place_level else 0.0
         if self.excess:
             ratio = rate / self.excess_speed
             more += self.excess * math.exp(-ratio * ratio)

@@ -89,6 +89,7 @@ SINGLES = (
     Template("teeth", "cutting_worn_tooth", None, {"recess_m": 5e-6}),
     Template("wheel", "wheel_stiffness", None, {"factor": 1.35}),
     Template("wheel", "wheel_eccentricity", None, {"cosine_m": 2e-5, "sine_m": 1e-5}),
+    Template("two_joint", "joint_load_friction", 2, {"share": 0.08}),
 )
 
 

@@ -1,4 +1,4 @@
-//! Friction between a link and its bearings: dry, viscous by direction, higher at low speed.
+//! Friction between a link and its bearings: dry, growing with the load, viscous by direction, higher at low speed.
 
 /// Friction of one joint, by direction (0: while the coordinate grows, 1: while it falls):
 /// `F_s + c_s |v| + E exp(-(v / v_s)²)`, against the motion.
@@ -6,6 +6,8 @@
 pub struct LinkFriction {
     /// Dry friction F_s, N m (N).
     pub dry: [f64; 2],
+    /// Dry friction per torque (force) that the transmission passes on; see [`LinkFriction::under`].
+    pub load_share: f64,
     /// Viscous friction c_s, N m s/rad (N s/m).
     pub viscous: [f64; 2],
     /// Excess E at standstill (Stribeck), N m (N).
@@ -22,6 +24,7 @@ impl LinkFriction {
     pub fn coulomb(level: f64) -> Self {
         Self {
             dry: [level; 2],
+            load_share: 0.0,
             viscous: [0.0; 2],
             excess: 0.0,
             stribeck_speed: 1.0,
@@ -30,7 +33,25 @@ impl LinkFriction {
 
     /// Whether it never does anything.
     pub fn is_none(&self) -> bool {
-        self.dry == [0.0; 2] && self.viscous == [0.0; 2] && self.excess == 0.0
+        let dry = self.dry == [0.0; 2] && self.load_share == 0.0;
+        dry && self.viscous == [0.0; 2] && self.excess == 0.0
+    }
+
+    /// The law while the transmission passes on `load`, N m (N): tooth forces and bearings press harder then, and dry friction
+    /// is `F_s + share |load|`.
+    pub fn under(&self, load: f64) -> Self {
+        let pressed = self.load_share * load.abs();
+        Self {
+            dry: self.dry.map(|dry| dry + pressed),
+            ..*self
+        }
+    }
+
+    /// Torque (force) that the transmission passes on to a link which needs `needed` of it against all but this share, while the
+    /// coordinate moves in the direction of `sign`: the `x` of `x = needed + share |x| sign`, which forward simulation finds by
+    /// itself.
+    pub fn passed_on(share: f64, needed: f64, sign: f64) -> f64 {
+        needed / (1.0 - share * sign * needed.signum())
     }
 
     /// Size of the friction at a speed in one direction, N m (N).
@@ -169,6 +190,22 @@ mod tests {
         assert!((law.level(0, 0.02) - 10.0 - 5.0 * (-1f64).exp()).abs() < 1e-12);
     }
 
+    #[test]
+    fn verify_load_presses_on_dry_friction() {
+        let law = LinkFriction {
+            dry: [4.0, 1.0],
+            load_share: 0.1,
+            ..LinkFriction::coulomb(0.0)
+        };
+        assert!(!law.is_none());
+        assert_eq!(law.under(0.0).dry, law.dry);
+        assert_eq!(law.under(-20.0).dry, [6.0, 3.0]);
+        for (needed, sign) in [(30.0, 1.0), (30.0, -1.0), (-30.0, 1.0), (-30.0, -1.0)] {
+            let x = LinkFriction::passed_on(0.1, needed, sign);
+            assert!((x - (needed + 0.1 * x.abs() * sign)).abs() < 1e-13, "{x}");
+        }
+    }
+
     proptest! {
         /// Friction takes energy at mid-step, never turns the motion round, and lies on its curve.
         #[test]
@@ -177,7 +214,7 @@ mod tests {
             f0 in 0.0..50.0f64, f1 in 0.0..50.0f64, c0 in 0.0..500.0f64, c1 in 0.0..500.0f64,
             excess in 0.0..50.0f64, v_s in 1e-3..1.0f64,
         ) {
-            let law = LinkFriction { dry: [f0, f1], viscous: [c0, c1], excess, stribeck_speed: v_s };
+            let law = LinkFriction { dry: [f0, f1], load_share: 0.0, viscous: [c0, c1], excess, stribeck_speed: v_s };
             let (dt, free) = (2.5e-4, before + change);
             let p = solve_link_friction(1.0 / mass, before, free, &law, dt);
             let after = free + p / mass;

@@ -38,6 +38,8 @@ struct JointSignals {
     travel: f64,
     /// Root mean square of the drive force or torque.
     effort: f64,
+    /// Standard deviation of its magnitude, as a part of that.
+    effort_varies: f64,
 }
 
 impl Signals {
@@ -78,6 +80,8 @@ impl Signals {
                     "transmission_force",
                 ];
                 let velocity = differences(&coordinate);
+                let efforts = first(number, &efforts).unwrap_or_default();
+                let magnitudes: Vec<f64> = efforts.iter().map(|effort| effort.abs()).collect();
                 JointSignals {
                     rotary: joint.rotary,
                     stiffness: joint.stiffness.map(|k| k * scenario.robot.stiffness_scale),
@@ -85,7 +89,8 @@ impl Signals {
                     fastest: velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
                         / interval_s,
                     travel: deviation(&coordinate),
-                    effort: rms(&first(number, &efforts).unwrap_or_default()),
+                    effort: rms(&efforts),
+                    effort_varies: deviation(&magnitudes) / rms(&efforts),
                 }
             })
             .collect();
@@ -228,6 +233,9 @@ const MOST_CYCLES: f64 = 160.0;
 /// A joint that turns the phase of a ripple by less than this shows a constant, which a ripple cannot be told from, rad.
 const LEAST_PHASE: f64 = 0.1;
 
+/// Under a load that varies by less than this part of itself, friction that grows with the load is dry friction.
+const LEAST_VARIATION: f64 = 0.2;
+
 fn joint_scale(joint: &JointSignals, kind: EffectKind) -> Option<Vec<f64>> {
     use EffectKind as K;
     let effort = SHARE * joint.effort;
@@ -240,6 +248,12 @@ fn joint_scale(joint: &JointSignals, kind: EffectKind) -> Option<Vec<f64>> {
         K::JointViscous => vec![effort / joint.speed],
         K::JointAsymmetricViscous => vec![effort / joint.speed; 2],
         K::JointCoulomb | K::JointOffset => vec![effort],
+        K::JointLoadFriction => {
+            if joint.effort_varies.is_nan() || joint.effort_varies < LEAST_VARIATION {
+                return None;
+            }
+            vec![0.5 * SHARE]
+        }
         K::JointAsymmetricCoulomb | K::JointCounterbalance => vec![effort; 2],
         K::JointStribeck => vec![effort, 0.2 * joint.speed],
         K::JointBacklash => vec![2.0 * SHARE * windup?],

@@ -20,7 +20,7 @@ use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::measurement::ChannelModel;
 use truecut_sim::{
-    Engine, InverseModel, Robots, Rows, SimError, SteadyModel, reduced_step_s, simulate,
+    Engine, Forces, InverseModel, Robots, Rows, SimError, SteadyModel, reduced_step_s, simulate,
 };
 
 use self::lately::Lately;
@@ -40,7 +40,7 @@ pub struct Trial {
     engine: Kind,
     robots: Robots,
     /// Drive forces of the arm without effects, for nominal parameters that were asked for lately.
-    rigid: Lately<Vec<f64>, Columns>,
+    rigid: Lately<Vec<f64>, Forces>,
     /// Runs by nominal parameters and effects on the machine: what sensors make of them needs no other run.
     runs: Lately<(Vec<f64>, Vec<Effect>), Rows>,
     /// Runs with a shorter step are not made, s.
@@ -308,7 +308,7 @@ impl Model for Trial {
                         let robot = self.varied_robot(nominal)?;
                         model.nominal_for(&robot, &self.robots).map_err(failed)
                     })?;
-                    model.predict_from((*own).clone(), &self.with_own(nominal, effects))
+                    model.predict_from(&own, &self.with_own(nominal, effects))
                 };
                 let columns = columns.map_err(failed)?;
                 Ok((columns.iter())

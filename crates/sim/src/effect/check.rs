@@ -82,6 +82,7 @@ fn in_transmission(kind: EffectKind) -> bool {
             | EffectKind::JointHysteresis
             | EffectKind::JointCubicStiffness
             | EffectKind::JointRipple
+            | EffectKind::JointLoadFriction
     )
 }
 

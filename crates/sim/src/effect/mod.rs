@@ -130,6 +130,7 @@ impl JointEffects {
             EffectKind::JointDamping => self.damping_factor = v[0],
             EffectKind::JointViscous => law.viscous = v[0],
             EffectKind::JointCoulomb => friction.dry = friction.dry.map(|dry| dry + v[0]),
+            EffectKind::JointLoadFriction => friction.load_share = v[0],
             EffectKind::JointAsymmetricViscous => friction.viscous = [v[0], v[1]],
             EffectKind::JointAsymmetricCoulomb => {
                 friction.dry = [friction.dry[0] + v[0], friction.dry[1] + v[1]];

@@ -9,12 +9,13 @@
 use super::inputs::{JointQuantity, Source, joint_channel};
 use super::motion::{Motion, sign};
 use super::place;
-use super::regressors::{BodyRegressors, JointRegressors};
+use super::regressors::{BodyRegressors, JointRegressors, against};
 use crate::channels::drive_spec;
 use crate::error::SimError;
 use crate::robots::Robots;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use truecut_arm::{Dynamics, FrameId, Robot};
+use truecut_core::joint_law::LinkFriction;
 use truecut_recording::filter::Butterworth;
 use truecut_recording::{ChannelSpec, Measured, Role};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
@@ -33,11 +34,19 @@ pub struct InverseModel {
     specs: Vec<ChannelSpec>,
     filter: Butterworth,
     motion: Motion,
-    /// Filtered drive forces without effects, one column per predicted joint.
-    nominal: Vec<Vec<f64>>,
+    nominal: Forces,
     regressors: Vec<JointRegressors>,
     body: BodyRegressors,
     effects: Vec<Effect>,
+}
+
+/// Forces (torques) without effects, one column per predicted joint; see [`InverseModel::nominal_for`].
+#[derive(Debug, Clone)]
+pub struct Forces {
+    /// Of the drives, filtered.
+    drive: Vec<Vec<f64>>,
+    /// What the transmissions pass on to the links, without a filter.
+    passed_on: Vec<Vec<f64>>,
 }
 
 impl InverseModel {
@@ -78,16 +87,12 @@ impl InverseModel {
         Ok(model)
     }
 
-    /// Drive forces without effects, for the same motion and a robot with other masses and rotors; for
+    /// Forces without effects, for the same motion and a robot with other masses and rotors; for
     /// [`InverseModel::predict_from`].
     ///
     /// # Errors
     /// A robot that cannot be loaded.
-    pub fn nominal_for(
-        &self,
-        spec: &RobotSpec,
-        robots: &Robots,
-    ) -> Result<Vec<Vec<f64>>, SimError> {
+    pub fn nominal_for(&self, spec: &RobotSpec, robots: &Robots) -> Result<Forces, SimError> {
         let robot = robots.robot(spec)?;
         Ok(nominal(&robot, &self.motion, &self.joints, &self.filter))
     }
@@ -134,6 +139,7 @@ impl InverseModel {
             kind,
             K::JointViscous
                 | K::JointCoulomb
+                | K::JointLoadFriction
                 | K::JointAsymmetricViscous
                 | K::JointAsymmetricCoulomb
                 | K::JointStribeck
@@ -151,18 +157,19 @@ impl InverseModel {
     /// # Errors
     /// An effect that plays no part in inverse dynamics, or whose joint or channel does not exist.
     pub fn predict(&self, effects: &[Effect]) -> Result<Vec<Vec<f64>>, SimError> {
-        self.predict_from(self.nominal.clone(), effects)
+        self.predict_from(&self.nominal, effects)
     }
 
-    /// [`InverseModel::predict`] on other drive forces than the nominal ones.
+    /// [`InverseModel::predict`] on other forces than the nominal ones.
     ///
     /// # Errors
     /// As [`InverseModel::predict`].
     pub fn predict_from(
         &self,
-        mut columns: Vec<Vec<f64>>,
+        nominal: &Forces,
         effects: &[Effect],
     ) -> Result<Vec<Vec<f64>>, SimError> {
+        let mut columns = nominal.drive.clone();
         let kept = (self.effects.iter()).filter(|own| {
             !effects
                 .iter()
@@ -172,6 +179,9 @@ impl InverseModel {
         // Sensors see the sum of all torques, so they come last.
         for effect in all.iter().filter(|effect| !is_sensor(effect.kind)) {
             self.add(effect, &mut columns)?;
+        }
+        for effect in (all.iter()).filter(|effect| effect.kind == EffectKind::JointLoadFriction) {
+            self.press(effect, &all, &nominal.passed_on, &mut columns);
         }
         for effect in all.iter().filter(|effect| is_sensor(effect.kind)) {
             self.sense(effect, &mut columns)?;
@@ -199,10 +209,8 @@ impl InverseModel {
         let values = &effect.values;
         let joint = match effect.target {
             Target::Whole => {
-                let center = Vector3::new(values[1], values[2], values[3]);
-                let flange = self.robot.last_link_from_frame(FrameId::Flange);
-                let center = flange * nalgebra::Point3::from(center);
-                self.body.add_point_mass(values[0], &center.coords, columns);
+                let (mass, center) = self.payload(values);
+                self.body.add_point_mass(mass, &center, columns);
                 return Ok(());
             }
             Target::Joint(joint) if joint < self.robot.dof() => joint,
@@ -220,8 +228,7 @@ impl InverseModel {
         };
         let column = &mut columns[at];
         if effect.kind == EffectKind::JointStribeck {
-            let (excess, speed) = (values[0], values[1]);
-            let law = |v: &f64| excess * (-(v / speed).powi(2)).exp() * sign(*v);
+            let law = |v: &f64| against(effect.kind, values, 0.0, *v);
             let law: Vec<f64> = self.motion.velocity[joint].iter().map(law).collect();
             for (sum, f) in column.iter_mut().zip(self.filter.zero_phase(&law)) {
                 *sum += f;
@@ -230,6 +237,49 @@ impl InverseModel {
             self.regressors[at].add(effect.kind, values, column);
         }
         Ok(())
+    }
+
+    /// Adds friction that grows with the load: with all that the transmission passes on, that of the other effects included.
+    fn press(
+        &self,
+        effect: &Effect,
+        all: &[&Effect],
+        passed_on: &[Vec<f64>],
+        columns: &mut [Vec<f64>],
+    ) {
+        let Target::Joint(joint) = effect.target else {
+            return;
+        };
+        let Some(at) = self.joints.iter().position(|known| *known == joint) else {
+            return; // Nobody measured what it would change.
+        };
+        let (position, velocity) = (&self.motion.position[joint], &self.motion.velocity[joint]);
+        let mut needed = passed_on[at].clone();
+        for other in all {
+            if other.kind == EffectKind::Payload {
+                let (mass, center) = self.payload(&other.values);
+                self.body.add_raw(mass, &center, at, &mut needed);
+            } else if other.target == effect.target {
+                for ((sum, q), v) in needed.iter_mut().zip(position).zip(velocity) {
+                    *sum += against(other.kind, &other.values, *q, *v);
+                }
+            }
+        }
+        let friction = needed.iter().zip(velocity).map(|(needed, v)| {
+            let load = LinkFriction::passed_on(effect.values[0], *needed, sign(*v));
+            effect.values[0] * load.abs() * sign(*v)
+        });
+        let friction = self.filter.zero_phase(&friction.collect::<Vec<_>>());
+        for (sum, f) in columns[at].iter_mut().zip(friction) {
+            *sum += f;
+        }
+    }
+
+    /// Mass of a payload, kg, and its centre in the last link's frame, m.
+    fn payload(&self, values: &[f64]) -> (f64, Vector3<f64>) {
+        let center = Point3::new(values[1], values[2], values[3]);
+        let flange = self.robot.last_link_from_frame(FrameId::Flange);
+        (values[0], (flange * center).coords)
     }
 
     fn sense(&self, effect: &Effect, columns: &mut [Vec<f64>]) -> Result<(), SimError> {
@@ -323,22 +373,21 @@ fn outputs(robot: &Robot, source: &Source<'_>) -> Result<Vec<usize>, SimError> {
 }
 
 /// Rigid arm, rotors and the dry friction of robot.toml, filtered: `[joint][sample]`.
-fn nominal(
-    robot: &Robot,
-    motion: &Motion,
-    joints: &[usize],
-    filter: &Butterworth,
-) -> Vec<Vec<f64>> {
-    let mut columns = motion.inverse_dynamics(&mut Dynamics::new(robot), joints);
-    for (column, &joint) in columns.iter_mut().zip(joints) {
+fn nominal(robot: &Robot, motion: &Motion, joints: &[usize], filter: &Butterworth) -> Forces {
+    let mut passed_on = motion.inverse_dynamics(&mut Dynamics::new(robot), joints);
+    let mut drive = Vec::with_capacity(joints.len());
+    for (column, &joint) in passed_on.iter_mut().zip(joints) {
         let transmission = &robot.chain.joints[joint].transmission;
-        let (velocity, acceleration) = (&motion.velocity[joint], &motion.acceleration[joint]);
-        for ((sum, v), a) in column.iter_mut().zip(velocity).zip(acceleration) {
-            *sum += transmission.rotor_inertia * a + transmission.dry_friction * sign(*v);
+        for (sum, v) in column.iter_mut().zip(&motion.velocity[joint]) {
+            *sum += transmission.dry_friction * sign(*v);
         }
-        *column = filter.zero_phase(column);
+        let with_rotor = column.iter().zip(&motion.acceleration[joint]);
+        let with_rotor: Vec<f64> = with_rotor
+            .map(|(passed_on, a)| passed_on + transmission.rotor_inertia * a)
+            .collect();
+        drive.push(filter.zero_phase(&with_rotor));
     }
-    columns
+    Forces { drive, passed_on }
 }
 
 /// The measured drive forces through `filter`. A gap spoils the samples within a period of the cutoff, and so do the ends: what was

@@ -57,12 +57,32 @@ impl JointRegressors {
     }
 }
 
+/// What the transmission must pass on against an effect of one joint, at one instant; see [`JointRegressors::add`].
+pub(super) fn against(kind: EffectKind, values: &[f64], position: f64, velocity: f64) -> f64 {
+    let direction = usize::from(velocity < 0.0);
+    match kind {
+        EffectKind::JointViscous => values[0] * velocity,
+        EffectKind::JointAsymmetricViscous => values[direction] * velocity,
+        EffectKind::JointCoulomb => values[0] * sign(velocity),
+        EffectKind::JointAsymmetricCoulomb => values[direction] * sign(velocity),
+        EffectKind::JointStribeck => {
+            let (excess, speed) = (values[0], values[1]);
+            excess * (-(velocity / speed).powi(2)).exp() * sign(velocity)
+        }
+        EffectKind::JointCounterbalance => -values[0] * position.cos() - values[1] * position.sin(),
+        EffectKind::JointOffset => -values[0],
+        _ => 0.0,
+    }
+}
+
 /// Columns of a body fixed to one link, for each of its ten inertial parameters about that link's origin:
 /// mass, three first moments, and the inertia's xx, yy, zz, xy, xz, yz.
 #[derive(Debug, Clone)]
 pub(super) struct BodyRegressors {
-    /// `[parameter][joint][sample]`.
+    /// `[parameter][joint][sample]`, filtered.
     pub columns: Vec<Vec<Vec<f64>>>,
+    /// The same without a filter.
+    pub raw: Vec<Vec<Vec<f64>>>,
 }
 
 impl BodyRegressors {
@@ -107,25 +127,39 @@ impl BodyRegressors {
             inertia[(j, i)] = 1.0;
             columns.push(run(0.0, Vector3::zeros(), inertia));
         }
+        let raw = columns.clone();
         for column in columns.iter_mut().flatten() {
             *column = filter.zero_phase(column);
         }
-        BodyRegressors { columns }
+        BodyRegressors { columns, raw }
     }
 
-    /// Adds a mass at `center_m` in the link's frame.
+    /// Adds a mass at `center_m` in the link's frame to the columns of all joints, filtered.
     pub fn add_point_mass(&self, mass_kg: f64, center_m: &Vector3<f64>, columns: &mut [Vec<f64>]) {
-        let cross = center_m.cross_matrix();
-        let inertia = -cross * cross;
-        let factors = std::iter::once(1.0)
-            .chain(center_m.iter().copied())
-            .chain(MOMENTS.iter().map(|&place| inertia[place]));
-        for (factor, regressor) in factors.zip(&self.columns) {
+        for (factor, regressor) in point_mass(mass_kg, center_m).zip(&self.columns) {
             for (column, regressor) in columns.iter_mut().zip(regressor) {
-                axpy(mass_kg * factor, regressor, column);
+                axpy(factor, regressor, column);
             }
         }
     }
+
+    /// The same for one joint, without a filter.
+    pub fn add_raw(&self, mass_kg: f64, center_m: &Vector3<f64>, at: usize, column: &mut [f64]) {
+        for (factor, regressor) in point_mass(mass_kg, center_m).zip(&self.raw) {
+            axpy(factor, &regressor[at], column);
+        }
+    }
+}
+
+/// The ten inertial parameters of a mass at `center_m`.
+fn point_mass(mass_kg: f64, center_m: &Vector3<f64>) -> impl Iterator<Item = f64> {
+    let cross = center_m.cross_matrix();
+    let inertia = -cross * cross;
+    let first: [f64; 3] = (*center_m).into();
+    std::iter::once(1.0)
+        .chain(first)
+        .chain(MOMENTS.map(|place| inertia[place]))
+        .map(move |factor| mass_kg * factor)
 }
 
 /// Places of the six moments of inertia.

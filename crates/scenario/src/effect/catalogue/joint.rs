@@ -70,6 +70,21 @@ pub(super) const JOINT_COULOMB: Entry = Entry {
     )],
 };
 
+pub(super) const JOINT_LOAD_FRICTION: Entry = Entry {
+    name: "joint_load_friction",
+    family: Family::Joint,
+    target: TargetKind::Joint,
+    description: "Dry friction that grows with the torque that the transmission passes on.",
+    parameters: &[same(
+        "share",
+        Unit::One,
+        0.0,
+        0.0,
+        0.9,
+        "Friction per torque (force) passed on",
+    )],
+};
+
 pub(super) const JOINT_ASYMMETRIC_VISCOUS: Entry = Entry {
     name: "joint_asymmetric_viscous",
     family: Family::Joint,

@@ -74,6 +74,8 @@ pub enum EffectKind {
     JointViscous,
     /// Dry friction of the bearings, on the link.
     JointCoulomb,
+    /// Dry friction that grows with what the transmission passes on: `share |τ|`.
+    JointLoadFriction,
     /// Viscous friction that depends on the direction.
     JointAsymmetricViscous,
     /// Dry friction that depends on the direction.
@@ -142,6 +144,7 @@ impl EffectKind {
         EffectKind::JointDamping,
         EffectKind::JointViscous,
         EffectKind::JointCoulomb,
+        EffectKind::JointLoadFriction,
         EffectKind::JointAsymmetricViscous,
         EffectKind::JointAsymmetricCoulomb,
         EffectKind::JointStribeck,
@@ -210,6 +213,7 @@ impl EffectKind {
             EffectKind::JointDamping => &joint::JOINT_DAMPING,
             EffectKind::JointViscous => &joint::JOINT_VISCOUS,
             EffectKind::JointCoulomb => &joint::JOINT_COULOMB,
+            EffectKind::JointLoadFriction => &joint::JOINT_LOAD_FRICTION,
             EffectKind::JointAsymmetricViscous => &joint::JOINT_ASYMMETRIC_VISCOUS,
             EffectKind::JointAsymmetricCoulomb => &joint::JOINT_ASYMMETRIC_COULOMB,
             EffectKind::JointStribeck => &joint::JOINT_STRIBECK,
