@@ -121,7 +121,7 @@ fn every_bad_identification_is_refused_with_place_value_and_rule() {
 #[test]
 fn every_bad_plan_is_refused_with_place_value_and_rule() {
     let mut wrong = Vec::new();
-    for file in fixtures("posture", "toml", 5) {
+    for file in fixtures("posture", "toml", 6) {
         let of_process = file.ends_with("not_milling.toml");
         let commands = if of_process {
             &["posture", "lobes"][..]
@@ -216,6 +216,10 @@ fn arguments_that_make_no_sense_are_refused() {
         ),
         (&["lobes", "x.toml", "--size", "1"], "--size"),
         (&["posture", "x.toml", "--criterion", "hope"], "--criterion"),
+        (
+            &["posture", "x.toml", "--least-decay", "1"],
+            "must be a number from 0 to less than 1",
+        ),
         (&["fly"], "unrecognized subcommand"),
     ] {
         let output = truecut(arguments);

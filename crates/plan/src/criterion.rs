@@ -11,6 +11,7 @@ use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended
 use truecut_core::chatter::{DirectionalMatrix, TipMode, in_axes};
 use truecut_core::cutting::milling::nominal::NominalCut;
 
+use crate::assessment::{Assessment, Decay};
 use crate::error::PlanError;
 use crate::section::free_anisotropy;
 
@@ -60,7 +61,8 @@ pub enum Criterion {
     Flutter,
     /// Mode coupling of all damped modes under the averaged cut, teeth meeting the nominal surface.
     ModeCoupling,
-    /// Regeneration with all damped modes, semi-discretised.
+    /// Regeneration with all damped modes and the floor, semi-discretised. It asks for the depth, and for vibration that dies away fast
+    /// enough at that depth.
     Regenerative,
 }
 
@@ -92,22 +94,6 @@ impl fmt::Display for Criterion {
     }
 }
 
-/// What a criterion says of a posture.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Assessment {
-    /// r of [`Criterion::Anisotropy`], else the limit depth in m; infinite if no depth is unstable, or none up to three times the
-    /// cut's for [`Criterion::Regenerative`].
-    pub value: f64,
-    /// value / needed − 1: stable from 0 on. −0.3 says that 30 % are missing.
-    pub margin: f64,
-}
-
-impl Assessment {
-    pub fn is_stable(&self) -> bool {
-        self.margin >= 0.0
-    }
-}
-
 /// Modes of the arm at its tool point in the axes of the cut, slowest first; motors stand still, without gravity.
 ///
 /// # Errors
@@ -121,7 +107,8 @@ pub fn modes_in_cut(
     Ok(in_axes(&modes, world_from_milling))
 }
 
-/// What a criterion says of a posture in a cut whose milling frame stands in the world as `world_from_milling`.
+/// What a criterion says of a posture in a cut whose milling frame stands in the world as `world_from_milling`. `least_decay` is asked by
+/// [`Criterion::Regenerative`] only: the least decay at the cut's own depth, as a part of that of the arm's slowest decaying mode.
 ///
 /// # Errors
 /// If the arm has no compliance or modes there.
@@ -131,8 +118,9 @@ pub fn assess(
     posture: &[f64],
     world_from_milling: &Matrix3<f64>,
     cut: &Cut,
+    least_decay: f64,
 ) -> Result<Assessment, PlanError> {
-    let depth_m = cut.nominal.axial_depth_m;
+    let mut decay = None;
     let value = match criterion {
         Criterion::Anisotropy => {
             let compliance = tool_compliance(robot, posture)?;
@@ -149,13 +137,27 @@ pub fn assess(
         }
         Criterion::Regenerative => {
             let modes = modes_in_cut(robot, posture, world_from_milling)?;
-            regenerative_limit_m(&modes, cut, DEEPEST * depth_m).unwrap_or(f64::INFINITY)
+            let (limit_m, growth_per_s) = regenerative(&modes, cut);
+            decay = Some(Decay {
+                growth_per_s,
+                least_per_s: least_decay * slowest_decay_per_s(&modes),
+            });
+            limit_m.unwrap_or(f64::INFINITY)
         }
     };
     Ok(Assessment {
         value,
         margin: value / criterion.needed(cut) - 1.0,
+        decay,
     })
+}
+
+/// How fast the mode that rings longest dies away when nothing is cut, ζω, 1/s.
+fn slowest_decay_per_s(modes: &[TipMode]) -> f64 {
+    let own = modes
+        .iter()
+        .map(|m| m.damping_ratio * m.natural_frequency_rad_s);
+    own.fold(f64::INFINITY, f64::min)
 }
 
 /// Translational compliance at the tool point, world axes, rotation free, m/N.
@@ -184,15 +186,20 @@ pub(crate) fn diagram_steps(modes: &[TipMode], tooth_period_s: f64) -> usize {
     recommended_steps(modes, 0.5 * tooth_period_s)
 }
 
-/// First depth that regeneration makes unstable, up to `deepest_m`.
-fn regenerative_limit_m(modes: &[TipMode], cut: &Cut, deepest_m: f64) -> Option<f64> {
-    let period_s = cut.tooth_period_s();
+/// First depth that regeneration makes unstable, and the growth rate at the cut's own depth, 1/s; both with the floor.
+fn regenerative(modes: &[TipMode], cut: &Cut) -> (Option<f64>, f64) {
+    let (depth_m, period_s) = (cut.nominal.axial_depth_m, cut.tooth_period_s());
     let steps = diagram_steps(modes, period_s);
     let prepared = SemiDiscretisation::new(modes, &cut.directional(), steps);
+    let prepared = prepared.with_floor(&cut.nominal);
+    let growth_per_s = prepared
+        .multiplier(period_s, depth_m)
+        .growth_per_s(period_s);
     let search = LimitSearch {
-        deepest_m,
+        deepest_m: DEEPEST * depth_m,
         scan_steps: SCAN_STEPS,
         relative_width: NARROWED,
     };
-    first_limit(&prepared, period_s, &search).map(|limit| limit.depth_m)
+    let limit = first_limit(&prepared, period_s, &search);
+    (limit.map(|limit| limit.depth_m), growth_per_s)
 }

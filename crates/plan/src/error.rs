@@ -4,7 +4,8 @@ use nalgebra::Vector3;
 use thiserror::Error;
 use truecut_arm::ArmError;
 
-use crate::criterion::{Assessment, Criterion};
+use crate::assessment::{Assessment, Stability};
+use crate::criterion::Criterion;
 
 /// Why a plan cannot be made. `along_m` is the distance from the path's start.
 #[derive(Debug, Error)]
@@ -102,8 +103,14 @@ fn point(p: &Vector3<f64>) -> String {
 
 fn least_bad(criterion: Criterion, angle_deg: f64, found: &Assessment, needed: f64) -> String {
     let short = 100.0 * (1.0 - found.value / needed);
-    match criterion {
-        Criterion::Anisotropy => format!(
+    match (criterion, found.decay) {
+        (_, Some(decay)) if found.stability() == Stability::Marginal && found.margin >= 0.0 => {
+            format!(
+                "the least bad, {angle_deg:.1} deg, does not chatter, but vibration dies away at {:.3} 1/s where {:.3} 1/s are asked",
+                -decay.growth_per_s, decay.least_per_s
+            )
+        }
+        (Criterion::Anisotropy, _) => format!(
             "the least bad, {angle_deg:.1} deg, has r = {:.3} where {needed} is asked, {short:.1} % short",
             found.value
         ),

@@ -5,14 +5,14 @@ use std::collections::btree_map::Entry;
 
 use rayon::prelude::*;
 
-use crate::criterion::Assessment;
+use crate::assessment::Assessment;
 use crate::error::PlanError;
 use crate::reach::{Candidate, Column, Family, Surveyor, are_joined};
 
 /// Bisections of the step in which an interval ends.
 const REFINEMENTS: u32 = 6;
 
-/// A range of redundancy angles in which the arm reaches the place and the cut is stable.
+/// A range of redundancy angles in which the arm reaches the place, the cut is stable, and vibration decays well enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Sheet of [`crate::Reach`] in which it lies.
@@ -85,41 +85,43 @@ pub(crate) fn assessments(
     column.cells.par_iter().map(of_cell).collect()
 }
 
-/// Stable intervals of a column, by sheet.
+/// Intervals of a column, by sheet: stable angles that decay at least by `best_part` as fast as the best of their sheet.
 pub(crate) fn standing(
     surveyor: &Surveyor<'_>,
     column: &Column,
     angles_rad: &[f64],
+    best_part: f64,
     assess: &Assessor<'_>,
 ) -> Result<Standing, PlanError> {
     let found = assessments(column, assess)?;
     let all = angles_rad.iter().zip(&found);
     let all = all.flat_map(|(angle, of)| of.values().map(move |a| (*angle, *a)));
-    let best = all.max_by(|a, b| a.1.margin.total_cmp(&b.1.margin));
+    let best = all.max_by(|a, b| a.1.reserve().total_cmp(&b.1.reserve()));
     let best = best.ok_or(PlanError::OutOfReach {
         along_m: column.along_m,
         point_m: surveyor.path.point_m(column.along_m),
     })?;
-    let mut by_sheet: BTreeMap<usize, Vec<Option<&Candidate>>> = BTreeMap::new();
-    for (i, cell) in column.cells.iter().enumerate() {
-        for candidate in cell {
-            let stable = found[i].get(&candidate.branch.into());
-            if stable.is_some_and(Assessment::is_stable) {
-                let row = by_sheet.entry(candidate.sheet).or_default();
-                row.resize(angles_rad.len(), None);
-                row[i] = Some(candidate);
-            }
-        }
-    }
+    let by_sheet = stable_rows(column, &found);
     let search = Ends {
         surveyor,
         along_m: column.along_m,
         step_rad: std::f64::consts::TAU / angles_rad.len() as f64,
         assess,
     };
-    let intervals = by_sheet
-        .par_iter()
-        .map(|(sheet, row)| search.runs(*sheet, row));
+    let intervals = by_sheet.par_iter().map(|(sheet, row)| {
+        let decays = row.iter().flatten().filter_map(|(_, a)| a.decay_per_s());
+        let least = decays
+            .max_by(f64::total_cmp)
+            .map_or(0.0, |best| best_part * best);
+        let decays_well = |a: &Assessment| a.decay_per_s().is_none_or(|decay| decay >= least);
+        let taken = row.iter().map(|cell| match cell {
+            Some((candidate, found)) if decays_well(found) => Some(*candidate),
+            _ => None,
+        });
+        let taken: Vec<Option<&Candidate>> = taken.collect();
+        let is_good = |a: &Assessment| a.is_stable() && decays_well(a);
+        search.runs(*sheet, &taken, &is_good)
+    });
     let intervals: Vec<Vec<Interval>> = intervals.collect::<Result<_, PlanError>>()?;
     Ok(Standing {
         intervals: intervals.concat(),
@@ -127,7 +129,31 @@ pub(crate) fn standing(
     })
 }
 
-/// Looks for the ends of runs of stable angles.
+/// Stable candidates of a sheet by angle.
+type Row<'a> = Vec<Option<(&'a Candidate, Assessment)>>;
+
+fn stable_rows<'a>(
+    column: &'a Column,
+    found: &[BTreeMap<Family, Assessment>],
+) -> BTreeMap<usize, Row<'a>> {
+    let mut by_sheet: BTreeMap<usize, Row<'a>> = BTreeMap::new();
+    for (i, cell) in column.cells.iter().enumerate() {
+        for candidate in cell {
+            let assessment = found[i].get(&candidate.branch.into());
+            if let Some(stable) = assessment.filter(|a| a.is_stable()) {
+                let row = by_sheet.entry(candidate.sheet).or_default();
+                row.resize(found.len(), None);
+                row[i] = Some((candidate, *stable));
+            }
+        }
+    }
+    by_sheet
+}
+
+/// Whether an angle belongs to an interval.
+type Good<'a> = dyn Fn(&Assessment) -> bool + 'a;
+
+/// Looks for the ends of runs of good angles.
 struct Ends<'a> {
     surveyor: &'a Surveyor<'a>,
     along_m: f64,
@@ -136,8 +162,13 @@ struct Ends<'a> {
 }
 
 impl Ends<'_> {
-    /// Runs of stable angles around the turn.
-    fn runs(&self, sheet: usize, row: &[Option<&Candidate>]) -> Result<Vec<Interval>, PlanError> {
+    /// Runs of good angles around the turn.
+    fn runs(
+        &self,
+        sheet: usize,
+        row: &[Option<&Candidate>],
+        is_good: &Good<'_>,
+    ) -> Result<Vec<Interval>, PlanError> {
         let n = row.len();
         let at = |i: usize| row[i % n];
         let Some(gap) = (0..n).find(|i| row[*i].is_none()) else {
@@ -161,8 +192,8 @@ impl Ends<'_> {
                 i += 1;
             }
             let (from, to) = (begin as f64 * self.step_rad, (i - 1) as f64 * self.step_rad);
-            let from_rad = self.end(first, from, -self.step_rad)?;
-            let to_rad = self.end(last, to, self.step_rad)?;
+            let from_rad = self.end(first, from, -self.step_rad, is_good)?;
+            let to_rad = self.end(last, to, self.step_rad, is_good)?;
             let whole = Interval {
                 sheet,
                 from_rad,
@@ -173,20 +204,26 @@ impl Ends<'_> {
         Ok(runs)
     }
 
-    /// Where stability or reach ends between a stable angle and the next of the grid.
-    fn end(&self, inside: &Candidate, angle_rad: f64, step_rad: f64) -> Result<f64, PlanError> {
+    /// Where an interval or reach ends between a good angle and the next of the grid.
+    fn end(
+        &self,
+        inside: &Candidate,
+        angle_rad: f64,
+        step_rad: f64,
+        is_good: &Good<'_>,
+    ) -> Result<f64, PlanError> {
         let (mut good, mut bad) = (angle_rad, angle_rad + step_rad);
         let mut nearest = inside.clone();
         for _ in 0..REFINEMENTS {
             let middle = 0.5 * (good + bad);
             let candidates = self.surveyor.candidates(self.along_m, middle)?;
             let joined = candidates.into_iter().find(|c| are_joined(c, &nearest));
-            let stable = match &joined {
-                Some(candidate) => (self.assess)(candidate)?.is_stable(),
+            let good_there = match &joined {
+                Some(candidate) => is_good(&(self.assess)(candidate)?),
                 None => false,
             };
             match joined {
-                Some(candidate) if stable => (good, nearest) = (middle, candidate),
+                Some(candidate) if good_there => (good, nearest) = (middle, candidate),
                 _ => bad = middle,
             }
         }

@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Matrix3, Translation3, Unit, Vector3};
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, IkSolver, OpwGeometry, Robot, tool_pose};
 
+use crate::assessment::LEAST_DECAY;
 use crate::criterion::{Criterion, Cut, assess};
 use crate::error::PlanError;
 use crate::reach::SingularityLimits;
@@ -111,7 +112,7 @@ impl<'a> MapCells<'a> {
         };
         let value = |criterion| {
             let (robot, frame) = (self.wrist.robot, &self.world_from_milling);
-            let found = assess(criterion, robot, &posture, frame, self.cut);
+            let found = assess(criterion, robot, &posture, frame, self.cut, LEAST_DECAY);
             found.map(|assessment| assessment.value)
         };
         Ok(Some(MapCell {

@@ -1,7 +1,8 @@
 //! Parts of a path: how it is cut into segments, and these into halves.
 
 use crate::intervals::Interval;
-use crate::planner::{Plan, PlannerOptions};
+use crate::plan::Plan;
+use crate::planner::PlannerOptions;
 use crate::tool_path::ToolPath;
 
 /// A segment as it is being chosen.

@@ -2,17 +2,24 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, Robot};
 
+use crate::assessment::{Assessment, LEAST_DECAY};
 use crate::chain::widest;
-use crate::criterion::{Assessment, Criterion, Cut, assess};
+use crate::criterion::{Criterion, Cut, assess};
 use crate::error::PlanError;
 use crate::intervals::{Interval, Standing, assessments, standing};
 use crate::parts::{Part, between, first_parts, halved, shifted, stations, unstable};
+use crate::plan::{MarginMap, Plan, Segment};
 use crate::reach::{Candidate, Family, Reach, SingularityLimits, Surveyor, largest_motion_rad};
 use crate::tool_path::ToolPath;
+use crate::tube::steadied;
+
+/// Angles are taken that decay at least by these parts as fast as the best one at the place; the next where they do not hang
+/// together along the path, and last of all whatever is stable.
+const BEST_PARTS: [f64; 3] = [0.5, 0.25, 0.0];
 
 /// How a plan is looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +32,9 @@ pub struct PlannerOptions {
     pub halvings: u32,
     /// Largest shift of an end of the stable interval from one segment to the next.
     pub end_shift_rad: f64,
+    /// Least decay by regeneration at the cut's depth, as a part of that of the arm's slowest decaying mode; from 0 to less
+    /// than 1. See [`LEAST_DECAY`].
+    pub least_decay: f64,
     pub singularity: SingularityLimits,
     /// Shoulder and elbow that are allowed; any if none is given.
     pub family: Option<Family>,
@@ -39,87 +49,12 @@ impl Default for PlannerOptions {
             segment_m: 0.05,
             halvings: 3,
             end_shift_rad: 10_f64.to_radians(),
+            least_decay: LEAST_DECAY,
             singularity: SingularityLimits::default(),
             family: None,
             near: [0.0; 6],
         }
     }
-}
-
-/// A part of the path with one stable interval, taken at its midpoint.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment {
-    pub from_m: f64,
-    pub to_m: f64,
-    pub interval: Interval,
-}
-
-impl Segment {
-    pub fn midpoint_m(&self) -> f64 {
-        0.5 * (self.from_m + self.to_m)
-    }
-}
-
-/// The arm at one station of the path.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PlanPoint {
-    pub along_m: f64,
-    pub point_m: Vector3<f64>,
-    /// Redundancy angle, running on over whole turns.
-    pub angle_rad: f64,
-    /// Joint angles, rad.
-    pub posture: Vec<f64>,
-    pub assessment: Assessment,
-}
-
-/// A continuous joint path.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
-    pub criterion: Criterion,
-    /// Empty for a constant angle.
-    pub segments: Vec<Segment>,
-    pub points: Vec<PlanPoint>,
-    pub family: Family,
-}
-
-impl Plan {
-    /// The point with the least margin.
-    pub fn weakest(&self) -> &PlanPoint {
-        let margin = |p: &&PlanPoint| p.assessment.margin;
-        let weakest = self
-            .points
-            .iter()
-            .min_by(|a, b| margin(a).total_cmp(&margin(b)));
-        weakest.unwrap_or(&self.points[0])
-    }
-
-    /// Places (m) and redundancy angles (rad) between which the angle turns as 3u² − 2u³; it is constant beyond the ends.
-    pub fn knots(&self) -> Vec<(f64, f64)> {
-        if self.segments.is_empty() {
-            return vec![(0.0, self.points[0].angle_rad)];
-        }
-        let knots = self.segments.iter();
-        knots
-            .map(|s| (s.midpoint_m(), s.interval.middle_rad()))
-            .collect()
-    }
-
-    /// Largest motion of one joint from one point to the next, rad.
-    pub fn largest_step_rad(&self) -> f64 {
-        let steps = self.points.windows(2);
-        let steps = steps.map(|w| largest_motion_rad(&w[0].posture, &w[1].posture));
-        steps.fold(0.0, f64::max)
-    }
-}
-
-/// What a criterion says over path and angle.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MarginMap {
-    pub criterion: Criterion,
-    pub along_m: Vec<f64>,
-    pub angles_rad: Vec<f64>,
-    /// By place, then angle; none where the family does not reach.
-    pub assessments: Vec<Vec<Option<Assessment>>>,
 }
 
 /// Plans postures of one arm along one path in one cut.
@@ -170,15 +105,29 @@ impl<'a> Planner<'a> {
         &self.reach
     }
 
-    /// A joint path that is stable by a criterion all along, in the middle of the stable intervals.
+    /// A joint path that is stable by a criterion all along, in the middle of the intervals of angles that decay at least half as
+    /// fast as the best one at the place (of those that are stable, by a criterion that knows no decay).
     ///
     /// # Errors
     /// If some place has no stable angle, or stable angles do not hang together.
     pub fn plan(&self, criterion: Criterion) -> Result<Plan, PlanError> {
+        let [first, others @ ..] = BEST_PARTS;
+        let mut plan = self.plan_with(criterion, first);
+        for part in others {
+            let parted = matches!(plan, Err(PlanError::Parted { .. }));
+            if parted && criterion == Criterion::Regenerative {
+                plan = self.plan_with(criterion, part);
+            }
+        }
+        plan
+    }
+
+    /// The plan by angles that decay at least by `best_part` as fast as the best.
+    fn plan_with(&self, criterion: Criterion, best_part: f64) -> Result<Plan, PlanError> {
         let mut parts = first_parts(self.path, &self.options);
         let mut known: BTreeMap<usize, Standing> = BTreeMap::new();
         loop {
-            self.stand(criterion, &parts, &mut known)?;
+            self.stand(criterion, best_part, &parts, &mut known)?;
             let of = |part: &Part| known[&self.column(part)].intervals.as_slice();
             let intervals: Vec<&[Interval]> = parts.iter().map(of).collect();
             let chain = match widest(&intervals) {
@@ -194,6 +143,7 @@ impl<'a> Planner<'a> {
                 parts = halved(&parts, |k| shifted[k]);
                 continue;
             }
+            let chain = steadied(&parts, &chain, self.options.end_shift_rad);
             let plan = self.along_chain(criterion, &parts, &chain)?;
             let unstable = unstable(&parts, &plan);
             if unstable.iter().any(|s| *s) {
@@ -263,10 +213,10 @@ impl<'a> Planner<'a> {
         plan: &Plan,
         criterion: Criterion,
     ) -> Result<Vec<Assessment>, PlanError> {
-        let found = plan.points.par_iter().map(|point| {
-            let frame = self.frame(point.along_m);
-            assess(criterion, self.robot, &point.posture, &frame, self.cut)
-        });
+        let found = plan
+            .points
+            .par_iter()
+            .map(|point| self.assess(criterion, &point.posture, &self.frame(point.along_m)));
         found.collect()
     }
 
@@ -286,7 +236,7 @@ impl<'a> Planner<'a> {
         let columns: Vec<_> = (0..count).map(|k| &self.reach.columns[index(k)]).collect();
         let rows = columns.iter().map(|column| {
             let world_from_milling = self.frame(column.along_m);
-            let assess = |c: &Candidate| self.assess(criterion, c, &world_from_milling);
+            let assess = |c: &Candidate| self.assess(criterion, &c.posture, &world_from_milling);
             let found = assessments(column, &assess)?;
             Ok(found.iter().map(|of| of.get(&family).copied()).collect())
         });
@@ -305,21 +255,23 @@ impl<'a> Planner<'a> {
     pub(crate) fn assess(
         &self,
         criterion: Criterion,
-        candidate: &Candidate,
+        posture: &[f64],
         world_from_milling: &Matrix3<f64>,
     ) -> Result<Assessment, PlanError> {
-        let posture = &candidate.posture;
-        assess(criterion, self.robot, posture, world_from_milling, self.cut)
+        let least_decay = self.options.least_decay;
+        let (robot, frame) = (self.robot, world_from_milling);
+        assess(criterion, robot, posture, frame, self.cut, least_decay)
     }
 
     fn column(&self, part: &Part) -> usize {
         self.reach.nearest_column(part.midpoint_m())
     }
 
-    /// Finds the stable intervals of all parts that are not known yet.
+    /// Finds the intervals of all parts that are not known yet.
     fn stand(
         &self,
         criterion: Criterion,
+        best_part: f64,
         parts: &[Part],
         known: &mut BTreeMap<usize, Standing>,
     ) -> Result<(), PlanError> {
@@ -330,15 +282,19 @@ impl<'a> Planner<'a> {
             }
             let column = &self.reach.columns[index];
             let world_from_milling = self.frame(column.along_m);
-            let assess = |c: &Candidate| self.assess(criterion, c, &world_from_milling);
-            let found = standing(&self.surveyor, column, &self.reach.angles_rad, &assess)?;
+            let assess = |c: &Candidate| self.assess(criterion, &c.posture, &world_from_milling);
+            let angles_rad = &self.reach.angles_rad;
+            let found = standing(&self.surveyor, column, angles_rad, best_part, &assess)?;
             known.insert(index, found);
         }
         // Of several places without a stable angle the worst is told.
         let bare = known
             .iter()
             .filter(|(_, standing)| standing.intervals.is_empty());
-        let worst = bare.min_by(|a, b| a.1.best.1.margin.total_cmp(&b.1.best.1.margin));
+        let worst = bare.min_by(|a, b| {
+            let reserve = |standing: &Standing| standing.best.1.reserve();
+            reserve(a.1).total_cmp(&reserve(b.1))
+        });
         match worst {
             Some((index, standing)) => {
                 let along_m = self.reach.columns[*index].along_m;

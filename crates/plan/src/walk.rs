@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use crate::criterion::Criterion;
 use crate::error::PlanError;
-use crate::planner::{Plan, PlanPoint, Planner, Segment};
+use crate::plan::{Plan, PlanPoint, Segment};
+use crate::planner::Planner;
 use crate::reach::{Candidate, Family, are_joined, largest_motion_rad};
 
 impl Planner<'_> {
@@ -55,13 +56,13 @@ impl Planner<'_> {
     ) -> Result<Plan, PlanError> {
         let stations = self.reach.columns.par_iter().zip(candidates);
         let points = stations.map(|(column, candidate)| {
-            let along_m = column.along_m;
-            let mut assessment = self.assess(criterion, candidate, &self.frame(along_m))?;
+            let (along_m, posture) = (column.along_m, &candidate.posture);
+            let mut assessment = self.assess(criterion, posture, &self.frame(along_m))?;
             let before = self.path.leg(along_m - 1e-9);
             if before != self.path.leg(along_m) {
                 let frame = self.path.world_from_milling(before);
-                let other = self.assess(criterion, candidate, &frame)?;
-                if other.margin < assessment.margin {
+                let other = self.assess(criterion, posture, &frame)?;
+                if other.reserve() < assessment.reserve() {
                     assessment = other;
                 }
             }
@@ -69,7 +70,7 @@ impl Planner<'_> {
                 along_m,
                 point_m: self.path.point_m(along_m),
                 angle_rad: angle(along_m),
-                posture: candidate.posture.clone(),
+                posture: posture.clone(),
                 assessment,
             })
         });

@@ -9,7 +9,7 @@ use truecut_arm::{BranchOptions, FrameId, Robot};
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_plan::{
-    Criterion, Cut, Family, Plan, PlanError, Planner, PlannerOptions, ToolPath, assess,
+    Criterion, Cut, Family, LEAST_DECAY, Plan, PlanError, Planner, PlannerOptions, ToolPath, assess,
 };
 
 const P1_M: [f64; 3] = [1.050, -1.450, 0.870];
@@ -113,7 +113,14 @@ fn a_plan_is_stable_continuous_and_in_the_middle() {
                 let pose = path.pose(at, angle).expect("square");
                 let solver = robot.ik_solver(&BranchOptions::default());
                 let q = solver.nearest(&pose, FrameId::Tool, &point.posture).ok()?;
-                let found = assess(Criterion::ModeCoupling, &robot, &q, &frame, &cut);
+                let found = assess(
+                    Criterion::ModeCoupling,
+                    &robot,
+                    &q,
+                    &frame,
+                    &cut,
+                    LEAST_DECAY,
+                );
                 Some(found.expect("modes").is_stable())
             };
             assert_eq!(stable_at(end - outwards * 1e-3), Some(true));
@@ -177,6 +184,46 @@ fn regeneration_decides_by_the_spindle_speed() {
     );
 }
 
+/// At 720 rpm the floor lets the two intervals of angles that decay well grow together halfway: the middle of what is taken follows step
+/// by step, the arm does not jump, and no angle is taken that decays less than half as fast as the best.
+#[test]
+fn a_plan_does_not_jump_where_intervals_grow_together() {
+    let (robot, path, cut) = (robot(), path(&[P1_M, P2_M]), steel(0.3e-3, 720.0));
+    let planner = Planner::new(&robot, &path, &cut, &front_upper()).expect("in reach");
+    let plan = planner.plan(Criterion::Regenerative).expect("a plan");
+    assert_follows(&robot, &path, &plan);
+    let widths: Vec<f64> = plan
+        .segments
+        .iter()
+        .map(|s| s.interval.width_rad())
+        .collect();
+    assert!(
+        widths[0] < 1.8 && widths[widths.len() - 1] > 2.6,
+        "{widths:?}"
+    );
+    for pair in plan.segments.windows(2) {
+        let [a, b] = [pair[0].interval, pair[1].interval];
+        for shift in [a.from_rad - b.from_rad, a.to_rad - b.to_rad] {
+            assert!(shift.abs() < 10.001_f64.to_radians(), "{shift}");
+        }
+    }
+    let family = front_upper().family.expect("one family");
+    let map = planner
+        .map(Criterion::Regenerative, family, station_count(&planner))
+        .expect("modes");
+    for segment in &plan.segments {
+        let station = planner.reach().nearest_column(segment.midpoint_m());
+        let point = &plan.points[station];
+        let all = map.assessments[station].iter().flatten();
+        let best = all.filter_map(|a| a.decay_per_s()).fold(0.0, f64::max);
+        let found = point.assessment.decay_per_s().expect("a decay");
+        assert!(
+            point.assessment.is_stable() && found >= 0.5 * best,
+            "{found} {best}"
+        );
+    }
+}
+
 /// Wide steps, for criteria that take their time.
 fn coarse() -> PlannerOptions {
     PlannerOptions {
@@ -211,6 +258,7 @@ fn a_path_with_a_corner_is_planned_as_a_whole() {
             &corner.posture,
             &frame,
             &cut,
+            LEAST_DECAY,
         )
         .expect("modes")
     };

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use truecut_plan::Criterion;
+use truecut_plan::{Criterion, LEAST_DECAY};
 use truecut_scenario::Scenario;
 
 use super::{Common, parse_rpm};
@@ -43,6 +43,9 @@ pub struct PostureArguments {
     /// By what a posture counts as stable
     #[arg(long, value_enum, default_value_t = CriterionName::Regenerative)]
     criterion: CriterionName,
+    /// Least decay of vibration in the cut, as a part of that of the arm's slowest mode when nothing is cut; from 0 to less than 1
+    #[arg(long, value_name = "PART", default_value_t = LEAST_DECAY, value_parser = parse_part)]
+    least_decay: f64,
     /// Draw the maps of stiffness and limit over joints 2 and 3 too
     #[arg(long)]
     maps: bool,
@@ -62,7 +65,7 @@ pub enum CriterionName {
     Flutter,
     /// Mode coupling of all modes, teeth meeting the nominal surface
     ModeCoupling,
-    /// Regeneration of all modes, teeth meeting the surface that earlier ones left
+    /// Regeneration of all modes, teeth meeting the surface that earlier ones left, with the floor
     Regenerative,
 }
 
@@ -89,6 +92,7 @@ impl PostureArguments {
         Ok(posture::Request {
             scenario: Scenario::load(&self.scenario, &self.common.set)?,
             criterion: self.criterion.into(),
+            least_decay: self.least_decay,
             maps: self.maps,
             out: self.out,
         })
@@ -114,6 +118,14 @@ fn parse_distance(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "must be a number, 0 or above".into())
 }
 
+fn parse_part(text: &str) -> Result<f64, String> {
+    let value = text
+        .parse()
+        .ok()
+        .filter(|value: &f64| (0.0..1.0).contains(value));
+    value.ok_or_else(|| "must be a number from 0 to less than 1: a mode in which the tool does not move decays as without a cut".into())
+}
+
 fn parse_range(text: &str) -> Result<[f64; 2], String> {
     let ends = text
         .split_once(',')
@@ -135,6 +147,8 @@ mod tests {
             assert!(parse_range(wrong).is_err(), "{wrong}");
         }
         assert_eq!(parse_distance("0"), Ok(0.0));
+        assert_eq!(parse_part("0.3"), Ok(0.3));
+        assert!(parse_part("1").is_err() && parse_part("-0.1").is_err());
         assert!(parse_distance("-1").is_err() && parse_distance("nan").is_err());
     }
 }

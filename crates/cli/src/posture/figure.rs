@@ -1,6 +1,6 @@
 //! Where the criteria agree, and where not.
 
-use truecut_plan::{Assessment, Criterion, MarginMap};
+use truecut_plan::{Assessment, Criterion, Decay, MarginMap, Stability};
 
 use super::Answer;
 use crate::figure::{Figure, Layer, Legend, Panel, Scale, Style};
@@ -15,11 +15,13 @@ const COLOURS: [usize; 4] = [PINK, GREEN, ORANGE, BLUE];
 /// Margin at which a cell is as blue as it gets, as a ratio to what is needed.
 const FULL: f64 = 3.0;
 
-/// A map for each criterion, then limits over the angle and margins along the path.
+/// A map for each criterion, then limits over the angle, margins and decay along the path.
 pub fn figure(answer: &Answer<'_>) -> Figure {
     let mut panels: Vec<Panel> = answer.maps.iter().map(|map| margins(answer, map)).collect();
     panels.push(over_angle(answer));
     panels.push(along_path(answer));
+    panels.push(decay_over_angle(answer));
+    panels.push(decay(answer));
     Figure {
         title: format!(
             "{}: stable redundancy angles by four criteria",
@@ -31,7 +33,7 @@ pub fn figure(answer: &Answer<'_>) -> Figure {
     }
 }
 
-/// Stable (blue) and unstable (orange) over path and angle.
+/// Stable (blue), marginal (white) and unstable (orange) over path and angle.
 fn margins(answer: &Answer<'_>, map: &MarginMap) -> Panel {
     let mut points = Vec::new();
     let mut shades = Vec::new();
@@ -81,10 +83,14 @@ fn margins(answer: &Answer<'_>, map: &MarginMap) -> Panel {
     }
 }
 
-/// −1 … 1 by the logarithm of value over need; never white.
+/// −1 … 1 by the logarithm of value over need; white where it neither chatters nor is stable.
 fn shade(found: &Assessment) -> f64 {
     let ratio = (1.0 + found.margin).max(1e-6).ln() / FULL.ln();
-    let least = if found.is_stable() { 0.15 } else { -0.15 };
+    let least = match found.stability() {
+        Stability::Stable => 0.15,
+        Stability::Marginal => return 0.0,
+        Stability::Unstable => -0.15,
+    };
     (ratio.clamp(-1.0, 1.0) * 0.85) + least
 }
 
@@ -187,6 +193,67 @@ fn along_path(answer: &Answer<'_>) -> Panel {
         x_label: "along the path [mm]".to_owned(),
         y_label: "value over what is needed".to_owned(),
         y_scale: Scale::Logarithmic,
+        layers,
+        ..Panel::default()
+    }
+}
+
+/// How fast vibration dies away, and how fast it must: below zero it grows.
+fn decays(
+    points: impl Iterator<Item = (f64, Assessment)> + Clone,
+    style: Style,
+    label: &str,
+) -> [Layer; 2] {
+    let layer = |label: &str, colour, of: &dyn Fn(&Decay) -> f64| Layer {
+        label: label.to_owned(),
+        points: (points.clone())
+            .filter_map(|(at, found)| Some((at, of(&found.decay?))))
+            .collect(),
+        style: style.clone(),
+        colour,
+    };
+    let least = if label == "scenario" { "" } else { "least" };
+    [
+        layer(label, BLUE, &|decay| -decay.growth_per_s),
+        layer(least, BLACK, &|decay| decay.least_per_s),
+    ]
+}
+
+/// Decay over the angle in the middle of the path.
+fn decay_over_angle(answer: &Answer<'_>) -> Panel {
+    let maps = answer.maps.iter();
+    let maps = maps.filter(|map| map.criterion == Criterion::Regenerative);
+    let layers = maps.flat_map(|map| {
+        let column = &map.assessments[map.along_m.len() / 2];
+        let cells = map.angles_rad.iter().zip(column);
+        let cells = cells.filter_map(|(angle, found)| Some((angle.to_degrees(), (*found)?)));
+        decays(cells, Style::Line, "regeneration")
+    });
+    Panel {
+        title: "Decay at mid-path".to_owned(),
+        x_label: "redundancy angle [deg]".to_owned(),
+        y_label: "decay of vibration [1/s]".to_owned(),
+        layers: layers.collect(),
+        ..Panel::default()
+    }
+}
+
+/// Decay of the plan, and at the scenario's own angles dashed.
+fn decay(answer: &Answer<'_>) -> Panel {
+    let along = |plan: &truecut_plan::Plan, found: &[Assessment], style, label| {
+        let points = plan.points.iter().zip(found);
+        decays(points.map(|(p, a)| (p.along_m * 1e3, *a)), style, label)
+    };
+    let planned = answer.regenerative(&answer.plan_assessed);
+    let mut layers = along(&answer.plan, planned, Style::Line, "plan").to_vec();
+    if let Some(own) = &answer.own {
+        let found = answer.regenerative(&own.assessed);
+        layers.extend(along(&own.plan, found, Style::Dashed, "scenario"));
+    }
+    Panel {
+        title: "Decay by regeneration".to_owned(),
+        x_label: "along the path [mm]".to_owned(),
+        y_label: "decay of vibration [1/s]".to_owned(),
         layers,
         ..Panel::default()
     }

@@ -77,7 +77,7 @@ fn stations(answer: &Answer<'_>) -> Result<Vec<PlanStation>, Failure> {
         Ok(PlanStation {
             time_s: point.along_m / feed_m_per_s,
             point_m: point.point_m.into(),
-            margin: point.assessment.margin,
+            reserve: point.assessment.reserve(),
             stiffness_n_per_m: found.ellipsoid.semi_axes_n_per_m.into(),
             world_from_axes_xyzw: [q.i, q.j, q.k, q.w],
         })
@@ -104,6 +104,15 @@ fn station_columns(answer: &Answer<'_>) -> Vec<Column<'static>> {
         let values = found.iter().map(|a| a.value * scale);
         columns.push(column(name, unit, values.collect()));
     }
+    let found = answer.regenerative(&answer.plan_assessed).iter();
+    let of = |a: &Assessment| a.decay_per_s().unwrap_or(f64::NAN);
+    columns.push(column(
+        "regenerative_decay",
+        "1/s",
+        found.clone().map(of).collect(),
+    ));
+    let least = |a: &Assessment| a.decay.map_or(f64::NAN, |decay| decay.least_per_s);
+    columns.push(column("least_decay", "1/s", found.map(least).collect()));
     columns
 }
 
@@ -126,6 +135,12 @@ fn map_columns(answer: &Answer<'_>) -> Vec<Column<'static>> {
         let value = |found: &Option<Assessment>| found.map_or(f64::NAN, |a| a.value * scale);
         let values = map.assessments.iter().flatten().map(value);
         columns.push(column(name, unit, values.collect()));
+        if map.criterion == Criterion::Regenerative {
+            let decay = |found: &Option<Assessment>| found.and_then(|a| a.decay_per_s());
+            let values = map.assessments.iter().flatten();
+            let values = values.map(|found| decay(found).unwrap_or(f64::NAN));
+            columns.push(column("regenerative_decay", "1/s", values.collect()));
+        }
     }
     columns
 }

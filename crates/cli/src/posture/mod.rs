@@ -19,6 +19,8 @@ use crate::verdict::Verdict;
 pub struct Request {
     pub scenario: Scenario,
     pub criterion: Criterion,
+    /// Least decay by regeneration, as a part of that of the arm's slowest mode.
+    pub least_decay: f64,
     pub maps: bool,
     pub out: PathBuf,
 }
@@ -63,6 +65,7 @@ fn answer<'a>(request: &'a Request, study: &'a MillingStudy) -> Result<Answer<'a
     let options = PlannerOptions {
         family: study.family(),
         near: study.near(),
+        least_decay: request.least_decay,
         ..PlannerOptions::default()
     };
     let told = progress.run();
@@ -116,6 +119,13 @@ fn reassessed(
 }
 
 impl Answer<'_> {
+    /// What regeneration says of the plan, and of the scenario's own angles.
+    fn regenerative<'a>(&self, assessed: &'a [Vec<Assessment>]) -> &'a [Assessment] {
+        let all = Criterion::ALL.iter().zip(assessed);
+        let mut found = all.filter(|(criterion, _)| **criterion == Criterion::Regenerative);
+        found.next().map_or(&[], |(_, assessed)| assessed)
+    }
+
     /// Index of the plan's criterion.
     fn chosen(&self) -> usize {
         let all = Criterion::ALL.iter();

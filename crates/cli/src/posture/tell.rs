@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use truecut_plan::{Assessment, Criterion, MarginMap};
+use truecut_plan::{Assessment, Criterion, Decay, MarginMap, PlanPoint, Stability};
 use truecut_recording::{Unit, significant};
 
 use super::{Answer, figure};
@@ -31,21 +31,38 @@ pub fn summary(answer: &Answer<'_>) -> String {
     let plan = &answer.plan;
     let weakest = plan.weakest();
     let mut text = format!(
-        "{}\n  planned by {}: stable all along; the least reserve, {}, is {} from the start\n\n",
+        "{}\n  planned by {}: stable all along; the least reserve, {}, is {} from the start\n",
         answer.scenario.name,
         plan.criterion,
-        percent(weakest.assessment.margin),
+        percent(weakest.assessment.reserve()),
         text::show(Unit::Metre, weakest.along_m),
     );
+    if let Some(slowest) = slowest(&plan.points) {
+        text.push_str(&format!(
+            "  vibration dies away at {} 1/s or faster, {} 1/s are asked there\n",
+            significant(-slowest.growth_per_s, 3),
+            significant(slowest.least_per_s, 3),
+        ));
+    }
+    text.push('\n');
     text.push_str(&segments(answer));
     text.push_str("\n  stable redundancy angles, deg\n");
     text.push_str(&intervals(answer));
     text.push_str("\n  least value along the path over what is needed\n");
     text.push_str(&comparison(answer));
+    if let Some(own) = &answer.own {
+        text.push_str(&own_angles(answer.regenerative(&own.assessed)));
+    }
     if !answer.scenario.effects.is_empty() {
         text.push_str("  note: the plan is for the nominal arm; effects act in runs only\n");
     }
     text
+}
+
+/// The slowest decay along a plan, by a criterion that knows one.
+fn slowest<'a>(points: impl IntoIterator<Item = &'a PlanPoint>) -> Option<Decay> {
+    let all = points.into_iter().filter_map(|p| p.assessment.decay);
+    all.max_by(|a, b| a.growth_per_s.total_cmp(&b.growth_per_s))
 }
 
 fn percent(margin: f64) -> String {
@@ -56,18 +73,24 @@ fn percent(margin: f64) -> String {
 }
 
 fn segments(answer: &Answer<'_>) -> String {
-    let head = ["segment", "stable from", "to", "angle", "least reserve"];
+    let head = ["segment", "taken from", "to", "angle", "least reserve"];
+    let mut head = head.map(str::to_owned).to_vec();
     let plan = &answer.plan;
+    let decays = slowest(&plan.points).is_some();
+    if decays {
+        head.push("slowest decay".to_owned());
+    }
     let rows = plan.segments.iter().map(|segment| {
         let inside = plan
             .points
             .iter()
             .filter(|p| p.along_m >= segment.from_m - 1e-9 && p.along_m <= segment.to_m + 1e-9);
         let least = inside
-            .map(|p| p.assessment.margin)
+            .clone()
+            .map(|p| p.assessment.reserve())
             .fold(f64::INFINITY, f64::min);
         let degrees = |rad: f64| format!("{:.1} deg", rad.to_degrees());
-        vec![
+        let mut row = vec![
             format!(
                 "{:.1} to {:.1} mm",
                 segment.from_m * 1e3,
@@ -77,12 +100,13 @@ fn segments(answer: &Answer<'_>) -> String {
             degrees(segment.interval.to_rad),
             degrees(segment.interval.middle_rad()),
             percent(least),
-        ]
+        ];
+        let slowest = slowest(inside);
+        row.extend(slowest.map(|decay| format!("{} 1/s", significant(-decay.growth_per_s, 3))));
+        row
     });
-    let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
-        .chain(rows)
-        .collect();
-    text::table(&[Align::Right; 5], &rows)
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
+    text::table(&vec![Align::Right; if decays { 6 } else { 5 }], &rows)
 }
 
 /// Stable angles by each criterion at the start, in the middle and at the end, as far as the arm reaches.
@@ -122,6 +146,33 @@ fn ranges(map: &MarginMap, column: usize) -> String {
     shown.join(", ")
 }
 
+/// The slowest decay over what is needed.
+fn least_decay(found: &[Assessment]) -> String {
+    let all = found.iter().filter_map(|a| a.decay);
+    let ratio = |decay: Decay| -decay.growth_per_s / decay.least_per_s;
+    let least = all.map(ratio).fold(f64::INFINITY, f64::min);
+    if least == f64::INFINITY {
+        return "none is needed".to_owned();
+    }
+    let mark = if least < 1.0 { "✗ " } else { "" };
+    format!("{mark}{}", significant(least, 3))
+}
+
+/// What regeneration says of the scenario's own angles.
+fn own_angles(found: &[Assessment]) -> String {
+    let found = found.iter().map(Assessment::stability);
+    let found: Vec<Stability> = found.collect();
+    let share = |of: Stability| {
+        let count = found.iter().filter(|one| **one == of).count();
+        format!("{:.0} %", 100.0 * count as f64 / found.len().max(1) as f64)
+    };
+    format!(
+        "\n  by regeneration {} of the path chatter at the scenario's own angles, {} are stable; on the rest vibration dies away, too slowly to rely on\n",
+        share(Stability::Unstable),
+        share(Stability::Stable),
+    )
+}
+
 /// Worst ratios of the plan and of the scenario's own angles by each criterion.
 fn comparison(answer: &Answer<'_>) -> String {
     let least = |found: &[Assessment]| {
@@ -153,8 +204,15 @@ fn comparison(answer: &Answer<'_>) -> String {
                 own.unwrap_or_else(|| "cannot be followed".to_owned()),
             ]
         });
+    let own = (answer.own.as_ref()).map(|own| least_decay(answer.regenerative(&own.assessed)));
+    let decay = vec![
+        "decay by regeneration".to_owned(),
+        least_decay(answer.regenerative(&answer.plan_assessed)),
+        own.unwrap_or_else(|| "cannot be followed".to_owned()),
+    ];
     let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
         .chain(rows)
+        .chain([decay])
         .collect();
     text::table(&[Align::Left, Align::Right, Align::Right], &rows)
 }

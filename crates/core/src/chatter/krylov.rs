@@ -1,6 +1,6 @@
 //! Dominant eigenvalue of a linear map that is only known by what it does to a vector.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 /// Relative residual at which an eigenvalue counts as found.
 const TOLERANCE: f64 = 1e-8;
@@ -10,6 +10,9 @@ const FIRST_CHECK: usize = 4;
 /// Applications before the subspace is begun: they cost little beside orthogonalising and leave of the start vector what
 /// matters, so that few vectors do.
 const PRELUDE: usize = 16;
+/// QR sweeps for each row of a small matrix after which another origin is tried, and those origins, as parts of the matrix's norm.
+const SWEEPS: usize = 60;
+const ORIGINS: [f64; 4] = [0.0, 0.37, -0.61, 1.3];
 
 /// Eigenvalue of largest magnitude of the map `apply(x, y): y = M x` on vectors of length `length` (power iteration
 /// to begin with, then Arnoldi's method without restart).
@@ -69,12 +72,19 @@ fn start(length: usize) -> Vec<f64> {
     raw.iter().map(|x| x / size).collect()
 }
 
+/// Eigenvalue of largest magnitude. The QR algorithm's own shifts can go round in a circle (on a cyclic matrix, say, or one near to it);
+/// they do not from another origin. Not a number if none helps.
 fn largest(square: &DMatrix<f64>) -> Complex<f64> {
-    let eigenvalues = square.complex_eigenvalues();
-    let found = eigenvalues
-        .iter()
-        .max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
-    found.copied().unwrap_or_default()
+    let (size, sweeps) = (square.norm(), SWEEPS * square.nrows());
+    let found = ORIGINS.iter().find_map(|part| {
+        let origin = part * size;
+        let moved = square + DMatrix::from_diagonal_element(square.nrows(), square.nrows(), origin);
+        let schur = Schur::try_new(moved, f64::EPSILON, sweeps)?;
+        let eigenvalues = schur.complex_eigenvalues();
+        let eigenvalues = eigenvalues.iter().map(|moved| moved - origin);
+        eigenvalues.max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()))
+    });
+    found.unwrap_or(Complex::new(f64::NAN, f64::NAN))
 }
 
 /// ‖M v − θ v‖ of the Ritz vector, from one step of inverse iteration on the small matrix.
@@ -126,6 +136,16 @@ mod tests {
                 "{found} {expected}"
             );
             assert!((found.re - expected.re).abs() < 1e-6 * expected.norm());
+        }
+    }
+
+    /// On a cyclic matrix the QR algorithm stands still; its eigenvalues are the roots of 1.
+    #[test]
+    fn verify_eigenvalues_of_a_cycle() {
+        for n in 3..9 {
+            let cycle = DMatrix::from_fn(n, n, |r, c| f64::from(u8::from(r == (c + 1) % n)));
+            assert!(n > 3 || Schur::try_new(cycle.clone(), f64::EPSILON, 1000).is_none());
+            assert!((largest(&cycle).norm() - 1.0).abs() < 1e-10, "{n}");
         }
     }
 

@@ -17,7 +17,8 @@ pub struct LimitSearch {
     pub deepest_m: f64,
     /// Number of even steps in which depth is raised; an unstable island thinner than one may be missed.
     pub scan_steps: usize,
-    /// Relative width to which the limit is narrowed.
+    /// Relative width to which the limit is narrowed. A cut that is unstable at any depth has a limit of less than a millionth of
+    /// the deepest.
     pub relative_width: f64,
 }
 
@@ -45,7 +46,7 @@ pub fn first_limit(
         .map(|i| (i, at(depth(i))))
         .find(|(_, multiplier)| !multiplier.is_stable())?;
     let (mut low, mut high) = (depth(step - 1), depth(step));
-    while high - low > search.relative_width * high {
+    while high - low > search.relative_width * high && high > 1e-6 * search.deepest_m {
         let middle = 0.5 * (low + high);
         let found = at(middle);
         if found.is_stable() {

@@ -1,4 +1,4 @@
-//! A planned path for the viewer: the arm along it, the margin as the path's colour, the stiffness ellipsoid at the tool.
+//! A planned path for the viewer: the arm along it, the reserve as the path's colour, the stiffness ellipsoid at the tool.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use super::{Failure, SCENE, application, flush, log_text, time_column};
 const TEXT: &str = "/text";
 /// Half the length of the ellipsoid's longest axis along the whole path, m.
 const ELLIPSOID_M: f64 = 0.18;
-/// Margins from which on the path is as green, and as red, as it gets.
+/// Reserves from which on the path is as green, and as red, as it gets.
 const GREENEST: f64 = 1.0;
 const REDDEST: f64 = -0.5;
 
@@ -45,8 +45,8 @@ pub struct PlanStation {
     pub time_s: f64,
     /// The tool point, world.
     pub point_m: [f64; 3],
-    /// Value over what is needed, less 1: stable from 0 on.
-    pub margin: f64,
+    /// Limit or decay over what is needed, whichever is less, less 1: stable from 0 on.
+    pub reserve: f64,
     /// Principal stiffnesses.
     pub stiffness_n_per_m: [f64; 3],
     /// Rotation from their axes to the world.
@@ -101,7 +101,7 @@ fn log_path(stream: &RecordingStream, stations: &[PlanStation]) -> RecordingStre
     let strips = pieces
         .clone()
         .map(|w| [single(w[0].point_m), single(w[1].point_m)]);
-    let colors = pieces.map(|w| color(w[0].margin.min(w[1].margin)));
+    let colors = pieces.map(|w| color(w[0].reserve.min(w[1].reserve)));
     let line = rerun::LineStrips3D::new(strips)
         .with_colors(colors.map(|[r, g, b]| rerun::Color::from_rgb(r, g, b)))
         .with_radii([rerun::Radius::new_ui_points(4.0)]);
@@ -109,7 +109,7 @@ fn log_path(stream: &RecordingStream, stations: &[PlanStation]) -> RecordingStre
 }
 
 /// Red, by way of yellow at the limit, to green.
-fn color(margin: f64) -> [u8; 3] {
+fn color(reserve: f64) -> [u8; 3] {
     let mix = |from: [f64; 3], to: [f64; 3], share: f64| -> [u8; 3] {
         std::array::from_fn(|i| (from[i] + (to[i] - from[i]) * share).round() as u8)
     };
@@ -118,10 +118,10 @@ fn color(margin: f64) -> [u8; 3] {
         [240.0, 200.0, 60.0],
         [40.0, 200.0, 90.0],
     );
-    if margin >= 0.0 {
-        mix(yellow, green, (margin / GREENEST).min(1.0))
+    if reserve >= 0.0 {
+        mix(yellow, green, (reserve / GREENEST).min(1.0))
     } else {
-        mix(yellow, red, (margin / REDDEST).min(1.0))
+        mix(yellow, red, (reserve / REDDEST).min(1.0))
     }
 }
 
