@@ -69,7 +69,7 @@ fn margins(answer: &Answer<'_>, map: &MarginMap) -> Panel {
             label: "scenario".to_owned(),
             points: angles(&own.plan),
             style: Style::Dashed,
-            colour: BLACK,
+            colour: PINK,
         });
     }
     let of_plan = map.criterion == answer.plan.criterion;
@@ -212,9 +212,12 @@ fn decays(
         style: style.clone(),
         colour,
     };
-    let least = if label == "scenario" { "" } else { "least" };
+    let (colour, least) = match label {
+        "scenario" => (PINK, ""),
+        _ => (BLUE, "least"),
+    };
     [
-        layer(label, BLUE, &|decay| -decay.growth_per_s),
+        layer(label, colour, &|decay| -decay.growth_per_s),
         layer(least, BLACK, &|decay| decay.least_per_s),
     ]
 }
