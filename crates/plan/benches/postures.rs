@@ -1,13 +1,16 @@
 //! Cost of a thousand postures, and of a stability diagram of an arm.
 
+#[path = "../../arm/tests/milling_arm/mod.rs"]
+mod milling_arm;
 #[path = "../tests/support/mod.rs"]
 mod support;
 
 use std::hint::black_box;
 
 use criterion::{Criterion as Bench, criterion_group, criterion_main};
+use milling_arm::robot;
 use nalgebra::{Matrix3, Vector3};
-use support::{robot, slot};
+use support::slot;
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_plan::lobes::{LobeRequest, lobes};
