@@ -183,9 +183,13 @@ fn sliding_impulse(w: &Matrix2<f64>, v: &Vector2<f64>, bound: f64) -> Vector2<f6
     p * (bound / p.norm())
 }
 
+/// Trials of a sliding speed, and the part of it to which speed and bound must agree.
+const MOST_TRIALS: usize = 60;
+const SAME_SPEED: f64 = 1e-12;
+
 /// Speed-dependent bound: the sliding speed after the step and the bound must agree. The speed falls as the
-/// bound grows, so the agreement is bracketed between the static bound and no friction, and bisected. A
-/// contact that the static bound cannot hold slides.
+/// bound grows, so the agreement is bracketed between the static bound and no friction. A contact that the
+/// static bound cannot hold slides.
 fn stribeck(
     body: &Approach,
     normal_impulse: f64,
@@ -196,19 +200,37 @@ fn stribeck(
     if !static_try.sliding {
         return static_try;
     }
+    let excess = |contact: &PlanarContact, speed: f64| contact.velocity_m_per_s.norm() - speed;
     let (mut low, mut high) = (0.0, body.free_velocity_m_per_s.norm());
-    let mut contact = static_try;
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        contact = at_speed(middle);
-        if contact.velocity_m_per_s.norm() > middle {
-            low = middle;
-        } else {
-            high = middle;
-        }
-        if high - low <= 1e-12 * high {
+    let mut contact = at_speed(high);
+    let (mut at_low, mut at_high) = (excess(&static_try, low), excess(&contact, high));
+    // Regula falsi after Illinois: an end that stays a second time counts half.
+    let mut rose = None;
+    for trial in 0..MOST_TRIALS {
+        if high - low <= SAME_SPEED * high || at_high >= 0.0 {
             break;
         }
+        // Where the law bends within the bracket, halving it is what helps.
+        let speed = if trial % 4 == 3 {
+            0.5 * (low + high)
+        } else {
+            (low * at_high - high * at_low) / (at_high - at_low)
+        };
+        contact = at_speed(speed);
+        let value = excess(&contact, speed);
+        if value.abs() <= SAME_SPEED * high {
+            break;
+        }
+        let rises = value > 0.0;
+        let stays = rose == Some(rises);
+        if rises {
+            (low, at_low) = (speed, value);
+            at_high *= if stays { 0.5 } else { 1.0 };
+        } else {
+            (high, at_high) = (speed, value);
+            at_low *= if stays { 0.5 } else { 1.0 };
+        }
+        rose = Some(rises);
     }
     // The last trial may have been a hair on the holding side; a sliding contact stays one.
     PlanarContact {

@@ -149,6 +149,7 @@ impl Prepared {
                 &stiffest(&robot, &laws, &start, &command),
                 &start,
                 process.as_ref(),
+                base_joints,
                 kind == DriveKind::Servo,
             )?),
         };
@@ -156,6 +157,8 @@ impl Prepared {
             duration_s,
             ..scenario.run
         };
+        let loose = laws.iter().any(|law| law.gap > 0.0);
+        let scheme = if loose { scheme.with_play() } else { scheme };
         let dt_s = step_size::choose(scheme, &run, fastest, process.as_ref())?;
         process.begin(&Start {
             time_step_s: dt_s,

@@ -4,7 +4,7 @@ use crate::error::SimError;
 use crate::process::Process;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
-use truecut_arm::{FrameId, Load, Robot};
+use truecut_arm::{FrameId, LinearArm, Load, Robot};
 use truecut_scenario::RunSpec;
 
 /// Default steps between two cutting edges.
@@ -20,14 +20,28 @@ pub(crate) enum Scheme {
     Leapfrog,
     /// Exact for the linear arm; second order in what acts on it.
     Exact,
+    /// The same where a joint has play: of what happens when flanks meet a step must see enough.
+    ExactWithPlay,
 }
 
 impl Scheme {
+    /// The scheme for joints of which one has play.
+    pub fn with_play(self) -> Self {
+        match self {
+            Self::Leapfrog => self,
+            Self::Exact | Self::ExactWithPlay => Self::ExactWithPlay,
+        }
+    }
+
+    fn is_exact(self) -> bool {
+        self != Self::Leapfrog
+    }
+
     /// No default step is longer than this, s.
     fn longest_s(self) -> f64 {
         match self {
             Self::Leapfrog => 0.25e-3,
-            Self::Exact => 1e-3,
+            Self::Exact | Self::ExactWithPlay => 1e-3,
         }
     }
 
@@ -37,7 +51,22 @@ impl Scheme {
         match self {
             Self::Leapfrog => 60.0,
             Self::Exact => 20.0,
+            Self::ExactWithPlay => 40.0,
         }
+    }
+
+    /// Default steps in one period of a mode that only a base which gives has: nothing acts within the base, and nothing is read there.
+    fn steps_per_base_period(self) -> f64 {
+        match self {
+            Self::Leapfrog => self.steps_per_period(),
+            Self::Exact | Self::ExactWithPlay => 5.0,
+        }
+    }
+
+    /// Longest default step for the modes, s.
+    fn step_of_modes_s(self, fastest: Fastest) -> f64 {
+        let of_base = 1.0 / (fastest.frequency_hz * self.steps_per_base_period());
+        of_base.min(1.0 / (fastest.base_held_hz * self.steps_per_period()))
     }
 
     /// Fewest steps in one period of the fastest mode that are accepted. The leapfrog scheme would be stable
@@ -46,7 +75,7 @@ impl Scheme {
     fn fewest_steps_per_period(self) -> f64 {
         match self {
             Self::Leapfrog => 8.0,
-            Self::Exact => 4.0,
+            Self::Exact | Self::ExactWithPlay => 4.0,
         }
     }
 }
@@ -58,6 +87,8 @@ const MOST_STEPS: f64 = 2e7;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fastest {
     pub frequency_hz: f64,
+    /// Fastest mode with the base held.
+    pub base_held_hz: f64,
     /// What makes it so fast.
     pub cause: Cause,
 }
@@ -99,14 +130,15 @@ fn check_count(
     if count <= MOST_STEPS {
         return Ok(());
     }
-    let per_period = scheme.steps_per_period();
-    let of_mode = fastest.filter(|f| step_s * f.frequency_hz * per_period <= 1.01);
+    let of_mode = fastest.filter(|f| step_s >= 0.99 * scheme.step_of_modes_s(*f));
     let (key, why) = match of_mode {
         _ if asked => ("run.time_step_ms", "it is the step asked for".to_owned()),
         Some(Fastest {
             frequency_hz,
             cause,
+            ..
         }) => {
+            let per_period = (1.0 / (step_s * frequency_hz)).round();
             let (key, what) = cause.place();
             (
                 key,
@@ -130,11 +162,14 @@ fn check_count(
     ))
 }
 
-/// The step of a run, s: the smallest of the scheme's longest (0.25 ms; exact: 1 ms), its part (1/60; exact:
-/// 1/20) of the fastest mode's period (contact springs and rotors included), 1/40 of the tooth period and,
-/// for the exact scheme, 1/40 of the period of the fastest given force, shortened so that the run is a whole
-/// number of steps (exact scheme with a recording interval: the interval is; milling: the tooth period); or the one asked for, if it
-/// is short enough.
+/// The step of a run, s: the smallest of
+/// - the scheme's longest (0.25 ms; exact: 1 ms),
+/// - its part (1/60; exact: 1/20, with play 1/40; 1/5 of a mode that only a base that gives has) of the fastest mode's period, contact
+///   springs and rotors included,
+/// - 1/40 of the tooth period and, for the exact scheme, 1/40 of the period of the fastest given force,
+///
+/// shortened so that the run is a whole number of steps (exact scheme with a recording interval: the interval is; milling: the tooth
+/// period); or the one asked for, if it is short enough.
 pub(crate) fn choose(
     scheme: Scheme,
     run: &RunSpec,
@@ -147,12 +182,12 @@ pub(crate) fn choose(
         return check(scheme, asked, fastest_mode_hz);
     }
     let longest = scheme.longest_s();
-    let mode = fastest_mode_hz.map_or(longest, |f| 1.0 / (f * scheme.steps_per_period()));
+    let mode = fastest.map_or(longest, |fastest| scheme.step_of_modes_s(fastest));
     let tooth = process
         .tooth_period_s()
         .map_or(longest, |t| t / STEPS_PER_TOOTH);
     let mut step = longest.min(mode).min(tooth);
-    if scheme == Scheme::Exact
+    if scheme.is_exact()
         && let Some(f) = process.highest_frequency_hz()
     {
         step = step.min(1.0 / (f * STEPS_PER_FORCE_PERIOD));
@@ -165,7 +200,7 @@ pub(crate) fn choose(
         return Ok(period / (period / step).ceil());
     }
     let whole = match run.record_interval_s {
-        Some(interval) if scheme == Scheme::Exact => interval,
+        Some(interval) if scheme.is_exact() => interval,
         _ => run.duration_s,
     };
     Ok(whole / (whole / step).ceil())
@@ -195,10 +230,11 @@ pub(crate) fn fastest_mode(
     robot: &Robot,
     q: &[f64],
     process: &dyn Process,
+    base_joints: usize,
     with_rotors: bool,
 ) -> Result<Fastest, SimError> {
     let mut arm = robot.linearised(q, FrameId::Tool, &Load::none())?;
-    let highest = |arm: &truecut_arm::LinearArm| -> Result<f64, SimError> {
+    let highest = |arm: &LinearArm| -> Result<f64, SimError> {
         Ok(arm
             .modes()?
             .frequency_hz
@@ -216,8 +252,13 @@ pub(crate) fn fastest_mode(
             .tr_mul(&direction);
         arm.stiffness += &row * row.transpose() * spring.stiffness_n_per_m;
     }
+    let frequency_hz = highest(&arm)?;
     let mut fastest = Fastest {
-        frequency_hz: highest(&arm)?,
+        frequency_hz,
+        base_held_hz: match base_joints {
+            0 => frequency_hz,
+            base => highest(&base_held(&arm, base))?,
+        },
         cause: Cause::Joints,
     };
     // A contact that makes the fastest mode half as fast again is what it is made of.
@@ -229,13 +270,24 @@ pub(crate) fn fastest_mode(
     } else {
         0.0
     };
+    fastest.base_held_hz = fastest.base_held_hz.max(rotor_hz);
     if rotor_hz > fastest.frequency_hz {
-        fastest = Fastest {
-            frequency_hz: rotor_hz,
-            cause: Cause::Rotor,
-        };
+        fastest.frequency_hz = rotor_hz;
+        fastest.cause = Cause::Rotor;
     }
     Ok(fastest)
+}
+
+/// The arm without its first joints, the springs of its base.
+fn base_held(arm: &LinearArm, base: usize) -> LinearArm {
+    let n = arm.mass.nrows() - base;
+    let part = |whole: &DMatrix<f64>| whole.view((base, base), (n, n)).into_owned();
+    LinearArm {
+        mass: part(&arm.mass),
+        damping: part(&arm.damping),
+        stiffness: part(&arm.stiffness),
+        tip_jacobian: arm.tip_jacobian.columns(base, n).into_owned(),
+    }
 }
 
 /// Fastest of the modes in which a rotor swings against its link.

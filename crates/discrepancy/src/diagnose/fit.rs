@@ -30,6 +30,10 @@ const MAX_ITERATIONS: usize = 14;
 /// The first steps are taken under white noise: what is to be found is still in the residual, and its autoregression would hide it.
 const WHITE_ITERATIONS: usize = 2;
 const MAX_REJECTED: usize = 5;
+/// Derivatives serve for another step, with Broyden's correction, if they foresaw the last one to this part of it,
+const FORESEEN: f64 = 0.2;
+/// and for so many in a row.
+const LONGEST_REUSE: usize = 3;
 
 /// Fits all parameters of `start` to the given rows.
 ///
@@ -42,50 +46,140 @@ pub(super) fn fit(
     orders: &[usize],
     warm: bool,
 ) -> Result<Fit, PredictError> {
-    let predicted = problem.predict(&start)?;
-    let mut solver = Solver {
-        problem,
-        rows,
-        orders,
-        residual: problem.data.residual(&predicted),
-        predicted,
-        variables: problem.variables(&start),
-        point: start,
-        damping: 1e-3,
-    };
-    let white = if warm { 0 } else { WHITE_ITERATIONS };
-    let mut noise = solver.noise(white == 0);
-    let (mut converged, mut iterations, mut jacobian) =
-        (solver.variables.is_empty(), 0, Vec::new());
-    while !converged && iterations < MAX_ITERATIONS {
-        jacobian = solver.jacobian()?;
-        iterations += 1;
-        let whitened = iterations > white;
-        converged = match solver.step(&jacobian, &noise) {
-            Step::Converged => whitened,
-            Step::Stuck { close } => {
-                if whitened {
-                    converged = close;
-                    break;
-                }
-                false
-            }
-            Step::Taken => false,
+    let mut running = Running::begin(problem, start, rows, orders, warm)?;
+    running.advance(MAX_ITERATIONS)?;
+    Ok(running.finish())
+}
+
+/// A fit under way.
+pub(super) struct Running<'a, 'b> {
+    solver: Solver<'a, 'b>,
+    noise: Noise,
+    /// Iterations under white noise.
+    white: usize,
+    iterations: usize,
+    converged: bool,
+    stuck: bool,
+    jacobian: Vec<Columns>,
+    /// Steps since the derivatives were taken, if they serve for another one.
+    age: Option<usize>,
+}
+
+impl<'a, 'b> Running<'a, 'b> {
+    /// Ready for the first iteration.
+    ///
+    /// # Errors
+    /// The simulation cannot be run at the start.
+    pub fn begin(
+        problem: &'a Problem<'b>,
+        start: Point,
+        rows: &'a Rows,
+        orders: &'a [usize],
+        warm: bool,
+    ) -> Result<Self, PredictError> {
+        let predicted = problem.predict(&start)?;
+        let solver = Solver {
+            problem,
+            rows,
+            orders,
+            residual: problem.data.residual(&predicted),
+            predicted,
+            variables: problem.variables(&start),
+            point: start,
+            damping: 1e-3,
+            decrement: f64::INFINITY,
         };
-        noise = solver.noise(iterations >= white);
+        let white = if warm { 0 } else { WHITE_ITERATIONS };
+        Ok(Self {
+            noise: solver.noise(white == 0),
+            white,
+            iterations: 0,
+            converged: solver.variables.is_empty(),
+            stuck: false,
+            jacobian: Vec::new(),
+            age: None,
+            solver,
+        })
     }
-    noise = solver.noise(true);
-    let objective = noise.objective(rows) + solver.penalty(&solver.variables);
-    Ok(Fit {
-        point: solver.point,
-        predicted: solver.predicted,
-        residual: solver.residual,
-        noise,
-        objective,
-        converged,
-        iterations,
-        jacobian,
-    })
+
+    /// Goes on until it ends, or has made so many iterations in all.
+    ///
+    /// # Errors
+    /// The simulation can be run on neither side of a point.
+    pub fn advance(&mut self, iterations: usize) -> Result<(), PredictError> {
+        while !self.has_ended() && self.iterations < iterations {
+            let reused = self.age.is_some();
+            if !reused {
+                self.jacobian = self.solver.jacobian()?;
+            }
+            self.iterations += 1;
+            let whitened = self.iterations > self.white;
+            let before = self.age.take().unwrap_or(0);
+            match self.solver.step(&mut self.jacobian, &self.noise) {
+                Step::Converged => self.converged = whitened,
+                // With derivatives of this place it may go on.
+                Step::Stuck { .. } if reused => {}
+                Step::Stuck { close } if whitened => {
+                    self.converged = close;
+                    self.stuck = true;
+                }
+                Step::Stuck { .. } => {}
+                // A fit that starts at its end serves with its derivatives: they are taken where it ends.
+                Step::Taken { foreseen } => {
+                    let serves = foreseen && self.white > 0 && before < LONGEST_REUSE;
+                    self.age = serves.then_some(before + 1);
+                }
+            }
+            self.noise = self.solver.noise(self.iterations >= self.white);
+        }
+        Ok(())
+    }
+
+    /// Whether nothing is left to be done.
+    pub fn has_ended(&self) -> bool {
+        self.converged || self.stuck || self.iterations >= MAX_ITERATIONS
+    }
+
+    /// Minus twice the log-likelihood, as it now stands.
+    pub fn objective(&self) -> f64 {
+        self.noise.objective(self.solver.rows) + self.solver.penalty(&self.solver.variables)
+    }
+
+    /// By how much the next step would lower the weighted squares if all were linear.
+    pub fn decrement(&self) -> f64 {
+        self.solver.decrement
+    }
+
+    pub fn point(&self) -> &Point {
+        &self.solver.point
+    }
+
+    pub fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    /// Squared distance between two predictions, whitened.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let apart = difference(&self.solver.predicted, &other.solver.predicted, 1.0);
+        let apart = self.noise.whiten(&apart, self.solver.rows);
+        dot(&apart, &apart)
+    }
+
+    /// The fit as it now stands.
+    pub fn finish(self) -> Fit {
+        let solver = self.solver;
+        let noise = solver.noise(true);
+        Fit {
+            objective: noise.objective(solver.rows) + solver.penalty(&solver.variables),
+            point: solver.point,
+            predicted: solver.predicted,
+            residual: solver.residual,
+            noise,
+            converged: self.converged,
+            iterations: self.iterations,
+            jacobian: self.jacobian,
+        }
+    }
 }
 
 /// A point as it is, with its noise and derivatives.
@@ -114,13 +208,14 @@ pub(super) fn unfitted(
 }
 
 enum Step {
-    Taken,
+    Taken {
+        /// The derivatives, since corrected, foresaw what it would do.
+        foreseen: bool,
+    },
     /// The step that is left is a small part of a standard error.
     Converged,
     /// No step lowers the error; `close` says whether the step wanted was within a standard error.
-    Stuck {
-        close: bool,
-    },
+    Stuck { close: bool },
 }
 
 struct Solver<'a, 'b> {
@@ -132,6 +227,8 @@ struct Solver<'a, 'b> {
     predicted: Columns,
     residual: Columns,
     damping: f64,
+    /// Of the last step.
+    decrement: f64,
 }
 
 impl Solver<'_, '_> {
@@ -153,7 +250,7 @@ impl Solver<'_, '_> {
         jacobian(self.problem, &self.point, &self.predicted)
     }
 
-    fn step(&mut self, jacobian: &[Columns], noise: &Noise) -> Step {
+    fn step(&mut self, jacobian: &mut [Columns], noise: &Noise) -> Step {
         let target = noise.whiten(&self.residual, self.rows);
         let columns: Vec<Vec<f64>> = jacobian
             .par_iter()
@@ -166,10 +263,11 @@ impl Solver<'_, '_> {
         }
         let undamped = self.solve(&normal, &gradient, 0.0);
         let decrement = gradient.dot(&undamped);
+        self.decrement = decrement;
         if decrement < 0.02 + 1e-5 * before {
             return Step::Converged;
         }
-        for _ in 0..MAX_REJECTED {
+        for tries in 0..MAX_REJECTED {
             let step = self.solve(&normal, &gradient, self.damping);
             let trial = self.moved(&free, &step);
             if let Ok(predicted) = self.problem.predict(&trial) {
@@ -177,10 +275,20 @@ impl Solver<'_, '_> {
                 let variables = self.problem.variables(&trial);
                 let e = noise.whiten(&residual, self.rows);
                 if dot(&e, &e) + self.penalty(&variables) < before {
+                    let moved: Vec<f64> = (variables.iter().zip(&self.variables))
+                        .map(|(after, before)| after.value - before.value)
+                        .collect();
+                    let change = difference(&predicted, &self.predicted, 1.0);
+                    let apart = corrected(jacobian, &columns, &moved, change, |x| {
+                        let x = noise.whiten(x, self.rows);
+                        dot(&x, &x)
+                    });
                     (self.point, self.variables) = (trial, variables);
                     (self.predicted, self.residual) = (predicted, residual);
                     self.damping = (self.damping * 0.2).max(1e-6);
-                    return Step::Taken;
+                    return Step::Taken {
+                        foreseen: tries == 0 && apart < FORESEEN,
+                    };
                 }
             }
             self.damping *= 8.0;
@@ -243,6 +351,39 @@ impl Solver<'_, '_> {
             values[i] = (v.value + step[a]).clamp(v.min, v.max);
         }
         self.problem.with_values(&self.point, &values)
+    }
+}
+
+/// Corrects derivatives by what a step did (Broyden's good update, variables scaled by the norm of their whitened derivatives). How
+/// far the step was from what they foresaw, as a part of that.
+fn corrected(
+    jacobian: &mut [Columns],
+    whitened: &[Vec<f64>],
+    moved: &[f64],
+    change: Columns,
+    square: impl Fn(&Columns) -> f64,
+) -> f64 {
+    let mut foreseen: Columns = change.iter().map(|c| vec![0.0; c.len()]).collect();
+    for (column, step) in jacobian.iter().zip(moved) {
+        add(&mut foreseen, column, *step);
+    }
+    let unforeseen = difference(&change, &foreseen, 1.0);
+    let weights: Vec<f64> = whitened.iter().map(|x| dot(x, x)).collect();
+    let whole: f64 = (weights.iter().zip(moved)).map(|(w, s)| w * s * s).sum();
+    if whole > 0.0 {
+        for ((column, weight), step) in jacobian.iter_mut().zip(weights).zip(moved) {
+            add(column, &unforeseen, weight * step / whole);
+        }
+    }
+    (square(&unforeseen) / square(&foreseen).max(f64::MIN_POSITIVE)).sqrt()
+}
+
+/// `to += factor * columns`.
+fn add(to: &mut Columns, columns: &Columns, factor: f64) {
+    for (to, column) in to.iter_mut().zip(columns) {
+        for (to, x) in to.iter_mut().zip(column) {
+            *to += factor * x;
+        }
     }
 }
 

@@ -25,6 +25,7 @@ mod memory;
 mod noise;
 mod pairs;
 mod problem;
+mod race;
 mod resonance;
 mod revise;
 mod screen;

@@ -35,7 +35,7 @@ impl Search<'_, '_> {
             start
         });
         let starts = starts.collect();
-        let trials = self.fit_all(starts, orders);
+        let trials = self.fit_all(starts, orders, None);
         let best = trials
             .into_iter()
             .min_by(|a, b| a.objective.total_cmp(&b.objective))?;
@@ -50,7 +50,7 @@ impl Search<'_, '_> {
             let starts = (0..=last)
                 .map(|i| without(&outcome.chosen.point, i))
                 .collect();
-            let trials = self.fit_all(starts, &outcome.orders);
+            let trials = self.fit_all(starts, &outcome.orders, None);
             let idle = trials
                 .into_iter()
                 .find(|small| !self.earns(small, &outcome.chosen));
@@ -88,6 +88,7 @@ impl Search<'_, '_> {
             rivals.extend(self.fit_all(
                 others.map(|r| extended(&rest, &[r])).collect(),
                 &outcome.orders,
+                None,
             ));
         }
         let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);

@@ -8,6 +8,7 @@ use super::memory::{LEAST_GENERALISATION, distance, stands_out};
 use super::noise::Noise;
 use super::pairs::pairs;
 use super::problem::{Found, Point, Problem};
+use super::race::run;
 use super::screen::{Ranked, critical, rank, refine};
 use super::signature::{Signature, signatures};
 use super::validate::{Paired, compare, objective};
@@ -184,7 +185,7 @@ impl Search<'_, '_> {
             let alpha = problem.options.family_wise_error;
             r.gain > STRONG * critical(alpha, outcome.tests, r.start.len())
         });
-        let trials = self.fit_all(starts, &outcome.orders);
+        let trials = self.fit_all(starts, &outcome.orders, Some(base));
         self.failed |= trials.is_empty() && strong;
         if base.point.effects.is_empty() {
             let pairs = trials.iter().filter(|t| t.point.effects.len() == 2);
@@ -263,29 +264,30 @@ impl Search<'_, '_> {
             .collect()
     }
 
-    /// Fits from all starts, best promise first; only as many as the simulations left allow.
-    pub(super) fn fit_all(&mut self, mut starts: Vec<Point>, orders: &[usize]) -> Vec<Fit> {
+    /// Fits from all starts, best promise first; only as many as the simulations left allow. With `race`, what falls far behind is
+    /// given up.
+    pub(super) fn fit_all(
+        &mut self,
+        mut starts: Vec<Point>,
+        orders: &[usize],
+        race: Option<&Fit>,
+    ) -> Vec<Fit> {
         let problem = self.problem;
         starts.truncate((problem.left() / OF_A_FIT).max(1));
-        let train = &problem.split.train;
-        let trials: Vec<(Point, Result<Fit, _>)> = starts
-            .into_par_iter()
-            .map(|start| (start.clone(), fit(problem, start, train, orders, false)))
-            .collect();
         let mut good = Vec::new();
-        for (start, trial) in trials {
-            let (effects, converged, iterations) = match &trial {
+        for trial in run(problem, starts, orders, race) {
+            let (effects, converged, iterations) = match &trial.end {
                 Ok(fit) => (&fit.point.effects, fit.converged, fit.iterations),
-                Err(_) => (&start.effects, false, 0),
+                Err(_) => (&trial.start.effects, false, trial.iterations),
             };
             self.fits.push(FitRecord::new(
                 problem,
                 effects,
                 converged,
                 iterations,
-                trial.as_ref().err(),
+                trial.end.as_ref().err(),
             ));
-            match trial {
+            match trial.end {
                 Ok(fit) if fit.converged => good.push(fit),
                 _ => {}
             }

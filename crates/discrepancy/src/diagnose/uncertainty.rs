@@ -22,39 +22,46 @@ pub(super) fn standard_errors(
     let columns = jacobian(problem, &fit.point, &fit.predicted)?;
     let columns: Vec<Vec<f64>> = columns.iter().map(|x| fit.noise.whiten(x, rows)).collect();
     let target = fit.noise.whiten(&fit.residual, rows);
-    let k = variables.len();
-    let prior = |i: usize| variables[i].prior.precision.powi(2);
-    let scale: Vec<f64> = (0..k)
-        .map(|i| {
-            1.0 / (dot(&columns[i], &columns[i]) + prior(i))
-                .sqrt()
-                .max(1e-150)
-        })
+    let norm = |i: usize| {
+        let prior = variables[i].prior.precision.powi(2);
+        (dot(&columns[i], &columns[i]) + prior).sqrt()
+    };
+    // Of a variable that moves nothing the others must not suffer.
+    let felt: Vec<usize> = (0..variables.len())
+        .filter(|&i| norm(i) * variables[i].step > LEAST_FELT)
         .collect();
-    let normal = DMatrix::from_fn(k, k, |i, j| {
-        let own = if i == j { prior(i) } else { 0.0 };
-        (dot(&columns[i], &columns[j]) + own) * scale[i] * scale[j]
+    let k = felt.len();
+    let scale: Vec<f64> = felt.iter().map(|&i| 1.0 / norm(i)).collect();
+    let columns: Vec<&[f64]> = felt.iter().map(|&i| columns[i].as_slice()).collect();
+    let normal = DMatrix::from_fn(k, k, |a, b| {
+        let prior = variables[felt[a]].prior.precision.powi(2);
+        let own = if a == b { prior } else { 0.0 };
+        (dot(columns[a], columns[b]) + own) * scale[a] * scale[b]
     });
-    let gradient = DVector::from_fn(k, |i, _| dot(&columns[i], &target) * scale[i]);
+    let gradient = DVector::from_fn(k, |a, _| dot(columns[a], &target) * scale[a]);
+    let mut errors = vec![None; variables.len()];
     let Some(inverse) = normal.clone().cholesky().map(|c| c.inverse()) else {
-        return Ok(vec![None; k]);
+        return Ok(errors);
     };
     let jackknife = leave_out(problem, rows, &columns, &target, &normal, &gradient, &scale);
-    Ok((0..k)
-        .map(|i| {
-            let variance = inverse[(i, i)].max(jackknife.as_ref().map_or(0.0, |v| v[i]));
-            let error = variance.sqrt() * scale[i];
-            // A variance inflated so much by the other variables is rounding.
-            (inverse[(i, i)] < 1e8 && error.is_finite()).then_some(error)
-        })
-        .collect())
+    for (a, &i) in felt.iter().enumerate() {
+        let variance = inverse[(a, a)].max(jackknife.as_ref().map_or(0.0, |v| v[a]));
+        let error = variance.sqrt() * scale[a];
+        // A variance inflated so much by the other variables is rounding.
+        errors[i] = (inverse[(a, a)] < 1e8 && error.is_finite()).then_some(error);
+    }
+    Ok(errors)
 }
+
+/// A variable counts if the step of its finite difference, about a ten-thousandth of its typical size, moves the whitened prediction by
+/// more than this: less is rounding.
+const LEAST_FELT: f64 = 1e-10;
 
 /// Variances of the scaled variables by the block jackknife, each time with one Gauss-Newton step from the whole.
 fn leave_out(
     problem: &Problem,
     rows: &Rows,
-    columns: &[Vec<f64>],
+    columns: &[&[f64]],
     target: &[f64],
     normal: &DMatrix<f64>,
     gradient: &DVector<f64>,
@@ -69,9 +76,9 @@ fn leave_out(
             .collect();
         let part = |a: &[f64], b: &[f64]| inside.iter().map(|&p| a[p] * b[p]).sum::<f64>();
         let less = DMatrix::from_fn(k, k, |i, j| {
-            normal[(i, j)] - part(&columns[i], &columns[j]) * scale[i] * scale[j]
+            normal[(i, j)] - part(columns[i], columns[j]) * scale[i] * scale[j]
         });
-        let right = DVector::from_fn(k, |i, _| gradient[i] - part(&columns[i], target) * scale[i]);
+        let right = DVector::from_fn(k, |i, _| gradient[i] - part(columns[i], target) * scale[i]);
         shifts.push(less.cholesky()?.solve(&right));
     }
     let count = shifts.len() as f64;

@@ -5,6 +5,7 @@
 //! of the link's own velocity is *not* in the explicit torque: the plant takes half of it implicitly.
 
 use super::law::{JointDrive, JointMotion};
+use super::play::Play;
 use super::{Command, JointLaw, JointState};
 use truecut_arm::Robot;
 
@@ -92,6 +93,33 @@ impl Drive {
     /// Damping of a joint's link velocity that the plant takes half implicitly, N m s/rad or N s/m.
     pub fn damping(&self, joint: usize) -> f64 {
         self.joints[joint].constant_damping()
+    }
+
+    /// The same of a plant that takes play as a torque beside spring and damper ([`super::play`]).
+    pub(super) fn damping_without_play(&self, joint: usize) -> f64 {
+        let drive = &self.joints[joint];
+        if drive.has_play() {
+            drive.constant_damping() + drive.damping()
+        } else {
+            drive.constant_damping()
+        }
+    }
+
+    /// Stiffness between the link and a motor that follows its command, whatever the link does.
+    pub(super) fn led_stiffness(&self, joint: usize) -> Option<f64> {
+        let drive = &self.joints[joint];
+        (drive.kind == DriveKind::Position).then(|| drive.stiffness())
+    }
+
+    pub(super) fn joint(&self, joint: usize) -> &JointDrive {
+        &self.joints[joint]
+    }
+
+    /// Joints with play.
+    pub(super) fn with_play(&self) -> Vec<Play> {
+        let joints = self.joints.iter().enumerate();
+        let loose = joints.filter(|(_, joint)| joint.has_play());
+        loose.map(|(i, _)| Play::new(i)).collect()
     }
 
     /// Sets motor state and the explicit part of the joint torque (`K (θ - q) + D θ'` of a nominal joint) from

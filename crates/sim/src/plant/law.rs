@@ -112,7 +112,7 @@ impl JointDrive {
         through + self.law.viscous
     }
 
-    fn windup(&self, at: &JointMotion) -> f64 {
+    pub fn windup(&self, at: &JointMotion) -> f64 {
         self.law.seen(at.motor) - at.position
     }
 
@@ -184,16 +184,54 @@ impl JointDrive {
 
     /// Torque of the whole transmission on the link.
     pub fn transmission(&self, at: &JointMotion) -> f64 {
-        let rate = at.motor_velocity * self.law.gear(at.motor) - at.velocity;
-        let damping = self.damping_now(at) * rate;
-        let spring = self.elastic.torque(self.windup(at));
-        let flank = if self.law.gap > 0.0 && (spring + damping) * spring <= 0.0 {
+        let flank = self.flank_torque(self.windup(at), self.rate(at));
+        flank + self.hysteresis_torque().unwrap_or(0.0)
+    }
+
+    /// Rate of the wind-up.
+    pub fn rate(&self, at: &JointMotion) -> f64 {
+        at.motor_velocity * self.law.gear(at.motor) - at.velocity
+    }
+
+    /// Torque of spring and damper.
+    fn flank_torque(&self, windup: f64, rate: f64) -> f64 {
+        let spring = self.elastic.torque(windup);
+        if !self.elastic.engaged(windup) {
+            return spring;
+        }
+        let damped = spring + self.damping * rate;
+        if self.law.gap > 0.0 && damped * spring <= 0.0 {
             // Flanks press on each other; their damping cannot make them pull.
             0.0
         } else {
-            spring + damping
-        };
-        flank + self.hysteresis_torque().unwrap_or(0.0)
+            damped
+        }
+    }
+
+    /// Linear stiffness of the transmission.
+    pub fn stiffness(&self) -> f64 {
+        self.elastic.stiffness
+    }
+
+    /// Damping of the transmission while motor and link touch.
+    pub fn damping(&self) -> f64 {
+        self.damping
+    }
+
+    /// Whether there is play between motor and link.
+    pub fn has_play(&self) -> bool {
+        self.law.gap > 0.0 && !self.rigid && self.kind != DriveKind::Force
+    }
+
+    /// What play takes away from the torque of spring and damper.
+    pub fn taken_by_play(&self, windup: f64, rate: f64) -> f64 {
+        self.elastic.stiffness * windup + self.damping * rate - self.flank_torque(windup, rate)
+    }
+
+    /// Whether flanks may meet, part, or press less than their damping pulls, within `span` of this wind-up.
+    pub fn meets_flank(&self, windup: f64, span: f64, rate: f64) -> bool {
+        let pulls = self.damping * rate.abs() / self.elastic.stiffness;
+        (windup.abs() - 0.5 * self.law.gap).abs() <= span + pulls
     }
 
     /// Energy of spring and of torques on the link, J.

@@ -41,7 +41,7 @@ impl Arm {
         let n = robot.dof();
         let stiffness = |i: usize| robot.chain.joints[i].transmission.stiffness.unwrap_or(0.0);
         let stiffness = DVector::from_fn(n, |i, _| if springs { stiffness(i) } else { 0.0 });
-        let damping = DVector::from_fn(n, |i, _| drive.damping(i));
+        let damping = DVector::from_fn(n, |i, _| drive.damping_without_play(i));
         Self {
             dynamics: Dynamics::new(&robot),
             stiffness: DMatrix::from_diagonal(&stiffness),

@@ -6,8 +6,10 @@
 //! [`Plant::finish`] applies the contacts' impulses and steps the velocities, [`Plant::drift`] the positions.
 
 mod drive;
+mod foreseen;
 mod law;
 mod linear;
+mod play;
 mod rapier;
 mod recurrence;
 mod reduced;

@@ -39,14 +39,18 @@ impl Smoothed {
 
     /// Adds what acts over the step about the present instant.
     pub fn add_to(&self, force: &mut DVector<f64>) {
-        let [now, before @ ..] = &self.values;
-        *force += now;
-        if self.known <= BEFORE {
-            return;
-        }
+        *force += &self.values[0];
         for (i, force) in force.iter_mut().enumerate() {
-            *force +=
-                (2.0 * now[i] - 5.0 * before[0][i] + 4.0 * before[1][i] - before[2][i]) / 12.0;
+            *force += self.curvature(i) / 12.0;
         }
+    }
+
+    /// `dt² f''` of one component at the present instant; zero before enough values are known.
+    pub fn curvature(&self, i: usize) -> f64 {
+        if self.known <= BEFORE {
+            return 0.0;
+        }
+        let [now, first, second, third] = &self.values;
+        2.0 * now[i] - 5.0 * first[i] + 4.0 * second[i] - third[i]
     }
 }

@@ -188,7 +188,8 @@ pub(super) const JOINT_BACKLASH: Entry = Entry {
         0.0,
         1.0,
         "Full width of the play",
-    )],
+    )
+    .starts(&[0.0002, 0.0006, 0.002])],
 };
 
 pub(super) const JOINT_HYSTERESIS: Entry = Entry {
