@@ -1,5 +1,7 @@
 //! A compliant wheel pressed onto a flat plate: normal spring, sliding friction, Preston removal.
 
+pub mod precession;
+
 /// Contact law of the wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelContact {
