@@ -150,7 +150,14 @@ fn verify_exact_rule_with_look_ahead_on_the_raster() {
             .iter()
             .all(|share| *share > 0.0 && *share <= 1.0)
     );
+    // The postures carry the wheel: its centre above the point, its axis leaning towards the angle. Inverse kinematics are exact to 1e-10.
     assert_eq!(found.postures.len(), plan.points.len());
+    for (p, q) in plan.points.iter().zip(&found.postures).step_by(50) {
+        let tool = robot.world_from_frame(q, FrameId::Tool);
+        let centre = Vector3::new(1.0 + p.point_m.x, -0.03 + p.point_m.y, 0.4 + 19.4e-3);
+        assert!((tool.translation.vector - centre).norm() < 1e-9);
+        assert!((tool * Vector3::z() + wheel().axis(p.angle_rad)).norm() < 1e-9);
+    }
 }
 
 /// What the rules are worth with the same look-ahead: without one most points rub inward, the source's ε = 0 leaves a third of the chord,
