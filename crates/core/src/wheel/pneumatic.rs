@@ -6,8 +6,8 @@
 //!   loses its curvature 2/R and hands the face `2 N / R = p`: the membrane part of the force is `p` times the
 //!   area of the patch.
 //! - **Shell.** Shallow-shell theory gives a sphere the Winkler stiffness `E h / R²` (arch action); with
-//!   the tension it reads `E h w / R² - N ∇²w = q` (Vella and others, J. R. Soc. Interface 9 (2012) 448, eq. for
-//!   a pressurised shell, bending left out).
+//!   the tension it reads `E h w / R² - N ∇²w = q` (Vella and others, J. R. Soc. Interface 9 (2012) 448,
+//!   whose bending term is left out).
 //! - **Tread.** Within the patch the rubber itself yields as a half-space. Hertz's patch of radius a has the pressure
 //!   `(2E*/πR) √(a² - ρ²)`; with the overlap above the patch's rim, `u = (a² - ρ²)/2R`, that is
 //!   `κ √u`, `κ = (2E*/πR) √(2R)`: the same for every patch, so a local bed gives Hertz's pressure. The half-space

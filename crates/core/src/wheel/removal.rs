@@ -82,7 +82,7 @@ impl SurfaceGrid {
 
     /// Spreads `energy_j = ∫ p v dA dt` over the cells under a window of half lengths `window_m` in the patch's frame,
     /// in the ratio of `density(x, y)` (p v at a point of it) times their areas. `scratch` keeps its memory.
-    /// If no cell's middle meets the patch, the cell (of the surface) nearest to its middle takes it all.
+    /// The grid covers the face over which the integral was taken. If no cell's middle meets the patch, the cell (of the surface) nearest to its middle takes it all.
     #[allow(clippy::too_many_arguments)]
     pub fn spread(
         &mut self,
