@@ -13,6 +13,7 @@ pub mod patch;
 pub mod pneumatic;
 pub mod quadrature;
 pub mod removal;
+pub mod runout;
 
 /// Contact law of the wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
