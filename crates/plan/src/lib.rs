@@ -39,6 +39,7 @@ pub mod map;
 mod parts;
 mod plan;
 mod planner;
+pub mod program;
 mod reach;
 pub mod section;
 mod sheets;
