@@ -270,7 +270,7 @@ fn verify_pulses_bring_back_joints_to_half_a_pulse() {
     let read = job.program(&robot, &program.tool, &base(), &pulse).unwrap();
     let mut swept_m = 0.0;
     for ((a, b), per_deg) in q.iter().zip(&read.moves[0].posture).zip(per_deg) {
-        let half = (0.5 / per_deg as f64).to_radians();
+        let half = (0.5 / per_deg).to_radians();
         assert!((a - b).abs() <= half + 1e-12, "{a} {b}");
         swept_m += half * 2.2;
     }
