@@ -245,7 +245,7 @@ fn verify_pulses_bring_back_joints_to_half_a_pulse() {
         .iter()
         .map(|j| j.name.clone())
         .collect();
-    let per_deg = [1300.0, 1250.5, 1100.25, 900.0, 850.0, 500.0];
+    let per_deg: [f64; 6] = [1300.0, 1250.5, 1100.25, 900.0, 850.0, 500.0];
     let config: String = names.iter().zip(per_deg).map(|(name, pulses)| {
         format!("[[joint]]\nname = \"{name}\"\npulses_per_deg = {pulses}\nsource.pulses = \"made up for this test\"\n")
     }).collect();
