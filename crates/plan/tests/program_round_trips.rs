@@ -5,12 +5,13 @@
 //! turn about one axis and add up, the middle one about an axis at right angles to it. The parts of a quaternion are off by
 //! 0.5e-9 each, the vector of four by 1e-9, the attitude by twice that. The inverse kinematics leave 1e-9 m and rad.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use nalgebra::{DMatrix, Isometry3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use truecut_arm::{FrameId, OpwGeometry, Robot};
-use truecut_plan::program::{Motion, Move, Program, Tool, jbi, rapid};
+use truecut_plan::program::{Motion, Move, PathPoint, Program, Tool, TravelOptions, jbi, rapid};
 
 const KINEMATICS: f64 = 1e-9;
 const PLACE_M: f64 = 0.5e-6 * 1.732_050_808 + KINEMATICS;
@@ -334,4 +335,45 @@ fn verify_manipulator_type_and_confdata_follow_their_tables() {
     assert_eq!(cfx([0.0, -60.0, -50.0, 0.0, -40.0, 0.0]), 5);
     assert_eq!(cfx([0.0, -40.0, -150.0, 0.0, 40.0, 0.0]), 6);
     assert_eq!(cfx([0.0, -40.0, -150.0, 0.0, -40.0, 0.0]), 7);
+}
+
+/// A tool that turns once about a tilted axis winds joint 6 past half a turn: the poses repeat, only the flags tell the turns apart.
+#[test]
+fn verify_whole_turns_come_back_along_a_path() {
+    let robot = robot("irb6600_175_255");
+    let points: Vec<PathPoint> = (0..60)
+        .map(|i| {
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.12 * f64::from(i));
+            let tilted = turn * UnitQuaternion::from_euler_angles(PI, 0.35, 0.0);
+            PathPoint {
+                base_from_tool: Isometry3::from_parts(Translation3::new(1.5, 0.0, 0.9), tilted),
+                motion: Motion::Joint { share: 0.5 },
+                turntable_rad: Some(0.0),
+            }
+        })
+        .collect();
+    let travel = TravelOptions::default();
+    let base = Isometry3::identity();
+    let tool = Tool::of(&robot, "wheel", 1);
+    let written = Program::along(&robot, "WIND", tool, base, &points, &travel).unwrap();
+    let sixth = |program: &Program, i: usize| program.moves[i].posture[5];
+    let wound = sixth(&written, 59) - sixth(&written, 0);
+    assert!(wound.abs() > 5.0, "{wound}");
+    let over: Vec<f64> = (0..60).map(|i| sixth(&written, i).abs()).collect();
+    assert!(over.iter().any(|q| *q > PI) && over.iter().any(|q| *q < 0.5 * PI));
+    let attitude_rad = (5_f64.sqrt() * ROUND_DEG).to_radians();
+    let lever_m = written.tool.flange_from_tool.translation.vector.norm();
+    let moved = (PLACE_M + attitude_rad * lever_m).hypot(attitude_rad);
+    for read in [
+        through_jbi(&written, &robot),
+        through_rapid(&written, &robot),
+    ] {
+        assert_eq!(read.moves.len(), 60);
+        for (a, b) in written.moves.iter().zip(&read.moves) {
+            assert_eq!(a.path_point, b.path_point);
+            let bound = 1.05 * moved / least_gain(&robot, &a.posture);
+            let apart = a.posture.iter().zip(&b.posture).map(|(a, b)| (a - b).abs());
+            assert!(apart.fold(0.0, f64::max) <= bound, "{a:?} {b:?}");
+        }
+    }
 }

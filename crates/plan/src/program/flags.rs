@@ -10,7 +10,7 @@ use super::ProgramErrorKind;
 /// By how much a posture may break the flags in all: the printed decimals may carry a joint over a border.
 const SLACK_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
-/// Postures that break the flags equally well, to this, are told apart by the posture before.
+/// Postures that break the flags equally well, to this, are told apart by the moves before and after.
 const EVEN_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
 
 /// What a file says of the branch: by how much (rad) a posture breaks it.
@@ -42,25 +42,22 @@ impl<'a> Resolver<'a> {
         })
     }
 
-    /// The posture that reaches a flange pose and breaks `flags` least; of several as good, the one nearest to `before`.
-    pub fn posture(
+    /// Postures that reach a flange pose and break `flags` least, several where they do it equally well: by how much, and the
+    /// posture, the one nearest to zero first.
+    pub fn postures(
         &self,
         path_point: usize,
         world_from_flange: &Isometry3<f64>,
         flags: &dyn Flags,
-        before: Option<&[f64]>,
-    ) -> Result<Vec<f64>, ProgramErrorKind> {
+    ) -> Result<Vec<(f64, Vec<f64>)>, ProgramErrorKind> {
         let branches = self.solver.branches(world_from_flange, FrameId::Flange);
         let mut rated: Vec<(f64, Vec<f64>)> = Vec::new();
         for branch in &branches {
             let excess = flags.branch_excess(&self.geometry, branch);
             rated.extend(self.turned(branch, excess, flags));
         }
-        let least = rated
-            .iter()
-            .map(|(excess, _)| *excess)
-            .min_by(f64::total_cmp);
-        let Some(least) = least else {
+        let least = rated.iter().map(|(excess, _)| *excess);
+        let Some(least) = least.min_by(f64::total_cmp) else {
             return Err(ProgramErrorKind::OutOfReach { path_point });
         };
         if least > SLACK_RAD {
@@ -70,21 +67,10 @@ impl<'a> Resolver<'a> {
                 excess_deg: least.to_degrees(),
             });
         }
-        let even = |excess: f64| match before {
-            Some(_) => excess <= least + EVEN_RAD,
-            None => excess <= least,
-        };
-        let apart = |q: &[f64]| -> f64 {
-            let from = before.unwrap_or(&[0.0; 6]);
-            q.iter().zip(from).map(|(a, b)| (a - b).powi(2)).sum()
-        };
-        let nearest = rated
-            .into_iter()
-            .filter(|(excess, _)| even(*excess))
-            .min_by(|a, b| apart(&a.1).total_cmp(&apart(&b.1)));
-        nearest
-            .map(|(_, q)| q)
-            .ok_or(ProgramErrorKind::OutOfReach { path_point })
+        rated.retain(|(excess, _)| *excess <= least + EVEN_RAD);
+        let size = |q: &[f64]| q.iter().map(|q| q * q).sum::<f64>();
+        rated.sort_by(|a, b| size(&a.1).total_cmp(&size(&b.1)));
+        Ok(rated)
     }
 
     /// A branch with every joint on every turn that breaks flags and limits by no more than the slack; if there is none, on the

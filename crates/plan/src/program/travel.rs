@@ -88,6 +88,31 @@ pub fn shortest_travel(
     Ok(walk_back(&columns, &ways))
 }
 
+/// The chain of least travel through columns of rated postures, the ratings added to it.
+pub(super) fn rated_chain(columns: &[Vec<(f64, Vec<f64>)>]) -> Vec<Vec<f64>> {
+    let postures = |column: &Vec<(f64, Vec<f64>)>| column.iter().map(|(_, q)| q.clone()).collect();
+    let bare: Vec<Vec<Vec<f64>>> = columns.iter().map(postures).collect();
+    let mut ways: Vec<Vec<Way>> = Vec::with_capacity(columns.len());
+    for (i, column) in columns.iter().enumerate() {
+        let reached = column.iter().map(|(rating, q)| {
+            let way = match ways.last() {
+                Some(before) => cheapest(&bare[i - 1], before, q, f64::INFINITY),
+                None => Way {
+                    cost: 0.0,
+                    from: usize::MAX,
+                },
+            };
+            Way {
+                cost: way.cost + rating,
+                ..way
+            }
+        });
+        let reached = reached.collect();
+        ways.push(reached);
+    }
+    walk_back(&bare, &ways)
+}
+
 /// Postures at a point that keep limits and distances.
 fn candidates(
     robot: &Robot,

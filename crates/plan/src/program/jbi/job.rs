@@ -8,6 +8,7 @@ use truecut_arm::{FrameId, Robot};
 
 use super::{JbiOptions, Rconf};
 use crate::program::flags::Resolver;
+use crate::program::travel::rated_chain;
 use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind, Tool};
 
 /// A job as its file says it, in the file's units.
@@ -79,15 +80,19 @@ impl JbiJob {
             moves: Vec::with_capacity(self.moves.len()),
         };
         let mut resolver = None;
+        let mut columns = Vec::with_capacity(self.moves.len());
         for step in &self.moves {
             let position = &self.positions[&step.position];
             let at = |kind| ProgramError::in_file(&self.path, position.line, kind);
-            let (base_from_tool, posture) = match &position.value {
+            let (base_from_tool, postures) = match &position.value {
                 JbiPositionValue::Pulses(pulses) => {
                     let posture = joints(robot, step.position, pulses).map_err(at)?;
                     let flange = robot.world_from_frame(&posture, FrameId::Flange);
                     let world_from_tool = flange * tool.flange_from_tool;
-                    (world_from_base.inverse() * world_from_tool, posture)
+                    (
+                        world_from_base.inverse() * world_from_tool,
+                        vec![(0.0, posture)],
+                    )
                 }
                 JbiPositionValue::Rectangular {
                     xyz_mm,
@@ -100,31 +105,36 @@ impl JbiJob {
                     };
                     let pose = pose(xyz_mm, rxyz_deg);
                     let flange = program.world_from_flange(&pose);
-                    let before = program.moves.last().map(|m| m.posture.as_slice());
-                    let found = resolver.posture(step.path_point, &flange, rconf, before);
+                    let found = resolver.postures(step.path_point, &flange, rconf);
                     (pose, found.map_err(at)?)
                 }
             };
-            let turntable_rad = match step.station {
-                None => None,
-                Some(number) => {
-                    let (pulses, line) = self.stations[&number];
-                    let kind = ProgramErrorKind::NoStationPulses;
-                    let per_deg = options.station_pulses_per_deg;
-                    let per_deg =
-                        per_deg.ok_or_else(|| ProgramError::in_file(&self.path, line, kind))?;
-                    Some((pulses / per_deg).to_radians())
-                }
-            };
+            let turntable_rad = self.turntable(step, options)?;
             program.moves.push(Move {
                 path_point: step.path_point,
                 base_from_tool,
                 motion: step.motion,
                 turntable_rad,
-                posture,
+                posture: Vec::new(),
             });
+            columns.push(postures);
+        }
+        for (step, posture) in program.moves.iter_mut().zip(rated_chain(&columns)) {
+            step.posture = posture;
         }
         Ok(program)
+    }
+
+    /// Angle of the turntable at a move, if it has one.
+    fn turntable(&self, step: &JbiMove, options: &JbiOptions) -> Result<Option<f64>, ProgramError> {
+        let Some(number) = step.station else {
+            return Ok(None);
+        };
+        let (pulses, line) = self.stations[&number];
+        let per_deg = options.station_pulses_per_deg.ok_or_else(|| {
+            ProgramError::in_file(&self.path, line, ProgramErrorKind::NoStationPulses)
+        })?;
+        Ok(Some((pulses / per_deg).to_radians()))
     }
 }
 

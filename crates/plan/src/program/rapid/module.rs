@@ -8,6 +8,7 @@ use truecut_arm::Robot;
 
 use super::{Confdata, RapidOptions};
 use crate::program::flags::Resolver;
+use crate::program::travel::rated_chain;
 use crate::program::{Motion, Move, Program, ProgramError, Tool};
 
 /// A position with its configuration.
@@ -69,13 +70,14 @@ impl RapidModule {
         };
         let resolver = Resolver::new(robot)?;
         let points = self.path_points();
+        let mut columns = Vec::with_capacity(self.moves.len());
         for (i, step) in self.moves.iter().enumerate() {
             let target = &self.targets[&step.target];
             let flange = program.world_from_flange(&target.base_from_tool);
-            let before = program.moves.last().map(|m| m.posture.as_slice());
-            let found = resolver.posture(points[i], &flange, &target.confdata, before);
-            let posture =
+            let found = resolver.postures(points[i], &flange, &target.confdata);
+            let found =
                 found.map_err(|kind| ProgramError::in_file(&self.path, target.line, kind))?;
+            columns.push(found);
             let (speed_m_per_s, _) = self.speeds[&step.speed];
             program.moves.push(Move {
                 path_point: points[i],
@@ -87,8 +89,11 @@ impl RapidModule {
                     Motion::Joint { share }
                 },
                 turntable_rad: target.turntable_deg.map(f64::to_radians),
-                posture,
+                posture: Vec::new(),
             });
+        }
+        for (step, posture) in program.moves.iter_mut().zip(rated_chain(&columns)) {
+            step.posture = posture;
         }
         Ok(program)
     }

@@ -17,28 +17,7 @@ pub fn write(
     robot: &Robot,
     options: &RapidOptions,
 ) -> Result<String, ProgramError> {
-    check_name("the module's name", &program.name)?;
-    check_name("the tool's name", &program.tool.name)?;
-    check_zone(&options.zone)?;
-    for (what, value) in [
-        ("the tool's mass in kg", program.tool.mass_kg),
-        (
-            "the top speed of joint moves in m/s",
-            options.joint_top_m_per_s,
-        ),
-        (
-            "the speed of reorientation in deg/s",
-            options.reorientation_deg_per_s,
-        ),
-    ] {
-        if !(value.is_finite() && value > 0.0) {
-            return Err(ProgramErrorKind::value(what, value, "above zero and finite").into());
-        }
-    }
-    if !program.comment.chars().all(|c| (' '..='~').contains(&c)) {
-        let comment = format!("\"{}\"", program.comment);
-        return Err(ProgramErrorKind::value("the comment", comment, "printable ASCII").into());
-    }
+    check(program, options)?;
     program.check(robot)?;
     let geometry = OpwGeometry::of(robot).ok_or(ProgramErrorKind::NotOrthoParallel)?;
     let speeds = speeds(program, options)?;
@@ -76,6 +55,41 @@ pub fn write(
     }
     lines.extend(["  ENDPROC", "ENDMODULE"].map(str::to_owned));
     Ok(lines.join("\r\n") + "\r\n")
+}
+
+/// Names, zone, comment and what must be above zero.
+fn check(program: &Program, options: &RapidOptions) -> Result<(), ProgramErrorKind> {
+    check_name("the module's name", &program.name)?;
+    check_name("the tool's name", &program.tool.name)?;
+    check_zone(&options.zone)?;
+    for (what, value) in [
+        ("the tool's mass in kg", program.tool.mass_kg),
+        (
+            "the top speed of joint moves in m/s",
+            options.joint_top_m_per_s,
+        ),
+        (
+            "the speed of reorientation in deg/s",
+            options.reorientation_deg_per_s,
+        ),
+    ] {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(ProgramErrorKind::value(
+                what,
+                value,
+                "above zero and finite",
+            ));
+        }
+    }
+    if !program.comment.chars().all(|c| (' '..='~').contains(&c)) {
+        let comment = format!("\"{}\"", program.comment);
+        return Err(ProgramErrorKind::value(
+            "the comment",
+            comment,
+            "printable ASCII",
+        ));
+    }
+    Ok(())
 }
 
 fn verb(step: &Move) -> &'static str {
