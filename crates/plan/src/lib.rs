@@ -40,6 +40,7 @@ mod parts;
 mod plan;
 mod planner;
 pub mod precession;
+pub mod program;
 mod reach;
 pub mod section;
 mod sheets;
