@@ -42,6 +42,8 @@ mod planner;
 mod reach;
 pub mod section;
 mod sheets;
+pub mod surface;
+pub mod surface_path;
 mod tool_path;
 mod tube;
 mod walk;
