@@ -67,10 +67,8 @@ impl Curvatures {
 }
 
 impl Forms {
-    /// The forms from point and derivatives.
-    ///
-    /// # Errors
-    /// If the parameter lines do not span a plane; the fault says nothing of where, as this does not know the parameters.
+    /// The forms from point and derivatives; `None` if the parameter lines do not span a plane.
+    #[must_use]
     pub fn of(jet: &Jet) -> Option<Self> {
         let [ru, rv] = jet.first_m;
         let across = ru.cross(&rv);
