@@ -44,6 +44,8 @@ pub mod program;
 mod reach;
 pub mod section;
 mod sheets;
+pub mod surface;
+pub mod surface_path;
 mod tool_path;
 mod tube;
 mod walk;
