@@ -31,7 +31,7 @@ const MAY_DEPEND_ON: &[(&str, &[&str])] = &[
 /// Libraries that stay in one place each.
 const ONLY_IN: &[(&str, &[&str])] = &[
     ("rapier3d", &["sim"]),
-    ("parry3d", &["sim"]),
+    ("parry3d", &["plan", "sim"]),
     ("rerun", &["telemetry"]),
     ("clap", &["cli"]),
     ("urdf-rs", &["arm"]),

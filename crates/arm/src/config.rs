@@ -16,6 +16,7 @@
 //! damping_nm_s_per_rad = 2011.15           #   damping_n_s_per_m,
 //! dry_friction_nm = 0.0                    #   dry_friction_n
 //! rotor_inertia_kg_m2 = 0.0                #   and rotor_mass_kg; all on the joint side of the gear
+//! pulses_per_deg = 1345.0                  # optional, pulses_per_mm: encoder counts of a controller that writes them
 //! [joint.servo]                            # optional
 //! position_gain_per_s = 20.0
 //! velocity_gain_nm_s_per_rad = 1.0e4       #   velocity_gain_n_s_per_m
@@ -27,6 +28,7 @@
 //! dry_friction = "estimated: neglected"
 //! rotor_inertia = "estimated"
 //! servo = "estimated"
+//! pulses = "parameter file of the controller"
 //! ```
 
 use std::path::Path;
@@ -78,6 +80,8 @@ struct RawJoint {
     dry_friction_n: Number,
     rotor_inertia_kg_m2: Number,
     rotor_mass_kg: Number,
+    pulses_per_deg: Number,
+    pulses_per_mm: Number,
     servo: Option<RawServo>,
     #[serde(default)]
     source: RawSource,
@@ -102,6 +106,7 @@ struct RawSource {
     dry_friction: Option<String>,
     rotor_inertia: Option<String>,
     servo: Option<String>,
+    pulses: Option<String>,
 }
 
 /// What a `robot.toml` says beside the transmissions, which it writes into the chain.
@@ -262,6 +267,19 @@ impl Reader<'_> {
         };
         if let Some(found) = value(rotor, &source.rotor_inertia)? {
             (transmission.rotor_inertia, sources.rotor_inertia) = found;
+        }
+        let pulses = Key {
+            revolute: ("pulses_per_deg", &raw.pulses_per_deg),
+            prismatic: ("pulses_per_mm", &raw.pulses_per_mm),
+            source: "pulses",
+            rule: Rule::Positive,
+        };
+        if let Some((value, text)) = value(pulses, &source.pulses)? {
+            let per_unit = match kind {
+                JointKind::Revolute => value.to_degrees(),
+                JointKind::Prismatic => value * 1e3,
+            };
+            (transmission.pulses_per_unit, sources.pulses) = (Some(per_unit), text);
         }
         if let Some(servo) = &raw.servo {
             let (servo, text) = self.servo(raw, servo, kind)?;

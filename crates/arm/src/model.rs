@@ -84,6 +84,7 @@ pub struct TransmissionSources {
     pub dry_friction: String,
     pub rotor_inertia: String,
     pub servo: String,
+    pub pulses: String,
 }
 
 /// What lies between the motor and the link of one joint.
@@ -101,6 +102,8 @@ pub struct Transmission {
     /// The servo acts on the link: `stiffness` and `damping` are those of its loops. See
     /// [`Robot::close_rigid_servos`].
     pub rigid_servo: bool,
+    /// Encoder pulses per rad (m) of the joint, as the controller's program files count them; `None` if no file gives it.
+    pub pulses_per_unit: Option<f64>,
     pub sources: TransmissionSources,
 }
 

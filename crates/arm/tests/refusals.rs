@@ -193,6 +193,21 @@ const CONFIG_FAULTS: &[(&str, usize, &[&str])] = &[
         &["`position_gain_per_s` is 0", "above zero"],
     ),
     (
+        "[[joint]]\nname = \"turn\"\npulses_per_deg = 0\nsource.pulses = \"x\"",
+        3,
+        &["\"turn\"", "`pulses_per_deg` is 0", "above zero"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\npulses_per_deg = 1345.0",
+        3,
+        &["`pulses_per_deg` has no source", "pulses = \"...\""],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\npulses_per_mm = 10\nsource.pulses = \"x\"",
+        3,
+        &["\"turn\" is revolute", "use `pulses_per_deg`"],
+    ),
+    (
         "[frames.tool]\nxyz_m = [0, nan, 0]",
         2,
         &["frame `tool`", "`xyz_m` holds NaN"],

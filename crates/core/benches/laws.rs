@@ -1,7 +1,7 @@
 //! Cost of the analytic laws that run in every step.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use nalgebra::{Matrix2, Vector2, Vector3};
+use nalgebra::{Isometry2, Matrix2, Point2, Vector2, Vector3};
 use std::hint::black_box;
 use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients};
 use truecut_core::cutting::milling::cut::{MillingCut, MillingParameters, ToolState};
@@ -11,6 +11,11 @@ use truecut_core::cutting::rim::Rim;
 use truecut_core::friction::{Approach, FrictionLaw, solve_planar};
 use truecut_core::pressure_foot::{FootMemory, PressureFoot};
 use truecut_core::wheel::Strip;
+use truecut_core::wheel::face::Face;
+use truecut_core::wheel::patch::Sliding;
+use truecut_core::wheel::pneumatic::PneumaticWheel;
+use truecut_core::wheel::quadrature::Quadrature;
+use truecut_core::wheel::removal::{Placement, SurfaceGrid};
 
 fn friction(c: &mut Criterion) {
     let body = Approach {
@@ -109,5 +114,51 @@ fn contacts(c: &mut Criterion) {
     });
 }
 
-criterion_group!(laws, friction, cutting, milling, contacts);
+fn finishing(c: &mut Criterion) {
+    let wheel = PneumaticWheel {
+        radius_m: 20e-3,
+        pressure_pa: 0.1e6,
+        shell_thickness_m: 5e-3,
+        youngs_modulus_pa: 4e6,
+        poisson: 0.49,
+        damping_pa_s_per_m: 1e4,
+    };
+    let face = Face::rectangle(0.1, 0.06).unwrap();
+    let quadrature = Quadrature::default();
+    let sliding = Sliding::about(Point2::new(-7e-3, 0.0), 100.0, 0.3);
+    let inside = Isometry2::translation(-0.05, -0.03);
+    let corner = Isometry2::translation(-0.099, -0.0595);
+    c.bench_function("patch from penetration", |b| {
+        b.iter(|| wheel.patch(black_box(1.5e-3)));
+    });
+    let patch = wheel.patch(1.5e-3);
+    for (name, pose) in [
+        ("patch loads, inside", inside),
+        ("patch loads, at a corner", corner),
+    ] {
+        c.bench_function(name, |b| {
+            b.iter(|| patch.loads(&face, black_box(&pose), &sliding, &quadrature, |_| {}));
+        });
+    }
+    let mut grid = SurfaceGrid::plane(200, 120, 0.1, 0.06);
+    let placement = Placement {
+        at_cells: Vector2::new(100.0, 60.0),
+        patch_from_cells_m: Matrix2::identity() * 0.5e-3,
+    };
+    let mut scratch = Vec::new();
+    c.bench_function("Preston removal on a grid of 0.5 mm", |b| {
+        b.iter(|| {
+            grid.spread(
+                &placement,
+                patch.window_m(),
+                1e-3,
+                4e-11,
+                &mut scratch,
+                |x, y| patch.moving_pressure_pa(x, y, &sliding) * sliding.at_m_per_s(x, y).norm(),
+            );
+        });
+    });
+}
+
+criterion_group!(laws, friction, cutting, milling, contacts, finishing);
 criterion_main!(laws);

@@ -12,7 +12,7 @@
 //! | [`pressure_foot`] | gas spring, seal stiction, lift-off |
 //! | [`cutting`] | chip area, cutting forces, milling, and the surface that cutting leaves |
 //! | [`chatter`] | stability: mode coupling, regeneration, lobes |
-//! | [`wheel`] | contact and removal of a compliant wheel on a flat plate |
+//! | [`wheel`] | contact and removal of wheels, belts and brushes, also over edges |
 //! | [`stiffness`] | the stiffness ellipsoid and its sections |
 //! | [`vibration`] | closed forms for oscillators under rotating forces and dry friction |
 //! | [`roughness`] | figures of a measured or simulated surface profile |

@@ -1,4 +1,21 @@
 //! A compliant wheel pressed onto a flat plate: normal spring, sliding friction, Preston removal.
+//!
+//! The submodules hold the tools of finishing: what their surfaces rest on ([`bed`]), how they press ([`pneumatic`], [`belt`],
+//! [`brush`]), the patch over a face with edges ([`patch`], [`face`]), what they remove ([`removal`]), and how they are held
+//! ([`force_control`]).
+
+pub mod bed;
+pub mod belt;
+pub mod brush;
+pub mod face;
+pub mod force_control;
+pub mod patch;
+pub mod pneumatic;
+pub mod quadrature;
+pub mod removal;
+pub mod runout;
+
+pub mod precession;
 
 /// Contact law of the wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,0 +1,77 @@
+//! The HP20 against inverse kinematics computed by two independent programs, for the belt wheel on a wheel-hub spoke.
+
+use std::path::PathBuf;
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use truecut_arm::{ArmBranch, BranchOptions, FrameId, Robot};
+
+fn robot() -> Robot {
+    let urdf =
+        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/hp20/robot.urdf");
+    Robot::load(&urdf, None, None).expect("the asset loads")
+}
+
+/// A point of the spoke z = 25 sin πu − 0.006 (1 − u/2) y² (mm) over (200u, y), at y = 0: where the centre of a wheel of 40 mm
+/// pressed in by 0.5 mm stands, tool y along the wheel's axis (the direction of least curvature, here that of u), tool z into
+/// the surface.
+fn wheel_pose(u: f64) -> Isometry3<f64> {
+    let (sine, cosine) = (std::f64::consts::PI * u).sin_cos();
+    let rise = 25.0 * std::f64::consts::PI * cosine;
+    let along = Vector3::new(200.0, 0.0, rise).normalize();
+    let normal = Vector3::new(-rise, 0.0, 200.0).normalize();
+    let centre_mm = Vector3::new(200.0 * u, 0.0, 25.0 * sine) + normal * 39.5;
+    let point = Vector3::new(1.0, -0.1, 0.45) + centre_mm * 1e-3;
+    let axes = Matrix3::from_columns(&[along.cross(&-normal), along, -normal]);
+    let rotation = Rotation3::from_matrix_unchecked(axes);
+    Isometry3::from_parts(
+        Translation3::from(point),
+        UnitQuaternion::from_rotation_matrix(&rotation),
+    )
+}
+
+/// Values printed to 1e-3 degree: half a digit of them and rounding stay within the tolerance of 1e-3.
+#[test]
+fn verify_hp20_inverse_kinematics_on_the_spoke() {
+    let robot = robot();
+    let solver = robot.ik_solver(&BranchOptions::default());
+    let geometry = *solver.geometry().expect("solved in closed form");
+    let expected_deg = [
+        (0.2, [-6.200, 6.516, -34.775, -3.616, -31.231, -80.996]),
+        (0.6, [-4.896, 22.475, -12.569, 0.668, -61.852, -85.455]),
+    ];
+    // The elbow above the line from shoulder to wrist, θ5 > 0.
+    let wanted = ArmBranch {
+        rear_shoulder: false,
+        lower_elbow: false,
+        flipped_wrist: false,
+    };
+    for (u, expected) in expected_deg {
+        let branches = solver.branches(&wheel_pose(u), FrameId::Tool);
+        let apart = |q: &Vec<f64>| {
+            let differences = q.iter().zip(expected).map(|(q, e)| {
+                let turned = (q.to_degrees() - e).rem_euclid(360.0);
+                turned.min(360.0 - turned)
+            });
+            differences.fold(0.0, f64::max)
+        };
+        let nearest = branches
+            .iter()
+            .min_by(|a, b| apart(a).total_cmp(&apart(b)))
+            .expect("within reach");
+        assert!(apart(nearest) <= 1e-3, "u = {u}: {branches:?}");
+        robot.check_posture(nearest).expect("within limits");
+        assert_eq!(geometry.branch(nearest), wanted);
+    }
+}
+
+/// Catalogue reach, axis 1 to the wrist centre with the arm stretched: 1717 mm, given in whole millimetres.
+#[test]
+fn verify_hp20_reach() {
+    let robot = robot();
+    let geometry = *robot
+        .ik_solver(&BranchOptions::default())
+        .geometry()
+        .expect("ortho-parallel");
+    let reach_m = geometry.a1_m + geometry.c2_m + geometry.a2_m.hypot(geometry.c3_m);
+    assert!((reach_m - 1.717).abs() <= 0.5e-3, "{reach_m}");
+}

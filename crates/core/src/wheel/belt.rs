@@ -1,0 +1,181 @@
+//! A grinding belt over a cylindrical contact wheel, pressed onto a surface curved across its axis.
+//!
+//! **Wheel.** Hertz's line contact: half width `b = √(4 F' R_e / (π E*))`, `1/R_e = 1/R + κ`, pressure `p0 √(1 - x²/b²)`,
+//! `p0 = E* b / (2 R_e)`. With the overlap above the patch's rim, `u = (b² - x²)/2R_e`, the pressure is
+//! `κ √u`, `κ = E* / √(2 R_e)`: a local bed, as for the point. How far the wheel approaches depends on the depth h of the
+//! rubber on its hub (Johnson, *Contact Mechanics*, eq. 5.57):
+//! `d = F'/(πE*) (2 ln(2h/b) - ν/(1-ν)) = b²/(4R_e) (…)`, for b well below h. Beyond `b = h/2` we go on with the slope
+//! reached there in b²; the truth is stiffer.
+//!
+//! **Belt.** Tension T over width W is a layer with `N = T/W`. Wrapped round the wheel it presses the wheel with `N/R`; pressed onto
+//! the workpiece it takes its shape, loses the curvature `1/R_e`, and hands the face `N/R_e`. It pulls the patch's ends together (no
+//! kink, `bed`), and bends round an edge across its run. Along its run it is not stretched sideways: no reaction there.
+
+use super::bed::Bed;
+use super::patch::{Layer, Patch, Shape, penetration_for};
+
+/// Contact wheel and belt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeltWheel {
+    /// Radius including the belt, m.
+    pub radius_m: f64,
+    pub width_m: f64,
+    /// Contact modulus of the rubber, `E/(1-ν²)`, Pa.
+    pub contact_modulus_pa: f64,
+    pub poisson: f64,
+    /// Thickness of the rubber on the hub, m.
+    pub rubber_m: f64,
+    /// Belt tension, N.
+    pub tension_n: f64,
+    /// Viscous pressure per rate of deflection of the surface, Pa s/m.
+    pub damping_pa_s_per_m: f64,
+}
+
+impl BeltWheel {
+    /// Radius relative to a surface of this curvature across the axis (convex positive, 1/m):
+    /// `1/R_e = 1/R + κ`, m. On a concave surface tighter than the wheel there is none.
+    pub fn relative_radius_m(&self, curvature_per_m: f64) -> Option<f64> {
+        let sum = 1.0 / self.radius_m + curvature_per_m;
+        (sum > 0.0).then(|| 1.0 / sum)
+    }
+
+    /// Approach of the hub over `b²/4R_e`, from Johnson's eq. 5.57.
+    fn depth_factor(&self, half_width_m: f64) -> f64 {
+        2.0 * (2.0 * self.rubber_m / half_width_m).ln() - self.poisson / (1.0 - self.poisson)
+    }
+
+    /// Penetration at which Hertz's half width is `b`, m.
+    fn approach_m(&self, half_width_m: f64, relative_radius_m: f64) -> f64 {
+        let limit = 0.5 * self.rubber_m;
+        let b = half_width_m.min(limit);
+        let quarter = 0.25 / relative_radius_m;
+        let within = quarter * b * b * self.depth_factor(b);
+        // slope dd/d(b²) = (factor - 1)/4R_e
+        let beyond = (half_width_m * half_width_m - b * b) * (self.depth_factor(limit) - 1.0);
+        within + quarter * beyond
+    }
+
+    /// The patch at a penetration on a surface of relative radius `R_e`.
+    pub fn patch(&self, penetration_m: f64, relative_radius_m: f64) -> Patch {
+        let d = penetration_m.max(0.0);
+        let r = relative_radius_m;
+        // d >= b²/4R_e (factor(h/2) - 1), the factor being largest for small b
+        let longest = (4.0 * r * d / (self.depth_factor(0.5 * self.rubber_m) - 1.0)).sqrt();
+        let b = penetration_for(d, longest, |b| {
+            if b > 0.0 { self.approach_m(b, r) } else { 0.0 }
+        });
+        let bed = Bed {
+            shell_m_per_pa: 0.0,
+            tread_m_per_pa2: 2.0 * r / self.contact_modulus_pa.powi(2),
+            damping_pa_s_per_m: self.damping_pa_s_per_m,
+            tension_n_per_m: self.tension_n / self.width_m,
+        };
+        let shape = Shape::Line {
+            radius_m: r,
+            half_width_m: 0.5 * self.width_m,
+        };
+        let slope = self.depth_factor(b.clamp(1e-9, 0.5 * self.rubber_m)) - 1.0;
+        Patch::new(bed, Layer::AlongX, shape, b * b / (2.0 * r)).with_overlap_rate(2.0 / slope)
+    }
+
+    /// Normal force at a penetration on a face without edges nearby, N.
+    pub fn normal_force_n(&self, penetration_m: f64, relative_radius_m: f64) -> f64 {
+        self.patch(penetration_m, relative_radius_m).free_force_n()
+    }
+
+    /// Penetration that gives a normal force, m.
+    pub fn penetration_m(&self, normal_force_n: f64, relative_radius_m: f64) -> f64 {
+        penetration_for(normal_force_n, self.rubber_m, |d| {
+            self.normal_force_n(d, relative_radius_m)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wheel() -> BeltWheel {
+        BeltWheel {
+            radius_m: 40e-3,
+            width_m: 25e-3,
+            contact_modulus_pa: 8e6,
+            poisson: 0.48,
+            rubber_m: 15e-3,
+            tension_n: 0.0,
+            damping_pa_s_per_m: 0.0,
+        }
+    }
+
+    /// Spec section 4: 30 N on 25 mm, E* = 8 MPa, R = 40 mm on κ = 9 per metre: b = 2.37 mm, p0 = 0.32 MPa.
+    #[test]
+    fn verify_slack_belt_is_hertz_line_contact() {
+        let w = wheel();
+        let r = w.relative_radius_m(9.0).unwrap();
+        let d = w.penetration_m(30.0, r);
+        let patch = w.patch(d, r);
+        let b = (4.0 * 1200.0 * r / (std::f64::consts::PI * 8e6)).sqrt();
+        assert!(
+            (patch.contact_m() / b - 1.0).abs() < 1e-9,
+            "{}",
+            patch.contact_m()
+        );
+        assert!((patch.contact_m() - 2.37e-3).abs() < 0.005e-3);
+        assert!((patch.pressure_pa(0.0, 0.0) - 0.32e6).abs() < 0.005e6);
+        let quarter = patch.pressure_pa(0.5 * b, 0.0) / patch.pressure_pa(0.0, 0.0);
+        assert!((quarter - 0.75_f64.sqrt()).abs() < 1e-9);
+        assert!(w.relative_radius_m(-30.0).is_none());
+    }
+
+    /// Johnson's approach against the strain integrated along the axis under Hertz's pressure (his eq. 4.46):
+    /// `σx = -p0 ((b²+2z²)/(b√(b²+z²)) - 2z/b)`, `σz = -p0 b/√(b²+z²)`, plane strain.
+    #[test]
+    fn verify_approach_is_the_strain_below_the_patch() {
+        let w = wheel();
+        let (r, nu) = (40e-3, w.poisson);
+        for b in [0.3e-3_f64, 1e-3, 3e-3] {
+            let p0 = w.contact_modulus_pa * b / (2.0 * r);
+            let n = 400_000;
+            let h = w.rubber_m / n as f64;
+            let mut approach = 0.0;
+            for i in 0..n {
+                let z = (i as f64 + 0.5) * h;
+                let root = b.hypot(z);
+                let x = p0 * ((b * b + 2.0 * z * z) / (b * root) - 2.0 * z / b);
+                approach += (p0 * b / root - nu / (1.0 - nu) * x) / w.contact_modulus_pa * h;
+            }
+            let ours = w.approach_m(b, r);
+            // the closed form leaves out terms of (b/h)²
+            assert!(
+                (ours / approach - 1.0).abs() < (b / w.rubber_m).powi(2),
+                "{b}: {ours} {approach}"
+            );
+        }
+    }
+
+    #[test]
+    fn verify_tension_adds_force_and_shortens_the_patch() {
+        let (slack, r) = (wheel(), 40e-3);
+        let d = slack.penetration_m(30.0, r);
+        let mut last = (slack.normal_force_n(d, r), slack.patch(d, r).contact_m());
+        for tension in [10.0, 50.0, 150.0] {
+            let tight = BeltWheel {
+                tension_n: tension,
+                ..slack
+            };
+            let now = (tight.normal_force_n(d, r), tight.patch(d, r).contact_m());
+            assert!(now.0 > last.0 && now.1 < last.1, "{tension}: {now:?}");
+            last = now;
+        }
+    }
+
+    #[test]
+    fn verify_approach_goes_on_smoothly_beyond_its_range() {
+        let (w, r) = (wheel(), 40e-3);
+        let b = 0.5 * w.rubber_m;
+        let slope = |b: f64| (w.approach_m(b + 1e-7, r) - w.approach_m(b - 1e-7, r)) / 2e-7;
+        assert!((slope(b - 1e-6) / slope(b + 1e-6) - 1.0).abs() < 1e-3);
+        let deep = w.patch(w.approach_m(1.2 * b, r), r);
+        assert!((deep.overlap_half_length_m() / (1.2 * b) - 1.0).abs() < 1e-6);
+    }
+}

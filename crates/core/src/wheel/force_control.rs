@@ -1,0 +1,144 @@
+//! How the normal force of a tool is held: as functions from one state to the next.
+
+/// Law by which the tool moves along the normal relative to the commanded path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ForceControl {
+    /// The arm keeps its path: no offset.
+    Position,
+    /// The path is shifted until the measured force is the desired one: `ẋ = (F_set - F)/c`, c in N s/m, no faster
+    /// than a limit.
+    ConstantForce {
+        force_n: f64,
+        damping_n_s_per_m: f64,
+        fastest_m_per_s: f64,
+    },
+    /// The tool rides on a spring and damper with a preload: `m ẍ + c ẋ + k x = F_preload - F`, x towards the workpiece.
+    Compliant {
+        mass_kg: f64,
+        stiffness_n_per_m: f64,
+        damping_n_s_per_m: f64,
+        preload_n: f64,
+        /// Stroke to either side, m.
+        stroke_m: f64,
+    },
+}
+
+/// Offset towards the workpiece along the normal, m, and its rate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Offset {
+    pub offset_m: f64,
+    pub rate_m_per_s: f64,
+}
+
+impl ForceControl {
+    /// The state a step later. `contact_n` is the normal force that presses on the workpiece, taken at mid-step (or
+    /// held over it); the trapezoidal rule, so that a spring keeps its energy.
+    pub fn step(&self, state: &Offset, contact_n: f64, dt: f64) -> Offset {
+        match *self {
+            Self::Position => Offset::default(),
+            Self::ConstantForce {
+                force_n,
+                damping_n_s_per_m,
+                fastest_m_per_s,
+            } => {
+                let rate = (force_n - contact_n) / damping_n_s_per_m;
+                let rate_m_per_s = rate.clamp(-fastest_m_per_s, fastest_m_per_s);
+                Offset {
+                    offset_m: state.offset_m + rate_m_per_s * dt,
+                    rate_m_per_s,
+                }
+            }
+            Self::Compliant {
+                mass_kg,
+                stiffness_n_per_m: k,
+                damping_n_s_per_m: c,
+                preload_n,
+                stroke_m,
+            } => {
+                let (x, v) = (state.offset_m, state.rate_m_per_s);
+                // mean rate u over the step: m (2u - 2v)/dt + c u + k (x + u dt/2) = F
+                let force = preload_n - contact_n - k * x + 2.0 * mass_kg * v / dt;
+                let mean = force / (2.0 * mass_kg / dt + c + 0.5 * k * dt);
+                let (offset, rate) = (x + mean * dt, 2.0 * mean - v);
+                if offset.abs() <= stroke_m {
+                    Offset {
+                        offset_m: offset,
+                        rate_m_per_s: rate,
+                    }
+                } else {
+                    // at its stop, which takes the momentum
+                    Offset {
+                        offset_m: stroke_m.copysign(offset),
+                        rate_m_per_s: 0.0,
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn spindle(damping: f64) -> ForceControl {
+        ForceControl::Compliant {
+            mass_kg: 2.0,
+            stiffness_n_per_m: 5e3,
+            damping_n_s_per_m: damping,
+            preload_n: 20.0,
+            stroke_m: 15e-3,
+        }
+    }
+
+    #[test]
+    fn verify_compliant_end_effector_rings_at_its_frequency_and_keeps_its_energy() {
+        let omega = (5e3_f64 / 2.0).sqrt();
+        let dt = TAU / omega / 500.0;
+        let rest = 20.0 / 5e3;
+        let mut s = Offset::default();
+        for i in 1..=5000 {
+            s = spindle(0.0).step(&s, 0.0, dt);
+            let expected = rest * (1.0 - (omega * f64::from(i) * dt).cos());
+            assert!((s.offset_m - expected).abs() < 2e-3 * rest, "{i}");
+        }
+        let energy = s.rate_m_per_s.powi(2) + 2500.0 * (s.offset_m - rest).powi(2);
+        assert!((energy / (2500.0 * rest * rest) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn verify_damped_end_effector_comes_to_rest_at_the_balance_of_forces() {
+        let mut s = Offset::default();
+        for _ in 0..20_000 {
+            s = spindle(200.0).step(&s, 12.0, 1e-3);
+        }
+        assert!((s.offset_m - 8.0 / 5e3).abs() < 1e-9 && s.rate_m_per_s.abs() < 1e-9);
+        for _ in 0..20_000 {
+            s = spindle(200.0).step(&s, -200.0, 1e-3);
+        }
+        assert_eq!(s.offset_m, 15e-3);
+    }
+
+    /// Against a spring k the error falls as e^{-k t / c}.
+    #[test]
+    fn verify_constant_force_is_reached_exponentially_and_within_the_speed_limit() {
+        let law = |fastest| ForceControl::ConstantForce {
+            force_n: 20.0,
+            damping_n_s_per_m: 4e3,
+            fastest_m_per_s: fastest,
+        };
+        let (k, dt) = (2e4, 1e-5);
+        let mut s = Offset::default();
+        for _ in 0..20_000 {
+            s = law(1.0).step(&s, k * s.offset_m, dt);
+        }
+        let left = 1.0 - k * s.offset_m / 20.0;
+        assert!(
+            (left / (-k * 0.2 / 4e3_f64).exp() - 1.0).abs() < 1e-3,
+            "{left}"
+        );
+        assert_eq!(law(1e-3).step(&Offset::default(), 0.0, 0.1).offset_m, 1e-4);
+        assert_eq!(ForceControl::Position.step(&s, 5.0, dt), Offset::default());
+    }
+}

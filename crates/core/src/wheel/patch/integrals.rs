@@ -1,0 +1,190 @@
+//! Quadrature of a patch over the face, and of the line reactions along its edges.
+
+use super::{Layer, Patch, PatchLoads, Shape, Sliding};
+use crate::wheel::face::{Face, Side};
+use crate::wheel::quadrature::Quadrature;
+use nalgebra::{Point2, Vector2};
+use std::f64::consts::FRAC_PI_2;
+
+impl Patch {
+    /// Rows across the patch between the ordinates at which the face's boundary changes, parts of rows on the face;
+    /// both by the sine of an angle, in which pressures that fall to zero like a root are smooth.
+    pub(super) fn add_patch(
+        &self,
+        face: &Face,
+        sides: &[Side],
+        sliding: &Sliding,
+        quadrature: &Quadrature,
+        loads: &mut PatchLoads,
+    ) {
+        let c = self.contact_m;
+        if c <= 0.0 {
+            return;
+        }
+        let half_y = self.half_y_m();
+        let ends = self.row_breaks(sides);
+        let mut crossings = Vec::new();
+        for pair in ends.windows(2) {
+            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+            for (node, weight) in quadrature.for_share(half / FRAC_PI_2) {
+                let (sin, cos) = (middle + half * node).sin_cos();
+                let y = half_y * sin;
+                let row_weight = weight * half * half_y * cos;
+                let half_x = match self.shape {
+                    Shape::Point { .. } => c * cos,
+                    Shape::Line { .. } => c,
+                };
+                face.row(sides, y, half_x, &mut crossings, |from, to| {
+                    let (a, b) = ((from / half_x).asin(), (to / half_x).asin());
+                    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+                    for (node, weight) in quadrature.for_share(half / FRAC_PI_2) {
+                        let (sin, cos) = (middle + half * node).sin_cos();
+                        let x = half_x * sin;
+                        let area = row_weight * weight * half * half_x * cos;
+                        let pressure = self.moving_pressure_pa(x, y, sliding);
+                        loads.add(Point2::new(x, y), pressure * area, sliding);
+                    }
+                });
+            }
+        }
+    }
+
+    fn half_y_m(&self) -> f64 {
+        match self.shape {
+            Shape::Point { .. } => self.contact_m,
+            Shape::Line { half_width_m, .. } => half_width_m,
+        }
+    }
+
+    /// Angles between which rows are smooth: ends of sides, and where sides leave the patch.
+    fn row_breaks(&self, sides: &[Side]) -> Vec<f64> {
+        let (c, half_y) = (self.contact_m, self.half_y_m());
+        let mut breaks = vec![-FRAC_PI_2, FRAC_PI_2];
+        let mut push = |y: f64| {
+            if y.abs() < half_y {
+                breaks.push((y / half_y).asin());
+            }
+        };
+        for side in sides {
+            let along = side.to_m - side.from_m;
+            push(side.from_m.y);
+            let mut cut = |t: f64| {
+                if (0.0..=1.0).contains(&t) {
+                    push(side.from_m.y + t * along.y);
+                }
+            };
+            match self.shape {
+                Shape::Point { .. } => {
+                    let (near, half) = chord(side, c);
+                    if half > 0.0 {
+                        cut(near - half);
+                        cut(near + half);
+                    }
+                }
+                Shape::Line { .. } if along.x != 0.0 => {
+                    cut((c - side.from_m.x) / along.x);
+                    cut((-c - side.from_m.x) / along.x);
+                }
+                Shape::Line { .. } => {}
+            }
+        }
+        breaks.sort_unstable_by(f64::total_cmp);
+        // a fine polygon brings more breaks than are worth their rows
+        breaks.dedup_by(|later, kept| *later - *kept < 0.02 && *later < FRAC_PI_2);
+        breaks
+    }
+
+    /// Line reaction per length at a point of an edge, N/m.
+    fn reaction_n_per_m(&self, at: Point2<f64>, outward: &Vector2<f64>, v: Vector2<f64>) -> f64 {
+        let u = self.overlap_at_m(at.x, at.y);
+        let (share, normal) = match self.layer {
+            Layer::Isotropic => (1.0, *outward),
+            Layer::AlongX => (
+                outward.x.abs(),
+                Vector2::new(outward.x.signum() * f64::from(outward.x != 0.0), 0.0),
+            ),
+        };
+        let off = match self.shape {
+            Shape::Point { .. } => at.coords.dot(&normal),
+            Shape::Line { .. } => at.x * normal.x,
+        };
+        let inward = -v.dot(&normal);
+        let on_face = -self.bed.tension_n_per_m * off / self.shape.radius_m();
+        let fall = match (self.layer, self.shape) {
+            (Layer::Isotropic, Shape::Point { radius_m }) => 1.0 / radius_m,
+            _ => 0.0,
+        };
+        let overhang = self.bed.leaving_edge_n_per_m(u, fall, inward);
+        // the layer rises from the edge on the other side at most as it would there
+        let knife = if on_face > 0.0 {
+            self.bed.leaving_edge_n_per_m(u, fall, -inward)
+        } else {
+            0.0
+        };
+        share * (overhang + on_face.min(knife)).max(0.0)
+    }
+
+    pub(super) fn add_edge(
+        &self,
+        side: &Side,
+        sliding: &Sliding,
+        quadrature: &Quadrature,
+        add: &mut impl FnMut(Point2<f64>, f64),
+    ) {
+        let b = self.overlap_half_length_m();
+        let along = side.to_m - side.from_m;
+        let length = along.norm();
+        // the piece over the overlap, as near ± half of the side's length
+        let (near, half) = match self.shape {
+            Shape::Point { .. } => chord(side, b),
+            Shape::Line { half_width_m, .. } => {
+                let (x0, x1) = within(side.from_m.x, along.x, b);
+                let (y0, y1) = within(side.from_m.y, along.y, half_width_m);
+                let (from, to) = (x0.max(y0), x1.min(y1));
+                (0.5 * (from + to), 0.5 * (to - from))
+            }
+        };
+        if half.is_nan() || half <= 0.0 {
+            return;
+        }
+        let angle = |t: f64| ((t - near) / half).clamp(-1.0, 1.0).asin();
+        let (from, to) = (angle(0.0), angle(1.0));
+        let (middle, spread) = (0.5 * (from + to), 0.5 * (to - from));
+        if spread <= 0.0 {
+            return;
+        }
+        for (node, weight) in quadrature.for_share(1.0) {
+            let (sin, cos) = (middle + spread * node).sin_cos();
+            let at = side.from_m + (near + half * sin) * along;
+            let piece = weight * spread * half * cos * length;
+            let v = sliding.at_m_per_s(at.x, at.y);
+            let reaction = self.reaction_n_per_m(at, &side.outward, v);
+            if reaction > 0.0 {
+                add(at, reaction * piece);
+            }
+        }
+    }
+}
+
+/// Nearest point to the origin and half the chord within a circle, as parts of the side's length.
+fn chord(side: &Side, radius_m: f64) -> (f64, f64) {
+    let along = side.to_m - side.from_m;
+    let square = along.norm_squared();
+    let near = -side.from_m.coords.dot(&along) / square;
+    let distance = side.from_m.coords.dot(&side.outward);
+    let half = ((radius_m * radius_m - distance * distance).max(0.0) / square).sqrt();
+    (near, half)
+}
+
+/// Where `start + t step` lies within `±half`, as a range of t in `[0, 1]`; empty if nowhere.
+fn within(start: f64, step: f64, half: f64) -> (f64, f64) {
+    if step == 0.0 {
+        return if start.abs() <= half {
+            (0.0, 1.0)
+        } else {
+            (1.0, 0.0)
+        };
+    }
+    let (a, b) = ((-half - start) / step, (half - start) / step);
+    (a.min(b).max(0.0), a.max(b).min(1.0))
+}

@@ -1,0 +1,95 @@
+//! Gauss–Legendre rules, computed once and kept.
+
+use std::f64::consts::PI;
+
+/// Rules of one to `largest` nodes on `[-1, 1]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quadrature {
+    /// `rules[n - 1]` holds n pairs (node, weight).
+    rules: Vec<Vec<(f64, f64)>>,
+}
+
+impl Default for Quadrature {
+    /// Sixteen rows of sixteen nodes over a whole patch.
+    fn default() -> Self {
+        Self::new(16)
+    }
+}
+
+impl Quadrature {
+    /// Rules up to `largest` nodes; at least four.
+    pub fn new(largest: usize) -> Self {
+        Self {
+            rules: (1..=largest.max(4)).map(legendre).collect(),
+        }
+    }
+
+    /// Nodes of the largest rule.
+    pub fn largest(&self) -> usize {
+        self.rules.len()
+    }
+
+    /// Rule for a part of the whole range: as many nodes as its share, but at least four, since a short
+    /// part is no smoother than a long one.
+    pub(super) fn for_share(&self, share: f64) -> &[(f64, f64)] {
+        let n = self.largest();
+        let nodes = (share * n as f64).ceil().clamp(4.0, n as f64) as usize;
+        &self.rules[nodes - 1]
+    }
+
+    /// Integral of `f` over `[from, to]` with the largest rule.
+    pub fn integrate(&self, from: f64, to: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let rule = self.for_share(1.0);
+        half * rule
+            .iter()
+            .map(|(x, w)| w * f(middle + half * x))
+            .sum::<f64>()
+    }
+}
+
+/// Nodes and weights by Newton's iteration on the Legendre polynomial (Abramowitz and Stegun 25.4.29).
+fn legendre(n: usize) -> Vec<(f64, f64)> {
+    (0..n)
+        .map(|i| {
+            let mut x = (PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
+            let mut derivative = 1.0;
+            for _ in 0..50 {
+                let (mut p, mut before) = (1.0, 0.0);
+                for k in 0..n {
+                    let k = k as f64;
+                    (p, before) = (((2.0 * k + 1.0) * x * p - k * before) / (k + 1.0), p);
+                }
+                derivative = n as f64 * (x * p - before) / (x * x - 1.0);
+                let step = p / derivative;
+                x -= step;
+                if step.abs() < 1e-15 {
+                    break;
+                }
+            }
+            (x, 2.0 / ((1.0 - x * x) * derivative * derivative))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verify_rule_of_n_nodes_is_exact_to_degree_two_n_less_one() {
+        let q = Quadrature::new(16);
+        for n in 4..=16 {
+            let rule = &q.rules[n - 1];
+            for degree in [2 * n - 2, 2 * n - 1] {
+                let sum: f64 = rule.iter().map(|(x, w)| w * x.powi(degree as i32)).sum();
+                let exact = if degree % 2 == 0 {
+                    2.0 / (degree as f64 + 1.0)
+                } else {
+                    0.0
+                };
+                assert!((sum - exact).abs() < 1e-13, "{n} {degree}: {sum}");
+            }
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! What can be wrong with a robot program or its file.
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// A fault with the place it was found at. `Display` gives one line, `file:line: message`, as far as they are known.
+#[derive(Debug)]
+pub struct ProgramError(Box<Fault>);
+
+#[derive(Debug)]
+struct Fault {
+    path: Option<PathBuf>,
+    line: Option<usize>,
+    kind: ProgramErrorKind,
+}
+
+impl ProgramError {
+    pub(crate) fn in_file(path: &Path, line: usize, kind: ProgramErrorKind) -> Self {
+        Self(Box::new(Fault {
+            path: Some(path.to_owned()),
+            line: Some(line),
+            kind,
+        }))
+    }
+
+    /// The file that holds the fault; `None` if it is in an argument.
+    #[must_use]
+    pub fn path(&self) -> Option<&Path> {
+        self.0.path.as_deref()
+    }
+
+    /// The 1-based line in [`path`](Self::path).
+    #[must_use]
+    pub fn line(&self) -> Option<usize> {
+        self.0.line
+    }
+
+    /// The typed fault.
+    #[must_use]
+    pub fn kind(&self) -> &ProgramErrorKind {
+        &self.0.kind
+    }
+}
+
+impl Display for ProgramError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let (Some(path), Some(line)) = (&self.0.path, self.0.line) {
+            write!(f, "{}:{line}: ", path.display())?;
+        }
+        self.0.kind.fmt(f)
+    }
+}
+
+impl std::error::Error for ProgramError {}
+
+impl From<ProgramErrorKind> for ProgramError {
+    fn from(kind: ProgramErrorKind) -> Self {
+        Self(Box::new(Fault {
+            path: None,
+            line: None,
+            kind,
+        }))
+    }
+}
+
+/// The faults of programs and their files.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ProgramErrorKind {
+    #[error("`{found}` stands where {wanted} is wanted")]
+    Unexpected { found: String, wanted: String },
+    #[error("the file ends here, before {missing}")]
+    Truncated { missing: String },
+    #[error("{what} has {found} fields; {wanted} are wanted")]
+    Fields {
+        what: String,
+        found: usize,
+        wanted: String,
+    },
+    #[error("{what} is {value}; it must be {rule}")]
+    Value {
+        what: String,
+        value: String,
+        rule: String,
+    },
+    #[error(
+        "position type {found} is unknown; the dialect has PULSE, BASE, ROBOT, TOOL, USER and MTOOL"
+    )]
+    UnknownPositionType { found: String },
+    #[error(
+        "positions of type {found} need frames that the file does not hold; BASE and PULSE are read"
+    )]
+    ForeignPositionType { found: String },
+    #[error("{what} is given twice, first in line {first_line}")]
+    Twice { what: String, first_line: usize },
+    #[error("{what} says {said} positions, but {found} follow")]
+    Count {
+        what: &'static str,
+        said: usize,
+        found: usize,
+    },
+    #[error("no move goes to {name}")]
+    UnusedPosition { name: String },
+    #[error("there is no {name} to move to")]
+    MissingPosition { name: String },
+    #[error("{what} holds {found} joints; the robot has {wanted}")]
+    JointCount {
+        what: String,
+        found: usize,
+        wanted: usize,
+    },
+    #[error("pulses need `pulses_per_deg` of joint \"{joint}\", which robot.toml does not give")]
+    NoPulses { joint: String },
+    #[error(
+        "a turntable is written in pulses, but the pulses per degree of the station are not given"
+    )]
+    NoStationPulses,
+    #[error("path point {path_point}: the turntable is given for some moves and not for others")]
+    TurntableInSome { path_point: usize },
+    #[error(
+        "the arm is not one with an ortho-parallel basis and a spherical wrist, whose branches the dialect names"
+    )]
+    NotOrthoParallel,
+    #[error(
+        "path point {path_point}: the posture puts the tool {apart_mm:.4} mm and {apart_deg:.4} deg from the pose of the move"
+    )]
+    PostureMissesPose {
+        path_point: usize,
+        apart_mm: f64,
+        apart_deg: f64,
+    },
+    #[error("path point {path_point}: joint \"{joint}\" stands at {value_deg:.4} deg; {rule}")]
+    Unspeakable {
+        path_point: usize,
+        joint: String,
+        value_deg: f64,
+        rule: &'static str,
+    },
+    #[error(
+        "path point {path_point}: no posture reaches the pose with {flags}; the nearest misses them by {excess_deg:.3} deg in all"
+    )]
+    NoPostureWithFlags {
+        path_point: usize,
+        flags: String,
+        excess_deg: f64,
+    },
+    #[error("path point {path_point}: the pose is out of the arm's reach")]
+    OutOfReach { path_point: usize },
+    #[error(
+        "path point {path_point}: every posture breaks joint limits; the nearest breaks those of joint \"{joint}\" by {excess_deg:.3} deg"
+    )]
+    OutsideLimits {
+        path_point: usize,
+        joint: String,
+        excess_deg: f64,
+    },
+    #[error(
+        "path point {path_point}: every posture is near a singularity; the furthest is {distance} from that of the {kind} (joint \"{joint}\"), at least {least} are asked"
+    )]
+    Singular {
+        path_point: usize,
+        kind: &'static str,
+        joint: String,
+        distance: String,
+        least: String,
+    },
+    #[error(
+        "path point {path_point}: the arm would have to jump on a line: joint \"{joint}\" by {jump_deg:.2} deg, {largest_deg:.2} deg are allowed"
+    )]
+    Jump {
+        path_point: usize,
+        joint: String,
+        jump_deg: f64,
+        largest_deg: f64,
+    },
+}
+
+impl ProgramErrorKind {
+    pub(crate) fn value(what: impl Display, value: impl Display, rule: impl Display) -> Self {
+        Self::Value {
+            what: what.to_string(),
+            value: value.to_string(),
+            rule: rule.to_string(),
+        }
+    }
+
+    pub(crate) fn at_point(path_point: usize, what: &str, value: f64, rule: &str) -> Self {
+        Self::value(format!("path point {path_point}: the {what}"), value, rule)
+    }
+}

@@ -1,0 +1,184 @@
+//! What of a program the arm cannot do, or only badly: limits, singularities, speeds.
+
+use truecut_arm::{OpwGeometry, Robot};
+
+use super::{Motion, Move, Program};
+use crate::reach::SingularityLimits;
+
+/// By how much a joint may stand beyond its limits, rad: what printed decimals move it by.
+const ROUNDING_RAD: f64 = 1e-3 * std::f64::consts::PI / 180.0;
+
+/// Something to report of a program, with the path point and the joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    pub path_point: usize,
+    pub joint: String,
+    pub kind: FindingKind,
+}
+
+/// What is found.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FindingKind {
+    /// The joint stands beyond its limits.
+    OutsideLimits { excess_rad: f64 },
+    /// The posture is nearer to a singularity than asked.
+    NearSingularity {
+        singularity: &'static str,
+        distance: String,
+        least: String,
+    },
+    /// The tool's speed on the line from the point before asks more of the joint than it can turn.
+    TooFast {
+        speed_rad_per_s: f64,
+        limit_rad_per_s: f64,
+    },
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "path point {}: joint \"{}\" ",
+            self.path_point, self.joint
+        )?;
+        match &self.kind {
+            FindingKind::OutsideLimits { excess_rad } => {
+                write!(
+                    f,
+                    "stands {:.3} deg beyond its limits",
+                    excess_rad.to_degrees()
+                )
+            }
+            FindingKind::NearSingularity {
+                singularity,
+                distance,
+                least,
+            } => write!(
+                f,
+                "is {distance} from the singularity of the {singularity}; at least {least} are asked"
+            ),
+            FindingKind::TooFast {
+                speed_rad_per_s,
+                limit_rad_per_s,
+            } => write!(
+                f,
+                "would have to turn at {:.1} deg/s; its limit is {:.1} deg/s",
+                speed_rad_per_s.to_degrees(),
+                limit_rad_per_s.to_degrees()
+            ),
+        }
+    }
+}
+
+/// The singularity that a posture is nearest to, in shares of the distance asked.
+pub(super) struct Near {
+    pub kind: &'static str,
+    /// The joint that the singularity is of.
+    pub joint: usize,
+    pub share: f64,
+    pub distance: String,
+    pub least: String,
+}
+
+impl SingularityLimits {
+    pub(super) fn nearest(&self, distance: &truecut_arm::SingularityDistance) -> Near {
+        let angle = |rad: f64| format!("{:.2} deg", rad.to_degrees());
+        let length = |m: f64| format!("{:.1} mm", m * 1e3);
+        let near = |kind, joint, has: f64, least: f64, text: &dyn Fn(f64) -> String| Near {
+            kind,
+            joint,
+            // A limit of zero asks nothing.
+            share: if least > 0.0 {
+                has / least
+            } else {
+                f64::INFINITY
+            },
+            distance: text(has),
+            least: text(least),
+        };
+        let wrist = near("wrist", 4, distance.wrist_rad, self.wrist_rad, &angle);
+        let elbow = near("elbow", 2, distance.elbow_rad, self.elbow_rad, &angle);
+        let shoulder = near("shoulder", 0, distance.shoulder_m, self.shoulder_m, &length);
+        let least = if elbow.share < wrist.share {
+            elbow
+        } else {
+            wrist
+        };
+        if shoulder.share < least.share {
+            shoulder
+        } else {
+            least
+        }
+    }
+}
+
+impl Program {
+    /// All that a program asks beyond the robot's limits, and where it comes near a singularity. The speed of a joint is that
+    /// between two path points at the programmed speed of the tool; a controller that is asked for more slows the tool down.
+    /// Moves by joints, and turns on the spot, take the time that the joints need.
+    #[must_use]
+    pub fn inspect(&self, robot: &Robot, limits: &SingularityLimits) -> Vec<Finding> {
+        let geometry = OpwGeometry::of(robot);
+        let mut findings = Vec::new();
+        let mut before: Option<&Move> = None;
+        for step in &self.moves {
+            let mut found = |joint: usize, kind| {
+                findings.push(Finding {
+                    path_point: step.path_point,
+                    joint: robot.chain.joints[joint].name.clone(),
+                    kind,
+                });
+            };
+            for (i, (joint, q)) in robot.chain.joints.iter().zip(&step.posture).enumerate() {
+                let beyond = joint.limits.map(|l| (q - l.upper).max(l.lower - q));
+                if let Some(excess_rad) = beyond.filter(|by| *by > ROUNDING_RAD) {
+                    found(i, FindingKind::OutsideLimits { excess_rad });
+                }
+            }
+            if let Some(geometry) = &geometry {
+                let near = limits.nearest(&geometry.singularity_distance(&step.posture));
+                if near.share < 1.0 {
+                    let kind = FindingKind::NearSingularity {
+                        singularity: near.kind,
+                        distance: near.distance,
+                        least: near.least,
+                    };
+                    found(near.joint, kind);
+                }
+            }
+            if let Some(before) = before {
+                for (joint, speed_rad_per_s, limit_rad_per_s) in too_fast(robot, before, step) {
+                    let kind = FindingKind::TooFast {
+                        speed_rad_per_s,
+                        limit_rad_per_s,
+                    };
+                    found(joint, kind);
+                }
+            }
+            before = Some(step);
+        }
+        findings
+    }
+}
+
+/// Joints that a linear move asks too much of: joint, speed, limit.
+fn too_fast(robot: &Robot, before: &Move, step: &Move) -> Vec<(usize, f64, f64)> {
+    let Motion::Linear { speed_m_per_s } = step.motion else {
+        return Vec::new();
+    };
+    let way = step.base_from_tool.translation.vector - before.base_from_tool.translation.vector;
+    let time_s = way.norm() / speed_m_per_s;
+    if time_s < 1e-9 {
+        return Vec::new();
+    }
+    let joints = robot.chain.joints.iter().enumerate();
+    let turned = before.posture.iter().zip(&step.posture);
+    joints
+        .zip(turned)
+        .filter_map(|((i, joint), (a, b))| {
+            let limit = joint.limits.map(|l| l.velocity)?;
+            let speed = (a - b).abs() / time_s;
+            (speed > limit && limit > 0.0).then_some((i, speed, limit))
+        })
+        .collect()
+}

@@ -1,0 +1,394 @@
+//! From a job's text to its positions and moves.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use super::job::{JbiJob, JbiMove, JbiPosition, JbiPositionValue};
+use super::{LAST_TOOL, Rconf, V_MM_PER_S, VJ_PERCENT, check_comment, check_name};
+use crate::program::number::{finite, whole};
+use crate::program::{Motion, ProgramError, ProgramErrorKind};
+
+/// Where in the file the reader stands.
+#[derive(PartialEq, Clone, Copy)]
+enum Section {
+    Job,
+    Name,
+    Pos,
+    Positions,
+    Head,
+    Instructions,
+    End,
+}
+
+struct Reader<'a> {
+    job: JbiJob,
+    section: Section,
+    line: usize,
+    /// Line of `///NPOS`, positions and stations that it announces.
+    announced: Option<(usize, usize, usize)>,
+    kind: Option<&'a str>,
+    rconf: Option<Rconf>,
+    next_point: usize,
+}
+
+impl JbiJob {
+    /// Reads a job.
+    ///
+    /// # Errors
+    /// At the first line that the dialect does not have, and if positions and moves do not belong together.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, ProgramError> {
+        let mut reader = Reader {
+            job: Self {
+                path: path.to_owned(),
+                name: String::new(),
+                comment: String::new(),
+                tool: 0,
+                positions: BTreeMap::new(),
+                stations: BTreeMap::new(),
+                moves: Vec::new(),
+                calls: Vec::new(),
+            },
+            section: Section::Job,
+            line: 0,
+            announced: None,
+            kind: None,
+            rconf: None,
+            next_point: 0,
+        };
+        for (i, line) in text.lines().enumerate() {
+            reader.line = i + 1;
+            let line = line.trim();
+            if !line.is_empty() {
+                let read = reader.read(line);
+                read.map_err(|kind| ProgramError::in_file(path, i + 1, kind))?;
+            }
+        }
+        let line = reader.line.max(1);
+        reader
+            .whole()
+            .map_err(|(at, kind)| ProgramError::in_file(path, at.unwrap_or(line), kind))?;
+        Ok(reader.job)
+    }
+}
+
+fn unexpected(found: &str, wanted: &str) -> ProgramErrorKind {
+    ProgramErrorKind::Unexpected {
+        found: found.to_owned(),
+        wanted: wanted.to_owned(),
+    }
+}
+
+/// Comma-separated fields, as many as one of `counts`.
+fn fields<'a>(
+    text: &'a str,
+    what: &str,
+    counts: &[usize],
+) -> Result<Vec<&'a str>, ProgramErrorKind> {
+    let parts: Vec<&str> = text.split(',').collect();
+    if counts.contains(&parts.len()) {
+        return Ok(parts);
+    }
+    let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
+    Err(ProgramErrorKind::Fields {
+        what: what.to_owned(),
+        found: parts.len(),
+        wanted: counts.join(" or "),
+    })
+}
+
+impl<'a> Reader<'a> {
+    fn read(&mut self, line: &'a str) -> Result<(), ProgramErrorKind> {
+        match self.section {
+            Section::Job => self.marker(line, "/JOB", Section::Name),
+            Section::Name => {
+                let name = line.strip_prefix("//NAME ");
+                let name = name.ok_or_else(|| unexpected(line, "//NAME"))?.trim();
+                check_name(name)?;
+                name.clone_into(&mut self.job.name);
+                self.section = Section::Pos;
+                Ok(())
+            }
+            Section::Pos => self.marker(line, "//POS", Section::Positions),
+            Section::Positions => self.in_positions(line),
+            Section::Head => self.instruction_head(line),
+            Section::Instructions => self.instruction(line),
+            Section::End => Err(unexpected(line, "the end of the file, after END,")),
+        }
+    }
+
+    fn marker(&mut self, line: &str, wanted: &str, next: Section) -> Result<(), ProgramErrorKind> {
+        if line != wanted {
+            return Err(unexpected(line, wanted));
+        }
+        self.section = next;
+        Ok(())
+    }
+
+    fn in_positions(&mut self, line: &'a str) -> Result<(), ProgramErrorKind> {
+        let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+        match word {
+            "//INST" => self.section = Section::Head,
+            "///NPOS" => {
+                let counts = fields(rest, "///NPOS", &[6])?;
+                let counts = counts.iter().map(|text| whole::<usize>(text, "///NPOS"));
+                let counts: Vec<usize> = counts.collect::<Result<_, _>>()?;
+                if counts[1] + counts[3] + counts[4] + counts[5] > 0 {
+                    let rule = "C and EC positions only: BC, P, BP and EX must be 0";
+                    return Err(ProgramErrorKind::value("///NPOS", rest, rule));
+                }
+                self.announced = Some((self.line, counts[0], counts[2]));
+            }
+            "///TOOL" => {
+                self.job.tool = whole(rest, "///TOOL")?;
+                if self.job.tool > LAST_TOOL {
+                    let rule = format!("from 0 to {LAST_TOOL}");
+                    return Err(ProgramErrorKind::value("///TOOL", rest, rule));
+                }
+            }
+            "///POSTYPE" => self.kind = Some(position_type(rest.trim())?),
+            "///RECTAN" | "///PULSE" => {
+                let fits = self.kind == Some(if word == "///PULSE" { "PULSE" } else { "BASE" });
+                if !fits {
+                    return Err(unexpected(word, "the form that ///POSTYPE announces"));
+                }
+            }
+            "///RCONF" => self.rconf = Some(rconf(rest)?),
+            _ if line.starts_with("EC") || line.starts_with('C') => self.position(line)?,
+            _ => return Err(unexpected(line, "a position or //INST")),
+        }
+        Ok(())
+    }
+
+    fn position(&mut self, line: &str) -> Result<(), ProgramErrorKind> {
+        let (name, values) = line
+            .split_once('=')
+            .ok_or_else(|| unexpected(line, "a position `C00000=...`"))?;
+        let kind = self
+            .kind
+            .ok_or_else(|| unexpected(line, "///POSTYPE, before any position,"))?;
+        let station = name.starts_with("EC");
+        let number: u32 = whole(name.trim_start_matches(['E', 'C']), "the position's number")?;
+        let known = if station {
+            self.job.stations.get(&number).map(|(_, line)| *line)
+        } else {
+            self.job.positions.get(&number).map(|known| known.line)
+        };
+        if let Some(first_line) = known {
+            let what = name.to_owned();
+            return Err(ProgramErrorKind::Twice { what, first_line });
+        }
+        if station {
+            if kind != "PULSE" {
+                return Err(unexpected(
+                    name,
+                    "///POSTYPE PULSE, before a station's position,",
+                ));
+            }
+            let text = fields(values, name, &[1])?[0];
+            let pulses: i64 = whole(text, name)?;
+            self.job.stations.insert(number, (pulses as f64, self.line));
+            return Ok(());
+        }
+        let value = if kind == "PULSE" {
+            let pulses = values
+                .split(',')
+                .map(|text| Ok(whole::<i64>(text, name)? as f64));
+            JbiPositionValue::Pulses(pulses.collect::<Result<_, ProgramErrorKind>>()?)
+        } else {
+            let texts = fields(values, name, &[6])?;
+            let mut numbers = [0.0; 6];
+            for (number, text) in numbers.iter_mut().zip(texts) {
+                *number = finite(text, name)?;
+            }
+            let [x, y, z, rx, ry, rz] = numbers;
+            let rconf = self.rconf;
+            JbiPositionValue::Rectangular {
+                xyz_mm: [x, y, z],
+                rxyz_deg: [rx, ry, rz],
+                rconf: rconf.ok_or_else(|| unexpected(name, "///RCONF, before a pose,"))?,
+            }
+        };
+        let line = self.line;
+        self.job
+            .positions
+            .insert(number, JbiPosition { line, value });
+        Ok(())
+    }
+
+    fn instruction_head(&mut self, line: &str) -> Result<(), ProgramErrorKind> {
+        let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+        match word {
+            "NOP" => self.section = Section::Instructions,
+            "///COMM" => {
+                check_comment(rest)?;
+                rest.clone_into(&mut self.job.comment);
+            }
+            "///DATE" | "///ATTR" | "///GROUP1" | "///GROUP2" => {}
+            _ => {
+                return Err(unexpected(
+                    line,
+                    "///DATE, ///COMM, ///ATTR, ///GROUP1, ///GROUP2 or NOP",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn instruction(&mut self, line: &str) -> Result<(), ProgramErrorKind> {
+        if line == "END" {
+            self.section = Section::End;
+        } else if let Some(point) = line.strip_prefix("'POINT ") {
+            self.next_point = whole(point, "the path point")?;
+        } else if let Some(name) = line.strip_prefix("CALL JOB:") {
+            check_name(name)?;
+            self.job.calls.push(name.to_owned());
+        } else if !line.starts_with('\'') {
+            let step = self.move_of(line)?;
+            self.job.moves.push(step);
+            self.next_point += 1;
+        }
+        Ok(())
+    }
+
+    fn move_of(&self, line: &str) -> Result<JbiMove, ProgramErrorKind> {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let (main, beside) = words.split_at(words.len().min(3));
+        let &[verb, position, speed] = main else {
+            return Err(unexpected(line, "MOVJ, MOVL, CALL or END"));
+        };
+        let in_range = |text: &str, key: &str, (low, high): (f64, f64)| {
+            let value = text.strip_prefix(key).and_then(|t| t.strip_prefix('='));
+            let value = value.ok_or_else(|| unexpected(text, &format!("{key}=")))?;
+            let number = finite(value, key)?;
+            if !(low..=high).contains(&number) {
+                let rule = format!("from {low} to {high}");
+                return Err(ProgramErrorKind::value(key, value, rule));
+            }
+            Ok(number)
+        };
+        let motion = match verb {
+            "MOVL" => Motion::Linear {
+                speed_m_per_s: in_range(speed, "V", V_MM_PER_S)? * 1e-3,
+            },
+            "MOVJ" => Motion::Joint {
+                share: in_range(speed, "VJ", VJ_PERCENT)? * 1e-2,
+            },
+            _ => return Err(unexpected(verb, "MOVJ, MOVL, CALL or END")),
+        };
+        let station = match beside {
+            [] => None,
+            ["+MOVJ", station, speed] => {
+                in_range(speed, "VJ", VJ_PERCENT)?;
+                let number = numbered(station, "EC")?;
+                let known = self.job.stations.contains_key(&number);
+                Some(known.then_some(number).ok_or_else(|| missing(station))?)
+            }
+            _ => {
+                return Err(unexpected(
+                    &beside.join(" "),
+                    "+MOVJ EC... VJ=... or nothing",
+                ));
+            }
+        };
+        let number = numbered(position, "C")?;
+        if !self.job.positions.contains_key(&number) {
+            return Err(missing(position));
+        }
+        Ok(JbiMove {
+            line: self.line,
+            path_point: self.next_point,
+            motion,
+            position: number,
+            station,
+        })
+    }
+
+    /// What only the whole job shows, with the line if it is not the last.
+    fn whole(&self) -> Result<(), (Option<usize>, ProgramErrorKind)> {
+        if self.section != Section::End {
+            let missing = match self.section {
+                Section::Job => "/JOB",
+                Section::Name => "//NAME",
+                Section::Pos => "//POS",
+                Section::Positions => "//INST",
+                Section::Head => "NOP",
+                _ => "END",
+            };
+            let missing = missing.to_owned();
+            return Err((None, ProgramErrorKind::Truncated { missing }));
+        }
+        let job = &self.job;
+        let Some((line, said, said_stations)) = self.announced else {
+            let missing = "///NPOS".to_owned();
+            return Err((None, ProgramErrorKind::Truncated { missing }));
+        };
+        let counts = [
+            ("///NPOS", said, job.positions.len()),
+            ("///NPOS (EC)", said_stations, job.stations.len()),
+        ];
+        for (what, said, found) in counts {
+            if said != found {
+                return Err((Some(line), ProgramErrorKind::Count { what, said, found }));
+            }
+        }
+        let used: BTreeSet<u32> = job.moves.iter().map(|step| step.position).collect();
+        for (number, position) in &job.positions {
+            if !used.contains(number) {
+                let name = format!("C{number:05}");
+                return Err((
+                    Some(position.line),
+                    ProgramErrorKind::UnusedPosition { name },
+                ));
+            }
+        }
+        let used: BTreeSet<u32> = job.moves.iter().filter_map(|step| step.station).collect();
+        for (number, (_, line)) in &job.stations {
+            if !used.contains(number) {
+                let name = format!("EC{number:05}");
+                return Err((Some(*line), ProgramErrorKind::UnusedPosition { name }));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn missing(name: &str) -> ProgramErrorKind {
+    ProgramErrorKind::MissingPosition {
+        name: name.to_owned(),
+    }
+}
+
+fn numbered(text: &str, prefix: &str) -> Result<u32, ProgramErrorKind> {
+    let number = text.strip_prefix(prefix);
+    let number = number.ok_or_else(|| unexpected(text, &format!("a position {prefix}...")))?;
+    whole(number, "the position's number")
+}
+
+fn position_type(text: &str) -> Result<&str, ProgramErrorKind> {
+    let found = text.to_owned();
+    match text {
+        "BASE" | "PULSE" => Ok(text),
+        "ROBOT" | "TOOL" | "USER" | "MTOOL" => Err(ProgramErrorKind::ForeignPositionType { found }),
+        _ => Err(ProgramErrorKind::UnknownPositionType { found }),
+    }
+}
+
+/// Six flags; later controllers append others, of which nothing is read: 8 or 24 in all.
+fn rconf(text: &str) -> Result<Rconf, ProgramErrorKind> {
+    let texts = fields(text, "///RCONF", &[6, 8, 24])?;
+    let mut flags = [false; 6];
+    for (flag, text) in flags.iter_mut().zip(texts) {
+        *flag = match text.trim() {
+            "0" => false,
+            "1" => true,
+            other => {
+                return Err(ProgramErrorKind::value(
+                    "a flag of ///RCONF",
+                    other,
+                    "0 or 1",
+                ));
+            }
+        };
+    }
+    Ok(Rconf::from_fields(flags))
+}

@@ -1,0 +1,312 @@
+//! From a program to jobs.
+
+use nalgebra::Isometry3;
+use truecut_arm::{OpwGeometry, Robot};
+
+use super::{
+    JbiOptions, LAST_TOOL, NAME_CHARS, PositionFormat, Rconf, TURN_JOINTS, V_MM_PER_S, VJ_PERCENT,
+    check_comment, check_name, rconf_text,
+};
+use crate::program::number::fixed;
+use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind};
+
+/// A job: its name, which the file has too, and its text with CR LF line ends.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JbiFile {
+    pub name: String,
+    pub text: String,
+}
+
+/// Writes a program as one job; as several and one that calls them in turn if it has more instruction lines than fit.
+///
+/// # Errors
+/// If the name, the comment, the tool number or a speed is one that the dialect cannot hold, a joint stands where the
+/// manipulator type cannot say it, pulses are wanted and not known, or the program contradicts itself.
+pub fn write(
+    program: &Program,
+    robot: &Robot,
+    options: &JbiOptions,
+) -> Result<Vec<JbiFile>, ProgramError> {
+    check_name(&program.name)?;
+    check_comment(&program.comment)?;
+    if program.tool.number > LAST_TOOL {
+        let rule = format!("from 0 to {LAST_TOOL}");
+        return Err(ProgramErrorKind::value("the tool number", program.tool.number, rule).into());
+    }
+    if options.lines_per_job < 4 {
+        let rule = "at least 4: NOP, a move with its point, END";
+        return Err(ProgramErrorKind::value("lines per job", options.lines_per_job, rule).into());
+    }
+    program.check(robot)?;
+    let writer = Writer::new(program, robot, options)?;
+    let parts = writer.parts();
+    if parts.len() <= 1 {
+        return Ok(vec![writer.job(&program.name, &program.moves, 0)?]);
+    }
+    let names = part_names(&program.name, parts.len())?;
+    let mut files = vec![writer.caller(&names)];
+    let mut first = 0;
+    for (name, part) in names.iter().zip(&parts) {
+        files.push(writer.job(name, part, first)?);
+        first += part.len();
+    }
+    Ok(files)
+}
+
+/// Names of the parts: as much of the program's name as leaves room for a number of two digits or more.
+fn part_names(name: &str, count: usize) -> Result<Vec<String>, ProgramErrorKind> {
+    let digits = count.to_string().len().max(2);
+    let stem: String = name.chars().take(NAME_CHARS - digits).collect();
+    let names: Vec<String> = (1..=count).map(|i| format!("{stem}{i:0digits$}")).collect();
+    if names.iter().any(|part| part == name) {
+        let rule = "one that the names of the parts into which the job is split do not repeat";
+        return Err(ProgramErrorKind::value(
+            "the job name",
+            format!("\"{name}\""),
+            rule,
+        ));
+    }
+    Ok(names)
+}
+
+struct Writer<'a> {
+    program: &'a Program,
+    robot: &'a Robot,
+    options: &'a JbiOptions,
+    geometry: Option<OpwGeometry>,
+    with_station: bool,
+}
+
+impl<'a> Writer<'a> {
+    fn new(
+        program: &'a Program,
+        robot: &'a Robot,
+        options: &'a JbiOptions,
+    ) -> Result<Self, ProgramErrorKind> {
+        let geometry = match options.format {
+            PositionFormat::Pulse => None,
+            PositionFormat::Rectangular => {
+                Some(OpwGeometry::of(robot).ok_or(ProgramErrorKind::NotOrthoParallel)?)
+            }
+        };
+        let with_station = program.moves.iter().any(|m| m.turntable_rad.is_some());
+        if with_station {
+            let pulses = options.station_pulses_per_deg;
+            let per_deg = pulses.ok_or(ProgramErrorKind::NoStationPulses)?;
+            if !(per_deg.is_finite() && per_deg > 0.0) {
+                let what = "the station's pulses per degree";
+                return Err(ProgramErrorKind::value(
+                    what,
+                    per_deg,
+                    "above zero and finite",
+                ));
+            }
+            percent("the station's speed", options.station_share)?;
+        }
+        Ok(Self {
+            program,
+            robot,
+            options,
+            geometry,
+            with_station,
+        })
+    }
+
+    /// The moves, cut so that NOP, points, moves and END fit into a job.
+    fn parts(&self) -> Vec<&'a [Move]> {
+        let room = self.options.lines_per_job - 2;
+        let moves = &self.program.moves;
+        let mut parts = Vec::new();
+        let (mut start, mut lines) = (0, 0);
+        for i in 0..moves.len() {
+            let needs = |first| 1 + usize::from(names_point(moves, i, first));
+            if lines + needs(start) > room && i > start {
+                parts.push(&moves[start..i]);
+                (start, lines) = (i, 0);
+            }
+            lines += needs(start);
+        }
+        parts.push(&moves[start..]);
+        parts
+    }
+
+    fn head(&self, name: &str, positions: usize) -> Vec<String> {
+        let stations = if self.with_station { positions } else { 0 };
+        vec![
+            "/JOB".to_owned(),
+            format!("//NAME {name}"),
+            "//POS".to_owned(),
+            format!("///NPOS {positions},0,{stations},0,0,0"),
+        ]
+    }
+
+    fn foot(&self, instructions: impl IntoIterator<Item = String>) -> Vec<String> {
+        let mut lines = vec![
+            "//INST".to_owned(),
+            format!("///DATE {}", self.options.date),
+        ];
+        if !self.program.comment.is_empty() {
+            lines.push(format!("///COMM {}", self.program.comment));
+        }
+        lines.extend(["///ATTR SC,RW".to_owned(), "///GROUP1 RB1".to_owned()]);
+        if self.with_station {
+            lines.push("///GROUP2 ST1".to_owned());
+        }
+        lines.push("NOP".to_owned());
+        lines.extend(instructions);
+        lines.push("END".to_owned());
+        lines
+    }
+
+    fn caller(&self, names: &[String]) -> JbiFile {
+        let mut lines = self.head(&self.program.name, 0);
+        lines.extend(self.foot(names.iter().map(|name| format!("CALL JOB:{name}"))));
+        file(&self.program.name, &lines)
+    }
+
+    fn job(&self, name: &str, moves: &[Move], first: usize) -> Result<JbiFile, ProgramErrorKind> {
+        let mut lines = self.head(name, moves.len());
+        lines.push(format!("///TOOL {}", self.program.tool.number));
+        match &self.geometry {
+            Some(geometry) => self.rectangular(geometry, moves, &mut lines)?,
+            None => {
+                lines.extend(["///POSTYPE PULSE".to_owned(), "///PULSE".to_owned()]);
+                for (i, step) in moves.iter().enumerate() {
+                    lines.push(format!("C{i:05}={}", self.pulses(step)?));
+                }
+            }
+        }
+        if self.with_station {
+            if self.geometry.is_some() {
+                lines.extend(["///POSTYPE PULSE".to_owned(), "///PULSE".to_owned()]);
+            }
+            let per_deg = self.options.station_pulses_per_deg.unwrap_or_default();
+            for (i, step) in moves.iter().enumerate() {
+                let angle = step.turntable_rad.unwrap_or_default().to_degrees();
+                lines.push(format!("EC{i:05}={}", fixed(angle * per_deg, 0)));
+            }
+        }
+        let mut instructions = Vec::with_capacity(moves.len());
+        for (i, step) in moves.iter().enumerate() {
+            if names_point(&self.program.moves, first + i, first) {
+                instructions.push(format!("'POINT {}", step.path_point));
+            }
+            instructions.push(self.instruction(i, step)?);
+        }
+        lines.extend(self.foot(instructions));
+        Ok(file(name, &lines))
+    }
+
+    fn rectangular(
+        &self,
+        geometry: &OpwGeometry,
+        moves: &[Move],
+        lines: &mut Vec<String>,
+    ) -> Result<(), ProgramErrorKind> {
+        lines.extend(["///POSTYPE BASE".to_owned(), "///RECTAN".to_owned()]);
+        let mut last = None;
+        for (i, step) in moves.iter().enumerate() {
+            self.check_turns(step)?;
+            let rconf = Rconf::of(geometry, &step.posture);
+            if last != Some(rconf) {
+                lines.push(format!("///RCONF {}", rconf_text(&rconf)));
+                last = Some(rconf);
+            }
+            lines.push(format!("C{i:05}={}", pose_text(&step.base_from_tool)));
+        }
+        Ok(())
+    }
+
+    /// The flags tell turns apart to ±360°.
+    fn check_turns(&self, step: &Move) -> Result<(), ProgramErrorKind> {
+        let joints = &self.robot.chain.joints;
+        let beyond = TURN_JOINTS.into_iter().find(|&joint| {
+            let deg = step.posture[joint].to_degrees();
+            !(deg > -360.0 && deg <= 360.0)
+        });
+        beyond.map_or(Ok(()), |joint| {
+            Err(ProgramErrorKind::Unspeakable {
+                path_point: step.path_point,
+                joint: joints[joint].name.clone(),
+                value_deg: step.posture[joint].to_degrees(),
+                rule: "the manipulator type tells angles above -360 to 360 deg apart",
+            })
+        })
+    }
+
+    fn pulses(&self, step: &Move) -> Result<String, ProgramErrorKind> {
+        let joints = self.robot.chain.joints.iter().zip(&step.posture);
+        let counts = joints.map(|(joint, q)| {
+            let per_unit = joint.transmission.pulses_per_unit;
+            let per_unit = per_unit.ok_or_else(|| ProgramErrorKind::NoPulses {
+                joint: joint.name.clone(),
+            })?;
+            Ok(fixed(q * per_unit, 0))
+        });
+        Ok(counts
+            .collect::<Result<Vec<_>, ProgramErrorKind>>()?
+            .join(","))
+    }
+
+    fn instruction(&self, i: usize, step: &Move) -> Result<String, ProgramErrorKind> {
+        let mut text = match step.motion {
+            Motion::Joint { share } => {
+                format!("MOVJ C{i:05} VJ={}", percent("the speed VJ", share)?)
+            }
+            Motion::Linear { speed_m_per_s } => {
+                let mm_per_s = speed_m_per_s * 1e3;
+                let (low, high) = V_MM_PER_S;
+                if !(low..=high).contains(&mm_per_s) {
+                    let rule = format!("from {low} to {high} mm/s");
+                    return Err(ProgramErrorKind::at_point(
+                        step.path_point,
+                        "speed V",
+                        mm_per_s,
+                        &rule,
+                    ));
+                }
+                format!("MOVL C{i:05} V={}", fixed(mm_per_s, 1))
+            }
+        };
+        if self.with_station {
+            let share = percent("the station's speed", self.options.station_share)?;
+            text.push_str(&format!(" +MOVJ EC{i:05} VJ={share}"));
+        }
+        Ok(text)
+    }
+}
+
+/// Whether the point of a move is named: at the start of a job whose first point is not 0, and where numbers leap.
+fn names_point(moves: &[Move], i: usize, first: usize) -> bool {
+    let expected = if i == first {
+        0
+    } else {
+        moves[i - 1].path_point + 1
+    };
+    moves[i].path_point != expected
+}
+
+fn percent(what: &str, share: f64) -> Result<String, ProgramErrorKind> {
+    let (low, high) = VJ_PERCENT;
+    let percent = share * 100.0;
+    if !(low..=high).contains(&percent) {
+        let rule = format!("from {low} to {high} %");
+        return Err(ProgramErrorKind::value(what, percent, rule));
+    }
+    Ok(fixed(percent, 2))
+}
+
+/// `X,Y,Z,Rx,Ry,Rz`: mm, and degrees about the base's fixed axes x, then y, then z.
+fn pose_text(pose: &Isometry3<f64>) -> String {
+    let mm = (pose.translation.vector * 1e3).map(|v| fixed(v, 3));
+    let (rx, ry, rz) = pose.rotation.euler_angles();
+    let deg = [rx, ry, rz].map(|angle| fixed(angle.to_degrees(), 4));
+    format!("{},{},{},{}", mm[0], mm[1], mm[2], deg.join(","))
+}
+
+fn file(name: &str, lines: &[String]) -> JbiFile {
+    JbiFile {
+        name: name.to_owned(),
+        text: lines.join("\r\n") + "\r\n",
+    }
+}

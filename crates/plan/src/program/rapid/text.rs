@@ -1,0 +1,203 @@
+//! Words, numbers and bracketed values of RAPID, with their lines.
+
+use std::path::Path;
+
+use crate::program::number::finite;
+use crate::program::{ProgramError, ProgramErrorKind};
+
+/// The smallest piece of the language that means something.
+#[derive(Debug, Clone, PartialEq)]
+enum Token<'a> {
+    /// A name, a keyword or a number: numbers are told apart where one is wanted.
+    Word(&'a str),
+    Text(&'a str),
+    Mark(&'a str),
+}
+
+impl Token<'_> {
+    fn text(&self) -> String {
+        match self {
+            Self::Word(text) | Self::Mark(text) => (*text).to_owned(),
+            Self::Text(text) => format!("\"{text}\""),
+        }
+    }
+}
+
+/// A value as written: a word, a text, or a list of values.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Value<'a> {
+    Word(&'a str),
+    Text,
+    List(Vec<Value<'a>>),
+}
+
+/// The tokens of a module, taken one after another.
+pub(super) struct Source<'a> {
+    path: &'a Path,
+    tokens: Vec<(Token<'a>, usize)>,
+    at: usize,
+    last_line: usize,
+}
+
+impl<'a> Source<'a> {
+    pub fn new(text: &'a str, path: &'a Path) -> Result<Self, ProgramError> {
+        let mut tokens = Vec::new();
+        let mut last_line = 1;
+        for (i, line) in text.lines().enumerate() {
+            last_line = i + 1;
+            let mut rest = line.trim_start();
+            while !rest.is_empty() && !rest.starts_with('!') {
+                let (token, after) =
+                    token(rest).map_err(|kind| ProgramError::in_file(path, last_line, kind))?;
+                tokens.push((token, last_line));
+                rest = after.trim_start();
+            }
+        }
+        Ok(Self {
+            path,
+            tokens,
+            at: 0,
+            last_line,
+        })
+    }
+
+    /// Line of the token that comes next; the last line if none does.
+    pub fn line(&self) -> usize {
+        self.tokens.get(self.at).map_or(self.last_line, |t| t.1)
+    }
+
+    pub fn error(&self, line: usize, kind: ProgramErrorKind) -> ProgramError {
+        ProgramError::in_file(self.path, line, kind)
+    }
+
+    pub fn ended(&self) -> bool {
+        self.at == self.tokens.len()
+    }
+
+    fn next(&mut self, wanted: &str) -> Result<Token<'a>, ProgramError> {
+        let token = self.tokens.get(self.at).map(|(token, _)| token.clone());
+        let missing = wanted.to_owned();
+        let ended = || self.error(self.last_line, ProgramErrorKind::Truncated { missing });
+        let token = token.ok_or_else(ended)?;
+        self.at += 1;
+        Ok(token)
+    }
+
+    /// The fault that the token last taken is not what is wanted.
+    pub fn unexpected(&self, wanted: &str) -> ProgramError {
+        let (token, line) = &self.tokens[self.at.saturating_sub(1)];
+        let kind = ProgramErrorKind::Unexpected {
+            found: token.text(),
+            wanted: wanted.to_owned(),
+        };
+        self.error(*line, kind)
+    }
+
+    pub fn word(&mut self, wanted: &str) -> Result<&'a str, ProgramError> {
+        match self.next(wanted)? {
+            Token::Word(word) => Ok(word),
+            _ => Err(self.unexpected(wanted)),
+        }
+    }
+
+    /// These words and marks, in this order. Words are the same in capitals and in small letters.
+    pub fn expect(&mut self, wanted: &[&str]) -> Result<(), ProgramError> {
+        for piece in wanted {
+            let fits = match self.next(piece)? {
+                Token::Word(found) | Token::Mark(found) => found.eq_ignore_ascii_case(piece),
+                Token::Text(_) => false,
+            };
+            if !fits {
+                return Err(self.unexpected(piece));
+            }
+        }
+        Ok(())
+    }
+
+    pub fn value(&mut self) -> Result<Value<'a>, ProgramError> {
+        self.nested_value(0)
+    }
+
+    fn nested_value(&mut self, depth: usize) -> Result<Value<'a>, ProgramError> {
+        match self.next("a value")? {
+            Token::Word(word) => Ok(Value::Word(word)),
+            Token::Text(_) => Ok(Value::Text),
+            // No data of the language are nested deeper than four.
+            Token::Mark("[") if depth < 8 => {
+                let mut list = vec![self.nested_value(depth + 1)?];
+                loop {
+                    match self.next("`,` or `]`")? {
+                        Token::Mark(",") => list.push(self.nested_value(depth + 1)?),
+                        Token::Mark("]") => return Ok(Value::List(list)),
+                        _ => return Err(self.unexpected("`,` or `]`")),
+                    }
+                }
+            }
+            _ => Err(self.unexpected("a value")),
+        }
+    }
+}
+
+fn token(rest: &str) -> Result<(Token<'_>, &str), ProgramErrorKind> {
+    if let Some(text) = rest.strip_prefix('"') {
+        let end = text.find('"').ok_or_else(|| ProgramErrorKind::Unexpected {
+            found: rest.to_owned(),
+            wanted: "a text that ends in its line".to_owned(),
+        })?;
+        return Ok((Token::Text(&text[..end]), &text[end + 1..]));
+    }
+    if let Some(after) = rest.strip_prefix(":=") {
+        return Ok((Token::Mark(":="), after));
+    }
+    let in_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '+' | '-');
+    let end = rest.find(|c| !in_word(c)).unwrap_or(rest.len());
+    if end > 0 {
+        return Ok((Token::Word(&rest[..end]), &rest[end..]));
+    }
+    let mark = rest.chars().next().map_or(0, char::len_utf8);
+    if "[],;\\()".contains(&rest[..mark]) {
+        return Ok((Token::Mark(&rest[..mark]), &rest[mark..]));
+    }
+    Err(ProgramErrorKind::Unexpected {
+        found: rest[..mark].to_owned(),
+        wanted: "a word, a number or one of [ ] , ; \\ ( ) :=".to_owned(),
+    })
+}
+
+impl<'a> Value<'a> {
+    /// The parts of a list of `wanted` parts.
+    pub fn parts(&self, what: &str, wanted: usize) -> Result<&[Value<'a>], ProgramErrorKind> {
+        let (found, parts) = match self {
+            Self::List(parts) => (parts.len(), parts.as_slice()),
+            _ => (1, [].as_slice()),
+        };
+        if found != wanted || parts.is_empty() {
+            return Err(ProgramErrorKind::Fields {
+                what: what.to_owned(),
+                found,
+                wanted: wanted.to_string(),
+            });
+        }
+        Ok(parts)
+    }
+
+    pub fn number(&self, what: &str) -> Result<f64, ProgramErrorKind> {
+        match self {
+            Self::Word(text) => finite(text, what),
+            _ => Err(ProgramErrorKind::value(
+                what,
+                "no number",
+                "a finite number",
+            )),
+        }
+    }
+
+    pub fn numbers<const N: usize>(&self, what: &str) -> Result<[f64; N], ProgramErrorKind> {
+        let parts = self.parts(what, N)?;
+        let mut numbers = [0.0; N];
+        for (number, part) in numbers.iter_mut().zip(parts) {
+            *number = part.number(what)?;
+        }
+        Ok(numbers)
+    }
+}

@@ -1,0 +1,240 @@
+//! Which branch the arm takes along a path: the one of shortest travel.
+
+use nalgebra::Isometry3;
+use rayon::prelude::*;
+use truecut_arm::{BranchOptions, FrameId, IkSolver, Robot};
+
+use super::{Motion, PathPoint, ProgramError, ProgramErrorKind};
+use crate::reach::SingularityLimits;
+
+/// When a posture or a step of the arm counts as possible.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TravelOptions {
+    /// Largest motion of one joint (rad or m) along a linear move. A joint move may turn joints as far as limits let it.
+    pub largest_step: f64,
+    /// How far postures keep from singularities.
+    pub singularity: SingularityLimits,
+}
+
+impl Default for TravelOptions {
+    /// Half a radian, and the distances from singularities that milling keeps.
+    fn default() -> Self {
+        Self {
+            largest_step: 0.5,
+            singularity: SingularityLimits::default(),
+        }
+    }
+}
+
+/// Cheapest way to a posture: what it costs, and the posture before.
+#[derive(Clone, Copy)]
+struct Way {
+    cost: f64,
+    from: usize,
+}
+
+const UNREACHED: Way = Way {
+    cost: f64::INFINITY,
+    from: usize::MAX,
+};
+
+/// Postures along a path, over all branches of the inverse kinematics and all whole turns within limits, that minimise the
+/// sum of the distances from point to point (root of the sum of squared joint motions). Found by dynamic programming, so no
+/// other choice is shorter.
+///
+/// # Errors
+/// At the first point that is out of reach, within no limits, singular in all postures, or to which a joint would have to
+/// jump: with the point and the joint.
+pub fn shortest_travel(
+    robot: &Robot,
+    flange_from_tool: &Isometry3<f64>,
+    world_from_base: &Isometry3<f64>,
+    points: &[PathPoint],
+    options: &TravelOptions,
+) -> Result<Vec<Vec<f64>>, ProgramError> {
+    let solver = robot.ik_solver(&BranchOptions::default());
+    let tool_from_flange = flange_from_tool.inverse();
+    let survey = |(path_point, point): (usize, &PathPoint)| {
+        let flange = world_from_base * point.base_from_tool * tool_from_flange;
+        candidates(robot, &solver, path_point, &flange, &options.singularity)
+    };
+    let columns = points.par_iter().enumerate().map(survey);
+    // Collected in order, so that the first fault of the path is reported, whichever thread finds one first.
+    let columns: Vec<Result<Vec<Vec<f64>>, ProgramErrorKind>> = columns.collect();
+    let columns: Vec<Vec<Vec<f64>>> = columns.into_iter().collect::<Result<_, _>>()?;
+    let Some(first) = columns.first() else {
+        return Ok(Vec::new());
+    };
+    let start = Way {
+        cost: 0.0,
+        from: usize::MAX,
+    };
+    let mut ways = vec![vec![start; first.len()]];
+    for (i, point) in points.iter().enumerate().skip(1) {
+        let largest = match point.motion {
+            Motion::Joint { .. } => f64::INFINITY,
+            Motion::Linear { .. } => options.largest_step,
+        };
+        let (before, here) = (&columns[i - 1], &columns[i]);
+        let reached = here
+            .iter()
+            .map(|q| cheapest(before, &ways[i - 1], q, largest));
+        let reached: Vec<Way> = reached.collect();
+        if reached.iter().all(|way| way.cost.is_infinite()) {
+            return Err(jump(robot, i, before, &ways[i - 1], here, largest).into());
+        }
+        ways.push(reached);
+    }
+    Ok(walk_back(&columns, &ways))
+}
+
+/// The chain of least travel through columns of rated postures, the ratings added to it.
+pub(super) fn rated_chain(columns: &[Vec<(f64, Vec<f64>)>]) -> Vec<Vec<f64>> {
+    let postures = |column: &Vec<(f64, Vec<f64>)>| column.iter().map(|(_, q)| q.clone()).collect();
+    let bare: Vec<Vec<Vec<f64>>> = columns.iter().map(postures).collect();
+    let mut ways: Vec<Vec<Way>> = Vec::with_capacity(columns.len());
+    for (i, column) in columns.iter().enumerate() {
+        let reached = column.iter().map(|(rating, q)| {
+            let way = match ways.last() {
+                Some(before) => cheapest(&bare[i - 1], before, q, f64::INFINITY),
+                None => Way {
+                    cost: 0.0,
+                    from: usize::MAX,
+                },
+            };
+            Way {
+                cost: way.cost + rating,
+                ..way
+            }
+        });
+        let reached = reached.collect();
+        ways.push(reached);
+    }
+    walk_back(&bare, &ways)
+}
+
+/// Postures at a point that keep limits and distances.
+fn candidates(
+    robot: &Robot,
+    solver: &IkSolver,
+    path_point: usize,
+    world_from_flange: &Isometry3<f64>,
+    limits: &SingularityLimits,
+) -> Result<Vec<Vec<f64>>, ProgramErrorKind> {
+    let all = solver.within_limits(world_from_flange, FrameId::Flange);
+    if all.is_empty() {
+        let branches = solver.branches(world_from_flange, FrameId::Flange);
+        return Err(outside(robot, path_point, &branches));
+    }
+    let Some(geometry) = solver.geometry() else {
+        return Ok(all);
+    };
+    let clear = |q: &&Vec<f64>| limits.allow(&geometry.singularity_distance(q));
+    let kept: Vec<Vec<f64>> = all.iter().filter(clear).cloned().collect();
+    if kept.is_empty() {
+        let shares = all
+            .iter()
+            .map(|q| limits.nearest(&geometry.singularity_distance(q)));
+        let furthest = shares.max_by(|a, b| a.share.total_cmp(&b.share));
+        return Err(
+            furthest.map_or(ProgramErrorKind::OutOfReach { path_point }, |near| {
+                ProgramErrorKind::Singular {
+                    path_point,
+                    kind: near.kind,
+                    joint: robot.chain.joints[near.joint].name.clone(),
+                    distance: near.distance,
+                    least: near.least,
+                }
+            }),
+        );
+    }
+    Ok(kept)
+}
+
+/// Why no posture is within limits.
+fn outside(robot: &Robot, path_point: usize, branches: &[Vec<f64>]) -> ProgramErrorKind {
+    let worst = |q: &Vec<f64>| {
+        let joints = robot.chain.joints.iter().zip(q);
+        let excess = joints.filter_map(|(joint, q)| {
+            let l = joint.limits?;
+            let turns = [-1.0, 0.0, 1.0].map(|turn| q + turn * std::f64::consts::TAU);
+            let by = turns.map(|q| (q - l.upper).max(l.lower - q).max(0.0));
+            Some((joint, by.into_iter().fold(f64::INFINITY, f64::min)))
+        });
+        excess.max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let least = branches.iter().filter_map(worst);
+    match least.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        None => ProgramErrorKind::OutOfReach { path_point },
+        Some((joint, by)) => ProgramErrorKind::OutsideLimits {
+            path_point,
+            joint: joint.name.clone(),
+            excess_deg: by.to_degrees(),
+        },
+    }
+}
+
+fn cheapest(before: &[Vec<f64>], ways: &[Way], to: &[f64], largest: f64) -> Way {
+    let mut best = UNREACHED;
+    for (from, (q, way)) in before.iter().zip(ways).enumerate() {
+        // No way from here is cheaper than the way to here.
+        if way.cost >= best.cost {
+            continue;
+        }
+        let mut squares = 0.0;
+        let mut widest: f64 = 0.0;
+        for (a, b) in q.iter().zip(to) {
+            let step = (a - b).abs();
+            widest = widest.max(step);
+            squares += step * step;
+        }
+        let cost = way.cost + squares.sqrt();
+        if widest <= largest && cost < best.cost {
+            best = Way { cost, from };
+        }
+    }
+    best
+}
+
+fn jump(
+    robot: &Robot,
+    path_point: usize,
+    before: &[Vec<f64>],
+    ways: &[Way],
+    here: &[Vec<f64>],
+    largest: f64,
+) -> ProgramErrorKind {
+    let mut least = (f64::INFINITY, 0);
+    let reached = before.iter().zip(ways).filter(|(_, w)| w.cost.is_finite());
+    for (from, _) in reached {
+        for to in here {
+            let steps = from.iter().zip(to).map(|(a, b)| (a - b).abs());
+            let widest = steps.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((joint, step)) = widest.filter(|(_, step)| *step < least.0) {
+                least = (step, joint);
+            }
+        }
+    }
+    ProgramErrorKind::Jump {
+        path_point,
+        joint: robot.chain.joints[least.1].name.clone(),
+        jump_deg: least.0.to_degrees(),
+        largest_deg: largest.to_degrees(),
+    }
+}
+
+fn walk_back(columns: &[Vec<Vec<f64>>], ways: &[Vec<Way>]) -> Vec<Vec<f64>> {
+    let last = ways.last().map(Vec::as_slice).unwrap_or_default();
+    let cheapest = last
+        .iter()
+        .enumerate()
+        .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+    let mut at = cheapest.map_or(0, |(k, _)| k);
+    let mut path = Vec::with_capacity(columns.len());
+    for (column, ways) in columns.iter().zip(ways).rev() {
+        path.push(column[at].clone());
+        at = ways[at].from;
+    }
+    path.reverse();
+    path
+}

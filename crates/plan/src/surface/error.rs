@@ -1,0 +1,207 @@
+//! What can be wrong with a surface or the file that holds it.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// A fault with its place. `Display` gives one line, `file:line: message`, as far as file and line are known.
+#[derive(Debug)]
+pub struct SurfaceError(Box<Placed>);
+
+#[derive(Debug)]
+struct Placed {
+    path: Option<PathBuf>,
+    line: Option<usize>,
+    fault: SurfaceFault,
+}
+
+impl SurfaceError {
+    pub(crate) fn in_file(path: &Path, line: Option<usize>, fault: SurfaceFault) -> Self {
+        Self(Box::new(Placed {
+            path: Some(path.to_owned()),
+            line,
+            fault,
+        }))
+    }
+
+    /// The fault without its place.
+    #[must_use]
+    pub fn fault(&self) -> &SurfaceFault {
+        &self.0.fault
+    }
+
+    /// The 1-based line in the file, where it is known.
+    #[must_use]
+    pub fn line(&self) -> Option<usize> {
+        self.0.line
+    }
+}
+
+impl From<SurfaceFault> for SurfaceError {
+    fn from(fault: SurfaceFault) -> Self {
+        Self(Box::new(Placed {
+            path: None,
+            line: None,
+            fault,
+        }))
+    }
+}
+
+impl std::fmt::Display for SurfaceError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some(path) = &self.0.path {
+            write!(f, "{}:", path.display())?;
+            if let Some(line) = self.0.line {
+                write!(f, "{line}:")?;
+            }
+            f.write_str(" ")?;
+        }
+        self.0.fault.fmt(f)
+    }
+}
+
+impl std::error::Error for SurfaceError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.0.fault.source()
+    }
+}
+
+/// The faults, their values in SI units unless the text says otherwise.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SurfaceFault {
+    #[error("cannot read the file: {0}")]
+    Unreadable(#[source] std::io::Error),
+    #[error("{0}")]
+    Syntax(String),
+    #[error("\"{key}\" is missing; a patch of kind \"{kind}\" needs it")]
+    MissingKey {
+        key: &'static str,
+        kind: &'static str,
+    },
+    #[error("\"{key}\" has no effect on a patch of kind \"{kind}\"")]
+    NoEffect {
+        key: &'static str,
+        kind: &'static str,
+    },
+    #[error("{quantity} is {value}; it must be {rule}")]
+    OutOfBounds {
+        quantity: String,
+        value: String,
+        rule: &'static str,
+    },
+    #[error(
+        "{direction}: {found} knots; {points} control points of degree {degree} have {expected}"
+    )]
+    KnotCount {
+        direction: &'static str,
+        found: usize,
+        points: usize,
+        degree: usize,
+        expected: usize,
+    },
+    #[error("{direction}: knot {index} is {value}, after {before}; knots must not fall")]
+    KnotsFall {
+        direction: &'static str,
+        index: usize,
+        value: f64,
+        before: f64,
+    },
+    #[error(
+        "{direction}: knot {value} stands {times} times where at most {limit} are allowed; more would tear a patch of degree {degree} there"
+    )]
+    KnotRepeated {
+        direction: &'static str,
+        value: f64,
+        times: usize,
+        limit: usize,
+        degree: usize,
+    },
+    #[error("{direction}: {points} control points; degree {degree} needs {least} at least")]
+    TooFewPoints {
+        direction: &'static str,
+        points: usize,
+        degree: usize,
+        least: usize,
+    },
+    #[error("row {row} of the {what} has {found} entries; the other rows have {expected}")]
+    Ragged {
+        what: &'static str,
+        row: usize,
+        found: usize,
+        expected: usize,
+    },
+    #[error(
+        "the patch has no normal at u = {u}, v = {v}: its parameter lines are parallel or stand still there"
+    )]
+    NoNormal { u: f64, v: f64 },
+    #[error(
+        "inverted normals: at u = {u}, v = {v} the normal stands at {angle_deg:.1} deg to \"outside\"; it must be below 90 deg (swap u and v to turn it over)"
+    )]
+    InvertedNormal { u: f64, v: f64, angle_deg: f64 },
+    #[error("{what} {index} is not finite: {value}")]
+    NotFinite {
+        what: &'static str,
+        index: usize,
+        value: String,
+    },
+    #[error("the mesh has no triangles")]
+    EmptyMesh,
+    #[error(
+        "the mesh is not manifold: the edge from {from} to {to} m belongs to {count} triangles; at most two may share one"
+    )]
+    NonManifold {
+        from: String,
+        to: String,
+        count: usize,
+    },
+    #[error(
+        "the mesh is open: the edge from {from} to {to} m belongs to one triangle only ({open_edges} such edges); a closed one is asked for"
+    )]
+    OpenMesh {
+        from: String,
+        to: String,
+        open_edges: usize,
+    },
+    #[error(
+        "inverted normals: triangles {first} and {second} (counted from 1), which meet at {from} m, are wound against each other"
+    )]
+    MixedWinding {
+        first: usize,
+        second: usize,
+        from: String,
+    },
+    #[error(
+        "inverted normals: the closed mesh encloses {volume_m3:.4e} m3; triangles must be wound counter-clockwise seen from outside, which makes it positive"
+    )]
+    InsideOut { volume_m3: f64 },
+    #[error(
+        "inverted normals: the normal stated for triangle {index} (counted from 1), near {near} in the file's unit, is against its winding"
+    )]
+    StatedNormal { index: usize, near: String },
+    #[error(
+        "triangle {index} (counted from 1) has no area; its corners lie on one line near {near} m"
+    )]
+    FlatTriangle { index: usize, near: String },
+    #[error("unknown ending \"{ending}\"; meshes are read from .stl and .obj")]
+    UnknownEnding { ending: String },
+    #[error(
+        "the boundary is open: it ends {gap_m} m from where it starts; first and last point must be the same to {limit_m} m"
+    )]
+    OpenBoundary { gap_m: f64, limit_m: f64 },
+    #[error("the boundary has {count} corners; it needs three at least")]
+    FewCorners { count: usize },
+    #[error(
+        "the boundary crosses itself: its sides {first} and {second} (counted from 1) meet at {at} m"
+    )]
+    SelfIntersecting {
+        first: usize,
+        second: usize,
+        at: String,
+    },
+}
+
+/// A place as people read it.
+pub(crate) fn place(p: &nalgebra::Vector3<f64>) -> String {
+    format!("({:.6}, {:.6}, {:.6})", p.x, p.y, p.z)
+}

@@ -1,0 +1,67 @@
+//! Workpiece surfaces: parametric patches with exact derivatives, triangle meshes, closed boundaries.
+//!
+//! A patch gives point, first and second derivatives ([`Jet`]) at a pair of parameters; everything else about its shape
+//! follows from those ([`Forms`], [`Curvatures`]). Parameters are dimensionless, lengths are m, curvatures 1/m, positive where the
+//! surface is convex seen from outside. The outward normal is r_u × r_v, normalised.
+//!
+//! Meshes ([`Mesh`]) have no curvature; they serve for sections, nearest points and depths.
+
+mod boundary;
+mod error;
+mod file;
+mod forms;
+mod knots;
+mod mesh;
+mod mesh_checks;
+mod mesh_files;
+mod nurbs;
+mod primitives;
+#[cfg(test)]
+pub(crate) mod spoke;
+
+pub use boundary::Boundary;
+pub use error::{SurfaceError, SurfaceFault};
+pub use file::PatchFile;
+pub use forms::{Curvatures, Forms, continue_line};
+pub use mesh::{Mesh, MeshUse, NearestPoint};
+pub use nurbs::NurbsPatch;
+pub use primitives::{CylinderPatch, PlanePatch};
+
+use nalgebra::Vector3;
+
+/// Ranges of the two parameters of a patch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Domain {
+    pub u: [f64; 2],
+    pub v: [f64; 2],
+}
+
+impl Domain {
+    /// From 0 to 1 in both.
+    pub const UNIT: Self = Self {
+        u: [0.0, 1.0],
+        v: [0.0, 1.0],
+    };
+}
+
+/// Point and derivatives of a surface at one pair of parameters, all m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jet {
+    pub point_m: Vector3<f64>,
+    /// r_u and r_v, m per parameter.
+    pub first_m: [Vector3<f64>; 2],
+    /// r_uu, r_uv and r_vv, m per parameter squared.
+    pub second_m: [Vector3<f64>; 3],
+}
+
+/// A patch of a surface over a rectangle of parameters, twice differentiable within.
+pub trait Surface: Sync {
+    fn domain(&self) -> Domain;
+
+    /// Point and derivatives; parameters outside the domain are taken at its border.
+    fn jet(&self, u: f64, v: f64) -> Jet;
+
+    fn point_m(&self, u: f64, v: f64) -> Vector3<f64> {
+        self.jet(u, v).point_m
+    }
+}

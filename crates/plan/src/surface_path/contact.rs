@@ -1,0 +1,339 @@
+//! The wheel at one place of a surface.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
+
+use super::error::SurfacePathError;
+use super::wheel::ContactWheel;
+use crate::surface::{Forms, Surface, continue_line};
+
+/// Directions that are tried for the widest swath, evenly over half a turn.
+const TRIED: usize = 180;
+
+/// Axes with a swath within this share of the widest count as equally wide; the one that turns the wheel least is taken.
+const AS_WIDE: f64 = 0.02;
+
+/// Where the wheel's axis points within the tangent plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AxisRule {
+    /// Along the least curvature in magnitude, the published rule. It does not look at the feed: where that runs along the
+    /// least curvature too, the wheel travels along its own axis and its swath shrinks to the contact width. At umbilics the
+    /// axis before is kept, at the first point that across the feed.
+    LeastCurvature,
+    /// The widest effective swath among axes that do not gouge and whose edge gap keeps a limit.
+    WidestSwath { edge_gap_limit_m: f64 },
+}
+
+/// The wheel's place and what it does there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    pub u: f64,
+    pub v: f64,
+    pub point_m: Vector3<f64>,
+    /// Outward normal.
+    pub normal: Unit<Vector3<f64>>,
+    /// Direction of the feed.
+    pub feed: Unit<Vector3<f64>>,
+    /// Direction of the wheel's axis; its sign follows the point before.
+    pub axis: Unit<Vector3<f64>>,
+    /// Centre of the wheel, O = P + (R − k h) n, m.
+    pub centre_m: Vector3<f64>,
+    /// ψ, angle between feed and axis, 0 to π/2, rad.
+    pub psi_rad: f64,
+    /// Effective swath across the feed, W sin ψ + 2 b cos ψ, m.
+    pub swath_m: f64,
+    /// Length of the contact along the feed, W cos ψ + 2 b sin ψ, m.
+    pub reach_m: f64,
+    /// |κ| W²/8 along the axis: gap under the wheel's edges where the surface is convex, depth that they cut where it is hollow, m.
+    pub edge_gap_m: f64,
+    /// Normal curvature across the axis, 1/m.
+    pub curvature_across_per_m: f64,
+    /// Half-width of the contact line, m.
+    pub half_width_m: f64,
+    /// Whether the surface has no direction of least curvature here.
+    pub umbilic: bool,
+}
+
+/// One axis tried.
+struct Trial {
+    axis: Unit<Vector3<f64>>,
+    psi_rad: f64,
+    swath_m: f64,
+    edge_gap_m: f64,
+    across_per_m: f64,
+    half_width_m: f64,
+}
+
+impl Contact {
+    /// The contact at parameters (u, v) with the feed along (du, dv), the sign of the axis after `before` (without it, along r_u; if
+    /// the axis is square to that, n × r_u).
+    ///
+    /// # Errors
+    /// If the surface has no normal there, the wheel gouges, or no axis keeps the rule's limits.
+    pub fn at(
+        surface: &dyn Surface,
+        wheel: &ContactWheel,
+        rule: AxisRule,
+        [u, v]: [f64; 2],
+        [du, dv]: [f64; 2],
+        before: Option<&Unit<Vector3<f64>>>,
+    ) -> Result<Self, SurfacePathError> {
+        let jet = surface.jet(u, v);
+        let forms = Forms::at(&jet, u, v)?;
+        let feed = Unit::new_normalize(jet.first_m[0] * du + jet.first_m[1] * dv);
+        let flattest = forms.curvatures().flattest();
+        let gouge = |across_per_m: f64| SurfacePathError::Gouge {
+            u,
+            v,
+            point_m: jet.point_m,
+            radius_mm: wheel.radius_m * 1e3,
+            concave_mm: -1e3 / across_per_m,
+        };
+        let across = Unit::new_normalize(forms.normal.cross(&feed));
+        let kept = before.and_then(|axis| forms.tangent(axis));
+        let chosen = match rule {
+            AxisRule::LeastCurvature => {
+                let axis = flattest.or(kept).unwrap_or(across);
+                trial(&forms, wheel, &feed, axis).map_err(gouge)?
+            }
+            AxisRule::WidestSwath { edge_gap_limit_m } => {
+                let near = kept.unwrap_or(across);
+                widest(&forms, wheel, &feed, &near, edge_gap_limit_m).map_err(|least_m| {
+                    match least_m {
+                        Err(across_per_m) => gouge(across_per_m),
+                        Ok(least_m) => SurfacePathError::NoAxis {
+                            u,
+                            v,
+                            point_m: jet.point_m,
+                            limit_mm: edge_gap_limit_m * 1e3,
+                            least_mm: least_m * 1e3,
+                        },
+                    }
+                })?
+            }
+        };
+        let along = Unit::new_normalize(jet.first_m[0]);
+        let axis = match before {
+            Some(before) => continue_line(before, chosen.axis),
+            None if along.dot(&chosen.axis).abs() > 1e-9 => continue_line(&along, chosen.axis),
+            None => continue_line(
+                &Unit::new_normalize(forms.normal.cross(&along)),
+                chosen.axis,
+            ),
+        };
+        let (sin, cos) = chosen.psi_rad.sin_cos();
+        let lift_m = wheel.radius_m - wheel.indentation_m;
+        Ok(Self {
+            u,
+            v,
+            point_m: jet.point_m,
+            normal: forms.normal,
+            feed,
+            axis,
+            centre_m: jet.point_m + forms.normal.into_inner() * lift_m,
+            psi_rad: chosen.psi_rad,
+            swath_m: chosen.swath_m,
+            reach_m: wheel.width_m * cos + 2.0 * chosen.half_width_m * sin,
+            edge_gap_m: chosen.edge_gap_m,
+            curvature_across_per_m: chosen.across_per_m,
+            half_width_m: chosen.half_width_m,
+            umbilic: flattest.is_none(),
+        })
+    }
+
+    /// Pose of the tool, its point at the wheel's centre: y along the axis, z into the surface, x = y × z.
+    #[must_use]
+    pub fn pose(&self) -> Isometry3<f64> {
+        let (y, z) = (self.axis.into_inner(), -self.normal.into_inner());
+        let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[y.cross(&z), y, z]));
+        let rotation = UnitQuaternion::from_rotation_matrix(&axes);
+        Isometry3::from_parts(Translation3::from(self.centre_m), rotation)
+    }
+}
+
+/// What an axis gives; the curvature across it where the wheel would gouge.
+fn trial(
+    forms: &Forms,
+    wheel: &ContactWheel,
+    feed: &Unit<Vector3<f64>>,
+    axis: Unit<Vector3<f64>>,
+) -> Result<Trial, f64> {
+    let across_per_m = forms.curvature_along_per_m(&forms.normal.cross(&axis));
+    let Some(half_width_m) = wheel.half_width_m(across_per_m) else {
+        return Err(across_per_m);
+    };
+    let cos = feed.dot(&axis).abs().min(1.0);
+    let psi_rad = feed.cross(&axis).norm().atan2(cos);
+    let along = forms.curvature_along_per_m(&axis);
+    Ok(Trial {
+        axis,
+        psi_rad,
+        swath_m: wheel.width_m * psi_rad.sin() + 2.0 * half_width_m * cos,
+        edge_gap_m: along.abs() * wheel.width_m * wheel.width_m / 8.0,
+        across_per_m,
+        half_width_m,
+    })
+}
+
+/// The widest swath within the limit. Of axes that are nearly as wide the one nearest to `near`: a contact is as wide with its
+/// axis turned either way from across the feed, and the wheel must not swing between the two.
+/// Otherwise the least edge gap of all axes, or the curvature of a place where all gouge.
+fn widest(
+    forms: &Forms,
+    wheel: &ContactWheel,
+    feed: &Unit<Vector3<f64>>,
+    near: &Unit<Vector3<f64>>,
+    limit_m: f64,
+) -> Result<Trial, Result<f64, f64>> {
+    let square = forms.normal.cross(near);
+    let (mut fitting, mut least_m, mut deepest) = (Vec::new(), f64::INFINITY, 0.0_f64);
+    for k in 0..TRIED {
+        let angle = PI * k as f64 / TRIED as f64 - FRAC_PI_2;
+        let axis = near.into_inner() * angle.cos() + square * angle.sin();
+        match trial(forms, wheel, feed, Unit::new_normalize(axis)) {
+            Ok(found) => {
+                least_m = least_m.min(found.edge_gap_m);
+                if found.edge_gap_m <= limit_m {
+                    fitting.push((angle.abs(), found));
+                }
+            }
+            Err(across) => deepest = deepest.min(across),
+        }
+    }
+    let widest_m = fitting.iter().map(|(_, t)| t.swath_m).fold(0.0, f64::max);
+    fitting.retain(|(_, t)| t.swath_m >= (1.0 - AS_WIDE) * widest_m);
+    let chosen = fitting.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    chosen
+        .map(|(_, found)| found)
+        .ok_or(if least_m.is_finite() {
+            Ok(least_m)
+        } else {
+            Err(deepest)
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::spoke::Spoke;
+    use crate::surface::{CylinderPatch, PlanePatch};
+    use crate::surface_path::wheel::tests::PUBLISHED;
+
+    fn at(rule: AxisRule, u: f64, v: f64) -> Contact {
+        Contact::at(&Spoke, &PUBLISHED, rule, [u, v], [1.0, 0.0], None).expect("a contact")
+    }
+
+    /// Wheel centres to 1e-3 mm, ψ to the digit given, edge gaps of 286 to 482 µm, and the swath trap: 6.1 mm of a 25 mm wheel.
+    #[test]
+    fn verify_wheel_centres_and_the_swath_trap() {
+        let rows = [
+            (0.25, 0.25, [39.433, -27.822, 52.826], 3.2),
+            (0.5, 0.5, [100.0, 0.0, 64.5], 0.0),
+            (0.75, 0.8, [160.111, 30.764, 53.098], 14.0),
+        ];
+        for (u, v, centre_mm, psi_deg) in rows {
+            let found = at(AxisRule::LeastCurvature, u, v);
+            let off = (found.centre_m * 1e3 - Vector3::from(centre_mm)).amax();
+            assert!(off < 1e-3, "{off}");
+            assert!(
+                (found.psi_rad.to_degrees() - psi_deg).abs() < 0.05,
+                "{}",
+                found.psi_rad
+            );
+        }
+        let gaps = rows.map(|(u, v, ..)| at(AxisRule::LeastCurvature, u, v).edge_gap_m * 1e6);
+        assert!(
+            (gaps[2] - 286.0).abs() < 0.5 && (gaps[1] - 482.0).abs() < 0.5,
+            "{gaps:?}"
+        );
+        let swath_mm = at(AxisRule::LeastCurvature, 0.25, 0.25).swath_m * 1e3;
+        assert!((swath_mm - 6.1).abs() < 0.05, "{swath_mm}");
+    }
+
+    /// With 0.5 mm of edge gap allowed, the rule makes the swath at least twice as wide at the trap's place.
+    #[test]
+    fn verify_the_widest_swath_keeps_its_limit_and_is_wider() {
+        let rule = AxisRule::WidestSwath {
+            edge_gap_limit_m: 0.5e-3,
+        };
+        for (u, v) in [(0.25, 0.25), (0.5, 0.5), (0.75, 0.8)] {
+            let (paper, wide) = (at(AxisRule::LeastCurvature, u, v), at(rule, u, v));
+            assert!(wide.edge_gap_m <= 0.5e-3);
+            assert!(
+                wide.swath_m > paper.swath_m,
+                "{} {}",
+                wide.swath_m,
+                paper.swath_m
+            );
+        }
+        assert!(
+            at(rule, 0.25, 0.25).swath_m > 2.0 * at(AxisRule::LeastCurvature, 0.25, 0.25).swath_m
+        );
+        let tight = AxisRule::WidestSwath {
+            edge_gap_limit_m: 0.1e-3,
+        };
+        let refused = Contact::at(&Spoke, &PUBLISHED, tight, [0.5, 0.5], [1.0, 0.0], None);
+        let told = refused.expect_err("too tight").to_string();
+        assert!(
+            told.contains("u = 0.5000") && told.contains("0.4819 mm"),
+            "{told}"
+        );
+    }
+
+    #[test]
+    fn verify_an_umbilic_keeps_the_axis_before() {
+        let plane = PlanePatch::new(Vector3::zeros(), Vector3::x() * 0.1, Vector3::y() * 0.1)
+            .expect("a plane");
+        let rule = AxisRule::LeastCurvature;
+        let contact = |before| {
+            Contact::at(&plane, &PUBLISHED, rule, [0.5, 0.5], [1.0, 0.0], before).expect("flat")
+        };
+        let alone = contact(None);
+        assert!(alone.umbilic && (alone.psi_rad - FRAC_PI_2).abs() < 1e-12);
+        let before = Unit::new_normalize(Vector3::new(-1.0, -1.0, 0.3));
+        let after = contact(Some(&before));
+        assert!((after.axis.xy() + Vector3::new(1.0, 1.0, 0.0).xy().normalize()).norm() < 1e-12);
+    }
+
+    /// A bore takes a wheel smaller than itself along its axis, and no larger one.
+    #[test]
+    fn verify_a_wheel_larger_than_the_bore_is_refused() {
+        let bore = |radius_m: f64| {
+            CylinderPatch::new(
+                Vector3::zeros(),
+                Vector3::y_axis(),
+                Vector3::z_axis(),
+                -radius_m,
+                [-0.5, 0.5],
+                0.1,
+            )
+            .expect("a bore")
+        };
+        let lay = |radius_m| {
+            let (rule, feed) = (AxisRule::LeastCurvature, [1.0, 0.0]);
+            Contact::at(&bore(radius_m), &PUBLISHED, rule, [0.5, 0.5], feed, None)
+        };
+        assert!(lay(0.0401).is_ok());
+        let told = lay(0.0399).expect_err("gouges").to_string();
+        assert!(
+            told.contains("39.900 mm") && told.contains("u = 0.5000"),
+            "{told}"
+        );
+        let wide = AxisRule::WidestSwath {
+            edge_gap_limit_m: 1.0,
+        };
+        let far = Contact::at(
+            &bore(0.0399),
+            &PUBLISHED,
+            wide,
+            [0.5, 0.5],
+            [1.0, 0.0],
+            None,
+        );
+        assert!(
+            far.is_ok_and(|c| c.curvature_across_per_m > -25.0),
+            "turned, it fits"
+        );
+    }
+}

@@ -1,0 +1,84 @@
+//! Why a path on a surface cannot be planned or followed.
+
+use nalgebra::Vector3;
+use thiserror::Error;
+use truecut_arm::ArmError;
+
+use crate::surface::SurfaceFault;
+
+/// Why a path on a surface cannot be planned or followed.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SurfacePathError {
+    #[error("{quantity} is {value}; it must be {rule}")]
+    OutOfBounds {
+        quantity: &'static str,
+        value: f64,
+        rule: &'static str,
+    },
+    #[error(
+        "the wheel gouges at u = {u:.4}, v = {v:.4}, {at}: its radius is {radius_mm:.3} mm, the surface's concave radius across its axis {concave_mm:.3} mm; the wheel must be smaller",
+        at = point(point_m)
+    )]
+    Gouge {
+        u: f64,
+        v: f64,
+        point_m: Vector3<f64>,
+        radius_mm: f64,
+        concave_mm: f64,
+    },
+    #[error(
+        "no axis at u = {u:.4}, v = {v:.4}, {at}, keeps the wheel from gouging and its edge gap within {limit_mm:.4} mm; the least gap is {least_mm:.4} mm",
+        at = point(point_m)
+    )]
+    NoAxis {
+        u: f64,
+        v: f64,
+        point_m: Vector3<f64>,
+        limit_mm: f64,
+        least_mm: f64,
+    },
+    #[error(
+        "the contact patch is wider than the face: nowhere along v does a patch {swath_mm:.3} mm wide lie within its borders"
+    )]
+    WiderThanFace { swath_mm: f64 },
+    #[error("point {index} of segment {segment} (both counted from 1): {source}")]
+    NotReached {
+        segment: usize,
+        index: usize,
+        source: ArmError,
+    },
+    #[error(
+        "point {index} of segment {segment} (both counted from 1) is {distance} from a {kind} singularity; at least {least} are asked"
+    )]
+    Singular {
+        segment: usize,
+        index: usize,
+        kind: &'static str,
+        distance: String,
+        least: String,
+    },
+    #[error(
+        "joint \"{joint}\" would jump by {jump_deg:.2} deg from point {before} to point {index} of segment {segment} (counted from 1); at most {limit_deg:.2} deg are allowed",
+        before = index - 1
+    )]
+    Jump {
+        segment: usize,
+        index: usize,
+        joint: String,
+        jump_deg: f64,
+        limit_deg: f64,
+    },
+    #[error("{file}:{line}: {message}")]
+    Taught {
+        file: String,
+        line: usize,
+        message: String,
+    },
+    #[error(transparent)]
+    Surface(#[from] SurfaceFault),
+}
+
+fn point(p: &Vector3<f64>) -> String {
+    format!("({:.3}, {:.3}, {:.3}) mm", p.x * 1e3, p.y * 1e3, p.z * 1e3)
+}

@@ -1,0 +1,20 @@
+//! Tool paths on surfaces: a cylindrical contact wheel led over a patch.
+//!
+//! A [`ContactWheel`] lies on the surface with its axis tangent to it; its centre stands at O = P + (R − k h) n (Yang et al. 2016, eq. 1).
+//! [`AxisRule`] says where the axis points, [`Contact`] what follows from that at one place, and [`plan_iso_parametric`] leads the
+//! wheel along lines v = const. [`copies`] turns a path about a turntable's axis, [`TaughtPoints`] are postures recorded on
+//! the arm, and [`solve`] finds the arm's postures along all of them.
+
+mod contact;
+mod error;
+mod lines;
+mod solve;
+mod taught;
+mod wheel;
+
+pub use contact::{AxisRule, Contact};
+pub use error::SurfacePathError;
+pub use lines::{PathOptions, SurfacePath, plan_iso_parametric};
+pub use solve::{Segment, SolveOptions, Solved, copies, solve};
+pub use taught::TaughtPoints;
+pub use wheel::ContactWheel;

@@ -1,0 +1,104 @@
+//! Taught points: postures recorded on the arm, in a CSV file.
+//!
+//! A heading `j1,j2,…,jn`, then a row for each point, a column for each joint, degrees (mm for prismatic joints).
+
+use std::path::Path;
+
+use truecut_arm::{JointKind, Robot};
+
+use super::error::SurfacePathError;
+
+/// Postures to be run through in turn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaughtPoints {
+    /// Joint coordinates, rad or m.
+    pub postures: Vec<Vec<f64>>,
+}
+
+impl TaughtPoints {
+    /// Reads a file for an arm.
+    ///
+    /// # Errors
+    /// If the file cannot be read, its heading or a row has not one column a joint, a cell is not a finite number, a posture
+    /// breaks the arm's limits, or there is no row.
+    pub fn load(path: &Path, robot: &Robot) -> Result<Self, SurfacePathError> {
+        let text = std::fs::read_to_string(path).map_err(|e| SurfacePathError::Taught {
+            file: path.display().to_string(),
+            line: 0,
+            message: format!("cannot read the file: {e}"),
+        })?;
+        Self::from_text(&text, path, robot)
+    }
+
+    /// As [`TaughtPoints::load`], from a text already read; errors name `path`.
+    ///
+    /// # Errors
+    /// As [`TaughtPoints::load`].
+    pub fn from_text(text: &str, path: &Path, robot: &Robot) -> Result<Self, SurfacePathError> {
+        let fault = |line: u64, message: String| SurfacePathError::Taught {
+            file: path.display().to_string(),
+            line: line as usize,
+            message,
+        };
+        let joints = robot.dof();
+        let mut reader = csv::ReaderBuilder::new()
+            .flexible(true)
+            .has_headers(false)
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let mut postures = Vec::new();
+        for (index, record) in reader.records().enumerate() {
+            let record = record.map_err(|e| fault(index as u64 + 1, e.to_string()))?;
+            let line = record
+                .position()
+                .map_or(index as u64 + 1, csv::Position::line);
+            if index == 0 {
+                let expected: Vec<_> = (1..=joints).map(|j| format!("j{j}")).collect();
+                if record.iter().ne(expected.iter().map(String::as_str)) {
+                    let found = record.iter().collect::<Vec<_>>().join(",");
+                    return Err(fault(
+                        line,
+                        format!(
+                            "the heading is \"{found}\"; the arm has {joints} joints, so it must be \"{}\"",
+                            expected.join(",")
+                        ),
+                    ));
+                }
+                continue;
+            }
+            if record.len() != joints {
+                let found = record.len();
+                return Err(fault(
+                    line,
+                    format!("{found} values; the arm has {joints} joints"),
+                ));
+            }
+            let mut posture = Vec::with_capacity(joints);
+            for (joint, cell) in robot.chain.joints.iter().zip(&record) {
+                let value: Option<f64> = cell.parse().ok().filter(|v: &f64| v.is_finite());
+                let Some(value) = value else {
+                    let name = &joint.name;
+                    return Err(fault(
+                        line,
+                        format!("\"{cell}\" for joint \"{name}\" is not a finite number"),
+                    ));
+                };
+                posture.push(match joint.kind {
+                    JointKind::Revolute => value.to_radians(),
+                    JointKind::Prismatic => value * 1e-3,
+                });
+            }
+            robot
+                .check_posture(&posture)
+                .map_err(|e| fault(line, e.message()))?;
+            postures.push(posture);
+        }
+        if postures.is_empty() {
+            return Err(fault(
+                1,
+                "no taught point; at least one row is needed".to_owned(),
+            ));
+        }
+        Ok(Self { postures })
+    }
+}

@@ -1,0 +1,103 @@
+//! The contact wheel of a belt grinder.
+
+use std::f64::consts::PI;
+
+use super::error::SurfacePathError;
+
+/// A cylindrical contact wheel, pressed on with a force per width.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactWheel {
+    /// Radius with the belt on, m.
+    pub radius_m: f64,
+    pub width_m: f64,
+    /// How far the wheel's centre is set below the radius, k h in the publication, m; 0 where the wheel just touches.
+    pub indentation_m: f64,
+    /// Normal force per width, N/m.
+    pub line_load_n_per_m: f64,
+    /// Effective modulus E* of wheel and workpiece, Pa.
+    pub modulus_pa: f64,
+}
+
+impl ContactWheel {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// If a length, load or modulus is not above 0, or the indentation not below the radius.
+    pub fn check(&self) -> Result<(), SurfacePathError> {
+        let above_zero = [
+            ("the wheel's radius (m)", self.radius_m),
+            ("the wheel's width (m)", self.width_m),
+            ("the wheel's line load (N/m)", self.line_load_n_per_m),
+            ("the wheel's modulus (Pa)", self.modulus_pa),
+        ];
+        for (quantity, value) in above_zero {
+            if !(value.is_finite() && value > 0.0) {
+                let rule = "finite and above 0";
+                return Err(SurfacePathError::OutOfBounds {
+                    quantity,
+                    value,
+                    rule,
+                });
+            }
+        }
+        if !(0.0..self.radius_m).contains(&self.indentation_m) {
+            return Err(SurfacePathError::OutOfBounds {
+                quantity: "the wheel's indentation (m)",
+                value: self.indentation_m,
+                rule: "from 0 to below the wheel's radius",
+            });
+        }
+        Ok(())
+    }
+
+    /// Half-width of the contact line, b = √(4 F′ R_e/(π E*)), 1/R_e = 1/R + κ (Johnson, Contact Mechanics, eq. 4.43), m;
+    /// `None` if the surface is hollow with a radius not above the wheel's.
+    #[must_use]
+    pub fn half_width_m(&self, curvature_across_per_m: f64) -> Option<f64> {
+        let relative = 1.0 / self.radius_m + curvature_across_per_m;
+        let half_m = (4.0 * self.line_load_n_per_m / (PI * self.modulus_pa * relative)).sqrt();
+        (relative > 0.0).then_some(half_m)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// R 40 mm, W 25 mm, h 0.5 mm, 30 N over the width, E* 8 MPa.
+    pub(crate) const PUBLISHED: ContactWheel = ContactWheel {
+        radius_m: 0.04,
+        width_m: 0.025,
+        indentation_m: 0.5e-3,
+        line_load_n_per_m: 1200.0,
+        modulus_pa: 8e6,
+    };
+
+    #[test]
+    fn verify_line_hertz_width_and_pressure() {
+        let b = PUBLISHED.half_width_m(9.0).expect("convex");
+        assert!((b * 1e3 / 2.37 - 1.0).abs() < 0.005, "{b}");
+        let pressure = 2.0 * PUBLISHED.line_load_n_per_m / (PI * b);
+        assert!((pressure / 0.32e6 - 1.0).abs() < 0.02, "{pressure}");
+        assert_eq!(PUBLISHED.half_width_m(-25.0), None);
+    }
+
+    #[test]
+    fn wheels_that_are_none_are_refused() {
+        let bad = ContactWheel {
+            indentation_m: 0.05,
+            ..PUBLISHED
+        };
+        assert!(
+            bad.check()
+                .expect_err("too deep")
+                .to_string()
+                .contains("indentation")
+        );
+        let bad = ContactWheel {
+            width_m: f64::NAN,
+            ..PUBLISHED
+        };
+        assert!(bad.check().expect_err("NaN").to_string().contains("width"));
+    }
+}
