@@ -1,85 +1,11 @@
 //! What can be wrong with a robot file or with a question asked of a robot.
 
-use std::path::{Path, PathBuf};
-
 use thiserror::Error;
 
+use crate::placed::Placed;
+
 /// An error with the place it was found at.
-///
-/// `Display` gives one line, `file:line: message`, as far as file and line are known.
-#[derive(Debug)]
-pub struct ArmError(Box<Fault>);
-
-#[derive(Debug)]
-struct Fault {
-    path: Option<PathBuf>,
-    line: Option<usize>,
-    kind: ArmErrorKind,
-}
-
-impl ArmError {
-    /// An error in the file at `path`, at the 1-based `line` if it is known.
-    pub(crate) fn in_file(path: &Path, line: Option<usize>, kind: ArmErrorKind) -> Self {
-        Self(Box::new(Fault {
-            path: Some(path.to_owned()),
-            line,
-            kind,
-        }))
-    }
-
-    /// The file that holds the fault; `None` if the fault is in an argument (a posture, a target).
-    #[must_use]
-    pub fn path(&self) -> Option<&Path> {
-        self.0.path.as_deref()
-    }
-
-    /// The 1-based line in [`path`](Self::path), where it is known.
-    #[must_use]
-    pub fn line(&self) -> Option<usize> {
-        self.0.line
-    }
-
-    /// The typed fault.
-    #[must_use]
-    pub fn kind(&self) -> &ArmErrorKind {
-        &self.0.kind
-    }
-
-    /// The fault in words: element, value, limit and rule, without the place.
-    #[must_use]
-    pub fn message(&self) -> String {
-        self.0.kind.to_string()
-    }
-}
-
-impl std::fmt::Display for ArmError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if let Some(path) = &self.0.path {
-            write!(f, "{}:", path.display())?;
-            if let Some(line) = self.0.line {
-                write!(f, "{line}:")?;
-            }
-            f.write_str(" ")?;
-        }
-        self.0.kind.fmt(f)
-    }
-}
-
-impl std::error::Error for ArmError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        self.0.kind.source()
-    }
-}
-
-impl From<ArmErrorKind> for ArmError {
-    fn from(kind: ArmErrorKind) -> Self {
-        Self(Box::new(Fault {
-            path: None,
-            line: None,
-            kind,
-        }))
-    }
-}
+pub type ArmError = Placed<ArmErrorKind>;
 
 /// The faults this crate reports. Field values are in SI units.
 #[derive(Debug, Error)]

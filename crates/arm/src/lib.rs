@@ -67,6 +67,7 @@ mod modal;
 mod model;
 mod motion;
 mod opw;
+mod placed;
 pub mod report;
 mod report_text;
 mod table;
@@ -95,5 +96,6 @@ pub use model::{
 };
 pub use motion::{Energy, FrameMotion};
 pub use opw::{ArmBranch, OpwGeometry, SingularityDistance};
+pub use placed::Placed;
 pub use report::RobotReport;
 pub use tangent::Load;

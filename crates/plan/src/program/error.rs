@@ -1,69 +1,12 @@
 //! What can be wrong with a robot program or its file.
 
 use std::fmt::Display;
-use std::path::{Path, PathBuf};
 
 use thiserror::Error;
+use truecut_arm::Placed;
 
-/// A fault with the place it was found at. `Display` gives one line, `file:line: message`, as far as they are known.
-#[derive(Debug)]
-pub struct ProgramError(Box<Fault>);
-
-#[derive(Debug)]
-struct Fault {
-    path: Option<PathBuf>,
-    line: Option<usize>,
-    kind: ProgramErrorKind,
-}
-
-impl ProgramError {
-    pub(crate) fn in_file(path: &Path, line: usize, kind: ProgramErrorKind) -> Self {
-        Self(Box::new(Fault {
-            path: Some(path.to_owned()),
-            line: Some(line),
-            kind,
-        }))
-    }
-
-    /// The file that holds the fault; `None` if it is in an argument.
-    #[must_use]
-    pub fn path(&self) -> Option<&Path> {
-        self.0.path.as_deref()
-    }
-
-    /// The 1-based line in [`path`](Self::path).
-    #[must_use]
-    pub fn line(&self) -> Option<usize> {
-        self.0.line
-    }
-
-    /// The typed fault.
-    #[must_use]
-    pub fn kind(&self) -> &ProgramErrorKind {
-        &self.0.kind
-    }
-}
-
-impl Display for ProgramError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if let (Some(path), Some(line)) = (&self.0.path, self.0.line) {
-            write!(f, "{}:{line}: ", path.display())?;
-        }
-        self.0.kind.fmt(f)
-    }
-}
-
-impl std::error::Error for ProgramError {}
-
-impl From<ProgramErrorKind> for ProgramError {
-    fn from(kind: ProgramErrorKind) -> Self {
-        Self(Box::new(Fault {
-            path: None,
-            line: None,
-            kind,
-        }))
-    }
-}
+/// A fault with the place it was found at.
+pub type ProgramError = Placed<ProgramErrorKind>;
 
 /// The faults of programs and their files.
 #[derive(Debug, Error)]

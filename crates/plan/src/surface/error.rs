@@ -1,70 +1,10 @@
 //! What can be wrong with a surface or the file that holds it.
 
-use std::path::{Path, PathBuf};
-
 use thiserror::Error;
+use truecut_arm::Placed;
 
-/// A fault with its place. `Display` gives one line, `file:line: message`, as far as file and line are known.
-#[derive(Debug)]
-pub struct SurfaceError(Box<Placed>);
-
-#[derive(Debug)]
-struct Placed {
-    path: Option<PathBuf>,
-    line: Option<usize>,
-    fault: SurfaceFault,
-}
-
-impl SurfaceError {
-    pub(crate) fn in_file(path: &Path, line: Option<usize>, fault: SurfaceFault) -> Self {
-        Self(Box::new(Placed {
-            path: Some(path.to_owned()),
-            line,
-            fault,
-        }))
-    }
-
-    /// The fault without its place.
-    #[must_use]
-    pub fn fault(&self) -> &SurfaceFault {
-        &self.0.fault
-    }
-
-    /// The 1-based line in the file, where it is known.
-    #[must_use]
-    pub fn line(&self) -> Option<usize> {
-        self.0.line
-    }
-}
-
-impl From<SurfaceFault> for SurfaceError {
-    fn from(fault: SurfaceFault) -> Self {
-        Self(Box::new(Placed {
-            path: None,
-            line: None,
-            fault,
-        }))
-    }
-}
-
-impl std::fmt::Display for SurfaceError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if let Some(path) = &self.0.path {
-            write!(f, "{}:", path.display())?;
-            if let Some(line) = self.0.line {
-                write!(f, "{line}:")?;
-            }
-            f.write_str(" ")?;
-        }
-        self.0.fault.fmt(f)
-    }
-}
-
-impl std::error::Error for SurfaceError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        self.0.fault.source()
-    }
-}
+/// A fault with its place.
+pub type SurfaceError = Placed<SurfaceFault>;
 
 /// The faults, their values in SI units unless the text says otherwise.
 #[derive(Debug, Error)]
