@@ -3,12 +3,12 @@
 //! Library solvers do not serve here: the weights (the noise model) are estimated anew after each step, a simulation that
 //! diverges is a step to be taken back, and bounds are met often (an effect that is not there has size zero, its bound).
 
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::data::Rows;
 use super::noise::{Noise, dot};
-use super::problem::{Point, Problem, Variable};
+use super::problem::{Point, Problem};
+use super::step::{Solver, Step};
 use crate::model::{Columns, PredictError};
 
 /// A point that was fitted.
@@ -29,10 +29,7 @@ pub(super) struct Fit {
 const MAX_ITERATIONS: usize = 14;
 /// The first steps are taken under white noise: what is to be found is still in the residual, and its autoregression would hide it.
 const WHITE_ITERATIONS: usize = 2;
-const MAX_REJECTED: usize = 5;
-/// Derivatives serve for another step, with Broyden's correction, if they foresaw the last one to this part of it,
-const FORESEEN: f64 = 0.2;
-/// and for so many in a row.
+/// Derivatives serve for so many further steps in a row.
 const LONGEST_REUSE: usize = 3;
 
 /// Fits all parameters of `start` to the given rows.
@@ -205,186 +202,6 @@ pub(super) fn unfitted(
         converged: true,
         iterations: 0,
     })
-}
-
-enum Step {
-    Taken {
-        /// The derivatives, since corrected, foresaw what it would do.
-        foreseen: bool,
-    },
-    /// The step that is left is a small part of a standard error.
-    Converged,
-    /// No step lowers the error; `close` says whether the step wanted was within a standard error.
-    Stuck { close: bool },
-}
-
-struct Solver<'a, 'b> {
-    problem: &'a Problem<'b>,
-    rows: &'a Rows,
-    orders: &'a [usize],
-    point: Point,
-    variables: Vec<Variable>,
-    predicted: Columns,
-    residual: Columns,
-    damping: f64,
-    /// Of the last step.
-    decrement: f64,
-}
-
-impl Solver<'_, '_> {
-    fn noise(&self, coloured: bool) -> Noise {
-        let floor = &self.problem.floor;
-        if coloured {
-            Noise::fit(&self.residual, self.rows, self.orders, floor)
-        } else {
-            Noise::white(&self.residual, self.rows, floor)
-        }
-    }
-
-    fn penalty(&self, variables: &[Variable]) -> f64 {
-        let terms = variables.iter().map(|v| v.prior.precision * v.prior.offset);
-        terms.map(|x| x * x).sum()
-    }
-
-    fn jacobian(&self) -> Result<Vec<Columns>, PredictError> {
-        jacobian(self.problem, &self.point, &self.predicted)
-    }
-
-    fn step(&mut self, jacobian: &mut [Columns], noise: &Noise) -> Step {
-        let target = noise.whiten(&self.residual, self.rows);
-        let columns: Vec<Vec<f64>> = jacobian
-            .par_iter()
-            .map(|x| noise.whiten(x, self.rows))
-            .collect();
-        let before = dot(&target, &target) + self.penalty(&self.variables);
-        let (normal, gradient, free) = self.normal_equations(&target, &columns);
-        if free.is_empty() {
-            return Step::Converged;
-        }
-        let undamped = self.solve(&normal, &gradient, 0.0);
-        let decrement = gradient.dot(&undamped);
-        self.decrement = decrement;
-        if decrement < 0.02 + 1e-5 * before {
-            return Step::Converged;
-        }
-        for tries in 0..MAX_REJECTED {
-            let step = self.solve(&normal, &gradient, self.damping);
-            let trial = self.moved(&free, &step);
-            if let Ok(predicted) = self.problem.predict(&trial) {
-                let residual = self.problem.data.residual(&predicted);
-                let variables = self.problem.variables(&trial);
-                let e = noise.whiten(&residual, self.rows);
-                if dot(&e, &e) + self.penalty(&variables) < before {
-                    let moved: Vec<f64> = (variables.iter().zip(&self.variables))
-                        .map(|(after, before)| after.value - before.value)
-                        .collect();
-                    let change = difference(&predicted, &self.predicted, 1.0);
-                    let apart = corrected(jacobian, &columns, &moved, change, |x| {
-                        let x = noise.whiten(x, self.rows);
-                        dot(&x, &x)
-                    });
-                    (self.point, self.variables) = (trial, variables);
-                    (self.predicted, self.residual) = (predicted, residual);
-                    self.damping = (self.damping * 0.2).max(1e-6);
-                    return Step::Taken {
-                        foreseen: tries == 0 && apart < FORESEEN,
-                    };
-                }
-            }
-            self.damping *= 8.0;
-        }
-        Step::Stuck {
-            close: decrement < 1.0 + 1e-3 * before,
-        }
-    }
-
-    /// Scaled normal equations of the variables that are not held at a bound.
-    fn normal_equations(
-        &self,
-        target: &[f64],
-        columns: &[Vec<f64>],
-    ) -> (DMatrix<f64>, DVector<f64>, Vec<usize>) {
-        let slope: Vec<f64> = (0..columns.len())
-            .map(|i| {
-                let prior = self.variables[i].prior;
-                dot(&columns[i], target) - prior.precision.powi(2) * prior.offset
-            })
-            .collect();
-        let free: Vec<usize> = (0..columns.len())
-            .filter(|&i| {
-                let v = &self.variables[i];
-                !(v.value <= v.min && slope[i] <= 0.0 || v.value >= v.max && slope[i] >= 0.0)
-            })
-            .collect();
-        let k = free.len();
-        let normal = DMatrix::from_fn(k, k, |a, b| {
-            let (i, j) = (free[a], free[b]);
-            let prior = if i == j {
-                self.variables[i].prior.precision.powi(2)
-            } else {
-                0.0
-            };
-            dot(&columns[i], &columns[j]) + prior
-        });
-        (normal, DVector::from_fn(k, |a, _| slope[free[a]]), free)
-    }
-
-    fn solve(&self, normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> DVector<f64> {
-        let k = gradient.len();
-        let scale = DVector::from_fn(k, |i, _| 1.0 / normal[(i, i)].sqrt().max(1e-150));
-        let mut scaled = DMatrix::from_fn(k, k, |i, j| normal[(i, j)] * scale[i] * scale[j]);
-        for i in 0..k {
-            scaled[(i, i)] += damping + 1e-9;
-        }
-        match scaled.cholesky() {
-            Some(factor) => factor
-                .solve(&gradient.component_mul(&scale))
-                .component_mul(&scale),
-            None => DVector::zeros(k),
-        }
-    }
-
-    fn moved(&self, free: &[usize], step: &DVector<f64>) -> Point {
-        let mut values: Vec<f64> = self.variables.iter().map(|v| v.value).collect();
-        for (a, &i) in free.iter().enumerate() {
-            let v = &self.variables[i];
-            values[i] = (v.value + step[a]).clamp(v.min, v.max);
-        }
-        self.problem.with_values(&self.point, &values)
-    }
-}
-
-/// Corrects derivatives by what a step did (Broyden's good update, variables scaled by the norm of their whitened derivatives). How
-/// far the step was from what they foresaw, as a part of that.
-fn corrected(
-    jacobian: &mut [Columns],
-    whitened: &[Vec<f64>],
-    moved: &[f64],
-    change: Columns,
-    square: impl Fn(&Columns) -> f64,
-) -> f64 {
-    let mut foreseen: Columns = change.iter().map(|c| vec![0.0; c.len()]).collect();
-    for (column, step) in jacobian.iter().zip(moved) {
-        add(&mut foreseen, column, *step);
-    }
-    let unforeseen = difference(&change, &foreseen, 1.0);
-    let weights: Vec<f64> = whitened.iter().map(|x| dot(x, x)).collect();
-    let whole: f64 = (weights.iter().zip(moved)).map(|(w, s)| w * s * s).sum();
-    if whole > 0.0 {
-        for ((column, weight), step) in jacobian.iter_mut().zip(weights).zip(moved) {
-            add(column, &unforeseen, weight * step / whole);
-        }
-    }
-    (square(&unforeseen) / square(&foreseen).max(f64::MIN_POSITIVE)).sqrt()
-}
-
-/// `to += factor * columns`.
-fn add(to: &mut Columns, columns: &Columns, factor: f64) {
-    for (to, column) in to.iter_mut().zip(columns) {
-        for (to, x) in to.iter_mut().zip(column) {
-            *to += factor * x;
-        }
-    }
 }
 
 /// Change of the prediction per unit of each variable, by finite differences.

@@ -32,6 +32,7 @@ mod screen;
 mod search;
 mod signature;
 mod span;
+mod step;
 mod uncertainty;
 mod validate;
 

@@ -66,31 +66,30 @@ fn given_up(
     heats: &[(Point, Result<Running, PredictError>)],
     base: Option<&Fit>,
 ) -> Vec<Option<&'static str>> {
-    let gain = |running: &Running, base: &Fit| base.objective - running.objective();
+    let running: Vec<Option<&Running>> =
+        (heats.iter()).map(|(_, heat)| heat.as_ref().ok()).collect();
     let count = |running: &Running| running.point().effects.len();
-    let best = |effects: usize, base: &Fit| {
-        let others = heats.iter().filter_map(|(_, heat)| heat.as_ref().ok());
-        others
-            .filter(|other| count(other) == effects)
-            .map(|other| gain(other, base))
-            .fold(0.0, f64::max)
+    let gains: Vec<Option<f64>> = (running.iter())
+        .map(|running| Some(base?.objective - (*running)?.objective()))
+        .collect();
+    let best = |effects: usize| {
+        let pairs = running.iter().zip(&gains);
+        let gains = pairs.filter(|(other, _)| other.is_some_and(|other| count(other) == effects));
+        gains.filter_map(|(_, gain)| *gain).fold(0.0, f64::max)
     };
     let verdict = |i: usize| {
-        let running = heats[i].1.as_ref().ok()?;
-        if running.has_ended() {
-            return None;
-        }
-        let twin = heats.iter().enumerate().any(|(j, (_, other))| {
-            let Ok(other) = other else { return false };
-            let first = j < i || other.has_ended();
-            j != i && first && same(running, other)
+        let own = running[i].filter(|own| !own.has_ended())?;
+        let twin = running.iter().enumerate().any(|(j, other)| {
+            let Some(other) = other.filter(|_| j != i) else {
+                return false;
+            };
+            (j < i || other.has_ended()) && same(own, other)
         });
         if twin {
             return Some("given up: it came to where another fit of the same effects is");
         }
-        let base = base?;
-        let best = best(count(running), base);
-        let within_reach = gain(running, base) + PROMISE * running.decrement();
+        let best = best(count(own));
+        let within_reach = gains[i]? + PROMISE * own.decrement();
         (best > CLEAR && within_reach < FAR_BEHIND * best)
             .then_some("given up: far behind the best of as many effects")
     };
