@@ -105,10 +105,11 @@ impl Drive {
         }
     }
 
-    /// Stiffness between the link and a motor that follows its command, whatever the link does.
-    pub(super) fn led_stiffness(&self, joint: usize) -> Option<f64> {
-        let drive = &self.joints[joint];
-        (drive.kind == DriveKind::Position).then(|| drive.stiffness())
+    /// Joints whose motors follow their commands, whatever the links do, with the stiffness between.
+    pub(super) fn led(&self) -> Vec<(usize, f64)> {
+        let joints = self.joints.iter().enumerate();
+        let led = joints.filter(|(_, drive)| drive.kind == DriveKind::Position);
+        led.map(|(i, drive)| (i, drive.stiffness())).collect()
     }
 
     pub(super) fn joint(&self, joint: usize) -> &JointDrive {

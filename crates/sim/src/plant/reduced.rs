@@ -57,8 +57,10 @@ pub struct ReducedPlant {
     carried: DVector<f64>,
     /// With which the mass at hand is told from that of the linearisation.
     acceleration: Foreseen,
-    /// Coordinates of the motors at this instant and before.
+    /// Coordinates of the motors at this instant and before, where a command moves them.
     motors: Smoothed,
+    /// Joints that a moving command leads, with their stiffness.
+    led: Vec<(usize, f64)>,
     plays: Vec<Play>,
     /// Distance from the posture of the linearisation.
     shift: DVector<f64>,
@@ -105,6 +107,7 @@ impl ReducedPlant {
             carried: zeros.clone(),
             acceleration: Foreseen::new(n),
             motors: Smoothed::new(n),
+            led: if path { drive.led() } else { Vec::new() },
             plays: drive.with_play(),
             shift: zeros.clone(),
             bias: linear.gravity_torque.clone(),
@@ -310,12 +313,12 @@ impl Plant for ReducedPlant {
             force[i] =
                 self.explicit[i] - self.drive.damping_without_play(i) * carried - self.bias[i];
         }
-        self.motors.advance();
-        self.motors.now().copy_from_slice(&self.joints.motor);
-        for (i, force) in force.iter_mut().enumerate() {
-            if let Some(stiffness) = self.drive.led_stiffness(i) {
-                *force += stiffness * self.motors.curvature(i) / 12.0;
-            }
+        if !self.led.is_empty() {
+            self.motors.advance();
+            self.motors.now().copy_from_slice(&self.joints.motor);
+        }
+        for (i, stiffness) in &self.led {
+            force[*i] += stiffness * self.motors.curvature(*i) / 12.0;
         }
         for play in &self.plays {
             // The drive's torque has this damping in it already.
