@@ -1,6 +1,7 @@
 //! A wheel in precession over the sample raster, led by an HP20.
 
-use std::path::PathBuf;
+mod assets;
+
 use std::time::Instant;
 
 use nalgebra::{Isometry3, Vector2, Vector3};
@@ -60,9 +61,24 @@ fn inward(wheel: &PrecessionWheel, plan: &PrecessionPlan) -> (usize, usize, f64)
 }
 
 fn hp20() -> Robot {
-    let urdf =
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/hp20/robot.urdf");
-    Robot::load(&urdf, None, None).expect("the asset loads")
+    assets::robot("hp20")
+}
+
+fn task<'a>(
+    wheel: &'a PrecessionWheel,
+    boundary: &'a Boundary,
+    rule: EdgeRule,
+    path_m: &'a [Vector2<f64>],
+) -> PrecessionTask<'a> {
+    PrecessionTask {
+        wheel,
+        boundary,
+        rule,
+        path_m,
+        feed_m_per_s: 20e-3,
+        turn_rad_s: 1.5,
+        start_rad: 0.0,
+    }
 }
 
 /// The sample raster, the block level in front of the arm.
@@ -89,29 +105,13 @@ fn with_arm(robot: &Robot, rule: EdgeRule) -> Result<ArmPlan, PrecessionPlanErro
         zero_direction: Vector3::x(),
         start: &start,
     };
-    let task = PrecessionTask {
-        wheel: &wheel,
-        boundary: &boundary,
-        rule,
-        path_m: &path,
-        feed_m_per_s: 20e-3,
-        turn_rad_s: 1.5,
-        start_rad: 0.0,
-    };
+    let task = task(&wheel, &boundary, rule, &path);
     task.plan_for_arm(&arm, &LIMITS, &PrecessionOptions::default())
 }
 
 fn plan(wheel: &PrecessionWheel, rule: EdgeRule, limits: &PrecessionLimits) -> PrecessionPlan {
     let (boundary, path) = (block(), raster());
-    let task = PrecessionTask {
-        wheel,
-        boundary: &boundary,
-        rule,
-        path_m: &path,
-        feed_m_per_s: 20e-3,
-        turn_rad_s: 1.5,
-        start_rad: 0.0,
-    };
+    let task = task(wheel, &boundary, rule, &path);
     let options = PrecessionOptions::default();
     task.plan(limits, &options).expect("a course")
 }

@@ -1,18 +1,13 @@
 //! What the files look like, how long programs are split, and what is refused.
 
+mod assets;
+
+use assets::robot;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use truecut_arm::Robot;
 use truecut_plan::program::{Motion, PathPoint, Program, Tool, TravelOptions, jbi, rapid};
-
-fn robot(name: &str) -> Robot {
-    let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../assets/robots")
-        .join(name)
-        .join("robot.urdf");
-    Robot::load(&urdf, None, None).expect("the asset loads")
-}
 
 /// Approach by joints, then a line of `count` points with the tool down, the turntable turning beside it.
 fn program(robot: &Robot, count: u32) -> Program {
@@ -361,13 +356,20 @@ mod damaged {
     const MODULE: &str = include_str!("../../../tests/invalid_input/program/unused_target.MOD");
 
     proptest! {
-        /// Damaged files never cause a panic.
+        /// Damaged files are read, or refused with their name and a line that they have.
         #[test]
         fn damage_is_answered(at in 0..JOB.len().min(MODULE.len()), length in 0_usize..30, patch in "[ -~]{0,8}") {
             let end = |text: &str| (at + length).min(text.len());
             let damage = |text: &str| format!("{}{patch}{}", &text[..at], &text[end(text)..]);
-            let _ = jbi::JbiJob::parse(&damage(JOB), Path::new("x.JBI"));
-            let _ = rapid::RapidModule::parse(&damage(MODULE), Path::new("x.MOD"));
+            let job = jbi::JbiJob::parse(&damage(JOB), Path::new("x.JBI")).err();
+            let module = rapid::RapidModule::parse(&damage(MODULE), Path::new("x.MOD")).err();
+            for (error, name, text) in [(job, "x.JBI", damage(JOB)), (module, "x.MOD", damage(MODULE))] {
+                let Some(error) = error else { continue };
+                prop_assert_eq!(error.path(), Some(Path::new(name)));
+                let line = error.line().expect("a line");
+                prop_assert!((1..=text.lines().count() + 1).contains(&line), "{}", error);
+                prop_assert!(!error.message().is_empty());
+            }
         }
     }
 }

@@ -5,6 +5,9 @@
 //! turn about one axis and add up, the middle one about an axis at right angles to it. The parts of a quaternion are off by
 //! 0.5e-9 each, the vector of four by 1e-9, the attitude by twice that. The inverse kinematics leave 1e-9 m and rad.
 
+mod assets;
+
+use assets::robot;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -16,14 +19,6 @@ use truecut_plan::program::{Motion, Move, PathPoint, Program, Tool, TravelOption
 const KINEMATICS: f64 = 1e-9;
 const PLACE_M: f64 = 0.5e-6 * 1.732_050_808 + KINEMATICS;
 const ROUND_DEG: f64 = 0.5e-4;
-
-fn robot(name: &str) -> Robot {
-    let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../assets/robots")
-        .join(name)
-        .join("robot.urdf");
-    Robot::load(&urdf, None, None).expect("the asset loads")
-}
 
 fn base() -> Isometry3<f64> {
     Isometry3::from_parts(

@@ -1,7 +1,8 @@
 //! Branches by shortest travel, and what is reported of a path that the arm cannot follow.
 
+mod assets;
+
 use std::f64::consts::PI;
-use std::path::Path;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use truecut_arm::{BranchOptions, FrameId, Robot};
@@ -12,9 +13,7 @@ use truecut_plan::program::{
 };
 
 fn robot() -> Robot {
-    let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../assets/robots/irb6600_175_255/robot.urdf");
-    Robot::load(&urdf, None, None).expect("the asset loads")
+    assets::robot("irb6600_175_255")
 }
 
 fn point(x: f64, y: f64, z: f64, rotation: UnitQuaternion<f64>) -> PathPoint {
@@ -34,7 +33,7 @@ fn down() -> UnitQuaternion<f64> {
 fn travel(points: &[PathPoint], options: &TravelOptions) -> Result<Vec<Vec<f64>>, ProgramError> {
     let robot = robot();
     let tool = robot.frames.flange_from_tool;
-    shortest_travel(&robot, &tool, &Isometry3::identity(), points, options)
+    shortest_travel(&robot, &tool, &Isometry3::identity(), points, None, options)
 }
 
 fn length(path: &[Vec<f64>]) -> f64 {

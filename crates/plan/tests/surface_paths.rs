@@ -1,13 +1,16 @@
 //! Paths on surfaces, followed by the HP20: planned and taught segments, symmetry, what cannot be followed, and how long it takes.
 
+mod assets;
+
 use std::path::Path;
 use std::time::Instant;
 
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};
 use truecut_arm::{FrameId, Robot};
+use truecut_plan::program::TravelOptions;
 use truecut_plan::surface::PatchFile;
 use truecut_plan::surface_path::{
-    AxisRule, ContactWheel, PathOptions, Segment, SolveOptions, SurfacePath, TaughtPoints, copies,
+    AxisRule, ContactWheel, PathOptions, Segment, SurfacePath, TaughtPoints, copies,
     plan_iso_parametric, solve,
 };
 
@@ -22,6 +25,12 @@ const WHEEL: ContactWheel = ContactWheel {
 /// A posture of the published example with the shoulder in front, θ5 > 0.
 const START_DEG: [f64; 6] = [-6.2, 6.516, -34.775, -3.616, -31.231, -80.996];
 
+/// A fifth of a radian from point to point.
+const OPTIONS: fn() -> TravelOptions = || TravelOptions {
+    largest_step: 0.2,
+    ..TravelOptions::default()
+};
+
 fn asset(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../assets")
@@ -29,7 +38,7 @@ fn asset(name: &str) -> std::path::PathBuf {
 }
 
 fn robot() -> Robot {
-    Robot::load(&asset("robots/hp20/robot.urdf"), None, None).expect("the asset loads")
+    assets::robot("hp20")
 }
 
 fn start() -> Vec<f64> {
@@ -74,7 +83,7 @@ fn twenty_thousand_points_are_planned_and_solved_within_two_seconds() {
     let path = spoke(0.035e-3);
     let segments = before_the_arm(&path);
     let planned_s = begun.elapsed().as_secs_f64();
-    let solved = solve(&robot, &segments, &start(), &SolveOptions::default()).expect("reached");
+    let solved = solve(&robot, &segments, &start(), &OPTIONS()).expect("reached");
     let total_s = begun.elapsed().as_secs_f64();
     let poses: Vec<_> = segments.iter().flat_map(poses).collect();
     let count = poses.len();
@@ -110,7 +119,7 @@ fn taught_points_are_mixed_with_planned_segments() {
     let text = "j1,j2,j3,j4,j5,j6\n-6,7,-34,-4,-31,-81\n-5,8.5,-33,-4,-32,-80\n";
     let taught = TaughtPoints::from_text(text, Path::new("edges.csv"), &robot).expect("two points");
     segments.insert(1, Segment::Taught(taught.clone()));
-    let solved = solve(&robot, &segments, &start(), &SolveOptions::default()).expect("reached");
+    let solved = solve(&robot, &segments, &start(), &OPTIONS()).expect("reached");
     assert_eq!(solved.segments[1], taught.postures);
     assert!((taught.postures[1][1] - 8.5_f64.to_radians()).abs() < 1e-15);
     assert_eq!(solved.between.len(), segments.len() - 1);
@@ -150,13 +159,19 @@ fn points_that_cannot_be_reached_are_named() {
         Segment::Planned(poses[..5].to_vec()),
         Segment::Planned(away),
     ];
-    let refused = solve(&robot, &segments, &start(), &SolveOptions::default());
+    let refused = solve(&robot, &segments, &start(), &OPTIONS());
     let told = refused.expect_err("it leaves").to_string();
-    assert!(told.contains("of segment 2"), "{told}");
-    let strict = SolveOptions {
+    assert!(
+        told.contains("segment 2") && told.contains("path point "),
+        "{told}"
+    );
+    let strict = TravelOptions {
         largest_step: 1e-4,
-        ..SolveOptions::default()
+        ..OPTIONS()
     };
     let refused = solve(&robot, &segments[..1], &start(), &strict).expect_err("too strict");
-    assert!(refused.to_string().contains("would jump by"), "{refused}");
+    assert!(
+        refused.to_string().contains("would have to jump"),
+        "{refused}"
+    );
 }

@@ -11,6 +11,8 @@
 //! the workpiece it takes its shape, loses the curvature `1/R_e`, and hands the face `N/R_e`. It pulls the patch's ends together (no
 //! kink, `bed`), and bends round an edge across its run. Along its run it is not stretched sideways: no reaction there.
 
+use std::f64::consts::PI;
+
 use super::bed::Bed;
 use super::patch::{Layer, Patch, Shape, penetration_for};
 
@@ -31,12 +33,23 @@ pub struct BeltWheel {
     pub damping_pa_s_per_m: f64,
 }
 
+/// Half-width of Hertz's line contact, `b = √(4 F' R_e/(π E*))` (Johnson, *Contact Mechanics*, eq. 4.43), m: force per width in N/m,
+/// contact modulus in Pa, relative radius in m.
+pub fn line_half_width_m(line_load_n_per_m: f64, modulus_pa: f64, relative_radius_m: f64) -> f64 {
+    (4.0 * line_load_n_per_m * relative_radius_m / (PI * modulus_pa)).sqrt()
+}
+
+/// Radius of a wheel relative to a surface of this curvature across its axis (convex positive, 1/m): `1/R_e = 1/R + κ`, m. On a
+/// concave surface tighter than the wheel there is none.
+pub fn relative_radius_m(radius_m: f64, curvature_per_m: f64) -> Option<f64> {
+    let sum = 1.0 / radius_m + curvature_per_m;
+    (sum > 0.0).then(|| 1.0 / sum)
+}
+
 impl BeltWheel {
-    /// Radius relative to a surface of this curvature across the axis (convex positive, 1/m):
-    /// `1/R_e = 1/R + κ`, m. On a concave surface tighter than the wheel there is none.
+    /// [`relative_radius_m`] of this wheel.
     pub fn relative_radius_m(&self, curvature_per_m: f64) -> Option<f64> {
-        let sum = 1.0 / self.radius_m + curvature_per_m;
-        (sum > 0.0).then(|| 1.0 / sum)
+        relative_radius_m(self.radius_m, curvature_per_m)
     }
 
     /// Approach of the hub over `b²/4R_e`, from Johnson's eq. 5.57.
@@ -92,10 +105,11 @@ impl BeltWheel {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn wheel() -> BeltWheel {
+    /// Wheel and belt of the reference, slack.
+    pub(in crate::wheel) fn wheel() -> BeltWheel {
         BeltWheel {
             radius_m: 40e-3,
             width_m: 25e-3,

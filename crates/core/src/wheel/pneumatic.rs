@@ -90,10 +90,11 @@ impl PneumaticWheel {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn wheel() -> PneumaticWheel {
+    /// A soft ball of 20 mm.
+    pub(in crate::wheel) fn wheel() -> PneumaticWheel {
         PneumaticWheel {
             radius_m: 20e-3,
             pressure_pa: 0.1e6,

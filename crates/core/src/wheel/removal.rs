@@ -174,22 +174,14 @@ mod tests {
     use super::*;
     use crate::wheel::face::Face;
     use crate::wheel::patch::{Patch, Sliding};
-    use crate::wheel::pneumatic::PneumaticWheel;
+    use crate::wheel::pneumatic::tests::wheel as ball;
     use crate::wheel::quadrature::Quadrature;
     use nalgebra::Isometry2;
 
     const PRESTON: f64 = 4e-11;
 
     fn patch() -> Patch {
-        PneumaticWheel {
-            radius_m: 20e-3,
-            pressure_pa: 0.1e6,
-            shell_thickness_m: 5e-3,
-            youngs_modulus_pa: 4e6,
-            poisson: 0.49,
-            damping_pa_s_per_m: 0.0,
-        }
-        .patch(0.8e-3)
+        ball().patch(0.8e-3)
     }
 
     /// A pass along y = `y` from `from` to `to` over a 60 mm × 20 mm face, `cell` m a cell: grid and Preston's integral, J.

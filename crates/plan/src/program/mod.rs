@@ -141,6 +141,7 @@ impl Program {
             &tool.flange_from_tool,
             &world_from_base,
             points,
+            None,
             options,
         )?;
         let moves = points.iter().zip(postures).enumerate();

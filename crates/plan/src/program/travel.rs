@@ -39,7 +39,8 @@ const UNREACHED: Way = Way {
 };
 
 /// Postures along a path, over all branches of the inverse kinematics and all whole turns within limits, that minimise the
-/// sum of the distances from point to point (root of the sum of squared joint motions). Found by dynamic programming, so no
+/// sum of the distances from point to point (root of the sum of squared joint motions), that from a posture before the first included if
+/// `start` gives one. Found by dynamic programming, so no
 /// other choice is shorter.
 ///
 /// # Errors
@@ -50,6 +51,7 @@ pub fn shortest_travel(
     flange_from_tool: &Isometry3<f64>,
     world_from_base: &Isometry3<f64>,
     points: &[PathPoint],
+    start: Option<&[f64]>,
     options: &TravelOptions,
 ) -> Result<Vec<Vec<f64>>, ProgramError> {
     let solver = robot.ik_solver(&BranchOptions::default());
@@ -65,11 +67,11 @@ pub fn shortest_travel(
     let Some(first) = columns.first() else {
         return Ok(Vec::new());
     };
-    let start = Way {
-        cost: 0.0,
+    let begun = first.iter().map(|q| Way {
+        cost: start.map_or(0.0, |start| distance(start, q).0),
         from: usize::MAX,
-    };
-    let mut ways = vec![vec![start; first.len()]];
+    });
+    let mut ways: Vec<Vec<Way>> = vec![begun.collect()];
     for (i, point) in points.iter().enumerate().skip(1) {
         let largest = match point.motion {
             Motion::Joint { .. } => f64::INFINITY,
@@ -174,6 +176,18 @@ fn outside(robot: &Robot, path_point: usize, branches: &[Vec<f64>]) -> ProgramEr
     }
 }
 
+/// Root of the sum of squared joint motions, and the widest of them.
+fn distance(from: &[f64], to: &[f64]) -> (f64, f64) {
+    let mut squares = 0.0;
+    let mut widest: f64 = 0.0;
+    for (a, b) in from.iter().zip(to) {
+        let step = (a - b).abs();
+        widest = widest.max(step);
+        squares += step * step;
+    }
+    (squares.sqrt(), widest)
+}
+
 fn cheapest(before: &[Vec<f64>], ways: &[Way], to: &[f64], largest: f64) -> Way {
     let mut best = UNREACHED;
     for (from, (q, way)) in before.iter().zip(ways).enumerate() {
@@ -181,14 +195,8 @@ fn cheapest(before: &[Vec<f64>], ways: &[Way], to: &[f64], largest: f64) -> Way 
         if way.cost >= best.cost {
             continue;
         }
-        let mut squares = 0.0;
-        let mut widest: f64 = 0.0;
-        for (a, b) in q.iter().zip(to) {
-            let step = (a - b).abs();
-            widest = widest.max(step);
-            squares += step * step;
-        }
-        let cost = way.cost + squares.sqrt();
+        let (length, widest) = distance(q, to);
+        let cost = way.cost + length;
         if widest <= largest && cost < best.cost {
             best = Way { cost, from };
         }

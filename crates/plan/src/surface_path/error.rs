@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 use thiserror::Error;
-use truecut_arm::ArmError;
 
+use crate::program::ProgramError;
 use crate::surface::SurfaceFault;
 
 /// Why a path on a surface cannot be planned or followed.
@@ -42,32 +42,10 @@ pub enum SurfacePathError {
         "the contact patch is wider than the face: nowhere along v does a patch {swath_mm:.3} mm wide lie within its borders"
     )]
     WiderThanFace { swath_mm: f64 },
-    #[error("point {index} of segment {segment} (both counted from 1): {source}")]
-    NotReached {
+    #[error("segment {segment}, counted from 1: {source}")]
+    Travel {
         segment: usize,
-        index: usize,
-        source: ArmError,
-    },
-    #[error(
-        "point {index} of segment {segment} (both counted from 1) is {distance} from a {kind} singularity; at least {least} are asked"
-    )]
-    Singular {
-        segment: usize,
-        index: usize,
-        kind: &'static str,
-        distance: String,
-        least: String,
-    },
-    #[error(
-        "joint \"{joint}\" would jump by {jump_deg:.2} deg from point {before} to point {index} of segment {segment} (counted from 1); at most {limit_deg:.2} deg are allowed",
-        before = index - 1
-    )]
-    Jump {
-        segment: usize,
-        index: usize,
-        joint: String,
-        jump_deg: f64,
-        limit_deg: f64,
+        source: ProgramError,
     },
     #[error("{file}:{line}: {message}")]
     Taught {

@@ -15,6 +15,6 @@ mod wheel;
 pub use contact::{AxisRule, Contact};
 pub use error::SurfacePathError;
 pub use lines::{PathOptions, SurfacePath, plan_iso_parametric};
-pub use solve::{Segment, SolveOptions, Solved, copies, solve};
+pub use solve::{Segment, Solved, copies, solve};
 pub use taught::TaughtPoints;
 pub use wheel::ContactWheel;

@@ -1,6 +1,6 @@
 //! The contact wheel of a belt grinder.
 
-use std::f64::consts::PI;
+use truecut_core::wheel::belt::{line_half_width_m, relative_radius_m};
 
 use super::error::SurfacePathError;
 
@@ -50,19 +50,22 @@ impl ContactWheel {
         Ok(())
     }
 
-    /// Half-width of the contact line, b = √(4 F′ R_e/(π E*)), 1/R_e = 1/R + κ (Johnson, Contact Mechanics, eq. 4.43), m;
-    /// `None` if the surface is hollow with a radius not above the wheel's.
+    /// Half-width of the contact line by [`line_half_width_m`], m; `None` if the surface is hollow with a radius not above the wheel's.
     #[must_use]
     pub fn half_width_m(&self, curvature_across_per_m: f64) -> Option<f64> {
-        let relative = 1.0 / self.radius_m + curvature_across_per_m;
-        let half_m = (4.0 * self.line_load_n_per_m / (PI * self.modulus_pa * relative)).sqrt();
-        (relative > 0.0).then_some(half_m)
+        let relative_m = relative_radius_m(self.radius_m, curvature_across_per_m)?;
+        Some(line_half_width_m(
+            self.line_load_n_per_m,
+            self.modulus_pa,
+            relative_m,
+        ))
     }
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     /// R 40 mm, W 25 mm, h 0.5 mm, 30 N over the width, E* 8 MPa.
     pub(crate) const PUBLISHED: ContactWheel = ContactWheel {

@@ -1,28 +1,14 @@
 use super::*;
 use crate::wheel::belt::BeltWheel;
+use crate::wheel::belt::tests::wheel as slack;
 use crate::wheel::pneumatic::PneumaticWheel;
+use crate::wheel::pneumatic::tests::wheel as ball;
 use nalgebra::Isometry2;
-
-fn ball() -> PneumaticWheel {
-    PneumaticWheel {
-        radius_m: 20e-3,
-        pressure_pa: 0.1e6,
-        shell_thickness_m: 5e-3,
-        youngs_modulus_pa: 4e6,
-        poisson: 0.49,
-        damping_pa_s_per_m: 0.0,
-    }
-}
 
 fn belt() -> BeltWheel {
     BeltWheel {
-        radius_m: 40e-3,
-        width_m: 25e-3,
-        contact_modulus_pa: 8e6,
-        poisson: 0.48,
-        rubber_m: 15e-3,
         tension_n: 100.0,
-        damping_pa_s_per_m: 0.0,
+        ..slack()
     }
 }
 
