@@ -7,11 +7,11 @@ use truecut_scenario::effect::EffectKind;
 use super::Stage;
 use super::answer::Proposal;
 use super::data::{LAGS, Rows};
-use super::fit::{Fit, difference};
+use super::fit::{Fit, difference, fit};
 use super::memory::{LEAST_GENERALISATION, distance as standing_out};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
-use super::screen::{angle_deg, projected};
+use super::screen::angle_deg;
 use super::search::{DECISIVE, Outcome, criterion, weight};
 use super::validate::compare;
 use crate::model::Columns;
@@ -119,41 +119,32 @@ fn kinds(point: &Point) -> Vec<usize> {
     kinds
 }
 
-/// Angle between what the two models add to the effects that they share, whitened, less what nominal parameters can do.
+/// Angle between what the two models, each with nominal parameters of its own, add to the model of the effects that they share, whitened.
+/// Its sine is what parts the two predictions beside what the effects explain.
 fn angle(problem: &Problem, outcome: &Outcome, rival: &Fit) -> f64 {
-    let (chosen, base) = (&outcome.chosen, &outcome.base);
-    let mut shared = chosen.point.clone();
-    shared.effects.retain(|f| {
-        rival
-            .point
-            .effects
-            .iter()
-            .any(|g| g.candidate == f.candidate)
-    });
-    let common = match shared.effects.is_empty() {
-        true => base.predicted.clone(),
-        false => problem
-            .predict(&shared)
-            .unwrap_or_else(|_| base.predicted.clone()),
-    };
+    let chosen = &outcome.chosen;
+    let common = common(problem, outcome, rival);
     let rows = &problem.split.development;
-    let nuisance: Vec<Vec<f64>> = base
-        .jacobian
-        .iter()
-        .map(|x| chosen.noise.whiten(x, rows))
-        .collect();
-    let priors: Vec<_> = problem
-        .variables(&base.point)
-        .iter()
-        .map(|v| v.prior)
-        .collect();
-    let signature = |fit: &Fit| {
-        let change = chosen
-            .noise
-            .whiten(&difference(&fit.predicted, &common, 1.0), rows);
-        projected(&change, &nuisance, &priors)
+    let trace = |fit: &Fit| {
+        let change = difference(&fit.predicted, &common, 1.0);
+        chosen.noise.whiten(&change, rows)
     };
-    angle_deg(&signature(chosen), &signature(rival))
+    angle_deg(&trace(chosen), &trace(rival))
+}
+
+/// Prediction of the model with the effects that the chosen one and its rival share, refitted.
+fn common(problem: &Problem, outcome: &Outcome, rival: &Fit) -> Columns {
+    let mut shared = outcome.chosen.point.clone();
+    let others = kinds(&rival.point);
+    shared.effects.retain(|f| others.contains(&f.candidate));
+    if shared.effects.is_empty() {
+        return outcome.base.predicted.clone();
+    }
+    let train = &problem.split.train;
+    match fit(problem, shared, train, &outcome.orders, true) {
+        Ok(fit) => fit.predicted,
+        Err(_) => outcome.base.predicted.clone(),
+    }
 }
 
 /// The experiments that separate the causes best, at most three.
