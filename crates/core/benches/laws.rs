@@ -41,9 +41,7 @@ fn friction(c: &mut Criterion) {
 }
 
 fn cutting(c: &mut Criterion) {
-    let chip = ChipArea {
-        half_angle_rad: 0.8,
-    };
+    let chip = ChipArea::new(0.8);
     let k = CuttingCoefficients::from_resultant(1.96e9, 2.14e9, 0.3);
     c.bench_function("chip area and force", |b| {
         b.iter(|| {

@@ -21,7 +21,7 @@
 //! use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients};
 //!
 //! // Source A at full depth: 1 mm chamfer, 45 degrees, 0.05 mm per revolution.
-//! let chip = ChipArea { half_angle_rad: 45f64.to_radians() };
+//! let chip = ChipArea::new(45f64.to_radians());
 //! let area_m2 = chip.nominal_m2(1.0e-3, 0.05e-3);
 //! let k = CuttingCoefficients::from_resultant(1.96e9, 2.14e9, 0.3);
 //! assert!((k.in_plane_pa() * area_m2 - 109.68).abs() < 0.01); // newton, spec "M"

@@ -115,13 +115,17 @@ impl Strip {
         let cell_of = |x: f64| (x / self.cell_m).floor().clamp(-1.0, n as f64);
         let first = cell_of(centre_m - half_length_m).max(0.0) as usize;
         let last = cell_of(centre_m + half_length_m) as isize;
+        let until = |edge: usize| {
+            semi_ellipse_cdf((edge as f64 * self.cell_m - centre_m) / half_length_m.max(1e-12))
+        };
+        let mut from = until(first);
         for cell in first..=(last.min(n as isize - 1).max(-1) + 1) as usize {
             if cell >= n {
                 break;
             }
-            let edge = |i: usize| (i as f64 * self.cell_m - centre_m) / half_length_m.max(1e-12);
-            let part = semi_ellipse_cdf(edge(cell + 1)) - semi_ellipse_cdf(edge(cell));
-            self.removed_m[cell] += dose_m2 * part / self.cell_m;
+            let to = until(cell + 1);
+            self.removed_m[cell] += dose_m2 * (to - from) / self.cell_m;
+            from = to;
         }
     }
 }

@@ -72,6 +72,11 @@ impl Cell {
         &self.channels
     }
 
+    /// Leaves out of the run what neither forces nor channels need; it ends without findings.
+    pub fn keep_rows_only(&mut self) {
+        self.process.keep_rows_only();
+    }
+
     /// The column of a channel.
     ///
     /// # Errors

@@ -43,7 +43,7 @@ pub fn simulate(
     engine: Engine,
     channels: &[&str],
 ) -> Result<Rows, SimError> {
-    let cell = match engine {
+    let mut cell = match engine {
         Engine::Rapier => Cell::build_with_data(&at_the_times(scenario, measured), measured)?,
         Engine::Reduced { shortest_step_s } => {
             let cell = reduced(scenario, measured, robots)?;
@@ -76,6 +76,7 @@ pub fn simulate(
             .collect(),
         outcome: Outcome::Completed,
     };
+    cell.keep_rows_only();
     let end = cell.run_rows(|time_s, row| {
         rows.time_s.push(time_s);
         for (column, index) in rows.columns.iter_mut().zip(&kept) {

@@ -194,9 +194,7 @@ fn chamfer_parameters(
             depth_m: spec.depth_m,
             dwell_revolutions: spec.dwell_revolutions,
         },
-        chip: ChipArea {
-            half_angle_rad: spec.half_angle_rad,
-        },
+        chip: ChipArea::new(spec.half_angle_rad),
         coefficients: coefficients(&spec.cutting, cut),
         axial_sign: match spec.direction {
             FeedDirection::Forward => -1.0,

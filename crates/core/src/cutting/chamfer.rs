@@ -10,16 +10,34 @@ use nalgebra::Vector3;
 /// The chip of a straight edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChipArea {
-    /// θ, angle between cutting edge and spindle axis, rad.
-    pub half_angle_rad: f64,
+    half_angle_rad: f64,
+    tan: f64,
 }
 
 impl ChipArea {
+    /// For an edge at the angle θ to the spindle axis, rad.
+    pub fn new(half_angle_rad: f64) -> Self {
+        Self {
+            half_angle_rad,
+            tan: half_angle_rad.tan(),
+        }
+    }
+
+    /// tanθ: radial width of the chamfer over its axial depth.
+    pub fn tan(&self) -> f64 {
+        self.tan
+    }
+
+    /// cosθ: axial depth of the chamfer over the length of its face.
+    pub fn cos(&self) -> f64 {
+        self.half_angle_rad.cos()
+    }
+
     /// Area that an edge at `depth` removes where `previous` has been cut before, m²:
     /// `½ tanθ (d² - d_prev²)`, zero where the edge does not reach the surface.
     pub fn between_m2(&self, depth_m: f64, previous_m: f64) -> f64 {
         let (d, p) = (depth_m.max(0.0), previous_m.max(0.0));
-        (0.5 * self.half_angle_rad.tan() * (d * d - p * p)).max(0.0)
+        (0.5 * self.tan * (d * d - p * p)).max(0.0)
     }
 
     /// Source A's eq. (1): depth `d` already cut, feed `f` per tooth: `(d + f/2) f tanθ`, m².
@@ -29,7 +47,7 @@ impl ChipArea {
 
     /// Length of the engaged edge, m: `d / cosθ`.
     pub fn edge_length_m(&self, depth_m: f64) -> f64 {
-        depth_m.max(0.0) / self.half_angle_rad.cos()
+        depth_m.max(0.0) / self.cos()
     }
 }
 
@@ -180,9 +198,7 @@ mod tests {
 
     fn source_a() -> (ChipArea, CuttingCoefficients) {
         (
-            ChipArea {
-                half_angle_rad: 45f64.to_radians(),
-            },
+            ChipArea::new(45f64.to_radians()),
             CuttingCoefficients::from_resultant(1.96e9, 2.14e9, 0.35),
         )
     }

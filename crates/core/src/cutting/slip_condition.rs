@@ -178,9 +178,7 @@ mod tests {
 
     fn cut(axial_sign: f64) -> Cut {
         Cut {
-            chip: ChipArea {
-                half_angle_rad: 45f64.to_radians(),
-            },
+            chip: ChipArea::new(45f64.to_radians()),
             coefficients: CuttingCoefficients::from_resultant(1.96e9, 2.14e9, 0.0),
             feed_m: 0.05e-3,
             axial_sign,

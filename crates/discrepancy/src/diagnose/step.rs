@@ -15,6 +15,9 @@ const FORESEEN: f64 = 0.2;
 /// A variable is left where it is if the step of its finite difference, about a ten-thousandth of its typical size, moves the whitened
 /// prediction by less than this: what derivatives say of it is rounding, and to follow it keeps the others from converging.
 const LEAST_FELT: f64 = 1e-6;
+/// Relative accuracy of derivatives. Where two of them differ by less, the step that their difference asks for is no reason to call a
+/// fit unfinished.
+const ACCURACY: f64 = 1e-3;
 
 pub(super) enum Step {
     Taken {
@@ -102,8 +105,9 @@ impl Solver<'_, '_> {
             }
             self.damping *= 8.0;
         }
+        let wanted = gradient.dot(&self.solve(&normal, &gradient, ACCURACY.powi(2)));
         Step::Stuck {
-            close: decrement < 1.0 + 1e-3 * before,
+            close: wanted < 1.0 + 1e-3 * before,
         }
     }
 

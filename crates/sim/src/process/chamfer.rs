@@ -66,7 +66,7 @@ impl ChamferParameters {
         let (ahead_sin, ahead_cos) = (TAU * edge as f64 / self.schedule.edges as f64).sin_cos();
         let runout = e.runout_m[0] * ahead_cos + e.runout_m[1] * ahead_sin;
         let recess = if edge == 0 { e.recess_m } else { 0.0 };
-        depth + e.depth_offset_m - recess + (hole + runout) / self.chip.half_angle_rad.tan()
+        depth + e.depth_offset_m - recess + (hole + runout) / self.chip.tan()
     }
 
     /// Depth that the edges before it have left at this angle on a rigid arm, m. The edge ahead came by one
@@ -112,8 +112,8 @@ pub struct Chamfer {
     theory: Option<SlipTheory>,
     /// Surface that the chip thickness is measured against.
     thickness_rim: Rim,
-    /// Surface that is really there, radial motion included.
-    surface: Rim,
+    /// Surface that is really there, radial motion included; none where nobody asks for it.
+    surface: Option<Rim>,
     foot: Option<Foot>,
     slip_started_s: Option<f64>,
     first_slip_s: Option<f64>,
@@ -162,7 +162,7 @@ impl Chamfer {
             parameters,
             theory,
             thickness_rim: Rim::new(RIM_BINS, previous, &angles, first),
-            surface: Rim::new(RIM_BINS, |_| 0.0, &angles, first),
+            surface: Some(Rim::new(RIM_BINS, |_| 0.0, &angles, first)),
             foot: parameters.foot.map(Foot::new),
             slip_started_s: None,
             first_slip_s: None,
@@ -179,7 +179,7 @@ impl Chamfer {
         // Backward the tool cuts the far rim while it is drawn back, so moving on along X takes it out.
         let axial = -p.axial_sign * state.tool.displacement_m.x;
         let outward = state.tool.displacement_m.y * cos + state.tool.displacement_m.z * sin;
-        let radial = outward / p.chip.half_angle_rad.tan();
+        let radial = outward / p.chip.tan();
         let depth_m = match p.regeneration {
             Regeneration::Off => nominal,
             Regeneration::Axial => nominal + axial,
@@ -254,7 +254,9 @@ impl Process for Chamfer {
             area += edge.chip_area_m2;
             tangential += self.edge_forces(&edge).tangential_n;
             self.thickness_rim.cut(index, edge.angle_rad, edge.depth_m);
-            self.surface.cut(index, edge.angle_rad, edge.true_depth_m);
+            if let Some(surface) = &mut self.surface {
+                surface.cut(index, edge.angle_rad, edge.true_depth_m);
+            }
             if index == 0 {
                 self.last.engaged_depth_m = edge.depth_m;
                 self.last.edge_angle_rad = edge.angle_rad.rem_euclid(TAU);
@@ -295,11 +297,18 @@ impl Process for Chamfer {
         }
     }
 
+    fn keep_rows_only(&mut self) {
+        self.surface = None;
+    }
+
     fn finish(&mut self) -> Findings {
-        self.surface.finish();
-        let width = self.width_profile();
+        let Some(mut surface) = self.surface.take() else {
+            return Findings::default();
+        };
+        surface.finish();
+        let width = self.width_profile(&surface);
         Findings {
-            scalars: self.scalars(&width),
+            scalars: self.scalars(&surface, &width),
             profiles: vec![width],
         }
     }

@@ -80,6 +80,9 @@ pub trait Process: Send {
     /// Appends one value per channel for the step last committed.
     fn record(&self, row: &mut Vec<f64>);
 
+    /// Drops the memory that only [`Process::finish`] reads; forces and channels stay as they are, and there are no findings then.
+    fn keep_rows_only(&mut self) {}
+
     /// Ends the run.
     fn finish(&mut self) -> Findings;
 

@@ -28,7 +28,8 @@ pub struct WheelParameters {
 #[derive(Debug, Clone)]
 pub struct Wheel {
     parameters: WheelParameters,
-    strip: Strip,
+    /// None where nobody asks for it.
+    strip: Option<Strip>,
     removal_work_j: f64,
     last: Last,
 }
@@ -52,11 +53,11 @@ struct Contact {
 impl Wheel {
     pub fn new(parameters: WheelParameters) -> Self {
         Self {
-            strip: Strip::new(
+            strip: Some(Strip::new(
                 parameters.strip_length_m,
                 parameters.contact.width_m,
                 parameters.strip_cells,
-            ),
+            )),
             parameters,
             removal_work_j: 0.0,
             last: Last::default(),
@@ -127,7 +128,9 @@ impl Process for Wheel {
         let line_load = contact.normal_n / p.contact.width_m;
         let dose = p.preston_per_pa * line_load * contact.sliding_m_per_s.abs() * dt_s;
         let half_length = p.contact.half_length_m(contact.penetration_m);
-        self.strip.remove(position_m, half_length, dose);
+        if let Some(strip) = &mut self.strip {
+            strip.remove(position_m, half_length, dose);
+        }
         self.removal_work_j += contact.normal_n * contact.sliding_m_per_s.abs() * dt_s;
         self.last = Last {
             normal_n: contact.normal_n,
@@ -146,8 +149,15 @@ impl Process for Wheel {
         ]);
     }
 
+    fn keep_rows_only(&mut self) {
+        self.strip = None;
+    }
+
     fn finish(&mut self) -> Findings {
-        let removed = self.strip.removed_m();
+        let Some(strip) = self.strip.take() else {
+            return Findings::default();
+        };
+        let removed = strip.removed_m();
         let inner = &removed[removed.len() / 4..(removed.len() * 3 / 4).max(removed.len() / 4 + 1)];
         let mean = inner.iter().sum::<f64>() / inner.len() as f64;
         Findings {
@@ -155,7 +165,7 @@ impl Process for Wheel {
                 Scalar::new(
                     "wheel.removed_volume",
                     Unit::CubicMetre,
-                    self.strip.volume_m3(),
+                    strip.volume_m3(),
                     "Volume removed from the strip",
                 ),
                 Scalar::new(
@@ -183,7 +193,7 @@ impl Process for Wheel {
                 axis_name: "strip_position".into(),
                 axis_unit: Unit::Metre,
                 axis: (0..removed.len())
-                    .map(|i| self.strip.position_m(i))
+                    .map(|i| strip.position_m(i))
                     .collect(),
                 unit: Unit::Metre,
                 values: removed.to_vec(),

@@ -2,6 +2,7 @@
 
 use super::{Chamfer, SlipTheory};
 use std::f64::consts::TAU;
+use truecut_core::cutting::rim::Rim;
 use truecut_core::roughness;
 use truecut_recording::{ChannelSpec, Profile, Scalar, Unit};
 
@@ -55,37 +56,37 @@ pub(super) fn channels() -> Vec<ChannelSpec> {
 impl Chamfer {
     /// Volume of the chamfer: at each angle a triangle of legs `d` and `d tanθ` that is swept along the rim
     /// at the radius of its centroid, m³.
-    fn removed_volume_m3(&self) -> f64 {
+    fn removed_volume_m3(&self, surface: &Rim) -> f64 {
         let p = &self.parameters;
-        let tan = p.chip.half_angle_rad.tan();
-        let step = TAU / self.surface.bins() as f64;
-        (self.surface.depths_m().iter())
+        let tan = p.chip.tan();
+        let step = TAU / surface.bins() as f64;
+        (surface.depths_m().iter())
             .map(|d| 0.5 * d * d * tan * (p.hole_radius_m + d * tan / 3.0) * step)
             .sum()
     }
 
-    pub(super) fn width_profile(&self) -> Profile {
-        let tan = self.parameters.chip.half_angle_rad.tan();
+    pub(super) fn width_profile(&self, surface: &Rim) -> Profile {
+        let tan = self.parameters.chip.tan();
         Profile {
             name: "chamfer.width".into(),
             description: "Radial width of the finished chamfer around the rim".into(),
             axis_name: "rim_angle".into(),
             axis_unit: Unit::Radian,
-            axis: (0..self.surface.bins())
-                .map(|i| self.surface.angle_rad(i))
+            axis: (0..surface.bins())
+                .map(|i| surface.angle_rad(i))
                 .collect(),
             unit: Unit::Metre,
-            values: self.surface.depths_m().iter().map(|d| d * tan).collect(),
+            values: surface.depths_m().iter().map(|d| d * tan).collect(),
         }
     }
 
-    pub(super) fn scalars(&self, width: &Profile) -> Vec<Scalar> {
+    pub(super) fn scalars(&self, surface: &Rim, width: &Profile) -> Vec<Scalar> {
         let metre =
             |name: &str, value: f64, text: &str| Scalar::new(name, Unit::Metre, value, text);
         let values = &width.values;
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let to_normal = self.parameters.chip.half_angle_rad.cos();
+        let to_normal = self.parameters.chip.cos();
         let slip_depth = self
             .first_slip_s
             .map_or(f64::NAN, |t| self.parameters.schedule.depth_cut_m(t));
@@ -115,7 +116,7 @@ impl Chamfer {
         scalars.push(Scalar::new(
             "chamfer.removed_volume",
             Unit::CubicMetre,
-            self.removed_volume_m3(),
+            self.removed_volume_m3(surface),
             "Volume of the finished chamfer",
         ));
         if self.foot.is_some() {
