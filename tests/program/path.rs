@@ -169,8 +169,9 @@ fn a_module_with_taught_points_is_read_back() {
 fn what_the_path_says_changes_the_program() {
     let desk = Desk::new();
     let coarse = ("step_mm = 2", "step_mm = 10");
+    let free = ("tool_number = 1", "tool_number = 1\nlargest_step_deg = 40");
     let csv = |name: &str, change: (&str, &str)| {
-        let file = job(&desk, name, &[coarse, change]);
+        let file = job(&desk, name, &[coarse, free, change]);
         let output = desk.truecut(&["path", &file]);
         assert!(output.status.success(), "{name}: {}", told(&output));
         std::fs::read_to_string(desk.path(&format!("out/{name}/path.csv"))).unwrap()

@@ -156,6 +156,7 @@ impl Layout<'_> {
         for run in runs {
             let places = line.even(run, self.options.step_m);
             let mut piece = self.contacts(course, places.into_iter())?;
+            level(&mut piece);
             if backwards {
                 // The axis is chosen from the same end whichever way a line is fed: neighbours were compared so.
                 piece.reverse();
@@ -169,6 +170,23 @@ impl Layout<'_> {
             pieces.reverse();
         }
         Ok(pieces)
+    }
+}
+
+/// Turns the axes of a whole piece so that they point from right to left of the feed where they lie across it, along it where they lie along:
+/// the wheel, and with it the sense in which its belt runs, keeps its sense from line to line.
+fn level(piece: &mut [Contact]) {
+    let Some(first) = piece.first() else {
+        return;
+    };
+    let left = first.axis.dot(&first.normal.cross(&first.feed));
+    let against = if left.abs() > 0.5 {
+        left < 0.0
+    } else {
+        first.axis.dot(&first.feed) < 0.0
+    };
+    if against {
+        piece.iter_mut().for_each(|c| c.axis = -c.axis);
     }
 }
 

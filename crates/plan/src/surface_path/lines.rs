@@ -262,6 +262,12 @@ mod tests {
                 "line {k}: {used}"
             );
         }
+        for pair in path.lines.windows(2) {
+            let first = |k: usize| pair[k][0];
+            // Fed to and fro, the axis points to the same side of the face.
+            assert!(first(0).axis.dot(&first(1).axis) > 0.5);
+            assert!(first(0).feed.dot(&first(1).feed) < 0.0);
+        }
         for line in &path.lines {
             assert!(
                 line.windows(2)
