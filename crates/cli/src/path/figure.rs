@@ -43,26 +43,7 @@ fn on_face(answer: &Answer<'_>) -> Panel {
         .normalize();
     let y = normal.cross(&x);
     let seen = |p: &Vector3<f64>| (p.dot(&x) * 1e3, p.dot(&y) * 1e3);
-    let surface = answer.inputs.patch.surface.as_ref();
-    let outline: Vec<(f64, f64)> = match &answer.inputs.patch.boundary {
-        Some(boundary) => {
-            let corners = boundary.corners_m();
-            corners.iter().chain(corners.first()).map(seen).collect()
-        }
-        None => {
-            let domain = surface.domain();
-            let at = |range: [f64; 2], k: usize| {
-                range[0] + (range[1] - range[0]) * k as f64 / OUTLINE as f64
-            };
-            let (u, v) = (domain.u, domain.v);
-            let sides = (0..=OUTLINE)
-                .map(|k| [at(u, k), v[0]])
-                .chain((0..=OUTLINE).map(|k| [u[1], at(v, k)]))
-                .chain((0..=OUTLINE).rev().map(|k| [at(u, k), v[1]]))
-                .chain((0..=OUTLINE).rev().map(|k| [u[0], at(v, k)]));
-            sides.map(|[u, v]| seen(&surface.point_m(u, v))).collect()
-        }
-    };
+    let outline = outline(answer).iter().map(seen).collect();
     let mut lines = Vec::new();
     let mut edges = [Vec::new(), Vec::new()];
     for line in &answer.path.lines {
@@ -94,6 +75,30 @@ fn on_face(answer: &Answer<'_>) -> Panel {
             layer("line", lines, Style::Line, BLUE),
         ],
         ..Panel::default()
+    }
+}
+
+/// The face's boundary, or the borders of its patch.
+fn outline(answer: &Answer<'_>) -> Vec<Vector3<f64>> {
+    let surface = answer.inputs.patch.surface.as_ref();
+    match &answer.inputs.patch.boundary {
+        Some(boundary) => {
+            let corners = boundary.corners_m();
+            corners.iter().chain(corners.first()).copied().collect()
+        }
+        None => {
+            let domain = surface.domain();
+            let at = |range: [f64; 2], k: usize| {
+                range[0] + (range[1] - range[0]) * k as f64 / OUTLINE as f64
+            };
+            let (u, v) = (domain.u, domain.v);
+            let sides = (0..=OUTLINE)
+                .map(|k| [at(u, k), v[0]])
+                .chain((0..=OUTLINE).map(|k| [u[1], at(v, k)]))
+                .chain((0..=OUTLINE).rev().map(|k| [at(u, k), v[1]]))
+                .chain((0..=OUTLINE).rev().map(|k| [u[0], at(v, k)]));
+            sides.map(|[u, v]| surface.point_m(u, v)).collect()
+        }
     }
 }
 

@@ -76,14 +76,7 @@ fn rows(answer: &Answer<'_>) -> Vec<Vec<String>> {
     };
     let (narrow, wide) = range(&|c| c.swath_m);
     let (_, gap) = range(&|c| c.edge_gap_m);
-    let on_lines = answer
-        .depth_m
-        .iter()
-        .flat_map(|line| &line[1..line.len() - 1]);
-    let (mut shallow, mut deep) = (f64::INFINITY, 0.0_f64);
-    for depth in on_lines {
-        (shallow, deep) = (shallow.min(*depth), deep.max(*depth));
-    }
+    let [shallow, deep] = depths(answer);
     let way_m: f64 = (answer.path.lines.iter())
         .flat_map(|line| line.windows(2))
         .map(|w| (w[1].point_m - w[0].point_m).norm())
@@ -125,6 +118,19 @@ fn rows(answer: &Answer<'_>) -> Vec<Vec<String>> {
         rows.push(row("joint speed", significant(share, 3), what));
     }
     rows
+}
+
+/// Least and greatest depth on the lines, m.
+fn depths(answer: &Answer<'_>) -> [f64; 2] {
+    let on_lines = answer
+        .depth_m
+        .iter()
+        .flat_map(|line| &line[1..line.len() - 1]);
+    let (mut shallow, mut deep) = (f64::INFINITY, 0.0_f64);
+    for depth in on_lines {
+        (shallow, deep) = (shallow.min(*depth), deep.max(*depth));
+    }
+    [shallow, deep]
 }
 
 /// The joint that comes nearest to its speed limit on a line.

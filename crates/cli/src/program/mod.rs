@@ -74,7 +74,6 @@ fn tell(
         lines.count(),
         program.tool.name
     );
-    let row = |name: &str, value: String, what: String| vec![name.to_owned(), value, what];
     let time_s = replay.rows.last().map_or(0.0, |row| row.time_s);
     let places = format!("{} places looked at", replay.rows.len());
     let mut rows = vec![row("time", format!("{} s", significant(time_s, 4)), places)];
@@ -84,35 +83,7 @@ fn tell(
             format!("of its limit: the fastest joint on a line, \"{name}\" at path point {point}");
         rows.push(row("joint speed", significant(share, 3), what));
     }
-    if let Some(d) = deviation {
-        let mark = |good: bool| if good { "✓" } else { "✗" };
-        rows.push(row(
-            "position",
-            show(Unit::Metre, d.position_m),
-            format!(
-                "{} from the path at most, at path point {}; 0.01 mm are allowed",
-                mark(d.position_m <= ALLOWED_M),
-                d.position_at
-            ),
-        ));
-        rows.push(row(
-            "attitude",
-            format!("{} deg", significant(d.attitude_rad.to_degrees(), 3)),
-            format!(
-                "{} from the path at most, at path point {}; 0.01 deg are allowed",
-                mark(d.attitude_rad <= ALLOWED_RAD),
-                d.attitude_at
-            ),
-        ));
-        rows.push(row(
-            "joints",
-            format!("{} deg", significant(d.joint_rad.to_degrees(), 3)),
-            format!(
-                "from the path's postures at most, at path point {}",
-                d.joint_at
-            ),
-        ));
-    }
+    rows.extend(deviation.into_iter().flat_map(beside_path));
     told.push_str(&table(&[Align::Left, Align::Right, Align::Left], &rows));
     if replay.findings.is_empty() {
         told.push_str("  ✓ within limits, clear of singularities, no joint too fast, also between path points\n");
@@ -125,4 +96,41 @@ fn tell(
         told.push_str(&format!("  ✗ and {more} more\n"));
     }
     told
+}
+
+fn row(name: &str, value: String, what: String) -> Vec<String> {
+    vec![name.to_owned(), value, what]
+}
+
+/// Rows of the comparison with the path.
+fn beside_path(d: &Deviation) -> [Vec<String>; 3] {
+    let mark = |good: bool| if good { "✓" } else { "✗" };
+    [
+        row(
+            "position",
+            show(Unit::Metre, d.position_m),
+            format!(
+                "{} from the path at most, at path point {}; 0.01 mm are allowed",
+                mark(d.position_m <= ALLOWED_M),
+                d.position_at
+            ),
+        ),
+        row(
+            "attitude",
+            format!("{} deg", significant(d.attitude_rad.to_degrees(), 3)),
+            format!(
+                "{} from the path at most, at path point {}; 0.01 deg are allowed",
+                mark(d.attitude_rad <= ALLOWED_RAD),
+                d.attitude_at
+            ),
+        ),
+        row(
+            "joints",
+            format!("{} deg", significant(d.joint_rad.to_degrees(), 3)),
+            format!(
+                "from the path's postures at most, at path point {}",
+                d.joint_at
+            ),
+        ),
+    ]
 }

@@ -176,17 +176,7 @@ impl Program {
             let time_s = way_m / speed_m_per_s;
             leg.speeds(robot, step, &last, &posture, time_s / count as f64);
             if let Some(geometry) = geometry.as_ref().filter(|_| k < count) {
-                let near = options
-                    .singularity
-                    .nearest(&geometry.singularity_distance(&posture));
-                if near.share < 1.0 {
-                    let kind = FindingKind::NearSingularity {
-                        singularity: near.kind,
-                        distance: near.distance,
-                        least: near.least,
-                    };
-                    leg.find(robot, step, near.joint, kind);
-                }
+                leg.nearness(robot, step, geometry, &posture, &options.singularity);
             }
             leg.rows.push(ReplayRow {
                 time_s: t * time_s,
@@ -231,6 +221,25 @@ impl Leg {
                 joint,
                 kind,
             });
+        }
+    }
+
+    fn nearness(
+        &mut self,
+        robot: &Robot,
+        step: &Move,
+        geometry: &OpwGeometry,
+        posture: &[f64],
+        limits: &SingularityLimits,
+    ) {
+        let near = limits.nearest(&geometry.singularity_distance(posture));
+        if near.share < 1.0 {
+            let kind = FindingKind::NearSingularity {
+                singularity: near.kind,
+                distance: near.distance,
+                least: near.least,
+            };
+            self.find(robot, step, near.joint, kind);
         }
     }
 
