@@ -147,7 +147,8 @@ fn copies_come_by_turntable_or_the_arm_goes_there() {
     };
     let options = TravelOptions::default();
     for turntable in [true, false] {
-        let parts = parts_of(&[line.clone()], Some(&symmetry(turntable))).expect("parts");
+        let parts =
+            parts_of(std::slice::from_ref(&line), Some(&symmetry(turntable))).expect("parts");
         let program = program_of(&robot, head.clone(), &parts, &start, speeds, &options);
         let moves = program.expect("a program").moves;
         assert_eq!(moves.len(), 6);
