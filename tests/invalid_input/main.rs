@@ -232,3 +232,16 @@ fn arguments_that_make_no_sense_are_refused() {
         assert!(report.contains(wanted), "{arguments:?}: {report}");
     }
 }
+
+/// Paths on faces and the programs that follow them; a fault in a file that the job names is told with that file's line.
+#[test]
+fn every_bad_path_job_is_refused_with_place_value_and_rule() {
+    let mut wrong = Vec::new();
+    for file in fixtures("path", "toml", 26) {
+        let complaints = complaints("path", &file);
+        if !complaints.is_empty() {
+            wrong.push(format!("{}: {}", file.display(), complaints.join("\n  ")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}

@@ -5,6 +5,7 @@ mod results;
 mod compare;
 mod diagnose;
 mod identify;
+mod path;
 mod stability;
 
 use std::path::{Path, PathBuf};

@@ -1,5 +1,6 @@
 //! Arguments as they are written, and the resolved form that the commands work with.
 
+mod finishing;
 mod stability;
 
 use std::collections::BTreeMap;
@@ -13,6 +14,7 @@ use crate::diagnose;
 use crate::failure::Failure;
 use crate::find::find_scenarios;
 
+pub use finishing::{PathArguments, ProgramArguments};
 pub use stability::{LobesArguments, PostureArguments};
 
 /// Physics-backed simulation of robotic machining.
@@ -45,11 +47,15 @@ pub enum Command {
     Lobes(LobesArguments),
     /// Choose the arm's postures along the path of a milling scenario so that the cut is stable
     Posture(PostureArguments),
+    /// Lay a contact wheel's lines on a face, and write the robot program that follows them
+    Path(PathArguments),
+    /// Read a robot program back, run through it, and say what the robot cannot do
+    Program(ProgramArguments),
     /// Read load-deflection tables and hammer FRFs: joint stiffness with intervals, measured modes beside the model's
     Identify(IdentifyArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
     Robot(RobotArguments),
-    /// Print the JSON Schema of the scenario file, or of the identification file
+    /// Print the JSON Schema of the scenario file, of the identification file or of the path job
     Schema(SchemaArguments),
 }
 
@@ -176,8 +182,11 @@ pub struct IdentifyArguments {
 #[derive(Debug, Args)]
 pub struct SchemaArguments {
     /// Of the identification file
-    #[arg(long)]
+    #[arg(long, conflicts_with = "path")]
     pub identification: bool,
+    /// Of the path job
+    #[arg(long)]
+    pub path: bool,
 }
 
 #[derive(Debug, Args)]

@@ -103,6 +103,25 @@ impl Failure {
         }))
     }
 
+    /// A fault in a file that another one names; at its line if it has one.
+    pub fn in_file(
+        path: Option<&Path>,
+        line: Option<usize>,
+        text: String,
+        help: String,
+    ) -> Failure {
+        let place = path.zip(line);
+        let shown =
+            place.and_then(|(path, line)| in_line(path, line, text.clone(), Some(help.clone())));
+        shown.map_or_else(
+            || {
+                let file = path.map_or_else(String::new, |path| format!("{}: ", path.display()));
+                Failure::with_help(format!("{file}{text}"), help)
+            },
+            |in_line| Failure(Box::new(in_line)),
+        )
+    }
+
     /// A robot that cannot be used, at its line if the fault has one.
     pub fn arm(error: &ArmError) -> Failure {
         Failure::arm_with(error, None)

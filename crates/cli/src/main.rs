@@ -16,7 +16,9 @@ mod judge;
 mod lobes;
 mod mjcf;
 mod outputs;
+mod path;
 mod posture;
+mod program;
 mod progress;
 mod robot;
 mod run;
@@ -59,11 +61,15 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
         Command::Diagnose(arguments) => diagnose::diagnose(&arguments.resolve()?),
         Command::Lobes(arguments) => lobes::lobes(&arguments.resolve()?),
         Command::Posture(arguments) => posture::posture(&arguments.resolve()?),
+        Command::Path(arguments) => path::path(&arguments),
+        Command::Program(arguments) => program::program(&arguments),
         Command::Robot(arguments) => robot::describe(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
         Command::Schema(arguments) => {
             let schema = if arguments.identification {
                 truecut_scenario::Identification::json_schema()
+            } else if arguments.path {
+                truecut_scenario::PathJob::json_schema()
             } else {
                 truecut_scenario::Scenario::json_schema()
             };

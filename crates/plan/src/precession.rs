@@ -156,6 +156,28 @@ impl PrecessionPlan {
     }
 }
 
+/// How far a plan has come. How often the path must be searched shows only on the way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PrecessionProgress {
+    /// 0 while the allowed angles are gathered, then the number of the search through the path.
+    pub pass: usize,
+    /// Share of the path that this pass has behind it, 0 to 1.
+    pub share: f64,
+}
+
+/// What is told of a plan under way, and counts its passes.
+struct Told<'a> {
+    pass: usize,
+    tell: &'a mut dyn FnMut(PrecessionProgress),
+}
+
+impl Told<'_> {
+    fn share(&mut self, share: f64) {
+        let pass = self.pass;
+        (self.tell)(PrecessionProgress { pass, share });
+    }
+}
+
 impl PrecessionTask<'_> {
     /// The angle along the path, the arm not asked.
     ///
@@ -167,17 +189,32 @@ impl PrecessionTask<'_> {
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
     ) -> Result<PrecessionPlan, PrecessionPlanError> {
-        let (intervals, mut pace) = self.prepared(limits, options)?;
-        self.planned(&intervals, &mut pace, limits, options)
+        self.plan_telling(limits, options, &mut |_| ())
+    }
+
+    /// As [`Self::plan`], and tells how far it has come, some hundred times a pass.
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    pub fn plan_telling(
+        &self,
+        limits: &PrecessionLimits,
+        options: &PrecessionOptions,
+        tell: &mut dyn FnMut(PrecessionProgress),
+    ) -> Result<PrecessionPlan, PrecessionPlanError> {
+        let mut told = Told { pass: 0, tell };
+        let (intervals, mut pace) = self.prepared(limits, options, &mut told)?;
+        self.planned(&intervals, &mut pace, limits, options, &mut told)
     }
 
     fn prepared(
         &self,
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
+        told: &mut Told<'_>,
     ) -> Result<(Intervals, Pace), PrecessionPlanError> {
         error::check(self, limits, options)?;
-        let intervals = Intervals::new(self, options.interval_m)?;
+        let intervals = Intervals::new(self, options.interval_m, told)?;
         let least = options.least_feed_share * self.feed_m_per_s;
         let pace = Pace::new(intervals.lengths_m(), self.feed_m_per_s, least, limits);
         Ok((intervals, pace))
@@ -190,12 +227,14 @@ impl PrecessionTask<'_> {
         pace: &mut Pace,
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
+        told: &mut Told<'_>,
     ) -> Result<PrecessionPlan, PrecessionPlanError> {
         let window_s = limits.window_s();
         let grid = search::Grid {
             angles: options.angles,
         };
         loop {
+            told.pass += 1;
             let times = pace.times_s();
             let nominal = |t: &f64| self.start_rad + self.turn_rad_s * t;
             let knots = stations::knots(&times, window_s / KNOTS_PER_WINDOW);
@@ -203,7 +242,9 @@ impl PrecessionTask<'_> {
             let knot_times: Vec<f64> = knots.iter().map(|k| times[*k]).collect();
             let steady: Vec<f64> = knot_times.iter().map(nominal).collect();
             let rates = pace.least_rates_rad_s(&knots);
-            let stuck = match grid.course(&windows, &knot_times, &steady, &rates) {
+            let stuck = match grid.course(&windows, &knot_times, &steady, &rates, &mut |share| {
+                told.share(share)
+            }) {
                 Ok(course) => {
                     let angles = search::moving_mean(&knot_times, &course, window_s, &times);
                     return Ok(self.finished(intervals, pace, &times, &angles));

@@ -337,3 +337,26 @@ fn what_cannot_be_planned_is_refused() {
     let lame = refused(good, &lame, proud);
     assert!(lame.contains("10.000 mm/s"), "{lame}");
 }
+
+/// A plan tells how far it has come: the allowed angles first, then each search through the path, from its start to its end.
+#[test]
+fn a_plan_tells_how_far_it_has_come() {
+    let (boundary, path) = (block(), raster());
+    let wheel = wheel();
+    let task = task(&wheel, &boundary, EXACT, &path);
+    let options = PrecessionOptions::default();
+    let mut told = Vec::new();
+    let silent = task.plan(&LIMITS, &options).expect("a course");
+    let plan = task.plan_telling(&LIMITS, &options, &mut |progress| told.push(progress));
+    assert_eq!(plan.expect("a course"), silent, "telling changes nothing");
+    for pair in told.windows(2) {
+        let forward = pair[0].pass < pair[1].pass
+            || (pair[0].pass == pair[1].pass && pair[0].share < pair[1].share);
+        assert!(forward, "{pair:?}");
+    }
+    for pass in [0, 1] {
+        let count = told.iter().filter(|p| p.pass == pass).count();
+        assert!((50..=101).contains(&count), "pass {pass}: {count}");
+    }
+    assert_eq!(told.last().map(|p| p.share), Some(1.0));
+}

@@ -58,6 +58,7 @@ mod load;
 mod metric;
 mod milling;
 mod overwrite;
+pub mod path_job;
 mod process;
 mod reach;
 mod relocate;
@@ -85,6 +86,7 @@ pub use milling::{
     CutterSpec, Elbow, EngagementSpec, MillingCoefficients, MillingPathSpec, MillingSpec,
     PathStart, PlannedPath, Shoulder, TurnKnot, Wrist,
 };
+pub use path_job::PathJob;
 pub use process::ProcessSpec;
 pub use replay::{ReplayMode, ReplaySpec, Turning};
 pub use robot::{Drive, RobotSpec};

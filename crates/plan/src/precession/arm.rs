@@ -6,7 +6,8 @@ use truecut_core::wheel::precession::PrecessionWheel;
 
 use super::feed::Pace;
 use super::{
-    PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError, PrecessionTask,
+    PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError, PrecessionProgress,
+    PrecessionTask, Told,
 };
 
 /// A joint that is too fast is brought to this share of its limit, so that rounding does not ask for another pass.
@@ -138,9 +139,24 @@ impl PrecessionTask<'_> {
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
     ) -> Result<ArmPlan, PrecessionPlanError> {
-        let (intervals, mut pace) = self.prepared(limits, options)?;
+        self.plan_for_arm_telling(arm, limits, options, &mut |_| ())
+    }
+
+    /// As [`Self::plan_for_arm`], and tells how far it has come, some hundred times a pass.
+    ///
+    /// # Errors
+    /// As [`Self::plan_for_arm`].
+    pub fn plan_for_arm_telling(
+        &self,
+        arm: &ArmOnFace<'_>,
+        limits: &PrecessionLimits,
+        options: &PrecessionOptions,
+        tell: &mut dyn FnMut(PrecessionProgress),
+    ) -> Result<ArmPlan, PrecessionPlanError> {
+        let mut told = Told { pass: 0, tell };
+        let (intervals, mut pace) = self.prepared(limits, options, &mut told)?;
         loop {
-            let plan = self.planned(&intervals, &mut pace, limits, options)?;
+            let plan = self.planned(&intervals, &mut pace, limits, options, &mut told)?;
             let poses = arm.poses(self.wheel, &plan)?;
             let steps = PathOptions::default();
             let postures = (arm.solver).follow(&poses, FrameId::Tool, arm.start, &steps)?;

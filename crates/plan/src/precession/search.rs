@@ -5,6 +5,9 @@ use std::f64::consts::TAU;
 
 use truecut_core::wheel::precession::{AngleSet, wrapped};
 
+/// How often the share of a search is told.
+const TOLD: usize = 100;
+
 /// Angles of a turn.
 pub(super) struct Grid {
     pub angles: usize,
@@ -51,7 +54,8 @@ impl Grid {
     }
 
     /// The course of least ∫ deviation² dt through `sets`, turns counted from the first angle in [0, 2π). From one station to the next
-    /// it moves within one arc of the earlier station's set, at the rate that `rates_rad_s` has for this step at most.
+    /// it moves within one arc of the earlier station's set, at the rate that `rates_rad_s` has for this step at most. `tell` hears the
+    /// share of the stations that are done.
     ///
     /// # Errors
     /// Where no course gets through.
@@ -61,6 +65,7 @@ impl Grid {
         times_s: &[f64],
         nominal_rad: &[f64],
         rates_rad_s: &[f64],
+        tell: &mut dyn FnMut(f64),
     ) -> Result<Vec<f64>, Stuck> {
         let runs: Vec<Vec<Run>> = sets.iter().map(|set| self.runs(set)).collect();
         let stations: Vec<usize> = (0..runs.len()).filter(|k| runs[*k].is_empty()).collect();
@@ -92,6 +97,9 @@ impl Grid {
             }
             costs = reached;
             came_by.push(steps);
+            if k % (1 + last / TOLD) == 0 || k == last {
+                tell(k as f64 / last as f64);
+            }
         }
         Ok(self.traced(&costs, &came_by))
     }

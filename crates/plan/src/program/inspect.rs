@@ -27,6 +27,10 @@ pub enum FindingKind {
         distance: String,
         least: String,
     },
+    /// On the line from the point before, at this share of it, no posture within limits reaches the pose. The joint is the first.
+    LeavesReach { share: f64 },
+    /// Followed from the posture before, the line ends in another posture than the point's, this joint so far from it.
+    OtherPosture { by_rad: f64 },
     /// The tool's speed on the line from the point before asks more of the joint than it can turn.
     TooFast {
         speed_rad_per_s: f64,
@@ -56,6 +60,16 @@ impl std::fmt::Display for Finding {
             } => write!(
                 f,
                 "is {distance} from the singularity of the {singularity}; at least {least} are asked"
+            ),
+            FindingKind::LeavesReach { share } => write!(
+                f,
+                "and the others cannot follow the line: {:.0} % of it are within reach and limits",
+                share * 100.0
+            ),
+            FindingKind::OtherPosture { by_rad } => write!(
+                f,
+                "arrives {:.3} deg from the posture of the point: the line leads to another one",
+                by_rad.to_degrees()
             ),
             FindingKind::TooFast {
                 speed_rad_per_s,

@@ -39,6 +39,7 @@ mod inspect;
 pub mod jbi;
 mod number;
 pub mod rapid;
+mod replay;
 mod travel;
 
 use nalgebra::{Isometry3, Vector3};
@@ -46,6 +47,7 @@ use truecut_arm::{FrameId, Robot};
 
 pub use error::{ProgramError, ProgramErrorKind};
 pub use inspect::{Finding, FindingKind};
+pub use replay::{Replay, ReplayOptions, ReplayRow};
 pub use travel::{TravelOptions, shortest_travel};
 
 /// Pose and posture of a move belong together if the posture puts the tool within this of the pose, m and rad.

@@ -75,6 +75,15 @@ impl Mesh {
         &self.triangles
     }
 
+    /// For queries of other files.
+    pub(super) fn shape(&self) -> &TriMesh {
+        &self.shape
+    }
+
+    pub(super) fn is_body(&self) -> bool {
+        self.is_body
+    }
+
     /// Volume that a body encloses, m³ (of a face: that of the cone over it from its first vertex).
     #[must_use]
     pub fn volume_m3(&self) -> f64 {

@@ -7,6 +7,7 @@
 //! Meshes ([`Mesh`]) have no curvature; they serve for sections, nearest points and depths.
 
 mod boundary;
+mod depth;
 mod error;
 mod file;
 mod forms;

@@ -51,6 +51,9 @@ pub struct Contact {
     pub curvature_across_per_m: f64,
     /// Half-width of the contact line, m.
     pub half_width_m: f64,
+    /// Curvature of the gap that the wheel, as it passes, leaves across the feed, 1/m: at a distance s from the line the gap is
+    /// half of that times s². Negative where the surface is hollow across the feed.
+    pub gap_curvature_per_m: f64,
     /// Whether the surface has no direction of least curvature here.
     pub umbilic: bool,
 }
@@ -138,8 +141,16 @@ impl Contact {
             edge_gap_m: chosen.edge_gap_m,
             curvature_across_per_m: chosen.across_per_m,
             half_width_m: chosen.half_width_m,
+            gap_curvature_per_m: gap_curvature_per_m(&forms, wheel.radius_m, &feed, &axis),
             umbilic: flattest.is_none(),
         })
+    }
+
+    /// Distance of lines that leave a ridge of this height between them, √(8 h/κ) with κ the gap's curvature, m; infinite where the gap is
+    /// flat. Where the surface is hollow across the feed its edges cut by as much as the middle would stand off, and κ counts by magnitude.
+    #[must_use]
+    pub fn ridge_spacing_m(&self, scallop_m: f64) -> f64 {
+        (8.0 * scallop_m / self.gap_curvature_per_m.abs()).sqrt()
     }
 
     /// Pose of the tool, its point at the wheel's centre: y along the axis, z into the surface, x = y × z.
@@ -149,6 +160,30 @@ impl Contact {
         let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[y.cross(&z), y, z]));
         let rotation = UnitQuaternion::from_rotation_matrix(&axes);
         Isometry3::from_parts(Translation3::from(self.centre_m), rotation)
+    }
+}
+
+/// Curvature across the feed of the gap that is left when the wheel has passed.
+///
+/// To second order the gap between wheel and surface is ½ xᵀ D x about the contact, D = K + (1 − a aᵀ)/R with K the surface's
+/// curvature and a the axis. What is left at s across the feed f is the least of it along the feed, ½ (D_ss − D_fs²/D_ff) s².
+fn gap_curvature_per_m(
+    forms: &Forms,
+    radius_m: f64,
+    feed: &Unit<Vector3<f64>>,
+    axis: &Unit<Vector3<f64>>,
+) -> f64 {
+    let side = forms.normal.cross(feed);
+    let [af, across] = [axis.dot(feed), axis.dot(&side)];
+    let [kf, ks] = [feed.as_ref(), &side].map(|d| forms.curvature_along_per_m(d));
+    let kfs = forms.curvature_along_per_m(&(feed.as_ref() + side)) - 0.5 * (kf + ks);
+    let dff = kf + (1.0 - af * af) / radius_m;
+    let dss = ks + (1.0 - across * across) / radius_m;
+    let dfs = kfs - af * across / radius_m;
+    if dff > 0.0 {
+        dss - dfs * dfs / dff
+    } else {
+        dss
     }
 }
 

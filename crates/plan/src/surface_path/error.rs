@@ -42,6 +42,15 @@ pub enum SurfacePathError {
         "the contact patch is wider than the face: nowhere along v does a patch {swath_mm:.3} mm wide lie within its borders"
     )]
     WiderThanFace { swath_mm: f64 },
+    #[error(
+        "the planes do not cut the face into lines from side to side: at {at} they run along the face; choose a normal that lies across it",
+        at = point(point_m)
+    )]
+    PlaneAlong { point_m: Vector3<f64> },
+    #[error(
+        "taught postures cannot be carried to another copy by the arm: they do not turn with the part; a turntable brings the copies to them"
+    )]
+    TaughtTurned,
     #[error("segment {segment}, counted from 1: {source}")]
     Travel {
         segment: usize,

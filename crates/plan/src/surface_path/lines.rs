@@ -1,20 +1,14 @@
-//! Iso-parametric paths whose spacing follows the effective swath.
+//! How lines are laid on a face: iso-parametric lines here, others beside.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Unit, Vector3};
 
 use super::contact::{AxisRule, Contact};
+use super::course::{Course, Turned};
 use super::error::SurfacePathError;
+use super::layout::{Layout, STATIONS, narrow};
 use super::wheel::ContactWheel;
-use crate::surface::{Forms, Surface};
-
-/// Places along a line at which widths and distances are compared.
-const STATIONS: usize = 64;
-
-/// Steps of the trapezoidal rule by which the way from one line to another is measured.
-const WAY_STEPS: usize = 8;
-
-/// Bisections of a parameter range: to 1e-12 of it.
-const BISECTIONS: usize = 40;
+use super::{planes, scallop};
+use crate::surface::{Boundary, Surface};
 
 /// How a path covers a face.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +20,25 @@ pub struct PathOptions {
     pub step_m: f64,
     /// Distance that the contact keeps from the borders of the patch, m.
     pub margin_m: f64,
+}
+
+/// How lines are laid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Strategy {
+    /// Lines along which one parameter is constant, the next as far away as the narrowest place allows.
+    IsoParametric,
+    /// Each line as far from the one before, at every place of it, as leaves a ridge of one height (and no strip untouched).
+    IsoScallop { scallop_m: f64 },
+    /// Sections with planes of one normal, the next as far away as the narrowest place allows.
+    ParallelPlane { normal: Unit<Vector3<f64>> },
+}
+
+/// The parameter along which lines are fed; parallel planes choose it themselves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FeedAlong {
+    #[default]
+    U,
+    V,
 }
 
 /// Lines of contacts, fed to and fro.
@@ -52,6 +65,51 @@ impl SurfacePath {
     }
 }
 
+/// Lines on a patch, within its boundary if it has one, fed to and fro. A line that leaves the boundary is cut there and goes on where it
+/// comes back; between its pieces the wheel is lifted as between lines.
+///
+/// # Errors
+/// If an option is out of its range, the wheel gouges or finds no axis somewhere, the face is too narrow for the contact, or
+/// planes do not cross the patch from border to border.
+pub fn plan_path(
+    surface: &dyn Surface,
+    boundary: Option<&Boundary>,
+    wheel: &ContactWheel,
+    strategy: Strategy,
+    feed_along: FeedAlong,
+    options: &PathOptions,
+) -> Result<SurfacePath, SurfacePathError> {
+    check(wheel, strategy, options)?;
+    let turned = Turned(surface);
+    let across = match strategy {
+        Strategy::ParallelPlane { normal } => planes::along_v(surface, &normal),
+        _ => feed_along == FeedAlong::V,
+    };
+    let layout = Layout {
+        surface: if across { &turned } else { surface },
+        boundary,
+        wheel,
+        options,
+    };
+    let mut lines = match strategy {
+        Strategy::IsoParametric => iso_parametric(&layout)?,
+        Strategy::IsoScallop { scallop_m } => scallop::lines(&layout, scallop_m)?,
+        Strategy::ParallelPlane { normal } => planes::lines(&layout, &normal)?,
+    };
+    if lines.is_empty() {
+        let [low, high] = layout.surface.domain().v;
+        return Err(narrow(
+            &layout.stations(&layout.constant(0.5 * (low + high)))?,
+        ));
+    }
+    if across {
+        for contact in lines.iter_mut().flatten() {
+            [contact.u, contact.v] = turned.back([contact.u, contact.v]);
+        }
+    }
+    Ok(SurfacePath { lines })
+}
+
 /// Lines v = const, fed along u and back in turn.
 ///
 /// Two neighbours stand as far apart as half the swath of each covers, less the overlap, at the place where that is least; the
@@ -59,13 +117,26 @@ impl SurfacePath {
 /// and last line keep half their swath and the margin from the borders, and each line half its reach from its ends.
 ///
 /// # Errors
-/// If an option is out of its range, the wheel gouges or finds no axis somewhere, or the patch is too narrow for the contact.
+/// As [`plan_path`].
 pub fn plan_iso_parametric(
     surface: &dyn Surface,
     wheel: &ContactWheel,
     options: &PathOptions,
 ) -> Result<SurfacePath, SurfacePathError> {
+    let (strategy, along) = (Strategy::IsoParametric, FeedAlong::U);
+    plan_path(surface, None, wheel, strategy, along, options)
+}
+
+fn check(
+    wheel: &ContactWheel,
+    strategy: Strategy,
+    options: &PathOptions,
+) -> Result<(), SurfacePathError> {
     wheel.check()?;
+    let scallop_m = match strategy {
+        Strategy::IsoScallop { scallop_m } => scallop_m,
+        _ => f64::MIN_POSITIVE,
+    };
     let rules = [
         (
             "the overlap",
@@ -85,6 +156,12 @@ pub fn plan_iso_parametric(
             options.margin_m >= 0.0,
             "at least 0",
         ),
+        (
+            "the height of the ridges (m)",
+            scallop_m,
+            scallop_m > 0.0,
+            "above 0",
+        ),
     ];
     for (quantity, value, good, rule) in rules {
         if !good || !value.is_finite() {
@@ -95,27 +172,18 @@ pub fn plan_iso_parametric(
             });
         }
     }
-    let plan = Plan {
-        surface,
-        wheel,
-        options,
-    };
-    let [low, high] = surface.domain().v;
-    let narrow = |line: &[Contact]| SurfacePathError::WiderThanFace {
-        swath_mm: line.iter().map(|c| c.swath_m).fold(0.0, f64::max) * 1e3,
-    };
-    let [first, last] = [(low, high), (high, low)]
-        .map(|(border, other)| plan.bisect(border, other, |v| plan.clear_of(border, v)));
-    let (first, last) = match (first?, last?) {
-        (Some(first), Some(last)) if first <= last => (first, last),
-        _ => return Err(narrow(&plan.stations(0.5 * (low + high))?)),
-    };
+    Ok(())
+}
+
+fn iso_parametric(layout: &Layout<'_>) -> Result<Vec<Vec<Contact>>, SurfacePathError> {
+    let [low, high] = layout.surface.domain().v;
+    let [first, last] = layout.outermost()?;
     let mut places = vec![first];
     let mut v = first;
     while v < last {
-        let line = plan.stations(v)?;
+        let line = layout.stations(&layout.constant(v))?;
         // Too far apart from here on; where even the last line is near enough it is the next.
-        let beyond = plan.bisect(v, last, |next| Ok(!plan.joined(&line, next)?))?;
+        let beyond = layout.bisect(v, last, |next| Ok(!joined(layout, &line, next)?))?;
         let next = beyond.unwrap_or(last);
         if next - v < 1e-9 * (high - low) {
             return Err(narrow(&line));
@@ -123,156 +191,32 @@ pub fn plan_iso_parametric(
         places.push(next);
         v = next;
     }
-    let lines = places.iter().enumerate();
-    let lines = lines
-        .map(|(k, v)| plan.line(*v, k % 2 == 1))
-        .collect::<Result<_, _>>()?;
-    Ok(SurfacePath { lines })
+    let courses = places.iter().map(|v| layout.constant(*v));
+    to_and_fro(layout, courses)
 }
 
-struct Plan<'a> {
-    surface: &'a dyn Surface,
-    wheel: &'a ContactWheel,
-    options: &'a PathOptions,
+/// Courses from end to end, every other one backwards.
+fn to_and_fro(
+    layout: &Layout<'_>,
+    courses: impl Iterator<Item = Course>,
+) -> Result<Vec<Vec<Contact>>, SurfacePathError> {
+    let mut lines = Vec::new();
+    for (k, course) in courses.enumerate() {
+        lines.extend(layout.pieces(&course, k % 2 == 1, &[true; STATIONS + 1])?);
+    }
+    Ok(lines)
 }
 
-impl Plan<'_> {
-    /// The first parameter, on the way from one to another, at which a condition holds that holds from there on.
-    fn bisect(
-        &self,
-        from: f64,
-        to: f64,
-        holds: impl Fn(f64) -> Result<bool, SurfacePathError>,
-    ) -> Result<Option<f64>, SurfacePathError> {
-        if !holds(to)? {
-            return Ok(None);
-        }
-        let (mut before, mut after) = (from, to);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (before + after);
-            if holds(middle)? {
-                after = middle;
-            } else {
-                before = middle;
-            }
-        }
-        Ok(Some(after))
-    }
-
-    /// Contacts at even parameters along a line, borders included.
-    fn stations(&self, v: f64) -> Result<Vec<Contact>, SurfacePathError> {
-        let [low, high] = self.surface.domain().u;
-        let u = |k: usize| low + (high - low) * k as f64 / STATIONS as f64;
-        self.contacts(v, (0..=STATIONS).map(u), 1.0)
-    }
-
-    fn contacts(
-        &self,
-        v: f64,
-        places: impl Iterator<Item = f64>,
-        direction: f64,
-    ) -> Result<Vec<Contact>, SurfacePathError> {
-        let mut contacts: Vec<Contact> = Vec::new();
-        for u in places {
-            let before = contacts.last().map(|c| &c.axis);
-            let (rule, feed) = (self.options.rule, [direction, 0.0]);
-            contacts.push(Contact::at(
-                self.surface,
-                self.wheel,
-                rule,
-                [u, v],
-                feed,
-                before,
-            )?);
-        }
-        Ok(contacts)
-    }
-
-    /// Way across the feed from one line to another at a place, m.
-    fn way_m(&self, u: f64, from: f64, to: f64) -> Result<f64, SurfacePathError> {
-        let step = (to - from) / WAY_STEPS as f64;
-        let mut way_m = 0.0;
-        for k in 0..=WAY_STEPS {
-            let v = from + step * k as f64;
-            let [e, f, g] = Forms::at(&self.surface.jet(u, v), u, v)?.first_m2;
-            let weight = if k == 0 || k == WAY_STEPS { 0.5 } else { 1.0 };
-            way_m += weight * (g - f * f / e).max(0.0).sqrt() * step.abs();
-        }
-        Ok(way_m)
-    }
-
-    /// Whether a line keeps clear of a border along v everywhere.
-    fn clear_of(&self, border: f64, v: f64) -> Result<bool, SurfacePathError> {
-        for contact in self.stations(v)? {
-            if self.way_m(contact.u, border, v)? < 0.5 * contact.swath_m + self.options.margin_m {
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-
-    /// Whether a line and one further on leave nothing between them.
-    fn joined(&self, line: &[Contact], next: f64) -> Result<bool, SurfacePathError> {
-        let other = self.stations(next)?;
-        for (a, b) in line.iter().zip(&other) {
-            let covered_m = 0.5 * (a.swath_m + b.swath_m) * (1.0 - self.options.overlap);
-            if self.way_m(a.u, a.v, next)? > covered_m {
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-
-    /// The contacts of a line, evenly spaced, its ends kept clear of the borders.
-    fn line(&self, v: f64, backwards: bool) -> Result<Vec<Contact>, SurfacePathError> {
-        let stations = self.stations(v)?;
-        let mut along_m = vec![0.0];
-        for pair in stations.windows(2) {
-            let way_m =
-                0.5 * (self.speed_m(&pair[0]) + self.speed_m(&pair[1])) * (pair[1].u - pair[0].u);
-            along_m.push(along_m[along_m.len() - 1] + way_m);
-        }
-        let length_m = along_m[STATIONS];
-        let inset_m = |c: &Contact| 0.5 * c.reach_m + self.options.margin_m;
-        let begins = |k: &usize| along_m[*k] >= inset_m(&stations[*k]);
-        let ends = |k: &usize| length_m - along_m[*k] >= inset_m(&stations[*k]);
-        let (first, last) = ((0..=STATIONS).find(begins), (0..=STATIONS).rev().find(ends));
-        let (Some(first), Some(last)) = (first, last) else {
-            return Err(self.wide(&stations));
-        };
-        if first >= last {
-            return Err(self.wide(&stations));
-        }
-        let way_m = along_m[last] - along_m[first];
-        let count = (way_m / self.options.step_m).ceil().max(1.0) as usize;
-        let place = |k: usize| {
-            let k = if backwards { count - k } else { k };
-            let at_m = along_m[first] + way_m * k as f64 / count as f64;
-            let cell = along_m.partition_point(|a| *a <= at_m).clamp(1, STATIONS) - 1;
-            let share = (at_m - along_m[cell]) / (along_m[cell + 1] - along_m[cell]);
-            stations[cell].u + share * (stations[cell + 1].u - stations[cell].u)
-        };
-        // The axis keeps its sign from line to line, whichever way they are fed.
-        self.contacts(
-            v,
-            (0..=count).map(place),
-            if backwards { -1.0 } else { 1.0 },
-        )
-    }
-
-    fn speed_m(&self, contact: &Contact) -> f64 {
-        self.surface.jet(contact.u, contact.v).first_m[0].norm()
-    }
-
-    fn wide(&self, line: &[Contact]) -> SurfacePathError {
-        let swath_m = line
-            .iter()
-            .map(|c| c.swath_m.max(c.reach_m))
-            .fold(0.0, f64::max);
-        SurfacePathError::WiderThanFace {
-            swath_mm: swath_m * 1e3,
+/// Whether a line and one further on leave nothing between them.
+fn joined(layout: &Layout<'_>, line: &[Contact], next: f64) -> Result<bool, SurfacePathError> {
+    let other = layout.stations(&layout.constant(next))?;
+    for (a, b) in line.iter().zip(&other) {
+        let covered_m = 0.5 * (a.swath_m + b.swath_m) * (1.0 - layout.options.overlap);
+        if layout.way_m(a.u, 0.0, a.v, next)? > covered_m {
+            return Ok(false);
         }
     }
+    Ok(true)
 }
 
 #[cfg(test)]
@@ -296,17 +240,19 @@ mod tests {
     #[test]
     fn verify_lines_on_the_spoke_leave_no_gap_and_waste_none() {
         let path = plan_iso_parametric(&Spoke, &PUBLISHED, &OPTIONS).expect("a path");
-        let plan = Plan {
+        let plan = Layout {
             surface: &Spoke,
+            boundary: None,
             wheel: &PUBLISHED,
             options: &OPTIONS,
         };
         let places: Vec<f64> = path.lines.iter().map(|line| line[0].v).collect();
         assert!(places.len() > 3, "{places:?}");
         for (k, pair) in places.windows(2).enumerate() {
-            let [one, other] = [pair[0], pair[1]].map(|v| plan.stations(v).expect("a line"));
+            let [one, other] =
+                [pair[0], pair[1]].map(|v| plan.stations(&plan.constant(v)).expect("a line"));
             let uses = one.iter().zip(&other).map(|(a, b)| {
-                let way_m = plan.way_m(a.u, a.v, b.v).expect("a way");
+                let way_m = plan.way_m(a.u, 0.0, a.v, b.v).expect("a way");
                 way_m / (0.4 * (a.swath_m + b.swath_m))
             });
             let used = uses.fold(0.0, f64::max);
@@ -315,6 +261,12 @@ mod tests {
                 used > 1.0 - 1e-6 || k + 2 == places.len(),
                 "line {k}: {used}"
             );
+        }
+        for pair in path.lines.windows(2) {
+            let first = |k: usize| pair[k][0];
+            // Fed to and fro, the axis points to the same side of the face.
+            assert!(first(0).axis.dot(&first(1).axis) > 0.5);
+            assert!(first(0).feed.dot(&first(1).feed) < 0.0);
         }
         for line in &path.lines {
             assert!(

@@ -6,15 +6,21 @@
 //! the arm, and [`solve`] finds the arm's postures along all of them.
 
 mod contact;
+mod course;
 mod error;
+mod layout;
 mod lines;
+mod planes;
+mod scallop;
+mod sequence;
 mod solve;
 mod taught;
 mod wheel;
 
 pub use contact::{AxisRule, Contact};
 pub use error::SurfacePathError;
-pub use lines::{PathOptions, SurfacePath, plan_iso_parametric};
+pub use lines::{FeedAlong, PathOptions, Strategy, SurfacePath, plan_iso_parametric, plan_path};
+pub use sequence::{Part, Speeds, Symmetry, parts_of, program_of};
 pub use solve::{Segment, Solved, copies, solve};
 pub use taught::TaughtPoints;
 pub use wheel::ContactWheel;

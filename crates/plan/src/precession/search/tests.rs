@@ -67,7 +67,7 @@ fn a_course_leaves_in_time_for_what_closes_ahead() {
     };
     let sets: Vec<AngleSet> = (0..60).map(set).collect();
     let course = grid()
-        .course(&sets, &times, &[0.0; 60], &[1.0; 59])
+        .course(&sets, &times, &[0.0; 60], &[1.0; 59], &mut |_| ())
         .expect("a way");
     for (k, angle) in course.iter().enumerate() {
         let expected = (160.0 - 5.0 * (40.0 - k as f64)).clamp(0.0, 160.0);
@@ -83,7 +83,7 @@ fn a_course_leaves_in_time_for_what_closes_ahead() {
             }
         })
         .collect();
-    let stuck = grid().course(&too_soon, &times, &[0.0; 60], &[1.0; 59]);
+    let stuck = grid().course(&too_soon, &times, &[0.0; 60], &[1.0; 59], &mut |_| ());
     let stuck = stuck.expect_err("no way");
     assert_eq!((stuck.stations, stuck.narrow), (vec![10], false));
 }
@@ -91,7 +91,7 @@ fn a_course_leaves_in_time_for_what_closes_ahead() {
 #[test]
 fn a_set_without_an_angle_of_the_grid_is_narrow() {
     let sets = [AngleSet::Circle, arc(2.5, 1.0), AngleSet::Circle];
-    let stuck = grid().course(&sets, &[0.0, 1.0, 2.0], &[0.0; 3], &[1.0; 2]);
+    let stuck = grid().course(&sets, &[0.0, 1.0, 2.0], &[0.0; 3], &[1.0; 2], &mut |_| ());
     let stuck = stuck.expect_err("too narrow");
     assert_eq!((stuck.stations, stuck.narrow), (vec![1], true));
 }
@@ -130,7 +130,7 @@ proptest! {
             if free { AngleSet::Circle } else { arc(middle, half) }
         }).collect();
         let best = least_cost(&grid, &sets, &times, &nominal, &rates);
-        match grid.course(&sets, &times, &nominal, &rates) {
+        match grid.course(&sets, &times, &nominal, &rates, &mut |_| ()) {
             Ok(course) => {
                 let cost = cost_of(&course, &times, &nominal);
                 prop_assert!((cost - best).abs() <= 1e-9 * best.max(1.0), "{} {}", cost, best);

@@ -1,0 +1,56 @@
+//! Arguments of `path` and `program`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+#[derive(Debug, Args)]
+pub struct PathArguments {
+    /// Path job: face, contact wheel, lines, robot and program
+    pub file: PathBuf,
+    /// Folder for outputs; the job gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub struct ProgramArguments {
+    /// Robot program: a Motoman job (.JBI; jobs that it calls lie beside it) or an ABB module (.mod)
+    pub file: PathBuf,
+    /// URDF file of the robot that runs it; its robot.toml gives the tool frame of jobs
+    #[arg(long, value_name = "URDF")]
+    pub robot: PathBuf,
+    /// Link whose frame is the flange [default: the end of the chain]
+    #[arg(long, value_name = "LINK")]
+    pub tip: Option<String>,
+    /// Path that the program is held against: the path.csv written with it
+    #[arg(long, value_name = "CSV")]
+    pub path: Option<PathBuf>,
+    /// Pulses per degree of the turntable, if a job has one
+    #[arg(long, value_name = "PULSES", value_parser = parse_above_zero)]
+    pub pulses_per_deg: Option<f64>,
+    /// Where a job's base frame stands in the world; a module says it itself
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_delimiter = ',',
+        num_args = 3,
+        allow_hyphen_values = true
+    )]
+    pub base_xyz_mm: Option<Vec<f64>>,
+    /// Roll, pitch and yaw of a job's base frame in the world
+    #[arg(
+        long,
+        value_name = "R,P,Y",
+        value_delimiter = ',',
+        num_args = 3,
+        allow_hyphen_values = true
+    )]
+    pub base_rpy_deg: Option<Vec<f64>>,
+}
+
+fn parse_above_zero(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok();
+    let value = value.filter(|value: &f64| value.is_finite() && *value > 0.0);
+    value.ok_or_else(|| "must be a number above 0".into())
+}

@@ -1,0 +1,86 @@
+//! The files that a path job names.
+
+use std::path::Path;
+
+use truecut_arm::Robot;
+use truecut_plan::surface::{Mesh, MeshUse, PatchFile, SurfaceError};
+use truecut_plan::surface_path::{SurfacePathError, TaughtPoints};
+use truecut_scenario::PathJob;
+
+use crate::failure::Failure;
+
+/// Everything that is read before anything is planned.
+pub struct Inputs {
+    pub robot: Robot,
+    pub patch: PatchFile,
+    /// The patch cut into triangles.
+    pub patch_mesh: Mesh,
+    pub body: Option<Mesh>,
+    /// In the order of the job.
+    pub taught: Vec<TaughtPoints>,
+}
+
+impl Inputs {
+    pub fn load(job: &PathJob) -> Result<Inputs, Failure> {
+        let robot = robot(job)?;
+        let help = |what: &str| format!("it is {what} of {}", job.path().display());
+        let spec = &job.surface;
+        let surface = |error: SurfaceError, key: &str, what: &str| match error.line() {
+            Some(_) => Failure::in_file(error.path(), error.line(), error.message(), help(what)),
+            None => job.problem(key, error.to_string()).into(),
+        };
+        let patch = PatchFile::load(&spec.patch)
+            .map_err(|error| surface(error, "surface.patch", "the patch"))?;
+        let patch_mesh = Mesh::of_patch(patch.surface.as_ref())
+            .map_err(|fault| job.problem("surface.patch", fault.to_string()))?;
+        let body = (spec.body.as_ref())
+            .map(|body| Mesh::load(&body.file, body.unit_m, MeshUse::Body))
+            .transpose()
+            .map_err(|error| surface(error, "surface.body", "the body"))?;
+        let taught = job.taught.iter().enumerate().map(|(index, one)| {
+            TaughtPoints::load(&one.file, &robot).map_err(|error| match error {
+                SurfacePathError::Taught {
+                    file,
+                    line,
+                    message,
+                } if line > 0 => {
+                    let place = Some(Path::new(&file));
+                    Failure::in_file(place, Some(line), message, help("a taught file"))
+                }
+                other => {
+                    let key = format!("taught.{index}.file");
+                    job.problem(&key, other.to_string()).into()
+                }
+            })
+        });
+        let taught = taught.collect::<Result<_, Failure>>()?;
+        Ok(Inputs {
+            robot,
+            patch,
+            patch_mesh,
+            body,
+            taught,
+        })
+    }
+}
+
+fn robot(job: &PathJob) -> Result<Robot, Failure> {
+    let arm = &job.robot;
+    let robot = Robot::load(&arm.urdf, arm.config.as_deref(), arm.tip.as_deref());
+    let robot = robot.map_err(|error| match error.line() {
+        Some(_) => Failure::arm(&error),
+        None => job.problem("robot.urdf", error.to_string()).into(),
+    })?;
+    if arm.posture_rad.len() != robot.dof() {
+        let message = format!(
+            "`robot.posture_deg` has {} values, but the arm has {} joints",
+            arm.posture_rad.len(),
+            robot.dof()
+        );
+        return Err(job.problem("robot.posture_deg", message).into());
+    }
+    robot
+        .check_posture(&arm.posture_rad)
+        .map_err(|error| job.problem("robot.posture_deg", error.message()))?;
+    Ok(robot)
+}

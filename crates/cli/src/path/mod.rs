@@ -1,0 +1,314 @@
+//! `truecut path`: from a path job to a robot program.
+
+mod figure;
+mod files;
+mod inputs;
+mod tell;
+
+use nalgebra::{Isometry3, Unit, Vector3};
+use rayon::prelude::*;
+use truecut_plan::program::{
+    Finding, FindingKind, Motion, Program, ProgramErrorKind, Tool, TravelOptions,
+};
+use truecut_plan::surface::Mesh;
+use truecut_plan::surface_path::{
+    AxisRule, ContactWheel, FeedAlong, Part, PathOptions, Segment, Speeds, Strategy, SurfacePath,
+    SurfacePathError, Symmetry, parts_of, plan_path, program_of,
+};
+use truecut_scenario::PathJob;
+use truecut_scenario::path_job::{
+    self, AxisSpec, Carrier, DialectSpec, PlaceSpec, StrategySpec, TaughtWhen,
+};
+
+use crate::args::PathArguments;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::verdict::Verdict;
+use inputs::Inputs;
+
+/// What was planned.
+struct Answer<'a> {
+    job: &'a PathJob,
+    inputs: &'a Inputs,
+    path: SurfacePath,
+    /// Segments of all copies, in the order of the program.
+    parts: Vec<Part>,
+    program: Program,
+    /// How deep the wheel lies in patch and body at each pose of each line, m: `[line][pose]`.
+    depth_m: Vec<Vec<f64>>,
+    findings: Vec<Finding>,
+}
+
+/// Poses whose depth is looked for between two steps of the bar.
+const CHUNK: usize = 64;
+
+/// How deep a wheel that just touches may seem to lie: what cutting the patch into triangles costs.
+const TOUCHING_M: f64 = 20e-6;
+
+/// Plans, checks, prints and writes.
+pub fn path(arguments: &PathArguments) -> Result<Verdict, Failure> {
+    let job = PathJob::load(&arguments.file)?;
+    let inputs = Inputs::load(&job)?;
+    let answer = answer(&job, &inputs)?;
+    let written = files::write(&answer, &arguments.out)?;
+    crate::print(&tell::tell(&answer, &written))
+}
+
+fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<Answer<'a>, Failure> {
+    let progress = Progress::new(3, "path");
+    let told = progress.run();
+    let path = lines(job, inputs).map_err(|error| refused(job, &error))?;
+    drop(told);
+    let poses = path.poses(job.path.lift_m);
+    let depth_m = depths(job, inputs, &poses, &progress)?;
+    let told = progress.run();
+    let (parts, program) = follow(job, inputs, &poses).map_err(|error| refused(job, &error))?;
+    let findings = program.inspect(&inputs.robot, &TravelOptions::default().singularity);
+    if let Some(fast) = fastest(&findings) {
+        return Err(too_fast(job, fast));
+    }
+    drop(told);
+    Ok(Answer {
+        job,
+        inputs,
+        path,
+        parts,
+        program,
+        depth_m,
+        findings,
+    })
+}
+
+fn lines(job: &PathJob, inputs: &Inputs) -> Result<SurfacePath, SurfacePathError> {
+    let (strategy, overlap) = match job.path.strategy {
+        StrategySpec::IsoParametric { overlap } => (Strategy::IsoParametric, overlap),
+        StrategySpec::IsoScallop { scallop_m, overlap } => {
+            (Strategy::IsoScallop { scallop_m }, overlap)
+        }
+        StrategySpec::ParallelPlane { overlap, normal } => {
+            let normal = Unit::new_normalize(Vector3::from(normal));
+            (Strategy::ParallelPlane { normal }, overlap)
+        }
+    };
+    let options = PathOptions {
+        rule: match job.path.axis {
+            AxisSpec::LeastCurvature => AxisRule::LeastCurvature,
+            AxisSpec::WidestSwath { edge_gap_limit_m } => {
+                AxisRule::WidestSwath { edge_gap_limit_m }
+            }
+        },
+        overlap,
+        step_m: job.path.step_m,
+        margin_m: job.path.margin_m,
+    };
+    let along = match job.path.feed_along {
+        path_job::FeedAlong::U => FeedAlong::U,
+        path_job::FeedAlong::V => FeedAlong::V,
+    };
+    let (patch, wheel) = (&inputs.patch, wheel(job));
+    let boundary = patch.boundary.as_ref();
+    plan_path(
+        patch.surface.as_ref(),
+        boundary,
+        &wheel,
+        strategy,
+        along,
+        &options,
+    )
+}
+
+fn wheel(job: &PathJob) -> ContactWheel {
+    let wheel = &job.wheel;
+    ContactWheel {
+        radius_m: wheel.radius_m,
+        width_m: wheel.width_m,
+        indentation_m: wheel.indentation_m,
+        line_load_n_per_m: wheel.line_load_n_per_m,
+        modulus_pa: wheel.modulus_pa,
+    }
+}
+
+/// The whole wheel against the whole patch and body, at every pose.
+fn depths(
+    job: &PathJob,
+    inputs: &Inputs,
+    poses: &[Vec<Isometry3<f64>>],
+    progress: &Progress,
+) -> Result<Vec<Vec<f64>>, Failure> {
+    let told = progress.run();
+    let meshes: Vec<&Mesh> = std::iter::once(&inputs.patch_mesh)
+        .chain(&inputs.body)
+        .collect();
+    let depth_m = |pose: &Isometry3<f64>| {
+        let each = meshes.iter();
+        let each = each.map(|m| m.wheel_depth_m(pose, job.wheel.radius_m, job.wheel.width_m));
+        each.fold(0.0, f64::max)
+    };
+    let all: Vec<Isometry3<f64>> = poses.iter().flatten().copied().collect();
+    let mut found: Vec<f64> = Vec::with_capacity(all.len());
+    for chunk in all.chunks(CHUNK) {
+        found.par_extend(chunk.par_iter().map(depth_m));
+        told.set(found.len() as f64 / all.len() as f64);
+    }
+    let mut rest = found.into_iter();
+    let split = poses
+        .iter()
+        .map(|line| rest.by_ref().take(line.len()).collect());
+    let split: Vec<Vec<f64>> = split.collect();
+    check_depths(job, poses, &split)?;
+    Ok(split)
+}
+
+fn check_depths(
+    job: &PathJob,
+    poses: &[Vec<Isometry3<f64>>],
+    depth_m: &[Vec<f64>],
+) -> Result<(), Failure> {
+    for (line, (poses, depths)) in poses.iter().zip(depth_m).enumerate() {
+        let last = poses.len() - 1;
+        for (point, (pose, depth_m)) in poses.iter().zip(depths).enumerate() {
+            let lifted = point == 0 || point == last;
+            let limit_m = if lifted { 0.0 } else { job.path.gouge_limit_m };
+            if *depth_m > limit_m + TOUCHING_M {
+                let at = pose.translation.vector * 1e3;
+                let rule = if lifted {
+                    "it is lifted here and must be clear".to_owned()
+                } else {
+                    format!("`path.gouge_limit_mm` allows {:.4} mm", limit_m * 1e3)
+                };
+                let message = format!(
+                    "the wheel gouges: on line {}, point {point}, its centre at ({:.3}, {:.3}, {:.3}) mm in the patch's frame, it lies {:.4} mm deep in the workpiece; {rule}",
+                    line + 1,
+                    at.x,
+                    at.y,
+                    at.z,
+                    depth_m * 1e3
+                );
+                return Err(job.problem("wheel.radius_mm", message).into());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The program of all copies.
+fn follow(
+    job: &PathJob,
+    inputs: &Inputs,
+    poses: &[Vec<Isometry3<f64>>],
+) -> Result<(Vec<Part>, Program), SurfacePathError> {
+    let world_from_patch = pose(&job.surface.place);
+    let planned = poses.iter().map(|line| {
+        let line = line.iter().map(|pose| world_from_patch * pose);
+        Segment::Planned(line.collect())
+    });
+    let taught = |when: TaughtWhen| {
+        let all = job.taught.iter().zip(&inputs.taught);
+        all.filter(move |(spec, _)| spec.when == when)
+            .map(|(_, points)| Segment::Taught(points.clone()))
+    };
+    let segments: Vec<Segment> = taught(TaughtWhen::Before)
+        .chain(planned)
+        .chain(taught(TaughtWhen::After))
+        .collect();
+    let symmetry = job.symmetry.map(|one| Symmetry {
+        count: one.count,
+        centre_m: one.centre_m.into(),
+        axis: Unit::new_normalize(one.axis.into()),
+        turntable: matches!(one.carrier, Carrier::Turntable { .. }),
+    });
+    let parts = parts_of(&segments, symmetry.as_ref())?;
+    let (name, number) = match &job.program.dialect {
+        DialectSpec::Jbi { tool_number, .. } => ("wheel", *tool_number),
+        DialectSpec::Rapid { tool_name, .. } => (tool_name.as_str(), 0),
+    };
+    let head = Program {
+        name: job.program.name.clone(),
+        comment: job.program.comment.clone(),
+        tool: Tool::of(&inputs.robot, name, number),
+        world_from_base: pose(&job.program.base),
+        moves: Vec::new(),
+    };
+    let speeds = Speeds {
+        feed_m_per_s: job.path.feed_m_per_s,
+        joint_share: job.program.joint_share,
+    };
+    let options = TravelOptions {
+        largest_step: job.program.largest_step_rad,
+        ..TravelOptions::default()
+    };
+    let start = &job.robot.posture_rad;
+    let program = program_of(&inputs.robot, head, &parts, start, speeds, &options)?;
+    Ok((parts, program))
+}
+
+fn pose(place: &PlaceSpec) -> Isometry3<f64> {
+    let [roll, pitch, yaw] = place.rpy_rad;
+    let rotation = nalgebra::UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    Isometry3::from_parts(Vector3::from(place.xyz_m).into(), rotation)
+}
+
+/// The joint that exceeds its speed most.
+fn fastest(findings: &[Finding]) -> Option<(&Finding, f64, f64)> {
+    let fast = findings.iter().filter_map(|finding| match finding.kind {
+        FindingKind::TooFast {
+            speed_rad_per_s,
+            limit_rad_per_s,
+        } => Some((finding, speed_rad_per_s, limit_rad_per_s)),
+        _ => None,
+    });
+    fast.max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)))
+}
+
+fn too_fast(job: &PathJob, (finding, speed, limit): (&Finding, f64, f64)) -> Failure {
+    let feed_mm_per_s = job.path.feed_m_per_s * 1e3;
+    let message = format!(
+        "`path.feed_mm_per_s` is {feed_mm_per_s}, but must be at most {:.3}: {finding}",
+        feed_mm_per_s * limit / speed
+    );
+    job.problem("path.feed_mm_per_s", message).into()
+}
+
+/// A fault of the path, at the key of the job that it is about or in the file that holds it.
+fn refused(job: &PathJob, error: &SurfacePathError) -> Failure {
+    let key = match error {
+        SurfacePathError::Gouge { .. } => "wheel.radius_mm",
+        SurfacePathError::NoAxis { .. } => "path.edge_gap_limit_mm",
+        SurfacePathError::WiderThanFace { .. } => "wheel.width_mm",
+        SurfacePathError::PlaneAlong { .. } => "path.plane_normal",
+        SurfacePathError::TaughtTurned => "symmetry.carried_by",
+        SurfacePathError::Travel { source, .. } => match source.kind() {
+            ProgramErrorKind::Jump { .. } => "program.largest_step_deg",
+            _ => "surface.xyz_mm",
+        },
+        _ => "surface.patch",
+    };
+    job.problem(key, error.to_string()).into()
+}
+
+/// Time from one move to the next, s: at the feed along lines, as long as the slowest joint takes else.
+fn durations_s(answer: &Answer<'_>) -> Vec<f64> {
+    let joints = &answer.inputs.robot.chain.joints;
+    let moves = &answer.program.moves;
+    let step = |pair: &[truecut_plan::program::Move]| {
+        let way =
+            pair[1].base_from_tool.translation.vector - pair[0].base_from_tool.translation.vector;
+        let turned = pair[0].posture.iter().zip(&pair[1].posture);
+        let slowest = |share: f64| {
+            let each = joints
+                .iter()
+                .zip(turned.clone())
+                .filter_map(|(joint, (a, b))| {
+                    Some((a - b).abs() / (share * joint.limits?.velocity))
+                });
+            each.fold(0.0, f64::max)
+        };
+        match pair[1].motion {
+            Motion::Linear { speed_m_per_s } => (way.norm() / speed_m_per_s).max(slowest(1.0)),
+            Motion::Joint { share } => slowest(share),
+        }
+    };
+    std::iter::once(0.0)
+        .chain(moves.windows(2).map(step))
+        .collect()
+}

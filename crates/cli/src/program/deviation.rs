@@ -1,0 +1,125 @@
+//! A program that was read beside the path it was written from.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use truecut_plan::program::Program;
+use truecut_recording::measured::Table;
+use truecut_telemetry::read_table;
+
+use crate::failure::Failure;
+
+/// A path as `truecut path` writes it.
+pub struct PathRows {
+    file: PathBuf,
+    rows: Vec<PathRow>,
+}
+
+struct PathRow {
+    point: usize,
+    world_from_tool: Isometry3<f64>,
+    posture_rad: Vec<f64>,
+}
+
+/// Greatest deviations, each with its path point.
+pub struct Deviation {
+    pub position_m: f64,
+    pub position_at: usize,
+    pub attitude_rad: f64,
+    pub attitude_at: usize,
+    pub joint_rad: f64,
+    pub joint_at: usize,
+}
+
+/// Reads the columns point, x_mm … z_mm, qw … qz and j1 … of a path.
+pub fn path_of(path: &Path, joints: usize) -> Result<PathRows, Failure> {
+    let failed = |text: String| Failure::message(format!("{}: {text}", path.display()));
+    let table: Table =
+        read_table(path, true).map_err(|error| Failure::message(error.to_string()))?;
+    let names: Vec<String> = ["point", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain((1..=joints).map(|j| format!("j{j}")))
+        .collect();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for name in &names {
+        columns.push(column(&table, name).map_err(&failed)?);
+    }
+    let count = columns[0].len();
+    let rows = (0..count).map(|k| {
+        let of = |column: usize| columns[column][k];
+        let rotation = Quaternion::new(of(4), of(5), of(6), of(7));
+        PathRow {
+            point: of(0) as usize,
+            world_from_tool: Isometry3::from_parts(
+                Translation3::new(of(1) * 1e-3, of(2) * 1e-3, of(3) * 1e-3),
+                UnitQuaternion::from_quaternion(rotation),
+            ),
+            posture_rad: (8..names.len()).map(|c| of(c).to_radians()).collect(),
+        }
+    });
+    Ok(PathRows {
+        file: path.to_owned(),
+        rows: rows.collect(),
+    })
+}
+
+fn column(table: &Table, name: &str) -> Result<Vec<f64>, String> {
+    let values = table.column(name).map_err(|error| error.to_string())?;
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(row) => Err(format!(
+            "column \"{name}\", row {}: {} is not a finite number",
+            row + 1,
+            values[row]
+        )),
+        None => Ok(values.to_vec()),
+    }
+}
+
+impl Deviation {
+    /// Compares path points of the same number.
+    pub fn of(program: &Program, path: &PathRows) -> Result<Deviation, Failure> {
+        if program.moves.len() != path.rows.len() {
+            return Err(Failure::message(format!(
+                "{}: {} path points, but the program has {} moves; it is the path of another program",
+                path.file.display(),
+                path.rows.len(),
+                program.moves.len()
+            )));
+        }
+        let mut worst = Deviation {
+            position_m: 0.0,
+            position_at: 0,
+            attitude_rad: 0.0,
+            attitude_at: 0,
+            joint_rad: 0.0,
+            joint_at: 0,
+        };
+        for (step, row) in program.moves.iter().zip(&path.rows) {
+            if step.path_point != row.point {
+                return Err(Failure::message(format!(
+                    "{}: path point {} stands where the program has {}",
+                    path.file.display(),
+                    row.point,
+                    step.path_point
+                )));
+            }
+            let pose = program.world_from_base * step.base_from_tool;
+            let wanted = &row.world_from_tool;
+            let apart_m = (pose.translation.vector - wanted.translation.vector).norm();
+            let apart_rad = pose.rotation.angle_to(&wanted.rotation);
+            let joints = step.posture.iter().zip(&row.posture_rad);
+            let joint_rad = joints.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            if apart_m > worst.position_m {
+                (worst.position_m, worst.position_at) = (apart_m, step.path_point);
+            }
+            if apart_rad > worst.attitude_rad {
+                (worst.attitude_rad, worst.attitude_at) = (apart_rad, step.path_point);
+            }
+            if joint_rad > worst.joint_rad {
+                (worst.joint_rad, worst.joint_at) = (joint_rad, step.path_point);
+            }
+        }
+        Ok(worst)
+    }
+}

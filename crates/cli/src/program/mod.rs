@@ -1,0 +1,136 @@
+//! `truecut program`: reads a robot program back, runs through it, and holds it against its path.
+
+mod deviation;
+mod read;
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use truecut_arm::Robot;
+use truecut_plan::program::{FindingKind, Motion, Program, Replay, ReplayOptions};
+use truecut_recording::{Unit, significant};
+
+use crate::args::ProgramArguments;
+use crate::failure::Failure;
+use crate::text::{Align, show, table};
+use crate::verdict::Verdict;
+use deviation::Deviation;
+
+/// Findings that are listed one by one.
+const LISTED: usize = 10;
+
+/// What printed decimals may move the tool by: issue's bound, some ten times what three decimals of a millimetre leave.
+const ALLOWED_M: f64 = 1e-5;
+const ALLOWED_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
+
+/// Reads, runs through, compares and prints. A program that the robot cannot run, or that leaves its path, does not hold.
+pub fn program(arguments: &ProgramArguments) -> Result<Verdict, Failure> {
+    let robot = Robot::load(&arguments.robot, None, arguments.tip.as_deref())
+        .map_err(|error| Failure::arm(&error))?;
+    let base = Isometry3::from_parts(
+        Vector3::from(three(arguments.base_xyz_mm.as_deref(), 1e-3)).into(),
+        rotation(three(arguments.base_rpy_deg.as_deref(), 1.0)),
+    );
+    let program = read::read(arguments, &robot, &base)?;
+    let path = (arguments.path.as_ref())
+        .map(|path| deviation::path_of(path, robot.dof()))
+        .transpose()?;
+    let replay = program.replay(&robot, &ReplayOptions::default());
+    let deviation = (path.as_ref()).map(|path| Deviation::of(&program, path));
+    let deviation = deviation.transpose()?;
+    crate::print(&tell(&robot, &program, &replay, deviation.as_ref()))?;
+    let grave = |kind: &FindingKind| !matches!(kind, FindingKind::NearSingularity { .. });
+    let holds = !replay.findings.iter().any(|finding| grave(&finding.kind))
+        && deviation.is_none_or(|d| d.position_m <= ALLOWED_M && d.attitude_rad <= ALLOWED_RAD);
+    Ok(if holds {
+        Verdict::Good
+    } else {
+        Verdict::ClaimFailed
+    })
+}
+
+fn three(given: Option<&[f64]>, unit: f64) -> [f64; 3] {
+    let mut values = [0.0; 3];
+    for (value, given) in values.iter_mut().zip(given.unwrap_or_default()) {
+        *value = given * unit;
+    }
+    values
+}
+
+fn rotation(rpy_deg: [f64; 3]) -> UnitQuaternion<f64> {
+    let [roll, pitch, yaw] = rpy_deg.map(f64::to_radians);
+    UnitQuaternion::from_euler_angles(roll, pitch, yaw)
+}
+
+fn tell(
+    robot: &Robot,
+    program: &Program,
+    replay: &Replay,
+    deviation: Option<&Deviation>,
+) -> String {
+    let lines = (program.moves.iter()).filter(|m| matches!(m.motion, Motion::Linear { .. }));
+    let mut told = format!(
+        "{}: {} moves, {} of them on lines, tool \"{}\"\n\n",
+        program.name,
+        program.moves.len(),
+        lines.count(),
+        program.tool.name
+    );
+    let time_s = replay.rows.last().map_or(0.0, |row| row.time_s);
+    let places = format!("{} places looked at", replay.rows.len());
+    let mut rows = vec![row("time", format!("{} s", significant(time_s, 4)), places)];
+    if let Some((share, joint, point)) = replay.fastest {
+        let name = &robot.chain.joints[joint].name;
+        let what =
+            format!("of its limit: the fastest joint on a line, \"{name}\" at path point {point}");
+        rows.push(row("joint speed", significant(share, 3), what));
+    }
+    rows.extend(deviation.into_iter().flat_map(beside_path));
+    told.push_str(&table(&[Align::Left, Align::Right, Align::Left], &rows));
+    if replay.findings.is_empty() {
+        told.push_str("  ✓ within limits, clear of singularities, no joint too fast, also between path points\n");
+    }
+    for finding in replay.findings.iter().take(LISTED) {
+        told.push_str(&format!("  ✗ {finding}\n"));
+    }
+    let more = replay.findings.len().saturating_sub(LISTED);
+    if more > 0 {
+        told.push_str(&format!("  ✗ and {more} more\n"));
+    }
+    told
+}
+
+fn row(name: &str, value: String, what: String) -> Vec<String> {
+    vec![name.to_owned(), value, what]
+}
+
+/// Rows of the comparison with the path.
+fn beside_path(d: &Deviation) -> [Vec<String>; 3] {
+    let mark = |good: bool| if good { "✓" } else { "✗" };
+    [
+        row(
+            "position",
+            show(Unit::Metre, d.position_m),
+            format!(
+                "{} from the path at most, at path point {}; 0.01 mm are allowed",
+                mark(d.position_m <= ALLOWED_M),
+                d.position_at
+            ),
+        ),
+        row(
+            "attitude",
+            format!("{} deg", significant(d.attitude_rad.to_degrees(), 3)),
+            format!(
+                "{} from the path at most, at path point {}; 0.01 deg are allowed",
+                mark(d.attitude_rad <= ALLOWED_RAD),
+                d.attitude_at
+            ),
+        ),
+        row(
+            "joints",
+            format!("{} deg", significant(d.joint_rad.to_degrees(), 3)),
+            format!(
+                "from the path's postures at most, at path point {}",
+                d.joint_at
+            ),
+        ),
+    ]
+}

@@ -1,0 +1,272 @@
+//! A program run through between its points: what the arm does on the way.
+
+use nalgebra::Isometry3;
+use rayon::prelude::*;
+use truecut_arm::{BranchOptions, FrameId, OpwGeometry, Robot};
+
+use super::{Finding, FindingKind, Motion, Move, Program};
+use crate::reach::SingularityLimits;
+
+/// How a program is run through.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReplayOptions {
+    /// Longest way between two places looked at on a line, m.
+    pub step_m: f64,
+    /// Largest turn between them, rad.
+    pub step_rad: f64,
+    pub singularity: SingularityLimits,
+}
+
+impl Default for ReplayOptions {
+    /// 1 mm, 1°.
+    fn default() -> Self {
+        Self {
+            step_m: 1e-3,
+            step_rad: 1_f64.to_radians(),
+            singularity: SingularityLimits::default(),
+        }
+    }
+}
+
+/// The arm at one instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplayRow {
+    pub time_s: f64,
+    /// Path point of the move under way.
+    pub path_point: usize,
+    pub world_from_tool: Isometry3<f64>,
+    pub posture: Vec<f64>,
+}
+
+/// A program run through.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replay {
+    pub rows: Vec<ReplayRow>,
+    /// What the arm cannot do, or only badly, each kind once a move and joint.
+    pub findings: Vec<Finding>,
+    /// Largest speed of a joint over its limit, with the joint and the path point, on lines.
+    pub fastest: Option<(f64, usize, usize)>,
+}
+
+impl Program {
+    /// Runs through a program: along lines the tool point at the programmed speed, its attitude turning evenly, the joints found again
+    /// between path points from the posture before; on moves by joints all joints together, the slowest at its share of its top speed.
+    /// Accelerations and zones are left out.
+    #[must_use]
+    pub fn replay(&self, robot: &Robot, options: &ReplayOptions) -> Replay {
+        // Moves are independent of each other: each begins and ends with a posture of the program.
+        let pairs = self.moves.par_windows(2);
+        let legs: Vec<Leg> = pairs
+            .map(|pair| self.leg(robot, &pair[0], &pair[1], options))
+            .collect();
+        let mut replay = Replay {
+            rows: Vec::new(),
+            findings: self.inspect(robot, &options.singularity),
+            fastest: None,
+        };
+        // Speeds are judged on the way; between path points alone they would be means.
+        let slow = |finding: &Finding| !matches!(finding.kind, FindingKind::TooFast { .. });
+        replay.findings.retain(slow);
+        if let Some(first) = self.moves.first() {
+            let flange = robot.world_from_frame(&first.posture, FrameId::Flange);
+            replay.rows.push(ReplayRow {
+                time_s: 0.0,
+                path_point: first.path_point,
+                world_from_tool: flange * self.tool.flange_from_tool,
+                posture: first.posture.clone(),
+            });
+        }
+        let mut start_s = 0.0;
+        for leg in legs {
+            let end_s = leg.rows.last().map_or(0.0, |row| row.time_s);
+            replay
+                .rows
+                .extend(leg.rows.into_iter().map(|row| ReplayRow {
+                    time_s: row.time_s + start_s,
+                    ..row
+                }));
+            start_s += end_s;
+            replay.findings.extend(leg.findings);
+            if leg
+                .fastest
+                .is_some_and(|(share, ..)| replay.fastest.is_none_or(|f| share > f.0))
+            {
+                replay.fastest = leg.fastest;
+            }
+        }
+        replay.findings.sort_by_key(|finding| finding.path_point);
+        replay
+    }
+
+    fn leg(&self, robot: &Robot, before: &Move, step: &Move, options: &ReplayOptions) -> Leg {
+        match step.motion {
+            Motion::Joint { share } => self.by_joints(robot, before, step, share, options),
+            Motion::Linear { speed_m_per_s } => {
+                self.on_line(robot, before, step, speed_m_per_s, options)
+            }
+        }
+    }
+
+    fn by_joints(
+        &self,
+        robot: &Robot,
+        before: &Move,
+        step: &Move,
+        share: f64,
+        options: &ReplayOptions,
+    ) -> Leg {
+        let turned = before.posture.iter().zip(&step.posture);
+        let joints = robot.chain.joints.iter();
+        let times = joints
+            .zip(turned.clone())
+            .filter_map(|(joint, (a, b))| Some((a - b).abs() / (share * joint.limits?.velocity)));
+        let time_s = times.filter(|t| t.is_finite()).fold(0.0, f64::max);
+        let widest = turned.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let count = (widest / options.step_rad).ceil().max(1.0) as usize;
+        let mut leg = Leg::default();
+        for k in 1..=count {
+            let t = k as f64 / count as f64;
+            let between = before.posture.iter().zip(&step.posture);
+            let posture: Vec<f64> = between.map(|(a, b)| a + t * (b - a)).collect();
+            let flange = robot.world_from_frame(&posture, FrameId::Flange);
+            leg.rows.push(ReplayRow {
+                time_s: t * time_s,
+                path_point: step.path_point,
+                world_from_tool: flange * self.tool.flange_from_tool,
+                posture,
+            });
+        }
+        leg
+    }
+
+    fn on_line(
+        &self,
+        robot: &Robot,
+        before: &Move,
+        step: &Move,
+        speed_m_per_s: f64,
+        options: &ReplayOptions,
+    ) -> Leg {
+        let (from, to) = (&before.base_from_tool, &step.base_from_tool);
+        let way_m = (to.translation.vector - from.translation.vector).norm();
+        let turn_rad = from.rotation.angle_to(&to.rotation);
+        let count = (way_m / options.step_m).max(turn_rad / options.step_rad);
+        let count = count.ceil().max(1.0) as usize;
+        let solver = robot.ik_solver(&BranchOptions::default());
+        let geometry = OpwGeometry::of(robot);
+        let mut leg = Leg::default();
+        let mut last = before.posture.clone();
+        for k in 1..=count {
+            let t = k as f64 / count as f64;
+            // Half a turn has no shortest way; its end is looked at then.
+            let pose = from.try_lerp_slerp(to, t, 1e-9).unwrap_or(*to);
+            let flange = self.world_from_flange(&pose);
+            let found = solver.within_limits(&flange, FrameId::Flange);
+            let apart = |q: &Vec<f64>| {
+                let each = q.iter().zip(&last).map(|(a, b)| (a - b).abs());
+                each.fold(0.0, f64::max)
+            };
+            let nearest = found
+                .into_iter()
+                .min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            let Some(posture) = nearest else {
+                leg.find(robot, step, 0, FindingKind::LeavesReach { share: t });
+                return leg;
+            };
+            let time_s = way_m / speed_m_per_s;
+            leg.speeds(robot, step, &last, &posture, time_s / count as f64);
+            if let Some(geometry) = geometry.as_ref().filter(|_| k < count) {
+                leg.nearness(robot, step, geometry, &posture, &options.singularity);
+            }
+            leg.rows.push(ReplayRow {
+                time_s: t * time_s,
+                path_point: step.path_point,
+                world_from_tool: self.world_from_base * pose,
+                posture: posture.clone(),
+            });
+            last = posture;
+        }
+        let apart = last.iter().zip(&step.posture).map(|(a, b)| (a - b).abs());
+        let widest = apart.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((joint, by_rad)) = widest.filter(|(_, by)| *by > SAME_POSTURE_RAD) {
+            leg.find(robot, step, joint, FindingKind::OtherPosture { by_rad });
+        }
+        leg
+    }
+}
+
+/// A line arrives in the posture of its end if all joints do to this, rad: what the inverse kinematics of a rounded pose leave near, not at, a
+/// singularity.
+const SAME_POSTURE_RAD: f64 = 1e-3;
+
+/// One move run through.
+#[derive(Default)]
+struct Leg {
+    rows: Vec<ReplayRow>,
+    findings: Vec<Finding>,
+    fastest: Option<(f64, usize, usize)>,
+}
+
+impl Leg {
+    /// Each kind once for a joint: the first place.
+    fn find(&mut self, robot: &Robot, step: &Move, joint: usize, kind: FindingKind) {
+        let joint = robot.chain.joints[joint].name.clone();
+        let same = |other: &Finding| {
+            other.joint == joint
+                && std::mem::discriminant(&other.kind) == std::mem::discriminant(&kind)
+        };
+        if !self.findings.iter().any(same) {
+            self.findings.push(Finding {
+                path_point: step.path_point,
+                joint,
+                kind,
+            });
+        }
+    }
+
+    fn nearness(
+        &mut self,
+        robot: &Robot,
+        step: &Move,
+        geometry: &OpwGeometry,
+        posture: &[f64],
+        limits: &SingularityLimits,
+    ) {
+        let near = limits.nearest(&geometry.singularity_distance(posture));
+        if near.share < 1.0 {
+            let kind = FindingKind::NearSingularity {
+                singularity: near.kind,
+                distance: near.distance,
+                least: near.least,
+            };
+            self.find(robot, step, near.joint, kind);
+        }
+    }
+
+    fn speeds(&mut self, robot: &Robot, step: &Move, from: &[f64], to: &[f64], time_s: f64) {
+        // A turn on the spot takes the time that the joints need.
+        if time_s < 1e-9 {
+            return;
+        }
+        for (joint, (a, b)) in from.iter().zip(to).enumerate() {
+            let Some(limit) = robot.chain.joints[joint].limits.map(|l| l.velocity) else {
+                continue;
+            };
+            let speed_rad_per_s = (a - b).abs() / time_s;
+            if limit <= 0.0 {
+                continue;
+            }
+            let share = speed_rad_per_s / limit;
+            if self.fastest.is_none_or(|(most, ..)| share > most) {
+                self.fastest = Some((share, joint, step.path_point));
+            }
+            if share > 1.0 {
+                let kind = FindingKind::TooFast {
+                    speed_rad_per_s,
+                    limit_rad_per_s: limit,
+                };
+                self.find(robot, step, joint, kind);
+            }
+        }
+    }
+}

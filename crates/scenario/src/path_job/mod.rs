@@ -1,0 +1,216 @@
+//! The path job: a face, a contact wheel, how lines are laid, and the robot program that comes of it.
+//!
+//! It is no scenario, since nothing is simulated in time, but follows the same rules: a schema derived from its
+//! tables, units in the keys, faults with their places.
+
+mod motion;
+mod spec;
+mod tables;
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+pub use spec::{
+    AxisSpec, BodySpec, Carrier, ContactWheelSpec, DialectSpec, FeedAlong, PathSpec, PlaceSpec,
+    ProgramSpec, StrategySpec, SurfaceSpec, SymmetrySpec, TaughtSpec, TaughtWhen,
+};
+
+use crate::check::Check;
+use crate::document::{Document, Fault};
+use crate::error::ScenarioError;
+use crate::scenario::{folder_of, located, one_problem};
+use crate::units::from_deg;
+use crate::{schema, structure};
+
+/// A path job in SI.
+#[derive(Debug, Clone)]
+pub struct PathJob {
+    /// Name of the job.
+    pub name: String,
+    /// The arm.
+    pub robot: ArmSpec,
+    /// The face.
+    pub surface: SurfaceSpec,
+    /// The wheel.
+    pub wheel: ContactWheelSpec,
+    /// The lines on the face.
+    pub path: PathSpec,
+    /// Copies of the face.
+    pub symmetry: Option<SymmetrySpec>,
+    /// Postures that were taught, in the order of the file.
+    pub taught: Vec<TaughtSpec>,
+    /// The robot program.
+    pub program: ProgramSpec,
+    document: Document,
+}
+
+/// The arm that leads the wheel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmSpec {
+    /// URDF file.
+    pub urdf: PathBuf,
+    /// Transmission data.
+    pub config: Option<PathBuf>,
+    /// Link whose frame is the flange.
+    pub tip: Option<String>,
+    /// Posture that the arm comes from, rotary joints, rad.
+    pub posture_rad: Vec<f64>,
+}
+
+/// A truecut path job: a face, a contact wheel, and the robot program that leads one over the other.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "truecut path job")]
+struct FileTable {
+    /// Name of the job.
+    name: String,
+    /// The arm that leads the wheel. The wheel's centre is the tool frame's origin, its axis the frame's y.
+    robot: ArmTable,
+    /// The face to be finished.
+    surface: tables::SurfaceTable,
+    /// The contact wheel.
+    wheel: tables::WheelTable,
+    /// The lines on the face.
+    path: tables::PathTable,
+    /// Copies of the face about an axis. Default: the face stands alone.
+    symmetry: Option<motion::SymmetryTable>,
+    /// Postures recorded on the arm, mixed with the planned lines.
+    taught: Option<Vec<motion::TaughtTable>>,
+    /// The robot program.
+    program: motion::ProgramTable,
+}
+
+/// The arm that leads the wheel.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct ArmTable {
+    /// URDF file, relative to this file.
+    urdf: String,
+    /// Transmission data, relative to this file. Default: robot.toml beside the URDF.
+    config: Option<String>,
+    /// Link whose frame is the flange. Default: the end of the chain.
+    tip: Option<String>,
+    /// Joints of the posture that the arm comes from, in chain order: of equally short ways the one from here is taken.
+    posture_deg: Vec<f64>,
+}
+
+impl PathJob {
+    /// Reads a path job.
+    ///
+    /// # Errors
+    /// A file that cannot be read; every rule of the format that is broken, with its place.
+    pub fn load(path: &Path) -> Result<PathJob, ScenarioError> {
+        let text = std::fs::read_to_string(path).map_err(|error| ScenarioError::Unreadable {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        })?;
+        PathJob::from_str(path, &text)
+    }
+
+    /// Reads a path job from a text. `path` names it in errors, and its folder resolves relative paths.
+    ///
+    /// # Errors
+    /// Every rule of the format that is broken, with its place.
+    pub fn from_str(path: &Path, text: &str) -> Result<PathJob, ScenarioError> {
+        let document = Document::parse(path, text, &[]).map_err(|problem| one_problem(*problem))?;
+        let faults = structure::check_against(schema(), document.effective());
+        if let Some(error) = located(&document, faults) {
+            return Err(error);
+        }
+        let table: FileTable = serde_json::from_value(structure::to_json(document.effective()))
+            .map_err(|error| {
+                one_problem(document.locate(Fault::value("", error.to_string(), "here")))
+            })?;
+        table.resolve(document)
+    }
+
+    /// The file, as it was named.
+    pub fn path(&self) -> &Path {
+        self.document.path()
+    }
+
+    /// Name of the file without folder and extension; outputs are named by it.
+    pub fn stem(&self) -> String {
+        self.path().file_stem().map_or_else(
+            || "path".to_owned(),
+            |stem| stem.to_string_lossy().into_owned(),
+        )
+    }
+
+    /// An error about the value of a dotted key that showed only later, e.g. when the path was planned.
+    pub fn problem(&self, key: &str, message: impl Into<String>) -> ScenarioError {
+        let fault = Fault::value(key, message.into(), "here");
+        one_problem(self.document.locate(fault))
+    }
+
+    /// JSON Schema of the path job, for editors. `x-rule` beside a bound gives its reason.
+    pub fn json_schema() -> serde_json::Value {
+        schema().clone()
+    }
+}
+
+fn schema() -> &'static serde_json::Value {
+    static SCHEMA: OnceLock<serde_json::Value> = OnceLock::new();
+    SCHEMA.get_or_init(schema::schema_of::<FileTable>)
+}
+
+impl FileTable {
+    fn resolve(self, document: Document) -> Result<PathJob, ScenarioError> {
+        let folder = folder_of(document.path());
+        let mut check = Check::new(&document);
+        let wheel = self.wheel.resolve(&mut check);
+        let path = self.path.resolve(wheel.indentation_m, &mut check);
+        let symmetry = (self.symmetry).and_then(|table| table.resolve(&mut check));
+        let turntable = symmetry.and_then(|one| match one.carrier {
+            Carrier::Arm => None,
+            Carrier::Turntable { pulses_per_deg } => Some(pulses_per_deg),
+        });
+        let program = self.program.resolve(turntable, &mut check);
+        let surface = self.surface.resolve(&folder, &mut check);
+        let taught = self.taught.unwrap_or_default().into_iter();
+        let taught = taught.map(|table| table.resolve(&folder)).collect();
+        let faults = check.into_faults();
+        match (located(&document, faults), path, program) {
+            (None, Some(path), Some(program)) => Ok(PathJob {
+                name: self.name,
+                robot: self.robot.resolve(&folder),
+                surface,
+                wheel,
+                path,
+                symmetry,
+                taught,
+                program,
+                document,
+            }),
+            (Some(error), ..) => Err(error),
+            // A table that does not resolve has recorded a fault.
+            (None, ..) => Err(one_problem(document.locate(Fault::value(
+                "name",
+                "the path job cannot be resolved".to_owned(),
+                "here",
+            )))),
+        }
+    }
+}
+
+impl ArmTable {
+    fn resolve(self, folder: &Path) -> ArmSpec {
+        ArmSpec {
+            urdf: folder.join(self.urdf),
+            config: self.config.map(|name| folder.join(name)),
+            tip: self.tip,
+            posture_rad: self.posture_deg.into_iter().map(from_deg).collect(),
+        }
+    }
+}
+
+/// Refuses a direction without length, at its key.
+fn check_direction(key: &str, direction: [f64; 3], check: &mut Check) {
+    if direction == [0.0; 3] {
+        let message = format!("`{key}` is [0, 0, 0], but must have a length: it is a direction");
+        check.refuse(Fault::value(key, message, "no direction"));
+    }
+}

@@ -1,0 +1,222 @@
+//! The tables `[surface]`, `[wheel]` and `[path]`.
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::check_direction;
+use super::spec::{
+    AxisSpec, BodySpec, ContactWheelSpec, FeedAlong, PathSpec, PlaceSpec, StrategySpec, SurfaceSpec,
+};
+use crate::check::Check;
+use crate::document::Fault;
+use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm};
+
+/// The face to be finished.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SurfaceTable {
+    /// File of the patch, relative to this file.
+    patch: String,
+    /// Closed mesh of the whole workpiece (.stl or .obj) in the patch's frame, relative to this file; the wheel must not gouge it
+    /// either.
+    body: Option<String>,
+    /// Length of the mesh's unit. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]
+    body_unit_mm: Option<f64>,
+    /// Where the patch's frame stands in the world. Default: [0, 0, 0].
+    xyz_mm: Option<[f64; 3]>,
+    /// Roll, pitch and yaw of the patch's frame about the world's x, y, z. Default: [0, 0, 0].
+    rpy_deg: Option<[f64; 3]>,
+}
+
+/// The contact wheel.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WheelTable {
+    /// Radius with the belt on.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a wheel has a radius"))]
+    radius_mm: f64,
+    /// Width.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a wheel has a width"))]
+    width_mm: f64,
+    /// How far the wheel's centre is set below its radius. Default: 0.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "a wheel that does not touch grinds nothing"))]
+    indentation_mm: Option<f64>,
+    /// Normal force per width.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is pressed on"))]
+    line_load_n_per_mm: f64,
+    /// Effective modulus of wheel and workpiece.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is elastic"))]
+    modulus_mpa: f64,
+}
+
+/// How lines are laid on the patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum Strategy {
+    /// Lines along which one parameter is constant.
+    IsoParametric,
+    /// Lines between which ridges of one height are left.
+    IsoScallop,
+    /// Sections of the patch with parallel planes.
+    ParallelPlane,
+}
+
+/// Where the wheel's axis points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum Axis {
+    /// Along the least curvature, whatever the feed: the published rule.
+    LeastCurvature,
+    /// Where the swath is widest and the edge gap keeps its limit.
+    WidestSwath,
+}
+
+/// The lines on the face.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PathTable {
+    /// How lines are laid.
+    strategy: Strategy,
+    /// The parameter along which lines are fed. Default: "u". Parallel planes choose it themselves.
+    feed_along: Option<FeedAlong>,
+    /// Where the wheel's axis points. Default: "widest_swath".
+    axis: Option<Axis>,
+    /// Largest gap under the wheel's edges, for the widest swath.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a straight wheel leaves a gap on every curved face"))]
+    edge_gap_limit_mm: Option<f64>,
+    /// Share of the swath that the next line covers again. Default: 0.
+    #[schemars(extend("minimum" = 0.0, "exclusiveMaximum" = 1.0, "x-rule" = "lines stand side by side and get on"))]
+    overlap: Option<f64>,
+    /// Greatest height of the ridge between two lines, for iso_scallop.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "without a ridge lines would have no distance"))]
+    scallop_mm: Option<f64>,
+    /// Normal of the planes in the patch's frame, for parallel_plane.
+    plane_normal: Option<[f64; 3]>,
+    /// Largest distance of points along a line.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "points get on along the line"))]
+    step_mm: f64,
+    /// Distance that the contact keeps from the borders of the face. Default: 0.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "the contact stays on the face"))]
+    margin_mm: Option<f64>,
+    /// How far the wheel is lifted before and after each line.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel leaves the face between lines"))]
+    lift_mm: f64,
+    /// Speed of the wheel's centre on a line.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is fed along the line"))]
+    feed_mm_per_s: f64,
+    /// How deep the undeformed wheel may lie in the face or the body anywhere. Default: the indentation and the edge gap limit together.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "a depth"))]
+    gouge_limit_mm: Option<f64>,
+}
+
+impl SurfaceTable {
+    pub(super) fn resolve(self, folder: &Path, check: &mut Check) -> SurfaceSpec {
+        if self.body.is_none() {
+            let because = "there is no `surface.body` whose unit it could be";
+            check.ignored("surface", &["body_unit_mm"], because);
+        }
+        let unit_m = from_mm(self.body_unit_mm.unwrap_or(1.0));
+        SurfaceSpec {
+            patch: folder.join(self.patch),
+            body: self.body.map(|name| BodySpec {
+                file: folder.join(name),
+                unit_m,
+            }),
+            place: place(self.xyz_mm, self.rpy_deg),
+        }
+    }
+}
+
+/// Where something stands, by default at the world's origin.
+pub(super) fn place(xyz_mm: Option<[f64; 3]>, rpy_deg: Option<[f64; 3]>) -> PlaceSpec {
+    PlaceSpec {
+        xyz_m: xyz_mm.unwrap_or_default().map(from_mm),
+        rpy_rad: rpy_deg.unwrap_or_default().map(from_deg),
+    }
+}
+
+impl WheelTable {
+    pub(super) fn resolve(&self, check: &mut Check) -> ContactWheelSpec {
+        let indentation_mm = self.indentation_mm.unwrap_or(0.0);
+        if indentation_mm >= self.radius_mm {
+            let message = format!(
+                "`wheel.indentation_mm` is {indentation_mm}, but must be below the radius {}: the wheel's centre stays outside",
+                self.radius_mm
+            );
+            check.refuse(Fault::value("wheel.indentation_mm", message, "too deep"));
+        }
+        ContactWheelSpec {
+            radius_m: from_mm(self.radius_mm),
+            width_m: from_mm(self.width_mm),
+            indentation_m: from_mm(indentation_mm),
+            line_load_n_per_m: from_n_per_mm(self.line_load_n_per_mm),
+            modulus_pa: from_mpa(self.modulus_mpa),
+        }
+    }
+}
+
+impl PathTable {
+    /// `None` after recording a fault.
+    pub(super) fn resolve(&self, indentation_m: f64, check: &mut Check) -> Option<PathSpec> {
+        let strategy = self.strategy(check);
+        let (axis, gouge_limit_m) = match self.axis.unwrap_or(Axis::WidestSwath) {
+            Axis::LeastCurvature => {
+                let because = "axis = \"least_curvature\" looks at the curvature alone";
+                check.ignored("path", &["edge_gap_limit_mm"], because);
+                let who = "axis = \"least_curvature\", which bounds no edge gap,";
+                let limit = check.needed("path", "gouge_limit_mm", self.gouge_limit_mm, who);
+                (Some(AxisSpec::LeastCurvature), limit.map(from_mm))
+            }
+            Axis::WidestSwath => {
+                let who = "axis = \"widest_swath\"";
+                let limit = check.needed("path", "edge_gap_limit_mm", self.edge_gap_limit_mm, who);
+                let edge_gap_limit_m = limit.map(from_mm);
+                let both = edge_gap_limit_m.map(|gap_m| indentation_m + gap_m);
+                let axis = edge_gap_limit_m
+                    .map(|edge_gap_limit_m| AxisSpec::WidestSwath { edge_gap_limit_m });
+                (axis, self.gouge_limit_mm.map(from_mm).or(both))
+            }
+        };
+        Some(PathSpec {
+            strategy: strategy?,
+            feed_along: self.feed_along.unwrap_or_default(),
+            axis: axis?,
+            step_m: from_mm(self.step_mm),
+            margin_m: from_mm(self.margin_mm.unwrap_or(0.0)),
+            lift_m: from_mm(self.lift_mm),
+            feed_m_per_s: from_mm(self.feed_mm_per_s),
+            gouge_limit_m: gouge_limit_m?,
+        })
+    }
+
+    fn strategy(&self, check: &mut Check) -> Option<StrategySpec> {
+        let overlap = self.overlap.unwrap_or(0.0);
+        let idle = |keys: &[&str], name: &str, check: &mut Check| {
+            let because = format!("strategy = \"{name}\" has no use for it");
+            check.ignored("path", keys, &because);
+        };
+        match self.strategy {
+            Strategy::IsoParametric => {
+                idle(&["scallop_mm", "plane_normal"], "iso_parametric", check);
+                Some(StrategySpec::IsoParametric { overlap })
+            }
+            Strategy::IsoScallop => {
+                idle(&["plane_normal"], "iso_scallop", check);
+                let who = "strategy = \"iso_scallop\"";
+                let scallop = check.needed("path", "scallop_mm", self.scallop_mm, who)?;
+                let scallop_m = from_mm(scallop);
+                Some(StrategySpec::IsoScallop { scallop_m, overlap })
+            }
+            Strategy::ParallelPlane => {
+                idle(&["scallop_mm", "feed_along"], "parallel_plane", check);
+                let who = "strategy = \"parallel_plane\"";
+                let normal = check.needed("path", "plane_normal", self.plane_normal, who)?;
+                check_direction("path.plane_normal", normal, check);
+                Some(StrategySpec::ParallelPlane { overlap, normal })
+            }
+        }
+    }
+}
