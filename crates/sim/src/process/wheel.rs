@@ -192,9 +192,7 @@ impl Process for Wheel {
                 description: "Depth removed along the strip".into(),
                 axis_name: "strip_position".into(),
                 axis_unit: Unit::Metre,
-                axis: (0..removed.len())
-                    .map(|i| strip.position_m(i))
-                    .collect(),
+                axis: (0..removed.len()).map(|i| strip.position_m(i)).collect(),
                 unit: Unit::Metre,
                 values: removed.to_vec(),
             }],

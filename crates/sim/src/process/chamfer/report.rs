@@ -72,9 +72,7 @@ impl Chamfer {
             description: "Radial width of the finished chamfer around the rim".into(),
             axis_name: "rim_angle".into(),
             axis_unit: Unit::Radian,
-            axis: (0..surface.bins())
-                .map(|i| surface.angle_rad(i))
-                .collect(),
+            axis: (0..surface.bins()).map(|i| surface.angle_rad(i)).collect(),
             unit: Unit::Metre,
             values: surface.depths_m().iter().map(|d| d * tan).collect(),
         }
