@@ -58,6 +58,7 @@ mod load;
 mod metric;
 mod milling;
 mod overwrite;
+mod polish;
 mod process;
 mod reach;
 mod relocate;
@@ -84,6 +85,10 @@ pub use load::{ForceSweepSpec, LoadFrame, LoadSpec, RotatingForceSpec};
 pub use milling::{
     CutterSpec, Elbow, EngagementSpec, MillingCoefficients, MillingPathSpec, MillingSpec,
     PathStart, PlannedPath, Shoulder, TurnKnot, Wrist,
+};
+pub use polish::{
+    ControlSpec, EdgeRuleSpec, FaceSpec, PneumaticSpec, PolishSpec, PrecessionSpec, RasterSpec,
+    RoughnessSpec,
 };
 pub use process::ProcessSpec;
 pub use replay::{ReplayMode, ReplaySpec, Turning};

@@ -8,6 +8,7 @@ mod chamfer;
 mod foot;
 mod load;
 mod milling;
+mod polish;
 mod replay;
 mod wheel;
 
@@ -16,11 +17,12 @@ pub use foot::{Foot, FootFriction, FootParameters};
 pub use load::{Load, LoadParameters, RotatingForce, Sweep};
 pub(crate) use milling::linear_share;
 pub use milling::{Milling, MillingSetup, MillingTheory};
+pub use polish::{Polish, PolishSetup};
 pub use replay::{ForceSamples, Replay};
 pub use wheel::{Wheel, WheelParameters};
 
 use crate::loads::{Attachment, ContactOutcomes, Loads};
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 use truecut_recording::{ChannelSpec, Profile, Scalar};
 
 /// Motion of one frame of the robot, in process axes, relative to where it stood after touch-down.
@@ -36,6 +38,10 @@ pub struct ToolState {
     pub time_s: f64,
     pub tool: FrameMotion,
     pub foot: FrameMotion,
+    /// Where the tool stands, for processes that know where the workpiece is.
+    pub world_from_tool: Isometry3<f64>,
+    /// Angular velocity of the tool, world axes, rad/s.
+    pub tool_turning_rad_s: Vector3<f64>,
 }
 
 /// A spring between robot and workpiece, for choosing the step: frame, process axis, N/m.
