@@ -74,6 +74,8 @@ pub(crate) struct Stage {
     world_from_process: Isometry3<f64>,
     fixed: Vec<Pose>,
     has_foot: bool,
+    /// How many fields there are.
+    fields: usize,
 }
 
 pub(crate) fn pose(p: &Isometry3<f64>) -> Pose {
@@ -278,6 +280,7 @@ impl Stage {
         let scene = Scene {
             bodies,
             arrows,
+            fields: process.field().into_iter().collect(),
             deflection_scale: scale,
             // The viewer's own frames the whole arm.
             camera: None,
@@ -289,18 +292,20 @@ impl Stage {
             world_from_process,
             fixed,
             has_foot,
+            fields: scene.fields.len(),
         };
         (stage, scene)
     }
 
     /// The scene at the plant's present instant. `rigid` is where the arm would stand without deflection
-    /// (the command, shifted to the posture of touch-down).
+    /// (the command, shifted to the posture of touch-down). Values of fields are many: they are left out where not asked for.
     pub(crate) fn frame(
         &self,
         time_s: f64,
         plant: &dyn Plant,
         process: &dyn Process,
         commanded_shift: &[f64],
+        with_fields: bool,
     ) -> Frame {
         let joints = plant.joints();
         let rigid = self.reference.iter().zip(commanded_shift);
@@ -334,10 +339,15 @@ impl Stage {
                 (origin.into(), (turn * force).into())
             })
             .collect();
+        let fields = (0..self.fields).map(|_| match with_fields {
+            true => process.field_values(),
+            false => Vec::new(),
+        });
         Frame {
             time_s,
             poses,
             arrows,
+            fields: fields.collect(),
         }
     }
 }

@@ -15,6 +15,8 @@ const KNOT_SPACING_M: f64 = 2e-3;
 const LEAST_ANGLE_RAD: f64 = 0.017_453_292_519_943_295;
 /// Nearest that the wrist may come to the first axis, m.
 const LEAST_SHOULDER_M: f64 = 5e-3;
+/// What is nearer to the start than is printed, mm.
+const START_MM: f64 = 0.05;
 
 /// How errors name a path and the places on it.
 pub(crate) struct Along<'a> {
@@ -203,7 +205,7 @@ fn near_the_posture(
 }
 
 fn cannot_follow(at_mm: f64) -> String {
-    if at_mm == 0.0 {
+    if at_mm < START_MM {
         "the tool cannot be put to the start of the path".to_owned()
     } else {
         format!("the tool cannot follow the path beyond {at_mm:.1} mm from its start")

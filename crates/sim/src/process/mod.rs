@@ -23,7 +23,7 @@ pub use wheel::{Wheel, WheelParameters};
 
 use crate::loads::{Attachment, ContactOutcomes, Loads};
 use nalgebra::{Isometry3, Vector3};
-use truecut_recording::{ChannelSpec, Profile, Scalar};
+use truecut_recording::{ChannelSpec, Field, Profile, Scalar};
 
 /// Motion of one frame of the robot, in process axes, relative to where it stood after touch-down.
 #[derive(Debug, Clone, Copy, Default)]
@@ -114,6 +114,16 @@ pub trait Process: Send {
     /// Speed of the commanded motion along process Y, m/s.
     fn feed_along_y_m_per_s(&self) -> f64 {
         0.0
+    }
+
+    /// A quantity on the workpiece to be drawn, world frame, if there is one; asked for once.
+    fn field(&self) -> Option<Field> {
+        None
+    }
+
+    /// Values of that field now, x first.
+    fn field_values(&self) -> Vec<f32> {
+        Vec::new()
     }
 
     /// Forces on the robot to be drawn, in the process frame: (name, frame, force of the last step).

@@ -47,6 +47,7 @@ pub(super) fn polish(
         cells: spec.face.cells(),
         penetration_m: penetration_m(spec)?,
         duration_s,
+        expected_depth_m: expected_depth_m(spec)?,
         resting: Wrench::force(Attachment::Tool, Vector3::zeros()),
     };
     setup.resting = resting(&setup, robot, posture, world_from_process)?;
@@ -56,6 +57,17 @@ pub(super) fn polish(
         width_m: setup.width_m,
     };
     Ok((Polish::new(setup), workpiece))
+}
+
+/// Preston's law for lines at their spacing: `k_p F v / (v_f s)`, v the sliding in the middle of the patch.
+fn expected_depth_m(spec: &PolishSpec) -> Result<f64, SimError> {
+    let (wheel, depth_m) = (pneumatic(&spec.wheel), penetration_m(spec)?);
+    let lever_m = (spec.wheel.radius_m - depth_m) * spec.tilt_rad.sin();
+    let sliding_m_per_s = spec.spin_rad_s.abs() * lever_m;
+    let spacing_m =
+        (spec.face.width_m - 2.0 * spec.path.inset_m) / (spec.path.lines - 1).max(1) as f64;
+    let line_n = wheel.normal_force_n(depth_m) * sliding_m_per_s / spec.path.feed_m_per_s;
+    Ok(spec.preston_per_pa * line_n / spacing_m)
 }
 
 fn control(spec: &ControlSpec) -> ForceControl {

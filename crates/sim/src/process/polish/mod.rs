@@ -23,7 +23,12 @@ use truecut_core::wheel::force_control::{ForceControl, Offset};
 use truecut_core::wheel::patch::{EdgePoint, Patch, PatchLoads, Sliding};
 use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_core::wheel::quadrature::Quadrature;
-use truecut_recording::{ChannelSpec, Unit};
+use truecut_recording::{ChannelSpec, Field, Unit};
+
+/// Height over the face at which the depth is drawn, so that the block does not shine through, m.
+const DRAWN_ABOVE_M: f64 = 1e-4;
+/// Depth at which the colours end, over the mean that is expected.
+const FULL_SCALE: f64 = 3.0;
 
 /// All that a polishing run is made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +54,8 @@ pub struct PolishSetup {
     /// How far the path reaches into the face.
     pub penetration_m: f64,
     pub duration_s: f64,
+    /// Mean depth that lines leave far from edges, for the colours of the view, m.
+    pub expected_depth_m: f64,
     /// Force and moment on the tool of an arm that rests at the start, process axes.
     pub resting: Wrench,
 }
@@ -395,6 +402,24 @@ impl Process for Polish {
             direction: self.to_process(Vector3::z()),
             stiffness_n_per_m: (force(d + h) - force(d - h)) / (2.0 * h),
         }]
+    }
+
+    fn field(&self) -> Option<Field> {
+        let p = &self.setup;
+        let ridge = Isometry3::translation(0.0, 0.0, DRAWN_ABOVE_M);
+        Some(Field {
+            path: "removed_depth".into(),
+            world_from_field: crate::scene::pose(&(p.world_from_face * ridge)),
+            size_m: [p.length_m, p.width_m],
+            cells: p.cells,
+            full_scale: FULL_SCALE * p.expected_depth_m,
+        })
+    }
+
+    fn field_values(&self) -> Vec<f32> {
+        (self.surface.grid.removed_m().iter())
+            .map(|depth| *depth as f32)
+            .collect()
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {

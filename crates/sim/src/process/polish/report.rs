@@ -10,6 +10,8 @@ use truecut_recording::{Profile, Scalar, Unit};
 const WINDOW_S: f64 = 0.25;
 /// Windows that begin earlier belong to the run-up, s.
 const SETTLED_S: f64 = 1.0;
+/// Windows in which the wheel leaves its line by more belong to the raster's corners, which shake the arm by themselves, m.
+const STRAIGHT_M: f64 = 0.2e-3;
 /// Width of the band along edges whose depth is compared with the middle's, m.
 const BAND_M: f64 = 1e-3;
 
@@ -35,6 +37,8 @@ struct Window {
     sum: f64,
     squares: f64,
     touched_an_edge: bool,
+    turned: bool,
+    from_y_m: Option<f64>,
     left_the_middle: bool,
 }
 
@@ -91,6 +95,8 @@ impl Watch {
         window.samples += 1.0;
         window.sum += normal;
         window.squares += normal * normal;
+        let from_y_m = *window.from_y_m.get_or_insert(last.at_m.y);
+        window.turned |= (last.at_m.y - from_y_m).abs() > STRAIGHT_M;
         window.touched_an_edge |= last.edge_n > 0.0;
         window.left_the_middle |= inside_m < 2.0 * self.reach_m;
         self.time_s += dt_s;
@@ -104,7 +110,7 @@ impl Watch {
                 ..Window::default()
             },
         );
-        if done.begin_s < SETTLED_S {
+        if done.begin_s < SETTLED_S || done.turned {
             return;
         }
         if done.touched_an_edge {
@@ -192,7 +198,7 @@ pub(super) fn findings(setup: &PolishSetup, surface: &Surface, watch: &Watch) ->
             "acceleration_edge",
             acceleration,
             edge,
-            "Standard deviation of the normal acceleration, rms over windows of 0.25 s with an edge in the patch",
+            "Standard deviation of the normal acceleration, rms over windows of 0.25 s on straight lines with an edge in the patch",
         ),
         scalar(
             "acceleration_middle",
