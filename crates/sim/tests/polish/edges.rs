@@ -23,7 +23,7 @@ fn edges_press_where_they_are_in_the_patch() {
         if inside > 5e-3 {
             assert_eq!(edge[row], 0.0, "row {row}");
             on_and_off.1 += 1;
-        } else if inside < 3e-3 {
+        } else if inside < 2e-3 {
             assert!(edge[row] > 0.0, "row {row}");
             on_and_off.0 += 1;
         }

@@ -59,8 +59,13 @@ pub const WHEEL: PneumaticWheel = PneumaticWheel {
 
 /// A finished run in rapier; keys are those of `process.polish`.
 pub fn run(overrides: &[(&str, &str)]) -> Recording {
+    run_text(INSIDE, overrides)
+}
+
+/// The same of another text.
+pub fn run_text(text: &str, overrides: &[(&str, &str)]) -> Recording {
     let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/arm/polish.toml");
-    let scenario = Scenario::from_str(&at, INSIDE, &[]).unwrap_or_else(|e| panic!("{e}"));
+    let scenario = Scenario::from_str(&at, text, &[]).unwrap_or_else(|e| panic!("{e}"));
     let owned: Vec<(String, String)> = (overrides.iter())
         .map(|(key, value)| (format!("process.polish.{key}"), (*value).to_owned()))
         .collect();
