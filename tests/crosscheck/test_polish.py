@@ -25,7 +25,7 @@ CHANGES = {
     "process.polish.path.line_spacing_mm": 10,
     "run.duration_s": 2.0,
 }
-STEP_S = 100e-6
+STEP_S = 400e-6
 BOUND = 0.01
 
 
