@@ -157,6 +157,99 @@ mu = 0.15
 amplitude_floor_um = 1.0
 "#;
 
+const POLISH: &str = r#"
+name = "every key"
+[robot]
+urdf = "../../assets/robots/hp20/robot.urdf"
+posture_deg = [0, 20, -20, 0, -50, 0]
+[run]
+time_step_ms = 0.1
+duration_s = 0.7
+[process.polish]
+spin_rpm = 1000
+tilt_deg = 20
+mu = 0.3
+eccentricity_um = 50
+eccentricity_angle_deg = 10
+preston_per_pa = 4e-12
+[process.polish.wheel]
+radius_mm = 20
+pressure_mpa = 0.1
+shell_thickness_mm = 5
+youngs_modulus_mpa = 4
+poisson = 0.45
+damping_pa_s_per_m = 10000
+[process.polish.face]
+origin_mm = [1000, -15, 400]
+x_axis = [1, 0.2, 0]
+length_mm = 20
+width_mm = 14
+cell_mm = 0.5
+[process.polish.path]
+line_spacing_mm = 5
+inset_mm = 1
+corner_radius_mm = 2
+feed_mm_per_s = 40
+[process.polish.precession]
+turn_rpm = 15
+start_deg = 20
+rule = "cosine"
+epsilon = 0.1
+largest_rate_deg_per_s = 200
+largest_acceleration_deg_per_s2 = 700
+[process.polish.control]
+law = "compliant"
+force_n = 4
+mass_kg = 0.5
+stiffness_n_per_mm = 0.2
+damping_n_s_per_mm = 0.05
+stroke_mm = 0.01
+[process.polish.roughness]
+start_um = 0.8
+end_um = 0.1
+dose_j_per_mm2 = 0.5
+"#;
+
+const POLISH_HELD: &str = r#"
+name = "every key"
+[robot]
+urdf = "../../assets/robots/hp20/robot.urdf"
+posture_deg = [0, 20, -20, 0, -50, 0]
+[run]
+time_step_ms = 0.1
+duration_s = 0.3
+[process.polish]
+spin_rpm = 1000
+tilt_deg = 20
+mu = 0.3
+preston_per_pa = 4e-12
+[process.polish.wheel]
+radius_mm = 20
+pressure_mpa = 0.1
+shell_thickness_mm = 5
+youngs_modulus_mpa = 4
+[process.polish.face]
+origin_mm = [1000, -15, 400]
+length_mm = 20
+width_mm = 14
+[process.polish.path]
+line_spacing_mm = 5
+corner_radius_mm = 2
+feed_mm_per_s = 40
+[process.polish.precession]
+turn_rpm = 15
+rule = "none"
+[process.polish.control]
+law = "constant_force"
+force_n = 4
+damping_n_s_per_mm = 0.2
+fastest_mm_per_s = 0.1
+[process.polish.roughness]
+start_um = 0.8
+end_um = 0.1
+dose_j_per_mm2 = 0.5
+"#;
+
 fn run(text: &str, overrides: &[(String, String)]) -> Recording {
     let at = repository().join("scenarios/arm/every_key.toml");
     let scenario = Scenario::from_str(&at, text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
@@ -233,6 +326,12 @@ fn verify_every_key_of_the_wheel_counts() {
 fn verify_every_key_of_milling_counts() {
     check(MILLING, 25);
     check(MILLING_FROM_THE_POSTURE, 9);
+}
+
+#[test]
+fn verify_every_key_of_polishing_counts() {
+    check(POLISH, 32);
+    check(POLISH_HELD, 20);
 }
 
 #[test]

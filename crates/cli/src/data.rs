@@ -103,6 +103,7 @@ pub fn spindle_hz(scenario: &Scenario) -> Option<f64> {
         ProcessSpec::Chamfer(chamfer) => chamfer.spindle_rad_s,
         ProcessSpec::Wheel(wheel) => wheel.spin_rad_s.abs(),
         ProcessSpec::Milling(milling) => milling.spindle_rad_s,
+        ProcessSpec::Polish(polish) => polish.spin_rad_s.abs(),
         ProcessSpec::Replay(replay) => replay.turning?.spindle_rad_s,
         ProcessSpec::Load(_) => return None,
     };

@@ -85,7 +85,7 @@ pub use names::nearest;
 pub use recorder::{OpenSinks, Pace, Recorder};
 pub use recording::{ChannelSpec, Header, Outcome, Profile, Recording, Scalar, UnknownName};
 pub use reducer::Reducer;
-pub use scene::{Arrow, Body, Camera, Frame, Geometry, Pose, Scene, Shape};
+pub use scene::{Arrow, Body, Camera, Field, Frame, Geometry, Pose, Scene, Shape};
 pub use sink::{Chunk, Sink, SinkError};
 pub use summary::Summary;
 pub use unit::{Unit, UnitError, UserUnit, significant};

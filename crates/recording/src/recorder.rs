@@ -138,7 +138,7 @@ impl Recorder {
     /// A frame; dropped if none is due yet.
     ///
     /// # Panics
-    /// If it has not one pose for each body and one force for each arrow of the scene.
+    /// If it has not one pose for each body, one force for each arrow and one set of values for each field of the scene.
     pub fn push_frame(&mut self, frame: Frame) {
         let scene = &self.recording.header.scene;
         assert_eq!(
@@ -150,6 +150,11 @@ impl Recorder {
             frame.arrows.len(),
             scene.arrows.len(),
             "one force for each arrow"
+        );
+        assert_eq!(
+            frame.fields.len(),
+            scene.fields.len(),
+            "one set of values for each field"
         );
         if !self.frame_is_due(frame.time_s) {
             return;

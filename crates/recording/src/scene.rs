@@ -143,6 +143,21 @@ pub struct Arrow {
     pub metres_per_newton: f64,
 }
 
+/// A plane rectangle on which a quantity is drawn in colours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Field {
+    /// Its name in the scene: `removed_depth`.
+    pub path: String,
+    /// Its frame in the world: origin in a corner, x along the columns, z towards the eye.
+    pub world_from_field: Pose,
+    /// Size along x and y, in metres.
+    pub size_m: [f64; 2],
+    /// Cells along x and y.
+    pub cells: [usize; 2],
+    /// Value at which the colours end, SI.
+    pub full_scale: f64,
+}
+
 /// Where a person should look from, and at what.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
@@ -159,6 +174,9 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Forces, in the order of [`Frame::arrows`].
     pub arrows: Vec<Arrow>,
+    /// Quantities on surfaces, in the order of [`Frame::fields`].
+    #[serde(default)]
+    pub fields: Vec<Field>,
     /// By how much the deflection of the bodies under `arm/exaggerated` is enlarged; stated in the
     /// view.
     pub deflection_scale: f64,
@@ -171,6 +189,7 @@ impl Default for Scene {
         Scene {
             bodies: Vec::new(),
             arrows: Vec::new(),
+            fields: Vec::new(),
             deflection_scale: 1.0,
             camera: None,
         }
@@ -186,6 +205,8 @@ pub struct Frame {
     pub poses: Vec<Pose>,
     /// Point of attack (m) and force (N), in the world, of each of [`Scene::arrows`].
     pub arrows: Vec<([f64; 3], [f64; 3])>,
+    /// Values of each of [`Scene::fields`], x first; empty while a field keeps its last ones.
+    pub fields: Vec<Vec<f32>>,
 }
 
 #[cfg(test)]

@@ -108,6 +108,11 @@ const SYMBOLS: &[(&str, Unit, f64)] = &[
     ("deg/s", Unit::RadianPerSecond, std::f64::consts::PI / 180.0),
     ("rpm", Unit::RadianPerSecond, std::f64::consts::PI / 30.0),
     ("rad/s^2", Unit::RadianPerSecondSquared, 1.0),
+    (
+        "deg/s^2",
+        Unit::RadianPerSecondSquared,
+        std::f64::consts::PI / 180.0,
+    ),
     ("N", Unit::Newton, 1.0),
     ("mN", Unit::Newton, 1e-3),
     ("kN", Unit::Newton, 1e3),

@@ -59,6 +59,7 @@ mod metric;
 mod milling;
 mod overwrite;
 pub mod path_job;
+mod polish;
 mod process;
 mod reach;
 mod relocate;
@@ -87,6 +88,10 @@ pub use milling::{
     PathStart, PlannedPath, Shoulder, TurnKnot, Wrist,
 };
 pub use path_job::PathJob;
+pub use polish::{
+    ControlSpec, EdgeRuleSpec, FaceSpec, PneumaticSpec, PolishSpec, PrecessionSpec, RasterSpec,
+    RoughnessSpec,
+};
 pub use process::ProcessSpec;
 pub use replay::{ReplayMode, ReplaySpec, Turning};
 pub use robot::{Drive, RobotSpec};

@@ -10,6 +10,7 @@ use crate::check::Check;
 use crate::document::Fault;
 use crate::load::{LoadSpec, LoadTable};
 use crate::milling::{MillingSpec, MillingTable};
+use crate::polish::{PolishSpec, PolishTable};
 use crate::replay::{ReplaySpec, ReplayTable};
 use crate::wheel::{WheelSpec, WheelTable};
 
@@ -22,6 +23,8 @@ pub enum ProcessSpec {
     Wheel(WheelSpec),
     /// Milling along a straight line.
     Milling(MillingSpec),
+    /// Polishing a face with a soft wheel in precession.
+    Polish(Box<PolishSpec>),
     /// Given forces.
     Load(LoadSpec),
     /// Measured inputs.
@@ -35,19 +38,20 @@ impl ProcessSpec {
             ProcessSpec::Chamfer(_) => "chamfer",
             ProcessSpec::Wheel(_) => "wheel",
             ProcessSpec::Milling(_) => "milling",
+            ProcessSpec::Polish(_) => "polish",
             ProcessSpec::Load(_) => "load",
             ProcessSpec::Replay(_) => "replay",
         }
     }
 
-    /// How long the process takes by itself, infinite if its data says; `None` if it does not end by itself.
+    /// How long the process takes by itself, infinite if its data or the plan of its path says; `None` if it does not end by itself.
     pub fn natural_duration_s(&self) -> Option<f64> {
         match self {
             ProcessSpec::Chamfer(chamfer) => Some(chamfer.cycle_s()),
             ProcessSpec::Wheel(wheel) => Some(wheel.pass_s()),
             ProcessSpec::Milling(milling) => Some(milling.pass_s()),
             ProcessSpec::Load(_) => None,
-            ProcessSpec::Replay(_) => Some(f64::INFINITY),
+            ProcessSpec::Polish(_) | ProcessSpec::Replay(_) => Some(f64::INFINITY),
         }
     }
 }
@@ -62,6 +66,8 @@ pub(crate) struct ProcessTable {
     wheel: Option<WheelTable>,
     /// Milling along a straight line.
     milling: Option<MillingTable>,
+    /// Polishing a face with a soft wheel in precession.
+    polish: Option<PolishTable>,
     /// Given forces at the tool.
     load: Option<LoadTable>,
     /// Measured inputs.
@@ -75,6 +81,7 @@ impl ProcessTable {
             self.chamfer.is_some().then_some("chamfer"),
             self.wheel.is_some().then_some("wheel"),
             self.milling.is_some().then_some("milling"),
+            self.polish.is_some().then_some("polish"),
             self.load.is_some().then_some("load"),
             self.replay.is_some().then_some("replay"),
         ];
@@ -88,14 +95,17 @@ impl ProcessTable {
         let milling = (self.milling)
             .and_then(|one| one.resolve(folder, check))
             .map(ProcessSpec::Milling);
+        let polish = (self.polish)
+            .and_then(|one| one.resolve(check))
+            .map(|one| ProcessSpec::Polish(Box::new(one)));
         let load = self.load.map(|one| ProcessSpec::Load(one.resolve(check)));
         let replay = (self.replay).map(|one| ProcessSpec::Replay(one.resolve(check)));
-        chamfer.or(wheel).or(milling).or(load).or(replay)
+        chamfer.or(wheel).or(milling).or(polish).or(load).or(replay)
     }
 }
 
 fn not_one(given: &[&str]) -> Fault {
-    let known = "[process.chamfer], [process.wheel], [process.milling], [process.load] and [process.replay]";
+    let known = "[process.chamfer], [process.wheel], [process.milling], [process.polish], [process.load] and [process.replay]";
     match given.last() {
         None => Fault::key(
             "process",

@@ -76,7 +76,23 @@ const fn suffix(
 }
 
 /// Longer suffixes stand before shorter ones that they end in.
-const SUFFIXES: [Suffix; 18] = [
+const SUFFIXES: [Suffix; 22] = [
+    suffix(
+        "_deg_per_s2",
+        "degrees/s²",
+        "deg/s^2",
+        Unit::RadianPerSecondSquared,
+        PI / 180.0,
+    ),
+    suffix(
+        "_deg_per_s",
+        "degrees/s",
+        "deg/s",
+        Unit::RadianPerSecond,
+        PI / 180.0,
+    ),
+    suffix("_pa_s_per_m", "Pa s/m", "Pa s/m", Unit::One, 1.0),
+    suffix("_j_per_mm2", "J/mm²", "J/mm^2", Unit::One, 1e6),
     suffix("_mm_per_tooth", "mm per tooth", "mm", Unit::Metre, 1e-3),
     suffix("_mm_per_rev", "mm per revolution", "mm", Unit::Metre, 1e-3),
     suffix(

@@ -18,6 +18,8 @@ use truecut_scenario::Scenario;
 
 /// Steps between two calls of the progress function.
 const STEPS_PER_REPORT: usize = 500;
+/// Frames of a run that show fields on the workpiece.
+const FIELDS_PER_RUN: usize = 40;
 
 /// One scenario, ready to run.
 pub struct Cell {
@@ -111,6 +113,8 @@ impl Cell {
     pub fn run(self, recorder: &mut Recorder, progress: &dyn Fn(f64)) -> Result<RunEnd, SimError> {
         recorder.reserve(self.rows());
         let mut stage = None;
+        let shown_every = (self.steps / FIELDS_PER_RUN).max(1);
+        let mut next_shown = 0;
         self.each_step(|cell, step, time_s, row| {
             if let Some(row) = row {
                 recorder.push_row(time_s, row)?;
@@ -118,7 +122,11 @@ impl Cell {
             if recorder.frame_is_due(time_s) {
                 let stage =
                     stage.get_or_insert_with(|| cell.setting.stage(cell.process.as_ref()).0);
-                recorder.push_frame(cell.frame(stage, time_s));
+                let shows = step >= next_shown || step + shown_every / 10 >= cell.steps;
+                if shows {
+                    next_shown = step + shown_every;
+                }
+                recorder.push_frame(cell.frame(stage, time_s, shows));
             }
             if step % STEPS_PER_REPORT == 0 {
                 progress(step as f64 / cell.steps as f64);
@@ -175,11 +183,12 @@ impl Cell {
         })
     }
 
-    fn frame(&self, stage: &Stage, time_s: f64) -> truecut_recording::Frame {
+    fn frame(&self, stage: &Stage, time_s: f64, with_fields: bool) -> truecut_recording::Frame {
         let joints = self.plant.joints();
         let shift: Vec<f64> = (joints.command.iter().zip(&self.first_command))
             .map(|(now, first)| now - first)
             .collect();
-        stage.frame(time_s, self.plant.as_ref(), self.process.as_ref(), &shift)
+        let (plant, process) = (self.plant.as_ref(), self.process.as_ref());
+        stage.frame(time_s, plant, process, &shift, with_fields)
     }
 }

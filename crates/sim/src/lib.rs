@@ -7,7 +7,7 @@
 //! | module | what it holds |
 //! | --- | --- |
 //! | [`plant`] | what the loads act on: the arm in rapier, or linearised and exactly stepped; its drives |
-//! | [`process`] | what the tool does: chamfering, a wheel on a plate, given forces |
+//! | [`process`] | what the tool does: chamfering, milling, a wheel on a plate, polishing a face, given forces |
 //! | [`elastic`] | the arm as an elastic structure: deflection under a load, modes; what identification needs |
 //! | [`loads`] | what a process may ask for |
 //! | [`measurement`] | what a sensor makes of a channel |
@@ -31,6 +31,7 @@ mod mjcf;
 
 pub mod facts;
 pub mod plant;
+mod polish_path;
 pub mod process;
 pub mod replay;
 mod robots;

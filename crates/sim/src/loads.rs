@@ -30,7 +30,7 @@ impl From<Attachment> for FrameId {
 }
 
 /// Force and moment on the robot at one of its frames, in process axes.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wrench {
     pub frame: Attachment,
     pub force_n: Vector3<f64>,

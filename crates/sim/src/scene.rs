@@ -16,6 +16,8 @@ const ARROW_M_PER_N: f64 = 1.5e-3;
 const WORKPIECE_M: f64 = 0.4;
 /// Thickness of the workpiece, m.
 const THICKNESS_M: f64 = 0.03;
+/// Thickness of the block under a polished face, m.
+const BLOCK_M: f64 = 0.02;
 
 /// What the workpiece looks like.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +32,12 @@ pub(crate) enum Workpiece {
         length_m: f64,
         width_m: f64,
         depth_m: f64,
+    },
+    /// A block under a rectangular face, whose frame has the origin in a corner and z along the normal.
+    Block {
+        process_from_face: Isometry3<f64>,
+        length_m: f64,
+        width_m: f64,
     },
     /// Nothing.
     None,
@@ -66,6 +74,8 @@ pub(crate) struct Stage {
     world_from_process: Isometry3<f64>,
     fixed: Vec<Pose>,
     has_foot: bool,
+    /// How many fields there are.
+    fields: usize,
 }
 
 pub(crate) fn pose(p: &Isometry3<f64>) -> Pose {
@@ -163,6 +173,11 @@ fn workpiece_shapes(workpiece: Workpiece) -> Vec<Shape> {
             width_m,
             depth_m,
         } => vec![slab(feed, length_m, width_m, depth_m)],
+        Workpiece::Block {
+            process_from_face,
+            length_m,
+            width_m,
+        } => vec![block(&process_from_face, length_m, width_m)],
         Workpiece::Hole(radius_m) => plate_with_hole(radius_m),
         Workpiece::Strip(length_m) => vec![Shape {
             geometry: Geometry::Box {
@@ -184,6 +199,18 @@ fn slab(feed: Vector3<f64>, length_m: f64, width_m: f64, depth_m: f64) -> Shape 
         },
         color_rgba: [120, 128, 138, 255],
         body_from_shape: pose(&Isometry3::from_parts(centre.into(), turn)),
+    }
+}
+
+/// The block under a face.
+fn block(process_from_face: &Isometry3<f64>, length_m: f64, width_m: f64) -> Shape {
+    let centre = Isometry3::translation(0.5 * length_m, 0.5 * width_m, -0.5 * BLOCK_M);
+    Shape {
+        geometry: Geometry::Box {
+            half_extents_m: [0.5 * length_m, 0.5 * width_m, 0.5 * BLOCK_M],
+        },
+        color_rgba: [120, 128, 138, 255],
+        body_from_shape: pose(&(process_from_face * centre)),
     }
 }
 
@@ -253,6 +280,7 @@ impl Stage {
         let scene = Scene {
             bodies,
             arrows,
+            fields: process.field().into_iter().collect(),
             deflection_scale: scale,
             // The viewer's own frames the whole arm.
             camera: None,
@@ -264,18 +292,20 @@ impl Stage {
             world_from_process,
             fixed,
             has_foot,
+            fields: scene.fields.len(),
         };
         (stage, scene)
     }
 
     /// The scene at the plant's present instant. `rigid` is where the arm would stand without deflection
-    /// (the command, shifted to the posture of touch-down).
+    /// (the command, shifted to the posture of touch-down). Values of fields are many: they are left out where not asked for.
     pub(crate) fn frame(
         &self,
         time_s: f64,
         plant: &dyn Plant,
         process: &dyn Process,
         commanded_shift: &[f64],
+        with_fields: bool,
     ) -> Frame {
         let joints = plant.joints();
         let rigid = self.reference.iter().zip(commanded_shift);
@@ -309,10 +339,15 @@ impl Stage {
                 (origin.into(), (turn * force).into())
             })
             .collect();
+        let fields = (0..self.fields).map(|_| match with_fields {
+            true => process.field_values(),
+            false => Vec::new(),
+        });
         Frame {
             time_s,
             poses,
             arrows,
+            fields: fields.collect(),
         }
     }
 }

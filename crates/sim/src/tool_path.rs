@@ -15,6 +15,16 @@ const KNOT_SPACING_M: f64 = 2e-3;
 const LEAST_ANGLE_RAD: f64 = 0.017_453_292_519_943_295;
 /// Nearest that the wrist may come to the first axis, m.
 const LEAST_SHOULDER_M: f64 = 5e-3;
+/// What is nearer to the start than is printed, mm.
+const START_MM: f64 = 0.05;
+
+/// How errors name a path and the places on it.
+pub(crate) struct Along<'a> {
+    /// Key of the scenario that the path is written under.
+    pub key: &'a str,
+    /// Distance of a knot from the path's start, mm.
+    pub at_mm: &'a dyn Fn(usize) -> f64,
+}
 
 /// Postures at even distances along a path, the first at its start, the last at its end.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,13 +56,17 @@ impl SolvedPath {
         let intervals = (spec.length_m / KNOT_SPACING_M).ceil().max(3.0);
         let spacing_m = spec.length_m / intervals;
         let poses = poses(spec, robot, posture, spacing_m, intervals as usize + 1)?;
+        let along = Along {
+            key: PATH,
+            at_mm: &|k| spacing_m * k as f64 * 1e3,
+        };
         let solver = robot.ik_solver(&BranchOptions::default());
         let knots = if solver.geometry().is_some() {
-            on_a_branch(spec, &solver, &poses, posture, spacing_m)?
+            on_a_branch(spec, &solver, &poses, posture, &along)?
         } else {
-            near_the_posture(spec, robot, &poses, posture, spacing_m)?
+            near_the_posture(spec, robot, &poses, posture, &along)?
         };
-        check_singularities(&solver, &knots, spacing_m)?;
+        check_singularities(&solver, &knots, &along)?;
         Ok(Self { spacing_m, knots })
     }
 }
@@ -88,17 +102,17 @@ fn on_a_branch(
     solver: &IkSolver<'_>,
     poses: &[Isometry3<f64>],
     posture: &[f64],
-    spacing_m: f64,
+    along: &Along<'_>,
 ) -> Result<Vec<Vec<f64>>, SimError> {
     let follow =
         |start: &[f64]| solver.follow(poses, FrameId::Tool, start, &PathOptions::default());
     let Some(asked) = &spec.start else {
-        return follow(posture).map_err(|error| leaves(error.kind(), spacing_m).1);
+        return follow(posture).map_err(|error| leaves(error.kind(), along).1);
     };
     let mut starts = solver.within_limits(&poses[0], FrameId::Tool);
     if starts.is_empty() {
         // Following from anywhere says why.
-        return follow(posture).map_err(|error| leaves(error.kind(), spacing_m).1);
+        return follow(posture).map_err(|error| leaves(error.kind(), along).1);
     }
     let reached = starts.len();
     starts.retain(|q| is_of_branch(solver, asked, q));
@@ -123,7 +137,7 @@ fn on_a_branch(
         match follow(start) {
             Ok(knots) => return Ok(knots),
             Err(error) => {
-                let (index, error) = leaves(error.kind(), spacing_m);
+                let (index, error) = leaves(error.kind(), along);
                 if furthest.as_ref().is_none_or(|(best, _)| index > *best) {
                     furthest = Some((index, error));
                 }
@@ -158,7 +172,7 @@ fn near_the_posture(
     robot: &Robot,
     poses: &[Isometry3<f64>],
     posture: &[f64],
-    spacing_m: f64,
+    along: &Along<'_>,
 ) -> Result<Vec<Vec<f64>>, SimError> {
     if let Some(start) = &spec.start {
         let given = [
@@ -182,8 +196,8 @@ fn near_the_posture(
         seed = robot
             .inverse_kinematics(pose, FrameId::Tool, &seed, &IkOptions::default())
             .map_err(|error| {
-                let at_mm = spacing_m * k as f64 * 1e3;
-                SimError::scenario(PATH, format!("{}: {error}", cannot_follow(at_mm)))
+                let begins = cannot_follow((along.at_mm)(k));
+                SimError::scenario(along.key, format!("{begins}: {error}"))
             })?;
         knots.push(seed.clone());
     }
@@ -191,7 +205,7 @@ fn near_the_posture(
 }
 
 fn cannot_follow(at_mm: f64) -> String {
-    if at_mm == 0.0 {
+    if at_mm < START_MM {
         "the tool cannot be put to the start of the path".to_owned()
     } else {
         format!("the tool cannot follow the path beyond {at_mm:.1} mm from its start")
@@ -199,12 +213,11 @@ fn cannot_follow(at_mm: f64) -> String {
 }
 
 /// At which knot the path cannot be followed, and why.
-fn leaves(kind: &ArmErrorKind, spacing_m: f64) -> (usize, SimError) {
-    let at_mm = |index: usize| spacing_m * index as f64 * 1e3;
+pub(crate) fn leaves(kind: &ArmErrorKind, along: &Along<'_>) -> (usize, SimError) {
     let (index, message) = match kind {
         ArmErrorKind::OnPath { index, source } => (
             *index,
-            format!("{}: {source}", cannot_follow(at_mm(*index))),
+            format!("{}: {source}", cannot_follow((along.at_mm)(*index))),
         ),
         ArmErrorKind::PathBreaks {
             index,
@@ -216,19 +229,19 @@ fn leaves(kind: &ArmErrorKind, spacing_m: f64) -> (usize, SimError) {
             format!(
                 "{}: joint `{joint}` would have to turn by {jump_rad:.3} rad within {:.1} mm, more than {limit_rad} rad: a \
                  singularity, or another branch",
-                cannot_follow(at_mm(*index)),
-                spacing_m * 1e3
+                cannot_follow((along.at_mm)(*index)),
+                (along.at_mm)(*index) - (along.at_mm)(index.saturating_sub(1))
             ),
         ),
         other => (0, other.to_string()),
     };
-    (index, SimError::scenario(PATH, message))
+    (index, SimError::scenario(along.key, message))
 }
 
-fn check_singularities(
+pub(crate) fn check_singularities(
     solver: &IkSolver<'_>,
     knots: &[Vec<f64>],
-    spacing_m: f64,
+    along: &Along<'_>,
 ) -> Result<(), SimError> {
     let Some(geometry) = solver.geometry() else {
         return Ok(());
@@ -271,12 +284,12 @@ fn check_singularities(
             && near < least
         {
             return Err(SimError::scenario(
-                PATH,
+                along.key,
                 format!(
                     "the path comes within {} of a {name} {:.1} mm from its start, but must stay {} away: joint speeds have \
                      no bound there",
                     show(near),
-                    spacing_m * k as f64 * 1e3,
+                    (along.at_mm)(k),
                     show(least)
                 ),
             ));

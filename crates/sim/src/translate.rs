@@ -1,6 +1,7 @@
 //! From the tables of a scenario to the processes and laws that run.
 
 mod milling;
+mod polish;
 
 pub(crate) use milling::nominal_cut;
 
@@ -27,7 +28,8 @@ use truecut_scenario::{
     LoadSpec, ProcessSpec, Regeneration as RegenerationSpec, Scenario, Spin, WheelSpec,
 };
 
-/// The process of a scenario on a robot at its posture, and what its workpiece looks like.
+/// The process of a scenario on a robot at its posture, and what its workpiece looks like. `path_s` is the time that a polishing
+/// path takes.
 pub(crate) fn build_process(
     scenario: &Scenario,
     robot: &Robot,
@@ -35,6 +37,7 @@ pub(crate) fn build_process(
     posture: &[f64],
     world_from_process: &Isometry3<f64>,
     effects: &Effects,
+    path_s: f64,
 ) -> Result<(Box<dyn Process>, Workpiece), SimError> {
     let compliance = match kind {
         DriveKind::Force => None,
@@ -68,6 +71,12 @@ pub(crate) fn build_process(
             compliance.ok_or_else(|| needs_drive("milling"))?;
             let (setup, workpiece) = milling::milling(spec, robot, posture, world_from_process)?;
             Ok((Box::new(Milling::new(setup)), workpiece))
+        }
+        ProcessSpec::Polish(spec) => {
+            compliance.ok_or_else(|| needs_drive("polish"))?;
+            let (process, workpiece) =
+                polish::polish(spec, robot, posture, world_from_process, path_s)?;
+            Ok((Box::new(process), workpiece))
         }
         ProcessSpec::Replay(_) => Err(SimError::scenario(
             "process.replay",

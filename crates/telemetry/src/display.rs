@@ -102,6 +102,23 @@ const TEMPLATES: &[Template] = &[
         &["wheel.normal_force", "wheel.friction_force"],
     ),
     front(
+        "Polishing wheel on the face",
+        Place::Front,
+        1.0,
+        &[
+            "polish.normal_force",
+            "polish.edge_force",
+            "polish.inward_edge_force",
+            "polish.friction_",
+        ],
+    ),
+    front(
+        "Acceleration of the tool, face axes",
+        Place::FrontWithSpectrum,
+        1e-3,
+        &["polish.acceleration_"],
+    ),
+    front(
         "Load on the tool, process frame",
         Place::FrontWithSpectrum,
         1.0,
@@ -113,6 +130,7 @@ const TEMPLATES: &[Template] = &[
             "cutting.depth",
             "cutting.engaged_depth",
             "wheel.penetration",
+            "polish.penetration",
         ],
     ),
     behind(

@@ -104,6 +104,7 @@ pub(super) fn spin_rad_s(scenario: &Scenario) -> Option<f64> {
         ProcessSpec::Chamfer(chamfer) => Some(chamfer.spindle_rad_s),
         ProcessSpec::Wheel(wheel) => Some(wheel.spin_rad_s),
         ProcessSpec::Milling(milling) => Some(milling.spindle_rad_s),
+        ProcessSpec::Polish(polish) => Some(polish.spin_rad_s.abs()),
         ProcessSpec::Replay(replay) => replay.turning.map(|cut| cut.spindle_rad_s),
         _ => None,
     }

@@ -86,6 +86,7 @@ fn frame(time_s: f64) -> Frame {
         time_s,
         poses: vec![Pose::IDENTITY],
         arrows: Vec::new(),
+        fields: Vec::new(),
     }
 }
 

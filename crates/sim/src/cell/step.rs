@@ -61,14 +61,7 @@ impl Cell {
 
     fn motion(&self, attachment: Attachment, start_m: &Vector3<f64>) -> FrameMotion {
         let frame = self.plant.frame(attachment);
-        let joints = self.plant.joints();
-        let velocity: Vector3<f64> = frame
-            .jacobian
-            .fixed_rows::<3>(0)
-            .column_iter()
-            .zip(&joints.velocity)
-            .map(|(column, v)| column * *v)
-            .sum();
+        let velocity = self.rate(attachment, 0);
         FrameMotion {
             displacement_m: self
                 .axes
@@ -77,8 +70,19 @@ impl Cell {
         }
     }
 
+    /// Velocity (`row` 0) or angular velocity (`row` 3) of a frame, world axes.
+    fn rate(&self, attachment: Attachment, row: usize) -> Vector3<f64> {
+        let jacobian = &self.plant.frame(attachment).jacobian;
+        let columns = jacobian.fixed_rows::<3>(row);
+        (columns.column_iter().zip(&self.plant.joints().velocity))
+            .map(|(column, v)| column * *v)
+            .sum()
+    }
+
     fn tool_state(&self, time_s: f64) -> ToolState {
         ToolState {
+            world_from_tool: self.plant.frame(Attachment::Tool).world_from_frame,
+            tool_turning_rad_s: self.rate(Attachment::Tool, 3),
             time_s,
             tool: self.motion(Attachment::Tool, &self.tool_start_m),
             foot: self.motion(Attachment::Foot, &self.foot_start_m),

@@ -90,7 +90,10 @@ fn foot_of(process: &ProcessSpec) -> Option<&FootSpec> {
     match process {
         ProcessSpec::Chamfer(spec) => spec.foot.as_ref(),
         ProcessSpec::Load(spec) => spec.foot.as_ref(),
-        ProcessSpec::Wheel(_) | ProcessSpec::Milling(_) | ProcessSpec::Replay(_) => None,
+        ProcessSpec::Wheel(_)
+        | ProcessSpec::Milling(_)
+        | ProcessSpec::Polish(_)
+        | ProcessSpec::Replay(_) => None,
     }
 }
 
@@ -101,6 +104,7 @@ fn misfit(effect: &Effect, process: &ProcessSpec) -> Option<String> {
         ProcessSpec::Load(_) => "process.load",
         ProcessSpec::Wheel(_) => "process.wheel",
         ProcessSpec::Milling(_) => "process.milling",
+        ProcessSpec::Polish(_) => "process.polish",
         ProcessSpec::Replay(_) => "process.replay",
     };
     match effect.kind.family() {
@@ -108,7 +112,7 @@ fn misfit(effect: &Effect, process: &ProcessSpec) -> Option<String> {
             "{effect} does not apply to {name}: it acts on a chamfering edge"
         )),
         Family::Wheel if !matches!(process, ProcessSpec::Wheel(_)) => Some(format!(
-            "{effect} does not apply to {name}: it acts on a polishing wheel"
+            "{effect} does not apply to {name}: it acts on the wheel of process.wheel"
         )),
         Family::Foot => {
             let Some(foot) = foot_of(process) else {

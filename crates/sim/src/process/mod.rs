@@ -8,6 +8,7 @@ mod chamfer;
 mod foot;
 mod load;
 mod milling;
+mod polish;
 mod replay;
 mod wheel;
 
@@ -16,12 +17,13 @@ pub use foot::{Foot, FootFriction, FootParameters};
 pub use load::{Load, LoadParameters, RotatingForce, Sweep};
 pub(crate) use milling::linear_share;
 pub use milling::{Milling, MillingSetup, MillingTheory};
+pub use polish::{Polish, PolishSetup};
 pub use replay::{ForceSamples, Replay};
 pub use wheel::{Wheel, WheelParameters};
 
 use crate::loads::{Attachment, ContactOutcomes, Loads};
-use nalgebra::Vector3;
-use truecut_recording::{ChannelSpec, Profile, Scalar};
+use nalgebra::{Isometry3, Vector3};
+use truecut_recording::{ChannelSpec, Field, Profile, Scalar};
 
 /// Motion of one frame of the robot, in process axes, relative to where it stood after touch-down.
 #[derive(Debug, Clone, Copy, Default)]
@@ -36,6 +38,10 @@ pub struct ToolState {
     pub time_s: f64,
     pub tool: FrameMotion,
     pub foot: FrameMotion,
+    /// Where the tool stands, for processes that know where the workpiece is.
+    pub world_from_tool: Isometry3<f64>,
+    /// Angular velocity of the tool, world axes, rad/s.
+    pub tool_turning_rad_s: Vector3<f64>,
 }
 
 /// A spring between robot and workpiece, for choosing the step: frame, process axis, N/m.
@@ -111,6 +117,16 @@ pub trait Process: Send {
     /// Speed of the commanded motion along process Y, m/s.
     fn feed_along_y_m_per_s(&self) -> f64 {
         0.0
+    }
+
+    /// A quantity on the workpiece to be drawn, world frame, if there is one; asked for once.
+    fn field(&self) -> Option<Field> {
+        None
+    }
+
+    /// Values of that field now, x first.
+    fn field_values(&self) -> Vec<f32> {
+        Vec::new()
     }
 
     /// Forces on the robot to be drawn, in the process frame: (name, frame, force of the last step).

@@ -28,6 +28,7 @@ impl MillingStudy {
                 time_s: point.along_m / feed_m_per_s,
                 poses,
                 arrows: Vec::new(),
+                fields: Vec::new(),
             }
         });
         let frames = frames.collect();

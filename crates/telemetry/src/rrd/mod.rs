@@ -5,6 +5,7 @@ mod blueprint;
 mod camera;
 mod chart;
 mod charts;
+mod field;
 mod layout;
 mod plan;
 mod results;

@@ -1,7 +1,9 @@
 //! The 3-D scene in the viewer's terms.
 
 use rerun::{RecordingStream, RecordingStreamResult, TimeColumn};
-use truecut_recording::{Arrow, Frame, Pose, Scene};
+use truecut_recording::{Arrow, Field, Frame, Pose, Scene};
+
+use super::field;
 
 use super::shapes::{log_shapes, quaternion, rgba, translation};
 use super::{SCENE, time_column};
@@ -10,6 +12,7 @@ use super::{SCENE, time_column};
 pub(super) struct SceneLogger {
     bodies: Vec<LoggedBody>,
     arrows: Vec<Arrow>,
+    fields: Vec<Field>,
     /// Where the first force acted: the path of the tool.
     path: Vec<[f32; 3]>,
 }
@@ -46,8 +49,12 @@ impl SceneLogger {
                 .with_radii([rerun::Radius::new_ui_points(2.5)]);
             stream.log_static(format!("{SCENE}/{}", arrow.path), &style)?;
         }
+        for one in &scene.fields {
+            field::begin(stream, &format!("{SCENE}/{}", one.path), one)?;
+        }
         Ok(SceneLogger {
             bodies,
+            fields: scene.fields.clone(),
             arrows: scene.arrows.clone(),
             path: Vec::new(),
         })
@@ -79,6 +86,16 @@ impl SceneLogger {
                 .with_origins(forces.map(|(origin_m, _)| origin_m.map(|value| value as f32)))
                 .columns_of_unit_batches()?;
             stream.send_columns(format!("{SCENE}/{}", arrow.path), [times.clone()], columns)?;
+        }
+        for (index, one) in self.fields.iter().enumerate() {
+            for frame in frames
+                .iter()
+                .filter(|frame| !frame.fields[index].is_empty())
+            {
+                let time = time_column(std::iter::once(frame.time_s));
+                let entity = format!("{SCENE}/{}", one.path);
+                field::colours(stream, &entity, one, time, &frame.fields[index])?;
+            }
         }
         let tool = frames.iter().filter_map(|frame| frame.arrows.first());
         self.path

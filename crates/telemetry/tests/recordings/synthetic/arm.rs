@@ -164,6 +164,7 @@ pub(super) fn scene() -> Scene {
                 [90, 220, 255, 255],
             ),
         ],
+        fields: Vec::new(),
         deflection_scale: SCALE,
         camera: None,
     }
@@ -258,5 +259,6 @@ pub(super) fn frame(t: f64) -> Frame {
         time_s: t,
         poses,
         arrows: vec![(tip, cutting), (tip, friction)],
+        fields: Vec::new(),
     }
 }

@@ -1,0 +1,428 @@
+//! A soft wheel in precession polishes a rectangular face.
+//!
+//! The tool frame stands in the wheel's centre, its z axis is the spin axis and points towards the face. Every step takes the pose and
+//! the motion of the tool as they are, deflection and rotation of the arm included. The wheel is an inflated sphere about the tool
+//! point, shifted by its eccentricity, which turns with the spin, and by the carrier of a force control, which moves along the
+//! normal. How far it reaches into the plane of the face gives the patch ([`truecut_core::wheel::patch`]); what of it lies on the
+//! face presses, edges by their line reactions. The surface slides by `v_centre + Ω × r`, Ω the spin and the tool's own turning.
+//!
+//! Force and moment of patch, edges and friction act on the tool; the drive of the spindle holds its speed, so that the moment
+//! about the spin axis reaches the arm. The carrier's mass counts as part of the tool.
+
+mod report;
+mod surface;
+
+use super::{ContactStiffness, Findings, Process, ToolState};
+use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use nalgebra::{Isometry2, Isometry3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
+use report::Watch;
+use surface::Surface;
+use truecut_core::roughness::Polishing;
+use truecut_core::wheel::face::Face;
+use truecut_core::wheel::force_control::{ForceControl, Offset};
+use truecut_core::wheel::patch::{EdgePoint, Patch, PatchLoads, Sliding};
+use truecut_core::wheel::pneumatic::PneumaticWheel;
+use truecut_core::wheel::quadrature::Quadrature;
+use truecut_recording::{ChannelSpec, Field, Unit};
+
+/// Height over the face at which the depth is drawn, so that the block does not shine through, m.
+const DRAWN_ABOVE_M: f64 = 1e-4;
+/// Depth at which the colours end, over the mean that is expected.
+const FULL_SCALE: f64 = 3.0;
+
+/// All that a polishing run is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PolishSetup {
+    pub wheel: PneumaticWheel,
+    pub control: ForceControl,
+    /// Spin about the axis that points away from the face, rad/s.
+    pub spin_rad_s: f64,
+    pub mu: f64,
+    pub eccentricity_m: f64,
+    /// Where the wheel's middle stands at the start, from the tool's x axis towards its y axis.
+    pub eccentricity_angle_rad: f64,
+    pub preston_per_pa: f64,
+    pub polishing: Polishing,
+    pub world_from_face: Isometry3<f64>,
+    /// Turns world axes into process axes.
+    pub process_from_world: UnitQuaternion<f64>,
+    pub face: Face,
+    pub length_m: f64,
+    pub width_m: f64,
+    /// Columns along the length, rows along the width.
+    pub cells: [usize; 2],
+    /// How far the path reaches into the face.
+    pub penetration_m: f64,
+    pub duration_s: f64,
+    /// Mean depth that lines leave far from edges, for the colours of the view, m.
+    pub expected_depth_m: f64,
+    /// Force and moment on the tool of an arm that rests at the start, process axes.
+    pub resting: Wrench,
+}
+
+/// The process.
+#[derive(Debug, Clone)]
+pub struct Polish {
+    setup: PolishSetup,
+    quadrature: Quadrature,
+    /// Offset of the carrier towards the face.
+    carrier: Offset,
+    surface: Surface,
+    watch: Watch,
+    last: Last,
+}
+
+/// What is recorded of the last step, face axes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Last {
+    at_m: Vector2<f64>,
+    penetration_m: f64,
+    normal_n: f64,
+    friction_n: Vector2<f64>,
+    edge_n: f64,
+    inward_n: f64,
+    carrier_m: f64,
+    acceleration_m_s2: Vector3<f64>,
+    force_on_tool_n: Vector3<f64>,
+    lean_rad: f64,
+}
+
+/// Wheel and face at one instant, face axes.
+struct Contact {
+    /// Middle of the patch.
+    at_m: Point2<f64>,
+    penetration_m: f64,
+    patch: Patch,
+    sliding: Sliding,
+    loads: PatchLoads,
+    /// Part of the edge force on edges over which the wheel moves inward.
+    inward_n: f64,
+    force_on_tool_n: Vector3<f64>,
+    /// About the tool point.
+    moment_on_tool_n_m: Vector3<f64>,
+}
+
+impl Polish {
+    pub fn new(setup: PolishSetup) -> Self {
+        Self {
+            quadrature: Quadrature::default(),
+            carrier: Offset::default(),
+            surface: Surface::new(&setup),
+            watch: Watch::new(&setup),
+            last: Last::default(),
+            setup,
+        }
+    }
+
+    /// Place (m) and velocity (m/s) of the wheel's middle, face axes; the second place is the tool point.
+    fn middle(&self, state: &ToolState) -> (Point3<f64>, Vector3<f64>, Point3<f64>) {
+        let p = &self.setup;
+        let into_face = p.world_from_face.inverse();
+        let tool = into_face * Point3::from(state.world_from_tool.translation.vector);
+        let velocity_in_world = p.process_from_world.inverse() * state.tool.velocity_m_per_s;
+        let mut velocity = into_face.rotation * velocity_in_world;
+        let mut middle = tool;
+        if p.eccentricity_m > 0.0 {
+            // The tool's z axis points towards the face: a positive spin turns from its y axis to its x axis.
+            let angle = p.eccentricity_angle_rad - p.spin_rad_s * state.time_s;
+            let (sine, cosine) = angle.sin_cos();
+            let axes = into_face.rotation * state.world_from_tool.rotation;
+            middle += axes * Vector3::new(cosine, sine, 0.0) * p.eccentricity_m;
+            let rate = -p.spin_rad_s * p.eccentricity_m;
+            velocity += axes * Vector3::new(-sine, cosine, 0.0) * rate;
+        }
+        middle.z -= self.carrier.offset_m;
+        velocity.z -= self.carrier.rate_m_per_s;
+        (middle, velocity, tool)
+    }
+
+    /// Spin and turning of the tool, face axes, rad/s.
+    fn turning_rad_s(&self, state: &ToolState) -> Vector3<f64> {
+        let p = &self.setup;
+        let away = -(state.world_from_tool.rotation * Vector3::z());
+        p.world_from_face.rotation.inverse() * (away * p.spin_rad_s + state.tool_turning_rad_s)
+    }
+
+    /// Patch, loads and what reaches the tool. `edges` is given the reactions along edges.
+    fn contact(&self, state: &ToolState, mut edges: impl FnMut(&EdgePoint)) -> Contact {
+        let p = &self.setup;
+        let (middle, velocity, tool) = self.middle(state);
+        let turning = self.turning_rad_s(state);
+        let (height_m, at_m) = (middle.z, middle.xy());
+        let penetration_m = p.wheel.radius_m - height_m;
+        let patch = p.wheel.patch(penetration_m);
+        let sliding = Sliding {
+            velocity_m_per_s: Vector2::new(
+                velocity.x - turning.y * height_m,
+                velocity.y + turning.x * height_m,
+            ),
+            spin_rad_s: turning.z,
+            approach_m_per_s: -velocity.z,
+            mu: p.mu,
+        };
+        let patch_from_face = Isometry2::translation(-at_m.x, -at_m.y);
+        let mut inward_n = 0.0;
+        let edge = |point: EdgePoint| {
+            let outward = self.outward(at_m + point.at_m.coords);
+            if sliding.at_m_per_s(point.at_m.x, point.at_m.y).dot(&outward) < 0.0 {
+                inward_n += point.force_n;
+            }
+            edges(&point);
+        };
+        let loads = patch.loads(&p.face, &patch_from_face, &sliding, &self.quadrature, edge);
+        let friction = loads.friction_n;
+        let on_wheel = Vector3::new(-friction.x, -friction.y, loads.normal_n);
+        let first = loads.first_moment_n_m;
+        let moment = Vector3::new(first.y, -first.x, -loads.spin_moment_n_m);
+        let lever = Vector3::new(at_m.x, at_m.y, 0.0) - tool.coords;
+        let force_on_tool_n = self.through_carrier(on_wheel);
+        Contact {
+            at_m,
+            penetration_m,
+            patch,
+            sliding,
+            inward_n,
+            force_on_tool_n,
+            moment_on_tool_n_m: moment + lever.cross(&force_on_tool_n),
+            loads,
+        }
+    }
+
+    /// What a carrier lets pass of the force on the wheel: along the normal its spring, damper and preload, at its stops all.
+    fn through_carrier(&self, on_wheel_n: Vector3<f64>) -> Vector3<f64> {
+        let ForceControl::Compliant {
+            stiffness_n_per_m,
+            damping_n_s_per_m,
+            preload_n,
+            stroke_m,
+            ..
+        } = self.setup.control
+        else {
+            return on_wheel_n;
+        };
+        let Offset {
+            offset_m,
+            rate_m_per_s,
+        } = self.carrier;
+        if offset_m.abs() >= stroke_m {
+            return on_wheel_n;
+        }
+        let carried = preload_n - stiffness_n_per_m * offset_m - damping_n_s_per_m * rate_m_per_s;
+        Vector3::new(on_wheel_n.x, on_wheel_n.y, carried)
+    }
+
+    /// Outward normal of the edge nearest to a point of the boundary.
+    fn outward(&self, at: Point2<f64>) -> Vector2<f64> {
+        let (length, width) = (self.setup.length_m, self.setup.width_m);
+        let sides = [
+            (at.x.abs(), -Vector2::x()),
+            ((length - at.x).abs(), Vector2::x()),
+            (at.y.abs(), -Vector2::y()),
+            ((width - at.y).abs(), Vector2::y()),
+        ];
+        let nearest = sides.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map_or_else(Vector2::zeros, |(_, outward)| outward)
+    }
+
+    /// Distance from a point of the face's plane to the nearest edge, positive inside, m.
+    fn inside_m(&self, at: Point2<f64>) -> f64 {
+        let (length, width) = (self.setup.length_m, self.setup.width_m);
+        at.x.min(length - at.x).min(at.y).min(width - at.y)
+    }
+
+    fn to_process(&self, in_face: Vector3<f64>) -> Vector3<f64> {
+        self.setup.process_from_world * (self.setup.world_from_face.rotation * in_face)
+    }
+}
+
+impl Process for Polish {
+    fn channels(&self) -> Vec<ChannelSpec> {
+        let spec =
+            |name: &str, unit, text: &str| ChannelSpec::new(format!("polish.{name}"), unit, text);
+        vec![
+            spec(
+                "normal_force",
+                Unit::Newton,
+                "Force with which the wheel presses on the face",
+            ),
+            spec(
+                "edge_force",
+                Unit::Newton,
+                "Part of the normal force that acts along edges",
+            ),
+            spec(
+                "inward_edge_force",
+                Unit::Newton,
+                "Part of the edge force on edges over which the wheel's surface moves inward",
+            ),
+            spec(
+                "friction_x",
+                Unit::Newton,
+                "Friction on the face, along its length",
+            ),
+            spec(
+                "friction_y",
+                Unit::Newton,
+                "Friction on the face, along its width",
+            ),
+            spec(
+                "penetration",
+                Unit::Metre,
+                "How far the undeformed wheel reaches into the face",
+            ),
+            spec(
+                "position_x",
+                Unit::Metre,
+                "Middle of the patch, along the face's length",
+            ),
+            spec(
+                "position_y",
+                Unit::Metre,
+                "Middle of the patch, along the face's width",
+            ),
+            spec(
+                "precession_angle",
+                Unit::Radian,
+                "Where the spin axis leans, from the face's x axis, -180 to 180 degrees",
+            ),
+            spec(
+                "carrier_offset",
+                Unit::Metre,
+                "Offset of the force control's carrier towards the face",
+            ),
+            spec(
+                "acceleration_x",
+                Unit::MetrePerSecondSquared,
+                "Acceleration of the tool along the face's length",
+            ),
+            spec(
+                "acceleration_y",
+                Unit::MetrePerSecondSquared,
+                "Acceleration of the tool along the face's width",
+            ),
+            spec(
+                "acceleration_z",
+                Unit::MetrePerSecondSquared,
+                "Acceleration of the tool along the face's normal",
+            ),
+            spec("removed_volume", Unit::CubicMetre, "Volume removed so far"),
+        ]
+    }
+
+    fn evaluate(&self, state: &ToolState) -> Loads {
+        let contact = self.contact(state, |_| {});
+        let mut loads = Loads::default();
+        loads.wrenches.push(Wrench {
+            frame: Attachment::Tool,
+            force_n: self.to_process(contact.force_on_tool_n),
+            moment_n_m: self.to_process(contact.moment_on_tool_n_m),
+        });
+        loads
+    }
+
+    fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
+        let mut edges = std::mem::take(&mut self.surface.edges);
+        edges.clear();
+        let contact = self.contact(state, |point| edges.push(*point));
+        self.surface.edges = edges;
+        self.surface.polish(&self.setup, &contact, dt_s);
+        let p = &self.setup;
+        let world_velocity = p.process_from_world.inverse() * state.tool.velocity_m_per_s;
+        let velocity = p.world_from_face.rotation.inverse() * world_velocity;
+        let acceleration_m_s2 = self.watch.acceleration_m_s2(velocity, dt_s);
+        let lean =
+            p.world_from_face.rotation.inverse() * (state.world_from_tool.rotation * -Vector3::z());
+        self.last = Last {
+            at_m: contact.at_m.coords,
+            penetration_m: contact.penetration_m,
+            normal_n: contact.loads.normal_n,
+            friction_n: contact.loads.friction_n,
+            edge_n: contact.loads.edge_n,
+            inward_n: contact.inward_n,
+            carrier_m: self.carrier.offset_m,
+            acceleration_m_s2,
+            force_on_tool_n: self.to_process(contact.force_on_tool_n),
+            lean_rad: lean.y.atan2(lean.x),
+        };
+        let inside_m = self.inside_m(contact.at_m);
+        self.watch.step(&self.last, inside_m, dt_s);
+        self.carrier = p.control.step(&self.carrier, contact.loads.normal_n, dt_s);
+    }
+
+    fn record(&self, row: &mut Vec<f64>) {
+        let last = &self.last;
+        row.extend([
+            last.normal_n,
+            last.edge_n,
+            last.inward_n,
+            last.friction_n.x,
+            last.friction_n.y,
+            last.penetration_m,
+            last.at_m.x,
+            last.at_m.y,
+            last.lean_rad,
+            last.carrier_m,
+        ]);
+        row.extend(last.acceleration_m_s2.iter());
+        row.push(self.surface.preston_m3(&self.setup));
+    }
+
+    fn finish(&mut self) -> Findings {
+        self.surface.settle(&self.setup);
+        report::findings(&self.setup, &self.surface, &self.watch)
+    }
+
+    fn static_loads(&self) -> Loads {
+        let mut loads = Loads::default();
+        loads.wrenches.push(self.setup.resting);
+        loads
+    }
+
+    fn duration_s(&self) -> Option<f64> {
+        Some(self.setup.duration_s)
+    }
+
+    fn tooth_period_s(&self) -> Option<f64> {
+        None
+    }
+
+    /// Where an eccentric wheel turns, its frequency.
+    fn highest_frequency_hz(&self) -> Option<f64> {
+        let p = &self.setup;
+        (p.eccentricity_m > 0.0).then(|| p.spin_rad_s.abs() / std::f64::consts::TAU)
+    }
+
+    /// Slope of the force over the penetration on a face without edges. A carrier is softer, or follows within its own law.
+    fn contact_stiffness(&self) -> Vec<ContactStiffness> {
+        let p = &self.setup;
+        let (d, h) = (p.penetration_m, 1e-3 * p.penetration_m);
+        let force = |d: f64| p.wheel.normal_force_n(d);
+        vec![ContactStiffness {
+            frame: Attachment::Tool,
+            direction: self.to_process(Vector3::z()),
+            stiffness_n_per_m: (force(d + h) - force(d - h)) / (2.0 * h),
+        }]
+    }
+
+    fn field(&self) -> Option<Field> {
+        let p = &self.setup;
+        let ridge = Isometry3::translation(0.0, 0.0, DRAWN_ABOVE_M);
+        Some(Field {
+            path: "removed_depth".into(),
+            world_from_field: crate::scene::pose(&(p.world_from_face * ridge)),
+            size_m: [p.length_m, p.width_m],
+            cells: p.cells,
+            full_scale: FULL_SCALE * p.expected_depth_m,
+        })
+    }
+
+    fn field_values(&self) -> Vec<f32> {
+        (self.surface.grid.removed_m().iter())
+            .map(|depth| *depth as f32)
+            .collect()
+    }
+
+    fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
+        vec![("wheel contact", Attachment::Tool, self.last.force_on_tool_n)]
+    }
+}

@@ -1,0 +1,256 @@
+//! What a polishing run ends with: vibration at edges and inside, removal at edges and inside, roughness.
+
+use super::surface::Surface;
+use super::{Last, PolishSetup};
+use crate::process::Findings;
+use nalgebra::Vector3;
+use truecut_recording::{Profile, Scalar, Unit};
+
+/// Length of the windows in which the deviation of the acceleration is taken, s.
+const WINDOW_S: f64 = 0.25;
+/// Windows that begin earlier belong to the run-up, s.
+const SETTLED_S: f64 = 1.0;
+/// Windows in which the wheel leaves its line by more belong to the raster's corners, which shake the arm by themselves, m.
+const STRAIGHT_M: f64 = 0.2e-3;
+/// Width of the band along edges whose depth is compared with the middle's, m.
+const BAND_M: f64 = 1e-3;
+
+/// What is watched while the run goes on.
+#[derive(Debug, Clone)]
+pub(super) struct Watch {
+    /// Largest reach of the patch.
+    reach_m: f64,
+    velocity_m_per_s: Option<Vector3<f64>>,
+    time_s: f64,
+    window: Window,
+    at_edges: Deviations,
+    in_middle: Deviations,
+    edge_n_s: f64,
+    inward_n_s: f64,
+}
+
+/// Sums of one window.
+#[derive(Debug, Clone, Copy, Default)]
+struct Window {
+    begin_s: f64,
+    samples: f64,
+    sum: f64,
+    squares: f64,
+    touched_an_edge: bool,
+    turned: bool,
+    from_y_m: Option<f64>,
+    left_the_middle: bool,
+}
+
+/// Squares of the standard deviations of many windows.
+#[derive(Debug, Clone, Copy, Default)]
+struct Deviations {
+    windows: f64,
+    squares: f64,
+    largest: f64,
+}
+
+impl Deviations {
+    fn add(&mut self, window: &Window) {
+        let mean = window.sum / window.samples;
+        let variance = (window.squares / window.samples - mean * mean).max(0.0);
+        self.windows += 1.0;
+        self.squares += variance;
+        self.largest = self.largest.max(variance.sqrt());
+    }
+
+    /// Root of the mean square; NaN without windows.
+    fn rms(&self) -> f64 {
+        (self.squares / self.windows).sqrt()
+    }
+}
+
+impl Watch {
+    pub fn new(setup: &PolishSetup) -> Self {
+        let d = setup.penetration_m;
+        Self {
+            reach_m: (d * (2.0 * setup.wheel.radius_m - d)).sqrt(),
+            velocity_m_per_s: None,
+            time_s: 0.0,
+            window: Window::default(),
+            at_edges: Deviations::default(),
+            in_middle: Deviations::default(),
+            edge_n_s: 0.0,
+            inward_n_s: 0.0,
+        }
+    }
+
+    /// Difference quotient of the velocity, half a step late.
+    pub fn acceleration_m_s2(&mut self, velocity_m_per_s: Vector3<f64>, dt_s: f64) -> Vector3<f64> {
+        let before = self.velocity_m_per_s.replace(velocity_m_per_s);
+        before.map_or_else(Vector3::zeros, |before| (velocity_m_per_s - before) / dt_s)
+    }
+
+    /// `inside_m` is how far inside the nearest edge the middle of the patch is.
+    pub fn step(&mut self, last: &Last, inside_m: f64, dt_s: f64) {
+        self.edge_n_s += last.edge_n * dt_s;
+        self.inward_n_s += last.inward_n * dt_s;
+        let normal = last.acceleration_m_s2.z;
+        let window = &mut self.window;
+        window.samples += 1.0;
+        window.sum += normal;
+        window.squares += normal * normal;
+        let from_y_m = *window.from_y_m.get_or_insert(last.at_m.y);
+        window.turned |= (last.at_m.y - from_y_m).abs() > STRAIGHT_M;
+        window.touched_an_edge |= last.edge_n > 0.0;
+        window.left_the_middle |= inside_m < 2.0 * self.reach_m;
+        self.time_s += dt_s;
+        if self.time_s - window.begin_s < WINDOW_S {
+            return;
+        }
+        let done = std::mem::replace(
+            &mut self.window,
+            Window {
+                begin_s: self.time_s,
+                ..Window::default()
+            },
+        );
+        if done.begin_s < SETTLED_S || done.turned {
+            return;
+        }
+        if done.touched_an_edge {
+            self.at_edges.add(&done);
+        } else if !done.left_the_middle {
+            self.in_middle.add(&done);
+        }
+    }
+}
+
+/// Mean depths of a band along the edges and of what lies further inside than a patch is wide.
+fn depths(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> (f64, f64) {
+    let (mut band, mut middle) = ((0.0, 0.0), (0.0, 0.0));
+    for (cell, depth) in surface.grid.removed_m().iter().enumerate() {
+        let at = surface.middle_m(cell);
+        let inside = (at.x.min(setup.length_m - at.x)).min(at.y.min(setup.width_m - at.y));
+        let sum = if inside < BAND_M {
+            &mut band
+        } else if inside > 2.0 * watch.reach_m {
+            &mut middle
+        } else {
+            continue;
+        };
+        *sum = (sum.0 + depth, sum.1 + 1.0);
+    }
+    (band.0 / band.1, middle.0 / middle.1)
+}
+
+pub(super) fn findings(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> Findings {
+    let (band_m, middle_m) = depths(setup, surface, watch);
+    let scalar = |name: &str, unit, value, text: &str| {
+        Scalar::new(format!("polish.{name}"), unit, value, text)
+    };
+    let roughness: Vec<f64> = (surface.grid.dose_j_per_m2().iter())
+        .map(|dose| setup.polishing.ra_m(*dose))
+        .collect();
+    let mean_ra = roughness.iter().sum::<f64>() / roughness.len() as f64;
+    let largest_ra = roughness.iter().copied().fold(0.0, f64::max);
+    let (edge, middle) = (watch.at_edges.rms(), watch.in_middle.rms());
+    let acceleration = Unit::MetrePerSecondSquared;
+    let scalars = vec![
+        scalar(
+            "removed_volume",
+            Unit::CubicMetre,
+            surface.grid.volume_m3(),
+            "Volume removed from the face",
+        ),
+        scalar(
+            "preston_volume",
+            Unit::CubicMetre,
+            surface.preston_m3(setup),
+            "Preston's integral k_p ∫ p v dA dt",
+        ),
+        scalar(
+            "depth_middle",
+            Unit::Metre,
+            middle_m,
+            "Mean depth further inside than the patch is wide",
+        ),
+        scalar(
+            "depth_edge",
+            Unit::Metre,
+            band_m,
+            "Mean depth within 1 mm of the edges",
+        ),
+        scalar(
+            "edge_excess",
+            Unit::One,
+            band_m / middle_m - 1.0,
+            "Depth within 1 mm of the edges over that of the middle, less 1",
+        ),
+        scalar(
+            "roughness_mean",
+            Unit::Metre,
+            mean_ra,
+            "Mean Ra of the cells",
+        ),
+        scalar(
+            "roughness_largest",
+            Unit::Metre,
+            largest_ra,
+            "Largest Ra of a cell",
+        ),
+        scalar(
+            "acceleration_edge",
+            acceleration,
+            edge,
+            "Standard deviation of the normal acceleration, rms over windows of 0.25 s on straight lines with an edge in the patch",
+        ),
+        scalar(
+            "acceleration_middle",
+            acceleration,
+            middle,
+            "The same over windows whose patch stays a patch's width inside",
+        ),
+        scalar(
+            "acceleration_ratio",
+            Unit::One,
+            edge / middle,
+            "Edge over middle",
+        ),
+        scalar(
+            "acceleration_burst",
+            Unit::One,
+            watch.at_edges.largest / middle,
+            "Largest window with an edge in the patch over the middle's",
+        ),
+        scalar(
+            "inward_share",
+            Unit::One,
+            watch.inward_n_s / watch.edge_n_s,
+            "Share of the edge force, over time, on edges over which the wheel moves inward",
+        ),
+    ];
+    Findings {
+        scalars,
+        profiles: vec![across(setup, surface)],
+    }
+}
+
+/// Mean depth of each row over the middle half of the length.
+fn across(setup: &PolishSetup, surface: &Surface) -> Profile {
+    let columns = surface.grid.columns();
+    let inner = columns / 4..(columns * 3 / 4).max(columns / 4 + 1);
+    let rows = 0..surface.grid.rows();
+    let mean = |row: usize| {
+        let depths = &surface.grid.removed_m()[row * columns..][inner.clone()];
+        depths.iter().sum::<f64>() / depths.len() as f64
+    };
+    Profile {
+        name: "polish.removed_depth".into(),
+        description: "Depth removed across the face, mean over the middle half of its length"
+            .into(),
+        axis_name: "face_y".into(),
+        axis_unit: Unit::Metre,
+        axis: rows
+            .clone()
+            .map(|row| (row as f64 + 0.5) * setup.width_m / surface.grid.rows() as f64)
+            .collect(),
+        unit: Unit::Metre,
+        values: rows.map(mean).collect(),
+    }
+}

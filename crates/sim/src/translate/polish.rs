@@ -1,0 +1,125 @@
+//! From the polishing table to the process that runs.
+
+use crate::error::SimError;
+use crate::loads::{Attachment, Wrench};
+use crate::polish_path::{penetration_m, pneumatic, world_from_face};
+use crate::process::{Polish, PolishSetup, Process, ToolState};
+use crate::scene::Workpiece;
+use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
+use truecut_arm::{FrameId, Load, Robot};
+use truecut_core::roughness::Polishing;
+use truecut_core::wheel::face::Face;
+use truecut_core::wheel::force_control::ForceControl;
+use truecut_scenario::{ControlSpec, PolishSpec};
+
+/// Rounds in which the force at rest and the arm's deflection under it are found; each gains the ratio of their stiffnesses,
+/// two digits or so.
+const ROUNDS: usize = 12;
+
+/// The process of a scenario on an arm at the first posture of its path, and its workpiece.
+pub(super) fn polish(
+    spec: &PolishSpec,
+    robot: &Robot,
+    posture: &[f64],
+    world_from_process: &Isometry3<f64>,
+    duration_s: f64,
+) -> Result<(Polish, Workpiece), SimError> {
+    let face = Face::rectangle(spec.face.length_m, spec.face.width_m)
+        .map_err(|error| SimError::scenario("process.polish.face", error.to_string()))?;
+    let mut setup = PolishSetup {
+        wheel: pneumatic(&spec.wheel),
+        control: control(&spec.control),
+        spin_rad_s: spec.spin_rad_s,
+        mu: spec.mu,
+        eccentricity_m: spec.eccentricity_m,
+        eccentricity_angle_rad: spec.eccentricity_angle_rad,
+        preston_per_pa: spec.preston_per_pa,
+        polishing: Polishing {
+            initial_m: spec.roughness.initial_m,
+            final_m: spec.roughness.final_m,
+            dose_j_per_m2: spec.roughness.dose_j_per_m2,
+        },
+        world_from_face: world_from_face(&spec.face),
+        process_from_world: world_from_process.rotation.inverse(),
+        face,
+        length_m: spec.face.length_m,
+        width_m: spec.face.width_m,
+        cells: spec.face.cells(),
+        penetration_m: penetration_m(spec)?,
+        duration_s,
+        expected_depth_m: expected_depth_m(spec)?,
+        resting: Wrench::force(Attachment::Tool, Vector3::zeros()),
+    };
+    setup.resting = resting(&setup, robot, posture, world_from_process)?;
+    let workpiece = Workpiece::Block {
+        process_from_face: world_from_process.inverse() * setup.world_from_face,
+        length_m: setup.length_m,
+        width_m: setup.width_m,
+    };
+    Ok((Polish::new(setup), workpiece))
+}
+
+/// Preston's law for lines at their spacing: `k_p F v / (v_f s)`, v the sliding in the middle of the patch.
+fn expected_depth_m(spec: &PolishSpec) -> Result<f64, SimError> {
+    let (wheel, depth_m) = (pneumatic(&spec.wheel), penetration_m(spec)?);
+    let lever_m = (spec.wheel.radius_m - depth_m) * spec.tilt_rad.sin();
+    let sliding_m_per_s = spec.spin_rad_s.abs() * lever_m;
+    let spacing_m =
+        (spec.face.width_m - 2.0 * spec.path.inset_m) / (spec.path.lines - 1).max(1) as f64;
+    let line_n = wheel.normal_force_n(depth_m) * sliding_m_per_s / spec.path.feed_m_per_s;
+    Ok(spec.preston_per_pa * line_n / spacing_m)
+}
+
+fn control(spec: &ControlSpec) -> ForceControl {
+    match *spec {
+        ControlSpec::Position { .. } => ForceControl::Position,
+        ControlSpec::ConstantForce {
+            force_n,
+            damping_n_s_per_m,
+            fastest_m_per_s,
+        } => ForceControl::ConstantForce {
+            force_n,
+            damping_n_s_per_m,
+            fastest_m_per_s,
+        },
+        ControlSpec::Compliant {
+            force_n,
+            mass_kg,
+            stiffness_n_per_m,
+            damping_n_s_per_m,
+            stroke_m,
+        } => ForceControl::Compliant {
+            mass_kg,
+            stiffness_n_per_m,
+            damping_n_s_per_m,
+            preload_n: force_n,
+            stroke_m,
+        },
+    }
+}
+
+/// The wrench on a tool at rest at the start, deflected by it, the wheel spinning.
+fn resting(
+    setup: &PolishSetup,
+    robot: &Robot,
+    posture: &[f64],
+    world_from_process: &Isometry3<f64>,
+) -> Result<Wrench, SimError> {
+    let compliance = robot.cartesian_compliance(posture, FrameId::Tool, &Load::none())?;
+    let process = Polish::new(setup.clone());
+    let undeflected = robot.world_from_frame(posture, FrameId::Tool);
+    let turn = world_from_process.rotation;
+    let mut wrench = setup.resting;
+    for _ in 0..ROUNDS {
+        let mut load = Vector6::zeros();
+        (load.fixed_rows_mut::<3>(0)).copy_from(&(turn * wrench.force_n));
+        (load.fixed_rows_mut::<3>(3)).copy_from(&(turn * wrench.moment_n_m));
+        let deflection: Vector3<f64> = (compliance * load).fixed_rows::<3>(0).into();
+        let state = ToolState {
+            world_from_tool: Translation3::from(deflection) * undeflected,
+            ..ToolState::default()
+        };
+        wrench = process.evaluate(&state).wrenches[0];
+    }
+    Ok(wrench)
+}

@@ -1,0 +1,5 @@
+//! Polishing a face with a wheel in precession, on the HP20 in rapier: forces, removal, edges, force control.
+
+mod edges;
+mod inside;
+mod support;

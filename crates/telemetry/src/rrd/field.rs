@@ -1,0 +1,108 @@
+//! A field on a surface in the viewer's terms: a grid of triangles with colours at its corners.
+
+use rerun::{RecordingStream, RecordingStreamResult, TimeColumn};
+use truecut_recording::Field;
+
+use super::shapes::{quaternion, translation};
+
+/// From nothing to full scale: a map of even lightness steps, legible without colour vision (viridis of matplotlib, five of its
+/// colours).
+const COLOURS: [[f32; 3]; 5] = [
+    [68.0, 1.0, 84.0],
+    [59.0, 82.0, 139.0],
+    [33.0, 145.0, 140.0],
+    [94.0, 201.0, 98.0],
+    [253.0, 231.0, 37.0],
+];
+
+/// Middle of a cell along one side, the outermost ones on the edge, so that the grid covers the field.
+fn place(cell: usize, cells: usize, size_m: f64) -> f32 {
+    let at = match cell {
+        0 => 0.0,
+        last if last + 1 == cells => 1.0,
+        inner => (inner as f64 + 0.5) / cells as f64,
+    };
+    (at * size_m) as f32
+}
+
+/// Logs the grid, once.
+pub(super) fn begin(
+    stream: &RecordingStream,
+    entity: &str,
+    field: &Field,
+) -> RecordingStreamResult<()> {
+    let [columns, rows] = field.cells;
+    let positions = (0..rows).flat_map(|row| {
+        let y = place(row, rows, field.size_m[1]);
+        (0..columns).map(move |column| [place(column, columns, field.size_m[0]), y, 0.0])
+    });
+    let triangles = (0..rows.saturating_sub(1)).flat_map(|row| {
+        (0..columns.saturating_sub(1)).flat_map(move |column| {
+            let corner = (row * columns + column) as u32;
+            let above = corner + columns as u32;
+            [[corner, corner + 1, above + 1], [corner, above + 1, above]]
+        })
+    });
+    let mesh = rerun::Mesh3D::new(positions)
+        .with_triangle_indices(triangles)
+        .with_vertex_normals(vec![[0.0, 0.0, 1.0]; rows * columns]);
+    stream.log_static(entity, &mesh)?;
+    let pose = rerun::Transform3D::from_translation_rotation(
+        translation(&field.world_from_field),
+        quaternion(&field.world_from_field),
+    );
+    stream.log_static(entity, &pose)
+}
+
+/// Logs the colours of one time.
+pub(super) fn colours(
+    stream: &RecordingStream,
+    entity: &str,
+    field: &Field,
+    time: TimeColumn,
+    values: &[f32],
+) -> RecordingStreamResult<()> {
+    let colours = values
+        .iter()
+        .map(|value| colour(f64::from(*value) / field.full_scale));
+    let columns = rerun::Mesh3D::update_fields()
+        .with_vertex_colors(colours)
+        .columns([values.len()])?;
+    stream.send_columns(entity, [time], columns)
+}
+
+/// The colour of a share of the full scale.
+fn colour(share: f64) -> rerun::Color {
+    let share = if share.is_finite() {
+        share.clamp(0.0, 1.0) as f32
+    } else {
+        0.0
+    };
+    let last = COLOURS.len() - 1;
+    let at = share * last as f32;
+    let below = (at as usize).min(last - 1);
+    let part = at - below as f32;
+    let mix =
+        |i: usize| (COLOURS[below][i] + part * (COLOURS[below + 1][i] - COLOURS[below][i])) as u8;
+    rerun::Color::from_rgb(mix(0), mix(1), mix(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_go_from_the_first_to_the_last() {
+        assert_eq!(colour(0.0), rerun::Color::from_rgb(68, 1, 84));
+        assert_eq!(colour(0.25), rerun::Color::from_rgb(59, 82, 139));
+        assert_eq!(colour(7.0), rerun::Color::from_rgb(253, 231, 37));
+        assert_eq!(colour(f64::NAN), colour(0.0));
+    }
+
+    #[test]
+    fn the_grid_reaches_the_edges() {
+        assert_eq!(place(0, 4, 2.0), 0.0);
+        assert_eq!(place(1, 4, 2.0), 0.75);
+        assert_eq!(place(3, 4, 2.0), 2.0);
+    }
+}

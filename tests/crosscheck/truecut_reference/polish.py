@@ -1,0 +1,255 @@
+"""A pneumatic wheel in precession on a rectangular face, written a second time: forces by sums over the patch, edges included.
+
+The wheel is a sphere about the tool point, whose middle runs around the spin axis (the tool's z axis, which points towards the face).
+Reaching into the face by d it presses with the bed's pressure at the overlap u = u0 - r^2/2R, which follows from d by
+d = c1 q + 2 c2 q^2, u0 = c1 q + c2 q^2, with the layer's 2N/R beside it and, moving, with the bed's damping. The patch ends where
+the layer leaves without a kink; along an edge the layer bends and is held by a reaction per length.
+
+The command is an input, taken from the recording: what a controller asks of the joints is no law of physics.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+import scipy.interpolate
+import scipy.optimize
+
+from .plant import Plant
+from .wheel import Command
+
+ROWS = 20
+
+
+@dataclass(frozen=True)
+class Tool:
+    """Wheel, spin and face, SI, from the table of a scenario."""
+
+    radius: float
+    tension: float
+    shell: float
+    tread: float
+    damping: float
+    spin: float
+    mu: float
+    eccentricity: float
+    start_angle: float
+    origin: np.ndarray
+    axes: np.ndarray
+    size: tuple[float, float]
+    table: list = field(default_factory=list)
+
+    @staticmethod
+    def of(t: dict) -> Tool:
+        """From `[process.polish]`, whose wheel keeps its place on the tool."""
+        wheel, face = t["wheel"], t["face"]
+        radius, modulus = wheel["radius_mm"] * 1e-3, wheel["youngs_modulus_mpa"] * 1e6
+        plane = modulus / (1.0 - wheel.get("poisson", 0.49) ** 2)
+        x = np.array(face.get("x_axis", [1.0, 0.0, 0.0]), dtype=float)
+        z = np.array(face.get("normal", [0.0, 0.0, 1.0]), dtype=float)
+        x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
+        assert t["control"]["law"] == "position"
+        return Tool(
+            radius=radius,
+            tension=0.5 * wheel["pressure_mpa"] * 1e6 * radius,
+            shell=radius**2 / (modulus * wheel["shell_thickness_mm"] * 1e-3),
+            tread=(math.pi * radius / (2.0 * plane)) ** 2 / (2.0 * radius),
+            damping=wheel.get("damping_pa_s_per_m", 0.0),
+            spin=t["spin_rpm"] * 2.0 * math.pi / 60.0,
+            mu=t["mu"],
+            eccentricity=t.get("eccentricity_um", 0.0) * 1e-6,
+            start_angle=math.radians(t.get("eccentricity_angle_deg", 0.0)),
+            origin=np.array(face["origin_mm"], dtype=float) * 1e-3,
+            axes=np.array([x, np.cross(z, x), z]),
+            size=(face["length_mm"] * 1e-3, face["width_mm"] * 1e-3),
+        )
+
+    # -- the bed and its layer ---------------------------------------------------------------------------------
+
+    def bed(self, u):
+        """Pressure of the bed at overlaps: u = c1 q + c2 q^2."""
+        u = np.maximum(u, 0.0)
+        return (np.sqrt(self.shell**2 + 4.0 * self.tread * u) - self.shell) / (2.0 * self.tread)
+
+    def leaving(self, u, fall: float | None, curvature: float, inward):
+        """N |w'| of the layer that leaves at the overlap u: off a disc (curvature) or along an edge on which u falls (fall)."""
+        q = self.bed(u)
+        energy = q * q * (0.5 * self.shell + 2.0 / 3.0 * self.tread * q)
+        straight = 2.0 * self.tension * energy
+        mean = 0.5 + self.tread * q * q / u / 14.0
+        bending = 2.0 * mean * self.tension * u * np.sqrt(straight)
+        if fall is None:
+            square = straight + bending * curvature
+        else:
+            k = bending * self.tension * fall
+            square = _largest_root(straight, k) ** 2
+        viscous = self.damping * inward * u
+        return 0.5 * (viscous + np.sqrt(viscous**2 + 4.0 * square))
+
+    # -- the patch ---------------------------------------------------------------------------------------------
+
+    def patch(self, depth: float) -> tuple[float, float, float]:
+        """Overlap in the middle, its rate per penetration, radius of the patch."""
+        c1, c2 = self.shell, self.tread
+        q = (math.sqrt(c1 * c1 + 8.0 * c2 * depth) - c1) / (4.0 * c2)
+        u0, rate = c1 * q + c2 * q * q, (c1 + 2.0 * c2 * q) / (c1 + 4.0 * c2 * q)
+        whole = math.sqrt(2.0 * self.radius * u0)
+
+        def kink(c: float) -> float:
+            u = np.array([u0 - c * c / (2.0 * self.radius)])
+            return float(self.leaving(u, None, 1.0 / c, 0.0)[0]) - self.tension * c / self.radius
+
+        return u0, rate, scipy.optimize.brentq(kink, 1e-6 * whole, (1.0 - 1e-9) * whole, xtol=1e-12)
+
+    def _patches(self, depth: float) -> scipy.interpolate.CubicSpline:
+        """The patch over the penetrations that a run meets, made once."""
+        if not self.table:
+            depths = np.linspace(0.02, 0.1, 321) * self.radius
+            self.table.append(scipy.interpolate.CubicSpline(depths, [self.patch(d) for d in depths]))
+        if not 0.02 * self.radius <= depth <= 0.1 * self.radius:
+            raise ValueError(f"a penetration of {depth} m is outside the table")
+        return self.table[0]
+
+    def loads(self, middle: np.ndarray, velocity: np.ndarray, turning: np.ndarray) -> np.ndarray:
+        """Force and moment on the wheel about the patch's middle, face axes, and the part along edges."""
+        depth = self.radius - middle[2]
+        if depth <= 0.0:
+            return np.zeros(7)
+        u0, rate, c = (float(part) for part in self._patches(depth)(depth))
+        slide = np.array([velocity[0] - turning[1] * middle[2], velocity[1] + turning[0] * middle[2]])
+        x, y, pressed = self._inside(middle, u0, rate, c, slide, turning[2], -velocity[2])
+        ex, ey, along = self._edges(middle, u0, slide, turning[2])
+        x, y, force = np.concatenate([x, ex]), np.concatenate([y, ey]), np.concatenate([pressed, along])
+        vx, vy = slide[0] - turning[2] * y, slide[1] + turning[2] * x
+        speed = np.hypot(vx, vy)
+        fx, fy = -self.mu * force * vx / speed, -self.mu * force * vy / speed
+        on_wheel = [fx.sum(), fy.sum(), force.sum()]
+        moment = [(y * force).sum(), -(x * force).sum(), (x * fy - y * fx).sum()]
+        return np.array([*on_wheel, *moment, along.sum()])
+
+    def _inside(self, middle, u0, rate, c, slide, spin, approach):
+        """Points of the patch on the face and the forces there: strips along x, both by Gauss's rule in an angle."""
+        nodes, weights = np.polynomial.legendre.leggauss(ROWS)
+        low, high = (max(-c, -middle[1]), min(c, self.size[1] - middle[1]))
+        if low >= high:
+            return np.zeros(0), np.zeros(0), np.zeros(0)
+        a, b = math.asin(low / c), math.asin(high / c)
+        angle = 0.5 * (a + b) + 0.5 * (b - a) * nodes
+        y, wy = c * np.sin(angle), 0.5 * (b - a) * weights * c * np.cos(angle)
+        half = np.sqrt(c * c - y * y)
+        left, right = np.maximum(-half, -middle[0]), np.minimum(half, self.size[0] - middle[0])
+        right = np.maximum(left, right)
+        a, b = np.arcsin(np.clip(left / half, -1, 1)), np.arcsin(np.clip(right / half, -1, 1))
+        angle = 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * nodes[None, :]
+        x = half[:, None] * np.sin(angle)
+        area = wy[:, None] * 0.5 * (b - a)[:, None] * weights[None, :] * half[:, None] * np.cos(angle)
+        y = np.broadcast_to(y[:, None], x.shape)
+        pressure = self.bed(u0 - (x * x + y * y) / (2.0 * self.radius)) + 2.0 * self.tension / self.radius
+        outflow = (slide[0] - spin * y) * x + (slide[1] + spin * x) * y
+        pressure = pressure + self.damping * (rate * approach - outflow / self.radius)
+        return x.ravel(), y.ravel(), (np.maximum(pressure, 0.0) * area).ravel()
+
+    def _edges(self, middle, u0, slide, spin):
+        """Points along edges under the overlap and the reactions there."""
+        nodes, weights = np.polynomial.legendre.leggauss(ROWS)
+        whole = math.sqrt(2.0 * self.radius * u0)
+        length, width = self.size
+        sides = [
+            (np.array([0.0, -1.0]), middle[1], -middle[0], length - middle[0]),
+            (np.array([0.0, 1.0]), width - middle[1], -middle[0], length - middle[0]),
+            (np.array([-1.0, 0.0]), middle[0], -middle[1], width - middle[1]),
+            (np.array([1.0, 0.0]), length - middle[0], -middle[1], width - middle[1]),
+        ]
+        found = [np.zeros((0, 3))]
+        for outward, distance, begin, end in sides:
+            if abs(distance) >= whole:
+                continue
+            half = math.sqrt(whole**2 - distance**2)
+            low, high = max(begin, -half), min(end, half)
+            if low >= high:
+                continue
+            a, b = math.asin(low / half), math.asin(high / half)
+            angle = 0.5 * (a + b) + 0.5 * (b - a) * nodes
+            t, piece = half * np.sin(angle), 0.5 * (b - a) * weights * half * np.cos(angle)
+            at = distance * outward[None, :] + t[:, None] * np.abs(outward[::-1])[None, :]
+            u = u0 - (distance**2 + t * t) / (2.0 * self.radius)
+            inward = -((slide[0] - spin * at[:, 1]) * outward[0] + (slide[1] + spin * at[:, 0]) * outward[1])
+            overhang = self.leaving(u, 1.0 / self.radius, 0.0, inward)
+            on_face = np.full_like(t, -self.tension * distance / self.radius)
+            if on_face[0] > 0.0:
+                on_face = np.minimum(on_face, self.leaving(u, 1.0 / self.radius, 0.0, -inward))
+            reaction = np.maximum(overhang + on_face, 0.0)
+            found.append(np.column_stack([at, reaction * piece]))
+        return np.concatenate(found).T
+
+
+def _largest_root(a, b):
+    """Largest root of s^3 - a s - b for a, b > 0: Cardano's, by the cosine where there are three."""
+    discriminant = 0.25 * b * b - a**3 / 27.0
+    root = np.sqrt(np.maximum(discriminant, 0.0))
+    single = np.cbrt(0.5 * b + root) + np.cbrt(0.5 * b - root)
+    angle = np.arccos(np.clip(1.5 * b / a * np.sqrt(3.0 / a), -1.0, 1.0))
+    return np.where(discriminant >= 0.0, single, 2.0 * np.sqrt(a / 3.0) * np.cos(angle / 3.0))
+
+
+class PolishRun:
+    """The arm in MuJoCo under the wheel's loads, from rest on the face along the recorded command."""
+
+    def __init__(self, tool: Tool, plant: Plant, command: Command) -> None:
+        self.tool, self.plant = tool, plant
+        self._command = command.spline()
+        self._rate = self._command.derivative()
+        self._scratch = mujoco.MjData(plant.model)
+        self._along, self._about = np.zeros((3, plant.nv)), np.zeros((3, plant.nv))
+
+    def wrench(self, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Force and moment on the tool about its point, world axes, and (normal force, part along edges) at a state."""
+        m, d, tool = self.plant.model, self._scratch, self.tool
+        d.qpos[:] = q
+        mujoco.mj_kinematics(m, d)
+        mujoco.mj_comPos(m, d)
+        site = self.plant.site["tool"]
+        mujoco.mj_jacSite(m, d, self._along, self._about, site)
+        axes = d.site_xmat[site].reshape(3, 3)
+        place, velocity = d.site_xpos[site] - tool.origin, self._along @ v
+        turning = self._about @ v - tool.spin * axes[:, 2]
+        angle = tool.start_angle - tool.spin * t
+        arm = tool.eccentricity * (math.cos(angle) * axes[:, 0] + math.sin(angle) * axes[:, 1])
+        swing = tool.eccentricity * tool.spin * (math.sin(angle) * axes[:, 0] - math.cos(angle) * axes[:, 1])
+        point = tool.axes @ place
+        middle = tool.axes @ (place + arm)
+        found = tool.loads(middle, tool.axes @ (velocity + swing), tool.axes @ turning)
+        force, moment = found[:3], found[3:6]
+        lever = np.array([middle[0], middle[1], 0.0]) - point
+        moment = moment + np.cross(lever, force)
+        return tool.axes.T @ force, tool.axes.T @ moment, np.array([found[2], found[6]])
+
+    def settle(self) -> None:
+        """Rest on the face at the start, the wheel spinning."""
+        p = self.plant
+        for _ in range(12):
+            force, moment, _ = self.wrench(0.0, p.data.qpos.copy(), np.zeros(p.nv))
+            p.settle(p.axes @ force, np.zeros(3), p.axes @ moment)
+
+    def run(self, h: float, until_s: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Times and tool points (world) of states; times and forces of mid-steps."""
+        p = self.plant
+        d = p.data
+        self.settle()
+        places, forces = [], []
+        count = round(until_s / h)
+        for i in range(count):
+            t = i * h
+            places.append(d.site_xpos[p.site["tool"]].copy())
+            middle = d.qpos + 0.5 * h * d.qvel + 0.125 * h * h * d.qacc
+            force, moment, told = self.wrench(t + 0.5 * h, middle, d.qvel + 0.5 * h * d.qacc)
+            forces.append(told)
+            command, rate = self._command(t + 0.5 * h), self._rate(t + 0.5 * h)
+            torque = p.stiffness * (command - p.command0) + p.damping * rate
+            p.apply(p.axes @ force, np.zeros(3), torque, p.axes @ moment)
+            p.step(h)
+        times = h * np.arange(count)
+        return times, np.array(places), times + 0.5 * h, np.array(forces)
