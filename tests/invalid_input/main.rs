@@ -237,7 +237,7 @@ fn arguments_that_make_no_sense_are_refused() {
 #[test]
 fn every_bad_path_job_is_refused_with_place_value_and_rule() {
     let mut wrong = Vec::new();
-    for file in fixtures("path", "toml", 26) {
+    for file in fixtures("path", "toml", 28) {
         let complaints = complaints("path", &file);
         if !complaints.is_empty() {
             wrong.push(format!("{}: {}", file.display(), complaints.join("\n  ")));

@@ -275,6 +275,8 @@ fn refused(job: &PathJob, error: &SurfacePathError) -> Failure {
         SurfacePathError::Gouge { .. } => "wheel.radius_mm",
         SurfacePathError::NoAxis { .. } => "path.edge_gap_limit_mm",
         SurfacePathError::WiderThanFace { .. } => "wheel.width_mm",
+        SurfacePathError::TooFine { .. } => "path.step_mm",
+        SurfacePathError::TooClose { .. } => "path",
         SurfacePathError::PlaneAlong { .. } => "path.plane_normal",
         SurfacePathError::TaughtTurned => "symmetry.carried_by",
         SurfacePathError::Travel { source, .. } => match source.kind() {

@@ -43,6 +43,18 @@ pub enum SurfacePathError {
     )]
     WiderThanFace { swath_mm: f64 },
     #[error(
+        "a line of {length_mm:.1} mm would have {contacts:.3e} contacts, but at most {most} are planned; take longer steps"
+    )]
+    TooFine {
+        length_mm: f64,
+        contacts: f64,
+        most: usize,
+    },
+    #[error(
+        "lines would stand {part:.1e} of the face apart, but at most {most} are planned; take a wider swath, less overlap or higher ridges"
+    )]
+    TooClose { part: f64, most: usize },
+    #[error(
         "the planes do not cut the face into lines from side to side: at {at} they run along the face; choose a normal that lies across it",
         at = point(point_m)
     )]

@@ -13,6 +13,21 @@ pub(super) const STATIONS: usize = 64;
 /// Steps of the trapezoidal rule by which the way from one line to another is measured.
 const WAY_STEPS: usize = 8;
 
+/// Most contacts of a line, and most lines: more take longer than anyone would wait, and more than memory holds.
+const MOST_CONTACTS: usize = 100_000;
+const MOST_LINES: usize = 2_000;
+
+/// Refuses lines whose distance is so small a part of the face.
+pub(super) fn check_distance(part: f64) -> Result<(), SurfacePathError> {
+    if part * MOST_LINES as f64 >= 1.0 {
+        return Ok(());
+    }
+    Err(SurfacePathError::TooClose {
+        part,
+        most: MOST_LINES,
+    })
+}
+
 /// Bisections of a parameter range: to 1e-12 of it.
 const BISECTIONS: usize = 40;
 
@@ -154,7 +169,7 @@ impl Layout<'_> {
         }
         let mut pieces = Vec::new();
         for run in runs {
-            let places = line.even(run, self.options.step_m);
+            let places = line.even(run, self.options.step_m)?;
             let mut piece = self.contacts(course, places.into_iter())?;
             level(&mut piece);
             if backwards {
@@ -266,13 +281,21 @@ impl<'a> Line<'a> {
     }
 
     /// Evenly spaced parameters from one place to another, both in stations.
-    fn even(&self, [from, to]: [f64; 2], step_m: f64) -> Vec<f64> {
+    fn even(&self, [from, to]: [f64; 2], step_m: f64) -> Result<Vec<f64>, SurfacePathError> {
         let length_m = |station: f64| {
             let k = (station as usize).min(STATIONS - 1);
             self.along_m[k] + (station - k as f64) * (self.along_m[k + 1] - self.along_m[k])
         };
         let (start_m, end_m) = (length_m(from), length_m(to));
-        let count = ((end_m - start_m) / step_m).ceil().max(1.0) as usize;
+        let count = ((end_m - start_m) / step_m).ceil().max(1.0);
+        if count > MOST_CONTACTS as f64 {
+            return Err(SurfacePathError::TooFine {
+                length_mm: (end_m - start_m) * 1e3,
+                contacts: count,
+                most: MOST_CONTACTS,
+            });
+        }
+        let count = count as usize;
         let place = |k: usize| {
             let at_m = start_m + (end_m - start_m) * k as f64 / count as f64;
             let cell = self
@@ -283,6 +306,6 @@ impl<'a> Line<'a> {
             let share = (at_m - self.along_m[cell]) / (self.along_m[cell + 1] - self.along_m[cell]);
             self.stations[cell].u + share * (self.stations[cell + 1].u - self.stations[cell].u)
         };
-        (0..=count).map(place).collect()
+        Ok((0..=count).map(place).collect())
     }
 }

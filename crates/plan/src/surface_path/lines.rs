@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Unit, Vector3};
 use super::contact::{AxisRule, Contact};
 use super::course::{Course, Turned};
 use super::error::SurfacePathError;
-use super::layout::{Layout, STATIONS, narrow};
+use super::layout::{Layout, STATIONS, check_distance, narrow};
 use super::wheel::ContactWheel;
 use super::{planes, scallop};
 use crate::surface::{Boundary, Surface};
@@ -187,6 +187,9 @@ fn iso_parametric(layout: &Layout<'_>) -> Result<Vec<Vec<Contact>>, SurfacePathE
         let next = beyond.unwrap_or(last);
         if next - v < 1e-9 * (high - low) {
             return Err(narrow(&line));
+        }
+        if next < last {
+            check_distance((next - v) / (last - first))?;
         }
         places.push(next);
         v = next;

@@ -5,7 +5,7 @@ use nalgebra::{Unit, Vector3};
 use super::contact::Contact;
 use super::course::Course;
 use super::error::SurfacePathError;
-use super::layout::{Layout, STATIONS, narrow};
+use super::layout::{Layout, STATIONS, check_distance, narrow};
 use crate::surface::{Boundary, Domain, Forms, Surface};
 
 /// Bisections by which a section is found: to 1e-12 of the range.
@@ -68,6 +68,9 @@ pub(super) fn lines(
                 break;
             }
             return Err(narrow(&layout.stations(&sections.course(c_m))?));
+        }
+        if next_m < last_m {
+            check_distance((next_m - c_m) / (high_m - low_m))?;
         }
         at_m.push(next_m);
         c_m = next_m;

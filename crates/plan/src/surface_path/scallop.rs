@@ -3,7 +3,7 @@
 use super::contact::Contact;
 use super::course::Course;
 use super::error::SurfacePathError;
-use super::layout::{Layout, STATIONS, narrow};
+use super::layout::{Layout, STATIONS, check_distance, narrow};
 
 /// Bisections of the way to the next line at one station: to 1e-9 of it.
 const BISECTIONS: usize = 30;
@@ -31,6 +31,9 @@ pub(super) fn lines(
         let moved = least.fold(0.0, f64::max);
         if moved < 1e-9 * whole {
             return Err(narrow(&layout.stations(&course)?));
+        }
+        if next.v().iter().all(|v| *v < last) {
+            check_distance(moved / whole)?;
         }
         // Where the line before has reached the last one already there is nothing left to do.
         let mut keeps = [true; STATIONS + 1];

@@ -1,6 +1,6 @@
 //! Where to look from, when the scene does not say.
 
-use truecut_recording::{Body, Camera, Geometry, Pose, Scene};
+use truecut_recording::{Body, Camera, Field, Geometry, Pose, Scene};
 
 /// From the side and somewhat above, far enough away to see everything.
 pub(super) fn whole(scene: &Scene) -> Camera {
@@ -51,6 +51,19 @@ pub(super) fn near_tool(scene: &Scene) -> Option<Camera> {
         position_m: along(target_m, direction, 0.75),
         target_m,
     })
+}
+
+/// Straight onto a field, its y axis up, from where it fills the view; with that direction up.
+pub(super) fn above(field: &Field) -> (Camera, [f64; 3]) {
+    let pose = &field.world_from_field;
+    let [length_m, width_m] = field.size_m;
+    let middle = [0.5 * length_m, 0.5 * width_m, 0.0];
+    let up = minus(place(pose, [0.0, 1.0, 0.0]), pose.translation_m);
+    let camera = Camera {
+        position_m: place(pose, [middle[0], middle[1], 1.2 * length_m.max(width_m)]),
+        target_m: place(pose, middle),
+    };
+    (camera, up)
 }
 
 fn workpiece(scene: &Scene) -> Option<&Body> {
@@ -146,6 +159,27 @@ fn norm(v: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
     use truecut_recording::Shape;
+
+    /// A face that looks along x, its y axis along z: seen from in front.
+    #[test]
+    fn a_field_is_seen_from_where_its_normal_points() {
+        // From (x, y, z) to (y, z, x).
+        let world_from_field = Pose {
+            translation_m: [1.0, 2.0, 3.0],
+            rotation_xyzw: [0.5, 0.5, 0.5, 0.5],
+        };
+        let (camera, up) = above(&Field {
+            path: "depth".into(),
+            world_from_field,
+            size_m: [0.2, 0.1],
+            cells: [2, 2],
+            full_scale: 1.0,
+        });
+        let near = |a: [f64; 3], b: [f64; 3]| norm(minus(a, b)) < 1e-12;
+        assert!(near(camera.target_m, [1.0, 2.1, 3.05]), "{camera:?}");
+        assert!(near(camera.position_m, [1.24, 2.1, 3.05]), "{camera:?}");
+        assert!(near(up, [0.0, 0.0, 1.0]), "{up:?}");
+    }
 
     fn body(path: &str, at: [f64; 3], radius_m: f64) -> Body {
         let geometry = Geometry::Sphere { radius_m };

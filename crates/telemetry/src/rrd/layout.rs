@@ -5,7 +5,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
 };
 use rerun::external::re_sdk_types::blueprint::components as kinds;
 use rerun::{AsComponents, RecordingStream, RecordingStreamResult};
-use truecut_recording::{Camera, Header, Recording, Scene};
+use truecut_recording::{Camera, Field, Header, Recording, Scene};
 
 use super::blueprint::{Layout, Part};
 use super::chart::{ACROSS, DOWN};
@@ -172,19 +172,41 @@ pub(super) fn scene_views(layout: &Layout, scene: &Scene) -> RecordingStreamResu
         "Tool".to_owned()
     };
     let tool = scene_view(layout, &title, near)?;
-    layout.side_by_side(vec![(1.0, arm), (1.0, tool)])
+    let mut views = vec![(1.0, arm), (1.0, tool)];
+    for field in &scene.fields {
+        views.push((1.0, field_view(layout, field)?));
+    }
+    layout.side_by_side(views)
 }
 
 fn scene_view(layout: &Layout, title: &str, camera: Camera) -> RecordingStreamResult<Part> {
+    looking_at(layout, title, "$origin/**", camera, [0.0, 0.0, 1.0])
+}
+
+/// A field alone, from above: in the scene the tool stands on it.
+fn field_view(layout: &Layout, field: &Field) -> RecordingStreamResult<Part> {
+    let (camera, up) = camera::above(field);
+    let title = format!("{} from above", field.path.replace('_', " "));
+    let query = format!("$origin/{}/**", field.path);
+    looking_at(layout, &title, &query, camera, up)
+}
+
+fn looking_at(
+    layout: &Layout,
+    title: &str,
+    query: &str,
+    camera: Camera,
+    up: [f64; 3],
+) -> RecordingStreamResult<Part> {
     let single = |point: [f64; 3]| point.map(|value| value as f32);
     let eye = EyeControls3D::new()
         .with_kind(kinds::Eye3DKind::Orbital)
         .with_position(single(camera.position_m))
         .with_look_target(single(camera.target_m))
-        .with_eye_up([0.0, 0.0, 1.0]);
+        .with_eye_up(single(up));
     let background = Background::new(kinds::BackgroundKind::SolidColor)
         .with_color(rerun::Color::from_rgb(28, 30, 34));
-    let query = ["$origin/**".to_owned()];
+    let query = [query.to_owned()];
     layout.view(
         "3D",
         title,
