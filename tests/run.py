@@ -86,7 +86,9 @@ def run_pytest(python: Path) -> Counts:
     """The cross-checks. A test that is skipped counts as failed: nothing here may be left out quietly."""
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.xml"
-        command = [python, "-m", "pytest", "-q", f"--junitxml={report}", *PYTHON_TESTS]
+        # MuJoCo runs on one core: files of tests run side by side
+        side_by_side = ["-n", "auto", "--dist", "loadfile"]
+        command = [python, "-m", "pytest", "-q", *side_by_side, f"--junitxml={report}", *PYTHON_TESTS]
         ended = subprocess.run(command, cwd=ROOT)
         if not report.exists():
             return Counts(0, 1)

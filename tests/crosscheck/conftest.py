@@ -84,6 +84,18 @@ def scenarios(folder: str) -> list[Path]:
     return [path for path in found if "sweep" not in tomllib.loads(path.read_text(encoding="utf-8"))]
 
 
+def pytest_sessionfinish(session) -> None:
+    """Where tests run side by side, each process hands its figures to the one that sums up."""
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["figures"] = FIGURES
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node) -> None:
+    """Takes them."""
+    FIGURES.extend(getattr(node, "workeroutput", {}).get("figures", []))
+
+
 def pytest_terminal_summary(terminalreporter) -> None:
     """How far truecut and MuJoCo are apart, scenario by scenario: the margin says more than a passed test."""
     if FIGURES:

@@ -16,11 +16,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bench import ROOT, dataset  # noqa: E402
 from bench.cases import Case  # noqa: E402
 from bench.experiment import ALL, Experiment  # noqa: E402
-from bench.library import SINGLES  # noqa: E402
+from bench.library import POLISHING, SINGLES  # noqa: E402
 from bench.noise import rms  # noqa: E402
 
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 TARGET_KEY = {int: "joint", str: "channel"}
+TEMPLATES = SINGLES + POLISHING
 
 
 def recorded(experiment: Experiment, effects: tuple, folder: Path) -> np.ndarray:
@@ -49,7 +50,7 @@ def recorded(experiment: Experiment, effects: tuple, folder: Path) -> np.ndarray
     return np.concatenate([one] * experiment.passes)
 
 
-@pytest.mark.parametrize("name", sorted({t.experiment for t in SINGLES}))
+@pytest.mark.parametrize("name", sorted({t.experiment for t in TEMPLATES}))
 def test_crosscheck_mujoco_clean_data_is_the_nominal_run(name, tmp_path):
     """Clean data and truecut's nominal run differ by less than a fifth of the reference noise."""
     experiment = ALL[name]
@@ -57,7 +58,7 @@ def test_crosscheck_mujoco_clean_data_is_the_nominal_run(name, tmp_path):
     assert apart.max() < 0.2, apart
 
 
-@pytest.mark.parametrize("template", SINGLES, ids=lambda t: f"{t.experiment}-{t.kind}-{t.target}")
+@pytest.mark.parametrize("template", TEMPLATES, ids=lambda t: f"{t.experiment}-{t.kind}-{t.target}")
 def test_crosscheck_mujoco_effects_leave_the_same_trace(template, tmp_path):
     """The two sides differ by less than 5 % of what the effect changes, or a fifth of the reference noise."""
     experiment = ALL[template.experiment]

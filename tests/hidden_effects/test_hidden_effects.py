@@ -18,7 +18,7 @@ from bench import ROOT, dataset, report, runner  # noqa: E402
 from bench.cases import SEEDS, all_cases, fast_cases  # noqa: E402
 from bench.effects import KINDS, Effect  # noqa: E402
 from bench.experiment import ALL, AXIS, CHAMFER, TWO_JOINT  # noqa: E402
-from bench.library import ANGLE, INSEPARABLE, PAIRS, SINGLES, STRANGERS, TORQUE  # noqa: E402
+from bench.library import ANGLE, INSEPARABLE, PAIRS, POLISHING, SINGLES, STRANGERS, TORQUE  # noqa: E402
 from bench.noise import COLOURS, in_band, rms, unit_noise  # noqa: E402
 from bench.score import SAME_TRACE_DEG, Answer  # noqa: E402
 from bench.score import score as score_of  # noqa: E402
@@ -28,12 +28,13 @@ from truecut_reference import urdf_model  # noqa: E402
 from truecut_reference.simulate import simulate  # noqa: E402
 
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
-EACH_TEMPLATE = pytest.mark.parametrize("template", SINGLES, ids=lambda t: f"{t.experiment}-{t.kind}-{t.target}")
+TEMPLATES = SINGLES + POLISHING
+EACH_TEMPLATE = pytest.mark.parametrize("template", TEMPLATES, ids=lambda t: f"{t.experiment}-{t.kind}-{t.target}")
 
 
 def test_verify_every_kind_is_hidden_somewhere():
     """Each kind of the library has a template, and three things outside it have one."""
-    assert {t.kind for t in SINGLES} == set(KINDS)
+    assert {t.kind for t in TEMPLATES} == set(KINDS)
     assert len({t.kind for t in STRANGERS}) >= 3
 
 
@@ -51,7 +52,7 @@ def test_verify_every_effect_shows(template):
     assert size_of(ALL[template.experiment], (template.at(1.0),)) > 2.0
 
 
-@pytest.mark.parametrize("name", ["axis", "two_joint", "chamfer", "teeth", "wheel"])
+@pytest.mark.parametrize("name", ["axis", "two_joint", "chamfer", "teeth", "wheel", "polish", "polish_force"])
 def test_verify_step_of_the_generator(name):
     """Half the step moves the outputs by less than a fifth of the reference noise, or 5 % of what is hidden."""
     coarse = ALL[name]

@@ -3,6 +3,7 @@
 use nalgebra::Isometry3;
 
 use crate::error::{ArmError, ArmErrorKind};
+use crate::ik::IkOptions;
 use crate::ik_branches::{IkSolver, travel};
 use crate::model::FrameId;
 
@@ -37,9 +38,12 @@ impl IkSolver<'_> {
         let mut path: Vec<Vec<f64>> = Vec::with_capacity(poses.len());
         for (index, pose) in poses.iter().enumerate() {
             let before = path.last().map_or(start, Vec::as_slice);
-            let next = self
-                .nearest_kind(pose, frame, before)
-                .map_err(|kind| on_path(index, kind))?;
+            let next = match self.continued(pose, frame, before, options) {
+                Some(next) if index > 0 => next,
+                _ => self
+                    .nearest_kind(pose, frame, before)
+                    .map_err(|kind| on_path(index, kind))?,
+            };
             if index > 0 {
                 self.check_step(index, before, &next, options)?;
             }
@@ -88,6 +92,25 @@ impl IkSolver<'_> {
                 Err(on_path(0, self.unreachable(first, frame, &branches)))
             }
         }
+    }
+
+    /// Where branches are found by a search over the joints' ranges only, the posture to which the one before leads without a jump.
+    fn continued(
+        &self,
+        pose: &Isometry3<f64>,
+        frame: FrameId,
+        before: &[f64],
+        options: &PathOptions,
+    ) -> Option<Vec<f64>> {
+        if self.geometry().is_some() {
+            return None;
+        }
+        let numeric = IkOptions::default();
+        let found = (self.robot())
+            .inverse_kinematics(pose, frame, before, &numeric)
+            .ok()?;
+        let steps = found.iter().zip(before).map(|(a, b)| (a - b).abs());
+        (steps.fold(0.0, f64::max) <= options.largest_step).then_some(found)
     }
 
     fn check_step(

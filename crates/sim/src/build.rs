@@ -77,7 +77,7 @@ impl Prepared {
         if let Some(path) = &path {
             posture.clone_from(&path.knots[0]);
         }
-        let polish = PolishPath::of(scenario, &nominal, &posture)?;
+        let polish = PolishPath::of(scenario, &nominal, robots, &posture)?;
         if let Some(path) = &polish {
             posture = path.start().to_vec();
         }

@@ -1,14 +1,21 @@
-//! Robots that are read once and used by many cells.
+//! Robots that are read once and used by many cells, and the ways of polishing wheels that are solved once.
 
 use crate::adjust::{adjusted, leaves_as_is};
 use crate::error::SimError;
-use std::collections::BTreeMap;
+use crate::polish_path::PolishPath;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use truecut_arm::Robot;
-use truecut_scenario::RobotSpec;
+use truecut_scenario::{PolishSpec, RobotSpec};
 
 type Files = (PathBuf, Option<PathBuf>, Option<String>);
+
+/// What a polishing path depends on: the arm's geometry, the posture that chooses its branch, the process.
+type PathOf = (Files, Vec<f64>, PolishSpec);
+
+/// Paths that are kept: a diagnosis comes back to those of a few values of each uncertain parameter.
+const PATHS_KEPT: usize = 16;
 
 /// Robots by their files and tip, as read when they were first asked for. Give one to
 /// [`Cell::build_reduced_from`](crate::Cell::build_reduced_from) where the same robot is built again and
@@ -16,6 +23,7 @@ type Files = (PathBuf, Option<PathBuf>, Option<String>);
 #[derive(Debug, Default)]
 pub struct Robots {
     read: Mutex<BTreeMap<Files, Arc<Robot>>>,
+    paths: Mutex<VecDeque<(PathOf, PolishPath)>>,
 }
 
 impl Robots {
@@ -34,8 +42,31 @@ impl Robots {
         Ok(Arc::new(adjusted(&robot, spec)?))
     }
 
+    /// A polishing path, solved unless it was lately.
+    pub(crate) fn polish_path(
+        &self,
+        robot: &RobotSpec,
+        posture: &[f64],
+        polish: &PolishSpec,
+        solve: impl FnOnce() -> Result<PolishPath, SimError>,
+    ) -> Result<PolishPath, SimError> {
+        let key = (files(robot), posture.to_vec(), polish.clone());
+        let known = self.paths.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, path)) = known.iter().find(|(of, _)| *of == key) {
+            return Ok(path.clone());
+        }
+        drop(known);
+        let path = solve()?;
+        let mut known = self.paths.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.len() == PATHS_KEPT {
+            known.pop_front();
+        }
+        known.push_back((key, path.clone()));
+        Ok(path)
+    }
+
     fn unscaled(&self, spec: &RobotSpec) -> Result<Arc<Robot>, SimError> {
-        let files = (spec.urdf.clone(), spec.config.clone(), spec.tip.clone());
+        let files = files(spec);
         // A map that another thread left while inserting is whole: the robot is read before.
         let found = |read: &BTreeMap<Files, Arc<Robot>>| read.get(&files).cloned();
         if let Some(robot) = found(&self.read.lock().unwrap_or_else(PoisonError::into_inner)) {
@@ -45,4 +76,8 @@ impl Robots {
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(read.entry(files).or_insert_with(|| Arc::new(robot)).clone())
     }
+}
+
+fn files(spec: &RobotSpec) -> Files {
+    (spec.urdf.clone(), spec.config.clone(), spec.tip.clone())
 }

@@ -75,7 +75,7 @@ pub(crate) fn build_process(
         ProcessSpec::Polish(spec) => {
             compliance.ok_or_else(|| needs_drive("polish"))?;
             let (process, workpiece) =
-                polish::polish(spec, robot, posture, world_from_process, path_s)?;
+                polish::polish(spec, &effects.wheel, robot, posture, world_from_process, path_s)?;
             Ok((Box::new(process), workpiece))
         }
         ProcessSpec::Replay(_) => Err(SimError::scenario(
@@ -278,7 +278,7 @@ fn wheel(spec: &WheelSpec, effects: &WheelEffects) -> WheelParameters {
             width_m: spec.width_m,
             stiffness_n_per_m: spec.stiffness_n_per_m * effects.stiffness_factor,
             damping_n_s_per_m: spec.damping_n_s_per_m,
-            mu: spec.mu,
+            mu: spec.mu * effects.friction_factor,
             runout_m: spec.runout_m + quarter_later,
             runout_at_start_m: at_start,
         },
@@ -292,7 +292,7 @@ fn wheel(spec: &WheelSpec, effects: &WheelEffects) -> WheelParameters {
         feed_m_per_s: spec.feed_m_per_s,
         strip_length_m: spec.strip_length_m,
         strip_cells: spec.strip_cells as usize,
-        preston_per_pa: spec.preston_per_pa,
+        preston_per_pa: spec.preston_per_pa * effects.removal_factor,
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod support;
 
-use support::{ARM_POSTURE, chamfer, load, run, wheel};
+use support::{ARM_POSTURE, chamfer, load, polish, run, wheel};
 use truecut_recording::Recording;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target, TargetKind};
@@ -16,13 +16,25 @@ fn target(kind: EffectKind) -> Target {
     }
 }
 
-/// A scenario in which effects of the kind have something to act on.
+/// Scenarios in which effects of the kind have something to act on that is recorded.
+fn stages(kind: EffectKind) -> Vec<Scenario> {
+    match kind.family() {
+        Family::Wheel => match kind {
+            EffectKind::WheelStiffness
+            | EffectKind::WheelEccentricity
+            | EffectKind::WheelFriction => vec![wheel(), polish()],
+            _ => vec![polish()],
+        },
+        _ => vec![stage(kind)],
+    }
+}
+
 fn stage(kind: EffectKind) -> Scenario {
     match kind.family() {
         Family::Cutting => chamfer(2, 0.3),
         // Two edges push the tool to no side, and the foot would not slide.
         Family::Foot => chamfer(1, 0.3),
-        Family::Wheel => wheel(),
+        Family::Wheel => polish(),
         Family::Joint | Family::Robot | Family::Sensor => load(
             "irb6600_175_255",
             ARM_POSTURE,
@@ -36,9 +48,9 @@ fn stage(kind: EffectKind) -> Scenario {
 fn size(kind: EffectKind) -> Vec<f64> {
     use EffectKind as K;
     match kind {
-        K::JointStiffness | K::CuttingCoefficient | K::FootFriction | K::WheelStiffness => {
-            vec![1.1]
-        }
+        K::JointStiffness | K::CuttingCoefficient | K::FootFriction => vec![1.1],
+        K::WheelStiffness | K::WheelFriction | K::WheelRemoval => vec![1.1],
+        K::WheelForceOffset | K::WheelForceStiction => vec![0.4],
         K::JointDamping | K::SensorGain => vec![1.5],
         K::JointViscous => vec![300.0],
         K::JointCoulomb => vec![50.0],
@@ -83,10 +95,16 @@ fn differences(one: &Recording, other: &Recording) -> Vec<String> {
         .collect()
 }
 
+fn all_stages() -> Vec<(EffectKind, Scenario)> {
+    (EffectKind::ALL.iter())
+        .flat_map(|kind| stages(*kind).into_iter().map(|scenario| (*kind, scenario)))
+        .collect()
+}
+
 #[test]
 fn verify_a_neutral_effect_changes_no_bit() {
-    for kind in EffectKind::ALL {
-        let scenario = stage(*kind);
+    for (kind, scenario) in all_stages() {
+        let kind = &kind;
         // What only shapes may have any value.
         let mut effect = Effect::neutral(*kind, target(*kind));
         for (info, value) in kind.parameters().iter().zip(&mut effect.values) {
@@ -110,8 +128,8 @@ fn verify_a_neutral_effect_changes_no_bit() {
 
 #[test]
 fn verify_every_effect_shows_and_only_where_it_acts() {
-    for kind in EffectKind::ALL {
-        let scenario = stage(*kind);
+    for (kind, scenario) in all_stages() {
+        let kind = &kind;
         let nominal = run(&scenario, &[]);
         let effect = Effect {
             values: size(*kind),

@@ -3,8 +3,11 @@
 mod support;
 
 use std::f64::consts::TAU;
-use support::{chamfer, column, load, run, wheel};
+use support::{chamfer, column, load, polish, run, wheel};
+use truecut_core::wheel::pneumatic::PneumaticWheel;
+use truecut_recording::Recording;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
+use truecut_sim::sweep::record;
 
 fn whole(kind: EffectKind, values: &[f64]) -> Effect {
     Effect {
@@ -240,6 +243,89 @@ fn verify_wheel_runs_out_and_presses_by_its_stiffness() {
             (normal[i] - (stiffness * delta[i] + 50.0 * rate).max(0.0)).abs() < 1e-6,
             "{t}"
         );
+    }
+}
+
+/// The wheel's law with modulus and pressure times the factor, Coulomb's friction with its own; Preston's depth is in proportion.
+#[test]
+fn verify_a_polishing_wheel_presses_rubs_and_removes_by_its_factors() {
+    let scenario = polish();
+    let effects = [
+        whole(EffectKind::WheelStiffness, &[1.3]),
+        whole(EffectKind::WheelFriction, &[1.5]),
+        whole(EffectKind::WheelRemoval, &[0.8]),
+    ];
+    let (nominal, with) = (run(&scenario, &[]), run(&scenario, &effects));
+    let stiffer = PneumaticWheel {
+        radius_m: 20e-3,
+        pressure_pa: 1.3 * 0.1e6,
+        shell_thickness_m: 5e-3,
+        youngs_modulus_pa: 1.3 * 4e6,
+        poisson: 0.49,
+        damping_pa_s_per_m: 0.0,
+    };
+    let normal = column(&with, "polish.normal_force");
+    let depth = column(&with, "polish.penetration");
+    let friction = ["polish.friction_x", "polish.friction_y"].map(|name| column(&with, name));
+    for row in 0..normal.len() {
+        let expected = stiffer.normal_force_n(depth[row]);
+        assert!((normal[row] / expected - 1.0).abs() < 1e-3, "{row}");
+        // the patch slides at one angle but for the spin about its middle
+        let share = friction[0][row].hypot(friction[1][row]) / normal[row];
+        assert!(share > 0.85 * 0.45 && share < 0.45, "{row}: {share}");
+    }
+    // the carrier holds nearly the same force
+    let taken = |recording: &Recording| *column(recording, "polish.removed_volume").last().expect("rows");
+    let ratio = taken(&with) / taken(&nominal);
+    assert!((ratio / 0.8 - 1.0).abs() < 0.1, "{ratio}");
+    let less = run(&scenario, &[whole(EffectKind::WheelRemoval, &[0.8])]);
+    assert!((taken(&less) / taken(&nominal) - 0.8).abs() < 1e-12);
+}
+
+/// A middle at `e + (C, S)` is the nominal wheel whose eccentricity is that sum.
+#[test]
+fn verify_an_eccentric_polishing_wheel_is_the_sum_of_two_places() {
+    let with = run(
+        &polish(),
+        &[whole(EffectKind::WheelEccentricity, &[2e-5, -3e-5])],
+    );
+    let angle = 30f64.to_radians();
+    let (x, y) = (5e-5 * angle.cos() + 2e-5, 5e-5 * angle.sin() - 3e-5);
+    let sum = [
+        ("process.polish.eccentricity_um", 1e6 * x.hypot(y)),
+        ("process.polish.eccentricity_angle_deg", y.atan2(x).to_degrees()),
+    ];
+    let sum = sum.map(|(key, value)| (key.to_owned(), format!("{value:?}")));
+    let nominal = record(&polish(), &sum).expect("a run");
+    for name in ["polish.normal_force", "tool.displacement_x"] {
+        let pairs = column(&with, name).iter().zip(column(&nominal, name));
+        let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-9, "{name}: {apart}");
+    }
+}
+
+/// The preload is shifted; dry friction of the carrier's guide lets the force differ by up to its level from what the spring asks for.
+#[test]
+fn verify_force_control_is_off_and_sticks() {
+    let scenario = polish();
+    let off = run(&scenario, &[whole(EffectKind::WheelForceOffset, &[0.5])]);
+    let stuck = run(&scenario, &[whole(EffectKind::WheelForceStiction, &[0.4])]);
+    let lacking = |recording: &Recording, preload: f64| -> Vec<f64> {
+        let force = column(recording, "polish.normal_force").iter();
+        let offset = column(recording, "polish.carrier_offset").iter();
+        force.zip(offset).map(|(f, x)| preload - 200.0 * x - f).collect()
+    };
+    let last = |values: Vec<f64>| values[values.len() / 2..].to_vec();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let balance = mean(&last(lacking(&off, 4.5)));
+    assert!(balance.abs() < 0.03, "{balance}");
+    let offset = column(&stuck, "polish.carrier_offset");
+    let resting = offset.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    assert!(resting > offset.len() / 10, "{resting} of {}", offset.len());
+    let resting_rows = (1..offset.len()).filter(|row| offset[*row] == offset[row - 1]);
+    let lacks = lacking(&stuck, 4.0);
+    for row in resting_rows.skip(1) {
+        assert!(lacks[row].abs() < 0.4 + 1e-6, "{row}: {}", lacks[row]);
     }
 }
 

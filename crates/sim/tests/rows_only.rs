@@ -2,12 +2,12 @@
 
 mod support;
 
-use support::{chamfer, run, wheel};
+use support::{chamfer, polish, run, wheel};
 use truecut_sim::{Engine, Robots, simulate};
 
 #[test]
 fn rows_are_those_of_the_recording() {
-    for scenario in [chamfer(2, 0.3), wheel()] {
+    for scenario in [chamfer(2, 0.3), wheel(), polish()] {
         let recording = run(&scenario, &[]);
         let rows = simulate(&scenario, None, &Robots::default(), Engine::Rapier, &[])
             .unwrap_or_else(|error| panic!("{}: {error}", scenario.name));

@@ -21,7 +21,8 @@ import scipy.optimize
 from .plant import Plant
 from .wheel import Command
 
-ROWS = 20
+# Gauss's rule for a row of the patch
+RULE = np.polynomial.legendre.leggauss(20)
 
 
 @dataclass(frozen=True)
@@ -114,10 +115,10 @@ class Tool:
         return self.table[0]
 
     def loads(self, middle: np.ndarray, velocity: np.ndarray, turning: np.ndarray) -> np.ndarray:
-        """Force and moment on the wheel about the patch's middle, face axes, and the part along edges."""
+        """Force and moment on the wheel about the patch's middle, face axes, the part along edges, and power of sliding over mu."""
         depth = self.radius - middle[2]
         if depth <= 0.0:
-            return np.zeros(7)
+            return np.zeros(8)
         u0, rate, c = (float(part) for part in self._patches(depth)(depth))
         slide = np.array([velocity[0] - turning[1] * middle[2], velocity[1] + turning[0] * middle[2]])
         x, y, pressed = self._inside(middle, u0, rate, c, slide, turning[2], -velocity[2])
@@ -128,11 +129,11 @@ class Tool:
         fx, fy = -self.mu * force * vx / speed, -self.mu * force * vy / speed
         on_wheel = [fx.sum(), fy.sum(), force.sum()]
         moment = [(y * force).sum(), -(x * force).sum(), (x * fy - y * fx).sum()]
-        return np.array([*on_wheel, *moment, along.sum()])
+        return np.array([*on_wheel, *moment, along.sum(), (force * speed).sum()])
 
     def _inside(self, middle, u0, rate, c, slide, spin, approach):
         """Points of the patch on the face and the forces there: strips along x, both by Gauss's rule in an angle."""
-        nodes, weights = np.polynomial.legendre.leggauss(ROWS)
+        nodes, weights = RULE
         low, high = (max(-c, -middle[1]), min(c, self.size[1] - middle[1]))
         if low >= high:
             return np.zeros(0), np.zeros(0), np.zeros(0)
@@ -154,7 +155,7 @@ class Tool:
 
     def _edges(self, middle, u0, slide, spin):
         """Points along edges under the overlap and the reactions there."""
-        nodes, weights = np.polynomial.legendre.leggauss(ROWS)
+        nodes, weights = RULE
         whole = math.sqrt(2.0 * self.radius * u0)
         length, width = self.size
         sides = [
@@ -203,10 +204,13 @@ class PolishRun:
         self._command = command.spline()
         self._rate = self._command.derivative()
         self._scratch = mujoco.MjData(plant.model)
+        # place and rate of a force control's carrier, towards the face
+        self.offset = self.rate = 0.0
         self._along, self._about = np.zeros((3, plant.nv)), np.zeros((3, plant.nv))
 
     def wrench(self, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Force and moment on the tool about its point, world axes, and (normal force, part along edges) at a state."""
+        """Force and moment on the tool about its point, world axes, at a state; with them normal force, part along edges, force along the
+        face's length and width, power of sliding over mu."""
         m, d, tool = self.plant.model, self._scratch, self.tool
         d.qpos[:] = q
         mujoco.mj_kinematics(m, d)
@@ -221,11 +225,15 @@ class PolishRun:
         swing = tool.eccentricity * tool.spin * (math.sin(angle) * axes[:, 0] - math.cos(angle) * axes[:, 1])
         point = tool.axes @ place
         middle = tool.axes @ (place + arm)
-        found = tool.loads(middle, tool.axes @ (velocity + swing), tool.axes @ turning)
+        middle[2] -= self.offset
+        moving = tool.axes @ (velocity + swing)
+        moving[2] -= self.rate
+        found = tool.loads(middle, moving, tool.axes @ turning)
         force, moment = found[:3], found[3:6]
         lever = np.array([middle[0], middle[1], 0.0]) - point
         moment = moment + np.cross(lever, force)
-        return tool.axes.T @ force, tool.axes.T @ moment, np.array([found[2], found[6]])
+        told = np.array([found[2], found[6], found[0], found[1], found[7]])
+        return tool.axes.T @ force, tool.axes.T @ moment, told
 
     def settle(self) -> None:
         """Rest on the face at the start, the wheel spinning."""

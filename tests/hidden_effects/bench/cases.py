@@ -13,12 +13,13 @@ import numpy as np
 
 from .effects import Effect
 from .experiment import ALL
-from .library import ANGLE, INSEPARABLE, PAIRS, SINGLES, STRANGERS, TORQUE, single
+from .library import ANGLE, INSEPARABLE, PAIRS, POLISHING, POLISHING_PAIR, SINGLES, STRANGERS, TORQUE, Template, single
 from .noise import COLOURS
 
 SEEDS = {"report": 30_000, "tune": 20_000}
 LEVELS = {"strong": 10.0, "middle": 2.0, "weak": 0.5}
 CLEAN_SETS = 300
+POLISHING_CLEAN_SETS = 24
 CLEAN_EXPERIMENTS = ("axis", "two_joint", "chamfer", "teeth", "wheel")
 NOMINAL_VARIANTS = 4
 
@@ -73,7 +74,7 @@ class _Draw:
 def all_cases(seeds: str) -> list[Case]:
     """Every case of the bench."""
     draw = _Draw(seeds)
-    makers = (_clean, _singles, _pairs, _strangers, _inseparable, _excitation, _late, _damaged, _units)
+    makers = (_clean, _singles, _pairs, _strangers, _inseparable, _excitation, _late, _damaged, _units, _polishing)
     return [case for maker in makers for case in maker(draw)]
 
 
@@ -87,10 +88,14 @@ def _clean(draw: _Draw) -> list[Case]:
 
 
 def _singles(draw: _Draw) -> list[Case]:
+    return _of_templates(draw, SINGLES, 10)
+
+
+def _of_templates(draw: _Draw, templates: tuple[Template, ...], key: int) -> list[Case]:
     found = []
-    for n, template in enumerate(SINGLES):
+    for n, template in enumerate(templates):
         for s, around in enumerate((0.6, 1.2)):
-            size = draw.size(around, 10, n, s)
+            size = draw.size(around, key, n, s)
             truth = (template.at(size),)
             # the middle level carries the bench's main figure: another realisation of the larger size
             for level in (*LEVELS, *(("middle",) if s else ())):
@@ -185,6 +190,17 @@ def _units(draw: _Draw) -> list[Case]:
     ]
 
 
+def _polishing(draw: _Draw) -> list[Case]:
+    found = _of_templates(draw, POLISHING, 70)
+    size = draw.size(1.0, 71, 0)
+    truth = tuple(template.at(size) for template in POLISHING_PAIR)
+    found += [draw.case("pair", "polish", truth, "pair", 0, level=level, size=size) for level in (10.0, 10.0, 5.0)]
+    for i in range(POLISHING_CLEAN_SETS):
+        experiment = ("polish", "polish_force")[i % 2]
+        found.append(draw.case("clean", experiment, (), "nothing", i // 2, noise=(0.5, 1.0, 2.0)[(i // 2) % 3]))
+    return found
+
+
 def fast_cases(seeds: str) -> list[Case]:
     """A dozen cases that touch every kind of answer."""
     cases = all_cases(seeds)
@@ -202,6 +218,7 @@ def fast_cases(seeds: str) -> list[Case]:
         first("single middle", "two_joint", "payload"),
         first("single strong", "chamfer", "foot_friction"),
         first("single strong", "wheel", "wheel_eccentricity"),
+        first("single strong", "polish", "wheel_friction"),
         first("pair", "axis", "joint_coulomb"),
         first("outside", "axis", "outside_place_dependent_friction"),
         first("inseparable", "teeth_three"),

@@ -14,7 +14,7 @@ import numpy as np
 from truecut_reference import scenario as scenario_file
 from truecut_reference.scenario import Replay
 
-from . import ROOT, machining, motion, sensors
+from . import ROOT, machining, motion, polishing, sensors
 from .arm import Arm
 from .effects import Effect
 
@@ -26,7 +26,7 @@ except ModuleNotFoundError:  # Python 3.10
 HERE = Path(__file__).resolve().parent
 SCENARIOS = HERE.parent / "scenarios"
 CACHE = Path(os.environ.get("TRUECUT_HIDDEN_CACHE", ROOT / "target" / "hidden_effects" / "cache"))
-SI_OF = {"deg": math.pi / 180.0, "N m": 1.0, "N": 1.0, "um": 1e-6, "mm": 1e-3, "rad": 1.0}
+SI_OF = {"deg": math.pi / 180.0, "N m": 1.0, "N": 1.0, "um": 1e-6, "mm": 1e-3, "rad": 1.0, "mm^3": 1e-9}
 
 
 @dataclass(frozen=True)
@@ -136,8 +136,11 @@ class Experiment:
             key: self.nominal_value(key) * (1.0 + relative * shift)
             for (key, relative), shift in zip(self.uncertain.items(), shifts)
         }
-        scenario = scenario_file.load(self.path, overrides)
         physical = [e for e in effects if not sensors.is_sensor(e)]
+        if "polish" in self.table["process"]:
+            times, channels = polishing.run(self.path, overrides, physical, self.step_s)
+            return self._measured(times, channels, effects)
+        scenario = scenario_file.load(self.path, overrides)
         if isinstance(scenario.process, Replay):
             command = self.command()
             if standing_still is not None:
@@ -149,6 +152,9 @@ class Experiment:
             result = machining.run(scenario, physical, self.step_s)
             channels = result.channels
             times = {name: result.time_of(name) for name in channels}
+        return self._measured(times, channels, effects)
+
+    def _measured(self, times: dict[str, np.ndarray], channels: dict[str, np.ndarray], effects) -> np.ndarray:
         outputs = []
         for column in self.outputs:
             of_channel = [e for e in effects if sensors.is_sensor(e) and e.target == column.channel]
@@ -162,7 +168,7 @@ def _sources(name: str) -> str:
     """Hash of everything that a run depends on besides its arguments."""
     robots = sorted((ROOT / "assets" / "robots").glob("*/robot.*"))
     reference = sorted((ROOT / "tests" / "crosscheck" / "truecut_reference").glob("*.py"))
-    mine = [HERE / f"{m}.py" for m in ("arm", "joint_law", "machining", "motion", "sensors")]
+    mine = [HERE / f"{m}.py" for m in ("arm", "joint_law", "machining", "motion", "polishing", "sensors")]
     found = hashlib.sha256()
     for path in [*robots, *reference, *mine, SCENARIOS / f"{name}.toml"]:
         found.update(path.read_bytes())
@@ -177,4 +183,6 @@ CHAMFER = Experiment("chamfer", 250.0, 4.0, 0.125e-3, 60.0, (1.0, 1.0, 1e-6), pa
 TEETH = Experiment("teeth", 500.0, 3.1, 0.2e-3, 100.0, (0.02, 0.02, 1e-8))
 TEETH_THREE = Experiment("teeth_three", 500.0, 3.1, 0.2e-3, 100.0, (0.02, 0.02, 1e-8))
 WHEEL = Experiment("wheel", 250.0, 4.4, 0.25e-3, 30.0, (0.1, 5e-7))
-ALL = {e.name: e for e in (AXIS, SINGLE_TONE, SMALL, TWO_JOINT, CHAMFER, TEETH, TEETH_THREE, WHEEL)}
+POLISH = Experiment("polish", 250.0, 3.4, 0.5e-3, 30.0, (0.05, 0.05, 3e-13, 2e-7))
+POLISH_FORCE = Experiment("polish_force", 250.0, 3.4, 0.5e-3, 30.0, (0.05, 0.05, 3e-13, 2e-7))
+ALL = {e.name: e for e in (AXIS, SINGLE_TONE, SMALL, TWO_JOINT, CHAMFER, TEETH, TEETH_THREE, WHEEL, POLISH, POLISH_FORCE)}

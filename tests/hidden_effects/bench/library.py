@@ -93,6 +93,18 @@ SINGLES = (
 )
 
 
+# Another process, in a part of the bench of its own.
+POLISHING = (
+    Template("polish", "wheel_stiffness", None, {"factor": 1.15}),
+    Template("polish", "wheel_eccentricity", None, {"cosine_m": 1e-5, "sine_m": 6e-6}),
+    Template("polish", "wheel_friction", None, {"factor": 1.2}),
+    Template("polish", "wheel_removal", None, {"factor": 1.15}),
+    Template("polish_force", "wheel_force_offset", None, {"force_n": 0.6}),
+    Template("polish_force", "wheel_force_stiction", None, {"force_n": 0.15}),
+)
+POLISHING_PAIR = (POLISHING[1], POLISHING[2])
+
+
 def single(kind: str, experiment: str = "axis") -> Template:
     """The first template of a kind on an experiment."""
     return next(t for t in SINGLES if t.kind == kind and t.experiment == experiment)

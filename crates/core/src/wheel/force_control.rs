@@ -11,6 +11,8 @@ pub enum ForceControl {
         force_n: f64,
         damping_n_s_per_m: f64,
         fastest_m_per_s: f64,
+        /// Force that is missing (or too much) before anything moves, N.
+        stiction_n: f64,
     },
     /// The tool rides on a spring and damper with a preload: `m ẍ + c ẋ + k x = F_preload - F`, x towards the workpiece.
     Compliant {
@@ -20,6 +22,8 @@ pub enum ForceControl {
         preload_n: f64,
         /// Stroke to either side, m.
         stroke_m: f64,
+        /// Dry friction of the guide, N.
+        stiction_n: f64,
     },
 }
 
@@ -28,6 +32,8 @@ pub enum ForceControl {
 pub struct Offset {
     pub offset_m: f64,
     pub rate_m_per_s: f64,
+    /// Friction of the guide on the carrier over the last step, towards the workpiece, N.
+    pub friction_n: f64,
 }
 
 impl ForceControl {
@@ -40,12 +46,16 @@ impl ForceControl {
                 force_n,
                 damping_n_s_per_m,
                 fastest_m_per_s,
+                stiction_n,
             } => {
-                let rate = (force_n - contact_n) / damping_n_s_per_m;
+                let missing_n = force_n - contact_n;
+                let friction_n = -missing_n.clamp(-stiction_n, stiction_n);
+                let rate = (missing_n + friction_n) / damping_n_s_per_m;
                 let rate_m_per_s = rate.clamp(-fastest_m_per_s, fastest_m_per_s);
                 Offset {
                     offset_m: state.offset_m + rate_m_per_s * dt,
                     rate_m_per_s,
+                    friction_n,
                 }
             }
             Self::Compliant {
@@ -54,22 +64,33 @@ impl ForceControl {
                 damping_n_s_per_m: c,
                 preload_n,
                 stroke_m,
+                stiction_n,
             } => {
                 let (x, v) = (state.offset_m, state.rate_m_per_s);
                 // mean rate u over the step: m (2u - 2v)/dt + c u + k (x + u dt/2) = F
                 let force = preload_n - contact_n - k * x + 2.0 * mass_kg * v / dt;
-                let mean = force / (2.0 * mass_kg / dt + c + 0.5 * k * dt);
+                let inertia = 2.0 * mass_kg / dt + c + 0.5 * k * dt;
+                let mut mean = force / inertia;
+                let mut friction_n = 0.0;
+                if stiction_n > 0.0 {
+                    // as much as brings the carrier to rest at the end of the step, where it can
+                    let free = 2.0 * mean - v;
+                    friction_n = (-0.5 * inertia * free).clamp(-stiction_n, stiction_n);
+                    mean += friction_n / inertia;
+                }
                 let (offset, rate) = (x + mean * dt, 2.0 * mean - v);
                 if offset.abs() <= stroke_m {
                     Offset {
                         offset_m: offset,
                         rate_m_per_s: rate,
+                        friction_n,
                     }
                 } else {
                     // at its stop, which takes the momentum
                     Offset {
                         offset_m: stroke_m.copysign(offset),
                         rate_m_per_s: 0.0,
+                        friction_n: 0.0,
                     }
                 }
             }
@@ -89,6 +110,7 @@ mod tests {
             damping_n_s_per_m: damping,
             preload_n: 20.0,
             stroke_m: 15e-3,
+            stiction_n: 0.0,
         }
     }
 
@@ -127,6 +149,7 @@ mod tests {
             force_n: 20.0,
             damping_n_s_per_m: 4e3,
             fastest_m_per_s: fastest,
+            stiction_n: 0.0,
         };
         let (k, dt) = (2e4, 1e-5);
         let mut s = Offset::default();
@@ -140,5 +163,59 @@ mod tests {
         );
         assert_eq!(law(1e-3).step(&Offset::default(), 0.0, 0.1).offset_m, 1e-4);
         assert_eq!(ForceControl::Position.step(&s, 5.0, dt), Offset::default());
+    }
+
+    /// A mass on a spring under dry friction loses `2 F/k` of its amplitude in every half swing and stops within `F/k` of rest.
+    #[test]
+    fn verify_a_rubbing_carrier_loses_the_same_amplitude_in_every_half_swing() {
+        let (k, friction) = (5e3, 4.0);
+        let guide = ForceControl::Compliant {
+            mass_kg: 2.0,
+            stiffness_n_per_m: k,
+            damping_n_s_per_m: 0.0,
+            preload_n: 0.0,
+            stroke_m: 15e-3,
+            stiction_n: friction,
+        };
+        let dt = TAU / (k / 2.0_f64).sqrt() / 2000.0;
+        let mut s = Offset {
+            offset_m: 10.2e-3,
+            ..Offset::default()
+        };
+        let mut turns = Vec::new();
+        for _ in 0..20_000 {
+            let before = s.rate_m_per_s;
+            s = guide.step(&s, 0.0, dt);
+            if before != 0.0 && before * s.rate_m_per_s <= 0.0 {
+                turns.push(s.offset_m);
+            }
+        }
+        assert_eq!(turns.len(), 6, "{turns:?}");
+        for (n, turn) in turns.iter().enumerate() {
+            let expected = 10.2e-3 - 2.0 * friction / k * (n as f64 + 1.0);
+            assert!((turn.abs() - expected.abs()).abs() < 2e-6, "{n}: {turn}");
+        }
+        // held: friction is what the spring asks for
+        assert_eq!(s.rate_m_per_s, 0.0);
+        assert!((s.friction_n - k * s.offset_m).abs() < 1e-9);
+    }
+
+    /// What lacks less than the stiction is not made up for; beyond it the error that stays is the stiction.
+    #[test]
+    fn verify_a_sticking_control_leaves_its_stiction_as_an_error() {
+        let law = ForceControl::ConstantForce {
+            force_n: 20.0,
+            damping_n_s_per_m: 4e3,
+            fastest_m_per_s: 1.0,
+            stiction_n: 1.5,
+        };
+        let (k, dt) = (2e4, 1e-4);
+        let mut s = Offset::default();
+        for _ in 0..50_000 {
+            s = law.step(&s, k * s.offset_m, dt);
+        }
+        assert!((k * s.offset_m - 18.5).abs() < 1e-6);
+        let held = law.step(&s, 21.4, dt);
+        assert_eq!(held.offset_m, s.offset_m);
     }
 }

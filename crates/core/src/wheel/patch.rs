@@ -27,6 +27,13 @@ use std::f64::consts::PI;
 
 mod integrals;
 
+/// The patch reaches at least so far out, as a part of the overlap's half length: where its boundary is looked for.
+const INNERMOST: f64 = 1e-3;
+/// Places closer than that part of the overlap's half length are one.
+const ROUNDING: f64 = 1e-14;
+/// False position is done long before.
+const MOST_ROUNDS: usize = 100;
+
 /// In which directions the layer is stretched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layer {
@@ -169,25 +176,53 @@ impl Patch {
         self.contact_m
     }
 
-    /// Where the layer leaves without a kink: `N |w'| = N c / R`, by bisection.
+    /// Where the layer leaves without a kink: `N |w'| = N c / R`, by false position (Illinois) on the difference of the squares
+    /// times c, which is a smooth function down to the middle.
     fn free_boundary_m(&self) -> f64 {
         let (r, n) = (self.shape.radius_m(), self.bed.tension_n_per_m);
-        let (mut low, mut high) = (0.0, self.overlap_half_length_m());
-        if n <= 0.0 || high <= 0.0 {
-            return high;
+        let whole = self.overlap_half_length_m();
+        if n <= 0.0 || whole <= 0.0 {
+            return whole;
         }
-        for _ in 0..48 {
-            let c = 0.5 * (low + high);
+        let kink = |c: f64| {
             let curvature = match self.shape {
                 Shape::Point { .. } => 1.0 / c,
                 Shape::Line { .. } => 0.0,
             };
             let u = self.overlap_m - c * c / (2.0 * r);
-            if self.bed.leaving_n_per_m(u, curvature, 0.0) > n * c / r {
-                low = c;
-            } else {
-                high = c;
+            c * (self.bed.leaving_n_per_m(u, curvature, 0.0).powi(2) - (n * c / r).powi(2))
+        };
+        let (mut low, mut high) = (INNERMOST * whole, whole);
+        let (mut at_low, mut at_high) = (kink(low), kink(high));
+        if at_low <= 0.0 {
+            return low;
+        }
+        let mut last_moved_low = None;
+        for _ in 0..MOST_ROUNDS {
+            let c = (low * at_high - high * at_low) / (at_high - at_low);
+            let here = kink(c);
+            if here == 0.0 || high - low <= ROUNDING * whole {
+                return c;
             }
+            let moves_low = here > 0.0;
+            let step = if moves_low { c - low } else { high - c };
+            if moves_low {
+                (low, at_low) = (c, here);
+            } else {
+                (high, at_high) = (c, here);
+            }
+            if step <= ROUNDING * whole {
+                return c;
+            }
+            if last_moved_low == Some(moves_low) {
+                // the other end has stood still: its value counts half
+                if moves_low {
+                    at_high *= 0.5;
+                } else {
+                    at_low *= 0.5;
+                }
+            }
+            last_moved_low = Some(moves_low);
         }
         0.5 * (low + high)
     }

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target, TargetKind};
-use truecut_scenario::{ChamferSpec, ProcessSpec, ReplayMode, Scenario};
+use truecut_scenario::{ChamferSpec, ControlSpec, PolishSpec, ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::facts::RobotFacts;
 use truecut_sim::{InverseModel, Rows, SteadyModel};
 
@@ -16,6 +16,9 @@ use crate::model::Candidate;
 
 /// Part of a signal that a typical effect changes.
 const SHARE: f64 = 0.1;
+
+/// How far a polishing wheel is pressed in, as a part of its radius.
+const TYPICAL_PENETRATION: f64 = 0.03;
 
 /// What moves in the nominal run, joint by joint and channel by channel.
 pub(super) struct Signals {
@@ -168,7 +171,11 @@ fn applies(scenario: &Scenario, kind: EffectKind) -> bool {
             ProcessSpec::Load(load) => load.foot.is_some(),
             _ => false,
         },
-        Family::Wheel => matches!(process, ProcessSpec::Wheel(_)),
+        Family::Wheel => match process {
+            ProcessSpec::Wheel(_) => wheel_tells(kind),
+            ProcessSpec::Polish(polish) => polish_tells(polish, kind),
+            _ => false,
+        },
     }
 }
 
@@ -179,6 +186,26 @@ fn edge_tells(chamfer: &ChamferSpec, kind: EffectKind) -> bool {
         EffectKind::CuttingRunout | EffectKind::CuttingWornTooth
     );
     !between_edges || chamfer.edges > 1
+}
+
+/// What the wheel takes off is no channel of its process, and it has no force control.
+fn wheel_tells(kind: EffectKind) -> bool {
+    use EffectKind as K;
+    matches!(
+        kind,
+        K::WheelStiffness | K::WheelEccentricity | K::WheelFriction
+    )
+}
+
+/// An offset that does not turn is a deeper path; a force control is there or not.
+fn polish_tells(polish: &PolishSpec, kind: EffectKind) -> bool {
+    match kind {
+        EffectKind::WheelEccentricity => polish.spin_rad_s != 0.0,
+        EffectKind::WheelForceOffset | EffectKind::WheelForceStiction => {
+            !matches!(polish.control, ControlSpec::Position { .. })
+        }
+        _ => true,
+    }
 }
 
 fn targets(kind: EffectKind, signals: &Signals, channels: &[ChannelSpec]) -> Vec<Target> {
@@ -216,6 +243,7 @@ fn scale(
                     _ => vec![SHARE],
                 }
             }
+            ProcessSpec::Polish(polish) => polish_scale(polish, kind),
             _ => return None,
         },
         (Family::Sensor, Target::Channel(channel)) => {
@@ -314,6 +342,22 @@ fn foot_scale(scenario: &Scenario, kind: EffectKind, duration_s: f64) -> Option<
         EffectKind::FootSealStiction => vec![SHARE * foot.preload_n()],
         _ => vec![SHARE],
     })
+}
+
+fn polish_scale(polish: &PolishSpec, kind: EffectKind) -> Vec<f64> {
+    use EffectKind as K;
+    let force_n = match polish.control {
+        ControlSpec::Position { .. } => f64::NAN,
+        ControlSpec::ConstantForce { force_n, .. } | ControlSpec::Compliant { force_n, .. } => {
+            force_n
+        }
+    };
+    match kind {
+        // A patch that is small beside the wheel: the wheel is pressed in by a few percent of its radius.
+        K::WheelEccentricity => vec![SHARE * TYPICAL_PENETRATION * polish.wheel.radius_m; 2],
+        K::WheelForceOffset | K::WheelForceStiction => vec![SHARE * force_n],
+        _ => vec![SHARE],
+    }
 }
 
 fn sensor_scale(kind: EffectKind, spread: f64, signals: &Signals) -> Vec<f64> {

@@ -52,6 +52,24 @@ const WHEEL: &[Knob] = &[
     },
 ];
 
+const POLISH: &[Knob] = &[
+    Knob {
+        key: "process.polish.spin_rpm",
+        words: "spin",
+        factors: &[0.5, 2.0],
+    },
+    Knob {
+        key: "process.polish.control.penetration_mm",
+        words: "penetration",
+        factors: &[0.6, 1.6],
+    },
+    Knob {
+        key: "process.polish.control.force_n",
+        words: "force",
+        factors: &[0.5, 2.0],
+    },
+];
+
 const MILLING: &[Knob] = &[
     Knob {
         key: "process.milling.spindle_rpm",
@@ -85,7 +103,8 @@ pub(super) fn experiments(scenario: &Scenario) -> Vec<Experiment> {
         ProcessSpec::Wheel(_) => WHEEL,
         ProcessSpec::Replay(_) => REPLAY,
         ProcessSpec::Milling(_) => MILLING,
-        ProcessSpec::Polish(_) | ProcessSpec::Load(_) => &[],
+        ProcessSpec::Polish(_) => POLISH,
+        ProcessSpec::Load(_) => &[],
     };
     let variation = |knob: &Knob, factor: f64| {
         let replay = matches!(scenario.process, ProcessSpec::Replay(_));

@@ -4,7 +4,7 @@ use crate::error::SimError;
 use crate::plant::DriveKind;
 use truecut_arm::{JointKind, Robot};
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target};
-use truecut_scenario::{FootSpec, FrictionSpec, ProcessSpec, Scenario};
+use truecut_scenario::{ControlSpec, FootSpec, FrictionSpec, ProcessSpec, Scenario};
 
 /// Checks `scenario.effects[index]`.
 pub(super) fn applies(
@@ -111,9 +111,9 @@ fn misfit(effect: &Effect, process: &ProcessSpec) -> Option<String> {
         Family::Cutting if !matches!(process, ProcessSpec::Chamfer(_)) => Some(format!(
             "{effect} does not apply to {name}: it acts on a chamfering edge"
         )),
-        Family::Wheel if !matches!(process, ProcessSpec::Wheel(_)) => Some(format!(
-            "{effect} does not apply to {name}: it acts on the wheel of process.wheel"
-        )),
+        Family::Wheel => {
+            wheel_misfit(effect, process).map(|why| format!("{effect} does not apply to {name}: {why}"))
+        }
         Family::Foot => {
             let Some(foot) = foot_of(process) else {
                 return Some(format!(
@@ -124,6 +124,23 @@ fn misfit(effect: &Effect, process: &ProcessSpec) -> Option<String> {
                 .map(|why| format!("{effect} does not apply: {why}"))
         }
         _ => None,
+    }
+}
+
+fn wheel_misfit(effect: &Effect, process: &ProcessSpec) -> Option<&'static str> {
+    let of_control = matches!(
+        effect.kind,
+        EffectKind::WheelForceOffset | EffectKind::WheelForceStiction
+    );
+    match process {
+        ProcessSpec::Wheel(_) if of_control => {
+            Some("it acts on a force control, which process.polish can have")
+        }
+        ProcessSpec::Polish(spec) if of_control && matches!(spec.control, ControlSpec::Position { .. }) => {
+            Some("it acts on a force control, but law = \"position\" has none")
+        }
+        ProcessSpec::Wheel(_) | ProcessSpec::Polish(_) => None,
+        _ => Some("it acts on the wheel of process.wheel or process.polish"),
     }
 }
 

@@ -103,8 +103,15 @@ impl FootEffects {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelEffects {
     pub stiffness_factor: f64,
-    /// Runout at the contact when the wheel starts, and a quarter of a turn later, m.
+    /// Runout at the contact when the wheel starts, and a quarter of a turn later, m; of a wheel in precession the place of its
+    /// middle when it starts, along the tool's x and y axes.
     pub eccentricity_m: [f64; 2],
+    pub friction_factor: f64,
+    pub removal_factor: f64,
+    /// Beyond the force that the control is told to hold, N.
+    pub force_offset_n: f64,
+    /// Dry friction of the control's carrier, N.
+    pub force_stiction_n: f64,
 }
 
 impl Default for WheelEffects {
@@ -112,6 +119,10 @@ impl Default for WheelEffects {
         Self {
             stiffness_factor: 1.0,
             eccentricity_m: [0.0; 2],
+            friction_factor: 1.0,
+            removal_factor: 1.0,
+            force_offset_n: 0.0,
+            force_stiction_n: 0.0,
         }
     }
 }
@@ -122,6 +133,10 @@ impl WheelEffects {
         match effect.kind {
             EffectKind::WheelStiffness => self.stiffness_factor = v[0],
             EffectKind::WheelEccentricity => self.eccentricity_m = [v[0], v[1]],
+            EffectKind::WheelFriction => self.friction_factor = v[0],
+            EffectKind::WheelRemoval => self.removal_factor = v[0],
+            EffectKind::WheelForceOffset => self.force_offset_n = v[0],
+            EffectKind::WheelForceStiction => self.force_stiction_n = v[0],
             _ => {}
         }
     }

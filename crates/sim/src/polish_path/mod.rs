@@ -5,6 +5,7 @@ mod timing;
 
 use crate::command::Samples;
 use crate::error::SimError;
+use crate::robots::Robots;
 use crate::tool_path::{Along, check_singularities, leaves};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use timing::{Course, Station};
@@ -28,6 +29,7 @@ const KNOT_INTERVAL_S: f64 = 5e-3;
 const FEED_ACCELERATION_M_S2: f64 = 0.5;
 
 /// The wheel's way, solved.
+#[derive(Debug, Clone)]
 pub(crate) struct PolishPath {
     /// Postures every [`KNOT_INTERVAL_S`], from the start on.
     postures: Vec<Vec<f64>>,
@@ -113,12 +115,14 @@ impl PolishPath {
     pub(crate) fn of(
         scenario: &Scenario,
         robot: &Robot,
+        robots: &Robots,
         posture: &[f64],
     ) -> Result<Option<Self>, SimError> {
         let ProcessSpec::Polish(spec) = &scenario.process else {
             return Ok(None);
         };
-        let path = Self::solve(spec, robot, posture)?;
+        let solve = || Self::solve(spec, robot, posture);
+        let path = robots.polish_path(&scenario.robot, posture, spec, solve)?;
         let asked_s = scenario.run.duration_s;
         if asked_s.is_finite() && asked_s > path.duration_s {
             return Err(SimError::scenario(

@@ -1,5 +1,6 @@
 //! From the polishing table to the process that runs.
 
+use crate::effect::WheelEffects;
 use crate::error::SimError;
 use crate::loads::{Attachment, Wrench};
 use crate::polish_path::{penetration_m, pneumatic, world_from_face};
@@ -10,6 +11,7 @@ use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::roughness::Polishing;
 use truecut_core::wheel::face::Face;
 use truecut_core::wheel::force_control::ForceControl;
+use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_scenario::{ControlSpec, PolishSpec};
 
 /// Rounds in which the force at rest and the arm's deflection under it are found; each gains the ratio of their stiffnesses,
@@ -19,6 +21,7 @@ const ROUNDS: usize = 12;
 /// The process of a scenario on an arm at the first posture of its path, and its workpiece.
 pub(super) fn polish(
     spec: &PolishSpec,
+    effects: &WheelEffects,
     robot: &Robot,
     posture: &[f64],
     world_from_process: &Isometry3<f64>,
@@ -26,14 +29,15 @@ pub(super) fn polish(
 ) -> Result<(Polish, Workpiece), SimError> {
     let face = Face::rectangle(spec.face.length_m, spec.face.width_m)
         .map_err(|error| SimError::scenario("process.polish.face", error.to_string()))?;
+    let (eccentricity_m, eccentricity_angle_rad) = eccentricity(spec, effects);
     let mut setup = PolishSetup {
-        wheel: pneumatic(&spec.wheel),
-        control: control(&spec.control),
+        wheel: wheel(spec, effects),
+        control: control(&spec.control, effects),
         spin_rad_s: spec.spin_rad_s,
-        mu: spec.mu,
-        eccentricity_m: spec.eccentricity_m,
-        eccentricity_angle_rad: spec.eccentricity_angle_rad,
-        preston_per_pa: spec.preston_per_pa,
+        mu: spec.mu * effects.friction_factor,
+        eccentricity_m,
+        eccentricity_angle_rad,
+        preston_per_pa: spec.preston_per_pa * effects.removal_factor,
         polishing: Polishing {
             initial_m: spec.roughness.initial_m,
             final_m: spec.roughness.final_m,
@@ -70,7 +74,31 @@ fn expected_depth_m(spec: &PolishSpec) -> Result<f64, SimError> {
     Ok(spec.preston_per_pa * line_n / spacing_m)
 }
 
-fn control(spec: &ControlSpec) -> ForceControl {
+/// A stiffer wheel presses more by all three of its springs: air, shell and tread.
+fn wheel(spec: &PolishSpec, effects: &WheelEffects) -> PneumaticWheel {
+    let nominal = pneumatic(&spec.wheel);
+    PneumaticWheel {
+        pressure_pa: nominal.pressure_pa * effects.stiffness_factor,
+        youngs_modulus_pa: nominal.youngs_modulus_pa * effects.stiffness_factor,
+        ..nominal
+    }
+}
+
+/// Distance of the wheel's middle from the spin axis, and its angle at the start from the tool's x axis towards its y axis.
+fn eccentricity(spec: &PolishSpec, effects: &WheelEffects) -> (f64, f64) {
+    let [x, y] = effects.eccentricity_m;
+    if [x, y] == [0.0; 2] {
+        return (spec.eccentricity_m, spec.eccentricity_angle_rad);
+    }
+    let (sine, cosine) = spec.eccentricity_angle_rad.sin_cos();
+    let (x, y) = (
+        x + spec.eccentricity_m * cosine,
+        y + spec.eccentricity_m * sine,
+    );
+    (x.hypot(y), y.atan2(x))
+}
+
+fn control(spec: &ControlSpec, effects: &WheelEffects) -> ForceControl {
     match *spec {
         ControlSpec::Position { .. } => ForceControl::Position,
         ControlSpec::ConstantForce {
@@ -78,9 +106,10 @@ fn control(spec: &ControlSpec) -> ForceControl {
             damping_n_s_per_m,
             fastest_m_per_s,
         } => ForceControl::ConstantForce {
-            force_n,
+            force_n: force_n + effects.force_offset_n,
             damping_n_s_per_m,
             fastest_m_per_s,
+            stiction_n: effects.force_stiction_n,
         },
         ControlSpec::Compliant {
             force_n,
@@ -92,8 +121,9 @@ fn control(spec: &ControlSpec) -> ForceControl {
             mass_kg,
             stiffness_n_per_m,
             damping_n_s_per_m,
-            preload_n: force_n,
+            preload_n: force_n + effects.force_offset_n,
             stroke_m,
+            stiction_n: effects.force_stiction_n,
         },
     }
 }

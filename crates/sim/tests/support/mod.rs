@@ -99,6 +99,59 @@ preston_per_pa = 4e-11
     )
 }
 
+/// A soft wheel, its axis leaning steadily and its force held by a sprung carrier, on the planar rig; it begins to follow a line.
+pub fn polish() -> Scenario {
+    scenario(
+        r#"
+name = "polish"
+[robot]
+urdf = "../../assets/robots/rig_planar/robot.urdf"
+gravity = false
+posture_mm = [0, 10, 20]
+[run]
+duration_s = 0.4
+[process.polish]
+spin_rpm = 900
+tilt_deg = 20
+mu = 0.3
+eccentricity_um = 50
+eccentricity_angle_deg = 30
+preston_per_pa = 4e-12
+[process.polish.wheel]
+radius_mm = 20
+pressure_mpa = 0.1
+shell_thickness_mm = 5
+youngs_modulus_mpa = 4
+[process.polish.face]
+origin_mm = [371.3, 19.0, 21.8]
+x_axis = [-0.3420201433256687, 0.0, -0.9396926207859084]
+normal = [-0.9396926207859084, 0.0, 0.3420201433256687]
+length_mm = 78
+width_mm = 30
+cell_mm = 1
+[process.polish.path]
+line_spacing_mm = 12
+inset_mm = 9
+corner_radius_mm = 2
+feed_mm_per_s = 15
+[process.polish.precession]
+turn_rpm = 0
+rule = "none"
+[process.polish.control]
+law = "compliant"
+force_n = 4
+mass_kg = 0.5
+stiffness_n_per_mm = 0.2
+damping_n_s_per_mm = 0.05
+stroke_mm = 2
+[process.polish.roughness]
+start_um = 0.8
+end_um = 0.1
+dose_j_per_mm2 = 0.5
+"#,
+    )
+}
+
 /// Peaks of a swinging column, by a parabola through three samples.
 pub fn peaks(x: &[f64]) -> Vec<f64> {
     (x.windows(3))

@@ -21,9 +21,13 @@ impl Patch {
         if c <= 0.0 {
             return;
         }
+        let mut crossings = Vec::new();
+        if matches!(self.shape, Shape::Point { .. }) && is_whole(face, sides, c, &mut crossings) {
+            self.add_disc(sliding, quadrature, loads);
+            return;
+        }
         let half_y = self.half_y_m();
         let ends = self.row_breaks(sides);
-        let mut crossings = Vec::new();
         for pair in ends.windows(2) {
             let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
             for (node, weight) in quadrature.for_share(half / FRAC_PI_2) {
@@ -46,6 +50,26 @@ impl Patch {
                     }
                 });
             }
+        }
+    }
+
+    /// A round patch that lies on the face as a whole: the same points every time.
+    fn add_disc(&self, sliding: &Sliding, quadrature: &Quadrature, loads: &mut PatchLoads) {
+        let c = self.contact_m;
+        let radius_m = self.shape.radius_m();
+        let layer_pa = self.layer_pressure_pa();
+        let damping = self.bed.damping_pa_s_per_m;
+        let approach = self.overlap_rate * sliding.approach_m_per_s;
+        for point in quadrature.disc() {
+            let at = c * point.at;
+            let overlap = self.overlap_m - at.norm_squared() / (2.0 * radius_m);
+            let mut pressure = self.bed.pressure_pa(overlap) + layer_pa;
+            if damping > 0.0 {
+                let outwards = sliding.at_m_per_s(at.x, at.y).dot(&at);
+                pressure += damping * (approach - outwards / radius_m);
+            }
+            let force_n = pressure.max(0.0) * point.area * c * c;
+            loads.add(Point2::from(at), force_n, sliding);
         }
     }
 
@@ -164,6 +188,19 @@ impl Patch {
             }
         }
     }
+}
+
+/// Whether a disc about the origin lies on the face.
+fn is_whole(face: &Face, sides: &[Side], radius_m: f64, crossings: &mut Vec<f64>) -> bool {
+    let cut = sides.iter().any(|side| {
+        let (near, half) = chord(side, radius_m);
+        half > 0.0 && near + half > 0.0 && near - half < 1.0
+    });
+    let mut whole = false;
+    face.row(sides, 0.0, radius_m, crossings, |from, to| {
+        whole = from <= -radius_m && to >= radius_m;
+    });
+    whole && !cut
 }
 
 /// Nearest point to the origin and half the chord within a circle, as parts of the side's length.

@@ -4,6 +4,7 @@ use crate::wheel::belt::tests::wheel as slack;
 use crate::wheel::pneumatic::PneumaticWheel;
 use crate::wheel::pneumatic::tests::wheel as ball;
 use nalgebra::Isometry2;
+use std::f64::consts::TAU;
 
 fn belt() -> BeltWheel {
     BeltWheel {
@@ -43,6 +44,44 @@ fn verify_far_from_edges_it_is_the_free_law() {
             assert!(l.first_moment_n_m.norm() < 1e-9 * l.normal_n);
         }
     }
+}
+
+/// A whole patch that turns about a point beside it, against a sum over rings.
+#[test]
+fn verify_a_whole_patch_is_the_sum_over_its_rings() {
+    let patch = PneumaticWheel {
+        damping_pa_s_per_m: 1e4,
+        ..ball()
+    }
+    .patch(0.8e-3);
+    let sliding = Sliding {
+        approach_m_per_s: 0.02,
+        ..PRECESSING()
+    };
+    let found = loads(&patch, &Face::unbounded(), at(0.0, 0.0, 0.0), &sliding, 16);
+    let (rings, spokes) = (1500, 240);
+    let (ring_m, spoke_rad) = (patch.contact_m() / f64::from(rings), TAU / f64::from(spokes));
+    let mut expected = PatchLoads::default();
+    for ring in 0..rings {
+        let rho = (f64::from(ring) + 0.5) * ring_m;
+        for spoke in 0..spokes {
+            let (sine, cosine) = (f64::from(spoke) * spoke_rad).sin_cos();
+            let (x, y) = (rho * cosine, rho * sine);
+            let force_n = patch.moving_pressure_pa(x, y, &sliding) * rho * ring_m * spoke_rad;
+            expected.add(Point2::new(x, y), force_n, &sliding);
+        }
+    }
+    let close = |a: f64, b: f64, of: f64| assert!((a - b).abs() < 2e-6 * of, "{a} {b}");
+    close(found.normal_n, expected.normal_n, expected.normal_n);
+    close(found.sliding_w, expected.sliding_w, expected.sliding_w);
+    let friction = expected.friction_n.norm();
+    close(found.friction_n.x, expected.friction_n.x, friction);
+    close(found.friction_n.y, expected.friction_n.y, friction);
+    let lever = friction * patch.contact_m();
+    close(found.spin_moment_n_m, expected.spin_moment_n_m, lever);
+    let first = expected.normal_n * patch.contact_m();
+    close(found.first_moment_n_m.x, expected.first_moment_n_m.x, first);
+    close(found.first_moment_n_m.y, expected.first_moment_n_m.y, first);
 }
 
 #[test]

@@ -126,6 +126,14 @@ pub enum EffectKind {
     WheelStiffness,
     /// The wheel runs out: once per revolution.
     WheelEccentricity,
+    /// The wheel rubs more or less.
+    WheelFriction,
+    /// The wheel takes off more or less.
+    WheelRemoval,
+    /// The force control holds another force than it is told to.
+    WheelForceOffset,
+    /// The carrier of the force control sticks.
+    WheelForceStiction,
     /// The channel arrives late.
     SensorDelay,
     /// The channel's gain is off.
@@ -170,6 +178,10 @@ impl EffectKind {
         EffectKind::FootSealStiction,
         EffectKind::WheelStiffness,
         EffectKind::WheelEccentricity,
+        EffectKind::WheelFriction,
+        EffectKind::WheelRemoval,
+        EffectKind::WheelForceOffset,
+        EffectKind::WheelForceStiction,
         EffectKind::SensorDelay,
         EffectKind::SensorGain,
         EffectKind::SensorOffset,
@@ -239,6 +251,10 @@ impl EffectKind {
             EffectKind::FootSealStiction => &process::FOOT_SEAL_STICTION,
             EffectKind::WheelStiffness => &process::WHEEL_STIFFNESS,
             EffectKind::WheelEccentricity => &process::WHEEL_ECCENTRICITY,
+            EffectKind::WheelFriction => &process::WHEEL_FRICTION,
+            EffectKind::WheelRemoval => &process::WHEEL_REMOVAL,
+            EffectKind::WheelForceOffset => &process::WHEEL_FORCE_OFFSET,
+            EffectKind::WheelForceStiction => &process::WHEEL_FORCE_STICTION,
             EffectKind::SensorDelay => &sensor::SENSOR_DELAY,
             EffectKind::SensorGain => &sensor::SENSOR_GAIN,
             EffectKind::SensorOffset => &sensor::SENSOR_OFFSET,

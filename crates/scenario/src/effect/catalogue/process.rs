@@ -245,7 +245,7 @@ pub(super) const WHEEL_ECCENTRICITY: Entry = Entry {
             0.0,
             -0.01,
             0.01,
-            "At the contact when the wheel starts",
+            "At the contact when the wheel starts; of a wheel in precession along the tool's x axis",
         ),
         same(
             "sine_m",
@@ -253,7 +253,69 @@ pub(super) const WHEEL_ECCENTRICITY: Entry = Entry {
             0.0,
             -0.01,
             0.01,
-            "A quarter of a turn later",
+            "A quarter of a turn later; of a wheel in precession along the tool's y axis",
         ),
     ],
+};
+
+pub(super) const WHEEL_FRICTION: Entry = Entry {
+    name: "wheel_friction",
+    family: Family::Wheel,
+    target: TargetKind::Whole,
+    description: "The wheel rubs more or less.",
+    parameters: &[same(
+        "factor",
+        Unit::One,
+        1.0,
+        0.0,
+        20.0,
+        "Times the nominal friction coefficient",
+    )
+    .starts(&[0.7, 1.4])],
+};
+
+pub(super) const WHEEL_REMOVAL: Entry = Entry {
+    name: "wheel_removal",
+    family: Family::Wheel,
+    target: TargetKind::Whole,
+    description: "The wheel takes off more or less: abrasive worn, slurry thin.",
+    parameters: &[same(
+        "factor",
+        Unit::One,
+        1.0,
+        0.0,
+        100.0,
+        "Times the nominal Preston coefficient",
+    )
+    .starts(&[0.7, 1.4])],
+};
+
+pub(super) const WHEEL_FORCE_OFFSET: Entry = Entry {
+    name: "wheel_force_offset",
+    family: Family::Wheel,
+    target: TargetKind::Whole,
+    description: "The force control holds another force than it is told to.",
+    parameters: &[same(
+        "force_n",
+        Unit::Newton,
+        0.0,
+        -10000.0,
+        10000.0,
+        "Beyond the force that it is told",
+    )],
+};
+
+pub(super) const WHEEL_FORCE_STICTION: Entry = Entry {
+    name: "wheel_force_stiction",
+    family: Family::Wheel,
+    target: TargetKind::Whole,
+    description: "The carrier of the force control sticks: what lacks less than that stays.",
+    parameters: &[same(
+        "force_n",
+        Unit::Newton,
+        0.0,
+        0.0,
+        10000.0,
+        "Dry friction of the carrier",
+    )],
 };

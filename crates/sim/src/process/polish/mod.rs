@@ -70,6 +70,8 @@ pub struct Polish {
     surface: Surface,
     watch: Watch,
     last: Last,
+    /// Whether nobody asks for the findings.
+    rows_only: bool,
 }
 
 /// What is recorded of the last step, face axes.
@@ -110,6 +112,7 @@ impl Polish {
             surface: Surface::new(&setup),
             watch: Watch::new(&setup),
             last: Last::default(),
+            rows_only: false,
             setup,
         }
     }
@@ -188,7 +191,7 @@ impl Polish {
         }
     }
 
-    /// What a carrier lets pass of the force on the wheel: along the normal its spring, damper and preload, at its stops all.
+    /// What a carrier lets pass of the force on the wheel: along the normal its spring, damper, guide and preload, at its stops all.
     fn through_carrier(&self, on_wheel_n: Vector3<f64>) -> Vector3<f64> {
         let ForceControl::Compliant {
             stiffness_n_per_m,
@@ -203,11 +206,13 @@ impl Polish {
         let Offset {
             offset_m,
             rate_m_per_s,
+            friction_n,
         } = self.carrier;
         if offset_m.abs() >= stroke_m {
             return on_wheel_n;
         }
-        let carried = preload_n - stiffness_n_per_m * offset_m - damping_n_s_per_m * rate_m_per_s;
+        let carried = preload_n - stiffness_n_per_m * offset_m - damping_n_s_per_m * rate_m_per_s
+            + friction_n;
         Vector3::new(on_wheel_n.x, on_wheel_n.y, carried)
     }
 
@@ -325,7 +330,10 @@ impl Process for Polish {
         edges.clear();
         let contact = self.contact(state, |point| edges.push(*point));
         self.surface.edges = edges;
-        self.surface.polish(&self.setup, &contact, dt_s);
+        self.surface.preston_j += contact.loads.sliding_w * dt_s;
+        if !self.rows_only {
+            self.surface.polish(&self.setup, &contact, dt_s);
+        }
         let p = &self.setup;
         let world_velocity = p.process_from_world.inverse() * state.tool.velocity_m_per_s;
         let velocity = p.world_from_face.rotation.inverse() * world_velocity;
@@ -344,8 +352,10 @@ impl Process for Polish {
             force_on_tool_n: self.to_process(contact.force_on_tool_n),
             lean_rad: lean.y.atan2(lean.x),
         };
-        let inside_m = self.inside_m(contact.at_m);
-        self.watch.step(&self.last, inside_m, dt_s);
+        if !self.rows_only {
+            let inside_m = self.inside_m(contact.at_m);
+            self.watch.step(&self.last, inside_m, dt_s);
+        }
         self.carrier = p.control.step(&self.carrier, contact.loads.normal_n, dt_s);
     }
 
@@ -367,7 +377,14 @@ impl Process for Polish {
         row.push(self.surface.preston_m3(&self.setup));
     }
 
+    fn keep_rows_only(&mut self) {
+        self.rows_only = true;
+    }
+
     fn finish(&mut self) -> Findings {
+        if self.rows_only {
+            return Findings::default();
+        }
         self.surface.settle(&self.setup);
         report::findings(&self.setup, &self.surface, &self.watch)
     }

@@ -56,7 +56,6 @@ impl Surface {
     /// Gives a step's dose: along edges at once, that of the patch when it has moved far enough.
     pub fn polish(&mut self, setup: &PolishSetup, contact: &Contact, dt_s: f64) {
         let loads = &contact.loads;
-        self.preston_j += loads.sliding_w * dt_s;
         let placement = self.placement(contact.at_m);
         for edge in &self.edges {
             let energy_j = edge.sliding_w * dt_s;
