@@ -9,6 +9,7 @@
 //! Force and moment of patch, edges and friction act on the tool; the drive of the spindle holds its speed, so that the moment
 //! about the spin axis reaches the arm. The carrier's mass counts as part of the tool.
 
+mod channels;
 mod report;
 mod surface;
 
@@ -23,7 +24,7 @@ use truecut_core::wheel::force_control::{ForceControl, Offset};
 use truecut_core::wheel::patch::{EdgePoint, Patch, PatchLoads, Sliding};
 use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_core::wheel::quadrature::Quadrature;
-use truecut_recording::{ChannelSpec, Field, Unit};
+use truecut_recording::{ChannelSpec, Field};
 
 /// Height over the face at which the depth is drawn, so that the block does not shine through, m.
 const DRAWN_ABOVE_M: f64 = 1e-4;
@@ -242,76 +243,7 @@ impl Polish {
 
 impl Process for Polish {
     fn channels(&self) -> Vec<ChannelSpec> {
-        let spec =
-            |name: &str, unit, text: &str| ChannelSpec::new(format!("polish.{name}"), unit, text);
-        vec![
-            spec(
-                "normal_force",
-                Unit::Newton,
-                "Force with which the wheel presses on the face",
-            ),
-            spec(
-                "edge_force",
-                Unit::Newton,
-                "Part of the normal force that acts along edges",
-            ),
-            spec(
-                "inward_edge_force",
-                Unit::Newton,
-                "Part of the edge force on edges over which the wheel's surface moves inward",
-            ),
-            spec(
-                "friction_x",
-                Unit::Newton,
-                "Friction on the face, along its length",
-            ),
-            spec(
-                "friction_y",
-                Unit::Newton,
-                "Friction on the face, along its width",
-            ),
-            spec(
-                "penetration",
-                Unit::Metre,
-                "How far the undeformed wheel reaches into the face",
-            ),
-            spec(
-                "position_x",
-                Unit::Metre,
-                "Middle of the patch, along the face's length",
-            ),
-            spec(
-                "position_y",
-                Unit::Metre,
-                "Middle of the patch, along the face's width",
-            ),
-            spec(
-                "precession_angle",
-                Unit::Radian,
-                "Where the spin axis leans, from the face's x axis, -180 to 180 degrees",
-            ),
-            spec(
-                "carrier_offset",
-                Unit::Metre,
-                "Offset of the force control's carrier towards the face",
-            ),
-            spec(
-                "acceleration_x",
-                Unit::MetrePerSecondSquared,
-                "Acceleration of the tool along the face's length",
-            ),
-            spec(
-                "acceleration_y",
-                Unit::MetrePerSecondSquared,
-                "Acceleration of the tool along the face's width",
-            ),
-            spec(
-                "acceleration_z",
-                Unit::MetrePerSecondSquared,
-                "Acceleration of the tool along the face's normal",
-            ),
-            spec("removed_volume", Unit::CubicMetre, "Volume removed so far"),
-        ]
+        channels::specs()
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
@@ -360,21 +292,7 @@ impl Process for Polish {
     }
 
     fn record(&self, row: &mut Vec<f64>) {
-        let last = &self.last;
-        row.extend([
-            last.normal_n,
-            last.edge_n,
-            last.inward_n,
-            last.friction_n.x,
-            last.friction_n.y,
-            last.penetration_m,
-            last.at_m.x,
-            last.at_m.y,
-            last.lean_rad,
-            last.carrier_m,
-        ]);
-        row.extend(last.acceleration_m_s2.iter());
-        row.push(self.surface.preston_m3(&self.setup));
+        channels::record(&self.last, self.surface.preston_m3(&self.setup), row);
     }
 
     fn keep_rows_only(&mut self) {
