@@ -20,6 +20,10 @@ pub(crate) struct ContactSolver {
     /// Friction of every joint.
     joint_friction: Vec<LinkFriction>,
     friction_joints: Vec<usize>,
+    planes: Vec<Plane>,
+    lines: Vec<Line>,
+    /// Joint velocities under the impulses at hand.
+    velocity: DVector<f64>,
     pub(crate) joint_torques: DVector<f64>,
     pub(crate) wrenches: Vec<WorldWrench>,
     pub(crate) outcomes: ContactOutcomes,
@@ -51,6 +55,9 @@ impl ContactSolver {
         Self {
             friction_joints: (0..n).filter(|i| !joint_friction[*i].is_none()).collect(),
             joint_friction,
+            planes: Vec::new(),
+            lines: Vec::new(),
+            velocity: DVector::zeros(n),
             joint_torques: DVector::zeros(n),
             wrenches: Vec::new(),
             outcomes: ContactOutcomes::new(),
@@ -74,32 +81,64 @@ impl ContactSolver {
             world_from_process.column(1).into_owned(),
             world_from_process.column(2).into_owned(),
         ];
-        let mut velocity = plant.free_velocity().clone();
-        let mut planes: Vec<Plane> = requests
-            .iter()
-            .map(|request| plane(plant, request, &tangents))
-            .collect();
-        let mut lines: Vec<Line> = (self.friction_joints.iter())
-            .map(|joint| line(plant, *joint, &self.joint_friction[*joint]))
-            .collect();
-        let single = planes.len() + lines.len() == 1;
+        self.gather(plant, requests, &tangents);
+        let velocity = &mut self.velocity;
+        let single = self.planes.len() + self.lines.len() == 1;
         for _ in 0..MAX_SWEEPS {
             let mut change: f64 = 0.0;
-            for plane in &mut planes {
-                change = change.max(update_plane(plane, &mut velocity, dt));
+            for plane in &mut self.planes {
+                change = change.max(update_plane(plane, velocity, dt));
             }
-            for line in &mut lines {
-                change = change.max(update_line(line, &mut velocity, dt));
+            for line in &mut self.lines {
+                change = change.max(update_line(line, velocity, dt));
             }
             if single || change <= TOLERANCE * velocity.amax() {
                 break;
             }
         }
-        self.publish(&planes, &lines, &tangents, dt);
+        self.publish(&tangents, dt);
     }
 
-    fn publish(&mut self, planes: &[Plane], lines: &[Line], tangents: &[Vector3<f64>; 2], dt: f64) {
-        for plane in planes {
+    /// Contacts and joints of this step, before any impulse. What a linear plant answers is asked for once.
+    fn gather(
+        &mut self,
+        plant: &mut dyn Plant,
+        requests: &[ContactRequest],
+        tangents: &[Vector3<f64>; 2],
+    ) {
+        self.velocity.copy_from(plant.free_velocity());
+        let frames = self.planes.iter().map(|plane| plane.request.frame);
+        let known = plant.is_linear()
+            && frames.eq(requests.iter().map(|request| request.frame))
+            && self.lines.len() == self.friction_joints.len();
+        if !known {
+            self.planes.clear();
+            self.planes
+                .extend(requests.iter().map(|one| plane(plant, one, tangents)));
+            self.lines.clear();
+            self.lines.extend(
+                (self.friction_joints.iter())
+                    .map(|joint| line(plant, *joint, &self.joint_friction[*joint])),
+            );
+            return;
+        }
+        let before = plant.half_step_velocity();
+        for (plane, request) in self.planes.iter_mut().zip(requests) {
+            plane.request = *request;
+            plane.velocity_before =
+                Vector2::new(plane.rows[0].dot(before), plane.rows[1].dot(before));
+            plane.contact = AT_REST;
+        }
+        for line in &mut self.lines {
+            line.law =
+                self.joint_friction[line.joint].under(plant.joints().transmission[line.joint]);
+            line.velocity_before = before[line.joint];
+            line.impulse = 0.0;
+        }
+    }
+
+    fn publish(&mut self, tangents: &[Vector3<f64>; 2], dt: f64) {
+        for plane in &self.planes {
             let outcome = ContactOutcome::from_contact(&plane.contact, dt);
             let force = tangents[0] * outcome.friction_n.x + tangents[1] * outcome.friction_n.y;
             let mut wrench = Vector6::zeros();
@@ -107,11 +146,18 @@ impl ContactSolver {
             self.wrenches.push((plane.request.frame, wrench));
             self.outcomes.push(outcome);
         }
-        for line in lines {
+        for line in &self.lines {
             self.joint_torques[line.joint] = line.impulse / dt;
         }
     }
 }
+
+/// A contact to which no impulse has been given.
+const AT_REST: PlanarContact = PlanarContact {
+    impulse_n_s: Vector2::new(0.0, 0.0),
+    velocity_m_per_s: Vector2::new(0.0, 0.0),
+    sliding: false,
+};
 
 fn plane(plant: &mut dyn Plant, request: &ContactRequest, tangents: &[Vector3<f64>; 2]) -> Plane {
     let rows = tangents.each_ref().map(|tangent| {
@@ -127,11 +173,7 @@ fn plane(plant: &mut dyn Plant, request: &ContactRequest, tangents: &[Vector3<f6
         rows,
         response,
         inverse_mass,
-        contact: PlanarContact {
-            impulse_n_s: Vector2::zeros(),
-            velocity_m_per_s: Vector2::zeros(),
-            sliding: false,
-        },
+        contact: AT_REST,
     }
 }
 

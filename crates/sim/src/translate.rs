@@ -74,8 +74,14 @@ pub(crate) fn build_process(
         }
         ProcessSpec::Polish(spec) => {
             compliance.ok_or_else(|| needs_drive("polish"))?;
-            let (process, workpiece) =
-                polish::polish(spec, &effects.wheel, robot, posture, world_from_process, path_s)?;
+            let (process, workpiece) = polish::polish(
+                spec,
+                &effects.wheel,
+                robot,
+                posture,
+                world_from_process,
+                path_s,
+            )?;
             Ok((Box::new(process), workpiece))
         }
         ProcessSpec::Replay(_) => Err(SimError::scenario(

@@ -275,7 +275,11 @@ fn verify_a_polishing_wheel_presses_rubs_and_removes_by_its_factors() {
         assert!(share > 0.85 * 0.45 && share < 0.45, "{row}: {share}");
     }
     // the carrier holds nearly the same force
-    let taken = |recording: &Recording| *column(recording, "polish.removed_volume").last().expect("rows");
+    let taken = |recording: &Recording| {
+        *column(recording, "polish.removed_volume")
+            .last()
+            .expect("rows")
+    };
     let ratio = taken(&with) / taken(&nominal);
     assert!((ratio / 0.8 - 1.0).abs() < 0.1, "{ratio}");
     let less = run(&scenario, &[whole(EffectKind::WheelRemoval, &[0.8])]);
@@ -293,7 +297,10 @@ fn verify_an_eccentric_polishing_wheel_is_the_sum_of_two_places() {
     let (x, y) = (5e-5 * angle.cos() + 2e-5, 5e-5 * angle.sin() - 3e-5);
     let sum = [
         ("process.polish.eccentricity_um", 1e6 * x.hypot(y)),
-        ("process.polish.eccentricity_angle_deg", y.atan2(x).to_degrees()),
+        (
+            "process.polish.eccentricity_angle_deg",
+            y.atan2(x).to_degrees(),
+        ),
     ];
     let sum = sum.map(|(key, value)| (key.to_owned(), format!("{value:?}")));
     let nominal = record(&polish(), &sum).expect("a run");
@@ -313,7 +320,10 @@ fn verify_force_control_is_off_and_sticks() {
     let lacking = |recording: &Recording, preload: f64| -> Vec<f64> {
         let force = column(recording, "polish.normal_force").iter();
         let offset = column(recording, "polish.carrier_offset").iter();
-        force.zip(offset).map(|(f, x)| preload - 200.0 * x - f).collect()
+        force
+            .zip(offset)
+            .map(|(f, x)| preload - 200.0 * x - f)
+            .collect()
     };
     let last = |values: Vec<f64>| values[values.len() / 2..].to_vec();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;

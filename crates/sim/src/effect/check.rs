@@ -111,9 +111,8 @@ fn misfit(effect: &Effect, process: &ProcessSpec) -> Option<String> {
         Family::Cutting if !matches!(process, ProcessSpec::Chamfer(_)) => Some(format!(
             "{effect} does not apply to {name}: it acts on a chamfering edge"
         )),
-        Family::Wheel => {
-            wheel_misfit(effect, process).map(|why| format!("{effect} does not apply to {name}: {why}"))
-        }
+        Family::Wheel => wheel_misfit(effect, process)
+            .map(|why| format!("{effect} does not apply to {name}: {why}")),
         Family::Foot => {
             let Some(foot) = foot_of(process) else {
                 return Some(format!(
@@ -136,7 +135,9 @@ fn wheel_misfit(effect: &Effect, process: &ProcessSpec) -> Option<&'static str> 
         ProcessSpec::Wheel(_) if of_control => {
             Some("it acts on a force control, which process.polish can have")
         }
-        ProcessSpec::Polish(spec) if of_control && matches!(spec.control, ControlSpec::Position { .. }) => {
+        ProcessSpec::Polish(spec)
+            if of_control && matches!(spec.control, ControlSpec::Position { .. }) =>
+        {
             Some("it acts on a force control, but law = \"position\" has none")
         }
         ProcessSpec::Wheel(_) | ProcessSpec::Polish(_) => None,

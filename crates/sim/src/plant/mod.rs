@@ -119,6 +119,11 @@ pub trait Plant: Send {
     /// `M⁻¹ g` for a generalised impulse `g`, with `M` the mass that the step sees.
     fn mobility(&mut self, impulse: &DVector<f64>) -> DVector<f64>;
 
+    /// Whether Jacobians of the frames and [`Plant::mobility`] are the same in every step.
+    fn is_linear(&self) -> bool {
+        false
+    }
+
     /// Adds contact wrenches (averages over the step) and joint torques, and steps the velocities. The
     /// joint state still belongs to the instant of the step, its velocity now being the mean of both half
     /// steps.

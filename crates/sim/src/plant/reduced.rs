@@ -357,6 +357,10 @@ impl Plant for ReducedPlant {
         self.linear.recurrence.response(impulse)
     }
 
+    fn is_linear(&self) -> bool {
+        !self.travels
+    }
+
     fn finish(&mut self, contacts: &[WorldWrench], joint_torques: &DVector<f64>) {
         self.free_velocity();
         let mut added = std::mem::replace(&mut self.scratch, DVector::zeros(0));

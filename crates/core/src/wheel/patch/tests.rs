@@ -60,7 +60,10 @@ fn verify_a_whole_patch_is_the_sum_over_its_rings() {
     };
     let found = loads(&patch, &Face::unbounded(), at(0.0, 0.0, 0.0), &sliding, 16);
     let (rings, spokes) = (1500, 240);
-    let (ring_m, spoke_rad) = (patch.contact_m() / f64::from(rings), TAU / f64::from(spokes));
+    let (ring_m, spoke_rad) = (
+        patch.contact_m() / f64::from(rings),
+        TAU / f64::from(spokes),
+    );
     let mut expected = PatchLoads::default();
     for ring in 0..rings {
         let rho = (f64::from(ring) + 0.5) * ring_m;
