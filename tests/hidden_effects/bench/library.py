@@ -96,7 +96,7 @@ SINGLES = (
 # Another process, in a part of the bench of its own.
 POLISHING = (
     Template("polish", "wheel_stiffness", None, {"factor": 1.15}),
-    Template("polish", "wheel_eccentricity", None, {"cosine_m": 1e-5, "sine_m": 6e-6}),
+    Template("polish", "wheel_eccentricity", None, {"cosine_m": 2e-5, "sine_m": 1.2e-5}),
     Template("polish", "wheel_friction", None, {"factor": 1.2}),
     Template("polish", "wheel_removal", None, {"factor": 1.15}),
     Template("polish_force", "wheel_force_offset", None, {"force_n": 0.6}),

@@ -1,17 +1,18 @@
 //! Gauss–Legendre rules, computed once and kept.
 
-use nalgebra::Vector2;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Rows of a disc, and nodes in each: smooth pressures and a sliding that turns about a point outside are met to 1e-6.
+/// Rows of a disc, and nodes in each: smooth pressures and a sliding that turns about a point outside are met to 1e-5.
 const DISC_ROWS: usize = 12;
+/// Nodes of a disc; four of them are summed at a time.
+pub(super) const DISC_NODES: usize = DISC_ROWS * DISC_ROWS;
 
-/// A node of a disc of radius 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct DiscPoint {
-    pub at: Vector2<f64>,
-    /// Its weight.
-    pub area: f64,
+/// Nodes of a disc of radius 1 and their weights, apart, so that a loop over them runs over numbers side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Disc {
+    pub x: [f64; DISC_NODES],
+    pub y: [f64; DISC_NODES],
+    pub area: [f64; DISC_NODES],
 }
 
 /// Rules of one to `largest` nodes on `[-1, 1]`.
@@ -19,7 +20,7 @@ pub(super) struct DiscPoint {
 pub struct Quadrature {
     /// `rules[n - 1]` holds n pairs (node, weight).
     rules: Vec<Vec<(f64, f64)>>,
-    disc: Vec<DiscPoint>,
+    disc: Box<Disc>,
 }
 
 impl Default for Quadrature {
@@ -34,13 +35,13 @@ impl Quadrature {
     pub fn new(largest: usize) -> Self {
         Self {
             rules: (1..=largest.max(4)).map(legendre).collect(),
-            disc: disc(&legendre(DISC_ROWS)),
+            disc: Box::new(disc(&legendre(DISC_ROWS))),
         }
     }
 
     /// Nodes of a disc: rows and nodes along them by the sine of an angle, in which pressures that fall to zero like a root
     /// at the rim are smooth.
-    pub(super) fn disc(&self) -> &[DiscPoint] {
+    pub(super) fn disc(&self) -> &Disc {
         &self.disc
     }
 
@@ -68,19 +69,25 @@ impl Quadrature {
     }
 }
 
-fn disc(rule: &[(f64, f64)]) -> Vec<DiscPoint> {
-    let angles = || {
-        rule.iter()
-            .map(|(node, weight)| ((FRAC_PI_2 * node).sin_cos(), FRAC_PI_2 * weight))
+fn disc(rule: &[(f64, f64)]) -> Disc {
+    let zeros = [0.0; DISC_NODES];
+    let mut disc = Disc {
+        x: zeros,
+        y: zeros,
+        area: zeros,
     };
-    angles()
-        .flat_map(|((y, half), row)| {
-            angles().map(move |((sine, cosine), weight)| DiscPoint {
-                at: Vector2::new(half * sine, y),
-                area: row * half * weight * half * cosine,
-            })
-        })
-        .collect()
+    let angle = |k: usize| {
+        let (node, weight) = rule[k];
+        ((FRAC_PI_2 * node).sin_cos(), FRAC_PI_2 * weight)
+    };
+    for k in 0..DISC_NODES {
+        let ((y, half), row) = angle(k / DISC_ROWS);
+        let ((sine, cosine), weight) = angle(k % DISC_ROWS);
+        disc.x[k] = half * sine;
+        disc.y[k] = y;
+        disc.area[k] = row * half * weight * half * cosine;
+    }
+    disc
 }
 
 /// Nodes and weights by Newton's iteration on the Legendre polynomial (Abramowitz and Stegun 25.4.29).
@@ -115,12 +122,15 @@ mod tests {
     #[test]
     fn verify_disc_integrates_polynomials_and_a_root_at_the_rim() {
         let q = Quadrature::default();
-        let over = |f: &dyn Fn(&DiscPoint) -> f64| -> f64 {
-            q.disc().iter().map(|point| point.area * f(point)).sum()
+        let over = |f: &dyn Fn(f64) -> f64| -> f64 {
+            let d = q.disc();
+            (0..DISC_NODES)
+                .map(|k| d.area[k] * f(d.x[k] * d.x[k] + d.y[k] * d.y[k]))
+                .sum()
         };
         assert!((over(&|_| 1.0) / PI - 1.0).abs() < 1e-12);
-        assert!((over(&|p| p.at.norm_squared()) / (0.5 * PI) - 1.0).abs() < 1e-12);
-        let hemisphere = over(&|p| (1.0 - p.at.norm_squared()).sqrt());
+        assert!((over(&|square| square) / (0.5 * PI) - 1.0).abs() < 1e-12);
+        let hemisphere = over(&|square| (1.0 - square).sqrt());
         assert!((hemisphere / (2.0 * PI / 3.0) - 1.0).abs() < 1e-12);
     }
 

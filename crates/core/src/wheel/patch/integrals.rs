@@ -2,9 +2,12 @@
 
 use super::{Layer, Patch, PatchLoads, Shape, Sliding};
 use crate::wheel::face::{Face, Side};
-use crate::wheel::quadrature::Quadrature;
+use crate::wheel::quadrature::{DISC_NODES, Disc, Quadrature};
 use nalgebra::{Point2, Vector2};
 use std::f64::consts::FRAC_PI_2;
+
+/// Points that are summed side by side.
+const LANES: usize = 4;
 
 impl Patch {
     /// Rows across the patch between the ordinates at which the face's boundary changes, parts of rows on the face;
@@ -53,24 +56,67 @@ impl Patch {
         }
     }
 
-    /// A round patch that lies on the face as a whole: the same points every time.
+    /// A round patch that lies on the face as a whole: the same points every time, four of them side by side.
     fn add_disc(&self, sliding: &Sliding, quadrature: &Quadrature, loads: &mut PatchLoads) {
+        let (disc, c) = (quadrature.disc(), self.contact_m);
+        let force_n = self.disc_forces_n(disc, sliding);
+        let [vx, vy] = sliding.velocity_m_per_s.into();
+        let mut sums = [[0.0; LANES]; 7];
+        for k in (0..DISC_NODES).step_by(LANES) {
+            for lane in 0..LANES {
+                let (x, y, f) = (
+                    c * disc.x[k + lane],
+                    c * disc.y[k + lane],
+                    force_n[k + lane],
+                );
+                let (u, v) = (vx - sliding.spin_rad_s * y, vy + sliding.spin_rad_s * x);
+                let speed = (u * u + v * v).sqrt();
+                let rubbed = if speed > 0.0 {
+                    sliding.mu * f / speed
+                } else {
+                    0.0
+                };
+                let (fx, fy) = (u * rubbed, v * rubbed);
+                for (sum, value) in
+                    sums.iter_mut()
+                        .zip([f, f * x, f * y, f * speed, fx, fy, x * fy - y * fx])
+                {
+                    sum[lane] += value;
+                }
+            }
+        }
+        let [normal, first_x, first_y, power, fx, fy, moment] =
+            sums.map(|lanes| lanes.iter().sum::<f64>());
+        loads.normal_n += normal;
+        loads.first_moment_n_m += Vector2::new(first_x, first_y);
+        loads.sliding_w += power;
+        loads.friction_n += Vector2::new(fx, fy);
+        loads.spin_moment_n_m += moment;
+    }
+
+    /// Pressure times area at the nodes of the disc, N.
+    fn disc_forces_n(&self, disc: &Disc, sliding: &Sliding) -> [f64; DISC_NODES] {
         let c = self.contact_m;
-        let radius_m = self.shape.radius_m();
+        let flatter = 0.5 / self.shape.radius_m();
         let layer_pa = self.layer_pressure_pa();
         let damping = self.bed.damping_pa_s_per_m;
         let approach = self.overlap_rate * sliding.approach_m_per_s;
-        for point in quadrature.disc() {
-            let at = c * point.at;
-            let overlap = self.overlap_m - at.norm_squared() / (2.0 * radius_m);
-            let mut pressure = self.bed.pressure_pa(overlap) + layer_pa;
-            if damping > 0.0 {
-                let outwards = sliding.at_m_per_s(at.x, at.y).dot(&at);
-                pressure += damping * (approach - outwards / radius_m);
-            }
-            let force_n = pressure.max(0.0) * point.area * c * c;
-            loads.add(Point2::from(at), force_n, sliding);
+        let [vx, vy] = sliding.velocity_m_per_s.into();
+        let (c1, c2) = (self.bed.shell_m_per_pa, self.bed.tread_m_per_pa2);
+        let mut force_n = [0.0; DISC_NODES];
+        for k in 0..DISC_NODES {
+            let (x, y) = (c * disc.x[k], c * disc.y[k]);
+            // Inside the rim the overlap is positive; its bed is [`super::super::bed::Bed::pressure_pa`] without the question.
+            let overlap = self.overlap_m - (x * x + y * y) * flatter;
+            let bed = 2.0 * overlap / (c1 + (c1 * c1 + 4.0 * c2 * overlap).sqrt());
+            // The spin moves points around the middle, not outwards.
+            let outwards = vx * x + vy * y;
+            let viscous = damping * (approach - 2.0 * flatter * outwards);
+            let pressure = bed + layer_pa + viscous;
+            let pressed = if pressure > 0.0 { pressure } else { 0.0 };
+            force_n[k] = pressed * disc.area[k] * c * c;
         }
+        force_n
     }
 
     fn half_y_m(&self) -> f64 {

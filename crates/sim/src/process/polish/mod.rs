@@ -15,6 +15,8 @@ mod surface;
 
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use std::cell::RefCell;
+
 use nalgebra::{Isometry2, Isometry3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
 use surface::Surface;
@@ -73,6 +75,15 @@ pub struct Polish {
     last: Last,
     /// Whether nobody asks for the findings.
     rows_only: bool,
+    /// What the loads of this step were computed from.
+    met: RefCell<Met>,
+}
+
+/// A contact with its instant and the reactions along edges.
+#[derive(Debug, Clone, Default)]
+struct Met {
+    at: Option<(f64, Contact)>,
+    edges: Vec<EdgePoint>,
 }
 
 /// What is recorded of the last step, face axes.
@@ -91,6 +102,7 @@ struct Last {
 }
 
 /// Wheel and face at one instant, face axes.
+#[derive(Debug, Clone, Copy)]
 struct Contact {
     /// Middle of the patch.
     at_m: Point2<f64>,
@@ -114,8 +126,22 @@ impl Polish {
             watch: Watch::new(&setup),
             last: Last::default(),
             rows_only: false,
+            met: RefCell::default(),
             setup,
         }
+    }
+
+    /// The contact of this instant, met once.
+    fn meet(&self, state: &ToolState) -> Contact {
+        let mut met = self.met.borrow_mut();
+        let mut edges = std::mem::take(&mut met.edges);
+        edges.clear();
+        let contact = self.contact(state, |point| edges.push(*point));
+        *met = Met {
+            at: Some((state.time_s, contact)),
+            edges,
+        };
+        contact
     }
 
     /// Place (m) and velocity (m/s) of the wheel's middle, face axes; the second place is the tool point.
@@ -247,7 +273,7 @@ impl Process for Polish {
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let contact = self.contact(state, |_| {});
+        let contact = self.meet(state);
         let mut loads = Loads::default();
         loads.wrenches.push(Wrench {
             frame: Attachment::Tool,
@@ -258,10 +284,12 @@ impl Process for Polish {
     }
 
     fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
-        let mut edges = std::mem::take(&mut self.surface.edges);
-        edges.clear();
-        let contact = self.contact(state, |point| edges.push(*point));
-        self.surface.edges = edges;
+        // What is removed and recorded is what acted: the contact of the loads, met with the velocity foreseen for this instant.
+        let contact = match self.met.get_mut().at.take() {
+            Some((time_s, contact)) if time_s == state.time_s => contact,
+            _ => self.meet(state),
+        };
+        std::mem::swap(&mut self.surface.edges, &mut self.met.get_mut().edges);
         self.surface.preston_j += contact.loads.sliding_w * dt_s;
         if !self.rows_only {
             self.surface.polish(&self.setup, &contact, dt_s);
