@@ -13,13 +13,13 @@ import numpy as np
 
 from .effects import Effect
 from .experiment import ALL
-from .library import ANGLE, INSEPARABLE, PAIRS, POLISHING, POLISHING_PAIR, SINGLES, STRANGERS, TORQUE, Template, single
+from .library import ANGLE, INSEPARABLE, PAIRS, POLISHING, POLISHING_PAIR, SINGLES, STRANGERS, TORQUE, single
 from .noise import COLOURS
 
 SEEDS = {"report": 30_000, "tune": 20_000}
 LEVELS = {"strong": 10.0, "middle": 2.0, "weak": 0.5}
 CLEAN_SETS = 300
-POLISHING_CLEAN_SETS = 24
+POLISHING_CLEAN_SETS = 12
 CLEAN_EXPERIMENTS = ("axis", "two_joint", "chamfer", "teeth", "wheel")
 NOMINAL_VARIANTS = 4
 
@@ -88,14 +88,10 @@ def _clean(draw: _Draw) -> list[Case]:
 
 
 def _singles(draw: _Draw) -> list[Case]:
-    return _of_templates(draw, SINGLES, 10)
-
-
-def _of_templates(draw: _Draw, templates: tuple[Template, ...], key: int) -> list[Case]:
     found = []
-    for n, template in enumerate(templates):
+    for n, template in enumerate(SINGLES):
         for s, around in enumerate((0.6, 1.2)):
-            size = draw.size(around, key, n, s)
+            size = draw.size(around, 10, n, s)
             truth = (template.at(size),)
             # the middle level carries the bench's main figure: another realisation of the larger size
             for level in (*LEVELS, *(("middle",) if s else ())):
@@ -191,7 +187,14 @@ def _units(draw: _Draw) -> list[Case]:
 
 
 def _polishing(draw: _Draw) -> list[Case]:
-    found = _of_templates(draw, POLISHING, 70)
+    found = []
+    for n, template in enumerate(POLISHING):
+        for s, (around, levels) in enumerate(((0.6, ("middle", "weak")), (1.2, ("strong", "middle", "middle")))):
+            size = draw.size(around, 70, n, s)
+            for level in levels:
+                more = {"level": LEVELS[level], "size": size}
+                truth = (template.at(size),)
+                found.append(draw.case(f"polishing {level}", template.experiment, truth, "named", n + s, **more))
     size = draw.size(1.0, 71, 0)
     truth = tuple(template.at(size) for template in POLISHING_PAIR)
     found += [draw.case("pair", "polish", truth, "pair", 0, level=level, size=size) for level in (10.0, 10.0, 5.0)]
@@ -218,7 +221,7 @@ def fast_cases(seeds: str) -> list[Case]:
         first("single middle", "two_joint", "payload"),
         first("single strong", "chamfer", "foot_friction"),
         first("single strong", "wheel", "wheel_eccentricity"),
-        first("single strong", "polish", "wheel_friction"),
+        first("polishing strong", "polish", "wheel_eccentricity"),
         first("pair", "axis", "joint_coulomb"),
         first("outside", "axis", "outside_place_dependent_friction"),
         first("inseparable", "teeth_three"),

@@ -102,7 +102,8 @@ POLISHING = (
     Template("polish_force", "wheel_force_offset", None, {"force_n": 0.6}),
     Template("polish_force", "wheel_force_stiction", None, {"force_n": 0.15}),
 )
-POLISHING_PAIR = (POLISHING[1], POLISHING[2])
+# friction and removal are also what a sensor's gain would be
+POLISHING_PAIR = (POLISHING[0], POLISHING[1])
 
 
 def single(kind: str, experiment: str = "axis") -> Template:

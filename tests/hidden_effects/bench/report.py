@@ -45,6 +45,7 @@ def goals(judged: Judged) -> dict:
     within = sum(g <= 1.15 for g in gains)
     found = {
         "single effects at the middle level": (right("single middle"), 0.95),
+        "polishing, single effects at the middle level": (right("polishing middle"), 0.95),
         "pairs, both named": (right("pair"), 0.80),
         "outside the library: unknown": (right("outside"), 0.90),
         "inseparable: reported as such": (right("inseparable"), 0.90),
@@ -76,7 +77,7 @@ def confusion(judged: Judged) -> dict[str, Counter]:
     """For each hidden kind, single and at the middle level or stronger, what was named first (or the verdict)."""
     found: dict[str, Counter] = defaultdict(Counter)
     for _, case, score, _ in judged:
-        if case.family in ("single strong", "single middle"):
+        if case.family in ("single strong", "single middle", "polishing strong", "polishing middle"):
             told = score.named[0] if score.verdict == "named" else score.verdict
             found[case.truth[0].name][told] += 1
     return dict(found)
@@ -88,7 +89,7 @@ def power(judged: Judged) -> dict[str, dict[str, dict]]:
     for level in LEVELS:
         by_kind: dict[str, list[Score]] = defaultdict(list)
         for _, case, score, _ in judged:
-            if case.family == f"single {level}":
+            if case.family in (f"single {level}", f"polishing {level}"):
                 by_kind[case.truth[0].name].append(score)
                 by_kind["all"].append(score)
         found[level] = {
@@ -207,7 +208,7 @@ def _error_lines(judged: Judged) -> list[str]:
 def _wrong_lines(judged: Judged) -> list[str]:
     lines = ["", "## Not right", "", "| set | family | hidden | answer |", "| --- | --- | --- | --- |"]
     for name, case, score, _ in judged:
-        if not score.right and case.family != "single weak":
+        if not score.right and not case.family.endswith(" weak"):
             hidden = " + ".join(e.name for e in case.truth) or "nothing"
             lines.append(f"| {name} | {case.family}, {case.colour} | {hidden} | {score.reason} |")
     return lines
