@@ -104,7 +104,7 @@ impl Patch {
         let [vx, vy] = sliding.velocity_m_per_s.into();
         let (c1, c2) = (self.bed.shell_m_per_pa, self.bed.tread_m_per_pa2);
         let mut force_n = [0.0; DISC_NODES];
-        for k in 0..DISC_NODES {
+        for (k, force_n) in force_n.iter_mut().enumerate() {
             let (x, y) = (c * disc.x[k], c * disc.y[k]);
             // Inside the rim the overlap is positive; its bed is [`super::super::bed::Bed::pressure_pa`] without the question.
             let overlap = self.overlap_m - (x * x + y * y) * flatter;
@@ -114,7 +114,7 @@ impl Patch {
             let viscous = damping * (approach - 2.0 * flatter * outwards);
             let pressure = bed + layer_pa + viscous;
             let pressed = if pressure > 0.0 { pressure } else { 0.0 };
-            force_n[k] = pressed * disc.area[k] * c * c;
+            *force_n = pressed * disc.area[k] * c * c;
         }
         force_n
     }
