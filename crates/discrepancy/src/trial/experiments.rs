@@ -85,7 +85,7 @@ pub(super) fn experiments(scenario: &Scenario) -> Vec<Experiment> {
         ProcessSpec::Wheel(_) => WHEEL,
         ProcessSpec::Replay(_) => REPLAY,
         ProcessSpec::Milling(_) => MILLING,
-        ProcessSpec::Polish(_) | ProcessSpec::Load(_) => &[],
+        ProcessSpec::Polish(_) | ProcessSpec::Belt(_) | ProcessSpec::Load(_) => &[],
     };
     let variation = |knob: &Knob, factor: f64| {
         let replay = matches!(scenario.process, ProcessSpec::Replay(_));
