@@ -147,12 +147,7 @@ impl BeltTable {
 }
 
 /// Copies that are finished: no more than the job has.
-fn copies(
-    asked: Option<usize>,
-    written: &str,
-    job: &BeltJob,
-    check: &mut Check,
-) -> Option<usize> {
+fn copies(asked: Option<usize>, written: &str, job: &BeltJob, check: &mut Check) -> Option<usize> {
     let most = job.symmetry.map_or(1, |symmetry| symmetry.count);
     let copies = asked.unwrap_or(1);
     if copies <= most {
@@ -160,7 +155,9 @@ fn copies(
     }
     let path = format!("{TABLE}.copies");
     let message = match job.symmetry {
-        Some(_) => format!("`{path}` is {copies}, but must be at most {most}: {written} has no more copies"),
+        Some(_) => format!(
+            "`{path}` is {copies}, but must be at most {most}: {written} has no more copies"
+        ),
         None => format!("`{path}` is {copies}, but must be at most 1: {written} has no [symmetry]"),
     };
     check.refuse(Fault::value(&path, message, "too many"));
@@ -234,7 +231,9 @@ impl BeltSpec {
         check.ignored("robot", &["posture_deg", "posture_mm"], because);
         let arm = &self.job.robot;
         let config = |urdf: &Path, config: &Option<PathBuf>| {
-            config.clone().unwrap_or_else(|| urdf.with_file_name("robot.toml"))
+            config
+                .clone()
+                .unwrap_or_else(|| urdf.with_file_name("robot.toml"))
         };
         let files = [
             ("urdf", arm.urdf.clone(), robot.urdf.clone()),
@@ -246,9 +245,14 @@ impl BeltSpec {
         ];
         let other = files.iter().find(|(_, job, own)| !same_file(job, own));
         let told = match other {
-            Some((what, job, own)) => Some((*what, job.display().to_string(), own.display().to_string())),
+            Some((what, job, own)) => {
+                Some((*what, job.display().to_string(), own.display().to_string()))
+            }
             None if arm.tip != robot.tip => {
-                let name = |tip: &Option<String>| tip.clone().unwrap_or_else(|| "the end of the chain".to_owned());
+                let name = |tip: &Option<String>| {
+                    tip.clone()
+                        .unwrap_or_else(|| "the end of the chain".to_owned())
+                };
                 Some(("tip", name(&arm.tip), name(&robot.tip)))
             }
             None => None,

@@ -57,7 +57,7 @@ impl ProcessSpec {
             ProcessSpec::Load(_) => None,
             ProcessSpec::Polish(_) | ProcessSpec::Belt(_) | ProcessSpec::Replay(_) => {
                 Some(f64::INFINITY)
-            },
+            }
         }
     }
 }
@@ -113,7 +113,12 @@ impl ProcessTable {
         let load = self.load.map(|one| ProcessSpec::Load(one.resolve(check)));
         let replay = (self.replay).map(|one| ProcessSpec::Replay(one.resolve(check)));
         let pressed = polish.or(belt);
-        chamfer.or(wheel).or(milling).or(pressed).or(load).or(replay)
+        chamfer
+            .or(wheel)
+            .or(milling)
+            .or(pressed)
+            .or(load)
+            .or(replay)
     }
 }
 

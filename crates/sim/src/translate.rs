@@ -85,7 +85,10 @@ pub(crate) fn build_process(
         ProcessSpec::Belt(spec) => {
             compliance.ok_or_else(|| needs_drive("belt"))?;
             let Some(LedPath::Belt(path)) = led else {
-                return Err(SimError::scenario("process.belt", "the lines are not solved"));
+                return Err(SimError::scenario(
+                    "process.belt",
+                    "the lines are not solved",
+                ));
             };
             let (process, workpiece) = belt::belt(spec, path, world_from_process, path_s)?;
             Ok((Box::new(process), workpiece))

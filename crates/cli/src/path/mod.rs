@@ -55,7 +55,8 @@ pub fn path(arguments: &PathArguments) -> Result<Verdict, Failure> {
 fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<Answer<'a>, Failure> {
     let progress = Progress::new(3, "path");
     let told = progress.run();
-    let path = path_job::lines(&job.path, &job.wheel, &inputs.patch).map_err(|error| refused(job, &error))?;
+    let path = path_job::lines(&job.path, &job.wheel, &inputs.patch)
+        .map_err(|error| refused(job, &error))?;
     drop(told);
     let poses = path.poses(job.path.lift_m);
     let depth_m = depths(job, inputs, &poses, &progress)?;

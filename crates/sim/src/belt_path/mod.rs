@@ -96,8 +96,8 @@ impl BeltPath {
         };
         let mut way = Way::default();
         for (part, planned) in parts.iter().zip(&solved.segments) {
-            let places = course(guide.surface, &lines.lines[part.index], job)
-                .sampled(KNOT_INTERVAL_S);
+            let places =
+                course(guide.surface, &lines.lines[part.index], job).sampled(KNOT_INTERVAL_S);
             let line = guide.postures(&places, &stands[part.copy], &planned[0])?;
             way.add(part.copy, line, &guide);
         }
@@ -186,7 +186,9 @@ fn turn_rad(surface: &dyn Surface, contact: &Contact, before: Option<f64>) -> f6
     let across = contact.normal.cross(&along);
     let turn = contact.axis.dot(&across).atan2(contact.axis.dot(&along));
     let whole = std::f64::consts::TAU;
-    before.map_or(turn, |before| turn + whole * ((before - turn) / whole).round())
+    before.map_or(turn, |before| {
+        turn + whole * ((before - turn) / whole).round()
+    })
 }
 
 /// What leads the arm along a course.
@@ -276,7 +278,10 @@ impl Guide<'_> {
         let knot = |k: usize| {
             let x = k as f64 / count as f64;
             let part = x.powi(3) * (10.0 + x * (6.0 * x - 15.0));
-            from.iter().zip(to).map(|(a, b)| a + part * (b - a)).collect()
+            from.iter()
+                .zip(to)
+                .map(|(a, b)| a + part * (b - a))
+                .collect()
         };
         (1..count).map(knot).collect()
     }

@@ -29,7 +29,10 @@ pub(super) fn belt(
     let face_m2: f64 = of_face.map(|(area, _)| area).sum();
     let contacts = || path.lines.lines.iter().flatten();
     let Some(first) = contacts().next() else {
-        return Err(SimError::scenario("process.belt.job", "the job has no lines"));
+        return Err(SimError::scenario(
+            "process.belt.job",
+            "the job has no lines",
+        ));
     };
     let copies: Vec<Copied> = (path.faces.iter())
         .map(|face| Copied {
@@ -117,7 +120,10 @@ fn swept(path: &BeltPath) -> [[f64; 2]; 2] {
         })
     });
     let inner: Vec<&Contact> = inner.collect();
-    [range(inner.iter().map(|c| c.u)), range(inner.iter().map(|c| c.v))]
+    [
+        range(inner.iter().map(|c| c.u)),
+        range(inner.iter().map(|c| c.v)),
+    ]
 }
 
 fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {

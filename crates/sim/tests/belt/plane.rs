@@ -26,15 +26,20 @@ fn verify_force_is_the_line_contact_s_and_friction_coulomb_s() {
         } else if (0.2..0.8).contains(&u[row]) {
             let expected = WHEEL.normal_force_n(depth[row], WHEEL.radius_m);
             // the arm's tilt under the load makes the strips unequal
-            assert!((normal[row] / expected - 1.0).abs() < 2e-3, "{row}: {}", normal[row]);
-            assert!((friction[row] / (0.4 * normal[row]) - 1.0).abs() < 1e-3, "{row}");
+            assert!(
+                (normal[row] / expected - 1.0).abs() < 2e-3,
+                "{row}: {}",
+                normal[row]
+            );
+            assert!(
+                (friction[row] / (0.4 * normal[row]) - 1.0).abs() < 1e-3,
+                "{row}"
+            );
             assert!((width[row] - WHEEL.width_m).abs() < 1e-12);
             looked_at.0 += 1;
         }
     }
     assert!(looked_at.0 > 150 && looked_at.1 > 150, "{looked_at:?}");
-    let deepest = depth.iter().copied().fold(0.0, f64::max);
-    assert!(deepest < 0.3e-3 && deepest > 0.15e-3, "the arm yields: {deepest}");
 }
 
 /// The volume on the grid is Preston's integral, which is `k_p v ∫ F dt` with v the belt's speed give or take the feed.
@@ -81,15 +86,29 @@ fn verify_depth_between_lines_is_even_and_prestons() {
     assert!(scalar(&recording, "belt.unevenness") < 0.05);
 }
 
-/// A belt that runs the other way pulls the other way and removes as much.
+/// A belt that runs the other way pulls the other way. Friction bends the arm into the face or off it; without friction both ways remove alike, give or
+/// take the feed.
 #[test]
 fn belt_direction_turns_the_friction() {
-    let [one, other] = ["15", "-15"].map(|speed| run(&[("belt_m_per_s", speed)]));
+    let both = |mu: &str| ["15", "-15"].map(|speed| run(&[("belt_m_per_s", speed), ("mu", mu)]));
     let mean = |recording| {
         let values = column(recording, "belt.friction_run");
         values.iter().sum::<f64>() / values.len() as f64
     };
+    let [one, other] = both("0.3");
     assert!(mean(&one) > 0.0 && mean(&other) < 0.0);
-    let volumes = [&one, &other].map(|recording| scalar(recording, "belt.removed_volume"));
-    assert!((volumes[0] / volumes[1] - 1.0).abs() < 0.05, "{volumes:?}");
+    let smooth = both("0");
+    let [one, other] = smooth
+        .each_ref()
+        .map(|run| scalar(run, "belt.removed_volume"));
+    assert!(
+        (one / other - 1.0).abs() < 2.0 * FEED / BELT,
+        "{one} {other}"
+    );
+    // Pressed by the normal force alone the arm yields: the wheel reaches in by less than the 0.3 mm that the job asks for.
+    let u = column(&smooth[0], "belt.position_u");
+    let on_lines = column(&smooth[0], "belt.penetration").iter().zip(u);
+    let on_lines = on_lines.filter(|(depth, u)| **depth > 0.0 && (0.25..0.75).contains(*u));
+    let deepest = on_lines.map(|(depth, _)| *depth).fold(0.0, f64::max);
+    assert!(deepest < 0.3e-3 && deepest > 0.15e-3, "{deepest}");
 }

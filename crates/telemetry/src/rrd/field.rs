@@ -155,7 +155,11 @@ mod tests {
         };
         let flat = positions(&field);
         assert_eq!(flat.len(), 6);
-        assert!(normals(&flat, field.cells).iter().all(|n| *n == [0.0, 0.0, 1.0]));
+        assert!(
+            normals(&flat, field.cells)
+                .iter()
+                .all(|n| *n == [0.0, 0.0, 1.0])
+        );
         field.vertices_m = (0..6)
             .map(|i| [f64::from(i % 3), f64::from(i / 3), f64::from(i % 3)])
             .collect();

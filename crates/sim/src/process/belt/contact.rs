@@ -137,7 +137,8 @@ impl Contact {
         let friction = strip.x * loads.friction_n.x + strip.y * loads.friction_n.y;
         let force_n = strip.normal * loads.normal_n - friction;
         let first = loads.first_moment_n_m;
-        let about_point = strip.x * first.y - strip.y * first.x - strip.normal * loads.spin_moment_n_m;
+        let about_point =
+            strip.x * first.y - strip.y * first.x - strip.normal * loads.spin_moment_n_m;
         let lever = strip.point_m.coords - motion.patch_from_tool.translation.vector;
         self.force_n += force_n;
         self.moment_n_m += about_point + lever.cross(&force_n);
@@ -215,13 +216,7 @@ impl Press<'_> {
     }
 
     /// Motion of the belt over the face: it runs along the tool's x axis, against x of the strip, and goes with the tool.
-    fn sliding(
-        &self,
-        section: &Section,
-        x: &Vector3<f64>,
-        y: &Vector3<f64>,
-        lean: f64,
-    ) -> Sliding {
+    fn sliding(&self, section: &Section, x: &Vector3<f64>, y: &Vector3<f64>, lean: f64) -> Sliding {
         let motion = self.motion;
         let lever = section.point_m.coords - motion.patch_from_tool.translation.vector;
         let velocity = motion.velocity_m_per_s + motion.turning_rad_s.cross(&lever);

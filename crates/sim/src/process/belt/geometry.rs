@@ -154,7 +154,12 @@ impl FaceGeometry {
     }
 
     /// Whether a point of the face lies within the boundary of its patch, if that has one.
-    pub fn is_within(&self, section: &Section, along: &Vector3<f64>, across: &Vector3<f64>) -> bool {
+    pub fn is_within(
+        &self,
+        section: &Section,
+        along: &Vector3<f64>,
+        across: &Vector3<f64>,
+    ) -> bool {
         self.patch.boundary.as_ref().is_none_or(|boundary| {
             boundary.holds_rectangle(&section.point_m.coords, [*along, *across], [0.0; 2])
         })

@@ -284,7 +284,9 @@ impl Process for Belt {
 
     fn field_values(&self) -> Vec<f32> {
         let p = &self.setup;
-        let brought = (p.copies).iter().all(|copy| copy.world_from_patch == p.copies[0].world_from_patch);
+        let brought = (p.copies)
+            .iter()
+            .all(|copy| copy.world_from_patch == p.copies[0].world_from_patch);
         let drawn = if brought { self.last.copy } else { 0 };
         let depths = self.worn.get(drawn).map(|worn| worn.grid.removed_m());
         (depths.unwrap_or_default().iter())

@@ -273,9 +273,8 @@ pub(super) fn field(setup: &BeltSetup) -> Field {
     let turn = UnitQuaternion::from_rotation_matrix(&axes);
     let points = middles(&setup.cells, &setup.patch);
     let flat: Vec<Vector3<f64>> = points.iter().map(|p| turn.inverse() * p.coords).collect();
-    let bound = |pick: fn(f64, f64) -> f64, i: usize, from: f64| {
-        flat.iter().map(|p| p[i]).fold(from, pick)
-    };
+    let bound =
+        |pick: fn(f64, f64) -> f64, i: usize, from: f64| flat.iter().map(|p| p[i]).fold(from, pick);
     let low = [0, 1].map(|i| bound(f64::min, i, f64::INFINITY));
     let high = [0, 1].map(|i| bound(f64::max, i, f64::NEG_INFINITY));
     let middle = turn.inverse() * jet.point_m;

@@ -50,7 +50,13 @@ fn setup(surface: Box<dyn Surface + Send>, wheel: BeltWheel) -> BeltSetup {
 }
 
 /// Where the tool stands with the wheel's axis along `axis` (tangent) and its centre at this height over (u, v), shifted.
-fn held(setup: &BeltSetup, uv: [f64; 2], axis: Vector3<f64>, depth_m: f64, off: Vector3<f64>) -> ToolState {
+fn held(
+    setup: &BeltSetup,
+    uv: [f64; 2],
+    axis: Vector3<f64>,
+    depth_m: f64,
+    off: Vector3<f64>,
+) -> ToolState {
     let jet = setup.patch.surface.jet(uv[0], uv[1]);
     let normal = Forms::of(&jet).unwrap().normal.into_inner();
     let (y, z) = (axis.normalize(), -normal);
@@ -71,7 +77,10 @@ fn contact(setup: &BeltSetup, state: &ToolState) -> Contact {
 
 fn plane(wheel: BeltWheel) -> BeltSetup {
     let (x, y) = (Vector3::x() * 0.1, Vector3::y() * 0.06);
-    setup(Box::new(PlanePatch::new(Vector3::zeros(), x, y).unwrap()), wheel)
+    setup(
+        Box::new(PlanePatch::new(Vector3::zeros(), x, y).unwrap()),
+        wheel,
+    )
 }
 
 /// Strips on a plane are one wheel: force, friction along the run, and a moment about the wheel's centre that the friction makes at the
@@ -84,9 +93,16 @@ fn verify_strips_on_a_plane_are_one_wheel() {
     };
     for (wheel, d) in [(WHEEL, 0.2e-3), (WHEEL, 0.5e-3), (taut, 0.3e-3)] {
         let setup = plane(wheel);
-        let found = contact(&setup, &held(&setup, [0.5, 0.5], Vector3::y(), d, Vector3::zeros()));
+        let found = contact(
+            &setup,
+            &held(&setup, [0.5, 0.5], Vector3::y(), d, Vector3::zeros()),
+        );
         let expected = wheel.normal_force_n(d, wheel.radius_m);
-        assert!((found.normal_n / expected - 1.0).abs() < 1e-4, "{} {expected}", found.normal_n);
+        assert!(
+            (found.normal_n / expected - 1.0).abs() < 1e-4,
+            "{} {expected}",
+            found.normal_n
+        );
         assert!((found.force_n.z - found.normal_n).abs() < 1e-12);
         // y along the axis, z into the face: the tool's x, along which the belt runs, is -x of the plane
         assert!((found.friction_n.x / (0.3 * expected) - 1.0).abs() < 1e-4);
@@ -127,7 +143,10 @@ fn verify_half_a_wheel_presses_with_half_of_its_force() {
 #[test]
 fn verify_edge_gap_leaves_the_wheel_s_edges_off_a_round_bar() {
     let bar = 60e-3;
-    let (axis, zero) = (Unit::new_normalize(Vector3::x()), Unit::new_normalize(Vector3::z()));
+    let (axis, zero) = (
+        Unit::new_normalize(Vector3::x()),
+        Unit::new_normalize(Vector3::z()),
+    );
     let cylinder = CylinderPatch::new(Vector3::zeros(), axis, zero, bar, [-1.0, 1.0], 0.2).unwrap();
     let setup = setup(Box::new(cylinder), WHEEL);
     let domain = setup.patch.surface.domain();
@@ -160,7 +179,10 @@ fn verify_edge_gap_leaves_the_wheel_s_edges_off_a_round_bar() {
 /// axis, up and back.
 #[test]
 fn verify_no_work_on_a_closed_way() {
-    let (axis, zero) = (Unit::new_normalize(Vector3::x()), Unit::new_normalize(Vector3::z()));
+    let (axis, zero) = (
+        Unit::new_normalize(Vector3::x()),
+        Unit::new_normalize(Vector3::z()),
+    );
     let cylinder = CylinderPatch::new(Vector3::zeros(), axis, zero, 60e-3, [-1.0, 1.0], 0.2);
     let setup = BeltSetup {
         mu: 0.0,
@@ -194,9 +216,15 @@ fn verify_no_work_on_a_closed_way() {
 fn verify_areas_of_cells() {
     let flat: f64 = plane(WHEEL).area_m2.iter().sum();
     assert!((flat / 0.006 - 1.0).abs() < 1e-12);
-    let (axis, zero) = (Unit::new_normalize(Vector3::x()), Unit::new_normalize(Vector3::z()));
+    let (axis, zero) = (
+        Unit::new_normalize(Vector3::x()),
+        Unit::new_normalize(Vector3::z()),
+    );
     let cylinder = CylinderPatch::new(Vector3::zeros(), axis, zero, 60e-3, [-1.0, 1.0], 0.2);
-    let round: f64 = setup(Box::new(cylinder.unwrap()), WHEEL).area_m2.iter().sum();
+    let round: f64 = setup(Box::new(cylinder.unwrap()), WHEEL)
+        .area_m2
+        .iter()
+        .sum();
     assert!((round / (2.0 * 60e-3 * 0.2) - 1.0).abs() < 1e-12);
 }
 
@@ -208,6 +236,7 @@ fn verify_a_pass_leaves_an_even_depth() {
         let mut setup = plane(WHEEL);
         setup.cells = Cells::of(&setup.patch, cell_m);
         setup.area_m2 = Arc::new(setup.cells.areas_m2(&setup.patch));
+        setup.is_face = Arc::new(cells_within(&setup.cells, setup.patch.clone()));
         let (d, dt, feed) = (0.4e-3, 1e-3, 0.05);
         let mut belt = Belt::new(setup.clone());
         for step in 0..1200 {
@@ -225,7 +254,11 @@ fn verify_a_pass_leaves_an_even_depth() {
             let off = (setup.cells.middle(cell)[1] - 0.5) * 0.06;
             let depth = belt.worn[0].grid.removed_m()[cell];
             if off.abs() < 0.5 * WHEEL.width_m - 1e-3 {
-                assert!((depth / expected - 1.0).abs() < 0.01, "{off}: {}", depth / expected);
+                assert!(
+                    (depth / expected - 1.0).abs() < 0.01,
+                    "{off}: {}",
+                    depth / expected
+                );
             } else if off.abs() > 0.5 * WHEEL.width_m + 1e-3 {
                 assert_eq!(depth, 0.0, "{off}");
             }
@@ -245,7 +278,13 @@ fn a_copy_elsewhere_is_the_same_contact() {
         from_s: 2.0,
         world_from_patch: stands,
     });
-    let state = held(&setup, [0.3, 0.6], Vector3::new(0.3, 1.0, 0.0), 0.3e-3, Vector3::zeros());
+    let state = held(
+        &setup,
+        [0.3, 0.6],
+        Vector3::new(0.3, 1.0, 0.0),
+        0.3e-3,
+        Vector3::zeros(),
+    );
     let here = Belt::new(setup.clone()).evaluate(&state).wrenches[0];
     let there = ToolState {
         time_s: 3.0,
