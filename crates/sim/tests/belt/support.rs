@@ -40,14 +40,18 @@ pub const WHEEL: BeltWheel = BeltWheel {
     damping_pa_s_per_m: 0.0,
 };
 
+/// The scenario with overrides of whole keys.
+pub fn scenario(overrides: &[(String, String)]) -> Scenario {
+    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/belt/scenario.toml");
+    Scenario::from_str(&at, PLANE, overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// A finished run in rapier; keys are those of `process.belt`.
 pub fn run(overrides: &[(&str, &str)]) -> Recording {
-    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/belt/scenario.toml");
-    let scenario = Scenario::from_str(&at, PLANE, &[]).unwrap_or_else(|e| panic!("{e}"));
     let owned: Vec<(String, String)> = (overrides.iter())
         .map(|(key, value)| (format!("process.belt.{key}"), (*value).to_owned()))
         .collect();
-    let recording = record(&scenario, &owned).unwrap_or_else(|e| panic!("{e}"));
+    let recording = record(&scenario(&[]), &owned).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(recording.outcome, Outcome::Completed);
     recording
 }
