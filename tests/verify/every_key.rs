@@ -251,6 +251,30 @@ end_um = 0.1
 dose_j_per_mm2 = 0.5
 "#;
 
+const BELT: &str = r#"
+name = "every key"
+[robot]
+urdf = "../../assets/robots/hp20/robot.urdf"
+[run]
+time_step_ms = 0.2
+duration_s = 1.6
+[process.belt]
+job = "../finishing/hub_spoke.toml"
+copies = 1
+belt_m_per_s = 20
+tension_n = 60
+rubber_mm = 15
+poisson = 0.48
+damping_pa_s_per_m = 2000
+mu = 0.3
+preston_per_pa = 4e-12
+cell_mm = 2
+[process.belt.roughness]
+start_um = 3.2
+end_um = 0.4
+dose_j_per_mm2 = 0.5
+"#;
+
 fn run(text: &str, overrides: &[(String, String)]) -> Recording {
     let at = repository().join("scenarios/arm/every_key.toml");
     let scenario = Scenario::from_str(&at, text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
@@ -290,7 +314,7 @@ fn changed(key: &str, value: &str) -> Option<String> {
         let (first, rest) = inside.split_once(',')?;
         return Some(format!("[{}, {rest}", first.parse::<f64>().ok()? * 1.03));
     }
-    if ["edges", "cylinders", "strip_cells", "teeth"].contains(&key) {
+    if ["edges", "cylinders", "strip_cells", "teeth", "copies"].contains(&key) {
         return Some((value.parse::<i64>().ok()? + 1).to_string());
     }
     let number: f64 = value.parse().ok()?;
@@ -333,6 +357,11 @@ fn verify_every_key_of_milling_counts() {
 fn verify_every_key_of_polishing_counts() {
     check(POLISH, 34);
     check(POLISH_HELD, 24);
+}
+
+#[test]
+fn verify_every_key_of_belt_finishing_counts() {
+    check(BELT, 14);
 }
 
 #[test]

@@ -143,7 +143,7 @@ pub struct Arrow {
     pub metres_per_newton: f64,
 }
 
-/// A plane rectangle on which a quantity is drawn in colours.
+/// A rectangle of cells on which a quantity is drawn in colours: plane, or bent to a face.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Field {
     /// Its name in the scene: `removed_depth`.
@@ -156,6 +156,9 @@ pub struct Field {
     pub cells: [usize; 2],
     /// Value at which the colours end, SI.
     pub full_scale: f64,
+    /// Middles of the cells in its frame, x first, where they do not lie in the rectangle; empty where they do.
+    #[serde(default)]
+    pub vertices_m: Vec<[f64; 3]>,
 }
 
 /// Where a person should look from, and at what.

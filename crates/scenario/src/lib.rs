@@ -45,6 +45,7 @@
 #![warn(missing_docs)]
 
 mod adjust;
+mod belt;
 mod chamfer;
 mod check;
 mod claim;
@@ -65,6 +66,7 @@ mod reach;
 mod relocate;
 mod replay;
 mod robot;
+mod roughness;
 mod run;
 mod scenario;
 mod schema;
@@ -77,6 +79,7 @@ mod units;
 mod wheel;
 
 pub use adjust::{JointSpec, LinkSpec};
+pub use belt::{BeltJob, BeltSpec};
 pub use chamfer::{ChamferSpec, CuttingSpec, FeedDirection, Regeneration};
 pub use data::DataSpec;
 pub use error::{Problem, ScenarioError};
@@ -90,11 +93,11 @@ pub use milling::{
 pub use path_job::PathJob;
 pub use polish::{
     ControlSpec, EdgeRuleSpec, FaceSpec, PneumaticSpec, PolishSpec, PrecessionSpec, RasterSpec,
-    RoughnessSpec,
 };
 pub use process::ProcessSpec;
 pub use replay::{ReplayMode, ReplaySpec, Turning};
 pub use robot::{Drive, RobotSpec};
+pub use roughness::RoughnessSpec;
 pub use run::RunSpec;
 pub use scenario::Scenario;
 pub use sweep::{BisectSpec, SweepAxis, SweepClaim, SweepColumn, SweepSpec};

@@ -5,6 +5,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::belt::{BeltSpec, BeltTable};
 use crate::chamfer::{ChamferSpec, ChamferTable};
 use crate::check::Check;
 use crate::document::Fault;
@@ -25,6 +26,8 @@ pub enum ProcessSpec {
     Milling(MillingSpec),
     /// Polishing a face with a soft wheel in precession.
     Polish(Box<PolishSpec>),
+    /// Finishing the face of a path job with a belt over a contact wheel.
+    Belt(Box<BeltSpec>),
     /// Given forces.
     Load(LoadSpec),
     /// Measured inputs.
@@ -39,6 +42,7 @@ impl ProcessSpec {
             ProcessSpec::Wheel(_) => "wheel",
             ProcessSpec::Milling(_) => "milling",
             ProcessSpec::Polish(_) => "polish",
+            ProcessSpec::Belt(_) => "belt",
             ProcessSpec::Load(_) => "load",
             ProcessSpec::Replay(_) => "replay",
         }
@@ -51,7 +55,9 @@ impl ProcessSpec {
             ProcessSpec::Wheel(wheel) => Some(wheel.pass_s()),
             ProcessSpec::Milling(milling) => Some(milling.pass_s()),
             ProcessSpec::Load(_) => None,
-            ProcessSpec::Polish(_) | ProcessSpec::Replay(_) => Some(f64::INFINITY),
+            ProcessSpec::Polish(_) | ProcessSpec::Belt(_) | ProcessSpec::Replay(_) => {
+                Some(f64::INFINITY)
+            }
         }
     }
 }
@@ -68,6 +74,8 @@ pub(crate) struct ProcessTable {
     milling: Option<MillingTable>,
     /// Polishing a face with a soft wheel in precession.
     polish: Option<PolishTable>,
+    /// Finishing the face of a path job with a belt over a contact wheel.
+    belt: Option<BeltTable>,
     /// Given forces at the tool.
     load: Option<LoadTable>,
     /// Measured inputs.
@@ -82,6 +90,7 @@ impl ProcessTable {
             self.wheel.is_some().then_some("wheel"),
             self.milling.is_some().then_some("milling"),
             self.polish.is_some().then_some("polish"),
+            self.belt.is_some().then_some("belt"),
             self.load.is_some().then_some("load"),
             self.replay.is_some().then_some("replay"),
         ];
@@ -98,14 +107,23 @@ impl ProcessTable {
         let polish = (self.polish)
             .and_then(|one| one.resolve(check))
             .map(|one| ProcessSpec::Polish(Box::new(one)));
+        let belt = (self.belt)
+            .and_then(|one| one.resolve(folder, check))
+            .map(|one| ProcessSpec::Belt(Box::new(one)));
         let load = self.load.map(|one| ProcessSpec::Load(one.resolve(check)));
         let replay = (self.replay).map(|one| ProcessSpec::Replay(one.resolve(check)));
-        chamfer.or(wheel).or(milling).or(polish).or(load).or(replay)
+        let pressed = polish.or(belt);
+        chamfer
+            .or(wheel)
+            .or(milling)
+            .or(pressed)
+            .or(load)
+            .or(replay)
     }
 }
 
 fn not_one(given: &[&str]) -> Fault {
-    let known = "[process.chamfer], [process.wheel], [process.milling], [process.polish], [process.load] and [process.replay]";
+    let known = "[process.chamfer], [process.wheel], [process.milling], [process.polish], [process.belt], [process.load] and [process.replay]";
     match given.last() {
         None => Fault::key(
             "process",

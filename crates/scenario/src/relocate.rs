@@ -5,10 +5,11 @@ use std::path::{Component, Path, PathBuf};
 use toml_edit::{DocumentMut, Item, Value};
 
 /// Keys that hold the path of a file, relative to the folder of the scenario.
-const PATHS: [&[&str]; 4] = [
+const PATHS: [&[&str]; 5] = [
     &["robot", "urdf"],
     &["robot", "config"],
     &["process", "milling", "material", "file"],
+    &["process", "belt", "job"],
     &["data", "file"],
 ];
 

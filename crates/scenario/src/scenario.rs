@@ -347,7 +347,11 @@ impl FileTable {
         let mut thresholds = Vec::new();
         let folder = folder_of(document.path());
         let process = self.process.resolve(&folder, &mut check);
-        let robot = RobotTable::resolve_optional(self.robot, process.as_ref(), &folder, &mut check);
+        let mut robot =
+            RobotTable::resolve_optional(self.robot, process.as_ref(), &folder, &mut check);
+        if let Some(ProcessSpec::Belt(belt)) = &process {
+            belt.lead(&mut robot, &mut check);
+        }
         let data = (self.data).and_then(|data| data.resolve(&folder, &mut check));
         let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
             .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))

@@ -76,7 +76,7 @@ const fn suffix(
 }
 
 /// Longer suffixes stand before shorter ones that they end in.
-const SUFFIXES: [Suffix; 22] = [
+const SUFFIXES: [Suffix; 23] = [
     suffix(
         "_deg_per_s2",
         "degrees/s²",
@@ -103,6 +103,7 @@ const SUFFIXES: [Suffix; 22] = [
         1e3,
     ),
     suffix("_mm_per_s", "mm/s", "mm/s", Unit::MetrePerSecond, 1e-3),
+    suffix("_m_per_s", "m/s", "m/s", Unit::MetrePerSecond, 1.0),
     suffix("_n_per_mm", "N/mm", "N/mm", Unit::NewtonPerMetre, 1e3),
     suffix("_n_per_um", "N/µm", "N/um", Unit::NewtonPerMetre, 1e6),
     suffix("_fraction", "a fraction of the run", "1", Unit::One, 1.0),

@@ -6,8 +6,9 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
+//! | [`path_job`] | what a path job's tables mean to the planner of its lines |
 //! | [`plant`] | what the loads act on: the arm in rapier, or linearised and exactly stepped; its drives |
-//! | [`process`] | what the tool does: chamfering, milling, a wheel on a plate, polishing a face, given forces |
+//! | [`process`] | what the tool does: chamfering, milling, a wheel on a plate, polishing a face, a belt over a face, given forces |
 //! | [`elastic`] | the arm as an elastic structure: deflection under a load, modes; what identification needs |
 //! | [`loads`] | what a process may ask for |
 //! | [`measurement`] | what a sensor makes of a channel |
@@ -16,6 +17,7 @@
 //! | [`sweep`] | a scenario over one or two parameters, as independent jobs |
 
 mod adjust;
+mod belt_path;
 mod build;
 mod cell;
 mod channels;
@@ -25,9 +27,11 @@ mod effect;
 pub mod elastic;
 mod error;
 mod guard;
+mod led_path;
 pub mod loads;
 pub mod measurement;
 mod mjcf;
+pub mod path_job;
 
 pub mod facts;
 pub mod plant;

@@ -18,9 +18,11 @@ const WORKPIECE_M: f64 = 0.4;
 const THICKNESS_M: f64 = 0.03;
 /// Thickness of the block under a polished face, m.
 const BLOCK_M: f64 = 0.02;
+/// Half of the thickness of a line around a face, m.
+const OUTLINE_M: f64 = 0.5e-3;
 
 /// What the workpiece looks like.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) enum Workpiece {
     /// A plate with a hole of this radius, m.
     Hole(f64),
@@ -38,6 +40,11 @@ pub(crate) enum Workpiece {
         process_from_face: Isometry3<f64>,
         length_m: f64,
         width_m: f64,
+    },
+    /// A line around a face, in the frame of its patch.
+    Outline {
+        process_from_patch: Isometry3<f64>,
+        points_m: Vec<[f64; 3]>,
     },
     /// Nothing.
     None,
@@ -60,7 +67,7 @@ impl Setting {
             &self.start,
             self.world_from_process,
             self.deflection_scale,
-            self.workpiece,
+            &self.workpiece,
             process,
         )
     }
@@ -164,7 +171,7 @@ fn plate_with_hole(radius_m: f64) -> Vec<Shape> {
     shapes
 }
 
-fn workpiece_shapes(workpiece: Workpiece) -> Vec<Shape> {
+fn workpiece_shapes(workpiece: &Workpiece) -> Vec<Shape> {
     match workpiece {
         Workpiece::None => Vec::new(),
         Workpiece::Slab {
@@ -172,13 +179,24 @@ fn workpiece_shapes(workpiece: Workpiece) -> Vec<Shape> {
             length_m,
             width_m,
             depth_m,
-        } => vec![slab(feed, length_m, width_m, depth_m)],
+        } => vec![slab(*feed, *length_m, *width_m, *depth_m)],
         Workpiece::Block {
             process_from_face,
             length_m,
             width_m,
-        } => vec![block(&process_from_face, length_m, width_m)],
-        Workpiece::Hole(radius_m) => plate_with_hole(radius_m),
+        } => vec![block(process_from_face, *length_m, *width_m)],
+        Workpiece::Outline {
+            process_from_patch,
+            points_m,
+        } => vec![Shape {
+            geometry: Geometry::Line {
+                points_m: points_m.clone(),
+                radius_m: OUTLINE_M,
+            },
+            color_rgba: [120, 128, 138, 255],
+            body_from_shape: pose(process_from_patch),
+        }],
+        Workpiece::Hole(radius_m) => plate_with_hole(*radius_m),
         Workpiece::Strip(length_m) => vec![Shape {
             geometry: Geometry::Box {
                 half_extents_m: [THICKNESS_M / 2.0, length_m / 2.0 + 0.03, 0.08],
@@ -238,7 +256,7 @@ impl Stage {
         reference: &[f64],
         world_from_process: Isometry3<f64>,
         scale: f64,
-        workpiece: Workpiece,
+        workpiece: &Workpiece,
         process: &dyn Process,
     ) -> (Self, Scene) {
         let has_foot = process

@@ -1,5 +1,6 @@
 //! From the tables of a scenario to the processes and laws that run.
 
+mod belt;
 mod milling;
 mod polish;
 
@@ -7,6 +8,7 @@ pub(crate) use milling::nominal_cut;
 
 use crate::effect::{CuttingEffects, Effects, FootEffects, WheelEffects};
 use crate::error::SimError;
+use crate::led_path::LedPath;
 use crate::plant::DriveKind;
 use crate::process::{
     Chamfer, ChamferParameters, FootFriction, FootParameters, Load as GivenLoad, LoadParameters,
@@ -28,8 +30,8 @@ use truecut_scenario::{
     LoadSpec, ProcessSpec, Regeneration as RegenerationSpec, Scenario, Spin, WheelSpec,
 };
 
-/// The process of a scenario on a robot at its posture, and what its workpiece looks like. `path_s` is the time that a polishing
-/// path takes.
+/// The process of a scenario on a robot at its posture, and what its workpiece looks like. `led` is the way that it is
+/// led along, if that is solved beforehand.
 pub(crate) fn build_process(
     scenario: &Scenario,
     robot: &Robot,
@@ -37,12 +39,14 @@ pub(crate) fn build_process(
     posture: &[f64],
     world_from_process: &Isometry3<f64>,
     effects: &Effects,
-    path_s: f64,
+    led: Option<&LedPath>,
 ) -> Result<(Box<dyn Process>, Workpiece), SimError> {
     let compliance = match kind {
         DriveKind::Force => None,
         _ => Some(robot.process_compliance(posture, FrameId::Foot)?),
     };
+    let run_s = scenario.run.duration_s;
+    let path_s = led.map_or(run_s, |path| path.duration_s().min(run_s));
     match &scenario.process {
         ProcessSpec::Chamfer(spec) => {
             let compliance = compliance.ok_or_else(|| needs_drive("chamfer"))?;
@@ -82,6 +86,17 @@ pub(crate) fn build_process(
                 world_from_process,
                 path_s,
             )?;
+            Ok((Box::new(process), workpiece))
+        }
+        ProcessSpec::Belt(spec) => {
+            compliance.ok_or_else(|| needs_drive("belt"))?;
+            let Some(LedPath::Belt(path)) = led else {
+                return Err(SimError::scenario(
+                    "process.belt",
+                    "the lines are not solved",
+                ));
+            };
+            let (process, workpiece) = belt::belt(spec, path, world_from_process, path_s)?;
             Ok((Box::new(process), workpiece))
         }
         ProcessSpec::Replay(_) => Err(SimError::scenario(

@@ -113,6 +113,12 @@ const TEMPLATES: &[Template] = &[
         ],
     ),
     front(
+        "Belt on the face",
+        Place::Front,
+        1.0,
+        &["belt.normal_force", "belt.edge_force", "belt.friction_"],
+    ),
+    front(
         "Acceleration of the tool, face axes",
         Place::FrontWithSpectrum,
         1e-3,
@@ -131,6 +137,7 @@ const TEMPLATES: &[Template] = &[
             "cutting.engaged_depth",
             "wheel.penetration",
             "polish.penetration",
+            "belt.penetration",
         ],
     ),
     behind(

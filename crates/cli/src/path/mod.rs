@@ -5,20 +5,18 @@ mod files;
 mod inputs;
 mod tell;
 
-use nalgebra::{Isometry3, Unit, Vector3};
+use nalgebra::Isometry3;
 use rayon::prelude::*;
 use truecut_plan::program::{
     Finding, FindingKind, Motion, Program, ProgramErrorKind, Tool, TravelOptions,
 };
 use truecut_plan::surface::Mesh;
 use truecut_plan::surface_path::{
-    AxisRule, ContactWheel, FeedAlong, Part, PathOptions, Segment, Speeds, Strategy, SurfacePath,
-    SurfacePathError, Symmetry, parts_of, plan_path, program_of,
+    Part, Segment, Speeds, SurfacePath, SurfacePathError, parts_of, program_of,
 };
 use truecut_scenario::PathJob;
-use truecut_scenario::path_job::{
-    self, AxisSpec, Carrier, DialectSpec, PlaceSpec, StrategySpec, TaughtWhen,
-};
+use truecut_scenario::path_job::{DialectSpec, TaughtWhen};
+use truecut_sim::path_job;
 
 use crate::args::PathArguments;
 use crate::failure::Failure;
@@ -57,7 +55,8 @@ pub fn path(arguments: &PathArguments) -> Result<Verdict, Failure> {
 fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<Answer<'a>, Failure> {
     let progress = Progress::new(3, "path");
     let told = progress.run();
-    let path = lines(job, inputs).map_err(|error| refused(job, &error))?;
+    let path = path_job::lines(&job.path, &job.wheel, &inputs.patch)
+        .map_err(|error| refused(job, &error))?;
     drop(told);
     let poses = path.poses(job.path.lift_m);
     let depth_m = depths(job, inputs, &poses, &progress)?;
@@ -77,55 +76,6 @@ fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<Answer<'a>, Failur
         depth_m,
         findings,
     })
-}
-
-fn lines(job: &PathJob, inputs: &Inputs) -> Result<SurfacePath, SurfacePathError> {
-    let (strategy, overlap) = match job.path.strategy {
-        StrategySpec::IsoParametric { overlap } => (Strategy::IsoParametric, overlap),
-        StrategySpec::IsoScallop { scallop_m, overlap } => {
-            (Strategy::IsoScallop { scallop_m }, overlap)
-        }
-        StrategySpec::ParallelPlane { overlap, normal } => {
-            let normal = Unit::new_normalize(Vector3::from(normal));
-            (Strategy::ParallelPlane { normal }, overlap)
-        }
-    };
-    let options = PathOptions {
-        rule: match job.path.axis {
-            AxisSpec::LeastCurvature => AxisRule::LeastCurvature,
-            AxisSpec::WidestSwath { edge_gap_limit_m } => {
-                AxisRule::WidestSwath { edge_gap_limit_m }
-            }
-        },
-        overlap,
-        step_m: job.path.step_m,
-        margin_m: job.path.margin_m,
-    };
-    let along = match job.path.feed_along {
-        path_job::FeedAlong::U => FeedAlong::U,
-        path_job::FeedAlong::V => FeedAlong::V,
-    };
-    let (patch, wheel) = (&inputs.patch, wheel(job));
-    let boundary = patch.boundary.as_ref();
-    plan_path(
-        patch.surface.as_ref(),
-        boundary,
-        &wheel,
-        strategy,
-        along,
-        &options,
-    )
-}
-
-fn wheel(job: &PathJob) -> ContactWheel {
-    let wheel = &job.wheel;
-    ContactWheel {
-        radius_m: wheel.radius_m,
-        width_m: wheel.width_m,
-        indentation_m: wheel.indentation_m,
-        line_load_n_per_m: wheel.line_load_n_per_m,
-        modulus_pa: wheel.modulus_pa,
-    }
 }
 
 /// The whole wheel against the whole patch and body, at every pose.
@@ -197,7 +147,7 @@ fn follow(
     inputs: &Inputs,
     poses: &[Vec<Isometry3<f64>>],
 ) -> Result<(Vec<Part>, Program), SurfacePathError> {
-    let world_from_patch = pose(&job.surface.place);
+    let world_from_patch = path_job::pose(&job.surface.place);
     let planned = poses.iter().map(|line| {
         let line = line.iter().map(|pose| world_from_patch * pose);
         Segment::Planned(line.collect())
@@ -211,12 +161,7 @@ fn follow(
         .chain(planned)
         .chain(taught(TaughtWhen::After))
         .collect();
-    let symmetry = job.symmetry.map(|one| Symmetry {
-        count: one.count,
-        centre_m: one.centre_m.into(),
-        axis: Unit::new_normalize(one.axis.into()),
-        turntable: matches!(one.carrier, Carrier::Turntable { .. }),
-    });
+    let symmetry = job.symmetry.as_ref().map(path_job::symmetry);
     let parts = parts_of(&segments, symmetry.as_ref())?;
     let (name, number) = match &job.program.dialect {
         DialectSpec::Jbi { tool_number, .. } => ("wheel", *tool_number),
@@ -226,7 +171,7 @@ fn follow(
         name: job.program.name.clone(),
         comment: job.program.comment.clone(),
         tool: Tool::of(&inputs.robot, name, number),
-        world_from_base: pose(&job.program.base),
+        world_from_base: path_job::pose(&job.program.base),
         moves: Vec::new(),
     };
     let speeds = Speeds {
@@ -240,12 +185,6 @@ fn follow(
     let start = &job.robot.posture_rad;
     let program = program_of(&inputs.robot, head, &parts, start, speeds, &options)?;
     Ok((parts, program))
-}
-
-fn pose(place: &PlaceSpec) -> Isometry3<f64> {
-    let [roll, pitch, yaw] = place.rpy_rad;
-    let rotation = nalgebra::UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    Isometry3::from_parts(Vector3::from(place.xyz_m).into(), rotation)
 }
 
 /// The joint that exceeds its speed most.

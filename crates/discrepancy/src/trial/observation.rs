@@ -105,6 +105,7 @@ pub(super) fn spin_rad_s(scenario: &Scenario) -> Option<f64> {
         ProcessSpec::Wheel(wheel) => Some(wheel.spin_rad_s),
         ProcessSpec::Milling(milling) => Some(milling.spindle_rad_s),
         ProcessSpec::Polish(polish) => Some(polish.spin_rad_s.abs()),
+        ProcessSpec::Belt(belt) => Some(belt.wheel_rad_s()),
         ProcessSpec::Replay(replay) => replay.turning.map(|cut| cut.spindle_rad_s),
         _ => None,
     }

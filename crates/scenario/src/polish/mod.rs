@@ -17,6 +17,7 @@ use serde::Deserialize;
 
 use crate::check::Check;
 use crate::document::Fault;
+use crate::roughness::{RoughnessSpec, RoughnessTable};
 use crate::units::{from_deg, from_rpm, from_um};
 use control::ControlTable;
 use face::FaceTable;
@@ -52,17 +53,6 @@ pub struct PolishSpec {
     pub control: ControlSpec,
     /// How the surface smooths.
     pub roughness: RoughnessSpec,
-}
-
-/// How the surface smooths: Ra falls from one value to another with the dose `∫ p v dt`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RoughnessSpec {
-    /// Ra before.
-    pub initial_m: f64,
-    /// Ra that the abrasive leaves in the end.
-    pub final_m: f64,
-    /// Dose that takes away all but 1/e of the difference.
-    pub dose_j_per_m2: f64,
 }
 
 /// Polishing of a rectangular face with a soft wheel in precession.
@@ -104,21 +94,6 @@ pub(crate) struct PolishTable {
     roughness: RoughnessTable,
 }
 
-/// How the surface smooths.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct RoughnessTable {
-    /// Ra before.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a surface has a roughness"))]
-    start_um: f64,
-    /// Ra that the abrasive leaves in the end.
-    #[schemars(extend("minimum" = 0.0, "x-rule" = "a roughness is not negative"))]
-    end_um: f64,
-    /// Dose (pressure times sliding distance) that takes away all but 1/e of the difference.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "smoothing takes a dose"))]
-    dose_j_per_mm2: f64,
-}
-
 const TABLE: &str = "process.polish";
 
 impl PolishTable {
@@ -142,7 +117,7 @@ impl PolishTable {
             .and_then(|face| self.path.resolve(face, check));
         let precession = self.precession.resolve(check);
         let control = self.control.resolve(wheel.radius_m, check);
-        let roughness = self.roughness.resolve(check);
+        let roughness = self.roughness.resolve(TABLE, check);
         Some(PolishSpec {
             wheel,
             spin_rad_s: from_rpm(self.spin_rpm),
@@ -157,23 +132,5 @@ impl PolishTable {
             control: control?,
             roughness,
         })
-    }
-}
-
-impl RoughnessTable {
-    fn resolve(self, check: &mut Check) -> RoughnessSpec {
-        if self.end_um > self.start_um {
-            let path = format!("{TABLE}.roughness.end_um");
-            let message = format!(
-                "`{path}` is {}, but must be at most start_um = {}: polishing smooths",
-                self.end_um, self.start_um
-            );
-            check.refuse(Fault::value(&path, message, "rougher than at the start"));
-        }
-        RoughnessSpec {
-            initial_m: from_um(self.start_um),
-            final_m: from_um(self.end_um),
-            dose_j_per_m2: self.dose_j_per_mm2 * 1e6,
-        }
     }
 }

@@ -93,6 +93,7 @@ fn foot_of(process: &ProcessSpec) -> Option<&FootSpec> {
         ProcessSpec::Wheel(_)
         | ProcessSpec::Milling(_)
         | ProcessSpec::Polish(_)
+        | ProcessSpec::Belt(_)
         | ProcessSpec::Replay(_) => None,
     }
 }
@@ -105,6 +106,7 @@ fn misfit(effect: &Effect, process: &ProcessSpec) -> Option<String> {
         ProcessSpec::Wheel(_) => "process.wheel",
         ProcessSpec::Milling(_) => "process.milling",
         ProcessSpec::Polish(_) => "process.polish",
+        ProcessSpec::Belt(_) => "process.belt",
         ProcessSpec::Replay(_) => "process.replay",
     };
     match effect.kind.family() {

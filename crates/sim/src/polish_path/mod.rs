@@ -1,7 +1,7 @@
 //! The way of a polishing wheel: raster, precession, postures, and the command that leads the arm along it.
 
 mod raster;
-mod timing;
+pub(crate) mod timing;
 
 use crate::command::Samples;
 use crate::error::SimError;
@@ -177,15 +177,7 @@ impl PolishPath {
 
     /// The command that leads a nominal arm along, with the sag that it makes up for.
     pub(crate) fn command(self, robot: &Robot, sag: Option<&Load>) -> Result<Samples, SimError> {
-        let postures = self.postures.into_iter().map(|q| match sag {
-            Some(load) => robot.holding_command(&q, load),
-            None => Ok(q),
-        });
-        Ok(Samples {
-            interval_s: KNOT_INTERVAL_S,
-            postures: postures.collect::<Result<_, _>>()?,
-            forces: vec![None; robot.dof()],
-        })
+        Samples::holding(KNOT_INTERVAL_S, self.postures, robot, sag)
     }
 }
 

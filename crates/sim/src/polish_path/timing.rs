@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 /// Time in which feed and turn come up to speed, s.
 pub(super) const RUN_UP_S: f64 = 0.5;
 /// Width of the filter, s.
-const WINDOW_S: f64 = 0.1;
+pub(crate) const WINDOW_S: f64 = 0.1;
 /// Samples of the filter's window.
 const SAMPLES: usize = 20;
 
@@ -38,6 +38,17 @@ impl Station {
             angle_rad: mix(self.angle_rad, other.angle_rad),
         }
     }
+}
+
+/// Samples of the filter: their times about the instant (s) and their weights.
+pub(crate) fn window() -> Vec<(f64, f64)> {
+    (0..SAMPLES)
+        .map(|i| {
+            let x = (i as f64 + 0.5) / SAMPLES as f64;
+            let weight = (1.0 - (TAU * x).cos()) / SAMPLES as f64;
+            ((x - 0.5) * WINDOW_S, weight)
+        })
+        .collect()
 }
 
 /// Places in order of time.
@@ -77,15 +88,7 @@ impl Course {
     /// The filtered course at even times, from 0 to the first at or after the end.
     pub fn sampled(&self, interval_s: f64) -> Vec<Station> {
         let count = (self.duration_s() / interval_s - 1e-9).ceil() as usize;
-        let weights: Vec<(f64, f64)> = (0..SAMPLES)
-            .map(|i| {
-                let x = (i as f64 + 0.5) / SAMPLES as f64;
-                (
-                    (x - 0.5) * WINDOW_S,
-                    (1.0 - (TAU * x).cos()) / SAMPLES as f64,
-                )
-            })
-            .collect();
+        let weights = window();
         let mean = |time_s: f64| {
             let mut sum = Station {
                 time_s,

@@ -4,6 +4,7 @@
 //! state machine whose memory moves on once per step, in [`Process::commit`]; [`Process::evaluate`] changes
 //! nothing, so a step may be tried as often as the solver likes.
 
+mod belt;
 mod chamfer;
 mod foot;
 mod load;
@@ -12,6 +13,7 @@ mod polish;
 mod replay;
 mod wheel;
 
+pub use belt::{Belt, BeltSetup, Cells, Copied, cells_within};
 pub use chamfer::{Chamfer, ChamferParameters, Regeneration, SlipTheory};
 pub use foot::{Foot, FootFriction, FootParameters};
 pub use load::{Load, LoadParameters, RotatingForce, Sweep};

@@ -174,6 +174,7 @@ mod tests {
             size_m: [0.2, 0.1],
             cells: [2, 2],
             full_scale: 1.0,
+            vertices_m: Vec::new(),
         });
         let near = |a: [f64; 3], b: [f64; 3]| norm(minus(a, b)) < 1e-12;
         assert!(near(camera.target_m, [1.0, 2.1, 3.05]), "{camera:?}");

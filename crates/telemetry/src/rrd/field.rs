@@ -25,6 +25,51 @@ fn place(cell: usize, cells: usize, size_m: f64) -> f32 {
     (at * size_m) as f32
 }
 
+/// Corners of the grid: the field's own, or even ones over its rectangle.
+fn positions(field: &Field) -> Vec<[f32; 3]> {
+    let [columns, rows] = field.cells;
+    if !field.vertices_m.is_empty() {
+        let single = |vertex: &[f64; 3]| vertex.map(|value| value as f32);
+        return field.vertices_m.iter().map(single).collect();
+    }
+    let row = |row: usize| {
+        let y = place(row, rows, field.size_m[1]);
+        (0..columns).map(move |column| [place(column, columns, field.size_m[0]), y, 0.0])
+    };
+    (0..rows).flat_map(row).collect()
+}
+
+/// Normals at the corners, square to the lines between their neighbours.
+fn normals(positions: &[[f32; 3]], [columns, rows]: [usize; 2]) -> Vec<[f32; 3]> {
+    let between = |from: usize, to: usize| -> [f32; 3] {
+        std::array::from_fn(|i| positions[to][i] - positions[from][i])
+    };
+    let normal = |corner: usize| {
+        let (column, row) = (corner % columns, corner / columns);
+        let at = |column: usize, row: usize| row * columns + column;
+        let x = between(
+            at(column.saturating_sub(1), row),
+            at((column + 1).min(columns - 1), row),
+        );
+        let y = between(
+            at(column, row.saturating_sub(1)),
+            at(column, (row + 1).min(rows - 1)),
+        );
+        let cross = [
+            x[1] * y[2] - x[2] * y[1],
+            x[2] * y[0] - x[0] * y[2],
+            x[0] * y[1] - x[1] * y[0],
+        ];
+        let length = cross.iter().map(|value| value * value).sum::<f32>().sqrt();
+        if length > 0.0 {
+            cross.map(|value| value / length)
+        } else {
+            [0.0, 0.0, 1.0]
+        }
+    };
+    (0..positions.len()).map(normal).collect()
+}
+
 /// Logs the grid, once.
 pub(super) fn begin(
     stream: &RecordingStream,
@@ -32,10 +77,8 @@ pub(super) fn begin(
     field: &Field,
 ) -> RecordingStreamResult<()> {
     let [columns, rows] = field.cells;
-    let positions = (0..rows).flat_map(|row| {
-        let y = place(row, rows, field.size_m[1]);
-        (0..columns).map(move |column| [place(column, columns, field.size_m[0]), y, 0.0])
-    });
+    let positions = positions(field);
+    let normals = normals(&positions, field.cells);
     let triangles = (0..rows.saturating_sub(1)).flat_map(|row| {
         (0..columns.saturating_sub(1)).flat_map(move |column| {
             let corner = (row * columns + column) as u32;
@@ -45,7 +88,7 @@ pub(super) fn begin(
     });
     let mesh = rerun::Mesh3D::new(positions)
         .with_triangle_indices(triangles)
-        .with_vertex_normals(vec![[0.0, 0.0, 1.0]; rows * columns]);
+        .with_vertex_normals(normals);
     stream.log_static(entity, &mesh)?;
     let pose = rerun::Transform3D::from_translation_rotation(
         translation(&field.world_from_field),
@@ -97,6 +140,34 @@ mod tests {
         assert_eq!(colour(0.25), rerun::Color::from_rgb(59, 82, 139));
         assert_eq!(colour(7.0), rerun::Color::from_rgb(253, 231, 37));
         assert_eq!(colour(f64::NAN), colour(0.0));
+    }
+
+    /// A plane rectangle looks along z; a field with its own corners leans as they do.
+    #[test]
+    fn verify_normals_are_square_to_the_grid() {
+        let mut field = Field {
+            path: "depth".into(),
+            world_from_field: truecut_recording::Pose::IDENTITY,
+            size_m: [2.0, 1.0],
+            cells: [3, 2],
+            full_scale: 1.0,
+            vertices_m: Vec::new(),
+        };
+        let flat = positions(&field);
+        assert_eq!(flat.len(), 6);
+        assert!(
+            normals(&flat, field.cells)
+                .iter()
+                .all(|n| *n == [0.0, 0.0, 1.0])
+        );
+        field.vertices_m = (0..6)
+            .map(|i| [f64::from(i % 3), f64::from(i / 3), f64::from(i % 3)])
+            .collect();
+        let half = 0.5_f32.sqrt();
+        for normal in normals(&positions(&field), field.cells) {
+            let off = [normal[0] + half, normal[1], normal[2] - half];
+            assert!(off.iter().all(|value| value.abs() < 1e-6), "{normal:?}");
+        }
     }
 
     #[test]

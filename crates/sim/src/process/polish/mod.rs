@@ -376,6 +376,7 @@ impl Process for Polish {
             size_m: [p.length_m, p.width_m],
             cells: p.cells,
             full_scale: FULL_SCALE * p.expected_depth_m,
+            vertices_m: Vec::new(),
         })
     }
 

@@ -1,0 +1,277 @@
+//! The `[process.belt]` table: a belt over a contact wheel finishes the face of a path job, simulated along the job's lines.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::check::Check;
+use crate::document::Fault;
+use crate::error::ScenarioError;
+use crate::path_job::{ArmSpec, ContactWheelSpec, PathJob, PathSpec, SurfaceSpec, SymmetrySpec};
+use crate::robot::RobotSpec;
+use crate::roughness::{RoughnessSpec, RoughnessTable};
+use crate::units::from_mm;
+
+/// Belt finishing of a face. The wheel's centre is the tool frame's origin, its axis the frame's y; z points into the face, as in
+/// path jobs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeltSpec {
+    /// Face, wheel and lines.
+    pub job: BeltJob,
+    /// How many of the symmetric copies are finished, one after another.
+    pub copies: usize,
+    /// Speed of the belt over the face, positive along the tool's x axis.
+    pub belt_m_per_s: f64,
+    /// Tension of the belt.
+    pub tension_n: f64,
+    /// Thickness of the rubber on the wheel's hub.
+    pub rubber_m: f64,
+    /// Poisson's ratio of the rubber.
+    pub poisson: f64,
+    /// Viscous pressure per rate of deflection of the wheel's surface.
+    pub damping_pa_s_per_m: f64,
+    /// Coefficient of friction between belt and face.
+    pub mu: f64,
+    /// Preston coefficient: removed depth per pressure and sliding distance.
+    pub preston_per_pa: f64,
+    /// Largest size of the cells on which removal is kept.
+    pub cell_m: f64,
+    /// How the surface smooths.
+    pub roughness: RoughnessSpec,
+}
+
+/// What a run takes from a path job.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeltJob {
+    /// The job's file.
+    pub file: PathBuf,
+    /// The arm, which is the scenario's, and the posture that it comes from.
+    pub robot: ArmSpec,
+    /// The face.
+    pub surface: SurfaceSpec,
+    /// The contact wheel.
+    pub wheel: ContactWheelSpec,
+    /// The lines.
+    pub path: PathSpec,
+    /// Copies of the face.
+    pub symmetry: Option<SymmetrySpec>,
+    /// Speed of moves by joints, share of the top speed.
+    pub joint_share: f64,
+    /// Largest motion of one joint from point to point on a line, rad.
+    pub largest_step_rad: f64,
+}
+
+/// Belt finishing of the face of a path job.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BeltTable {
+    /// Path job (`truecut path`) that gives face, wheel, lines, feed, symmetry and the posture that the arm comes from, relative to
+    /// this file. Its robot is the scenario's.
+    job: String,
+    /// How many of the job's copies are finished, one after another. Default: 1.
+    #[schemars(range(min = 1), extend("x-rule" = "one copy at least is finished"))]
+    copies: Option<usize>,
+    /// Speed of the belt over the face, positive along the tool's x axis (the wheel's axis times the direction into the face).
+    belt_m_per_s: f64,
+    /// Tension of the belt.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "a belt pulls and cannot push"))]
+    tension_n: f64,
+    /// Thickness of the rubber on the wheel's hub.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "rubber has a thickness"))]
+    rubber_mm: f64,
+    /// Poisson's ratio of the rubber. Default: 0.49.
+    #[schemars(extend("minimum" = 0.0, "exclusiveMaximum" = 0.5, "x-rule" = "0.5 is incompressible"))]
+    poisson: Option<f64>,
+    /// Viscous pressure per rate at which the wheel's surface is pressed in. Default: 0.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "negative damping would create energy"))]
+    damping_pa_s_per_m: Option<f64>,
+    /// Coefficient of friction between belt and face.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "friction opposes sliding"))]
+    mu: f64,
+    /// Preston coefficient.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "grinding removes material"))]
+    preston_per_pa: f64,
+    /// Largest size of the cells on which removal is kept. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cell has a size"))]
+    cell_mm: Option<f64>,
+    /// How the surface smooths.
+    roughness: RoughnessTable,
+}
+
+const TABLE: &str = "process.belt";
+const JOB: &str = "process.belt.job";
+
+/// Rubber is all but incompressible.
+const DEFAULT_POISSON: f64 = 0.49;
+/// Size of the cells where a scenario does not give one, mm.
+const DEFAULT_CELL_MM: f64 = 1.0;
+
+impl BeltTable {
+    /// `None` after recording a fault. `folder` is that of the scenario file.
+    pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<BeltSpec> {
+        if self.belt_m_per_s == 0.0 {
+            let path = format!("{TABLE}.belt_m_per_s");
+            let message = format!(
+                "`{path}` is 0, but must not be: a belt that stands still only rubs by the feed"
+            );
+            check.refuse(Fault::value(&path, message, "does not run"));
+        }
+        let roughness = self.roughness.resolve(TABLE, check);
+        let job = read_job(&self.job, folder, check)?;
+        let rubber_m = from_mm(self.rubber_mm);
+        if rubber_m >= job.wheel.radius_m {
+            let path = format!("{TABLE}.rubber_mm");
+            let message = format!(
+                "`{path}` is {}, but must be below the wheel's radius of {} mm, which {} gives: it lies on a hub",
+                self.rubber_mm,
+                job.wheel.radius_m * 1e3,
+                self.job
+            );
+            check.refuse(Fault::value(&path, message, "no room for a hub"));
+        }
+        Some(BeltSpec {
+            copies: copies(self.copies, &self.job, &job, check)?,
+            belt_m_per_s: self.belt_m_per_s,
+            tension_n: self.tension_n,
+            rubber_m,
+            poisson: self.poisson.unwrap_or(DEFAULT_POISSON),
+            damping_pa_s_per_m: self.damping_pa_s_per_m.unwrap_or(0.0),
+            mu: self.mu,
+            preston_per_pa: self.preston_per_pa,
+            cell_m: from_mm(self.cell_mm.unwrap_or(DEFAULT_CELL_MM)),
+            roughness,
+            job,
+        })
+    }
+}
+
+/// Copies that are finished: no more than the job has.
+fn copies(asked: Option<usize>, written: &str, job: &BeltJob, check: &mut Check) -> Option<usize> {
+    let most = job.symmetry.map_or(1, |symmetry| symmetry.count);
+    let copies = asked.unwrap_or(1);
+    if copies <= most {
+        return Some(copies);
+    }
+    let path = format!("{TABLE}.copies");
+    let message = match job.symmetry {
+        Some(_) => format!(
+            "`{path}` is {copies}, but must be at most {most}: {written} has no more copies"
+        ),
+        None => format!("`{path}` is {copies}, but must be at most 1: {written} has no [symmetry]"),
+    };
+    check.refuse(Fault::value(&path, message, "too many"));
+    None
+}
+
+/// The job, or `None` after recording a fault.
+fn read_job(written: &str, folder: &Path, check: &mut Check) -> Option<BeltJob> {
+    let file = folder.join(written);
+    let refused = match PathJob::load(&file) {
+        Ok(job) => match unfit(&job) {
+            None => return Some(BeltJob::of(job)),
+            Some(reason) => (format!("`{JOB}`: {written} {reason}"), "does not fit"),
+        },
+        Err(ScenarioError::Unreadable { reason, .. }) => {
+            let message = format!("`{JOB}`: cannot read the path job {written}: {reason}");
+            (message, "no such job")
+        }
+        Err(error) => {
+            let line = error.problems().next().and_then(|problem| problem.line());
+            let line = line.map_or_else(String::new, |line| format!(":{line}"));
+            let message = format!("`{JOB}`: {written}{line} is no path job: {error}");
+            (message, "no path job")
+        }
+    };
+    check.refuse(Fault::value(JOB, refused.0, refused.1));
+    None
+}
+
+/// Why a job cannot be simulated.
+fn unfit(job: &PathJob) -> Option<String> {
+    if job.wheel.indentation_m == 0.0 {
+        return Some(
+            "has no `wheel.indentation_mm`, but needs one above 0: the path presses the wheel on by it"
+                .to_owned(),
+        );
+    }
+    if let Some(taught) = job.taught.first() {
+        return Some(format!(
+            "plays the taught postures of {}, but a run follows planned lines only: leave [[taught]] out",
+            taught.file.display()
+        ));
+    }
+    None
+}
+
+impl BeltJob {
+    fn of(job: PathJob) -> Self {
+        Self {
+            file: job.path().to_owned(),
+            robot: job.robot,
+            surface: job.surface,
+            wheel: job.wheel,
+            path: job.path,
+            symmetry: job.symmetry,
+            joint_share: job.program.joint_share,
+            largest_step_rad: job.program.largest_step_rad,
+        }
+    }
+}
+
+impl BeltSpec {
+    /// Speed at which the belt turns the contact wheel.
+    pub fn wheel_rad_s(&self) -> f64 {
+        self.belt_m_per_s.abs() / self.job.wheel.radius_m
+    }
+
+    /// Checks that the job's arm is the scenario's, and lets that come from the job's posture.
+    pub(crate) fn lead(&self, robot: &mut RobotSpec, check: &mut Check) {
+        let because = "the arm comes from the posture that the path job gives";
+        check.ignored("robot", &["posture_deg", "posture_mm"], because);
+        let arm = &self.job.robot;
+        let config = |urdf: &Path, config: &Option<PathBuf>| {
+            config
+                .clone()
+                .unwrap_or_else(|| urdf.with_file_name("robot.toml"))
+        };
+        let files = [
+            ("urdf", arm.urdf.clone(), robot.urdf.clone()),
+            (
+                "transmission data",
+                config(&arm.urdf, &arm.config),
+                config(&robot.urdf, &robot.config),
+            ),
+        ];
+        let other = files.iter().find(|(_, job, own)| !same_file(job, own));
+        let told = match other {
+            Some((what, job, own)) => {
+                Some((*what, job.display().to_string(), own.display().to_string()))
+            }
+            None if arm.tip != robot.tip => {
+                let name = |tip: &Option<String>| {
+                    tip.clone()
+                        .unwrap_or_else(|| "the end of the chain".to_owned())
+                };
+                Some(("tip", name(&arm.tip), name(&robot.tip)))
+            }
+            None => None,
+        };
+        if let Some((what, job, own)) = told {
+            let message = format!(
+                "`{JOB}` is for another robot: its {what} is {job}, the scenario's {own}; both must be the same, since the job's lines are solved for it"
+            );
+            check.refuse(Fault::value(JOB, message, "another robot"));
+            return;
+        }
+        robot.posture_rad.clone_from(&arm.posture_rad);
+    }
+}
+
+/// Whether two paths lead to one file; of files that are not there, whether they are written alike.
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a == b,
+    }
+}

@@ -1,0 +1,312 @@
+//! The way of a belt's contact wheel over the face of a path job, and the command that leads the arm along it.
+//!
+//! Lines, branch and checks are the planner's (`truecut_plan::surface_path`). Down, along and up is one course at the feed from
+//! rest to rest ([`timing`]), its poses exactly over the face; from line to line all joints move together as 10x³ - 15x⁴ + 6x⁵ of the
+//! way. A turntable turns, or the arm goes on to the next copy, during the move between copies.
+
+mod timing;
+
+use crate::command::Samples;
+use crate::error::SimError;
+use crate::path_job;
+use crate::tool_path::{Along, check_singularities, leaves};
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use std::sync::Arc;
+use timing::{Course, Place};
+use truecut_arm::{BranchOptions, FrameId, IkSolver, Load, PathOptions, Robot};
+use truecut_plan::program::TravelOptions;
+use truecut_plan::surface::{Forms, PatchFile, Surface};
+use truecut_plan::surface_path::{Contact, Segment, SurfacePath, copies, parts_of, solve};
+use truecut_scenario::{BeltJob, BeltSpec, ProcessSpec, Scenario};
+
+const JOB: &str = "process.belt.job";
+
+/// Time between knots of the command, s.
+const KNOT_INTERVAL_S: f64 = 5e-3;
+/// Shortest move by joints between two lines, s: a faster one would leave the arm swinging.
+const LEAST_LINK_S: f64 = 0.6;
+/// Greatest rate of 10x³ - 15x⁴ + 6x⁵.
+const PEAK_RATE: f64 = 1.875;
+
+/// The wheel's way, solved.
+pub(crate) struct BeltPath {
+    /// Postures every [`KNOT_INTERVAL_S`], from the start on.
+    postures: Vec<Vec<f64>>,
+    pub patch: Arc<PatchFile>,
+    /// The lines on the patch, in its frame.
+    pub lines: SurfacePath,
+    /// The copies, in the order in which they are finished.
+    pub faces: Vec<FaceCopy>,
+}
+
+/// A copy of the face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FaceCopy {
+    /// From when on it is the one under the wheel, s.
+    pub from_s: f64,
+    pub world_from_patch: Isometry3<f64>,
+}
+
+impl BeltPath {
+    /// The path of a scenario that finishes with a belt; `posture` is where the arm comes from.
+    pub(crate) fn of(
+        scenario: &Scenario,
+        robot: &Robot,
+        posture: &[f64],
+    ) -> Result<Option<Self>, SimError> {
+        let ProcessSpec::Belt(spec) = &scenario.process else {
+            return Ok(None);
+        };
+        let path = Self::solve(spec, robot, posture)?;
+        let (asked_s, taken_s) = (scenario.run.duration_s, path.duration_s());
+        if asked_s.is_finite() && asked_s > taken_s {
+            return Err(SimError::scenario(
+                "run.duration_s",
+                format!(
+                    "{asked_s} s are longer than the path takes, {taken_s:.4} s: the wheel has nowhere to go; leave the key out"
+                ),
+            ));
+        }
+        Ok(Some(path))
+    }
+
+    fn solve(spec: &BeltSpec, robot: &Robot, posture: &[f64]) -> Result<Self, SimError> {
+        let job = &spec.job;
+        let refused = |error: &dyn std::fmt::Display| {
+            SimError::scenario(JOB, format!("{}: {error}", job.file.display()))
+        };
+        let patch = PatchFile::load(&job.surface.patch).map_err(|error| refused(&error))?;
+        let lines = path_job::lines(&job.path, &job.wheel, &patch).map_err(|e| refused(&e))?;
+        let segments = segments(job, &lines);
+        let symmetry = job.symmetry.as_ref().map(path_job::symmetry);
+        let mut parts = parts_of(&segments, symmetry.as_ref()).map_err(|e| refused(&e))?;
+        parts.retain(|part| part.copy < spec.copies);
+        let segments: Vec<Segment> = parts.iter().map(|part| part.segment.clone()).collect();
+        let options = TravelOptions {
+            largest_step: job.largest_step_rad,
+            ..TravelOptions::default()
+        };
+        let solved = solve(robot, &segments, posture, &options).map_err(|e| refused(&e))?;
+        let stands = faces(job, spec.copies);
+        let guide = Guide {
+            robot,
+            solver: robot.ik_solver(&BranchOptions::default()),
+            surface: patch.surface.as_ref(),
+            job,
+        };
+        let mut way = Way::default();
+        for (part, planned) in parts.iter().zip(&solved.segments) {
+            let places =
+                course(guide.surface, &lines.lines[part.index], job).sampled(KNOT_INTERVAL_S);
+            let line = guide.postures(&places, &stands[part.copy], &planned[0])?;
+            way.add(part.copy, line, &guide);
+        }
+        let faces = way.from_s.into_iter().zip(stands);
+        Ok(Self {
+            postures: way.postures,
+            patch: Arc::new(patch),
+            lines,
+            faces: faces
+                .map(|(from_s, world_from_patch)| FaceCopy {
+                    from_s,
+                    world_from_patch,
+                })
+                .collect(),
+        })
+    }
+
+    pub(crate) fn duration_s(&self) -> f64 {
+        (self.postures.len() - 1) as f64 * KNOT_INTERVAL_S
+    }
+
+    /// Where the arm stands before the first step, without load.
+    pub(crate) fn start(&self) -> &[f64] {
+        &self.postures[0]
+    }
+
+    /// What there is to tell of it.
+    pub(crate) fn note(&self) -> String {
+        format!(
+            "belt: {} lines on {} of the job's copies, {:.2} s",
+            self.lines.lines.len(),
+            self.faces.len(),
+            self.duration_s()
+        )
+    }
+
+    /// The command that leads a nominal arm along, with the sag that it makes up for.
+    pub(crate) fn command(self, robot: &Robot, sag: Option<&Load>) -> Result<Samples, SimError> {
+        Samples::holding(KNOT_INTERVAL_S, self.postures, robot, sag)
+    }
+}
+
+/// Poses of the tool along each line of the first copy, lifted ones before and after, world.
+fn segments(job: &BeltJob, lines: &SurfacePath) -> Vec<Segment> {
+    let world_from_patch = path_job::pose(&job.surface.place);
+    let line = |poses: Vec<Isometry3<f64>>| {
+        Segment::Planned(poses.iter().map(|pose| world_from_patch * pose).collect())
+    };
+    lines.poses(job.path.lift_m).into_iter().map(line).collect()
+}
+
+/// Where the patch of each copy stands while it is finished: a turntable brings all to where the first one is.
+fn faces(job: &BeltJob, count: usize) -> Vec<Isometry3<f64>> {
+    let first = path_job::pose(&job.surface.place);
+    match job.symmetry.as_ref().map(path_job::symmetry) {
+        Some(about) if !about.turntable => {
+            let turned = copies(&[first], &about.centre_m, &about.axis, about.count);
+            turned.into_iter().flatten().take(count).collect()
+        }
+        _ => vec![first; count],
+    }
+}
+
+/// Down onto a line, along it at the feed of the wheel's centre, and up.
+fn course(surface: &dyn Surface, line: &[Contact], job: &BeltJob) -> Course {
+    let (lift_m, mut before) = (job.path.lift_m, None::<(f64, Vector3<f64>)>);
+    let mut places: Vec<(f64, Place)> = Vec::with_capacity(line.len() + 2);
+    for contact in line {
+        let turn_rad = turn_rad(surface, contact, before.map(|(turn_rad, _)| turn_rad));
+        let way_m = before.map_or(lift_m, |(_, centre)| (contact.centre_m - centre).norm());
+        if before.is_none() {
+            places.push((0.0, Place::new([contact.u, contact.v], turn_rad, lift_m)));
+        }
+        places.push((way_m, Place::new([contact.u, contact.v], turn_rad, 0.0)));
+        before = Some((turn_rad, contact.centre_m));
+    }
+    if let Some((_, last)) = places.last().copied() {
+        places.push((lift_m, Place::new(last.uv(), last.turn_rad(), lift_m)));
+    }
+    Course::new(places.into_iter(), job.path.feed_m_per_s)
+}
+
+/// Angle of the wheel's axis from r_u about the normal, continued from the one before.
+fn turn_rad(surface: &dyn Surface, contact: &Contact, before: Option<f64>) -> f64 {
+    let along = surface.jet(contact.u, contact.v).first_m[0].normalize();
+    let across = contact.normal.cross(&along);
+    let turn = contact.axis.dot(&across).atan2(contact.axis.dot(&along));
+    let whole = std::f64::consts::TAU;
+    before.map_or(turn, |before| {
+        turn + whole * ((before - turn) / whole).round()
+    })
+}
+
+/// What leads the arm along a course.
+struct Guide<'a> {
+    robot: &'a Robot,
+    solver: IkSolver<'a>,
+    surface: &'a dyn Surface,
+    job: &'a BeltJob,
+}
+
+impl Guide<'_> {
+    /// Pose of the tool over the patch, as [`Contact::pose`].
+    fn pose(&self, place: &Place) -> Result<Isometry3<f64>, SimError> {
+        let [u, v] = place.uv();
+        let jet = self.surface.jet(u, v);
+        let forms = Forms::of(&jet).ok_or_else(|| {
+            let message = format!("the patch has no normal at u = {u:.4}, v = {v:.4}");
+            SimError::scenario(JOB, message)
+        })?;
+        let normal = forms.normal.into_inner();
+        let along = jet.first_m[0].normalize();
+        let (sine, cosine) = place.turn_rad().sin_cos();
+        let y = along * cosine + normal.cross(&along) * sine;
+        let z = -normal;
+        let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[y.cross(&z), y, z]));
+        let wheel = &self.job.wheel;
+        let height_m = wheel.radius_m - wheel.indentation_m + place.lift_m();
+        Ok(Isometry3::from_parts(
+            (jet.point_m + normal * height_m).into(),
+            UnitQuaternion::from_rotation_matrix(&axes),
+        ))
+    }
+
+    /// Postures along a course over a patch that stands there, on the branch of `near`.
+    fn postures(
+        &self,
+        places: &[Place],
+        world_from_patch: &Isometry3<f64>,
+        near: &[f64],
+    ) -> Result<Vec<Vec<f64>>, SimError> {
+        let poses = places
+            .iter()
+            .map(|place| Ok(world_from_patch * self.pose(place)?));
+        let poses: Vec<Isometry3<f64>> = poses.collect::<Result<_, SimError>>()?;
+        let along = Along {
+            key: JOB,
+            at_mm: &|k| places[k].along_m() * 1e3,
+        };
+        let followed = (self.solver).follow(&poses, FrameId::Tool, near, &PathOptions::default());
+        let postures = followed.map_err(|error| leaves(error.kind(), &along).1)?;
+        check_singularities(&self.solver, &postures, &along)?;
+        self.check_speeds(&postures, &along)?;
+        Ok(postures)
+    }
+
+    /// Refuses a line on which a joint is faster than it can be.
+    fn check_speeds(&self, postures: &[Vec<f64>], along: &Along<'_>) -> Result<(), SimError> {
+        for (k, pair) in postures.windows(2).enumerate() {
+            for (index, joint) in self.robot.chain.joints.iter().enumerate() {
+                let Some(limits) = joint.limits else { continue };
+                let speed = (pair[1][index] - pair[0][index]).abs() / KNOT_INTERVAL_S;
+                if speed > limits.velocity {
+                    let message = format!(
+                        "joint `{}` would have to move at {:.2} deg/s {:.1} mm from a line's start, but can do {:.2} deg/s: lower the job's \
+                         path.feed_mm_per_s",
+                        joint.name,
+                        speed.to_degrees(),
+                        (along.at_mm)(k),
+                        limits.velocity.to_degrees()
+                    );
+                    return Err(SimError::scenario(JOB, message));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Knots of a move by joints, its two ends left out.
+    fn link(&self, from: &[f64], to: &[f64]) -> Vec<Vec<f64>> {
+        let slowest_s = (self.robot.chain.joints.iter().enumerate())
+            .filter_map(|(i, joint)| {
+                let speed = self.job.joint_share * joint.limits?.velocity;
+                Some(PEAK_RATE * (to[i] - from[i]).abs() / speed)
+            })
+            .fold(LEAST_LINK_S, f64::max);
+        let count = (slowest_s / KNOT_INTERVAL_S).ceil() as usize;
+        let knot = |k: usize| {
+            let x = k as f64 / count as f64;
+            let part = x.powi(3) * (10.0 + x * (6.0 * x - 15.0));
+            from.iter()
+                .zip(to)
+                .map(|(a, b)| a + part * (b - a))
+                .collect()
+        };
+        (1..count).map(knot).collect()
+    }
+}
+
+/// The command as it grows line by line.
+#[derive(Default)]
+struct Way {
+    postures: Vec<Vec<f64>>,
+    /// From when on each copy is under the wheel, s.
+    from_s: Vec<f64>,
+}
+
+impl Way {
+    fn add(&mut self, copy: usize, line: Vec<Vec<f64>>, guide: &Guide<'_>) {
+        let link = match (self.postures.last(), line.first()) {
+            (Some(from), Some(to)) => guide.link(from, to),
+            _ => Vec::new(),
+        };
+        if copy >= self.from_s.len() {
+            // Halfway between two copies.
+            let knots = self.postures.len() + link.len() / 2;
+            self.from_s.push(knots as f64 * KNOT_INTERVAL_S);
+        }
+        self.postures.extend(link);
+        self.postures.extend(line);
+    }
+}

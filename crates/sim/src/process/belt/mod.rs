@@ -1,0 +1,300 @@
+//! A belt over a contact wheel finishes a freeform face.
+//!
+//! The tool frame stands in the wheel's centre, its y axis is the wheel's, z points into the face. Every step takes the pose and the
+//! motion of the tool as they are, deflection and rotation of the arm included. The wheel is cut into strips along its axis; each is nearest to
+//! the patch in its own section ([`geometry`]) and presses there as a line patch ([`contact`]): rubber on a hub under a belt of this tension
+//! ([`truecut_core::wheel::belt`]). Where no face is, beyond the patch's borders or its boundary, nothing presses; along borders across
+//! the belt's run the belt bends round the edge.
+//!
+//! The belt slides over the face at its own speed, along the tool's x axis, and with the tool. Force and moment of all strips act on
+//! the tool: wheel, belt and its drive hang on the arm.
+
+mod contact;
+mod geometry;
+mod report;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+pub use surface::{Cells, cells_within};
+
+use super::{ContactStiffness, Findings, Process, ToolState};
+use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use contact::{Contact, Motion, Strip};
+use geometry::FaceGeometry;
+use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
+use report::Watch;
+use std::sync::Arc;
+use surface::Worn;
+use truecut_core::roughness::Polishing;
+use truecut_core::wheel::belt::BeltWheel;
+use truecut_core::wheel::patch::EdgePoint;
+use truecut_core::wheel::quadrature::Quadrature;
+use truecut_plan::surface::PatchFile;
+use truecut_recording::{ChannelSpec, Field, Unit};
+
+/// Nodes across and along a strip.
+const NODES: usize = 8;
+
+/// A copy of the face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Copied {
+    /// From when on it is the one under the wheel, s.
+    pub from_s: f64,
+    pub world_from_patch: Isometry3<f64>,
+}
+
+/// All that a belt run is made of.
+#[derive(Debug, Clone)]
+pub struct BeltSetup {
+    pub wheel: BeltWheel,
+    /// Speed of the belt along the tool's x axis, m/s.
+    pub belt_m_per_s: f64,
+    pub mu: f64,
+    pub preston_per_pa: f64,
+    pub polishing: Polishing,
+    pub patch: Arc<PatchFile>,
+    /// Copies in the order in which they are finished, one at least.
+    pub copies: Vec<Copied>,
+    /// Turns world axes into process axes.
+    pub process_from_world: UnitQuaternion<f64>,
+    pub cells: Cells,
+    /// True areas of the cells, row by row.
+    pub area_m2: Arc<Vec<f64>>,
+    /// Which cells belong to the face.
+    pub is_face: Arc<Vec<bool>>,
+    /// Least and greatest u, and v, between the outermost lines and short of their ends, where every pass is whole.
+    pub swept: [[f64; 2]; 2],
+    /// How far the path reaches into the face.
+    pub indentation_m: f64,
+    /// Outward normal of the face where the first line begins, world.
+    pub first_normal: Vector3<f64>,
+    pub duration_s: f64,
+    /// Mean depth that the job's line load would leave, for the colours of the view, m.
+    pub expected_depth_m: f64,
+}
+
+impl BeltSetup {
+    /// The copy that is under the wheel.
+    fn copy_at(&self, time_s: f64) -> usize {
+        let begun = self.copies.partition_point(|copy| copy.from_s <= time_s);
+        begun.saturating_sub(1)
+    }
+
+    /// Motion of the tool in the frame of a copy's patch.
+    fn motion(&self, copy: usize, state: &ToolState) -> Motion {
+        let patch_from_world = self.copies[copy].world_from_patch.inverse();
+        let turn = patch_from_world.rotation;
+        let velocity_in_world = self.process_from_world.inverse() * state.tool.velocity_m_per_s;
+        Motion {
+            patch_from_tool: patch_from_world * state.world_from_tool,
+            velocity_m_per_s: turn * velocity_in_world,
+            turning_rad_s: turn * state.tool_turning_rad_s,
+        }
+    }
+
+    fn to_process(&self, copy: usize, in_patch: &Vector3<f64>) -> Vector3<f64> {
+        self.process_from_world * (self.copies[copy].world_from_patch.rotation * in_patch)
+    }
+}
+
+/// The process.
+#[derive(Debug, Clone)]
+pub struct Belt {
+    setup: BeltSetup,
+    face: FaceGeometry,
+    quadrature: Quadrature,
+    /// One a copy; none where only rows are asked for.
+    worn: Vec<Worn>,
+    /// Reactions along borders in this step.
+    edges: Vec<(Strip, EdgePoint)>,
+    watch: Watch,
+    last: Last,
+}
+
+/// What is recorded of the last step.
+#[derive(Debug, Clone, Copy, Default)]
+struct Last {
+    copy: usize,
+    uv: [f64; 2],
+    penetration_m: f64,
+    normal_n: f64,
+    edge_n: f64,
+    friction_n: Vector2<f64>,
+    width_m: f64,
+    /// Process axes.
+    force_on_tool_n: Vector3<f64>,
+}
+
+impl Belt {
+    pub fn new(setup: BeltSetup) -> Self {
+        Self {
+            face: FaceGeometry::new(setup.patch.clone()),
+            quadrature: Quadrature::new(NODES),
+            worn: setup.copies.iter().map(|_| Worn::new(&setup)).collect(),
+            edges: Vec::new(),
+            watch: Watch::default(),
+            last: Last::default(),
+            setup,
+        }
+    }
+
+    fn contact(&self, state: &ToolState, edges: impl FnMut(&Strip, &EdgePoint)) -> Contact {
+        Contact::of(&self.setup, &self.face, &self.quadrature, state, edges)
+    }
+}
+
+impl Process for Belt {
+    fn channels(&self) -> Vec<ChannelSpec> {
+        let spec =
+            |name: &str, unit, text: &str| ChannelSpec::new(format!("belt.{name}"), unit, text);
+        vec![
+            spec(
+                "normal_force",
+                Unit::Newton,
+                "Force with which the belt presses on the face, along its normals",
+            ),
+            spec(
+                "edge_force",
+                Unit::Newton,
+                "Part of the normal force that acts along borders of the face",
+            ),
+            spec(
+                "friction_run",
+                Unit::Newton,
+                "Friction on the face along the tool's x axis, the belt's run",
+            ),
+            spec(
+                "friction_axis",
+                Unit::Newton,
+                "Friction on the face along the wheel's axis",
+            ),
+            spec(
+                "penetration",
+                Unit::Metre,
+                "How far the undeformed wheel reaches into the face in its middle; 0 when lifted",
+            ),
+            spec(
+                "contact_width",
+                Unit::Metre,
+                "Width over which the wheel touches the face",
+            ),
+            spec(
+                "position_u",
+                Unit::One,
+                "First parameter of the face under the wheel's middle; far from the face that of the last place",
+            ),
+            spec(
+                "position_v",
+                Unit::One,
+                "Second parameter of the face under the wheel's middle",
+            ),
+            spec("removed_volume", Unit::CubicMetre, "Volume removed so far"),
+        ]
+    }
+
+    fn evaluate(&self, state: &ToolState) -> Loads {
+        let contact = self.contact(state, |_, _| {});
+        let mut loads = Loads::default();
+        loads.wrenches.push(Wrench {
+            frame: Attachment::Tool,
+            force_n: self.setup.to_process(contact.copy, &contact.force_n),
+            moment_n_m: self.setup.to_process(contact.copy, &contact.moment_n_m),
+        });
+        loads
+    }
+
+    fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
+        let mut edges = std::mem::take(&mut self.edges);
+        edges.clear();
+        let contact = self.contact(state, |strip, point| edges.push((*strip, *point)));
+        self.edges = edges;
+        if let Some(worn) = self.worn.get_mut(contact.copy) {
+            worn.grind(&self.setup, &contact.strips, &self.edges, dt_s);
+        }
+        self.watch.step(&contact, dt_s);
+        let (uv, penetration_m) = contact.middle.unwrap_or((self.last.uv, 0.0));
+        self.last = Last {
+            copy: contact.copy,
+            uv,
+            penetration_m: penetration_m.max(0.0),
+            normal_n: contact.normal_n,
+            edge_n: contact.edge_n,
+            friction_n: contact.friction_n,
+            width_m: contact.width_m,
+            force_on_tool_n: self.setup.to_process(contact.copy, &contact.force_n),
+        };
+    }
+
+    fn record(&self, row: &mut Vec<f64>) {
+        let last = &self.last;
+        row.extend([
+            last.normal_n,
+            last.edge_n,
+            last.friction_n.x,
+            last.friction_n.y,
+            last.penetration_m,
+            last.width_m,
+            last.uv[0],
+            last.uv[1],
+            self.watch.preston_m3(&self.setup),
+        ]);
+    }
+
+    fn keep_rows_only(&mut self) {
+        self.worn.clear();
+    }
+
+    fn finish(&mut self) -> Findings {
+        for worn in &mut self.worn {
+            worn.settle_all(&self.setup);
+        }
+        report::findings(&self.setup, &self.worn, &self.watch)
+    }
+
+    /// The run starts with the wheel lifted.
+    fn static_loads(&self) -> Loads {
+        Loads::default()
+    }
+
+    fn duration_s(&self) -> Option<f64> {
+        Some(self.setup.duration_s)
+    }
+
+    fn tooth_period_s(&self) -> Option<f64> {
+        None
+    }
+
+    /// Slope of the force over the penetration on a flat face, at the indentation of the path.
+    fn contact_stiffness(&self) -> Vec<ContactStiffness> {
+        let p = &self.setup;
+        let (d, h) = (p.indentation_m, 1e-3 * p.indentation_m);
+        let force = |d: f64| p.wheel.normal_force_n(d, p.wheel.radius_m);
+        vec![ContactStiffness {
+            frame: Attachment::Tool,
+            direction: p.process_from_world * p.first_normal,
+            stiffness_n_per_m: (force(d + h) - force(d - h)) / (2.0 * h),
+        }]
+    }
+
+    /// Of copies that the arm goes to, the first one's is drawn; a turntable brings all to where that is.
+    fn field(&self) -> Option<Field> {
+        Some(report::field(&self.setup))
+    }
+
+    fn field_values(&self) -> Vec<f32> {
+        let p = &self.setup;
+        let brought = (p.copies)
+            .iter()
+            .all(|copy| copy.world_from_patch == p.copies[0].world_from_patch);
+        let drawn = if brought { self.last.copy } else { 0 };
+        let depths = self.worn.get(drawn).map(|worn| worn.grid.removed_m());
+        (depths.unwrap_or_default().iter())
+            .map(|depth| *depth as f32)
+            .collect()
+    }
+
+    fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
+        vec![("belt contact", Attachment::Tool, self.last.force_on_tool_n)]
+    }
+}

@@ -1,0 +1,295 @@
+//! What a belt run ends with: force, removal and its evenness, roughness; and how the face is drawn.
+
+use super::BeltSetup;
+use super::contact::Contact;
+use super::surface::{Worn, middles};
+use crate::process::Findings;
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use truecut_recording::{Field, Profile, Scalar, Unit};
+
+/// Depth at which the colours end, over the mean that is expected.
+const FULL_SCALE: f64 = 2.0;
+/// Height over the face at which the depth is drawn, so that its outline does not shine through, m.
+const DRAWN_ABOVE_M: f64 = 1e-4;
+
+/// What is summed up while the run goes on.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Watch {
+    /// `∫ p |v| dA dt`, J.
+    preston_j: f64,
+    /// Time in contact, s.
+    contact_s: f64,
+    /// `∫ F dt`, N s.
+    impulse_n_s: f64,
+    largest_n: f64,
+}
+
+impl Watch {
+    pub fn step(&mut self, contact: &Contact, dt_s: f64) {
+        self.preston_j += contact.sliding_w * dt_s;
+        self.impulse_n_s += contact.normal_n * dt_s;
+        self.largest_n = self.largest_n.max(contact.normal_n);
+        if contact.normal_n > 0.0 {
+            self.contact_s += dt_s;
+        }
+    }
+
+    /// Volume that Preston's law takes off by what was given so far, m³.
+    pub fn preston_m3(&self, setup: &BeltSetup) -> f64 {
+        setup.preston_per_pa * self.preston_j
+    }
+}
+
+/// Sums over cells of all copies, by their areas.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    area: f64,
+    depth: f64,
+    square: f64,
+    roughness: f64,
+    least: Option<f64>,
+    largest: f64,
+    roughest: f64,
+}
+
+impl Sums {
+    fn add(&mut self, area: f64, depth: f64, roughness: f64) {
+        self.area += area;
+        self.depth += area * depth;
+        self.square += area * depth * depth;
+        self.roughness += area * roughness;
+        self.least = Some(self.least.map_or(depth, |least| least.min(depth)));
+        self.largest = self.largest.max(depth);
+        self.roughest = self.roughest.max(roughness);
+    }
+
+    fn mean_m(&self) -> f64 {
+        self.depth / self.area
+    }
+
+    /// Standard deviation of the depth over its mean.
+    fn unevenness(&self) -> f64 {
+        let mean = self.mean_m();
+        (self.square / self.area - mean * mean).max(0.0).sqrt() / mean
+    }
+}
+
+/// Sums over the face, and over what the lines sweep, of one copy.
+fn sums(setup: &BeltSetup, worn: &Worn) -> (Sums, Sums) {
+    let (mut face, mut swept) = (Sums::default(), Sums::default());
+    let cells = worn.grid.removed_m().iter().zip(worn.grid.dose_j_per_m2());
+    for (cell, (depth, dose)) in cells.enumerate() {
+        if !setup.is_face[cell] {
+            continue;
+        }
+        let (area, roughness) = (setup.area_m2[cell], setup.polishing.ra_m(*dose));
+        face.add(area, *depth, roughness);
+        let middle = setup.cells.middle(cell);
+        let within = |i: usize| (setup.swept[i][0]..=setup.swept[i][1]).contains(&middle[i]);
+        if within(0) && within(1) {
+            swept.add(area, *depth, roughness);
+        }
+    }
+    (face, swept)
+}
+
+fn joined(all: impl Iterator<Item = Sums>) -> Sums {
+    all.fold(Sums::default(), |a, b| Sums {
+        area: a.area + b.area,
+        depth: a.depth + b.depth,
+        square: a.square + b.square,
+        roughness: a.roughness + b.roughness,
+        least: match (a.least, b.least) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        },
+        largest: a.largest.max(b.largest),
+        roughest: a.roughest.max(b.roughest),
+    })
+}
+
+pub(super) fn findings(setup: &BeltSetup, worn: &[Worn], watch: &Watch) -> Findings {
+    let each: Vec<(Sums, Sums)> = worn.iter().map(|one| sums(setup, one)).collect();
+    let face = joined(each.iter().map(|one| one.0));
+    let swept = joined(each.iter().map(|one| one.1));
+    let means = each.iter().map(|one| one.0.mean_m());
+    let (least, most) = means.fold((f64::INFINITY, 0.0_f64), |(l, m), x| (l.min(x), m.max(x)));
+    let volume_m3 = worn.iter().map(|one| one.grid.volume_m3()).sum();
+    let mut scalars = pressing(watch);
+    scalars.extend(removed(volume_m3, watch.preston_m3(setup)));
+    scalars.extend(depths(&face, &swept, (most - least) / face.mean_m()));
+    scalars.extend(roughness(&swept));
+    Findings {
+        scalars,
+        profiles: worn
+            .first()
+            .map(|one| across(setup, one))
+            .into_iter()
+            .collect(),
+    }
+}
+
+fn scalar(name: &str, unit: Unit, value: f64, text: &str) -> Scalar {
+    Scalar::new(format!("belt.{name}"), unit, value, text)
+}
+
+/// How the belt pressed.
+fn pressing(watch: &Watch) -> Vec<Scalar> {
+    vec![
+        scalar(
+            "mean_force",
+            Unit::Newton,
+            watch.impulse_n_s / watch.contact_s,
+            "Mean normal force while the belt is on the face",
+        ),
+        scalar(
+            "largest_force",
+            Unit::Newton,
+            watch.largest_n,
+            "Largest normal force",
+        ),
+        scalar(
+            "contact_time",
+            Unit::Second,
+            watch.contact_s,
+            "Time that the belt is on the face",
+        ),
+    ]
+}
+
+fn removed(volume_m3: f64, preston_m3: f64) -> [Scalar; 2] {
+    [
+        scalar(
+            "removed_volume",
+            Unit::CubicMetre,
+            volume_m3,
+            "Volume removed from all copies",
+        ),
+        scalar(
+            "preston_volume",
+            Unit::CubicMetre,
+            preston_m3,
+            "Preston's integral k_p ∫ p v dA dt",
+        ),
+    ]
+}
+
+fn depths(face: &Sums, swept: &Sums, copies_difference: f64) -> [Scalar; 6] {
+    [
+        scalar(
+            "depth_mean",
+            Unit::Metre,
+            face.mean_m(),
+            "Mean depth over the whole face, all copies",
+        ),
+        scalar(
+            "depth_swept",
+            Unit::Metre,
+            swept.mean_m(),
+            "Mean depth between the outermost lines and short of their ends, where every pass is whole",
+        ),
+        scalar(
+            "depth_least",
+            Unit::Metre,
+            swept.least.unwrap_or(0.0),
+            "Least depth of a cell there",
+        ),
+        scalar(
+            "depth_largest",
+            Unit::Metre,
+            swept.largest,
+            "Largest depth of a cell there",
+        ),
+        scalar(
+            "unevenness",
+            Unit::One,
+            swept.unevenness(),
+            "Standard deviation of the depth over its mean there",
+        ),
+        scalar(
+            "copies_difference",
+            Unit::One,
+            copies_difference,
+            "Mean depth of the copy worn most less that of the copy worn least, over the mean of all",
+        ),
+    ]
+}
+
+fn roughness(swept: &Sums) -> [Scalar; 2] {
+    [
+        scalar(
+            "roughness_mean",
+            Unit::Metre,
+            swept.roughness / swept.area,
+            "Mean Ra between the outermost lines and short of their ends",
+        ),
+        scalar(
+            "roughness_largest",
+            Unit::Metre,
+            swept.roughest,
+            "Largest Ra of a cell there",
+        ),
+    ]
+}
+
+/// Mean depth of each row over the middle half of the first copy's columns, over the distance along v in the middle of u.
+fn across(setup: &BeltSetup, worn: &Worn) -> Profile {
+    let [columns, rows] = setup.cells.count;
+    let inner = columns / 4..(columns * 3 / 4).max(columns / 4 + 1);
+    let mean = |row: usize| {
+        let depths = &worn.grid.removed_m()[row * columns..][inner.clone()];
+        depths.iter().sum::<f64>() / depths.len() as f64
+    };
+    let place = |row: usize| {
+        let [u, v] = setup.cells.middle(row * columns + columns / 2);
+        setup.patch.surface.point_m(u, v)
+    };
+    let mut along_m = 0.5 * (place(rows.min(2) - 1) - place(0)).norm();
+    let axis = (0..rows).map(|row| {
+        along_m += (place(row) - place(row.saturating_sub(1))).norm();
+        along_m
+    });
+    Profile {
+        name: "belt.removed_depth".into(),
+        description: "Depth removed from the first copy across its first parameter, mean over the middle half of that".into(),
+        axis_name: "face_v".into(),
+        axis_unit: Unit::Metre,
+        axis: axis.collect(),
+        unit: Unit::Metre,
+        values: (0..rows).map(mean).collect(),
+    }
+}
+
+/// The face of the first copy as it is drawn: cells at their middles, in a frame that looks onto the middle of the face.
+pub(super) fn field(setup: &BeltSetup) -> Field {
+    let domain = setup.patch.surface.domain();
+    let jet = (setup.patch.surface).jet(
+        0.5 * (domain.u[0] + domain.u[1]),
+        0.5 * (domain.v[0] + domain.v[1]),
+    );
+    let x = jet.first_m[0].normalize();
+    let z = jet.first_m[0].cross(&jet.first_m[1]).normalize();
+    let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
+    let turn = UnitQuaternion::from_rotation_matrix(&axes);
+    let points = middles(&setup.cells, &setup.patch);
+    let flat: Vec<Vector3<f64>> = points.iter().map(|p| turn.inverse() * p.coords).collect();
+    let bound =
+        |pick: fn(f64, f64) -> f64, i: usize, from: f64| flat.iter().map(|p| p[i]).fold(from, pick);
+    let low = [0, 1].map(|i| bound(f64::min, i, f64::INFINITY));
+    let high = [0, 1].map(|i| bound(f64::max, i, f64::NEG_INFINITY));
+    let middle = turn.inverse() * jet.point_m;
+    let origin = Vector3::new(low[0], low[1], middle.z);
+    let patch_from_field = Isometry3::from_parts((turn * origin).into(), turn);
+    let world_from_patch = setup.copies[0].world_from_patch;
+    Field {
+        path: "removed_depth".into(),
+        world_from_field: crate::scene::pose(&(world_from_patch * patch_from_field)),
+        size_m: [high[0] - low[0], high[1] - low[1]],
+        cells: setup.cells.count,
+        full_scale: FULL_SCALE * setup.expected_depth_m,
+        vertices_m: flat
+            .iter()
+            .map(|p| (p - origin + Vector3::z() * DRAWN_ABOVE_M).into())
+            .collect(),
+    }
+}

@@ -1,0 +1,159 @@
+//! From the belt table and its solved lines to the process that runs.
+
+use crate::belt_path::BeltPath;
+use crate::error::SimError;
+use crate::process::{Belt, BeltSetup, Cells, Copied, cells_within};
+use crate::scene::Workpiece;
+use nalgebra::Isometry3;
+use std::sync::Arc;
+use truecut_core::roughness::Polishing;
+use truecut_core::wheel::belt::BeltWheel;
+use truecut_plan::surface_path::Contact;
+use truecut_scenario::BeltSpec;
+
+/// Most cells of all copies: their maps fit into memory and onto a screen.
+const MOST_CELLS: usize = 4_000_000;
+
+/// The process along a solved path, and its workpiece.
+pub(super) fn belt(
+    spec: &BeltSpec,
+    path: &BeltPath,
+    world_from_process: &Isometry3<f64>,
+    duration_s: f64,
+) -> Result<(Belt, Workpiece), SimError> {
+    let cells = Cells::of(&path.patch, spec.cell_m);
+    check_cells(spec, &cells)?;
+    let area_m2 = cells.areas_m2(&path.patch);
+    let is_face = cells_within(&cells, path.patch.clone());
+    let of_face = area_m2.iter().zip(&is_face).filter(|(_, within)| **within);
+    let face_m2: f64 = of_face.map(|(area, _)| area).sum();
+    let contacts = || path.lines.lines.iter().flatten();
+    let Some(first) = contacts().next() else {
+        return Err(SimError::scenario(
+            "process.belt.job",
+            "the job has no lines",
+        ));
+    };
+    let copies: Vec<Copied> = (path.faces.iter())
+        .map(|face| Copied {
+            from_s: face.from_s,
+            world_from_patch: face.world_from_patch,
+        })
+        .collect();
+    let setup = BeltSetup {
+        wheel: wheel(spec),
+        belt_m_per_s: spec.belt_m_per_s,
+        mu: spec.mu,
+        preston_per_pa: spec.preston_per_pa,
+        polishing: Polishing {
+            initial_m: spec.roughness.initial_m,
+            final_m: spec.roughness.final_m,
+            dose_j_per_m2: spec.roughness.dose_j_per_m2,
+        },
+        patch: path.patch.clone(),
+        process_from_world: world_from_process.rotation.inverse(),
+        swept: swept(path),
+        indentation_m: spec.job.wheel.indentation_m,
+        first_normal: copies[0].world_from_patch.rotation * first.normal.into_inner(),
+        duration_s,
+        expected_depth_m: expected_depth_m(spec, path, face_m2),
+        area_m2: Arc::new(area_m2),
+        is_face: Arc::new(is_face),
+        cells,
+        copies,
+    };
+    let workpiece = Workpiece::Outline {
+        process_from_patch: world_from_process.inverse() * setup.copies[0].world_from_patch,
+        points_m: outline(path),
+    };
+    Ok((Belt::new(setup), workpiece))
+}
+
+fn check_cells(spec: &BeltSpec, cells: &Cells) -> Result<(), SimError> {
+    let [columns, rows] = cells.count;
+    let count = columns.saturating_mul(rows).saturating_mul(spec.copies);
+    if count <= MOST_CELLS {
+        return Ok(());
+    }
+    Err(SimError::scenario(
+        "process.belt.cell_mm",
+        format!(
+            "`process.belt.cell_mm` is {}, which makes {columns} by {rows} cells on each of {} copies, but all have at most {MOST_CELLS}: \
+             their maps fit into memory",
+            spec.cell_m * 1e3,
+            spec.copies
+        ),
+    ))
+}
+
+fn wheel(spec: &BeltSpec) -> BeltWheel {
+    BeltWheel {
+        radius_m: spec.job.wheel.radius_m,
+        width_m: spec.job.wheel.width_m,
+        contact_modulus_pa: spec.job.wheel.modulus_pa,
+        poisson: spec.poisson,
+        rubber_m: spec.rubber_m,
+        tension_n: spec.tension_n,
+        damping_pa_s_per_m: spec.damping_pa_s_per_m,
+    }
+}
+
+/// Preston's law for the job's line load over all lines, spread over the face: `k_p v F L / (v_f A)`.
+fn expected_depth_m(spec: &BeltSpec, path: &BeltPath, face_m2: f64) -> f64 {
+    let length_m: f64 = (path.lines.lines.iter())
+        .flat_map(|line| line.windows(2))
+        .map(|pair: &[Contact]| (pair[1].point_m - pair[0].point_m).norm())
+        .sum();
+    let force_n = spec.job.wheel.line_load_n_per_m * spec.job.wheel.width_m;
+    let time_s = length_m / spec.job.path.feed_m_per_s;
+    spec.preston_per_pa * spec.belt_m_per_s.abs() * force_n * time_s / face_m2
+}
+
+/// Parameters between the outermost lines and their ends, twice the half-width of the contact line short of these: there a pass is whole.
+fn swept(path: &BeltPath) -> [[f64; 2]; 2] {
+    let inner = path.lines.lines.iter().flat_map(|line| {
+        let ends = [line.first(), line.last()];
+        line.iter().filter(move |contact| {
+            let clear_m = 2.0 * contact.half_width_m;
+            let away = |end: &&Contact| (contact.point_m - end.point_m).norm() >= clear_m;
+            ends.iter().flatten().all(away)
+        })
+    });
+    let inner: Vec<&Contact> = inner.collect();
+    [
+        range(inner.iter().map(|c| c.u)),
+        range(inner.iter().map(|c| c.v)),
+    ]
+}
+
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    })
+}
+
+/// The boundary of the face, or the border of its patch, closed, in the patch's frame.
+fn outline(path: &BeltPath) -> Vec<[f64; 3]> {
+    let surface = path.patch.surface.as_ref();
+    if let Some(boundary) = &path.patch.boundary {
+        let corners = boundary.corners_m();
+        let closed = corners.iter().chain(corners.first());
+        return closed.map(|corner| (*corner).into()).collect();
+    }
+    let domain = surface.domain();
+    let side = 40;
+    let mix = |range: [f64; 2], part: f64| range[0] + part * (range[1] - range[0]);
+    (0..=4 * side)
+        .map(|k| {
+            let part = (k % side) as f64 / side as f64;
+            let (u, v) = match k / side {
+                0 => (part, 0.0),
+                1 => (1.0, part),
+                2 => (1.0 - part, 1.0),
+                3 => (0.0, 1.0 - part),
+                _ => (0.0, 0.0),
+            };
+            surface.point_m(mix(domain.u, u), mix(domain.v, v)).into()
+        })
+        .collect()
+}

@@ -1,0 +1,6 @@
+//! A belt over a contact wheel on the face of a path job, on the HP20 in rapier: forces, removal, copies.
+
+mod copies;
+mod engines;
+mod plane;
+mod support;
