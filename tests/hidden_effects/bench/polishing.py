@@ -170,6 +170,7 @@ def run(path: Path, overrides: dict[str, float], effects: list[Effect], step_s: 
         "polish.friction_y": (forces, -told[:, 3]),
         # what was taken off by the end of each step
         "polish.removed_volume": (states + step_s, preston * step_s * np.cumsum(told[:, 4])),
-        "tool.displacement_x": (states, (places - places[0]) @ plant.axes[0]),
+        "tool.position_x": (states, places[:, 0]),
+        "tool.position_z": (states, places[:, 2]),
     }
     return {name: t for name, (t, _) in channels.items()}, {name: x for name, (_, x) in channels.items()}
