@@ -38,9 +38,10 @@ impl IkSolver<'_> {
         let mut path: Vec<Vec<f64>> = Vec::with_capacity(poses.len());
         for (index, pose) in poses.iter().enumerate() {
             let before = path.last().map_or(start, Vec::as_slice);
-            let next = match self.continued(pose, frame, before, options) {
-                Some(next) if index > 0 => next,
-                _ => self
+            let continued = (index > 0).then(|| self.continued(pose, frame, before, options));
+            let next = match continued.flatten() {
+                Some(next) => next,
+                None => self
                     .nearest_kind(pose, frame, before)
                     .map_err(|kind| on_path(index, kind))?,
             };

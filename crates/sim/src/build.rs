@@ -82,7 +82,7 @@ impl Prepared {
             posture = path.start().to_vec();
         }
         let run_s = scenario.run.duration_s;
-        let path_s = (led.as_ref()).map_or(run_s, |path| path.duration_s().min(run_s));
+        let path_s = (led.as_ref()).map_or(run_s, |path| path.duration_s.min(run_s));
         let mut world_from_process = nominal.world_from_process(&posture);
         let (mut process, workpiece) = match &replay {
             Some(replay) => (
@@ -96,17 +96,17 @@ impl Prepared {
                 &posture,
                 &world_from_process,
                 &effects,
-                led.as_ref(),
+                led.as_deref(),
             )?,
         };
         let duration_s = (replay.as_ref()).map_or(path_s, ForwardInputs::duration_s);
         let gravity = Load::gravity(gravity_m_s2);
         let sag = (spec.hold_against_sag && kind != DriveKind::Force).then_some(&gravity);
         // The controller knows the nominal robot only; what it does not know shows in the run.
-        let path_note = led.as_ref().and_then(LedPath::note);
+        let path_note = led.as_ref().and_then(|path| path.note.clone());
         let command = match (&replay, path, &scenario.process) {
             (Some(replay), ..) => replay.command(&posture),
-            _ if let Some(led) = led => JointCommand::Replay(led.command(&nominal, sag)?),
+            _ if let Some(led) = &led => JointCommand::Replay(led.command(&nominal, sag)?),
             (None, Some(path), ProcessSpec::Milling(milling)) => {
                 JointCommand::Along(StraightPath::of(&nominal, path, milling.feed_m_per_s, sag)?)
             }

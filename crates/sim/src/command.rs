@@ -108,24 +108,6 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// A command through postures, with the sag that it makes up for.
-    pub(crate) fn holding(
-        interval_s: f64,
-        postures: Vec<Vec<f64>>,
-        robot: &Robot,
-        sag: Option<&Load>,
-    ) -> Result<Self, SimError> {
-        let postures = postures.into_iter().map(|q| match sag {
-            Some(load) => robot.holding_command(&q, load),
-            None => Ok(q),
-        });
-        Ok(Self {
-            interval_s,
-            postures: postures.collect::<Result<_, _>>()?,
-            forces: vec![None; robot.dof()],
-        })
-    }
-
     /// Cubic Hermite interpolation with central differences (one-sided at both ends) as slopes: the velocity is the derivative of the
     /// position, and both are continuous.
     fn at(&self, t_s: f64, position: &mut [f64], velocity: &mut [f64]) {

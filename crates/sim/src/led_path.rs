@@ -1,17 +1,28 @@
 //! Ways of a wheel that are solved as a whole before the run.
 
-use crate::belt_path::BeltPath;
+use crate::belt_path::{self, BeltLines};
 use crate::command::Samples;
 use crate::error::SimError;
-use crate::polish_path::PolishPath;
+use crate::polish_path;
 use crate::robots::Robots;
+use crate::tool_path::Along;
+use std::sync::Arc;
 use truecut_arm::{Load, Robot};
-use truecut_scenario::Scenario;
+use truecut_scenario::{ProcessSpec, Scenario};
+
+/// Time between knots of the command, s.
+pub(crate) const KNOT_INTERVAL_S: f64 = 5e-3;
 
 /// A way that leads the arm.
-pub(crate) enum LedPath {
-    Polish(PolishPath),
-    Belt(BeltPath),
+#[derive(Debug)]
+pub(crate) struct LedPath {
+    /// Postures every [`KNOT_INTERVAL_S`], from the start on.
+    pub postures: Vec<Vec<f64>>,
+    pub duration_s: f64,
+    /// What there is to tell of it, for people.
+    pub note: Option<String>,
+    /// What a belt follows.
+    pub belt: Option<BeltLines>,
 }
 
 impl LedPath {
@@ -21,41 +32,70 @@ impl LedPath {
         robot: &Robot,
         robots: &Robots,
         posture: &[f64],
-    ) -> Result<Option<Self>, SimError> {
-        if let Some(path) = PolishPath::of(scenario, robot, robots, posture)? {
-            return Ok(Some(Self::Polish(path)));
+    ) -> Result<Option<Arc<Self>>, SimError> {
+        let solve = || match &scenario.process {
+            ProcessSpec::Polish(spec) => polish_path::solve(spec, robot, posture).map(Some),
+            ProcessSpec::Belt(spec) => belt_path::solve(spec, robot, posture).map(Some),
+            _ => Ok(None),
+        };
+        let found = robots.led_path(&scenario.robot, posture, &scenario.process, solve)?;
+        let Some(path) = found else { return Ok(None) };
+        let (asked_s, taken_s) = (scenario.run.duration_s, path.duration_s);
+        if asked_s.is_finite() && asked_s > taken_s {
+            return Err(SimError::scenario(
+                "run.duration_s",
+                format!(
+                    "{asked_s} s are longer than the path takes, {taken_s:.4} s: the wheel has nowhere to go; leave the key out"
+                ),
+            ));
         }
-        Ok(BeltPath::of(scenario, robot, posture)?.map(Self::Belt))
-    }
-
-    pub(crate) fn duration_s(&self) -> f64 {
-        match self {
-            Self::Polish(path) => path.duration_s,
-            Self::Belt(path) => path.duration_s(),
-        }
+        Ok(Some(path))
     }
 
     /// Where the arm stands before the first step, without load.
     pub(crate) fn start(&self) -> &[f64] {
-        match self {
-            Self::Polish(path) => path.start(),
-            Self::Belt(path) => path.start(),
-        }
-    }
-
-    /// What there is to tell of it.
-    pub(crate) fn note(&self) -> Option<String> {
-        match self {
-            Self::Polish(path) => path.note.clone(),
-            Self::Belt(path) => Some(path.note()),
-        }
+        &self.postures[0]
     }
 
     /// The command that leads a nominal arm along, with the sag that it makes up for.
-    pub(crate) fn command(self, robot: &Robot, sag: Option<&Load>) -> Result<Samples, SimError> {
-        match self {
-            Self::Polish(path) => path.command(robot, sag),
-            Self::Belt(path) => path.command(robot, sag),
+    pub(crate) fn command(&self, robot: &Robot, sag: Option<&Load>) -> Result<Samples, SimError> {
+        let postures = self.postures.iter().map(|q| match sag {
+            Some(load) => robot.holding_command(q, load),
+            None => Ok(q.clone()),
+        });
+        Ok(Samples {
+            interval_s: KNOT_INTERVAL_S,
+            postures: postures.collect::<Result<_, _>>()?,
+            forces: vec![None; robot.dof()],
+        })
+    }
+}
+
+/// Refuses a way on which a joint is faster than it can be. `from` names what distances are counted from, `advice` what helps.
+pub(crate) fn check_speeds(
+    robot: &Robot,
+    postures: &[Vec<f64>],
+    along: &Along<'_>,
+    from: &str,
+    advice: &str,
+) -> Result<(), SimError> {
+    for (k, pair) in postures.windows(2).enumerate() {
+        for (index, joint) in robot.chain.joints.iter().enumerate() {
+            let Some(limits) = joint.limits else { continue };
+            let speed = (pair[1][index] - pair[0][index]).abs() / KNOT_INTERVAL_S;
+            if speed > limits.velocity {
+                return Err(SimError::scenario(
+                    along.key,
+                    format!(
+                        "joint `{}` would have to move at {:.2} deg/s {:.1} mm from {from}'s start, but can do {:.2} deg/s: {advice}",
+                        joint.name,
+                        speed.to_degrees(),
+                        (along.at_mm)(k),
+                        limits.velocity.to_degrees()
+                    ),
+                ));
+            }
         }
     }
+    Ok(())
 }

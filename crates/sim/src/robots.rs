@@ -1,18 +1,18 @@
-//! Robots that are read once and used by many cells, and the ways of polishing wheels that are solved once.
+//! Robots that are read once and used by many cells, and the ways of wheels that are solved once.
 
 use crate::adjust::{adjusted, leaves_as_is};
 use crate::error::SimError;
-use crate::polish_path::PolishPath;
+use crate::led_path::LedPath;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use truecut_arm::Robot;
-use truecut_scenario::{PolishSpec, RobotSpec};
+use truecut_scenario::{ProcessSpec, RobotSpec};
 
 type Files = (PathBuf, Option<PathBuf>, Option<String>);
 
-/// What a polishing path depends on: the arm's geometry, the posture that chooses its branch, the process.
-type PathOf = (Files, Vec<f64>, PolishSpec);
+/// What the way of a wheel depends on: the arm's geometry, the posture that chooses its branch, the process.
+type PathOf = (Files, Vec<f64>, ProcessSpec);
 
 /// Paths that are kept: a diagnosis comes back to those of a few values of each uncertain parameter.
 const PATHS_KEPT: usize = 16;
@@ -23,7 +23,7 @@ const PATHS_KEPT: usize = 16;
 #[derive(Debug, Default)]
 pub struct Robots {
     read: Mutex<BTreeMap<Files, Arc<Robot>>>,
-    paths: Mutex<VecDeque<(PathOf, PolishPath)>>,
+    paths: Mutex<VecDeque<(PathOf, Arc<LedPath>)>>,
 }
 
 impl Robots {
@@ -42,27 +42,32 @@ impl Robots {
         Ok(Arc::new(adjusted(&robot, spec)?))
     }
 
-    /// A polishing path, solved unless it was lately.
-    pub(crate) fn polish_path(
+    /// The way of a process that has one, solved unless it was lately.
+    pub(crate) fn led_path(
         &self,
         robot: &RobotSpec,
         posture: &[f64],
-        polish: &PolishSpec,
-        solve: impl FnOnce() -> Result<PolishPath, SimError>,
-    ) -> Result<PolishPath, SimError> {
-        let key = (files(robot), posture.to_vec(), polish.clone());
+        process: &ProcessSpec,
+        solve: impl FnOnce() -> Result<Option<LedPath>, SimError>,
+    ) -> Result<Option<Arc<LedPath>>, SimError> {
+        let is_known = |((of, from, what), _): &&(PathOf, Arc<LedPath>)| {
+            what == process && from == posture && *of == files(robot)
+        };
         let known = self.paths.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, path)) = known.iter().find(|(of, _)| *of == key) {
-            return Ok(path.clone());
+        if let Some((_, path)) = known.iter().find(is_known) {
+            return Ok(Some(path.clone()));
         }
         drop(known);
-        let path = solve()?;
+        let Some(path) = solve()?.map(Arc::new) else {
+            return Ok(None);
+        };
         let mut known = self.paths.lock().unwrap_or_else(PoisonError::into_inner);
         if known.len() == PATHS_KEPT {
             known.pop_front();
         }
+        let key = (files(robot), posture.to_vec(), process.clone());
         known.push_back((key, path.clone()));
-        Ok(path)
+        Ok(Some(path))
     }
 
     fn unscaled(&self, spec: &RobotSpec) -> Result<Arc<Robot>, SimError> {

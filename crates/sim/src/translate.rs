@@ -24,10 +24,12 @@ use truecut_core::friction::{EquivalentViscous, FrictionLaw};
 use truecut_core::pressure_foot::{
     AMBIENT_PRESSURE_PA, Cylinders, PressureFoot, stiffness_for_share,
 };
+use truecut_core::roughness::Polishing;
 use truecut_core::wheel::WheelContact;
 use truecut_scenario::{
     ChamferSpec, CuttingSpec, FeedDirection, FootSpec, FootSpring, FrictionSpec, LoadFrame,
-    LoadSpec, ProcessSpec, Regeneration as RegenerationSpec, Scenario, Spin, WheelSpec,
+    LoadSpec, ProcessSpec, Regeneration as RegenerationSpec, RoughnessSpec, Scenario, Spin,
+    WheelSpec,
 };
 
 /// The process of a scenario on a robot at its posture, and what its workpiece looks like. `led` is the way that it is
@@ -46,7 +48,7 @@ pub(crate) fn build_process(
         _ => Some(robot.process_compliance(posture, FrameId::Foot)?),
     };
     let run_s = scenario.run.duration_s;
-    let path_s = led.map_or(run_s, |path| path.duration_s().min(run_s));
+    let path_s = led.map_or(run_s, |path| path.duration_s.min(run_s));
     match &scenario.process {
         ProcessSpec::Chamfer(spec) => {
             let compliance = compliance.ok_or_else(|| needs_drive("chamfer"))?;
@@ -90,7 +92,7 @@ pub(crate) fn build_process(
         }
         ProcessSpec::Belt(spec) => {
             compliance.ok_or_else(|| needs_drive("belt"))?;
-            let Some(LedPath::Belt(path)) = led else {
+            let Some(path) = led.and_then(|path| path.belt.as_ref()) else {
                 return Err(SimError::scenario(
                     "process.belt",
                     "the lines are not solved",
@@ -344,5 +346,14 @@ fn load(
             start_angle_rad: r.start_angle_rad,
         }),
         foot: (spec.foot.as_ref().zip(compliance)).map(|(f, c)| foot(f, c, turning, effects)),
+    }
+}
+
+/// How a surface smooths.
+fn polishing(spec: &RoughnessSpec) -> Polishing {
+    Polishing {
+        initial_m: spec.initial_m,
+        final_m: spec.final_m,
+        dose_j_per_m2: spec.dose_j_per_m2,
     }
 }

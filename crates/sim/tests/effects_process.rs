@@ -3,7 +3,7 @@
 mod support;
 
 use std::f64::consts::TAU;
-use support::{chamfer, column, load, polish, run, wheel};
+use support::{chamfer, column, load, mean, polish, run, wheel};
 use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_recording::Recording;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
@@ -326,7 +326,6 @@ fn verify_force_control_is_off_and_sticks() {
             .collect()
     };
     let last = |values: Vec<f64>| values[values.len() / 2..].to_vec();
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let balance = mean(&last(lacking(&off, 4.5)));
     assert!(balance.abs() < 0.03, "{balance}");
     let offset = column(&stuck, "polish.carrier_offset");

@@ -68,6 +68,14 @@ impl SurfaceGrid {
         &self.removed_m
     }
 
+    /// Mean depth of each row over the middle half of its columns, m: across a pass, its ends left out.
+    pub fn middle_means_m(&self) -> Vec<f64> {
+        let inner = self.columns / 4..(self.columns * 3 / 4).max(self.columns / 4 + 1);
+        (self.removed_m.chunks_exact(self.columns))
+            .map(|row| row[inner.clone()].iter().sum::<f64>() / inner.len() as f64)
+            .collect()
+    }
+
     /// Removed volume, m³.
     pub fn volume_m3(&self) -> f64 {
         let cells = self.removed_m.iter().zip(&self.area_m2);

@@ -156,11 +156,21 @@ impl Contact {
     /// Pose of the tool, its point at the wheel's centre: y along the axis, z into the surface, x = y × z.
     #[must_use]
     pub fn pose(&self) -> Isometry3<f64> {
-        let (y, z) = (self.axis.into_inner(), -self.normal.into_inner());
-        let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[y.cross(&z), y, z]));
-        let rotation = UnitQuaternion::from_rotation_matrix(&axes);
-        Isometry3::from_parts(Translation3::from(self.centre_m), rotation)
+        wheel_pose(self.centre_m, &self.axis, &self.normal)
     }
+}
+
+/// Pose of the tool of a wheel with its centre there: y along the axis, z against the normal of the surface, x = y × z.
+#[must_use]
+pub fn wheel_pose(
+    centre_m: Vector3<f64>,
+    axis: &Unit<Vector3<f64>>,
+    normal: &Unit<Vector3<f64>>,
+) -> Isometry3<f64> {
+    let (y, z) = (axis.into_inner(), -normal.into_inner());
+    let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[y.cross(&z), y, z]));
+    let rotation = UnitQuaternion::from_rotation_matrix(&axes);
+    Isometry3::from_parts(Translation3::from(centre_m), rotation)
 }
 
 /// Curvature across the feed of the gap that is left when the wheel has passed.

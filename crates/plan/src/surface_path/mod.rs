@@ -17,7 +17,7 @@ mod solve;
 mod taught;
 mod wheel;
 
-pub use contact::{AxisRule, Contact};
+pub use contact::{AxisRule, Contact, wheel_pose};
 pub use error::SurfacePathError;
 pub use lines::{FeedAlong, PathOptions, Strategy, SurfacePath, plan_iso_parametric, plan_path};
 pub use sequence::{Part, Speeds, Symmetry, parts_of, program_of};

@@ -6,138 +6,94 @@
 
 mod timing;
 
-use crate::command::Samples;
 use crate::error::SimError;
+use crate::led_path::{KNOT_INTERVAL_S, LedPath, check_speeds};
 use crate::path_job;
+use crate::process::Copied;
 use crate::tool_path::{Along, check_singularities, leaves};
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Unit, Vector3};
 use std::sync::Arc;
 use timing::{Course, Place};
-use truecut_arm::{BranchOptions, FrameId, IkSolver, Load, PathOptions, Robot};
+use truecut_arm::{BranchOptions, FrameId, IkSolver, PathOptions, Robot};
 use truecut_plan::program::TravelOptions;
 use truecut_plan::surface::{Forms, PatchFile, Surface};
-use truecut_plan::surface_path::{Contact, Segment, SurfacePath, copies, parts_of, solve};
-use truecut_scenario::{BeltJob, BeltSpec, ProcessSpec, Scenario};
+use truecut_plan::surface_path::{
+    self, Contact, Segment, SurfacePath, copies, parts_of, wheel_pose,
+};
+use truecut_scenario::{BeltJob, BeltSpec};
 
 const JOB: &str = "process.belt.job";
 
-/// Time between knots of the command, s.
-const KNOT_INTERVAL_S: f64 = 5e-3;
 /// Shortest move by joints between two lines, s: a faster one would leave the arm swinging.
 const LEAST_LINK_S: f64 = 0.6;
 /// Greatest rate of 10x³ - 15x⁴ + 6x⁵.
 const PEAK_RATE: f64 = 1.875;
 
-/// The wheel's way, solved.
-pub(crate) struct BeltPath {
-    /// Postures every [`KNOT_INTERVAL_S`], from the start on.
-    postures: Vec<Vec<f64>>,
+/// What a belt follows, and where.
+#[derive(Debug)]
+pub(crate) struct BeltLines {
     pub patch: Arc<PatchFile>,
     /// The lines on the patch, in its frame.
     pub lines: SurfacePath,
     /// The copies, in the order in which they are finished.
-    pub faces: Vec<FaceCopy>,
+    pub copies: Vec<Copied>,
 }
 
-/// A copy of the face.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct FaceCopy {
-    /// From when on it is the one under the wheel, s.
-    pub from_s: f64,
-    pub world_from_patch: Isometry3<f64>,
-}
-
-impl BeltPath {
-    /// The path of a scenario that finishes with a belt; `posture` is where the arm comes from.
-    pub(crate) fn of(
-        scenario: &Scenario,
-        robot: &Robot,
-        posture: &[f64],
-    ) -> Result<Option<Self>, SimError> {
-        let ProcessSpec::Belt(spec) = &scenario.process else {
-            return Ok(None);
-        };
-        let path = Self::solve(spec, robot, posture)?;
-        let (asked_s, taken_s) = (scenario.run.duration_s, path.duration_s());
-        if asked_s.is_finite() && asked_s > taken_s {
-            return Err(SimError::scenario(
-                "run.duration_s",
-                format!(
-                    "{asked_s} s are longer than the path takes, {taken_s:.4} s: the wheel has nowhere to go; leave the key out"
-                ),
-            ));
-        }
-        Ok(Some(path))
+/// The way of a belt's wheel along the lines of its job; `posture` is where the arm comes from.
+pub(crate) fn solve(spec: &BeltSpec, robot: &Robot, posture: &[f64]) -> Result<LedPath, SimError> {
+    let job = &spec.job;
+    let refused = |error: &dyn std::fmt::Display| {
+        SimError::scenario(JOB, format!("{}: {error}", job.file.display()))
+    };
+    let patch = PatchFile::load(&job.surface.patch).map_err(|error| refused(&error))?;
+    let lines = path_job::lines(&job.path, &job.wheel, &patch).map_err(|e| refused(&e))?;
+    let segments = segments(job, &lines);
+    let symmetry = job.symmetry.as_ref().map(path_job::symmetry);
+    let mut parts = parts_of(&segments, symmetry.as_ref()).map_err(|e| refused(&e))?;
+    parts.retain(|part| part.copy < spec.copies);
+    let segments: Vec<Segment> = parts.iter().map(|part| part.segment.clone()).collect();
+    let options = TravelOptions {
+        largest_step: job.largest_step_rad,
+        ..TravelOptions::default()
+    };
+    let solved =
+        surface_path::solve(robot, &segments, posture, &options).map_err(|e| refused(&e))?;
+    let stands = faces(job, spec.copies);
+    let guide = Guide {
+        robot,
+        solver: robot.ik_solver(&BranchOptions::default()),
+        surface: patch.surface.as_ref(),
+        job,
+    };
+    let mut way = Way::default();
+    for (part, planned) in parts.iter().zip(&solved.segments) {
+        let places = course(guide.surface, &lines.lines[part.index], job).sampled(KNOT_INTERVAL_S);
+        let line = guide.postures(&places, &stands[part.copy], &planned[0])?;
+        way.add(part.copy, line, &guide);
     }
-
-    fn solve(spec: &BeltSpec, robot: &Robot, posture: &[f64]) -> Result<Self, SimError> {
-        let job = &spec.job;
-        let refused = |error: &dyn std::fmt::Display| {
-            SimError::scenario(JOB, format!("{}: {error}", job.file.display()))
-        };
-        let patch = PatchFile::load(&job.surface.patch).map_err(|error| refused(&error))?;
-        let lines = path_job::lines(&job.path, &job.wheel, &patch).map_err(|e| refused(&e))?;
-        let segments = segments(job, &lines);
-        let symmetry = job.symmetry.as_ref().map(path_job::symmetry);
-        let mut parts = parts_of(&segments, symmetry.as_ref()).map_err(|e| refused(&e))?;
-        parts.retain(|part| part.copy < spec.copies);
-        let segments: Vec<Segment> = parts.iter().map(|part| part.segment.clone()).collect();
-        let options = TravelOptions {
-            largest_step: job.largest_step_rad,
-            ..TravelOptions::default()
-        };
-        let solved = solve(robot, &segments, posture, &options).map_err(|e| refused(&e))?;
-        let stands = faces(job, spec.copies);
-        let guide = Guide {
-            robot,
-            solver: robot.ik_solver(&BranchOptions::default()),
-            surface: patch.surface.as_ref(),
-            job,
-        };
-        let mut way = Way::default();
-        for (part, planned) in parts.iter().zip(&solved.segments) {
-            let places =
-                course(guide.surface, &lines.lines[part.index], job).sampled(KNOT_INTERVAL_S);
-            let line = guide.postures(&places, &stands[part.copy], &planned[0])?;
-            way.add(part.copy, line, &guide);
-        }
-        let faces = way.from_s.into_iter().zip(stands);
-        Ok(Self {
-            postures: way.postures,
+    let copies = way.from_s.into_iter().zip(stands);
+    let copies: Vec<Copied> = copies
+        .map(|(from_s, world_from_patch)| Copied {
+            from_s,
+            world_from_patch,
+        })
+        .collect();
+    let duration_s = (way.postures.len() - 1) as f64 * KNOT_INTERVAL_S;
+    let note = format!(
+        "belt: {} lines on {} of the job's copies, {duration_s:.2} s",
+        lines.lines.len(),
+        copies.len()
+    );
+    Ok(LedPath {
+        postures: way.postures,
+        duration_s,
+        note: Some(note),
+        belt: Some(BeltLines {
             patch: Arc::new(patch),
             lines,
-            faces: faces
-                .map(|(from_s, world_from_patch)| FaceCopy {
-                    from_s,
-                    world_from_patch,
-                })
-                .collect(),
-        })
-    }
-
-    pub(crate) fn duration_s(&self) -> f64 {
-        (self.postures.len() - 1) as f64 * KNOT_INTERVAL_S
-    }
-
-    /// Where the arm stands before the first step, without load.
-    pub(crate) fn start(&self) -> &[f64] {
-        &self.postures[0]
-    }
-
-    /// What there is to tell of it.
-    pub(crate) fn note(&self) -> String {
-        format!(
-            "belt: {} lines on {} of the job's copies, {:.2} s",
-            self.lines.lines.len(),
-            self.faces.len(),
-            self.duration_s()
-        )
-    }
-
-    /// The command that leads a nominal arm along, with the sag that it makes up for.
-    pub(crate) fn command(self, robot: &Robot, sag: Option<&Load>) -> Result<Samples, SimError> {
-        Samples::holding(KNOT_INTERVAL_S, self.postures, robot, sag)
-    }
+            copies,
+        }),
+    })
 }
 
 /// Poses of the tool along each line of the first copy, lifted ones before and after, world.
@@ -200,7 +156,7 @@ struct Guide<'a> {
 }
 
 impl Guide<'_> {
-    /// Pose of the tool over the patch, as [`Contact::pose`].
+    /// Pose of the tool over the patch.
     fn pose(&self, place: &Place) -> Result<Isometry3<f64>, SimError> {
         let [u, v] = place.uv();
         let jet = self.surface.jet(u, v);
@@ -208,18 +164,14 @@ impl Guide<'_> {
             let message = format!("the patch has no normal at u = {u:.4}, v = {v:.4}");
             SimError::scenario(JOB, message)
         })?;
-        let normal = forms.normal.into_inner();
+        let normal = forms.normal;
         let along = jet.first_m[0].normalize();
         let (sine, cosine) = place.turn_rad().sin_cos();
-        let y = along * cosine + normal.cross(&along) * sine;
-        let z = -normal;
-        let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[y.cross(&z), y, z]));
+        let axis = Unit::new_normalize(along * cosine + normal.cross(&along) * sine);
         let wheel = &self.job.wheel;
         let height_m = wheel.radius_m - wheel.indentation_m + place.lift_m();
-        Ok(Isometry3::from_parts(
-            (jet.point_m + normal * height_m).into(),
-            UnitQuaternion::from_rotation_matrix(&axes),
-        ))
+        let centre_m = jet.point_m + normal.into_inner() * height_m;
+        Ok(wheel_pose(centre_m, &axis, &normal))
     }
 
     /// Postures along a course over a patch that stands there, on the branch of `near`.
@@ -240,30 +192,9 @@ impl Guide<'_> {
         let followed = (self.solver).follow(&poses, FrameId::Tool, near, &PathOptions::default());
         let postures = followed.map_err(|error| leaves(error.kind(), &along).1)?;
         check_singularities(&self.solver, &postures, &along)?;
-        self.check_speeds(&postures, &along)?;
+        let advice = "lower the job's path.feed_mm_per_s";
+        check_speeds(self.robot, &postures, &along, "a line", advice)?;
         Ok(postures)
-    }
-
-    /// Refuses a line on which a joint is faster than it can be.
-    fn check_speeds(&self, postures: &[Vec<f64>], along: &Along<'_>) -> Result<(), SimError> {
-        for (k, pair) in postures.windows(2).enumerate() {
-            for (index, joint) in self.robot.chain.joints.iter().enumerate() {
-                let Some(limits) = joint.limits else { continue };
-                let speed = (pair[1][index] - pair[0][index]).abs() / KNOT_INTERVAL_S;
-                if speed > limits.velocity {
-                    let message = format!(
-                        "joint `{}` would have to move at {:.2} deg/s {:.1} mm from a line's start, but can do {:.2} deg/s: lower the job's \
-                         path.feed_mm_per_s",
-                        joint.name,
-                        speed.to_degrees(),
-                        (along.at_mm)(k),
-                        limits.velocity.to_degrees()
-                    );
-                    return Err(SimError::scenario(JOB, message));
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Knots of a move by joints, its two ends left out.

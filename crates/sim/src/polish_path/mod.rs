@@ -3,40 +3,26 @@
 mod raster;
 pub(crate) mod timing;
 
-use crate::command::Samples;
 use crate::error::SimError;
-use crate::robots::Robots;
+use crate::led_path::{KNOT_INTERVAL_S, LedPath, check_speeds};
 use crate::tool_path::{Along, check_singularities, leaves};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use timing::{Course, Station};
-use truecut_arm::{BranchOptions, FrameId, IkSolver, Load, PathOptions, Robot, tool_pose};
+use truecut_arm::{BranchOptions, FrameId, IkSolver, PathOptions, Robot, tool_pose};
 use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_core::wheel::precession::{Boundary, ChordExtent, EdgeRule, PatchLaw, PrecessionWheel};
 use truecut_plan::precession::{
     ArmOnFace, PrecessionLimits, PrecessionOptions, PrecessionPlanError, PrecessionTask,
 };
-use truecut_scenario::{
-    ControlSpec, EdgeRuleSpec, FaceSpec, PneumaticSpec, PolishSpec, ProcessSpec, Scenario,
-};
+use truecut_scenario::{ControlSpec, EdgeRuleSpec, FaceSpec, PneumaticSpec, PolishSpec};
 
 const PATH: &str = "process.polish.path";
+const FEED: &str = "process.polish.path.feed_mm_per_s";
 const FACE: &str = "process.polish.face";
 const PRECESSION: &str = "process.polish.precession";
 
-/// Time between knots of the command, s.
-const KNOT_INTERVAL_S: f64 = 5e-3;
 /// Largest acceleration along the path where a plan lowers the feed, m/s².
 const FEED_ACCELERATION_M_S2: f64 = 0.5;
-
-/// The wheel's way, solved.
-#[derive(Debug, Clone)]
-pub(crate) struct PolishPath {
-    /// Postures every [`KNOT_INTERVAL_S`], from the start on.
-    postures: Vec<Vec<f64>>,
-    pub duration_s: f64,
-    /// Where the plan lowered the feed, and what that costs, for people.
-    pub note: Option<String>,
-}
 
 /// The face's frame in the world: x along its length, z its outward normal.
 pub(crate) fn world_from_face(face: &FaceSpec) -> Isometry3<f64> {
@@ -110,75 +96,46 @@ fn check_patch(wheel: &PrecessionWheel, face: &FaceSpec) -> Result<(), SimError>
     }
 }
 
-impl PolishPath {
-    /// The path of a scenario that polishes; `posture` chooses the branch at the start.
-    pub(crate) fn of(
-        scenario: &Scenario,
-        robot: &Robot,
-        robots: &Robots,
-        posture: &[f64],
-    ) -> Result<Option<Self>, SimError> {
-        let ProcessSpec::Polish(spec) = &scenario.process else {
-            return Ok(None);
-        };
-        let solve = || Self::solve(spec, robot, posture);
-        let path = robots.polish_path(&scenario.robot, posture, spec, solve)?;
-        let asked_s = scenario.run.duration_s;
-        if asked_s.is_finite() && asked_s > path.duration_s {
-            return Err(SimError::scenario(
-                "run.duration_s",
-                format!(
-                    "{asked_s} s are longer than the path takes, {:.4} s: the wheel has nowhere to go; leave the key out",
-                    path.duration_s
-                ),
-            ));
-        }
-        Ok(Some(path))
-    }
-
-    fn solve(spec: &PolishSpec, robot: &Robot, posture: &[f64]) -> Result<Self, SimError> {
-        let wheel = precession_wheel(spec, penetration_m(spec)?)?;
-        check_patch(&wheel, &spec.face)?;
-        let vertices = raster::vertices(&spec.face, &spec.path);
-        let solver = robot.ik_solver(&BranchOptions::default());
-        let (course, note) = match limits(spec) {
-            None => (steady(spec, &vertices), None),
-            Some((rule, limits)) => planned(
-                spec,
-                &wheel,
-                &vertices,
-                (robot, &solver),
-                posture,
-                (rule, &limits),
-            )?,
-        };
-        let stations = course.sampled(KNOT_INTERVAL_S);
-        let poses = poses(spec, &wheel, &stations)?;
-        let at_mm = |k: usize| stations[k].along_m * 1e3;
-        let along = Along {
-            key: PATH,
-            at_mm: &at_mm,
-        };
-        let followed = solver.follow(&poses, FrameId::Tool, posture, &PathOptions::default());
-        let postures = followed.map_err(|error| leaves(error.kind(), &along).1)?;
-        check_singularities(&solver, &postures, &along)?;
-        check_speeds(robot, &postures, &along)?;
-        Ok(Self {
-            postures,
-            duration_s: course.duration_s(),
-            note,
-        })
-    }
-
-    /// Where the arm stands before the first step, without load.
-    pub(crate) fn start(&self) -> &[f64] {
-        &self.postures[0]
-    }
-
-    /// The command that leads a nominal arm along, with the sag that it makes up for.
-    pub(crate) fn command(self, robot: &Robot, sag: Option<&Load>) -> Result<Samples, SimError> {
-        Samples::holding(KNOT_INTERVAL_S, self.postures, robot, sag)
-    }
+/// The way of a wheel along its raster; `posture` chooses the branch at the start.
+pub(crate) fn solve(
+    spec: &PolishSpec,
+    robot: &Robot,
+    posture: &[f64],
+) -> Result<LedPath, SimError> {
+    let wheel = precession_wheel(spec, penetration_m(spec)?)?;
+    check_patch(&wheel, &spec.face)?;
+    let vertices = raster::vertices(&spec.face, &spec.path);
+    let solver = robot.ik_solver(&BranchOptions::default());
+    let (course, note) = match limits(spec) {
+        None => (steady(spec, &vertices), None),
+        Some((rule, limits)) => planned(
+            spec,
+            &wheel,
+            &vertices,
+            (robot, &solver),
+            posture,
+            (rule, &limits),
+        )?,
+    };
+    let stations = course.sampled(KNOT_INTERVAL_S);
+    let poses = poses(spec, &wheel, &stations)?;
+    let at_mm = |k: usize| stations[k].along_m * 1e3;
+    let along = Along {
+        key: PATH,
+        at_mm: &at_mm,
+    };
+    let followed = solver.follow(&poses, FrameId::Tool, posture, &PathOptions::default());
+    let postures = followed.map_err(|error| leaves(error.kind(), &along).1)?;
+    check_singularities(&solver, &postures, &along)?;
+    let feed = Along { key: FEED, ..along };
+    let advice = "lower the feed or the rate of the precession";
+    check_speeds(robot, &postures, &feed, "the path", advice)?;
+    Ok(LedPath {
+        postures,
+        duration_s: course.duration_s(),
+        note,
+        belt: None,
+    })
 }
 
 /// Rule and limits of a plan; none for a steady turn.
@@ -275,7 +232,7 @@ fn planned(
 fn plan_error(error: PrecessionPlanError) -> SimError {
     let key = match &error {
         PrecessionPlanError::Arm(_) => PATH.to_owned(),
-        PrecessionPlanError::JointTooFast { .. } => format!("{PATH}.feed_mm_per_s"),
+        PrecessionPlanError::JointTooFast { .. } => FEED.to_owned(),
         _ => PRECESSION.to_owned(),
     };
     if let PrecessionPlanError::Arm(arm) = &error {
@@ -304,28 +261,4 @@ fn poses(
         Ok(tool_pose(&centre.coords, &axis, &zero_direction, 0.0)?)
     };
     stations.iter().map(pose).collect()
-}
-
-/// Refuses a way on which a joint is faster than it can be.
-fn check_speeds(robot: &Robot, postures: &[Vec<f64>], along: &Along<'_>) -> Result<(), SimError> {
-    for (k, pair) in postures.windows(2).enumerate() {
-        for (index, joint) in robot.chain.joints.iter().enumerate() {
-            let Some(limits) = joint.limits else { continue };
-            let speed = (pair[1][index] - pair[0][index]).abs() / KNOT_INTERVAL_S;
-            if speed > limits.velocity {
-                return Err(SimError::scenario(
-                    format!("{}.feed_mm_per_s", along.key),
-                    format!(
-                        "joint `{}` would have to move at {:.2} deg/s {:.1} mm from the path's start, but can do {:.2} deg/s: lower the \
-                         feed or the rate of the precession",
-                        joint.name,
-                        speed.to_degrees(),
-                        (along.at_mm)(k),
-                        limits.velocity.to_degrees()
-                    ),
-                ));
-            }
-        }
-    }
-    Ok(())
 }

@@ -7,7 +7,9 @@
 mod belt;
 mod chamfer;
 mod foot;
+mod kept_back;
 mod load;
+mod met;
 mod milling;
 mod polish;
 mod replay;

@@ -1,12 +1,12 @@
 //! From the belt table and its solved lines to the process that runs.
 
-use crate::belt_path::BeltPath;
+use super::polishing;
+use crate::belt_path::BeltLines;
 use crate::error::SimError;
-use crate::process::{Belt, BeltSetup, Cells, Copied, cells_within};
+use crate::process::{Belt, BeltSetup, Cells, cells_within};
 use crate::scene::Workpiece;
 use nalgebra::Isometry3;
 use std::sync::Arc;
-use truecut_core::roughness::Polishing;
 use truecut_core::wheel::belt::BeltWheel;
 use truecut_plan::surface_path::Contact;
 use truecut_scenario::BeltSpec;
@@ -17,7 +17,7 @@ const MOST_CELLS: usize = 4_000_000;
 /// The process along a solved path, and its workpiece.
 pub(super) fn belt(
     spec: &BeltSpec,
-    path: &BeltPath,
+    path: &BeltLines,
     world_from_process: &Isometry3<f64>,
     duration_s: f64,
 ) -> Result<(Belt, Workpiece), SimError> {
@@ -34,22 +34,13 @@ pub(super) fn belt(
             "the job has no lines",
         ));
     };
-    let copies: Vec<Copied> = (path.faces.iter())
-        .map(|face| Copied {
-            from_s: face.from_s,
-            world_from_patch: face.world_from_patch,
-        })
-        .collect();
+    let copies = path.copies.clone();
     let setup = BeltSetup {
         wheel: wheel(spec),
         belt_m_per_s: spec.belt_m_per_s,
         mu: spec.mu,
         preston_per_pa: spec.preston_per_pa,
-        polishing: Polishing {
-            initial_m: spec.roughness.initial_m,
-            final_m: spec.roughness.final_m,
-            dose_j_per_m2: spec.roughness.dose_j_per_m2,
-        },
+        polishing: polishing(&spec.roughness),
         patch: path.patch.clone(),
         process_from_world: world_from_process.rotation.inverse(),
         swept: swept(path),
@@ -99,7 +90,7 @@ fn wheel(spec: &BeltSpec) -> BeltWheel {
 }
 
 /// Preston's law for the job's line load over all lines, spread over the face: `k_p v F L / (v_f A)`.
-fn expected_depth_m(spec: &BeltSpec, path: &BeltPath, face_m2: f64) -> f64 {
+fn expected_depth_m(spec: &BeltSpec, path: &BeltLines, face_m2: f64) -> f64 {
     let length_m: f64 = (path.lines.lines.iter())
         .flat_map(|line| line.windows(2))
         .map(|pair: &[Contact]| (pair[1].point_m - pair[0].point_m).norm())
@@ -110,7 +101,7 @@ fn expected_depth_m(spec: &BeltSpec, path: &BeltPath, face_m2: f64) -> f64 {
 }
 
 /// Parameters between the outermost lines and their ends, twice the half-width of the contact line short of these: there a pass is whole.
-fn swept(path: &BeltPath) -> [[f64; 2]; 2] {
+fn swept(path: &BeltLines) -> [[f64; 2]; 2] {
     let inner = path.lines.lines.iter().flat_map(|line| {
         let ends = [line.first(), line.last()];
         line.iter().filter(move |contact| {
@@ -133,7 +124,7 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
 }
 
 /// The boundary of the face, or the border of its patch, closed, in the patch's frame.
-fn outline(path: &BeltPath) -> Vec<[f64; 3]> {
+fn outline(path: &BeltLines) -> Vec<[f64; 3]> {
     let surface = path.patch.surface.as_ref();
     if let Some(boundary) = &path.patch.boundary {
         let corners = boundary.corners_m();

@@ -1,5 +1,6 @@
 //! From the polishing table to the process that runs.
 
+use super::polishing;
 use crate::effect::WheelEffects;
 use crate::error::SimError;
 use crate::loads::{Attachment, Wrench};
@@ -8,7 +9,6 @@ use crate::process::{Polish, PolishSetup, Process, ToolState};
 use crate::scene::Workpiece;
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
 use truecut_arm::{FrameId, Load, Robot};
-use truecut_core::roughness::Polishing;
 use truecut_core::wheel::face::Face;
 use truecut_core::wheel::force_control::ForceControl;
 use truecut_core::wheel::pneumatic::PneumaticWheel;
@@ -38,11 +38,7 @@ pub(super) fn polish(
         eccentricity_m,
         eccentricity_angle_rad,
         preston_per_pa: spec.preston_per_pa * effects.removal_factor,
-        polishing: Polishing {
-            initial_m: spec.roughness.initial_m,
-            final_m: spec.roughness.final_m,
-            dose_j_per_m2: spec.roughness.dose_j_per_m2,
-        },
+        polishing: polishing(&spec.roughness),
         world_from_face: world_from_face(&spec.face),
         process_from_world: world_from_process.rotation.inverse(),
         face,

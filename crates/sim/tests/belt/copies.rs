@@ -1,6 +1,7 @@
 //! Symmetric copies, one after another.
 
-use super::support::{run, scalar};
+use super::shared::scalar;
+use super::support::run;
 
 /// Two copies to which the arm goes take twice the removal of one; that they stand elsewhere changes the arm's compliance, and so the
 /// depth, by little.

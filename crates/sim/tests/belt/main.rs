@@ -3,4 +3,6 @@
 mod copies;
 mod engines;
 mod plane;
+#[path = "../support/mod.rs"]
+mod shared;
 mod support;

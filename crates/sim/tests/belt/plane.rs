@@ -1,6 +1,7 @@
 //! On a plane, closed forms hold.
 
-use super::support::{WHEEL, column, run, scalar};
+use super::shared::{column, mean, scalar};
+use super::support::{WHEEL, run};
 
 /// Preston coefficient, belt speed, feed and distance of lines of these runs.
 const PRESTON: f64 = 4e-12;
@@ -91,10 +92,7 @@ fn verify_depth_between_lines_is_even_and_prestons() {
 #[test]
 fn belt_direction_turns_the_friction() {
     let both = |mu: &str| ["15", "-15"].map(|speed| run(&[("belt_m_per_s", speed), ("mu", mu)]));
-    let mean = |recording| {
-        let values = column(recording, "belt.friction_run");
-        values.iter().sum::<f64>() / values.len() as f64
-    };
+    let mean = |recording| mean(column(recording, "belt.friction_run"));
     let [one, other] = both("0.3");
     assert!(mean(&one) > 0.0 && mean(&other) < 0.0);
     let smooth = both("0");

@@ -1,11 +1,10 @@
 //! Scenarios and runs of the belt tests.
 
+use crate::shared::{below, run_with};
 use std::path::Path;
-
 use truecut_core::wheel::belt::BeltWheel;
-use truecut_recording::{Outcome, Recording};
+use truecut_recording::Recording;
 use truecut_scenario::Scenario;
-use truecut_sim::sweep::record;
 
 /// A belt over the plane face of `plane.toml`.
 pub const PLANE: &str = r#"
@@ -48,19 +47,5 @@ pub fn scenario(overrides: &[(String, String)]) -> Scenario {
 
 /// A finished run in rapier; keys are those of `process.belt`.
 pub fn run(overrides: &[(&str, &str)]) -> Recording {
-    let owned: Vec<(String, String)> = (overrides.iter())
-        .map(|(key, value)| (format!("process.belt.{key}"), (*value).to_owned()))
-        .collect();
-    let recording = record(&scenario(&[]), &owned).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(recording.outcome, Outcome::Completed);
-    recording
-}
-
-pub fn column<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
-    let index = recording.header.index_of(name).expect("channel");
-    &recording.columns[index]
-}
-
-pub fn scalar(recording: &Recording, name: &str) -> f64 {
-    recording.scalar(name).expect("scalar").value
+    run_with(&scenario(&[]), &below("process.belt", overrides))
 }

@@ -1,6 +1,7 @@
 //! At edges.
 
-use super::support::{column, run, scalar};
+use super::shared::{column, scalar};
+use super::support::run;
 
 /// A raster along the edges of a small face.
 const AT_EDGES: [(&str, &str); 4] = [

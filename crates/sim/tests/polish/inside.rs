@@ -1,6 +1,7 @@
 //! Away from edges: closed forms hold.
 
-use super::support::{INSIDE, WHEEL, column, mean, run, run_text, scalar};
+use super::shared::{SPRUNG, column, mean, scalar};
+use super::support::{WHEEL, run, run_under};
 
 /// What is pressed is the wheel's law at the penetration that the arm leaves; friction is Coulomb's and turns with the precession;
 /// the arm yields by what the commanded penetration lacks.
@@ -98,18 +99,12 @@ fn verify_eccentric_wheel_swings_the_penetration() {
 /// A carrier holds the force that is asked for; the arm's own motion is taken up.
 #[test]
 fn force_control_holds_the_force() {
-    let with = |control: &str| {
-        let position = "law = \"position\"\npenetration_mm = 0.6\n";
-        run_text(&INSIDE.replace(position, control), &[])
-    };
-    let held = with(
+    let held = run_under(
         "law = \"constant_force\"\nforce_n = 4\ndamping_n_s_per_mm = 0.2\nfastest_mm_per_s = 20\n",
     );
     let force = &column(&held, "polish.normal_force")[500..];
     assert!((mean(force) / 4.0 - 1.0).abs() < 2e-3, "{}", mean(force));
-    let sprung = with(
-        "law = \"compliant\"\nforce_n = 4\nmass_kg = 0.5\nstiffness_n_per_mm = 0.2\ndamping_n_s_per_mm = 0.05\nstroke_mm = 2\n",
-    );
+    let sprung = run_under(SPRUNG);
     let (force, offset) = ("polish.normal_force", "polish.carrier_offset");
     let (force, offset) = (
         &column(&sprung, force)[500..],

@@ -2,4 +2,6 @@
 
 mod edges;
 mod inside;
+#[path = "../support/mod.rs"]
+mod shared;
 mod support;

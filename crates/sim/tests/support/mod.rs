@@ -18,14 +18,34 @@ pub fn run(scenario: &Scenario, effects: &[Effect]) -> Recording {
     let extended = scenario
         .with_effects(effects)
         .unwrap_or_else(|e| panic!("{e:?}"));
-    let recording = record(&extended, &[]).unwrap_or_else(|e| panic!("{effects:?}: {e}"));
-    assert_eq!(recording.outcome, Outcome::Completed, "{effects:?}");
-    recording
+    run_with(&extended, &[])
 }
 
 pub fn column<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
     let index = recording.header.index_of(name).expect("channel");
     &recording.columns[index]
+}
+
+pub fn scalar(recording: &Recording, name: &str) -> f64 {
+    recording.scalar(name).expect("scalar").value
+}
+
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Overrides of keys in one table.
+pub fn below(table: &str, overrides: &[(&str, &str)]) -> Vec<(String, String)> {
+    (overrides.iter())
+        .map(|(key, value)| (format!("{table}.{key}"), (*value).to_owned()))
+        .collect()
+}
+
+/// A finished run of a scenario with overrides.
+pub fn run_with(scenario: &Scenario, overrides: &[(String, String)]) -> Recording {
+    let recording = record(scenario, overrides).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(recording.outcome, Outcome::Completed);
+    recording
 }
 
 /// A robot under a given force.
@@ -99,9 +119,34 @@ preston_per_pa = 4e-11
     )
 }
 
+/// The wheel of polishing scenarios, its raster's margins, and how the face smooths; the path's other keys go before it.
+pub const SOFT_WHEEL: &str = r#"
+inset_mm = 9
+corner_radius_mm = 2
+[process.polish.wheel]
+radius_mm = 20
+pressure_mpa = 0.1
+shell_thickness_mm = 5
+youngs_modulus_mpa = 4
+[process.polish.roughness]
+start_um = 0.8
+end_um = 0.1
+dose_j_per_mm2 = 0.5
+"#;
+
+/// Force control of polishing scenarios.
+pub const SPRUNG: &str = r#"
+law = "compliant"
+force_n = 4
+mass_kg = 0.5
+stiffness_n_per_mm = 0.2
+damping_n_s_per_mm = 0.05
+stroke_mm = 2
+"#;
+
 /// A soft wheel, its axis leaning steadily and its force held by a sprung carrier, on the planar rig; it begins to follow a line.
 pub fn polish() -> Scenario {
-    scenario(
+    scenario(&format!(
         r#"
 name = "polish"
 [robot]
@@ -117,11 +162,6 @@ mu = 0.3
 eccentricity_um = 50
 eccentricity_angle_deg = 30
 preston_per_pa = 4e-12
-[process.polish.wheel]
-radius_mm = 20
-pressure_mpa = 0.1
-shell_thickness_mm = 5
-youngs_modulus_mpa = 4
 [process.polish.face]
 origin_mm = [371.3, 19.0, 21.8]
 x_axis = [-0.3420201433256687, 0.0, -0.9396926207859084]
@@ -129,27 +169,14 @@ normal = [-0.9396926207859084, 0.0, 0.3420201433256687]
 length_mm = 78
 width_mm = 30
 cell_mm = 1
-[process.polish.path]
-line_spacing_mm = 12
-inset_mm = 9
-corner_radius_mm = 2
-feed_mm_per_s = 15
 [process.polish.precession]
 turn_rpm = 0
 rule = "none"
-[process.polish.control]
-law = "compliant"
-force_n = 4
-mass_kg = 0.5
-stiffness_n_per_mm = 0.2
-damping_n_s_per_mm = 0.05
-stroke_mm = 2
-[process.polish.roughness]
-start_um = 0.8
-end_um = 0.1
-dose_j_per_mm2 = 0.5
-"#,
-    )
+[process.polish.control]{SPRUNG}
+[process.polish.path]
+line_spacing_mm = 12
+feed_mm_per_s = 15{SOFT_WHEEL}"#
+    ))
 }
 
 /// Peaks of a swinging column, by a parabola through three samples.

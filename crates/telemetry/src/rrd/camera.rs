@@ -53,14 +53,24 @@ pub(super) fn near_tool(scene: &Scene) -> Option<Camera> {
     })
 }
 
-/// Straight onto a field, its y axis up, from where it fills the view; with that direction up.
+/// Parts of its height that a view from above is wide: it stands beside two others.
+const NARROW: f64 = 0.43;
+
+/// Straight onto a field, its longer side up, from where it fills a narrow view; with that direction up.
 pub(super) fn above(field: &Field) -> (Camera, [f64; 3]) {
     let pose = &field.world_from_field;
     let [length_m, width_m] = field.size_m;
     let middle = [0.5 * length_m, 0.5 * width_m, 0.0];
-    let up = minus(place(pose, [0.0, 1.0, 0.0]), pose.translation_m);
+    let side = if length_m >= width_m {
+        [1.0, 0.0, 0.0]
+    } else {
+        [0.0, 1.0, 0.0]
+    };
+    let up = minus(place(pose, side), pose.translation_m);
+    // The viewer's camera sees as much height as it is away.
+    let away_m = 1.2 * (length_m.max(width_m)).max(length_m.min(width_m) / NARROW);
     let camera = Camera {
-        position_m: place(pose, [middle[0], middle[1], 1.2 * length_m.max(width_m)]),
+        position_m: place(pose, [middle[0], middle[1], away_m]),
         target_m: place(pose, middle),
     };
     (camera, up)
@@ -160,7 +170,7 @@ mod tests {
     use super::*;
     use truecut_recording::Shape;
 
-    /// A face that looks along x, its y axis along z: seen from in front.
+    /// A face that looks along x, its length along y: seen from in front, from where its width fits.
     #[test]
     fn a_field_is_seen_from_where_its_normal_points() {
         // From (x, y, z) to (y, z, x).
@@ -178,8 +188,12 @@ mod tests {
         });
         let near = |a: [f64; 3], b: [f64; 3]| norm(minus(a, b)) < 1e-12;
         assert!(near(camera.target_m, [1.0, 2.1, 3.05]), "{camera:?}");
-        assert!(near(camera.position_m, [1.24, 2.1, 3.05]), "{camera:?}");
-        assert!(near(up, [0.0, 0.0, 1.0]), "{up:?}");
+        let away_m = 1.2 * 0.1 / NARROW;
+        assert!(
+            near(camera.position_m, [1.0 + away_m, 2.1, 3.05]),
+            "{camera:?}"
+        );
+        assert!(near(up, [0.0, 1.0, 0.0]), "{up:?}");
     }
 
     fn body(path: &str, at: [f64; 3], radius_m: f64) -> Body {

@@ -24,6 +24,11 @@ pub(super) const fn same(
     joint(key, unit, key, unit, neutral, min, max, description)
 }
 
+/// The size of what is so many times its nominal value.
+pub(super) const fn factor(min: f64, max: f64, description: &'static str) -> ParameterInfo {
+    same("factor", Unit::One, 1.0, min, max, description)
+}
+
 /// A size with one key for prismatic and one for rotary joints.
 #[expect(clippy::too_many_arguments, reason = "one row of a table")]
 pub(super) const fn joint(

@@ -1,6 +1,6 @@
 //! Effects on the law of one joint.
 
-use super::entry::{Entry, joint, same};
+use super::entry::{Entry, factor, joint, same};
 use super::{Family, TargetKind};
 use truecut_recording::Unit;
 
@@ -9,15 +9,7 @@ pub(super) const JOINT_STIFFNESS: Entry = Entry {
     family: Family::Joint,
     target: TargetKind::Joint,
     description: "The transmission is softer or stiffer than its data sheet says.",
-    parameters: &[same(
-        "factor",
-        Unit::One,
-        1.0,
-        0.05,
-        20.0,
-        "Times the nominal stiffness",
-    )
-    .starts(&[0.7, 1.4])],
+    parameters: &[factor(0.05, 20.0, "Times the nominal stiffness").starts(&[0.7, 1.4])],
 };
 
 pub(super) const JOINT_DAMPING: Entry = Entry {
@@ -25,15 +17,7 @@ pub(super) const JOINT_DAMPING: Entry = Entry {
     family: Family::Joint,
     target: TargetKind::Joint,
     description: "The transmission damps less or more.",
-    parameters: &[same(
-        "factor",
-        Unit::One,
-        1.0,
-        0.0,
-        50.0,
-        "Times the nominal damping",
-    )
-    .starts(&[0.5, 2.0])],
+    parameters: &[factor(0.0, 50.0, "Times the nominal damping").starts(&[0.5, 2.0])],
 };
 
 pub(super) const JOINT_VISCOUS: Entry = Entry {

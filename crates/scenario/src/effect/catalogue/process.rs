@@ -1,6 +1,6 @@
 //! Effects on cutting edge, pressure foot and wheel.
 
-use super::entry::{Entry, same};
+use super::entry::{Entry, factor, same};
 use super::{Family, TargetKind};
 use truecut_recording::Unit;
 
@@ -9,15 +9,7 @@ pub(super) const CUTTING_COEFFICIENT: Entry = Entry {
     family: Family::Cutting,
     target: TargetKind::Whole,
     description: "Cutting takes more or less force per chip area.",
-    parameters: &[same(
-        "factor",
-        Unit::One,
-        1.0,
-        0.05,
-        20.0,
-        "Times the nominal coefficients",
-    )
-    .starts(&[0.8, 1.25])],
+    parameters: &[factor(0.05, 20.0, "Times the nominal coefficients").starts(&[0.8, 1.25])],
 };
 
 pub(super) const CUTTING_EDGE_FORCE: Entry = Entry {
@@ -139,15 +131,8 @@ pub(super) const SPINDLE_SPEED: Entry = Entry {
     family: Family::Cutting,
     target: TargetKind::Whole,
     description: "The spindle turns slower or faster than commanded.",
-    parameters: &[same(
-        "factor",
-        Unit::One,
-        1.0,
-        0.5,
-        1.5,
-        "Times the commanded speed",
-    )
-    .starts(&[0.97, 0.98, 0.99, 0.996, 1.004, 1.01, 1.02, 1.03])],
+    parameters: &[factor(0.5, 1.5, "Times the commanded speed")
+        .starts(&[0.97, 0.98, 0.99, 0.996, 1.004, 1.01, 1.02, 1.03])],
 };
 
 pub(super) const FOOT_FRICTION: Entry = Entry {
@@ -155,15 +140,7 @@ pub(super) const FOOT_FRICTION: Entry = Entry {
     family: Family::Foot,
     target: TargetKind::Whole,
     description: "The foot rubs more or less.",
-    parameters: &[same(
-        "factor",
-        Unit::One,
-        1.0,
-        0.0,
-        20.0,
-        "Times the nominal friction coefficient",
-    )
-    .starts(&[0.7, 1.4])],
+    parameters: &[factor(0.0, 20.0, "Times the nominal friction coefficient").starts(&[0.7, 1.4])],
 };
 
 pub(super) const FOOT_FRICTION_FALLING: Entry = Entry {
@@ -222,15 +199,7 @@ pub(super) const WHEEL_STIFFNESS: Entry = Entry {
     family: Family::Wheel,
     target: TargetKind::Whole,
     description: "The wheel is softer or stiffer.",
-    parameters: &[same(
-        "factor",
-        Unit::One,
-        1.0,
-        0.05,
-        20.0,
-        "Times the nominal contact stiffness",
-    )
-    .starts(&[0.7, 1.4])],
+    parameters: &[factor(0.05, 20.0, "Times the nominal contact stiffness").starts(&[0.7, 1.4])],
 };
 
 pub(super) const WHEEL_ECCENTRICITY: Entry = Entry {
@@ -263,15 +232,7 @@ pub(super) const WHEEL_FRICTION: Entry = Entry {
     family: Family::Wheel,
     target: TargetKind::Whole,
     description: "The wheel rubs more or less.",
-    parameters: &[same(
-        "factor",
-        Unit::One,
-        1.0,
-        0.0,
-        20.0,
-        "Times the nominal friction coefficient",
-    )
-    .starts(&[0.7, 1.4])],
+    parameters: &[factor(0.0, 20.0, "Times the nominal friction coefficient").starts(&[0.7, 1.4])],
 };
 
 pub(super) const WHEEL_REMOVAL: Entry = Entry {
@@ -279,15 +240,7 @@ pub(super) const WHEEL_REMOVAL: Entry = Entry {
     family: Family::Wheel,
     target: TargetKind::Whole,
     description: "The wheel takes off more or less: abrasive worn, slurry thin.",
-    parameters: &[same(
-        "factor",
-        Unit::One,
-        1.0,
-        0.0,
-        100.0,
-        "Times the nominal Preston coefficient",
-    )
-    .starts(&[0.7, 1.4])],
+    parameters: &[factor(0.0, 100.0, "Times the nominal Preston coefficient").starts(&[0.7, 1.4])],
 };
 
 pub(super) const WHEEL_FORCE_OFFSET: Entry = Entry {

@@ -1,6 +1,6 @@
 //! Effects of a sensor on its channel.
 
-use super::entry::{Entry, same};
+use super::entry::{Entry, factor, same};
 use super::{Family, TargetKind};
 use truecut_recording::Unit;
 
@@ -17,15 +17,7 @@ pub(super) const SENSOR_GAIN: Entry = Entry {
     family: Family::Sensor,
     target: TargetKind::Channel,
     description: "The channel's gain is off.",
-    parameters: &[same(
-        "factor",
-        Unit::One,
-        1.0,
-        -100.0,
-        100.0,
-        "Times the true value",
-    )
-    .starts(&[1.1])],
+    parameters: &[factor(-100.0, 100.0, "Times the true value").starts(&[1.1])],
 };
 
 pub(super) const SENSOR_OFFSET: Entry = Entry {

@@ -46,6 +46,7 @@ pub(super) struct Motion {
 }
 
 /// Wheel and face at one instant.
+#[derive(Debug, Clone)]
 pub(super) struct Contact {
     /// Which copy of the face.
     pub copy: usize,

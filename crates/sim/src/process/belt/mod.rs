@@ -18,6 +18,7 @@ mod tests;
 
 pub use surface::{Cells, cells_within};
 
+use super::met::Met;
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use contact::{Contact, Motion, Strip};
@@ -106,11 +107,14 @@ pub struct Belt {
     quadrature: Quadrature,
     /// One a copy; none where only rows are asked for.
     worn: Vec<Worn>,
-    /// Reactions along borders in this step.
-    edges: Vec<(Strip, EdgePoint)>,
     watch: Watch,
     last: Last,
+    /// What the loads of this step were computed from.
+    met: Met<(Contact, Edges)>,
 }
+
+/// Reactions along borders, with the strip that they belong to.
+type Edges = Vec<(Strip, EdgePoint)>;
 
 /// What is recorded of the last step.
 #[derive(Debug, Clone, Copy, Default)]
@@ -132,15 +136,18 @@ impl Belt {
             face: FaceGeometry::new(setup.patch.clone()),
             quadrature: Quadrature::new(NODES),
             worn: setup.copies.iter().map(|_| Worn::new(&setup)).collect(),
-            edges: Vec::new(),
             watch: Watch::default(),
             last: Last::default(),
+            met: Met::default(),
             setup,
         }
     }
 
-    fn contact(&self, state: &ToolState, edges: impl FnMut(&Strip, &EdgePoint)) -> Contact {
-        Contact::of(&self.setup, &self.face, &self.quadrature, state, edges)
+    fn meet(&self, state: &ToolState) -> (Contact, Edges) {
+        let mut edges = Edges::new();
+        let add = |strip: &Strip, point: &EdgePoint| edges.push((*strip, *point));
+        let contact = Contact::of(&self.setup, &self.face, &self.quadrature, state, add);
+        (contact, edges)
     }
 }
 
@@ -194,23 +201,23 @@ impl Process for Belt {
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let contact = self.contact(state, |_, _| {});
+        let (contact, edges) = self.meet(state);
         let mut loads = Loads::default();
         loads.wrenches.push(Wrench {
             frame: Attachment::Tool,
             force_n: self.setup.to_process(contact.copy, &contact.force_n),
             moment_n_m: self.setup.to_process(contact.copy, &contact.moment_n_m),
         });
+        self.met.keep(state.time_s, (contact, edges));
         loads
     }
 
     fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
-        let mut edges = std::mem::take(&mut self.edges);
-        edges.clear();
-        let contact = self.contact(state, |strip, point| edges.push((*strip, *point)));
-        self.edges = edges;
+        // What is removed and recorded is what acted: the contact of the loads, met with the velocity foreseen for this instant.
+        let met = self.met.take(state.time_s);
+        let (contact, edges) = met.unwrap_or_else(|| self.meet(state));
         if let Some(worn) = self.worn.get_mut(contact.copy) {
-            worn.grind(&self.setup, &contact.strips, &self.edges, dt_s);
+            worn.grind(&self.setup, &contact.strips, &edges, dt_s);
         }
         self.watch.step(&contact, dt_s);
         let (uv, penetration_m) = contact.middle.unwrap_or((self.last.uv, 0.0));

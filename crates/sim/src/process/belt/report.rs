@@ -235,11 +235,6 @@ fn roughness(swept: &Sums) -> [Scalar; 2] {
 /// Mean depth of each row over the middle half of the first copy's columns, over the distance along v in the middle of u.
 fn across(setup: &BeltSetup, worn: &Worn) -> Profile {
     let [columns, rows] = setup.cells.count;
-    let inner = columns / 4..(columns * 3 / 4).max(columns / 4 + 1);
-    let mean = |row: usize| {
-        let depths = &worn.grid.removed_m()[row * columns..][inner.clone()];
-        depths.iter().sum::<f64>() / depths.len() as f64
-    };
     let place = |row: usize| {
         let [u, v] = setup.cells.middle(row * columns + columns / 2);
         setup.patch.surface.point_m(u, v)
@@ -256,7 +251,7 @@ fn across(setup: &BeltSetup, worn: &Worn) -> Profile {
         axis_unit: Unit::Metre,
         axis: axis.collect(),
         unit: Unit::Metre,
-        values: (0..rows).map(mean).collect(),
+        values: worn.grid.middle_means_m(),
     }
 }
 

@@ -2,15 +2,12 @@
 
 use super::BeltSetup;
 use super::contact::{STRIPS, Strip};
+use crate::process::kept_back::KeptBack;
 use nalgebra::{Matrix2, Point3, Vector2};
 use truecut_core::wheel::patch::EdgePoint;
 use truecut_core::wheel::removal::{Placement, SurfaceGrid};
 use truecut_plan::surface::PatchFile;
 
-/// Way of a strip between two times that its dose is spread, in cells: the total is kept, the place blurred by that much.
-const SPREAD_EVERY_CELLS: f64 = 0.1;
-/// Most steps whose dose is kept back.
-const MOST_STEPS: usize = 40;
 /// Directions along each parameter in which the face is measured.
 const MEASURED: usize = 17;
 
@@ -84,25 +81,15 @@ impl Cells {
 #[derive(Debug, Clone)]
 pub(super) struct Worn {
     pub grid: SurfaceGrid,
-    pending: [Pending; STRIPS],
+    kept: [KeptBack<Strip>; STRIPS],
     scratch: Vec<(usize, f64)>,
-}
-
-/// Dose of a strip that is kept back.
-#[derive(Debug, Clone, Copy, Default)]
-struct Pending {
-    energy_j: f64,
-    steps: usize,
-    from_cells: Vector2<f64>,
-    /// As it was in the last step.
-    last: Option<Strip>,
 }
 
 impl Worn {
     pub fn new(setup: &BeltSetup) -> Self {
         Self {
             grid: SurfaceGrid::new(setup.cells.count[0], setup.area_m2.to_vec()),
-            pending: [Pending::default(); STRIPS],
+            kept: std::array::from_fn(|_| KeptBack::default()),
             scratch: Vec::new(),
         }
     }
@@ -127,16 +114,9 @@ impl Worn {
             }
         }
         for strip in strips {
-            let at = setup.cells.place(strip.uv);
-            let pending = &mut self.pending[strip.index];
-            if pending.steps == 0 {
-                pending.from_cells = at;
-            }
-            pending.energy_j += (strip.loads.sliding_w - strip.loads.edge_sliding_w) * dt_s;
-            pending.steps += 1;
-            pending.last = Some(*strip);
-            let moved = (at - pending.from_cells).norm();
-            if moved >= SPREAD_EVERY_CELLS || pending.steps >= MOST_STEPS {
+            let at_cells = setup.cells.place(strip.uv);
+            let energy_j = (strip.loads.sliding_w - strip.loads.edge_sliding_w) * dt_s;
+            if self.kept[strip.index].add(energy_j, at_cells, *strip) {
                 self.settle(setup, strip.index);
             }
         }
@@ -152,12 +132,11 @@ impl Worn {
     /// Spreads what is kept back of a strip. A cell that the strip covers in part along the wheel's axis takes that part: strips meet within
     /// cells, and the depth must not show where.
     fn settle(&mut self, setup: &BeltSetup, index: usize) {
-        let pending = std::mem::take(&mut self.pending[index]);
-        let Some(strip) = pending.last else {
+        let Some(dose) = self.kept[index].take() else {
             return;
         };
-        let at = 0.5 * (pending.from_cells + setup.cells.place(strip.uv));
-        let placement = placement(&setup.cells, &strip, at);
+        let strip = dose.contact;
+        let placement = placement(&setup.cells, &strip, dose.at_cells);
         let across = placement.patch_from_cells_m.row(1);
         let cell_m = across[0].abs() + across[1].abs();
         let half_m = strip.half_width_m;
@@ -166,7 +145,7 @@ impl Worn {
         self.grid.spread(
             &placement,
             window_m,
-            pending.energy_j,
+            dose.energy_j,
             setup.preston_per_pa,
             &mut self.scratch,
             |x, y| {

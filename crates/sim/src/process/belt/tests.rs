@@ -72,7 +72,7 @@ fn held(
 }
 
 fn contact(setup: &BeltSetup, state: &ToolState) -> Contact {
-    Belt::new(setup.clone()).contact(state, |_, _| {})
+    Belt::new(setup.clone()).meet(state).0
 }
 
 fn plane(wheel: BeltWheel) -> BeltSetup {
@@ -202,7 +202,7 @@ fn verify_no_work_on_a_closed_way() {
         for i in 0..steps {
             let off = corner(k) + way * ((f64::from(i) + 0.5) / f64::from(steps));
             let state = held(&setup, middle, Vector3::y(), 0.3e-3, off);
-            let force = belt.contact(&state, |_, _| {}).force_n;
+            let force = belt.meet(&state).0.force_n;
             let part = force.dot(&way) / f64::from(steps);
             work += part;
             size += part.abs();

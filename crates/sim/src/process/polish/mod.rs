@@ -13,10 +13,9 @@ mod channels;
 mod report;
 mod surface;
 
+use super::met::Met;
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
-use std::cell::RefCell;
-
 use nalgebra::{Isometry2, Isometry3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
 use surface::Surface;
@@ -76,14 +75,7 @@ pub struct Polish {
     /// Whether nobody asks for the findings.
     rows_only: bool,
     /// What the loads of this step were computed from.
-    met: RefCell<Met>,
-}
-
-/// A contact with its instant and the reactions along edges.
-#[derive(Debug, Clone, Default)]
-struct Met {
-    at: Option<(f64, Contact)>,
-    edges: Vec<EdgePoint>,
+    met: Met<(Contact, Vec<EdgePoint>)>,
 }
 
 /// What is recorded of the last step, face axes.
@@ -126,22 +118,16 @@ impl Polish {
             watch: Watch::new(&setup),
             last: Last::default(),
             rows_only: false,
-            met: RefCell::default(),
+            met: Met::default(),
             setup,
         }
     }
 
-    /// The contact of this instant, met once.
-    fn meet(&self, state: &ToolState) -> Contact {
-        let mut met = self.met.borrow_mut();
-        let mut edges = std::mem::take(&mut met.edges);
-        edges.clear();
+    /// The contact and its reactions along edges.
+    fn meet(&self, state: &ToolState) -> (Contact, Vec<EdgePoint>) {
+        let mut edges = Vec::new();
         let contact = self.contact(state, |point| edges.push(*point));
-        *met = Met {
-            at: Some((state.time_s, contact)),
-            edges,
-        };
-        contact
+        (contact, edges)
     }
 
     /// Place (m) and velocity (m/s) of the wheel's middle, face axes; the second place is the tool point.
@@ -273,7 +259,8 @@ impl Process for Polish {
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let contact = self.meet(state);
+        let (contact, edges) = self.meet(state);
+        self.met.keep(state.time_s, (contact, edges));
         let mut loads = Loads::default();
         loads.wrenches.push(Wrench {
             frame: Attachment::Tool,
@@ -285,14 +272,11 @@ impl Process for Polish {
 
     fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
         // What is removed and recorded is what acted: the contact of the loads, met with the velocity foreseen for this instant.
-        let contact = match self.met.get_mut().at.take() {
-            Some((time_s, contact)) if time_s == state.time_s => contact,
-            _ => self.meet(state),
-        };
-        std::mem::swap(&mut self.surface.edges, &mut self.met.get_mut().edges);
+        let met = self.met.take(state.time_s);
+        let (contact, edges) = met.unwrap_or_else(|| self.meet(state));
         self.surface.preston_j += contact.loads.sliding_w * dt_s;
         if !self.rows_only {
-            self.surface.polish(&self.setup, &contact, dt_s);
+            self.surface.polish(&self.setup, &contact, &edges, dt_s);
         }
         let p = &self.setup;
         let world_velocity = p.process_from_world.inverse() * state.tool.velocity_m_per_s;

@@ -233,24 +233,17 @@ pub(super) fn findings(setup: &PolishSetup, surface: &Surface, watch: &Watch) ->
 
 /// Mean depth of each row over the middle half of the length.
 fn across(setup: &PolishSetup, surface: &Surface) -> Profile {
-    let columns = surface.grid.columns();
-    let inner = columns / 4..(columns * 3 / 4).max(columns / 4 + 1);
-    let rows = 0..surface.grid.rows();
-    let mean = |row: usize| {
-        let depths = &surface.grid.removed_m()[row * columns..][inner.clone()];
-        depths.iter().sum::<f64>() / depths.len() as f64
-    };
+    let rows = surface.grid.rows();
     Profile {
         name: "polish.removed_depth".into(),
         description: "Depth removed across the face, mean over the middle half of its length"
             .into(),
         axis_name: "face_y".into(),
         axis_unit: Unit::Metre,
-        axis: rows
-            .clone()
-            .map(|row| (row as f64 + 0.5) * setup.width_m / surface.grid.rows() as f64)
+        axis: (0..rows)
+            .map(|row| (row as f64 + 0.5) * setup.width_m / rows as f64)
             .collect(),
         unit: Unit::Metre,
-        values: rows.map(mean).collect(),
+        values: surface.grid.middle_means_m(),
     }
 }

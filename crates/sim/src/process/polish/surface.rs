@@ -1,14 +1,10 @@
 //! What the wheel takes off the face: a grid of doses and depths.
 
 use super::{Contact, PolishSetup};
+use crate::process::kept_back::KeptBack;
 use nalgebra::{Matrix2, Point2, Vector2};
 use truecut_core::wheel::patch::{EdgePoint, Patch, Sliding};
 use truecut_core::wheel::removal::{Placement, SurfaceGrid};
-
-/// Way of the patch between two times that its dose is spread, in cells: the total is kept, the place blurred by that much.
-const SPREAD_EVERY_CELLS: f64 = 0.1;
-/// Most steps whose dose is kept back.
-const MOST_STEPS: usize = 40;
 
 /// The grid, and the dose that is not on it yet.
 #[derive(Debug, Clone)]
@@ -18,19 +14,8 @@ pub(super) struct Surface {
     cell_m: Vector2<f64>,
     /// `∫ p |v| dA dt` of the whole run, J.
     pub preston_j: f64,
-    /// Reactions along edges in this step.
-    pub edges: Vec<EdgePoint>,
     scratch: Vec<(usize, f64)>,
-    pending: Pending,
-}
-
-#[derive(Debug, Clone, Default)]
-struct Pending {
-    energy_j: f64,
-    steps: usize,
-    from_m: Point2<f64>,
-    /// Patch, its middle and its sliding at the last step.
-    last: Option<(Patch, Point2<f64>, Sliding)>,
+    kept: KeptBack<(Patch, Sliding)>,
 }
 
 impl Surface {
@@ -40,51 +25,51 @@ impl Surface {
             grid: SurfaceGrid::plane(columns, rows, setup.length_m, setup.width_m),
             cell_m: Vector2::new(setup.length_m / columns as f64, setup.width_m / rows as f64),
             preston_j: 0.0,
-            edges: Vec::new(),
             scratch: Vec::new(),
-            pending: Pending::default(),
+            kept: KeptBack::default(),
         }
     }
 
-    fn placement(&self, at_m: Point2<f64>) -> Placement {
+    fn placement(&self, at_cells: Vector2<f64>) -> Placement {
         Placement {
-            at_cells: at_m.coords.component_div(&self.cell_m),
+            at_cells,
             patch_from_cells_m: Matrix2::from_diagonal(&self.cell_m),
         }
     }
 
     /// Gives a step's dose: along edges at once, that of the patch when it has moved far enough.
-    pub fn polish(&mut self, setup: &PolishSetup, contact: &Contact, dt_s: f64) {
+    pub fn polish(
+        &mut self,
+        setup: &PolishSetup,
+        contact: &Contact,
+        edges: &[EdgePoint],
+        dt_s: f64,
+    ) {
         let loads = &contact.loads;
-        let placement = self.placement(contact.at_m);
-        for edge in &self.edges {
+        let at_cells = contact.at_m.coords.component_div(&self.cell_m);
+        let placement = self.placement(at_cells);
+        for edge in edges {
             let energy_j = edge.sliding_w * dt_s;
             (self.grid).give_at(&placement, edge.at_m, energy_j, setup.preston_per_pa);
         }
-        if self.pending.steps == 0 {
-            self.pending.from_m = contact.at_m;
-        }
-        self.pending.energy_j += (loads.sliding_w - loads.edge_sliding_w) * dt_s;
-        self.pending.steps += 1;
-        self.pending.last = Some((contact.patch, contact.at_m, contact.sliding));
-        let moved = (contact.at_m - self.pending.from_m).component_div(&self.cell_m);
-        if moved.norm() >= SPREAD_EVERY_CELLS || self.pending.steps >= MOST_STEPS {
+        let energy_j = (loads.sliding_w - loads.edge_sliding_w) * dt_s;
+        let moving = (contact.patch, contact.sliding);
+        if self.kept.add(energy_j, at_cells, moving) {
             self.settle(setup);
         }
     }
 
     /// Spreads what is kept back.
     pub fn settle(&mut self, setup: &PolishSetup) {
-        let pending = std::mem::take(&mut self.pending);
-        let Some((patch, at_m, sliding)) = pending.last else {
+        let Some(dose) = self.kept.take() else {
             return;
         };
-        let middle = pending.from_m + 0.5 * (at_m - pending.from_m);
-        let placement = self.placement(middle);
+        let placement = self.placement(dose.at_cells);
+        let (patch, sliding) = dose.contact;
         self.grid.spread(
             &placement,
             patch.window_m(),
-            pending.energy_j,
+            dose.energy_j,
             setup.preston_per_pa,
             &mut self.scratch,
             |x, y| patch.moving_pressure_pa(x, y, &sliding) * sliding.at_m_per_s(x, y).norm(),
