@@ -66,6 +66,20 @@ pub trait Model: Sync {
     /// A run that fails, e.g. because it diverges at these values. The search treats it as a step not to be taken.
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError>;
 
+    /// As [`Model::predict`] for the first samples; those after them are not looked at, and may be anything finite.
+    ///
+    /// # Errors
+    /// As [`Model::predict`].
+    fn predict_first(
+        &self,
+        samples: usize,
+        nominal: &[f64],
+        effects: &[Effect],
+    ) -> Result<Columns, PredictError> {
+        let _ = samples;
+        self.predict(nominal, effects)
+    }
+
     /// Whether the machine runs steadily by itself: that a prediction stands still is then no lack of excitation.
     fn is_steady(&self) -> bool {
         false

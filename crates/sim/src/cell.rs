@@ -18,6 +18,8 @@ use truecut_scenario::Scenario;
 
 /// Steps between two calls of the progress function.
 const STEPS_PER_REPORT: usize = 500;
+/// Rows of a run that ends early beyond its end.
+const ROWS_BEYOND: usize = 3;
 /// Frames of a run that show fields on the workpiece.
 const FIELDS_PER_RUN: usize = 40;
 
@@ -47,6 +49,8 @@ pub struct Cell {
     energy_j: (f64, f64),
     torque_use: TorqueUse,
     scalars: Vec<Scalar>,
+    /// Nothing but rows is asked for.
+    rows_only: bool,
 }
 
 /// What a run ended with; give it to [`Recorder::finish`].
@@ -77,6 +81,13 @@ impl Cell {
     /// Leaves out of the run what neither forces nor channels need; it ends without findings.
     pub fn keep_rows_only(&mut self) {
         self.process.keep_rows_only();
+        self.rows_only = true;
+    }
+
+    /// Ends the run early: [`ROWS_BEYOND`] rows after the first one that is not before `time_s`.
+    pub fn end_after(&mut self, time_s: f64) {
+        let rows = (time_s / self.row_interval_s()).ceil().max(0.0) as usize + ROWS_BEYOND;
+        self.steps = self.steps.min(rows.saturating_mul(self.steps_per_row));
     }
 
     /// The column of a channel.
@@ -159,14 +170,14 @@ impl Cell {
         let mut row = Vec::with_capacity(self.channels.len());
         for step in 0..=self.steps {
             let time_s = step as f64 * self.plant.time_step_s();
-            let state = match self.step(time_s) {
+            let due = step % self.steps_per_row == 0;
+            let state = match self.step(time_s, due) {
                 Ok(state) => state,
                 Err(diverged) => {
                     outcome = diverged;
                     break;
                 }
             };
-            let due = step % self.steps_per_row == 0;
             if due {
                 self.record(&state, &mut row);
             }

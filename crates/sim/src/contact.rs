@@ -34,6 +34,8 @@ struct Plane {
     request: ContactRequest,
     rows: [DVector<f64>; 2],
     response: [DVector<f64>; 2],
+    /// Largest component of each response.
+    largest: [f64; 2],
     inverse_mass: Matrix2<f64>,
     velocity_before: Vector2<f64>,
     contact: PlanarContact,
@@ -45,6 +47,8 @@ struct Line {
     /// Under the load of this step.
     law: LinkFriction,
     response: DVector<f64>,
+    /// Its largest component.
+    largest: f64,
     velocity_before: f64,
     impulse: f64,
 }
@@ -168,6 +172,7 @@ fn plane(plant: &mut dyn Plant, request: &ContactRequest, tangents: &[Vector3<f6
     let inverse_mass = Matrix2::from_fn(|r, c| rows[r].dot(&response[c]));
     let before = plant.half_step_velocity();
     Plane {
+        largest: response.each_ref().map(DVector::amax),
         velocity_before: Vector2::new(rows[0].dot(before), rows[1].dot(before)),
         request: *request,
         rows,
@@ -181,10 +186,12 @@ fn plane(plant: &mut dyn Plant, request: &ContactRequest, tangents: &[Vector3<f6
 fn line(plant: &mut dyn Plant, joint: usize, law: &LinkFriction) -> Line {
     let mut unit = DVector::zeros(plant.dof());
     unit[joint] = 1.0;
+    let response = plant.mobility(&unit);
     Line {
         joint,
         law: law.under(plant.joints().transmission[joint]),
-        response: plant.mobility(&unit),
+        largest: response.amax(),
+        response,
         velocity_before: plant.half_step_velocity()[joint],
         impulse: 0.0,
     }
@@ -206,7 +213,7 @@ fn update_plane(plane: &mut Plane, velocity: &mut DVector<f64>, dt: f64) -> f64 
     for axis in 0..2 {
         velocity.axpy(change[axis], &plane.response[axis], 1.0);
     }
-    (plane.response[0].amax() * change.x.abs()).max(plane.response[1].amax() * change.y.abs())
+    (plane.largest[0] * change.x.abs()).max(plane.largest[1] * change.y.abs())
 }
 
 fn update_line(line: &mut Line, velocity: &mut DVector<f64>, dt_s: f64) -> f64 {
@@ -216,5 +223,5 @@ fn update_line(line: &mut Line, velocity: &mut DVector<f64>, dt_s: f64) -> f64 {
     let change = impulse - line.impulse;
     line.impulse = impulse;
     velocity.axpy(change, &line.response, 1.0);
-    line.response.amax() * change.abs()
+    line.largest * change.abs()
 }

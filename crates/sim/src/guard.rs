@@ -24,7 +24,8 @@ pub(crate) struct Watch<'a> {
     pub dt_s: f64,
     pub positions: &'a [f64],
     pub velocities: &'a [f64],
-    pub energy_j: f64,
+    /// If it was looked at in this step; always in the first.
+    pub energy_j: Option<f64>,
     /// Power of loads and drives less what is dissipated, W.
     pub power_w: f64,
 }
@@ -86,7 +87,7 @@ impl Guard {
     /// The energy of the arm may grow only by the work done on it (trapezoidal in time).
     fn energy_grows(&mut self, watch: &Watch<'_>) -> Option<Outcome> {
         if !self.started {
-            self.start_j = watch.energy_j;
+            self.start_j = watch.energy_j?;
             self.started = true;
         } else {
             let power = 0.5 * (self.last_power_w + watch.power_w);
@@ -94,7 +95,7 @@ impl Guard {
             self.exchanged_j += power.abs() * watch.dt_s;
         }
         self.last_power_w = watch.power_w;
-        let growth = watch.energy_j - self.start_j - self.work_j;
+        let growth = watch.energy_j? - self.start_j - self.work_j;
         let limit = ENERGY_SHARE * (self.exchanged_j + self.start_j.abs()) + ENERGY_FLOOR_J;
         (growth > limit || !growth.is_finite()).then(|| Outcome::Diverged {
             time_s: watch.time_s,
@@ -116,7 +117,7 @@ mod tests {
             dt_s: 1e-3,
             positions: q,
             velocities: &[0.0],
-            energy_j,
+            energy_j: Some(energy_j),
             power_w,
         }
     }

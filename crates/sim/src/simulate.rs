@@ -32,7 +32,8 @@ pub struct Rows {
 }
 
 /// Runs a scenario, with its measured data if it has any, and keeps the channels named (all if none is
-/// named). With data, rows come at the data's times as nearly as the steps allow.
+/// named). With data, rows come at the data's times as nearly as the steps allow. With `until_s` the run ends there, but for a few rows
+/// more, so that whoever reads between rows finds neighbours.
 ///
 /// # Errors
 /// Whatever makes the scenario unfit to run; a channel that it does not have.
@@ -42,6 +43,7 @@ pub fn simulate(
     robots: &Robots,
     engine: Engine,
     channels: &[&str],
+    until_s: Option<f64>,
 ) -> Result<Rows, SimError> {
     let mut cell = match engine {
         Engine::Rapier => Cell::build_with_data(&at_the_times(scenario, measured), measured)?,
@@ -59,6 +61,9 @@ pub fn simulate(
             cell
         }
     };
+    if let Some(until_s) = until_s {
+        cell.end_after(until_s);
+    }
     let all = cell.channels().to_vec();
     let kept: Vec<usize> = if channels.is_empty() {
         (0..all.len()).collect()

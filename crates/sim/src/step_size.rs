@@ -13,6 +13,9 @@ const STEPS_PER_TOOTH: f64 = 40.0;
 /// (w dt)²/12: 0.2 %.
 const STEPS_PER_FORCE_PERIOD: f64 = 40.0;
 
+/// Relative error of an interval that is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// How the plant is stepped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scheme {
@@ -203,7 +206,8 @@ pub(crate) fn choose(
         Some(interval) if scheme.is_exact() => interval,
         _ => run.duration_s,
     };
-    Ok(whole / (whole / step).ceil())
+    // An interval read off times in decimals misses its round value by rounding; that asks for no step more.
+    Ok(whole / (whole / step * (1.0 - ROUNDING)).ceil())
 }
 
 fn check(scheme: Scheme, asked_s: f64, fastest_mode_hz: Option<f64>) -> Result<f64, SimError> {

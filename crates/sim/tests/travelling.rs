@@ -64,6 +64,7 @@ fn run(scenario: &Scenario, engine: Engine, step_ms: Option<f64>) -> Rows {
         &Robots::new(),
         engine,
         &TORQUE,
+        None,
     )
     .unwrap();
     assert_eq!(rows.outcome, Outcome::Completed);

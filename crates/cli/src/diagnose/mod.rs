@@ -59,8 +59,10 @@ pub fn diagnose(plan: &Plan) -> Result<Verdict, Failure> {
 /// Runs the answer in the full model and scores it there.
 fn confirm(trial: &Trial, mut answer: Answer) -> Confirmed {
     let before: Vec<f64> = trial.nominal().iter().map(|one| one.value).collect();
-    let nominal = trial.confirm(&before, &[]);
-    let extended = trial.confirm(&answer.nominal, &answer.effects);
+    let (nominal, extended) = rayon::join(
+        || trial.confirm(&before, &[]),
+        || trial.confirm(&answer.nominal, &answer.effects),
+    );
     let failures = [nominal.as_ref().err(), extended.as_ref().err()];
     let failure = failures
         .into_iter()

@@ -15,7 +15,7 @@ use super::problem::Problem;
 use super::resonance::resonance;
 use super::signature::Signature;
 use super::span::spans;
-use super::validate::differences;
+use super::validate::{differences, rms};
 use crate::model::Columns;
 
 /// The predictor's end: what it explains, and what it leaves.
@@ -23,8 +23,10 @@ pub(super) struct Bound {
     pub ceiling: Ceiling,
     /// Sum of whitened squares that it takes away.
     pub gain: f64,
-    /// Residual less the prediction of all groups found, fitted to all rows.
+    /// Residual less the prediction of all groups found, fitted to all rows; good on the development part.
     pub left: Columns,
+    /// Root mean square of that on the test part; on the development part where a group was not simulated beyond it.
+    pub floor: Vec<f64>,
 }
 
 /// Gains of a group must be beyond so many standard errors; a pattern that is strong in few places has large ones.
@@ -68,13 +70,13 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
     let (residual, noise) = (&last.residual, &last.noise);
     let groups = groups(problem, &last.predicted);
     let mut left = residual.clone();
+    let mut floor = Vec::new();
     let (mut gain, mut sums, mut total) = (0.0, Vec::new(), 0.0);
     let mut locks = Vec::new();
     for c in 0..residual.len() {
         let target = Target::new(problem, &residual[c], c, noise.channels[c].ar.len());
         let mut own = target.lines();
         own.extend(target.through_dynamics(&groups));
-        own.extend(spans(problem, signatures, c));
         own.extend(delay_by_size(problem, c, &base.predicted[c]));
         own.extend(resonance(
             problem,
@@ -82,8 +84,10 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
             target.residual,
             target.rows,
         ));
+        let simulated = spans(problem, signatures, c);
         let all: Vec<&Group> = groups
             .iter()
+            .chain(&simulated)
             .chain(&own)
             .filter(|g| !g.by_signal || target.comes_back(g))
             .collect();
@@ -92,7 +96,14 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         gain += own;
         sums.extend(chance);
         total += dot(&trial.whole, &trial.whole);
+        let of_search = |group: &&Group| simulated.iter().any(|own| std::ptr::eq(*group, own));
+        let rows = if trial.groups.iter().any(of_search) {
+            &problem.split.development
+        } else {
+            &problem.split.test
+        };
         left[c] = trial.left;
+        floor.push(rms(&left, rows)[c]);
     }
     locks.sort_by(|a, b| b.fraction.total_cmp(&a.fraction));
     let error = dot(&sums, &sums).sqrt();
@@ -109,6 +120,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         ceiling,
         gain: gain.max(0.0),
         left,
+        floor,
     }
 }
 
@@ -207,7 +219,7 @@ impl<'a> Target<'a> {
             noise = self.noise(&left, order);
         }
         Trial {
-            whole: whiten(&noise, self.residual, self.rows),
+            whole: noise.whiten(self.residual, self.rows),
             errors: self.errors(&groups, &noise),
             groups,
             noise,
@@ -225,9 +237,9 @@ impl<'a> Target<'a> {
 
     fn without(&self, groups: &[&Group], noise: &ChannelNoise) -> Vec<f64> {
         let columns: Vec<Vec<f64>> = features(groups)
-            .map(|x| whiten(noise, x, self.rows))
+            .map(|x| noise.whiten(x, self.rows))
             .collect();
-        let moments = Moments::new(&whiten(noise, self.residual, self.rows), &columns);
+        let moments = Moments::new(&noise.whiten(self.residual, self.rows), &columns);
         let coefficients = moments.solve(&ridge(moments.squares(), self.rows.len()));
         let mut left = vec![self.residual.to_vec()];
         for (x, b) in features(groups).zip(&coefficients) {
@@ -238,9 +250,9 @@ impl<'a> Target<'a> {
 
     /// Whitened residual less predictions fitted to the other folds.
     fn errors(&self, groups: &[&Group], noise: &ChannelNoise) -> Vec<f64> {
-        let target = whiten(noise, self.residual, self.rows);
+        let target = noise.whiten(self.residual, self.rows);
         let columns: Vec<Vec<f64>> = features(groups)
-            .map(|x| whiten(noise, x, self.rows))
+            .map(|x| noise.whiten(x, self.rows))
             .collect();
         let parts: Vec<Moments> = (0..self.folds)
             .map(|fold| {
@@ -279,15 +291,6 @@ impl Trial<'_> {
     fn innovation(&self) -> f64 {
         self.noise.sigma.powi(2) * dot(&self.errors, &self.errors)
     }
-}
-
-fn whiten(noise: &ChannelNoise, column: &[f64], rows: &[usize]) -> Vec<f64> {
-    let scale = 1.0 / noise.sigma;
-    let whitened = rows.iter().map(|&t| {
-        let past = column[t - noise.ar.len()..t].iter().rev();
-        (column[t] - past.zip(&noise.ar).map(|(x, a)| x * a).sum::<f64>()) * scale
-    });
-    whitened.collect()
 }
 
 fn features<'a>(groups: &'a [&'a Group]) -> impl Iterator<Item = &'a Vec<f64>> {
@@ -374,7 +377,7 @@ impl Target<'_> {
         let time = &self.problem.data.time_s;
         let (interval, duration) = (time[1] - time[0], time[time.len() - 1] - time[0]);
         // Of low order: it flattens the spectrum without swallowing a line.
-        let e = whiten(&self.noise(left, self.order.min(2)), left, self.rows);
+        let e = self.noise(left, self.order.min(2)).whiten(left, self.rows);
         // Samples that are no rows stay zero.
         let mut padded = vec![0.0; (8 * time.len()).next_power_of_two()];
         for (e, &t) in e.iter().zip(self.rows) {

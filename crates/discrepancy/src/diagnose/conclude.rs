@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use super::ambiguity::{experiments, rivals};
 use super::answer::{Ceiling, ChannelErrors, Diagnosis, VERSION, Verdict, Work};
 use super::ceiling::{Bound, bound};
@@ -9,12 +11,12 @@ use super::data::Rows;
 use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
 use super::fit::{Fit, fit};
 use super::noise::{Noise, dot};
-use super::problem::Problem;
+use super::problem::{Point, Problem};
 use super::search::Outcome;
 use super::uncertainty::standard_errors;
 use super::validate::{batch_sums, compare, error_of_sum, rms};
 use super::{Answer, DiagnoseError, Stage};
-use crate::model::Columns;
+use crate::model::{Columns, PredictError};
 
 /// Where the noise is known: least ratio of the residual's variance to it that counts.
 const EXCESS: f64 = 1.25;
@@ -29,7 +31,7 @@ pub(super) fn not_excited(problem: &Problem, before: Columns, missing: Vec<Strin
     diagnosis.missing = missing;
     let residual = problem.data.residual(&before);
     let errors = rms(&residual, &problem.split.test);
-    diagnosis.channels = channel_errors(problem, &errors, &errors, &errors, &residual);
+    diagnosis.channels = channel_errors(problem, &errors, &errors, &errors, &errors);
     Answer {
         diagnosis,
         effects: Vec::new(),
@@ -76,47 +78,27 @@ pub(super) fn conclude(
     outcome: Outcome,
 ) -> Result<Answer, DiagnoseError> {
     let development = &problem.split.development;
-    let last = fit(
-        problem,
-        outcome.chosen.point.clone(),
-        development,
-        &outcome.orders,
-        true,
-    )?;
-    let base = fit(
-        problem,
-        outcome.base.point.clone(),
-        development,
-        &outcome.orders,
-        true,
-    )?;
-    problem.report(Stage::Ceiling);
-    let bound = bound(problem, &base, &last, &outcome.signatures);
-    let mut diagnosis = empty(problem);
-    diagnosis.ceiling = bound.ceiling.clone();
-    diagnosis.smallest_seen = smallest_seen(problem, &outcome);
-    diagnosis.unexplained_fraction = unexplained(problem, &base, &last, &bound);
-    let errors = standard_errors(problem, &last, development)?;
-    diagnosis.causes = causes(problem, &last, &errors)?;
-    diagnosis.nominal = nominal(problem, &last, &errors);
-    let rivals = match last.point.effects.is_empty() {
-        true => Vec::new(),
-        false => rivals(problem, &outcome),
+    let to_all = |point: &Point| -> Result<Fit, PredictError> {
+        let mut ended = fit(problem, point.clone(), development, &outcome.orders, true)?;
+        // The test part was not simulated so far; what is drawn and told shows it, too.
+        ended.predicted = problem.predict_whole(&ended.point)?;
+        ended.residual = problem.data.residual(&ended.predicted);
+        Ok(ended)
     };
-    let rival_answers = rivals
-        .iter()
-        .take(6)
-        .map(|r| alternative(problem, r))
-        .collect::<Result<Vec<_>, _>>()?;
-    diagnosis.runner_up = rival_answers.first().cloned();
-    let as_good = rival_answers
-        .into_iter()
-        .zip(&rivals)
-        .filter(|(_, r)| r.as_good);
-    diagnosis.alternatives = as_good.map(|(a, _)| a).collect();
-    if let Some(rival) = rivals.iter().find(|r| r.as_good) {
-        diagnosis.experiments = experiments(problem, &outcome.chosen, &rival.fit);
-    }
+    let (last, base) = rayon::join(
+        || to_all(&outcome.chosen.point),
+        || to_all(&outcome.base.point),
+    );
+    let (last, base) = (last?, base?);
+    problem.report(Stage::Ceiling);
+    // One asks for next to no simulations, the other for many, some of them one after the other.
+    let (bound, told) = rayon::join(
+        || bound(problem, &base, &last, &outcome.signatures),
+        || told(problem, &outcome, &last),
+    );
+    let mut diagnosis = told?;
+    diagnosis.ceiling = bound.ceiling.clone();
+    diagnosis.unexplained_fraction = unexplained(problem, &base, &last, &bound);
     judge(problem, &before, &outcome, &last, &mut diagnosis);
     open_test(problem, &before, &base, &last, &bound, &mut diagnosis);
     diagnosis.fits = outcome.fits;
@@ -133,6 +115,34 @@ pub(super) fn conclude(
         test_rows: problem.split.test.per_channel.clone(),
         diagnosis,
     })
+}
+
+/// What simulations tell of the model chosen: causes with their uncertainty, other explanations, what would have been seen.
+fn told(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnosis, DiagnoseError> {
+    let mut diagnosis = empty(problem);
+    diagnosis.smallest_seen = smallest_seen(problem, outcome);
+    let errors = standard_errors(problem, last, &problem.split.development)?;
+    diagnosis.causes = causes(problem, last, &errors)?;
+    diagnosis.nominal = nominal(problem, last, &errors);
+    let rivals = match last.point.effects.is_empty() {
+        true => Vec::new(),
+        false => rivals(problem, outcome),
+    };
+    let rival_answers = rivals
+        .par_iter()
+        .take(6)
+        .map(|r| alternative(problem, r))
+        .collect::<Result<Vec<_>, _>>()?;
+    diagnosis.runner_up = rival_answers.first().cloned();
+    let as_good = rival_answers
+        .into_iter()
+        .zip(&rivals)
+        .filter(|(_, r)| r.as_good);
+    diagnosis.alternatives = as_good.map(|(a, _)| a).collect();
+    if let Some(rival) = rivals.iter().find(|r| r.as_good) {
+        diagnosis.experiments = experiments(problem, &outcome.chosen, &rival.fit);
+    }
+    Ok(diagnosis)
 }
 
 /// The verdict, before the test part is opened.
@@ -271,7 +281,7 @@ fn open_test(
     let test = &problem.split.test;
     let nominal = rms(&problem.data.residual(before), test);
     let (refitted, after) = (rms(&base.residual, test), rms(&last.residual, test));
-    diagnosis.channels = channel_errors(problem, &nominal, &refitted, &after, &bound.left);
+    diagnosis.channels = channel_errors(problem, &nominal, &refitted, &after, &bound.floor);
     if diagnosis.verdict == Verdict::FitFailed {
         return;
     }
@@ -352,9 +362,8 @@ fn channel_errors(
     nominal: &[f64],
     refitted: &[f64],
     after: &[f64],
-    left: &Columns,
+    floor: &[f64],
 ) -> BTreeMap<String, ChannelErrors> {
-    let floor = rms(left, &problem.split.test);
     let specs = problem.model.channels().iter().enumerate();
     specs
         .map(|(c, spec)| {

@@ -132,6 +132,12 @@ impl Rows {
         self.per_channel.iter().map(Vec::len).sum()
     }
 
+    /// Number of samples up to the last row.
+    pub fn reach(&self) -> usize {
+        let last = self.per_channel.iter().filter_map(|rows| rows.last());
+        last.max().map_or(0, |row| row + 1)
+    }
+
     pub fn joined(&self, other: &Rows) -> Rows {
         let pairs = self.per_channel.iter().zip(&other.per_channel);
         let per_channel = pairs
@@ -158,6 +164,8 @@ pub(super) struct Split {
     pub test: Rows,
     /// Contiguous sample ranges of the development part, in order.
     pub blocks: Vec<Range<usize>>,
+    /// Number of samples up to the end of the development part.
+    pub searched: usize,
 }
 
 /// Part of the data that is opened last.
@@ -210,6 +218,7 @@ impl Split {
             train,
             validation,
             test: rows_of(data, &test.iter().collect::<Vec<_>>()),
+            searched: development.iter().map(|block| block.end).max().unwrap_or(0),
             blocks: development,
         }
     }

@@ -1,5 +1,7 @@
 //! Causes with their intervals and evidence; what would have been seen.
 
+use rayon::prelude::*;
+
 use super::DiagnoseError;
 use super::ambiguity::Rival;
 use super::answer::{
@@ -111,21 +113,22 @@ pub(super) fn alternative(problem: &Problem, rival: &Rival) -> Result<Alternativ
 pub(super) fn smallest_seen(problem: &Problem, outcome: &Outcome) -> Vec<SmallestSeen> {
     let (fit, split) = (&outcome.chosen, &problem.split);
     let (columns, priors) = nuisance(problem, fit);
-    let norm = |change: &Columns, rows: &Rows| {
-        let columns: Vec<_> = columns.iter().map(|x| fit.noise.whiten(x, rows)).collect();
-        let left = projected(&fit.noise.whiten(change, rows), &columns, &priors);
+    let whitened = |rows| columns.iter().map(|x| fit.noise.whiten(x, rows)).collect();
+    let [by_train, by_validation]: [Vec<_>; 2] = [&split.train, &split.validation].map(whitened);
+    let norm = |change: &Columns, rows: &Rows, nuisance: &[Vec<f64>]| {
+        let left = projected(&fit.noise.whiten(change, rows), nuisance, &priors);
         dot(&left, &left).sqrt()
     };
     let level = rms(&fit.residual, &split.train);
     // A gain of `norm^2` on the validation blocks has the standard error `2 norm`.
     let validation = 2.0 * (LEAST_T + Z95_ONE_SIDED);
     let practical = ((1.0 + problem.options.min_gain).powi(2) - 1.0).sqrt();
-    let mut all = Vec::new();
-    for Ranked { signature, .. } in &outcome.ranking {
+    let of_one = |Ranked { signature, .. }: &Ranked| -> Vec<SmallestSeen> {
         let infos = problem.infos(signature.candidate);
         let alpha = problem.options.family_wise_error;
         let detection = critical(alpha, outcome.tests, infos.len()).sqrt() + Z95_ONE_SIDED;
-        for (&size, change) in signature.sizes.iter().zip(&signature.columns) {
+        let sizes = signature.sizes.iter().zip(&signature.columns);
+        let of_size = |(&size, change): (&usize, &Columns)| {
             let info = &infos[size];
             let secant = (signature.values[size] - info.neutral).abs();
             let seen = rms(change, &split.train)
@@ -136,23 +139,26 @@ pub(super) fn smallest_seen(problem: &Problem, outcome: &Outcome) -> Vec<Smalles
             let mut moved = fit.residual.clone();
             subtract(&mut moved, change, -1.0);
             let factors = [
-                detection / norm(change, &split.train),
-                validation / norm(change, &split.validation),
+                detection / norm(change, &split.train, &by_train),
+                validation / norm(change, &split.validation, &by_validation),
                 (LEAST_MEAN_DISTANCE + Z95_ONE_SIDED) / distance(problem, &moved, &fit.residual),
                 practical / seen,
             ];
             let needed = secant * factors.into_iter().fold(0.0, f64::max);
             let room = (info.max - info.neutral).max(info.neutral - info.min);
             let (parameter, unit) = key_and_unit(problem, signature.candidate, size);
-            all.push(SmallestSeen {
+            SmallestSeen {
                 kind: problem.candidates[signature.candidate].kind.name().into(),
                 target: target_name(&problem.candidates[signature.candidate]),
                 parameter,
                 size: (needed <= room).then_some(needed),
                 unit,
-            });
-        }
-    }
+            }
+        };
+        sizes.map(of_size).collect()
+    };
+    let seen = outcome.ranking.par_iter().flat_map_iter(of_one);
+    let mut all: Vec<SmallestSeen> = seen.collect();
     all.sort_by(|a, b| (&a.kind, &a.target, &a.parameter).cmp(&(&b.kind, &b.target, &b.parameter)));
     all
 }

@@ -74,7 +74,7 @@ impl<'a, 'b> Running<'a, 'b> {
         orders: &'a [usize],
         warm: bool,
     ) -> Result<Self, PredictError> {
-        let predicted = problem.predict(&start)?;
+        let predicted = problem.predict_for(rows, &start)?;
         let solver = Solver {
             problem,
             rows,
@@ -189,11 +189,11 @@ pub(super) fn unfitted(
     rows: &Rows,
     orders: &[usize],
 ) -> Result<Fit, PredictError> {
-    let predicted = problem.predict(&point)?;
+    let predicted = problem.predict_for(rows, &point)?;
     let residual = problem.data.residual(&predicted);
     let noise = Noise::fit(&residual, rows, orders, &problem.floor);
     Ok(Fit {
-        jacobian: jacobian(problem, &point, &predicted)?,
+        jacobian: jacobian(problem, rows, &point, &predicted)?,
         objective: noise.objective(rows),
         point,
         predicted,
@@ -204,12 +204,13 @@ pub(super) fn unfitted(
     })
 }
 
-/// Change of the prediction per unit of each variable, by finite differences.
+/// Change of the prediction at the rows per unit of each variable, by finite differences.
 ///
 /// # Errors
 /// The simulation can be run on neither side of the point.
 pub(super) fn jacobian(
     problem: &Problem,
+    rows: &Rows,
     point: &Point,
     predicted: &Columns,
 ) -> Result<Vec<Columns>, PredictError> {
@@ -225,7 +226,7 @@ pub(super) fn jacobian(
         for step in sides {
             let mut moved = values.clone();
             moved[i] += step;
-            match problem.predict(&problem.with_values(point, &moved)) {
+            match problem.predict_for(rows, &problem.with_values(point, &moved)) {
                 Ok(columns) => return Ok(difference(&columns, predicted, 1.0 / step)),
                 Err(error) => failure = Some(error),
             }

@@ -203,7 +203,7 @@ pub fn diagnose(
     data.check(model.channels().len())?;
     let problem = problem::Problem::new(model, data, options, progress);
     problem.split.check()?;
-    let before = problem.predict(&problem.start())?;
+    let before = problem.predict_whole(&problem.start())?;
     check_units(model, data, &before)?;
     let mut answer = match gate::unexcited(&problem, &before) {
         Some(missing) => conclude::not_excited(&problem, before, missing),

@@ -1,5 +1,7 @@
 //! Coloured noise as an autoregression for each channel, and least squares under it.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::data::{LAGS, Rows};
@@ -68,29 +70,81 @@ impl Noise {
     pub fn whiten(&self, columns: &Columns, rows: &Rows) -> Vec<f64> {
         let mut out = Vec::with_capacity(rows.len());
         for ((noise, column), rows) in self.channels.iter().zip(columns).zip(&rows.per_channel) {
-            let scale = 1.0 / noise.sigma;
-            out.extend(rows.iter().map(|&t| {
-                let past = column[t - noise.ar.len()..t].iter().rev();
-                let predicted: f64 = past.zip(&noise.ar).map(|(x, a)| x * a).sum();
-                (column[t] - predicted) * scale
-            }));
+            noise.whiten_into(column, rows, &mut out);
         }
         out
     }
 }
 
-fn fit_channel(residual: &[f64], rows: &[usize], order: usize, floor: f64) -> ChannelNoise {
-    let n = rows.len().max(1) as f64;
-    // Second moments of the present value and its predecessors.
-    let mut moment = DMatrix::<f64>::zeros(order + 1, order + 1);
-    for &t in rows {
-        let window = &residual[t - order..=t];
-        for i in 0..=order {
-            for j in i..=order {
-                moment[(i, j)] += window[order - i] * window[order - j];
+/// Rows that are whitened at once: as many sums do not wait for one another.
+const AT_ONCE: usize = 8;
+
+impl ChannelNoise {
+    /// The column at the rows, whitened to unit variance.
+    pub fn whiten(&self, column: &[f64], rows: &[usize]) -> Vec<f64> {
+        let mut out = Vec::with_capacity(rows.len());
+        self.whiten_into(column, rows, &mut out);
+        out
+    }
+
+    fn whiten_into(&self, column: &[f64], rows: &[usize], out: &mut Vec<f64>) {
+        let scale = 1.0 / self.sigma;
+        for stretch in stretches(rows) {
+            let mut first = stretch.start;
+            while first < stretch.end {
+                let count = AT_ONCE.min(stretch.end - first);
+                let mut predicted = [0.0; AT_ONCE];
+                for (k, a) in self.ar.iter().enumerate() {
+                    let past = &column[first - 1 - k..][..count];
+                    match past.first_chunk::<AT_ONCE>() {
+                        Some(past) => add(&mut predicted, past, *a),
+                        None => add(&mut predicted, past, *a),
+                    }
+                }
+                let now = &column[first..][..count];
+                out.extend(now.iter().zip(&predicted).map(|(x, p)| (x - p) * scale));
+                first += count;
             }
         }
     }
+}
+
+#[inline(always)]
+fn add(sums: &mut [f64; AT_ONCE], x: &[f64], factor: f64) {
+    for (sum, x) in sums.iter_mut().zip(x) {
+        *sum += factor * x;
+    }
+}
+
+/// Runs of rows without a gap.
+fn stretches(rows: &[usize]) -> impl Iterator<Item = Range<usize>> {
+    let runs = rows.chunk_by(|a, b| *b == a + 1);
+    runs.map(|run| run[0]..run[0] + run.len())
+}
+
+/// Second moments of the present value and its predecessors, upper triangle. Within a run of rows, a moment of later values is that of the
+/// same two a row earlier, but for what the shift brings in and leaves behind.
+fn second_moments(residual: &[f64], rows: &[usize], order: usize) -> DMatrix<f64> {
+    let mut sums = DMatrix::zeros(order + 1, order + 1);
+    let mut own = sums.clone();
+    for stretch in stretches(rows) {
+        let at = |row: usize, lag: usize| residual[row - lag];
+        let behind = |lag: usize| &residual[stretch.start - lag..stretch.end - lag];
+        for j in 0..=order {
+            own[(0, j)] = dot(behind(0), behind(j));
+            for i in 1..=j {
+                own[(i, j)] = own[(i - 1, j - 1)] + at(stretch.start, i) * at(stretch.start, j)
+                    - at(stretch.end, i) * at(stretch.end, j);
+            }
+        }
+        sums += &own;
+    }
+    sums
+}
+
+fn fit_channel(residual: &[f64], rows: &[usize], order: usize, floor: f64) -> ChannelNoise {
+    let n = rows.len().max(1) as f64;
+    let mut moment = second_moments(residual, rows, order);
     moment.fill_lower_triangle_with_upper_triangle();
     let mut normal = moment.view((1, 1), (order, order)).into_owned();
     // A residual that is all but smooth leaves its moments singular to rounding.
@@ -259,6 +313,44 @@ impl Moments {
                 (0..k).map(|i| solution[i] * scale[i]).collect()
             }
             None => vec![0.0; k],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Colour, noise};
+
+    /// Rows with gaps: one of a single row, one longer than rows whitened at once.
+    fn rows() -> Vec<usize> {
+        [12..13, 20..31, 45..120].into_iter().flatten().collect()
+    }
+
+    #[test]
+    fn verify_moments_are_the_sums_of_products() {
+        let (x, rows, order) = (noise(Colour::Ar1(0.9), 130, 4), rows(), LAGS);
+        let moments = second_moments(&x, &rows, order);
+        for i in 0..=order {
+            for j in i..=order {
+                let sum: f64 = rows.iter().map(|&t| x[t - i] * x[t - j]).sum();
+                assert!((moments[(i, j)] - sum).abs() < 1e-12 * moments[(i, i)]);
+            }
+        }
+    }
+
+    #[test]
+    fn verify_whitened_is_what_the_past_does_not_predict() {
+        let (x, rows) = (noise(Colour::Ar1(0.9), 130, 5), rows());
+        let noise = ChannelNoise {
+            ar: vec![0.8, -0.3, 0.1],
+            sigma: 0.25,
+        };
+        let whitened = noise.whiten(&x, &rows);
+        assert_eq!(whitened.len(), rows.len());
+        for (&t, e) in rows.iter().zip(&whitened) {
+            let predicted = 0.8 * x[t - 1] - 0.3 * x[t - 2] + 0.1 * x[t - 3];
+            assert!((e - (x[t] - predicted) / 0.25).abs() < 1e-12);
         }
     }
 }

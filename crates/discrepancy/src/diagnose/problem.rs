@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use truecut_scenario::effect::{Effect, ParameterInfo};
 
-use super::data::{Observation, Split};
+use super::data::{Observation, Rows, Split};
 use super::noise::Prior;
 use super::{Options, Progress, Stage};
 use crate::model::{Candidate, Columns, Model, NominalParameter, PredictError};
@@ -102,10 +102,42 @@ impl<'a> Problem<'a> {
         for_search.saturating_sub(self.predictions())
     }
 
+    /// A prediction for the samples before the test part: the search sees no others.
+    ///
+    /// # Errors
+    /// The simulation cannot be run.
     pub fn predict(&self, point: &Point) -> Result<Columns, PredictError> {
+        self.predict_first(self.split.searched, point)
+    }
+
+    /// A prediction for all samples.
+    ///
+    /// # Errors
+    /// The simulation cannot be run.
+    pub fn predict_whole(&self, point: &Point) -> Result<Columns, PredictError> {
+        self.predict_first(self.data.time_s.len(), point)
+    }
+
+    /// A prediction that is good at the rows.
+    ///
+    /// # Errors
+    /// The simulation cannot be run.
+    pub fn predict_for(&self, rows: &Rows, point: &Point) -> Result<Columns, PredictError> {
+        if rows.reach() > self.split.searched {
+            self.predict_whole(point)
+        } else {
+            self.predict(point)
+        }
+    }
+
+    fn predict_first(&self, samples: usize, point: &Point) -> Result<Columns, PredictError> {
         let effects: Vec<Effect> = point.effects.iter().map(|f| self.effect(f)).collect();
         self.predictions.fetch_add(1, Ordering::Relaxed);
-        let columns = self.model.predict(&point.nominal, &effects)?;
+        let columns = if samples < self.data.time_s.len() {
+            (self.model).predict_first(samples, &point.nominal, &effects)?
+        } else {
+            self.model.predict(&point.nominal, &effects)?
+        };
         self.checked(columns)
     }
 

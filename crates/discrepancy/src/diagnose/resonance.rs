@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::features::Group;
 use super::noise::{Prior, dot, solve};
 use super::problem::Problem;
@@ -32,26 +34,30 @@ pub(super) fn resonance(
         .zip(predicted)
         .chain(known.map(|r| (&r.name, &r.values)));
     let target: Vec<f64> = rows.iter().map(|&t| residual[t]).collect();
-    let mut best: Option<(f64, Group)> = None;
-    for (name, values) in signals {
-        for step in 0..=count {
-            let hz = slowest * 2.0_f64.powf(step as f64 / PER_OCTAVE);
-            for damping in DAMPING {
-                let features = response(problem, values, TAU * hz * interval, damping);
-                let gain = explained(&target, &features, rows);
-                if gain.is_finite() && best.as_ref().is_none_or(|(most, _)| gain > *most) {
-                    let hz = truecut_recording::significant(hz, 2);
-                    let group = Group {
-                        name: format!("a resonance near {hz} Hz, driven by {name}"),
-                        by_signal: true,
-                        features: features.into(),
-                    };
-                    best = Some((gain, group));
-                }
-            }
-        }
-    }
-    best.map(|(_, group)| group)
+    let tried: Vec<_> = signals
+        .flat_map(|signal| (0..=count).map(move |step| (signal, step)))
+        .flat_map(|(signal, step)| DAMPING.map(|damping| (signal, step, damping)))
+        .collect();
+    let hz = |step: usize| slowest * 2.0_f64.powf(step as f64 / PER_OCTAVE);
+    let features = |index: usize| {
+        let ((_, values), step, damping) = tried[index];
+        response(problem, values, TAU * hz(step) * interval, damping)
+    };
+    let gains = (0..tried.len()).into_par_iter().map(|index| {
+        let gain = explained(&target, &features(index), rows);
+        (gain, index)
+    });
+    // Of equal gains the first one tried.
+    let (_, best) = gains
+        .filter(|(gain, _)| gain.is_finite())
+        .reduce_with(|a, b| if b.0 > a.0 { b } else { a })?;
+    let ((name, _), step, _) = tried[best];
+    let hz = truecut_recording::significant(hz(step), 2);
+    Some(Group {
+        name: format!("a resonance near {hz} Hz, driven by {name}"),
+        by_signal: true,
+        features: features(best).into(),
+    })
 }
 
 fn explained(target: &[f64], features: &[Vec<f64>; 2], rows: &[usize]) -> f64 {

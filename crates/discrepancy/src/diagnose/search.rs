@@ -123,7 +123,6 @@ const MOST_STARTED: usize = 4;
 fn refit(problem: &Problem, orders: &[usize]) -> Result<Fit, DiagnoseError> {
     let train = &problem.split.train;
     let nominal = problem.start();
-    let mut best = fit(problem, nominal.clone(), train, orders, true)?;
     let mut starts = vec![nominal.clone()];
     if problem.nominal.len() <= MOST_STARTED {
         for (i, parameter) in problem.nominal.iter().enumerate() {
@@ -134,10 +133,16 @@ fn refit(problem: &Problem, orders: &[usize]) -> Result<Fit, DiagnoseError> {
             }
         }
     }
-    let fits: Vec<_> = starts
-        .into_par_iter()
-        .map(|start| fit(problem, start, train, orders, false))
-        .collect();
+    let others = || -> Vec<_> {
+        let fits = starts.into_par_iter();
+        fits.map(|start| fit(problem, start, train, orders, false))
+            .collect()
+    };
+    let (best, fits) = rayon::join(
+        || fit(problem, nominal.clone(), train, orders, true),
+        others,
+    );
+    let mut best = best?;
     for other in fits.into_iter().flatten() {
         if other.objective < best.objective {
             best = other;

@@ -59,7 +59,7 @@ impl Solver<'_, '_> {
     }
 
     pub fn jacobian(&self) -> Result<Vec<Columns>, PredictError> {
-        jacobian(self.problem, &self.point, &self.predicted)
+        jacobian(self.problem, self.rows, &self.point, &self.predicted)
     }
 
     pub fn step(&mut self, jacobian: &mut [Columns], noise: &Noise) -> Step {
@@ -82,7 +82,7 @@ impl Solver<'_, '_> {
         for tries in 0..MAX_REJECTED {
             let step = self.solve(&normal, &gradient, self.damping);
             let trial = self.moved(&free, &step);
-            if let Ok(predicted) = self.problem.predict(&trial) {
+            if let Ok(predicted) = self.problem.predict_for(self.rows, &trial) {
                 let residual = self.problem.data.residual(&predicted);
                 let variables = self.problem.variables(&trial);
                 let e = noise.whiten(&residual, self.rows);

@@ -15,7 +15,7 @@ mod stiff;
 
 use truecut_recording::measured::Measured;
 use truecut_recording::{ChannelSpec, Outcome, UnknownName};
-use truecut_scenario::effect::{Effect, Family, Target};
+use truecut_scenario::effect::{Effect, EffectKind, Family, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::measurement::ChannelModel;
@@ -42,7 +42,7 @@ pub struct Trial {
     /// Drive forces of the arm without effects, for nominal parameters that were asked for lately.
     rigid: Lately<Vec<f64>, Forces>,
     /// Runs by nominal parameters and effects on the machine: what sensors make of them needs no other run.
-    runs: Lately<(Vec<f64>, Vec<Effect>), Rows>,
+    runs: Lately<Run, Rows>,
     /// Runs with a shorter step are not made, s.
     shortest_step_s: f64,
     /// Of each joint, the greatest speed at which a friction's fall with speed can be told from other friction.
@@ -76,6 +76,23 @@ fn check_length(scenario: &Scenario, measured: &Measured, robots: &Robots) -> Re
          with data.resample_hz, or use a part, from data.from_s to data.to_s"
     );
     Err(SimError::scenario("data", message))
+}
+
+/// What a run is made for.
+#[derive(Debug, PartialEq)]
+struct Run {
+    nominal: Vec<f64>,
+    /// Effects on the machine.
+    machine: Vec<Effect>,
+    until_s: Option<f64>,
+}
+
+/// Runs that end early go on for so long, for channels that come early, s.
+const EARLIEST_S: f64 = 0.05;
+
+/// Whether a sensor shows what is still to come further ahead than that.
+fn comes_early(effect: &Effect) -> bool {
+    effect.kind == EffectKind::SensorDelay && effect.values[0] < -EARLIEST_S
 }
 
 /// How predictions are made.
@@ -134,7 +151,7 @@ impl Trial {
                 let any = Engine::Reduced {
                     shortest_step_s: 0.0,
                 };
-                let rows = simulate(scenario, Some(measured), &robots, any, &[])?;
+                let rows = simulate(scenario, Some(measured), &robots, any, &[], None)?;
                 (Kind::Forward, Some(rows), measured.clone())
             }
         };
@@ -188,7 +205,7 @@ impl Trial {
     pub fn confirm(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
         match &self.engine {
             Kind::Inverse { .. } | Kind::Steady(_) => self.predict(nominal, effects),
-            Kind::Forward => self.forward(nominal, effects, Engine::Rapier),
+            Kind::Forward => self.forward(nominal, effects, Engine::Rapier, None),
         }
     }
 
@@ -214,21 +231,28 @@ impl Trial {
         }
     }
 
-    /// Rapier's prediction, or the reduced plant's.
+    /// Rapier's prediction, or the reduced plant's; with `until_s` no further than that.
     fn forward(
         &self,
         nominal: &[f64],
         effects: &[Effect],
         engine: Engine,
+        until_s: Option<f64>,
     ) -> Result<Columns, PredictError> {
+        let until_s = until_s.filter(|_| !effects.iter().any(comes_early));
         if engine == Engine::Rapier || !self.scenario.effects.is_empty() {
-            let rows = self.run(&self.varied(nominal, effects)?, engine)?;
+            let rows = self.run(&self.varied(nominal, effects)?, engine, until_s)?;
             return Ok(self.at_the_data(&rows));
         }
         let (sensors, machine): (Vec<Effect>, Vec<Effect>) =
             (effects.iter().cloned()).partition(|effect| effect.kind.family() == Family::Sensor);
-        let run = self.runs.get((nominal.to_vec(), machine.clone()), || {
-            self.run(&self.varied(nominal, &machine)?, engine)
+        let key = Run {
+            nominal: nominal.to_vec(),
+            machine: machine.clone(),
+            until_s,
+        };
+        let run = self.runs.get(key, || {
+            self.run(&self.varied(nominal, &machine)?, engine, until_s)
         })?;
         if sensors.is_empty() {
             return Ok(self.at_the_data(&run));
@@ -252,13 +276,19 @@ impl Trial {
     }
 
     /// The channels that were measured, of one run.
-    fn run(&self, scenario: &Scenario, engine: Engine) -> Result<Rows, PredictError> {
+    fn run(
+        &self,
+        scenario: &Scenario,
+        engine: Engine,
+        until_s: Option<f64>,
+    ) -> Result<Rows, PredictError> {
         let names: Vec<&str> = self
             .channels
             .iter()
             .map(|spec| spec.name.as_str())
             .collect();
-        let rows = simulate(scenario, Some(&self.measured), &self.robots, engine, &names)
+        let measured = Some(&self.measured);
+        let rows = simulate(scenario, measured, &self.robots, engine, &names, until_s)
             .map_err(|error| PredictError(error.to_string()))?;
         match rows.outcome {
             Outcome::Completed => Ok(rows),
@@ -294,7 +324,7 @@ impl Model for Trial {
         let failed = |error: SimError| PredictError(error.to_string());
         self.check_speeds(effects)?;
         match &self.engine {
-            Kind::Forward => self.extrapolated(nominal, effects),
+            Kind::Forward => self.extrapolated(nominal, effects, None),
             Kind::Steady(model) => model.predict(effects).map_err(failed),
             Kind::Inverse {
                 nominal: made_for,
@@ -318,6 +348,21 @@ impl Model for Trial {
         }
     }
 
+    fn predict_first(
+        &self,
+        samples: usize,
+        nominal: &[f64],
+        effects: &[Effect],
+    ) -> Result<Columns, PredictError> {
+        if !matches!(self.engine, Kind::Forward) {
+            return self.predict(nominal, effects);
+        }
+        self.check_speeds(effects)?;
+        let times = self.stretches_s.iter().flatten().take(samples);
+        let last_s = times.copied().fold(0.0, f64::max);
+        self.extrapolated(nominal, effects, Some(last_s + EARLIEST_S))
+    }
+
     fn is_steady(&self) -> bool {
         matches!(self.engine, Kind::Steady(_))
     }
@@ -337,7 +382,7 @@ impl Model for Trial {
             .with_overrides(&experiment.overrides))
         .and_then(|scenario| scenario.with_effects(effects))
         .map_err(|error| PredictError(error.to_string()))?;
-        let rows = self.run(&scenario, self.reduced())?;
+        let rows = self.run(&scenario, self.reduced(), None)?;
         Ok(self.at_the_data(&rows))
     }
 }

@@ -55,20 +55,21 @@ impl Trial {
         &self,
         nominal: &[f64],
         effects: &[Effect],
+        until_s: Option<f64>,
     ) -> Result<Columns, PredictError> {
         let stiff = effects.iter().position(|effect| {
             effect.kind == EffectKind::BaseCompliance && effect.values[0] < self.least(effect)
         });
         let Some(index) = stiff else {
-            return self.forward(nominal, effects, self.reduced());
+            return self.forward(nominal, effects, self.reduced(), until_s);
         };
         let mut raised = effects.to_vec();
         let least = self.least(&effects[index]);
         let share = effects[index].values[0] / least;
         raised[index].values[0] = least;
-        let with = self.extrapolated(nominal, &raised)?;
+        let with = self.extrapolated(nominal, &raised, until_s)?;
         raised.remove(index);
-        let without = self.extrapolated(nominal, &raised)?;
+        let without = self.extrapolated(nominal, &raised, until_s)?;
         let columns = with.iter().zip(&without);
         Ok(columns
             .map(|(with, without)| {

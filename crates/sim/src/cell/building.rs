@@ -155,6 +155,7 @@ impl Cell {
             steps,
             energy_j: (0.0, 0.0),
             torque_use: TorqueUse::new(&prepared),
+            rows_only: false,
             scalars: plant_scalars(&prepared),
             process: prepared.process,
             command: prepared.command,

@@ -4,14 +4,15 @@ use super::Cell;
 use crate::channels;
 use crate::guard::Watch;
 use crate::loads::{Attachment, Loads};
-use crate::plant::{Command, WorldWrench};
+use crate::plant::{Command, WorldWrench, combined};
 use crate::process::{FrameMotion, ToolState};
 use nalgebra::{Vector3, Vector6};
 use truecut_recording::Outcome;
 
 impl Cell {
-    /// One step at `time_s`, up to the moment when it could be recorded: the state then, or how it diverged.
-    pub(super) fn step(&mut self, time_s: f64) -> Result<ToolState, Outcome> {
+    /// One step at `time_s`, up to the moment when it could be recorded: the state then, or how it diverged. Where rows are all that is
+    /// asked for, energy is looked at in those alone.
+    pub(super) fn step(&mut self, time_s: f64, due: bool) -> Result<ToolState, Outcome> {
         let n = self.plant.dof();
         let mut position = [0.0; truecut_arm::MAX_JOINTS];
         let mut velocity = [0.0; truecut_arm::MAX_JOINTS];
@@ -24,16 +25,22 @@ impl Cell {
             velocity: &velocity[..n],
             force: &force[..n],
         };
-        let loads = self.process.evaluate(&self.tool_state(time_s));
+        let mut state = self.tool_state(time_s);
+        let loads = self.process.evaluate(&state);
         let wrenches = self.to_world(&loads);
         self.plant.begin(command, &wrenches);
         self.contacts
             .solve(self.plant.as_mut(), &loads.contacts, &self.axes);
         self.plant
             .finish(&self.contacts.wrenches, &self.contacts.joint_torques);
-        self.torque_use.watch(time_s, self.plant.as_ref());
-        let state = self.tool_state(time_s);
-        if let Some(diverged) = self.watch(time_s, &wrenches) {
+        if !self.rows_only {
+            self.torque_use.watch(time_s, self.plant.as_ref());
+        }
+        // The arm stands where it stood; only its velocity is known better.
+        state.tool.velocity_m_per_s = self.velocity(Attachment::Tool);
+        state.foot.velocity_m_per_s = self.velocity(Attachment::Foot);
+        state.tool_turning_rad_s = self.rate(Attachment::Tool, 3);
+        if let Some(diverged) = self.watch(time_s, &wrenches, due || !self.rows_only) {
             return Err(diverged);
         }
         let dt_s = self.plant.time_step_s();
@@ -61,22 +68,23 @@ impl Cell {
 
     fn motion(&self, attachment: Attachment, start_m: &Vector3<f64>) -> FrameMotion {
         let frame = self.plant.frame(attachment);
-        let velocity = self.rate(attachment, 0);
         FrameMotion {
             displacement_m: self
                 .axes
                 .tr_mul(&(frame.world_from_frame.translation.vector - start_m)),
-            velocity_m_per_s: self.axes.tr_mul(&velocity),
+            velocity_m_per_s: self.velocity(attachment),
         }
+    }
+
+    /// Velocity of a frame, process axes.
+    fn velocity(&self, attachment: Attachment) -> Vector3<f64> {
+        self.axes.tr_mul(&self.rate(attachment, 0))
     }
 
     /// Velocity (`row` 0) or angular velocity (`row` 3) of a frame, world axes.
     fn rate(&self, attachment: Attachment, row: usize) -> Vector3<f64> {
         let jacobian = &self.plant.frame(attachment).jacobian;
-        let columns = jacobian.fixed_rows::<3>(row);
-        (columns.column_iter().zip(&self.plant.joints().velocity))
-            .map(|(column, v)| column * *v)
-            .sum()
+        combined(jacobian, row, &self.plant.joints().velocity)
     }
 
     fn tool_state(&self, time_s: f64) -> ToolState {
@@ -89,7 +97,12 @@ impl Cell {
         }
     }
 
-    fn watch(&mut self, time_s: f64, wrenches: &[WorldWrench]) -> Option<Outcome> {
+    fn watch(
+        &mut self,
+        time_s: f64,
+        wrenches: &[WorldWrench],
+        with_energy: bool,
+    ) -> Option<Outcome> {
         let mut power_w = self.plant.drive_power_w() - self.plant.dissipation_w();
         let joints = self.plant.joints();
         for (attachment, wrench) in wrenches.iter().chain(&self.contacts.wrenches) {
@@ -102,14 +115,16 @@ impl Cell {
         for (torque, v) in self.contacts.joint_torques.iter().zip(&joints.velocity) {
             power_w += torque * v;
         }
-        self.energy_j = self.plant.energy_j();
+        if with_energy {
+            self.energy_j = self.plant.energy_j();
+        }
         let joints = self.plant.joints();
         self.guard.check(&Watch {
             time_s,
             dt_s: self.plant.time_step_s(),
             positions: &joints.position,
             velocities: &joints.velocity,
-            energy_j: self.energy_j.0 + self.energy_j.1,
+            energy_j: with_energy.then_some(self.energy_j.0 + self.energy_j.1),
             power_w,
         })
     }

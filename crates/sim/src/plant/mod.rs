@@ -22,7 +22,7 @@ pub use rapier::RapierPlant;
 pub use reduced::{RENEWAL_RAD, ReducedPlant};
 
 use crate::loads::Attachment;
-use nalgebra::{DVector, Isometry3, Matrix6xX, Vector6};
+use nalgebra::{DVector, Isometry3, Matrix6xX, Vector3, Vector6};
 
 /// Kinematics of one frame of the robot, world axes.
 #[derive(Debug, Clone)]
@@ -30,6 +30,19 @@ pub struct FrameState {
     pub world_from_frame: Isometry3<f64>,
     /// Linear (0..3) and angular (3..6) rows.
     pub jacobian: Matrix6xX<f64>,
+}
+
+/// What joint rates add up to in three rows of a Jacobian, from `row` on. Matrices this small are read as they lie: views of them would
+/// cost more than the sums.
+pub(crate) fn combined(jacobian: &Matrix6xX<f64>, row: usize, rates: &[f64]) -> Vector3<f64> {
+    let (columns, _) = jacobian.as_slice().as_chunks::<6>();
+    let mut sum = Vector3::zeros();
+    for (column, rate) in columns.iter().zip(rates) {
+        for i in 0..3 {
+            sum[i] += column[row + i] * rate;
+        }
+    }
+    sum
 }
 
 /// Positions, velocities and forces of all joints at one instant.

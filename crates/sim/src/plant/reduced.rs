@@ -26,7 +26,7 @@ use super::linear::{Arm, Linear};
 use super::play::Play;
 use super::recurrence::add_product;
 use super::smoothed::Smoothed;
-use super::{Command, Drive, DriveKind, FrameState, JointState, Plant, WorldWrench};
+use super::{Command, Drive, DriveKind, FrameState, JointState, Plant, WorldWrench, combined};
 use crate::loads::Attachment;
 use nalgebra::{DVector, Isometry3, Quaternion, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -248,11 +248,8 @@ impl ReducedPlant {
             (&mut self.tool, &linear.tool),
             (&mut self.foot, &linear.foot),
         ] {
-            let (mut shift, mut turn) = (Vector3::zeros(), Vector3::zeros());
-            for (x, column) in self.shift.iter().zip(at.jacobian.column_iter()) {
-                shift += column.fixed_rows::<3>(0) * *x;
-                turn += column.fixed_rows::<3>(3) * *x;
-            }
+            let [shift, turn] =
+                [0, 3].map(|row| combined(&at.jacobian, row, self.shift.as_slice()));
             let pose = &mut state.world_from_frame;
             pose.translation.vector = at.world_from_frame.translation.vector + shift;
             let half = Quaternion::from_parts(1.0, turn * 0.5);

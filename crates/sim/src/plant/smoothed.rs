@@ -27,7 +27,9 @@ impl Smoothed {
 
     /// Makes room for the next value, which is zero until it is written.
     pub fn advance(&mut self) {
-        self.values.rotate_right(1);
+        for i in (1..self.values.len()).rev() {
+            self.values.swap(i, i - 1);
+        }
         self.values[0].fill(0.0);
         self.known = (self.known + 1).min(self.values.len());
     }
@@ -39,8 +41,8 @@ impl Smoothed {
 
     /// Adds what acts over the step about the present instant.
     pub fn add_to(&self, force: &mut DVector<f64>) {
-        *force += &self.values[0];
         for (i, force) in force.iter_mut().enumerate() {
+            *force += self.values[0][i];
             *force += self.curvature(i) / 12.0;
         }
     }

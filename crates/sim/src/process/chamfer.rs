@@ -2,6 +2,7 @@
 
 mod report;
 
+use super::met::Met;
 use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState};
 use crate::effect::CuttingEffects;
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
@@ -110,8 +111,8 @@ pub struct SlipTheory {
 pub struct Chamfer {
     parameters: ChamferParameters,
     theory: Option<SlipTheory>,
-    /// Surface that the chip thickness is measured against.
-    thickness_rim: Rim,
+    /// Surface that the chip thickness is measured against; none where it is the nominal one.
+    thickness_rim: Option<Rim>,
     /// Surface that is really there, radial motion included; none where nobody asks for it.
     surface: Option<Rim>,
     foot: Option<Foot>,
@@ -120,6 +121,8 @@ pub struct Chamfer {
     /// Way that an edge has cut along the rim, m.
     path_m: f64,
     last: Last,
+    /// The edges that the loads of this step were computed from.
+    met: Met<Vec<EdgeState>>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -133,6 +136,7 @@ struct Last {
 }
 
 /// One edge at one instant.
+#[derive(Debug, Clone, Copy)]
 struct EdgeState {
     angle_rad: f64,
     /// Depth that the chip is computed with, m.
@@ -140,6 +144,7 @@ struct EdgeState {
     /// Depth that the edge really reaches, m.
     true_depth_m: f64,
     chip_area_m2: f64,
+    forces: EdgeForces,
 }
 
 impl Chamfer {
@@ -161,14 +166,21 @@ impl Chamfer {
         Self {
             parameters,
             theory,
-            thickness_rim: Rim::new(RIM_BINS, previous, &angles, first),
+            thickness_rim: (parameters.regeneration != Regeneration::Off)
+                .then(|| Rim::new(RIM_BINS, previous, &angles, first)),
             surface: Some(Rim::new(RIM_BINS, |_| 0.0, &angles, first)),
             foot: parameters.foot.map(Foot::new),
             slip_started_s: None,
             first_slip_s: None,
             path_m: 0.0,
             last: Last::default(),
+            met: Met::default(),
         }
+    }
+
+    fn edges(&self, state: &ToolState) -> Vec<EdgeState> {
+        let edges = 0..self.parameters.schedule.edges;
+        edges.map(|index| self.edge(index, state)).collect()
     }
 
     fn edge(&self, index: usize, state: &ToolState) -> EdgeState {
@@ -185,31 +197,28 @@ impl Chamfer {
             Regeneration::Axial => nominal + axial,
             Regeneration::Full => nominal + axial + radial,
         };
-        let previous = match p.regeneration {
-            Regeneration::Off => p.previous_depth_m(index, state.time_s, angle_rad),
-            _ => self.thickness_rim.depth_at_m(angle_rad),
+        let previous = match &self.thickness_rim {
+            None => p.previous_depth_m(index, state.time_s, angle_rad),
+            Some(rim) => rim.depth_at_m(angle_rad),
         };
+        let chip_area_m2 = p.chip.between_m2(depth_m, previous);
         EdgeState {
             angle_rad,
             depth_m,
             true_depth_m: nominal + axial + radial,
-            chip_area_m2: p.chip.between_m2(depth_m, previous),
+            chip_area_m2,
+            forces: self.edge_forces(depth_m, chip_area_m2),
         }
     }
 
-    fn edge_forces(&self, edge: &EdgeState) -> EdgeForces {
+    fn edge_forces(&self, depth_m: f64, chip_area_m2: f64) -> EdgeForces {
         let p = &self.parameters;
-        let length = p.chip.edge_length_m(edge.depth_m);
-        let sharp = p.coefficients.forces_n(edge.chip_area_m2, length);
+        let length = p.chip.edge_length_m(depth_m);
+        let sharp = p.coefficients.forces_n(chip_area_m2, length);
         if p.effects.wear_per_m == 0.0 {
             return sharp;
         }
         sharp.times(1.0 + p.effects.wear_per_m * self.path_m)
-    }
-
-    fn edge_force_n(&self, edge: &EdgeState) -> Vector3<f64> {
-        self.edge_forces(edge)
-            .on_tool_n(edge.angle_rad, self.parameters.axial_sign)
     }
 
     fn note_slip(&mut self, time_s: f64) {
@@ -236,9 +245,11 @@ impl Process for Chamfer {
 
     fn evaluate(&self, state: &ToolState) -> Loads {
         let mut loads = Loads::default();
-        let force = (0..self.parameters.schedule.edges)
-            .map(|e| self.edge_force_n(&self.edge(e, state)))
-            .sum();
+        let edges = self.edges(state);
+        let sign = self.parameters.axial_sign;
+        let on_tool = edges.iter().map(|e| e.forces.on_tool_n(e.angle_rad, sign));
+        let force = on_tool.sum();
+        self.met.keep(state.time_s, edges);
         loads.wrenches.push(Wrench::force(Attachment::Tool, force));
         if let Some(foot) = &self.foot {
             foot.press(state, &mut loads);
@@ -249,11 +260,15 @@ impl Process for Chamfer {
     fn commit(&mut self, state: &ToolState, loads: &Loads, contacts: &ContactOutcomes, dt_s: f64) {
         let mut area = 0.0;
         let mut tangential = 0.0;
-        for index in 0..self.parameters.schedule.edges {
-            let edge = self.edge(index, state);
+        // Edges know nothing of velocities: those of the loads are those of this state.
+        let met = self.met.take(state.time_s);
+        let edges = met.unwrap_or_else(|| self.edges(state));
+        for (index, edge) in edges.iter().enumerate() {
             area += edge.chip_area_m2;
-            tangential += self.edge_forces(&edge).tangential_n;
-            self.thickness_rim.cut(index, edge.angle_rad, edge.depth_m);
+            tangential += edge.forces.tangential_n;
+            if let Some(rim) = &mut self.thickness_rim {
+                rim.cut(index, edge.angle_rad, edge.depth_m);
+            }
             if let Some(surface) = &mut self.surface {
                 surface.cut(index, edge.angle_rad, edge.true_depth_m);
             }

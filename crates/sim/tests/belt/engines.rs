@@ -12,7 +12,7 @@ fn reduced_arm_feels_the_same_belt() {
     let scenario = scenario(&short);
     let run = |engine| {
         let channels = ["belt.normal_force", "belt.removed_volume"];
-        let rows = simulate(&scenario, None, &Robots::new(), engine, &channels);
+        let rows = simulate(&scenario, None, &Robots::new(), engine, &channels, None);
         let rows = rows.unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(rows.outcome, Outcome::Completed);
         let [force, volume] = [0, 1].map(|i| rows.columns[i].clone());
