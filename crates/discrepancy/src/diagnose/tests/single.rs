@@ -2,7 +2,7 @@
 
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
-use super::slide::{INTERVAL_S, Slide, Truth};
+use super::slide::{INTERVAL_S, SUBSTEPS, Slide, Truth};
 use super::*;
 
 pub fn joint(kind: EffectKind, values: &[f64]) -> Effect {
@@ -43,8 +43,7 @@ pub fn diagnosed(
     seed: u64,
 ) -> Answer {
     let model = Slide::new(2000);
-    let mut fine = Slide::new(2000);
-    fine.substeps *= 4;
+    let fine = Slide::stepped(2000, 4 * SUBSTEPS);
     let truth = |effects, extra_n| Truth {
         mass_kg: 20.2,
         effects,

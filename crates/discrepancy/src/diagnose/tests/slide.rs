@@ -7,6 +7,7 @@ use truecut_scenario::effect::{Effect, EffectKind, Target};
 use crate::model::{Candidate, Columns, Experiment, Model, NominalParameter, PredictError};
 
 pub const INTERVAL_S: f64 = 0.004;
+pub const SUBSTEPS: usize = 4;
 const MASS_KG: f64 = 20.0;
 const STIFFNESS_N_PER_M: f64 = 1e5;
 const DAMPING_N_S_PER_M: f64 = 60.0;
@@ -16,8 +17,18 @@ pub struct Slide {
     channels: Vec<ChannelSpec>,
     nominal: Vec<NominalParameter>,
     candidates: Vec<Candidate>,
-    pub samples: usize,
-    pub substeps: usize,
+    samples: usize,
+    substeps: usize,
+    /// At the beginning, in the middle and at the end of each substep.
+    course: Vec<Given>,
+}
+
+/// What is given at one instant.
+#[derive(Clone, Copy)]
+struct Given {
+    motor: f64,
+    rate: f64,
+    load_n: f64,
 }
 
 /// What a simulation is made with; `extra_n` is a force on the link that no effect knows, of time, position and velocity.
@@ -39,6 +50,11 @@ struct Parts {
 
 impl Slide {
     pub fn new(samples: usize) -> Slide {
+        Slide::stepped(samples, SUBSTEPS)
+    }
+
+    /// With so many substeps between two samples.
+    pub fn stepped(samples: usize, substeps: usize) -> Slide {
         let scales: &[(EffectKind, &[f64])] = &[
             (EffectKind::JointStiffness, &[0.2]),
             (EffectKind::JointDamping, &[0.5]),
@@ -96,8 +112,9 @@ impl Slide {
                 sigma: 0.02 * MASS_KG,
                 unit_text: "kg".into(),
             }],
+            course: course(samples, substeps),
             samples,
-            substeps: 4,
+            substeps,
         }
     }
 
@@ -109,20 +126,20 @@ impl Slide {
         for i in 0..self.samples {
             let t = i as f64 * INTERVAL_S;
             positions.push(x);
-            forces.push(spring(&parts, t, x, v));
+            forces.push(spring(&parts, &self.course[2 * i * self.substeps], x, v));
             for s in 0..self.substeps {
                 let t = t + s as f64 * h;
-                let slope = |t: f64, x: f64, v: f64| {
-                    let extra = (truth.extra_n)(t, x, v) + push * load(t);
-                    (
-                        v,
-                        (spring(&parts, t, x, v) - friction(&parts, x, v) + extra) / parts.mass,
-                    )
+                let course = &self.course[2 * (i * self.substeps + s)..][..3];
+                let slope = |half: usize, x: f64, v: f64| {
+                    let (t, given) = (t + half as f64 * h / 2.0, &course[half]);
+                    let extra = (truth.extra_n)(t, x, v) + push * given.load_n;
+                    let own = spring(&parts, given, x, v) - friction(&parts, x, v);
+                    (v, (own + extra) / parts.mass)
                 };
-                let a = slope(t, x, v);
-                let b = slope(t + h / 2.0, x + h / 2.0 * a.0, v + h / 2.0 * a.1);
-                let c = slope(t + h / 2.0, x + h / 2.0 * b.0, v + h / 2.0 * b.1);
-                let d = slope(t + h, x + h * c.0, v + h * c.1);
+                let a = slope(0, x, v);
+                let b = slope(1, x + h / 2.0 * a.0, v + h / 2.0 * a.1);
+                let c = slope(1, x + h / 2.0 * b.0, v + h / 2.0 * b.1);
+                let d = slope(2, x + h * c.0, v + h * c.1);
                 x += h / 6.0 * (a.0 + 2.0 * b.0 + 2.0 * c.0 + d.0);
                 v += h / 6.0 * (a.1 + 2.0 * b.1 + 2.0 * c.1 + d.1);
             }
@@ -131,6 +148,22 @@ impl Slide {
         measure(&mut columns, truth.effects);
         columns
     }
+}
+
+/// What is given, at every half substep: the same for all that is tried.
+fn course(samples: usize, substeps: usize) -> Vec<Given> {
+    let half_s = 0.5 * INTERVAL_S / substeps as f64;
+    let given = |k: usize| {
+        let t = k as f64 * half_s;
+        let (motor, rate) = motor(t);
+        let load_n = load(t);
+        Given {
+            motor,
+            rate,
+            load_n,
+        }
+    };
+    (0..=2 * samples * substeps).map(given).collect()
 }
 
 /// Path and velocity of the motor.
@@ -173,16 +206,23 @@ fn parts(truth: &Truth) -> Parts {
     parts
 }
 
-fn spring(parts: &Parts, t: f64, x: f64, v: f64) -> f64 {
-    let (mut motor, rate) = motor(t);
+fn spring(parts: &Parts, given: &Given, x: f64, v: f64) -> f64 {
+    let Given {
+        mut motor, rate, ..
+    } = *given;
     let [cosine, sine, cycles] = parts.ripple;
-    motor += cosine * (cycles * motor).cos() + sine * (cycles * motor).sin();
+    if cosine != 0.0 || sine != 0.0 {
+        motor += cosine * (cycles * motor).cos() + sine * (cycles * motor).sin();
+    }
     let windup = motor - x;
     let wound = windup - windup.clamp(-0.5 * parts.gap, 0.5 * parts.gap);
     parts.stiffness * wound + parts.cubic * wound.powi(3) + parts.damping * (rate - v)
 }
 
 fn friction(parts: &Parts, x: f64, v: f64) -> f64 {
+    if parts.friction.is_empty() {
+        return 0.0;
+    }
     let sign = (v / 1e-3).tanh();
     let (up, down) = (0.5 * (1.0 + sign), 0.5 * (1.0 - sign));
     let of = |(kind, p): &(EffectKind, Vec<f64>)| match kind {
