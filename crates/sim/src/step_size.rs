@@ -13,6 +13,9 @@ const STEPS_PER_TOOTH: f64 = 40.0;
 /// (w dt)²/12: 0.2 %.
 const STEPS_PER_FORCE_PERIOD: f64 = 40.0;
 
+/// Relative error of an interval that is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// How the plant is stepped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scheme {
@@ -37,13 +40,12 @@ impl Scheme {
         self != Self::Leapfrog
     }
 
-    /// No default step is longer than this, s. Where a contact sticks and slips, steps of 1 ms let a diagnosis of clean data take an effect
-    /// that shortens the step for a cause.
-    fn longest_s(self, sticks: bool) -> f64 {
+    /// No default step is longer than this, s. Sticking and slipping is met to a step only: with 1 ms clear data show it, and a diagnosis
+    /// takes an effect that shortens the step (a base that gives, play) for a cause.
+    fn longest_s(self) -> f64 {
         match self {
             Self::Leapfrog => 0.25e-3,
-            Self::Exact | Self::ExactWithPlay if sticks => 0.8e-3,
-            Self::Exact | Self::ExactWithPlay => 1e-3,
+            Self::Exact | Self::ExactWithPlay => 0.8e-3,
         }
     }
 
@@ -165,7 +167,7 @@ fn check_count(
 }
 
 /// The step of a run, s: the smallest of
-/// - the scheme's longest (0.25 ms; exact: 1 ms, 0.8 ms with a contact that sticks),
+/// - the scheme's longest (0.25 ms; exact: 0.8 ms),
 /// - its part (1/60; exact: 1/20, with play 1/40; 1/5 of a mode that only a base that gives has) of the fastest mode's period, contact
 ///   springs and rotors included,
 /// - 1/40 of the tooth period and, for the exact scheme, 1/40 of the period of the fastest given force,
@@ -183,7 +185,7 @@ pub(crate) fn choose(
         check_count(asked, true, scheme, fastest, run.duration_s)?;
         return check(scheme, asked, fastest_mode_hz);
     }
-    let longest = scheme.longest_s(process.sticks());
+    let longest = scheme.longest_s();
     let mode = fastest.map_or(longest, |fastest| scheme.step_of_modes_s(fastest));
     let tooth = process
         .tooth_period_s()
@@ -205,9 +207,13 @@ pub(crate) fn choose(
         Some(interval) if scheme.is_exact() => interval,
         _ => run.duration_s,
     };
-    // An interval read off times in decimals is longer than its round value by rounding, and so asks for a step more: five of 0.8 ms for
-    // 4 ms. With four of 1 ms diagnoses named effects that shorten the step (a base that gives) for that alone.
-    Ok(whole / (whole / step).ceil())
+    Ok(whole_part(whole, step))
+}
+
+/// The longest whole part of `whole` that is no longer than `step`. An interval read off times in decimals misses its round value by rounding;
+/// that asks for no part more.
+fn whole_part(whole: f64, step: f64) -> f64 {
+    whole / (whole / step * (1.0 - ROUNDING)).ceil()
 }
 
 fn check(scheme: Scheme, asked_s: f64, fastest_mode_hz: Option<f64>) -> Result<f64, SimError> {
@@ -305,4 +311,22 @@ fn rotor_mode_hz(robot: &Robot, mass: &DMatrix<f64>) -> f64 {
                 .then(|| (stiffness * (1.0 / t.rotor_inertia + 1.0 / mass[(i, i)])).sqrt() / TAU)
         })
         .fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::whole_part;
+
+    #[test]
+    fn rounding_asks_for_no_part_more() {
+        let parts = |whole: f64, step: f64| (whole / whole_part(whole, step)).round();
+        // Four milliseconds as the difference of two times in decimals.
+        let read_s = 1.004 - 1.0;
+        assert!(read_s > 0.004);
+        assert_eq!(parts(read_s, 0.8e-3), 5.0);
+        assert_eq!(parts(0.004, 0.8e-3), 5.0);
+        assert_eq!(parts(0.004, 0.799e-3), 6.0);
+        assert_eq!(parts(0.002, 0.8e-3), 3.0);
+        assert_eq!(parts(0.5e-3, 0.8e-3), 1.0);
+    }
 }

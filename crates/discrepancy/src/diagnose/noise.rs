@@ -96,6 +96,7 @@ impl ChannelNoise {
                 let mut predicted = [0.0; AT_ONCE];
                 for (k, a) in self.ar.iter().enumerate() {
                     let past = &column[first - 1 - k..][..count];
+                    // Where their number is known beforehand the sums stay in registers.
                     match past.first_chunk::<AT_ONCE>() {
                         Some(past) => add(&mut predicted, past, *a),
                         None => add(&mut predicted, past, *a),

@@ -231,6 +231,40 @@ impl Trial {
         }
     }
 
+    /// What the search is told; what is integrated in time ends at `until_s`.
+    fn predicted(
+        &self,
+        nominal: &[f64],
+        effects: &[Effect],
+        until_s: Option<f64>,
+    ) -> Result<Columns, PredictError> {
+        let failed = |error: SimError| PredictError(error.to_string());
+        self.check_speeds(effects)?;
+        match &self.engine {
+            Kind::Forward => self.extrapolated(nominal, effects, until_s),
+            Kind::Steady(model) => model.predict(effects).map_err(failed),
+            Kind::Inverse {
+                nominal: made_for,
+                model,
+                every,
+            } => {
+                let columns = if made_for == nominal {
+                    model.predict(effects)
+                } else {
+                    let own = self.rigid.get(self.of_robot(nominal), || {
+                        let robot = self.varied_robot(nominal)?;
+                        model.nominal_for(&robot, &self.robots).map_err(failed)
+                    })?;
+                    model.predict_from(&own, &self.with_own(nominal, effects))
+                };
+                let columns = columns.map_err(failed)?;
+                Ok((columns.iter())
+                    .map(|column| parallel::picked(column, *every))
+                    .collect())
+            }
+        }
+    }
+
     /// Rapier's prediction, or the reduced plant's; with `until_s` no further than that.
     fn forward(
         &self,
@@ -321,31 +355,7 @@ impl Model for Trial {
     }
 
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
-        let failed = |error: SimError| PredictError(error.to_string());
-        self.check_speeds(effects)?;
-        match &self.engine {
-            Kind::Forward => self.extrapolated(nominal, effects, None),
-            Kind::Steady(model) => model.predict(effects).map_err(failed),
-            Kind::Inverse {
-                nominal: made_for,
-                model,
-                every,
-            } => {
-                let columns = if made_for == nominal {
-                    model.predict(effects)
-                } else {
-                    let own = self.rigid.get(self.of_robot(nominal), || {
-                        let robot = self.varied_robot(nominal)?;
-                        model.nominal_for(&robot, &self.robots).map_err(failed)
-                    })?;
-                    model.predict_from(&own, &self.with_own(nominal, effects))
-                };
-                let columns = columns.map_err(failed)?;
-                Ok((columns.iter())
-                    .map(|column| parallel::picked(column, *every))
-                    .collect())
-            }
-        }
+        self.predicted(nominal, effects, None)
     }
 
     fn predict_first(
@@ -354,13 +364,9 @@ impl Model for Trial {
         nominal: &[f64],
         effects: &[Effect],
     ) -> Result<Columns, PredictError> {
-        if !matches!(self.engine, Kind::Forward) {
-            return self.predict(nominal, effects);
-        }
-        self.check_speeds(effects)?;
         let times = self.stretches_s.iter().flatten().take(samples);
         let last_s = times.copied().fold(0.0, f64::max);
-        self.extrapolated(nominal, effects, Some(last_s + EARLIEST_S))
+        self.predicted(nominal, effects, Some(last_s + EARLIEST_S))
     }
 
     fn is_steady(&self) -> bool {

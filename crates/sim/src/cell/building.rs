@@ -58,7 +58,7 @@ impl Cell {
     }
 
     /// As [`Cell::build`], with the arm linearised about its start ([`ReducedPlant`]): many times as fast,
-    /// with steps up to 1 ms.
+    /// with steps up to 0.8 ms.
     ///
     /// # Errors
     /// As [`Cell::build`].

@@ -147,7 +147,7 @@ impl ReducedPlant {
             "linearised about its start".to_string()
         };
         format!(
-            "time step {:.6} ms, exact for the arm {about}: at most 1 ms (0.8 ms where a contact sticks), 1/20 of the fastest mode's \
+            "time step {:.6} ms, exact for the arm {about}: at most 0.8 ms, 1/20 of the fastest mode's \
              period with contact springs and rotors (1/40 with play, 1/5 of a mode of the base), 1/40 of the \
              tooth period and of the fastest given force's, unless run.time_step_ms sets it",
             self.time_step_s() * 1e3

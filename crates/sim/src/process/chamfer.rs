@@ -344,10 +344,6 @@ impl Process for Chamfer {
         Some(self.parameters.schedule.tooth_period_s())
     }
 
-    fn sticks(&self) -> bool {
-        self.foot.is_some()
-    }
-
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         self.foot.iter().map(Foot::contact_stiffness).collect()
     }

@@ -110,11 +110,6 @@ pub trait Process: Send {
         false
     }
 
-    /// Whether a contact sticks and slips: the instant is met to a step only, and measured data show it.
-    fn sticks(&self) -> bool {
-        false
-    }
-
     /// Highest frequency of the forces that are given and not computed, Hz, if the process has any.
     fn highest_frequency_hz(&self) -> Option<f64> {
         None
