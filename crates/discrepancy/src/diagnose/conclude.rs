@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::ambiguity::{experiments, rivals};
+use super::ambiguity::{Rival, experiments, rivals};
 use super::answer::{Ceiling, ChannelErrors, Diagnosis, VERSION, Verdict, Work};
 use super::ceiling::{Bound, bound};
 use super::data::Rows;
@@ -13,6 +13,7 @@ use super::fit::{Fit, fit};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
 use super::search::Outcome;
+use super::signature::Signature;
 use super::uncertainty::standard_errors;
 use super::validate::{batch_sums, compare, error_of_sum, rms};
 use super::{Answer, DiagnoseError, Stage};
@@ -22,6 +23,8 @@ use crate::model::{Columns, PredictError};
 const EXCESS: f64 = 1.25;
 /// With less than this part of the candidates within reach the experiment is too poor.
 const LEAST_VISIBLE: f64 = 0.05;
+/// Other explanations that are told of, at most.
+const MOST_RIVALS: usize = 6;
 
 /// The answer where nothing moves.
 pub(super) fn not_excited(problem: &Problem, before: Columns, missing: Vec<String>) -> Answer {
@@ -91,9 +94,14 @@ pub(super) fn conclude(
     );
     let (last, base) = (last?, base?);
     problem.report(Stage::Ceiling);
+    let others = outcome.signatures.iter();
+    let others: Vec<Signature> = others
+        .filter(|one| !last.point.holds(one.candidate))
+        .cloned()
+        .collect();
     // One asks for next to no simulations, the other for many, some of them one after the other.
     let (bound, told) = rayon::join(
-        || bound(problem, &base, &last, &outcome.signatures),
+        || bound(problem, &base, &last, &others),
         || told(problem, &outcome, &last),
     );
     let mut diagnosis = told?;
@@ -128,17 +136,16 @@ fn told(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnosis, D
         true => Vec::new(),
         false => rivals(problem, outcome),
     };
-    let rival_answers = rivals
-        .par_iter()
-        .take(6)
-        .map(|r| alternative(problem, r))
+    let told: Vec<&Rival> = (rivals.iter().take(MOST_RIVALS).enumerate())
+        .filter(|(i, rival)| *i == 0 || rival.as_good)
+        .map(|(_, rival)| rival)
+        .collect();
+    let answers = (told.par_iter())
+        .map(|rival| alternative(problem, rival))
         .collect::<Result<Vec<_>, _>>()?;
-    diagnosis.runner_up = rival_answers.first().cloned();
-    let as_good = rival_answers
-        .into_iter()
-        .zip(&rivals)
-        .filter(|(_, r)| r.as_good);
-    diagnosis.alternatives = as_good.map(|(a, _)| a).collect();
+    diagnosis.runner_up = answers.first().cloned();
+    let as_good = answers.into_iter().zip(told).filter(|(_, r)| r.as_good);
+    diagnosis.alternatives = as_good.map(|(answer, _)| answer).collect();
     if let Some(rival) = rivals.iter().find(|r| r.as_good) {
         diagnosis.experiments = experiments(problem, &outcome.chosen, &rival.fit);
     }

@@ -70,7 +70,7 @@ fn cause(problem: &Problem, found: &Found, errors: &[Option<f64>], evidence: Evi
 fn evidence(problem: &Problem, full: &Fit, index: usize) -> Result<Evidence, DiagnoseError> {
     let orders: Vec<usize> = full.noise.channels.iter().map(|c| c.ar.len()).collect();
     let rows = &problem.split.development;
-    let small = fit(problem, without(&full.point, index), rows, &orders, true)?;
+    let small = fit(problem, without(&full.point, index), rows, &orders, false)?;
     let paired = compare(
         &small.residual,
         &full.residual,

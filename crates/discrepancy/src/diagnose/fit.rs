@@ -60,6 +60,8 @@ pub(super) struct Running<'a, 'b> {
     jacobian: Vec<Columns>,
     /// Steps since the derivatives were taken, if they serve for another one.
     age: Option<usize>,
+    /// Derivatives by the first variables that serve for the first step, which is under white noise.
+    known: Vec<Columns>,
 }
 
 impl<'a, 'b> Running<'a, 'b> {
@@ -95,8 +97,21 @@ impl<'a, 'b> Running<'a, 'b> {
             stuck: false,
             jacobian: Vec::new(),
             age: None,
+            known: Vec::new(),
             solver,
         })
+    }
+
+    /// Takes derivatives of the model that this one extends by effects as good enough for the first step.
+    pub fn knowing(mut self, base: &Fit) -> Self {
+        let candidates = |point: &Point| -> Vec<usize> {
+            point.effects.iter().map(|found| found.candidate).collect()
+        };
+        let (own, others) = (candidates(&self.solver.point), candidates(&base.point));
+        if self.white > 0 && own.starts_with(&others) {
+            self.known.clone_from(&base.jacobian);
+        }
+        self
     }
 
     /// Goes on until it ends, or has made so many iterations in all.
@@ -107,12 +122,14 @@ impl<'a, 'b> Running<'a, 'b> {
         while !self.has_ended() && self.iterations < iterations {
             let reused = self.age.is_some();
             if !reused {
-                self.jacobian = self.solver.jacobian()?;
+                self.jacobian = self.solver.jacobian(std::mem::take(&mut self.known))?;
             }
             self.iterations += 1;
             let whitened = self.iterations > self.white;
             let before = self.age.take().unwrap_or(0);
             match self.solver.step(&mut self.jacobian, &self.noise) {
+                // A fit that starts at its end serves with its derivatives: they are taken where it ends.
+                Step::Converged if reused && self.white == 0 => {}
                 Step::Converged => self.converged = whitened,
                 // With derivatives of this place it may go on.
                 Step::Stuck { .. } if reused => {}
@@ -121,9 +138,8 @@ impl<'a, 'b> Running<'a, 'b> {
                     self.stuck = true;
                 }
                 Step::Stuck { .. } => {}
-                // A fit that starts at its end serves with its derivatives: they are taken where it ends.
                 Step::Taken { foreseen } => {
-                    let serves = foreseen && self.white > 0 && before < LONGEST_REUSE;
+                    let serves = foreseen && before < LONGEST_REUSE;
                     self.age = serves.then_some(before + 1);
                 }
             }
@@ -193,7 +209,7 @@ pub(super) fn unfitted(
     let residual = problem.data.residual(&predicted);
     let noise = Noise::fit(&residual, rows, orders, &problem.floor);
     Ok(Fit {
-        jacobian: jacobian(problem, rows, &point, &predicted)?,
+        jacobian: jacobian(problem, rows, &point, &predicted, Vec::new())?,
         objective: noise.objective(rows),
         point,
         predicted,
@@ -204,7 +220,7 @@ pub(super) fn unfitted(
     })
 }
 
-/// Change of the prediction at the rows per unit of each variable, by finite differences.
+/// Change of the prediction at the rows per unit of each variable, by finite differences; of the first variables it may be known.
 ///
 /// # Errors
 /// The simulation can be run on neither side of the point.
@@ -213,10 +229,12 @@ pub(super) fn jacobian(
     rows: &Rows,
     point: &Point,
     predicted: &Columns,
+    known: Vec<Columns>,
 ) -> Result<Vec<Columns>, PredictError> {
     let variables = problem.variables(point);
     let values: Vec<f64> = variables.iter().map(|v| v.value).collect();
-    let columns = variables.par_iter().enumerate().map(|(i, v)| {
+    let wanted = variables.par_iter().enumerate().skip(known.len());
+    let columns = wanted.map(|(i, v)| {
         let sides = if v.value + v.step <= v.max {
             [v.step, -v.step]
         } else {
@@ -233,7 +251,8 @@ pub(super) fn jacobian(
         }
         Err(failure.expect("both sides failed"))
     });
-    columns.collect()
+    let columns: Result<Vec<Columns>, PredictError> = columns.collect();
+    Ok([known, columns?].concat())
 }
 
 /// `(a - b) * factor`.

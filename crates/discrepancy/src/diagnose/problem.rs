@@ -36,6 +36,13 @@ pub(super) struct Point {
     pub effects: Vec<Found>,
 }
 
+impl Point {
+    /// Whether it has the effect.
+    pub fn holds(&self, candidate: usize) -> bool {
+        (self.effects.iter()).any(|found| found.candidate == candidate)
+    }
+}
+
 /// A parameter of a point as the optimiser sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Variable {

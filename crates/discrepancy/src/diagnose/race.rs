@@ -6,17 +6,26 @@ use super::fit::{Fit, Running};
 use super::problem::{Point, Problem};
 use crate::model::PredictError;
 
-/// Iterations after which fits are compared; the first of them are under white noise.
-const HEAT: usize = 5;
-/// A fit is given up if, with all that its next step promises several times over, it has gained less than this part of what the
-/// best of as many effects has.
-const FAR_BEHIND: f64 = 0.5;
+/// Iterations after which fits are compared, the first of them under white noise, and a part: a fit is given up if, with all that its next
+/// step promises several times over, it has gained less than this part of what the best of as many effects has.
+const HEATS: [(usize, f64); 2] = [(3, 0.2), (5, 0.5)];
 /// What is left may be so many times what the next step promises.
 const PROMISE: f64 = 4.0;
 /// That much must have been gained by the best before anything is given up; with less, chance decides who leads.
 const CLEAR: f64 = 100.0;
 /// Squared distance, in standard deviations of the noise, below which two predictions are the same.
 const TOGETHER: f64 = 0.01;
+
+/// What fits have to beat in order to go on.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Race<'a> {
+    /// Nothing: all go to their ends. A model that all extend may be known.
+    None(Option<&'a Fit>),
+    /// What the best of as many effects gains on the model that all extend.
+    Extending(&'a Fit),
+    /// An objective.
+    ToBeat(f64),
+}
 
 /// One fit with its end.
 pub(super) struct Trial {
@@ -25,62 +34,103 @@ pub(super) struct Trial {
     pub end: Result<Fit, PredictError>,
 }
 
-/// Fits to the training rows from all starts. With `base`, the model without what is added, those far behind are given up.
+/// A fit on its way.
+struct Runner<'a, 'b> {
+    start: Point,
+    running: Result<Running<'a, 'b>, PredictError>,
+    /// Why it goes no further.
+    given_up: Option<&'static str>,
+}
+
+impl<'a, 'b> Runner<'a, 'b> {
+    fn begin(
+        problem: &'a Problem<'b>,
+        start: Point,
+        orders: &'a [usize],
+        race: Race,
+    ) -> Runner<'a, 'b> {
+        let running = Running::begin(problem, start.clone(), &problem.split.train, orders, false);
+        Runner {
+            start,
+            running: match race {
+                Race::Extending(base) | Race::None(Some(base)) => {
+                    running.map(|running| running.knowing(base))
+                }
+                _ => running,
+            },
+            given_up: None,
+        }
+    }
+
+    fn advance(&mut self, iterations: usize) {
+        if self.given_up.is_none()
+            && let Ok(running) = &mut self.running
+            && let Err(error) = running.advance(iterations)
+        {
+            self.running = Err(error);
+        }
+    }
+
+    fn end(mut self) -> Trial {
+        let iterations = self.running.as_ref().map_or(0, Running::iterations);
+        self.advance(usize::MAX);
+        Trial {
+            start: self.start,
+            iterations: (self.running.as_ref()).map_or(iterations, Running::iterations),
+            end: match self.given_up {
+                Some(reason) => Err(PredictError(reason.into())),
+                None => self.running.map(Running::finish),
+            },
+        }
+    }
+}
+
+/// Fits to the training rows from all starts.
 pub(super) fn run(
     problem: &Problem,
     starts: Vec<Point>,
     orders: &[usize],
-    base: Option<&Fit>,
+    race: Race,
 ) -> Vec<Trial> {
-    let train = &problem.split.train;
-    let heats: Vec<(Point, Result<Running, PredictError>)> = starts
-        .into_par_iter()
-        .map(|start| {
-            let heat = Running::begin(problem, start.clone(), train, orders, false);
-            let heat = heat.and_then(|mut running| running.advance(HEAT).map(|()| running));
-            (start, heat)
-        })
+    let mut runners: Vec<Runner> = (starts.into_par_iter())
+        .map(|start| Runner::begin(problem, start, orders, race))
         .collect();
-    let given_up = given_up(&heats, base);
-    let ends = heats.into_par_iter().zip(given_up);
-    ends.map(|((start, heat), given_up)| {
-        let iterations = heat.as_ref().map_or(0, Running::iterations);
-        let end = heat.and_then(|mut running| match given_up {
-            Some(reason) => Err(PredictError(reason.into())),
-            None => {
-                running.advance(usize::MAX)?;
-                Ok(running.finish())
-            }
-        });
-        Trial {
-            start,
-            iterations,
-            end,
+    for (iterations, part) in HEATS {
+        (runners.par_iter_mut()).for_each(|runner| runner.advance(iterations));
+        let reasons = given_up(&runners, race, part);
+        for (runner, reason) in runners.iter_mut().zip(reasons) {
+            runner.given_up = runner.given_up.or(reason);
         }
-    })
-    .collect()
+    }
+    runners.into_par_iter().map(Runner::end).collect()
 }
 
 /// Which fits are not worth going on with, and why.
-fn given_up(
-    heats: &[(Point, Result<Running, PredictError>)],
-    base: Option<&Fit>,
-) -> Vec<Option<&'static str>> {
-    let running: Vec<Option<&Running>> =
-        (heats.iter()).map(|(_, heat)| heat.as_ref().ok()).collect();
-    let count = |running: &Running| running.point().effects.len();
-    let gains: Vec<Option<f64>> = (running.iter())
-        .map(|running| Some(base?.objective - (*running)?.objective()))
+fn given_up(runners: &[Runner], race: Race, part: f64) -> Vec<Option<&'static str>> {
+    let running: Vec<Option<&Running>> = (runners.iter())
+        .map(|runner| runner.running.as_ref().ok())
         .collect();
-    let best = |effects: usize| {
-        let pairs = running.iter().zip(&gains);
-        let gains = pairs.filter(|(other, _)| other.is_some_and(|other| count(other) == effects));
-        gains.filter_map(|(_, gain)| *gain).fold(0.0, f64::max)
+    let count = |running: &Running| running.point().effects.len();
+    let is_behind = |own: &Running| {
+        let reachable = own.objective() - PROMISE * own.decrement();
+        match race {
+            Race::None(_) => false,
+            Race::ToBeat(objective) => reachable > objective,
+            Race::Extending(base) => {
+                let gains = running
+                    .iter()
+                    .flatten()
+                    .filter(|one| count(one) == count(own));
+                let gains = gains.map(|one| base.objective - one.objective());
+                let best = gains.fold(0.0, f64::max);
+                best > CLEAR && base.objective - reachable < part * best
+            }
+        }
     };
     let verdict = |i: usize| {
         let own = running[i].filter(|own| !own.has_ended())?;
         let twin = running.iter().enumerate().any(|(j, other)| {
-            let Some(other) = other.filter(|_| j != i) else {
+            let Some(other) = other.filter(|_| j != i && runners[j].given_up.is_none()) else {
                 return false;
             };
             (j < i || other.has_ended()) && same(own, other)
@@ -88,12 +138,12 @@ fn given_up(
         if twin {
             return Some("given up: it came to where another fit of the same effects is");
         }
-        let best = best(count(own));
-        let within_reach = gains[i]? + PROMISE * own.decrement();
-        (best > CLEAR && within_reach < FAR_BEHIND * best)
-            .then_some("given up: far behind the best of as many effects")
+        is_behind(own).then_some(match race {
+            Race::ToBeat(_) => "given up: it does not come to more than the fit that it began from",
+            _ => "given up: far behind the best of as many effects",
+        })
     };
-    (0..heats.len()).map(verdict).collect()
+    (0..runners.len()).map(verdict).collect()
 }
 
 fn same(a: &Running, b: &Running) -> bool {

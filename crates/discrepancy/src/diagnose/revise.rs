@@ -1,15 +1,21 @@
 //! What is done to a choice made: the same effects from other sizes, one taken away, one exchanged for another.
 
+use rayon::prelude::*;
+
 use super::DiagnoseError;
 use super::fit::{Fit, fit};
+use super::noise::Noise;
+use super::problem::Point;
+use super::race::Race;
 use super::screen::{rank, refine};
 use super::search::{
     DECISIVE, Outcome, REFINED, Search, criterion, extended, settled, weight, without,
 };
-use super::signature::signatures;
 
 /// Sizes, in parts of those found, from which a fit is made again.
 const RESTARTS: [f64; 4] = [-1.0, 0.4, 2.5, 4.0];
+/// Most that are fitted.
+const RESTARTED: usize = 6;
 /// By so much, as a difference of minus twice the log-likelihood, another optimum must be better.
 const CLEARLY_BETTER: f64 = 10.0;
 
@@ -34,12 +40,37 @@ impl Search<'_, '_> {
             }
             start
         });
-        let starts = starts.collect();
-        let trials = self.fit_all(starts, orders, None);
+        let starts = self.nearest(starts.collect(), RESTARTED);
+        let trials = self.fit_all(
+            starts,
+            orders,
+            Race::ToBeat(base.objective - CLEARLY_BETTER),
+        );
         let best = trials
             .into_iter()
             .min_by(|a, b| a.objective.total_cmp(&b.objective))?;
         (best.objective < base.objective - CLEARLY_BETTER).then_some(best)
+    }
+
+    /// The starts whose predictions are nearest to the data, as they are.
+    fn nearest(&self, starts: Vec<Point>, count: usize) -> Vec<Point> {
+        if starts.len() <= count {
+            return starts;
+        }
+        let (problem, train) = (self.problem, &self.problem.split.train);
+        let far = |start: &Point| -> f64 {
+            problem.predict(start).map_or(f64::INFINITY, |predicted| {
+                let residual = problem.data.residual(&predicted);
+                Noise::white(&residual, train, &problem.floor).objective(train)
+            })
+        };
+        let mut starts: Vec<(f64, Point)> = (starts.into_par_iter())
+            .map(|start| (far(&start), start))
+            .collect();
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        (starts.into_iter().take(count))
+            .map(|(_, start)| start)
+            .collect()
     }
 
     /// Takes away effects that no longer earn their place beside the others.
@@ -50,7 +81,7 @@ impl Search<'_, '_> {
             let starts = (0..=last)
                 .map(|i| without(&outcome.chosen.point, i))
                 .collect();
-            let trials = self.fit_all(starts, &outcome.orders, None);
+            let trials = self.fit_all(starts, &outcome.orders, Race::None(None));
             let idle = trials
                 .into_iter()
                 .find(|small| !self.earns(small, &outcome.chosen));
@@ -81,14 +112,13 @@ impl Search<'_, '_> {
             ) else {
                 continue;
             };
-            let found = signatures(problem, &rest);
-            let ranking = rank(problem, &rest, &found, train, &outcome.orders);
+            let ranking = rank(problem, &rest, &outcome.signatures, train, &outcome.orders);
             let ranking = refine(problem, &rest, ranking, train, &outcome.orders, REFINED / 2);
             let others = ranking.iter().filter(|r| r.candidate() != removed).take(3);
             rivals.extend(self.fit_all(
                 others.map(|r| extended(&rest, &[r])).collect(),
                 &outcome.orders,
-                None,
+                Race::None(Some(&rest)),
             ));
         }
         let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);

@@ -42,7 +42,7 @@ pub(super) fn nuisance<'a>(problem: &Problem, base: &'a Fit) -> (Vec<&'a Columns
     )
 }
 
-/// What each signature would gain on the rows, the best of each candidate, best first.
+/// What each signature would gain on the rows, the best of each candidate that the point does not hold, best first.
 pub(super) fn rank(
     problem: &Problem,
     base: &Fit,
@@ -62,6 +62,7 @@ pub(super) fn rank(
     );
     let ranked: Vec<Ranked> = signatures
         .par_iter()
+        .filter(|signature| !base.point.holds(signature.candidate))
         .map(|signature| {
             let (gain, start) = gain(
                 problem,

@@ -8,9 +8,9 @@ use super::memory::{LEAST_GENERALISATION, distance, stands_out};
 use super::noise::Noise;
 use super::pairs::pairs;
 use super::problem::{Found, Point, Problem};
-use super::race::run;
+use super::race::{Race, run};
 use super::screen::{Ranked, critical, rank, refine};
-use super::signature::{Signature, signatures};
+use super::signature::{Signature, signatures, tests};
 use super::validate::{Paired, compare, objective};
 use super::{DiagnoseError, Stage};
 
@@ -30,7 +30,7 @@ pub(super) struct Outcome {
     pub ranking: Vec<Ranked>,
     /// Signatures tested in the last screening.
     pub tests: usize,
-    /// And these signatures themselves.
+    /// Signatures of the nominal model, refitted. Beside effects they serve as well: those of the best are taken anew there.
     pub signatures: Vec<Signature>,
     /// A discrepancy was detected, and no fit of it ended well.
     pub failed: bool,
@@ -54,6 +54,10 @@ const LEAST_LEFT: usize = 40;
 /// Simulations that a fit takes, roughly.
 const OF_A_FIT: usize = 25;
 pub(super) const REFINED: usize = 12;
+/// There, signatures are those without the effects.
+const REFINED_BESIDE_EFFECTS: usize = 24;
+/// Values of two starts that differ by no more than this factor lead to the same end.
+const ALIKE: f64 = 2.0;
 /// In standard deviations of a nominal parameter.
 const FAR_SIGMA: f64 = 0.5;
 const PAIRED: usize = 30;
@@ -170,13 +174,21 @@ impl Search<'_, '_> {
         }
         problem.report(Stage::Screening(base.point.effects.len()));
         let train = &problem.split.train;
-        let (ranking, found, mut starts) = self.screened(base, &outcome.orders);
-        (outcome.ranking, outcome.tests, outcome.signatures) = (ranking, found.len(), found);
-        if base.point.effects.is_empty() && !starts.is_empty() && self.is_far(base) {
-            // Nominal values may have been drawn there by what is to be found, and its trace is another there.
-            let unmoved = unfitted(problem, problem.start(), train, &outcome.orders)?;
-            starts.extend(self.screened(&unmoved, &outcome.orders).2);
+        outcome.tests = tests(problem, &base.point);
+        if outcome.signatures.is_empty() {
+            outcome.signatures = signatures(problem, base);
         }
+        let found = &outcome.signatures;
+        let (ranking, mut starts) = self.screened(base, found, &outcome.orders, outcome.tests);
+        if base.point.effects.is_empty() && !starts.is_empty() && self.is_far(base) {
+            // Nominal values may have been drawn there by what is to be found. What is promising from where they were is found with the
+            // same signatures; those of the best are taken anew there.
+            let unmoved = unfitted(problem, problem.start(), train, &outcome.orders)?;
+            let (_, others) = self.screened(&unmoved, found, &outcome.orders, outcome.tests);
+            starts.retain(|start| !others.iter().any(|other| is_like(start, other)));
+            starts.extend(others);
+        }
+        outcome.ranking = ranking;
         outcome.stopped = !starts.is_empty() && problem.left() < LEAST_LEFT;
         if starts.is_empty() || outcome.stopped {
             return Ok(false);
@@ -190,7 +202,7 @@ impl Search<'_, '_> {
             let alpha = problem.options.family_wise_error;
             r.gain > STRONG * critical(alpha, outcome.tests, r.start.len())
         });
-        let trials = self.fit_all(starts, &outcome.orders, Some(base));
+        let trials = self.fit_all(starts, &outcome.orders, Race::Extending(base));
         self.failed |= trials.is_empty() && strong;
         if base.point.effects.is_empty() {
             let pairs = trials.iter().filter(|t| t.point.effects.len() == 2);
@@ -210,15 +222,24 @@ impl Search<'_, '_> {
         Ok(true)
     }
 
-    /// The ranking of all candidates, the signatures tested, and what is to be fitted.
-    fn screened(&self, base: &Fit, orders: &[usize]) -> (Vec<Ranked>, Vec<Signature>, Vec<Point>) {
+    /// The ranking of all candidates by their signatures, and what is to be fitted.
+    fn screened(
+        &self,
+        base: &Fit,
+        found: &[Signature],
+        orders: &[usize],
+        tests: usize,
+    ) -> (Vec<Ranked>, Vec<Point>) {
         let (problem, train) = (self.problem, &self.problem.split.train);
-        let found = signatures(problem, base);
-        let ranking = rank(problem, base, &found, train, orders);
-        let ranking = refine(problem, base, ranking, train, orders, REFINED);
-        let mut starts = self.promising(base, &ranking, found.len());
-        starts.extend(self.promising_in_white(base, &found, &starts));
-        (ranking, found, starts)
+        let ranking = rank(problem, base, found, train, orders);
+        let refined = match base.point.effects.is_empty() {
+            true => REFINED,
+            false => REFINED_BESIDE_EFFECTS,
+        };
+        let ranking = refine(problem, base, ranking, train, orders, refined);
+        let mut starts = self.promising(base, &ranking, tests);
+        starts.extend(self.promising_in_white(base, found, &starts, tests));
+        (ranking, starts)
     }
 
     /// Whether a nominal parameter is far from what the scenario has.
@@ -248,7 +269,13 @@ impl Search<'_, '_> {
 
     /// Starting points that promise most under white noise. What an autoregression of the residual takes for noise is found here;
     /// whether it is noise is decided by the fits.
-    fn promising_in_white(&self, base: &Fit, found: &[Signature], starts: &[Point]) -> Vec<Point> {
+    fn promising_in_white(
+        &self,
+        base: &Fit,
+        found: &[Signature],
+        starts: &[Point],
+        tests: usize,
+    ) -> Vec<Point> {
         let (problem, train) = (self.problem, &self.problem.split.train);
         let orders = vec![0; base.residual.len()];
         let ranking = rank(problem, base, found, train, &orders);
@@ -256,7 +283,7 @@ impl Search<'_, '_> {
         let alpha = problem.options.family_wise_error;
         let beyond = ranking
             .iter()
-            .filter(|r| r.gain > critical(alpha, found.len(), r.start.len()));
+            .filter(|r| r.gain > critical(alpha, tests, r.start.len()));
         let last = |point: &Point| point.effects.last().map(|f| f.candidate);
         let added = base.point.effects.len() + 1;
         beyond
@@ -269,13 +296,13 @@ impl Search<'_, '_> {
             .collect()
     }
 
-    /// Fits from all starts, best promise first; only as many as the simulations left allow. With `race`, what falls far behind is
-    /// given up.
+    /// Fits from all starts, best promise first; only as many as the simulations left allow. What falls far behind in the
+    /// race is given up.
     pub(super) fn fit_all(
         &mut self,
         mut starts: Vec<Point>,
         orders: &[usize],
-        race: Option<&Fit>,
+        race: Race,
     ) -> Vec<Fit> {
         let problem = self.problem;
         starts.truncate((problem.left() / OF_A_FIT).max(1));
@@ -404,6 +431,16 @@ pub(super) fn extended(base: &Fit, added: &[&Ranked]) -> Point {
         values: r.start.clone(),
     }));
     point
+}
+
+/// Whether both start with the same effects from values that are nearly the same, wherever the nominal ones are.
+fn is_like(a: &Point, b: &Point) -> bool {
+    let same = |a: &Found, b: &Found| {
+        let mut pairs = a.values.iter().zip(&b.values);
+        a.candidate == b.candidate
+            && pairs.all(|(x, y)| x == y || x / y > 1.0 / ALIKE && x / y < ALIKE)
+    };
+    a.effects.len() == b.effects.len() && a.effects.iter().zip(&b.effects).all(|(a, b)| same(a, b))
 }
 
 /// The best start and those of other shapes that promise half as much.

@@ -22,56 +22,116 @@ pub(super) struct Signature {
 
 /// Signatures of all candidates that the point does not hold, over their grids of starts.
 pub(super) fn signatures(problem: &Problem, base: &Fit) -> Vec<Signature> {
-    let mut wanted = Vec::new();
-    for candidate in 0..problem.candidates.len() {
-        if base.point.effects.iter().all(|f| f.candidate != candidate) {
-            wanted.extend(
-                grid(problem, candidate)
-                    .into_iter()
-                    .map(|values| (candidate, values)),
-            );
-        }
-    }
-    let level = rms(&base.residual, &problem.split.train);
-    let signatures = wanted.into_par_iter().map(|(candidate, mut values)| {
-        let infos = problem.infos(candidate);
-        let sizes: Vec<usize> = (0..infos.len()).filter(|&i| infos[i].is_size).collect();
-        let mut columns = Vec::new();
-        for &chosen in &sizes {
-            columns.push(signature_of(
-                problem,
-                base,
-                candidate,
-                &mut values,
-                chosen,
-                &level,
-            )?);
-        }
-        Some(Signature {
-            columns,
-            candidate,
-            values,
-            sizes,
+    let wanted: Vec<(usize, Vec<Vec<f64>>)> = absent(problem, &base.point)
+        .flat_map(|candidate| {
+            let grid = grid(problem, candidate);
+            grid.into_iter().map(move |levels| (candidate, levels))
         })
-    });
-    let found: Vec<Option<Signature>> = signatures.collect();
+        .collect();
+    let screening = Screening {
+        problem,
+        base,
+        level: rms(&base.residual, &problem.split.train),
+    };
+    let found: Vec<Vec<Signature>> = (wanted.into_par_iter())
+        .map(|(candidate, levels)| screening.ladder(candidate, levels))
+        .collect();
     found.into_iter().flatten().collect()
+}
+
+/// Number of tests that a screening at the point makes: one for each value on the grids, whether or not two of them came to the same.
+pub(super) fn tests(problem: &Problem, point: &Point) -> usize {
+    let grids = absent(problem, point).flat_map(|candidate| grid(problem, candidate));
+    grids.map(|levels| levels.len()).sum()
+}
+
+/// Candidates that the point does not hold.
+fn absent(problem: &Problem, point: &Point) -> impl Iterator<Item = usize> {
+    (0..problem.candidates.len()).filter(|candidate| !point.holds(*candidate))
 }
 
 /// A signature so many times the residual is taken anew at a smaller size: the effect, if it is there, is no larger than that.
 const FAR_TOO_LARGE: f64 = 4.0;
+/// And then it is to be so many times the residual.
+const LARGE: f64 = 2.0;
+/// A size taken anew is no smaller than this part of what it was.
+const LEAST_PART: f64 = 1e-4;
 
-/// Change of the prediction for one size parameter alone; `values` gets the size at which it was taken.
-fn signature_of(
-    problem: &Problem,
-    base: &Fit,
-    candidate: usize,
-    values: &mut [f64],
-    chosen: usize,
-    level: &[f64],
-) -> Option<Columns> {
-    let infos = problem.infos(candidate);
-    let change = |value: f64| {
+/// What all signatures of one screening share.
+struct Screening<'a, 'b> {
+    problem: &'a Problem<'b>,
+    base: &'a Fit,
+    /// Of the residual, in each channel.
+    level: Vec<f64>,
+}
+
+impl Screening<'_, '_> {
+    /// Signatures at several levels of the sizes, smallest first; a level that would be taken anew where one before it is, is left out.
+    fn ladder(&self, candidate: usize, levels: Vec<Vec<f64>>) -> Vec<Signature> {
+        let infos = self.problem.infos(candidate);
+        let sizes: Vec<usize> = (0..infos.len()).filter(|&i| infos[i].is_size).collect();
+        let mut ladder: Vec<Signature> = Vec::new();
+        for mut values in levels {
+            let taken = ladder.iter().any(|smaller| {
+                (sizes.iter().zip(&smaller.columns)).all(|(&i, column)| {
+                    let neutral = infos[i].neutral;
+                    let grown = (values[i] - neutral) / (smaller.values[i] - neutral);
+                    self.ratio(column) * grown > FAR_TOO_LARGE
+                })
+            });
+            if taken {
+                continue;
+            }
+            let columns: Option<Vec<Columns>> = (sizes.iter())
+                .map(|&chosen| self.taken(candidate, &mut values, chosen))
+                .collect();
+            ladder.extend(columns.map(|columns| Signature {
+                candidate,
+                values,
+                sizes: sizes.clone(),
+                columns,
+            }));
+        }
+        ladder
+    }
+
+    /// How large a change is beside the residual, in the channel where it is largest.
+    fn ratio(&self, change: &Columns) -> f64 {
+        let size = rms(change, &self.problem.split.train);
+        let ratios = (size.iter().zip(&self.level)).map(|(s, r)| s / r.max(f64::MIN_POSITIVE));
+        ratios.fold(0.0, f64::max)
+    }
+
+    /// Change of the prediction for one size parameter alone; `values` gets the size at which it was taken.
+    fn taken(&self, candidate: usize, values: &mut [f64], chosen: usize) -> Option<Columns> {
+        let infos = self.problem.infos(candidate);
+        let neutral = infos[chosen].neutral;
+        let first = self.change(candidate, values, chosen, values[chosen]);
+        let ratio = match &first {
+            Some(first) => self.ratio(first),
+            // It cannot be simulated at this size.
+            None => 10.0 * FAR_TOO_LARGE,
+        };
+        if ratio <= FAR_TOO_LARGE {
+            return first;
+        }
+        let smaller = neutral + (values[chosen] - neutral) * (LARGE / ratio).max(LEAST_PART);
+        let second = self.change(candidate, values, chosen, smaller);
+        if second.is_some() {
+            values[chosen] = smaller;
+        }
+        second.or(first)
+    }
+
+    /// Change of the prediction if one size parameter has the value, and the others do nothing.
+    fn change(
+        &self,
+        candidate: usize,
+        values: &[f64],
+        chosen: usize,
+        value: f64,
+    ) -> Option<Columns> {
+        let infos = self.problem.infos(candidate);
         let mut alone: Vec<f64> = values.to_vec();
         for (x, info) in alone.iter_mut().zip(infos).filter(|(_, info)| info.is_size) {
             *x = info.neutral;
@@ -81,83 +141,58 @@ fn signature_of(
             candidate,
             values: alone,
         };
-        let columns = problem.predict(&with(&base.point, found)).ok()?;
-        Some(difference(&columns, &base.predicted, 1.0))
-    };
-    let first = change(values[chosen]);
-    let ratio = match &first {
-        Some(first) => {
-            let size = rms(first, &problem.split.train);
-            size.iter()
-                .zip(level)
-                .map(|(s, r)| s / r.max(f64::MIN_POSITIVE))
-                .fold(0.0, f64::max)
-        }
-        // It cannot be simulated at this size.
-        None => 10.0 * FAR_TOO_LARGE,
-    };
-    if ratio <= FAR_TOO_LARGE {
-        return first;
+        let columns = self.problem.predict(&with(&self.base.point, found)).ok()?;
+        Some(difference(&columns, &self.base.predicted, 1.0))
     }
-    let neutral = infos[chosen].neutral;
-    let smaller = neutral + (values[chosen] - neutral) * (2.0 / ratio).max(1e-4);
-    let second = change(smaller);
-    if second.is_some() {
-        values[chosen] = smaller;
-    }
-    second.or(first)
 }
 
-/// Parts of the typical size at which signatures are taken where the kind names no sizes to start from.
-const LEVELS: [f64; 2] = [1.0, 0.2];
+/// Parts of the typical size at which signatures are taken where the kind names no sizes to start from; smallest first.
+const LEVELS: [f64; 2] = [0.2, 1.0];
 
-/// Starting values: all combinations of the shape parameters' starts, each with all starts of the sizes.
-fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<f64>> {
+/// Starting values: for each combination of the shape parameters' starts those of the sizes. Those that are levels of one typical size
+/// belong together; those that the kind names stand for themselves.
+fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<Vec<f64>>> {
     let infos = problem.infos(candidate);
     let scale = &problem.candidates[candidate].scale;
-    let mut grid = vec![Vec::new()];
-    // Several sizes start together, at the same place in their lists.
-    let levels = infos
-        .iter()
-        .filter(|p| p.is_size)
-        .map(|p| {
-            if p.starts.is_empty() {
-                LEVELS.len()
-            } else {
-                p.starts.len()
-            }
-        })
-        .max();
+    let mut shapes = vec![Vec::new()];
     for info in infos.iter().filter(|info| !info.is_size) {
         let starts = if info.starts.is_empty() {
             vec![info.neutral.clamp(info.min, info.max)]
         } else {
             info.starts.to_vec()
         };
-        grid = combine(&grid, &starts);
+        shapes = combine(&shapes, &starts);
     }
-    let mut all = Vec::new();
-    for shape in grid {
-        for level in 0..levels.unwrap_or(0) {
-            let mut shape = shape.iter();
-            let values = infos.iter().zip(scale).map(|(info, scale)| {
-                if !info.is_size {
-                    *shape.next().expect("one for each shape parameter")
-                } else if info.starts.is_empty() {
-                    typical(
-                        info.neutral,
-                        scale * LEVELS[level.min(LEVELS.len() - 1)],
-                        info.min,
-                        info.max,
-                    )
-                } else {
-                    info.starts[level.min(info.starts.len() - 1)]
-                }
-            });
-            all.push(values.collect());
+    let sizes = || infos.iter().filter(|p| p.is_size);
+    let own_starts = sizes().map(|p| p.starts.len()).max().unwrap_or(0);
+    let is_ladder = own_starts == 0;
+    let levels = match sizes().any(|p| p.starts.is_empty()) {
+        true => own_starts.max(LEVELS.len()),
+        false => own_starts,
+    };
+    // Several sizes start together, at the same place in their lists.
+    let at_level = |shape: &[f64], level: usize| -> Vec<f64> {
+        let mut shape = shape.iter();
+        let values = infos.iter().zip(scale).map(|(info, scale)| {
+            if !info.is_size {
+                *shape.next().expect("one for each shape parameter")
+            } else if info.starts.is_empty() {
+                let part = LEVELS[level.min(LEVELS.len() - 1)];
+                typical(info.neutral, scale * part, info.min, info.max)
+            } else {
+                info.starts[level.min(info.starts.len() - 1)]
+            }
+        });
+        values.collect()
+    };
+    let ladders = shapes.iter().flat_map(|shape| {
+        let values = (0..levels).map(|level| at_level(shape, level));
+        match is_ladder {
+            true => vec![values.collect::<Vec<_>>()],
+            false => values.map(|values| vec![values]).collect(),
         }
-    }
-    all
+    });
+    ladders.collect()
 }
 
 fn typical(neutral: f64, scale: f64, min: f64, max: f64) -> f64 {

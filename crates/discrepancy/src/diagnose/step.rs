@@ -58,8 +58,8 @@ impl Solver<'_, '_> {
         terms.map(|x| x * x).sum()
     }
 
-    pub fn jacobian(&self) -> Result<Vec<Columns>, PredictError> {
-        jacobian(self.problem, self.rows, &self.point, &self.predicted)
+    pub fn jacobian(&self, known: Vec<Columns>) -> Result<Vec<Columns>, PredictError> {
+        jacobian(self.problem, self.rows, &self.point, &self.predicted, known)
     }
 
     pub fn step(&mut self, jacobian: &mut [Columns], noise: &Noise) -> Step {

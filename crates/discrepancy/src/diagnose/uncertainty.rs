@@ -19,7 +19,7 @@ pub(super) fn standard_errors(
     rows: &Rows,
 ) -> Result<Vec<Option<f64>>, DiagnoseError> {
     let variables = problem.variables(&fit.point);
-    let columns = jacobian(problem, rows, &fit.point, &fit.predicted)?;
+    let columns = jacobian(problem, rows, &fit.point, &fit.predicted, Vec::new())?;
     let columns: Vec<Vec<f64>> = columns.iter().map(|x| fit.noise.whiten(x, rows)).collect();
     let target = fit.noise.whiten(&fit.residual, rows);
     let norm = |i: usize| {
