@@ -1,7 +1,7 @@
 //! Errors of the scenario file: what is wrong, where, and which rule it breaks.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode, SourceSpan};
 
@@ -10,6 +10,8 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode, SourceS
 pub enum ScenarioError {
     /// The file could not be read.
     Unreadable {
+        /// What the file should be.
+        what: &'static str,
         /// The file as it was named.
         path: PathBuf,
         /// What the operating system said.
@@ -118,11 +120,20 @@ impl ScenarioError {
     }
 }
 
+/// The text of a file that should be `what`.
+pub(crate) fn read_text(what: &'static str, path: &Path) -> Result<String, ScenarioError> {
+    std::fs::read_to_string(path).map_err(|error| ScenarioError::Unreadable {
+        what,
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })
+}
+
 impl fmt::Display for ScenarioError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            ScenarioError::Unreadable { path, reason } => {
-                write!(f, "cannot read scenario {}: {reason}", path.display())
+            ScenarioError::Unreadable { what, path, reason } => {
+                write!(f, "cannot read {what} {}: {reason}", path.display())
             }
             ScenarioError::Invalid(first, _) => write!(f, "{first}"),
         }

@@ -13,7 +13,7 @@ use crate::data::{DataSpec, DataTable};
 use crate::document::{Document, Fault};
 use crate::effect::table::{self, EffectTable};
 use crate::effect::{Effect, text};
-use crate::error::{Problem, ScenarioError};
+use crate::error::{Problem, ScenarioError, read_text};
 use crate::milling::PlannedPath;
 use crate::process::{ProcessSpec, ProcessTable};
 use crate::reach;
@@ -90,10 +90,7 @@ impl Scenario {
     /// # Errors
     /// A file that cannot be read; every rule of the format that is broken, with its place.
     pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Scenario, ScenarioError> {
-        let text = std::fs::read_to_string(path).map_err(|error| ScenarioError::Unreadable {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        })?;
+        let text = read_text("scenario", path)?;
         Scenario::from_str(path, &text, overrides)
     }
 

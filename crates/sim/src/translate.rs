@@ -98,7 +98,8 @@ pub(crate) fn build_process(
                     "the lines are not solved",
                 ));
             };
-            let (process, workpiece) = belt::belt(spec, path, world_from_process, path_s)?;
+            let (process, workpiece) =
+                belt::belt(spec, &effects.wheel, path, world_from_process, path_s)?;
             Ok((Box::new(process), workpiece))
         }
         ProcessSpec::Replay(_) => Err(SimError::scenario(

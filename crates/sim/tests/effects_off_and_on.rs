@@ -2,7 +2,7 @@
 
 mod support;
 
-use support::{ARM_POSTURE, chamfer, load, polish, run, wheel};
+use support::{ARM_POSTURE, belt, chamfer, load, polish, run, wheel};
 use truecut_recording::Recording;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target, TargetKind};
@@ -22,11 +22,17 @@ fn stages(kind: EffectKind) -> Vec<Scenario> {
         Family::Wheel => match kind {
             EffectKind::WheelStiffness
             | EffectKind::WheelEccentricity
-            | EffectKind::WheelFriction => vec![wheel(), polish()],
+            | EffectKind::WheelFriction => vec![wheel(), polish(), short_belt()],
+            EffectKind::WheelRemoval => vec![polish(), short_belt()],
             _ => vec![polish()],
         },
         _ => vec![stage(kind)],
     }
+}
+
+/// Down onto the face, and some of the first line.
+fn short_belt() -> Scenario {
+    belt(&[("run.duration_s".to_owned(), "0.9".to_owned())])
 }
 
 fn stage(kind: EffectKind) -> Scenario {

@@ -6,13 +6,14 @@ use truecut_scenario::effect::EffectKind;
 
 use super::Stage;
 use super::answer::Proposal;
+use super::choice::{criterion, weight};
 use super::data::{LAGS, Rows};
 use super::fit::{Fit, difference, fit};
 use super::memory::{LEAST_GENERALISATION, distance as standing_out};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
 use super::screen::angle_deg;
-use super::search::{DECISIVE, Outcome, criterion, weight};
+use super::search::{DECISIVE, Outcome};
 use super::validate::compare;
 use crate::model::Columns;
 

@@ -7,13 +7,14 @@ use super::ambiguity::Rival;
 use super::answer::{
     Alternative, Cause, Evidence, Nominal, Parameter, SmallestSeen, key_and_unit, target_name,
 };
+use super::choice::LEAST_T;
 use super::data::Rows;
 use super::fit::{Fit, fit};
 use super::memory::{LEAST_MEAN_DISTANCE, distance};
 use super::noise::{dot, subtract};
 use super::problem::{Found, Problem};
 use super::screen::{Ranked, critical, nuisance, projected};
-use super::search::{LEAST_T, Outcome, without};
+use super::search::{Outcome, without};
 use super::uncertainty::standard_errors;
 use super::validate::{compare, rms};
 use crate::model::Columns;

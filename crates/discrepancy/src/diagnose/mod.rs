@@ -15,6 +15,7 @@
 mod ambiguity;
 mod answer;
 mod ceiling;
+mod choice;
 mod conclude;
 mod data;
 mod evidence;

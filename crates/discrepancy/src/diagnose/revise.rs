@@ -3,14 +3,13 @@
 use rayon::prelude::*;
 
 use super::DiagnoseError;
+use super::choice::{criterion, weight};
 use super::fit::{Fit, fit};
 use super::noise::Noise;
 use super::problem::Point;
 use super::race::Race;
 use super::screen::{rank, refine};
-use super::search::{
-    DECISIVE, Outcome, REFINED, Search, criterion, extended, settled, weight, without,
-};
+use super::search::{DECISIVE, Outcome, REFINED, Search, extended, settled, without};
 
 /// Sizes, in parts of those found, from which a fit is made again.
 const RESTARTS: [f64; 4] = [-1.0, 0.4, 2.5, 4.0];

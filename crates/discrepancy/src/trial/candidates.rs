@@ -174,6 +174,7 @@ fn applies(scenario: &Scenario, kind: EffectKind) -> bool {
         Family::Wheel => match process {
             ProcessSpec::Wheel(_) => wheel_tells(kind),
             ProcessSpec::Polish(polish) => polish_tells(polish, kind),
+            ProcessSpec::Belt(_) => belt_tells(kind),
             _ => false,
         },
     }
@@ -206,6 +207,14 @@ fn polish_tells(polish: &PolishSpec, kind: EffectKind) -> bool {
         }
         _ => true,
     }
+}
+
+/// A belt has no force control.
+fn belt_tells(kind: EffectKind) -> bool {
+    !matches!(
+        kind,
+        EffectKind::WheelForceOffset | EffectKind::WheelForceStiction
+    )
 }
 
 fn targets(kind: EffectKind, signals: &Signals, channels: &[ChannelSpec]) -> Vec<Target> {
@@ -244,6 +253,10 @@ fn scale(
                 }
             }
             ProcessSpec::Polish(polish) => polish_scale(polish, kind),
+            ProcessSpec::Belt(belt) => match kind {
+                EffectKind::WheelEccentricity => vec![SHARE * belt.job.wheel.indentation_m; 2],
+                _ => vec![SHARE],
+            },
             _ => return None,
         },
         (Family::Sensor, Target::Channel(channel)) => {

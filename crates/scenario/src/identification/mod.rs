@@ -21,7 +21,7 @@ pub use stiffness::{Axes, Point, StiffnessColumn, StiffnessQuantity, StiffnessSp
 
 use crate::check::Check;
 use crate::document::{Document, Fault};
-use crate::error::ScenarioError;
+use crate::error::{ScenarioError, read_text};
 use crate::robot::RobotSpec;
 use crate::scenario::{folder_of, located, one_problem};
 use crate::units::{from_deg, from_mm};
@@ -83,10 +83,7 @@ impl Identification {
     /// # Errors
     /// A file that cannot be read; every rule of the format that is broken, with its place.
     pub fn load(path: &Path) -> Result<Identification, ScenarioError> {
-        let text = std::fs::read_to_string(path).map_err(|error| ScenarioError::Unreadable {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        })?;
+        let text = read_text("identification", path)?;
         Identification::from_str(path, &text)
     }
 

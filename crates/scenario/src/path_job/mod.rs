@@ -20,7 +20,7 @@ pub use spec::{
 
 use crate::check::Check;
 use crate::document::{Document, Fault};
-use crate::error::ScenarioError;
+use crate::error::{ScenarioError, read_text};
 use crate::scenario::{folder_of, located, one_problem};
 use crate::units::from_deg;
 use crate::{schema, structure};
@@ -103,10 +103,7 @@ impl PathJob {
     /// # Errors
     /// A file that cannot be read; every rule of the format that is broken, with its place.
     pub fn load(path: &Path) -> Result<PathJob, ScenarioError> {
-        let text = std::fs::read_to_string(path).map_err(|error| ScenarioError::Unreadable {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        })?;
+        let text = read_text("path job", path)?;
         PathJob::from_str(path, &text)
     }
 

@@ -134,7 +134,7 @@ fn wheel_misfit(effect: &Effect, process: &ProcessSpec) -> Option<&'static str> 
         EffectKind::WheelForceOffset | EffectKind::WheelForceStiction
     );
     match process {
-        ProcessSpec::Wheel(_) if of_control => {
+        ProcessSpec::Wheel(_) | ProcessSpec::Belt(_) if of_control => {
             Some("it acts on a force control, which process.polish can have")
         }
         ProcessSpec::Polish(spec)
@@ -142,8 +142,8 @@ fn wheel_misfit(effect: &Effect, process: &ProcessSpec) -> Option<&'static str> 
         {
             Some("it acts on a force control, but law = \"position\" has none")
         }
-        ProcessSpec::Wheel(_) | ProcessSpec::Polish(_) => None,
-        _ => Some("it acts on the wheel of process.wheel or process.polish"),
+        ProcessSpec::Wheel(_) | ProcessSpec::Polish(_) | ProcessSpec::Belt(_) => None,
+        _ => Some("it acts on the wheel of process.wheel, process.polish or process.belt"),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::polishing;
 use crate::belt_path::BeltLines;
+use crate::effect::WheelEffects;
 use crate::error::SimError;
 use crate::process::{Belt, BeltSetup, Cells, cells_within};
 use crate::scene::Workpiece;
@@ -17,6 +18,7 @@ const MOST_CELLS: usize = 4_000_000;
 /// The process along a solved path, and its workpiece.
 pub(super) fn belt(
     spec: &BeltSpec,
+    effects: &WheelEffects,
     path: &BeltLines,
     world_from_process: &Isometry3<f64>,
     duration_s: f64,
@@ -36,10 +38,11 @@ pub(super) fn belt(
     };
     let copies = path.copies.clone();
     let setup = BeltSetup {
-        wheel: wheel(spec),
+        wheel: wheel(spec, effects),
+        runout_m: effects.eccentricity_m,
         belt_m_per_s: spec.belt_m_per_s,
-        mu: spec.mu,
-        preston_per_pa: spec.preston_per_pa,
+        mu: spec.mu * effects.friction_factor,
+        preston_per_pa: spec.preston_per_pa * effects.removal_factor,
         polishing: polishing(&spec.roughness),
         patch: path.patch.clone(),
         process_from_world: world_from_process.rotation.inverse(),
@@ -77,11 +80,12 @@ fn check_cells(spec: &BeltSpec, cells: &Cells) -> Result<(), SimError> {
     ))
 }
 
-fn wheel(spec: &BeltSpec) -> BeltWheel {
+/// A stiffer wheel has stiffer rubber; the belt's tension is another matter.
+fn wheel(spec: &BeltSpec, effects: &WheelEffects) -> BeltWheel {
     BeltWheel {
         radius_m: spec.job.wheel.radius_m,
         width_m: spec.job.wheel.width_m,
-        contact_modulus_pa: spec.job.wheel.modulus_pa,
+        contact_modulus_pa: spec.job.wheel.modulus_pa * effects.stiffness_factor,
         poisson: spec.poisson,
         rubber_m: spec.rubber_m,
         tension_n: spec.tension_n,

@@ -1,6 +1,6 @@
 //! The arm in rapier and the linearised arm under the same belt, rows alone.
 
-use super::support::scenario;
+use super::shared::belt;
 use truecut_recording::Outcome;
 use truecut_sim::{Engine, Robots, simulate};
 
@@ -9,7 +9,7 @@ use truecut_sim::{Engine, Robots, simulate};
 #[test]
 fn reduced_arm_feels_the_same_belt() {
     let short = [("run.duration_s".to_owned(), "1.2".to_owned())];
-    let scenario = scenario(&short);
+    let scenario = belt(&short);
     let run = |engine| {
         let channels = ["belt.normal_force", "belt.removed_volume"];
         let rows = simulate(&scenario, None, &Robots::new(), engine, &channels, None);

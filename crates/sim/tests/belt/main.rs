@@ -1,6 +1,7 @@
 //! A belt over a contact wheel on the face of a path job, on the HP20 in rapier: forces, removal, copies.
 
 mod copies;
+mod effects;
 mod engines;
 mod plane;
 #[path = "../support/mod.rs"]

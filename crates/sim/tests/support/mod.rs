@@ -179,6 +179,32 @@ feed_mm_per_s = 15{SOFT_WHEEL}"#
     ))
 }
 
+/// A belt over the plane face of a path job, in rapier; with overrides of whole keys.
+pub fn belt(overrides: &[(String, String)]) -> Scenario {
+    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/belt/scenario.toml");
+    let text = r#"
+name = "plane"
+[robot]
+urdf = "../../../../assets/robots/hp20/robot.urdf"
+[run]
+time_step_ms = 0.2
+[process.belt]
+job = "plane.toml"
+belt_m_per_s = 15
+tension_n = 40
+rubber_mm = 8
+poisson = 0.48
+mu = 0.3
+preston_per_pa = 4e-12
+cell_mm = 0.5
+[process.belt.roughness]
+start_um = 3.2
+end_um = 0.4
+dose_j_per_mm2 = 0.5
+"#;
+    Scenario::from_str(&at, text, overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// Peaks of a swinging column, by a parabola through three samples.
 pub fn peaks(x: &[f64]) -> Vec<f64> {
     (x.windows(3))

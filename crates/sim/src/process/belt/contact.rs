@@ -83,12 +83,14 @@ impl Contact {
         let tool_x = motion.patch_from_tool.rotation * Vector3::x();
         let centre = Point3::from(motion.patch_from_tool.translation.vector);
         let wheel = &setup.wheel;
-        let reach_m = wheel.radius_m.hypot(0.5 * wheel.width_m);
+        let [runout_m, runout_m_per_s] = setup.runout(state.time_s);
+        let radius_m = wheel.radius_m + runout_m;
+        let reach_m = radius_m.hypot(0.5 * wheel.width_m);
         let Some(near) = face.near(&centre, reach_m) else {
             return contact;
         };
         let middle = face.section(&centre, &axis, near);
-        contact.middle = middle.map(|found| (found.uv, wheel.radius_m - found.distance_m));
+        contact.middle = middle.map(|found| (found.uv, radius_m - found.distance_m));
         let mut seed = middle.map_or(near, |found| found.uv);
         for index in 0..STRIPS {
             let along_m = wheel.width_m * ((index as f64 + 0.5) / STRIPS as f64 - 0.5);
@@ -103,6 +105,8 @@ impl Contact {
                 quadrature,
                 motion: &motion,
                 axis,
+                radius_m,
+                runout_m_per_s,
             };
             if let Some(strip) = press.strip(index, &section, &mut edges) {
                 contact.add(&strip, &motion, &tool_x, &axis, setup.wheel.width_m);
@@ -159,6 +163,9 @@ struct Press<'a> {
     quadrature: &'a Quadrature,
     motion: &'a Motion,
     axis: Vector3<f64>,
+    /// With the runout of this instant.
+    radius_m: f64,
+    runout_m_per_s: f64,
 }
 
 impl Press<'_> {
@@ -170,7 +177,7 @@ impl Press<'_> {
         edges: &mut impl FnMut(&Strip, &EdgePoint),
     ) -> Option<Strip> {
         let wheel = &self.setup.wheel;
-        let penetration_m = wheel.radius_m - section.distance_m;
+        let penetration_m = self.radius_m - section.distance_m;
         if penetration_m <= 0.0 {
             return None;
         }
@@ -228,7 +235,7 @@ impl Press<'_> {
                 velocity.dot(y),
             ),
             spin_rad_s: motion.turning_rad_s.dot(&normal),
-            approach_m_per_s: -velocity.dot(&normal) / lean,
+            approach_m_per_s: self.runout_m_per_s - velocity.dot(&normal) / lean,
             mu: self.setup.mu,
         }
     }

@@ -25,6 +25,7 @@ use contact::{Contact, Motion, Strip};
 use geometry::FaceGeometry;
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 use surface::Worn;
 use truecut_core::roughness::Polishing;
@@ -49,6 +50,8 @@ pub struct Copied {
 #[derive(Debug, Clone)]
 pub struct BeltSetup {
     pub wheel: BeltWheel,
+    /// How much further than its radius the contact wheel reaches at the face when the run starts, and a quarter of a turn later, m.
+    pub runout_m: [f64; 2],
     /// Speed of the belt along the tool's x axis, m/s.
     pub belt_m_per_s: f64,
     pub mu: f64,
@@ -80,6 +83,19 @@ impl BeltSetup {
     fn copy_at(&self, time_s: f64) -> usize {
         let begun = self.copies.partition_point(|copy| copy.from_s <= time_s);
         begun.saturating_sub(1)
+    }
+
+    /// How fast the belt turns the contact wheel, rad/s.
+    fn wheel_rad_s(&self) -> f64 {
+        self.belt_m_per_s / self.wheel.radius_m
+    }
+
+    /// How much further than its radius the wheel reaches, and how fast that grows: `C cos φ + S sin φ`, in m and m/s.
+    fn runout(&self, time_s: f64) -> [f64; 2] {
+        let [c, s] = self.runout_m;
+        let spin = self.wheel_rad_s();
+        let (sin, cos) = (spin * time_s).sin_cos();
+        [c * cos + s * sin, spin * (s * cos - c * sin)]
     }
 
     /// Motion of the tool in the frame of a copy's patch.
@@ -270,6 +286,11 @@ impl Process for Belt {
 
     fn tooth_period_s(&self) -> Option<f64> {
         None
+    }
+
+    fn highest_frequency_hz(&self) -> Option<f64> {
+        let p = &self.setup;
+        (p.runout_m != [0.0; 2]).then(|| p.wheel_rad_s().abs() / TAU)
     }
 
     /// Slope of the force over the penetration on a flat face, at the indentation of the path.

@@ -23,6 +23,7 @@ fn setup(surface: Box<dyn Surface + Send>, wheel: BeltWheel) -> BeltSetup {
     });
     let cells = Cells::of(&patch, 1e-3);
     BeltSetup {
+        runout_m: [0.0; 2],
         wheel,
         belt_m_per_s: 20.0,
         mu: 0.3,

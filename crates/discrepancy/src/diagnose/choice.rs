@@ -1,0 +1,118 @@
+//! The choice among fits: by what they gain on blocks that they were not fitted to, beyond chance and in noise of any memory.
+
+use super::fit::Fit;
+use super::memory::{LEAST_GENERALISATION, distance, stands_out};
+use super::problem::Problem;
+use super::screen::critical;
+use super::search::{DECISIVE, Search};
+use super::validate::{Paired, compare, objective};
+
+/// The validation gain must be beyond so many standard errors; detection on the training rows has come before, and it is there that
+/// chance is kept out.
+pub(super) const LEAST_T: f64 = 1.0;
+/// In standard errors.
+const CLEARLY_BEHIND: f64 = 2.0;
+
+impl Search<'_, '_> {
+    /// The trial to take: of those that earn their place and are not clearly behind the best on the validation blocks, the fewest
+    /// effects, and among these the best by the information criterion.
+    pub(super) fn choose(
+        &self,
+        base: &Fit,
+        trials: &[Fit],
+        orders: &[usize],
+        tests: usize,
+    ) -> Option<usize> {
+        let validation = &self.problem.split.validation;
+        let passing: Vec<usize> = (0..trials.len())
+            .filter(|&i| self.is_detected(base, &trials[i], tests) && self.earns(base, &trials[i]))
+            .collect();
+        let common = passing
+            .iter()
+            .copied()
+            .min_by(|&a, &b| trials[a].objective.total_cmp(&trials[b].objective))?;
+        let noise = &trials[common].noise;
+        let gain = |i: usize| compare(&base.residual, &trials[i].residual, noise, validation).gain;
+        let best = passing
+            .iter()
+            .copied()
+            .max_by(|&a, &b| gain(a).total_cmp(&gain(b)))?;
+        let near = passing.iter().copied().filter(|&i| {
+            let behind = compare(
+                &trials[i].residual,
+                &trials[best].residual,
+                noise,
+                validation,
+            );
+            // Two models that say all but the same differ by next to nothing, and that may be many standard errors.
+            behind.t() <= CLEARLY_BEHIND || behind.gain < DECISIVE
+        });
+        let value = |i: usize| criterion(self.problem, &trials[i], orders);
+        let order = |a: &usize, b: &usize| {
+            let effects = |i: usize| trials[i].point.effects.len();
+            effects(*a)
+                .cmp(&effects(*b))
+                .then(value(*a).total_cmp(&value(*b)))
+        };
+        let taken = near.min_by(order)?;
+        // A simpler one from which it does not stand out is what it generalises.
+        let simpler = passing.into_iter().filter(|&i| {
+            trials[i].point.effects.len() == trials[taken].point.effects.len()
+                && weight(self.problem, &trials[i]) < weight(self.problem, &trials[taken])
+                && distance(self.problem, &trials[i].residual, &trials[taken].residual)
+                    < LEAST_GENERALISATION
+        });
+        simpler.min_by(order).or(Some(taken))
+    }
+
+    /// Whether chance is ruled out: on the training rows, where a pair counts for all the pairs there are, and for noise of any memory.
+    fn is_detected(&self, base: &Fit, trial: &Fit, tests: usize) -> bool {
+        let added = &trial.point.effects[base.point.effects.len()..];
+        let dof = added.iter().map(|f| f.values.len()).sum();
+        let tests = tests.pow(added.len() as u32);
+        let bar = critical(self.problem.options.family_wise_error, tests, dof);
+        let gain = base.objective - trial.objective;
+        gain > bar && stands_out(self.problem, gain, &base.residual, &trial.residual)
+    }
+
+    /// Whether the larger model predicts the validation blocks better: beyond chance, and enough to matter.
+    pub(super) fn earns(&self, small: &Fit, large: &Fit) -> bool {
+        let paired = self.paired(small, large);
+        paired.t() > LEAST_T && paired.practical >= self.problem.options.min_gain
+    }
+
+    pub(super) fn paired(&self, small: &Fit, large: &Fit) -> Paired {
+        compare(
+            &small.residual,
+            &large.residual,
+            &large.noise,
+            &self.problem.split.validation,
+        )
+    }
+}
+
+/// Bayesian information criterion on training and validation rows together, with noise of the given orders. A shape parameter counts
+/// twice: it is searched over all its range, from several starts.
+pub(super) fn criterion(problem: &Problem, trial: &Fit, orders: &[usize]) -> f64 {
+    let rows = &problem.split.development;
+    objective(problem, &trial.residual, rows, orders)
+        + weight(problem, trial) * (rows.len() as f64).ln()
+}
+
+/// Number of parameters of the effects; those searched from several starts counted twice.
+pub(super) fn weight(problem: &Problem, trial: &Fit) -> f64 {
+    let infos = trial
+        .point
+        .effects
+        .iter()
+        .flat_map(|f| problem.infos(f.candidate));
+    infos
+        .map(|info| {
+            if info.is_size || info.starts.is_empty() {
+                1.0
+            } else {
+                2.0
+            }
+        })
+        .sum()
+}
