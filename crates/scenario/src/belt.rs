@@ -130,6 +130,16 @@ impl BeltTable {
             );
             check.refuse(Fault::value(&path, message, "no room for a hub"));
         }
+        if rubber_m <= job.wheel.indentation_m {
+            let path = format!("{TABLE}.rubber_mm");
+            let message = format!(
+                "`{path}` is {}, but must be above the indentation of {} mm, which {} gives: the path would press the hub onto the face",
+                self.rubber_mm,
+                job.wheel.indentation_m * 1e3,
+                self.job
+            );
+            check.refuse(Fault::value(&path, message, "too thin"));
+        }
         Some(BeltSpec {
             copies: copies(self.copies, &self.job, &job, check)?,
             belt_m_per_s: self.belt_m_per_s,
@@ -174,7 +184,7 @@ fn read_job(written: &str, folder: &Path, check: &mut Check) -> Option<BeltJob> 
         },
         Err(ScenarioError::Unreadable { reason, .. }) => {
             let message = format!("`{JOB}`: cannot read the path job {written}: {reason}");
-            (message, "no such job")
+            (message, "cannot be read")
         }
         Err(error) => {
             let line = error.problems().next().and_then(|problem| problem.line());
