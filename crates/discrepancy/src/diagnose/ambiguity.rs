@@ -33,14 +33,13 @@ pub(super) struct Rival {
 const NEAR_DEG: f64 = 6.0;
 const DECISIVE_OF_NEAR: f64 = 12.0;
 
-/// All rivals, closest first.
-pub(super) fn rivals(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
+/// All rivals of the model chosen among these fits, closest first.
+pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<Rival> {
     let chosen = &outcome.chosen;
     let here = criterion(problem, chosen, &outcome.orders);
     let size = |fit: &Fit| weight(problem, fit);
     let n = problem.split.development.len() as f64;
-    let others = outcome
-        .rivals
+    let others = fits
         .iter()
         .filter(|r| r.point.effects.len() == chosen.point.effects.len());
     let mut rivals: Vec<Rival> = others

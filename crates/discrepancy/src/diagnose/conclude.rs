@@ -134,7 +134,11 @@ fn told(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnosis, D
     diagnosis.nominal = nominal(problem, last, &errors);
     let rivals = match last.point.effects.is_empty() {
         true => Vec::new(),
-        false => rivals(problem, outcome),
+        false => rivals(problem, outcome, &outcome.rivals),
+    };
+    let rivals = match rivals.is_empty() {
+        true => next_best(problem, outcome),
+        false => rivals,
     };
     let told: Vec<&Rival> = (rivals.iter().take(MOST_RIVALS).enumerate())
         .filter(|(i, rival)| *i == 0 || rival.as_good)
@@ -150,6 +154,15 @@ fn told(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnosis, D
         diagnosis.experiments = experiments(problem, &outcome.chosen, &rival.fit);
     }
     Ok(diagnosis)
+}
+
+/// Where the model chosen was reached through a larger one, no rival has as many effects. What came closest alone is told all the same; that it is no
+/// alternative is settled: the larger model was chosen before it.
+fn next_best(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
+    let mut found = rivals(problem, outcome, &outcome.singles);
+    found.truncate(1);
+    found.iter_mut().for_each(|rival| rival.as_good = false);
+    found
 }
 
 /// The verdict, before the test part is opened.

@@ -111,6 +111,10 @@ fn given_up(runners: &[Runner], race: Race, part: f64) -> Vec<Option<&'static st
         .map(|runner| runner.running.as_ref().ok())
         .collect();
     let count = |running: &Running| running.point().effects.len();
+    let next_best = match race {
+        Race::Extending(_) => next_best(runners),
+        _ => None,
+    };
     let is_behind = |own: &Running| {
         let reachable = own.objective() - PROMISE * own.decrement();
         match race {
@@ -138,7 +142,7 @@ fn given_up(runners: &[Runner], race: Race, part: f64) -> Vec<Option<&'static st
         if twin {
             return Some("given up: it came to where another fit of the same effects is");
         }
-        is_behind(own).then_some(match race {
+        (is_behind(own) && next_best != Some(kinds(own))).then_some(match race {
             Race::ToBeat(_) => "given up: it does not come to more than the fit that it began from",
             _ => "given up: far behind the best of as many effects",
         })
@@ -146,10 +150,30 @@ fn given_up(runners: &[Runner], race: Race, part: f64) -> Vec<Option<&'static st
     (0..runners.len()).map(verdict).collect()
 }
 
-fn same(a: &Running, b: &Running) -> bool {
-    let kinds = |running: &Running| -> Vec<usize> {
-        let effects = running.point().effects.iter();
-        effects.map(|found| found.candidate).collect()
+/// The effects of the best fit that has others than the leader, among fits of the fewest effects: it is told as the next best explanation,
+/// however far behind.
+fn next_best(runners: &[Runner]) -> Option<Vec<usize>> {
+    let on_the_way: Vec<&Running> = (runners.iter())
+        .filter(|runner| runner.given_up.is_none())
+        .filter_map(|runner| runner.running.as_ref().ok())
+        .collect();
+    let count = |running: &Running| running.point().effects.len();
+    let fewest = on_the_way.iter().map(|running| count(running)).min()?;
+    let best_but = |not: &[usize]| {
+        let others = on_the_way
+            .iter()
+            .filter(|running| count(running) == fewest && kinds(running) != not);
+        let best = others.min_by(|a, b| a.objective().total_cmp(&b.objective()))?;
+        Some(kinds(best))
     };
+    best_but(&best_but(&[])?)
+}
+
+fn same(a: &Running, b: &Running) -> bool {
     kinds(a) == kinds(b) && a.distance(b) < TOGETHER
+}
+
+fn kinds(running: &Running) -> Vec<usize> {
+    let effects = running.point().effects.iter();
+    effects.map(|found| found.candidate).collect()
 }

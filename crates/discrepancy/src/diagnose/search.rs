@@ -24,6 +24,8 @@ pub(super) struct Outcome {
     pub rivals: Vec<Fit>,
     /// Pairs of effects that were fitted to begin with.
     pub pairs: Vec<Fit>,
+    /// And single effects.
+    pub singles: Vec<Fit>,
     /// The last screening: what is left to be seen beyond the model chosen.
     pub ranking: Vec<Ranked>,
     /// Signatures tested in the last screening.
@@ -85,6 +87,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         orders,
         rivals: Vec::new(),
         pairs: Vec::new(),
+        singles: Vec::new(),
         ranking: Vec::new(),
         tests: 0,
         signatures: Vec::new(),
@@ -198,8 +201,11 @@ impl Search<'_, '_> {
         let trials = self.fit_all(starts, &outcome.orders, Race::Extending(base));
         self.failed |= trials.is_empty() && strong;
         if base.point.effects.is_empty() {
-            let pairs = trials.iter().filter(|t| t.point.effects.len() == 2);
-            outcome.pairs = pairs.cloned().collect();
+            let of = |count: usize| {
+                let alike = trials.iter().filter(|t| t.point.effects.len() == count);
+                alike.cloned().collect()
+            };
+            (outcome.singles, outcome.pairs) = (of(1), of(2));
         }
         let Some(best) = self.choose(base, &trials, &outcome.orders, outcome.tests) else {
             return Ok(false);
