@@ -120,25 +120,27 @@ impl BeltTable {
         let roughness = self.roughness.resolve(TABLE, check);
         let job = read_job(&self.job, folder, check)?;
         let rubber_m = from_mm(self.rubber_mm);
-        if rubber_m >= job.wheel.radius_m {
+        let refused = if rubber_m >= job.wheel.radius_m {
+            Some((
+                "below the wheel's radius",
+                job.wheel.radius_m,
+                "it lies on a hub",
+            ))
+        } else if rubber_m <= job.wheel.indentation_m {
+            let why = "the path would press the hub onto the face";
+            Some(("above the indentation", job.wheel.indentation_m, why))
+        } else {
+            None
+        };
+        if let Some((bound, limit_m, why)) = refused {
             let path = format!("{TABLE}.rubber_mm");
             let message = format!(
-                "`{path}` is {}, but must be below the wheel's radius of {} mm, which {} gives: it lies on a hub",
+                "`{path}` is {}, but must be {bound} of {} mm, which {} gives: {why}",
                 self.rubber_mm,
-                job.wheel.radius_m * 1e3,
+                limit_m * 1e3,
                 self.job
             );
-            check.refuse(Fault::value(&path, message, "no room for a hub"));
-        }
-        if rubber_m <= job.wheel.indentation_m {
-            let path = format!("{TABLE}.rubber_mm");
-            let message = format!(
-                "`{path}` is {}, but must be above the indentation of {} mm, which {} gives: the path would press the hub onto the face",
-                self.rubber_mm,
-                job.wheel.indentation_m * 1e3,
-                self.job
-            );
-            check.refuse(Fault::value(&path, message, "too thin"));
+            check.refuse(Fault::value(&path, message, "does not fit the wheel"));
         }
         Some(BeltSpec {
             copies: copies(self.copies, &self.job, &job, check)?,

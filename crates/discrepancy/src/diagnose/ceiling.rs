@@ -65,9 +65,13 @@ struct Trial<'a> {
     errors: Vec<f64>,
 }
 
-/// Bounds what can be explained of the residual.
+/// Bounds what can be explained of the residual; of signatures those count whose effects the model does not have.
 pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Signature]) -> Bound {
     let (residual, noise) = (&last.residual, &last.noise);
+    let others = signatures.iter();
+    let others: Vec<&Signature> = others
+        .filter(|one| !last.point.holds(one.candidate))
+        .collect();
     let groups = groups(problem, &last.predicted);
     let mut left = residual.clone();
     let mut floor = Vec::new();
@@ -84,7 +88,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
             target.residual,
             target.rows,
         ));
-        let simulated = spans(problem, signatures, c);
+        let simulated = spans(problem, &others, c);
         let all: Vec<&Group> = groups
             .iter()
             .chain(&simulated)

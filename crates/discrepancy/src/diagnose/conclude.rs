@@ -13,7 +13,6 @@ use super::fit::{Fit, fit};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
 use super::search::Outcome;
-use super::signature::Signature;
 use super::uncertainty::standard_errors;
 use super::validate::{batch_sums, compare, error_of_sum, rms};
 use super::{Answer, DiagnoseError, Stage};
@@ -94,14 +93,9 @@ pub(super) fn conclude(
     );
     let (last, base) = (last?, base?);
     problem.report(Stage::Ceiling);
-    let others = outcome.signatures.iter();
-    let others: Vec<Signature> = others
-        .filter(|one| !last.point.holds(one.candidate))
-        .cloned()
-        .collect();
     // One asks for next to no simulations, the other for many, some of them one after the other.
     let (bound, told) = rayon::join(
-        || bound(problem, &base, &last, &others),
+        || bound(problem, &base, &last, &outcome.signatures),
         || told(problem, &outcome, &last),
     );
     let mut diagnosis = told?;

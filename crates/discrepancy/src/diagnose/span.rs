@@ -9,7 +9,7 @@ use super::problem::Problem;
 use super::signature::Signature;
 
 /// The mixtures, as features of one channel; their traces come from full simulations, dynamics included.
-pub(super) fn spans(problem: &Problem, signatures: &[Signature], channel: usize) -> Vec<Group> {
+pub(super) fn spans(problem: &Problem, signatures: &[&Signature], channel: usize) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for signature in signatures {
         let candidate = &problem.candidates[signature.candidate];
