@@ -275,6 +275,36 @@ end_um = 0.4
 dose_j_per_mm2 = 0.5
 "#;
 
+const BRUSH: &str = r#"
+name = "every key"
+[robot]
+urdf = "../../assets/robots/hp20/robot.urdf"
+[run]
+time_step_ms = 0.5
+[process.brush]
+taught = "../finishing/block_edge.csv"
+feed_mm_per_s = 40
+joint_speed = 0.01
+radius_mm = 60
+width_mm = 20
+speed_rpm = 1500
+bristles = 8000
+bristle_diameter_mm = 0.5
+free_length_mm = 25
+youngs_modulus_mpa = 3000
+mu = 0.3
+preston_per_pa = 1.5e-10
+station_mm = 1.2
+[process.brush.workpiece]
+mesh = "../../assets/surfaces/mould_block.obj"
+xyz_mm = [1000, -30, 400]
+rpy_deg = [0.01, 0, 0]
+[[process.brush.edge]]
+points_mm = [[0, 0, 20], [100, 0, 20]]
+burr_height_mm = 0.15
+burr_thickness_mm = 0.05
+"#;
+
 fn run(text: &str, overrides: &[(String, String)]) -> Recording {
     let at = repository().join("scenarios/arm/every_key.toml");
     let scenario = Scenario::from_str(&at, text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
@@ -294,7 +324,9 @@ fn numeric_keys(text: &str) -> Vec<(String, String)> {
     let mut table = String::new();
     let mut keys = Vec::new();
     for line in text.lines() {
-        if let Some(name) = line.strip_prefix('[') {
+        if let Some(name) = line.strip_prefix("[[") {
+            table = format!("{}.0", name.trim_end_matches(']'));
+        } else if let Some(name) = line.strip_prefix('[') {
             table = name.trim_end_matches(']').to_string();
         } else if let Some((key, value)) = line.split_once(" = ") {
             let changed = changed(key, value);
@@ -314,7 +346,15 @@ fn changed(key: &str, value: &str) -> Option<String> {
         let (first, rest) = inside.split_once(',')?;
         return Some(format!("[{}, {rest}", first.parse::<f64>().ok()? * 1.03));
     }
-    if ["edges", "cylinders", "strip_cells", "teeth", "copies"].contains(&key) {
+    let counts = [
+        "edges",
+        "cylinders",
+        "strip_cells",
+        "teeth",
+        "copies",
+        "bristles",
+    ];
+    if counts.contains(&key) {
         return Some((value.parse::<i64>().ok()? + 1).to_string());
     }
     let number: f64 = value.parse().ok()?;
@@ -362,6 +402,11 @@ fn verify_every_key_of_polishing_counts() {
 #[test]
 fn verify_every_key_of_belt_finishing_counts() {
     check(BELT, 14);
+}
+
+#[test]
+fn verify_every_key_of_brushing_counts() {
+    check(BRUSH, 17);
 }
 
 #[test]

@@ -106,6 +106,7 @@ pub fn spindle_hz(scenario: &Scenario) -> Option<f64> {
         ProcessSpec::Polish(polish) => polish.spin_rad_s.abs(),
         ProcessSpec::Replay(replay) => replay.turning?.spindle_rad_s,
         ProcessSpec::Belt(belt) => belt.wheel_rad_s(),
+        ProcessSpec::Brush(brush) => brush.spin_rad_s.abs(),
         ProcessSpec::Load(_) => return None,
     };
     (speed_rad_s > 0.0).then_some(speed_rad_s / std::f64::consts::TAU)

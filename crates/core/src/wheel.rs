@@ -1,12 +1,13 @@
 //! A compliant wheel pressed onto a flat plate: normal spring, sliding friction, Preston removal.
 //!
 //! The submodules hold the tools of finishing: what their surfaces rest on ([`bed`]), how they press ([`pneumatic`], [`belt`],
-//! [`brush`]), the patch over a face with edges ([`patch`], [`face`]), what they remove ([`removal`]), and how they are held
+//! [`brush`]), the patch over a face with edges ([`patch`], [`face`]), what they remove ([`removal`], [`edge_wear`]), and how they are held
 //! ([`force_control`]).
 
 pub mod bed;
 pub mod belt;
 pub mod brush;
+pub mod edge_wear;
 pub mod face;
 pub mod force_control;
 pub mod patch;

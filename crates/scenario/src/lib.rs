@@ -46,6 +46,7 @@
 
 mod adjust;
 mod belt;
+mod brush;
 mod chamfer;
 mod check;
 mod claim;
@@ -80,6 +81,7 @@ mod wheel;
 
 pub use adjust::{JointSpec, LinkSpec};
 pub use belt::{BeltJob, BeltSpec};
+pub use brush::{BrushSpec, EdgeSpec};
 pub use chamfer::{ChamferSpec, CuttingSpec, FeedDirection, Regeneration};
 pub use data::DataSpec;
 pub use error::{Problem, ScenarioError};

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::belt::{BeltSpec, BeltTable};
+use crate::brush::{BrushSpec, BrushTable};
 use crate::chamfer::{ChamferSpec, ChamferTable};
 use crate::check::Check;
 use crate::document::Fault;
@@ -28,6 +29,8 @@ pub enum ProcessSpec {
     Polish(Box<PolishSpec>),
     /// Finishing the face of a path job with a belt over a contact wheel.
     Belt(Box<BeltSpec>),
+    /// Deburring edges with a wheel brush along taught postures.
+    Brush(Box<BrushSpec>),
     /// Given forces.
     Load(LoadSpec),
     /// Measured inputs.
@@ -43,6 +46,7 @@ impl ProcessSpec {
             ProcessSpec::Milling(_) => "milling",
             ProcessSpec::Polish(_) => "polish",
             ProcessSpec::Belt(_) => "belt",
+            ProcessSpec::Brush(_) => "brush",
             ProcessSpec::Load(_) => "load",
             ProcessSpec::Replay(_) => "replay",
         }
@@ -55,9 +59,10 @@ impl ProcessSpec {
             ProcessSpec::Wheel(wheel) => Some(wheel.pass_s()),
             ProcessSpec::Milling(milling) => Some(milling.pass_s()),
             ProcessSpec::Load(_) => None,
-            ProcessSpec::Polish(_) | ProcessSpec::Belt(_) | ProcessSpec::Replay(_) => {
-                Some(f64::INFINITY)
-            }
+            ProcessSpec::Polish(_)
+            | ProcessSpec::Belt(_)
+            | ProcessSpec::Brush(_)
+            | ProcessSpec::Replay(_) => Some(f64::INFINITY),
         }
     }
 }
@@ -76,6 +81,8 @@ pub(crate) struct ProcessTable {
     polish: Option<PolishTable>,
     /// Finishing the face of a path job with a belt over a contact wheel.
     belt: Option<BeltTable>,
+    /// Deburring edges with a wheel brush along taught postures.
+    brush: Option<BrushTable>,
     /// Given forces at the tool.
     load: Option<LoadTable>,
     /// Measured inputs.
@@ -91,6 +98,7 @@ impl ProcessTable {
             self.milling.is_some().then_some("milling"),
             self.polish.is_some().then_some("polish"),
             self.belt.is_some().then_some("belt"),
+            self.brush.is_some().then_some("brush"),
             self.load.is_some().then_some("load"),
             self.replay.is_some().then_some("replay"),
         ];
@@ -112,7 +120,10 @@ impl ProcessTable {
             .map(|one| ProcessSpec::Belt(Box::new(one)));
         let load = self.load.map(|one| ProcessSpec::Load(one.resolve(check)));
         let replay = (self.replay).map(|one| ProcessSpec::Replay(one.resolve(check)));
-        let pressed = polish.or(belt);
+        let brush = (self.brush)
+            .and_then(|one| one.resolve(folder, check))
+            .map(|one| ProcessSpec::Brush(Box::new(one)));
+        let pressed = polish.or(belt).or(brush);
         chamfer
             .or(wheel)
             .or(milling)
@@ -123,7 +134,7 @@ impl ProcessTable {
 }
 
 fn not_one(given: &[&str]) -> Fault {
-    let known = "[process.chamfer], [process.wheel], [process.milling], [process.polish], [process.belt], [process.load] and [process.replay]";
+    let known = "[process.chamfer], [process.wheel], [process.milling], [process.polish], [process.belt], [process.brush], [process.load] and [process.replay]";
     match given.last() {
         None => Fault::key(
             "process",

@@ -5,11 +5,13 @@ use std::path::{Component, Path, PathBuf};
 use toml_edit::{DocumentMut, Item, Value};
 
 /// Keys that hold the path of a file, relative to the folder of the scenario.
-const PATHS: [&[&str]; 5] = [
+const PATHS: [&[&str]; 7] = [
     &["robot", "urdf"],
     &["robot", "config"],
     &["process", "milling", "material", "file"],
     &["process", "belt", "job"],
+    &["process", "brush", "taught"],
+    &["process", "brush", "workpiece", "mesh"],
     &["data", "file"],
 ];
 

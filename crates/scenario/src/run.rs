@@ -10,7 +10,7 @@ use crate::units::from_ms;
 /// Duration, step and recording interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunSpec {
-    /// Simulated time; infinite for a replay that lasts as long as its data, and for polishing and belt finishing that last as long as their paths.
+    /// Simulated time; infinite for a replay that lasts as long as its data, and for polishing, belt finishing and brushing that last as long as their paths.
     pub duration_s: f64,
     /// Time step; `None` leaves the choice to the simulator (see the README, "Numerics").
     pub time_step_s: Option<f64>,
@@ -25,7 +25,7 @@ pub struct RunSpec {
 #[serde(deny_unknown_fields)]
 pub(crate) struct RunTable {
     /// Simulated time. Default: what the process takes (chamfer: feed and dwell; wheel and
-    /// milling: one pass; polish: its raster; belt: its lines; replay: its data).
+    /// milling: one pass; polish: its raster; belt: its lines; brush: its taught postures; replay: its data).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
     duration_s: Option<f64>,
     /// Time step. Default: the smallest of 0.25 ms, 1/60 of the fastest mode's period and 1/40 of the

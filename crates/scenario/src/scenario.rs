@@ -349,6 +349,10 @@ impl FileTable {
         if let Some(ProcessSpec::Belt(belt)) = &process {
             belt.lead(&mut robot, &mut check);
         }
+        if matches!(process, Some(ProcessSpec::Brush(_))) {
+            let because = "the arm starts in the first taught posture";
+            check.ignored("robot", &["posture_deg", "posture_mm"], because);
+        }
         let data = (self.data).and_then(|data| data.resolve(&folder, &mut check));
         let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
             .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))

@@ -1,6 +1,7 @@
 //! Ways of a wheel that are solved as a whole before the run.
 
 use crate::belt_path::{self, BeltLines};
+use crate::brush_path::{self, BrushWork};
 use crate::command::Samples;
 use crate::error::SimError;
 use crate::polish_path;
@@ -23,6 +24,8 @@ pub(crate) struct LedPath {
     pub note: Option<String>,
     /// What a belt follows.
     pub belt: Option<BeltLines>,
+    /// What a brush works on.
+    pub brush: Option<BrushWork>,
 }
 
 impl LedPath {
@@ -36,6 +39,7 @@ impl LedPath {
         let solve = || match &scenario.process {
             ProcessSpec::Polish(spec) => polish_path::solve(spec, robot, posture).map(Some),
             ProcessSpec::Belt(spec) => belt_path::solve(spec, robot, posture).map(Some),
+            ProcessSpec::Brush(spec) => brush_path::solve(spec, robot).map(Some),
             _ => Ok(None),
         };
         let found = robots.led_path(&scenario.robot, posture, &scenario.process, solve)?;
@@ -45,7 +49,7 @@ impl LedPath {
             return Err(SimError::scenario(
                 "run.duration_s",
                 format!(
-                    "{asked_s} s are longer than the path takes, {taken_s:.4} s: the wheel has nowhere to go; leave the key out"
+                    "{asked_s} s are longer than the path takes, {taken_s:.4} s: the tool has nowhere to go; leave the key out"
                 ),
             ));
         }

@@ -18,11 +18,13 @@
 
 mod adjust;
 mod belt_path;
+mod brush_path;
 mod build;
 mod cell;
 mod channels;
 mod command;
 mod contact;
+mod course;
 mod effect;
 pub mod elastic;
 mod error;

@@ -4,12 +4,16 @@ use crate::loads::Attachment;
 use crate::plant::Plant;
 use crate::process::Process;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
-use truecut_arm::{Link, Robot, Shape as ArmShape};
+use truecut_arm::{FrameId, Link, Robot, Shape as ArmShape};
+use truecut_plan::surface::Mesh;
 use truecut_recording::{Arrow, Body, Frame, Geometry, Pose, Scene, Shape};
 
 /// Colour of the true arm, behind the enlarged one.
 const GHOST_RGBA: [u8; 4] = [150, 155, 160, 90];
+/// Colour of a brush or a contact wheel.
+const DRUM_RGBA: [u8; 4] = [205, 150, 60, 255];
 /// Length of a force arrow, m/N.
 const ARROW_M_PER_N: f64 = 1.5e-3;
 /// Side of the workpiece, m.
@@ -45,6 +49,11 @@ pub(crate) enum Workpiece {
     Outline {
         process_from_patch: Isometry3<f64>,
         points_m: Vec<[f64; 3]>,
+    },
+    /// A body as it is.
+    Mesh {
+        process_from_mesh: Isometry3<f64>,
+        mesh: Arc<Mesh>,
     },
     /// Nothing.
     None,
@@ -196,6 +205,19 @@ fn workpiece_shapes(workpiece: &Workpiece) -> Vec<Shape> {
             color_rgba: [120, 128, 138, 255],
             body_from_shape: pose(process_from_patch),
         }],
+        Workpiece::Mesh {
+            process_from_mesh,
+            mesh,
+        } => vec![Shape {
+            geometry: Geometry::Mesh {
+                vertices_m: mesh.vertices_m().iter().map(|p| (*p).into()).collect(),
+                triangles: (mesh.triangles().iter())
+                    .map(|corners| corners.map(|i| i as u32))
+                    .collect(),
+            },
+            color_rgba: [120, 128, 138, 255],
+            body_from_shape: pose(process_from_mesh),
+        }],
         Workpiece::Hole(radius_m) => plate_with_hole(*radius_m),
         Workpiece::Strip(length_m) => vec![Shape {
             geometry: Geometry::Box {
@@ -232,6 +254,27 @@ fn block(process_from_face: &Isometry3<f64>, length_m: f64, width_m: f64) -> Sha
     }
 }
 
+/// The drum on the last link of the arm as it is and of the enlarged one.
+fn add_drum(bodies: &mut [Body], robot: &Robot, q: &[f64], [radius_m, width_m]: [f64; 2]) {
+    let Some(world_from_last) = robot.world_from_links(q).last().copied() else {
+        return;
+    };
+    let last_from_tool = world_from_last.inverse() * robot.world_from_frame(q, FrameId::Tool);
+    // A cylinder stands along its z axis.
+    let about_y = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2);
+    let drum = |color_rgba| Shape {
+        geometry: Geometry::Cylinder {
+            radius_m,
+            length_m: width_m,
+        },
+        color_rgba,
+        body_from_shape: pose(&(last_from_tool * about_y)),
+    };
+    let count = bodies.len() / 2;
+    bodies[count - 1].shapes.push(drum(DRUM_RGBA));
+    bodies[2 * count - 1].shapes.push(drum(GHOST_RGBA));
+}
+
 fn foot_shape() -> Shape {
     let ring = (0..=64)
         .map(|i| {
@@ -265,6 +308,9 @@ impl Stage {
             .any(|spring| spring.frame == Attachment::Foot);
         let mut bodies = arm_bodies(robot, reference, "exaggerated", false);
         bodies.extend(arm_bodies(robot, reference, "true", true));
+        if let Some(size_m) = process.drum_m() {
+            add_drum(&mut bodies, robot, reference, size_m);
+        }
         let origin = pose(&world_from_process);
         let mut fixed = Vec::new();
         let shapes = workpiece_shapes(workpiece);

@@ -1,6 +1,7 @@
 //! From the tables of a scenario to the processes and laws that run.
 
 mod belt;
+mod brush;
 mod milling;
 mod polish;
 
@@ -100,6 +101,22 @@ pub(crate) fn build_process(
             };
             let (process, workpiece) =
                 belt::belt(spec, &effects.wheel, path, world_from_process, path_s)?;
+            Ok((Box::new(process), workpiece))
+        }
+        ProcessSpec::Brush(spec) => {
+            compliance.ok_or_else(|| needs_drive("brush"))?;
+            let Some(work) = led.and_then(|path| path.brush.as_ref()) else {
+                return Err(SimError::scenario("process.brush", "the way is not solved"));
+            };
+            let (process, workpiece) = brush::brush(
+                spec,
+                &effects.wheel,
+                work,
+                robot,
+                posture,
+                world_from_process,
+                path_s,
+            );
             Ok((Box::new(process), workpiece))
         }
         ProcessSpec::Replay(_) => Err(SimError::scenario(

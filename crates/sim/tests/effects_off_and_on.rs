@@ -2,7 +2,7 @@
 
 mod support;
 
-use support::{ARM_POSTURE, belt, chamfer, load, polish, run, wheel};
+use support::{ARM_POSTURE, belt, brush, chamfer, load, polish, run, wheel};
 use truecut_recording::Recording;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target, TargetKind};
@@ -22,8 +22,8 @@ fn stages(kind: EffectKind) -> Vec<Scenario> {
         Family::Wheel => match kind {
             EffectKind::WheelStiffness
             | EffectKind::WheelEccentricity
-            | EffectKind::WheelFriction => vec![wheel(), polish(), short_belt()],
-            EffectKind::WheelRemoval => vec![polish(), short_belt()],
+            | EffectKind::WheelFriction => vec![wheel(), polish(), short_belt(), short_brush()],
+            EffectKind::WheelRemoval => vec![polish(), short_belt(), short_brush()],
             _ => vec![polish()],
         },
         _ => vec![stage(kind)],
@@ -33,6 +33,14 @@ fn stages(kind: EffectKind) -> Vec<Scenario> {
 /// Down onto the face, and some of the first line.
 fn short_belt() -> Scenario {
     belt(&[("run.duration_s".to_owned(), "0.9".to_owned())])
+}
+
+/// Onto the edge and along some of it.
+fn short_brush() -> Scenario {
+    brush(
+        "../brush/over_edge.csv",
+        &[("run.duration_s".to_owned(), "0.9".to_owned())],
+    )
 }
 
 fn stage(kind: EffectKind) -> Scenario {

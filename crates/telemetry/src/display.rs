@@ -119,6 +119,12 @@ const TEMPLATES: &[Template] = &[
         &["belt.normal_force", "belt.edge_force", "belt.friction_"],
     ),
     front(
+        "Brush on the workpiece",
+        Place::Front,
+        1.0,
+        &["brush.bristle_force", "brush.friction_force"],
+    ),
+    front(
         "Acceleration of the tool, face axes",
         Place::FrontWithSpectrum,
         1e-3,
@@ -138,6 +144,7 @@ const TEMPLATES: &[Template] = &[
             "wheel.penetration",
             "polish.penetration",
             "belt.penetration",
+            "brush.shortening",
         ],
     ),
     behind(

@@ -4,8 +4,6 @@ The wheel is a sphere about the tool point, whose middle runs around the spin ax
 Reaching into the face by d it presses with the bed's pressure at the overlap u = u0 - r^2/2R, which follows from d by
 d = c1 q + 2 c2 q^2, u0 = c1 q + c2 q^2, with the layer's 2N/R beside it and, moving, with the bed's damping. The patch ends where
 the layer leaves without a kink; along an edge the layer bends and is held by a reaction per length.
-
-The command is an input, taken from the recording: what a controller asks of the joints is no law of physics.
 """
 
 from __future__ import annotations
@@ -13,11 +11,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-import mujoco
 import numpy as np
 import scipy.interpolate
 import scipy.optimize
 
+from .led_run import LedRun
 from .plant import Plant
 from .wheel import Command
 
@@ -196,30 +194,21 @@ def _largest_root(a, b):
     return np.where(discriminant >= 0.0, single, 2.0 * np.sqrt(a / 3.0) * np.cos(angle / 3.0))
 
 
-class PolishRun:
+class PolishRun(LedRun):
     """The arm in MuJoCo under the wheel's loads, from rest on the face along the recorded command."""
 
     def __init__(self, tool: Tool, plant: Plant, command: Command) -> None:
-        self.tool, self.plant = tool, plant
-        self._command = command.spline()
-        self._rate = self._command.derivative()
-        self._scratch = mujoco.MjData(plant.model)
+        super().__init__(plant, command)
+        self.tool = tool
         # place and rate of a force control's carrier, towards the face
         self.offset = self.rate = 0.0
-        self._along, self._about = np.zeros((3, plant.nv)), np.zeros((3, plant.nv))
 
     def wrench(self, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Force and moment on the tool about its point, world axes, at a state; with them normal force, part along edges, force along the
-        face's length and width, power of sliding over mu."""
-        m, d, tool = self.plant.model, self._scratch, self.tool
-        d.qpos[:] = q
-        mujoco.mj_kinematics(m, d)
-        mujoco.mj_comPos(m, d)
-        site = self.plant.site["tool"]
-        mujoco.mj_jacSite(m, d, self._along, self._about, site)
-        axes = d.site_xmat[site].reshape(3, 3)
-        place, velocity = d.site_xpos[site] - tool.origin, self._along @ v
-        turning = self._about @ v - tool.spin * axes[:, 2]
+        """Told: normal force, part along edges, force along the face's length and width, power of sliding over mu."""
+        tool = self.tool
+        at, axes, velocity, turning = self.tool_at(q, v)
+        place = at - tool.origin
+        turning = turning - tool.spin * axes[:, 2]
         angle = tool.start_angle - tool.spin * t
         arm = tool.eccentricity * (math.cos(angle) * axes[:, 0] + math.sin(angle) * axes[:, 1])
         swing = tool.eccentricity * tool.spin * (math.sin(angle) * axes[:, 0] - math.cos(angle) * axes[:, 1])
@@ -234,30 +223,3 @@ class PolishRun:
         moment = moment + np.cross(lever, force)
         told = np.array([found[2], found[6], found[0], found[1], found[7]])
         return tool.axes.T @ force, tool.axes.T @ moment, told
-
-    def settle(self) -> None:
-        """Rest on the face at the start, the wheel spinning."""
-        p = self.plant
-        for _ in range(12):
-            force, moment, _ = self.wrench(0.0, p.data.qpos.copy(), np.zeros(p.nv))
-            p.settle(p.axes @ force, np.zeros(3), p.axes @ moment)
-
-    def run(self, h: float, until_s: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Times and tool points (world) of states; times and forces of mid-steps."""
-        p = self.plant
-        d = p.data
-        self.settle()
-        places, forces = [], []
-        count = round(until_s / h)
-        for i in range(count):
-            t = i * h
-            places.append(d.site_xpos[p.site["tool"]].copy())
-            middle = d.qpos + 0.5 * h * d.qvel + 0.125 * h * h * d.qacc
-            force, moment, told = self.wrench(t + 0.5 * h, middle, d.qvel + 0.5 * h * d.qacc)
-            forces.append(told)
-            command, rate = self._command(t + 0.5 * h), self._rate(t + 0.5 * h)
-            torque = p.stiffness * (command - p.command0) + p.damping * rate
-            p.apply(p.axes @ force, np.zeros(3), torque, p.axes @ moment)
-            p.step(h)
-        times = h * np.arange(count)
-        return times, np.array(places), times + 0.5 * h, np.array(forces)

@@ -50,6 +50,11 @@ impl Quadrature {
         self.rules.len()
     }
 
+    /// Nodes on `[-1, 1]` and weights of the largest rule.
+    pub fn nodes(&self) -> &[(f64, f64)] {
+        self.for_share(1.0)
+    }
+
     /// Rule for a part of the whole range: as many nodes as its share, but at least four, since a short
     /// part is no smoother than a long one.
     pub(super) fn for_share(&self, share: f64) -> &[(f64, f64)] {
@@ -61,8 +66,8 @@ impl Quadrature {
     /// Integral of `f` over `[from, to]` with the largest rule.
     pub fn integrate(&self, from: f64, to: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-        let rule = self.for_share(1.0);
-        half * rule
+        half * self
+            .nodes()
             .iter()
             .map(|(x, w)| w * f(middle + half * x))
             .sum::<f64>()

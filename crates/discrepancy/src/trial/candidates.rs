@@ -174,7 +174,7 @@ fn applies(scenario: &Scenario, kind: EffectKind) -> bool {
         Family::Wheel => match process {
             ProcessSpec::Wheel(_) => wheel_tells(kind),
             ProcessSpec::Polish(polish) => polish_tells(polish, kind),
-            ProcessSpec::Belt(_) => belt_tells(kind),
+            ProcessSpec::Belt(_) | ProcessSpec::Brush(_) => has_no_force_control(kind),
             _ => false,
         },
     }
@@ -209,8 +209,8 @@ fn polish_tells(polish: &PolishSpec, kind: EffectKind) -> bool {
     }
 }
 
-/// A belt has no force control.
-fn belt_tells(kind: EffectKind) -> bool {
+/// Of a belt or a brush, which have no force control.
+fn has_no_force_control(kind: EffectKind) -> bool {
     !matches!(
         kind,
         EffectKind::WheelForceOffset | EffectKind::WheelForceStiction
@@ -257,6 +257,10 @@ fn scale(
                 EffectKind::WheelEccentricity => vec![SHARE * belt.job.wheel.indentation_m; 2],
                 _ => vec![SHARE],
             },
+            ProcessSpec::Brush(brush) => match kind {
+                EffectKind::WheelEccentricity => vec![SHARE * BRUSHED * brush.free_length_m; 2],
+                _ => vec![SHARE],
+            },
             _ => return None,
         },
         (Family::Sensor, Target::Channel(channel)) => {
@@ -268,6 +272,9 @@ fn scale(
     (scale.len() == kind.parameters().len() && scale.iter().all(|s| s.is_finite() && *s > 0.0))
         .then_some(scale)
 }
+
+/// By such a part of their length bristles are typically pressed in.
+const BRUSHED: f64 = 0.05;
 
 /// Most cycles per 2 pi of the coordinate that are looked for.
 const MOST_CYCLES: f64 = 160.0;

@@ -104,7 +104,7 @@ pub(super) fn experiments(scenario: &Scenario) -> Vec<Experiment> {
         ProcessSpec::Replay(_) => REPLAY,
         ProcessSpec::Milling(_) => MILLING,
         ProcessSpec::Polish(_) => POLISH,
-        ProcessSpec::Belt(_) | ProcessSpec::Load(_) => &[],
+        ProcessSpec::Belt(_) | ProcessSpec::Brush(_) | ProcessSpec::Load(_) => &[],
     };
     let variation = |knob: &Knob, factor: f64| {
         let replay = matches!(scenario.process, ProcessSpec::Replay(_));

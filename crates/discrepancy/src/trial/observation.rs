@@ -106,6 +106,7 @@ pub(super) fn spin_rad_s(scenario: &Scenario) -> Option<f64> {
         ProcessSpec::Milling(milling) => Some(milling.spindle_rad_s),
         ProcessSpec::Polish(polish) => Some(polish.spin_rad_s.abs()),
         ProcessSpec::Belt(belt) => Some(belt.wheel_rad_s()),
+        ProcessSpec::Brush(brush) => Some(brush.spin_rad_s.abs()),
         ProcessSpec::Replay(replay) => replay.turning.map(|cut| cut.spindle_rad_s),
         _ => None,
     }

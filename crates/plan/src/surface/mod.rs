@@ -14,6 +14,7 @@ mod forms;
 mod knots;
 mod mesh;
 mod mesh_checks;
+mod mesh_edges;
 mod mesh_files;
 mod nurbs;
 mod primitives;
@@ -25,6 +26,7 @@ pub use error::{SurfaceError, SurfaceFault};
 pub use file::PatchFile;
 pub use forms::{Curvatures, Forms, continue_line};
 pub use mesh::{Mesh, MeshUse, NearestPoint};
+pub use mesh_edges::SharpEdge;
 pub use nurbs::NurbsPatch;
 pub use primitives::{CylinderPatch, PlanePatch};
 

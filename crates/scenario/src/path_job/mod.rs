@@ -13,6 +13,8 @@ use std::sync::OnceLock;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+pub(crate) use tables::place;
+
 pub use spec::{
     AxisSpec, BodySpec, Carrier, ContactWheelSpec, DialectSpec, FeedAlong, PathSpec, PlaceSpec,
     ProgramSpec, StrategySpec, SurfaceSpec, SymmetrySpec, TaughtSpec, TaughtWhen,

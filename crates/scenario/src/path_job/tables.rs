@@ -131,7 +131,7 @@ impl SurfaceTable {
 }
 
 /// Where something stands, by default at the world's origin.
-pub(super) fn place(xyz_mm: Option<[f64; 3]>, rpy_deg: Option<[f64; 3]>) -> PlaceSpec {
+pub(crate) fn place(xyz_mm: Option<[f64; 3]>, rpy_deg: Option<[f64; 3]>) -> PlaceSpec {
     PlaceSpec {
         xyz_m: xyz_mm.unwrap_or_default().map(from_mm),
         rpy_rad: rpy_deg.unwrap_or_default().map(from_deg),

@@ -94,6 +94,7 @@ fn foot_of(process: &ProcessSpec) -> Option<&FootSpec> {
         | ProcessSpec::Milling(_)
         | ProcessSpec::Polish(_)
         | ProcessSpec::Belt(_)
+        | ProcessSpec::Brush(_)
         | ProcessSpec::Replay(_) => None,
     }
 }
@@ -107,6 +108,7 @@ fn misfit(effect: &Effect, process: &ProcessSpec) -> Option<String> {
         ProcessSpec::Milling(_) => "process.milling",
         ProcessSpec::Polish(_) => "process.polish",
         ProcessSpec::Belt(_) => "process.belt",
+        ProcessSpec::Brush(_) => "process.brush",
         ProcessSpec::Replay(_) => "process.replay",
     };
     match effect.kind.family() {
@@ -134,7 +136,7 @@ fn wheel_misfit(effect: &Effect, process: &ProcessSpec) -> Option<&'static str> 
         EffectKind::WheelForceOffset | EffectKind::WheelForceStiction
     );
     match process {
-        ProcessSpec::Wheel(_) | ProcessSpec::Belt(_) if of_control => {
+        ProcessSpec::Wheel(_) | ProcessSpec::Belt(_) | ProcessSpec::Brush(_) if of_control => {
             Some("it acts on a force control, which process.polish can have")
         }
         ProcessSpec::Polish(spec)
@@ -142,8 +144,13 @@ fn wheel_misfit(effect: &Effect, process: &ProcessSpec) -> Option<&'static str> 
         {
             Some("it acts on a force control, but law = \"position\" has none")
         }
-        ProcessSpec::Wheel(_) | ProcessSpec::Polish(_) | ProcessSpec::Belt(_) => None,
-        _ => Some("it acts on the wheel of process.wheel, process.polish or process.belt"),
+        ProcessSpec::Wheel(_)
+        | ProcessSpec::Polish(_)
+        | ProcessSpec::Belt(_)
+        | ProcessSpec::Brush(_) => None,
+        _ => Some(
+            "it acts on the wheel of process.wheel, process.polish, process.belt or process.brush",
+        ),
     }
 }
 

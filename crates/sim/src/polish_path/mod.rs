@@ -135,6 +135,7 @@ pub(crate) fn solve(
         duration_s: course.duration_s(),
         note,
         belt: None,
+        brush: None,
     })
 }
 

@@ -5,6 +5,7 @@
 //! nothing, so a step may be tried as often as the solver likes.
 
 mod belt;
+mod brush;
 mod chamfer;
 mod foot;
 mod kept_back;
@@ -16,6 +17,7 @@ mod replay;
 mod wheel;
 
 pub use belt::{Belt, BeltSetup, Cells, Copied, cells_within};
+pub use brush::{BrushProcess, BrushSetup, Station};
 pub use chamfer::{Chamfer, ChamferParameters, Regeneration, SlipTheory};
 pub use foot::{Foot, FootFriction, FootParameters};
 pub use load::{Load, LoadParameters, RotatingForce, Sweep};
@@ -131,6 +133,11 @@ pub trait Process: Send {
     /// Values of that field now, x first.
     fn field_values(&self) -> Vec<f32> {
         Vec::new()
+    }
+
+    /// Radius and width of the drum to be drawn that turns about the tool's y axis, m, if there is one.
+    fn drum_m(&self) -> Option<[f64; 2]> {
+        None
     }
 
     /// Forces on the robot to be drawn, in the process frame: (name, frame, force of the last step).

@@ -205,6 +205,44 @@ dose_j_per_mm2 = 0.5
     Scenario::from_str(&at, text, overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// A brush on the mould block, led along a file of taught postures, in rapier; with overrides of whole keys.
+pub fn brush(taught: &str, overrides: &[(String, String)]) -> Scenario {
+    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/brush/scenario.toml");
+    let text = format!(
+        r#"
+name = "block"
+[robot]
+urdf = "../../../../assets/robots/rig_planar/robot.urdf"
+stiffness_scale = 100
+damping_scale = 200
+[run]
+time_step_ms = 0.5
+[process.brush]
+taught = "{taught}"
+feed_mm_per_s = 20
+radius_mm = 30
+width_mm = 10
+speed_rpm = 2000
+bristles = 3000
+bristle_diameter_mm = 0.4
+free_length_mm = 12
+youngs_modulus_mpa = 3000
+mu = 0.3
+preston_per_pa = 1e-10
+station_mm = 0.25
+[process.brush.workpiece]
+mesh = "../../../../assets/surfaces/mould_block.obj"
+xyz_mm = [400, -30, -50]
+rpy_deg = [0, -90, 0]
+[[process.brush.edge]]
+points_mm = [[0, 0, 20], [0, 60, 20]]
+burr_height_mm = 0.03
+burr_thickness_mm = 0.04
+"#
+    );
+    Scenario::from_str(&at, &text, overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// Peaks of a swinging column, by a parabola through three samples.
 pub fn peaks(x: &[f64]) -> Vec<f64> {
     (x.windows(3))

@@ -322,6 +322,10 @@ impl Process for Belt {
             .collect()
     }
 
+    fn drum_m(&self) -> Option<[f64; 2]> {
+        Some([self.setup.wheel.radius_m, self.setup.wheel.width_m])
+    }
+
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
         vec![("belt contact", Attachment::Tool, self.last.force_on_tool_n)]
     }

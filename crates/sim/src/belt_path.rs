@@ -1,19 +1,17 @@
 //! The way of a belt's contact wheel over the face of a path job, and the command that leads the arm along it.
 //!
 //! Lines, branch and checks are the planner's (`truecut_plan::surface_path`). Down, along and up is one course at the feed from
-//! rest to rest ([`timing`]), its poses exactly over the face; from line to line all joints move together as 10x³ - 15x⁴ + 6x⁵ of the
+//! rest to rest ([`crate::course`]), its poses exactly over the face; from line to line all joints move together as 10x³ - 15x⁴ + 6x⁵ of the
 //! way. A turntable turns, or the arm goes on to the next copy, during the move between copies.
 
-mod timing;
-
+use crate::course::Course;
 use crate::error::SimError;
 use crate::led_path::{KNOT_INTERVAL_S, LedPath, check_speeds};
 use crate::path_job;
 use crate::process::Copied;
 use crate::tool_path::{Along, check_singularities, leaves};
-use nalgebra::{Isometry3, Unit, Vector3};
+use nalgebra::{Isometry3, SVector, Unit, Vector3};
 use std::sync::Arc;
-use timing::{Course, Place};
 use truecut_arm::{BranchOptions, FrameId, IkSolver, PathOptions, Robot};
 use truecut_plan::program::TravelOptions;
 use truecut_plan::surface::{Forms, PatchFile, Surface};
@@ -67,7 +65,10 @@ pub(crate) fn solve(spec: &BeltSpec, robot: &Robot, posture: &[f64]) -> Result<L
     };
     let mut way = Way::default();
     for (part, planned) in parts.iter().zip(&solved.segments) {
-        let places = course(guide.surface, &lines.lines[part.index], job).sampled(KNOT_INTERVAL_S);
+        let course = course(guide.surface, &lines.lines[part.index], job);
+        let places: Vec<Place> = (course.sampled(KNOT_INTERVAL_S).into_iter())
+            .map(Place)
+            .collect();
         let line = guide.postures(&places, &stands[part.copy], &planned[0])?;
         way.add(part.copy, line, &guide);
     }
@@ -88,6 +89,7 @@ pub(crate) fn solve(spec: &BeltSpec, robot: &Robot, posture: &[f64]) -> Result<L
         postures: way.postures,
         duration_s,
         note: Some(note),
+        brush: None,
         belt: Some(BeltLines {
             patch: Arc::new(patch),
             lines,
@@ -117,8 +119,54 @@ fn faces(job: &BeltJob, count: usize) -> Vec<Isometry3<f64>> {
     }
 }
 
+/// A place of the wheel: distance along the course (m), u, v, turn of the axis from r_u in the tangent plane (rad), lift (m). The course is taken
+/// of these and not of joints: the wheel's height over the face stays exact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Place(SVector<f64, 5>);
+
+impl Place {
+    fn new(uv: [f64; 2], turn_rad: f64, lift_m: f64) -> Self {
+        Self(SVector::from([0.0, uv[0], uv[1], turn_rad, lift_m]))
+    }
+
+    /// Distance from the course's start.
+    fn along_m(&self) -> f64 {
+        self.0[0]
+    }
+
+    fn uv(&self) -> [f64; 2] {
+        [self.0[1], self.0[2]]
+    }
+
+    fn turn_rad(&self) -> f64 {
+        self.0[3]
+    }
+
+    fn lift_m(&self) -> f64 {
+        self.0[4]
+    }
+}
+
+/// Places at the feed, each with its distance (m) from the one before; those at no distance are left out.
+fn at_feed(
+    places: impl IntoIterator<Item = (f64, Place)>,
+    feed_m_per_s: f64,
+) -> Course<SVector<f64, 5>> {
+    let mut along_m = 0.0;
+    let mut kept = Vec::new();
+    for (way_m, mut place) in places {
+        if !kept.is_empty() && way_m <= 0.0 {
+            continue;
+        }
+        along_m += way_m;
+        place.0[0] = along_m;
+        kept.push((along_m / feed_m_per_s, place.0));
+    }
+    Course::new(kept)
+}
+
 /// Down onto a line, along it at the feed of the wheel's centre, and up.
-fn course(surface: &dyn Surface, line: &[Contact], job: &BeltJob) -> Course {
+fn course(surface: &dyn Surface, line: &[Contact], job: &BeltJob) -> Course<SVector<f64, 5>> {
     let (lift_m, mut before) = (job.path.lift_m, None::<(f64, Vector3<f64>)>);
     let mut places: Vec<(f64, Place)> = Vec::with_capacity(line.len() + 2);
     for contact in line {
@@ -133,7 +181,7 @@ fn course(surface: &dyn Surface, line: &[Contact], job: &BeltJob) -> Course {
     if let Some((_, last)) = places.last().copied() {
         places.push((lift_m, Place::new(last.uv(), last.turn_rad(), lift_m)));
     }
-    Course::new(places.into_iter(), job.path.feed_m_per_s)
+    at_feed(places, job.path.feed_m_per_s)
 }
 
 /// Angle of the wheel's axis from r_u about the normal, continued from the one before.

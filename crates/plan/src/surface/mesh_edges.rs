@@ -1,0 +1,147 @@
+//! Sharp edges of a mesh, and the triangles in a box.
+
+use nalgebra::{Unit, Vector3};
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::Vector as ParryVector;
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+use super::mesh::Mesh;
+
+/// Faces that turn by less meet in no edge: a curved face cut into triangles turns from one to the next.
+const LEAST_TURN_RAD: f64 = 10.0 * PI / 180.0;
+
+/// Where two faces of a mesh meet in an edge that stands out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SharpEdge {
+    pub ends_m: [Vector3<f64>; 2],
+    /// Outward normals of the two faces.
+    pub normals: [Unit<Vector3<f64>>; 2],
+}
+
+impl SharpEdge {
+    /// Angle between the faces, through the material, below π.
+    #[must_use]
+    pub fn wedge_rad(&self) -> f64 {
+        PI - self.normals[0].angle(&self.normals[1])
+    }
+
+    /// Distance of a point.
+    #[must_use]
+    pub fn distance_m(&self, point_m: &Vector3<f64>) -> f64 {
+        let [from, to] = self.ends_m;
+        let way = to - from;
+        let part = ((point_m - from).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+        (from + way * part - point_m).norm()
+    }
+}
+
+impl Mesh {
+    /// All edges that stand out by ten degrees or more, in the order of their vertices.
+    #[must_use]
+    pub fn sharp_edges(&self) -> Vec<SharpEdge> {
+        let vertices = self.vertices_m();
+        let mut sides: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
+        for (index, [a, b, c]) in self.triangles().iter().enumerate() {
+            for (from, to) in [(*a, *b), (*b, *c), (*c, *a)] {
+                sides
+                    .entry([from.min(to), from.max(to)])
+                    .or_default()
+                    .push(index);
+            }
+        }
+        let mut sides: Vec<_> = sides.into_iter().collect();
+        sides.sort_unstable_by_key(|(ends, _)| *ends);
+        let sharp = sides.into_iter().filter_map(|(ends, users)| {
+            let [one, other] = users.as_slice() else {
+                return None;
+            };
+            let normals = [*one, *other].map(|triangle| self.normal(triangle));
+            let ends_m = ends.map(|i| vertices[i]);
+            // The far corner of the other face lies below the first where the edge stands out.
+            let far = (self.triangles()[*other].iter()).find(|corner| !ends.contains(corner))?;
+            let stands_out = (vertices[*far] - ends_m[0]).dot(&normals[0]) < 0.0;
+            let edge = SharpEdge { ends_m, normals };
+            (stands_out && PI - edge.wedge_rad() >= LEAST_TURN_RAD).then_some(edge)
+        });
+        sharp.collect()
+    }
+
+    /// Outward normal of a triangle.
+    #[must_use]
+    pub fn normal(&self, triangle: usize) -> Unit<Vector3<f64>> {
+        let [a, b, c] = self.triangles()[triangle].map(|i| self.vertices_m()[i]);
+        Unit::new_normalize((b - a).cross(&(c - a)))
+    }
+
+    /// Triangles whose boxes meet a box, in the order of a search that depends on nothing but both.
+    pub fn triangles_in_box(
+        &self,
+        low_m: &Vector3<f64>,
+        high_m: &Vector3<f64>,
+    ) -> impl Iterator<Item = usize> {
+        let corner = |p: &Vector3<f64>| ParryVector::new(p.x, p.y, p.z);
+        let wanted = Aabb::new(corner(low_m), corner(high_m));
+        let found: Vec<u32> = self.shape().bvh().intersect_aabb(&wanted).collect();
+        found.into_iter().map(|index| index as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mesh::tests::block;
+    use super::super::{MeshUse, mesh::Mesh};
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn verify_a_block_has_twelve_right_edges_and_a_notch_none_that_stand_out() {
+        let (vertices, triangles) = block();
+        let mesh = Mesh::new(&vertices, &triangles, MeshUse::Body).expect("a block");
+        let edges = mesh.sharp_edges();
+        assert_eq!(edges.len(), 12);
+        for edge in &edges {
+            assert!((edge.wedge_rad() - FRAC_PI_2).abs() < 1e-12);
+            let along = edge.ends_m[1] - edge.ends_m[0];
+            assert!(
+                edge.normals
+                    .iter()
+                    .all(|n| n.dot(&along).abs() < 1e-15 && n.dot(&edge.ends_m[0]) >= 0.0)
+            );
+        }
+        let near = |p: Vector3<f64>| {
+            let distances = edges.iter().map(|e| e.distance_m(&p));
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        assert!((near(Vector3::new(0.05, -3e-3, 0.024)) - 5e-3).abs() < 1e-15);
+        // Two faces of a corner seen from inside.
+        let corner = [
+            Vector3::zeros(),
+            Vector3::x(),
+            Vector3::y(),
+            Vector3::new(0.0, 1.0, 1.0),
+            Vector3::new(1.0, 1.0, 0.0),
+            Vector3::new(1.0, 1.0, 1.0),
+        ];
+        let notch = [[0, 1, 4], [0, 4, 2], [2, 4, 5], [2, 5, 3]];
+        let notch = Mesh::new(&corner, &notch, MeshUse::Face).expect("a skin");
+        assert_eq!(notch.sharp_edges(), Vec::new());
+    }
+
+    #[test]
+    fn a_box_finds_the_triangles_that_reach_into_it() {
+        let (vertices, triangles) = block();
+        let mesh = Mesh::new(&vertices, &triangles, MeshUse::Body).expect("a block");
+        let found = |low: [f64; 3], high: [f64; 3]| {
+            let mut found: Vec<usize> = mesh.triangles_in_box(&low.into(), &high.into()).collect();
+            found.sort_unstable();
+            found
+        };
+        // Above the middle of the top, triangles 2 and 3.
+        assert_eq!(found([0.04, 0.02, 0.019], [0.06, 0.04, 0.03]), [2, 3]);
+        assert_eq!(
+            found([0.04, 0.02, 0.021], [0.06, 0.04, 0.03]),
+            Vec::<usize>::new()
+        );
+    }
+}

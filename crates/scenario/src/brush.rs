@@ -1,0 +1,256 @@
+//! The `[process.brush]` table: a wheel brush deburrs edges of a mesh, led by taught postures.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::check::Check;
+use crate::document::Fault;
+use crate::path_job::{BodySpec, PlaceSpec, place};
+use crate::units::{from_mm, from_mpa, from_rpm};
+
+/// Brushing of edges. The brush's centre is the tool frame's origin, its axis the frame's y.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BrushSpec {
+    /// CSV file of the taught postures.
+    pub taught: PathBuf,
+    /// Speed of the tool from posture to posture.
+    pub feed_m_per_s: f64,
+    /// Top speed of joints on the way, share of their limits.
+    pub joint_share: f64,
+    /// Radius to the tips.
+    pub radius_m: f64,
+    /// Width of the brush.
+    pub width_m: f64,
+    /// Right-handed about the tool's y axis.
+    pub spin_rad_s: f64,
+    /// Number of bristles.
+    pub bristles: f64,
+    /// Their diameter.
+    pub bristle_diameter_m: f64,
+    /// Their free length.
+    pub free_length_m: f64,
+    /// Young's modulus of their wire.
+    pub youngs_modulus_pa: f64,
+    /// Coefficient of friction of the tips.
+    pub mu: f64,
+    /// Preston coefficient: removed depth per pressure and sliding distance.
+    pub preston_per_pa: f64,
+    /// Largest distance of the places on an edge for which its state is kept.
+    pub station_m: f64,
+    /// The workpiece.
+    pub workpiece: BodySpec,
+    /// Where its frame stands in the world.
+    pub place: PlaceSpec,
+    /// Edges that are deburred.
+    pub edges: Vec<EdgeSpec>,
+}
+
+/// An edge of the workpiece.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EdgeSpec {
+    /// Points along it, in the workpiece's frame.
+    pub points_m: Vec<[f64; 3]>,
+    /// How far the burr stands out.
+    pub burr_height_m: f64,
+    /// Thickness of the burr.
+    pub burr_thickness_m: f64,
+}
+
+/// Brushing of edges by taught postures.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BrushTable {
+    /// CSV file of taught postures with a column j1, j2, … for each joint (degrees; mm for prismatic joints), relative to this file. The arm
+    /// starts in the first one and ends in the last one.
+    taught: String,
+    /// Speed of the tool from posture to posture.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the brush is fed along the edge"))]
+    feed_mm_per_s: f64,
+    /// Top speed of joints on the way, a fraction of their limits. Default: 0.25.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0, "x-rule" = "a fraction of the top speed"))]
+    joint_speed: Option<f64>,
+    /// Radius to the tips of the bristles.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a brush has a radius"))]
+    radius_mm: f64,
+    /// Width.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a brush has a width"))]
+    width_mm: f64,
+    /// Speed of rotation, right-handed about the tool's y axis.
+    speed_rpm: f64,
+    /// Number of bristles.
+    #[schemars(range(min = 1, max = 10_000_000), extend("x-rule" = "1 to 10000000 bristles"))]
+    bristles: u32,
+    /// Diameter of a bristle.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a bristle has a diameter"))]
+    bristle_diameter_mm: f64,
+    /// Length of a bristle from hub to tip.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "bristles stand out of the hub"))]
+    free_length_mm: f64,
+    /// Young's modulus of the wire.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "bristles are elastic"))]
+    youngs_modulus_mpa: f64,
+    /// Coefficient of friction of the tips.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "friction opposes sliding"))]
+    mu: f64,
+    /// Preston coefficient.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "brushing removes material"))]
+    preston_per_pa: f64,
+    /// Largest distance of the places on an edge for which its state is kept. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "places get on along the edge"))]
+    station_mm: Option<f64>,
+    /// The workpiece.
+    workpiece: WorkpieceTable,
+    /// Edges that are deburred.
+    #[schemars(length(min = 1), extend("x-rule" = "a brush deburrs one edge at least"))]
+    edge: Vec<EdgeTable>,
+}
+
+/// A workpiece as a closed mesh.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct WorkpieceTable {
+    /// Closed mesh (.stl or .obj), relative to this file.
+    mesh: String,
+    /// Length of the mesh's unit. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]
+    unit_mm: Option<f64>,
+    /// Where the mesh's frame stands in the world. Default: [0, 0, 0].
+    xyz_mm: Option<[f64; 3]>,
+    /// Roll, pitch and yaw of that frame about the world's x, y, z. Default: [0, 0, 0].
+    rpy_deg: Option<[f64; 3]>,
+}
+
+/// An edge.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct EdgeTable {
+    /// Points along the edge, in the mesh's frame; from point to point it is straight.
+    #[schemars(length(min = 2), extend("x-rule" = "an edge has two ends"))]
+    points_mm: Vec<[f64; 3]>,
+    /// How far the burr stands out. Default: 0, a clean sharp edge.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "a burr stands out"))]
+    burr_height_mm: Option<f64>,
+    /// Thickness of the burr.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a burr has a thickness"))]
+    burr_thickness_mm: Option<f64>,
+}
+
+const TABLE: &str = "process.brush";
+/// Where a scenario does not say, of the joints' top speed.
+const DEFAULT_JOINT_SHARE: f64 = 0.25;
+/// Where a scenario does not give a distance of places on an edge, mm.
+const DEFAULT_STATION_MM: f64 = 1.0;
+/// Part of the hub's surface that round bristles cover where they touch one another.
+const CLOSEST_PACKING: f64 = 0.9069;
+
+impl BrushTable {
+    /// `None` after recording a fault. `folder` is that of the scenario file.
+    pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<BrushSpec> {
+        let faults = [self.still(), self.no_hub(), self.too_dense()];
+        let is_sound = faults.iter().all(Option::is_none);
+        (faults.into_iter().flatten()).for_each(|fault| check.refuse(fault));
+        let edges: Vec<Option<EdgeSpec>> = (self.edge.iter().enumerate())
+            .map(|(index, edge)| edge.resolve(index, check))
+            .collect();
+        let workpiece = self.workpiece;
+        is_sound.then_some(())?;
+        Some(BrushSpec {
+            taught: folder.join(self.taught),
+            feed_m_per_s: from_mm(self.feed_mm_per_s),
+            joint_share: self.joint_speed.unwrap_or(DEFAULT_JOINT_SHARE),
+            radius_m: from_mm(self.radius_mm),
+            width_m: from_mm(self.width_mm),
+            spin_rad_s: from_rpm(self.speed_rpm),
+            bristles: f64::from(self.bristles),
+            bristle_diameter_m: from_mm(self.bristle_diameter_mm),
+            free_length_m: from_mm(self.free_length_mm),
+            youngs_modulus_pa: from_mpa(self.youngs_modulus_mpa),
+            mu: self.mu,
+            preston_per_pa: self.preston_per_pa,
+            station_m: from_mm(self.station_mm.unwrap_or(DEFAULT_STATION_MM)),
+            place: place(workpiece.xyz_mm, workpiece.rpy_deg),
+            workpiece: BodySpec {
+                file: folder.join(workpiece.mesh),
+                unit_m: from_mm(workpiece.unit_mm.unwrap_or(1.0)),
+            },
+            edges: edges.into_iter().collect::<Option<_>>()?,
+        })
+    }
+
+    fn still(&self) -> Option<Fault> {
+        let path = format!("{TABLE}.speed_rpm");
+        let message = format!(
+            "`{path}` is 0, but must not be: a brush that stands still only rubs by the feed"
+        );
+        (self.speed_rpm == 0.0).then(|| Fault::value(&path, message, "does not turn"))
+    }
+
+    fn no_hub(&self) -> Option<Fault> {
+        let path = format!("{TABLE}.free_length_mm");
+        let message = format!(
+            "`{path}` is {}, but must be below `{TABLE}.radius_mm`, {} mm: bristles stand on a hub",
+            self.free_length_mm, self.radius_mm
+        );
+        (self.free_length_mm >= self.radius_mm)
+            .then(|| Fault::value(&path, message, "leaves no hub"))
+    }
+
+    fn too_dense(&self) -> Option<Fault> {
+        let hub_mm2 =
+            std::f64::consts::TAU * (self.radius_mm - self.free_length_mm) * self.width_mm;
+        let each_mm2 = std::f64::consts::FRAC_PI_4 * self.bristle_diameter_mm.powi(2);
+        let most = CLOSEST_PACKING * hub_mm2 / each_mm2;
+        if hub_mm2 <= 0.0 || f64::from(self.bristles) <= most {
+            return None;
+        }
+        let path = format!("{TABLE}.bristles");
+        let message = format!(
+            "`{path}` is {}, but must be at most {most:.0}: round bristles of {} mm cover at most {CLOSEST_PACKING} of a hub {} mm wide with a radius of {} mm",
+            self.bristles,
+            self.bristle_diameter_mm,
+            self.width_mm,
+            self.radius_mm - self.free_length_mm
+        );
+        Some(Fault::value(&path, message, "do not fit on the hub"))
+    }
+}
+
+impl EdgeTable {
+    /// `None` after recording a fault.
+    fn resolve(&self, index: usize, check: &mut Check) -> Option<EdgeSpec> {
+        let table = format!("{TABLE}.edge.{index}");
+        let same = self
+            .points_mm
+            .windows(2)
+            .position(|pair| pair[0] == pair[1]);
+        if let Some(k) = same {
+            let path = format!("{table}.points_mm");
+            let message = format!(
+                "points {} and {} of `{path}` are the same, {:?}: an edge gets on from point to point",
+                k + 1,
+                k + 2,
+                self.points_mm[k]
+            );
+            check.refuse(Fault::value(&path, message, "stands still"));
+            return None;
+        }
+        let height_mm = self.burr_height_mm.unwrap_or(0.0);
+        let thickness_mm = if height_mm == 0.0 {
+            let because = "without `burr_height_mm` there is no burr";
+            check.ignored(&table, &["burr_thickness_mm"], because);
+            0.0
+        } else {
+            let who = "a burr";
+            check.needed(&table, "burr_thickness_mm", self.burr_thickness_mm, who)?
+        };
+        Some(EdgeSpec {
+            points_m: (self.points_mm.iter())
+                .map(|point| point.map(from_mm))
+                .collect(),
+            burr_height_m: from_mm(height_mm),
+            burr_thickness_m: from_mm(thickness_mm),
+        })
+    }
+}

@@ -1,0 +1,197 @@
+//! Brush and workpiece at one instant, bristle by bristle.
+//!
+//! The brush is cut into slices along its axis. In each, the workpiece is a polygon ([`super::section`]); a bristle that would reach to the radius is
+//! held at the first side that it meets, and presses along itself with the force of its law ([`truecut_core::wheel::brush`]). Friction acts
+//! square to it, against the sliding of its tip. So a bristle is taken also where a face stands askew to it, at an edge: its law is one of a
+//! tip that is pressed back along the bristle.
+
+use super::section::{Side, met_first};
+use super::{BrushSetup, Station};
+use crate::process::ToolState;
+use nalgebra::{Isometry3, Point3, Vector3};
+use std::f64::consts::{FRAC_PI_2, TAU};
+use truecut_core::wheel::brush::Brush;
+use truecut_core::wheel::quadrature::Quadrature;
+
+/// Slices of a brush. At the end of an edge the force falls in so many parts.
+const SLICES: usize = 128;
+/// A tip that slides more slowly has no direction, m/s.
+const LEAST_SPEED_M_PER_S: f64 = 1e-9;
+
+/// Motion of the tool in its own frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motion {
+    pub tool_from_mesh: Isometry3<f64>,
+    pub velocity_m_per_s: Vector3<f64>,
+    /// The brush's own spin included.
+    pub turning_rad_s: Vector3<f64>,
+}
+
+impl Motion {
+    fn of(setup: &BrushSetup, state: &ToolState) -> Self {
+        let tool_from_world = state.world_from_tool.inverse();
+        let in_world = setup.process_from_world.inverse() * state.tool.velocity_m_per_s;
+        Self {
+            tool_from_mesh: tool_from_world * setup.world_from_mesh,
+            velocity_m_per_s: tool_from_world.rotation * in_world,
+            turning_rad_s: tool_from_world.rotation * state.tool_turning_rad_s
+                + Vector3::y() * setup.spin_rad_s,
+        }
+    }
+
+    /// Velocity of a tip that is held at a point, square to its bristle.
+    fn sliding_m_per_s(&self, point_m: &Vector3<f64>, bristle: &Vector3<f64>) -> Vector3<f64> {
+        let velocity = self.velocity_m_per_s + self.turning_rad_s.cross(point_m);
+        velocity - bristle * velocity.dot(bristle)
+    }
+}
+
+/// What a brush does at one instant; forces on the tool, in the tool's frame.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Contact {
+    pub force_n: Vector3<f64>,
+    /// About the tool point.
+    pub moment_n_m: Vector3<f64>,
+    /// Sum of the forces of all bristles, each along itself.
+    pub bristle_n: f64,
+    /// Friction of all tips together.
+    pub friction_n: Vector3<f64>,
+    /// What friction takes.
+    pub power_w: f64,
+    /// By how much the bristle that is pressed in most is shortened.
+    pub shortening_m: f64,
+    /// Edge under the brush.
+    pub edge_m: f64,
+    /// Stations under the brush, and `ρ n v` there, W/m².
+    pub doses_w_per_m2: Vec<(usize, f64)>,
+}
+
+impl Contact {
+    pub fn of(setup: &BrushSetup, quadrature: &Quadrature, state: &ToolState) -> Self {
+        let brush = setup.brush_at(state.time_s);
+        let motion = Motion::of(setup, state);
+        let mut contact = Self::default();
+        let triangles = triangles(setup, &brush, &motion.tool_from_mesh);
+        if !triangles.is_empty() {
+            let (mut sides, mut met) = (Vec::new(), Vec::new());
+            for slice in 0..SLICES {
+                let y = brush.width_m * ((slice as f64 + 0.5) / SLICES as f64 - 0.5);
+                sides.clear();
+                let cut = |triangle: &[Vector3<f64>; 3]| section(triangle, y, brush.radius_m);
+                sides.extend(triangles.iter().filter_map(cut));
+                met_first(&sides, &mut met);
+                for side in &met {
+                    contact.press(&brush, &motion, quadrature, y, side);
+                }
+            }
+        }
+        contact.pass_over(&brush, &motion, &setup.stations);
+        contact
+    }
+
+    /// Adds the bristles of a slice over a side.
+    fn press(
+        &mut self,
+        brush: &Brush,
+        motion: &Motion,
+        quadrature: &Quadrature,
+        y: f64,
+        side: &Side,
+    ) {
+        let middle = 0.5 * (side.from_rad + side.to_rad);
+        let half = 0.5 * (side.to_rad - side.from_rad);
+        let per_rad = brush.bristles / TAU / SLICES as f64;
+        // By the sine of an angle, in which a force that begins like a root is smooth.
+        for (node, weight) in quadrature.nodes() {
+            let t = FRAC_PI_2 * node;
+            let angle = middle + half * t.sin();
+            let count = per_rad * weight * FRAC_PI_2 * half * t.cos();
+            let along_m = side.along_bristle_m(angle);
+            let bristle = Vector3::new(angle.sin(), 0.0, angle.cos());
+            let point_m = bristle * along_m + Vector3::y() * y;
+            let shortening_m = brush.radius_m - along_m;
+            let force_n = count * brush.bristle_n(shortening_m);
+            let sliding = motion.sliding_m_per_s(&point_m, &bristle);
+            let speed = sliding.norm();
+            let friction_n = match speed > LEAST_SPEED_M_PER_S {
+                true => sliding * (-brush.mu * force_n / speed),
+                false => Vector3::zeros(),
+            };
+            let on_tool = friction_n - bristle * force_n;
+            self.force_n += on_tool;
+            self.moment_n_m += point_m.cross(&on_tool);
+            self.bristle_n += force_n;
+            self.friction_n += friction_n;
+            self.power_w += brush.mu * force_n * speed;
+            self.shortening_m = self.shortening_m.max(shortening_m);
+        }
+    }
+
+    /// Adds the doses of the stations that tips pass over.
+    fn pass_over(&mut self, brush: &Brush, motion: &Motion, stations: &[Station]) {
+        for (index, station) in stations.iter().enumerate() {
+            let point_m = (motion.tool_from_mesh * Point3::from(station.point_m)).coords;
+            let along_m = point_m.x.hypot(point_m.z);
+            let shortening_m = brush.radius_m - along_m;
+            if shortening_m <= 0.0 || along_m == 0.0 || point_m.y.abs() > 0.5 * brush.width_m {
+                continue;
+            }
+            let bristle = Vector3::new(point_m.x, 0.0, point_m.z) / along_m;
+            let faces = station
+                .normals
+                .map(|n| motion.tool_from_mesh.rotation * n.into_inner());
+            if faces.iter().all(|normal| normal.dot(&bristle) >= 0.0) {
+                continue;
+            }
+            let per_m2 = brush.bristles / (TAU * along_m * brush.width_m);
+            let speed = motion.sliding_m_per_s(&point_m, &bristle).norm();
+            self.edge_m += station.length_m;
+            let dose = per_m2 * brush.bristle_n(shortening_m) * speed;
+            self.doses_w_per_m2.push((index, dose));
+        }
+    }
+}
+
+/// Triangles near the brush, in the tool's frame.
+fn triangles(
+    setup: &BrushSetup,
+    brush: &Brush,
+    tool_from_mesh: &Isometry3<f64>,
+) -> Vec<[Vector3<f64>; 3]> {
+    let mesh_from_tool = tool_from_mesh.inverse();
+    let axis = mesh_from_tool.rotation * Vector3::y();
+    // Half of the box around a cylinder: its radius across the axis, half its width along it.
+    let half_m = axis
+        .map(|a| brush.radius_m * (1.0 - a * a).max(0.0).sqrt() + 0.5 * brush.width_m * a.abs());
+    let middle_m = mesh_from_tool.translation.vector;
+    let (low_m, high_m) = (middle_m - half_m, middle_m + half_m);
+    let mesh = &setup.mesh;
+    (mesh.triangles_in_box(&low_m, &high_m))
+        .map(|index| {
+            let corners = mesh.triangles()[index].map(|i| Point3::from(mesh.vertices_m()[i]));
+            corners.map(|corner| (tool_from_mesh * corner).coords)
+        })
+        .collect()
+}
+
+/// A triangle's side in the plane at `y`, if it faces the axis there.
+fn section(corners_m: &[Vector3<f64>; 3], y: f64, reach_m: f64) -> Option<Side> {
+    let [a, b, c] = corners_m;
+    let is_above = |corner: &Vector3<f64>| corner.y > y;
+    let crosses = |from: &Vector3<f64>, to: &Vector3<f64>| {
+        (is_above(from) != is_above(to)).then(|| {
+            let part = (y - from.y) / (to.y - from.y);
+            [
+                from.x + part * (to.x - from.x),
+                from.z + part * (to.z - from.z),
+            ]
+        })
+    };
+    let mut ends = [crosses(a, b), crosses(b, c), crosses(c, a)]
+        .into_iter()
+        .flatten();
+    let ends_m = [ends.next()?, ends.next()?];
+    let outward = (b - a).cross(&(c - a));
+    let faces_axis = outward.dot(&(Vector3::y() * y - a)) > 0.0;
+    faces_axis.then(|| Side::new(ends_m, reach_m)).flatten()
+}

@@ -1,0 +1,268 @@
+//! A wheel brush deburrs edges of a mesh.
+//!
+//! The tool frame stands in the brush's centre, its y axis is the brush's, about which it turns right-handed. Every step takes pose and motion of the
+//! tool as they are, deflection and rotation of the arm included; bristles press where they meet the workpiece ([`contact`]), and what they
+//! do to its edges follows from the dose that each place of them has had ([`truecut_core::wheel::edge_wear`]).
+//!
+//! Burr and radius are small beside the bristles and do not act back on their forces. What brushing takes off the faces is not counted.
+
+mod contact;
+mod report;
+mod section;
+
+use super::met::Met;
+use super::{ContactStiffness, Findings, Process, ToolState};
+use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use contact::Contact;
+use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
+use report::Watch;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use truecut_core::wheel::brush::Brush;
+use truecut_core::wheel::edge_wear::EdgeWear;
+use truecut_core::wheel::quadrature::Quadrature;
+use truecut_plan::surface::Mesh;
+use truecut_recording::{ChannelSpec, Field, Unit as Measure};
+
+/// Nodes over a side of a slice.
+const NODES: usize = 8;
+
+/// A place of an edge, and the piece about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Which of the scenario's edges, from 0.
+    pub edge: usize,
+    /// In the mesh's frame.
+    pub point_m: Vector3<f64>,
+    pub length_m: f64,
+    /// Outward normals of the faces that meet there, in the mesh's frame.
+    pub normals: [Unit<Vector3<f64>>; 2],
+    pub wear: EdgeWear,
+}
+
+/// All that a brush run is made of.
+#[derive(Debug, Clone)]
+pub struct BrushSetup {
+    pub brush: Brush,
+    /// How much further than its radius the brush reaches along the tool's z axis when the run starts, and a quarter of a turn later, m.
+    pub runout_m: [f64; 2],
+    /// Right-handed about the tool's y axis.
+    pub spin_rad_s: f64,
+    pub mesh: Arc<Mesh>,
+    pub world_from_mesh: Isometry3<f64>,
+    /// Places on the edges, edge after edge.
+    pub stations: Vec<Station>,
+    /// Turns world axes into process axes.
+    pub process_from_world: UnitQuaternion<f64>,
+    /// The tool's z axis at the start, world.
+    pub approach: Vector3<f64>,
+    pub duration_s: f64,
+}
+
+impl BrushSetup {
+    /// The brush as it reaches now: an eccentric one turns its long side to the work once per revolution.
+    fn brush_at(&self, time_s: f64) -> Brush {
+        let [c, s] = self.runout_m;
+        let (sin, cos) = (self.spin_rad_s * time_s).sin_cos();
+        Brush {
+            radius_m: self.brush.radius_m + c * cos + s * sin,
+            ..self.brush
+        }
+    }
+}
+
+/// The process.
+#[derive(Debug, Clone)]
+pub struct BrushProcess {
+    setup: BrushSetup,
+    quadrature: Quadrature,
+    /// `∫ ρ n v dt` of each station, J/m².
+    dose_j_per_m2: Vec<f64>,
+    watch: Watch,
+    last: Last,
+    /// What the loads of this step were computed from.
+    met: Met<Contact>,
+}
+
+/// What is recorded of the last step.
+#[derive(Debug, Clone, Copy, Default)]
+struct Last {
+    bristle_n: f64,
+    friction_n: f64,
+    power_w: f64,
+    shortening_m: f64,
+    edge_m: f64,
+    /// Process axes.
+    force_on_tool_n: Vector3<f64>,
+}
+
+impl BrushProcess {
+    pub fn new(setup: BrushSetup) -> Self {
+        Self {
+            quadrature: Quadrature::new(NODES),
+            dose_j_per_m2: vec![0.0; setup.stations.len()],
+            watch: Watch::default(),
+            last: Last::default(),
+            met: Met::default(),
+            setup,
+        }
+    }
+
+    fn to_process(&self, state: &ToolState, in_tool: &Vector3<f64>) -> Vector3<f64> {
+        self.setup.process_from_world * (state.world_from_tool.rotation * in_tool)
+    }
+
+    /// Section taken off the edges so far, all of them, m³.
+    fn removed_m3(&self) -> f64 {
+        let stations = self.setup.stations.iter().zip(&self.dose_j_per_m2);
+        stations
+            .map(|(station, dose)| station.length_m * station.wear.removed_m2(*dose))
+            .sum()
+    }
+
+    /// Length of the edges on which a burr is left, m.
+    fn burred_m(&self) -> f64 {
+        let stations = self.setup.stations.iter().zip(&self.dose_j_per_m2);
+        let burred = stations.filter(|(station, dose)| station.wear.burr_left_m(**dose) > 0.0);
+        // A sum of nothing would be -0.
+        burred.fold(0.0, |sum, (station, _)| sum + station.length_m)
+    }
+}
+
+impl Process for BrushProcess {
+    fn channels(&self) -> Vec<ChannelSpec> {
+        let spec =
+            |name: &str, unit, text: &str| ChannelSpec::new(format!("brush.{name}"), unit, text);
+        vec![
+            spec(
+                "bristle_force",
+                Measure::Newton,
+                "Sum of the forces with which the bristles press, each along itself",
+            ),
+            spec(
+                "friction_force",
+                Measure::Newton,
+                "Friction of all tips together",
+            ),
+            spec("power", Measure::Watt, "Power that friction takes"),
+            spec(
+                "shortening",
+                Measure::Metre,
+                "By how much the bristle that is pressed in most is shortened",
+            ),
+            spec(
+                "edge_length",
+                Measure::Metre,
+                "Length of edge under the brush",
+            ),
+            spec(
+                "burred_length",
+                Measure::Metre,
+                "Length of edge on which a burr is left",
+            ),
+            spec(
+                "removed_volume",
+                Measure::CubicMetre,
+                "Volume removed from the edges so far, burrs included",
+            ),
+        ]
+    }
+
+    fn evaluate(&self, state: &ToolState) -> Loads {
+        let contact = Contact::of(&self.setup, &self.quadrature, state);
+        let mut loads = Loads::default();
+        loads.wrenches.push(Wrench {
+            frame: Attachment::Tool,
+            force_n: self.to_process(state, &contact.force_n),
+            moment_n_m: self.to_process(state, &contact.moment_n_m),
+        });
+        self.met.keep(state.time_s, contact);
+        loads
+    }
+
+    fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
+        // What is removed and recorded is what acted: the contact of the loads, met with the velocity foreseen for this instant.
+        let met = self.met.take(state.time_s);
+        let contact = met.unwrap_or_else(|| Contact::of(&self.setup, &self.quadrature, state));
+        for (station, dose_w_per_m2) in &contact.doses_w_per_m2 {
+            self.dose_j_per_m2[*station] += dose_w_per_m2 * dt_s;
+        }
+        self.watch.step(&contact, dt_s);
+        self.last = Last {
+            bristle_n: contact.bristle_n,
+            friction_n: contact.friction_n.norm(),
+            power_w: contact.power_w,
+            shortening_m: contact.shortening_m,
+            edge_m: contact.edge_m,
+            force_on_tool_n: self.to_process(state, &contact.force_n),
+        };
+    }
+
+    fn record(&self, row: &mut Vec<f64>) {
+        let last = &self.last;
+        row.extend([
+            last.bristle_n,
+            last.friction_n,
+            last.power_w,
+            last.shortening_m,
+            last.edge_m,
+            self.burred_m(),
+            self.removed_m3(),
+        ]);
+    }
+
+    fn finish(&mut self) -> Findings {
+        report::findings(&self.setup, &self.dose_j_per_m2, &self.watch)
+    }
+
+    /// The run starts with the brush lifted.
+    fn static_loads(&self) -> Loads {
+        Loads::default()
+    }
+
+    fn duration_s(&self) -> Option<f64> {
+        Some(self.setup.duration_s)
+    }
+
+    fn tooth_period_s(&self) -> Option<f64> {
+        None
+    }
+
+    fn highest_frequency_hz(&self) -> Option<f64> {
+        let p = &self.setup;
+        (p.runout_m != [0.0; 2]).then(|| p.spin_rad_s.abs() / TAU)
+    }
+
+    /// Slope of the force over the depth on a flat face, where bristles are shortened by a twentieth.
+    fn contact_stiffness(&self) -> Vec<ContactStiffness> {
+        let p = &self.setup;
+        let depth_m = 0.05 * p.brush.free_length_m;
+        let step_m = 1e-3 * depth_m;
+        let reach_m = p.brush.radius_m;
+        let force = |d: f64| {
+            p.brush
+                .normal_force_n(d, -reach_m, reach_m, &self.quadrature)
+        };
+        vec![ContactStiffness {
+            frame: Attachment::Tool,
+            direction: p.process_from_world * p.approach,
+            stiffness_n_per_m: (force(depth_m + step_m) - force(depth_m - step_m)) / (2.0 * step_m),
+        }]
+    }
+
+    fn field(&self) -> Option<Field> {
+        Some(report::field(&self.setup))
+    }
+
+    fn field_values(&self) -> Vec<f32> {
+        report::field_values(&self.setup, &self.dose_j_per_m2)
+    }
+
+    fn drum_m(&self) -> Option<[f64; 2]> {
+        Some([self.setup.brush.radius_m, self.setup.brush.width_m])
+    }
+
+    fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
+        vec![("brush contact", Attachment::Tool, self.last.force_on_tool_n)]
+    }
+}

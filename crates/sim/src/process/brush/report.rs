@@ -1,0 +1,291 @@
+//! What a brush run ends with: force, burrs and radii along the edges; and how these are drawn.
+
+use super::contact::Contact;
+use super::{BrushSetup, Station};
+use crate::process::Findings;
+use nalgebra::{Isometry3, Vector3};
+use truecut_recording::{Field, Profile, Scalar, Unit};
+
+/// Half the width at which an edge is drawn, m, and its height over the faces.
+const DRAWN_HALF_M: f64 = 2e-3;
+const DRAWN_ABOVE_M: f64 = 1e-4;
+/// Rows of the ribbon that is drawn: on one face, on the edge, on the other.
+const ROWS: usize = 3;
+/// Radius at which the colours of an edge without a burr end, tips.
+const FULL_SCALE_TIPS: f64 = 1.0;
+
+/// What is summed up while the run goes on.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Watch {
+    /// Time in contact, s.
+    contact_s: f64,
+    /// `∫ F dt`, N s.
+    impulse_n_s: f64,
+    largest_n: f64,
+    shortening_m: f64,
+    work_j: f64,
+}
+
+impl Watch {
+    pub fn step(&mut self, contact: &Contact, dt_s: f64) {
+        if contact.bristle_n > 0.0 {
+            self.contact_s += dt_s;
+        }
+        self.impulse_n_s += contact.bristle_n * dt_s;
+        self.work_j += contact.power_w * dt_s;
+        self.largest_n = self.largest_n.max(contact.bristle_n);
+        self.shortening_m = self.shortening_m.max(contact.shortening_m);
+    }
+}
+
+/// What is left of an edge, weighed by length.
+#[derive(Debug, Clone, Copy)]
+struct Edges {
+    length_m: f64,
+    burred_m: f64,
+    burr_mean_m: f64,
+    burr_largest_m: f64,
+    radius_mean_m: f64,
+    radius_least_m: f64,
+    radius_largest_m: f64,
+    removed_m3: f64,
+}
+
+impl Edges {
+    fn of(stations: &[Station], dose_j_per_m2: &[f64]) -> Self {
+        let each: Vec<[f64; 4]> = (stations.iter().zip(dose_j_per_m2))
+            .map(|(station, dose)| {
+                let wear = &station.wear;
+                [
+                    station.length_m,
+                    wear.burr_left_m(*dose),
+                    wear.radius_m(*dose),
+                    wear.removed_m2(*dose),
+                ]
+            })
+            .collect();
+        let length_m: f64 = each.iter().map(|[length, ..]| length).sum();
+        let sum = |k: usize| each.iter().map(|one| one[0] * one[k]).sum::<f64>();
+        let largest = |k: usize| each.iter().map(|one| one[k]).fold(0.0, f64::max);
+        let least = |k: usize| each.iter().map(|one| one[k]).fold(f64::INFINITY, f64::min);
+        let burred = each.iter().filter(|[_, burr, ..]| *burr > 0.0);
+        Self {
+            length_m,
+            // A sum of nothing would be -0.
+            burred_m: burred.fold(0.0, |sum, [length, ..]| sum + length),
+            burr_mean_m: sum(1) / length_m,
+            burr_largest_m: largest(1),
+            radius_mean_m: sum(2) / length_m,
+            radius_least_m: least(2),
+            radius_largest_m: largest(2),
+            removed_m3: sum(3),
+        }
+    }
+}
+
+pub(super) fn findings(setup: &BrushSetup, dose_j_per_m2: &[f64], watch: &Watch) -> Findings {
+    let edges = Edges::of(&setup.stations, dose_j_per_m2);
+    let mut scalars = pressing(setup, watch);
+    scalars.extend(left(&edges));
+    let count = setup.stations.last().map_or(0, |last| last.edge + 1);
+    let profiles = (0..count).flat_map(|edge| along(setup, dose_j_per_m2, edge));
+    Findings {
+        scalars,
+        profiles: profiles.collect(),
+    }
+}
+
+fn scalar(name: &str, unit: Unit, value: f64, text: &str) -> Scalar {
+    Scalar::new(format!("brush.{name}"), unit, value, text)
+}
+
+/// How the brush pressed.
+fn pressing(setup: &BrushSetup, watch: &Watch) -> Vec<Scalar> {
+    let mut scalars = vec![
+        scalar(
+            "largest_force",
+            Unit::Newton,
+            watch.largest_n,
+            "Largest sum of the forces of the bristles",
+        ),
+        scalar(
+            "contact_time",
+            Unit::Second,
+            watch.contact_s,
+            "Time that the brush touches the workpiece",
+        ),
+        scalar(
+            "friction_work",
+            Unit::Joule,
+            watch.work_j,
+            "Work of the friction of the tips",
+        ),
+        scalar(
+            "largest_shortening",
+            Unit::One,
+            watch.shortening_m / setup.brush.free_length_m,
+            "Largest shortening of a bristle over its free length; the law of a bristle holds up to about a fifth",
+        ),
+    ];
+    if watch.contact_s > 0.0 {
+        scalars.push(scalar(
+            "mean_force",
+            Unit::Newton,
+            watch.impulse_n_s / watch.contact_s,
+            "Mean sum of the forces of the bristles while the brush touches",
+        ));
+    }
+    scalars
+}
+
+/// What is left of burrs and edges.
+fn left(edges: &Edges) -> [Scalar; 8] {
+    [
+        scalar(
+            "edge_length",
+            Unit::Metre,
+            edges.length_m,
+            "Length of all edges",
+        ),
+        scalar(
+            "burred_length",
+            Unit::Metre,
+            edges.burred_m,
+            "Length of edge on which a burr is left",
+        ),
+        scalar(
+            "burr_mean",
+            Unit::Metre,
+            edges.burr_mean_m,
+            "Mean height of the burr that is left, over all edges",
+        ),
+        scalar(
+            "burr_largest",
+            Unit::Metre,
+            edges.burr_largest_m,
+            "Largest height of the burr that is left",
+        ),
+        scalar(
+            "radius_mean",
+            Unit::Metre,
+            edges.radius_mean_m,
+            "Mean radius of the edges; 0 where a burr is left",
+        ),
+        scalar(
+            "radius_least",
+            Unit::Metre,
+            edges.radius_least_m,
+            "Least radius of an edge",
+        ),
+        scalar(
+            "radius_largest",
+            Unit::Metre,
+            edges.radius_largest_m,
+            "Largest radius of an edge",
+        ),
+        scalar(
+            "removed_volume",
+            Unit::CubicMetre,
+            edges.removed_m3,
+            "Volume removed from the edges, burrs included",
+        ),
+    ]
+}
+
+/// Burr and radius over the distance along an edge.
+fn along(setup: &BrushSetup, dose_j_per_m2: &[f64], edge: usize) -> [Profile; 2] {
+    let of_edge = || {
+        let stations = setup.stations.iter().zip(dose_j_per_m2);
+        stations.filter(move |(station, _)| station.edge == edge)
+    };
+    let mut end_m = 0.0;
+    let axis: Vec<f64> = of_edge()
+        .map(|(station, _)| {
+            end_m += station.length_m;
+            end_m - 0.5 * station.length_m
+        })
+        .collect();
+    let number = edge + 1;
+    let profile = |name: &str, text: &str, values: Vec<f64>| Profile {
+        name: format!("brush.edge{number}.{name}"),
+        description: format!("{text} edge {number}"),
+        axis_name: "along_the_edge".into(),
+        axis_unit: Unit::Metre,
+        axis: axis.clone(),
+        unit: Unit::Metre,
+        values,
+    };
+    let burr = of_edge().map(|(station, dose)| station.wear.burr_left_m(*dose));
+    let radius = of_edge().map(|(station, dose)| station.wear.radius_m(*dose));
+    [
+        profile("burr", "Height of the burr that is left on", burr.collect()),
+        profile("radius", "Radius of", radius.collect()),
+    ]
+}
+
+/// Where there are burrs they are drawn as they are left; without any, the radius.
+fn has_burr(setup: &BrushSetup) -> bool {
+    let heights = setup.stations.iter().map(|one| one.wear.burr_height_m);
+    heights.fold(0.0, f64::max) > 0.0
+}
+
+/// The first edge as it is drawn: a ribbon over both its faces.
+pub(super) fn field(setup: &BrushSetup) -> Field {
+    let first = drawn(setup);
+    let origin = first[0].point_m;
+    let vertices_m = (0..ROWS).flat_map(|row| {
+        first.iter().map(move |station| {
+            let [one, other] = station.normals.map(|normal| normal.into_inner());
+            let out = (one + other).normalize() * DRAWN_ABOVE_M;
+            // On a face, away from the edge: against the other face's normal, within the face.
+            let into = |face: Vector3<f64>, other: Vector3<f64>| {
+                (face * face.dot(&other) - other).normalize() * DRAWN_HALF_M + face * DRAWN_ABOVE_M
+            };
+            let aside = match row {
+                0 => into(one, other),
+                1 => out,
+                _ => into(other, one),
+            };
+            (station.point_m + aside - origin).into()
+        })
+    });
+    let full_scale = match has_burr(setup) {
+        true => first
+            .iter()
+            .map(|s| s.wear.burr_height_m)
+            .fold(0.0, f64::max),
+        false => FULL_SCALE_TIPS * setup.brush.bristle_diameter_m,
+    };
+    let corner = Isometry3::translation(origin.x, origin.y, origin.z);
+    Field {
+        path: match has_burr(setup) {
+            true => "burr_left".into(),
+            false => "edge_radius".into(),
+        },
+        world_from_field: crate::scene::pose(&(setup.world_from_mesh * corner)),
+        size_m: [
+            first.iter().map(|station| station.length_m).sum(),
+            2.0 * DRAWN_HALF_M,
+        ],
+        cells: [first.len(), ROWS],
+        full_scale,
+        vertices_m: vertices_m.collect(),
+    }
+}
+
+/// Stations of the first edge.
+fn drawn(setup: &BrushSetup) -> &[Station] {
+    let end = setup.stations.iter().position(|station| station.edge > 0);
+    &setup.stations[..end.unwrap_or(setup.stations.len())]
+}
+
+pub(super) fn field_values(setup: &BrushSetup, dose_j_per_m2: &[f64]) -> Vec<f32> {
+    let has_burr = has_burr(setup);
+    let values: Vec<f32> = (drawn(setup).iter().zip(dose_j_per_m2))
+        .map(|(station, dose)| match has_burr {
+            true => station.wear.burr_left_m(*dose) as f32,
+            false => station.wear.radius_m(*dose) as f32,
+        })
+        .collect();
+    values.repeat(ROWS)
+}
