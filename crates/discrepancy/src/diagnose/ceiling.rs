@@ -9,7 +9,7 @@ use super::answer::{Ceiling, Lock};
 use super::data::{LAGS, Rows};
 use super::features::{Group, delay_by_size, groups};
 use super::fit::Fit;
-use super::memory::channel_distance;
+use super::memory::{Freedom, channel_distance};
 use super::noise::{ChannelNoise, Moments, Noise, Prior, dot, subtract};
 use super::problem::Problem;
 use super::resonance::resonance;
@@ -31,12 +31,23 @@ pub(super) struct Bound {
 
 /// Gains of a group must be beyond so many standard errors; a pattern that is strong in few places has large ones.
 const LEAST_T: f64 = 1.5;
-const LEAST_FRACTION: f64 = 0.03;
-/// And they must stand out of noise of any memory, which keeps chance out: a group has a dozen parameters or two, and a hundred groups
-/// are tried.
-const LEAST_STANDING_OUT: f64 = 11.0;
-/// The same under white noise.
-const LEAST_FRACTION_PLAIN: f64 = 0.05;
+/// How clear a group must be.
+#[derive(Clone, Copy)]
+struct Least {
+    fraction: f64,
+    /// It must stand out of noise of any memory, which keeps chance out: a group has a dozen parameters or two, and a hundred groups are tried.
+    standing_out: f64,
+}
+
+const LEAST: Least = Least {
+    fraction: 0.03,
+    standing_out: 11.0,
+};
+/// Under white noise, for which slow noise is much that can be explained.
+const LEAST_PLAIN: Least = Least {
+    fraction: 0.05,
+    standing_out: 13.0,
+};
 /// Crossings of its mean by a feature that comes back.
 const LEAST_CROSSINGS: usize = 6;
 const FOLDS: usize = 6;
@@ -162,8 +173,8 @@ impl<'a> Target<'a> {
         let mut now = self.trial(Vec::new(), self.order);
         while now.groups.len() < MOST_GROUPS {
             let signals: Vec<&'g Group> = all.iter().copied().filter(|g| g.by_signal).collect();
-            let found = self.next(&now, all, self.order, LEAST_FRACTION);
-            let found = found.or_else(|| self.next(&now, &signals, 0, LEAST_FRACTION_PLAIN));
+            let found = self.next(&now, all, self.order, LEAST);
+            let found = found.or_else(|| self.next(&now, &signals, 0, LEAST_PLAIN));
             let Some((next, mut lock)) = found else { break };
             lock.channel = channel.to_string();
             locks.push(lock);
@@ -178,7 +189,7 @@ impl<'a> Target<'a> {
         now: &Trial<'g>,
         all: &[&'g Group],
         order: usize,
-        least: f64,
+        least: Least,
     ) -> Option<(Trial<'g>, Lock)> {
         let free: Vec<&'g Group> = all
             .iter()
@@ -202,12 +213,16 @@ impl<'a> Target<'a> {
             fraction: added / total,
             t: added / error,
         };
-        let clear = added > LEAST_T * error && added > least * total;
+        let clear = added > LEAST_T * error && added > least.fraction * total;
         let distance = || {
-            let parameters = next.groups.iter().map(|group| group.features.len()).sum();
-            channel_distance(self.problem, self.rows, &now.left, &next.left, parameters)
+            let sum = |of: fn(&Group) -> usize| next.groups.iter().map(|group| of(group)).sum();
+            let freedom = Freedom {
+                parameters: sum(|group| group.features.len()),
+                tuned: sum(Group::tuned),
+            };
+            channel_distance(self.problem, self.rows, &now.left, &next.left, freedom)
         };
-        (clear && distance() > LEAST_STANDING_OUT).then_some((next, lock))
+        (clear && distance() > least.standing_out).then_some((next, lock))
     }
 
     /// Least squares under white noise, then twice under the noise of what is left: an autoregression of the residual as it is would
@@ -326,6 +341,7 @@ impl Target<'_> {
             bounded.then(|| Group {
                 name: format!("{}, through the dynamics", group.name),
                 by_signal: group.by_signal,
+                chosen: group.chosen,
                 features,
             })
         });
@@ -367,6 +383,7 @@ impl Target<'_> {
             let wave = |f: fn(f64) -> f64| time.iter().map(|t| f(TAU * frequency * t)).collect();
             lines.push(Group {
                 by_signal: false,
+                chosen: 1,
                 name: format!(
                     "a line at {} Hz",
                     truecut_recording::significant(frequency, 3)

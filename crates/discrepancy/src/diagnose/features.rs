@@ -9,7 +9,19 @@ pub(super) struct Group {
     pub name: String,
     /// Whether it follows a signal that comes back many times; time and lines do not, and slow noise may look like them.
     pub by_signal: bool,
+    /// How many numbers were chosen so that the features fit: a frequency, a damping.
+    pub chosen: usize,
     pub features: Vec<Vec<f64>>,
+}
+
+impl Group {
+    /// Numbers by which it was laid where most was to be explained, the features' own included; 0 if nothing was chosen.
+    pub fn tuned(&self) -> usize {
+        match self.chosen {
+            0 => 0,
+            chosen => self.features.len() + chosen,
+        }
+    }
 }
 
 /// What the residual may follow: predicted outputs and known signals, their rates, time.
@@ -18,6 +30,7 @@ pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
     let mut groups = vec![Group {
         name: "a constant".into(),
         by_signal: false,
+        chosen: 0,
         features: vec![vec![1.0; data.time_s.len()]],
     }];
     let (first, last) = (data.time_s[0], data.time_s[data.time_s.len() - 1]);
@@ -29,6 +42,7 @@ pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
     groups.push(Group {
         name: "time".into(),
         by_signal: false,
+        chosen: 0,
         features: (0..4)
             .map(|k| relative.iter().map(|x| x.powi(k)).collect())
             .collect(),
@@ -57,6 +71,7 @@ pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
             groups.push(Group {
                 name: format!("{harmonic} per revolution of {}", angle.name),
                 by_signal: true,
+                chosen: 0,
                 features: vec![phase(f64::cos), phase(f64::sin)],
             });
         }
@@ -89,6 +104,7 @@ pub(super) fn delay_by_size(problem: &Problem, channel: usize, output: &[f64]) -
             problem.model.channels()[channel].name
         ),
         by_signal: true,
+        chosen: 0,
         features: delayed.flat_map(|x| products(&sizes, &x)).collect(),
     })
 }
@@ -112,6 +128,7 @@ fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Gro
     groups.push(Group {
         name: format!("{name}, linearly"),
         by_signal: true,
+        chosen: 0,
         features: [0, 1, 2, 4, 8, 16, 32]
             .iter()
             .map(|lag| shifted(x, data, *lag))
@@ -120,6 +137,7 @@ fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Gro
     groups.push(Group {
         name: name.to_string(),
         by_signal: true,
+        chosen: 0,
         features: bins(x, 12),
     });
     let before = shifted(x, data, 2);
@@ -129,26 +147,31 @@ fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Gro
         groups.push(Group {
             name: format!("direction of {name}"),
             by_signal: true,
+            chosen: 0,
             features: vec![signs.clone()],
         });
         groups.push(Group {
             name: format!("rate of {name}"),
             by_signal: true,
+            chosen: 0,
             features: bins(&rate, 8),
         });
         groups.push(Group {
             name: format!("rate of {name}, by its size"),
             by_signal: true,
+            chosen: 0,
             features: products(&bins(x, 8), &rate),
         });
         groups.push(Group {
             name: format!("place of {name} and its direction"),
             by_signal: true,
+            chosen: 0,
             features: harmonics(x, &signs),
         });
         groups.push(Group {
             name: format!("{name} and its direction"),
             by_signal: true,
+            chosen: 0,
             features: products(&bins(x, 12), &signs),
         });
     }

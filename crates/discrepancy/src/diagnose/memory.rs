@@ -4,6 +4,8 @@
 //! drift then looks sure when it is not. Here the spectrum of what is left is taken as it is, octave by octave, and its low
 //! end is continued to the frequencies that the record is too short for.
 
+use std::ops::Range;
+
 use realfft::RealFftPlanner;
 
 use super::problem::Problem;
@@ -30,8 +32,8 @@ const POSSIBLE: f64 = 2.0;
 /// Distance of two residuals, in standard deviations of noise with the spectrum of the second; development part, all channels.
 pub(super) fn distance(problem: &Problem, first: &Columns, second: &Columns) -> f64 {
     let rows = &problem.split.development.per_channel;
-    let parts =
-        (first.iter().zip(second).zip(rows)).map(|((a, b), rows)| squares(problem, rows, a, b, 0));
+    let parts = (first.iter().zip(second).zip(rows))
+        .map(|((a, b), rows)| squares(problem, rows, a, b, Freedom::default()));
     let parts = parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]);
     weighed(parts, SLOW_PART)
 }
@@ -44,16 +46,25 @@ pub(super) fn stands_out(problem: &Problem, gain: f64, first: &Columns, second: 
     distance > LEAST_DISTANCE && mean > LEAST_MEAN_DISTANCE
 }
 
-/// Distance in one channel, where the change may be anything that fits. Its `parameters` take the noise away, too, where they are
-/// slow: there the spectrum is continued from where they cannot reach.
+/// By how many numbers a change was fitted.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Freedom {
+    /// They take the noise away, too, where they are slow: there the spectrum is continued from where they cannot reach.
+    pub parameters: usize,
+    /// Those by which it was laid on the frequencies where most was to be explained: an octave in which it acts has lost as many of its
+    /// degrees of freedom.
+    pub tuned: usize,
+}
+
+/// Distance in one channel, where the change may be anything that fits.
 pub(super) fn channel_distance(
     problem: &Problem,
     rows: &[usize],
     first: &[f64],
     second: &[f64],
-    parameters: usize,
+    freedom: Freedom,
 ) -> f64 {
-    let squares = squares(problem, rows, first, second, parameters);
+    let squares = squares(problem, rows, first, second, freedom);
     weighed(squares, SLOW_PART_OF_ANY)
 }
 
@@ -67,23 +78,40 @@ fn squares(
     rows: &[usize],
     first: &[f64],
     second: &[f64],
-    parameters: usize,
+    freedom: Freedom,
 ) -> [f64; 2] {
     let samples = || problem.split.blocks.iter().cloned().flatten();
     let change = between(rows, samples(), |t| first[t] - second[t]);
     let change = periodogram(change);
     let left = periodogram(samples().map(|t| second[t]).collect());
-    let noise = smoothed(&left, LOWEST.max(parameters));
+    let noise = smoothed(&left, LOWEST.max(freedom.parameters));
     let last = change.len() - 1;
+    // Frequencies but the first and the last stand for two.
+    let count = |k: usize| if k == 0 || k == last { 1.0 } else { 2.0 };
+    let ratios = change.iter().zip(&noise).enumerate();
+    let ratios: Vec<f64> = ratios
+        .map(|(k, (c, n))| count(k) * c / n.max(f64::MIN_POSITIVE))
+        .collect();
+    let kept = kept_by_octave(&ratios, freedom.tuned);
     let mut parts = [0.0; 2];
-    for (k, (c, n)) in change.iter().zip(&noise).enumerate() {
-        // Frequencies but the first and the last stand for two.
-        let count = if k == 0 || k == last { 1.0 } else { 2.0 };
-        if *c > 0.0 {
-            parts[usize::from(k >= LOWEST)] += count * c / n.max(f64::MIN_POSITIVE);
-        }
+    for (k, (ratio, kept)) in ratios.iter().zip(&kept).enumerate() {
+        parts[usize::from(k >= LOWEST)] += ratio * kept;
     }
     parts
+}
+
+/// Share of an octave's degrees of freedom that a change laid by so many numbers leaves to the noise, by the frequency in its middle.
+/// They act where the change is, by its squares over the noise.
+fn kept_by_octave(ratios: &[f64], tuned: usize) -> Vec<f64> {
+    let sums = running_sums(ratios);
+    let whole = sums[ratios.len()].max(f64::MIN_POSITIVE);
+    let kept = |k: usize| {
+        let octave = octave(k.max(LOWEST), ratios.len());
+        let freedom = 2.0 * octave.len() as f64;
+        let share = (sums[octave.end] - sums[octave.start]) / whole;
+        ((freedom - tuned as f64 * share) / freedom).max(1.0 / freedom)
+    };
+    (0..ratios.len()).map(kept).collect()
 }
 
 /// A change at the rows, and on straight lines between them: elsewhere nothing was fitted, and it may be anything.
@@ -117,18 +145,27 @@ fn periodogram(mut x: Vec<f64>) -> Vec<f64> {
     spectrum.iter().map(|z| z.norm_sqr()).collect()
 }
 
+/// Frequencies of the octave about one, of so many.
+fn octave(k: usize, count: usize) -> Range<usize> {
+    let low = ((k as f64 / 1.42).ceil() as usize).max(1);
+    low..((k as f64 * 1.42).floor() as usize).min(count - 1) + 1
+}
+
+fn running_sums(x: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0];
+    for x in x {
+        sums.push(sums[sums.len() - 1] + x);
+    }
+    sums
+}
+
 /// Means over an octave about each frequency, continued below `lowest` as the low end of the spectrum goes.
 fn smoothed(power: &[f64], lowest: usize) -> Vec<f64> {
-    let mut sums = vec![0.0];
-    for p in power {
-        sums.push(sums[sums.len() - 1] + p);
-    }
-    let octave = |k: usize| {
-        let low = ((k as f64 / 1.42).ceil() as usize).max(1);
-        let high = ((k as f64 * 1.42).floor() as usize).min(power.len() - 1);
-        (sums[high + 1] - sums[low]) / (high + 1 - low) as f64
-    };
-    let mut smooth: Vec<f64> = (0..power.len()).map(|k| octave(k.max(LOWEST))).collect();
+    let sums = running_sums(power);
+    let mean = |octave: Range<usize>| (sums[octave.end] - sums[octave.start]) / octave.len() as f64;
+    let mut smooth: Vec<f64> = (0..power.len())
+        .map(|k| mean(octave(k.max(LOWEST), power.len())))
+        .collect();
     for (k, value) in smooth.iter_mut().enumerate().take(lowest) {
         // What is slower than the record by up to a decade looks like a constant in it.
         let frequency = (k as f64).max(0.15);

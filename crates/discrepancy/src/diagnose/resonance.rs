@@ -56,6 +56,7 @@ pub(super) fn resonance(
     Some(Group {
         name: format!("a resonance near {hz} Hz, driven by {name}"),
         by_signal: true,
+        chosen: 2,
         features: features(best).into(),
     })
 }

@@ -22,6 +22,7 @@ pub(super) fn spans(problem: &Problem, signatures: &[&Signature], channel: usize
             None => groups.push(Group {
                 name,
                 by_signal: true,
+                chosen: 0,
                 features: columns.collect(),
             }),
         }
