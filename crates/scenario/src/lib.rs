@@ -55,6 +55,7 @@ mod document;
 pub mod effect;
 mod error;
 mod foot;
+mod format;
 pub mod identification;
 mod load;
 mod metric;

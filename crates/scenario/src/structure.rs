@@ -7,6 +7,7 @@ use serde_json::Value as Json;
 use toml_edit::{Item, Table, TableLike, Value};
 
 use crate::document::{At, Fault};
+use crate::format::Format;
 use truecut_recording::nearest;
 
 use crate::schema::{
@@ -16,10 +17,18 @@ use crate::suggest::same_quantity;
 
 /// Every rule of the scenario's schema that the table breaks, in the order of the file where it has one.
 pub(crate) fn check(table: &Table) -> Vec<Fault> {
-    check_against(schema(), table)
+    check_file(schema(), Format::Scenario, table)
 }
 
 /// As [`check`], for another format.
+pub(crate) fn check_file(schema: &Json, format: Format, table: &Table) -> Vec<Fault> {
+    match format.misread(table) {
+        Some(fault) => vec![fault],
+        None => check_against(schema, table),
+    }
+}
+
+/// Every rule of a schema that the table breaks.
 pub(crate) fn check_against(schema: &Json, table: &Table) -> Vec<Fault> {
     let mut faults = Vec::new();
     check_table(schema, table, &mut Vec::new(), &mut faults);

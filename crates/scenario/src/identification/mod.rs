@@ -22,6 +22,7 @@ pub use stiffness::{Axes, Point, StiffnessColumn, StiffnessQuantity, StiffnessSp
 use crate::check::Check;
 use crate::document::{Document, Fault};
 use crate::error::{ScenarioError, read_text};
+use crate::format::Format;
 use crate::robot::RobotSpec;
 use crate::scenario::{folder_of, located, one_problem};
 use crate::units::{from_deg, from_mm};
@@ -93,7 +94,7 @@ impl Identification {
     /// Every rule of the format that is broken, with its place.
     pub fn from_str(path: &Path, text: &str) -> Result<Identification, ScenarioError> {
         let document = Document::parse(path, text, &[]).map_err(|problem| one_problem(*problem))?;
-        let faults = structure::check_against(schema(), document.effective());
+        let faults = structure::check_file(schema(), Format::Identification, document.effective());
         if let Some(error) = located(&document, faults) {
             return Err(error);
         }

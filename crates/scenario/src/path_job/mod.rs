@@ -23,6 +23,7 @@ pub use spec::{
 use crate::check::Check;
 use crate::document::{Document, Fault};
 use crate::error::{ScenarioError, read_text};
+use crate::format::Format;
 use crate::scenario::{folder_of, located, one_problem};
 use crate::units::from_deg;
 use crate::{schema, structure};
@@ -115,7 +116,7 @@ impl PathJob {
     /// Every rule of the format that is broken, with its place.
     pub fn from_str(path: &Path, text: &str) -> Result<PathJob, ScenarioError> {
         let document = Document::parse(path, text, &[]).map_err(|problem| one_problem(*problem))?;
-        let faults = structure::check_against(schema(), document.effective());
+        let faults = structure::check_file(schema(), Format::PathJob, document.effective());
         if let Some(error) = located(&document, faults) {
             return Err(error);
         }

@@ -41,6 +41,10 @@ fn verify_force_is_the_line_contact_s_and_friction_coulomb_s() {
         }
     }
     assert!(looked_at.0 > 150 && looked_at.1 > 150, "{looked_at:?}");
+    // The deepest strip is a little deeper than the middle.
+    let deepest = depth.iter().copied().fold(0.0, f64::max) / WHEEL.rubber_m;
+    let told = scalar(&recording, "belt.largest_penetration");
+    assert!((1.0..1.02).contains(&(told / deepest)), "{told} {deepest}");
 }
 
 /// The volume on the grid is Preston's integral, which is `k_p v ∫ F dt` with v the belt's speed give or take the feed.

@@ -3,7 +3,7 @@
 #[path = "../support/mod.rs"]
 mod shared;
 
-use shared::{below, brush, column, run, run_with};
+use shared::{below, brush, column, run, run_with, scalar};
 use std::f64::consts::{PI, TAU};
 use truecut_core::wheel::brush::Brush;
 use truecut_core::wheel::edge_wear::EdgeWear;
@@ -25,11 +25,6 @@ const FEED_M_PER_S: f64 = 20e-3;
 const FACE_M: f64 = 0.38;
 /// Its edge, along world z.
 const EDGE_M: f64 = -0.05;
-
-fn scalar(recording: &Recording, name: &str) -> f64 {
-    let found = recording.scalars.iter().find(|one| one.name == name);
-    found.unwrap_or_else(|| panic!("no {name}")).value
-}
 
 fn whole(kind: EffectKind, values: &[f64]) -> Effect {
     Effect {

@@ -33,6 +33,8 @@ pub(super) struct Strip {
     pub first_m: [Vector3<f64>; 2],
     /// Half of its width on the face.
     pub half_width_m: f64,
+    /// How far the undeformed wheel reaches in.
+    pub penetration_m: f64,
     pub patch: Patch,
     pub sliding: Sliding,
     pub loads: PatchLoads,
@@ -207,6 +209,7 @@ impl Press<'_> {
             normal,
             first_m: section.first_m,
             half_width_m,
+            penetration_m,
             patch: narrow.patch(penetration_m, radius_m),
             sliding: self.sliding(section, &x, &y, lean),
             loads: PatchLoads::default(),

@@ -22,6 +22,7 @@ pub(super) struct Watch {
     /// `∫ F dt`, N s.
     impulse_n_s: f64,
     largest_n: f64,
+    penetration_m: f64,
 }
 
 impl Watch {
@@ -29,6 +30,8 @@ impl Watch {
         self.preston_j += contact.sliding_w * dt_s;
         self.impulse_n_s += contact.normal_n * dt_s;
         self.largest_n = self.largest_n.max(contact.normal_n);
+        let depths = contact.strips.iter().map(|strip| strip.penetration_m);
+        self.penetration_m = depths.fold(self.penetration_m, f64::max);
         if contact.normal_n > 0.0 {
             self.contact_s += dt_s;
         }
@@ -115,7 +118,7 @@ pub(super) fn findings(setup: &BeltSetup, worn: &[Worn], watch: &Watch) -> Findi
     let means = each.iter().map(|one| one.0.mean_m());
     let (least, most) = means.fold((f64::INFINITY, 0.0_f64), |(l, m), x| (l.min(x), m.max(x)));
     let volume_m3 = worn.iter().map(|one| one.grid.volume_m3()).sum();
-    let mut scalars = pressing(watch);
+    let mut scalars = pressing(setup, watch);
     scalars.extend(removed(volume_m3, watch.preston_m3(setup)));
     scalars.extend(depths(&face, &swept, (most - least) / face.mean_m()));
     scalars.extend(roughness(&swept));
@@ -134,7 +137,7 @@ fn scalar(name: &str, unit: Unit, value: f64, text: &str) -> Scalar {
 }
 
 /// How the belt pressed.
-fn pressing(watch: &Watch) -> Vec<Scalar> {
+fn pressing(setup: &BeltSetup, watch: &Watch) -> Vec<Scalar> {
     vec![
         scalar(
             "mean_force",
@@ -153,6 +156,12 @@ fn pressing(watch: &Watch) -> Vec<Scalar> {
             Unit::Second,
             watch.contact_s,
             "Time that the belt is on the face",
+        ),
+        scalar(
+            "largest_penetration",
+            Unit::One,
+            watch.penetration_m / setup.wheel.rubber_m,
+            "Largest penetration of the wheel over the thickness of its rubber; from 1 on the hub would be on the face",
         ),
     ]
 }

@@ -1,0 +1,93 @@
+//! The formats of files that this crate reads. A file of another format gets one error, not one for each of its keys.
+
+use toml_edit::Table;
+
+use crate::document::Fault;
+
+/// A format, told by a table that no other has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Format {
+    Scenario,
+    PathJob,
+    Identification,
+}
+
+impl Format {
+    const ALL: [Format; 3] = [Format::Scenario, Format::PathJob, Format::Identification];
+
+    fn tables(self) -> &'static [&'static str] {
+        match self {
+            Format::Scenario => &["process"],
+            Format::PathJob => &["surface", "wheel", "path", "program"],
+            Format::Identification => &["stiffness", "modes"],
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Format::Scenario => "a scenario",
+            Format::PathJob => "a path job",
+            Format::Identification => "an identification",
+        }
+    }
+
+    /// The command that takes such files.
+    fn command(self) -> &'static str {
+        match self {
+            Format::Scenario => "truecut run",
+            Format::PathJob => "truecut path",
+            Format::Identification => "truecut identify",
+        }
+    }
+
+    /// The fault of a file that has none of this format's tables, but one of another's.
+    pub fn misread(self, table: &Table) -> Option<Fault> {
+        let has = |key: &&&str| table.contains_key(key);
+        if self.tables().iter().any(|key| has(&key)) {
+            return None;
+        }
+        let others = Format::ALL.iter().filter(|other| **other != self);
+        let mut found = others.filter_map(|other| Some((other, other.tables().iter().find(has)?)));
+        let (other, key) = found.next()?;
+        let message = format!(
+            "this is {}, since it has [{key}], but {} is asked for",
+            other.name(),
+            self.name()
+        );
+        let fault = Fault::key(key, message, format!("of {}", other.name()));
+        Some(fault.with_help(format!("`{}` takes {}", other.command(), other.name())))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_of_another_format_is_told_by_its_table_and_its_own_never() {
+        let misread = |format: Format, text: &str| {
+            let document: toml_edit::DocumentMut = text.parse().expect("a document");
+            format
+                .misread(document.as_table())
+                .map(|fault| fault.message)
+        };
+        let scenario = "name = \"a\"\n[process.load]\n";
+        assert_eq!(misread(Format::Scenario, scenario), None);
+        let told = misread(Format::PathJob, scenario).expect("a fault");
+        assert_eq!(
+            told,
+            "this is a scenario, since it has [process], but a path job is asked for"
+        );
+        let told = misread(Format::Scenario, "[wheel]\n[path]\n").expect("a fault");
+        assert!(
+            told.starts_with("this is a path job, since it has [wheel]"),
+            "{told}"
+        );
+        // What is none of the three has faults of its own.
+        assert_eq!(misread(Format::Scenario, "name = \"a\"\n"), None);
+        assert_eq!(
+            misread(Format::Identification, "[modes]\n[process]\n"),
+            None
+        );
+    }
+}
