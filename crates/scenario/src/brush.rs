@@ -148,7 +148,12 @@ const CLOSEST_PACKING: f64 = 0.9069;
 impl BrushTable {
     /// `None` after recording a fault. `folder` is that of the scenario file.
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<BrushSpec> {
-        let faults = [self.still(), self.no_hub(), self.too_dense()];
+        let faults = [
+            self.still(),
+            self.no_hub(),
+            self.too_dense(),
+            self.too_far_apart(),
+        ];
         let is_sound = faults.iter().all(Option::is_none);
         (faults.into_iter().flatten()).for_each(|fault| check.refuse(fault));
         let edges: Vec<Option<EdgeSpec>> = (self.edge.iter().enumerate())
@@ -185,6 +190,16 @@ impl BrushTable {
             "`{path}` is 0, but must not be: a brush that stands still only rubs by the feed"
         );
         (self.speed_rpm == 0.0).then(|| Fault::value(&path, message, "does not turn"))
+    }
+
+    fn too_far_apart(&self) -> Option<Fault> {
+        let station_mm = self.station_mm?;
+        let path = format!("{TABLE}.station_mm");
+        let message = format!(
+            "`{path}` is {station_mm}, but must be at most `{TABLE}.width_mm`, {} mm: the brush would miss what is between",
+            self.width_mm
+        );
+        (station_mm > self.width_mm).then(|| Fault::value(&path, message, "wider than the brush"))
     }
 
     fn no_hub(&self) -> Option<Fault> {

@@ -101,7 +101,7 @@ pub use process::ProcessSpec;
 pub use replay::{ReplayMode, ReplaySpec, Turning};
 pub use robot::{Drive, RobotSpec};
 pub use roughness::RoughnessSpec;
-pub use run::RunSpec;
+pub use run::{LONGEST_S, RunSpec};
 pub use scenario::Scenario;
 pub use sweep::{BisectSpec, SweepAxis, SweepClaim, SweepColumn, SweepSpec};
 pub use uncertain::UncertainSpec;

@@ -40,8 +40,8 @@ pub(crate) struct RunTable {
     deflection_scale: Option<f64>,
 }
 
-/// Longest run: what is meant as longer is mostly a slip in a feed or a unit.
-const LONGEST_S: f64 = 3600.0;
+/// Longest run, s: what is meant as longer is mostly a slip in a feed or a unit.
+pub const LONGEST_S: f64 = 3600.0;
 
 /// Most rows of a recording: some 6 GB in memory with 40 channels.
 const MOST_ROWS: f64 = 2e7;

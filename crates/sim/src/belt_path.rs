@@ -6,7 +6,7 @@
 
 use crate::course::Course;
 use crate::error::SimError;
-use crate::led_path::{KNOT_INTERVAL_S, LedPath, check_speeds};
+use crate::led_path::{KNOT_INTERVAL_S, LedPath, check_duration, check_speeds};
 use crate::path_job;
 use crate::process::Copied;
 use crate::tool_path::{Along, check_singularities, leaves};
@@ -66,6 +66,11 @@ pub(crate) fn solve(spec: &BeltSpec, robot: &Robot, posture: &[f64]) -> Result<L
     let mut way = Way::default();
     for (part, planned) in parts.iter().zip(&solved.segments) {
         let course = course(guide.surface, &lines.lines[part.index], job);
+        check_duration(
+            JOB,
+            course.duration_s(),
+            "raise the job's path.feed_mm_per_s",
+        )?;
         let places: Vec<Place> = (course.sampled(KNOT_INTERVAL_S).into_iter())
             .map(Place)
             .collect();

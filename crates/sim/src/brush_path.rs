@@ -5,15 +5,16 @@
 
 use crate::course::Course;
 use crate::error::SimError;
-use crate::led_path::{KNOT_INTERVAL_S, LedPath, check_speeds};
+use crate::led_path::{KNOT_INTERVAL_S, LedPath, check_duration, check_speeds};
 use crate::path_job;
 use crate::process::Station;
 use crate::tool_path::Along;
 use nalgebra::{DVector, Isometry3, Vector3};
+use std::collections::HashSet;
 use std::sync::Arc;
 use truecut_arm::{FrameId, Robot};
 use truecut_core::wheel::edge_wear::EdgeWear;
-use truecut_plan::surface::{Mesh, MeshUse, SharpEdge};
+use truecut_plan::surface::{LEAST_TURN_RAD, Mesh, MeshUse, SharpEdge};
 use truecut_plan::surface_path::TaughtPoints;
 use truecut_scenario::{BrushSpec, EdgeSpec};
 
@@ -25,6 +26,14 @@ const PARTS: usize = 16;
 const ON_THE_EDGE_M: f64 = 0.05e-3;
 /// Most places on all edges.
 const MOST_STATIONS: f64 = 100_000.0;
+/// Places nearer to each other are the same, m.
+const SAME_PLACE_M: f64 = 1e-6;
+/// A posture that is reached sooner is the one before, rounded.
+const LEAST_MOVE_S: f64 = 1e-6;
+/// Of the knots of the way one in so many is looked at for the depth of brush and hub.
+const LOOKED_AT: usize = 4;
+/// Bristles that are pressed in by more, over their free length, are beyond their law.
+const WITHIN_LAW: f64 = 0.2;
 
 /// What a brush works on.
 #[derive(Debug)]
@@ -46,7 +55,10 @@ pub(crate) fn solve(spec: &BrushSpec, robot: &Robot) -> Result<LedPath, SimError
         );
         return Err(SimError::scenario(TAUGHT, message));
     }
-    let sampled = Course::new(moves).sampled(KNOT_INTERVAL_S);
+    let course = Course::new(moves);
+    let advice = "raise process.brush.feed_mm_per_s or process.brush.joint_speed";
+    check_duration(TAUGHT, course.duration_s(), advice)?;
+    let sampled = course.sampled(KNOT_INTERVAL_S);
     let postures: Vec<Vec<f64>> = sampled.iter().map(|q| q.as_slice().to_vec()).collect();
     let at_mm = ways_mm(robot, &postures);
     let along = Along {
@@ -57,12 +69,8 @@ pub(crate) fn solve(spec: &BrushSpec, robot: &Robot) -> Result<LedPath, SimError
     check_speeds(robot, &postures, &along, "the way", advice)?;
     let duration_s = (postures.len() - 1) as f64 * KNOT_INTERVAL_S;
     let work = work(spec)?;
-    let length_m: f64 = work.stations.iter().map(|station| station.length_m).sum();
-    let note = format!(
-        "brush: {} taught postures, {duration_s:.2} s, {:.0} mm of edge",
-        taught.postures.len(),
-        length_m * 1e3
-    );
+    let depth_m = deepest_m(spec, robot, &work, &postures, &along)?;
+    let note = told(spec, &work, taught.postures.len(), duration_s, depth_m);
     Ok(LedPath {
         postures,
         duration_s,
@@ -84,15 +92,20 @@ fn taught(spec: &BrushSpec, robot: &Robot) -> Result<TaughtPoints, SimError> {
         .map_err(|error| SimError::scenario(TAUGHT, error.to_string()))
 }
 
-/// Postures with the times at which the course's own clock meets them; those that repeat the one before are left out.
+/// Postures with the times at which the course's own clock meets them; those that repeat the one before, but for rounding, are left out.
 fn moves(spec: &BrushSpec, robot: &Robot, postures: &[Vec<f64>]) -> Vec<(f64, DVector<f64>)> {
     let mut kept: Vec<(f64, DVector<f64>)> = Vec::new();
     for posture in postures {
         let posture = DVector::from_vec(posture.clone());
         let at_s = match kept.last() {
             None => 0.0,
-            Some((_, before)) if *before == posture => continue,
-            Some((at_s, before)) => at_s + move_s(spec, robot, before, &posture),
+            Some((at_s, before)) => {
+                let move_s = move_s(spec, robot, before, &posture);
+                if move_s < LEAST_MOVE_S {
+                    continue;
+                }
+                at_s + move_s
+            }
         };
         kept.push((at_s, posture));
     }
@@ -128,6 +141,61 @@ fn ways_mm(robot: &Robot, postures: &[Vec<f64>]) -> Vec<f64> {
     ways.collect()
 }
 
+/// How far the unbent brush reaches into the workpiece along the commanded way, m; an error where its hub would strike.
+fn deepest_m(
+    spec: &BrushSpec,
+    robot: &Robot,
+    work: &BrushWork,
+    postures: &[Vec<f64>],
+    along: &Along<'_>,
+) -> Result<f64, SimError> {
+    let hub_m = spec.radius_m - spec.free_length_m;
+    let mesh_from_world = work.world_from_mesh.inverse();
+    let mut deepest_m = 0.0_f64;
+    for k in (0..postures.len()).step_by(LOOKED_AT) {
+        let mesh_from_tool = mesh_from_world * robot.world_from_frame(&postures[k], FrameId::Tool);
+        let depth = |radius_m| (work.mesh).wheel_depth_m(&mesh_from_tool, radius_m, spec.width_m);
+        let depth_m = depth(spec.radius_m);
+        deepest_m = deepest_m.max(depth_m);
+        if depth_m > 0.0 && depth(hub_m) > 0.0 {
+            let message = format!(
+                "the brush's hub, radius {:.3} mm, would strike the workpiece {:.1} mm from the way's start: bristles of {:.3} mm leave no more; teach postures further away",
+                hub_m * 1e3,
+                (along.at_mm)(k),
+                spec.free_length_m * 1e3
+            );
+            return Err(SimError::scenario(along.key, message));
+        }
+    }
+    Ok(deepest_m)
+}
+
+/// What there is to tell of the way.
+fn told(
+    spec: &BrushSpec,
+    work: &BrushWork,
+    postures: usize,
+    duration_s: f64,
+    depth_m: f64,
+) -> String {
+    let length_m: f64 = work.stations.iter().map(|station| station.length_m).sum();
+    let pressed = if depth_m == 0.0 {
+        "the way never brings the brush to the workpiece".to_owned()
+    } else if depth_m > WITHIN_LAW * spec.free_length_m {
+        format!(
+            "pressed in by up to {:.2} mm, which is more than the fifth of {:.2} mm up to which the law of a bristle holds",
+            depth_m * 1e3,
+            spec.free_length_m * 1e3
+        )
+    } else {
+        format!("pressed in by up to {:.2} mm", depth_m * 1e3)
+    };
+    format!(
+        "brush: {postures} taught postures, {duration_s:.2} s, {:.0} mm of edge, {pressed}",
+        length_m * 1e3
+    )
+}
+
 /// The workpiece and its edges.
 fn work(spec: &BrushSpec) -> Result<BrushWork, SimError> {
     let mesh = Mesh::load(&spec.workpiece.file, spec.workpiece.unit_m, MeshUse::Body)
@@ -135,13 +203,20 @@ fn work(spec: &BrushSpec) -> Result<BrushWork, SimError> {
     check_count(spec)?;
     let sharp = mesh.sharp_edges();
     let mut stations = Vec::new();
+    let mut known = HashSet::new();
     for (index, edge) in spec.edges.iter().enumerate() {
+        for point in &edge.points_m {
+            edge_at(spec, index, &mesh, &sharp, &Vector3::from(*point))?;
+        }
         for pair in edge.points_m.windows(2) {
             let [from, to] = [pair[0], pair[1]].map(Vector3::from);
-            let count = ((to - from).norm() / spec.station_m - 1e-9).ceil().max(1.0);
+            let count = count(&from, &to, spec.station_m);
             for k in 0..count as usize {
                 let point_m = from + (to - from) * ((k as f64 + 0.5) / count);
-                let found = edge_at(spec, index, &sharp, &point_m)?;
+                let found = edge_at(spec, index, &mesh, &sharp, &point_m)?;
+                if !known.insert(point_m.map(|x| (x / SAME_PLACE_M).round() as i64)) {
+                    return Err(twice(index, &point_m));
+                }
                 stations.push(Station {
                     edge: index,
                     point_m,
@@ -169,12 +244,30 @@ fn wear(spec: &BrushSpec, edge: &EdgeSpec, wedge_rad: f64) -> EdgeWear {
     }
 }
 
+/// In how many parts a straight piece of edge is cut.
+fn count(from: &Vector3<f64>, to: &Vector3<f64>, station_m: f64) -> f64 {
+    ((to - from).norm() / station_m - 1e-9).ceil().max(1.0)
+}
+
+fn twice(index: usize, point_m: &Vector3<f64>) -> SimError {
+    let [x, y, z] = (point_m * 1e3).into();
+    SimError::scenario(
+        format!("process.brush.edge.{index}.points_mm"),
+        format!(
+            "the edge at ({x:.3}, {y:.3}, {z:.3}) mm is given twice: what is removed there would count twice"
+        ),
+    )
+}
+
 fn check_count(spec: &BrushSpec) -> Result<(), SimError> {
-    let pairs = spec.edges.iter().flat_map(|edge| edge.points_m.windows(2));
-    let length_m: f64 = pairs
-        .map(|pair| (Vector3::from(pair[1]) - Vector3::from(pair[0])).norm())
+    let pairs = || {
+        let all = spec.edges.iter().flat_map(|edge| edge.points_m.windows(2));
+        all.map(|pair| [pair[0], pair[1]].map(Vector3::from))
+    };
+    let length_m: f64 = pairs().map(|[from, to]| (to - from).norm()).sum();
+    let count: f64 = pairs()
+        .map(|[from, to]| count(&from, &to, spec.station_m))
         .sum();
-    let count = length_m / spec.station_m;
     if count <= MOST_STATIONS {
         return Ok(());
     }
@@ -192,6 +285,7 @@ fn check_count(spec: &BrushSpec) -> Result<(), SimError> {
 fn edge_at<'a>(
     spec: &BrushSpec,
     index: usize,
+    mesh: &Mesh,
     sharp: &'a [SharpEdge],
     point_m: &Vector3<f64>,
 ) -> Result<&'a SharpEdge, SimError> {
@@ -210,9 +304,23 @@ fn edge_at<'a>(
     Err(SimError::scenario(
         format!("process.brush.edge.{index}.points_mm"),
         format!(
-            "no edge of {} that stands out runs within {} mm of ({x:.3}, {y:.3}, {z:.3}) mm, but must where a brush deburrs: {nearest}",
+            "no edge of {} that stands out by {:.0} degrees or more runs within {} mm of ({x:.3}, {y:.3}, {z:.3}) mm, but must where a brush deburrs: {nearest}; the mesh reaches from {}",
             spec.workpiece.file.display(),
-            ON_THE_EDGE_M * 1e3
+            LEAST_TURN_RAD.to_degrees(),
+            ON_THE_EDGE_M * 1e3,
+            extent_mm(mesh)
         ),
     ))
+}
+
+/// Where a mesh lies: a wrong unit shows.
+fn extent_mm(mesh: &Mesh) -> String {
+    let corner = |pick: fn(f64, f64) -> f64| {
+        let all = mesh.vertices_m().iter().copied();
+        let [x, y, z] = all
+            .reduce(|a, b| a.zip_map(&b, pick))
+            .map_or([0.0; 3], |corner| (corner * 1e3).into());
+        format!("({x:.3}, {y:.3}, {z:.3})")
+    };
+    format!("{} to {} mm", corner(f64::min), corner(f64::max))
 }

@@ -41,6 +41,11 @@ where
         self.own_s() + self.ramp_s()
     }
 
+    /// Time from the first sample to the last, s.
+    pub fn duration_s(&self) -> f64 {
+        self.unfiltered_s() + WINDOW_S
+    }
+
     /// Time on the own clock.
     fn clock_s(&self, time_s: f64) -> f64 {
         let ramp = self.ramp_s();
@@ -69,8 +74,7 @@ where
     /// The filtered course at even times. The first is exactly the start, the last exactly the end: half a window is spent at rest
     /// at either.
     pub fn sampled(&self, interval_s: f64) -> Vec<V> {
-        let duration_s = self.unfiltered_s() + WINDOW_S;
-        let count = (duration_s / interval_s - 1e-9).ceil() as usize;
+        let count = (self.duration_s() / interval_s - 1e-9).ceil() as usize;
         let weights = window();
         let mean = |time_s: f64| {
             let parts = weights

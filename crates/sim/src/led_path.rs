@@ -9,7 +9,7 @@ use crate::robots::Robots;
 use crate::tool_path::Along;
 use std::sync::Arc;
 use truecut_arm::{Load, Robot};
-use truecut_scenario::{ProcessSpec, Scenario};
+use truecut_scenario::{LONGEST_S, ProcessSpec, Scenario};
 
 /// Time between knots of the command, s.
 pub(crate) const KNOT_INTERVAL_S: f64 = 5e-3;
@@ -73,6 +73,19 @@ impl LedPath {
             forces: vec![None; robot.dof()],
         })
     }
+}
+
+/// Refuses a way that takes longer than a run may: it would not fit into memory. `advice` says what helps.
+pub(crate) fn check_duration(key: &str, duration_s: f64, advice: &str) -> Result<(), SimError> {
+    if duration_s <= LONGEST_S {
+        return Ok(());
+    }
+    Err(SimError::scenario(
+        key,
+        format!(
+            "the way takes {duration_s:.4e} s, but must take at most {LONGEST_S} s: a run fits into memory; {advice}"
+        ),
+    ))
 }
 
 /// Refuses a way on which a joint is faster than it can be. `from` names what distances are counted from, `advice` what helps.

@@ -261,6 +261,9 @@ def from_table(table: dict, path: Path | None = None) -> Scenario:
     ((kind, body),) = processes.items()
     readers = {"chamfer": _chamfer, "wheel": _wheel, "load": _load, "replay": _replay}
     folder = path.parent if path else Path()
+    if kind != "milling" and kind not in readers:
+        known = ", ".join(sorted([*readers, "milling"]))
+        raise ScenarioError(f"{path}: this command knows no [process.{kind}], only {known}; tests/crosscheck checks others")
     process = _milling(body, folder) if kind == "milling" else readers[kind](body)
     run = table.get("run", {})
     default_s = {

@@ -26,7 +26,7 @@ pub use error::{SurfaceError, SurfaceFault};
 pub use file::PatchFile;
 pub use forms::{Curvatures, Forms, continue_line};
 pub use mesh::{Mesh, MeshUse, NearestPoint};
-pub use mesh_edges::SharpEdge;
+pub use mesh_edges::{LEAST_TURN_RAD, SharpEdge};
 pub use nurbs::NurbsPatch;
 pub use primitives::{CylinderPatch, PlanePatch};
 

@@ -91,7 +91,7 @@ fn verify_half_of_the_bristles_press_over_an_edge() {
     let x = column(&recording, "tool.position_x");
     let z = column(&recording, "tool.position_z");
     let force = column(&recording, "brush.bristle_force");
-    let length = column(&recording, "brush.edge_length");
+    let length = column(&recording, "brush.contact_length");
     for row in fed(&recording).into_iter().step_by(37) {
         let height = FACE_M - x[row];
         // Angles turn towards the tool's x axis, which points down; the face is above the edge.
@@ -227,4 +227,35 @@ fn verify_the_way_is_that_of_the_taught_postures() {
     for (found, taught) in end.into_iter().zip([0.345, 0.003, 0.0]) {
         assert!((found - taught).abs() < 2e-6, "{found} {taught}");
     }
+}
+
+/// Under a plate of 2 mm bristles that are pressed in by 3 mm would reach its lower edge; its face holds them. The last posture is the one before, as
+/// rounding may leave it.
+#[test]
+fn verify_a_hidden_edge_keeps_its_burr() {
+    let plate = below(
+        "process.brush",
+        &[
+            ("workpiece.mesh", "\"plate.obj\""),
+            ("workpiece.xyz_mm", "[382, -30, -50]"),
+            ("edge.0.points_mm", "[[0, 0, 0], [0, 60, 0]]"),
+        ],
+    );
+    let recording = run_with(&brush("over_plate.csv", &plate), &[]);
+    assert!(scalar(&recording, "brush.largest_force") > 1.0);
+    let burred = scalar(&recording, "brush.burred_length");
+    assert!((burred - 60e-3).abs() < 1e-12, "{burred}");
+    assert_eq!(scalar(&recording, "brush.radius_largest"), 0.0);
+    assert_eq!(scalar(&recording, "brush.removed_volume"), 0.0);
+    // Turned over, the same edge is met where the brush hangs over it.
+    let upper = below(
+        "process.brush",
+        &[
+            ("workpiece.mesh", "\"plate.obj\""),
+            ("workpiece.xyz_mm", "[382, -30, -40]"),
+            ("edge.0.points_mm", "[[0, 0, 2], [0, 60, 2]]"),
+        ],
+    );
+    let recording = run_with(&brush("over_plate.csv", &upper), &[]);
+    assert!(scalar(&recording, "brush.radius_largest") > 0.05e-3);
 }

@@ -15,6 +15,8 @@ use truecut_core::wheel::quadrature::Quadrature;
 
 /// Slices of a brush. At the end of an edge the force falls in so many parts.
 const SLICES: usize = 128;
+/// An edge is reached over a face that stands by this sine at least to the bristles: along a face that runs with them no tip slides.
+const LEAST_FACING: f64 = 0.1;
 /// A tip that slides more slowly has no direction, m/s.
 const LEAST_SPEED_M_PER_S: f64 = 1e-9;
 
@@ -72,20 +74,25 @@ impl Contact {
         let motion = Motion::of(setup, state);
         let mut contact = Self::default();
         let triangles = triangles(setup, &brush, &motion.tool_from_mesh);
-        if !triangles.is_empty() {
-            let (mut sides, mut met) = (Vec::new(), Vec::new());
-            for slice in 0..SLICES {
-                let y = brush.width_m * ((slice as f64 + 0.5) / SLICES as f64 - 0.5);
-                sides.clear();
-                let cut = |triangle: &[Vector3<f64>; 3]| section(triangle, y, brush.radius_m);
-                sides.extend(triangles.iter().filter_map(cut));
-                met_first(&sides, &mut met);
-                for side in &met {
-                    contact.press(&brush, &motion, quadrature, y, side);
-                }
+        if triangles.is_empty() {
+            return contact;
+        }
+        let under = under(&brush, &motion, &setup.stations);
+        let mut under = under.iter().peekable();
+        let (mut sides, mut met) = (Vec::new(), Vec::new());
+        for slice in 0..SLICES {
+            let y = brush.width_m * ((slice as f64 + 0.5) / SLICES as f64 - 0.5);
+            sides.clear();
+            let cut = |triangle: &[Vector3<f64>; 3]| section(triangle, y, brush.radius_m);
+            sides.extend(triangles.iter().filter_map(cut));
+            met_first(&sides, &mut met);
+            for side in &met {
+                contact.press(&brush, &motion, quadrature, y, side);
+            }
+            while let Some(place) = under.next_if(|place| place.slice <= slice) {
+                contact.pass_over(&brush, &motion, &setup.stations, place, &met);
             }
         }
-        contact.pass_over(&brush, &motion, &setup.stations);
         contact
     }
 
@@ -127,29 +134,72 @@ impl Contact {
         }
     }
 
-    /// Adds the doses of the stations that tips pass over.
-    fn pass_over(&mut self, brush: &Brush, motion: &Motion, stations: &[Station]) {
-        for (index, station) in stations.iter().enumerate() {
-            let point_m = (motion.tool_from_mesh * Point3::from(station.point_m)).coords;
-            let along_m = point_m.x.hypot(point_m.z);
-            let shortening_m = brush.radius_m - along_m;
-            if shortening_m <= 0.0 || along_m == 0.0 || point_m.y.abs() > 0.5 * brush.width_m {
-                continue;
-            }
-            let bristle = Vector3::new(point_m.x, 0.0, point_m.z) / along_m;
-            let faces = station
-                .normals
-                .map(|n| motion.tool_from_mesh.rotation * n.into_inner());
-            if faces.iter().all(|normal| normal.dot(&bristle) >= 0.0) {
-                continue;
-            }
-            let per_m2 = brush.bristles / (TAU * along_m * brush.width_m);
-            let speed = motion.sliding_m_per_s(&point_m, &bristle).norm();
-            self.edge_m += station.length_m;
-            let dose = per_m2 * brush.bristle_n(shortening_m) * speed;
-            self.doses_w_per_m2.push((index, dose));
+    /// Adds the dose of a station, unless something nearer holds the bristles back.
+    fn pass_over(
+        &mut self,
+        brush: &Brush,
+        motion: &Motion,
+        stations: &[Station],
+        place: &Place,
+        met: &[Side],
+    ) {
+        let angle = place.point_m.x.atan2(place.point_m.z);
+        // The slice's section is not quite the station's: an edge may run askew to the axis.
+        let hidden_m = place.along_m - brush.width_m / SLICES as f64;
+        let over = |side: &&Side| side.from_rad <= angle && angle <= side.to_rad;
+        let mut nearest = met
+            .iter()
+            .filter(over)
+            .map(|side| side.along_bristle_m(angle));
+        if nearest.any(|along_m| along_m < hidden_m) {
+            return;
         }
+        let bristle = Vector3::new(place.point_m.x, 0.0, place.point_m.z) / place.along_m;
+        let per_m2 = brush.bristles / (TAU * place.along_m * brush.width_m);
+        let speed = motion.sliding_m_per_s(&place.point_m, &bristle).norm();
+        let force_n = brush.bristle_n(brush.radius_m - place.along_m);
+        self.edge_m += stations[place.station].length_m;
+        self.doses_w_per_m2
+            .push((place.station, per_m2 * force_n * speed));
     }
+}
+
+/// A station within the brush's reach.
+struct Place {
+    station: usize,
+    /// In the tool's frame.
+    point_m: Vector3<f64>,
+    /// Distance from the axis.
+    along_m: f64,
+    slice: usize,
+}
+
+/// The stations under the brush that face it, slice by slice.
+fn under(brush: &Brush, motion: &Motion, stations: &[Station]) -> Vec<Place> {
+    let place = |(index, station): (usize, &Station)| {
+        let point_m = (motion.tool_from_mesh * Point3::from(station.point_m)).coords;
+        let along_m = point_m.x.hypot(point_m.z);
+        let part = point_m.y / brush.width_m + 0.5;
+        let reached = along_m > 0.0 && along_m < brush.radius_m && (0.0..=1.0).contains(&part);
+        if !reached {
+            return None;
+        }
+        let bristle = Vector3::new(point_m.x, 0.0, point_m.z) / along_m;
+        let faces = station
+            .normals
+            .iter()
+            .map(|n| motion.tool_from_mesh.rotation * n.into_inner());
+        let facing = faces.map(|normal| -normal.dot(&bristle));
+        (facing.fold(0.0, f64::max) >= LEAST_FACING).then(|| Place {
+            station: index,
+            point_m,
+            along_m,
+            slice: ((part * SLICES as f64) as usize).min(SLICES - 1),
+        })
+    };
+    let mut under: Vec<Place> = stations.iter().enumerate().filter_map(place).collect();
+    under.sort_by_key(|place| place.slice);
+    under
 }
 
 /// Triangles near the brush, in the tool's frame.

@@ -151,7 +151,7 @@ impl Process for BrushProcess {
                 "By how much the bristle that is pressed in most is shortened",
             ),
             spec(
-                "edge_length",
+                "contact_length",
                 Measure::Metre,
                 "Length of edge under the brush",
             ),

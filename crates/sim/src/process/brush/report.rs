@@ -127,14 +127,13 @@ fn pressing(setup: &BrushSetup, watch: &Watch) -> Vec<Scalar> {
             "Largest shortening of a bristle over its free length; the law of a bristle holds up to about a fifth",
         ),
     ];
-    if watch.contact_s > 0.0 {
-        scalars.push(scalar(
-            "mean_force",
-            Unit::Newton,
-            watch.impulse_n_s / watch.contact_s,
-            "Mean sum of the forces of the bristles while the brush touches",
-        ));
-    }
+    scalars.push(scalar(
+        "mean_force",
+        Unit::Newton,
+        // Where it never touches there is none.
+        watch.impulse_n_s / watch.contact_s.max(f64::MIN_POSITIVE),
+        "Mean sum of the forces of the bristles while the brush touches",
+    ));
     scalars
 }
 
@@ -223,9 +222,9 @@ fn along(setup: &BrushSetup, dose_j_per_m2: &[f64], edge: usize) -> [Profile; 2]
     ]
 }
 
-/// Where there are burrs they are drawn as they are left; without any, the radius.
+/// Where there is a burr on what is drawn it is drawn as it is left; else the radius.
 fn has_burr(setup: &BrushSetup) -> bool {
-    let heights = setup.stations.iter().map(|one| one.wear.burr_height_m);
+    let heights = drawn(setup).iter().map(|one| one.wear.burr_height_m);
     heights.fold(0.0, f64::max) > 0.0
 }
 
