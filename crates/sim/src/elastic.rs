@@ -5,8 +5,9 @@ use truecut_arm::{ArmError, FrameId, JointKind, Load, Robot, standard_gravity_m_
 use truecut_scenario::RobotSpec;
 use truecut_scenario::identification::{Axes, HammerPoint, Point};
 
-use crate::build::{load_robot, posture};
+use crate::build::load_robot;
 use crate::error::SimError;
+use crate::posture::posture;
 
 /// An arm at rest in the posture of its file.
 #[derive(Debug, Clone)]

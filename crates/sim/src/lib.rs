@@ -38,6 +38,7 @@ pub mod path_job;
 pub mod facts;
 pub mod plant;
 mod polish_path;
+mod posture;
 pub mod process;
 pub mod replay;
 mod robots;

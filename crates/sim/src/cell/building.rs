@@ -1,7 +1,7 @@
 //! How a cell is built: from a scenario, with either plant.
 
 use super::Cell;
-use crate::build::{Prepared, joint_limits, plant_scalars};
+use crate::build::{Prepared, plant_scalars};
 use crate::channels;
 use crate::contact::ContactSolver;
 use crate::error::SimError;
@@ -9,6 +9,7 @@ use crate::guard::Guard;
 use crate::loads::Attachment;
 use crate::measurement::Sensor;
 use crate::plant::{Plant, RapierPlant, ReducedPlant};
+use crate::posture::joint_limits;
 use crate::robots::Robots;
 use crate::scene::Setting;
 use crate::step_size::Scheme;
@@ -145,7 +146,7 @@ impl Cell {
             foot_start_m: position(Attachment::Foot.into()),
             first_command: prepared.first_command(),
             contacts: ContactSolver::new(prepared.friction.clone()),
-            guard: Guard::new(joint_limits(&prepared)),
+            guard: Guard::new(joint_limits(&prepared.robot)),
             axes: *prepared
                 .world_from_process
                 .rotation

@@ -14,8 +14,8 @@ use truecut_scenario::{
     Elbow, MillingSpec, PlannedPath, ProcessSpec, Scenario, Shoulder, TurnKnot, Wrist,
 };
 
-use crate::build::posture;
 use crate::error::SimError;
+use crate::posture::posture;
 use crate::process::linear_share;
 use crate::robots::Robots;
 use crate::tool_path::SolvedPath;
