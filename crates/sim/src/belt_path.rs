@@ -6,7 +6,7 @@
 
 use crate::course::Course;
 use crate::error::SimError;
-use crate::led_path::{KNOT_INTERVAL_S, LedPath, check_duration, check_speeds};
+use crate::led_path::{KNOT_INTERVAL_S, LedPath, Over, check_duration, check_speeds};
 use crate::path_job;
 use crate::process::Copied;
 use crate::tool_path::{Along, check_singularities, leaves};
@@ -94,8 +94,7 @@ pub(crate) fn solve(spec: &BeltSpec, robot: &Robot, posture: &[f64]) -> Result<L
         postures: way.postures,
         duration_s,
         note: Some(note),
-        brush: None,
-        belt: Some(BeltLines {
+        over: Over::Lines(BeltLines {
             patch: Arc::new(patch),
             lines,
             copies,

@@ -5,7 +5,7 @@
 
 use crate::course::Course;
 use crate::error::SimError;
-use crate::led_path::{KNOT_INTERVAL_S, LedPath, check_duration, check_speeds};
+use crate::led_path::{KNOT_INTERVAL_S, LedPath, Over, check_duration, check_speeds};
 use crate::path_job;
 use crate::process::Station;
 use crate::tool_path::Along;
@@ -75,8 +75,7 @@ pub(crate) fn solve(spec: &BrushSpec, robot: &Robot) -> Result<LedPath, SimError
         postures,
         duration_s,
         note: Some(note),
-        belt: None,
-        brush: Some(work),
+        over: Over::Edges(work),
     })
 }
 

@@ -22,10 +22,18 @@ pub(crate) struct LedPath {
     pub duration_s: f64,
     /// What there is to tell of it, for people.
     pub note: Option<String>,
-    /// What a belt follows.
-    pub belt: Option<BeltLines>,
-    /// What a brush works on.
-    pub brush: Option<BrushWork>,
+    pub over: Over,
+}
+
+/// What a way was solved over, for the process that goes along it.
+#[derive(Debug)]
+pub(crate) enum Over {
+    /// A face that the scenario gives whole.
+    Face,
+    /// The lines of a path job.
+    Lines(BeltLines),
+    /// A workpiece and its edges.
+    Edges(BrushWork),
 }
 
 impl LedPath {

@@ -9,7 +9,7 @@ pub(crate) use milling::nominal_cut;
 
 use crate::effect::{CuttingEffects, Effects, FootEffects, WheelEffects};
 use crate::error::SimError;
-use crate::led_path::LedPath;
+use crate::led_path::{LedPath, Over};
 use crate::plant::DriveKind;
 use crate::process::{
     Chamfer, ChamferParameters, FootFriction, FootParameters, Load as GivenLoad, LoadParameters,
@@ -93,7 +93,7 @@ pub(crate) fn build_process(
         }
         ProcessSpec::Belt(spec) => {
             compliance.ok_or_else(|| needs_drive("belt"))?;
-            let Some(path) = led.and_then(|path| path.belt.as_ref()) else {
+            let Some(Over::Lines(path)) = led.map(|path| &path.over) else {
                 return Err(SimError::scenario(
                     "process.belt",
                     "the lines are not solved",
@@ -105,7 +105,7 @@ pub(crate) fn build_process(
         }
         ProcessSpec::Brush(spec) => {
             compliance.ok_or_else(|| needs_drive("brush"))?;
-            let Some(work) = led.and_then(|path| path.brush.as_ref()) else {
+            let Some(Over::Edges(work)) = led.map(|path| &path.over) else {
                 return Err(SimError::scenario("process.brush", "the way is not solved"));
             };
             let (process, workpiece) = brush::brush(

@@ -4,7 +4,7 @@ mod raster;
 pub(crate) mod timing;
 
 use crate::error::SimError;
-use crate::led_path::{KNOT_INTERVAL_S, LedPath, check_speeds};
+use crate::led_path::{KNOT_INTERVAL_S, LedPath, Over, check_speeds};
 use crate::tool_path::{Along, check_singularities, leaves};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use timing::{Course, Station};
@@ -134,8 +134,7 @@ pub(crate) fn solve(
         postures,
         duration_s: course.duration_s(),
         note,
-        belt: None,
-        brush: None,
+        over: Over::Face,
     })
 }
 

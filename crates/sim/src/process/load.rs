@@ -129,10 +129,6 @@ impl Process for Load {
         None
     }
 
-    fn tooth_period_s(&self) -> Option<f64> {
-        None
-    }
-
     fn highest_frequency_hz(&self) -> Option<f64> {
         let sweep = self.parameters.sweep.map(|s| s.from_hz.max(s.to_hz));
         let turning = self.parameters.rotating.map(|r| r.frequency_hz.abs());

@@ -98,14 +98,18 @@ pub trait Process: Send {
     /// Ends the run.
     fn finish(&mut self) -> Findings;
 
-    /// Forces that act on the robot before the start and through touch-down, for the static equilibrium.
-    fn static_loads(&self) -> Loads;
+    /// Forces that act on the robot before the start and through touch-down, for the static equilibrium; none where it starts lifted.
+    fn static_loads(&self) -> Loads {
+        Loads::default()
+    }
 
     /// Natural length of the process, s, if it has one.
     fn duration_s(&self) -> Option<f64>;
 
     /// Time between two cutting edges, s, if the process has edges.
-    fn tooth_period_s(&self) -> Option<f64>;
+    fn tooth_period_s(&self) -> Option<f64> {
+        None
+    }
 
     /// Whether the default step is to be a whole part of the tooth period, so that every tooth meets the same instants.
     fn steps_with_teeth(&self) -> bool {

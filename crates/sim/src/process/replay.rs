@@ -105,10 +105,6 @@ impl Process for Replay {
         None
     }
 
-    fn tooth_period_s(&self) -> Option<f64> {
-        None
-    }
-
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         Vec::new()
     }

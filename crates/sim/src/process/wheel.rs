@@ -215,10 +215,6 @@ impl Process for Wheel {
         Some(self.parameters.strip_length_m / self.parameters.feed_m_per_s)
     }
 
-    fn tooth_period_s(&self) -> Option<f64> {
-        None
-    }
-
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         vec![ContactStiffness {
             frame: Attachment::Tool,

@@ -233,29 +233,24 @@ fn verify_the_way_is_that_of_the_taught_postures() {
 /// rounding may leave it.
 #[test]
 fn verify_a_hidden_edge_keeps_its_burr() {
-    let plate = below(
-        "process.brush",
-        &[
+    let over_plate = |place: &str, edge: &str| {
+        let plate = [
             ("workpiece.mesh", "\"plate.obj\""),
-            ("workpiece.xyz_mm", "[382, -30, -50]"),
-            ("edge.0.points_mm", "[[0, 0, 0], [0, 60, 0]]"),
-        ],
-    );
-    let recording = run_with(&brush("over_plate.csv", &plate), &[]);
+            ("workpiece.xyz_mm", place),
+            ("edge.0.points_mm", edge),
+        ];
+        run_with(
+            &brush("over_plate.csv", &below("process.brush", &plate)),
+            &[],
+        )
+    };
+    let recording = over_plate("[382, -30, -50]", "[[0, 0, 0], [0, 60, 0]]");
     assert!(scalar(&recording, "brush.largest_force") > 1.0);
     let burred = scalar(&recording, "brush.burred_length");
     assert!((burred - 60e-3).abs() < 1e-12, "{burred}");
     assert_eq!(scalar(&recording, "brush.radius_largest"), 0.0);
     assert_eq!(scalar(&recording, "brush.removed_volume"), 0.0);
-    // Turned over, the same edge is met where the brush hangs over it.
-    let upper = below(
-        "process.brush",
-        &[
-            ("workpiece.mesh", "\"plate.obj\""),
-            ("workpiece.xyz_mm", "[382, -30, -40]"),
-            ("edge.0.points_mm", "[[0, 0, 2], [0, 60, 2]]"),
-        ],
-    );
-    let recording = run_with(&brush("over_plate.csv", &upper), &[]);
+    // The upper edge is met where the brush hangs over it.
+    let recording = over_plate("[382, -30, -40]", "[[0, 0, 2], [0, 60, 2]]");
     assert!(scalar(&recording, "brush.radius_largest") > 0.05e-3);
 }

@@ -275,17 +275,8 @@ impl Process for Belt {
         report::findings(&self.setup, &self.worn, &self.watch)
     }
 
-    /// The run starts with the wheel lifted.
-    fn static_loads(&self) -> Loads {
-        Loads::default()
-    }
-
     fn duration_s(&self) -> Option<f64> {
         Some(self.setup.duration_s)
-    }
-
-    fn tooth_period_s(&self) -> Option<f64> {
-        None
     }
 
     fn highest_frequency_hz(&self) -> Option<f64> {

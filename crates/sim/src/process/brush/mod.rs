@@ -215,17 +215,8 @@ impl Process for BrushProcess {
         report::findings(&self.setup, &self.dose_j_per_m2, &self.watch)
     }
 
-    /// The run starts with the brush lifted.
-    fn static_loads(&self) -> Loads {
-        Loads::default()
-    }
-
     fn duration_s(&self) -> Option<f64> {
         Some(self.setup.duration_s)
-    }
-
-    fn tooth_period_s(&self) -> Option<f64> {
-        None
     }
 
     fn highest_frequency_hz(&self) -> Option<f64> {

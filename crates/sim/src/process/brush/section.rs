@@ -72,6 +72,14 @@ impl Side {
 /// The sides that bristles meet first, by rising angle and without overlap.
 pub(super) fn met_first(sides: &[Side], met: &mut Vec<Side>) {
     met.clear();
+    // Nothing hides a side that is alone and does not reach behind the axis.
+    if let [one] = sides
+        && one.from_rad >= -PI
+        && one.to_rad <= PI
+    {
+        met.push(*one);
+        return;
+    }
     let all: Vec<Side> = (sides.iter().flat_map(|side| side.unwound()))
         .flatten()
         .collect();

@@ -329,10 +329,6 @@ impl Process for Polish {
         Some(self.setup.duration_s)
     }
 
-    fn tooth_period_s(&self) -> Option<f64> {
-        None
-    }
-
     /// Where an eccentric wheel turns, its frequency.
     fn highest_frequency_hz(&self) -> Option<f64> {
         let p = &self.setup;
