@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use crate::dynamics::Dynamics;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{FrameId, Robot};
 use crate::tangent::Load;
@@ -18,7 +19,18 @@ impl Robot {
     /// If `q` does not have one value per joint.
     #[must_use]
     pub fn load_torques(&self, q: &[f64], load: &Load) -> DVector<f64> {
-        let mut tau = self.gravity_torques(q, &load.gravity_m_s2.unwrap_or_else(Vector3::zeros));
+        self.load_torques_with(&mut Dynamics::new(self), q, load)
+    }
+
+    fn load_torques_with(&self, dynamics: &mut Dynamics, q: &[f64], load: &Load) -> DVector<f64> {
+        let mut tau = DVector::zeros(self.dof());
+        if let Some(gravity) = load
+            .gravity_m_s2
+            .as_ref()
+            .filter(|g| **g != Vector3::zeros())
+        {
+            dynamics.gravity_torques_into(q, gravity, tau.as_mut_slice());
+        }
         if let Some((frame, wrench)) = &load.wrench {
             tau -= self.jacobian(q, *frame).tr_mul(wrench);
         }
@@ -31,12 +43,30 @@ impl Robot {
     /// # Errors
     /// If a joint has no stiffness, or `q` the wrong length.
     pub fn holding_command(&self, q: &[f64], load: &Load) -> Result<Vec<f64>, ArmError> {
-        self.check_length(q)?;
+        let mut commands = self.holding_commands(std::slice::from_ref(&q), load)?;
+        Ok(commands.remove(0))
+    }
+
+    /// [`Robot::holding_command`] of many postures under the same load.
+    ///
+    /// # Errors
+    /// As [`Robot::holding_command`].
+    pub fn holding_commands<Posture: AsRef<[f64]>>(
+        &self,
+        postures: &[Posture],
+        load: &Load,
+    ) -> Result<Vec<Vec<f64>>, ArmError> {
         let stiffness = self.transmission_stiffness("the holding command")?;
-        let tau = self.load_torques(q, load);
-        Ok((0..self.dof())
-            .map(|i| q[i] + tau[i] / stiffness[(i, i)])
-            .collect())
+        let mut dynamics = Dynamics::new(self);
+        let command = |q: &Posture| {
+            let q = q.as_ref();
+            self.check_length(q)?;
+            let tau = self.load_torques_with(&mut dynamics, q, load);
+            Ok((0..self.dof())
+                .map(|i| q[i] + tau[i] / stiffness[(i, i)])
+                .collect())
+        };
+        postures.iter().map(command).collect()
     }
 
     /// The posture (rad or m) in which the arm rests under `load` when it is commanded to

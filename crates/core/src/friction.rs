@@ -162,25 +162,37 @@ fn bounded(body: &Approach, bound: f64) -> PlanarContact {
     }
 }
 
+/// Newton steps of a sliding impulse at most; three are usual.
+const MOST_STEPS: usize = 50;
+/// A step so small beside λ is the last: convergence is quadratic.
+const LAST_STEP: f64 = 1e-8;
+
 /// The sliding impulse `p` with `|p| = bound` opposite to the velocity `v + W p`:
 /// `p = -(W + λ I)⁻¹ v`, `λ > 0`, for which that velocity is `-λ p`. The scalar equation
 /// `1/|p(λ)| = 1/bound` is nearly linear in λ, so Newton on it (as in trust-region methods) converges in a
-/// few steps from below.
+/// few steps from below. It begins where `λ` would be if all of `W` were its largest eigenvalue, which is never above the root.
 fn sliding_impulse(w: &Matrix2<f64>, v: &Vector2<f64>, bound: f64) -> Vector2<f64> {
-    let mut lambda = 0.0;
-    for _ in 0..50 {
-        let shifted = w + Matrix2::identity() * lambda;
-        let p = -solve_2x2(&shifted, v);
-        let size = p.norm();
-        let slope = solve_2x2(&shifted, &p).dot(&p) / size; // -d|p|/dλ
-        let step = (size - bound) / bound * size / slope;
+    let per_bound = 1.0 / bound;
+    let (a, b, d) = (w[(0, 0)], w[(0, 1)], w[(1, 1)]);
+    let largest = 0.5 * (a + d) + (0.25 * (a - d) * (a - d) + b * b).sqrt();
+    let mut lambda = (v.norm() * per_bound - largest).max(0.0);
+    // Of `(W + λ I)⁻¹ v` what stands over the determinant.
+    let over = |lambda: f64, x: &Vector2<f64>| {
+        let (a, d) = (a + lambda, d + lambda);
+        Vector2::new(d * x.x - b * x.y, a * x.y - b * x.x)
+    };
+    for _ in 0..MOST_STEPS {
+        let determinant = (a + lambda) * (d + lambda) - b * b;
+        let q = over(lambda, v);
+        let square = q.norm_squared();
+        let step = (square.sqrt() * per_bound - determinant) * square / over(lambda, &q).dot(&q);
         lambda += step;
-        if step.abs() <= 1e-14 * lambda.abs() {
+        if step.abs() <= LAST_STEP * lambda.abs() {
             break;
         }
     }
-    let p = -solve_2x2(&(w + Matrix2::identity() * lambda), v);
-    p * (bound / p.norm())
+    let q = over(lambda, v);
+    q * (-bound / q.norm())
 }
 
 /// Trials of a sliding speed, and the part of it to which speed and bound must agree.

@@ -185,16 +185,16 @@ impl StraightPath {
         speed_m_per_s: f64,
         sag: Option<&Load>,
     ) -> Result<Self, SimError> {
-        let knots = path.knots.into_iter().map(|q| match sag {
-            Some(load) => robot.holding_command(&q, load),
-            None => Ok(q),
-        });
+        let knots = match sag {
+            Some(load) => robot.holding_commands(&path.knots, load)?,
+            None => path.knots,
+        };
         Ok(Self {
             speed_m_per_s,
             start_m: 0.0,
             spacing_m: path.spacing_m,
             from_rest: false,
-            knots: knots.collect::<Result<_, _>>()?,
+            knots,
         })
     }
 

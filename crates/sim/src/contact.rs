@@ -2,7 +2,8 @@
 //!
 //! Every contact sees the plant through `W = J M⁻¹ Jᵀ` and the free velocity. Several of them couple
 //! through the plant, so they are swept in order (Gauss–Seidel) until no impulse changes any more; one
-//! contact alone is solved in one pass.
+//! contact alone is solved in one pass. Where a contact slides over a joint that friction holds, each waits for the
+//! other, and hundreds of sweeps may not do: there the contact is solved with the joint held.
 
 use crate::loads::{ContactOutcome, ContactOutcomes, ContactRequest};
 use crate::plant::{Plant, WorldWrench};
@@ -14,6 +15,9 @@ use truecut_core::joint_law::{LinkFriction, solve_link_friction};
 const MAX_SWEEPS: usize = 200;
 /// Sweeps end when the velocities change by less than this part of the largest.
 const TOLERANCE: f64 = 1e-13;
+/// Part of its mobility that a held joint keeps while a contact is solved: where both move the same way, nothing would be left
+/// to solve with. It does not change what the sweeps converge to.
+const LEFT_TO_HELD: f64 = 1e-3;
 
 /// Solves contacts and joint friction, keeping its buffers between steps.
 pub(crate) struct ContactSolver {
@@ -51,6 +55,8 @@ struct Line {
     largest: f64,
     velocity_before: f64,
     impulse: f64,
+    /// Friction keeps the joint at rest.
+    held: bool,
 }
 
 impl ContactSolver {
@@ -91,7 +97,7 @@ impl ContactSolver {
         for _ in 0..MAX_SWEEPS {
             let mut change: f64 = 0.0;
             for plane in &mut self.planes {
-                change = change.max(update_plane(plane, velocity, dt));
+                change = change.max(update_plane(plane, &mut self.lines, velocity, dt));
             }
             for line in &mut self.lines {
                 change = change.max(update_line(line, velocity, dt));
@@ -138,6 +144,7 @@ impl ContactSolver {
                 self.joint_friction[line.joint].under(plant.joints().transmission[line.joint]);
             line.velocity_before = before[line.joint];
             line.impulse = 0.0;
+            line.held = false;
         }
     }
 
@@ -194,34 +201,78 @@ fn line(plant: &mut dyn Plant, joint: usize, law: &LinkFriction) -> Line {
         response,
         velocity_before: plant.half_step_velocity()[joint],
         impulse: 0.0,
+        held: false,
     }
 }
 
-/// Solves one contact with the others' impulses held; returns how far its velocity row has moved.
-fn update_plane(plane: &mut Plane, velocity: &mut DVector<f64>, dt: f64) -> f64 {
+/// Solves one contact with the others' impulses held; returns how far its velocity row has moved. If it has slid so far, of the
+/// joints that friction holds the one that it moves most is kept at rest, and its impulse follows.
+fn update_plane(
+    plane: &mut Plane,
+    lines: &mut [Line],
+    velocity: &mut DVector<f64>,
+    dt: f64,
+) -> f64 {
     let before = plane.contact.impulse_n_s;
     let current = Vector2::new(plane.rows[0].dot(velocity), plane.rows[1].dot(velocity));
-    let free = current - plane.inverse_mass * before;
+    let held = if plane.contact.sliding {
+        held_most(&plane.rows, lines)
+    } else {
+        None
+    };
+    let inverse_mass = match &held {
+        Some((coupling, line)) => {
+            let taken = (1.0 - LEFT_TO_HELD) / line.response[line.joint];
+            plane.inverse_mass - coupling * coupling.transpose() * taken
+        }
+        None => plane.inverse_mass,
+    };
     let request = &plane.request;
     let body = Approach {
-        inverse_mass: plane.inverse_mass,
+        inverse_mass,
         velocity_before_m_per_s: plane.velocity_before,
-        free_velocity_m_per_s: free,
+        free_velocity_m_per_s: current - inverse_mass * before,
     };
     plane.contact = solve_planar(&body, request.law, request.normal_force_n, dt);
     let change = plane.contact.impulse_n_s - before;
     for axis in 0..2 {
         velocity.axpy(change[axis], &plane.response[axis], 1.0);
     }
+    if let Some((coupling, line)) = held {
+        let follows = -coupling.dot(&change) / line.response[line.joint];
+        line.impulse += follows;
+        velocity.axpy(follows, &line.response, 1.0);
+    }
     (plane.largest[0] * change.x.abs()).max(plane.largest[1] * change.y.abs())
+}
+
+/// Of the joints that friction holds the one that an impulse on the contact would move most, with the contact's velocity per impulse
+/// on that joint.
+fn held_most<'a>(
+    rows: &[DVector<f64>; 2],
+    lines: &'a mut [Line],
+) -> Option<(Vector2<f64>, &'a mut Line)> {
+    let held = lines.iter_mut().filter(|line| line.held);
+    let coupled = held.map(|line| {
+        let coupling = Vector2::new(rows[0].dot(&line.response), rows[1].dot(&line.response));
+        (coupling, line)
+    });
+    let taken = |(coupling, line): &(Vector2<f64>, &mut Line)| {
+        coupling.norm_squared() / line.response[line.joint]
+    };
+    coupled.max_by(|a, b| taken(a).total_cmp(&taken(b)))
 }
 
 fn update_line(line: &mut Line, velocity: &mut DVector<f64>, dt_s: f64) -> f64 {
     let inverse_mass = line.response[line.joint];
     let free = velocity[line.joint] - inverse_mass * line.impulse;
     let impulse = solve_link_friction(inverse_mass, line.velocity_before, free, &line.law, dt_s);
+    line.held = impulse == -free / inverse_mass;
     let change = impulse - line.impulse;
     line.impulse = impulse;
     velocity.axpy(change, &line.response, 1.0);
     line.largest * change.abs()
 }
+
+#[cfg(test)]
+mod tests;

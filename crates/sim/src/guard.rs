@@ -21,9 +21,15 @@ pub(crate) struct Guard {
 /// What the guard looks at in a step.
 pub(crate) struct Watch<'a> {
     pub time_s: f64,
-    pub dt_s: f64,
     pub positions: &'a [f64],
     pub velocities: &'a [f64],
+    /// `None` where no balance is drawn.
+    pub balance: Option<Balance>,
+}
+
+/// Energy and power of one step.
+pub(crate) struct Balance {
+    pub dt_s: f64,
     /// If it was looked at in this step; always in the first.
     pub energy_j: Option<f64>,
     /// Power of loads and drives less what is dissipated, W.
@@ -45,9 +51,9 @@ impl Guard {
 
     /// `Some` if the run has diverged.
     pub(crate) fn check(&mut self, watch: &Watch<'_>) -> Option<Outcome> {
-        self.not_finite(watch)
+        (self.not_finite(watch))
             .or_else(|| self.outside_limits(watch))
-            .or_else(|| self.energy_grows(watch))
+            .or_else(|| self.energy_grows(watch.time_s, watch.balance.as_ref()?))
     }
 
     fn not_finite(&self, watch: &Watch<'_>) -> Option<Outcome> {
@@ -85,20 +91,20 @@ impl Guard {
     }
 
     /// The energy of the arm may grow only by the work done on it (trapezoidal in time).
-    fn energy_grows(&mut self, watch: &Watch<'_>) -> Option<Outcome> {
+    fn energy_grows(&mut self, time_s: f64, balance: &Balance) -> Option<Outcome> {
         if !self.started {
-            self.start_j = watch.energy_j?;
+            self.start_j = balance.energy_j?;
             self.started = true;
         } else {
-            let power = 0.5 * (self.last_power_w + watch.power_w);
-            self.work_j += power * watch.dt_s;
-            self.exchanged_j += power.abs() * watch.dt_s;
+            let power = 0.5 * (self.last_power_w + balance.power_w);
+            self.work_j += power * balance.dt_s;
+            self.exchanged_j += power.abs() * balance.dt_s;
         }
-        self.last_power_w = watch.power_w;
-        let growth = watch.energy_j? - self.start_j - self.work_j;
+        self.last_power_w = balance.power_w;
+        let growth = balance.energy_j? - self.start_j - self.work_j;
         let limit = ENERGY_SHARE * (self.exchanged_j + self.start_j.abs()) + ENERGY_FLOOR_J;
         (growth > limit || !growth.is_finite()).then(|| Outcome::Diverged {
-            time_s: watch.time_s,
+            time_s,
             quantity: "energy of the arm beyond the work done on it, J".into(),
             value: growth,
             limit,
@@ -114,11 +120,13 @@ mod tests {
     fn watch(time_s: f64, q: &[f64], energy_j: f64, power_w: f64) -> Watch<'_> {
         Watch {
             time_s,
-            dt_s: 1e-3,
             positions: q,
             velocities: &[0.0],
-            energy_j: Some(energy_j),
-            power_w,
+            balance: Some(Balance {
+                dt_s: 1e-3,
+                energy_j: Some(energy_j),
+                power_w,
+            }),
         }
     }
 

@@ -71,13 +71,13 @@ impl LedPath {
 
     /// The command that leads a nominal arm along, with the sag that it makes up for.
     pub(crate) fn command(&self, robot: &Robot, sag: Option<&Load>) -> Result<Samples, SimError> {
-        let postures = self.postures.iter().map(|q| match sag {
-            Some(load) => robot.holding_command(q, load),
-            None => Ok(q.clone()),
-        });
+        let postures = match sag {
+            Some(load) => robot.holding_commands(&self.postures, load)?,
+            None => self.postures.clone(),
+        };
         Ok(Samples {
             interval_s: KNOT_INTERVAL_S,
-            postures: postures.collect::<Result<_, _>>()?,
+            postures,
             forces: vec![None; robot.dof()],
         })
     }

@@ -9,7 +9,7 @@ use truecut_arm::FrameId;
 use truecut_core::friction::{FrictionLaw, PlanarContact};
 
 /// Most wrenches, and most contacts, that one process may ask for.
-pub const MAX_LOADS: usize = 4;
+pub const MAX_LOADS: usize = 2;
 
 /// The frames of the robot that loads act on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

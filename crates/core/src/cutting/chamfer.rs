@@ -127,7 +127,11 @@ impl EdgeForces {
     /// `F_Zq = +M cos(φ - α - β)`; the paper's eq. (16) has the sign of F_Zq reversed, a force that would
     /// turn against the spindle (`spec` 1.1).
     pub fn on_tool_n(&self, angle_rad: f64, axial_sign: f64) -> Vector3<f64> {
-        let (s, c) = angle_rad.sin_cos();
+        self.on_tool_towards_n(angle_rad.sin_cos(), axial_sign)
+    }
+
+    /// [`EdgeForces::on_tool_n`] for an edge of whose angle sine and cosine are known.
+    pub fn on_tool_towards_n(&self, (s, c): (f64, f64), axial_sign: f64) -> Vector3<f64> {
         Vector3::new(
             axial_sign * self.axial_n,
             -self.radial_n * c + self.tangential_n * s,

@@ -43,7 +43,11 @@ impl Bed {
 
     /// Energy per area of a deflection, J/m²: `Ψ = ∫ q dw = c1 q²/2 + 2 c2 q³/3`.
     pub fn energy_j_per_m2(&self, deflection_m: f64) -> f64 {
-        let q = self.pressure_pa(deflection_m);
+        self.energy_of_pressure_j_per_m2(self.pressure_pa(deflection_m))
+    }
+
+    fn energy_of_pressure_j_per_m2(&self, pressure_pa: f64) -> f64 {
+        let q = pressure_pa;
         q * q * (0.5 * self.shell_m_per_pa + 2.0 / 3.0 * self.tread_m_per_pa2 * q)
     }
 
@@ -109,10 +113,31 @@ impl Bed {
     fn squares(&self, deflection_m: f64) -> (f64, f64) {
         let n = self.tension_n_per_m;
         let q = self.pressure_pa(deflection_m);
-        let straight = 2.0 * n * self.energy_j_per_m2(deflection_m);
-        // ∫|w'|dw / (|w'| w): 1/2 where |w'| grows as w (linear), 4/7 as w^(3/4) (Hertz); between by share.
-        let mean = 0.5 + self.tread_m_per_pa2 * q * q / deflection_m / 14.0;
-        (straight, 2.0 * mean * n * deflection_m * straight.sqrt())
+        let straight = 2.0 * n * self.energy_of_pressure_j_per_m2(q);
+        (straight, n * self.bent_m(deflection_m, q) * straight.sqrt())
+    }
+
+    /// The same at a positive deflection, each with its slope over the deflection.
+    pub(super) fn squares_with_slopes(&self, deflection_m: f64) -> ([f64; 2], [f64; 2]) {
+        let n = self.tension_n_per_m;
+        let (c1, c2) = (self.shell_m_per_pa, self.tread_m_per_pa2);
+        let series = (c1 * c1 + 4.0 * c2 * deflection_m).sqrt();
+        let q = 2.0 * deflection_m / (c1 + series);
+        let straight = 2.0 * n * self.energy_of_pressure_j_per_m2(q);
+        let (bent_m, root) = (self.bent_m(deflection_m, q), straight.sqrt());
+        // dq/dw = 1 / (c1 + 2 c2 q), and that sum is the root
+        let bent_slope = 1.0 + 2.0 / 7.0 * c2 * q / series;
+        let straight_slope = 2.0 * n * q;
+        let bending_slope = n * (bent_slope * root + bent_m * n * q / root);
+        (
+            [straight, straight_slope],
+            [n * bent_m * root, bending_slope],
+        )
+    }
+
+    /// `2 ∫|w'|dw / |w'|`: w where |w'| grows as w (linear), 8/7 w as w^(3/4) (Hertz); between by share.
+    fn bent_m(&self, deflection_m: f64, pressure_pa: f64) -> f64 {
+        deflection_m + self.tread_m_per_pa2 * pressure_pa * pressure_pa / 7.0
     }
 
     fn with_damping(&self, square: f64, deflection_m: f64, inward_m_per_s: f64) -> f64 {

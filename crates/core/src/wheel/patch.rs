@@ -29,10 +29,10 @@ mod integrals;
 
 /// The patch reaches at least so far out, as a part of the overlap's half length: where its boundary is looked for.
 const INNERMOST: f64 = 1e-3;
-/// Places closer than that part of the overlap's half length are one.
-const ROUNDING: f64 = 1e-14;
-/// False position is done long before.
-const MOST_ROUNDS: usize = 100;
+/// A step so small, as a part of the overlap's half length, is the last: convergence is quadratic.
+const LAST_STEP: f64 = 1e-8;
+/// Newton's iteration is done long before; halving would be.
+const MOST_ROUNDS: usize = 60;
 
 /// In which directions the layer is stretched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -176,55 +176,54 @@ impl Patch {
         self.contact_m
     }
 
-    /// Where the layer leaves without a kink: `N |w'| = N c / R`, by false position (Illinois) on the difference of the squares
-    /// times c, which is a smooth function down to the middle.
+    /// Where the layer leaves without a kink: `N |w'| = N c / R`, by Newton's iteration on the difference of the squares
+    /// times c, which is a smooth function down to the middle, kept between two bounds of the root. It begins where a straight
+    /// line would leave a linear bed as stiff as this one at its deepest.
     fn free_boundary_m(&self) -> f64 {
         let (r, n) = (self.shape.radius_m(), self.bed.tension_n_per_m);
         let whole = self.overlap_half_length_m();
         if n <= 0.0 || whole <= 0.0 {
             return whole;
         }
+        let round = match self.shape {
+            Shape::Point { .. } => 1.0,
+            Shape::Line { .. } => 0.0,
+        };
+        // with its slope over c
         let kink = |c: f64| {
-            let curvature = match self.shape {
-                Shape::Point { .. } => 1.0 / c,
-                Shape::Line { .. } => 0.0,
-            };
-            let u = self.overlap_m - c * c / (2.0 * r);
-            c * (self.bed.leaving_n_per_m(u, curvature, 0.0).powi(2) - (n * c / r).powi(2))
+            let pull = (n * c / r).powi(2);
+            let (straight, bending) = (self.bed).squares_with_slopes(self.overlap_at_m(c, 0.0));
+            let value = c * (straight[0] - pull) + round * bending[0];
+            let slope = straight[0] - 3.0 * pull - (c * straight[1] + round * bending[1]) * c / r;
+            (value, slope)
         };
         let (mut low, mut high) = (INNERMOST * whole, whole);
-        let (mut at_low, mut at_high) = (kink(low), kink(high));
-        if at_low <= 0.0 {
+        if kink(low).0 <= 0.0 {
             return low;
         }
-        let mut last_moved_low = None;
+        let stiffness = self.bed.pressure_pa(self.overlap_m) / self.overlap_m;
+        let fall = (n / stiffness).sqrt();
+        let mut c = ((fall * fall + whole * whole).sqrt() - fall).clamp(low, high);
         for _ in 0..MOST_ROUNDS {
-            let c = (low * at_high - high * at_low) / (at_high - at_low);
-            let here = kink(c);
-            if here == 0.0 || high - low <= ROUNDING * whole {
-                return c;
-            }
-            let moves_low = here > 0.0;
-            let step = if moves_low { c - low } else { high - c };
-            if moves_low {
-                (low, at_low) = (c, here);
+            let (here, slope) = kink(c);
+            if here > 0.0 {
+                low = c;
             } else {
-                (high, at_high) = (c, here);
+                high = c;
             }
-            if step <= ROUNDING * whole {
-                return c;
+            let newton = c - here / slope;
+            let next = if (low..=high).contains(&newton) {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            let step = (next - c).abs();
+            c = next;
+            if step <= LAST_STEP * whole {
+                break;
             }
-            if last_moved_low == Some(moves_low) {
-                // the other end has stood still: its value counts half
-                if moves_low {
-                    at_high *= 0.5;
-                } else {
-                    at_low *= 0.5;
-                }
-            }
-            last_moved_low = Some(moves_low);
         }
-        0.5 * (low + high)
+        c
     }
 
     /// Overlap of the undeformed wheel at a point, m; negative where they do not overlap.

@@ -1,6 +1,7 @@
 //! Gauss–Legendre rules, computed once and kept.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::LazyLock;
 
 /// Rows of a disc, and nodes in each: smooth pressures and a sliding that turns about a point outside are met to 1e-5.
 const DISC_ROWS: usize = 12;
@@ -26,7 +27,9 @@ pub struct Quadrature {
 impl Default for Quadrature {
     /// Sixteen rows of sixteen nodes over a whole patch.
     fn default() -> Self {
-        Self::new(16)
+        // A search makes thousands of wheels.
+        static RULES: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::new(16));
+        RULES.clone()
     }
 }
 

@@ -16,7 +16,7 @@ mod stiff;
 use truecut_recording::measured::Measured;
 use truecut_recording::{ChannelSpec, Outcome, UnknownName};
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target};
-use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
+use truecut_scenario::{ProcessSpec, ReplayMode, Scenario, ScenarioError};
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::measurement::ChannelModel;
 use truecut_sim::{
@@ -39,6 +39,8 @@ pub struct Trial {
     candidates: Vec<Candidate>,
     engine: Kind,
     robots: Robots,
+    /// The scenario with nominal parameters that were asked for lately: to read it anew takes a tenth of a run.
+    varied: Lately<Vec<f64>, Scenario>,
     /// Drive forces of the arm without effects, for nominal parameters that were asked for lately.
     rigid: Lately<Vec<f64>, Forces>,
     /// Runs by nominal parameters and effects on the machine: what sensors make of them needs no other run.
@@ -177,6 +179,7 @@ impl Trial {
             nominal,
             engine,
             robots,
+            varied: Lately::default(),
             rigid: Lately::default(),
             runs: Lately::default(),
             shortest_step_s,
@@ -211,18 +214,19 @@ impl Trial {
 
     /// The scenario with other nominal parameters and further effects.
     fn varied(&self, nominal: &[f64], effects: &[Effect]) -> Result<Scenario, PredictError> {
+        let failed = |error: ScenarioError| PredictError(error.to_string());
         let changed = self.nominal.iter().zip(nominal);
         let overrides: Vec<(String, String)> = changed
             .filter(|(parameter, value)| parameter.value != **value)
             .map(|(parameter, value)| (parameter.key.clone(), format!("{value:?}")))
             .collect();
-        let varied = if overrides.is_empty() {
-            self.scenario.with_effects(effects)
-        } else {
-            (self.scenario.with_overrides(&overrides))
-                .and_then(|scenario| scenario.with_effects(effects))
-        };
-        varied.map_err(|error| PredictError(error.to_string()))
+        if overrides.is_empty() {
+            return self.scenario.with_effects(effects).map_err(failed);
+        }
+        let varied = (self.varied).get(nominal.to_vec(), || {
+            self.scenario.with_overrides(&overrides).map_err(failed)
+        })?;
+        varied.with_effects(effects).map_err(failed)
     }
 
     fn reduced(&self) -> Engine {

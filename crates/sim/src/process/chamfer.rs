@@ -7,6 +7,7 @@ use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState
 use crate::effect::CuttingEffects;
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::Vector3;
+use std::cell::RefCell;
 use std::f64::consts::TAU;
 use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients, EdgeForces, FeedSchedule};
 use truecut_core::cutting::rim::Rim;
@@ -54,32 +55,35 @@ impl ChamferParameters {
             + TAU * edge as f64 / schedule.edges as f64
     }
 
-    /// Depth of an edge on a rigid arm when it is at `angle_rad`, m.
-    fn depth_m(&self, edge: usize, time_s: f64, angle_rad: f64) -> f64 {
+    /// Depth of an edge on a rigid arm at the angle of this sine and cosine, m.
+    fn depth_m(&self, edge: usize, time_s: f64, (sin, cos): (f64, f64)) -> f64 {
         let depth = self.schedule.edge_depth_m(time_s);
         let e = &self.effects;
         if !e.shift_depth() {
             return depth;
         }
         // What moves an edge outwards by r takes it deeper into the rim by r / tanθ.
-        let (sin, cos) = angle_rad.sin_cos();
         let hole = -(e.hole_offset_m[0] * cos + e.hole_offset_m[1] * sin);
-        let (ahead_sin, ahead_cos) = (TAU * edge as f64 / self.schedule.edges as f64).sin_cos();
-        let runout = e.runout_m[0] * ahead_cos + e.runout_m[1] * ahead_sin;
+        let runout = if e.runout_m == [0.0; 2] {
+            0.0
+        } else {
+            let ahead = TAU * edge as f64 / self.schedule.edges as f64;
+            e.runout_m[0] * ahead.cos() + e.runout_m[1] * ahead.sin()
+        };
         let recess = if edge == 0 { e.recess_m } else { 0.0 };
         depth + e.depth_offset_m - recess + (hole + runout) / self.chip.tan()
     }
 
     /// Depth that the edges before it have left at this angle on a rigid arm, m. The edge ahead came by one
     /// tooth period ago, but one that stands back may have left the surface of an earlier one.
-    fn previous_depth_m(&self, edge: usize, time_s: f64, angle_rad: f64) -> f64 {
+    fn previous_depth_m(&self, edge: usize, time_s: f64, towards: (f64, f64)) -> f64 {
         let schedule = &self.schedule;
         let before = |count: usize| {
             let ahead = (edge + count) % schedule.edges;
             self.depth_m(
                 ahead,
                 time_s - count as f64 * schedule.tooth_period_s(),
-                angle_rad,
+                towards,
             )
         };
         if self.effects.shift_depth() {
@@ -123,6 +127,8 @@ pub struct Chamfer {
     last: Last,
     /// The edges that the loads of this step were computed from.
     met: Met<Vec<EdgeState>>,
+    /// Room for the next ones.
+    spare: RefCell<Vec<EdgeState>>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -139,6 +145,8 @@ struct Last {
 #[derive(Debug, Clone, Copy)]
 struct EdgeState {
     angle_rad: f64,
+    /// Force on the tool, process axes.
+    on_tool_n: Vector3<f64>,
     /// Depth that the chip is computed with, m.
     depth_m: f64,
     /// Depth that the edge really reaches, m.
@@ -160,9 +168,11 @@ impl Chamfer {
             let edge = ((turned / pitch) as usize).min(schedule.edges - 1);
             let ahead = (angle - parameters.start_angle_rad).rem_euclid(pitch);
             let arrival = ahead / schedule.spindle_rad_s;
-            parameters.previous_depth_m(edge, arrival, angle).max(0.0)
+            parameters
+                .previous_depth_m(edge, arrival, angle.sin_cos())
+                .max(0.0)
         };
-        let first = |edge: usize| parameters.depth_m(edge, 0.0, angles[edge]);
+        let first = |edge: usize| parameters.depth_m(edge, 0.0, angles[edge].sin_cos());
         Self {
             parameters,
             theory,
@@ -175,19 +185,23 @@ impl Chamfer {
             path_m: 0.0,
             last: Last::default(),
             met: Met::default(),
+            spare: RefCell::default(),
         }
     }
 
     fn edges(&self, state: &ToolState) -> Vec<EdgeState> {
-        let edges = 0..self.parameters.schedule.edges;
-        edges.map(|index| self.edge(index, state)).collect()
+        let mut edges = self.spare.take();
+        edges.clear();
+        let all = 0..self.parameters.schedule.edges;
+        edges.extend(all.map(|index| self.edge(index, state)));
+        edges
     }
 
     fn edge(&self, index: usize, state: &ToolState) -> EdgeState {
         let p = &self.parameters;
         let angle_rad = p.edge_angle_rad(index, state.time_s);
         let (sin, cos) = angle_rad.sin_cos();
-        let nominal = p.depth_m(index, state.time_s, angle_rad);
+        let nominal = p.depth_m(index, state.time_s, (sin, cos));
         // Backward the tool cuts the far rim while it is drawn back, so moving on along X takes it out.
         let axial = -p.axial_sign * state.tool.displacement_m.x;
         let outward = state.tool.displacement_m.y * cos + state.tool.displacement_m.z * sin;
@@ -198,16 +212,18 @@ impl Chamfer {
             Regeneration::Full => nominal + axial + radial,
         };
         let previous = match &self.thickness_rim {
-            None => p.previous_depth_m(index, state.time_s, angle_rad),
+            None => p.previous_depth_m(index, state.time_s, (sin, cos)),
             Some(rim) => rim.depth_at_m(angle_rad),
         };
         let chip_area_m2 = p.chip.between_m2(depth_m, previous);
+        let forces = self.edge_forces(depth_m, chip_area_m2);
         EdgeState {
             angle_rad,
+            on_tool_n: forces.on_tool_towards_n((sin, cos), p.axial_sign),
             depth_m,
             true_depth_m: nominal + axial + radial,
             chip_area_m2,
-            forces: self.edge_forces(depth_m, chip_area_m2),
+            forces,
         }
     }
 
@@ -246,9 +262,7 @@ impl Process for Chamfer {
     fn evaluate(&self, state: &ToolState) -> Loads {
         let mut loads = Loads::default();
         let edges = self.edges(state);
-        let sign = self.parameters.axial_sign;
-        let on_tool = edges.iter().map(|e| e.forces.on_tool_n(e.angle_rad, sign));
-        let force = on_tool.sum();
+        let force = edges.iter().map(|edge| edge.on_tool_n).sum();
         self.met.keep(state.time_s, edges);
         loads.wrenches.push(Wrench::force(Attachment::Tool, force));
         if let Some(foot) = &self.foot {
@@ -274,9 +288,10 @@ impl Process for Chamfer {
             }
             if index == 0 {
                 self.last.engaged_depth_m = edge.depth_m;
-                self.last.edge_angle_rad = edge.angle_rad.rem_euclid(TAU);
+                self.last.edge_angle_rad = edge.angle_rad;
             }
         }
+        *self.spare.get_mut() = edges;
         if area > 0.0 {
             let p = &self.parameters;
             self.path_m += p.hole_radius_m * p.schedule.spindle_rad_s * dt_s;
@@ -303,7 +318,7 @@ impl Process for Chamfer {
             self.last.depth_m,
             self.last.engaged_depth_m,
             self.last.chip_area_m2,
-            self.last.edge_angle_rad,
+            self.last.edge_angle_rad.rem_euclid(TAU),
             self.last.torque_n_m,
         ]);
         row.extend(dynamometer.iter());
