@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::check::Check;
+use crate::control::{ControlSpec, ControlTable, Pressed};
 use crate::document::Fault;
 use crate::error::ScenarioError;
 use crate::path_job::{ArmSpec, ContactWheelSpec, PathJob, PathSpec, SurfaceSpec, SymmetrySpec};
@@ -37,6 +38,8 @@ pub struct BeltSpec {
     pub preston_per_pa: f64,
     /// Largest size of the cells on which removal is kept.
     pub cell_m: f64,
+    /// What holds the normal force.
+    pub control: ControlSpec,
     /// How the surface smooths.
     pub roughness: RoughnessSpec,
 }
@@ -95,6 +98,9 @@ pub(crate) struct BeltTable {
     /// Largest size of the cells on which removal is kept. Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cell has a size"))]
     cell_mm: Option<f64>,
+    /// What holds the normal force: nothing but the path, or a carrier between tool and wheel that moves along the tool's z axis. Default:
+    /// law = "position".
+    control: Option<ControlTable>,
     /// How the surface smooths.
     roughness: RoughnessTable,
 }
@@ -142,7 +148,18 @@ impl BeltTable {
             );
             check.refuse(Fault::value(&path, message, "does not fit the wheel"));
         }
+        let indentation_m = job.wheel.indentation_m;
+        let control = match self.control {
+            None => Some(ControlSpec::Position {
+                penetration_m: indentation_m,
+            }),
+            Some(table) => {
+                let pressed = Pressed::ByPath { indentation_m };
+                table.resolve(&format!("{TABLE}.control"), &pressed, check)
+            }
+        };
         Some(BeltSpec {
+            control: control?,
             copies: copies(self.copies, &self.job, &job, check)?,
             belt_m_per_s: self.belt_m_per_s,
             tension_n: self.tension_n,

@@ -50,6 +50,7 @@ mod brush;
 mod chamfer;
 mod check;
 mod claim;
+mod control;
 mod data;
 mod document;
 pub mod effect;
@@ -84,6 +85,7 @@ pub use adjust::{JointSpec, LinkSpec};
 pub use belt::{BeltJob, BeltSpec};
 pub use brush::{BrushSpec, EdgeSpec};
 pub use chamfer::{ChamferSpec, CuttingSpec, FeedDirection, Regeneration};
+pub use control::ControlSpec;
 pub use data::DataSpec;
 pub use error::{Problem, ScenarioError};
 pub use foot::{FootSpec, FootSpring, FrictionSpec};
@@ -94,9 +96,7 @@ pub use milling::{
     PathStart, PlannedPath, Shoulder, TurnKnot, Wrist,
 };
 pub use path_job::PathJob;
-pub use polish::{
-    ControlSpec, EdgeRuleSpec, FaceSpec, PneumaticSpec, PolishSpec, PrecessionSpec, RasterSpec,
-};
+pub use polish::{EdgeRuleSpec, FaceSpec, PneumaticSpec, PolishSpec, PrecessionSpec, RasterSpec};
 pub use process::ProcessSpec;
 pub use replay::{ReplayMode, ReplaySpec, Turning};
 pub use robot::{Drive, RobotSpec};

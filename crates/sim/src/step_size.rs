@@ -13,6 +13,9 @@ const STEPS_PER_TOOTH: f64 = 40.0;
 /// (w dt)²/12: 0.2 %.
 const STEPS_PER_FORCE_PERIOD: f64 = 40.0;
 
+/// Default steps in the shortest time in which a carrier follows its contact.
+const STEPS_PER_QUICKEST: f64 = 5.0;
+
 /// Relative error of an interval that is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -166,10 +169,27 @@ fn check_count(
     ))
 }
 
+/// Refuses a step in which a wheel's carrier would leave its contact before it is asked again.
+fn check_carrier(asked_s: f64, process: &dyn Process) -> Result<(), SimError> {
+    let Some(quickest_s) = process.quickest_s().filter(|t| asked_s > *t) else {
+        return Ok(());
+    };
+    Err(SimError::scenario(
+        "run.time_step_ms",
+        format!(
+            "`run.time_step_ms` is {:.4}, but must be at most {:.4}: so soon the carrier of the force control follows its contact, and a \
+             longer step makes it swing up; leave the key out or raise the control's damping or mass",
+            asked_s * 1e3,
+            quickest_s * 1e3
+        ),
+    ))
+}
+
 /// The step of a run, s: the smallest of
 /// - the scheme's longest (0.25 ms; exact: 0.8 ms),
 /// - its part (1/60; exact: 1/20, with play 1/40; 1/5 of a mode that only a base that gives has) of the fastest mode's period, contact
 ///   springs and rotors included,
+/// - a fifth of the time in which a wheel's carrier follows its contact,
 /// - 1/40 of the tooth period and, for the exact scheme, 1/40 of the period of the fastest given force,
 ///
 /// shortened so that the run is a whole number of steps (exact scheme with a recording interval: the interval is; milling: the tooth
@@ -183,14 +203,18 @@ pub(crate) fn choose(
     let fastest_mode_hz = fastest.map(|fastest| fastest.frequency_hz);
     if let Some(asked) = run.time_step_s {
         check_count(asked, true, scheme, fastest, run.duration_s)?;
+        check_carrier(asked, process)?;
         return check(scheme, asked, fastest_mode_hz);
     }
     let longest = scheme.longest_s();
+    let carried = process
+        .quickest_s()
+        .map_or(longest, |t| t / STEPS_PER_QUICKEST);
     let mode = fastest.map_or(longest, |fastest| scheme.step_of_modes_s(fastest));
     let tooth = process
         .tooth_period_s()
         .map_or(longest, |t| t / STEPS_PER_TOOTH);
-    let mut step = longest.min(mode).min(tooth);
+    let mut step = longest.min(mode).min(tooth).min(carried);
     if scheme.is_exact()
         && let Some(f) = process.highest_frequency_hz()
     {

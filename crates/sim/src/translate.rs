@@ -2,6 +2,7 @@
 
 mod belt;
 mod brush;
+mod control;
 mod milling;
 mod polish;
 

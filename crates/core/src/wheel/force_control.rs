@@ -11,6 +11,8 @@ pub enum ForceControl {
         force_n: f64,
         damping_n_s_per_m: f64,
         fastest_m_per_s: f64,
+        /// Stroke to either side, m; infinite where none is given.
+        stroke_m: f64,
         /// Force that is missing (or too much) before anything moves, N.
         stiction_n: f64,
     },
@@ -34,28 +36,87 @@ pub struct Offset {
     pub rate_m_per_s: f64,
     /// Friction of the guide on the carrier over the last step, towards the workpiece, N.
     pub friction_n: f64,
+    /// Normal force at the start of the last step, N; none before the first.
+    pub contact_n: Option<f64>,
 }
 
 impl ForceControl {
-    /// The state a step later. `contact_n` is the normal force that presses on the workpiece, taken at mid-step (or
-    /// held over it); the trapezoidal rule, so that a spring keeps its energy.
+    /// Time in which the carrier follows a contact of this stiffness (N/m), s: `c/k` for the constant force, `1/ω` of the mass between both
+    /// springs; none where nothing follows. A step in time must be well below it.
+    pub fn quickest_s(&self, contact_n_per_m: f64) -> Option<f64> {
+        match *self {
+            Self::Position => None,
+            Self::ConstantForce {
+                damping_n_s_per_m, ..
+            } => Some(damping_n_s_per_m / contact_n_per_m),
+            Self::Compliant {
+                mass_kg,
+                stiffness_n_per_m,
+                ..
+            } => Some((mass_kg / (stiffness_n_per_m + contact_n_per_m)).sqrt()),
+        }
+    }
+
+    /// Force that the carrier hands to the tool while its wheel is pressed with `contact_n`, N, both along the normal: a massless one all of it,
+    /// one with a mass what its spring, damper, guide and preload give; at its stops all.
+    pub fn carried_n(&self, state: &Offset, contact_n: f64) -> f64 {
+        match *self {
+            Self::Compliant {
+                stiffness_n_per_m,
+                damping_n_s_per_m,
+                preload_n,
+                stroke_m,
+                ..
+            } if state.offset_m.abs() < stroke_m => {
+                preload_n
+                    - stiffness_n_per_m * state.offset_m
+                    - damping_n_s_per_m * state.rate_m_per_s
+                    + state.friction_n
+            }
+            _ => contact_n,
+        }
+    }
+
+    /// The state a step later. `contact_n` is the normal force that presses on the workpiece now. A carrier with a mass goes by the trapezoidal
+    /// rule, so that its spring keeps its energy, and sees the force of mid-step, extrapolated from this step and the one before (Adams and
+    /// Bashforth): held over the step it would drive the mass on the contact's spring with a negative damping ratio of `ω dt/4`. What is left
+    /// of that is of third order, `(ω dt)³/8`. A carrier without mass follows the force held over the step.
     pub fn step(&self, state: &Offset, contact_n: f64, dt: f64) -> Offset {
+        let next = self.moved(state, contact_n, dt);
+        Offset {
+            contact_n: Some(contact_n),
+            ..next
+        }
+    }
+
+    fn moved(&self, state: &Offset, contact_n: f64, dt: f64) -> Offset {
         match *self {
             Self::Position => Offset::default(),
             Self::ConstantForce {
                 force_n,
                 damping_n_s_per_m,
                 fastest_m_per_s,
+                stroke_m,
                 stiction_n,
             } => {
                 let missing_n = force_n - contact_n;
                 let friction_n = -missing_n.clamp(-stiction_n, stiction_n);
                 let rate = (missing_n + friction_n) / damping_n_s_per_m;
                 let rate_m_per_s = rate.clamp(-fastest_m_per_s, fastest_m_per_s);
-                Offset {
-                    offset_m: state.offset_m + rate_m_per_s * dt,
-                    rate_m_per_s,
-                    friction_n,
+                let offset_m = state.offset_m + rate_m_per_s * dt;
+                if offset_m.abs() <= stroke_m {
+                    Offset {
+                        offset_m,
+                        rate_m_per_s,
+                        friction_n,
+                        contact_n: None,
+                    }
+                } else {
+                    Offset {
+                        offset_m: stroke_m.copysign(offset_m),
+                        rate_m_per_s: 0.0,
+                        ..Offset::default()
+                    }
                 }
             }
             Self::Compliant {
@@ -67,6 +128,7 @@ impl ForceControl {
                 stiction_n,
             } => {
                 let (x, v) = (state.offset_m, state.rate_m_per_s);
+                let contact_n = 1.5 * contact_n - 0.5 * state.contact_n.unwrap_or(contact_n);
                 // mean rate u over the step: m (2u - 2v)/dt + c u + k (x + u dt/2) = F
                 let force = preload_n - contact_n - k * x + 2.0 * mass_kg * v / dt;
                 let inertia = 2.0 * mass_kg / dt + c + 0.5 * k * dt;
@@ -84,13 +146,14 @@ impl ForceControl {
                         offset_m: offset,
                         rate_m_per_s: rate,
                         friction_n,
+                        contact_n: None,
                     }
                 } else {
                     // at its stop, which takes the momentum
                     Offset {
                         offset_m: stroke_m.copysign(offset),
                         rate_m_per_s: 0.0,
-                        friction_n: 0.0,
+                        ..Offset::default()
                     }
                 }
             }
@@ -142,6 +205,32 @@ mod tests {
         assert_eq!(s.offset_m, 15e-3);
     }
 
+    /// Between its own spring and a contact's nothing damps it: after thirty swings it comes as far as at first.
+    #[test]
+    fn verify_a_mass_on_a_contact_keeps_its_swing() {
+        let contact = 2e5;
+        let omega = ((5e3 + contact) / 2.0_f64).sqrt();
+        for (steps, tolerance) in [(140, 2e-3), (70, 2e-2)] {
+            let dt = TAU / omega / f64::from(steps);
+            let mut s = Offset {
+                offset_m: 1e-4,
+                ..Offset::default()
+            };
+            let mut farthest: f64 = 0.0;
+            for i in 0..30 * steps {
+                // the preload is what a contact pressed in by 1 mm holds
+                s = spindle(0.0).step(&s, 20.0 + contact * s.offset_m, dt);
+                if i > 29 * steps {
+                    farthest = farthest.max(s.offset_m.abs());
+                }
+            }
+            assert!(
+                (farthest / 1e-4 - 1.0).abs() < tolerance,
+                "{steps}: {farthest}"
+            );
+        }
+    }
+
     /// Against a spring k the error falls as e^{-k t / c}.
     #[test]
     fn verify_constant_force_is_reached_exponentially_and_within_the_speed_limit() {
@@ -149,6 +238,7 @@ mod tests {
             force_n: 20.0,
             damping_n_s_per_m: 4e3,
             fastest_m_per_s: fastest,
+            stroke_m: f64::INFINITY,
             stiction_n: 0.0,
         };
         let (k, dt) = (2e4, 1e-5);
@@ -162,7 +252,7 @@ mod tests {
             "{left}"
         );
         assert_eq!(law(1e-3).step(&Offset::default(), 0.0, 0.1).offset_m, 1e-4);
-        assert_eq!(ForceControl::Position.step(&s, 5.0, dt), Offset::default());
+        assert_eq!(ForceControl::Position.step(&s, 5.0, dt).offset_m, 0.0);
     }
 
     /// A mass on a spring under dry friction loses `2 F/k` of its amplitude in every half swing and stops within `F/k` of rest.
@@ -207,6 +297,7 @@ mod tests {
             force_n: 20.0,
             damping_n_s_per_m: 4e3,
             fastest_m_per_s: 1.0,
+            stroke_m: 5e-3,
             stiction_n: 1.5,
         };
         let (k, dt) = (2e4, 1e-4);
@@ -217,5 +308,10 @@ mod tests {
         assert!((k * s.offset_m - 18.5).abs() < 1e-6);
         let held = law.step(&s, 21.4, dt);
         assert_eq!(held.offset_m, s.offset_m);
+        // off the face it goes to the end of its stroke and stays
+        for _ in 0..50_000 {
+            s = law.step(&s, 0.0, dt);
+        }
+        assert_eq!((s.offset_m, s.rate_m_per_s), (5e-3, 0.0));
     }
 }

@@ -174,7 +174,8 @@ fn applies(scenario: &Scenario, kind: EffectKind) -> bool {
         Family::Wheel => match process {
             ProcessSpec::Wheel(_) => wheel_tells(kind),
             ProcessSpec::Polish(polish) => polish_tells(polish, kind),
-            ProcessSpec::Belt(_) | ProcessSpec::Brush(_) => has_no_force_control(kind),
+            ProcessSpec::Belt(belt) => control_tells(Some(&belt.control), kind),
+            ProcessSpec::Brush(_) => control_tells(None, kind),
             _ => false,
         },
     }
@@ -198,23 +199,22 @@ fn wheel_tells(kind: EffectKind) -> bool {
     )
 }
 
-/// An offset that does not turn is a deeper path; a force control is there or not.
+/// An offset that does not turn is a deeper path.
 fn polish_tells(polish: &PolishSpec, kind: EffectKind) -> bool {
     match kind {
         EffectKind::WheelEccentricity => polish.spin_rad_s != 0.0,
-        EffectKind::WheelForceOffset | EffectKind::WheelForceStiction => {
-            !matches!(polish.control, ControlSpec::Position { .. })
-        }
-        _ => true,
+        _ => control_tells(Some(&polish.control), kind),
     }
 }
 
-/// Of a belt or a brush, which have no force control.
-fn has_no_force_control(kind: EffectKind) -> bool {
-    !matches!(
-        kind,
-        EffectKind::WheelForceOffset | EffectKind::WheelForceStiction
-    )
+/// A force control is there or not.
+fn control_tells(control: Option<&ControlSpec>, kind: EffectKind) -> bool {
+    match kind {
+        EffectKind::WheelForceOffset | EffectKind::WheelForceStiction => {
+            control.is_some_and(|control| control.force_n().is_some())
+        }
+        _ => true,
+    }
 }
 
 fn targets(kind: EffectKind, signals: &Signals, channels: &[ChannelSpec]) -> Vec<Target> {
@@ -366,16 +366,18 @@ fn foot_scale(scenario: &Scenario, kind: EffectKind, duration_s: f64) -> Option<
 
 fn polish_scale(polish: &PolishSpec, kind: EffectKind) -> Vec<f64> {
     use EffectKind as K;
-    let force_n = match polish.control {
-        ControlSpec::Position { .. } => f64::NAN,
-        ControlSpec::ConstantForce { force_n, .. } | ControlSpec::Compliant { force_n, .. } => {
-            force_n
-        }
-    };
     match kind {
         // A patch that is small beside the wheel: the wheel is pressed in by a few percent of its radius.
         K::WheelEccentricity => vec![SHARE * TYPICAL_PENETRATION * polish.wheel.radius_m; 2],
-        K::WheelForceOffset | K::WheelForceStiction => vec![SHARE * force_n],
+        _ => control_scale(&polish.control, kind),
+    }
+}
+
+fn control_scale(control: &ControlSpec, kind: EffectKind) -> Vec<f64> {
+    match (kind, control.force_n()) {
+        (EffectKind::WheelForceOffset | EffectKind::WheelForceStiction, Some(force_n)) => {
+            vec![SHARE * force_n]
+        }
         _ => vec![SHARE],
     }
 }

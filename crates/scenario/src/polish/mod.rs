@@ -1,12 +1,10 @@
 //! The `[process.polish]` table: a soft wheel in precession polishes a rectangular face along a raster.
 
-mod control;
 mod face;
 mod path;
 mod precession;
 mod wheel;
 
-pub use control::ControlSpec;
 pub use face::FaceSpec;
 pub use path::RasterSpec;
 pub use precession::{EdgeRuleSpec, PrecessionSpec};
@@ -16,10 +14,10 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::check::Check;
+use crate::control::{ControlSpec, ControlTable, Pressed};
 use crate::document::Fault;
 use crate::roughness::{RoughnessSpec, RoughnessTable};
 use crate::units::{from_deg, from_rpm, from_um};
-use control::ControlTable;
 use face::FaceTable;
 use path::RasterTable;
 use precession::PrecessionTable;
@@ -116,7 +114,10 @@ impl PolishTable {
             .as_ref()
             .and_then(|face| self.path.resolve(face, check));
         let precession = self.precession.resolve(check);
-        let control = self.control.resolve(wheel.radius_m, check);
+        let pressed = Pressed::ByTable {
+            radius_m: wheel.radius_m,
+        };
+        let control = (self.control).resolve(&format!("{TABLE}.control"), &pressed, check);
         let roughness = self.roughness.resolve(TABLE, check);
         Some(PolishSpec {
             wheel,

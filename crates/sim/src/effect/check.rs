@@ -4,7 +4,7 @@ use crate::error::SimError;
 use crate::plant::DriveKind;
 use truecut_arm::{JointKind, Robot};
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target};
-use truecut_scenario::{ControlSpec, FootSpec, FrictionSpec, ProcessSpec, Scenario};
+use truecut_scenario::{FootSpec, FrictionSpec, ProcessSpec, Scenario};
 
 /// Checks `scenario.effects[index]`.
 pub(super) fn applies(
@@ -135,13 +135,16 @@ fn wheel_misfit(effect: &Effect, process: &ProcessSpec) -> Option<&'static str> 
         effect.kind,
         EffectKind::WheelForceOffset | EffectKind::WheelForceStiction
     );
+    let uncontrolled = match process {
+        ProcessSpec::Polish(spec) => spec.control.force_n().is_none(),
+        ProcessSpec::Belt(spec) => spec.control.force_n().is_none(),
+        _ => false,
+    };
     match process {
-        ProcessSpec::Wheel(_) | ProcessSpec::Belt(_) | ProcessSpec::Brush(_) if of_control => {
-            Some("it acts on a force control, which process.polish can have")
+        ProcessSpec::Wheel(_) | ProcessSpec::Brush(_) if of_control => {
+            Some("it acts on a force control, which process.polish and process.belt can have")
         }
-        ProcessSpec::Polish(spec)
-            if of_control && matches!(spec.control, ControlSpec::Position { .. }) =>
-        {
+        _ if of_control && uncontrolled => {
             Some("it acts on a force control, but law = \"position\" has none")
         }
         ProcessSpec::Wheel(_)

@@ -121,6 +121,11 @@ pub trait Process: Send {
         None
     }
 
+    /// Shortest time, s, in which something moves that the process itself carries along, if it does: a step must resolve it.
+    fn quickest_s(&self) -> Option<f64> {
+        None
+    }
+
     /// Springs that stiffen the robot while in contact.
     fn contact_stiffness(&self) -> Vec<ContactStiffness>;
 

@@ -1,5 +1,6 @@
 //! From the belt table and its solved lines to the process that runs.
 
+use super::control::control;
 use super::polishing;
 use crate::belt_path::BeltLines;
 use crate::effect::WheelEffects;
@@ -39,6 +40,7 @@ pub(super) fn belt(
     let copies = path.copies.clone();
     let setup = BeltSetup {
         wheel: wheel(spec, effects),
+        control: control(&spec.control, effects),
         runout_m: effects.eccentricity_m,
         belt_m_per_s: spec.belt_m_per_s,
         mu: spec.mu * effects.friction_factor,

@@ -1,5 +1,6 @@
 //! From the polishing table to the process that runs.
 
+use super::control::control;
 use super::polishing;
 use crate::effect::WheelEffects;
 use crate::error::SimError;
@@ -10,9 +11,8 @@ use crate::scene::Workpiece;
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::wheel::face::Face;
-use truecut_core::wheel::force_control::ForceControl;
 use truecut_core::wheel::pneumatic::PneumaticWheel;
-use truecut_scenario::{ControlSpec, PolishSpec};
+use truecut_scenario::PolishSpec;
 
 /// Rounds in which the force at rest and the arm's deflection under it are found; each gains the ratio of their stiffnesses,
 /// two digits or so.
@@ -92,36 +92,6 @@ fn eccentricity(spec: &PolishSpec, effects: &WheelEffects) -> (f64, f64) {
         y + spec.eccentricity_m * sine,
     );
     (x.hypot(y), y.atan2(x))
-}
-
-fn control(spec: &ControlSpec, effects: &WheelEffects) -> ForceControl {
-    match *spec {
-        ControlSpec::Position { .. } => ForceControl::Position,
-        ControlSpec::ConstantForce {
-            force_n,
-            damping_n_s_per_m,
-            fastest_m_per_s,
-        } => ForceControl::ConstantForce {
-            force_n: force_n + effects.force_offset_n,
-            damping_n_s_per_m,
-            fastest_m_per_s,
-            stiction_n: effects.force_stiction_n,
-        },
-        ControlSpec::Compliant {
-            force_n,
-            mass_kg,
-            stiffness_n_per_m,
-            damping_n_s_per_m,
-            stroke_m,
-        } => ForceControl::Compliant {
-            mass_kg,
-            stiffness_n_per_m,
-            damping_n_s_per_m,
-            preload_n: force_n + effects.force_offset_n,
-            stroke_m,
-            stiction_n: effects.force_stiction_n,
-        },
-    }
 }
 
 /// The wrench on a tool at rest at the start, deflected by it, the wheel spinning.

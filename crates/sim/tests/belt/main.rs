@@ -1,5 +1,6 @@
 //! A belt over a contact wheel on the face of a path job, on the HP20 in rapier: forces, removal, copies.
 
+mod control;
 mod copies;
 mod effects;
 mod engines;

@@ -11,6 +11,7 @@ use crate::process::ToolState;
 use nalgebra::{Isometry2, Isometry3, Point2, Point3, Vector2, Vector3};
 use truecut_core::wheel::belt::BeltWheel;
 use truecut_core::wheel::face::Face;
+use truecut_core::wheel::force_control::Offset;
 use truecut_core::wheel::patch::{EdgePoint, Patch, PatchLoads, Sliding};
 use truecut_core::wheel::quadrature::Quadrature;
 
@@ -40,9 +41,9 @@ pub(super) struct Strip {
     pub loads: PatchLoads,
 }
 
-/// Motion of the tool in the patch's frame.
+/// Motion of the wheel in the patch's frame, its axes those of the tool.
 pub(super) struct Motion {
-    pub patch_from_tool: Isometry3<f64>,
+    pub patch_from_wheel: Isometry3<f64>,
     pub velocity_m_per_s: Vector3<f64>,
     pub turning_rad_s: Vector3<f64>,
 }
@@ -64,7 +65,9 @@ pub(super) struct Contact {
     pub sliding_w: f64,
     /// Width over which the wheel touches.
     pub width_m: f64,
-    /// On the tool, in the patch's frame, about the tool point.
+    /// The tool's z axis in the patch's frame.
+    pub forward: Vector3<f64>,
+    /// On the wheel, in the patch's frame, about its centre.
     pub force_n: Vector3<f64>,
     pub moment_n_m: Vector3<f64>,
 }
@@ -76,14 +79,15 @@ impl Contact {
         face: &FaceGeometry,
         quadrature: &Quadrature,
         state: &ToolState,
+        carrier: &Offset,
         mut edges: impl FnMut(&Strip, &EdgePoint),
     ) -> Self {
         let copy = setup.copy_at(state.time_s);
-        let motion = setup.motion(copy, state);
-        let mut contact = Self::none(copy);
-        let axis = motion.patch_from_tool.rotation * Vector3::y();
-        let tool_x = motion.patch_from_tool.rotation * Vector3::x();
-        let centre = Point3::from(motion.patch_from_tool.translation.vector);
+        let motion = setup.motion(copy, state, carrier);
+        let mut contact = Self::none(copy, motion.patch_from_wheel.rotation * Vector3::z());
+        let axis = motion.patch_from_wheel.rotation * Vector3::y();
+        let tool_x = motion.patch_from_wheel.rotation * Vector3::x();
+        let centre = Point3::from(motion.patch_from_wheel.translation.vector);
         let wheel = &setup.wheel;
         let [runout_m, runout_m_per_s] = setup.runout(state.time_s);
         let radius_m = wheel.radius_m + runout_m;
@@ -117,9 +121,15 @@ impl Contact {
         contact
     }
 
-    fn none(copy: usize) -> Self {
+    /// Force that pushes the wheel back along the tool's z axis.
+    pub fn pushed_n(&self) -> f64 {
+        -self.force_n.dot(&self.forward)
+    }
+
+    fn none(copy: usize, forward: Vector3<f64>) -> Self {
         Self {
             copy,
+            forward,
             strips: Vec::new(),
             middle: None,
             normal_n: 0.0,
@@ -146,7 +156,7 @@ impl Contact {
         let first = loads.first_moment_n_m;
         let about_point =
             strip.x * first.y - strip.y * first.x - strip.normal * loads.spin_moment_n_m;
-        let lever = strip.point_m.coords - motion.patch_from_tool.translation.vector;
+        let lever = strip.point_m.coords - motion.patch_from_wheel.translation.vector;
         self.force_n += force_n;
         self.moment_n_m += about_point + lever.cross(&force_n);
         self.normal_n += loads.normal_n;
@@ -229,7 +239,7 @@ impl Press<'_> {
     /// Motion of the belt over the face: it runs along the tool's x axis, against x of the strip, and goes with the tool.
     fn sliding(&self, section: &Section, x: &Vector3<f64>, y: &Vector3<f64>, lean: f64) -> Sliding {
         let motion = self.motion;
-        let lever = section.point_m.coords - motion.patch_from_tool.translation.vector;
+        let lever = section.point_m.coords - motion.patch_from_wheel.translation.vector;
         let velocity = motion.velocity_m_per_s + motion.turning_rad_s.cross(&lever);
         let normal = section.normal.into_inner();
         Sliding {

@@ -7,8 +7,11 @@
 //! the belt's run the belt bends round the edge.
 //!
 //! The belt slides over the face at its own speed, along the tool's x axis, and with the tool. Force and moment of all strips act on
-//! the tool: wheel, belt and its drive hang on the arm.
+//! the tool: wheel, belt and its drive hang on the arm. A force control has a carrier between tool and wheel, which moves along the tool's z
+//! axis; what of the force lies along it reaches the tool through the carrier. Its mass counts as part of the tool.
 
+#[cfg(test)]
+mod carrier_tests;
 mod contact;
 mod geometry;
 mod report;
@@ -23,13 +26,14 @@ use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use contact::{Contact, Motion, Strip};
 use geometry::FaceGeometry;
-use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use surface::Worn;
 use truecut_core::roughness::Polishing;
 use truecut_core::wheel::belt::BeltWheel;
+use truecut_core::wheel::force_control::{ForceControl, Offset};
 use truecut_core::wheel::patch::EdgePoint;
 use truecut_core::wheel::quadrature::Quadrature;
 use truecut_plan::surface::PatchFile;
@@ -50,6 +54,7 @@ pub struct Copied {
 #[derive(Debug, Clone)]
 pub struct BeltSetup {
     pub wheel: BeltWheel,
+    pub control: ForceControl,
     /// How much further than its radius the contact wheel reaches at the face when the run starts, and a quarter of a turn later, m.
     pub runout_m: [f64; 2],
     /// Speed of the belt along the tool's x axis, m/s.
@@ -98,15 +103,21 @@ impl BeltSetup {
         [c * cos + s * sin, spin * (s * cos - c * sin)]
     }
 
-    /// Motion of the tool in the frame of a copy's patch.
-    fn motion(&self, copy: usize, state: &ToolState) -> Motion {
+    /// Motion of the wheel, which a carrier moves along the tool's z axis, in the frame of a copy's patch.
+    fn motion(&self, copy: usize, state: &ToolState, carrier: &Offset) -> Motion {
         let patch_from_world = self.copies[copy].world_from_patch.inverse();
         let turn = patch_from_world.rotation;
         let velocity_in_world = self.process_from_world.inverse() * state.tool.velocity_m_per_s;
+        let turning_rad_s = turn * state.tool_turning_rad_s;
+        let patch_from_tool = patch_from_world * state.world_from_tool;
+        let forward = patch_from_tool.rotation * Vector3::z();
+        let out_m = forward * carrier.offset_m;
         Motion {
-            patch_from_tool: patch_from_world * state.world_from_tool,
-            velocity_m_per_s: turn * velocity_in_world,
-            turning_rad_s: turn * state.tool_turning_rad_s,
+            patch_from_wheel: Translation3::from(out_m) * patch_from_tool,
+            velocity_m_per_s: turn * velocity_in_world
+                + turning_rad_s.cross(&out_m)
+                + forward * carrier.rate_m_per_s,
+            turning_rad_s,
         }
     }
 
@@ -121,6 +132,8 @@ pub struct Belt {
     setup: BeltSetup,
     face: FaceGeometry,
     quadrature: Quadrature,
+    /// Offset of the carrier towards the face.
+    carrier: Offset,
     /// One a copy; none where only rows are asked for.
     worn: Vec<Worn>,
     watch: Watch,
@@ -142,6 +155,7 @@ struct Last {
     edge_n: f64,
     friction_n: Vector2<f64>,
     width_m: f64,
+    carrier_m: f64,
     /// Process axes.
     force_on_tool_n: Vector3<f64>,
 }
@@ -151,6 +165,7 @@ impl Belt {
         Self {
             face: FaceGeometry::new(setup.patch.clone()),
             quadrature: Quadrature::new(NODES),
+            carrier: Offset::default(),
             worn: setup.copies.iter().map(|_| Worn::new(&setup)).collect(),
             watch: Watch::default(),
             last: Last::default(),
@@ -162,8 +177,29 @@ impl Belt {
     fn meet(&self, state: &ToolState) -> (Contact, Edges) {
         let mut edges = Edges::new();
         let add = |strip: &Strip, point: &EdgePoint| edges.push((*strip, *point));
-        let contact = Contact::of(&self.setup, &self.face, &self.quadrature, state, add);
+        let (setup, carrier) = (&self.setup, &self.carrier);
+        let contact = Contact::of(setup, &self.face, &self.quadrature, state, carrier, add);
         (contact, edges)
+    }
+
+    /// Force and moment about its point that the contact gives the tool, process axes.
+    fn on_tool(&self, contact: &Contact) -> (Vector3<f64>, Vector3<f64>) {
+        let (setup, carrier) = (&self.setup, &self.carrier);
+        let pushed_n = contact.pushed_n();
+        let carried_n = setup.control.carried_n(carrier, pushed_n);
+        let force_n = contact.force_n + contact.forward * (pushed_n - carried_n);
+        let lever_m = contact.forward * carrier.offset_m;
+        let moment_n_m = contact.moment_n_m + lever_m.cross(&force_n);
+        let to_process = |in_patch| setup.to_process(contact.copy, &in_patch);
+        (to_process(force_n), to_process(moment_n_m))
+    }
+
+    /// Slope of the force over the penetration on a flat face, at the indentation of the path, N/m.
+    fn stiffness_n_per_m(&self) -> f64 {
+        let p = &self.setup;
+        let (d, h) = (p.indentation_m, 1e-3 * p.indentation_m);
+        let force = |d: f64| p.wheel.normal_force_n(d, p.wheel.radius_m);
+        (force(d + h) - force(d - h)) / (2.0 * h)
     }
 }
 
@@ -203,6 +239,11 @@ impl Process for Belt {
                 "Width over which the wheel touches the face",
             ),
             spec(
+                "carrier_offset",
+                Unit::Metre,
+                "How far the carrier of a force control stands out towards the face; 0 without one",
+            ),
+            spec(
                 "position_u",
                 Unit::One,
                 "First parameter of the face under the wheel's middle; far from the face that of the last place",
@@ -218,11 +259,12 @@ impl Process for Belt {
 
     fn evaluate(&self, state: &ToolState) -> Loads {
         let (contact, edges) = self.meet(state);
+        let (force_n, moment_n_m) = self.on_tool(&contact);
         let mut loads = Loads::default();
         loads.wrenches.push(Wrench {
             frame: Attachment::Tool,
-            force_n: self.setup.to_process(contact.copy, &contact.force_n),
-            moment_n_m: self.setup.to_process(contact.copy, &contact.moment_n_m),
+            force_n,
+            moment_n_m,
         });
         self.met.keep(state.time_s, (contact, edges));
         loads
@@ -245,8 +287,10 @@ impl Process for Belt {
             edge_n: contact.edge_n,
             friction_n: contact.friction_n,
             width_m: contact.width_m,
-            force_on_tool_n: self.setup.to_process(contact.copy, &contact.force_n),
+            carrier_m: self.carrier.offset_m,
+            force_on_tool_n: self.on_tool(&contact).0,
         };
+        self.carrier = (self.setup.control).step(&self.carrier, contact.pushed_n(), dt_s);
     }
 
     fn record(&self, row: &mut Vec<f64>) {
@@ -258,6 +302,7 @@ impl Process for Belt {
             last.friction_n.y,
             last.penetration_m,
             last.width_m,
+            last.carrier_m,
             last.uv[0],
             last.uv[1],
             self.watch.preston_m3(&self.setup),
@@ -284,15 +329,17 @@ impl Process for Belt {
         (p.runout_m != [0.0; 2]).then(|| p.wheel_rad_s().abs() / TAU)
     }
 
-    /// Slope of the force over the penetration on a flat face, at the indentation of the path.
+    fn quickest_s(&self) -> Option<f64> {
+        self.setup.control.quickest_s(self.stiffness_n_per_m())
+    }
+
+    /// A carrier is softer, or follows within its own law.
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         let p = &self.setup;
-        let (d, h) = (p.indentation_m, 1e-3 * p.indentation_m);
-        let force = |d: f64| p.wheel.normal_force_n(d, p.wheel.radius_m);
         vec![ContactStiffness {
             frame: Attachment::Tool,
             direction: p.process_from_world * p.first_normal,
-            stiffness_n_per_m: (force(d + h) - force(d - h)) / (2.0 * h),
+            stiffness_n_per_m: self.stiffness_n_per_m(),
         }]
     }
 

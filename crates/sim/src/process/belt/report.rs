@@ -21,6 +21,8 @@ pub(super) struct Watch {
     contact_s: f64,
     /// `∫ F dt`, N s.
     impulse_n_s: f64,
+    /// `∫ F² dt`, N² s.
+    square_n2_s: f64,
     largest_n: f64,
     penetration_m: f64,
 }
@@ -29,6 +31,7 @@ impl Watch {
     pub fn step(&mut self, contact: &Contact, dt_s: f64) {
         self.preston_j += contact.sliding_w * dt_s;
         self.impulse_n_s += contact.normal_n * dt_s;
+        self.square_n2_s += contact.normal_n.powi(2) * dt_s;
         self.largest_n = self.largest_n.max(contact.normal_n);
         let depths = contact.strips.iter().map(|strip| strip.penetration_m);
         self.penetration_m = depths.fold(self.penetration_m, f64::max);
@@ -138,12 +141,20 @@ fn scalar(name: &str, unit: Unit, value: f64, text: &str) -> Scalar {
 
 /// How the belt pressed.
 fn pressing(setup: &BeltSetup, watch: &Watch) -> Vec<Scalar> {
+    let mean_n = watch.impulse_n_s / watch.contact_s;
+    let variance = watch.square_n2_s / watch.contact_s - mean_n * mean_n;
     vec![
         scalar(
             "mean_force",
             Unit::Newton,
-            watch.impulse_n_s / watch.contact_s,
+            mean_n,
             "Mean normal force while the belt is on the face",
+        ),
+        scalar(
+            "force_spread",
+            Unit::Newton,
+            variance.max(0.0).sqrt(),
+            "Standard deviation of the normal force while the belt is on the face, setting down and lifting included",
         ),
         scalar(
             "largest_force",

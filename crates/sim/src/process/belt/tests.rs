@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Point3, Rotation3, Unit};
 use truecut_plan::surface::{CylinderPatch, Forms, PlanePatch, Surface};
 
 /// A slack belt; its law is Hertz's line contact.
-const WHEEL: BeltWheel = BeltWheel {
+pub(super) const WHEEL: BeltWheel = BeltWheel {
     radius_m: 40e-3,
     width_m: 25e-3,
     contact_modulus_pa: 8e6,
@@ -25,6 +25,7 @@ fn setup(surface: Box<dyn Surface + Send>, wheel: BeltWheel) -> BeltSetup {
     BeltSetup {
         runout_m: [0.0; 2],
         wheel,
+        control: ForceControl::Position,
         belt_m_per_s: 20.0,
         mu: 0.3,
         preston_per_pa: 4e-12,
@@ -51,7 +52,7 @@ fn setup(surface: Box<dyn Surface + Send>, wheel: BeltWheel) -> BeltSetup {
 }
 
 /// Where the tool stands with the wheel's axis along `axis` (tangent) and its centre at this height over (u, v), shifted.
-fn held(
+pub(super) fn held(
     setup: &BeltSetup,
     uv: [f64; 2],
     axis: Vector3<f64>,
@@ -76,7 +77,7 @@ fn contact(setup: &BeltSetup, state: &ToolState) -> Contact {
     Belt::new(setup.clone()).meet(state).0
 }
 
-fn plane(wheel: BeltWheel) -> BeltSetup {
+pub(super) fn plane(wheel: BeltWheel) -> BeltSetup {
     let (x, y) = (Vector3::x() * 0.1, Vector3::y() * 0.06);
     setup(
         Box::new(PlanePatch::new(Vector3::zeros(), x, y).unwrap()),

@@ -204,29 +204,10 @@ impl Polish {
         }
     }
 
-    /// What a carrier lets pass of the force on the wheel: along the normal its spring, damper, guide and preload, at its stops all.
+    /// What a carrier lets pass of the force on the wheel: across the normal all of it.
     fn through_carrier(&self, on_wheel_n: Vector3<f64>) -> Vector3<f64> {
-        let ForceControl::Compliant {
-            stiffness_n_per_m,
-            damping_n_s_per_m,
-            preload_n,
-            stroke_m,
-            ..
-        } = self.setup.control
-        else {
-            return on_wheel_n;
-        };
-        let Offset {
-            offset_m,
-            rate_m_per_s,
-            friction_n,
-        } = self.carrier;
-        if offset_m.abs() >= stroke_m {
-            return on_wheel_n;
-        }
-        let carried = preload_n - stiffness_n_per_m * offset_m - damping_n_s_per_m * rate_m_per_s
-            + friction_n;
-        Vector3::new(on_wheel_n.x, on_wheel_n.y, carried)
+        let carried_n = self.setup.control.carried_n(&self.carrier, on_wheel_n.z);
+        Vector3::new(on_wheel_n.x, on_wheel_n.y, carried_n)
     }
 
     /// Outward normal of the edge nearest to a point of the boundary.
@@ -246,6 +227,14 @@ impl Polish {
     fn inside_m(&self, at: Point2<f64>) -> f64 {
         let (length, width) = (self.setup.length_m, self.setup.width_m);
         at.x.min(length - at.x).min(at.y).min(width - at.y)
+    }
+
+    /// Slope of the force over the penetration on a face without edges, N/m.
+    fn stiffness_n_per_m(&self) -> f64 {
+        let p = &self.setup;
+        let (d, h) = (p.penetration_m, 1e-3 * p.penetration_m);
+        let force = |d: f64| p.wheel.normal_force_n(d);
+        (force(d + h) - force(d - h)) / (2.0 * h)
     }
 
     fn to_process(&self, in_face: Vector3<f64>) -> Vector3<f64> {
@@ -335,15 +324,16 @@ impl Process for Polish {
         (p.eccentricity_m > 0.0).then(|| p.spin_rad_s.abs() / std::f64::consts::TAU)
     }
 
-    /// Slope of the force over the penetration on a face without edges. A carrier is softer, or follows within its own law.
+    fn quickest_s(&self) -> Option<f64> {
+        self.setup.control.quickest_s(self.stiffness_n_per_m())
+    }
+
+    /// A carrier is softer, or follows within its own law.
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
-        let p = &self.setup;
-        let (d, h) = (p.penetration_m, 1e-3 * p.penetration_m);
-        let force = |d: f64| p.wheel.normal_force_n(d);
         vec![ContactStiffness {
             frame: Attachment::Tool,
             direction: self.to_process(Vector3::z()),
-            stiffness_n_per_m: (force(d + h) - force(d - h)) / (2.0 * h),
+            stiffness_n_per_m: self.stiffness_n_per_m(),
         }]
     }
 
