@@ -36,6 +36,9 @@ class LedRun:
         """Force and moment on the tool about its point, world axes, at a state, and what is told of them."""
         raise NotImplementedError
 
+    def advance(self, h: float) -> None:
+        """Moves what the tool itself carries along, by the loads of the step."""
+
     def settle(self) -> None:
         """Rest at the start, the tool spinning."""
         p = self.plant
@@ -56,6 +59,7 @@ class LedRun:
             middle = d.qpos + 0.5 * h * d.qvel + 0.125 * h * h * d.qacc
             force, moment, told = self.wrench(t + 0.5 * h, middle, d.qvel + 0.5 * h * d.qacc)
             forces.append(told)
+            self.advance(h)
             command, rate = self._command(t + 0.5 * h), self._rate(t + 0.5 * h)
             torque = p.stiffness * (command - p.command0) + p.damping * rate
             p.apply(p.axes @ force, np.zeros(3), torque, p.axes @ moment)

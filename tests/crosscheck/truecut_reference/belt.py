@@ -1,0 +1,151 @@
+"""A belt over a contact wheel on a plane, written a second time: the wheel in many thin slices, each summed point by point.
+
+A slice that reaches in by d touches over the half width b of Hertz's line contact, for which Johnson's layer (Contact Mechanics, eq. 5.57) gives
+d = b^2/4R (2 ln(2h/b) - nu/(1 - nu)). Above the rim of that the wheel overlaps by u = (b^2 - x^2)/2R and presses with E*/sqrt(2R) sqrt(u), the
+belt of tension N per width beside it with N/R; the belt lifts off where it leaves without a kink, (N c/R)^2 = 2N integral of that pressure. The bed's damping
+answers the rate at which the surface is pressed in. A carrier without mass may move the wheel along the tool's z axis.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.interpolate
+import scipy.optimize
+
+from .led_run import LedRun
+from .plant import Plant
+from .wheel import Command
+
+SLICES, POINTS = 24, 48
+# of the radius; there the half width is all but half of the rubber, as far as the layer's law goes
+DEEPEST = 0.018
+
+
+@dataclass(frozen=True)
+class Tool:
+    """Wheel, belt and plane, SI; the plane's normal is the world's z axis."""
+
+    radius: float
+    width: float
+    modulus: float
+    tension: float
+    damping: float
+    speed: float
+    mu: float
+    height: float
+    # held force, its damping, fastest speed, stroke; none where the path alone presses
+    control: tuple[float, float, float, float] | None
+    table: scipy.interpolate.CubicSpline
+
+    @staticmethod
+    def of(t: dict, job: dict) -> Tool:
+        """From `[process.belt]` and its path job on a plane."""
+        wheel = job["wheel"]
+        radius, modulus = wheel["radius_mm"] * 1e-3, wheel["modulus_mpa"] * 1e6
+        width = wheel["width_mm"] * 1e-3
+        rubber, poisson, tension = t["rubber_mm"] * 1e-3, t["poisson"], t["tension_n"] / width
+        control = t.get("control")
+        if control is not None:
+            assert control["law"] == "constant_force"
+            keys = ("force_n", "damping_n_s_per_mm", "fastest_mm_per_s", "stroke_mm")
+            force, damping, fastest, stroke = (float(control[key]) for key in keys)
+            control = (force, damping * 1e3, fastest * 1e-3, stroke * 1e-3)
+
+        def factor(b: float) -> float:
+            return 2.0 * math.log(2.0 * rubber / b) - poisson / (1.0 - poisson)
+
+        def row(depth: float) -> tuple[float, float, float]:
+            """Overlap in the middle, its rate per penetration, half width of the patch."""
+            b = scipy.optimize.brentq(
+                lambda b: b * b / (4.0 * radius) * factor(b) - depth, 1e-9, 0.5 * rubber, xtol=1e-15
+            )
+            u0 = b * b / (2.0 * radius)
+            energy = modulus / math.sqrt(2.0 * radius) * 2.0 / 3.0
+
+            def kink(c: float) -> float:
+                u = max(u0 - c * c / (2.0 * radius), 0.0)
+                return 2.0 * tension * energy * u**1.5 - (tension * c / radius) ** 2
+
+            return u0, 2.0 / (factor(b) - 1.0), scipy.optimize.brentq(kink, 1e-9, b, xtol=1e-15)
+
+        # over the root of the depth, in which all three are smooth down to nothing
+        roots = np.linspace(1e-3, math.sqrt(DEEPEST), 800)
+        rows = np.array([row(root * root * radius) for root in roots])
+        return Tool(
+            radius=radius,
+            width=width,
+            modulus=modulus,
+            tension=tension,
+            damping=t["damping_pa_s_per_m"],
+            speed=t["belt_m_per_s"],
+            mu=t["mu"],
+            height=job["surface"]["xyz_mm"][2] * 1e-3,
+            control=control,
+            table=scipy.interpolate.CubicSpline(roots, rows),
+        )
+
+    def loads(self, centre: np.ndarray, axes: np.ndarray, velocity: np.ndarray, turning: np.ndarray) -> np.ndarray:
+        """Force and moment on the wheel about its centre, world axes; then the sum of normal forces."""
+        axis, normal = axes[:, 1], np.array([0.0, 0.0, 1.0])
+        lean = math.sqrt(1.0 - float(axis @ normal) ** 2)
+        to_axis = (normal - float(axis @ normal) * axis) / lean
+        run = np.cross(axis, normal) / lean
+        along = self.width * ((np.arange(SLICES) + 0.5) / SLICES - 0.5)
+        middle = centre + along[:, None] * axis
+        distance = (middle[:, 2] - self.height) / lean
+        depth = self.radius - distance
+        touches = depth > 1e-6 * self.radius
+        if not touches.any():
+            return np.zeros(7)
+        middle, distance, depth = middle[touches], distance[touches], depth[touches]
+        assert depth.max() < DEEPEST * self.radius
+        u0, rate, c = self.table(np.sqrt(depth / self.radius)).T
+        # by the sine of an angle, in which pressures that fall to zero like a root are smooth
+        angle = math.pi * ((np.arange(POINTS) + 0.5) / POINTS - 0.5)
+        x, dx = c[:, None] * np.sin(angle), c[:, None] * np.cos(angle) * math.pi / POINTS
+        foot = middle - distance[:, None] * to_axis
+        arm = foot[:, None, :] + x[..., None] * run - centre
+        slide = velocity + np.cross(turning, arm) - self.speed * run
+        slide -= (slide @ normal)[..., None] * normal
+        reach = velocity + np.cross(turning, foot - centre)
+        approach = -(reach @ normal) / lean
+        inwards = rate[:, None] * approach[:, None] - (slide @ run) * x / self.radius
+        u = np.maximum(u0[:, None] - x * x / (2.0 * self.radius), 0.0)
+        rubber = self.modulus * np.sqrt(u / (2.0 * self.radius))
+        pressure = rubber + self.tension / self.radius + self.damping * inwards
+        pressed = np.maximum(pressure, 0.0) * dx * self.width / SLICES / lean
+        force = pressed[..., None] * (normal - self.mu * slide / np.linalg.norm(slide, axis=2)[..., None])
+        moment = np.cross(arm, force).sum(axis=(0, 1))
+        return np.array([*force.sum(axis=(0, 1)), *moment, pressed.sum()])
+
+
+class BeltRun(LedRun):
+    """The arm in MuJoCo under the belt's loads, along the recorded command."""
+
+    def __init__(self, tool: Tool, plant: Plant, command: Command) -> None:
+        super().__init__(plant, command)
+        self.tool = tool
+        self.out, self.rate, self.pushed = 0.0, 0.0, 0.0
+
+    def wrench(self, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Told: the sum of normal forces."""
+        place, axes, velocity, turning = self.tool_at(q, v)
+        out = self.out * axes[:, 2]
+        velocity = velocity + np.cross(turning, out) + self.rate * axes[:, 2]
+        found = self.tool.loads(place + out, axes, velocity, turning)
+        self.pushed = -float(found[:3] @ axes[:, 2])
+        return found[:3], found[3:6] + np.cross(out, found[:3]), found[6:]
+
+    def advance(self, h: float) -> None:
+        """Moves the carrier by what is missing of its force."""
+        if self.tool.control is None:
+            return
+        force, damping, fastest, stroke = self.tool.control
+        self.rate = min(max((force - self.pushed) / damping, -fastest), fastest)
+        moved = self.out + h * self.rate
+        self.out = min(max(moved, -stroke), stroke)
+        if self.out != moved:
+            self.rate = 0.0
