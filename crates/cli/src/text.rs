@@ -74,8 +74,35 @@ pub fn headline(all: &[Scalar]) -> String {
             format!("  largest drive torque: {shown} of its limit ({what})\n")
         });
     }
+    text.push_str(&belt_faults(all));
     text
 }
+
+/// What the numbers of a belt say that its law does not.
+fn belt_faults(all: &[Scalar]) -> String {
+    let value = |name: &str| (all.iter().find(|one| one.name == name)).map_or(0.0, |one| one.value);
+    let (pressed_in, stopped) = (
+        value("belt.largest_penetration"),
+        value("belt.carrier_at_stop"),
+    );
+    let mut text = String::new();
+    if pressed_in >= 1.0 {
+        text.push_str(&format!(
+            "  ✗ HUB ON THE FACE: the wheel is pressed in by {} times the thickness of its rubber, as if there were more of it\n",
+            significant(pressed_in, 3)
+        ));
+    }
+    if stopped >= LEAST_STOPPED {
+        text.push_str(&format!(
+            "  ✗ CARRIER AT ITS STOP for {} % of the time on the face: there the force is not the one asked for\n",
+            significant(100.0 * stopped, 2)
+        ));
+    }
+    text
+}
+
+/// Part of the time on the face that a carrier may take to leave its stop when it is set down.
+const LEAST_STOPPED: f64 = 0.05;
 
 /// The claims, one a line: whether it holds, its value and bounds, and why it must hold.
 pub fn claims(claims: &[ClaimResult]) -> String {

@@ -154,7 +154,10 @@ impl BeltTable {
                 penetration_m: indentation_m,
             }),
             Some(table) => {
-                let pressed = Pressed::ByPath { indentation_m };
+                let pressed = Pressed::ByPath {
+                    indentation_m,
+                    lift_m: job.path.lift_m,
+                };
                 table.resolve(&format!("{TABLE}.control"), &pressed, check)
             }
         };

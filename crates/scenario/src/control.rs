@@ -42,6 +42,16 @@ pub enum ControlSpec {
 }
 
 impl ControlSpec {
+    /// Stroke of the carrier to either side; none without one.
+    pub fn stroke_m(&self) -> Option<f64> {
+        match *self {
+            Self::Position { .. } => None,
+            Self::ConstantForce { stroke_m, .. } | Self::Compliant { stroke_m, .. } => {
+                Some(stroke_m)
+            }
+        }
+    }
+
     /// The force that is held, or the preload; none where the path alone presses.
     pub fn force_n(&self) -> Option<f64> {
         match *self {
@@ -76,7 +86,7 @@ pub(crate) struct ControlTable {
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is pressed on"))]
     force_n: Option<f64>,
     /// Missing force per speed of the carrier (law "constant_force"), or damping of the carrier (law "compliant").
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "negative damping would create energy"))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a carrier that nothing holds back would have no speed, or never come to rest"))]
     damping_n_s_per_mm: Option<f64>,
     /// Largest speed of the carrier (law "constant_force").
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the carrier moves"))]
@@ -104,6 +114,8 @@ pub(crate) enum Pressed {
     ByPath {
         /// How far the path reaches into the face.
         indentation_m: f64,
+        /// How far it is lifted between lines.
+        lift_m: f64,
     },
 }
 
@@ -115,11 +127,12 @@ impl ControlTable {
         pressed: &Pressed,
         check: &mut Check,
     ) -> Option<ControlSpec> {
-        match self.law {
+        let control = match self.law {
             LawName::Position => self.position(table, pressed, check),
             LawName::ConstantForce => self.constant_force(table, pressed, check),
             LawName::Compliant => self.compliant(table, check),
-        }
+        }?;
+        leaves_the_face(&control, table, pressed, check).then_some(control)
     }
 
     fn position(self, table: &str, pressed: &Pressed, check: &mut Check) -> Option<ControlSpec> {
@@ -134,7 +147,7 @@ impl ControlTable {
                 let given = check.needed(table, "penetration_mm", self.penetration_mm, who);
                 penetration(table, given?, radius_m, check)?
             }
-            Pressed::ByPath { indentation_m } => {
+            Pressed::ByPath { indentation_m, .. } => {
                 let because =
                     "the path job's wheel.indentation_mm says how far the wheel is led in";
                 check.ignored(table, &["penetration_mm"], because);
@@ -200,4 +213,40 @@ fn penetration(table: &str, penetration_mm: f64, radius_m: f64, check: &mut Chec
         return None;
     }
     Some(penetration_m)
+}
+
+/// Whether a carrier that stands out between lines is clear of the face there; a fault is recorded if not.
+fn leaves_the_face(
+    control: &ControlSpec,
+    table: &str,
+    pressed: &Pressed,
+    check: &mut Check,
+) -> bool {
+    let Pressed::ByPath {
+        indentation_m,
+        lift_m,
+    } = *pressed
+    else {
+        return true;
+    };
+    let clear_m = lift_m - indentation_m;
+    let Some(stroke_m) = control.stroke_m().filter(|stroke_m| *stroke_m >= clear_m) else {
+        return true;
+    };
+    let path = format!("{table}.stroke_mm");
+    let message = format!(
+        "`{path}` is {}, but must be less than {}: between lines the path job lifts the wheel by {} mm, which reaches in by {} mm on them, and \
+         there the carrier stands out",
+        in_mm(stroke_m),
+        in_mm(clear_m),
+        in_mm(lift_m),
+        in_mm(indentation_m)
+    );
+    check.refuse(Fault::value(&path, message, "would stay on the face"));
+    false
+}
+
+/// As it was written, to the nanometre.
+fn in_mm(length_m: f64) -> f64 {
+    (length_m * 1e9).round() / 1e6
 }

@@ -5,6 +5,7 @@ use crate::process::Process;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use truecut_arm::{FrameId, LinearArm, Load, Robot};
+use truecut_recording::significant;
 use truecut_scenario::RunSpec;
 
 /// Default steps between two cutting edges.
@@ -130,7 +131,7 @@ fn check_count(
     step_s: f64,
     asked: bool,
     scheme: Scheme,
-    fastest: Option<Fastest>,
+    (fastest, quickest_s): (Option<Fastest>, Option<f64>),
     duration_s: f64,
 ) -> Result<(), SimError> {
     let count = duration_s / step_s;
@@ -138,8 +139,13 @@ fn check_count(
         return Ok(());
     }
     let of_mode = fastest.filter(|f| step_s >= 0.99 * scheme.step_of_modes_s(*f));
+    let of_carrier = quickest_s.is_some_and(|t| step_s >= 0.99 * t / STEPS_PER_QUICKEST);
     let (key, why) = match of_mode {
         _ if asked => ("run.time_step_ms", "it is the step asked for".to_owned()),
+        _ if of_carrier => (
+            "process",
+            "it is a fifth of the time in which the carrier of the force control follows its contact".into(),
+        ),
         Some(Fastest {
             frequency_hz,
             cause,
@@ -177,10 +183,10 @@ fn check_carrier(asked_s: f64, process: &dyn Process) -> Result<(), SimError> {
     Err(SimError::scenario(
         "run.time_step_ms",
         format!(
-            "`run.time_step_ms` is {:.4}, but must be at most {:.4}: so soon the carrier of the force control follows its contact, and a \
-             longer step makes it swing up; leave the key out or raise the control's damping or mass",
-            asked_s * 1e3,
-            quickest_s * 1e3
+            "`run.time_step_ms` is {}, but must be at most {}: so soon the carrier of the force control follows its contact; leave the key \
+             out, or give the control more damping (law \"constant_force\") or more mass and a softer spring (law \"compliant\")",
+            significant(asked_s * 1e3, 4),
+            significant(quickest_s * 1e3, 4)
         ),
     ))
 }
@@ -202,7 +208,7 @@ pub(crate) fn choose(
 ) -> Result<f64, SimError> {
     let fastest_mode_hz = fastest.map(|fastest| fastest.frequency_hz);
     if let Some(asked) = run.time_step_s {
-        check_count(asked, true, scheme, fastest, run.duration_s)?;
+        check_count(asked, true, scheme, (fastest, None), run.duration_s)?;
         check_carrier(asked, process)?;
         return check(scheme, asked, fastest_mode_hz);
     }
@@ -220,7 +226,8 @@ pub(crate) fn choose(
     {
         step = step.min(1.0 / (f * STEPS_PER_FORCE_PERIOD));
     }
-    check_count(step, false, scheme, fastest, run.duration_s)?;
+    let causes = (fastest, process.quickest_s());
+    check_count(step, false, scheme, causes, run.duration_s)?;
     if let Some(period) = process
         .tooth_period_s()
         .filter(|_| process.steps_with_teeth())

@@ -86,6 +86,25 @@ fn number(value: f64) -> String {
 /// # Errors
 /// What makes a scenario unfit to run at these values, or a column that its recording does not have.
 pub fn run_job(job: &Job, progress: &dyn Fn(f64)) -> Result<Row, SimError> {
+    row(job, progress).map_err(|error| of_row(job, error))
+}
+
+/// An error that says in which of many rows it came; what overrides have made invalid names the key already.
+fn of_row(job: &Job, error: SimError) -> SimError {
+    let SimError::Scenario { key, message } = error else {
+        return error;
+    };
+    let values = job.overrides.iter();
+    let values: Vec<String> = values
+        .map(|(key, value)| format!("`{key}` = {value}"))
+        .collect();
+    SimError::Scenario {
+        key,
+        message: format!("{message} (in the sweep's row with {})", values.join(", ")),
+    }
+}
+
+fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<Row, SimError> {
     let mut row = Row::default();
     for (key, value) in &job.overrides {
         row.values.push(Entry {

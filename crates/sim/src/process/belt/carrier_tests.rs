@@ -38,6 +38,10 @@ fn led(
         ..plane(WHEEL)
     };
     let mut belt = Belt::new(setup.clone());
+    if depth(0.0).0 > 0.0 {
+        // It begins pressed on, not in the air.
+        belt.carrier = Offset::default();
+    }
     for step in 0..steps {
         let time_s = step as f64 * DT_S;
         let (depth_m, rate_m_per_s) = depth(time_s);

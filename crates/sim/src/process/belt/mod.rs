@@ -116,7 +116,7 @@ impl BeltSetup {
             patch_from_wheel: Translation3::from(out_m) * patch_from_tool,
             velocity_m_per_s: turn * velocity_in_world
                 + turning_rad_s.cross(&out_m)
-                + forward * carrier.rate_m_per_s,
+                + forward * carrier.rate_now_m_per_s(),
             turning_rad_s,
         }
     }
@@ -165,7 +165,8 @@ impl Belt {
         Self {
             face: FaceGeometry::new(setup.patch.clone()),
             quadrature: Quadrature::new(NODES),
-            carrier: Offset::default(),
+            // It comes from the air.
+            carrier: Offset::at(setup.control.lifted_m()),
             worn: setup.copies.iter().map(|_| Worn::new(&setup)).collect(),
             watch: Watch::default(),
             last: Last::default(),
@@ -277,7 +278,9 @@ impl Process for Belt {
         if let Some(worn) = self.worn.get_mut(contact.copy) {
             worn.grind(&self.setup, &contact.strips, &edges, dt_s);
         }
-        self.watch.step(&contact, dt_s);
+        let at_stop =
+            (self.setup.control.stroke_m()).is_some_and(|end| self.carrier.offset_m.abs() >= end);
+        self.watch.step(&contact, at_stop, dt_s);
         let (uv, penetration_m) = contact.middle.unwrap_or((self.last.uv, 0.0));
         self.last = Last {
             copy: contact.copy,

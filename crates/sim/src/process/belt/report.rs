@@ -17,8 +17,9 @@ const DRAWN_ABOVE_M: f64 = 1e-4;
 pub(super) struct Watch {
     /// `∫ p |v| dA dt`, J.
     preston_j: f64,
-    /// Time in contact, s.
+    /// Time in contact, s, and the part of it with the carrier at a stop.
     contact_s: f64,
+    stopped_s: f64,
     /// `∫ F dt`, N s.
     impulse_n_s: f64,
     /// `∫ F² dt`, N² s.
@@ -28,7 +29,7 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    pub fn step(&mut self, contact: &Contact, dt_s: f64) {
+    pub fn step(&mut self, contact: &Contact, at_stop: bool, dt_s: f64) {
         self.preston_j += contact.sliding_w * dt_s;
         self.impulse_n_s += contact.normal_n * dt_s;
         self.square_n2_s += contact.normal_n.powi(2) * dt_s;
@@ -37,6 +38,7 @@ impl Watch {
         self.penetration_m = depths.fold(self.penetration_m, f64::max);
         if contact.normal_n > 0.0 {
             self.contact_s += dt_s;
+            self.stopped_s += if at_stop { dt_s } else { 0.0 };
         }
     }
 
@@ -143,7 +145,7 @@ fn scalar(name: &str, unit: Unit, value: f64, text: &str) -> Scalar {
 fn pressing(setup: &BeltSetup, watch: &Watch) -> Vec<Scalar> {
     let mean_n = watch.impulse_n_s / watch.contact_s;
     let variance = watch.square_n2_s / watch.contact_s - mean_n * mean_n;
-    vec![
+    let mut scalars = vec![
         scalar(
             "mean_force",
             Unit::Newton,
@@ -174,7 +176,16 @@ fn pressing(setup: &BeltSetup, watch: &Watch) -> Vec<Scalar> {
             watch.penetration_m / setup.wheel.rubber_m,
             "Largest penetration of the wheel over the thickness of its rubber; from 1 on the hub would be on the face",
         ),
-    ]
+    ];
+    if setup.control.stroke_m().is_some() {
+        scalars.push(scalar(
+            "carrier_at_stop",
+            Unit::One,
+            watch.stopped_s / watch.contact_s,
+            "Part of the time on the face during which the carrier stands at an end of its stroke, and the force is not the one asked for",
+        ));
+    }
+    scalars
 }
 
 fn removed(volume_m3: f64, preston_m3: f64) -> [Scalar; 2] {

@@ -148,7 +148,7 @@ impl Polish {
             velocity += axes * Vector3::new(-sine, cosine, 0.0) * rate;
         }
         middle.z -= self.carrier.offset_m;
-        velocity.z -= self.carrier.rate_m_per_s;
+        velocity.z -= self.carrier.rate_now_m_per_s();
         (middle, velocity, tool)
     }
 
