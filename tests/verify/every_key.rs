@@ -251,7 +251,10 @@ end_um = 0.1
 dose_j_per_mm2 = 0.5
 "#;
 
-const BELT: &str = r#"
+/// A belt run with further keys of its table, and a control table.
+fn belt(keys: &str, control: &str) -> String {
+    format!(
+        r#"
 name = "every key"
 [robot]
 urdf = "../../assets/robots/hp20/robot.urdf"
@@ -260,75 +263,40 @@ time_step_ms = 0.2
 duration_s = 1.6
 [process.belt]
 job = "../finishing/hub_spoke.toml"
-copies = 1
 belt_m_per_s = 20
 tension_n = 60
 rubber_mm = 15
-poisson = 0.48
-damping_pa_s_per_m = 2000
 mu = 0.3
 preston_per_pa = 4e-12
 cell_mm = 2
+{keys}
+{control}
 [process.belt.roughness]
 start_um = 3.2
 end_um = 0.4
 dose_j_per_mm2 = 0.5
-"#;
+"#
+    )
+}
 
-const BELT_HELD: &str = r#"
-name = "every key"
-[robot]
-urdf = "../../assets/robots/hp20/robot.urdf"
-[run]
-time_step_ms = 0.2
-duration_s = 1.6
-[process.belt]
-job = "../finishing/hub_spoke.toml"
-belt_m_per_s = 20
-tension_n = 60
-rubber_mm = 15
-mu = 0.3
-preston_per_pa = 4e-12
-cell_mm = 2
-[process.belt.control]
+const BELT_KEYS: &str = "copies = 1
+poisson = 0.48
+damping_pa_s_per_m = 2000";
+
+const BELT_HELD: &str = r#"[process.belt.control]
 law = "constant_force"
 force_n = 40
 damping_n_s_per_mm = 4
 fastest_mm_per_s = 8
-stroke_mm = 1.5
-[process.belt.roughness]
-start_um = 3.2
-end_um = 0.4
-dose_j_per_mm2 = 0.5
-"#;
+stroke_mm = 1.5"#;
 
-const BELT_COMPLIANT: &str = r#"
-name = "every key"
-[robot]
-urdf = "../../assets/robots/hp20/robot.urdf"
-[run]
-time_step_ms = 0.2
-duration_s = 1.6
-[process.belt]
-job = "../finishing/hub_spoke.toml"
-belt_m_per_s = 20
-tension_n = 60
-rubber_mm = 15
-mu = 0.3
-preston_per_pa = 4e-12
-cell_mm = 2
-[process.belt.control]
+const BELT_COMPLIANT: &str = r#"[process.belt.control]
 law = "compliant"
 force_n = 40
 mass_kg = 2
 stiffness_n_per_mm = 2
 damping_n_s_per_mm = 0.3
-stroke_mm = 1.5
-[process.belt.roughness]
-start_um = 3.2
-end_um = 0.4
-dose_j_per_mm2 = 0.5
-"#;
+stroke_mm = 1.5"#;
 
 const BRUSH: &str = r#"
 name = "every key"
@@ -456,9 +424,9 @@ fn verify_every_key_of_polishing_counts() {
 
 #[test]
 fn verify_every_key_of_belt_finishing_counts() {
-    check(BELT, 14);
-    check(BELT_HELD, 15);
-    check(BELT_COMPLIANT, 16);
+    check(&belt(BELT_KEYS, ""), 14);
+    check(&belt("", BELT_HELD), 15);
+    check(&belt("", BELT_COMPLIANT), 16);
 }
 
 #[test]

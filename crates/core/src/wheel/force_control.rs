@@ -100,7 +100,15 @@ impl ForceControl {
                 preload_n,
                 stroke_m,
                 ..
-            } => (preload_n / stiffness_n_per_m).clamp(-stroke_m, stroke_m),
+            } if stiffness_n_per_m > 0.0 => {
+                (preload_n / stiffness_n_per_m).clamp(-stroke_m, stroke_m)
+            }
+            // A preload alone drives it to its stop.
+            Self::Compliant {
+                preload_n,
+                stroke_m,
+                ..
+            } => stroke_m.copysign(preload_n),
         }
     }
 
@@ -297,6 +305,29 @@ mod tests {
         );
         assert_eq!(law(1e-3).step(&Offset::default(), 0.0, 0.1).offset_m, 1e-4);
         assert_eq!(ForceControl::Position.step(&s, 5.0, dt).offset_m, 0.0);
+    }
+
+    #[test]
+    fn verify_a_lifted_carrier_rests_where_it_is_left_alone() {
+        let soft = |stiffness_n_per_m, preload_n| ForceControl::Compliant {
+            mass_kg: 2.0,
+            stiffness_n_per_m,
+            damping_n_s_per_m: 50.0,
+            preload_n,
+            stroke_m: 15e-3,
+            stiction_n: 0.0,
+        };
+        for (control, expected) in [
+            (soft(5e3, 20.0), 4e-3),
+            (soft(5e3, 200.0), 15e-3),
+            (soft(0.0, -1.0), -15e-3),
+            (ForceControl::Position, 0.0),
+        ] {
+            assert_eq!(control.lifted_m(), expected);
+            let rest = control.step(&Offset::at(expected), 0.0, 1e-3);
+            assert!((rest.offset_m - expected).abs() < 1e-15, "{rest:?}");
+        }
+        assert!(soft(0.0, 0.0).lifted_m().is_finite());
     }
 
     /// A mass on a spring under dry friction loses `2 F/k` of its amplitude in every half swing and stops within `F/k` of rest.

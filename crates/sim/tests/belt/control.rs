@@ -1,7 +1,8 @@
 //! A carrier holds the force that the path alone leaves to rubber and arm.
 
-use super::shared::{belt, column, run_with, scalar};
+use super::shared::{self, belt, column, run_with, scalar};
 use truecut_recording::Recording;
+use truecut_scenario::effect::{Effect, EffectKind, Target};
 
 /// A run along the first line; keys are those of the scenario.
 fn run(overrides: &[(&str, &str)]) -> Recording {
@@ -55,6 +56,29 @@ fn verify_a_held_force_does_not_depend_on_the_arm() {
         }
         assert!(scalar(&recording, "belt.force_spread") < 4.0);
     }
+}
+
+/// A control that holds another force than it is told holds that; one whose guide rubs leaves no more than its stiction as an error.
+#[test]
+fn verify_offset_and_stiction_act_on_the_held_force() {
+    let begun = [("run.duration_s", "1.2")].into_iter().chain(HELD);
+    let begun: Vec<(String, String)> = begun
+        .map(|(key, value)| (key.to_owned(), value.to_owned()))
+        .collect();
+    let with = |kind, size| {
+        let effect = Effect {
+            kind,
+            target: Target::Whole,
+            values: vec![size],
+        };
+        on_line(&shared::run(&belt(&begun), &[effect]))
+    };
+    let higher = with(EffectKind::WheelForceOffset, 3.0);
+    let mean = higher.iter().sum::<f64>() / higher.len() as f64;
+    assert!((mean / 15.0 - 1.0).abs() < 2e-3, "{mean}");
+    let rubbing = with(EffectKind::WheelForceStiction, 2.0);
+    assert!(rubbing.iter().all(|force| (force - 12.0).abs() < 2.1));
+    assert!(rubbing.iter().any(|force| (force - 12.0).abs() > 0.5));
 }
 
 /// Lifted before the line the carrier stands at the end of its stroke, on the line within it.
