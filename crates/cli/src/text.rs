@@ -184,6 +184,21 @@ mod tests {
     }
 
     #[test]
+    fn a_hub_on_the_face_and_a_carrier_at_its_stop_are_told() {
+        let told = |pressed_in, stopped| {
+            let scalar = |name: &str, value| Scalar::new(name, Unit::One, value, "what it is");
+            belt_faults(&[
+                scalar("belt.largest_penetration", pressed_in),
+                scalar("belt.carrier_at_stop", stopped),
+            ])
+        };
+        assert_eq!(told(0.99, 0.049), "");
+        assert!(told(1.36, 0.0).contains("HUB ON THE FACE: the wheel is pressed in by 1.36 times"));
+        assert!(told(0.2, 0.31).contains("CARRIER AT ITS STOP for 31 % of the time"));
+        assert_eq!(belt_faults(&[]), "");
+    }
+
+    #[test]
     fn the_headline_names_results_and_sums_up_the_plant() {
         let scalar = |name: &str, unit, value| Scalar::new(name, unit, value, "what it is");
         let text = headline(&[

@@ -51,7 +51,7 @@ impl Guard {
 
     /// `Some` if the run has diverged.
     pub(crate) fn check(&mut self, watch: &Watch<'_>) -> Option<Outcome> {
-        (self.not_finite(watch))
+        self.not_finite(watch)
             .or_else(|| self.outside_limits(watch))
             .or_else(|| self.energy_grows(watch.time_s, watch.balance.as_ref()?))
     }

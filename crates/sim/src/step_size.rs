@@ -126,46 +126,12 @@ impl Cause {
     }
 }
 
-/// Refuses a run of more steps than anyone waits for.
-fn check_count(
-    step_s: f64,
-    asked: bool,
-    scheme: Scheme,
-    (fastest, quickest_s): (Option<Fastest>, Option<f64>),
-    duration_s: f64,
-) -> Result<(), SimError> {
+/// Refuses a run of more steps than anyone waits for; `from` is the key that the step comes from, and why it is so short.
+fn check_count(step_s: f64, duration_s: f64, (key, why): (&str, &str)) -> Result<(), SimError> {
     let count = duration_s / step_s;
     if count <= MOST_STEPS {
         return Ok(());
     }
-    let of_mode = fastest.filter(|f| step_s >= 0.99 * scheme.step_of_modes_s(*f));
-    let of_carrier = quickest_s.is_some_and(|t| step_s >= 0.99 * t / STEPS_PER_QUICKEST);
-    let (key, why) = match of_mode {
-        _ if asked => ("run.time_step_ms", "it is the step asked for".to_owned()),
-        _ if of_carrier => (
-            "process",
-            "it is a fifth of the time in which the carrier of the force control follows its contact".into(),
-        ),
-        Some(Fastest {
-            frequency_hz,
-            cause,
-            ..
-        }) => {
-            let per_period = (1.0 / (step_s * frequency_hz)).round();
-            let (key, what) = cause.place();
-            (
-                key,
-                format!(
-                    "it is 1/{per_period} of the period of the fastest mode, at {frequency_hz:.4e} Hz, \
-                     which {what} makes"
-                ),
-            )
-        }
-        None => (
-            "process",
-            "it follows from the time between two cutting edges, or is the longest".into(),
-        ),
-    };
     Err(SimError::scenario(
         key,
         format!(
@@ -173,6 +139,31 @@ fn check_count(
              {MOST_STEPS:.0e}; {why}"
         ),
     ))
+}
+
+/// What a default step is so short for: a key, and the reason.
+fn cause(
+    step_s: f64,
+    scheme: Scheme,
+    fastest: Option<Fastest>,
+    quickest_s: Option<f64>,
+) -> (&'static str, String) {
+    let is_set_by = |limit_s: f64| step_s >= 0.99 * limit_s;
+    if quickest_s.is_some_and(|t| is_set_by(t / STEPS_PER_QUICKEST)) {
+        let why = "it is a fifth of the time in which the carrier of the force control follows its contact";
+        return ("process", why.into());
+    }
+    let Some(fastest) = fastest.filter(|f| is_set_by(scheme.step_of_modes_s(*f))) else {
+        let why = "it follows from the time between two cutting edges, or is the longest";
+        return ("process", why.into());
+    };
+    let frequency_hz = fastest.frequency_hz;
+    let per_period = (1.0 / (step_s * frequency_hz)).round();
+    let (key, what) = fastest.cause.place();
+    let why = format!(
+        "it is 1/{per_period} of the period of the fastest mode, at {frequency_hz:.4e} Hz, which {what} makes"
+    );
+    (key, why)
 }
 
 /// Refuses a step in which a wheel's carrier would leave its contact before it is asked again.
@@ -208,14 +199,14 @@ pub(crate) fn choose(
 ) -> Result<f64, SimError> {
     let fastest_mode_hz = fastest.map(|fastest| fastest.frequency_hz);
     if let Some(asked) = run.time_step_s {
-        check_count(asked, true, scheme, (fastest, None), run.duration_s)?;
+        let from = ("run.time_step_ms", "it is the step asked for");
+        check_count(asked, run.duration_s, from)?;
         check_carrier(asked, process)?;
         return check(scheme, asked, fastest_mode_hz);
     }
     let longest = scheme.longest_s();
-    let carried = process
-        .quickest_s()
-        .map_or(longest, |t| t / STEPS_PER_QUICKEST);
+    let quickest_s = process.quickest_s();
+    let carried = quickest_s.map_or(longest, |t| t / STEPS_PER_QUICKEST);
     let mode = fastest.map_or(longest, |fastest| scheme.step_of_modes_s(fastest));
     let tooth = process
         .tooth_period_s()
@@ -226,8 +217,8 @@ pub(crate) fn choose(
     {
         step = step.min(1.0 / (f * STEPS_PER_FORCE_PERIOD));
     }
-    let causes = (fastest, process.quickest_s());
-    check_count(step, false, scheme, causes, run.duration_s)?;
+    let (key, why) = cause(step, scheme, fastest, quickest_s);
+    check_count(step, run.duration_s, (key, &why))?;
     if let Some(period) = process
         .tooth_period_s()
         .filter(|_| process.steps_with_teeth())

@@ -35,12 +35,10 @@ pub struct Offset {
     pub offset_m: f64,
     /// Mean rate over the last step, m/s; of a mass the velocity half a step ago.
     pub rate_m_per_s: f64,
-    /// Of a mass, the velocity another step before; none at the start, at a stop, and where nothing has a mass.
+    /// Of a mass, the velocity another step before; none at rest, and where nothing has a mass.
     pub before_m_per_s: Option<f64>,
     /// Friction of the guide on the carrier over the last step, towards the workpiece, N.
     pub friction_n: f64,
-    /// Whether a mass has been moved before.
-    pub moved: bool,
 }
 
 impl Offset {
@@ -78,12 +76,12 @@ impl ForceControl {
         }
     }
 
-    /// Stroke to either side, m; none without a carrier.
-    pub fn stroke_m(&self) -> Option<f64> {
+    /// Whether the carrier stands at an end of its stroke.
+    pub fn is_at_stop(&self, state: &Offset) -> bool {
         match *self {
-            Self::Position => None,
+            Self::Position => false,
             Self::ConstantForce { stroke_m, .. } | Self::Compliant { stroke_m, .. } => {
-                Some(stroke_m)
+                state.offset_m.abs() >= stroke_m
             }
         }
     }
@@ -120,9 +118,8 @@ impl ForceControl {
                 stiffness_n_per_m,
                 damping_n_s_per_m,
                 preload_n,
-                stroke_m,
                 ..
-            } if state.offset_m.abs() < stroke_m => {
+            } if !self.is_at_stop(state) => {
                 preload_n
                     - stiffness_n_per_m * state.offset_m
                     - damping_n_s_per_m * state.rate_now_m_per_s()
@@ -170,7 +167,8 @@ impl ForceControl {
             } => {
                 let (x, before) = (state.offset_m, state.rate_m_per_s);
                 // (u - u⁻) m/h + c (u + u⁻)/2 + k (x + (u - u⁻) dt/4) = F, h half a step from rest
-                let h = if state.moved { dt } else { 0.5 * dt };
+                let from_rest = state.before_m_per_s.is_none();
+                let h = if from_rest { 0.5 * dt } else { dt };
                 let inertia = mass_kg / h + 0.5 * c + 0.25 * k * dt;
                 let kept = mass_kg / h - 0.5 * c + 0.25 * k * dt;
                 let mut rate = (preload_n - contact_n - k * x + kept * before) / inertia;
@@ -188,9 +186,9 @@ impl ForceControl {
                 Offset {
                     offset_m,
                     rate_m_per_s: rate,
-                    before_m_per_s: state.moved.then_some(before),
+                    // Half a step before rest it moved as fast the other way.
+                    before_m_per_s: Some(if from_rest { -rate } else { before }),
                     friction_n,
-                    moved: true,
                 }
             }
         }

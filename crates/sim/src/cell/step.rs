@@ -99,7 +99,8 @@ impl Cell {
 
     /// Whether the run has diverged. `due` says that the step is recorded.
     fn watch(&mut self, time_s: f64, wrenches: &[WorldWrench], due: bool) -> Option<Outcome> {
-        if due || !self.rows_only {
+        let looked_at = due || !self.rows_only;
+        if looked_at {
             self.energy_j = self.plant.energy_j();
         }
         // An arm about one posture is stepped exactly, without energy of its own; of thousands of such runs in a search the balance
@@ -107,7 +108,7 @@ impl Cell {
         let balanced = !(self.rows_only && self.plant.is_linear());
         let balance = balanced.then(|| Balance {
             dt_s: self.plant.time_step_s(),
-            energy_j: (due || !self.rows_only).then_some(self.energy_j.0 + self.energy_j.1),
+            energy_j: looked_at.then_some(self.energy_j.0 + self.energy_j.1),
             power_w: self.power_w(wrenches),
         });
         let joints = self.plant.joints();

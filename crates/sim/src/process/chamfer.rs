@@ -68,7 +68,8 @@ impl ChamferParameters {
             0.0
         } else {
             let ahead = TAU * edge as f64 / self.schedule.edges as f64;
-            e.runout_m[0] * ahead.cos() + e.runout_m[1] * ahead.sin()
+            let (sin, cos) = ahead.sin_cos();
+            e.runout_m[0] * cos + e.runout_m[1] * sin
         };
         let recess = if edge == 0 { e.recess_m } else { 0.0 };
         depth + e.depth_offset_m - recess + (hole + runout) / self.chip.tan()

@@ -271,16 +271,16 @@ impl Process for Belt {
         loads
     }
 
-    fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
+    fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, dt_s: f64) {
         // What is removed and recorded is what acted: the contact of the loads, met with the velocity foreseen for this instant.
         let met = self.met.take(state.time_s);
         let (contact, edges) = met.unwrap_or_else(|| self.meet(state));
         if let Some(worn) = self.worn.get_mut(contact.copy) {
             worn.grind(&self.setup, &contact.strips, &edges, dt_s);
         }
-        let at_stop =
-            (self.setup.control.stroke_m()).is_some_and(|end| self.carrier.offset_m.abs() >= end);
-        self.watch.step(&contact, at_stop, dt_s);
+        let control = self.setup.control;
+        self.watch
+            .step(&contact, control.is_at_stop(&self.carrier), dt_s);
         let (uv, penetration_m) = contact.middle.unwrap_or((self.last.uv, 0.0));
         self.last = Last {
             copy: contact.copy,
@@ -291,9 +291,9 @@ impl Process for Belt {
             friction_n: contact.friction_n,
             width_m: contact.width_m,
             carrier_m: self.carrier.offset_m,
-            force_on_tool_n: self.on_tool(&contact).0,
+            force_on_tool_n: loads.wrenches[0].force_n,
         };
-        self.carrier = (self.setup.control).step(&self.carrier, contact.pushed_n(), dt_s);
+        self.carrier = control.step(&self.carrier, contact.pushed_n(), dt_s);
     }
 
     fn record(&self, row: &mut Vec<f64>) {

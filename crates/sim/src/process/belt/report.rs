@@ -5,6 +5,7 @@ use super::contact::Contact;
 use super::surface::{Worn, middles};
 use crate::process::Findings;
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use truecut_core::wheel::force_control::ForceControl;
 use truecut_recording::{Field, Profile, Scalar, Unit};
 
 /// Depth at which the colours end, over the mean that is expected.
@@ -177,7 +178,7 @@ fn pressing(setup: &BeltSetup, watch: &Watch) -> Vec<Scalar> {
             "Largest penetration of the wheel over the thickness of its rubber; from 1 on the hub would be on the face",
         ),
     ];
-    if setup.control.stroke_m().is_some() {
+    if setup.control != ForceControl::Position {
         scalars.push(scalar(
             "carrier_at_stop",
             Unit::One,

@@ -245,7 +245,8 @@ fn verify_a_pass_leaves_an_even_depth() {
             let off = Vector3::x() * (feed * dt * (f64::from(step) + 0.5) - 30e-3);
             let mut state = held(&setup, [0.5, 0.5], Vector3::y(), d, off);
             state.time_s = f64::from(step) * dt;
-            belt.commit(&state, &Loads::default(), &ContactOutcomes::default(), dt);
+            let loads = belt.evaluate(&state);
+            belt.commit(&state, &loads, &ContactOutcomes::default(), dt);
         }
         belt.finish();
         let line = WHEEL.normal_force_n(d, WHEEL.radius_m) / WHEEL.width_m;
