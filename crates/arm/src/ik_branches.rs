@@ -227,10 +227,13 @@ impl IkSolver<'_> {
     /// Numeric solutions from seeds spread over the joints' ranges.
     fn searched(&self, target: &Isometry3<f64>, frame: FrameId) -> Vec<Vec<f64>> {
         let joints = &self.robot.chain.joints;
+        // Additive recurrence with the powers of the plastic number's generalisation (Roberts).
+        let steps: Vec<f64> = (0..joints.len())
+            .map(|i| recurrence(joints.len(), i))
+            .collect();
         let seed = |k: usize| -> Vec<f64> {
-            let spread = joints.iter().enumerate().map(|(i, joint)| {
-                // Additive recurrence with the powers of the plastic number's generalisation (Roberts).
-                let share = (0.5 + (k + 1) as f64 * recurrence(joints.len(), i)).fract();
+            let spread = joints.iter().zip(&steps).map(|(joint, step)| {
+                let share = (0.5 + (k + 1) as f64 * step).fract();
                 let (low, high) = range(joint.kind, joint.limits);
                 low + share * (high - low)
             });

@@ -51,7 +51,7 @@ impl Robots {
         solve: impl FnOnce() -> Result<Option<LedPath>, SimError>,
     ) -> Result<Option<Arc<LedPath>>, SimError> {
         let is_known = |((of, from, what), _): &&(PathOf, Arc<LedPath>)| {
-            what == process && from == posture && *of == files(robot)
+            same_way(what, process) && from == posture && *of == files(robot)
         };
         let known = self.paths.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, path)) = known.iter().find(is_known) {
@@ -80,6 +80,16 @@ impl Robots {
         let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(read.entry(files).or_insert_with(|| Arc::new(robot)).clone())
+    }
+}
+
+/// Whether two processes go the same way. What a belt does to the face along its job's lines does not change them.
+fn same_way(one: &ProcessSpec, other: &ProcessSpec) -> bool {
+    match (one, other) {
+        (ProcessSpec::Belt(one), ProcessSpec::Belt(other)) => {
+            one.job == other.job && one.copies == other.copies && one.cell_m == other.cell_m
+        }
+        (one, other) => one == other,
     }
 }
 

@@ -16,6 +16,15 @@ use std::f64::consts::PI;
 use super::bed::Bed;
 use super::patch::{Layer, Patch, Shape, penetration_for};
 
+/// A step so small, as a part of the half width's square, is the last: the next would be less than its square.
+const LAST_STEP: f64 = 1e-7;
+/// Where a contact begins its overlap grows without bound over the penetration's rate; that of a half width of 1 nm will do.
+const SMALLEST_SQUARE_M2: f64 = 1e-18;
+/// Newton's iteration is done long before.
+const MOST_ROUNDS: usize = 60;
+/// `2 ln(2h/b)` from which the iteration begins, at a half width of 0.3 of the rubber's thickness.
+const TYPICAL: f64 = 3.794_239_969_771_76;
+
 /// Contact wheel and belt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeltWheel {
@@ -52,31 +61,40 @@ impl BeltWheel {
         relative_radius_m(self.radius_m, curvature_per_m)
     }
 
-    /// Approach of the hub over `b²/4R_e`, from Johnson's eq. 5.57.
-    fn depth_factor(&self, half_width_m: f64) -> f64 {
-        2.0 * (2.0 * self.rubber_m / half_width_m).ln() - self.poisson / (1.0 - self.poisson)
+    /// Approach of the hub at the square of Hertz's half width, and its slope over that, both times 4 R_e: `b² (2 ln(2h/b) - ν/(1-ν))`, from
+    /// Johnson's eq. 5.57; from a half width of h/2 it goes on straight.
+    fn approach(&self, square_m2: f64) -> [f64; 2] {
+        let h = self.rubber_m;
+        let within = square_m2.min(0.25 * h * h);
+        let factor = (4.0 * h * h / within).ln() - self.poisson / (1.0 - self.poisson);
+        let slope = factor - 1.0;
+        [within * factor + (square_m2 - within) * slope, slope]
     }
 
-    /// Penetration at which Hertz's half width is `b`, m.
-    fn approach_m(&self, half_width_m: f64, relative_radius_m: f64) -> f64 {
-        let limit = 0.5 * self.rubber_m;
-        let b = half_width_m.min(limit);
-        let quarter = 0.25 / relative_radius_m;
-        let within = quarter * b * b * self.depth_factor(b);
-        // slope dd/d(b²) = (factor - 1)/4R_e
-        let beyond = (half_width_m * half_width_m - b * b) * (self.depth_factor(limit) - 1.0);
-        within + quarter * beyond
+    /// Square of Hertz's half width at a penetration, m²: the approach over it grows ever more slowly, so that Newton's iteration comes to its root
+    /// from below, whatever the first step does.
+    fn half_width_square_m2(&self, penetration_m: f64, relative_radius_m: f64) -> f64 {
+        if penetration_m <= 0.0 {
+            return 0.0;
+        }
+        let sought = 4.0 * relative_radius_m * penetration_m;
+        let mut square = sought / (TYPICAL - self.poisson / (1.0 - self.poisson));
+        for _ in 0..MOST_ROUNDS {
+            let [found, slope] = self.approach(square);
+            let step = ((sought - found) / slope).max(-0.9 * square);
+            square += step;
+            if step.abs() <= LAST_STEP * square {
+                break;
+            }
+        }
+        square
     }
 
     /// The patch at a penetration on a surface of relative radius `R_e`.
     pub fn patch(&self, penetration_m: f64, relative_radius_m: f64) -> Patch {
         let d = penetration_m.max(0.0);
         let r = relative_radius_m;
-        // d >= b²/4R_e (factor(h/2) - 1), the factor being largest for small b
-        let longest = (4.0 * r * d / (self.depth_factor(0.5 * self.rubber_m) - 1.0)).sqrt();
-        let b = penetration_for(d, longest, |b| {
-            if b > 0.0 { self.approach_m(b, r) } else { 0.0 }
-        });
+        let square = self.half_width_square_m2(d, r);
         let bed = Bed {
             shell_m_per_pa: 0.0,
             tread_m_per_pa2: 2.0 * r / self.contact_modulus_pa.powi(2),
@@ -87,8 +105,8 @@ impl BeltWheel {
             radius_m: r,
             half_width_m: 0.5 * self.width_m,
         };
-        let slope = self.depth_factor(b.clamp(1e-9, 0.5 * self.rubber_m)) - 1.0;
-        Patch::new(bed, Layer::AlongX, shape, b * b / (2.0 * r)).with_overlap_rate(2.0 / slope)
+        let [_, slope] = self.approach(square.max(SMALLEST_SQUARE_M2));
+        Patch::new(bed, Layer::AlongX, shape, square / (2.0 * r)).with_overlap_rate(2.0 / slope)
     }
 
     /// Normal force at a penetration on a face without edges nearby, N.
@@ -119,6 +137,11 @@ pub(super) mod tests {
             tension_n: 0.0,
             damping_pa_s_per_m: 0.0,
         }
+    }
+
+    /// Penetration at a half width, m.
+    fn approach_m(w: &BeltWheel, half_width_m: f64, relative_radius_m: f64) -> f64 {
+        w.approach(half_width_m * half_width_m)[0] / (4.0 * relative_radius_m)
     }
 
     /// Spec section 4: 30 N on 25 mm, E* = 8 MPa, R = 40 mm on κ = 9 per metre: b = 2.37 mm, p0 = 0.32 MPa.
@@ -158,7 +181,7 @@ pub(super) mod tests {
                 let x = p0 * ((b * b + 2.0 * z * z) / (b * root) - 2.0 * z / b);
                 approach += (p0 * b / root - nu / (1.0 - nu) * x) / w.contact_modulus_pa * h;
             }
-            let ours = w.approach_m(b, r);
+            let ours = approach_m(&w, b, r);
             // the closed form leaves out terms of (b/h)²
             assert!(
                 (ours / approach - 1.0).abs() < (b / w.rubber_m).powi(2),
@@ -183,13 +206,28 @@ pub(super) mod tests {
         }
     }
 
+    /// Penetrations from nothing to twice as deep as the closed form reaches, small and large relative radii.
+    #[test]
+    fn verify_half_width_is_the_root_of_the_approach() {
+        let w = wheel();
+        assert_eq!(w.half_width_square_m2(0.0, 40e-3), 0.0);
+        for r in [8e-3, 40e-3, 4.0] {
+            let deepest = 2.0 * approach_m(&w, 0.5 * w.rubber_m, r);
+            for part in [1e-9, 1e-6, 1e-3, 0.03, 0.3, 0.499, 0.501, 1.0] {
+                let d = part * deepest;
+                let back = approach_m(&w, w.half_width_square_m2(d, r).sqrt(), r);
+                assert!((back / d - 1.0).abs() < 1e-12, "{r} {part}: {back} {d}");
+            }
+        }
+    }
+
     #[test]
     fn verify_approach_goes_on_smoothly_beyond_its_range() {
         let (w, r) = (wheel(), 40e-3);
         let b = 0.5 * w.rubber_m;
-        let slope = |b: f64| (w.approach_m(b + 1e-7, r) - w.approach_m(b - 1e-7, r)) / 2e-7;
+        let slope = |b: f64| (approach_m(&w, b + 1e-7, r) - approach_m(&w, b - 1e-7, r)) / 2e-7;
         assert!((slope(b - 1e-6) / slope(b + 1e-6) - 1.0).abs() < 1e-3);
-        let deep = w.patch(w.approach_m(1.2 * b, r), r);
+        let deep = w.patch(approach_m(&w, 1.2 * b, r), r);
         assert!((deep.overlap_half_length_m() / (1.2 * b) - 1.0).abs() < 1e-6);
     }
 }

@@ -38,6 +38,10 @@ impl Face {
         Self::default()
     }
 
+    pub(super) fn is_unbounded(&self) -> bool {
+        self.sides.is_empty()
+    }
+
     /// A rectangle from the origin to `(length, width)`, m.
     pub fn rectangle(length_m: f64, width_m: f64) -> Result<Self, FaceError> {
         Self::new(&[vec![

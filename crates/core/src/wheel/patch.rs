@@ -24,6 +24,7 @@ use super::face::Face;
 use super::quadrature::Quadrature;
 use nalgebra::{Isometry2, Point2, Vector2};
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 mod integrals;
 
@@ -33,6 +34,9 @@ const INNERMOST: f64 = 1e-3;
 const LAST_STEP: f64 = 1e-8;
 /// Newton's iteration is done long before; halving would be.
 const MOST_ROUNDS: usize = 60;
+
+/// Nodes across half a line patch; loads at rest are asked for by the hundred.
+static RULES: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::new(24));
 
 /// In which directions the layer is stretched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -186,6 +190,9 @@ impl Patch {
             return whole;
         }
         let round = match self.shape {
+            Shape::Line { .. } if self.bed.shell_m_per_pa == 0.0 => {
+                return self.belt_boundary_m().max(INNERMOST * whole);
+            }
             Shape::Point { .. } => 1.0,
             Shape::Line { .. } => 0.0,
         };
@@ -224,6 +231,28 @@ impl Patch {
             }
         }
         c
+    }
+
+    /// [`Self::free_boundary_m`] of a belt on Hertz's bed. With the overlap `w = s²` at the boundary, `2NΨ = (N c/R)²` is
+    /// `2/(3√c2) s³ + N/R (s² - u0) = 0`, whose left side bends upwards: Newton's iteration comes down to the root.
+    fn belt_boundary_m(&self) -> f64 {
+        let (r, n) = (self.shape.radius_m(), self.bed.tension_n_per_m);
+        let (u0, a) = (
+            self.overlap_m,
+            2.0 / (3.0 * self.bed.tread_m_per_pa2.sqrt()),
+        );
+        let b = n / r;
+        // The left side is positive where the overlap ends, and, with α = a √u0/b > 1, at the fourth root of α further down.
+        let stiff = (a * u0.sqrt() / b).max(1.0);
+        let mut s = (u0 / stiff.sqrt()).sqrt();
+        for _ in 0..MOST_ROUNDS {
+            let step = (a * s * s * s + b * (s * s - u0)) / (s * (3.0 * a * s + 2.0 * b));
+            s -= step;
+            if step <= LAST_STEP * s {
+                break;
+            }
+        }
+        (2.0 * r * (u0 - s * s)).max(0.0).sqrt()
     }
 
     /// Overlap of the undeformed wheel at a point, m; negative where they do not overlap.
@@ -290,7 +319,7 @@ impl Patch {
                     return 0.0;
                 }
                 let end = (c / b).min(1.0).asin();
-                let bed = Quadrature::new(24).integrate(0.0, end, |phi| {
+                let bed = RULES.integrate(0.0, end, |phi| {
                     self.bed.pressure_pa(self.overlap_m * phi.cos().powi(2)) * b * phi.cos()
                 });
                 4.0 * half_width_m * (bed + self.layer_pressure_pa() * c)

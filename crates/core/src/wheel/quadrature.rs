@@ -16,12 +16,23 @@ pub(super) struct Disc {
     pub area: [f64; DISC_NODES],
 }
 
+/// Nodes across a narrow patch; four of them are summed at a time.
+pub(super) const ACROSS_NODES: usize = 12;
+
+/// Nodes on `[-1, 1]` by the sine of an angle, in which pressures that fall to zero like a root at both ends are smooth.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Across {
+    pub x: [f64; ACROSS_NODES],
+    pub length: [f64; ACROSS_NODES],
+}
+
 /// Rules of one to `largest` nodes on `[-1, 1]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadrature {
     /// `rules[n - 1]` holds n pairs (node, weight).
     rules: Vec<Vec<(f64, f64)>>,
     disc: Box<Disc>,
+    across: Across,
 }
 
 impl Default for Quadrature {
@@ -39,6 +50,7 @@ impl Quadrature {
         Self {
             rules: (1..=largest.max(4)).map(legendre).collect(),
             disc: Box::new(disc(&legendre(DISC_ROWS))),
+            across: across(&legendre(ACROSS_NODES)),
         }
     }
 
@@ -46,6 +58,11 @@ impl Quadrature {
     /// at the rim are smooth.
     pub(super) fn disc(&self) -> &Disc {
         &self.disc
+    }
+
+    /// Nodes across a narrow patch.
+    pub(super) fn across(&self) -> &Across {
+        &self.across
     }
 
     /// Nodes of the largest rule.
@@ -74,6 +91,14 @@ impl Quadrature {
             .iter()
             .map(|(x, w)| w * f(middle + half * x))
             .sum::<f64>()
+    }
+}
+
+fn across(rule: &[(f64, f64)]) -> Across {
+    let angle = |k: usize| (FRAC_PI_2 * rule[k].0).sin_cos();
+    Across {
+        x: std::array::from_fn(|k| angle(k).0),
+        length: std::array::from_fn(|k| FRAC_PI_2 * rule[k].1 * angle(k).1),
     }
 }
 

@@ -87,6 +87,81 @@ fn verify_a_whole_patch_is_the_sum_over_its_rings() {
     close(found.first_moment_n_m.y, expected.first_moment_n_m.y, first);
 }
 
+/// A belt's patch is summed in two rows where its velocity hardly changes, and by the rule for any patch on a face whose borders are far.
+#[test]
+fn verify_a_narrow_patch_is_any_patch() {
+    let wheel = BeltWheel {
+        damping_pa_s_per_m: 1e5,
+        ..belt()
+    };
+    let r = wheel.relative_radius_m(9.0).unwrap();
+    let far = Face::rectangle(0.1, 0.06).unwrap();
+    for (depth_m, share) in [
+        (0.1e-3, 0.0),
+        (0.4e-3, 0.5),
+        (0.4e-3, 0.99),
+        (0.8e-3, -0.99),
+    ] {
+        let patch = wheel.patch(depth_m, r);
+        let velocity_m_per_s = Vector2::new(-4.0, 1.5);
+        let reach_m = patch.contact_m().hypot(0.5 * wheel.width_m);
+        let sliding = Sliding {
+            velocity_m_per_s,
+            spin_rad_s: share * 0.02 * velocity_m_per_s.norm() / reach_m,
+            approach_m_per_s: 0.02,
+            mu: 0.3,
+        };
+        assert!(patch.is_narrow(&Face::unbounded(), &[], &sliding).is_some());
+        let narrow = loads(&patch, &Face::unbounded(), at(0.0, 0.0, 0.0), &sliding, 12);
+        let any = loads(&patch, &far, at(0.05, 0.03, 0.4), &sliding, 48);
+        let close = |a: f64, b: f64, of: f64| assert!((a - b).abs() < 1e-6 * of, "{a} {b}");
+        close(narrow.normal_n, any.normal_n, any.normal_n);
+        close(narrow.sliding_w, any.sliding_w, any.sliding_w);
+        let friction = any.friction_n.norm();
+        close(narrow.friction_n.x, any.friction_n.x, friction);
+        close(narrow.friction_n.y, any.friction_n.y, friction);
+        close(
+            narrow.spin_moment_n_m,
+            any.spin_moment_n_m,
+            friction * reach_m,
+        );
+        let first = any.normal_n * reach_m;
+        close(narrow.first_moment_n_m.x, any.first_moment_n_m.x, first);
+        close(narrow.first_moment_n_m.y, any.first_moment_n_m.y, first);
+    }
+}
+
+/// Where a belt leaves the face: what the bed holds beyond pulls the belt down as steeply as the wheel's surface falls there.
+#[test]
+fn verify_a_belt_leaves_without_a_kink() {
+    let r = belt().relative_radius_m(0.0).unwrap();
+    for tension_n in [0.1, 10.0, 100.0, 1000.0] {
+        for depth_m in [1e-6, 0.1e-3, 0.4e-3, 2e-3] {
+            let patch = BeltWheel {
+                tension_n,
+                ..belt()
+            }
+            .patch(depth_m, r);
+            let c = patch.contact_m();
+            let left = patch.overlap_at_m(c, 0.0);
+            assert!(left > 0.0 && c > 0.0, "{tension_n} {depth_m}");
+            // N w'^2 = 2 Psi, the bed's energy per area to the overlap, by Simpson's rule over its root
+            let rows = 200;
+            let at_root = |k: usize| {
+                let root = left.sqrt() * k as f64 / rows as f64;
+                2.0 * root * patch.bed.pressure_pa(root * root)
+            };
+            let energy: f64 = (0..rows / 2)
+                .map(|k| at_root(2 * k) + 4.0 * at_root(2 * k + 1) + at_root(2 * k + 2))
+                .sum::<f64>()
+                * left.sqrt()
+                / (3.0 * rows as f64);
+            let pull = patch.bed.tension_n_per_m * (c / patch.shape.radius_m()).powi(2);
+            assert!((2.0 * energy / pull - 1.0).abs() < 1e-9, "{energy} {pull}");
+        }
+    }
+}
+
 #[test]
 fn verify_mirrored_edges_give_mirrored_loads() {
     let face = Face::rectangle(0.1, 0.06).unwrap();

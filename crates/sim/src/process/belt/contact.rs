@@ -17,9 +17,13 @@ use truecut_core::wheel::quadrature::Quadrature;
 
 /// Strips of a wheel.
 pub(super) const STRIPS: usize = 9;
+const MIDDLE: usize = STRIPS / 2;
 /// Largest relative radius of wheel and section, wheel radii: where a section is as hollow as the wheel is round, or more, the
 /// patch would have no end. The planner refuses lines there.
 const LARGEST_RELATIVE_RADIUS: f64 = 100.0;
+
+/// What a strip may overhang by as if it did not, of its size.
+const FLUSH: f64 = 1e-9;
 
 /// A strip that touches, in the patch's frame. Its own frame: x across the wheel's axis, y along it, z the normal of the face.
 #[derive(Debug, Clone, Copy)]
@@ -73,11 +77,11 @@ pub(super) struct Contact {
 }
 
 impl Contact {
+    /// `seed` is a copy and the parameters under the wheel's middle a little before; without it the face's samples are searched.
     /// `edges` is given the reactions along borders of the face, with the strip that they belong to.
     pub fn of(
         setup: &BeltSetup,
-        face: &FaceGeometry,
-        quadrature: &Quadrature,
+        (face, quadrature, seed): (&FaceGeometry, &Quadrature, Option<(usize, [f64; 2])>),
         state: &ToolState,
         carrier: &Offset,
         mut edges: impl FnMut(&Strip, &EdgePoint),
@@ -92,30 +96,25 @@ impl Contact {
         let [runout_m, runout_m_per_s] = setup.runout(state.time_s);
         let radius_m = wheel.radius_m + runout_m;
         let reach_m = radius_m.hypot(0.5 * wheel.width_m);
-        let Some(near) = face.near(&centre, reach_m) else {
+        let seed = seed.filter(|seed| seed.0 == copy).map(|seed| seed.1);
+        let Some(near) = seed.or_else(|| face.near(&centre, reach_m)) else {
             return contact;
         };
-        let middle = face.section(&centre, &axis, near);
-        contact.middle = middle.map(|found| (found.uv, radius_m - found.distance_m));
-        let mut seed = middle.map_or(near, |found| found.uv);
-        for index in 0..STRIPS {
-            let along_m = wheel.width_m * ((index as f64 + 0.5) / STRIPS as f64 - 0.5);
-            let place = centre + axis * along_m;
-            let found = (face.section(&place, &axis, seed))
-                .or_else(|| face.section(&place, &axis, face.near(&place, reach_m)?));
-            let Some(section) = found else { continue };
-            seed = section.uv;
-            let press = Press {
-                setup,
-                face,
-                quadrature,
-                motion: &motion,
-                axis,
-                radius_m,
-                runout_m_per_s,
-            };
-            if let Some(strip) = press.strip(index, &section, &mut edges) {
-                contact.add(&strip, &motion, &tool_x, &axis, setup.wheel.width_m);
+        let sections = sections(face, &centre, &axis, wheel.width_m, near, reach_m);
+        contact.middle = sections[MIDDLE].map(|found| (found.uv, radius_m - found.distance_m));
+        let press = Press {
+            setup,
+            face,
+            quadrature,
+            motion: &motion,
+            axis,
+            radius_m,
+            runout_m_per_s,
+        };
+        for (index, section) in sections.iter().enumerate() {
+            let Some(section) = section else { continue };
+            if let Some(strip) = press.strip(index, section, &mut edges) {
+                contact.add(&strip, &motion, &tool_x, &axis, wheel.width_m);
             }
         }
         contact
@@ -130,7 +129,7 @@ impl Contact {
         Self {
             copy,
             forward,
-            strips: Vec::new(),
+            strips: Vec::with_capacity(STRIPS),
             middle: None,
             normal_n: 0.0,
             edge_n: 0.0,
@@ -166,6 +165,40 @@ impl Contact {
         self.width_m += width_m / STRIPS as f64;
         self.strips.push(*strip);
     }
+}
+
+/// Where the strips' sections are nearest to the face, from the middle outwards, each sought where the ones before point to; failing that
+/// anew among the face's samples.
+fn sections(
+    face: &FaceGeometry,
+    centre: &Point3<f64>,
+    axis: &Vector3<f64>,
+    width_m: f64,
+    near: [f64; 2],
+    reach_m: f64,
+) -> [Option<Section>; STRIPS] {
+    let strip_m = width_m / STRIPS as f64;
+    let mut found = [None::<Section>; STRIPS];
+    found[MIDDLE] = face.section(centre, axis, near);
+    for side in [1, -1] {
+        let (mut seed, mut before) = (near, None);
+        if let Some(section) = &found[MIDDLE] {
+            seed = section.moved_uv(&(axis * (f64::from(side) * strip_m)));
+            before = Some(section.uv);
+        }
+        for off in 1..=MIDDLE as i32 {
+            let place = centre + axis * (f64::from(side * off) * strip_m);
+            let section = (face.section(&place, axis, seed))
+                .or_else(|| face.section(&place, axis, face.near(&place, reach_m)?));
+            if let Some(section) = &section {
+                let uv = section.uv;
+                seed = before.map_or(uv, |before| [0, 1].map(|i| 2.0 * uv[i] - before[i]));
+                before = Some(uv);
+            }
+            found[(MIDDLE as i32 + side * off) as usize] = section;
+        }
+    }
+    found
 }
 
 /// What a strip's loads are made from.
@@ -257,21 +290,29 @@ impl Press<'_> {
     /// `None` if the strip is beyond one.
     fn borders(&self, strip: &Strip) -> Option<Face> {
         let domain = self.face.domain();
-        let reach_m = strip.patch.window_m().norm();
+        let window_m = strip.patch.window_m();
         let [ru, rv] = strip.first_m;
         let area = ru.cross(&rv).norm();
         let ([u, v], [to_u, to_v]) = (strip.uv, [area / rv.norm(), area / ru.norm()]);
-        let inside_m = [
-            (u - domain.u[0]) * to_u,
-            (domain.u[1] - u) * to_u,
-            (v - domain.v[0]) * to_v,
-            (domain.v[1] - v) * to_v,
+        // How far the window reaches towards borders along `border`.
+        let reach_m = |border: &Vector3<f64>| {
+            let square = strip.normal.cross(border) / border.norm();
+            window_m.x * square.dot(&strip.x).abs() + window_m.y * square.dot(&strip.y).abs()
+        };
+        let (reach_u_m, reach_v_m) = (reach_m(&rv), reach_m(&ru));
+        let clear_m = [
+            (u - domain.u[0]) * to_u - reach_u_m,
+            (domain.u[1] - u) * to_u - reach_u_m,
+            (v - domain.v[0]) * to_v - reach_v_m,
+            (domain.v[1] - v) * to_v - reach_v_m,
         ];
-        let least_m = inside_m.into_iter().fold(f64::INFINITY, f64::min);
-        if least_m >= reach_m {
+        // A wheel that is led flush with a border is within it, whatever rounding says.
+        let flush_m = FLUSH * window_m.norm();
+        if clear_m.into_iter().all(|clear_m| clear_m >= -flush_m) {
             return Some(Face::unbounded());
         }
-        if least_m <= -reach_m {
+        let beyond_m = [-2.0 * reach_u_m, -2.0 * reach_v_m];
+        if (0..4).any(|side| clear_m[side] <= beyond_m[side / 2]) {
             return None;
         }
         let corner = |u_end: f64, v_end: f64| {

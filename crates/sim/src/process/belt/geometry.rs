@@ -43,6 +43,20 @@ pub(super) struct Section {
     pub curvature_per_m: f64,
 }
 
+impl Section {
+    /// Parameters of the place where a short way from here leads, to first order.
+    pub fn moved_uv(&self, way_m: &Vector3<f64>) -> [f64; 2] {
+        let [ru, rv] = self.first_m;
+        let across = ru.cross(&rv);
+        let square = across.norm_squared();
+        let [u, v] = self.uv;
+        [
+            u + way_m.cross(&rv).dot(&across) / square,
+            v + ru.cross(way_m).dot(&across) / square,
+        ]
+    }
+}
+
 impl FaceGeometry {
     pub fn new(patch: Arc<PatchFile>) -> Self {
         let domain = patch.surface.domain();
@@ -114,15 +128,17 @@ impl FaceGeometry {
         let spans = [self.domain.u, self.domain.v].map(|range| range[1] - range[0]);
         let mut uv = seed;
         for _ in 0..MOST_STEPS {
-            let step = newton_step(&self.jet(uv), centre_m, axis)?;
+            let jet = self.jet(uv);
+            let step = newton_step(&jet, centre_m, axis)?;
+            // Converged: what the step would still change is less than rounding leaves.
+            if (0..2).all(|i| step[i].abs() <= SMALL_STEP * spans[i]) {
+                return Self::resolved(uv, &jet, centre_m, axis);
+            }
             for i in 0..2 {
                 uv[i] += step[i].clamp(-0.25 * spans[i], 0.25 * spans[i]);
                 // Further out there is nothing of the face that a wheel could reach.
                 let range = [self.domain.u, self.domain.v][i];
                 uv[i] = uv[i].clamp(range[0] - 0.5 * spans[i], range[1] + 0.5 * spans[i]);
-            }
-            if (0..2).all(|i| step[i].abs() <= SMALL_STEP * spans[i]) {
-                return Self::resolved(uv, &self.jet(uv), centre_m, axis);
             }
         }
         None

@@ -29,7 +29,7 @@ use geometry::FaceGeometry;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
 use std::f64::consts::TAU;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use surface::Worn;
 use truecut_core::roughness::Polishing;
 use truecut_core::wheel::belt::BeltWheel;
@@ -39,8 +39,8 @@ use truecut_core::wheel::quadrature::Quadrature;
 use truecut_plan::surface::PatchFile;
 use truecut_recording::{ChannelSpec, Field, Unit};
 
-/// Nodes across and along a strip.
-const NODES: usize = 8;
+/// Eight nodes across and along a strip; a search makes thousands of belts.
+static RULES: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::new(8));
 
 /// A copy of the face.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,13 +131,14 @@ impl BeltSetup {
 pub struct Belt {
     setup: BeltSetup,
     face: FaceGeometry,
-    quadrature: Quadrature,
     /// Offset of the carrier towards the face.
     carrier: Offset,
     /// One a copy; none where only rows are asked for.
     worn: Vec<Worn>,
     watch: Watch,
     last: Last,
+    /// Where the last step's contact is looked for in the next, if the wheel touched.
+    seed: Option<(usize, [f64; 2])>,
     /// What the loads of this step were computed from.
     met: Met<(Contact, Edges)>,
 }
@@ -164,12 +165,12 @@ impl Belt {
     pub fn new(setup: BeltSetup) -> Self {
         Self {
             face: FaceGeometry::new(setup.patch.clone()),
-            quadrature: Quadrature::new(NODES),
             // It comes from the air.
             carrier: Offset::at(setup.control.lifted_m()),
             worn: setup.copies.iter().map(|_| Worn::new(&setup)).collect(),
             watch: Watch::default(),
             last: Last::default(),
+            seed: None,
             met: Met::default(),
             setup,
         }
@@ -179,7 +180,8 @@ impl Belt {
         let mut edges = Edges::new();
         let add = |strip: &Strip, point: &EdgePoint| edges.push((*strip, *point));
         let (setup, carrier) = (&self.setup, &self.carrier);
-        let contact = Contact::of(setup, &self.face, &self.quadrature, state, carrier, add);
+        let near = (&self.face, &*RULES, self.seed);
+        let contact = Contact::of(setup, near, state, carrier, add);
         (contact, edges)
     }
 
@@ -282,6 +284,9 @@ impl Process for Belt {
         self.watch
             .step(&contact, control.is_at_stop(&self.carrier), dt_s);
         let (uv, penetration_m) = contact.middle.unwrap_or((self.last.uv, 0.0));
+        // Between steps a contact moves by less than any bump is wide; in the air the nearest place may be another one.
+        let touched = contact.middle.is_some() && !contact.strips.is_empty();
+        self.seed = touched.then_some((contact.copy, uv));
         self.last = Last {
             copy: contact.copy,
             uv,
