@@ -297,6 +297,7 @@ impl BeltSpec {
             return;
         }
         robot.posture_rad.clone_from(&arm.posture_rad);
+        robot.posture_m.clone_from(&arm.posture_m);
     }
 }
 

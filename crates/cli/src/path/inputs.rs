@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use truecut_arm::Robot;
+use truecut_arm::{JointKind, Robot};
 use truecut_plan::surface::{Mesh, MeshUse, PatchFile, SurfaceError};
 use truecut_plan::surface_path::{SurfacePathError, TaughtPoints};
 use truecut_scenario::PathJob;
@@ -71,6 +71,29 @@ fn robot(job: &PathJob) -> Result<Robot, Failure> {
         Some(_) => Failure::arm(&error),
         None => job.problem("robot.urdf", error.to_string()).into(),
     })?;
+    check_joints(job, &robot)?;
+    Ok(robot)
+}
+
+/// A robot program turns rotary joints alone, and there is a place for each in the posture that the arm comes from.
+fn check_joints(job: &PathJob, robot: &Robot) -> Result<(), Failure> {
+    let arm = &job.robot;
+    let slide = (robot.chain.joints.iter()).find(|joint| joint.kind == JointKind::Prismatic);
+    if let Some(slide) = slide {
+        let message = format!(
+            "`robot.urdf` is an arm with a slide, joint `{}`, but robot programs are written for arms of rotary joints alone; \
+             `process.belt` takes slides, too",
+            slide.name
+        );
+        return Err(job.problem("robot.urdf", message).into());
+    }
+    if !arm.posture_m.is_empty() {
+        let message = format!(
+            "`robot.posture_mm` has {} values, but the arm has no slides",
+            arm.posture_m.len()
+        );
+        return Err(job.problem("robot.posture_mm", message).into());
+    }
     if arm.posture_rad.len() != robot.dof() {
         let message = format!(
             "`robot.posture_deg` has {} values, but the arm has {} joints",
@@ -82,5 +105,5 @@ fn robot(job: &PathJob) -> Result<Robot, Failure> {
     robot
         .check_posture(&arm.posture_rad)
         .map_err(|error| job.problem("robot.posture_deg", error.message()))?;
-    Ok(robot)
+    Ok(())
 }

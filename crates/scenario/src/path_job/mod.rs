@@ -25,7 +25,7 @@ use crate::document::{Document, Fault};
 use crate::error::{ScenarioError, read_text};
 use crate::format::Format;
 use crate::scenario::{folder_of, located, one_problem};
-use crate::units::from_deg;
+use crate::units::{from_deg, from_mm};
 use crate::{schema, structure};
 
 /// A path job in SI.
@@ -61,6 +61,8 @@ pub struct ArmSpec {
     pub tip: Option<String>,
     /// Posture that the arm comes from, rotary joints, rad.
     pub posture_rad: Vec<f64>,
+    /// Its prismatic joints, m.
+    pub posture_m: Vec<f64>,
 }
 
 /// A truecut path job: a face, a contact wheel, and the robot program that leads one over the other.
@@ -96,8 +98,11 @@ struct ArmTable {
     config: Option<String>,
     /// Link whose frame is the flange. Default: the end of the chain.
     tip: Option<String>,
-    /// Joints of the posture that the arm comes from, in chain order: of equally short ways the one from here is taken.
-    posture_deg: Vec<f64>,
+    /// Rotary joints of the posture that the arm comes from, in chain order: of equally short ways the one from here is taken.
+    /// Default: none; one of `posture_deg` and `posture_mm` must be there.
+    posture_deg: Option<Vec<f64>>,
+    /// Prismatic joints of that posture, in chain order. Only for `process.belt`: robot programs are written for rotary arms.
+    posture_mm: Option<Vec<f64>>,
 }
 
 impl PathJob {
@@ -170,13 +175,14 @@ impl FileTable {
         });
         let program = self.program.resolve(turntable, &mut check);
         let surface = self.surface.resolve(&folder, &mut check);
+        let robot = self.robot.resolve(&folder, &mut check);
         let taught = self.taught.unwrap_or_default().into_iter();
         let taught = taught.map(|table| table.resolve(&folder)).collect();
         let faults = check.into_faults();
         match (located(&document, faults), path, program) {
             (None, Some(path), Some(program)) => Ok(PathJob {
                 name: self.name,
-                robot: self.robot.resolve(&folder),
+                robot,
                 surface,
                 wheel,
                 path,
@@ -197,12 +203,21 @@ impl FileTable {
 }
 
 impl ArmTable {
-    fn resolve(self, folder: &Path) -> ArmSpec {
+    fn resolve(self, folder: &Path, check: &mut Check) -> ArmSpec {
+        if self.posture_deg.is_none() && self.posture_mm.is_none() {
+            let message = "missing key `posture_deg` in [robot]".to_owned();
+            let fault = Fault::key("robot", message, "`posture_deg` is missing here");
+            let what = "the posture that the arm comes from; `posture_mm` if it has slides";
+            check.refuse(fault.with_help(format!("`posture_deg`: {what}")));
+        }
+        let radians = self.posture_deg.unwrap_or_default().into_iter();
+        let metres = self.posture_mm.unwrap_or_default().into_iter();
         ArmSpec {
             urdf: folder.join(self.urdf),
             config: self.config.map(|name| folder.join(name)),
             tip: self.tip,
-            posture_rad: self.posture_deg.into_iter().map(from_deg).collect(),
+            posture_rad: radians.map(from_deg).collect(),
+            posture_m: metres.map(from_mm).collect(),
         }
     }
 }
