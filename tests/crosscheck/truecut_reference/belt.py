@@ -20,13 +20,13 @@ from .plant import Plant
 from .wheel import Command
 
 SLICES, POINTS = 24, 48
-# of the radius; there the half width is all but half of the rubber, as far as the layer's law goes
-DEEPEST = 0.018
+# of the rubber: the half width up to which depths are tabled; at half of it the layer's law ends
+WIDEST = 0.499
 
 
 @dataclass(frozen=True)
 class Tool:
-    """Wheel, belt and plane, SI; the plane's normal is the world's z axis."""
+    """Wheel, belt and plane, SI."""
 
     radius: float
     width: float
@@ -35,14 +35,17 @@ class Tool:
     damping: float
     speed: float
     mu: float
+    # outward normal of the plane (world), and its height along that
+    normal: np.ndarray
     height: float
     # held force, its damping, fastest speed, stroke; none where the path alone presses
     control: tuple[float, float, float, float] | None
+    deepest: float
     table: scipy.interpolate.CubicSpline
 
     @staticmethod
-    def of(t: dict, job: dict) -> Tool:
-        """From `[process.belt]` and its path job on a plane."""
+    def of(t: dict, job: dict, outside: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Tool:
+        """From `[process.belt]` and its path job on a plane with this normal (world)."""
         wheel = job["wheel"]
         radius, modulus = wheel["radius_mm"] * 1e-3, wheel["modulus_mpa"] * 1e6
         width = wheel["width_mm"] * 1e-3
@@ -72,7 +75,9 @@ class Tool:
             return u0, 2.0 / (factor(b) - 1.0), scipy.optimize.brentq(kink, 1e-9, b, xtol=1e-15)
 
         # over the root of the depth, in which all three are smooth down to nothing
-        roots = np.linspace(1e-3, math.sqrt(DEEPEST), 800)
+        b = WIDEST * rubber
+        deepest = b * b / (4.0 * radius) * factor(b)
+        roots = np.linspace(1e-3, math.sqrt(deepest / radius), 800)
         rows = np.array([row(root * root * radius) for root in roots])
         return Tool(
             radius=radius,
@@ -82,26 +87,36 @@ class Tool:
             damping=t["damping_pa_s_per_m"],
             speed=t["belt_m_per_s"],
             mu=t["mu"],
-            height=job["surface"]["xyz_mm"][2] * 1e-3,
+            normal=np.array(outside),
+            height=float(np.dot(job["surface"]["xyz_mm"], outside)) * 1e-3,
             control=control,
+            deepest=deepest,
             table=scipy.interpolate.CubicSpline(roots, rows),
         )
 
-    def loads(self, centre: np.ndarray, axes: np.ndarray, velocity: np.ndarray, turning: np.ndarray) -> np.ndarray:
-        """Force and moment on the wheel about its centre, world axes; then the sum of normal forces."""
-        axis, normal = axes[:, 1], np.array([0.0, 0.0, 1.0])
+    def loads(
+        self,
+        centre: np.ndarray,
+        axes: np.ndarray,
+        velocity: np.ndarray,
+        turning: np.ndarray,
+        runout: tuple[float, float] = (0.0, 0.0),
+    ) -> np.ndarray:
+        """Force and moment on the wheel about its centre, world axes; then the sum of normal forces, friction on the plane along the tool's
+        x axis, and the power of sliding over mu. `runout`: how much further the wheel reaches, and the rate of that."""
+        axis, normal = axes[:, 1], self.normal
         lean = math.sqrt(1.0 - float(axis @ normal) ** 2)
         to_axis = (normal - float(axis @ normal) * axis) / lean
         run = np.cross(axis, normal) / lean
         along = self.width * ((np.arange(SLICES) + 0.5) / SLICES - 0.5)
         middle = centre + along[:, None] * axis
-        distance = (middle[:, 2] - self.height) / lean
-        depth = self.radius - distance
+        distance = (middle @ normal - self.height) / lean
+        depth = self.radius + runout[0] - distance
         touches = depth > 1e-6 * self.radius
         if not touches.any():
-            return np.zeros(7)
+            return np.zeros(9)
         middle, distance, depth = middle[touches], distance[touches], depth[touches]
-        assert depth.max() < DEEPEST * self.radius
+        assert depth.max() < self.deepest
         u0, rate, c = self.table(np.sqrt(depth / self.radius)).T
         # by the sine of an angle, in which pressures that fall to zero like a root are smooth
         angle = math.pi * ((np.arange(POINTS) + 0.5) / POINTS - 0.5)
@@ -111,15 +126,18 @@ class Tool:
         slide = velocity + np.cross(turning, arm) - self.speed * run
         slide -= (slide @ normal)[..., None] * normal
         reach = velocity + np.cross(turning, foot - centre)
-        approach = -(reach @ normal) / lean
+        approach = runout[1] - (reach @ normal) / lean
         inwards = rate[:, None] * approach[:, None] - (slide @ run) * x / self.radius
         u = np.maximum(u0[:, None] - x * x / (2.0 * self.radius), 0.0)
         rubber = self.modulus * np.sqrt(u / (2.0 * self.radius))
         pressure = rubber + self.tension / self.radius + self.damping * inwards
         pressed = np.maximum(pressure, 0.0) * dx * self.width / SLICES / lean
-        force = pressed[..., None] * (normal - self.mu * slide / np.linalg.norm(slide, axis=2)[..., None])
+        speed = np.linalg.norm(slide, axis=2)
+        friction = self.mu * (pressed / speed)[..., None] * slide
+        force = pressed[..., None] * normal - friction
         moment = np.cross(arm, force).sum(axis=(0, 1))
-        return np.array([*force.sum(axis=(0, 1)), *moment, pressed.sum()])
+        told = pressed.sum(), friction.sum(axis=(0, 1)) @ axes[:, 0], (pressed * speed).sum()
+        return np.array([*force.sum(axis=(0, 1)), *moment, *told])
 
 
 class BeltRun(LedRun):
@@ -131,20 +149,28 @@ class BeltRun(LedRun):
         self.out, self.rate, self.pushed = 0.0, 0.0, 0.0
 
     def wrench(self, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Told: the sum of normal forces."""
+        """Told: the sum of normal forces, friction along the tool's x axis, power of sliding over mu."""
         place, axes, velocity, turning = self.tool_at(q, v)
         out = self.out * axes[:, 2]
         velocity = velocity + np.cross(turning, out) + self.rate * axes[:, 2]
-        found = self.tool.loads(place + out, axes, velocity, turning)
+        found = self.tool.loads(place + out, axes, velocity, turning, self.runout(t))
         self.pushed = -float(found[:3] @ axes[:, 2])
         return found[:3], found[3:6] + np.cross(out, found[:3]), found[6:]
+
+    def runout(self, _t: float) -> tuple[float, float]:
+        """How much further than its radius the wheel reaches, and the rate of that."""
+        return 0.0, 0.0
+
+    def missing(self, force: float) -> float:
+        """What a carrier without mass makes up for."""
+        return force - self.pushed
 
     def advance(self, h: float) -> None:
         """Moves the carrier by what is missing of its force."""
         if self.tool.control is None:
             return
         force, damping, fastest, stroke = self.tool.control
-        self.rate = min(max((force - self.pushed) / damping, -fastest), fastest)
+        self.rate = min(max(self.missing(force) / damping, -fastest), fastest)
         moved = self.out + h * self.rate
         self.out = min(max(moved, -stroke), stroke)
         if self.out != moved:

@@ -13,13 +13,25 @@ import numpy as np
 
 from .effects import Effect
 from .experiment import ALL
-from .library import ANGLE, INSEPARABLE, PAIRS, POLISHING, POLISHING_PAIR, SINGLES, STRANGERS, TORQUE, single
+from .library import (
+    ANGLE,
+    BELT,
+    BELT_PAIR,
+    INSEPARABLE,
+    PAIRS,
+    POLISHING,
+    POLISHING_PAIR,
+    SINGLES,
+    STRANGERS,
+    TORQUE,
+    single,
+)
 from .noise import COLOURS
 
 SEEDS = {"report": 30_000, "tune": 20_000}
 LEVELS = {"strong": 10.0, "middle": 2.0, "weak": 0.5}
 CLEAN_SETS = 300
-POLISHING_CLEAN_SETS = 12
+LED_CLEAN_SETS = 12
 CLEAN_EXPERIMENTS = ("axis", "two_joint", "chamfer", "teeth", "wheel")
 NOMINAL_VARIANTS = 4
 
@@ -74,7 +86,7 @@ class _Draw:
 def all_cases(seeds: str) -> list[Case]:
     """Every case of the bench."""
     draw = _Draw(seeds)
-    makers = (_clean, _singles, _pairs, _strangers, _inseparable, _excitation, _late, _damaged, _units, _polishing)
+    makers = (_clean, _singles, _pairs, _strangers, _inseparable, _excitation, _late, _damaged, _units, _polishing, _belt)
     return [case for maker in makers for case in maker(draw)]
 
 
@@ -187,19 +199,30 @@ def _units(draw: _Draw) -> list[Case]:
 
 
 def _polishing(draw: _Draw) -> list[Case]:
+    return _led(draw, "polishing", POLISHING, POLISHING_PAIR, 70)
+
+
+def _belt(draw: _Draw) -> list[Case]:
+    return _led(draw, "belt", BELT, BELT_PAIR, 80)
+
+
+def _led(draw: _Draw, name: str, templates: tuple, pair: tuple, key: int) -> list[Case]:
+    """A process whose tool is led over a face: single effects, a pair of them, and clean sets."""
     found = []
-    for n, template in enumerate(POLISHING):
+    for n, template in enumerate(templates):
         for s, (around, levels) in enumerate(((0.6, ("middle", "weak")), (1.2, ("strong", "middle", "middle")))):
-            size = draw.size(around, 70, n, s)
+            size = draw.size(around, key, n, s)
             for level in levels:
                 more = {"level": LEVELS[level], "size": size}
                 truth = (template.at(size),)
-                found.append(draw.case(f"polishing {level}", template.experiment, truth, "named", n + s, **more))
-    size = draw.size(1.0, 71, 0)
-    truth = tuple(template.at(size) for template in POLISHING_PAIR)
-    found += [draw.case("pair", "polish", truth, "pair", 0, level=level, size=size) for level in (10.0, 10.0, 5.0)]
-    for i in range(POLISHING_CLEAN_SETS):
-        experiment = ("polish", "polish_force")[i % 2]
+                found.append(draw.case(f"{name} {level}", template.experiment, truth, "named", n + s, **more))
+    size = draw.size(1.0, key + 1, 0)
+    truth = tuple(template.at(size) for template in pair)
+    one = pair[0].experiment
+    found += [draw.case("pair", one, truth, "pair", 0, level=level, size=size) for level in (10.0, 10.0, 5.0)]
+    experiments = sorted({template.experiment for template in templates})
+    for i in range(LED_CLEAN_SETS):
+        experiment = experiments[i % len(experiments)]
         found.append(draw.case("clean", experiment, (), "nothing", i // 2, noise=(0.5, 1.0, 2.0)[(i // 2) % 3]))
     return found
 

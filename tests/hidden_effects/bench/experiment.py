@@ -14,7 +14,7 @@ import numpy as np
 from truecut_reference import scenario as scenario_file
 from truecut_reference.scenario import Replay
 
-from . import ROOT, machining, motion, polishing, sensors
+from . import ROOT, belting, machining, motion, polishing, sensors
 from .arm import Arm
 from .effects import Effect
 
@@ -137,9 +137,10 @@ class Experiment:
             for (key, relative), shift in zip(self.uncertain.items(), shifts)
         }
         physical = [e for e in effects if not sensors.is_sensor(e)]
-        if "polish" in self.table["process"]:
-            times, channels = polishing.run(self.path, overrides, physical, self.step_s)
-            return self._measured(times, channels, effects)
+        for name, led in (("polish", polishing), ("belt", belting)):
+            if name in self.table["process"]:
+                times, channels = led.run(self.path, overrides, physical, self.step_s)
+                return self._measured(times, channels, effects)
         scenario = scenario_file.load(self.path, overrides)
         if isinstance(scenario.process, Replay):
             command = self.command()
@@ -168,9 +169,10 @@ def _sources(name: str) -> str:
     """Hash of everything that a run depends on besides its arguments."""
     robots = sorted((ROOT / "assets" / "robots").glob("*/robot.*"))
     reference = sorted((ROOT / "tests" / "crosscheck" / "truecut_reference").glob("*.py"))
-    mine = [HERE / f"{m}.py" for m in ("arm", "joint_law", "machining", "motion", "polishing", "sensors")]
+    mine = [HERE / f"{m}.py" for m in ("arm", "belting", "joint_law", "machining", "motion", "polishing", "sensors")]
     found = hashlib.sha256()
-    for path in [*robots, *reference, *mine, SCENARIOS / f"{name}.toml"]:
+    # a belt's path job and face stand beside its scenarios
+    for path in [*robots, *reference, *mine, SCENARIOS / f"{name}.toml", *sorted(SCENARIOS.glob("belt_*.toml"))]:
         found.update(path.read_bytes())
     return found.hexdigest()
 
@@ -185,4 +187,8 @@ TEETH_THREE = Experiment("teeth_three", 500.0, 3.1, 0.2e-3, 100.0, (0.02, 0.02, 
 WHEEL = Experiment("wheel", 250.0, 4.4, 0.25e-3, 30.0, (0.1, 5e-7))
 POLISH = Experiment("polish", 250.0, 2.4, 1e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 1e-6))
 POLISH_FORCE = Experiment("polish_force", 250.0, 2.4, 1e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 1e-6))
-ALL = {e.name: e for e in (AXIS, SINGLE_TONE, SMALL, TWO_JOINT, CHAMFER, TEETH, TEETH_THREE, WHEEL, POLISH, POLISH_FORCE)}
+BELT = Experiment("belt", 250.0, 2.4, 0.5e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 1e-6))
+BELT_FORCE = Experiment("belt_force", 250.0, 2.4, 0.5e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 1e-6))
+# new ones at the end: what is drawn for a case depends on the order
+_MACHINING = (CHAMFER, TEETH, TEETH_THREE, WHEEL, POLISH, POLISH_FORCE, BELT, BELT_FORCE)
+ALL = {e.name: e for e in (AXIS, SINGLE_TONE, SMALL, TWO_JOINT, *_MACHINING)}

@@ -105,6 +105,17 @@ POLISHING = (
 # friction and removal are also what a sensor's gain would be
 POLISHING_PAIR = (POLISHING[0], POLISHING[1])
 
+# Friction of a belt, too, is what a gain of the friction's own sensor would be. The eccentricity is seen once a turn of the contact wheel.
+BELT = (
+    Template("belt", "wheel_stiffness", None, {"factor": 1.15}),
+    Template("belt", "wheel_eccentricity", None, {"cosine_m": 1e-5, "sine_m": 6e-6}),
+    Template("belt", "wheel_friction", None, {"factor": 1.2}),
+    Template("belt", "wheel_removal", None, {"factor": 1.15}),
+    Template("belt_force", "wheel_force_offset", None, {"force_n": 0.8}),
+    Template("belt_force", "wheel_force_stiction", None, {"force_n": 0.5}),
+)
+BELT_PAIR = (BELT[0], BELT[1])
+
 
 def single(kind: str, experiment: str = "axis") -> Template:
     """The first template of a kind on an experiment."""

@@ -11,6 +11,9 @@ import scipy.stats
 from .cases import LEVELS, Case
 from .score import Score
 
+# Families of single effects; each has its levels.
+SINGLE_FAMILIES = ("single", "polishing", "belt")
+
 Judged = list[tuple[str, Case, Score, float]]
 """Name of the set, what it was, the judgement, seconds."""
 
@@ -46,6 +49,7 @@ def goals(judged: Judged) -> dict:
     found = {
         "single effects at the middle level": (right("single middle"), 0.95),
         "polishing, single effects at the middle level": (right("polishing middle"), 0.95),
+        "belt, single effects at the middle level": (right("belt middle"), 0.95),
         "pairs, both named": (right("pair"), 0.80),
         "outside the library: unknown": (right("outside"), 0.90),
         "inseparable: reported as such": (right("inseparable"), 0.90),
@@ -77,7 +81,7 @@ def confusion(judged: Judged) -> dict[str, Counter]:
     """For each hidden kind, single and at the middle level or stronger, what was named first (or the verdict)."""
     found: dict[str, Counter] = defaultdict(Counter)
     for _, case, score, _ in judged:
-        if case.family in ("single strong", "single middle", "polishing strong", "polishing middle"):
+        if case.family in [f"{family} {level}" for family in SINGLE_FAMILIES for level in ("strong", "middle")]:
             told = score.named[0] if score.verdict == "named" else score.verdict
             found[case.truth[0].name][told] += 1
     return dict(found)
@@ -89,7 +93,7 @@ def power(judged: Judged) -> dict[str, dict[str, dict]]:
     for level in LEVELS:
         by_kind: dict[str, list[Score]] = defaultdict(list)
         for _, case, score, _ in judged:
-            if case.family in (f"single {level}", f"polishing {level}"):
+            if case.family in [f"{family} {level}" for family in SINGLE_FAMILIES]:
                 by_kind[case.truth[0].name].append(score)
                 by_kind["all"].append(score)
         found[level] = {
