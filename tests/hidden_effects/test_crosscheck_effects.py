@@ -16,12 +16,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bench import ROOT, dataset  # noqa: E402
 from bench.cases import Case  # noqa: E402
 from bench.experiment import ALL, Experiment  # noqa: E402
-from bench.library import BELT, POLISHING, SINGLES  # noqa: E402
+from bench.library import BELT, BRUSH, POLISHING, SINGLES  # noqa: E402
 from bench.noise import rms  # noqa: E402
 
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 TARGET_KEY = {int: "joint", str: "channel"}
-TEMPLATES = SINGLES + POLISHING + BELT
+TEMPLATES = SINGLES + POLISHING + BELT + BRUSH
 
 
 def recorded(experiment: Experiment, effects: tuple, folder: Path) -> np.ndarray:
@@ -30,7 +30,8 @@ def recorded(experiment: Experiment, effects: tuple, folder: Path) -> np.ndarray
     columns, _ = dataset.measurement(silent)
     dataset.write_csv(folder / "data.csv", columns)
     text = experiment.path.read_text(encoding="utf-8").replace("../../../assets", str(ROOT / "assets"))
-    text = text.replace('job = "', f'job = "{experiment.path.parent}/')
+    for key in ("job", "taught"):
+        text = text.replace(f'{key} = "', f'{key} = "{experiment.path.parent}/')
     for effect in effects:
         text += f'\n[[effect]]\nkind = "{effect.kind}"\n'
         if effect.kind == "base_compliance":

@@ -16,7 +16,6 @@ from .led_run import LedRun
 from .plant import Plant
 from .wheel import Command
 
-ANGLES, SLICES = 3840, 48
 # the block is convex: a bristle that meets it stands within acos(1 - depth/R) of the way to its nearest point; enough for R/14
 WITHIN_RAD = 0.38
 
@@ -34,6 +33,9 @@ class Tool:
     spin: float
     corner: np.ndarray
     size: np.ndarray
+    # one slice is enough where the block is the same all along the axis
+    slices: int = 48
+    angles: int = 3840
 
     @staticmethod
     def of(t: dict, size_m: tuple[float, float, float]) -> Tool:
@@ -53,15 +55,21 @@ class Tool:
             size=np.array(size_m),
         )
 
+    def bristle(self, lacking: np.ndarray | float) -> np.ndarray:
+        """Force of a bristle that lacks so much to its length."""
+        bent = np.sqrt(5.0 / 3.0 * self.length * lacking)
+        return self.buckling / (1.0 + 5.0 * self.mu * self.length / (6.0 * bent))
+
     def loads(self, centre: np.ndarray, axes: np.ndarray, velocity: np.ndarray, turning: np.ndarray) -> np.ndarray:
-        """Force and moment on the tool about the centre, world axes; then the sum of the bristles' forces."""
-        angle = 2.0 * math.pi * (np.arange(ANGLES) + 0.5) / ANGLES - math.pi
+        """Force and moment on the tool about the centre, world axes; then the sum of the bristles' forces and the friction of all tips
+        together."""
+        angle = 2.0 * math.pi * (np.arange(self.angles) + 0.5) / self.angles - math.pi
         ray = np.sin(angle)[:, None] * axes[:, 0] + np.cos(angle)[:, None] * axes[:, 2]
         nearest = np.clip(centre, self.corner, self.corner + self.size) - centre
         nearest -= nearest @ axes[:, 1] * axes[:, 1]
         assert np.linalg.norm(nearest) > math.cos(WITHIN_RAD) * self.radius
         ray = ray[ray @ nearest > math.cos(WITHIN_RAD) * np.linalg.norm(nearest)]
-        along = self.width * ((np.arange(SLICES) + 0.5) / SLICES - 0.5)
+        along = self.width * ((np.arange(self.slices) + 0.5) / self.slices - 0.5)
         start = centre + along[:, None] * axes[:, 1]
         with np.errstate(divide="ignore", invalid="ignore"):
             near = (self.corner - start)[:, None, :] / ray[None]
@@ -71,15 +79,15 @@ class Tool:
         lacking = np.where((enters < leaves) & (enters > 0.0), self.radius - enters, 0.0)
         slice_, sector = np.nonzero(lacking > 0.0)
         lacking, ray = lacking[slice_, sector], ray[sector]
-        bent = np.sqrt(5.0 / 3.0 * self.length * lacking)
-        each = self.bristles / (ANGLES * SLICES)
-        push = each * self.buckling / (1.0 + 5.0 * self.mu * self.length / (6.0 * bent))
+        push = self.bristles / (self.angles * self.slices) * self.bristle(lacking)
         arm = along[slice_, None] * axes[:, 1] + (self.radius - lacking)[:, None] * ray
         tip = velocity + np.cross(turning + self.spin * axes[:, 1], arm)
         tip -= np.sum(tip * ray, axis=1)[:, None] * ray
         drag = tip / np.linalg.norm(tip, axis=1)[:, None]
-        force = -push[:, None] * (ray + self.mu * drag)
-        return np.array([*force.sum(axis=0), *np.cross(arm, force).sum(axis=0), push.sum()])
+        friction = -self.mu * push[:, None] * drag
+        force = friction - push[:, None] * ray
+        told = push.sum(), np.linalg.norm(friction.sum(axis=0))
+        return np.array([*force.sum(axis=0), *np.cross(arm, force).sum(axis=0), *told])
 
 
 class BrushRun(LedRun):
@@ -90,6 +98,6 @@ class BrushRun(LedRun):
         self.tool = tool
 
     def wrench(self, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Told: the sum of the bristles' forces."""
+        """Told: the sum of the bristles' forces, and the friction of all tips together."""
         found = self.tool.loads(*self.tool_at(q, v))
         return found[:3], found[3:6], found[6:]

@@ -1,8 +1,7 @@
 """A belt with effects in it: the reference's contact on a Cartesian machine, its way written here.
 
 The wheel's middle comes down on a line at the feed and is led along it, at the height at which the undeformed wheel reaches into the
-plane by the job's indentation. The clock of the way rises from rest as 3u^2 - 2u^3 over its ramp; place and lift are smoothed by
-Hann's window, half of which is spent at rest.
+plane by the job's indentation.
 
 Effects:
 
@@ -29,16 +28,12 @@ from truecut_reference.scenario import _robot, _set
 from truecut_reference.wheel import Command
 
 from .effects import Effect
+from .led_way import led
 
 try:
     import tomllib
 except ModuleNotFoundError:  # Python 3.10
     import tomli as tomllib
-
-RAMP_S = 0.3
-WINDOW_S = 0.1
-WINDOW_SAMPLES = 20
-COMMAND_EVERY_S = 1e-3
 
 
 def hidden_tool(table: dict, job: dict, outside: tuple[float, float, float], values: dict[str, dict[str, float]]) -> Tool:
@@ -90,19 +85,13 @@ def line_command(job: dict, patch: dict, tool: Tool, plant: Plant, duration_s: f
     inset_u = math.sqrt(4.0 * line_load * tool.radius / (math.pi * modulus))
     start = corner + inset_u * along + inset_v * side_v / np.linalg.norm(side_v)
     height = tool.radius - wheel["indentation_mm"] * 1e-3
-    t = COMMAND_EVERY_S * np.arange(math.ceil(duration_s / COMMAND_EVERY_S - 1e-9) + 1)
 
-    def way_m(at):
-        u = np.clip(at / RAMP_S, 0.0, 1.0)
-        clock = RAMP_S * (u**3 - 0.5 * u**4) + np.maximum(at - RAMP_S, 0.0)
-        return feed * clock
+    def place_of(clock_s: np.ndarray) -> np.ndarray:
+        way = feed * clock_s
+        above = height + np.maximum(lift - way, 0.0)
+        return start + np.maximum(way - lift, 0.0)[:, None] * along + above[:, None] * tool.normal
 
-    share = (np.arange(WINDOW_SAMPLES) + 0.5) / WINDOW_SAMPLES
-    weights = (1.0 - np.cos(2.0 * np.pi * share)) / WINDOW_SAMPLES
-    ways = [way_m(t - 0.5 * WINDOW_S + (s - 0.5) * WINDOW_S) for s in share]
-    place = sum(w * np.maximum(way - lift, 0.0) for w, way in zip(weights, ways))
-    above = sum(w * np.maximum(lift - way, 0.0) for w, way in zip(weights, ways))
-    places = start + place[:, None] * along + (height + above)[:, None] * tool.normal
+    t, places = led(duration_s, place_of)
     return Command(t, plant.q0 + places - plant.tool_position0)
 
 

@@ -17,6 +17,8 @@ from .library import (
     ANGLE,
     BELT,
     BELT_PAIR,
+    BRUSH,
+    BRUSH_PAIR,
     INSEPARABLE,
     PAIRS,
     POLISHING,
@@ -86,7 +88,8 @@ class _Draw:
 def all_cases(seeds: str) -> list[Case]:
     """Every case of the bench."""
     draw = _Draw(seeds)
-    makers = (_clean, _singles, _pairs, _strangers, _inseparable, _excitation, _late, _damaged, _units, _polishing, _belt)
+    makers = (_clean, _singles, _pairs, _strangers, _inseparable, _excitation, _late, _damaged, _units)
+    makers += (_polishing, _belt, _brush)
     return [case for maker in makers for case in maker(draw)]
 
 
@@ -204,6 +207,10 @@ def _polishing(draw: _Draw) -> list[Case]:
 
 def _belt(draw: _Draw) -> list[Case]:
     return _led(draw, "belt", BELT, BELT_PAIR, 80)
+
+
+def _brush(draw: _Draw) -> list[Case]:
+    return _led(draw, "brush", BRUSH, BRUSH_PAIR, 90)
 
 
 def _led(draw: _Draw, name: str, templates: tuple, pair: tuple, key: int) -> list[Case]:

@@ -14,7 +14,7 @@ import numpy as np
 from truecut_reference import scenario as scenario_file
 from truecut_reference.scenario import Replay
 
-from . import ROOT, belting, machining, motion, polishing, sensors
+from . import ROOT, belting, brushing, machining, motion, polishing, sensors
 from .arm import Arm
 from .effects import Effect
 
@@ -137,7 +137,7 @@ class Experiment:
             for (key, relative), shift in zip(self.uncertain.items(), shifts)
         }
         physical = [e for e in effects if not sensors.is_sensor(e)]
-        for name, led in (("polish", polishing), ("belt", belting)):
+        for name, led in (("polish", polishing), ("belt", belting), ("brush", brushing)):
             if name in self.table["process"]:
                 times, channels = led.run(self.path, overrides, physical, self.step_s)
                 return self._measured(times, channels, effects)
@@ -169,10 +169,12 @@ def _sources(name: str) -> str:
     """Hash of everything that a run depends on besides its arguments."""
     robots = sorted((ROOT / "assets" / "robots").glob("*/robot.*"))
     reference = sorted((ROOT / "tests" / "crosscheck" / "truecut_reference").glob("*.py"))
-    mine = [HERE / f"{m}.py" for m in ("arm", "belting", "joint_law", "machining", "motion", "polishing", "sensors")]
+    names = ("arm", "belting", "brushing", "joint_law", "led_way", "machining", "motion", "polishing", "sensors")
+    mine = [HERE / f"{m}.py" for m in names]
     found = hashlib.sha256()
-    # a belt's path job and face stand beside its scenarios
-    for path in [*robots, *reference, *mine, SCENARIOS / f"{name}.toml", *sorted(SCENARIOS.glob("belt_*.toml"))]:
+    # a belt's path job and face and a brush's taught postures stand beside their scenarios
+    beside = [*SCENARIOS.glob("belt_*.toml"), *SCENARIOS.glob("*.csv")]
+    for path in [*robots, *reference, *mine, SCENARIOS / f"{name}.toml", *sorted(beside)]:
         found.update(path.read_bytes())
     return found.hexdigest()
 
@@ -189,6 +191,7 @@ POLISH = Experiment("polish", 250.0, 2.4, 1e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 
 POLISH_FORCE = Experiment("polish_force", 250.0, 2.4, 1e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 1e-6))
 BELT = Experiment("belt", 250.0, 2.4, 0.5e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 1e-6))
 BELT_FORCE = Experiment("belt_force", 250.0, 2.4, 0.5e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 1e-6))
+BRUSH = Experiment("brush", 250.0, 2.4, 1e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 1e-6))
 # new ones at the end: what is drawn for a case depends on the order
-_MACHINING = (CHAMFER, TEETH, TEETH_THREE, WHEEL, POLISH, POLISH_FORCE, BELT, BELT_FORCE)
+_MACHINING = (CHAMFER, TEETH, TEETH_THREE, WHEEL, POLISH, POLISH_FORCE, BELT, BELT_FORCE, BRUSH)
 ALL = {e.name: e for e in (AXIS, SINGLE_TONE, SMALL, TWO_JOINT, *_MACHINING)}

@@ -116,6 +116,14 @@ BELT = (
 )
 BELT_PAIR = (BELT[0], BELT[1])
 
+BRUSH = (
+    Template("brush", "wheel_stiffness", None, {"factor": 1.15}),
+    Template("brush", "wheel_eccentricity", None, {"cosine_m": 2e-4, "sine_m": 1.2e-4}),
+    Template("brush", "wheel_friction", None, {"factor": 1.2}),
+    Template("brush", "wheel_removal", None, {"factor": 1.15}),
+)
+BRUSH_PAIR = (BRUSH[0], BRUSH[1])
+
 
 def single(kind: str, experiment: str = "axis") -> Template:
     """The first template of a kind on an experiment."""

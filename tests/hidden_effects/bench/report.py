@@ -12,7 +12,7 @@ from .cases import LEVELS, Case
 from .score import Score
 
 # Families of single effects; each has its levels.
-SINGLE_FAMILIES = ("single", "polishing", "belt")
+SINGLE_FAMILIES = ("single", "polishing", "belt", "brush")
 
 Judged = list[tuple[str, Case, Score, float]]
 """Name of the set, what it was, the judgement, seconds."""
@@ -50,6 +50,7 @@ def goals(judged: Judged) -> dict:
         "single effects at the middle level": (right("single middle"), 0.95),
         "polishing, single effects at the middle level": (right("polishing middle"), 0.95),
         "belt, single effects at the middle level": (right("belt middle"), 0.95),
+        "brush, single effects at the middle level": (right("brush middle"), 0.95),
         "pairs, both named": (right("pair"), 0.80),
         "outside the library: unknown": (right("outside"), 0.90),
         "inseparable: reported as such": (right("inseparable"), 0.90),

@@ -1,11 +1,12 @@
 //! Brush and workpiece at one instant, bristle by bristle.
 //!
-//! The brush is cut into slices along its axis. In each, the workpiece is a polygon ([`super::section`]); a bristle that would reach to the radius is
+//! The brush is looked at in rows along its axis ([`super::rows`]). In each, the workpiece is a polygon ([`super::section`]); a bristle that would reach to the radius is
 //! held at the first side that it meets, and presses along itself with the force of its law ([`truecut_core::wheel::brush`]). Friction acts
 //! square to it, against the sliding of its tip. So a bristle is taken also where a face stands askew to it, at an edge: its law is one of a
 //! tip that is pressed back along the bristle.
 
-use super::section::{Side, met_first};
+use super::rows::{Corners, Row, SLICES, Sections, is_in_reach};
+use super::section::Side;
 use super::{BrushSetup, Station};
 use crate::process::ToolState;
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -13,8 +14,6 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use truecut_core::wheel::brush::Brush;
 use truecut_core::wheel::quadrature::Quadrature;
 
-/// Slices of a brush. At the end of an edge the force falls in so many parts.
-const SLICES: usize = 128;
 /// An edge is reached over a face that stands by this sine at least to the bristles: along a face that runs with them no tip slides.
 const LEAST_FACING: f64 = 0.1;
 /// A tip that slides more slowly has no direction, m/s.
@@ -77,45 +76,49 @@ impl Contact {
         if triangles.is_empty() {
             return contact;
         }
-        let under = under(&brush, &motion, &setup.stations);
-        let mut under = under.iter().peekable();
-        let (mut sides, mut met) = (Vec::new(), Vec::new());
-        for slice in 0..SLICES {
-            let y = brush.width_m * ((slice as f64 + 0.5) / SLICES as f64 - 0.5);
-            sides.clear();
-            let cut = |triangle: &[Vector3<f64>; 3]| section(triangle, y, brush.radius_m);
-            sides.extend(triangles.iter().filter_map(cut));
-            met_first(&sides, &mut met);
+        // By the sine of an angle, in which a force that begins like a root is smooth.
+        let nodes = quadrature.nodes().iter().map(|(node, weight)| {
+            let (sine, cosine) = (FRAC_PI_2 * node).sin_cos();
+            (sine, weight * FRAC_PI_2 * cosine)
+        });
+        let nodes: Vec<(f64, f64)> = nodes.collect();
+        let mut sections = Sections::new(&triangles, brush.radius_m);
+        let mut met = Vec::new();
+        for row in sections.rows(brush.width_m, quadrature) {
+            sections.met(row.y_m, &mut met);
             for side in &met {
-                contact.press(&brush, &motion, quadrature, y, side);
+                contact.press(&brush, &motion, &nodes, &row, side);
             }
-            while let Some(place) = under.next_if(|place| place.slice <= slice) {
-                contact.pass_over(&brush, &motion, &setup.stations, place, &met);
+        }
+        for place in under(&brush, &motion, &setup.stations) {
+            // A station may lie beside the mesh's edge by what is rounded in its file.
+            let nearer_m = brush.width_m / SLICES as f64;
+            if !sections.hide(&place.point_m, nearer_m) {
+                contact.pass_over(&brush, &motion, &setup.stations[place.station], &place);
             }
         }
         contact
     }
 
-    /// Adds the bristles of a slice over a side.
+    /// Adds the bristles of a row over a side, at nodes of `[-1, 1]` with their weights.
     fn press(
         &mut self,
         brush: &Brush,
         motion: &Motion,
-        quadrature: &Quadrature,
-        y: f64,
+        nodes: &[(f64, f64)],
+        row: &Row,
         side: &Side,
     ) {
         let middle = 0.5 * (side.from_rad + side.to_rad);
         let half = 0.5 * (side.to_rad - side.from_rad);
-        let per_rad = brush.bristles / TAU / SLICES as f64;
-        // By the sine of an angle, in which a force that begins like a root is smooth.
-        for (node, weight) in quadrature.nodes() {
-            let t = FRAC_PI_2 * node;
-            let angle = middle + half * t.sin();
-            let count = per_rad * weight * FRAC_PI_2 * half * t.cos();
-            let along_m = side.along_bristle_m(angle);
-            let bristle = Vector3::new(angle.sin(), 0.0, angle.cos());
-            let point_m = bristle * along_m + Vector3::y() * y;
+        let per_rad = brush.bristles / TAU * row.share;
+        let foot = Vector3::new(side.foot_rad.sin(), 0.0, side.foot_rad.cos());
+        for (node, weight) in nodes {
+            let (sine, cosine) = (middle + half * node).sin_cos();
+            let count = per_rad * weight * half;
+            let bristle = Vector3::new(sine, 0.0, cosine);
+            let along_m = side.distance_m / bristle.dot(&foot);
+            let point_m = bristle * along_m + Vector3::y() * row.y_m;
             let shortening_m = brush.radius_m - along_m;
             let force_n = count * brush.bristle_n(shortening_m);
             let sliding = motion.sliding_m_per_s(&point_m, &bristle);
@@ -134,31 +137,13 @@ impl Contact {
         }
     }
 
-    /// Adds the dose of a station, unless something nearer holds the bristles back.
-    fn pass_over(
-        &mut self,
-        brush: &Brush,
-        motion: &Motion,
-        stations: &[Station],
-        place: &Place,
-        met: &[Side],
-    ) {
-        let angle = place.point_m.x.atan2(place.point_m.z);
-        // The slice's section is not quite the station's: an edge may run askew to the axis.
-        let hidden_m = place.along_m - brush.width_m / SLICES as f64;
-        let over = |side: &&Side| side.from_rad <= angle && angle <= side.to_rad;
-        let mut nearest = met
-            .iter()
-            .filter(over)
-            .map(|side| side.along_bristle_m(angle));
-        if nearest.any(|along_m| along_m < hidden_m) {
-            return;
-        }
+    /// Adds the dose of a station.
+    fn pass_over(&mut self, brush: &Brush, motion: &Motion, station: &Station, place: &Place) {
         let bristle = Vector3::new(place.point_m.x, 0.0, place.point_m.z) / place.along_m;
         let per_m2 = brush.bristles / (TAU * place.along_m * brush.width_m);
         let speed = motion.sliding_m_per_s(&place.point_m, &bristle).norm();
         let force_n = brush.bristle_n(brush.radius_m - place.along_m);
-        self.edge_m += stations[place.station].length_m;
+        self.edge_m += station.length_m;
         self.doses_w_per_m2
             .push((place.station, per_m2 * force_n * speed));
     }
@@ -171,43 +156,34 @@ struct Place {
     point_m: Vector3<f64>,
     /// Distance from the axis.
     along_m: f64,
-    slice: usize,
 }
 
-/// The stations under the brush that face it, slice by slice.
+/// The stations under the brush that face it.
 fn under(brush: &Brush, motion: &Motion, stations: &[Station]) -> Vec<Place> {
+    let to_tool = motion.tool_from_mesh.rotation.to_rotation_matrix();
     let place = |(index, station): (usize, &Station)| {
-        let point_m = (motion.tool_from_mesh * Point3::from(station.point_m)).coords;
+        let point_m = to_tool * station.point_m + motion.tool_from_mesh.translation.vector;
+        if point_m.y.abs() > 0.5 * brush.width_m {
+            return None;
+        }
         let along_m = point_m.x.hypot(point_m.z);
-        let part = point_m.y / brush.width_m + 0.5;
-        let reached = along_m > 0.0 && along_m < brush.radius_m && (0.0..=1.0).contains(&part);
-        if !reached {
+        if along_m <= 0.0 || along_m >= brush.radius_m {
             return None;
         }
         let bristle = Vector3::new(point_m.x, 0.0, point_m.z) / along_m;
-        let faces = station
-            .normals
-            .iter()
-            .map(|n| motion.tool_from_mesh.rotation * n.into_inner());
+        let faces = station.normals.iter().map(|n| to_tool * n.into_inner());
         let facing = faces.map(|normal| -normal.dot(&bristle));
-        (facing.fold(0.0, f64::max) >= LEAST_FACING).then(|| Place {
+        (facing.fold(0.0, f64::max) >= LEAST_FACING).then_some(Place {
             station: index,
             point_m,
             along_m,
-            slice: ((part * SLICES as f64) as usize).min(SLICES - 1),
         })
     };
-    let mut under: Vec<Place> = stations.iter().enumerate().filter_map(place).collect();
-    under.sort_by_key(|place| place.slice);
-    under
+    stations.iter().enumerate().filter_map(place).collect()
 }
 
-/// Triangles near the brush, in the tool's frame.
-fn triangles(
-    setup: &BrushSetup,
-    brush: &Brush,
-    tool_from_mesh: &Isometry3<f64>,
-) -> Vec<[Vector3<f64>; 3]> {
+/// Triangles within the bristles' reach, in the tool's frame.
+fn triangles(setup: &BrushSetup, brush: &Brush, tool_from_mesh: &Isometry3<f64>) -> Vec<Corners> {
     let mesh_from_tool = tool_from_mesh.inverse();
     let axis = mesh_from_tool.rotation * Vector3::y();
     // Half of the box around a cylinder: its radius across the axis, half its width along it.
@@ -221,27 +197,6 @@ fn triangles(
             let corners = mesh.triangles()[index].map(|i| Point3::from(mesh.vertices_m()[i]));
             corners.map(|corner| (tool_from_mesh * corner).coords)
         })
+        .filter(|corners| is_in_reach(corners, brush.radius_m))
         .collect()
-}
-
-/// A triangle's side in the plane at `y`, if it faces the axis there.
-fn section(corners_m: &[Vector3<f64>; 3], y: f64, reach_m: f64) -> Option<Side> {
-    let [a, b, c] = corners_m;
-    let is_above = |corner: &Vector3<f64>| corner.y > y;
-    let crosses = |from: &Vector3<f64>, to: &Vector3<f64>| {
-        (is_above(from) != is_above(to)).then(|| {
-            let part = (y - from.y) / (to.y - from.y);
-            [
-                from.x + part * (to.x - from.x),
-                from.z + part * (to.z - from.z),
-            ]
-        })
-    };
-    let mut ends = [crosses(a, b), crosses(b, c), crosses(c, a)]
-        .into_iter()
-        .flatten();
-    let ends_m = [ends.next()?, ends.next()?];
-    let outward = (b - a).cross(&(c - a));
-    let faces_axis = outward.dot(&(Vector3::y() * y - a)) > 0.0;
-    faces_axis.then(|| Side::new(ends_m, reach_m)).flatten()
 }

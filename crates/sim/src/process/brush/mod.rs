@@ -8,6 +8,7 @@
 
 mod contact;
 mod report;
+mod rows;
 mod section;
 
 use super::met::Met;

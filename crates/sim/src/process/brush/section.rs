@@ -4,6 +4,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+/// Angles no further apart are one, but for rounding.
+const SAME_ANGLE_RAD: f64 = 1e-12;
+/// Lines whose distances differ by no more of themselves, and whose feet by no larger angle, are one.
+const SAME_LINE: f64 = 1e-9;
+
 /// A side of the section that faces the axis, over the angles at which it is within the brush's reach. Its distance along a bristle is
 /// `distance / cos(φ - foot)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,11 +19,13 @@ pub(super) struct Side {
     pub distance_m: f64,
     /// Angle of its line's nearest point.
     pub foot_rad: f64,
+    /// The triangle that it is cut from.
+    pub triangle: usize,
 }
 
 impl Side {
-    /// A straight side between two points (x, z), as far as it is within `reach_m` of the axis.
-    pub fn new(ends_m: [[f64; 2]; 2], reach_m: f64) -> Option<Side> {
+    /// A straight side of a triangle between two points (x, z), as far as it is within `reach_m` of the axis.
+    pub fn new(triangle: usize, ends_m: [[f64; 2]; 2], reach_m: f64) -> Option<Side> {
         let [[px, pz], [qx, qz]] = ends_m;
         let (dx, dz) = (qx - px, qz - pz);
         let length = dx.hypot(dz);
@@ -30,22 +37,37 @@ impl Side {
         let part = -(px * dx + pz * dz) / (length * length);
         let foot_rad = (px + part * dx).atan2(pz + part * dz);
         let (sine, cosine) = foot_rad.sin_cos();
-        // Along the line in the sense of rising angles.
-        let angle = |x: f64, z: f64| ((x * cosine - z * sine) / distance_m).atan();
-        let (one, other) = (angle(px, pz), angle(qx, qz));
+        // Along the line in the sense of rising angles, no further than bristles reach.
         let most = (distance_m / reach_m).acos();
-        let (from, to) = (one.min(other).max(-most), one.max(other).min(most));
+        let chord_m = reach_m * (1.0 - (distance_m / reach_m).powi(2)).sqrt();
+        let angle = |x: f64, z: f64| {
+            let along_m = x * cosine - z * sine;
+            match along_m.abs() < chord_m {
+                true => (along_m / distance_m).atan(),
+                false => most.copysign(along_m),
+            }
+        };
+        let (one, other) = (angle(px, pz), angle(qx, qz));
+        let (from, to) = (one.min(other), one.max(other));
         (to > from).then_some(Side {
             from_rad: foot_rad + from,
             to_rad: foot_rad + to,
             distance_m,
             foot_rad,
+            triangle,
         })
     }
 
     /// Where a bristle at the angle meets the line.
     pub fn along_bristle_m(&self, angle_rad: f64) -> f64 {
         self.distance_m / (angle_rad - self.foot_rad).cos()
+    }
+
+    /// Whether two sides are parts of one line, as two triangles of a face give them.
+    fn is_in_line_with(&self, other: &Side) -> bool {
+        let apart_m = (self.distance_m - other.distance_m).abs();
+        apart_m <= SAME_LINE * self.distance_m
+            && (self.foot_rad - other.foot_rad).abs() <= SAME_LINE
     }
 
     /// The same side with its angles between -π and π: of one that reaches across, both parts.
@@ -87,7 +109,7 @@ pub(super) fn met_first(sides: &[Side], met: &mut Vec<Side>) {
     borders.sort_by(f64::total_cmp);
     for pair in borders.windows(2) {
         let (from_rad, to_rad) = (pair[0], pair[1]);
-        if to_rad - from_rad < 1e-12 {
+        if to_rad - from_rad < SAME_ANGLE_RAD {
             continue;
         }
         let middle = 0.5 * (from_rad + to_rad);
@@ -96,11 +118,19 @@ pub(super) fn met_first(sides: &[Side], met: &mut Vec<Side>) {
             .filter(|s| s.from_rad <= middle && middle <= s.to_rad);
         let first =
             over.min_by(|a, b| (a.along_bristle_m(middle)).total_cmp(&b.along_bristle_m(middle)));
-        met.extend(first.map(|side| Side {
-            from_rad,
-            to_rad,
-            ..*side
-        }));
+        let Some(first) = first else { continue };
+        match met.last_mut() {
+            Some(last)
+                if from_rad - last.to_rad < SAME_ANGLE_RAD && last.is_in_line_with(first) =>
+            {
+                last.to_rad = to_rad;
+            }
+            _ => met.push(Side {
+                from_rad,
+                to_rad,
+                ..*first
+            }),
+        }
     }
 }
 
@@ -110,21 +140,21 @@ mod tests {
 
     #[test]
     fn verify_a_flat_face_is_met_over_the_chord() {
-        let side = Side::new([[-1.0, 0.9], [1.0, 0.9]], 1.0).unwrap();
+        let side = Side::new(0, [[-1.0, 0.9], [1.0, 0.9]], 1.0).unwrap();
         let half = 0.9_f64.acos();
         assert!((side.from_rad + half).abs() < 1e-12 && (side.to_rad - half).abs() < 1e-12);
         assert!((side.along_bristle_m(0.2) - 0.9 / 0.2_f64.cos()).abs() < 1e-15);
-        assert_eq!(Side::new([[-1.0, 1.1], [1.0, 1.1]], 1.0), None);
+        assert_eq!(Side::new(0, [[-1.0, 1.1], [1.0, 1.1]], 1.0), None);
         // It begins at x = 0, square below the axis.
-        let half_face = Side::new([[0.0, 0.9], [1.0, 0.9]], 1.0).unwrap();
+        let half_face = Side::new(0, [[0.0, 0.9], [1.0, 0.9]], 1.0).unwrap();
         assert!(half_face.from_rad.abs() < 1e-15);
     }
 
     /// A step of 0.02 hides what lies behind it: the side behind begins where the bristle over the step's corner meets it.
     #[test]
     fn verify_what_is_nearer_hides_what_is_behind() {
-        let near = Side::new([[-1.0, 0.9], [0.1, 0.9]], 1.0).unwrap();
-        let behind = Side::new([[-1.0, 0.92], [1.0, 0.92]], 1.0).unwrap();
+        let near = Side::new(0, [[-1.0, 0.9], [0.1, 0.9]], 1.0).unwrap();
+        let behind = Side::new(0, [[-1.0, 0.92], [1.0, 0.92]], 1.0).unwrap();
         let mut met = Vec::new();
         met_first(&[behind, near], &mut met);
         let corner = (0.1_f64 / 0.9).atan();
@@ -143,7 +173,7 @@ mod tests {
     /// Behind the wheel, at angles about π, nothing is lost and nothing doubled.
     #[test]
     fn verify_a_face_behind_the_axis_is_met_over_the_same_angle() {
-        let side = Side::new([[1.0, -0.9], [-1.0, -0.9]], 1.0).unwrap();
+        let side = Side::new(0, [[1.0, -0.9], [-1.0, -0.9]], 1.0).unwrap();
         let mut met = Vec::new();
         met_first(&[side], &mut met);
         let whole: f64 = met.iter().map(|s| s.to_rad - s.from_rad).sum();
