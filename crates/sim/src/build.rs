@@ -7,7 +7,7 @@ use crate::led_path::LedPath;
 use crate::loads::{Attachment, Wrench};
 use crate::measurement::ChannelModel;
 use crate::plant::{Drive, DriveKind, JointLaw};
-use crate::posture::{check_limits, posture};
+use crate::posture::{check_limits, of_job, posture};
 use crate::process::{Process, Start};
 use crate::replay::forward::ForwardInputs;
 use crate::robots::Robots;
@@ -72,6 +72,9 @@ impl Prepared {
         let mut posture = match &scenario.process {
             // The way begins where it was taught.
             ProcessSpec::Brush(_) => vec![0.0; nominal.dof()],
+            ProcessSpec::Belt(belt) => {
+                posture(spec, &nominal).map_err(|error| of_job(error, &belt.job.file))?
+            }
             _ => posture(spec, &nominal)?,
         };
         if let Some(replay) = &replay {

@@ -2,6 +2,7 @@
 
 use crate::command::JointCommand;
 use crate::error::SimError;
+use std::path::Path;
 use truecut_arm::{JointKind, Robot};
 use truecut_scenario::RobotSpec;
 
@@ -30,7 +31,7 @@ pub(crate) fn posture(spec: &RobotSpec, robot: &Robot) -> Result<Vec<f64>, SimEr
             };
             return Err(SimError::scenario(
                 key,
-                format!("has {given} values, but the chain has {needed} {what} joints"),
+                format!("`{key}` has {given} values, but the chain has {needed} {what} joints"),
             ));
         }
     }
@@ -43,6 +44,17 @@ pub(crate) fn posture(spec: &RobotSpec, robot: &Robot) -> Result<Vec<f64>, SimEr
         .collect();
     check_posture(robot, &posture, "posture outside the limits")?;
     Ok(posture)
+}
+
+/// A fault of a posture that a path job gives stands in the job.
+pub(crate) fn of_job(error: SimError, job: &Path) -> SimError {
+    match error {
+        SimError::Scenario { message, .. } => SimError::scenario(
+            "process.belt.job",
+            format!("`process.belt.job`: {}: {message}", job.display()),
+        ),
+        other => other,
+    }
 }
 
 fn check_posture(robot: &Robot, posture: &[f64], what: &str) -> Result<(), SimError> {

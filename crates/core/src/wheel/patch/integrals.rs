@@ -13,11 +13,40 @@ const NARROW_ROWS_AT: [f64; 2] = [-0.577_350_269_189_625_8, 0.577_350_269_189_62
 /// The belt's velocity changes by at most this part over a narrow patch: there two rows are exact to its fourth power.
 const NARROW: f64 = 0.02;
 
+/// Force, its first moments, Preston's integral, friction and its moment, each in lanes.
+#[derive(Default)]
+struct Sums([[f64; LANES]; 7]);
+
+impl Sums {
+    /// A force at a place over which the wheel's surface slides.
+    #[inline]
+    fn add(&mut self, lane: usize, [x, y]: [f64; 2], [u, v]: [f64; 2], force_n: f64, mu: f64) {
+        let speed = (u * u + v * v).sqrt();
+        let rubbed = if speed > 0.0 {
+            mu * force_n / speed
+        } else {
+            0.0
+        };
+        let (fx, fy) = (u * rubbed, v * rubbed);
+        let values = [
+            force_n,
+            force_n * x,
+            force_n * y,
+            force_n * speed,
+            fx,
+            fy,
+            x * fy - y * fx,
+        ];
+        for (sum, value) in self.0.iter_mut().zip(values) {
+            sum[lane] += value;
+        }
+    }
+}
+
 impl PatchLoads {
-    /// Force, its first moments, Preston's integral, friction and its moment, each in lanes.
-    fn add_sums(&mut self, sums: &[[f64; LANES]; 7]) {
+    fn add_sums(&mut self, sums: &Sums) {
         let [normal, first_x, first_y, power, fx, fy, moment] =
-            sums.map(|lanes| lanes.iter().sum::<f64>());
+            sums.0.map(|lanes| lanes.iter().sum::<f64>());
         self.normal_n += normal;
         self.first_moment_n_m += Vector2::new(first_x, first_y);
         self.sliding_w += power;
@@ -96,7 +125,7 @@ impl Patch {
         let flatter = 1.0 / self.shape.radius_m();
         let approach = self.overlap_rate * sliding.approach_m_per_s;
         let damping = self.bed.damping_pa_s_per_m;
-        let mut sums = [[0.0; LANES]; 7];
+        let mut sums = Sums::default();
         for y in NARROW_ROWS_AT.map(|at| at * half_y) {
             let u = vx - sliding.spin_rad_s * y;
             for k in (0..ACROSS_NODES).step_by(LANES) {
@@ -106,15 +135,7 @@ impl Patch {
                     let pressure = rest_pa[k + lane] + damping * (approach - u * x * flatter);
                     let pressed = if pressure > 0.0 { pressure } else { 0.0 };
                     let f = pressed * across.length[k + lane] * c * half_y;
-                    let speed = (u * u + v * v).sqrt();
-                    let rubbed = sliding.mu * f / speed;
-                    let (fx, fy) = (u * rubbed, v * rubbed);
-                    for (sum, value) in
-                        sums.iter_mut()
-                            .zip([f, f * x, f * y, f * speed, fx, fy, x * fy - y * fx])
-                    {
-                        sum[lane] += value;
-                    }
+                    sums.add(lane, [x, y], [u, v], f, sliding.mu);
                 }
             }
         }
@@ -136,7 +157,7 @@ impl Patch {
         let (disc, c) = (quadrature.disc(), self.contact_m);
         let force_n = self.disc_forces_n(disc, sliding);
         let [vx, vy] = sliding.velocity_m_per_s.into();
-        let mut sums = [[0.0; LANES]; 7];
+        let mut sums = Sums::default();
         for k in (0..DISC_NODES).step_by(LANES) {
             for lane in 0..LANES {
                 let (x, y, f) = (
@@ -145,19 +166,7 @@ impl Patch {
                     force_n[k + lane],
                 );
                 let (u, v) = (vx - sliding.spin_rad_s * y, vy + sliding.spin_rad_s * x);
-                let speed = (u * u + v * v).sqrt();
-                let rubbed = if speed > 0.0 {
-                    sliding.mu * f / speed
-                } else {
-                    0.0
-                };
-                let (fx, fy) = (u * rubbed, v * rubbed);
-                for (sum, value) in
-                    sums.iter_mut()
-                        .zip([f, f * x, f * y, f * speed, fx, fy, x * fy - y * fx])
-                {
-                    sum[lane] += value;
-                }
+                sums.add(lane, [x, y], [u, v], f, sliding.mu);
             }
         }
         loads.add_sums(&sums);
