@@ -247,10 +247,15 @@ class Scenario:
 def load(path: Path | str, overrides: dict[str, float] | None = None) -> Scenario:
     """Reads a scenario file. `overrides` maps dotted keys to values, as `truecut run --set` does."""
     path = Path(path)
+    return from_table(read(path, overrides or {}), path)
+
+
+def read(path: Path, overrides: dict[str, float]) -> dict:
+    """A scenario file's document with these dotted keys set."""
     table = tomllib.loads(path.read_text(encoding="utf-8"))
-    for key, value in (overrides or {}).items():
+    for key, value in overrides.items():
         _set(table, key, value)
-    return from_table(table, path)
+    return table
 
 
 def from_table(table: dict, path: Path | None = None) -> Scenario:

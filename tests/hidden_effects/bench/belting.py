@@ -24,16 +24,11 @@ import numpy as np
 from truecut_reference import urdf_model
 from truecut_reference.belt import BeltRun, Tool
 from truecut_reference.plant import Plant
-from truecut_reference.scenario import _robot, _set
+from truecut_reference.scenario import _robot, read, tomllib
 from truecut_reference.wheel import Command
 
 from .effects import Effect
 from .led_way import led
-
-try:
-    import tomllib
-except ModuleNotFoundError:  # Python 3.10
-    import tomli as tomllib
 
 
 def hidden_tool(table: dict, job: dict, outside: tuple[float, float, float], values: dict[str, dict[str, float]]) -> Tool:
@@ -97,9 +92,7 @@ def line_command(job: dict, patch: dict, tool: Tool, plant: Plant, duration_s: f
 
 def run(path: Path, overrides: dict[str, float], effects: list[Effect], step_s: float):
     """Times and values of the channels, SI."""
-    whole = tomllib.loads(path.read_text(encoding="utf-8"))
-    for key, value in overrides.items():
-        _set(whole, key, value)
+    whole = read(path, overrides)
     table, duration_s = whole["process"]["belt"], whole["run"]["duration_s"]
     job_path = path.parent / table["job"]
     job = tomllib.loads(job_path.read_text(encoding="utf-8"))

@@ -23,16 +23,11 @@ import numpy as np
 from truecut_reference import urdf_model
 from truecut_reference.brush import BrushRun, Tool
 from truecut_reference.plant import Plant
-from truecut_reference.scenario import _robot, _set
+from truecut_reference.scenario import _robot, read
 from truecut_reference.wheel import Command
 
 from .effects import Effect
 from .led_way import led
-
-try:
-    import tomllib
-except ModuleNotFoundError:  # Python 3.10
-    import tomli as tomllib
 
 # of the mesh that the scenario names
 BLOCK_M = (0.1, 0.06, 0.02)
@@ -77,9 +72,7 @@ def taught_command(rows_m: np.ndarray, feed: float, until_s: float) -> Command:
 
 def run(path: Path, overrides: dict[str, float], effects: list[Effect], step_s: float):
     """Times and values of the channels, SI."""
-    whole = tomllib.loads(path.read_text(encoding="utf-8"))
-    for key, value in overrides.items():
-        _set(whole, key, value)
+    whole = read(path, overrides)
     values = {effect.kind: effect.values for effect in effects}
 
     def factor(kind: str) -> float:

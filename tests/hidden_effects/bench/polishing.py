@@ -26,15 +26,10 @@ import numpy as np
 from truecut_reference import urdf_model
 from truecut_reference.plant import Plant
 from truecut_reference.polish import PolishRun, Tool
-from truecut_reference.scenario import _robot, _set
+from truecut_reference.scenario import _robot, read
 from truecut_reference.wheel import Command
 
 from .effects import Effect
-
-try:
-    import tomllib
-except ModuleNotFoundError:  # Python 3.10
-    import tomli as tomllib
 
 RUN_UP_S = 0.5
 WINDOW_S = 0.1
@@ -130,9 +125,7 @@ class Carrier:
 
 def run(path: Path, overrides: dict[str, float], effects: list[Effect], step_s: float):
     """Times and values of the channels, SI."""
-    whole = tomllib.loads(path.read_text(encoding="utf-8"))
-    for key, value in overrides.items():
-        _set(whole, key, value)
+    whole = read(path, overrides)
     table, duration_s = whole["process"]["polish"], whole["run"]["duration_s"]
     values = {effect.kind: effect.values for effect in effects}
     tool, robot = hidden_tool(table, values), _robot(whole["robot"], path.parent)

@@ -31,6 +31,7 @@ pub(super) struct Across {
 pub struct Quadrature {
     /// `rules[n - 1]` holds n pairs (node, weight).
     rules: Vec<Vec<(f64, f64)>>,
+    by_sine: Vec<(f64, f64)>,
     disc: Box<Disc>,
     across: Across,
 }
@@ -47,10 +48,12 @@ impl Default for Quadrature {
 impl Quadrature {
     /// Rules up to `largest` nodes; at least four.
     pub fn new(largest: usize) -> Self {
+        let largest = largest.max(4);
         Self {
-            rules: (1..=largest.max(4)).map(legendre).collect(),
+            rules: (1..=largest).map(legendre).collect(),
+            by_sine: by_sine(&legendre(largest)),
             disc: Box::new(disc(&legendre(DISC_ROWS))),
-            across: across(&legendre(ACROSS_NODES)),
+            across: across(&by_sine(&legendre(ACROSS_NODES))),
         }
     }
 
@@ -75,6 +78,16 @@ impl Quadrature {
         self.for_share(1.0)
     }
 
+    /// As many as [`Self::nodes`] by the sine of an angle, in which what begins like a root at both ends is smooth.
+    pub fn by_sine(&self) -> &[(f64, f64)] {
+        &self.by_sine
+    }
+
+    /// The rule of two nodes.
+    pub fn pair(&self) -> &[(f64, f64)] {
+        &self.rules[1]
+    }
+
     /// Rule for a part of the whole range: as many nodes as its share, but at least four, since a short
     /// part is no smoother than a long one.
     pub(super) fn for_share(&self, share: f64) -> &[(f64, f64)] {
@@ -94,11 +107,18 @@ impl Quadrature {
     }
 }
 
-fn across(rule: &[(f64, f64)]) -> Across {
-    let angle = |k: usize| (FRAC_PI_2 * rule[k].0).sin_cos();
+fn by_sine(rule: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let node = |(node, weight): &(f64, f64)| {
+        let (sine, cosine) = (FRAC_PI_2 * node).sin_cos();
+        (sine, FRAC_PI_2 * weight * cosine)
+    };
+    rule.iter().map(node).collect()
+}
+
+fn across(nodes: &[(f64, f64)]) -> Across {
     Across {
-        x: std::array::from_fn(|k| angle(k).0),
-        length: std::array::from_fn(|k| FRAC_PI_2 * rule[k].1 * angle(k).1),
+        x: std::array::from_fn(|k| nodes[k].0),
+        length: std::array::from_fn(|k| nodes[k].1),
     }
 }
 

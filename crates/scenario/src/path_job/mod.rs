@@ -205,10 +205,8 @@ impl FileTable {
 impl ArmTable {
     fn resolve(self, folder: &Path, check: &mut Check) -> ArmSpec {
         if self.posture_deg.is_none() && self.posture_mm.is_none() {
-            let message = "missing key `posture_deg` in [robot]".to_owned();
-            let fault = Fault::key("robot", message, "`posture_deg` is missing here");
-            let what = "the posture that the arm comes from; `posture_mm` if it has slides";
-            check.refuse(fault.with_help(format!("`posture_deg`: {what}")));
+            let who = "the way from where the arm comes from (`posture_mm` if it has slides)";
+            check.needed::<()>("robot", "posture_deg", None, who);
         }
         let radians = self.posture_deg.unwrap_or_default().into_iter();
         let metres = self.posture_mm.unwrap_or_default().into_iter();

@@ -8,8 +8,6 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Points that are summed side by side.
 const LANES: usize = 4;
-/// Rows of a narrow patch, Gauss's rule of two: exact up to the third power of the place.
-const NARROW_ROWS_AT: [f64; 2] = [-0.577_350_269_189_625_8, 0.577_350_269_189_625_8];
 /// The belt's velocity changes by at most this part over a narrow patch: there two rows are exact to its fourth power.
 const NARROW: f64 = 0.02;
 
@@ -71,7 +69,7 @@ impl Patch {
             return;
         }
         if let Some(half_y) = self.is_narrow(face, sides, sliding) {
-            self.add_narrow(half_y, sliding, quadrature.across(), loads);
+            self.add_narrow(half_y, sliding, quadrature, loads);
             return;
         }
         let mut crossings = Vec::new();
@@ -117,16 +115,23 @@ impl Patch {
         (alike && sides.is_empty() && face.is_unbounded()).then_some(half_width_m)
     }
 
-    /// A narrow patch: pressures across it once, four side by side, in two rows.
-    fn add_narrow(&self, half_y: f64, sliding: &Sliding, across: &Across, loads: &mut PatchLoads) {
-        let c = self.contact_m;
+    /// A narrow patch: pressures across it once, four side by side, in two rows, which are exact up to the third power of the place.
+    fn add_narrow(
+        &self,
+        half_y: f64,
+        sliding: &Sliding,
+        quadrature: &Quadrature,
+        loads: &mut PatchLoads,
+    ) {
+        let (across, c) = (quadrature.across(), self.contact_m);
         let [vx, vy] = sliding.velocity_m_per_s.into();
         let rest_pa = self.at_rest_pa(across);
         let flatter = 1.0 / self.shape.radius_m();
         let approach = self.overlap_rate * sliding.approach_m_per_s;
         let damping = self.bed.damping_pa_s_per_m;
         let mut sums = Sums::default();
-        for y in NARROW_ROWS_AT.map(|at| at * half_y) {
+        for (node, weight) in quadrature.pair() {
+            let (y, width) = (node * half_y, weight * half_y);
             let u = vx - sliding.spin_rad_s * y;
             for k in (0..ACROSS_NODES).step_by(LANES) {
                 for lane in 0..LANES {
@@ -134,7 +139,7 @@ impl Patch {
                     let v = vy + sliding.spin_rad_s * x;
                     let pressure = rest_pa[k + lane] + damping * (approach - u * x * flatter);
                     let pressed = if pressure > 0.0 { pressure } else { 0.0 };
-                    let f = pressed * across.length[k + lane] * c * half_y;
+                    let f = pressed * across.length[k + lane] * c * width;
                     sums.add(lane, [x, y], [u, v], f, sliding.mu);
                 }
             }

@@ -29,6 +29,21 @@ fn loads(
     patch.loads(face, &pose, sliding, &Quadrature::new(n), |_| {})
 }
 
+/// Forces within a share of the whole, moments of that at the patch's reach.
+fn assert_close(found: &PatchLoads, expected: &PatchLoads, reach_m: f64, share: f64) {
+    let close = |a: f64, b: f64, of: f64| assert!((a - b).abs() < share * of, "{a} {b}");
+    let (normal, friction) = (expected.normal_n, expected.friction_n.norm());
+    close(found.normal_n, normal, normal);
+    close(found.sliding_w, expected.sliding_w, expected.sliding_w);
+    close(found.friction_n.x, expected.friction_n.x, friction);
+    close(found.friction_n.y, expected.friction_n.y, friction);
+    let lever = friction * reach_m;
+    close(found.spin_moment_n_m, expected.spin_moment_n_m, lever);
+    let (first, moment) = (found.first_moment_n_m, expected.first_moment_n_m);
+    close(first.x, moment.x, normal * reach_m);
+    close(first.y, moment.y, normal * reach_m);
+}
+
 #[test]
 fn verify_far_from_edges_it_is_the_free_law() {
     let face = Face::rectangle(0.1, 0.06).unwrap();
@@ -74,17 +89,7 @@ fn verify_a_whole_patch_is_the_sum_over_its_rings() {
             expected.add(Point2::new(x, y), force_n, &sliding);
         }
     }
-    let close = |a: f64, b: f64, of: f64| assert!((a - b).abs() < 1e-5 * of, "{a} {b}");
-    close(found.normal_n, expected.normal_n, expected.normal_n);
-    close(found.sliding_w, expected.sliding_w, expected.sliding_w);
-    let friction = expected.friction_n.norm();
-    close(found.friction_n.x, expected.friction_n.x, friction);
-    close(found.friction_n.y, expected.friction_n.y, friction);
-    let lever = friction * patch.contact_m();
-    close(found.spin_moment_n_m, expected.spin_moment_n_m, lever);
-    let first = expected.normal_n * patch.contact_m();
-    close(found.first_moment_n_m.x, expected.first_moment_n_m.x, first);
-    close(found.first_moment_n_m.y, expected.first_moment_n_m.y, first);
+    assert_close(&found, &expected, patch.contact_m(), 1e-5);
 }
 
 /// A belt's patch is summed in two rows where its velocity hardly changes, and by the rule for any patch on a face whose borders are far.
@@ -114,20 +119,7 @@ fn verify_a_narrow_patch_is_any_patch() {
         assert!(patch.is_narrow(&Face::unbounded(), &[], &sliding).is_some());
         let narrow = loads(&patch, &Face::unbounded(), at(0.0, 0.0, 0.0), &sliding, 12);
         let any = loads(&patch, &far, at(0.05, 0.03, 0.4), &sliding, 48);
-        let close = |a: f64, b: f64, of: f64| assert!((a - b).abs() < 1e-6 * of, "{a} {b}");
-        close(narrow.normal_n, any.normal_n, any.normal_n);
-        close(narrow.sliding_w, any.sliding_w, any.sliding_w);
-        let friction = any.friction_n.norm();
-        close(narrow.friction_n.x, any.friction_n.x, friction);
-        close(narrow.friction_n.y, any.friction_n.y, friction);
-        close(
-            narrow.spin_moment_n_m,
-            any.spin_moment_n_m,
-            friction * reach_m,
-        );
-        let first = any.normal_n * reach_m;
-        close(narrow.first_moment_n_m.x, any.first_moment_n_m.x, first);
-        close(narrow.first_moment_n_m.y, any.first_moment_n_m.y, first);
+        assert_close(&narrow, &any, reach_m, 1e-6);
     }
 }
 

@@ -5,15 +5,14 @@
 //! the normal of the face, so that the sum is the derivative of the strips' energies: no work is gained on a closed way.
 //! Strips do not hold one another: the rubber's stiffness along the axis is left out.
 
-use super::BeltSetup;
 use super::geometry::{FaceGeometry, Section};
+use super::{BeltSetup, RULES};
 use crate::process::ToolState;
 use nalgebra::{Isometry2, Isometry3, Point2, Point3, Vector2, Vector3};
 use truecut_core::wheel::belt::BeltWheel;
 use truecut_core::wheel::face::Face;
 use truecut_core::wheel::force_control::Offset;
 use truecut_core::wheel::patch::{EdgePoint, Patch, PatchLoads, Sliding};
-use truecut_core::wheel::quadrature::Quadrature;
 
 /// Strips of a wheel.
 pub(super) const STRIPS: usize = 9;
@@ -81,7 +80,8 @@ impl Contact {
     /// `edges` is given the reactions along borders of the face, with the strip that they belong to.
     pub fn of(
         setup: &BeltSetup,
-        (face, quadrature, seed): (&FaceGeometry, &Quadrature, Option<(usize, [f64; 2])>),
+        face: &FaceGeometry,
+        seed: Option<(usize, [f64; 2])>,
         state: &ToolState,
         carrier: &Offset,
         mut edges: impl FnMut(&Strip, &EdgePoint),
@@ -105,7 +105,6 @@ impl Contact {
         let press = Press {
             setup,
             face,
-            quadrature,
             motion: &motion,
             axis,
             radius_m,
@@ -205,7 +204,6 @@ fn sections(
 struct Press<'a> {
     setup: &'a BeltSetup,
     face: &'a FaceGeometry,
-    quadrature: &'a Quadrature,
     motion: &'a Motion,
     axis: Vector3<f64>,
     /// With the runout of this instant.
@@ -263,7 +261,7 @@ impl Press<'_> {
             &borders,
             &Isometry2::identity(),
             &strip.sliding,
-            self.quadrature,
+            &RULES,
             |point| edges(&reported, &point),
         );
         Some(strip)

@@ -180,8 +180,7 @@ impl Belt {
         let mut edges = Edges::new();
         let add = |strip: &Strip, point: &EdgePoint| edges.push((*strip, *point));
         let (setup, carrier) = (&self.setup, &self.carrier);
-        let near = (&self.face, &*RULES, self.seed);
-        let contact = Contact::of(setup, near, state, carrier, add);
+        let contact = Contact::of(setup, &self.face, self.seed, state, carrier, add);
         (contact, edges)
     }
 

@@ -7,12 +7,11 @@
 
 use super::rows::{Corners, Row, SLICES, Sections, is_in_reach};
 use super::section::Side;
-use super::{BrushSetup, Station};
+use super::{BrushSetup, RULES, Station};
 use crate::process::ToolState;
 use nalgebra::{Isometry3, Point3, Vector3};
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 use truecut_core::wheel::brush::Brush;
-use truecut_core::wheel::quadrature::Quadrature;
 
 /// An edge is reached over a face that stands by this sine at least to the bristles: along a face that runs with them no tip slides.
 const LEAST_FACING: f64 = 0.1;
@@ -68,7 +67,7 @@ pub(super) struct Contact {
 }
 
 impl Contact {
-    pub fn of(setup: &BrushSetup, quadrature: &Quadrature, state: &ToolState) -> Self {
+    pub fn of(setup: &BrushSetup, state: &ToolState) -> Self {
         let brush = setup.brush_at(state.time_s);
         let motion = Motion::of(setup, state);
         let mut contact = Self::default();
@@ -76,18 +75,12 @@ impl Contact {
         if triangles.is_empty() {
             return contact;
         }
-        // By the sine of an angle, in which a force that begins like a root is smooth.
-        let nodes = quadrature.nodes().iter().map(|(node, weight)| {
-            let (sine, cosine) = (FRAC_PI_2 * node).sin_cos();
-            (sine, weight * FRAC_PI_2 * cosine)
-        });
-        let nodes: Vec<(f64, f64)> = nodes.collect();
         let mut sections = Sections::new(&triangles, brush.radius_m);
         let mut met = Vec::new();
-        for row in sections.rows(brush.width_m, quadrature) {
+        for row in sections.rows(brush.width_m, &RULES) {
             sections.met(row.y_m, &mut met);
             for side in &met {
-                contact.press(&brush, &motion, &nodes, &row, side);
+                contact.press(&brush, &motion, RULES.by_sine(), &row, side);
             }
         }
         for place in under(&brush, &motion, &setup.stations) {

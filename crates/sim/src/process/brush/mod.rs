@@ -18,15 +18,15 @@ use contact::Contact;
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 use report::Watch;
 use std::f64::consts::TAU;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use truecut_core::wheel::brush::Brush;
 use truecut_core::wheel::edge_wear::EdgeWear;
 use truecut_core::wheel::quadrature::Quadrature;
 use truecut_plan::surface::Mesh;
 use truecut_recording::{ChannelSpec, Field, Unit as Measure};
 
-/// Nodes over a side of a slice.
-const NODES: usize = 8;
+/// Eight nodes over a side of a row; a search makes thousands of brushes.
+static RULES: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::new(8));
 
 /// A place of an edge, and the piece about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,7 +76,6 @@ impl BrushSetup {
 #[derive(Debug, Clone)]
 pub struct BrushProcess {
     setup: BrushSetup,
-    quadrature: Quadrature,
     /// `∫ ρ n v dt` of each station, J/m².
     dose_j_per_m2: Vec<f64>,
     watch: Watch,
@@ -100,7 +99,6 @@ struct Last {
 impl BrushProcess {
     pub fn new(setup: BrushSetup) -> Self {
         Self {
-            quadrature: Quadrature::new(NODES),
             dose_j_per_m2: vec![0.0; setup.stations.len()],
             watch: Watch::default(),
             last: Last::default(),
@@ -170,7 +168,7 @@ impl Process for BrushProcess {
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let contact = Contact::of(&self.setup, &self.quadrature, state);
+        let contact = Contact::of(&self.setup, state);
         let mut loads = Loads::default();
         loads.wrenches.push(Wrench {
             frame: Attachment::Tool,
@@ -184,7 +182,7 @@ impl Process for BrushProcess {
     fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
         // What is removed and recorded is what acted: the contact of the loads, met with the velocity foreseen for this instant.
         let met = self.met.take(state.time_s);
-        let contact = met.unwrap_or_else(|| Contact::of(&self.setup, &self.quadrature, state));
+        let contact = met.unwrap_or_else(|| Contact::of(&self.setup, state));
         for (station, dose_w_per_m2) in &contact.doses_w_per_m2 {
             self.dose_j_per_m2[*station] += dose_w_per_m2 * dt_s;
         }
@@ -231,10 +229,7 @@ impl Process for BrushProcess {
         let depth_m = 0.05 * p.brush.free_length_m;
         let step_m = 1e-3 * depth_m;
         let reach_m = p.brush.radius_m;
-        let force = |d: f64| {
-            p.brush
-                .normal_force_n(d, -reach_m, reach_m, &self.quadrature)
-        };
+        let force = |d: f64| p.brush.normal_force_n(d, -reach_m, reach_m, &RULES);
         vec![ContactStiffness {
             frame: Attachment::Tool,
             direction: p.process_from_world * p.approach,

@@ -13,8 +13,6 @@ pub(super) const SLICES: usize = 128;
 const WITHIN: f64 = 1e-3;
 /// Stretches whose sides change by less are even enough for two rows: their sums are right to the third power of that.
 const EVEN: f64 = 0.01;
-/// Where these two rows are, Gauss's rule.
-const PAIR: [f64; 2] = [-0.577_350_269_189_625_8, 0.577_350_269_189_625_8];
 /// A mesh with more corners under the brush is looked at slice by slice.
 const MOST_CORNERS: usize = SLICES / 8;
 
@@ -97,7 +95,7 @@ impl<'a> Sections<'a> {
                 false => self.stretch(middle_m, half_m - WITHIN * slice_m),
             };
             match stretch {
-                Stretch::Even => rows.extend(PAIR.map(|at| row((at, 1.0)))),
+                Stretch::Even => rows.extend(rule.pair().iter().copied().map(row)),
                 Stretch::Broken if slices > rule.largest() as f64 => {
                     let place = |k: usize| (2 * k + 1) as f64 / slices - 1.0;
                     rows.extend((0..slices as usize).map(|k| row((place(k), 2.0 / slices))));
