@@ -6,8 +6,10 @@ speeds and depths as the bench's diagrams of one and two modes; a grid of 20 x 2
 multiplied by 25.
 
     python benches/lobes_numpy.py
+    python benches/lobes_numpy.py --short    (one point of each diagram: whether it runs, not how fast)
 """
 
+import sys
 import time
 
 import numpy as np
@@ -72,16 +74,17 @@ def multiplier(modes, matrices, period, depth):
 
 
 def main():
+    points = 1 if "--short" in sys.argv else 20
     matrices = [directional(i) for i in range(STEPS)]
     for name, modes in MODES.items():
         started = time.perf_counter()
         total = 0.0
-        for i in range(20):
+        for i in range(points):
             period = 6e-3 / (1 + 4 * (i * 5) / 100)
-            for j in range(20):
+            for j in range(points):
                 total += multiplier(modes, matrices, period, 4e-3 * (j * 5 + 1) / 100)
-        seconds = 25 * (time.perf_counter() - started)
-        print(f"{name}, 100 x 100: {seconds:.1f} s (sum over 20 x 20 points {total:.6f})")
+        seconds = (100 / points) ** 2 * (time.perf_counter() - started)
+        print(f"{name}, 100 x 100: {seconds:.1f} s (sum over {points} x {points} points {total:.6f})")
 
 
 if __name__ == "__main__":

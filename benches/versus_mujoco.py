@@ -5,11 +5,13 @@ a list of steps whose tool error stays below 0.1 %. MuJoCo is driven as a machin
 is applied anew in every step. Both are timed in this one run, so that the ratio does not depend on the
 machine's mood.
 
-    python benches/versus_mujoco.py          (after: cargo build --release)
+    python benches/versus_mujoco.py            (after: cargo build --release)
+    python benches/versus_mujoco.py --short    (three steps, timed once: whether it runs, not how fast)
 """
 
 import json
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -21,9 +23,10 @@ ROOT = Path(__file__).resolve().parent.parent
 SCENARIO = ROOT / "scenarios/arm/static_load.toml"
 SIMULATED_S = 2.0
 SAMPLE_S = 0.01
-STEPS_MS = [0.025, 0.05, 0.1, 0.125, 0.2, 0.25, 0.5, 0.625, 1.0, 1.25, 2.0, 2.5, 5.0]
+SHORT = "--short" in sys.argv
+STEPS_MS = [0.25, 1.0, 5.0] if SHORT else [0.025, 0.05, 0.1, 0.125, 0.2, 0.25, 0.5, 0.625, 1.0, 1.25, 2.0, 2.5, 5.0]
 LIMIT = 1e-3
-REPEATS = 5
+REPEATS = 1 if SHORT else 5
 
 
 def load_model():
@@ -87,6 +90,7 @@ def mujoco_rows(model, integrator, reference):
 
 def truecut_best():
     command = ["cargo", "bench", "-q", "--profile", "release", "-p", "truecut-sim", "--bench", "forced_arm"]
+    command += ["--", "--test"] if SHORT else []
     output = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
     return largest_good(json.loads(output.strip().splitlines()[-1]))
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Runs every test: `cargo test` over the workspace, then the cross-checks against MuJoCo and the fast part of the
-hidden-effects bench.
+"""Runs every test: `cargo test` over the workspace, then the tests in Python: reference numbers computed anew,
+cross-checks against MuJoCo, the fast part of the hidden-effects bench, the commands that the documents show.
 
-Makes `.venv` with the pinned packages of `tests/requirements.txt` on the first call. The last line sums up both
-parts as `N passed, M failed`; the exit code is 0 only if nothing failed.
+Makes `.venv` with the pinned packages of `tests/requirements.txt` on the first call. Tests that are skipped are named
+with their reason. The last line sums up both parts as `N passed, N failed, N skipped`; the exit code is 0 only if
+nothing failed.
 """
 
 from __future__ import annotations
@@ -16,24 +17,30 @@ import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 REQUIREMENTS = ROOT / "tests" / "requirements.txt"
 ENVIRONMENT = ROOT / ".venv"
-PYTHON_TESTS = (ROOT / "tests" / "crosscheck", ROOT / "tests" / "hidden_effects")
+PYTHON_FOLDERS = ("reference", "crosscheck", "hidden_effects", "docs")
+PYTHON_TESTS = tuple(ROOT / "tests" / folder for folder in PYTHON_FOLDERS)
 OLDEST_PYTHON = (3, 10)
 
 
 class Counts(NamedTuple):
-    """How many tests passed and failed."""
+    """How many tests passed and failed, and each that was skipped: its name, with the reason if one is given."""
 
     passed: int
     failed: int
+    skipped: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        return f"{self.passed} passed, {self.failed} failed"
+        return f"{self.passed} passed, {self.failed} failed, {len(self.skipped)} skipped"
+
+    def __add__(self, other: Counts) -> Counts:
+        return Counts(self.passed + other.passed, self.failed + other.failed, self.skipped + other.skipped)
 
 
 def find_python() -> str:
@@ -64,50 +71,70 @@ def environment() -> Path:
     return python
 
 
+# what `cargo test` prints of a suite, and of a test that was left out
+SUITE = re.compile(r"^test result: \w+\. (\d+) passed; (\d+) failed; (\d+) ignored;")
+IGNORED = re.compile(r"^test (.+?)\s+\.\.\. ignored(?:, | \()?(.*?)\)?$")
+
+
+def count_cargo(lines: Iterable[str]) -> Counts:
+    """Sums up the lines that `cargo test` prints, which are passed on."""
+    passed = failed = ignored = 0
+    skipped = []
+    for line in lines:
+        print(line, end="", flush=True)
+        if suite := SUITE.match(line):
+            passed, failed, ignored = (a + int(b) for a, b in zip((passed, failed, ignored), suite.groups()))
+        elif left_out := IGNORED.match(line.rstrip("\n")):
+            skipped.append(": ".join(filter(None, left_out.groups())))
+    # one whose line could not be read is still counted
+    skipped.extend(["a test of the Rust part"] * (ignored - len(skipped)))
+    return Counts(passed, failed, tuple(skipped))
+
+
 def run_cargo(python: Path) -> Counts:
     """All Rust tests. A build that fails counts as one failure."""
     command = ["cargo", "test", "--release", "--workspace", "--no-fail-fast"]
     variables = os.environ | {"TRUECUT_PYTHON": str(python)}
-    result = re.compile(r"^test result: \w+\. (\d+) passed; (\d+) failed;")
-    passed = failed = 0
     with subprocess.Popen(command, cwd=ROOT, env=variables, stdout=subprocess.PIPE, text=True) as process:
-        for line in process.stdout:
-            print(line, end="", flush=True)
-            found = result.match(line)
-            if found:
-                passed += int(found[1])
-                failed += int(found[2])
+        counts = count_cargo(process.stdout)
     if process.returncode != 0:
-        failed = max(failed, 1)
-    return Counts(passed, failed)
+        counts = counts._replace(failed=max(counts.failed, 1))
+    return counts
+
+
+def count_pytest(report: Path) -> Counts:
+    """Sums up a JUnit report."""
+    cases = list(ElementTree.parse(report).getroot().iter("testcase"))
+    failed = sum(1 for case in cases if case.find("failure") is not None or case.find("error") is not None)
+    found = [(case.get("name"), case.find("skipped")) for case in cases]
+    skipped = tuple(f"{name}: {skip.get('message')}" for name, skip in found if skip is not None)
+    return Counts(len(cases) - failed - len(skipped), failed, skipped)
 
 
 def run_pytest(python: Path) -> Counts:
-    """The cross-checks. A test that is skipped counts as failed: nothing here may be left out quietly."""
+    """All Python tests."""
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.xml"
         # MuJoCo runs on one core: files of tests run side by side
         side_by_side = ["-n", "auto", "--dist", "loadfile"]
         command = [python, "-m", "pytest", "-q", *side_by_side, f"--junitxml={report}", *PYTHON_TESTS]
         ended = subprocess.run(command, cwd=ROOT)
-        if not report.exists():
-            return Counts(0, 1)
-        suites = ElementTree.parse(report).getroot().iter("testsuite")
-        counts = [{key: int(suite.get(key, 0)) for key in ("tests", "failures", "errors", "skipped")} for suite in suites]
-    tests = sum(count["tests"] for count in counts)
-    failed = sum(count["failures"] + count["errors"] + count["skipped"] for count in counts)
+        counts = count_pytest(report) if report.exists() else Counts(0, 1)
     if ended.returncode != 0:
-        failed = max(failed, 1)
-    return Counts(max(tests - failed, 0), failed)
+        counts = counts._replace(failed=max(counts.failed, 1))
+    return counts
 
 
 def main() -> int:
     """Runs both parts, whatever comes of the first."""
     python = environment()
     rust = run_cargo(python)
-    crosscheck = run_pytest(python)
-    total = Counts(rust.passed + crosscheck.passed, rust.failed + crosscheck.failed)
-    print(f"\ncargo test: {rust}\ncross-checks: {crosscheck}\n{total}")
+    scripts = run_pytest(python)
+    total = rust + scripts
+    print(f"\ncargo test: {rust}\nPython: {scripts}")
+    for test in total.skipped:
+        print(f"skipped: {test}")
+    print(total)
     return 0 if total.failed == 0 else 1
 
 

@@ -1,29 +1,28 @@
 //! What the files of a run cost: one pass of `backward_sufficient` without any, and with all three.
 //!
 //! Both kinds of run alternate, so that the ratio does not depend on the machine's mood; the fastest of
-//! each counts.
+//! each counts. With `--test` each run is made once.
 
 use std::path::Path;
 use std::time::Instant;
 
-use truecut_recording::{Recorder, Sink};
+use truecut_recording::Sink;
 use truecut_scenario::Scenario;
-use truecut_sim::Cell;
+use truecut_sim::run::{Claims, Run};
 use truecut_telemetry::{Background, IpcSink, ParquetSink, RrdSink};
 
 const REPEATS: usize = 15;
 
 /// Wall time from the built cell to the closed files, s.
 fn run(scenario: &Scenario, sinks: Vec<Box<dyn Sink + Send>>) -> f64 {
-    let cell = Cell::build(scenario).unwrap_or_else(|e| panic!("{e}"));
     let start = Instant::now();
-    let mut recorder = Recorder::new(cell.header(), sinks).expect("sinks");
-    let end = cell.run(&mut recorder, &|_| {}).expect("a run");
-    let (recording, sinks) = recorder
-        .finish(end.scalars, end.profiles, end.outcome)
-        .expect("the end");
-    sinks.close(&recording, &[]).expect("closed files");
-    start.elapsed().as_secs_f64()
+    let run = Run {
+        sinks,
+        claims: Claims::Ignore,
+        ..Run::of(scenario)
+    };
+    let finished = run.execute().unwrap_or_else(|e| panic!("{e}"));
+    start.elapsed().as_secs_f64() - finished.build_s
 }
 
 fn files(folder: &Path) -> Vec<Box<dyn Sink + Send>> {
@@ -41,7 +40,8 @@ fn main() {
     let scenario = Scenario::load(&path, &[]).unwrap_or_else(|e| panic!("{e:?}"));
     let folder = tempfile::tempdir().expect("a folder");
     let (mut without, mut with) = (f64::INFINITY, f64::INFINITY);
-    for _ in 0..REPEATS {
+    let once = std::env::args().any(|argument| argument == "--test");
+    for _ in 0..if once { 1 } else { REPEATS } {
         without = without.min(run(&scenario, Vec::new()));
         with = with.min(run(&scenario, files(folder.path())));
     }

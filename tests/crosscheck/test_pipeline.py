@@ -1,7 +1,7 @@
 """Before any trajectory: is it the same machine? Masses and inertias, frames, command, mass matrix, modes, in order.
 
 Three descriptions meet here: the model that truecut exports, MuJoCo's own reading of the same URDF (with robot.toml),
-and what `truecut robot --json` says of itself. The arm also meets a model written by hand from the specification.
+and what `truecut robot --json` says of itself. The arm also meets a model written by hand from `docs/physics/arm.md`.
 """
 
 from __future__ import annotations
@@ -162,7 +162,7 @@ def test_crosscheck_mujoco_stiffness_at_the_tool(machine):
 
 
 def test_crosscheck_mujoco_arm_is_the_specified_one(truecut, tmp_path):
-    """The asset against the hand-written surrogate of the specification, masses times 0.82: mass, tool, modes."""
+    """The asset against the hand-written surrogate of `docs/physics/arm.md`, masses times 0.82: mass, tool, modes."""
     machine = Machine(truecut, tmp_path, "irb6600_175_255", SOURCE_A, [])
     by_hand = Plant(models.irb6600(inertia_scale=0.82), machine.scenario.robot)
     difference = np.abs(machine.exported.mass_matrix() - by_hand.mass_matrix()).max()

@@ -1,4 +1,4 @@
-"""The reference itself against closed forms and the published figures of specification section 1.
+"""The reference itself against closed forms and the figures of `docs/physics/vibration.md`.
 
 A second opinion is worth what it is checked by: each law below is held to a formula before it is used to judge truecut.
 Nothing here needs the truecut program.
@@ -27,7 +27,7 @@ PRELOAD_N = 2 * 0.3e6 * 0.25 * math.pi * 0.032**2
 
 
 def chamfer(robot=None, **changes) -> scenario_file.Scenario:
-    """Source A's forward chamfer with the given keys changed; `foot` and `cutting` are merged."""
+    """The published forward chamfer with the given keys changed; `foot` and `cutting` are merged."""
     foot = {"pressure_mpa": 0.3, "seal_stiction_n": 0.0} | changes.pop("foot", {})
     body = {
         "direction": "forward",
@@ -294,7 +294,7 @@ def recorded(result, every: int = 20, **wrong) -> compare.Recording:
 
 @pytest.fixture(scope="module")
 def sliding_run():
-    """Source A's forward chamfer on the planar rig, coarse."""
+    """The published forward chamfer on the planar rig, coarse."""
     spec = chamfer()
     return spec, simulate(spec, models.planar_rig(), 1e-4)
 

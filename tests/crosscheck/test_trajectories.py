@@ -85,7 +85,7 @@ LAWS = {
 def load_scenario(
     folder: Path, name: str, robot: str, load: str, duration_s: float = 2.0, keys: str = "", posture: list | None = None
 ) -> Path:
-    """A scenario file with given forces; the arm stands at source A's posture unless another is given."""
+    """A scenario file with given forces; the arm stands at the posture of Dong et al. unless another is given."""
     if posture is None:
         posture = list(models.SOURCE_A_POSTURE_DEG) if robot.startswith("irb") else []
     path = folder / f"{name}.toml"

@@ -1,7 +1,8 @@
 //! Diagnosis of one prismatic servo axis: what the frictionless model of the EMPS lacks.
 
 use crate::support::{
-    PUBLISHED_FILTER, data_file, diagnosed, extended, measured, named, relative, residual, scenario,
+    NoData, PUBLISHED_FILTER, data_file, diagnosed, extended, measured, named, relative, residual,
+    scenario,
 };
 use truecut_discrepancy::diagnose::Verdict;
 use truecut_scenario::effect::EffectKind;
@@ -9,15 +10,9 @@ use truecut_sim::InverseModel;
 
 /// Published: mass 95.1 kg, Coulomb friction 20.4 N, viscous friction 203.5 N s/m in the mean of both directions, which differ.
 /// Stribeck's excess gains next to nothing. Published error on the recording with pulses: 5.5 %.
-#[test]
-fn validate_emps_friction_is_named_and_stribeck_is_not() {
-    let name = "validate_emps_friction_is_named_and_stribeck_is_not";
-    let Some(fitted) = data_file(name, "emps/DATA_EMPS.csv") else {
-        return;
-    };
-    let Some(held_out) = data_file(name, "emps/DATA_EMPS_PULSES.csv") else {
-        return;
-    };
+pub fn validate_emps_friction_is_named_and_stribeck_is_not() -> Result<(), NoData> {
+    let fitted = data_file("emps/DATA_EMPS.csv")?;
+    let held_out = data_file("emps/DATA_EMPS_PULSES.csv")?;
     let nominal = scenario("emps_inverse.toml");
     let answer = diagnosed(&nominal, &fitted);
     assert_eq!(answer.diagnosis.verdict, Verdict::Named);
@@ -55,4 +50,5 @@ fn validate_emps_friction_is_named_and_stribeck_is_not() {
     let error = relative(&test, 0, &residual(&test, 0, &[]), all);
     eprintln!("held out: {:.2} %", 100.0 * error);
     assert!(error < 0.058, "held out: {error}");
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Drive forces from measured motion, against measured ones.
 
 use crate::support::{
-    PUBLISHED_FILTER, data_file, fit, measured, on_joint, relative, residual, scenario,
+    NoData, PUBLISHED_FILTER, data_file, fit, measured, on_joint, relative, residual, scenario,
 };
 use nalgebra::{DMatrix, DVector};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
@@ -43,15 +43,9 @@ fn emps_error(train: &InverseModel, test: &InverseModel, effects: &[Effect]) -> 
 
 /// The published errors of three friction models on the recording with pulses, each fitted to the other
 /// recording: 17.0 %, 6.1 % and 5.5 %; mass 95.1 kg.
-#[test]
-fn validate_emps_inverse_dynamics_error_is_the_published_one() {
-    let name = "validate_emps_inverse_dynamics_error_is_the_published_one";
-    let Some(train) = data_file(name, "emps/DATA_EMPS.csv") else {
-        return;
-    };
-    let Some(test) = data_file(name, "emps/DATA_EMPS_PULSES.csv") else {
-        return;
-    };
+pub fn validate_emps_inverse_dynamics_error_is_the_published_one() -> Result<(), NoData> {
+    let train = data_file("emps/DATA_EMPS.csv")?;
+    let test = data_file("emps/DATA_EMPS_PULSES.csv")?;
     let (train, test) = (emps(&train), emps(&test));
     let one = |kind, values: &[f64]| on_joint(kind, 0, values);
     let viscous = one(EffectKind::JointViscous, &[1.0]);
@@ -83,6 +77,7 @@ fn validate_emps_inverse_dynamics_error_is_the_published_one() {
     let (sizes, error) = emps_error(&train, &test, &effects);
     assert!((error - 0.055).abs() < 0.0005, "with asymmetry: {error}");
     assert!(sizes[1] > 1.3 * sizes[0], "the slow direction: {sizes:?}");
+    Ok(())
 }
 
 /// Columns that the drive torques of the UR10e are linear in: ten inertial parameters a link, and for each joint
@@ -177,15 +172,9 @@ fn ur10e(name: &str, from_s: f64, file: &std::path::Path) -> (InverseModel, Vec<
 /// Reference errors of the torques of joints 1 to 6 in the held-out part, in per cent: an identified arm without
 /// payload; the same with a payload that the model lacks; the model with that payload's mass and centre.
 /// Filters and split of the reference are not stated, so that the agreement to expect is one of a few points.
-#[test]
-fn validate_ur10e_torque_errors_without_and_with_the_payload() {
-    let name = "validate_ur10e_torque_errors_without_and_with_the_payload";
-    let Some(unloaded) = data_file(name, "ur10e/ur-20_02_19_14harm50sec.csv") else {
-        return;
-    };
-    let Some(loaded) = data_file(name, "ur10e/ur-20_02_19_14harm50secLoad.csv") else {
-        return;
-    };
+pub fn validate_ur10e_torque_errors_without_and_with_the_payload() -> Result<(), NoData> {
+    let unloaded = data_file("ur10e/ur-20_02_19_14harm50sec.csv")?;
+    let loaded = data_file("ur10e/ur-20_02_19_14harm50secLoad.csv")?;
     let (model, torques) = ur10e("ur10e_inverse.toml", 838.965, &unloaded);
     let samples = torques[0].len();
     let (train, test) = (0..samples * 3 / 5, samples * 3 / 5..samples);
@@ -245,4 +234,5 @@ fn validate_ur10e_torque_errors_without_and_with_the_payload() {
         (0.05..0.3).contains(&aside),
         "centre {aside} m off the axis of the flange"
     );
+    Ok(())
 }

@@ -9,17 +9,17 @@ use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 use truecut_sim::InverseModel;
 
-/// A file of measured data; `None`, said on standard error with the test's name, if there is none.
-pub fn data_file(test: &str, file: &str) -> Option<PathBuf> {
-    let Some(folder) = std::env::var_os("TRUECUT_DATA") else {
-        eprintln!("skipped: {test} (TRUECUT_DATA names no folder of measured data)");
-        return None;
-    };
+/// There is no measured data: `TRUECUT_DATA` names no folder.
+pub struct NoData;
+
+/// A file of measured data. One that is missing from a folder that is named is a failure.
+pub fn data_file(file: &str) -> Result<PathBuf, NoData> {
+    let folder = std::env::var_os("TRUECUT_DATA").ok_or(NoData)?;
     // Relative to the repository, where the tests are started from.
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let path = repository.join(folder).join(file);
     assert!(path.exists(), "{} does not exist", path.display());
-    Some(path)
+    Ok(path)
 }
 
 /// A shipped replay scenario.
@@ -54,7 +54,7 @@ pub fn diagnosed_with(scenario: &Scenario, file: &Path, options: &Options) -> An
 pub fn extended_text(scenario: &Scenario, answer: &Answer) -> String {
     let refitted = scenario.uncertain.iter().zip(&answer.nominal);
     let overrides: Vec<(String, String)> = refitted
-        .map(|(parameter, value)| (parameter.key.clone(), format!("{value:?}")))
+        .map(|(parameter, value)| (parameter.key.clone(), parameter.written(*value)))
         .collect();
     let refitted = (scenario.with_overrides(&overrides)).unwrap_or_else(|e| panic!("{e}"));
     let drives = scenario.robot != truecut_scenario::RobotSpec::NONE;

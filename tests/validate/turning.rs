@@ -3,13 +3,12 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use crate::support::{data_file, diagnosed, extended, measured, named, scenario};
+use crate::support::{NoData, data_file, diagnosed, extended, measured, named, scenario};
 use truecut_discrepancy::compare::{ChannelComparison, compare_recordings};
 use truecut_discrepancy::diagnose::Verdict;
-use truecut_recording::Recording;
 use truecut_scenario::effect::EffectKind;
 use truecut_scenario::{ProcessSpec, Scenario};
-use truecut_sim::replay::predict::predict;
+use truecut_sim::run::{Claims, Run};
 
 /// What `truecut compare` says of the passive force, the largest.
 fn compared(scenario: &Scenario, file: &Path) -> ChannelComparison {
@@ -18,15 +17,15 @@ fn compared(scenario: &Scenario, file: &Path) -> ChannelComparison {
     };
     let turning = replay.turning.expect("a turning cut");
     let data = measured(scenario, file);
-    let prediction = predict(scenario, &data).unwrap().expect("no plant");
-    let recording = Recording {
-        header: prediction.header,
-        time_s: data.time_s.clone(),
-        columns: prediction.columns,
-        ..Recording::default()
+    let run = Run {
+        measured: Some(&data),
+        claims: Claims::Ignore,
+        ..Run::of(scenario)
     };
+    let finished = run.execute().unwrap();
+    let compared = finished.compared.expect("no plant");
     let speed = Some(turning.spindle_rad_s / TAU);
-    let all = compare_recordings(&recording, &prediction.measured, speed).unwrap();
+    let all = compare_recordings(&finished.recording, &compared, speed).unwrap();
     let mut channels = all.channels.into_iter();
     channels
         .find(|one| one.channel == "dynamometer.force_z")
@@ -44,12 +43,8 @@ fn line(channel: &ChannelComparison, per_revolution: u32) -> f64 {
 
 /// Once per revolution (17.6 Hz) the workpiece runs out; that is named. Three times per revolution the chuck's jaws show: no effect of the
 /// library does that, so it is described, before and after, and given no name.
-#[test]
-fn validate_turning_runout_is_named_and_the_chuck_is_described() {
-    let name = "validate_turning_runout_is_named_and_the_chuck_is_described";
-    let Some(file) = data_file(name, "turning_forces/f416_a100.csv") else {
-        return;
-    };
+pub fn validate_turning_runout_is_named_and_the_chuck_is_described() -> Result<(), NoData> {
+    let file = data_file("turning_forces/f416_a100.csv")?;
     let nominal = scenario("turning.toml");
     let answer = diagnosed(&nominal, &file);
     assert_eq!(
@@ -75,4 +70,5 @@ fn validate_turning_runout_is_named_and_the_chuck_is_described() {
         "once per revolution"
     );
     assert!(after.1 > 2.5 && after.1 > 0.9 * before.1, "three times");
+    Ok(())
 }

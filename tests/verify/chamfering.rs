@@ -141,7 +141,7 @@ fn verify_equivalent_viscous_law_has_the_papers_threshold() {
 /// Halving the step quarters the change of the result, stick and slip included: the slip events fall
 /// between steps, but friction acts by its mean over each step.
 #[test]
-fn verify_peak_displacement_converges_in_the_time_step() {
+fn regress_peak_displacement_converges_in_the_time_step() {
     let peak = |step: &str| {
         peak_3d(&run(
             "chamfer/forward_300.toml",

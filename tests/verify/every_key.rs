@@ -1,10 +1,10 @@
 //! Every numeric key of a scenario changes what its run gives. A key that did not would be a promise that
 //! the simulator does not keep.
 
-use crate::support::repository;
+use crate::support::{recording, repository};
 use truecut_recording::Recording;
 use truecut_scenario::Scenario;
-use truecut_sim::sweep::record;
+use truecut_sim::run::Engine;
 
 const CHAMFER: &str = r#"
 name = "every key"
@@ -331,7 +331,7 @@ burr_thickness_mm = 0.05
 fn run(text: &str, overrides: &[(String, String)]) -> Recording {
     let at = repository().join("scenarios/arm/every_key.toml");
     let scenario = Scenario::from_str(&at, text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
-    record(&scenario, overrides).unwrap_or_else(|e| panic!("{overrides:?}: {e}"))
+    recording(Engine::Rapier, &scenario, overrides)
 }
 
 /// What a run gives: all channels, scalars and profiles.
@@ -401,40 +401,40 @@ fn check(text: &str, least: usize) {
 }
 
 #[test]
-fn verify_every_key_of_chamfering_counts() {
+fn every_key_of_chamfering_counts() {
     check(CHAMFER, 28);
 }
 
 #[test]
-fn verify_every_key_of_the_wheel_counts() {
+fn every_key_of_the_wheel_counts() {
     check(WHEEL, 12);
 }
 
 #[test]
-fn verify_every_key_of_milling_counts() {
+fn every_key_of_milling_counts() {
     check(MILLING, 25);
     check(MILLING_FROM_THE_POSTURE, 9);
 }
 
 #[test]
-fn verify_every_key_of_polishing_counts() {
+fn every_key_of_polishing_counts() {
     check(POLISH, 34);
     check(POLISH_HELD, 24);
 }
 
 #[test]
-fn verify_every_key_of_belt_finishing_counts() {
+fn every_key_of_belt_finishing_counts() {
     check(&belt(BELT_KEYS, ""), 14);
     check(&belt("", BELT_HELD), 15);
     check(&belt("", BELT_COMPLIANT), 16);
 }
 
 #[test]
-fn verify_every_key_of_brushing_counts() {
+fn every_key_of_brushing_counts() {
     check(BRUSH, 17);
 }
 
 #[test]
-fn verify_every_key_of_given_loads_counts() {
+fn every_key_of_given_loads_counts() {
     check(LOAD, 13);
 }

@@ -1,9 +1,9 @@
-//! The friction tables of the physics specification, section 1, run through the whole simulator on the
+//! The friction tables of `docs/physics/vibration.md`, run through the whole simulator on the
 //! planar rig: rapier, the contact solver and the foot, with the numbers of an independent integration.
 //!
 //! What breaks if this is wrong: a friction that creeps or is split by axes gives the paper's amplitudes
-//! (62 % too small near the threshold) or none; see `core::vibration` for the same tables on two bare
-//! oscillators.
+//! (62 % too small near the threshold) or none; see `crates/core/tests/planar_oscillator.rs` for
+//! the same tables on two bare oscillators.
 
 use crate::support::{amplitude, channel, lateral_peak, run_text};
 

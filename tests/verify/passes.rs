@@ -48,7 +48,7 @@ fn effect(kind: EffectKind, target: Target, value: f64) -> Effect {
 }
 
 #[test]
-fn verify_every_pass_is_the_same_run_from_its_own_start() {
+fn every_pass_is_the_same_run_from_its_own_start() {
     let scenario = scenario("chamfer.toml");
     let predicted = |late_s: f64| {
         let trial =
@@ -79,7 +79,7 @@ fn verify_every_pass_is_the_same_run_from_its_own_start() {
 
 /// Sensors are applied to runs that are kept; the scenario that has the machine's effect already is run with all of them.
 #[test]
-fn verify_sensors_measure_a_kept_run_as_a_run_of_their_own() {
+fn sensors_measure_a_kept_run_as_a_run_of_their_own() {
     let scenario = scenario("chamfer.toml");
     let data = measured(&scenario, 0.0);
     let machine = effect(EffectKind::CuttingCoefficient, Target::Whole, 1.15);

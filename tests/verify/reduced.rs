@@ -1,17 +1,10 @@
 //! The linearised, exactly stepped arm beside the arm in rapier, and beside closed forms.
 
-use crate::support::{channel, repository, scalar, scenario};
+use crate::support::{channel, recording, repository, scalar, scenario};
 use std::path::Path;
-use truecut_recording::{Outcome, Recorder, Recording, Window, compare};
+use truecut_recording::{Outcome, Recording, Window, compare};
 use truecut_scenario::Scenario;
-use truecut_sim::Cell;
-
-fn record(cell: Cell) -> Recording {
-    let mut recorder = Recorder::new(cell.header(), Vec::new()).expect("no sinks");
-    let end = (cell.run(&mut recorder, &|_| {})).unwrap_or_else(|e| panic!("{e}"));
-    let finished = recorder.finish(end.scalars, end.profiles, end.outcome);
-    finished.expect("no sinks").0
-}
+use truecut_sim::run::{Engine, Run};
 
 fn overridden(scenario: &Scenario, overrides: &[(&str, &str)]) -> Scenario {
     let overrides: Vec<_> = (overrides.iter())
@@ -21,7 +14,7 @@ fn overridden(scenario: &Scenario, overrides: &[(&str, &str)]) -> Scenario {
 }
 
 fn reduced(scenario: &Scenario) -> Recording {
-    record(Cell::build_reduced(scenario).unwrap_or_else(|e| panic!("{e}")))
+    recording(Engine::REDUCED, scenario, &[])
 }
 
 fn text(body: &str) -> Scenario {
@@ -65,11 +58,11 @@ const BOUNDS: [(&str, [f64; 2], [f64; 2]); 12] = [
 ];
 
 #[test]
-fn verify_reduced_against_rapier_on_every_shipped_scenario() {
+fn regress_reduced_against_rapier_on_every_shipped_scenario() {
     let mut far = Vec::new();
     for (name, own_step, rapiers_step) in BOUNDS {
         let scenario = scenario(name);
-        let theirs = record(Cell::build(&scenario).unwrap_or_else(|e| panic!("{e}")));
+        let theirs = recording(Engine::Rapier, &scenario, &[]);
         let step_ms = format!("{:?}", 1e3 * scalar(&theirs, "run.time_step"));
         let same_step = overridden(&scenario, &[("run.time_step_ms", &step_ms)]);
         let runs = [
@@ -94,7 +87,7 @@ fn verify_reduced_against_rapier_on_every_shipped_scenario() {
 }
 
 #[test]
-fn verify_every_shipped_scenario_is_compared() {
+fn every_shipped_scenario_is_compared() {
     let root = repository().join("scenarios");
     for folder in ["arm", "chamfer", "wheel"] {
         for entry in std::fs::read_dir(root.join(folder)).expect("shipped") {
@@ -205,12 +198,12 @@ fn verify_force_drive_of_the_rig_is_a_parabola() {
 
 /// Free revolute joints: the arm falls. Mass is renewed along the way, velocity products act.
 #[test]
-fn verify_a_falling_arm_against_rapier() {
+fn regress_a_falling_arm_against_rapier() {
     let body = "name = \"arm\"\n[robot]\nurdf = \"../../assets/robots/irb6600_175_255/robot.urdf\"\n\
                 posture_deg = [10, -5, 10, 5, 20, 0]\ndrive = \"force\"\n\
                 [run]\nduration_s = 0.35\ntime_step_ms = 0.25\n[process.load]\nconstant_n = [0.0, 50.0, 0.0]\n";
     let scenario = text(body);
-    let theirs = record(Cell::build(&scenario).unwrap_or_else(|e| panic!("{e}")));
+    let theirs = recording(Engine::Rapier, &scenario, &[]);
     let ours = reduced(&scenario);
     assert_eq!(ours.outcome, Outcome::Completed);
     let apart = compare(&theirs, &ours, &TOOL, Window::default()).expect("same channels");
@@ -221,7 +214,7 @@ fn verify_a_falling_arm_against_rapier() {
 /// Servo drives: rotors turn beside the arm. The stretched arm gives way by 4.6 mm under 1 kN; what is apart
 /// is of second order in that, and falls with the force.
 #[test]
-fn verify_servo_drive_against_rapier() {
+fn regress_servo_drive_against_rapier() {
     for (robot, force_n, bound) in [
         ("rig_1dof", 2000.0, 1e-4),
         ("irb6600_175_255", 1000.0, 6e-3),
@@ -232,7 +225,7 @@ fn verify_servo_drive_against_rapier() {
              drive = \"servo\"\n[run]\nduration_s = 2.0\n\
              [process.load]\nconstant_n = [{force_n:?}, 0.0, 0.0]\n"
         ));
-        let theirs = record(Cell::build(&scenario).unwrap_or_else(|e| panic!("{e}")));
+        let theirs = recording(Engine::Rapier, &scenario, &[]);
         let apart = compare(&theirs, &reduced(&scenario), &TOOL, Window::default());
         let nrmse = apart.expect("same channels").nrmse;
         println!("{robot} on servos, {force_n} N: {:.4} %", nrmse * 1e2);
@@ -242,27 +235,23 @@ fn verify_servo_drive_against_rapier() {
 
 /// The same run twice, and by rows instead of a recorder, is the same to the bit.
 #[test]
-fn verify_reduced_runs_are_the_same_to_the_bit() {
+fn reduced_runs_are_the_same_to_the_bit() {
     let scenario = overridden(
         &scenario("chamfer/backward_low.toml"),
         &[("run.record_interval_ms", "2")],
     );
     let (first, second) = (reduced(&scenario), reduced(&scenario));
     assert_eq!(first.columns, second.columns);
-    let cell = Cell::build_reduced(&scenario).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(cell.rows(), first.time_s.len());
-    let mut rows = 0;
-    cell.run_rows(|time_s, row| {
-        assert_eq!(time_s.to_bits(), first.time_s[rows].to_bits());
-        assert!((time_s - 2e-3 * rows as f64).abs() < 1e-12);
-        assert!(
-            row.iter()
-                .zip(&first.columns)
-                .all(|(v, c)| v.to_bits() == c[rows].to_bits())
-        );
-        rows += 1;
-    });
-    assert_eq!(rows, first.time_s.len());
+    let run = Run {
+        engine: Engine::REDUCED,
+        ..Run::of(&scenario)
+    };
+    let rows = run.rows(&[], None).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(rows.time_s, first.time_s);
+    for (row, time_s) in rows.time_s.iter().enumerate() {
+        assert!((time_s - 2e-3 * row as f64).abs() < 1e-12);
+    }
+    assert_eq!(rows.columns, first.columns);
 }
 
 /// A step that leaves the fastest mode too few points is refused, naming the key.
@@ -272,9 +261,11 @@ fn regress_a_step_too_long_for_the_reduced_plant_is_refused() {
         &scenario("arm/free_decay.toml"),
         &[("run.time_step_ms", "3")],
     );
-    let Err(error) = Cell::build_reduced(&scenario) else {
-        panic!("3 ms for a mode of 88 Hz passed");
+    let run = Run {
+        engine: Engine::REDUCED,
+        ..Run::of(&scenario)
     };
+    let error = (run.rows(&[], None)).expect_err("3 ms for a mode of 88 Hz passed");
     let message = error.to_string();
     assert!(
         message.contains("run.time_step_ms") && message.contains("4 steps"),

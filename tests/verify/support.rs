@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use truecut_recording::Recording;
 use truecut_scenario::Scenario;
+use truecut_sim::run::{Claims, Engine, Run};
 
 /// Folder of the repository.
 pub fn repository() -> PathBuf {
@@ -20,14 +21,28 @@ pub fn run(path: &str, overrides: &[(&str, &str)]) -> Recording {
     let overrides: Vec<_> = (overrides.iter())
         .map(|(k, v)| ((*k).to_string(), (*v).to_string()))
         .collect();
-    truecut_sim::sweep::record(&scenario(path), &overrides).unwrap_or_else(|e| panic!("{e}"))
+    recording(Engine::Rapier, &scenario(path), &overrides)
 }
 
 /// Runs a scenario given as text, as if it lay in `scenarios/arm`.
 pub fn run_text(text: &str) -> Recording {
     let at = repository().join("scenarios/arm/of_a_test.toml");
     let scenario = Scenario::from_str(&at, text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
-    truecut_sim::sweep::record(&scenario, &[]).unwrap_or_else(|e| panic!("{e}"))
+    recording(Engine::Rapier, &scenario, &[])
+}
+
+/// The recording of a scenario with overrides, its claims left alone.
+pub fn recording(engine: Engine, scenario: &Scenario, overrides: &[(String, String)]) -> Recording {
+    let run = Run {
+        overrides: overrides.to_vec(),
+        engine,
+        claims: Claims::Ignore,
+        ..Run::of(scenario)
+    };
+    let finished = run.execute();
+    finished
+        .unwrap_or_else(|e| panic!("{overrides:?}: {e}"))
+        .recording
 }
 
 /// Values of a channel.

@@ -2,9 +2,9 @@
 
 use crate::support::scenario;
 use rayon::prelude::*;
-use truecut_sim::sweep::{Row, jobs, run_job};
+use truecut_sim::sweep::{SweepRow, jobs, run_job};
 
-fn rows(path: &str) -> Vec<Row> {
+fn rows(path: &str) -> Vec<SweepRow> {
     let jobs = jobs(&scenario(path));
     assert!(jobs.len() >= 9, "{path} has {} jobs", jobs.len());
     jobs.par_iter()
@@ -12,7 +12,7 @@ fn rows(path: &str) -> Vec<Row> {
         .collect()
 }
 
-fn value(row: &Row, name: &str) -> f64 {
+fn value(row: &SweepRow, name: &str) -> f64 {
     row.get(name).unwrap_or_else(|| panic!("no column {name}"))
 }
 
@@ -35,8 +35,8 @@ fn verify_simulated_threshold_is_the_exact_one_on_the_planar_rig() {
             (simulated / exact - 1.0).abs() <= 0.02,
             "mu {mu}: {simulated} against {exact}"
         );
-        // `spec` 1.2: 1.31 to 1.42 (share 1) and 1.44 to 1.96 (share 0) for mu from 0.1 to 0.3; the shares
-        // here are 0.98 and about 0.02 to 0.05.
+        // `docs/physics/chamfering.md`: 1.31 to 1.42 (share 1) and 1.44 to 1.96 (share 0) for mu
+        // from 0.1 to 0.3; the shares here are 0.98 and about 0.02 to 0.05.
         let bounds = if held { 1.30..1.44 } else { 1.40..1.97 };
         assert!(
             bounds.contains(&(exact / paper)),

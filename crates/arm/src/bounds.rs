@@ -1,9 +1,10 @@
-//! Bounds of masses, inertias and distances: numbers beyond them are slips, and squares of them overflow.
+//! Bounds of masses, inertias and distances: numbers beyond them are slips, and squares of them
+//! overflow.
 
 use nalgebra::Isometry3;
 
 use crate::error::{ArmError, ArmErrorKind};
-use crate::urdf::Tree;
+use crate::tree::Tree;
 
 /// Lightest link that has a mass at all, kg.
 const LIGHTEST_KG: f64 = 1e-9;

@@ -1,10 +1,10 @@
 //! Cartesian compliance and what is read off it: directional, clamped and planar stiffness, and
 //! the coupling between axial and lateral motion.
 //!
-//! Two definitions of stiffness at a point are in use. *Free*: the tool may turn while it is pushed,
-//! k = 1/(eᵀ C_tt e) with C_tt the translational block of the compliance. *Clamped*: rotation is
-//! held, k = 1/(eᵀ (K_tt)⁻¹ e) with K = C⁻¹; it does not depend on the length of the tool and
-//! overstates what a tool feels.
+//! Two definitions of stiffness at a point are in use. *Free*: the tool may turn while it is
+//! pushed, k = 1/(eᵀ C_tt e) with C_tt the translational block of the compliance. *Clamped*:
+//! rotation is held, k = 1/(eᵀ (K_tt)⁻¹ e) with K = C⁻¹; it does not depend on the length of the
+//! tool and overstates what a tool feels.
 
 use nalgebra::{DMatrix, Isometry3, Matrix2, Matrix3, Matrix6, Unit, Vector2, Vector3};
 

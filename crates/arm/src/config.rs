@@ -129,7 +129,7 @@ impl Default for Config {
 
 /// Reads `text` as the `robot.toml` at `path` and enters its transmissions into `chain`.
 pub(crate) fn apply(text: &str, path: &Path, chain: &mut Chain) -> Result<Config, ArmError> {
-    let reader = Reader { text, path };
+    let reader = ConfigReader { text, path };
     let raw: RawConfig = toml::from_str(text).map_err(|error: toml::de::Error| {
         let line = error.span().map(|span| reader.line(span.start));
         let message = error.message().replace('\n', "; ");
@@ -203,12 +203,12 @@ impl Rule {
     }
 }
 
-struct Reader<'a> {
+struct ConfigReader<'a> {
     text: &'a str,
     path: &'a Path,
 }
 
-impl Reader<'_> {
+impl ConfigReader<'_> {
     /// 1-based line of a byte offset.
     fn line(&self, offset: usize) -> usize {
         let end = offset.min(self.text.len());

@@ -1,7 +1,7 @@
 //! How deep the elements of an XML text are nested, found without recursion: the readers recurse.
 
-/// The byte where an element is opened inside `limit` others; `None` if there is none. A text that is not
-/// well-formed is followed as far as it goes; its faults are for the parser to name.
+/// The byte where an element is opened inside `limit` others; `None` if there is none. A text that
+/// is not well-formed is followed as far as it goes; its faults are for the parser to name.
 pub(crate) fn exceeded(text: &str, limit: usize) -> Option<usize> {
     let mut depth = 0_usize;
     let mut at = 0;

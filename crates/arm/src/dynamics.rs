@@ -1,13 +1,19 @@
 //! Inverse dynamics (recursive Newton–Euler), mass matrix (composite bodies).
 //!
-//! Both recursions run in link frames, after Featherstone, *Rigid Body Dynamics Algorithms* (2008),
+//! Both recursions run in link frames, after `featherstone2008`,
 //! sections 5.3 and 6.2, written with 3-vectors. Transmissions are not part of it: no stiffness,
 //! damping, friction or rotor inertia.
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Vector3};
 
 use crate::model::{FrameId, JointKind, Robot};
-use crate::motion::Energy;
+
+/// Kinetic and potential energy in J; the potential is zero with all masses at the world's origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Energy {
+    pub kinetic_j: f64,
+    pub potential_j: f64,
+}
 
 /// Constant data of one joint and its link.
 #[derive(Debug, Clone)]

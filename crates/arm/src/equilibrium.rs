@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::dynamics::Dynamics;
 use crate::error::{ArmError, ArmErrorKind};
-use crate::model::{FrameId, Robot};
+use crate::model::Robot;
 use crate::tangent::Load;
 
 const MAX_ITERATIONS: usize = 50;
@@ -73,7 +73,8 @@ impl Robot {
     /// `command`, by Newton's method from there.
     ///
     /// # Errors
-    /// If a joint has no stiffness, `command` has the wrong length, or no stable equilibrium is found.
+    /// If a joint has no stiffness, `command` has the wrong length, or no stable equilibrium is
+    /// found.
     pub fn static_posture(&self, command: &[f64], load: &Load) -> Result<Vec<f64>, ArmError> {
         self.check_length(command)?;
         let stiffness = self.transmission_stiffness("the static posture")?;
@@ -108,22 +109,6 @@ impl Robot {
             limit,
         }
         .into())
-    }
-
-    /// How far a frame's origin moves, in world axes (m), when `load` is put on an arm that is
-    /// commanded to `command` and was unloaded.
-    ///
-    /// # Errors
-    /// As [`Robot::static_posture`].
-    pub fn static_displacement(
-        &self,
-        command: &[f64],
-        frame: FrameId,
-        load: &Load,
-    ) -> Result<Vector3<f64>, ArmError> {
-        let rest = self.static_posture(command, load)?;
-        Ok(self.world_from_frame(&rest, frame).translation.vector
-            - self.world_from_frame(command, frame).translation.vector)
     }
 }
 

@@ -34,7 +34,8 @@ impl Default for BranchOptions {
     }
 }
 
-/// Inverse kinematics of one robot: closed form for ortho-parallel arms with spherical wrist, else numeric.
+/// Inverse kinematics of one robot: closed form for ortho-parallel arms with spherical wrist, else
+/// numeric.
 #[derive(Debug, Clone)]
 pub struct IkSolver<'a> {
     robot: &'a Robot,
@@ -72,11 +73,12 @@ impl IkSolver<'_> {
         self.robot
     }
 
-    /// All postures that put `frame` at a pose, revolute joints in (−π, π], position limits not asked.
+    /// All postures that put `frame` at a pose, revolute joints in (−π, π], position limits not
+    /// asked.
     ///
-    /// In closed form these are all there are, eight at most; at a singularity, where there is a continuum, one of it
-    /// stands for all. The numeric search may miss some, and gives samples of the continuum of an arm of more than six
-    /// joints.
+    /// In closed form these are all there are, eight at most; at a singularity, where there is a
+    /// continuum, one of it stands for all. The numeric search may miss some, and gives samples of
+    /// the continuum of an arm of more than six joints.
     #[must_use]
     pub fn branches(&self, world_from_target: &Isometry3<f64>, frame: FrameId) -> Vec<Vec<f64>> {
         let found = match &self.geometry {
@@ -97,8 +99,9 @@ impl IkSolver<'_> {
         unique
     }
 
-    /// All postures within the position limits that put `frame` at a pose, whole turns of revolute joints included
-    /// where limits leave room for them. A joint without limits is given in (−π, π] only.
+    /// All postures within the position limits that put `frame` at a pose, whole turns of revolute
+    /// joints included where limits leave room for them. A joint without limits is given in (−π, π]
+    /// only.
     #[must_use]
     pub fn within_limits(
         &self,
@@ -109,8 +112,8 @@ impl IkSolver<'_> {
         branches.iter().flat_map(|q| self.turned(q)).collect()
     }
 
-    /// The posture within limits that puts `frame` at a pose and lies nearest to `from` (shortest travel: root of the sum
-    /// of squared joint motions, rad and m).
+    /// The posture within limits that puts `frame` at a pose and lies nearest to `from` (shortest
+    /// travel: root of the sum of squared joint motions, rad and m).
     ///
     /// # Errors
     /// If no posture reaches the pose, or none within the limits.
@@ -190,8 +193,9 @@ impl IkSolver<'_> {
         }
     }
 
-    /// Newton steps on a posture that is right to the closed form's own tolerance. Near a singularity a step is worthless;
-    /// what is then not right to rounding is handed to the damped search, and dropped if that does not reach the pose.
+    /// Newton steps on a posture that is right to the closed form's own tolerance. Near a
+    /// singularity a step is worthless; what is then not right to rounding is handed to the damped
+    /// search, and dropped if that does not reach the pose.
     fn polished(&self, q: &[f64; 6], target: &Isometry3<f64>, frame: FrameId) -> Option<Vec<f64>> {
         let mut best = q.to_vec();
         let mut error = self.robot.pose_error(&best, frame, target);
@@ -302,7 +306,8 @@ impl IkSolver<'_> {
         postures
     }
 
-    /// The posture with every revolute joint turned as near to another posture as whole turns bring it.
+    /// The posture with every revolute joint turned as near to another posture as whole turns bring
+    /// it.
     fn near(&self, q: &[f64], to: &[f64]) -> Vec<f64> {
         let joints = self.robot.chain.joints.iter();
         let values = joints
@@ -346,10 +351,11 @@ fn range(kind: JointKind, limits: Option<crate::model::Limits>) -> (f64, f64) {
     }
 }
 
-/// Pose of a tool whose z axis is `tool_axis`, at `point_m` (both world), with redundancy angle `angle_rad`: its x axis is
-/// `zero_direction`, made square to the axis, turned by the angle against the tool axis. With the tool pointing down
-/// the angle counts from above in the mathematical sense: x = (cos, sin, 0), y = (sin, −cos, 0), z = (0, 0, −1) for a zero
-/// direction along world x.
+/// Pose of a tool whose z axis is `tool_axis`, at `point_m` (both world), with redundancy angle
+/// `angle_rad`: its x axis is `zero_direction`, made square to the axis, turned by the angle
+/// against the tool axis. With the tool pointing down the angle counts from above in the
+/// mathematical sense: x = (cos, sin, 0), y = (sin, −cos, 0), z = (0, 0, −1) for a zero direction
+/// along world x.
 ///
 /// # Errors
 /// If the zero direction is parallel to the tool axis.

@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::ik::IkOptions;
-use crate::ik_branches::{IkSolver, travel};
+use crate::ik_branches::IkSolver;
 use crate::model::FrameId;
 
 /// When a joint path counts as continuous.
@@ -22,11 +22,12 @@ impl Default for PathOptions {
 }
 
 impl IkSolver<'_> {
-    /// Postures along a path of poses, each the nearest to the one before, from a start posture that need not be on it.
+    /// Postures along a path of poses, each the nearest to the one before, from a start posture
+    /// that need not be on it.
     ///
     /// # Errors
-    /// At the first pose that is out of reach or limits, or to which a joint would have to jump: the arm would change
-    /// its branch there.
+    /// At the first pose that is out of reach or limits, or to which a joint would have to jump:
+    /// the arm would change its branch there.
     pub fn follow(
         &self,
         poses: &[Isometry3<f64>],
@@ -53,49 +54,8 @@ impl IkSolver<'_> {
         Ok(path)
     }
 
-    /// The continuous joint path of shortest travel over all postures within limits at the first pose.
-    ///
-    /// # Errors
-    /// If no posture reaches the first pose, or no path from any of them reaches the last: then the one that came
-    /// furthest tells why.
-    pub fn shortest_path(
-        &self,
-        poses: &[Isometry3<f64>],
-        frame: FrameId,
-        options: &PathOptions,
-    ) -> Result<Vec<Vec<f64>>, ArmError> {
-        let Some(first) = poses.first() else {
-            return Ok(Vec::new());
-        };
-        let mut shortest: Option<(f64, Vec<Vec<f64>>)> = None;
-        let mut furthest: Option<(usize, ArmError)> = None;
-        for start in self.within_limits(first, frame) {
-            match self.follow(poses, frame, &start, options) {
-                Ok(path) => {
-                    let length = path.windows(2).map(|w| travel(&w[0], &w[1])).sum();
-                    if shortest.as_ref().is_none_or(|(best, _)| length < *best) {
-                        shortest = Some((length, path));
-                    }
-                }
-                Err(error) => {
-                    let index = index_of(&error);
-                    if furthest.as_ref().is_none_or(|(best, _)| index > *best) {
-                        furthest = Some((index, error));
-                    }
-                }
-            }
-        }
-        match (shortest, furthest) {
-            (Some((_, path)), _) => Ok(path),
-            (None, Some((_, error))) => Err(error),
-            (None, None) => {
-                let branches = self.branches(first, frame);
-                Err(on_path(0, self.unreachable(first, frame, &branches)))
-            }
-        }
-    }
-
-    /// Where branches are found by a search over the joints' ranges only, the posture to which the one before leads without a jump.
+    /// Where branches are found by a search over the joints' ranges only, the posture to which the
+    /// one before leads without a jump.
     fn continued(
         &self,
         pose: &Isometry3<f64>,
@@ -145,11 +105,4 @@ fn on_path(index: usize, kind: ArmErrorKind) -> ArmError {
         source: Box::new(kind),
     }
     .into()
-}
-
-fn index_of(error: &ArmError) -> usize {
-    match error.kind() {
-        ArmErrorKind::OnPath { index, .. } | ArmErrorKind::PathBreaks { index, .. } => *index,
-        _ => 0,
-    }
 }

@@ -1,4 +1,5 @@
-//! The arm of truecut: from a URDF and a `robot.toml` to kinematics, dynamics, compliance and modes.
+//! The arm of truecut: from a URDF and a `robot.toml` to kinematics, dynamics, compliance and
+//! modes.
 //!
 //! A [`Robot`] is a serial chain of 1 to 12 one-degree-of-freedom joints. The URDF gives geometry,
 //! inertia and limits; `robot.toml` beside it gives what a URDF cannot say: stiffness, damping, dry
@@ -8,8 +9,8 @@
 //!
 //! # Conventions
 //!
-//! SI throughout. Posture `q` lists the joint coordinates in chain order, rad for revolute and m for
-//! prismatic joints. World is the URDF's root frame, z up. `a_from_b` is the pose of b in a.
+//! SI throughout. Posture `q` lists the joint coordinates in chain order, rad for revolute and m
+//! for prismatic joints. World is the URDF's root frame, z up. `a_from_b` is the pose of b in a.
 //! Jacobians and wrenches have their linear part first, in world axes at the frame's origin.
 //! Methods panic on slices of the wrong length, as indexing does; outside input is checked with
 //! [`Robot::check_posture`]. Files never cause a panic: every fault is one [`ArmError`] with its
@@ -74,6 +75,7 @@ mod table;
 mod tangent;
 mod tip;
 mod tip_modes;
+mod tree;
 mod urdf;
 mod visual;
 mod xml;
@@ -82,7 +84,7 @@ pub use compliance::{
     PlanarStiffness, axial_lateral_coupling, clamped, directional_stiffness, in_axes,
     planar_principal, translational,
 };
-pub use dynamics::Dynamics;
+pub use dynamics::{Dynamics, Energy};
 pub use error::{ArmError, ArmErrorKind};
 pub use ik::IkOptions;
 pub use ik_branches::{BranchOptions, IkSolver, tool_pose};
@@ -94,8 +96,7 @@ pub use model::{
     Chain, FrameId, Frames, Joint, JointKind, Limits, Link, MAX_JOINTS, Robot, Servo, Shape,
     Transmission, TransmissionSources, Visual, standard_gravity_m_s2,
 };
-pub use motion::{Energy, FrameMotion};
-pub use opw::{ArmBranch, OpwGeometry, SingularityDistance};
+pub use opw::{ArmBranch, Elbow, OpwGeometry, Shoulder, SingularityDistance, Wrist};
 pub use placed::Placed;
 pub use report::RobotReport;
 pub use tangent::Load;

@@ -17,10 +17,10 @@ impl Robot {
     ///
     /// Without `config`, a `robot.toml` beside the URDF is read if there is one; without any, the
     /// transmissions have no stiffness and the tool is the flange. `tip` names the URDF link whose
-    /// frame is the flange. Without it, a tree with one leaf ends there; otherwise a massless leaf (a
-    /// frame) with at most one moving joint less than the longest chain is taken, then the leaf of the
-    /// longest chain, then among equals one called `flange` or `tool0`; else the candidates are
-    /// listed in an error.
+    /// frame is the flange. Without it, a tree with one leaf ends there; otherwise a massless leaf
+    /// (a frame) with at most one moving joint less than the longest chain is taken, then the leaf
+    /// of the longest chain, then among equals one called `flange` or `tool0`; else the candidates
+    /// are listed in an error.
     ///
     /// # Errors
     /// One error, with file, line and rule, for the first fault found.

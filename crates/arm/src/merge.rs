@@ -4,14 +4,14 @@ use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Unit, Vector3};
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{Chain, Joint, JointKind, Link, MAX_JOINTS, Transmission, Visual};
-use crate::urdf::{Freedom, Tree};
+use crate::tree::{Freedom, Tree};
 
 /// Share of the largest principal moment by which an inertia tensor may miss its rules; published
 /// ones are rounded to six or seven digits.
 const INERTIA_TOLERANCE: f64 = 1e-6;
 
 /// A part of the path whose links do not move against each other.
-struct Segment {
+struct RigidSegment {
     /// The joint that moves it, with its pose in the segment before; `None` for the base.
     joint: Option<(usize, Isometry3<f64>)>,
     /// Links on the path, each with its pose in the segment's first link.
@@ -28,7 +28,7 @@ pub(crate) fn to_chain(tree: &Tree, tip: usize) -> Result<(Chain, Isometry3<f64>
     let mut joints = Vec::with_capacity(segments.len());
     let mut meshes = 0;
     for segment in &segments {
-        let mut body = Body::default();
+        let mut body = MergedBody::default();
         for &(link, pose) in &segment.links {
             body.collect(tree, link, &pose, &path, &mut notes);
         }
@@ -108,10 +108,10 @@ fn check_path(tree: &Tree, tip: usize, path: &[usize]) -> Result<(), ArmError> {
     Err(tree.link_error(tip, "link", kind))
 }
 
-fn split(tree: &Tree, path: &[usize]) -> Vec<Segment> {
+fn split(tree: &Tree, path: &[usize]) -> Vec<RigidSegment> {
     let mut segments = Vec::new();
     let mut pose = Isometry3::identity();
-    let mut open = Segment {
+    let mut open = RigidSegment {
         joint: None,
         links: vec![(tree.root, pose)],
     };
@@ -119,7 +119,7 @@ fn split(tree: &Tree, path: &[usize]) -> Vec<Segment> {
         let joint = &tree.joints[j];
         pose *= joint.parent_from_joint;
         if joint.moves() {
-            let next = Segment {
+            let next = RigidSegment {
                 joint: Some((j, pose)),
                 links: Vec::new(),
             };
@@ -157,7 +157,8 @@ fn chain_joint(
     }
     let unbounded = |l: &crate::model::Limits| l.lower.is_infinite() && l.upper.is_infinite();
     if joint.freedom != Freedom::Continuous && joint.limits.as_ref().is_none_or(unbounded) {
-        // Bounds that are given and still infinite were written as 0 to 0 (see `urdf::limits`), or as such.
+        // Bounds that are given and still infinite were written as 0 to 0 (see `urdf::limits`), or
+        // as such.
         let why = if joint.limits.is_some() {
             "; a <limit> from 0 to 0 counts as not given"
         } else {
@@ -189,7 +190,7 @@ fn chain_joint(
 
 /// Everything that moves as one, in the frame of its first link.
 #[derive(Default)]
-struct Body {
+struct MergedBody {
     mass_kg: f64,
     first_moment_kg_m: Vector3<f64>,
     inertia_about_origin_kg_m2: Matrix3<f64>,
@@ -198,7 +199,7 @@ struct Body {
     members: Vec<usize>,
 }
 
-impl Body {
+impl MergedBody {
     /// Adds link `start` and all side branches that hang on it, their joints at zero.
     fn collect(
         &mut self,

@@ -1,9 +1,9 @@
 //! The robot as a MuJoCo model (MJCF), for cross-checks.
 //!
 //! Bodies, inertias, joints and transmissions are written exactly: every number in the shortest
-//! decimal form that reads back to the same `f64`. Springs and dampers are MuJoCo's joint `stiffness`
-//! with `springref` = command, and `damping`; dry friction is `frictionloss`. There are no contacts
-//! and no joint limits. Sites `flange`, `tool` and `foot` are on the last body.
+//! decimal form that reads back to the same `f64`. Springs and dampers are MuJoCo's joint
+//! `stiffness` with `springref` = command, and `damping`; dry friction is `frictionloss`. There are
+//! no contacts and no joint limits. Sites `flange`, `tool` and `foot` are on the last body.
 
 use std::fmt::Write as _;
 
@@ -65,7 +65,7 @@ pub fn to_mjcf(robot: &Robot, options: &MjcfOptions) -> Result<String, ArmError>
         MjcfDrive::Position => Some(robot.transmission_stiffness("the position drive")?),
         MjcfDrive::Free => None,
     };
-    let mut writer = Writer {
+    let mut writer = MjcfWriter {
         text: String::new(),
         depth: 0,
     };
@@ -102,12 +102,12 @@ pub fn to_mjcf(robot: &Robot, options: &MjcfOptions) -> Result<String, ArmError>
     Ok(writer.text)
 }
 
-struct Writer {
+struct MjcfWriter {
     text: String,
     depth: usize,
 }
 
-impl Writer {
+impl MjcfWriter {
     fn raw(&mut self, content: &str) {
         // Writing to a String cannot fail.
         let _ = writeln!(self.text, "{:width$}{content}", "", width = 2 * self.depth);

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Most joints a chain may have.
 pub const MAX_JOINTS: usize = 12;
@@ -16,7 +18,7 @@ pub fn standard_gravity_m_s2() -> Vector3<f64> {
 /// What a joint's coordinate is: an angle in rad or a displacement in m.
 ///
 /// A URDF `continuous` joint is [`Revolute`](JointKind::Revolute) with infinite position limits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
     Revolute,
@@ -68,8 +70,8 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// What the loops resist a lasting torque with, N m/rad or N/m: the product of both gains, since there is no
-    /// integral action.
+    /// What the loops resist a lasting torque with, N m/rad or N/m: the product of both gains,
+    /// since there is no integral action.
     #[must_use]
     pub fn static_stiffness(&self) -> f64 {
         self.position_gain_per_s * self.velocity_gain
@@ -77,7 +79,7 @@ impl Servo {
 }
 
 /// Where the values of a [`Transmission`] come from; empty where no value was given.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct TransmissionSources {
     pub stiffness: String,
     pub damping: String,
@@ -93,7 +95,8 @@ pub struct TransmissionSources {
 /// all on the joint side of the gear.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Transmission {
-    /// `None` if no file gives it; then only rigid questions (kinematics, dynamics) can be answered.
+    /// `None` if no file gives it; then only rigid questions (kinematics, dynamics) can be
+    /// answered.
     pub stiffness: Option<f64>,
     pub damping: f64,
     pub dry_friction: f64,
@@ -102,7 +105,8 @@ pub struct Transmission {
     /// The servo acts on the link: `stiffness` and `damping` are those of its loops. See
     /// [`Robot::close_rigid_servos`].
     pub rigid_servo: bool,
-    /// Encoder pulses per rad (m) of the joint, as the controller's program files count them; `None` if no file gives it.
+    /// Encoder pulses per rad (m) of the joint, as the controller's program files count them;
+    /// `None` if no file gives it.
     pub pulses_per_unit: Option<f64>,
     pub sources: TransmissionSources,
 }
@@ -120,7 +124,8 @@ pub struct Joint {
     pub transmission: Transmission,
     /// `<dynamics damping>` of the URDF; the transmission's damping unless `robot.toml` gives one.
     pub urdf_damping: f64,
-    /// `<dynamics friction>` of the URDF; the transmission's dry friction unless `robot.toml` gives one.
+    /// `<dynamics friction>` of the URDF; the transmission's dry friction unless `robot.toml` gives
+    /// one.
     pub urdf_friction: f64,
 }
 
@@ -177,14 +182,14 @@ pub struct Frames {
 }
 
 /// Names one of the frames of [`Frames`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FrameId {
-    /// Frame of the URDF tip link.
+    /// The URDF tip link.
     Flange,
-    /// Where the process acts.
+    /// The tool frame of robot.toml, where the process acts.
     Tool,
-    /// The pressure foot.
+    /// The foot frame of robot.toml, that of the pressure foot.
     Foot,
 }
 
@@ -219,8 +224,9 @@ impl Robot {
         }
     }
 
-    /// Turns every joint that has a servo but no stiffness into one whose servo acts on its link: a P–P servo on a
-    /// rigid transmission is a spring `k_v k_p` between command and link and a damper `k_v`.
+    /// Turns every joint that has a servo but no stiffness into one whose servo acts on its link: a
+    /// P–P servo on a rigid transmission is a spring `k_v k_p` between command and link and a
+    /// damper `k_v`.
     pub fn close_rigid_servos(&mut self) {
         for joint in &mut self.chain.joints {
             let transmission = &mut joint.transmission;

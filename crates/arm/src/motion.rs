@@ -1,26 +1,9 @@
-//! Motion of the links: energy, and pose, velocity and Jacobian of a frame.
+//! Motion of the links: energy and Jacobian of a frame.
 
-use nalgebra::{Matrix3, Matrix6xX, Point3, Vector3};
+use nalgebra::{Matrix3, Matrix6xX, Vector3};
 
-use crate::dynamics::{Body, Dynamics};
+use crate::dynamics::{Body, Dynamics, Energy};
 use crate::model::FrameId;
-
-/// Pose and velocity of a frame, in world axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrameMotion {
-    pub position_m: Point3<f64>,
-    /// World from frame.
-    pub rotation: Matrix3<f64>,
-    pub velocity_m_s: Vector3<f64>,
-    pub angular_velocity_rad_s: Vector3<f64>,
-}
-
-/// Kinetic and potential energy in J; the potential is zero with all masses at the world's origin.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Energy {
-    pub kinetic_j: f64,
-    pub potential_j: f64,
-}
 
 impl Dynamics {
     /// Kinetic and potential energy at posture `q` and velocity `v`.
@@ -42,30 +25,6 @@ impl Dynamics {
             energy.potential_j -= body.mass_kg * gravity_m_s2.dot(&(origin + com));
         });
         energy
-    }
-
-    /// Pose and velocity of a frame at posture `q` and velocity `v`.
-    ///
-    /// # Panics
-    /// If a slice does not have one value per joint.
-    pub fn frame_motion(&mut self, q: &[f64], v: &[f64], frame: FrameId) -> FrameMotion {
-        let (offset_m, link_from_frame) = self.frame(frame);
-        let mut motion = FrameMotion {
-            position_m: Point3::origin(),
-            rotation: Matrix3::identity(),
-            velocity_m_s: Vector3::zeros(),
-            angular_velocity_rad_s: Vector3::zeros(),
-        };
-        self.walk(q, v, |_, rotation, origin, velocity, omega| {
-            let arm = rotation * offset_m;
-            motion = FrameMotion {
-                position_m: Point3::from(origin + arm),
-                rotation: rotation * link_from_frame,
-                velocity_m_s: velocity + omega.cross(&arm),
-                angular_velocity_rad_s: *omega,
-            };
-        });
-        motion
     }
 
     /// Geometric Jacobian of a frame, as [`Robot::jacobian`](crate::Robot::jacobian).

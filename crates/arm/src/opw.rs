@@ -1,8 +1,10 @@
-//! Arms with an ortho-parallel basis and a spherical wrist: recognised by their axes, solved in closed form.
+//! Arms with an ortho-parallel basis and a spherical wrist: recognised by their axes, solved in
+//! closed form.
 //!
-//! Geometry after Brandstötter, Angerer and Hofbaur 2014: axis 2 at right angles to axis 1, axis 3 parallel to axis 2,
-//! axes 4, 5, 6 through one point and each at right angles to the next. It is read off the joint axes at zero, whatever
-//! the frames of the file, and checked against the chain's own forward kinematics.
+//! Geometry after `brandstoetter2014`: axis 2 at right angles to axis 1, axis 3 parallel to axis 2,
+//! axes 4, 5, 6 through one point and each at right angles to the next. It is read off the joint
+//! axes at zero, whatever the frames of the file, and checked against the chain's own forward
+//! kinematics.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,14 +13,18 @@ use rs_opw_kinematics::glam::{DQuat, DVec3};
 use rs_opw_kinematics::kinematic_traits::{Kinematics, Pose};
 use rs_opw_kinematics::kinematics_impl::OPWKinematics;
 use rs_opw_kinematics::parameters::opw_kinematics::Parameters;
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 use crate::model::{JointKind, Robot};
 
-/// Lengths (m) within which axes count as meeting, and the sine within which they count as parallel or square.
+/// Lengths (m) within which axes count as meeting, and the sine within which they count as parallel
+/// or square.
 const LENGTH_TOLERANCE_M: f64 = 1e-7;
 const ANGLE_TOLERANCE: f64 = 1e-8;
 
-/// Geometry of an ortho-parallel arm with spherical wrist. Angles of the model are θ = sign · q − offset.
+/// Geometry of an ortho-parallel arm with spherical wrist. Angles of the model are θ = sign · q −
+/// offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpwGeometry {
     /// Distance of axis 2 from axis 1.
@@ -42,12 +48,39 @@ pub struct OpwGeometry {
 /// Which of the eight solutions a posture is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ArmBranch {
-    /// The wrist centre lies on the far side of axis 1: the arm reaches over its head.
-    pub rear_shoulder: bool,
-    /// sin(θ3 + ψ3) < 0: the elbow is below the line from shoulder to wrist.
-    pub lower_elbow: bool,
-    /// θ5 < 0.
-    pub flipped_wrist: bool,
+    pub shoulder: Shoulder,
+    pub elbow: Elbow,
+    pub wrist: Wrist,
+}
+
+/// Side of the shoulder of an arm with a spherical wrist.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Shoulder {
+    /// The wrist is on the side to which the arm faces.
+    Front,
+    /// The arm reaches over its head.
+    Rear,
+}
+
+/// Side of the elbow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Elbow {
+    /// Above the line from shoulder to wrist.
+    Upper,
+    /// Below it.
+    Lower,
+}
+
+/// Sense of the wrist.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Wrist {
+    /// The fifth joint's angle is positive, counted as that of the ortho-parallel model.
+    Positive,
+    /// It is negative.
+    Negative,
 }
 
 /// How far a posture is from the three singularities of such an arm.
@@ -62,7 +95,7 @@ pub struct SingularityDistance {
 }
 
 /// An axis in the world: a point on it and its direction.
-struct Axis {
+struct OpwAxis {
     point: Vector3<f64>,
     direction: Vector3<f64>,
 }
@@ -76,10 +109,10 @@ impl OpwGeometry {
             return None;
         }
         let links = robot.world_from_links(&[0.0; 6]);
-        let axes: Vec<Axis> = links
+        let axes: Vec<OpwAxis> = links
             .iter()
             .zip(joints)
-            .map(|(pose, joint)| Axis {
+            .map(|(pose, joint)| OpwAxis {
                 point: pose.translation.vector,
                 direction: pose.rotation * joint.axis.into_inner(),
             })
@@ -88,10 +121,11 @@ impl OpwGeometry {
         geometry.agrees(robot).then_some(geometry)
     }
 
-    fn from_axes(axes: &[Axis], last_link: &Isometry3<f64>) -> Option<Self> {
+    fn from_axes(axes: &[OpwAxis], last_link: &Isometry3<f64>) -> Option<Self> {
         let wrist = wrist_centre(axes)?;
         let d = |i: usize| axes[i - 1].direction;
-        // Shoulder frame: z along axis 1, y along axis 2 or against it, so that axis 2 stands in front.
+        // Shoulder frame: z along axis 1, y along axis 2 or against it, so that axis 2 stands in
+        // front.
         let z = d(1);
         let to_second = axes[1].point - axes[0].point;
         let ahead = to_second.dot(&d(2).cross(&z));
@@ -161,7 +195,8 @@ impl OpwGeometry {
         self.world_from_shoulder * isometry(&centre, rotation.matrix())
     }
 
-    /// Wrist centre in the plane of the arm: distance from axis 1, signed, and height above the shoulder, m.
+    /// Wrist centre in the plane of the arm: distance from axis 1, signed, and height above the
+    /// shoulder, m.
     fn wrist_in_plane(&self, theta: &[f64; 6]) -> (f64, f64) {
         let psi = self.a2_m.atan2(self.c3_m);
         let kappa = self.a2_m.hypot(self.c3_m);
@@ -172,7 +207,8 @@ impl OpwGeometry {
         )
     }
 
-    /// Whether model and chain put the last link at the same place, at postures spread over all turns.
+    /// Whether model and chain put the last link at the same place, at postures spread over all
+    /// turns.
     fn agrees(&self, robot: &Robot) -> bool {
         (0..16).all(|k| {
             let q: [f64; 6] = std::array::from_fn(|i| {
@@ -192,9 +228,18 @@ impl OpwGeometry {
         let theta = self.model_angles(q);
         let psi = self.a2_m.atan2(self.c3_m);
         ArmBranch {
-            rear_shoulder: self.wrist_in_plane(&theta).0 < 0.0,
-            lower_elbow: (theta[2] + psi).sin() < 0.0,
-            flipped_wrist: theta[4].sin() < 0.0,
+            shoulder: match self.wrist_in_plane(&theta).0 < 0.0 {
+                true => Shoulder::Rear,
+                false => Shoulder::Front,
+            },
+            elbow: match (theta[2] + psi).sin() < 0.0 {
+                true => Elbow::Lower,
+                false => Elbow::Upper,
+            },
+            wrist: match theta[4].sin() < 0.0 {
+                true => Wrist::Negative,
+                false => Wrist::Positive,
+            },
         }
     }
 
@@ -211,7 +256,8 @@ impl OpwGeometry {
         }
     }
 
-    /// All postures, joints in (−π, π], that put the last link at a pose: eight at most, limits not asked.
+    /// All postures, joints in (−π, π], that put the last link at a pose: eight at most, limits not
+    /// asked.
     pub(crate) fn solve(&self, world_from_last_link: &Isometry3<f64>) -> Vec<[f64; 6]> {
         let wrist = self.world_from_shoulder.inverse()
             * world_from_last_link
@@ -251,12 +297,12 @@ pub(crate) fn wrap(angle_rad: f64) -> f64 {
     if turned <= -PI { turned + TAU } else { turned }
 }
 
-fn distance(axis: &Axis, point: &Vector3<f64>) -> f64 {
+fn distance(axis: &OpwAxis, point: &Vector3<f64>) -> f64 {
     (point - axis.point).cross(&axis.direction).norm()
 }
 
 /// Where axes 4, 5 and 6 meet, if all six stand as the geometry asks.
-fn wrist_centre(axes: &[Axis]) -> Option<Vector3<f64>> {
+fn wrist_centre(axes: &[OpwAxis]) -> Option<Vector3<f64>> {
     let d = |i: usize| axes[i - 1].direction;
     let square = |i, j| d(i).dot(&d(j)).abs() <= ANGLE_TOLERANCE;
     let parallel = d(2).cross(&d(3)).norm() <= ANGLE_TOLERANCE;
@@ -268,7 +314,7 @@ fn wrist_centre(axes: &[Axis]) -> Option<Vector3<f64>> {
 }
 
 /// Where two axes at right angles meet.
-fn meeting_point(a: &Axis, b: &Axis) -> Option<Vector3<f64>> {
+fn meeting_point(a: &OpwAxis, b: &OpwAxis) -> Option<Vector3<f64>> {
     let between = b.point - a.point;
     let point = a.point + a.direction * between.dot(&a.direction);
     (distance(b, &point) <= LENGTH_TOLERANCE_M).then_some(point)

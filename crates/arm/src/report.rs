@@ -72,7 +72,8 @@ pub struct ServoReport {
     pub position_gain_per_s: f64,
     pub velocity_gain: f64,
     pub torque_limit: f64,
-    /// What the loop, which has no integral action, resists a lasting torque with: the product of both gains.
+    /// What the loop, which has no integral action, resists a lasting torque with: the product of
+    /// both gains.
     pub static_stiffness: f64,
 }
 

@@ -1,7 +1,5 @@
 //! Forward kinematics of a table of postures.
 
-use std::fmt::Write as _;
-
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{FrameId, Robot};
 
@@ -13,11 +11,12 @@ use crate::model::{FrameId, Robot};
 /// from flange, each number in the shortest form that reads back exactly.
 ///
 /// # Errors
-/// Names the row (1-based) and the value that is not a finite number, or the wrong count; a table without any
-/// posture.
+/// Names the row (1-based) and the value that is not a finite number, or the wrong count; a table
+/// without any posture.
 pub fn fk_table(robot: &Robot, postures_csv: &str) -> Result<String, ArmError> {
-    let mut out = String::from("x_m,y_m,z_m,r11,r12,r13,r21,r22,r23,r31,r32,r33\n");
+    let mut out = csv::Writer::from_writer(Vec::new());
     let mut postures = 0;
+    out.write_record(HEAD).expect(IN_MEMORY);
     for (i, row) in postures_csv.lines().enumerate() {
         let row = row.trim();
         let cells: Vec<_> = row.split(',').map(str::trim).collect();
@@ -31,18 +30,21 @@ pub fn fk_table(robot: &Robot, postures_csv: &str) -> Result<String, ArmError> {
         let matrix = pose.rotation.to_rotation_matrix();
         let position = pose.translation.vector;
         let rows = matrix.matrix().transpose();
-        let numbers: Vec<_> = (position.iter().chain(rows.iter()))
-            .map(|v| format!("{v:?}"))
-            .collect();
-        // Writing to a String cannot fail.
-        let _ = writeln!(out, "{}", numbers.join(","));
+        let numbers = position.iter().chain(rows.iter()).map(|v| format!("{v:?}"));
+        out.write_record(numbers).expect(IN_MEMORY);
     }
     if postures == 0 {
         let joints = robot.dof();
         return Err(ArmErrorKind::NoPostures { joints }.into());
     }
-    Ok(out)
+    let bytes = out.into_inner().expect(IN_MEMORY);
+    Ok(String::from_utf8(bytes).expect("numbers are text"))
 }
+
+const HEAD: [&str; 12] = [
+    "x_m", "y_m", "z_m", "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33",
+];
+const IN_MEMORY: &str = "memory can be written to";
 
 fn parse_row(cells: &[&str], row: usize, joints: usize) -> Result<Vec<f64>, ArmError> {
     let fault = |message| ArmError::from(ArmErrorKind::PostureTable { row, message });

@@ -2,7 +2,8 @@
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::MAX_JOINTS;
-use crate::urdf::{Freedom, Tree, known_names};
+use crate::tree::{Freedom, Tree};
+use crate::urdf::known_names;
 
 /// A leaf lighter than this is a frame, not a body.
 const FRAME_MASS_KG: f64 = 1e-6;

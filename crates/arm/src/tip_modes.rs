@@ -8,9 +8,9 @@ use crate::model::{FrameId, Robot};
 use crate::tangent::Load;
 
 impl Robot {
-    /// Modes at posture `q` with their mass-normalised shapes J_vφ at the origin of `frame`, world axes, slowest first;
-    /// `gravity_m_s2` adds ∂g/∂q to the transmission stiffness. Damping ratios are φᵀDφ/(2ω), those of the modes taken
-    /// singly.
+    /// Modes at posture `q` with their mass-normalised shapes J_vφ at the origin of `frame`, world
+    /// axes, slowest first; `gravity_m_s2` adds ∂g/∂q to the transmission stiffness. Damping ratios
+    /// are φᵀDφ/(2ω), those of the modes taken singly.
     ///
     /// # Errors
     /// As [`Robot::modes`].

@@ -1,92 +1,20 @@
 //! A URDF as a checked tree of links and joints.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use urdf_rs::JointType;
 
 use crate::bounds;
 use crate::error::{ArmError, ArmErrorKind};
-use crate::model::{Limits, Visual};
-use crate::visual::{Palette, palette, visual};
+use crate::model::Limits;
+use crate::tree::{Freedom, Tree, TreeJoint, TreeLink};
+use crate::visual::{Palette, palette, pose, visual};
 use crate::xml::{ElementLines, UrdfLines, scan};
 
 /// Axes shorter than this count as zero.
 const MIN_AXIS_LENGTH: f64 = 1e-9;
-
-/// What a URDF joint allows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Freedom {
-    Revolute,
-    Continuous,
-    Prismatic,
-    Fixed,
-    /// More than one degree of freedom.
-    Other(&'static str),
-}
-
-#[derive(Debug)]
-pub(crate) struct TreeLink {
-    pub(crate) name: String,
-    pub(crate) lines: ElementLines,
-    pub(crate) mass_kg: f64,
-    /// Link frame from the frame at the centre of mass in which the tensor is given.
-    pub(crate) link_from_inertial: Isometry3<f64>,
-    pub(crate) inertia_kg_m2: Matrix3<f64>,
-    pub(crate) visuals: Vec<Visual>,
-    pub(crate) mesh_count: usize,
-    pub(crate) parent_joint: Option<usize>,
-    pub(crate) child_joints: Vec<usize>,
-}
-
-#[derive(Debug)]
-pub(crate) struct TreeJoint {
-    pub(crate) name: String,
-    pub(crate) lines: ElementLines,
-    pub(crate) freedom: Freedom,
-    pub(crate) parent: usize,
-    pub(crate) child: usize,
-    pub(crate) parent_from_joint: Isometry3<f64>,
-    pub(crate) axis: Vector3<f64>,
-    pub(crate) limits: Option<Limits>,
-    pub(crate) damping: f64,
-    pub(crate) friction: f64,
-    pub(crate) mimics: Option<String>,
-}
-
-impl TreeJoint {
-    /// Whether the joint moves by itself or follows another one.
-    pub(crate) fn moves(&self) -> bool {
-        self.freedom != Freedom::Fixed
-    }
-
-    /// The joint that this one follows, if it can move at all.
-    pub(crate) fn followed(&self) -> Option<&str> {
-        self.mimics.as_deref().filter(|_| self.moves())
-    }
-}
-
-#[derive(Debug)]
-pub(crate) struct Tree {
-    pub(crate) name: String,
-    pub(crate) path: PathBuf,
-    pub(crate) links: Vec<TreeLink>,
-    pub(crate) joints: Vec<TreeJoint>,
-    pub(crate) root: usize,
-}
-
-impl Tree {
-    pub(crate) fn link_error(&self, link: usize, element: &str, kind: ArmErrorKind) -> ArmError {
-        let line = self.links[link].lines.of(element);
-        ArmError::in_file(&self.path, Some(line), kind)
-    }
-
-    pub(crate) fn joint_error(&self, joint: usize, element: &str, kind: ArmErrorKind) -> ArmError {
-        let line = self.joints[joint].lines.of(element);
-        ArmError::in_file(&self.path, Some(line), kind)
-    }
-}
 
 /// Reads `text` as the URDF at `path` and checks what does not depend on the choice of a tip.
 pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
@@ -157,14 +85,6 @@ fn unique_names<'a>(
         }
     }
     Ok(links)
-}
-
-pub(crate) fn pose(origin: &urdf_rs::Pose) -> Isometry3<f64> {
-    let [roll, pitch, yaw] = origin.rpy.0;
-    Isometry3::from_parts(
-        Translation3::from(Vector3::from(origin.xyz.0)),
-        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-    )
 }
 
 fn link(urdf: &urdf_rs::Link, lines: ElementLines, palette: &Palette) -> TreeLink {

@@ -2,11 +2,10 @@
 
 use std::collections::HashMap;
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use urdf_rs::Geometry;
 
 use crate::model::{Shape, Visual};
-use crate::urdf::pose;
 
 /// Colour of a visual without material: light grey.
 const DEFAULT_RGBA: [f32; 4] = [0.8, 0.8, 0.8, 1.0];
@@ -46,4 +45,13 @@ pub(crate) fn visual(urdf: &urdf_rs::Visual, palette: &Palette) -> Option<Visual
         link_from_visual: pose(&urdf.origin),
         color_rgba: rgba.map_or(DEFAULT_RGBA, |rgba| rgba.map(|v| v as f32)),
     })
+}
+
+/// The transform that a URDF gives by position and roll, pitch, yaw.
+pub(crate) fn pose(origin: &urdf_rs::Pose) -> Isometry3<f64> {
+    let [roll, pitch, yaw] = origin.rpy.0;
+    Isometry3::from_parts(
+        Translation3::from(Vector3::from(origin.xyz.0)),
+        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    )
 }

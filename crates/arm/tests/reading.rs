@@ -32,8 +32,9 @@ fn limit(lower: f64, upper: f64) -> String {
     format!("<limit lower=\"{lower}\" upper=\"{upper}\" velocity=\"1\" effort=\"2\"/>")
 }
 
-/// Two bodies fixed to each other are one: masses add, the centre is their mean, and inertia follows the
-/// parallel-axis theorem, here worked by hand for 1 kg and 3 kg, 0.4 m apart along x, the second turned by 90° about z.
+/// Two bodies fixed to each other are one: masses add, the centre is their mean, and inertia
+/// follows the parallel-axis theorem, here worked by hand for 1 kg and 3 kg, 0.4 m apart along x,
+/// the second turned by 90° about z.
 #[test]
 fn verify_fixed_links_are_merged_by_the_parallel_axis_theorem() {
     let robot = urdf(
@@ -58,7 +59,8 @@ fn verify_fixed_links_are_merged_by_the_parallel_axis_theorem() {
         (1, "a", 4.0)
     );
     assert!((merged.com_m - Vector3::new(0.3, 0.0, 0.0)).amax() <= 1e-15);
-    // Own tensors (.1, .2, .25) and, turned, (.2, .1, .25); Steiner 1·.3² + 3·.1² = .12 about y and z.
+    // Own tensors (.1, .2, .25) and, turned, (.2, .1, .25); Steiner 1·.3² + 3·.1² = .12 about y and
+    // z.
     let expected = Matrix3::from_diagonal(&Vector3::new(0.3, 0.3 + 0.12, 0.5 + 0.12));
     assert!((merged.inertia_about_com_kg_m2 - expected).amax() <= 1e-15);
     let flange = robot.world_from_frame(&[0.0], FrameId::Flange);
@@ -115,7 +117,8 @@ fn side_branches_are_merged_at_zero_with_a_note() {
         "{notes}"
     );
 
-    // The finger itself as tip: its joint is then on the chain, the other finger is the side branch.
+    // The finger itself as tip: its joint is then on the chain, the other finger is the side
+    // branch.
     let robot = urdf_with_tip(&fingers("<mimic joint=\"open_left\"/>"), Some("left"));
     assert_eq!(robot.dof(), 2);
     assert_eq!(robot.chain.joints[1].kind, JointKind::Prismatic);
@@ -240,7 +243,8 @@ fn a_long_axis_is_normalised_and_noted() {
     );
 }
 
-/// Shapes are kept with their colour, meshes are counted, and careless collision or texture elements do not matter.
+/// Shapes are kept with their colour, meshes are counted, and careless collision or texture
+/// elements do not matter.
 #[test]
 fn visuals_are_read_and_the_rest_is_forgiven() {
     let robot = urdf(

@@ -248,7 +248,8 @@ fn an_unknown_tip_lists_the_links() {
 proptest::proptest! {
     #![proptest_config(proptest::prelude::ProptestConfig::with_cases(400))]
 
-    /// Whatever a file holds, reading it ends with a robot or an error, never with a panic: damage at random places.
+    /// Whatever a file holds, reading it ends with a robot or an error, never with a panic: damage
+    /// at random places.
     #[test]
     fn damaged_files_never_panic(at in 0..TWO_JOINTS.len(), length in 0_usize..40, patch in "[ -~]{0,6}") {
         let mut text = TWO_JOINTS.to_owned();

@@ -1,9 +1,10 @@
-//! The HP20 against inverse kinematics computed by two independent programs, for the belt wheel on a wheel-hub spoke.
+//! The HP20 against inverse kinematics of `docs/physics/arm.md`, computed anew by
+//! `tests/reference/arm.py`, for the belt wheel on a wheel-hub spoke.
 
 use std::path::PathBuf;
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use truecut_arm::{ArmBranch, BranchOptions, FrameId, Robot};
+use truecut_arm::{ArmBranch, BranchOptions, Elbow, FrameId, Robot, Shoulder, Wrist};
 
 fn robot() -> Robot {
     let urdf =
@@ -11,9 +12,9 @@ fn robot() -> Robot {
     Robot::load(&urdf, None, None).expect("the asset loads")
 }
 
-/// A point of the spoke z = 25 sin πu − 0.006 (1 − u/2) y² (mm) over (200u, y), at y = 0: where the centre of a wheel of 40 mm
-/// pressed in by 0.5 mm stands, tool y along the wheel's axis (the direction of least curvature, here that of u), tool z into
-/// the surface.
+/// A point of the spoke z = 25 sin πu − 0.006 (1 − u/2) y² (mm) over (200u, y), at y = 0: where the
+/// centre of a wheel of 40 mm pressed in by 0.5 mm stands, tool y along the wheel's axis (the
+/// direction of least curvature, here that of u), tool z into the surface.
 fn wheel_pose(u: f64) -> Isometry3<f64> {
     let (sine, cosine) = (std::f64::consts::PI * u).sin_cos();
     let rise = 25.0 * std::f64::consts::PI * cosine;
@@ -29,7 +30,8 @@ fn wheel_pose(u: f64) -> Isometry3<f64> {
     )
 }
 
-/// Values printed to 1e-3 degree: half a digit of them and rounding stay within the tolerance of 1e-3.
+/// Values printed to 1e-3 degree: half a digit of them and rounding stay within the tolerance of
+/// 1e-3.
 #[test]
 fn verify_hp20_inverse_kinematics_on_the_spoke() {
     let robot = robot();
@@ -41,9 +43,9 @@ fn verify_hp20_inverse_kinematics_on_the_spoke() {
     ];
     // The elbow above the line from shoulder to wrist, θ5 > 0.
     let wanted = ArmBranch {
-        rear_shoulder: false,
-        lower_elbow: false,
-        flipped_wrist: false,
+        shoulder: Shoulder::Front,
+        elbow: Elbow::Upper,
+        wrist: Wrist::Positive,
     };
     for (u, expected) in expected_deg {
         let branches = solver.branches(&wheel_pose(u), FrameId::Tool);
@@ -64,7 +66,8 @@ fn verify_hp20_inverse_kinematics_on_the_spoke() {
     }
 }
 
-/// Catalogue reach, axis 1 to the wrist centre with the arm stretched: 1717 mm, given in whole millimetres.
+/// Catalogue reach, axis 1 to the wrist centre with the arm stretched: 1717 mm, given in whole
+/// millimetres.
 #[test]
 fn verify_hp20_reach() {
     let robot = robot();

@@ -1,8 +1,9 @@
 //! The default robot against published and independently computed numbers.
 //!
-//! Geometry: an ortho-parallel basis with spherical wrist (Brandstötter, Angerer, Hofbaur 2014), whose forward
-//! kinematics is written here from its own formulas, not from the URDF. Stiffness and modes: the reference values
-//! of "IRB6600-cal" at the posture of Dong et al. 2018, computed by two independent programs to the digits given.
+//! Geometry: an ortho-parallel basis with spherical wrist (Brandstötter, Angerer, Hofbaur 2014),
+//! whose forward kinematics is written here from its own formulas, not from the URDF. Stiffness and
+//! modes: the reference values of `docs/physics/arm.md` at the posture of Dong et al. 2018,
+//! computed anew by `tests/reference/arm.py`.
 
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
@@ -36,7 +37,8 @@ fn assert_close(what: &str, value: f64, expected: f64, relative: f64) {
     );
 }
 
-/// OPW forward kinematics: flange position and rotation for a1 .32, a2 −.2, b 0, c1 .78, c2 1.075, c3 1.142, c4 .2 m.
+/// OPW forward kinematics: flange position and rotation for a1 .32, a2 −.2, b 0, c1 .78, c2 1.075,
+/// c3 1.142, c4 .2 m.
 fn opw_forward(q: &[f64; 6]) -> (Vector3<f64>, Matrix3<f64>) {
     let (a1, a2, b, c1, c2, c3, c4) = (0.32, -0.2, 0.0, 0.78, 1.075, 1.142, 0.2);
     let theta3 = q[2] + FRAC_PI_2;
@@ -55,7 +57,8 @@ fn opw_forward(q: &[f64; 6]) -> (Vector3<f64>, Matrix3<f64>) {
     (wrist + rotation * z * c4, rotation)
 }
 
-/// The ten-digit flange pose. The numbers carry half a digit in 1e-10, so 1e-9 leaves room for nothing but rounding.
+/// The ten-digit flange pose. The numbers carry half a digit in 1e-10, so 1e-9 leaves room for
+/// nothing but rounding.
 #[test]
 fn verify_opw_test_vector() {
     let pose = robot().world_from_frame(&posture(), FrameId::Flange);
@@ -91,8 +94,8 @@ fn verify_flange_agrees_with_opw_formulas_over_the_workspace() {
     }
 }
 
-/// Free stiffness along X (feed), Y, Z and the principal values of the lateral plane. Tolerance: the reference is
-/// given to 0.02 %.
+/// Free stiffness along X (feed), Y, Z and the principal values of the lateral plane. Tolerance:
+/// the reference is given to 0.02 %.
 #[test]
 fn verify_irb6600_cal_free_stiffness() {
     let robot = robot();
@@ -141,8 +144,9 @@ fn verify_clamped_stiffness_is_independent_of_tool_length() {
     }
 }
 
-/// A second set of joint stiffnesses, fitted with rotation clamped, gives the paper's k1, k2, k3 under that definition.
-/// The set is printed to three or four digits, half a unit of the coarsest being 0.08 %.
+/// A second set of joint stiffnesses, fitted with rotation clamped, gives the paper's k1, k2, k3
+/// under that definition. The set is printed to three or four digits, half a unit of the coarsest
+/// being 0.08 %.
 #[test]
 fn verify_clamped_stiffness_of_the_paper() {
     let mut robot = robot();
@@ -167,7 +171,8 @@ fn verify_clamped_stiffness_of_the_paper() {
     assert_close("k3", lateral.k_max_n_per_m, 1.394e6, 1e-3);
 }
 
-/// Reference modes without gravity, given to a millihertz: half a unit in the last place is 0.01 % of the first.
+/// Reference modes without gravity, given to a millihertz: half a unit in the last place is 0.01 %
+/// of the first.
 #[test]
 fn verify_irb6600_cal_modes() {
     let reference = [6.042, 9.985, 19.056, 25.445, 39.275, 79.924];

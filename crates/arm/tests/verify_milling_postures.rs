@@ -1,10 +1,13 @@
-//! The posture study of a milling arm against independently computed numbers: planar and 6-DoF mode-coupling limits
-//! over the redundancy angle, and the regenerative limits that contradict them.
+//! The posture study of a milling arm against independently computed numbers: planar and 6-DoF
+//! mode-coupling limits over the redundancy angle, and the regenerative limits that contradict
+//! them. Numbers: `docs/physics/stability.md`, An arm, computed anew by
+//! `tests/reference/postures.py`.
 //!
-//! The spindle stands across the flange (tool z = flange x, tool y = flange y, tip at (0.25, 0, 0.18) m in the flange),
-//! the tool points down at P1 = (1.050, −1.450, 0.870) m or P2 = (1.350, −1.450, 0.870) m, its x axis at the redundancy
-//! angle θr. Front shoulder, upper elbow, one wrist by continuity. Inertia is the reference model's, not the asset's
-//! 0.82 of it; ζ = 0.02 in every mode; no gravity.
+//! The spindle stands across the flange (tool z = flange x, tool y = flange y, tip at (0.25, 0,
+//! 0.18) m in the flange), the tool points down at P1 = (1.050, −1.450, 0.870) m or P2 = (1.350,
+//! −1.450, 0.870) m, its x axis at the redundancy angle θr. Front shoulder, upper elbow, one wrist
+//! by continuity. Inertia is the reference model's, not the asset's 0.82 of it; ζ = 0.02 in every
+//! mode; no gravity.
 
 mod milling_arm;
 
@@ -18,7 +21,7 @@ use truecut_core::chatter::averaged::{
     mode_coupling_limit, rightmost_per_s, zero_order_limit, zero_order_limit_within,
 };
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
-use truecut_core::chatter::planar::{coalescence_limit_m, slot_limit_m};
+use truecut_core::chatter::planar::coalescence_limit_m;
 use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
 use truecut_core::chatter::{DirectionalMatrix, TipMode};
 use truecut_core::cutting::milling::cutter::Cutter;
@@ -46,8 +49,8 @@ fn target(point_m: [f64; 3], angle_deg: f64) -> Isometry3<f64> {
     pose(point_m, &axes)
 }
 
-/// Postures at a point for θr = 10°, 20°, … 240°, by continuity from θr = 20° at P1. Position limits are set aside: they
-/// bind one of the two wrists only, and both give the same mechanics.
+/// Postures at a point for θr = 10°, 20°, … 240°, by continuity from θr = 20° at P1. Position
+/// limits are set aside: they bind one of the two wrists only, and both give the same mechanics.
 fn postures(robot: &Robot, point_m: [f64; 3]) -> BTreeMap<i32, Vec<f64>> {
     let mut free = robot.clone();
     free.chain.joints.iter_mut().for_each(|j| j.limits = None);
@@ -126,8 +129,8 @@ fn verify_printed_postures() {
     }
 }
 
-/// One row of the map: θr, k_min and k_max (N/µm), f1 and f2 (Hz), planar limit (mm), 6-DoF limit (mm) and its frequency
-/// (Hz), half-slot limits with feed along X and Y (mm).
+/// One row of the map: θr, k_min and k_max (N/µm), f1 and f2 (Hz), planar limit (mm), 6-DoF limit
+/// (mm) and its frequency (Hz), half-slot limits with feed along X and Y (mm).
 type Row = (i32, [f64; 2], [f64; 2], f64, [f64; 2], [f64; 2]);
 
 const MAP: [Row; 5] = [
@@ -173,8 +176,8 @@ const MAP: [Row; 5] = [
     ),
 ];
 
-/// Planar and 6-DoF limits at P1 for aluminium with two teeth, slot and half slot. Tolerance 2 %; frequencies, printed to
-/// two digits, half a unit of the last.
+/// Planar and 6-DoF limits at P1 for aluminium with two teeth, slot and half slot. Tolerance 2 %;
+/// frequencies, printed to two digits, half a unit of the last.
 #[test]
 fn verify_posture_map() {
     let robot = robot();
@@ -196,7 +199,8 @@ fn verify_posture_map() {
             assert!((hz - expected_hz).abs() <= 5.1e-3, "{}: {hz}", what("f"));
         }
 
-        let planar = slot_limit_m(plane.k_min_n_per_m, plane.k_max_n_per_m, 2, 767e6);
+        // Undamped slot: a = 2 (k_max − k_min)/(N K_t).
+        let planar = 2.0 * (plane.k_max_n_per_m - plane.k_min_n_per_m) / (2.0 * 767e6);
         assert_close(&what("planar"), planar * 1e3, planar_mm, 0.02);
         let slot = aluminium(Engagement::SLOT).average_pa();
         let stiffness: Matrix2<f64> = c_tt
@@ -256,7 +260,8 @@ fn range(from: i32, to: i32) -> impl Iterator<Item = i32> {
     (from..=to).step_by(10)
 }
 
-/// 45 steel, four teeth, 0.3 mm: stable redundancy angles in ten-degree steps, and what half a slot changes.
+/// 45 steel, four teeth, 0.3 mm: stable redundancy angles in ten-degree steps, and what half a slot
+/// changes.
 #[test]
 fn verify_stable_angles_in_steel() {
     let robot = robot();
@@ -274,8 +279,9 @@ fn verify_stable_angles_in_steel() {
     assert_eq!(stable_angles(&robot, P2_M, &worst), p2);
 }
 
-/// The contradiction at θr = 120°: 0.142 mm by mode coupling; with regeneration to zero order, chatter frequencies of
-/// 3 to 60 Hz, from 0.035 mm at 150 rpm to 2.79 mm at 2400 rpm. Half a unit of the last digit is 1.4 % of the first.
+/// The contradiction at θr = 120°: 0.142 mm by mode coupling; with regeneration to zero order,
+/// chatter frequencies of 3 to 60 Hz, from 0.035 mm at 150 rpm to 2.79 mm at 2400 rpm. Half a unit
+/// of the last digit is 1.4 % of the first.
 #[test]
 fn verify_regenerative_limits_contradict_mode_coupling() {
     let robot = robot();
@@ -302,8 +308,9 @@ fn verify_regenerative_limits_contradict_mode_coupling() {
     }
 }
 
-/// Four teeth in a slot: sin² and cos² of neighbouring teeth make the directional matrix constant, zero order is exact, and
-/// 6-DoF semi-discretisation must give the same limits. The scan of the latter ends 1e-4 wide; what is left is its step.
+/// Four teeth in a slot: sin² and cos² of neighbouring teeth make the directional matrix constant,
+/// zero order is exact, and 6-DoF semi-discretisation must give the same limits. The scan of the
+/// latter ends 1e-4 wide; what is left is its step.
 #[test]
 fn verify_zero_order_is_exact_for_four_teeth_in_a_slot() {
     let robot = robot();
@@ -334,8 +341,9 @@ fn verify_zero_order_is_exact_for_four_teeth_in_a_slot() {
     }
 }
 
-/// What mode coupling keeps with regeneration is the floor's feedback. In steel at 0.4 mm per revolution it is too weak to
-/// make the arm flutter at P1, at any redundancy angle and in any feed direction; ten times the feed is not.
+/// What mode coupling keeps with regeneration is the floor's feedback. In steel at 0.4 mm per
+/// revolution it is too weak to make the arm flutter at P1, at any redundancy angle and in any feed
+/// direction; ten times the feed is not.
 #[test]
 fn the_floor_alone_makes_no_posture_flutter() {
     let robot = robot();

@@ -1,8 +1,10 @@
-//! A milling arm in the time domain, six modes against a cut with teeth and surface, beside the stability theory.
+//! A milling arm in the time domain, six modes against a cut with teeth and surface, beside the
+//! stability theory.
 //!
-//! Steel, four teeth, full slot, 2400 rpm, at five redundancy angles. Teeth that meet the nominal surface must agree with
-//! the averaged 6-DoF theory of mode coupling, teeth that meet their own surface with semi-discretisation: stable at 0.9
-//! of the limit and unstable at 1.1 of it. The two limits differ by a factor of five to twenty.
+//! Steel, four teeth, full slot, 2400 rpm, at five redundancy angles. Teeth that meet the nominal
+//! surface must agree with the averaged 6-DoF theory of mode coupling, teeth that meet their own
+//! surface with semi-discretisation: stable at 0.9 of the limit and unstable at 1.1 of it. The two
+//! limits differ by a factor of five to twenty.
 
 mod milling_arm;
 
@@ -10,7 +12,7 @@ use std::f64::consts::TAU;
 
 use milling_arm::robot;
 use nalgebra::{DVector, Vector3};
-use truecut_arm::{BranchOptions, FrameId, tool_pose};
+use truecut_arm::{BranchOptions, Elbow, FrameId, Shoulder, tool_pose};
 use truecut_core::chatter::averaged::mode_coupling_limit;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
 use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
@@ -26,8 +28,8 @@ const STEPS: usize = 40;
 /// Motion from one tooth to the next at which vibration counts as grown: a tenth of the feed.
 const GROWN_M: f64 = 1e-5;
 
-/// The arm of the posture study (`verify_milling_postures.rs`), its modes at P1 with ζ = 0.02, world axes; the feed is along
-/// world x.
+/// The arm of the posture study (`verify_milling_postures.rs`), its modes at P1 with ζ = 0.02,
+/// world axes; the feed is along world x.
 fn modes(angle_deg: f64) -> Vec<TipMode> {
     let robot = robot();
     let point = Vector3::new(1.050, -1.450, 0.870);
@@ -37,7 +39,7 @@ fn modes(angle_deg: f64) -> Vec<TipMode> {
     let geometry = solver.geometry().expect("ortho-parallel");
     let upper_front = |q: &Vec<f64>| {
         let branch = geometry.branch(q);
-        !branch.rear_shoulder && !branch.lower_elbow
+        (branch.shoulder, branch.elbow) == (Shoulder::Front, Elbow::Upper)
     };
     let postures = solver.branches(&pose, FrameId::Tool);
     let q = postures.into_iter().find(upper_front).expect("in reach");
@@ -116,8 +118,8 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Growth rate (1/s) of vibration that is not periodic with the teeth, from a tenth of a micrometre on; infinite once
-    /// it has grown a hundredfold, before teeth leave the cut. RK4.
+    /// Growth rate (1/s) of vibration that is not periodic with the teeth, from a tenth of a
+    /// micrometre on; infinite once it has grown a hundredfold, before teeth leave the cut. RK4.
     fn growth_per_s(&mut self, rest: &DVector<f64>, periods: usize) -> f64 {
         let dt = PERIOD_S / STEPS as f64;
         let mut y = rest.clone();
@@ -164,7 +166,8 @@ fn displacement(modes: &[TipMode], y: &DVector<f64>) -> Vector3<f64> {
 
 fn growth_per_s(modes: &[TipMode], depth_m: f64, regeneration: bool) -> f64 {
     let (mut run, rest) = Run::new(modes, depth_m, regeneration);
-    // Regenerative growth 10 % above the limit is as slow as 0.4 /s, and slow modes must first die away.
+    // Regenerative growth 10 % above the limit is as slow as 0.4 /s, and slow modes must first die
+    // away.
     let periods = if regeneration { 2000 } else { 400 };
     run.growth_per_s(&rest, periods)
 }

@@ -1,4 +1,4 @@
-//! Arguments as they are written, and the resolved form that the commands work with.
+//! Arguments as written, and in the resolved form that the commands use.
 
 mod finishing;
 mod stability;
@@ -19,7 +19,8 @@ pub use stability::{LobesArguments, PostureArguments};
 
 /// Physics-backed simulation of robotic machining.
 ///
-/// Exit codes: 0 good, 1 a claim failed, 2 bad input, 3 a run diverged, 4 the cross-check disagrees.
+/// Exit codes: 0 good, 1 a claim failed or a robot program cannot be run as written, 2 bad input,
+/// 3 a run diverged, 4 the cross-check disagrees.
 #[derive(Debug, Parser)]
 #[command(name = "truecut", version)]
 pub struct Arguments {
@@ -39,11 +40,11 @@ pub enum Command {
     ExportMjcf(ExportArguments),
     /// Run scenarios here and in MuJoCo, and compare the recordings
     Crosscheck(CrosscheckArguments),
-    /// Run a scenario beside measured data, and say what the simulation gets wrong
+    /// Run a scenario, compare it with measured data, and report what the simulation gets wrong
     Compare(CompareArguments),
     /// Look for what the simulation lacks against measured data, name it, and extend the scenario
     Diagnose(DiagnoseArguments),
-    /// Stability diagram of a milling scenario: limit depth over spindle speed, simulated runs laid over it
+    /// Stability diagram of a milling scenario: limit depth over spindle speed, with simulated runs
     Lobes(LobesArguments),
     /// Choose the arm's postures along the path of a milling scenario so that the cut is stable
     Posture(PostureArguments),
@@ -51,7 +52,8 @@ pub enum Command {
     Path(PathArguments),
     /// Read a robot program back, run through it, and say what the robot cannot do
     Program(ProgramArguments),
-    /// Read load-deflection tables and hammer FRFs: joint stiffness with intervals, measured modes beside the model's
+    /// Read load-deflection tables and hammer FRFs: joint stiffness with intervals, measured and
+    /// modelled modes
     Identify(IdentifyArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
     Robot(RobotArguments),
@@ -104,7 +106,7 @@ pub struct CheckArguments {
 pub struct ViewArguments {
     /// A recording: .rrd, .parquet or .arrows
     pub file: PathBuf,
-    /// Convert a .parquet or .arrows file to a .rrd beside it
+    /// Convert a .parquet or .arrows file to a .rrd in the same folder
     #[arg(long)]
     pub rrd: bool,
 }
@@ -143,7 +145,7 @@ pub struct CompareArguments {
     /// Folder for outputs; the scenario gets a folder of its own in it
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// Speed of the spindle, to tell what turns with it [default: the scenario's]
+    /// Speed of the spindle, to find lines at its orders of rotation [default: the scenario's]
     #[arg(long, value_name = "RPM", value_parser = parse_rpm)]
     rpm: Option<f64>,
     #[command(flatten)]
@@ -187,6 +189,19 @@ pub struct SchemaArguments {
     /// Of the path job
     #[arg(long)]
     pub path: bool,
+}
+
+impl SchemaArguments {
+    /// The schema asked for.
+    pub fn schema(&self) -> serde_json::Value {
+        if self.identification {
+            truecut_scenario::Identification::json_schema()
+        } else if self.path {
+            truecut_scenario::PathJob::json_schema()
+        } else {
+            truecut_scenario::Scenario::json_schema()
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -250,7 +265,7 @@ impl RunArguments {
 
 impl DiagnoseArguments {
     /// Loads the scenario.
-    pub fn resolve(self) -> Result<diagnose::Plan, Failure> {
+    pub fn resolve(self) -> Result<diagnose::DiagnosePlan, Failure> {
         self.common.use_jobs()?;
         let mut options = Options::default();
         if let Some(runs) = self.max_runs {
@@ -259,7 +274,7 @@ impl DiagnoseArguments {
         if let Some(causes) = self.max_causes {
             options.max_effects = causes.get();
         }
-        Ok(diagnose::Plan {
+        Ok(diagnose::DiagnosePlan {
             scenario: Scenario::load(&self.scenario, &self.common.set)?,
             data: self.data,
             out: self.out,
@@ -323,10 +338,10 @@ impl Common {
     }
 }
 
-/// More jobs are a slip.
+/// More jobs are a typing error.
 const MOST_JOBS: usize = 1024;
 
-/// More threads than that on a core only get in each other's way.
+/// More threads per core only slow each other down.
 const MOST_THREADS_PER_CORE: usize = 4;
 
 fn load_all(paths: &[PathBuf], common: &Common) -> Result<Vec<Scenario>, Failure> {

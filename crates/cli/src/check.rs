@@ -1,41 +1,41 @@
-//! `truecut check`: runs every scenario found, judges the claims, prints one table, writes JUnit XML.
+//! `truecut check`: runs every scenario found, judges the claims, prints one table, writes JUnit
+//! XML.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use rayon::prelude::*;
+use truecut::data;
+use truecut::outputs::write_file;
 use truecut_recording::ClaimResult;
 use truecut_scenario::Scenario;
+use truecut_sim::run::{Run, Runs};
+use truecut_sim::sweep::sweep;
 
 use crate::args::CheckPlan;
-use crate::data;
-use crate::execute::Runs;
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::judge::{judge, verdict};
-use crate::outputs::write_file;
 use crate::progress::{Progress, RunProgress};
-use crate::sweep;
 use crate::text::{self, Align};
-use crate::verdict::Verdict;
 
 /// A scenario that was checked.
 struct Checked {
     file: PathBuf,
     name: String,
-    /// What it came to, or the report of why it cannot run.
+    /// ExitStatus, or the report of why it cannot run.
     result: Result<Judged, String>,
     took: Duration,
 }
 
 struct Judged {
-    verdict: Verdict,
+    status: ExitStatus,
     outcome: String,
     claims: Vec<ClaimResult>,
 }
 
 /// Checks every file of the plan; a scenario with bad input does not keep the others from running.
-pub fn check(plan: &CheckPlan) -> Result<Verdict, Failure> {
+pub fn check(plan: &CheckPlan) -> Result<ExitStatus, Failure> {
     let runs = Runs::default();
     let progress = Progress::new(plan.files.len(), "checking");
     let checked: Vec<Checked> = plan
@@ -54,8 +54,8 @@ pub fn check(plan: &CheckPlan) -> Result<Verdict, Failure> {
     crate::print(&format!("  {}\n", summary(&checked, plan)))?;
     Ok(checked
         .iter()
-        .map(verdict_of)
-        .fold(Verdict::Good, Verdict::and))
+        .map(status_of)
+        .fold(ExitStatus::Good, ExitStatus::and))
 }
 
 fn check_one(
@@ -86,36 +86,42 @@ fn judge_scenario(
     progress: &RunProgress,
 ) -> Result<Judged, Failure> {
     if scenario.sweep.is_some() {
-        let table = sweep::run(scenario, &|part| progress.set(part))?;
+        let table = sweep(scenario, &|part| progress.set(part))?;
         let claims = table.claims(scenario);
         return Ok(Judged {
-            verdict: table.verdict(&claims),
-            outcome: table.count(),
+            status: ExitStatus::of_sweep(&table, &claims),
+            outcome: text::count_rows(&table),
             claims,
         });
     }
     if data::is_left_open(scenario) {
         return Ok(Judged {
-            verdict: Verdict::Good,
+            status: ExitStatus::Good,
             outcome: "not run: names no measured data".to_owned(),
             claims: Vec::new(),
         });
     }
-    let recording = runs.get(scenario, progress)?;
-    let claims = judge(scenario, &recording, runs, progress)?;
-    let verdict = verdict(&recording.outcome, &claims);
+    let run = Run {
+        read_data: Some(data::replayed),
+        references: Some(runs),
+        progress: &|part| progress.set(part),
+        ..Run::of(scenario)
+    };
+    // Kept because claims of other scenarios may refer to it.
+    let recording = run.kept_in(runs)?;
+    let claims = run.judge(&recording)?;
     Ok(Judged {
-        verdict,
+        status: ExitStatus::of_run(&recording.outcome, &claims),
         outcome: recording.outcome.to_string(),
         claims,
     })
 }
 
-fn verdict_of(checked: &Checked) -> Verdict {
+fn status_of(checked: &Checked) -> ExitStatus {
     checked
         .result
         .as_ref()
-        .map_or(Verdict::BadInput, |judged| judged.verdict)
+        .map_or(ExitStatus::BadInput, |judged| judged.status)
 }
 
 fn table(checked: &[Checked]) -> String {
@@ -123,7 +129,7 @@ fn table(checked: &[Checked]) -> String {
     for one in checked {
         let (mark, outcome, claims) = match &one.result {
             Ok(judged) => {
-                let mark = if judged.verdict == Verdict::Good {
+                let mark = if judged.status == ExitStatus::Good {
                     "✓"
                 } else {
                     "✗"
@@ -167,7 +173,7 @@ fn table(checked: &[Checked]) -> String {
 fn summary(checked: &[Checked], plan: &CheckPlan) -> String {
     let good = checked
         .iter()
-        .filter(|one| verdict_of(one) == Verdict::Good)
+        .filter(|one| status_of(one) == ExitStatus::Good)
         .count();
     format!(
         "{good} of {} scenarios hold; JUnit XML in {}",
@@ -191,14 +197,14 @@ fn write_junit(checked: &[Checked], plan: &CheckPlan) -> Result<(), Failure> {
     let xml = report
         .to_string()
         .map_err(|error| Failure::message(format!("{}: {error}", plan.junit.display())))?;
-    write_file(&plan.junit, xml.as_bytes())
+    Ok(write_file(&plan.junit, xml.as_bytes())?)
 }
 
-/// The run itself counts as a test: it fails if the run diverges, and is an error if it cannot be made.
+/// The run itself is a test case: failed if the run diverges, an error if it cannot start.
 fn run_case(one: &Checked) -> TestCase {
     let status = match &one.result {
         Ok(Judged {
-            verdict: Verdict::Diverged,
+            status: ExitStatus::Diverged,
             outcome,
             ..
         }) => non_success(NonSuccessKind::Failure, outcome),

@@ -3,25 +3,26 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use truecut::data;
+use truecut::outputs::{COMPARISON, MODEL, Outputs, write_file};
 use truecut_recording::Outcome;
 use truecut_scenario::Scenario;
+use truecut_sim::run::{Claims, Run};
 
 use crate::args::RunPlan;
-use crate::execute::{Executed, execute};
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::outputs::{COMPARISON, MODEL, Outputs, write_file};
 use crate::progress::Progress;
 use crate::text;
-use crate::verdict::Verdict;
 
-/// The cross-check, below the project's folder.
+/// The script of the cross-check, relative to the repository's root.
 const SCRIPT: &str = "tests/crosscheck/truecut_reference/run.py";
 
 /// The script's exit code if the engines disagree.
 const DISAGREES: i32 = 4;
 
-/// Runs every scenario here, then in MuJoCo, one after the other. Sweeps are left out, and named.
-pub fn crosscheck(plan: &RunPlan) -> Result<Verdict, Failure> {
+/// Runs every scenario here, then in MuJoCo, one after the other. Sweeps are skipped and listed.
+pub fn crosscheck(plan: &RunPlan) -> Result<ExitStatus, Failure> {
     let (sweeps, single): (Vec<_>, Vec<_>) =
         (plan.scenarios.iter()).partition(|s| s.sweep.is_some());
     if let ([first, ..], []) = (sweeps.as_slice(), single.as_slice()) {
@@ -34,14 +35,14 @@ pub fn crosscheck(plan: &RunPlan) -> Result<Verdict, Failure> {
             sweep.path().display()
         ))?;
     }
-    let mut all = Verdict::Good;
+    let mut all = ExitStatus::Good;
     for scenario in single {
         all = all.and(crosscheck_one(scenario, &plan.out)?);
     }
     Ok(all)
 }
 
-fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<Verdict, Failure> {
+fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Failure> {
     let script = upwards(SCRIPT, scenario).ok_or_else(|| {
         let text = format!("{SCRIPT} is not found above this folder or above the scenario");
         Failure::with_help(
@@ -52,18 +53,23 @@ fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<Verdict, Failure> {
     let python = python(scenario)?;
     let outputs = Outputs::prepare(out, scenario, false)?;
     let progress = Progress::new(1, "running");
-    let Executed {
-        recording, sinks, ..
-    } = execute(scenario, None, outputs.sinks(), &progress.run())?;
+    let run = progress.run();
+    let recording = Run {
+        read_data: Some(data::replayed),
+        claims: Claims::Check,
+        sinks: outputs.sinks(),
+        progress: &|part| run.set(part),
+        ..Run::of(scenario)
+    }
+    .execute()?
+    .recording;
+    drop(run);
     drop(progress);
-    sinks
-        .close(&recording, &[])
-        .map_err(|error| Failure::message(error.to_string()))?;
-    outputs.write_end(&recording, &[])?;
+    outputs.write_summary(&recording, &[])?;
     if recording.outcome != Outcome::Completed {
         let outcome = text::outcome(&recording.outcome);
         crate::print(&format!("{}\n  {outcome}\n", scenario.name))?;
-        return Ok(Verdict::Diverged);
+        return Ok(ExitStatus::Diverged);
     }
     let mjcf = truecut_sim::export_mjcf(scenario).map_err(|error| Failure::sim(scenario, error))?;
     write_file(&outputs.path(MODEL), mjcf.as_bytes())?;
@@ -81,8 +87,8 @@ fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<Verdict, Failure> {
         .status()
         .map_err(|error| Failure::message(format!("{}: {error}", python.display())))?;
     match status.code() {
-        Some(0) => Ok(Verdict::Good),
-        Some(DISAGREES) => Ok(Verdict::Disagrees),
+        Some(0) => Ok(ExitStatus::Good),
+        Some(DISAGREES) => Ok(ExitStatus::Disagrees),
         _ => Err(Failure::message(format!(
             "the cross-check of {} ended with {status}",
             scenario.path().display()
@@ -90,7 +96,7 @@ fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<Verdict, Failure> {
     }
 }
 
-/// The interpreter in `TRUECUT_PYTHON`, or that of the project's virtual environment.
+/// The interpreter in `TRUECUT_PYTHON`, or that of the repository's virtual environment.
 fn python(scenario: &Scenario) -> Result<PathBuf, Failure> {
     if let Some(given) = std::env::var_os("TRUECUT_PYTHON") {
         return Ok(PathBuf::from(given));
@@ -101,7 +107,7 @@ fn python(scenario: &Scenario) -> Result<PathBuf, Failure> {
     })
 }
 
-/// A file of the project, looked for from this folder and from the scenario's upwards.
+/// A file of the repository, searched upwards from the current folder and from the scenario's.
 fn upwards(file: &str, scenario: &Scenario) -> Option<PathBuf> {
     let starts = [
         std::env::current_dir().ok(),

@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
-use truecut_arm::{ArmError, ArmErrorKind};
+use truecut_arm::ArmError;
 use truecut_scenario::{Identification, Scenario, ScenarioError};
 use truecut_sim::SimError;
+use truecut_sim::run::RunError;
+use truecut_telemetry::FileError;
 
-/// Why a command could not do its work.
+/// Why a command failed.
 #[derive(Debug)]
 pub struct Failure(Box<dyn Diagnostic + Send + Sync>);
 
@@ -29,7 +31,30 @@ impl From<ScenarioError> for Failure {
     }
 }
 
-/// A failure that is one sentence, with advice.
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Failure {
+        match error {
+            RunError::Scenario(error) => (*error).into(),
+            RunError::Robot { error, scenario } => {
+                let help = format!("it is the robot of {}", scenario.display());
+                Failure::arm_with(&error, Some(help))
+            }
+            RunError::Data { message, help } => Failure(Box::new(Message {
+                text: message,
+                help,
+            })),
+            RunError::Metric { .. } | RunError::Sink(_) => Failure::message(error.to_string()),
+        }
+    }
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Failure {
+        Failure::message(error.to_string())
+    }
+}
+
+/// A failure in one sentence, with advice.
 #[derive(Debug)]
 struct Message {
     text: String,
@@ -87,7 +112,7 @@ impl Diagnostic for InLine {
 }
 
 impl Failure {
-    /// A failure that has no place in a file.
+    /// A failure that is not at a place in a file.
     pub fn message(text: impl Into<String>) -> Failure {
         Failure(Box::new(Message {
             text: text.into(),
@@ -95,7 +120,7 @@ impl Failure {
         }))
     }
 
-    /// A failure that has no place in a file, and what to do about it.
+    /// A failure that is not at a place in a file, with advice.
     pub fn with_help(text: impl Into<String>, help: impl Into<String>) -> Failure {
         Failure(Box::new(Message {
             text: text.into(),
@@ -103,7 +128,7 @@ impl Failure {
         }))
     }
 
-    /// A fault in a file that another one names; at its line if it has one.
+    /// An error in a file that another file names; at its line if known.
     pub fn in_file(
         path: Option<&Path>,
         line: Option<usize>,
@@ -122,7 +147,7 @@ impl Failure {
         )
     }
 
-    /// A robot that cannot be used, at its line if the fault has one.
+    /// A robot that cannot be used, at the line of the error if known.
     pub fn arm(error: &ArmError) -> Failure {
         Failure::arm_with(error, None)
     }
@@ -136,28 +161,12 @@ impl Failure {
         )
     }
 
-    /// An error of the simulator, at the key of the scenario that it is about.
+    /// An error of the simulator, at the key of the scenario that caused it.
     pub fn sim(scenario: &Scenario, error: SimError) -> Failure {
-        match error {
-            SimError::Scenario { key, message } => scenario.problem(&key, message).into(),
-            SimError::Overrides(error) => (*error).into(),
-            SimError::Arm(error) if error.line().is_some() => {
-                let help = format!("it is the robot of {}", scenario.path().display());
-                Failure::arm_with(&error, Some(help))
-            }
-            SimError::Arm(error) => scenario
-                .problem(robot_key(scenario, &error), error.to_string())
-                .into(),
-            SimError::Metric(error) => {
-                Failure::message(format!("{}: {error}", scenario.path().display()))
-            }
-            SimError::Sink(error) => Failure::message(error.to_string()),
-        }
+        RunError::of(scenario, error).into()
     }
-}
 
-impl Failure {
-    /// An error of the arm of an identification, at the key that it is about.
+    /// An error of the arm of an identification, at the key that caused it.
     pub fn identified_arm(file: &Identification, error: SimError) -> Failure {
         match error {
             SimError::Scenario { key, message } => {
@@ -169,18 +178,6 @@ impl Failure {
             }
             other => file.problem("robot.urdf", other.to_string()).into(),
         }
-    }
-}
-
-/// The key that a fault of the robot without a line of its own is about.
-fn robot_key(scenario: &Scenario, error: &ArmError) -> &'static str {
-    let of_config = error.path().is_some() && error.path() == scenario.robot.config.as_deref();
-    match error.kind() {
-        ArmErrorKind::OutsideLimits { .. } if scenario.gives("robot.posture_deg") => {
-            "robot.posture_deg"
-        }
-        _ if of_config => "robot.config",
-        _ => "robot.urdf",
     }
 }
 

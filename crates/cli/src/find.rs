@@ -47,7 +47,7 @@ fn collect(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
         let hidden = path
             .file_name()
             .is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        // A link to a folder could lead in circles.
+        // A symbolic link could form a cycle.
         if hidden || (path.is_dir() && path.is_symlink()) {
             continue;
         } else if path.is_dir() {
@@ -63,7 +63,7 @@ fn collect(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A text that is no TOML counts if it has a process table: its mistake is to be reported, not passed over.
+/// A file with a syntax error counts if it has a process table, so that the error is reported.
 fn is_scenario(path: &Path) -> bool {
     let Ok(text) = std::fs::read_to_string(path) else {
         return false;

@@ -2,20 +2,16 @@
 
 mod args;
 mod check;
-mod columns_parquet;
 mod compare;
 mod crosscheck;
-mod data;
 mod diagnose;
-mod execute;
+mod exit_status;
 mod failure;
 mod figure;
 mod find;
 mod identify;
-mod judge;
 mod lobes;
 mod mjcf;
-mod outputs;
 mod path;
 mod posture;
 mod program;
@@ -23,10 +19,7 @@ mod progress;
 mod robot;
 mod run;
 mod sweep;
-mod sweep_output;
-mod sweep_parquet;
 mod text;
-mod verdict;
 mod view;
 
 use std::io::{IsTerminal, Write};
@@ -35,22 +28,22 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use crate::args::{Arguments, Command};
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::verdict::Verdict;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     install_reporter();
     match dispatch(arguments.command) {
-        Ok(verdict) => verdict.into(),
+        Ok(status) => status.into(),
         Err(failure) => {
             complain(&format!("{:?}", miette::Report::from(failure)));
-            Verdict::BadInput.into()
+            ExitStatus::BadInput.into()
         }
     }
 }
 
-fn dispatch(command: Command) -> Result<Verdict, Failure> {
+fn dispatch(command: Command) -> Result<ExitStatus, Failure> {
     match command {
         Command::Run(arguments) => run::run(arguments.resolve()?),
         Command::Check(arguments) => check::check(&arguments.resolve()?),
@@ -65,36 +58,27 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
         Command::Program(arguments) => program::program(&arguments),
         Command::Robot(arguments) => robot::describe(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
-        Command::Schema(arguments) => {
-            let schema = if arguments.identification {
-                truecut_scenario::Identification::json_schema()
-            } else if arguments.path {
-                truecut_scenario::PathJob::json_schema()
-            } else {
-                truecut_scenario::Scenario::json_schema()
-            };
-            print(&format!("{schema:#}\n"))
-        }
+        Command::Schema(arguments) => print(&format!("{:#}\n", arguments.schema())),
     }
 }
 
-/// Prints to standard output; a reader that has gone away (`truecut schema | head`) is no error.
-fn print(text: &str) -> Result<Verdict, Failure> {
+/// Prints to standard output; a closed pipe (`truecut schema | head`) is no error.
+fn print(text: &str) -> Result<ExitStatus, Failure> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::message(
             format!("cannot write to standard output: {error}"),
         )),
-        _ => Ok(Verdict::Good),
+        _ => Ok(ExitStatus::Good),
     }
 }
 
-/// Prints to standard error; if nobody listens there, the exit code still tells.
+/// Prints to standard error, ignoring a closed pipe: the exit code still reports the result.
 fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Reports break lines only where a person reads them, so that programs find whole sentences.
+/// Error reports are wrapped on a terminal only, so that programs find whole sentences.
 fn install_reporter() {
     let wrap = std::io::stderr().is_terminal();
     let report = move || -> Box<dyn miette::ReportHandler> {
@@ -107,6 +91,6 @@ fn install_reporter() {
                 .build(),
         )
     };
-    // Fails only if a reporter is installed already; then that one serves.
+    // Fails only if a reporter is installed already, which then is used.
     let _ = miette::set_hook(Box::new(move |_| report()));
 }

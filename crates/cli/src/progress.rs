@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Work that takes less shows no bar.
+/// No bar for shorter work.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Parts of the bar for one run.
+/// Divisions of the bar per run.
 const PARTS: f64 = 1000.0;
 
-/// Progress over a number of runs, told from any thread.
+/// Progress over a number of runs, updated from any thread.
 pub struct Progress {
     bar: ProgressBar,
     started: Instant,
@@ -43,7 +43,7 @@ impl Progress {
         }
     }
 
-    /// Progress of a run that begins.
+    /// Starts the progress of a run.
     pub fn run(&self) -> RunProgress<'_> {
         RunProgress {
             all: self,
@@ -60,7 +60,7 @@ impl Progress {
 }
 
 impl RunProgress<'_> {
-    /// Takes the part that is done, from 0 to 1.
+    /// Sets the fraction done, 0 to 1.
     pub fn set(&self, part: f64) {
         let parts = (part.clamp(0.0, 1.0) * PARTS) as u64;
         if let Ok(mut done) = self.done.lock()

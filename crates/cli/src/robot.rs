@@ -1,13 +1,13 @@
-//! `truecut robot`: what is understood of a robot.
+//! `truecut robot`: a robot as read from its files.
 
 use truecut_arm::{JointKind, Robot, report::fk_table};
 
 use crate::args::RobotArguments;
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::verdict::Verdict;
 
 /// Prints the report, as text or JSON, or a table of flange poses.
-pub fn describe(arguments: &RobotArguments) -> Result<Verdict, Failure> {
+pub fn describe(arguments: &RobotArguments) -> Result<ExitStatus, Failure> {
     let robot = Robot::load(&arguments.urdf, None, arguments.tip.as_deref())
         .map_err(|error| Failure::arm(&error))?;
     if let Some(file) = &arguments.fk {

@@ -1,45 +1,44 @@
 //! `truecut run`: runs scenarios, judges their claims, writes recordings.
 
-use std::time::Instant;
-
 use rayon::prelude::*;
-use truecut_recording::{ClaimResult, Recording};
+use truecut::data;
+use truecut::outputs::Outputs;
+use truecut_recording::Unit;
 use truecut_scenario::Scenario;
+use truecut_sim::run::{Finished, Run, Runs};
 
 use crate::args::RunPlan;
-use crate::execute::{Executed, Runs, execute};
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::judge::{judge, verdict};
-use crate::outputs::Outputs;
 use crate::progress::{Progress, RunProgress};
 use crate::sweep;
 use crate::text;
-use crate::verdict::Verdict;
 
-/// What there is to say about a scenario that has run.
-struct Told {
+/// Printed text and exit status of a scenario that has run.
+struct Report {
     text: String,
-    verdict: Verdict,
+    status: ExitStatus,
 }
 
-/// Runs every scenario of the plan; sweeps after the single runs, since each of them fills all cores.
-pub fn run(plan: RunPlan) -> Result<Verdict, Failure> {
+/// Runs every scenario of the plan; sweeps after the single runs, since each of them fills all
+/// cores.
+pub fn run(plan: RunPlan) -> Result<ExitStatus, Failure> {
     let (sweeps, singles): (Vec<&Scenario>, Vec<&Scenario>) = plan
         .scenarios
         .iter()
         .partition(|scenario| scenario.sweep.is_some());
     let runs = Runs::default();
     let progress = Progress::new(singles.len(), "running");
-    let told: Vec<Result<Told, Failure>> = singles
+    let reports: Vec<Result<Report, Failure>> = singles
         .par_iter()
         .map(|scenario| run_one(scenario, &plan, &runs, &progress.run()))
         .collect();
     drop(progress);
-    let mut all = Verdict::Good;
-    for told in told {
-        let told = told?;
-        crate::print(&told.text)?;
-        all = all.and(told.verdict);
+    let mut all = ExitStatus::Good;
+    for report in reports {
+        let report = report?;
+        crate::print(&report.text)?;
+        all = all.and(report.status);
     }
     for scenario in sweeps {
         all = all.and(sweep::run_and_write(scenario, &plan.out)?);
@@ -52,44 +51,37 @@ fn run_one(
     plan: &RunPlan,
     runs: &Runs,
     progress: &RunProgress,
-) -> Result<Told, Failure> {
+) -> Result<Report, Failure> {
     let outputs = Outputs::prepare(&plan.out, scenario, plan.rrd)?;
-    let started = Instant::now();
-    let executed = execute(scenario, plan.data.as_deref(), outputs.sinks(), progress)?;
-    let wall_s = started.elapsed().as_secs_f64();
-    let Executed {
-        recording,
-        sinks,
-        time_step_s,
-    } = executed;
-    let claims = judge(scenario, &recording, runs, progress)?;
-    sinks
-        .close(&recording, &claims)
-        .map_err(|error| Failure::message(error.to_string()))?;
-    outputs.write_end(&recording, &claims)?;
-    let text = tell(scenario, &recording, &claims, &outputs, time_step_s, wall_s);
-    Ok(Told {
-        text,
-        verdict: verdict(&recording.outcome, &claims),
+    let measured = data::replayed_from(scenario, plan.data.as_deref())?;
+    let finished = Run {
+        measured: measured.as_ref(),
+        read_data: Some(data::replayed),
+        references: Some(runs),
+        sinks: outputs.sinks(),
+        progress: &|part| progress.set(part),
+        ..Run::of(scenario)
+    }
+    .execute()?;
+    outputs.write_summary(&finished.recording, &finished.claims)?;
+    Ok(Report {
+        text: printed(scenario, &finished, &outputs),
+        status: ExitStatus::of_run(&finished.recording.outcome, &finished.claims),
     })
 }
 
-fn tell(
-    scenario: &Scenario,
-    recording: &Recording,
-    claims: &[ClaimResult],
-    outputs: &Outputs,
-    time_step_s: f64,
-    wall_s: f64,
-) -> String {
+fn printed(scenario: &Scenario, finished: &Finished, outputs: &Outputs) -> String {
+    let Finished {
+        recording, claims, ..
+    } = finished;
     let simulated_s = recording.time_s.last().copied().unwrap_or(0.0);
     let mut text = format!(
         "{}\n  {}: {} simulated in {}, step {}, {} rows\n",
         scenario.name,
         text::outcome(&recording.outcome),
         text::seconds(simulated_s),
-        text::seconds(wall_s),
-        text::show(truecut_recording::Unit::Second, time_step_s),
+        text::seconds(finished.build_s + finished.run_s),
+        text::show(Unit::Second, finished.time_step_s),
         recording.time_s.len()
     );
     for note in &recording.header.notes {

@@ -1,8 +1,11 @@
-//! Numbers and tables for people.
+//! Numbers and tables as printed.
 
+pub use comfy_table::CellAlignment as Align;
+use comfy_table::presets;
 use truecut_recording::{ClaimResult, Outcome, Scalar, Unit, UserUnit, significant};
+use truecut_sim::sweep::SweepTable;
 
-/// The unit in which an engineer reads a quantity of this size.
+/// The customary unit of a quantity of this size.
 pub fn reading_unit(unit: Unit, size: f64) -> UserUnit {
     let size = size.abs();
     let symbol = match unit {
@@ -22,7 +25,7 @@ pub fn reading_unit(unit: Unit, size: f64) -> UserUnit {
     UserUnit::parse(symbol).unwrap_or_else(|_| UserUnit::from(unit))
 }
 
-/// A value with the unit in which an engineer reads it.
+/// A value in its customary unit.
 pub fn show(unit: Unit, value: f64) -> String {
     if value.is_nan() {
         return "none".to_owned();
@@ -30,7 +33,7 @@ pub fn show(unit: Unit, value: f64) -> String {
     reading_unit(unit, value).show(value)
 }
 
-/// The numbers that a run computed, one a line.
+/// The scalars of a run, one per line.
 pub fn scalars(scalars: &[Scalar]) -> String {
     let rows: Vec<Vec<String>> = scalars
         .iter()
@@ -45,7 +48,7 @@ pub fn scalars(scalars: &[Scalar]) -> String {
     table(&[Align::Left, Align::Right, Align::Left], &rows)
 }
 
-/// The numbers that say what came of the process; what describes the plant is left to one line.
+/// The scalars of the process; those of the plant are summed up in one line.
 pub fn headline(all: &[Scalar]) -> String {
     let of_plant = |one: &&Scalar| one.name.starts_with("plant.") || one.name.starts_with("run.");
     let results: Vec<Scalar> = all.iter().filter(|one| !of_plant(one)).cloned().collect();
@@ -78,7 +81,7 @@ pub fn headline(all: &[Scalar]) -> String {
     text
 }
 
-/// What the numbers of a belt say that its law does not.
+/// Warnings on a belt beyond the validity of its law.
 fn belt_faults(all: &[Scalar]) -> String {
     let value = |name: &str| (all.iter().find(|one| one.name == name)).map_or(0.0, |one| one.value);
     let (pressed_in, stopped) = (
@@ -88,23 +91,33 @@ fn belt_faults(all: &[Scalar]) -> String {
     let mut text = String::new();
     if pressed_in >= 1.0 {
         text.push_str(&format!(
-            "  ✗ HUB ON THE FACE: the wheel is pressed in by {} times the thickness of its rubber, as if there were more of it\n",
+            "  ✗ HUB ON THE FACE: the wheel is pressed in by {} times the thickness of its \
+             rubber, as if there were more of it\n",
             significant(pressed_in, 3)
         ));
     }
     if stopped >= LEAST_STOPPED {
         text.push_str(&format!(
-            "  ✗ CARRIER AT ITS STOP for {} % of the time on the face: there the force is not the one asked for\n",
+            "  ✗ CARRIER AT ITS STOP for {} % of the time on the face: there the force is not the \
+             one asked for\n",
             significant(100.0 * stopped, 2)
         ));
     }
     text
 }
 
-/// Part of the time on the face that a carrier may take to leave its stop when it is set down.
+/// Fraction of the time on the face that a carrier may need to leave its stop at touch-down.
 const LEAST_STOPPED: f64 = 0.05;
 
-/// The claims, one a line: whether it holds, its value and bounds, and why it must hold.
+/// How many rows a sweep has, and in how many of them a run diverged.
+pub fn count_rows(table: &SweepTable) -> String {
+    match (table.rows.len(), table.count_diverged()) {
+        (rows, 0) => format!("{rows} rows"),
+        (rows, diverged) => format!("{rows} rows, ✗ {diverged} diverged"),
+    }
+}
+
+/// The claims, one per line: whether it holds, its value and bounds, and why it must hold.
 pub fn claims(claims: &[ClaimResult]) -> String {
     let rows: Vec<Vec<String>> = claims
         .iter()
@@ -121,7 +134,7 @@ pub fn claims(claims: &[ClaimResult]) -> String {
     table(&[Align::Left; 3], &rows)
 }
 
-/// How a run ended, as the end of a sentence; what diverged if it did.
+/// Outcome of a run as a phrase; names what diverged.
 pub fn outcome(outcome: &Outcome) -> String {
     match outcome {
         Outcome::Completed => "completed".to_owned(),
@@ -134,38 +147,18 @@ pub fn seconds(value: f64) -> String {
     format!("{} s", significant(value, 3))
 }
 
-/// Which side of a column its entries keep to.
-#[derive(Debug, Clone, Copy)]
-pub enum Align {
-    Left,
-    Right,
-}
-
 /// Lines with aligned columns, indented by two.
 pub fn table(aligns: &[Align], rows: &[Vec<String>]) -> String {
-    let width = |column: usize| {
-        let widths = rows
-            .iter()
-            .filter_map(|row| row.get(column))
-            .map(|cell| cell.chars().count());
-        widths.max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..aligns.len()).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
-        let mut line = String::new();
-        for ((cell, align), width) in row.iter().zip(aligns).zip(&widths) {
-            let width = *width;
-            let cell = match align {
-                Align::Left => format!("  {cell:<width$}"),
-                Align::Right => format!("  {cell:>width$}"),
-            };
-            line.push_str(&cell);
-        }
-        text.push_str(line.trim_end());
-        text.push('\n');
+    let mut table = comfy_table::Table::new();
+    table.load_preset(presets::NOTHING).add_rows(rows);
+    for (column, align) in table.column_iter_mut().zip(aligns) {
+        column.set_cell_alignment(*align);
+        column.set_padding((2, 0));
     }
-    text
+    table
+        .lines()
+        .map(|line| format!("{}\n", line.trim_end()))
+        .collect()
 }
 
 #[cfg(test)]
@@ -185,16 +178,18 @@ mod tests {
 
     #[test]
     fn a_hub_on_the_face_and_a_carrier_at_its_stop_are_told() {
-        let told = |pressed_in, stopped| {
+        let hints = |pressed_in, stopped| {
             let scalar = |name: &str, value| Scalar::new(name, Unit::One, value, "what it is");
             belt_faults(&[
                 scalar("belt.largest_penetration", pressed_in),
                 scalar("belt.carrier_at_stop", stopped),
             ])
         };
-        assert_eq!(told(0.99, 0.049), "");
-        assert!(told(1.36, 0.0).contains("HUB ON THE FACE: the wheel is pressed in by 1.36 times"));
-        assert!(told(0.2, 0.31).contains("CARRIER AT ITS STOP for 31 % of the time"));
+        assert_eq!(hints(0.99, 0.049), "");
+        assert!(
+            hints(1.36, 0.0).contains("HUB ON THE FACE: the wheel is pressed in by 1.36 times")
+        );
+        assert!(hints(0.2, 0.31).contains("CARRIER AT ITS STOP for 31 % of the time"));
         assert_eq!(belt_faults(&[]), "");
     }
 

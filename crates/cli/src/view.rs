@@ -7,15 +7,15 @@ use truecut_recording::{Chunk, Recording, Sink, Unit, reduce, significant};
 use truecut_telemetry::{RrdSink, read_recording};
 
 use crate::args::ViewArguments;
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::text::{self, Align};
-use crate::verdict::Verdict;
 
-/// How to get the viewer that fits the recordings.
+/// How to install the matching viewer.
 const GET_VIEWER: &str = "pip install rerun-sdk==0.36.3";
 
 /// Opens or lists the file.
-pub fn view(arguments: &ViewArguments) -> Result<Verdict, Failure> {
+pub fn view(arguments: &ViewArguments) -> Result<ExitStatus, Failure> {
     let file = &arguments.file;
     if !file.is_file() {
         return Err(Failure::message(format!(
@@ -35,7 +35,7 @@ pub fn view(arguments: &ViewArguments) -> Result<Verdict, Failure> {
     crate::print(&list(file, &recording))
 }
 
-fn open(file: &Path) -> Result<Verdict, Failure> {
+fn open(file: &Path) -> Result<ExitStatus, Failure> {
     let Some(viewer) = on_path("rerun") else {
         let text = format!("{}: the viewer `rerun` is not on the PATH", file.display());
         return Err(Failure::with_help(
@@ -48,7 +48,7 @@ fn open(file: &Path) -> Result<Verdict, Failure> {
         .status()
         .map_err(|error| Failure::message(format!("{}: {error}", viewer.display())))?;
     if status.success() {
-        return Ok(Verdict::Good);
+        return Ok(ExitStatus::Good);
     }
     let text = format!("{} ended with {status}", viewer.display());
     Err(Failure::with_help(
@@ -65,7 +65,8 @@ fn on_path(program: &str) -> Option<PathBuf> {
         .find(|file| file.is_file())
 }
 
-/// Writes a `.rrd` with the curves of a recording; the 3-D scene is only in the `.rrd` of the run itself.
+/// Writes a `.rrd` with the curves of a recording; the 3-D scene is only in the `.rrd` of the run
+/// itself.
 fn convert(recording: &Recording, target: &Path) -> Result<(), Failure> {
     let failed = |error: truecut_recording::SinkError| Failure::message(error.to_string());
     let mut sink = RrdSink::new(target);

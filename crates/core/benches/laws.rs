@@ -126,7 +126,7 @@ fn finishing(c: &mut Criterion) {
     let sliding = Sliding::about(Point2::new(-7e-3, 0.0), 100.0, 0.3);
     let inside = Isometry2::translation(-0.05, -0.03);
     let corner = Isometry2::translation(-0.099, -0.0595);
-    c.bench_function("patch from penetration", |b| {
+    c.bench_function("patch from indentation", |b| {
         b.iter(|| wheel.patch(black_box(1.5e-3)));
     });
     let patch = wheel.patch(1.5e-3);

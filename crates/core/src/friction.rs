@@ -1,17 +1,19 @@
 //! Friction in a plane: laws, and the impulse of one time step.
 //!
-//! The impulse is that of Moreau's time stepping: over a step of length `dt` the contact may exchange any
-//! impulse up to `mu N dt`. If that suffices to bring the sliding velocity to zero the contact sticks and
-//! the velocity *is* zero; otherwise the impulse has its full size and opposes the velocity at mid-step.
-//! Nothing is regularised, so a held contact does not creep.
+//! The impulse is that of Moreau's time stepping: over a step of length `dt` the contact may
+//! exchange any impulse up to `mu N dt`. If that suffices to bring the sliding velocity to zero the
+//! contact sticks and the velocity *is* zero; otherwise the impulse has its full size and opposes
+//! the velocity at mid-step. Nothing is regularised, so a held contact does not creep.
 //!
-//! Moreau's own rule opposes the velocity *after* the step. On a circling motion that lags by half a step's
-//! turn and costs an order of accuracy; with the mean of the velocities before and after, sliding is of
-//! second order and the work of friction over the step is exactly `p · v_mid`, never positive.
+//! Moreau's own rule opposes the velocity *after* the step. On a circling motion that lags by half
+//! a step's turn and costs an order of accuracy; with the mean of the velocities before and after,
+//! sliding is of second order and the work of friction over the step is exactly `p · v_mid`, never
+//! positive.
 //!
 //! The contact sees the body through its inverse effective mass `W = J M⁻¹ Jᵀ` (2×2, in general not
 //! isotropic): `v = v_free + W p`.
 
+use crate::roots::{illinois, newton};
 use nalgebra::{Matrix2, Vector2};
 
 /// A friction law in the contact plane.
@@ -21,8 +23,9 @@ pub enum FrictionLaw {
     None,
     /// Coulomb: `|F| <= mu N`, and `F = -mu N v/|v|` while sliding.
     Coulomb { mu: f64 },
-    /// A viscous force `F = -c v` of given coefficient in N s/m. Source A's equivalent viscous law is this
-    /// with a coefficient renewed every revolution; see [`EquivalentViscous`].
+    /// A viscous force `F = -c v` of given coefficient in N s/m. The equivalent viscous law of
+    /// `dong2018chamfering` is this with a coefficient renewed every revolution; see
+    /// [`EquivalentViscous`].
     Viscous { coefficient_n_s_per_m: f64 },
     /// Stribeck: sticks up to `mu_static N`; while sliding
     /// `mu(v) = mu + (mu_static - mu) exp(-(|v|/v_s)²)`.
@@ -31,8 +34,8 @@ pub enum FrictionLaw {
         mu_static: f64,
         stribeck_speed_m_per_s: f64,
     },
-    /// Stribeck's law (Coulomb's with `mu_static = mu`) times `1 - drop (1 - exp(-|v|/v_d))`: friction that
-    /// keeps falling with the speed.
+    /// Stribeck's law (Coulomb's with `mu_static = mu`) times `1 - drop (1 - exp(-|v|/v_d))`:
+    /// friction that keeps falling with the speed.
     Falling {
         mu: f64,
         mu_static: f64,
@@ -77,8 +80,9 @@ pub struct Approach {
 
 /// Solves one contact for one step; `normal_force_n` counts as zero where it is negative.
 ///
-/// Numeric method after Moreau (1988), with the mid-step velocity; see also `spec` section 0.5, of which
-/// this is the form for a body whose effective mass depends on direction.
+/// Numeric method after `moreau1988`, with the mid-step velocity; see also
+/// `docs/physics/friction.md`, of which this is the form for a body whose effective mass depends on
+/// direction.
 pub fn solve_planar(
     body: &Approach,
     law: FrictionLaw,
@@ -151,8 +155,8 @@ fn bounded(body: &Approach, bound: f64) -> PlanarContact {
     let impulse = if solve_2x2(&half, &middle).norm() > bound {
         sliding_impulse(&half, &middle, bound)
     } else {
-        // The motion turns round within the step and has no direction at its middle; what is left of it
-        // afterwards has one.
+        // The motion turns round within the step and has no direction at its middle; what is left
+        // of it afterwards has one.
         sliding_impulse(w, v_free, bound)
     };
     PlanarContact {
@@ -162,46 +166,40 @@ fn bounded(body: &Approach, bound: f64) -> PlanarContact {
     }
 }
 
-/// Newton steps of a sliding impulse at most; three are usual.
-const MOST_STEPS: usize = 50;
-/// A step so small beside λ is the last: convergence is quadratic.
+/// A step so small beside λ is the last: convergence is quadratic, three are usual.
 const LAST_STEP: f64 = 1e-8;
 
 /// The sliding impulse `p` with `|p| = bound` opposite to the velocity `v + W p`:
 /// `p = -(W + λ I)⁻¹ v`, `λ > 0`, for which that velocity is `-λ p`. The scalar equation
-/// `1/|p(λ)| = 1/bound` is nearly linear in λ, so Newton on it (as in trust-region methods) converges in a
-/// few steps from below. It begins where `λ` would be if all of `W` were its largest eigenvalue, which is never above the root.
+/// `1/|p(λ)| = 1/bound` is nearly linear in λ, so Newton on it (as in trust-region methods)
+/// converges in a few steps from below. It begins where `λ` would be if all of `W` were its largest
+/// eigenvalue, which is never above the root.
 fn sliding_impulse(w: &Matrix2<f64>, v: &Vector2<f64>, bound: f64) -> Vector2<f64> {
     let per_bound = 1.0 / bound;
     let (a, b, d) = (w[(0, 0)], w[(0, 1)], w[(1, 1)]);
     let largest = 0.5 * (a + d) + (0.25 * (a - d) * (a - d) + b * b).sqrt();
-    let mut lambda = (v.norm() * per_bound - largest).max(0.0);
+    let start = (v.norm() * per_bound - largest).max(0.0);
     // Of `(W + λ I)⁻¹ v` what stands over the determinant.
     let over = |lambda: f64, x: &Vector2<f64>| {
         let (a, d) = (a + lambda, d + lambda);
         Vector2::new(d * x.x - b * x.y, a * x.y - b * x.x)
     };
-    for _ in 0..MOST_STEPS {
+    let lambda = newton(start, LAST_STEP, |lambda| {
         let determinant = (a + lambda) * (d + lambda) - b * b;
         let q = over(lambda, v);
         let square = q.norm_squared();
-        let step = (square.sqrt() * per_bound - determinant) * square / over(lambda, &q).dot(&q);
-        lambda += step;
-        if step.abs() <= LAST_STEP * lambda.abs() {
-            break;
-        }
-    }
+        (square.sqrt() * per_bound - determinant) * square / over(lambda, &q).dot(&q)
+    });
     let q = over(lambda, v);
     q * (-bound / q.norm())
 }
 
-/// Trials of a sliding speed, and the part of it to which speed and bound must agree.
-const MOST_TRIALS: usize = 60;
+/// The part of a sliding speed to which it and the bound must agree.
 const SAME_SPEED: f64 = 1e-12;
 
-/// Speed-dependent bound: the sliding speed after the step and the bound must agree. The speed falls as the
-/// bound grows, so the agreement is bracketed between the static bound and no friction. A contact that the
-/// static bound cannot hold slides.
+/// Speed-dependent bound: the sliding speed after the step and the bound must agree. The speed
+/// falls as the bound grows, so the agreement is bracketed between the static bound and no
+/// friction. A contact that the static bound cannot hold slides.
 fn stribeck(
     body: &Approach,
     normal_impulse: f64,
@@ -213,37 +211,13 @@ fn stribeck(
         return static_try;
     }
     let excess = |contact: &PlanarContact, speed: f64| contact.velocity_m_per_s.norm() - speed;
-    let (mut low, mut high) = (0.0, body.free_velocity_m_per_s.norm());
-    let mut contact = at_speed(high);
-    let (mut at_low, mut at_high) = (excess(&static_try, low), excess(&contact, high));
-    // Regula falsi after Illinois: an end that stays a second time counts half.
-    let mut rose = None;
-    for trial in 0..MOST_TRIALS {
-        if high - low <= SAME_SPEED * high || at_high >= 0.0 {
-            break;
-        }
-        // Where the law bends within the bracket, halving it is what helps.
-        let speed = if trial % 4 == 3 {
-            0.5 * (low + high)
-        } else {
-            (low * at_high - high * at_low) / (at_high - at_low)
-        };
+    let fastest = body.free_velocity_m_per_s.norm();
+    let mut contact = at_speed(fastest);
+    let values = [excess(&static_try, 0.0), excess(&contact, fastest)];
+    illinois([0.0, fastest], values, SAME_SPEED, |speed| {
         contact = at_speed(speed);
-        let value = excess(&contact, speed);
-        if value.abs() <= SAME_SPEED * high {
-            break;
-        }
-        let rises = value > 0.0;
-        let stays = rose == Some(rises);
-        if rises {
-            (low, at_low) = (speed, value);
-            at_high *= if stays { 0.5 } else { 1.0 };
-        } else {
-            (high, at_high) = (speed, value);
-            at_low *= if stays { 0.5 } else { 1.0 };
-        }
-        rose = Some(rises);
-    }
+        excess(&contact, speed)
+    });
     // The last trial may have been a hair on the holding side; a sliding contact stays one.
     PlanarContact {
         sliding: true,
@@ -259,12 +233,13 @@ fn solve_2x2(a: &Matrix2<f64>, b: &Vector2<f64>) -> Vector2<f64> {
     )
 }
 
-/// Source A's equivalent viscous friction (its eq. 13): `c_e = 4 F_f / (π ω X_f)`.
+/// Equivalent viscous friction (`dong2018chamfering`, eq. 13): `c_e = 4 F_f / (π ω X_f)`.
 ///
 /// The amplitude `X_f` is what is being computed, so it is taken from the motion: the peak lateral
-/// excursion of the revolution just finished, and not below a floor. One revolution later the amplitude is
-/// `M / (c_e ω) = X_f · π M / (4 F_f)`: it grows from the floor where `4 F_f < π M` and falls back to it
-/// elsewhere, which is the threshold the paper draws from its amplitude becoming imaginary.
+/// excursion of the revolution just finished, and not below a floor. One revolution later the
+/// amplitude is `M / (c_e ω) = X_f · π M / (4 F_f)`: it grows from the floor where `4 F_f < π M`
+/// and falls back to it elsewhere, which is the threshold the paper draws from its amplitude
+/// becoming imaginary.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EquivalentViscous {
     /// Friction coefficient.
@@ -273,6 +248,16 @@ pub struct EquivalentViscous {
     pub frequency_rad_s: f64,
     /// Smallest amplitude that the coefficient is computed for, m.
     pub amplitude_floor_m: f64,
+}
+
+/// Friction of a pressure foot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FootFriction {
+    /// A law without memory.
+    Law(FrictionLaw),
+    /// The published viscous equivalent, whose coefficient follows the amplitude of the last
+    /// revolution.
+    Equivalent(EquivalentViscous),
 }
 
 impl EquivalentViscous {
@@ -290,9 +275,9 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// The three statements that define the law, on random anisotropic bodies: the bound is kept, a held
-        /// contact does not move, a sliding one is pushed back by the whole bound against its velocity at
-        /// mid-step (or after the step, where it turns round within it).
+        /// The three statements that define the law, on random anisotropic bodies: the bound is
+        /// kept, a held contact does not move, a sliding one is pushed back by the whole bound
+        /// against its velocity at mid-step (or after the step, where it turns round within it).
         #[test]
         fn verify_coulomb_impulse_meets_its_definition(
             a in 1e-4..1e-1f64, b in 1e-4..1e-1f64, turn in 0.0..3.0f64,

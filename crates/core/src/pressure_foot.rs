@@ -1,10 +1,11 @@
 //! The pressure foot: pneumatic cylinders that press a ring around the tool onto the workpiece.
 //!
-//! Normal force: `N = max(0, n p A + k_g x + s)`, where `x` is how far the foot's mounting has advanced
-//! towards the workpiece since touch-down. The gas spring is adiabatic, `k_g = n γ p_abs A / L`. The seals
-//! hold the rod by an elastic, perfectly plastic element: force `s` grows with the held rod's stiffness and
-//! slips at the seals' stiction. Source A treats the foot once as a constant force (its eq. 12) and once as
-//! rigid (its eq. 23); both are limits of this law (`spec` 1.3).
+//! Normal force: `N = max(0, n p A + k_g x + s)`, where `x` is how far the foot's mounting has
+//! advanced towards the workpiece since touch-down. The gas spring is adiabatic,
+//! `k_g = n γ p_abs A / L`. The seals hold the rod by an elastic, perfectly plastic element: force
+//! `s` grows with the held rod's stiffness and slips at the seals' stiction. `dong2018chamfering`
+//! treats the foot once as a constant force (its eq. 12) and once as rigid (its eq. 23); both are
+//! limits of this law (`docs/physics/pressure_foot.md`).
 
 use std::f64::consts::PI;
 
@@ -45,8 +46,8 @@ impl Cylinders {
     }
 }
 
-/// Share η of a change of axial force that a foot of stiffness `foot` carries beside an arm of stiffness
-/// `arm` (both N/m): `η = k / (k + k_arm)`.
+/// Share η of a change of axial force that a foot of stiffness `foot` carries beside an arm of
+/// stiffness `arm` (both N/m): `η = k / (k + k_arm)`.
 pub fn axial_share(foot_n_per_m: f64, arm_n_per_m: f64) -> f64 {
     foot_n_per_m / (foot_n_per_m + arm_n_per_m)
 }
@@ -90,8 +91,9 @@ pub struct FootForce {
 }
 
 impl PressureFoot {
-    /// The foot when `left` of its gauge pressure is left. `gauge_share` is the part of the gas's absolute
-    /// pressure that was gauge pressure, `p / (p + p_ambient)`: that part of the gas spring goes with it.
+    /// The foot when `left` of its gauge pressure is left. `gauge_share` is the part of the gas's
+    /// absolute pressure that was gauge pressure, `p / (p + p_ambient)`: that part of the gas
+    /// spring goes with it.
     pub fn at_pressure(&self, left: f64, gauge_share: f64) -> Self {
         Self {
             preload_n: self.preload_n * left,
@@ -124,9 +126,9 @@ impl PressureFoot {
     /// How a slowly growing axial force is shared between foot and arm.
     ///
     /// `axial_force_n` is the cutting force on the tool along the feed axis, positive towards the
-    /// workpiece; `arm_n_per_m` is the arm's axial stiffness (with the foot's lateral motion held, if it
-    /// is held). Returns (change of the normal force, force left to the arm), both N, for loading from
-    /// touch-down in one direction.
+    /// workpiece; `arm_n_per_m` is the arm's axial stiffness (with the foot's lateral motion held,
+    /// if it is held). Returns (change of the normal force, force left to the arm), both N, for
+    /// loading from touch-down in one direction.
     pub fn share_of_axial_force(&self, axial_force_n: f64, arm_n_per_m: f64) -> (f64, f64) {
         let springs = self.gas_stiffness_n_per_m + arm_n_per_m;
         let held = springs + self.held_rod_n_per_m();
@@ -174,8 +176,8 @@ mod tests {
         }
     }
 
-    /// `spec` 1.3: two Ø32 cylinders at 0.3 MPa press with 482.5 N; their gas is a spring of 1.8e4 N/m and
-    /// carries 2 % beside an arm of 8.646e5 N/m.
+    /// `docs/physics/pressure_foot.md`: two Ø32 cylinders at 0.3 MPa press with 482.5 N; their gas
+    /// is a spring of 1.8e4 N/m and carries 2 % beside an arm of 8.646e5 N/m.
     #[test]
     fn verify_gas_spring_of_two_32_mm_cylinders() {
         let c = cylinders();
@@ -209,8 +211,8 @@ mod tests {
 
     #[test]
     fn verify_seal_loop_encloses_four_stiction_strokes() {
-        // One cycle of ±1 mm: the seals slide except for the elastic turn-arounds, so the loop encloses
-        // 4 F (X - F/k), the area of an elastic, perfectly plastic loop.
+        // One cycle of ±1 mm: the seals slide except for the elastic turn-arounds, so the loop
+        // encloses 4 F (X - F/k), the area of an elastic, perfectly plastic loop.
         let foot = foot();
         let stroke = 1e-3;
         let mut memory = FootMemory::default();
@@ -233,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn verify_evaluating_twice_changes_nothing() {
+    fn evaluating_twice_changes_nothing() {
         let (foot, memory) = (foot(), FootMemory::default());
         assert_eq!(foot.force(1e-6, &memory), foot.force(1e-6, &memory));
     }

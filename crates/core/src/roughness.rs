@@ -3,7 +3,8 @@
 /// Arithmetic mean deviation Ra of a profile from its mean line, in the profile's unit.
 ///
 /// No cut-off is applied: of a profile around a rim this is the roughness that vibration leaves
-/// (`Ra = 2a/π` for a wave of amplitude a), not that of tool marks, which the profile does not hold.
+/// (`Ra = 2a/π` for a wave of amplitude a), not that of tool marks, which the profile does not
+/// hold.
 pub fn arithmetic_mean_deviation(profile: &[f64]) -> f64 {
     if profile.is_empty() {
         return 0.0;
@@ -25,8 +26,9 @@ pub fn spread(profile: &[f64]) -> f64 {
 
 /// How polishing smooths: `Ra = Ra∞ + (Ra0 - Ra∞) e^{-D/D0}`, D the local dose `∫ p v dt`.
 ///
-/// Commonly written over time; with the dose in its place a cell that the patch passes quickly, or presses lightly, stays
-/// rougher, and at constant pressure and speed it is the same law with `τ = D0/(p v)`.
+/// Commonly written over time; with the dose in its place a cell that the patch passes quickly, or
+/// presses lightly, stays rougher, and at constant pressure and speed it is the same law with
+/// `τ = D0/(p v)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Polishing {
     /// Ra before, m.
@@ -44,7 +46,8 @@ impl Polishing {
         self.final_m + (self.initial_m - self.final_m) * left
     }
 
-    /// The law that leaves `reached` (between initial and final Ra) after a dose, or none if no such law exists.
+    /// The law that leaves `reached` (between initial and final Ra) after a dose, or none if no
+    /// such law exists.
     pub fn through(
         initial_m: f64,
         final_m: f64,
@@ -64,7 +67,8 @@ impl Polishing {
 mod tests {
     use super::*;
 
-    /// Source D: 0.8 µm before, 0.32 µm after. Two passes of half the dose are one of the whole.
+    /// `cai2016precession`: 0.8 µm before, 0.32 µm after. Two passes of half the dose are one of
+    /// the whole.
     #[test]
     fn verify_roughness_follows_the_dose_however_it_is_given() {
         let (before, after, end) = (0.8e-6, 0.32e-6, 0.1e-6);
@@ -83,7 +87,7 @@ mod tests {
         assert!((rate / (-(p.ra_m(2e5) - end) / p.dose_j_per_m2) - 1.0).abs() < 1e-6);
     }
 
-    /// `spec` section 5: vibration Ra = 2a/π; 2.5 µm of vibration is Ra 1.6 µm.
+    /// `docs/physics/roughness.md`: vibration Ra = 2a/π; 2.5 µm of vibration is Ra 1.6 µm.
     #[test]
     fn verify_wave_of_amplitude_a_has_ra_two_a_over_pi() {
         let a = 2.5e-6;

@@ -1,16 +1,17 @@
 //! Stiffness ellipsoids and what different authors mean by "the stiffness in a plane".
 //!
-//! A tool point with compliance C (6×6) has the translational compliance C_tt if it may turn while it is pushed, and
-//! K = C_tt⁻¹ is its translational stiffness. Taking (C⁻¹)_tt instead clamps the rotation; it is stiffer in every
-//! direction and blind to the length of the tool. Everything here takes a 3×3 stiffness and does not ask which of the
-//! two it is; a free tool feels the first.
+//! A tool point with compliance C (6×6) has the translational compliance C_tt if it may turn while
+//! it is pushed, and K = C_tt⁻¹ is its translational stiffness. Taking (C⁻¹)_tt instead clamps the
+//! rotation; it is stiffer in every direction and blind to the length of the tool. Everything here
+//! takes a 3×3 stiffness and does not ask which of the two it is; a free tool feels the first.
 
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector3};
 
 /// Principal stiffnesses of a tool point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StiffnessEllipsoid {
-    /// Eigenvalues of K, rising, N/m: the semi-axes of the ellipsoid of forces that a unit displacement asks for.
+    /// Eigenvalues of K, rising, N/m: the semi-axes of the ellipsoid of forces that a unit
+    /// displacement asks for.
     pub semi_axes_n_per_m: Vector3<f64>,
     /// Columns are the directions of the semi-axes in the axes of K, right-handed.
     pub directions: Matrix3<f64>,
@@ -40,40 +41,45 @@ impl StiffnessEllipsoid {
 /// What is meant by the stiffness in a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlanarDefinition {
-    /// Motion across the plane is free: inverse of the 2×2 block of K⁻¹. With K⁻¹ = C_tt this is what a tool that is
-    /// pushed within the plane feels: the **physical** one, for statics and for chatter.
+    /// Motion across the plane is free: inverse of the 2×2 block of K⁻¹. With K⁻¹ = C_tt this is
+    /// what a tool that is pushed within the plane feels: the **physical** one, for statics and for
+    /// chatter.
     Free,
     /// Motion across the plane is held: the 2×2 block of K itself.
     Held,
-    /// The section of the ellipsoid qᵀ K⁻² q = 1, whose semi-axes are the eigenvalues of K: 1/√eig[(K⁻²)₂ₓ₂]. It lies
-    /// between the two above and belongs to neither load.
+    /// The section of the ellipsoid qᵀ K⁻² q = 1, whose semi-axes are the eigenvalues of K:
+    /// 1/√eig[(K⁻²)₂ₓ₂]. It lies between the two above and belongs to neither load.
     EllipsoidSection,
-    /// The section of qᵀ K⁻¹ q = 1, whose semi-axes are the *roots* of the eigenvalues: 1/√eig[(K⁻¹)₂ₓ₂], the square
-    /// roots of the free stiffnesses. Not a stiffness; it makes a plane look rounder than it is.
+    /// The section of qᵀ K⁻¹ q = 1, whose semi-axes are the *roots* of the eigenvalues:
+    /// 1/√eig[(K⁻¹)₂ₓ₂], the square roots of the free stiffnesses. Not a stiffness; it makes a
+    /// plane look rounder than it is.
     RootSection,
 }
 
 /// Extremes over the directions of a plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanarExtremes {
-    /// N/m; (N/m)^½ for [`PlanarDefinition::RootSection`], and therefore without a unit in the name.
+    /// N/m; (N/m)^½ for [`PlanarDefinition::RootSection`], and therefore without a unit in the
+    /// name.
     pub min: f64,
     /// As `min`.
     pub max: f64,
-    /// Angle of the stiffest direction from the plane's first axis towards its second, rad, in (−π/2, π/2].
+    /// Angle of the stiffest direction from the plane's first axis towards its second, rad, in
+    /// (−π/2, π/2].
     pub max_angle_rad: f64,
 }
 
 impl PlanarExtremes {
-    /// r = (k_max − k_min)/k_max, by which a published posture criterion calls a milling posture stable from 0.1 on. It
-    /// is no stability bound: depth, teeth and material are missing from it, and modal masses reverse its ranking.
+    /// r = (k_max − k_min)/k_max, by which a published posture criterion calls a milling posture
+    /// stable from 0.1 on. It is no stability bound: depth, teeth and material are missing from it,
+    /// and modal masses reverse its ranking.
     pub fn anisotropy(&self) -> f64 {
         (self.max - self.min) / self.max
     }
 }
 
-/// Extremes of stiffness in the plane of the first two columns of `outer_from_plane` (orthonormal, in the axes of K).
-/// `None` if K is singular where the definition needs its inverse.
+/// Extremes of stiffness in the plane of the first two columns of `outer_from_plane` (orthonormal,
+/// in the axes of K). `None` if K is singular where the definition needs its inverse.
 pub fn planar_extremes(
     stiffness_n_per_m: &Matrix3<f64>,
     outer_from_plane: &Matrix3<f64>,
@@ -99,7 +105,8 @@ pub fn planar_extremes(
     })
 }
 
-/// Larger and smaller eigenvalue of the symmetric part, and the angle of the larger one's direction.
+/// Larger and smaller eigenvalue of the symmetric part, and the angle of the larger one's
+/// direction.
 fn principal(m: &Matrix2<f64>) -> (f64, f64, f64) {
     let mean = 0.5 * (m.m11 + m.m22);
     let half = 0.5 * (m.m11 - m.m22);
@@ -126,7 +133,7 @@ mod tests {
         Matrix3::new(1.0, 0.3, 0.5, 0.3, 1.6, 0.2, 0.5, 0.2, 2.5)
     }
 
-    /// `spec` section 2, criticism 2: four definitions, four answers.
+    /// `docs/physics/arm.md`, Stiffness: four definitions, four answers.
     #[test]
     fn verify_four_definitions_of_planar_stiffness() {
         use PlanarDefinition::{EllipsoidSection, Free, Held, RootSection};
@@ -144,7 +151,8 @@ mod tests {
         }
     }
 
-    /// The free extremes are those of 1/(eᵀ K⁻¹ e) over directions e in the plane, wherever the plane lies.
+    /// The free extremes are those of 1/(eᵀ K⁻¹ e) over directions e in the plane, wherever the
+    /// plane lies.
     #[test]
     fn verify_free_stiffness_is_what_a_pushed_tool_feels() {
         let plane = nalgebra::Rotation3::from_euler_angles(0.4, -0.8, 1.3).into_inner();

@@ -1,12 +1,15 @@
 //! A compliant wheel pressed onto a flat plate: normal spring, sliding friction, Preston removal.
 //!
-//! The submodules hold the tools of finishing: what their surfaces rest on ([`bed`]), how they press ([`pneumatic`], [`belt`],
-//! [`brush`]), the patch over a face with edges ([`patch`], [`face`]), what they remove ([`removal`], [`edge_wear`]), and how they are held
+//! The submodules hold the tools of finishing: what their surfaces rest on ([`bed`]), how they
+//! press ([`pneumatic`], [`belt`], [`brush`]), the patch over a face with edges ([`patch`],
+//! [`face`]), what they remove ([`removal`], [`edge_wear`]), and how they are held
 //! ([`force_control`]).
 
+pub mod abrasive;
 pub mod bed;
 pub mod belt;
 pub mod brush;
+pub mod eccentricity;
 pub mod edge_wear;
 pub mod face;
 pub mod force_control;
@@ -14,7 +17,6 @@ pub mod patch;
 pub mod pneumatic;
 pub mod quadrature;
 pub mod removal;
-pub mod runout;
 
 pub mod precession;
 
@@ -30,15 +32,16 @@ pub struct WheelContact {
     /// Friction coefficient between wheel and plate.
     pub mu: f64,
     /// Eccentricity of the running surface, a quarter of a turn after the wheel starts, m.
-    pub runout_m: f64,
+    pub eccentricity_m: f64,
     /// Eccentricity at the contact when the wheel starts, m.
-    pub runout_at_start_m: f64,
+    pub eccentricity_at_start_m: f64,
 }
 
 impl WheelContact {
-    /// Penetration (m) and its rate (m/s) when the axis has advanced by `advance` from touch-down, the wheel
-    /// was set down by `initial` and has turned by `angle`: `δ = δ0 + x + e sin φ + e0 cos φ`.
-    pub fn penetration_m(
+    /// Indentation (m) and its rate (m/s) when the axis has advanced by `advance` from touch-down,
+    /// the wheel was set down by `initial` and has turned by `angle`:
+    /// `δ = δ0 + x + e sin φ + e0 cos φ`.
+    pub fn indentation_m(
         &self,
         initial_m: f64,
         advance_m: f64,
@@ -48,24 +51,24 @@ impl WheelContact {
     ) -> (f64, f64) {
         let (s, c) = angle_rad.sin_cos();
         (
-            initial_m + advance_m + self.runout_m * s + self.runout_at_start_m * c,
-            advance_rate_m_per_s + self.runout_m * spin_rad_s * c
-                - self.runout_at_start_m * spin_rad_s * s,
+            initial_m + advance_m + self.eccentricity_m * s + self.eccentricity_at_start_m * c,
+            advance_rate_m_per_s + self.eccentricity_m * spin_rad_s * c
+                - self.eccentricity_at_start_m * spin_rad_s * s,
         )
     }
 
     /// Normal force, N: spring and damper, never pulling, and zero out of contact.
-    pub fn normal_force_n(&self, penetration_m: f64, rate_m_per_s: f64) -> f64 {
-        if penetration_m <= 0.0 {
+    pub fn normal_force_n(&self, indentation_m: f64, rate_m_per_s: f64) -> f64 {
+        if indentation_m <= 0.0 {
             return 0.0;
         }
-        (self.stiffness_n_per_m * penetration_m + self.damping_n_s_per_m * rate_m_per_s).max(0.0)
+        (self.stiffness_n_per_m * indentation_m + self.damping_n_s_per_m * rate_m_per_s).max(0.0)
     }
 
     /// Half length of the contact along the strip, m: the chord that the undeformed wheel cuts,
     /// `√(2Rδ - δ²)`.
-    pub fn half_length_m(&self, penetration_m: f64) -> f64 {
-        let d = penetration_m.max(0.0);
+    pub fn half_length_m(&self, indentation_m: f64) -> f64 {
+        let d = indentation_m.max(0.0);
         (2.0 * self.radius_m * d - d * d).max(0.0).sqrt()
     }
 }
@@ -104,8 +107,9 @@ impl Strip {
     }
 
     /// Preston's law over one step: `ż = k_p p v`. The pressure is semi-elliptic over the contact
-    /// `centre ± half_length`, so that its integral is the line load; each cell receives its exact part of
-    /// that integral, whatever its size. What falls beyond the strip's ends is not on the plate.
+    /// `centre ± half_length`, so that its integral is the line load; each cell receives its exact
+    /// part of that integral, whatever its size. What falls beyond the strip's ends is not on the
+    /// plate.
     ///
     /// `dose_m2` is `k_p · (N / width) · v_s · dt`: the cross-section removed in the step, m².
     pub fn remove(&mut self, centre_m: f64, half_length_m: f64, dose_m2: f64) {
@@ -148,12 +152,12 @@ mod tests {
             stiffness_n_per_m: 4e4,
             damping_n_s_per_m: 50.0,
             mu: 0.4,
-            runout_m: 20e-6,
-            runout_at_start_m: -7e-6,
+            eccentricity_m: 20e-6,
+            eccentricity_at_start_m: -7e-6,
         }
     }
 
-    /// `spec` section 5, line pass: depth = k_p v_s F' / v_f, and on any grid.
+    /// `docs/physics/removal.md`, line pass: depth = k_p v_s F' / v_f, and on any grid.
     #[test]
     fn verify_pass_depth_is_prestons_integral_on_any_grid() {
         let (k_p, v_s, load, v_f, width) = (4e-11, 20.0, 30.0, 0.05, 0.025);
@@ -188,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn verify_wheel_never_pulls() {
+    fn wheel_never_pulls() {
         let w = wheel();
         assert_eq!(w.normal_force_n(-1e-6, 10.0), 0.0);
         assert_eq!(w.normal_force_n(1e-6, -10.0), 0.0);
@@ -196,10 +200,10 @@ mod tests {
     }
 
     #[test]
-    fn verify_penetration_rate_is_the_derivative() {
+    fn verify_indentation_rate_is_the_derivative() {
         let w = wheel();
         let (spin, h) = (125.0, 1e-7);
-        let at = |t: f64| w.penetration_m(7e-4, 1e-4 * t, 1e-4, spin * t, spin);
+        let at = |t: f64| w.indentation_m(7e-4, 1e-4 * t, 1e-4, spin * t, spin);
         let rate = (at(0.3 + h).0 - at(0.3 - h).0) / (2.0 * h);
         assert!((rate - at(0.3).1).abs() < 1e-8);
     }

@@ -1,17 +1,19 @@
-//! What a simulation gets wrong against measured data, and why.
+//! Discrepancies between a simulation and measured data, and their causes.
 //!
 //! | module | what it holds |
 //! | --- | --- |
-//! | [`compare`] | how they differ, before any cause |
+//! | [`compare`] | how simulation and measurement differ, without naming causes |
 //! | [`diagnose`] | the search for effects that explain measured data |
+//! | [`confirmed`] | the result of that search, confirmed in the full model |
 //! | [`identify`] | joint stiffness and modes from measurements of the arm itself |
-//! | [`model`] | what that search needs of a simulation |
+//! | [`model`] | the interface that the search needs of a simulation |
 //! | [`trial`] | a scenario and its data as such a model |
-//! | [`stats`] | statistics that stay right when the noise is coloured |
+//! | [`stats`] | statistics that are valid under coloured noise |
 
 #![warn(missing_docs)]
 
 pub mod compare;
+pub mod confirmed;
 pub mod diagnose;
 pub mod identify;
 pub mod model;

@@ -16,8 +16,6 @@ pub struct NominalParameter {
     pub value: f64,
     /// One standard deviation, SI, positive.
     pub sigma: f64,
-    /// Symbol of its unit.
-    pub unit_text: String,
 }
 
 /// An effect that the model could have.
@@ -49,7 +47,8 @@ pub struct PredictError(pub String);
 
 /// A simulation of the measured experiment.
 ///
-/// Predictions are full forward simulations from the measured inputs: no measured output enters them.
+/// Predictions are full forward simulations from the measured inputs: no measured output enters
+/// them.
 pub trait Model: Sync {
     /// The predicted outputs, in order.
     fn channels(&self) -> &[ChannelSpec];
@@ -63,10 +62,12 @@ pub trait Model: Sync {
     /// One column for each channel, at the samples of the data.
     ///
     /// # Errors
-    /// A run that fails, e.g. because it diverges at these values. The search treats it as a step not to be taken.
+    /// A run that fails, e.g. because it diverges at these values. The search treats it as a step
+    /// not to be taken.
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError>;
 
-    /// As [`Model::predict`] for the first samples; those after them are not looked at, and may be anything finite.
+    /// As [`Model::predict`] for the first samples; those after them are not looked at, and may be
+    /// anything finite.
     ///
     /// # Errors
     /// As [`Model::predict`].
@@ -80,12 +81,13 @@ pub trait Model: Sync {
         self.predict(nominal, effects)
     }
 
-    /// Whether the machine runs steadily by itself: that a prediction stands still is then no lack of excitation.
+    /// Whether the machine runs steadily by itself: that a prediction stands still is then no lack
+    /// of excitation.
     fn is_steady(&self) -> bool {
         false
     }
 
-    /// Other experiments that could be made, for telling causes apart.
+    /// Other possible experiments, to distinguish causes.
     fn experiments(&self) -> Vec<Experiment> {
         Vec::new()
     }

@@ -11,6 +11,7 @@ use criterion::{Criterion as Bench, criterion_group, criterion_main};
 use milling_arm::robot;
 use nalgebra::{Matrix3, Vector3};
 use support::slot;
+use truecut_arm::{Elbow, Shoulder};
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_plan::lobes::{LobeRequest, lobes};
@@ -22,11 +23,12 @@ fn cut() -> Cut {
 }
 
 const FAMILY: Family = Family {
-    rear_shoulder: false,
-    lower_elbow: false,
+    shoulder: Shoulder::Front,
+    elbow: Elbow::Upper,
 };
 
-/// Seventeen places, sixty angles within reach: a thousand postures, from inverse kinematics to the limit.
+/// Seventeen places, sixty angles within reach: a thousand postures, from inverse kinematics to the
+/// limit.
 fn postures(bench: &mut Bench) {
     let points = [[1.05, -1.45, 0.87], [1.35, -1.45, 0.87]].map(Vector3::from);
     let path = ToolPath::new(&points, -Vector3::z_axis(), Vector3::x()).expect("a path");

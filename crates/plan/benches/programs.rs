@@ -53,7 +53,7 @@ fn programs(c: &mut Criterion) {
             let files = jbi::write(&program, &robot, &options).expect("jobs");
             let read = files[1..].iter().map(|file| {
                 let job = jbi::JbiJob::parse(&file.text, file.name.as_ref()).expect("a job");
-                let part = job.program(&robot, &program.tool, &base, &options);
+                let part = job.program(&robot, &program.tool, &base, None);
                 part.expect("a program").moves.len()
             });
             assert_eq!(read.sum::<usize>(), 20_000);

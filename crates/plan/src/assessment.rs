@@ -1,10 +1,11 @@
 //! What a criterion says of a posture.
 
-/// Least decay of a cut by regeneration, as a part of the decay of the arm's slowest decaying mode when nothing is cut: what the cut
-/// may take of the arm's own damping is the other half.
+/// Least decay of a cut by regeneration, as a part of the decay of the arm's slowest decaying mode
+/// when nothing is cut: what the cut may take of the arm's own damping is the other half.
 ///
-/// A choice, no law: near the limit every disturbance rings on, and damping, which decides there, is what is known least of an arm. A
-/// part of 1 would be too much to ask: a mode in which the tool does not move dies away at its own rate, whatever is cut.
+/// A choice, no law: near the limit every disturbance rings on, and damping, which decides there,
+/// is what is known least of an arm. A part of 1 would be too much to ask: a mode in which the tool
+/// does not move dies away at its own rate, whatever is cut.
 pub const LEAST_DECAY: f64 = 0.5;
 
 /// How vibration at the cut's own depth behaves by regeneration.
@@ -20,8 +21,8 @@ pub struct Decay {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stability {
     Stable,
-    /// Vibration does not grow, but dies away too slowly to rely on, or would grow in a shallower cut. Plans keep away from it,
-    /// and nobody should expect chatter either.
+    /// Vibration does not grow, but dies away too slowly to rely on, or would grow in a shallower
+    /// cut. Plans keep away from it, and nobody should expect chatter either.
     Marginal,
     Unstable,
 }
@@ -29,8 +30,8 @@ pub enum Stability {
 /// What a criterion says of a posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Assessment {
-    /// r of [`crate::Criterion::Anisotropy`], else the limit depth in m; infinite if no depth is unstable, or none up to three
-    /// times the cut's for [`crate::Criterion::Regenerative`].
+    /// r of [`crate::Criterion::Anisotropy`], else the limit depth in m; infinite if no depth is
+    /// unstable, or none up to three times the cut's for [`crate::Criterion::Regenerative`].
     pub value: f64,
     /// value / needed − 1. −0.3 says that 30 % are missing.
     pub margin: f64,

@@ -2,18 +2,18 @@
 
 use crate::intervals::Interval;
 
-/// One interval a segment, each overlapping the one before, so that the narrowest is as wide as can be; of equals the one
-/// that turns the tool least. Angles run on without whole turns between them.
+/// One interval a segment, each overlapping the one before, so that the narrowest is as wide as can
+/// be; of equals the one that turns the tool least. Angles run on without whole turns between them.
 ///
 /// # Errors
 /// The first segment that no chain reaches.
 pub(crate) fn widest(segments: &[&[Interval]]) -> Result<Vec<Interval>, usize> {
-    let mut reached: Vec<Vec<Option<Link>>> = Vec::with_capacity(segments.len());
+    let mut reached: Vec<Vec<Option<ChainLink>>> = Vec::with_capacity(segments.len());
     for (k, intervals) in segments.iter().enumerate() {
-        let links: Vec<Option<Link>> = intervals
+        let links: Vec<Option<ChainLink>> = intervals
             .iter()
             .map(|interval| match k {
-                0 => Some(Link::first(interval)),
+                0 => Some(ChainLink::first(interval)),
                 _ => best(&reached[k - 1], segments[k - 1], interval),
             })
             .collect();
@@ -27,14 +27,14 @@ pub(crate) fn widest(segments: &[&[Interval]]) -> Result<Vec<Interval>, usize> {
 
 /// How an interval is reached.
 #[derive(Debug, Clone, Copy)]
-struct Link {
+struct ChainLink {
     narrowest_rad: f64,
     turned_rad: f64,
     /// Interval of the segment before.
     from: usize,
 }
 
-impl Link {
+impl ChainLink {
     fn first(interval: &Interval) -> Self {
         Self {
             narrowest_rad: interval.width_rad(),
@@ -51,15 +51,15 @@ impl Link {
     }
 }
 
-fn best(before: &[Option<Link>], intervals: &[Interval], to: &Interval) -> Option<Link> {
-    let mut found: Option<Link> = None;
+fn best(before: &[Option<ChainLink>], intervals: &[Interval], to: &Interval) -> Option<ChainLink> {
+    let mut found: Option<ChainLink> = None;
     for (from, (link, interval)) in before.iter().zip(intervals).enumerate() {
         let Some(link) = link.filter(|_| interval.overlaps(to)) else {
             continue;
         };
         let middle = interval.middle_rad();
         let turn = (to.turned_to(middle).middle_rad() - middle).abs();
-        let longer = Link {
+        let longer = ChainLink {
             narrowest_rad: link.narrowest_rad.min(to.width_rad()),
             turned_rad: link.turned_rad + turn,
             from,
@@ -71,13 +71,13 @@ fn best(before: &[Option<Link>], intervals: &[Interval], to: &Interval) -> Optio
     found
 }
 
-fn back(segments: &[&[Interval]], reached: &[Vec<Option<Link>>]) -> Vec<Interval> {
+fn back(segments: &[&[Interval]], reached: &[Vec<Option<ChainLink>>]) -> Vec<Interval> {
     let mut chain: Vec<Interval> = Vec::with_capacity(segments.len());
     let Some(last) = reached.last() else {
         return chain;
     };
     let links = last.iter().enumerate();
-    let mut best: Option<(usize, Link)> = None;
+    let mut best: Option<(usize, ChainLink)> = None;
     for (i, link) in links.filter_map(|(i, link)| link.map(|link| (i, link))) {
         if best.is_none_or(|(_, other)| link.is_better(&other)) {
             best = Some((i, link));

@@ -1,28 +1,11 @@
 //! By what a posture counts as stable.
 
-use std::fmt;
-
-use nalgebra::{Matrix2, Matrix3};
-use truecut_arm::{FrameId, Load, Robot, translational};
-use truecut_core::chatter::averaged::mode_coupling_limit;
-use truecut_core::chatter::limit::{LimitSearch, first_limit};
-use truecut_core::chatter::planar::coalescence_limit_m;
-use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
-use truecut_core::chatter::{DirectionalMatrix, TipMode, in_axes};
+use strum::{Display, VariantArray};
+use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::nominal::NominalCut;
-
-use crate::assessment::{Assessment, Decay};
-use crate::error::PlanError;
-use crate::section::free_anisotropy;
 
 /// Least anisotropy of the published rule.
 pub const LEAST_ANISOTROPY: f64 = 0.1;
-
-/// Depths up to this many times the cut's are looked at for a regenerative limit.
-const DEEPEST: f64 = 3.0;
-/// Steps of that scan, and the relative width to which a limit is narrowed.
-const SCAN_STEPS: usize = 6;
-const NARROWED: f64 = 4e-3;
 
 /// What is cut, and how fast.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,26 +36,26 @@ impl Cut {
 }
 
 /// By what a posture counts as stable.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Display, VariantArray)]
 pub enum Criterion {
-    /// r = (k_max − k_min)/k_max in the cutting plane is at least 0.1. Knows neither depth nor teeth nor material.
+    /// r = (k_max − k_min)/k_max in the cutting plane is at least 0.1. Knows neither depth nor
+    /// teeth nor material.
+    #[strum(to_string = "stiffness anisotropy")]
     Anisotropy,
     /// Undamped planar mode coupling of two directions with equal masses.
+    #[strum(to_string = "planar flutter")]
     Flutter,
     /// Mode coupling of all damped modes under the averaged cut, teeth meeting the nominal surface.
+    #[strum(to_string = "6-DoF mode coupling")]
     ModeCoupling,
-    /// Regeneration with all damped modes and the floor, semi-discretised. It asks for the depth, and for vibration that dies away fast
-    /// enough at that depth.
+    /// Regeneration with all damped modes and the floor, semi-discretised. It asks for the depth,
+    /// and for vibration that dies away fast enough at that depth.
+    #[strum(to_string = "regeneration")]
     Regenerative,
 }
 
 impl Criterion {
-    pub const ALL: [Self; 4] = [
-        Self::Anisotropy,
-        Self::Flutter,
-        Self::ModeCoupling,
-        Self::Regenerative,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
     /// What the assessed value must reach: an anisotropy, or the depth in m.
     pub fn needed(self, cut: &Cut) -> f64 {
@@ -81,125 +64,4 @@ impl Criterion {
             _ => cut.nominal.axial_depth_m,
         }
     }
-}
-
-impl fmt::Display for Criterion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Anisotropy => "stiffness anisotropy",
-            Self::Flutter => "planar flutter",
-            Self::ModeCoupling => "6-DoF mode coupling",
-            Self::Regenerative => "regeneration",
-        })
-    }
-}
-
-/// Modes of the arm at its tool point in the axes of the cut, slowest first; motors stand still, without gravity.
-///
-/// # Errors
-/// If a joint has no stiffness, or the arm is singular there.
-pub fn modes_in_cut(
-    robot: &Robot,
-    posture: &[f64],
-    world_from_milling: &Matrix3<f64>,
-) -> Result<Vec<TipMode>, PlanError> {
-    let modes = robot.tip_modes(posture, FrameId::Tool, None)?;
-    Ok(in_axes(&modes, world_from_milling))
-}
-
-/// What a criterion says of a posture in a cut whose milling frame stands in the world as `world_from_milling`. `least_decay` is asked by
-/// [`Criterion::Regenerative`] only: the least decay at the cut's own depth, as a part of that of the arm's slowest decaying mode.
-///
-/// # Errors
-/// If the arm has no compliance or modes there.
-pub fn assess(
-    criterion: Criterion,
-    robot: &Robot,
-    posture: &[f64],
-    world_from_milling: &Matrix3<f64>,
-    cut: &Cut,
-    least_decay: f64,
-) -> Result<Assessment, PlanError> {
-    let mut decay = None;
-    let value = match criterion {
-        Criterion::Anisotropy => {
-            let compliance = tool_compliance(robot, posture)?;
-            free_anisotropy(&compliance, world_from_milling)
-        }
-        Criterion::Flutter => {
-            let compliance = tool_compliance(robot, posture)?;
-            planar_limit_m(&compliance, world_from_milling, cut)
-        }
-        Criterion::ModeCoupling => {
-            let modes = modes_in_cut(robot, posture, world_from_milling)?;
-            let limit = mode_coupling_limit(&modes, &cut.directional().average_pa());
-            limit.map_or(f64::INFINITY, |limit| limit.depth_m)
-        }
-        Criterion::Regenerative => {
-            let modes = modes_in_cut(robot, posture, world_from_milling)?;
-            let (limit_m, growth_per_s) = regenerative(&modes, cut);
-            decay = Some(Decay {
-                growth_per_s,
-                least_per_s: least_decay * slowest_decay_per_s(&modes),
-            });
-            limit_m.unwrap_or(f64::INFINITY)
-        }
-    };
-    Ok(Assessment {
-        value,
-        margin: value / criterion.needed(cut) - 1.0,
-        decay,
-    })
-}
-
-/// How fast the mode that rings longest dies away when nothing is cut, ζω, 1/s.
-fn slowest_decay_per_s(modes: &[TipMode]) -> f64 {
-    let own = modes
-        .iter()
-        .map(|m| m.damping_ratio * m.natural_frequency_rad_s);
-    own.fold(f64::INFINITY, f64::min)
-}
-
-/// Translational compliance at the tool point, world axes, rotation free, m/N.
-fn tool_compliance(robot: &Robot, posture: &[f64]) -> Result<Matrix3<f64>, PlanError> {
-    let compliance = robot.cartesian_compliance(posture, FrameId::Tool, &Load::none())?;
-    Ok(translational(&compliance))
-}
-
-/// Undamped limit of the cutting plane alone, m; infinite if no depth makes its two frequencies meet.
-fn planar_limit_m(
-    compliance_m_per_n: &Matrix3<f64>,
-    world_from_milling: &Matrix3<f64>,
-    cut: &Cut,
-) -> f64 {
-    let turned = world_from_milling.transpose() * compliance_m_per_n * world_from_milling;
-    let block = |m: &Matrix3<f64>| -> Matrix2<f64> { m.fixed_view::<2, 2>(0, 0).into_owned() };
-    let average = block(&cut.directional().average_pa());
-    let stiffness = block(&turned).try_inverse();
-    let limit = stiffness.and_then(|k| coalescence_limit_m(&k, &average));
-    limit.unwrap_or(f64::INFINITY)
-}
-
-/// Steps of a tooth period for limits to a per cent: twelve to a cycle of the fastest mode, forty at least. The modes that
-/// chatter are slower than the fastest.
-pub(crate) fn diagram_steps(modes: &[TipMode], tooth_period_s: f64) -> usize {
-    recommended_steps(modes, 0.5 * tooth_period_s)
-}
-
-/// First depth that regeneration makes unstable, and the growth rate at the cut's own depth, 1/s; both with the floor.
-fn regenerative(modes: &[TipMode], cut: &Cut) -> (Option<f64>, f64) {
-    let (depth_m, period_s) = (cut.nominal.axial_depth_m, cut.tooth_period_s());
-    let steps = diagram_steps(modes, period_s);
-    let prepared = SemiDiscretisation::new(modes, &cut.directional(), steps);
-    let prepared = prepared.with_floor(&cut.nominal);
-    let growth_per_s = prepared
-        .multiplier(period_s, depth_m)
-        .growth_per_s(period_s);
-    let search = LimitSearch {
-        deepest_m: DEEPEST * depth_m,
-        scan_steps: SCAN_STEPS,
-        relative_width: NARROWED,
-    };
-    let limit = first_limit(&prepared, period_s, &search);
-    (limit.map(|limit| limit.depth_m), growth_per_s)
 }

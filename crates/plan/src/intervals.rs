@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use truecut_core::roots::try_bisect;
 
 use rayon::prelude::*;
 
@@ -10,9 +11,10 @@ use crate::error::PlanError;
 use crate::reach::{Candidate, Column, Family, Surveyor, are_joined};
 
 /// Bisections of the step in which an interval ends.
-const REFINEMENTS: u32 = 6;
+const REFINEMENTS: usize = 6;
 
-/// A range of redundancy angles in which the arm reaches the place, the cut is stable, and vibration decays well enough.
+/// A range of redundancy angles in which the arm reaches the place, the cut is stable, and
+/// vibration decays well enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Sheet of [`crate::Reach`] in which it lies.
@@ -85,7 +87,8 @@ pub(crate) fn assessments(
     column.cells.par_iter().map(of_cell).collect()
 }
 
-/// Intervals of a column, by sheet: stable angles that decay at least by `best_part` as fast as the best of their sheet.
+/// Intervals of a column, by sheet: stable angles that decay at least by `best_part` as fast as the
+/// best of their sheet.
 pub(crate) fn standing(
     surveyor: &Surveyor<'_>,
     column: &Column,
@@ -212,21 +215,18 @@ impl Ends<'_> {
         step_rad: f64,
         is_good: &Good<'_>,
     ) -> Result<f64, PlanError> {
-        let (mut good, mut bad) = (angle_rad, angle_rad + step_rad);
         let mut nearest = inside.clone();
-        for _ in 0..REFINEMENTS {
-            let middle = 0.5 * (good + bad);
-            let candidates = self.surveyor.candidates(self.along_m, middle)?;
-            let joined = candidates.into_iter().find(|c| are_joined(c, &nearest));
-            let good_there = match &joined {
-                Some(candidate) => is_good(&(self.assess)(candidate)?),
-                None => false,
+        let [_, good] = try_bisect([angle_rad + step_rad, angle_rad], REFINEMENTS, |angle| {
+            let candidates = self.surveyor.candidates(self.along_m, angle)?;
+            let Some(joined) = candidates.into_iter().find(|c| are_joined(c, &nearest)) else {
+                return Ok::<_, PlanError>(false);
             };
-            match joined {
-                Some(candidate) if good_there => (good, nearest) = (middle, candidate),
-                _ => bad = middle,
+            let good = is_good(&(self.assess)(&joined)?);
+            if good {
+                nearest = joined;
             }
-        }
+            Ok(good)
+        })?;
         Ok(good)
     }
 }
@@ -246,7 +246,8 @@ mod tests {
     }
 
     proptest! {
-        /// Two arcs meet if and only if the end of one lies in the other, whatever turns they are counted in.
+        /// Two arcs meet if and only if the end of one lies in the other, whatever turns they are
+        /// counted in.
         #[test]
         fn overlap_does_not_depend_on_turns(
             a in 0.0..TAU, b in 0.0..TAU, wide in 0.01..3.0_f64, wider in 0.01..3.0_f64, turns in -3..3_i32,

@@ -7,7 +7,8 @@ use truecut_core::chatter::TipMode;
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
 use truecut_core::chatter::semi_discretisation::{Multiplier, SemiDiscretisation};
 
-use crate::criterion::{Cut, diagram_steps};
+use crate::assess::diagram_steps;
+use crate::criterion::Cut;
 
 /// Relative width to which a limit is narrowed.
 const NARROWED: f64 = 1e-3;
@@ -33,8 +34,8 @@ pub struct Lobes {
     pub depth_m: Vec<f64>,
     /// Magnitude of the dominant multiplier over a tooth period, by speed, then depth; stable below 1.
     pub multiplier: Vec<Vec<f64>>,
-    /// First depth at each speed at which the cut is unstable, by semi-discretisation; none down to the deepest. An unstable
-    /// island thinner than a step of the depths may be missed.
+    /// First depth at each speed at which the cut is unstable, by semi-discretisation; none down to
+    /// the deepest. An unstable island thinner than a step of the depths may be missed.
     pub limit: Vec<Option<Crossing>>,
     /// The same to zero order, whatever its depth.
     pub zero_order: Vec<Option<Crossing>>,
@@ -42,8 +43,8 @@ pub struct Lobes {
     pub mode_coupling: Option<Crossing>,
 }
 
-/// The diagram of modes (milling frame) in a cut; its own depth and spindle speed are not asked for. `progress` is told the
-/// part done.
+/// The diagram of modes (milling frame) in a cut; its own depth and spindle speed are not asked
+/// for. `progress` is told the part done.
 pub fn lobes(
     modes: &[TipMode],
     cut: &Cut,
@@ -57,9 +58,9 @@ pub fn lobes(
     let depth = |j: usize| request.deepest_m * j as f64 / depths as f64;
     let depth_m: Vec<f64> = (1..=depths).map(depth).collect();
     let done = AtomicUsize::new(0);
-    let columns: Vec<Column> = (spindle_rad_s.par_iter())
+    let columns: Vec<SpeedColumn> = (spindle_rad_s.par_iter())
         .map(|speed| {
-            let column = Column::at(modes, cut, *speed, &depth_m);
+            let column = SpeedColumn::at(modes, cut, *speed, &depth_m);
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(count as f64 / speeds as f64);
             column
@@ -76,13 +77,13 @@ pub fn lobes(
 }
 
 /// One speed of a diagram.
-struct Column {
+struct SpeedColumn {
     multiplier: Vec<f64>,
     limit: Option<Crossing>,
     zero_order: Option<Crossing>,
 }
 
-impl Column {
+impl SpeedColumn {
     fn at(modes: &[TipMode], cut: &Cut, spindle_rad_s: f64, depth_m: &[f64]) -> Self {
         let directional = cut.directional();
         let period_s = cut.nominal.cutter.tooth_period_s(spindle_rad_s);

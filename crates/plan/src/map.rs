@@ -1,19 +1,23 @@
-//! Stiffness and stability over joints 2 and 3, for a tool axis that keeps its direction in the world.
+//! Stiffness and stability over joints 2 and 3, for a tool axis that keeps its direction in the
+//! world.
 //!
-//! Joint 1 turns the whole picture about the vertical, and the wrist holds the tool axis; what is left of a posture's
-//! influence on the stiffness at the tool is mostly joints 2 and 3 (a patent of 2022 draws its map of r over them).
+//! Joint 1 turns the whole picture about the vertical, and the wrist holds the tool axis; what is
+//! left of a posture's influence on the stiffness at the tool is mostly joints 2 and 3 (a patent of
+//! 2022 draws its map of r over them).
 
 use nalgebra::{Isometry3, Matrix3, Translation3, Unit, Vector3};
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, IkSolver, OpwGeometry, Robot, tool_pose};
 
+use crate::assess::assess;
 use crate::assessment::LEAST_DECAY;
-use crate::criterion::{Criterion, Cut, assess};
+use crate::criterion::{Criterion, Cut};
 use crate::error::PlanError;
 use crate::reach::SingularityLimits;
 use crate::tool_path::ToolPath;
 
-/// The three directions of the tool axis for which maps are drawn, world frame: down, along x, along y.
+/// The three directions of the tool axis for which maps are drawn, world frame: down, along x,
+/// along y.
 #[must_use]
 pub fn axis_directions() -> [Unit<Vector3<f64>>; 3] {
     [-Vector3::z_axis(), Vector3::x_axis(), Vector3::y_axis()]
@@ -49,7 +53,8 @@ pub struct JointMap {
     pub request: MapRequest,
     pub joint_2_rad: Vec<f64>,
     pub joint_3_rad: Vec<f64>,
-    /// By joint 2, then joint 3; none where the wrist cannot hold the tool axis within its limits, or near a singularity.
+    /// By joint 2, then joint 3; none where the wrist cannot hold the tool axis within its limits,
+    /// or near a singularity.
     pub cells: Vec<Vec<Option<MapCell>>>,
 }
 
@@ -123,8 +128,8 @@ impl<'a> MapCells<'a> {
     }
 }
 
-/// Values from the lower to the upper limit of a joint, by a hair within so that rounding does not break them; a full turn where
-/// it has none.
+/// Values from the lower to the upper limit of a joint, by a hair within so that rounding does not
+/// break them; a full turn where it has none.
 fn range(robot: &Robot, joint: usize, step_rad: f64) -> Vec<f64> {
     use std::f64::consts::PI;
     let limits = robot.chain.joints[joint].limits;
@@ -178,8 +183,9 @@ impl<'a> Wrist<'a> {
         })
     }
 
-    /// The posture within limits that holds the tool axis with joints 2 and 3 as given; of two wrists the one that is less
-    /// turned. None if there is none, or it is too near to a singularity.
+    /// The posture within limits that holds the tool axis with joints 2 and 3 as given; of two
+    /// wrists the one that is less turned. None if there is none, or it is too near to a
+    /// singularity.
     fn posture(&self, q2: f64, q3: f64) -> Option<Vec<f64>> {
         let q1 = self.request.joint_1_rad;
         let links = self.robot.world_from_links(&[q1, q2, q3, 0.0, 0.0, 0.0]);

@@ -1,8 +1,9 @@
 //! Parts of a path: how it is cut into segments, and these into halves.
 
 use crate::intervals::Interval;
+use crate::motion::timing::smooth_between;
+use crate::options::PlannerOptions;
 use crate::plan::Plan;
-use crate::planner::PlannerOptions;
 use crate::tool_path::ToolPath;
 
 /// A segment as it is being chosen.
@@ -67,8 +68,8 @@ pub(crate) fn halved(parts: &[Part], asked: impl Fn(usize) -> bool) -> Vec<Part>
     parts.iter().enumerate().flat_map(halve).collect()
 }
 
-/// Parts that can be halved and beside which an end of the interval moves too far. At a corner it jumps with the feed's
-/// direction, whatever the lengths.
+/// Parts that can be halved and beside which an end of the interval moves too far. At a corner it
+/// jumps with the feed's direction, whatever the lengths.
 pub(crate) fn shifted(parts: &[Part], chain: &[Interval], most_rad: f64) -> Vec<bool> {
     let mut found = vec![false; parts.len()];
     for k in 1..parts.len() {
@@ -94,14 +95,14 @@ pub(crate) fn unstable(parts: &[Part], plan: &Plan) -> Vec<bool> {
     parts.iter().map(|p| p.halvings > 0 && holds(p)).collect()
 }
 
-/// Between knots (place, value): at rest at each of them, from one to the next as 3u² − 2u³, so that joint speeds have no jumps.
-/// Constant beyond the ends.
+/// Between knots (place, value): at rest at each of them, from one to the next as 3u² − 2u³, so
+/// that joint speeds have no jumps. Constant beyond the ends.
 pub(crate) fn between(knots: &[(f64, f64)], at: f64) -> f64 {
     let after = knots.partition_point(|(place, _)| *place <= at);
     match (after.checked_sub(1).map(|i| knots[i]), knots.get(after)) {
         (Some((x0, y0)), Some((x1, y1))) => {
             let u = (at - x0) / (x1 - x0);
-            y0 + (y1 - y0) * u * u * (3.0 - 2.0 * u)
+            smooth_between(y0, *y1, u)
         }
         (Some((_, y)), None) => y,
         (None, Some((_, y))) => *y,
@@ -119,7 +120,8 @@ mod tests {
         ToolPath::new(&points, -Vector3::z_axis(), Vector3::x()).expect("a path")
     }
 
-    /// Midpoints of segments are stations, however often segments are halved; corners are ends of segments.
+    /// Midpoints of segments are stations, however often segments are halved; corners are ends of
+    /// segments.
     #[test]
     fn verify_midpoints_of_all_segments_are_stations() {
         let options = PlannerOptions::default();

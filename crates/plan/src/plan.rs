@@ -54,7 +54,8 @@ impl Plan {
         weakest.unwrap_or(&self.points[0])
     }
 
-    /// Places (m) and redundancy angles (rad) between which the angle turns as 3u² − 2u³; it is constant beyond the ends.
+    /// Places (m) and redundancy angles (rad) between which the angle turns as 3u² − 2u³; it is
+    /// constant beyond the ends.
     pub fn knots(&self) -> Vec<(f64, f64)> {
         if self.segments.is_empty() {
             return vec![(0.0, self.points[0].angle_rad)];

@@ -6,56 +6,22 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, Robot};
 
-use crate::assessment::{Assessment, LEAST_DECAY};
+use crate::assess::assess;
+use crate::assessment::Assessment;
 use crate::chain::widest;
-use crate::criterion::{Criterion, Cut, assess};
+use crate::criterion::{Criterion, Cut};
 use crate::error::PlanError;
 use crate::intervals::{Interval, Standing, assessments, standing};
+use crate::options::PlannerOptions;
 use crate::parts::{Part, between, first_parts, halved, shifted, stations, unstable};
 use crate::plan::{MarginMap, Plan, Segment};
-use crate::reach::{Candidate, Family, Reach, SingularityLimits, Surveyor, largest_motion_rad};
+use crate::reach::{Candidate, Family, Reach, Surveyor, largest_motion_rad};
 use crate::tool_path::ToolPath;
 use crate::tube::steadied;
 
-/// Angles are taken that decay at least by these parts as fast as the best one at the place; the next where they do not hang
-/// together along the path, and last of all whatever is stable.
+/// Angles are taken that decay at least by these parts as fast as the best one at the place; the
+/// next where they do not hang together along the path, and last of all whatever is stable.
 const BEST_PARTS: [f64; 3] = [0.5, 0.25, 0.0];
-
-/// How a plan is looked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlannerOptions {
-    /// Step of the redundancy angle; a stable interval narrower than it may be missed.
-    pub angle_step_rad: f64,
-    /// Longest segment to begin with, m.
-    pub segment_m: f64,
-    /// How often a segment may be halved.
-    pub halvings: u32,
-    /// Largest shift of an end of the stable interval from one segment to the next.
-    pub end_shift_rad: f64,
-    /// Least decay by regeneration at the cut's depth, as a part of that of the arm's slowest decaying mode; from 0 to less
-    /// than 1. See [`LEAST_DECAY`].
-    pub least_decay: f64,
-    pub singularity: SingularityLimits,
-    /// Shoulder and elbow that are allowed; any if none is given.
-    pub family: Option<Family>,
-    /// Of equal joint paths (wrists, whole turns) the one that starts nearest to this posture is taken.
-    pub near: [f64; 6],
-}
-
-impl Default for PlannerOptions {
-    fn default() -> Self {
-        Self {
-            angle_step_rad: 4_f64.to_radians(),
-            segment_m: 0.05,
-            halvings: 3,
-            end_shift_rad: 10_f64.to_radians(),
-            least_decay: LEAST_DECAY,
-            singularity: SingularityLimits::default(),
-            family: None,
-            near: [0.0; 6],
-        }
-    }
-}
 
 /// Plans postures of one arm along one path in one cut.
 pub struct Planner<'a> {
@@ -105,8 +71,9 @@ impl<'a> Planner<'a> {
         &self.reach
     }
 
-    /// A joint path that is stable by a criterion all along, in the middle of the intervals of angles that decay at least half as
-    /// fast as the best one at the place (of those that are stable, by a criterion that knows no decay).
+    /// A joint path that is stable by a criterion all along, in the middle of the intervals of
+    /// angles that decay at least half as fast as the best one at the place (of those that are
+    /// stable, by a criterion that knows no decay).
     ///
     /// # Errors
     /// If some place has no stable angle, or stable angles do not hang together.
@@ -160,15 +127,8 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// The joint path at a constant redundancy angle, stable or not: the one that turns the joints least.
-    ///
-    /// # Errors
-    /// If the arm cannot follow the path at this angle.
-    pub fn constant_angle(&self, criterion: Criterion, angle_rad: f64) -> Result<Plan, PlanError> {
-        self.at_angles(criterion, &|_| angle_rad)
-    }
-
-    /// The joint path at redundancy angles given by place (m; rad), stable or not: the one that turns the joints least.
+    /// The joint path at redundancy angles given by place (m; rad), stable or not: the one that
+    /// turns the joints least.
     ///
     /// # Errors
     /// If the arm cannot follow the path at these angles.
@@ -220,7 +180,8 @@ impl<'a> Planner<'a> {
         found.collect()
     }
 
-    /// What a criterion says on `count` stations, spread over the path, and every angle, for postures of one family.
+    /// What a criterion says on `count` stations, spread over the path, and every angle, for
+    /// postures of one family.
     ///
     /// # Errors
     /// If the arm has no modes somewhere.

@@ -1,19 +1,24 @@
-//! The precession angle of a wheel along a path on a flat face: as near to a steady turn as edges and rates allow.
+//! The precession angle of a wheel along a path on a flat face: as near to a steady turn as edges
+//! and rates allow.
 //!
-//! A steady turn α = ω2 t would rub inward over every edge that it passes; clamping it point by point makes it jump. Here the
-//! angle looks ahead:
+//! A steady turn α = ω2 t would rub inward over every edge that it passes; clamping it point by
+//! point makes it jump. Here the angle looks ahead:
 //!
-//! 1. The path is cut into short intervals. For each the allowed angles are those that suit *every* point of it
-//!    ([`PrecessionWheel::allowed_around`]); an interval is halved where that leaves none though each point has some.
-//! 2. They are narrowed to the angles that suit all intervals within half a window T = 2 ω̂/α̂ of time, ω̂ and α̂ being the largest
-//!    rate and acceleration.
-//! 3. Dynamic programming over a grid of angles finds the course that stays within, turns by ω̂ at most, never crosses a
-//!    gap, and lies nearest to the steady turn (least integral of the squared deviation, whole turns not counted).
-//! 4. A moving mean over T smooths it. A mean of a course of rate ω̂ has a rate of ω̂ and an acceleration of 2 ω̂/T = α̂ at most;
-//!    and since all that is averaged suits the place, so does the mean. No check by sampling is needed.
-//! 5. Where 2 leaves nothing or 3 does not get through, the feed is lowered, by steps and with its own acceleration, and all is done
-//!    again. Where a joint of the arm would be too fast, the angle is slowed there to what it can follow, and the feed
-//!    where that is what the joint cannot follow.
+//! 1. The path is cut into short intervals. For each the allowed angles are those that suit *every*
+//!    point of it (`PrecessionWheel::allowed_around`); an interval is halved where that leaves
+//!    none though each point has some.
+//! 2. They are narrowed to the angles that suit all intervals within half a window T = 2 ω̂/α̂ of
+//!    time, ω̂ and α̂ being the largest rate and acceleration.
+//! 3. Dynamic programming over a grid of angles finds the trajectory that stays within, turns by ω̂
+//!    at most, never crosses a gap, and lies nearest to the steady turn (least integral of the
+//!    squared deviation, whole turns not counted).
+//! 4. A moving mean over T smooths it. A mean of a trajectory of rate ω̂ has a rate of ω̂ and an
+//!    acceleration of 2 ω̂/T = α̂ at most; and since all that is averaged suits the place, so does
+//!    the mean. No check by sampling is needed.
+//! 5. Where 2 leaves nothing or 3 does not get through, the feed is lowered, by steps and with its
+//!    own acceleration, and all is done again. Where a joint of the arm would be too fast, the
+//!    angle is slowed there to what it can follow, and the feed where that is what the joint cannot
+//!    follow.
 //!
 //! The steady turn goes by the clock: where the feed is lower it makes more turns on the way.
 
@@ -22,75 +27,23 @@ mod error;
 mod feed;
 mod search;
 mod stations;
+mod task;
 
 use nalgebra::Vector2;
-use truecut_core::wheel::precession::{Boundary, EdgeRule, PrecessionWheel, wrapped};
+use truecut_core::wheel::precession::wrapped;
 
 pub use arm::{ArmOnFace, ArmPlan};
 pub use error::PrecessionPlanError;
 pub use feed::FeedReduction;
+pub use task::{PrecessionLimits, PrecessionOptions, PrecessionProgress, PrecessionTask};
 
-use feed::Pace;
+use feed::FeedPace;
 use stations::Intervals;
+use task::ProgressReport;
 
-/// What moves over which face, and how.
-#[derive(Debug, Clone, Copy)]
-pub struct PrecessionTask<'a> {
-    pub wheel: &'a PrecessionWheel,
-    pub boundary: &'a Boundary,
-    pub rule: EdgeRule,
-    /// Vertices of the path of the patch's middle, straight legs between them, in the face's plane.
-    pub path_m: &'a [Vector2<f64>],
-    pub feed_m_per_s: f64,
-    /// Rate ω2 of the steady turn; negative clockwise, 0 holds the angle.
-    pub turn_rad_s: f64,
-    /// Angle of the steady turn at the start.
-    pub start_rad: f64,
-}
-
-/// How fast angle and feed may change.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PrecessionLimits {
-    /// Largest rate of the precession angle.
-    pub rate_rad_s: f64,
-    /// Largest acceleration of the precession angle.
-    pub acceleration_rad_s2: f64,
-    /// Largest acceleration along the path where the feed is lowered.
-    pub feed_acceleration_m_s2: f64,
-}
-
-impl PrecessionLimits {
-    /// Length T of the moving mean: 2 ω̂/α̂.
-    fn window_s(&self) -> f64 {
-        2.0 * self.rate_rad_s / self.acceleration_rad_s2
-    }
-}
-
-/// Knots of the course in a window of the mean. Fewer would widen the stretch that a knot's angles must suit, more would
-/// make steps that the grid of angles renders badly.
+/// Knots of the trajectory in a window of the mean. Fewer would widen the stretch that a knot's
+/// angles must suit, more would make steps that the grid of angles renders badly.
 const KNOTS_PER_WINDOW: f64 = 8.0;
-
-/// How finely is planned.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PrecessionOptions {
-    /// Longest interval of the path.
-    pub interval_m: f64,
-    /// Angles of the grid, in a turn.
-    pub angles: usize,
-    /// The feed is not lowered below this share of what is asked.
-    pub least_feed_share: f64,
-}
-
-impl Default for PrecessionOptions {
-    /// 0.1 mm, an eighth of a degree, a hundredth.
-    fn default() -> Self {
-        Self {
-            interval_m: 0.1e-3,
-            angles: 2880,
-            least_feed_share: 0.01,
-        }
-    }
-}
 
 /// A place of the plan. Between two of them the angle goes straight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,7 +79,8 @@ impl PrecessionPlan {
         self.rates().map(|(_, rate)| rate.abs()).fold(0.0, f64::max)
     }
 
-    /// Largest change of that rate from one interval to the next, per time between their middles, rad/s².
+    /// Largest change of that rate from one interval to the next, per time between their middles,
+    /// rad/s².
     pub fn hardest_rad_s2(&self) -> f64 {
         let rates: Vec<(f64, f64)> = self.rates().collect();
         let changes = rates.windows(2).map(|w| {
@@ -156,67 +110,45 @@ impl PrecessionPlan {
     }
 }
 
-/// How far a plan has come. How often the path must be searched shows only on the way.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PrecessionProgress {
-    /// 0 while the allowed angles are gathered, then the number of the search through the path.
-    pub pass: usize,
-    /// Share of the path that this pass has behind it, 0 to 1.
-    pub share: f64,
-}
-
-/// What is told of a plan under way, and counts its passes.
-struct Told<'a> {
-    pass: usize,
-    tell: &'a mut dyn FnMut(PrecessionProgress),
-}
-
-impl Told<'_> {
-    fn share(&mut self, share: f64) {
-        let pass = self.pass;
-        (self.tell)(PrecessionProgress { pass, share });
-    }
-}
-
 impl PrecessionTask<'_> {
     /// The angle along the path, the arm not asked.
     ///
     /// # Errors
-    /// If the path has fewer than two points, repeated or non-finite ones; a number is out of its range; a place leaves no angle;
-    /// or the feed would have to fall below its least share.
+    /// If the path has fewer than two points, repeated or non-finite ones; a number is out of its
+    /// range; a place leaves no angle; or the feed would have to fall below its least share.
     pub fn plan(
         &self,
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
     ) -> Result<PrecessionPlan, PrecessionPlanError> {
-        self.plan_telling(limits, options, &mut |_| ())
+        self.plan_with_progress(limits, options, &mut |_| ())
     }
 
     /// As [`Self::plan`], and tells how far it has come, some hundred times a pass.
     ///
     /// # Errors
     /// As [`Self::plan`].
-    pub fn plan_telling(
+    pub fn plan_with_progress(
         &self,
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
         tell: &mut dyn FnMut(PrecessionProgress),
     ) -> Result<PrecessionPlan, PrecessionPlanError> {
-        let mut told = Told { pass: 0, tell };
-        let (intervals, mut pace) = self.prepared(limits, options, &mut told)?;
-        self.planned(&intervals, &mut pace, limits, options, &mut told)
+        let mut progress = ProgressReport { pass: 0, tell };
+        let (intervals, mut pace) = self.prepared(limits, options, &mut progress)?;
+        self.planned(&intervals, &mut pace, limits, options, &mut progress)
     }
 
     fn prepared(
         &self,
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
-        told: &mut Told<'_>,
-    ) -> Result<(Intervals, Pace), PrecessionPlanError> {
+        progress: &mut ProgressReport<'_>,
+    ) -> Result<(Intervals, FeedPace), PrecessionPlanError> {
         error::check(self, limits, options)?;
-        let intervals = Intervals::new(self, options.interval_m, told)?;
+        let intervals = Intervals::new(self, options.interval_m, progress)?;
         let least = options.least_feed_share * self.feed_m_per_s;
-        let pace = Pace::new(intervals.lengths_m(), self.feed_m_per_s, least, limits);
+        let pace = FeedPace::new(intervals.lengths_m(), self.feed_m_per_s, least, limits);
         Ok((intervals, pace))
     }
 
@@ -224,17 +156,17 @@ impl PrecessionTask<'_> {
     fn planned(
         &self,
         intervals: &Intervals,
-        pace: &mut Pace,
+        pace: &mut FeedPace,
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
-        told: &mut Told<'_>,
+        progress: &mut ProgressReport<'_>,
     ) -> Result<PrecessionPlan, PrecessionPlanError> {
         let window_s = limits.window_s();
         let grid = search::Grid {
             angles: options.angles,
         };
         loop {
-            told.pass += 1;
+            progress.pass += 1;
             let times = pace.times_s();
             let nominal = |t: &f64| self.start_rad + self.turn_rad_s * t;
             let knots = stations::knots(&times, window_s / KNOTS_PER_WINDOW);
@@ -242,15 +174,17 @@ impl PrecessionTask<'_> {
             let knot_times: Vec<f64> = knots.iter().map(|k| times[*k]).collect();
             let steady: Vec<f64> = knot_times.iter().map(nominal).collect();
             let rates = pace.least_rates_rad_s(&knots);
-            let stuck = match grid.course(&windows, &knot_times, &steady, &rates, &mut |share| {
-                told.share(share)
-            }) {
-                Ok(course) => {
-                    let angles = search::moving_mean(&knot_times, &course, window_s, &times);
-                    return Ok(self.finished(intervals, pace, &times, &angles));
-                }
-                Err(stuck) => stuck,
-            };
+            let stuck =
+                match grid.trajectory(&windows, &knot_times, &steady, &rates, &mut |share| {
+                    progress.share(share)
+                }) {
+                    Ok(trajectory) => {
+                        let angles =
+                            search::moving_mean(&knot_times, &trajectory, window_s, &times);
+                        return Ok(self.finished(intervals, pace, &times, &angles));
+                    }
+                    Err(stuck) => stuck,
+                };
             for knot in stuck.stations {
                 let station = knots[knot];
                 let begin_s = match stuck.narrow {
@@ -271,7 +205,7 @@ impl PrecessionTask<'_> {
     fn finished(
         &self,
         intervals: &Intervals,
-        pace: &Pace,
+        pace: &FeedPace,
         times: &[f64],
         angles: &[f64],
     ) -> PrecessionPlan {

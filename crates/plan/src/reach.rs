@@ -3,14 +3,17 @@
 use std::f64::consts::TAU;
 
 use rayon::prelude::*;
-use truecut_arm::{ArmBranch, FrameId, IkSolver, OpwGeometry, Robot, SingularityDistance};
+use truecut_arm::{
+    ArmBranch, Elbow, FrameId, IkSolver, OpwGeometry, Robot, Shoulder, SingularityDistance,
+};
 
 use crate::error::PlanError;
 use crate::sheets::Sheets;
 use crate::tool_path::ToolPath;
 
-/// One joint may not move further than this (rad) between neighbours of the grid that count as joined. Whole turns and
-/// other branches are further away; near the singularity distance asked for, one step of the angle stays below.
+/// One joint may not move further than this (rad) between neighbours of the grid that count as
+/// joined. Whole turns and other branches are further away; near the singularity distance asked
+/// for, one step of the angle stays below.
 const JOINED_RAD: f64 = 1.2;
 
 /// Width to which the place where a path leaves its reach is narrowed, m.
@@ -25,7 +28,8 @@ pub struct SingularityLimits {
 }
 
 impl Default for SingularityLimits {
-    /// 5° and 50 mm: at 5° from a wrist singularity joints 4 and 6 turn eleven times as fast as the tool.
+    /// 5° and 50 mm: at 5° from a wrist singularity joints 4 and 6 turn eleven times as fast as the
+    /// tool.
     fn default() -> Self {
         Self {
             wrist_rad: 5_f64.to_radians(),
@@ -47,15 +51,15 @@ impl SingularityLimits {
 /// Shoulder and elbow of a branch. Both wrists of a family have the same stiffness and modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Family {
-    pub rear_shoulder: bool,
-    pub lower_elbow: bool,
+    pub shoulder: Shoulder,
+    pub elbow: Elbow,
 }
 
 impl From<ArmBranch> for Family {
     fn from(branch: ArmBranch) -> Self {
         Self {
-            rear_shoulder: branch.rear_shoulder,
-            lower_elbow: branch.lower_elbow,
+            shoulder: branch.shoulder,
+            elbow: branch.elbow,
         }
     }
 }

@@ -21,13 +21,15 @@ pub const DEFINITIONS: [PlanarDefinition; 4] = [
 pub struct ToolStiffness {
     /// The ellipsoid of K = C_tt⁻¹ in world axes: rotation of the tool free, as it is.
     pub ellipsoid: StiffnessEllipsoid,
-    /// Its section with the cutting plane by each definition. [`PlanarDefinition::Free`] is the **physical** one: a force
-    /// within the plane meets it, since nothing holds the tool across the plane nor against turning. The others hold the tool
-    /// across the plane (`Held`), or belong to no load at all.
+    /// Its section with the cutting plane by each definition. [`PlanarDefinition::Free`] is the
+    /// **physical** one: a force within the plane meets it, since nothing holds the tool across the
+    /// plane nor against turning. The others hold the tool across the plane (`Held`), or belong to
+    /// no load at all.
     pub sections: [(PlanarDefinition, PlanarExtremes); 4],
 }
 
-/// Stiffness at the tool point, with the cutting plane that of the first two columns of `world_from_milling`.
+/// Stiffness at the tool point, with the cutting plane that of the first two columns of
+/// `world_from_milling`.
 ///
 /// # Errors
 /// If the arm is not compliant in every direction there.

@@ -21,12 +21,12 @@ pub struct ToolPath {
 }
 
 impl ToolPath {
-    /// A path through `vertices_m`, the tool's z axis along `tool_axis`, its x axis along `zero_direction` (made square to the
-    /// tool axis) where the redundancy angle is 0.
+    /// A path through `vertices_m`, the tool's z axis along `tool_axis`, its x axis along
+    /// `zero_direction` (made square to the tool axis) where the redundancy angle is 0.
     ///
     /// # Errors
-    /// If there are fewer than two points, two that follow each other are the same, a leg does not run across the tool
-    /// axis, or the zero direction is parallel to it.
+    /// If there are fewer than two points, two that follow each other are the same, a leg does not
+    /// run across the tool axis, or the zero direction is parallel to it.
     pub fn new(
         vertices_m: &[Vector3<f64>],
         tool_axis: Unit<Vector3<f64>>,
@@ -73,7 +73,8 @@ impl ToolPath {
         self.along_m.windows(2).map(|w| (w[0], w[1]))
     }
 
-    /// The leg at a distance from the start; of two legs that meet there the later one. Beyond the ends the first or last.
+    /// The leg at a distance from the start; of two legs that meet there the later one. Beyond the
+    /// ends the first or last.
     pub fn leg(&self, along_m: f64) -> usize {
         let begun = (self.along_m.iter()).filter(|begin| **begin <= along_m + SAME_PLACE_M);
         begun.count().clamp(1, self.along_m.len() - 1) - 1
@@ -95,7 +96,8 @@ impl ToolPath {
         self.tool_axis
     }
 
-    /// The milling frame of a leg in the world: x the feed, z against the tool axis, y = z × x, as columns.
+    /// The milling frame of a leg in the world: x the feed, z against the tool axis, y = z × x, as
+    /// columns.
     pub fn world_from_milling(&self, leg: usize) -> Matrix3<f64> {
         let (x, z) = (self.feed(leg), -self.tool_axis.into_inner());
         Matrix3::from_columns(&[x, z.cross(&x), z])

@@ -3,11 +3,12 @@
 use crate::intervals::Interval;
 use crate::parts::Part;
 
-/// Within each interval of a chain what remains if no end may open outwards by more than `most_rad` from one segment to the next,
-/// before or behind; at a corner of the path it may.
+/// Within each interval of a chain what remains if no end may open outwards by more than `most_rad`
+/// from one segment to the next, before or behind; at a corner of the path it may.
 ///
-/// Where two intervals grow together the middle would jump. Within the tube it does not: ends move by `most_rad` at most, and what
-/// closes faster is left in time. A chain that moves faster itself is given more, twice as often as it needs.
+/// Where two intervals grow together the middle would jump. Within the tube it does not: ends move
+/// by `most_rad` at most, and what closes faster is left in time. A chain that moves faster itself
+/// is given more, twice as often as it needs.
 pub(crate) fn steadied(parts: &[Part], chain: &[Interval], most_rad: f64) -> Vec<Interval> {
     let mut shift_rad = most_rad;
     // A turn and more: nothing is cut off.
@@ -58,7 +59,8 @@ mod tests {
         }
     }
 
-    /// Two intervals grow together: the middle goes there step by step. One that closes is left in time.
+    /// Two intervals grow together: the middle goes there step by step. One that closes is left in
+    /// time.
     #[test]
     fn an_interval_that_opens_at_once_is_used_step_by_step() {
         let ends = [1.0, 1.0, 4.0, 4.0, 4.0, 4.0, 4.0, 1.2];
@@ -84,7 +86,8 @@ mod tests {
     }
 
     proptest! {
-        /// Within the chain, never empty, and no further from one to the next than asked unless the chain itself forbids it.
+        /// Within the chain, never empty, and no further from one to the next than asked unless the
+        /// chain itself forbids it.
         #[test]
         fn a_tube_lies_within_its_chain(
             steps in prop::collection::vec((-0.3..0.3_f64, 0.7..2.0_f64), 1..9), most in 0.05..0.5_f64,
@@ -100,7 +103,8 @@ mod tests {
                 prop_assert!(inner.from_rad >= outer.from_rad && inner.to_rad <= outer.to_rad);
                 prop_assert!(inner.width_rad() > 0.0);
             }
-            // Ends of the chain move by 0.3 at most on the left; 0.4 then is enough for a tube of 0.7 at least.
+            // Ends of the chain move by 0.3 at most on the left; 0.4 then is enough for a tube of
+            // 0.7 at least.
             if most >= 0.4 {
                 let apart = tube.windows(2).map(|w| w[0].ends_apart_rad(&w[1]));
                 prop_assert!(apart.fold(0.0, f64::max) <= most + 1e-12);

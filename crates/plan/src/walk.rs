@@ -9,8 +9,8 @@ use crate::planner::Planner;
 use crate::reach::{Candidate, Family, are_joined, largest_motion_rad};
 
 impl Planner<'_> {
-    /// Candidates at the path's start of the family of a sheet, those nearest to the posture asked for first: both wrists and
-    /// all whole turns cut alike.
+    /// Candidates at the path's start of the family of a sheet, those nearest to the posture asked
+    /// for first: both wrists and all whole turns cut alike.
     pub(crate) fn starts(&self, sheet: usize, angle_rad: f64) -> Result<Vec<Candidate>, PlanError> {
         let first = self.reach.columns[0].cells.iter().flatten();
         let family: Option<Family> = first
@@ -46,7 +46,8 @@ impl Planner<'_> {
         Ok(found)
     }
 
-    /// Candidates at all stations with what the criterion says of them; at a corner of the path, the worse of its two legs.
+    /// Candidates at all stations with what the criterion says of them; at a corner of the path,
+    /// the worse of its two legs.
     pub(crate) fn assessed(
         &self,
         criterion: Criterion,

@@ -29,9 +29,10 @@ fn cut(teeth: usize, tangential_pa: f64, ratio: f64, engagement: Engagement) -> 
     }
 }
 
-/// `spec` section 5, benchmark 2, half up-milling, x and y modes: zero order 1.087, 1.095, 1.340, 4.03 mm and semi-discretisation
-/// 1.10, 1.10, 1.366, 4.29 mm at 5000, 8000, 10000, 12000 rpm; printed to three digits, met within 2 %. The chatter
-/// frequency is that of a mode, above its natural frequency by 15 % at most.
+/// `docs/physics/stability.md`, benchmark 2, half up-milling, x and y modes: zero order 1.087,
+/// 1.095, 1.340, 4.03 mm and semi-discretisation 1.10, 1.10, 1.366, 4.29 mm at 5000, 8000, 10000,
+/// 12000 rpm; printed to three digits, met within 2 %. The chatter frequency is that of a mode,
+/// above its natural frequency by 15 % at most.
 #[test]
 fn verify_published_limits_in_a_diagram() {
     let modes = [
@@ -89,7 +90,8 @@ fn verify_published_limits_in_a_diagram() {
     assert!(told.contains(&1.0));
 }
 
-/// One mode, straight 2-tooth slot: no mode coupling, and no limit where the deepest cut is shallower than any.
+/// One mode, straight 2-tooth slot: no mode coupling, and no limit where the deepest cut is
+/// shallower than any.
 #[test]
 fn what_is_stable_has_no_limit() {
     let one = [TipMode::of_mass(TAU * 922.0, 0.011, 0.03993, &Vector3::x())];

@@ -16,7 +16,7 @@ use truecut_plan::map::{MapCells, MapRequest, axis_directions, joint_map};
 use truecut_plan::section::tool_stiffness;
 use truecut_plan::{Cut, SingularityLimits};
 
-/// P1, θr = 20°, degrees (`spec` section 2).
+/// P1, θr = 20°, degrees (`docs/physics/stability.md`, An arm).
 const P1_DEG: [f64; 6] = [-43.1717, 33.4476, 5.1977, -72.4716, 110.6398, 131.8613];
 
 /// Aluminium with two teeth.
@@ -41,8 +41,9 @@ fn request(tool_axis: nalgebra::Unit<Vector3<f64>>) -> MapRequest {
     }
 }
 
-/// The cell at P1's joints 2 and 3 holds P1's posture (one of its two wrists) and r = 0.60. Its limit is that of the arm's own
-/// damping; with the printed one, 0.02 in every mode, its modes have the printed limit, 2.27 mm.
+/// The cell at P1's joints 2 and 3 holds P1's posture (one of its two wrists) and r = 0.60. Its
+/// limit is that of the arm's own damping; with the printed one, 0.02 in every mode, its modes have
+/// the printed limit, 2.27 mm.
 #[test]
 fn verify_the_map_holds_the_printed_posture() {
     let (robot, cut) = (robot(), cut());
@@ -81,7 +82,8 @@ fn verify_the_map_holds_the_printed_posture() {
     assert!((printed / 2.27e-3 - 1.0).abs() < 0.02, "{printed}");
 }
 
-/// In every cell of the three maps joints 1 to 3 and the tool axis are what was asked, and values are those of the posture.
+/// In every cell of the three maps joints 1 to 3 and the tool axis are what was asked, and values
+/// are those of the posture.
 #[test]
 fn maps_hold_the_tool_axis() {
     let (robot, cut) = (robot(), cut());
@@ -109,8 +111,9 @@ fn maps_hold_the_tool_axis() {
     }
 }
 
-/// Sections at P1, θr = 20° against the printed free ones, and what each definition must satisfy: held ≥ free, the
-/// ellipsoid's section between them in neither sense a load, the roots of the free ones.
+/// Sections at P1, θr = 20° against the printed free ones, and what each definition must satisfy:
+/// held ≥ free, the ellipsoid's section between them in neither sense a load, the roots of the free
+/// ones.
 #[test]
 fn verify_sections_of_the_ellipsoid() {
     let robot = robot();

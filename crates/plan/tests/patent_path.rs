@@ -1,5 +1,5 @@
-//! The planner on the published path: 0.3 m from P1 = (1.050, −1.450, 0.870) m to P2 = (1.350, −1.450, 0.870) m, tool down,
-//! slot in 45 steel with four teeth, 0.3 mm deep.
+//! The planner on the published path: 0.3 m from P1 = (1.050, −1.450, 0.870) m to P2 = (1.350,
+//! −1.450, 0.870) m, tool down, slot in 45 steel with four teeth, 0.3 mm deep.
 
 #[path = "../../arm/tests/milling_arm/mod.rs"]
 mod milling_arm;
@@ -8,7 +8,7 @@ mod support;
 use milling_arm::robot;
 use nalgebra::{Isometry3, Vector3};
 use support::slot;
-use truecut_arm::{BranchOptions, FrameId, Robot};
+use truecut_arm::{BranchOptions, Elbow, FrameId, Robot, Shoulder};
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_plan::{
@@ -31,8 +31,8 @@ fn steel(axial_depth_m: f64, rpm: f64) -> Cut {
 fn front_upper() -> PlannerOptions {
     PlannerOptions {
         family: Some(Family {
-            rear_shoulder: false,
-            lower_elbow: false,
+            shoulder: Shoulder::Front,
+            elbow: Elbow::Upper,
         }),
         ..PlannerOptions::default()
     }
@@ -55,9 +55,10 @@ fn margins(planner: &Planner<'_>, station: usize) -> Vec<(i32, f64)> {
         .collect()
 }
 
-/// Stable redundancy angles in steel at both ends, as computed independently in ten-degree steps (`spec` section 2), and
-/// nothing else within reach. There every mode has ζ = 0.02, here the arm has its own damping (0.018 to 0.03 in the modes that
-/// matter); where that changes the sign, the limit must be within 2 % of the depth.
+/// Stable redundancy angles in steel at both ends, in ten-degree steps
+/// (`docs/physics/stability.md`, An arm), and nothing else within reach. There every mode has ζ =
+/// 0.02, here the arm has its own damping (0.018 to 0.03 in the modes that matter); where that
+/// changes the sign, the limit must be within 2 % of the depth.
 #[test]
 fn verify_stable_angles_at_both_ends() {
     let (robot, path, cut) = (robot(), path(&[P1_M, P2_M]), steel(0.3e-3, 2400.0));
@@ -94,9 +95,9 @@ fn assert_follows(robot: &Robot, path: &ToolPath, plan: &Plan) {
     assert!(step < 0.2, "{step}");
 }
 
-/// The plan by mode coupling: stable everywhere, mid-interval at each midpoint, ends of intervals no further apart than
-/// asked, on the path, without jumps. A constant 120 degrees is unstable everywhere by the same criterion, and stable by the
-/// published rule.
+/// The plan by mode coupling: stable everywhere, mid-interval at each midpoint, ends of intervals
+/// no further apart than asked, on the path, without jumps. A constant 120 degrees is unstable
+/// everywhere by the same criterion, and stable by the published rule.
 #[test]
 fn a_plan_is_stable_continuous_and_in_the_middle() {
     let (robot, path, cut) = (robot(), path(&[P1_M, P2_M]), steel(0.3e-3, 2400.0));
@@ -136,7 +137,7 @@ fn a_plan_is_stable_continuous_and_in_the_middle() {
         assert!((a.to_rad - b.to_rad).abs() < 10_f64.to_radians());
     }
 
-    let constant = |criterion| planner.constant_angle(criterion, 120_f64.to_radians());
+    let constant = |criterion| planner.at_angles(criterion, &|_| 120_f64.to_radians());
     let chatters = constant(Criterion::ModeCoupling).expect("in reach");
     assert_follows(&robot, &path, &chatters);
     assert!(chatters.points.iter().all(|p| p.assessment.margin < -0.4));
@@ -144,8 +145,8 @@ fn a_plan_is_stable_continuous_and_in_the_middle() {
     assert!(rule.points.iter().all(|p| p.assessment.margin > 6.0));
 }
 
-/// With regeneration the same path can be planned at 600 rpm and at 2400 rpm, where nothing chatters; at 300 rpm nothing is
-/// stable, and the error says by how much the best angle fails.
+/// With regeneration the same path can be planned at 600 rpm and at 2400 rpm, where nothing
+/// chatters; at 300 rpm nothing is stable, and the error says by how much the best angle fails.
 #[test]
 fn regeneration_decides_by_the_spindle_speed() {
     let (robot, path) = (robot(), path(&[P1_M, P2_M]));
@@ -187,8 +188,9 @@ fn regeneration_decides_by_the_spindle_speed() {
     );
 }
 
-/// At 720 rpm the floor lets the two intervals of angles that decay well grow together halfway: the middle of what is taken follows step
-/// by step, the arm does not jump, and no angle is taken that decays less than half as fast as the best.
+/// At 720 rpm the floor lets the two intervals of angles that decay well grow together halfway: the
+/// middle of what is taken follows step by step, the arm does not jump, and no angle is taken that
+/// decays less than half as fast as the best.
 #[test]
 fn a_plan_does_not_jump_where_intervals_grow_together() {
     let (robot, path, cut) = (robot(), path(&[P1_M, P2_M]), steel(0.3e-3, 720.0));
@@ -237,7 +239,8 @@ fn coarse() -> PlannerOptions {
     }
 }
 
-/// A corner: the arm stays on one branch, the feed turns, and both directions are stable at the corner.
+/// A corner: the arm stays on one branch, the feed turns, and both directions are stable at the
+/// corner.
 #[test]
 fn a_path_with_a_corner_is_planned_as_a_whole() {
     let points = [P1_M, [1.2, -1.45, 0.87], [1.2, -1.30, 0.87]];
@@ -273,8 +276,8 @@ fn a_path_with_a_corner_is_planned_as_a_whole() {
     assert!(worse > 0.0 && (corner.assessment.margin - worse).abs() < 1e-12);
 }
 
-/// A spindle along axis 6: the redundancy angle turns joint 6 and nothing else, every criterion is blind to it (`spec`
-/// section 2, criticism 6).
+/// A spindle along axis 6: the redundancy angle turns joint 6 and nothing else, every criterion is
+/// blind to it (`docs/physics/stability.md`, An arm).
 #[test]
 fn verify_a_spindle_along_axis_6_makes_the_angle_irrelevant() {
     let mut robot = robot();

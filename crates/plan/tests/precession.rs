@@ -1,11 +1,9 @@
-//! A wheel in precession over the sample raster, led by an HP20.
+//! A wheel in precession over the sample raster, moved by an HP20.
 
 mod assets;
 
-use std::time::Instant;
-
 use nalgebra::{Isometry3, Vector2, Vector3};
-use truecut_arm::{ArmBranch, BranchOptions, FrameId, Robot, tool_pose};
+use truecut_arm::{ArmBranch, BranchOptions, Elbow, FrameId, Robot, Shoulder, Wrist, tool_pose};
 use truecut_core::wheel::precession::{Boundary, ChordExtent, EdgeRule, PatchLaw, PrecessionWheel};
 use truecut_plan::precession::{
     ArmOnFace, ArmPlan, PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError,
@@ -42,8 +40,8 @@ fn raster() -> Vec<Vector2<f64>> {
     (0..16).flat_map(line).collect()
 }
 
-/// What the plan does to the edges, looked at ten times in each interval: samples with an edge in the patch, those of them with
-/// inward velocity, and the mean inward share of the chord.
+/// What the plan does to the edges, looked at ten times in each interval: samples with an edge in
+/// the patch, those of them with inward velocity, and the mean inward share of the chord.
 fn inward(wheel: &PrecessionWheel, plan: &PrecessionPlan) -> (usize, usize, f64) {
     let (boundary, mut zone, mut bad, mut share) = (block(), 0, 0, 0.0);
     for pair in plan.points.windows(2) {
@@ -90,9 +88,9 @@ fn with_arm(robot: &Robot, rule: EdgeRule) -> Result<ArmPlan, PrecessionPlanErro
     let upright = tool_pose(&above, &-Vector3::z_axis(), &Vector3::x(), 0.0).expect("square");
     let geometry = *solver.geometry().expect("ortho-parallel");
     let front = ArmBranch {
-        rear_shoulder: false,
-        lower_elbow: false,
-        flipped_wrist: false,
+        shoulder: Shoulder::Front,
+        elbow: Elbow::Upper,
+        wrist: Wrist::Positive,
     };
     let start = (solver.within_limits(&upright, FrameId::Tool).into_iter())
         .filter(|q| geometry.branch(q) == front)
@@ -113,17 +111,16 @@ fn plan(wheel: &PrecessionWheel, rule: EdgeRule, limits: &PrecessionLimits) -> P
     let (boundary, path) = (block(), raster());
     let task = task(wheel, &boundary, rule, &path);
     let options = PrecessionOptions::default();
-    task.plan(limits, &options).expect("a course")
+    task.plan(limits, &options).expect("a trajectory")
 }
 
-/// With the exact rule nothing moves inward anywhere, corners included, and every axis of the arm, the angle's rate and its
-/// acceleration stay within their limits. Rounding alone is left to the limits.
+/// With the exact rule nothing moves inward anywhere, corners included, and every axis of the arm,
+/// the angle's rate and its acceleration stay within their limits. Rounding alone is left to the
+/// limits.
 #[test]
 fn verify_exact_rule_with_look_ahead_on_the_raster() {
-    let began = Instant::now();
     let robot = hp20();
     let found = with_arm(&robot, EXACT).expect("a plan");
-    println!("planned in {:.2} s", began.elapsed().as_secs_f64());
     let plan = &found.plan;
     let (zone, bad, share) = inward(&wheel(), plan);
     println!(
@@ -150,7 +147,8 @@ fn verify_exact_rule_with_look_ahead_on_the_raster() {
             .iter()
             .all(|share| *share > 0.0 && *share <= 1.0)
     );
-    // The postures carry the wheel: its centre above the point, its axis leaning towards the angle. Inverse kinematics are exact to 1e-10.
+    // The postures carry the wheel: its centre above the point, its axis leaning towards the angle.
+    // Inverse kinematics are exact to 1e-10.
     assert_eq!(found.postures.len(), plan.points.len());
     for (p, q) in plan.points.iter().zip(&found.postures).step_by(50) {
         let tool = robot.world_from_frame(q, FrameId::Tool);
@@ -160,8 +158,9 @@ fn verify_exact_rule_with_look_ahead_on_the_raster() {
     }
 }
 
-/// What the rules are worth with the same look-ahead: without one most points rub inward, the source's ε = 0 leaves a third of the chord,
-/// the exact rule nothing. Whoever plans holds its own rates.
+/// What the rules are worth with the same look-ahead: without one most points rub inward, the
+/// source's ε = 0 leaves a third of the chord, the exact rule nothing. Whoever plans holds its own
+/// rates.
 #[test]
 fn the_source_s_rule_leaves_inward_motion_that_the_exact_one_does_not() {
     let shares = [
@@ -180,8 +179,8 @@ fn the_source_s_rule_leaves_inward_motion_that_the_exact_one_does_not() {
     assert!(shares[2] > 0.1 && shares[3] == 0.0);
 }
 
-/// Without a rule the angle is the steady turn, but for the grid (half a step of an eighth of a degree) and the ends, where the mean
-/// reaches beyond the path by half a window.
+/// Without a rule the angle is the steady turn, but for the grid (half a step of an eighth of a
+/// degree) and the ends, where the mean reaches beyond the path by half a window.
 #[test]
 fn without_a_rule_the_angle_turns_steadily() {
     let plan = plan(&wheel(), EdgeRule::None, &LIMITS);
@@ -202,8 +201,8 @@ fn without_a_rule_the_angle_turns_steadily() {
     assert!(ends <= 1.5 * 0.2 / 8.0 + 0.0011, "{ends}");
 }
 
-/// A patch of 0.9 of the lever leaves less in corners than a slow axis can follow at full feed: it costs feed, not edges. What is lost is
-/// what the reductions say.
+/// A patch of 0.9 of the lever leaves less in corners than a slow axis can follow at full feed: it
+/// costs feed, not edges. What is lost is what the reductions say.
 #[test]
 fn a_slow_axis_lowers_the_feed() {
     let tilt_rad = 20f64.to_radians();
@@ -235,7 +234,8 @@ fn a_slow_axis_lowers_the_feed() {
     }
 }
 
-/// Joints at 0.4 of their speeds hold the angle back where they must, and none exceeds its limit. The feed needs no lowering for it.
+/// Joints at 0.4 of their speeds hold the angle back where they must, and none exceeds its limit.
+/// The feed needs no lowering for it.
 #[test]
 fn slow_joints_hold_the_angle_back() {
     let mut robot = hp20();
@@ -251,8 +251,8 @@ fn slow_joints_hold_the_angle_back() {
     assert!(slow.plan.reductions.is_empty());
 }
 
-/// A joint that the feed alone keeps at nearly half its limit leaves the angle too little for the corners at full feed; one that the least
-/// feed is too much for is named.
+/// A joint that the feed alone keeps at nearly half its limit leaves the angle too little for the
+/// corners at full feed; one that the least feed is too much for is named.
 #[test]
 fn a_slow_joint_lowers_the_feed() {
     let mut robot = hp20();
@@ -338,25 +338,30 @@ fn what_cannot_be_planned_is_refused() {
     assert!(lame.contains("10.000 mm/s"), "{lame}");
 }
 
-/// A plan tells how far it has come: the allowed angles first, then each search through the path, from its start to its end.
+/// A plan reports its progress: the allowed angles first, then each search through the path,
+/// from its start to its end.
 #[test]
 fn a_plan_tells_how_far_it_has_come() {
     let (boundary, path) = (block(), raster());
     let wheel = wheel();
     let task = task(&wheel, &boundary, EXACT, &path);
     let options = PrecessionOptions::default();
-    let mut told = Vec::new();
-    let silent = task.plan(&LIMITS, &options).expect("a course");
-    let plan = task.plan_telling(&LIMITS, &options, &mut |progress| told.push(progress));
-    assert_eq!(plan.expect("a course"), silent, "telling changes nothing");
-    for pair in told.windows(2) {
+    let mut reports = Vec::new();
+    let silent = task.plan(&LIMITS, &options).expect("a trajectory");
+    let plan = task.plan_with_progress(&LIMITS, &options, &mut |report| reports.push(report));
+    assert_eq!(
+        plan.expect("a trajectory"),
+        silent,
+        "reporting changes nothing"
+    );
+    for pair in reports.windows(2) {
         let forward = pair[0].pass < pair[1].pass
             || (pair[0].pass == pair[1].pass && pair[0].share < pair[1].share);
         assert!(forward, "{pair:?}");
     }
     for pass in [0, 1] {
-        let count = told.iter().filter(|p| p.pass == pass).count();
+        let count = reports.iter().filter(|p| p.pass == pass).count();
         assert!((50..=101).contains(&count), "pass {pass}: {count}");
     }
-    assert_eq!(told.last().map(|p| p.share), Some(1.0));
+    assert_eq!(reports.last().map(|p| p.share), Some(1.0));
 }

@@ -9,7 +9,8 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use truecut_arm::Robot;
 use truecut_plan::program::{Motion, PathPoint, Program, Tool, TravelOptions, jbi, rapid};
 
-/// Approach by joints, then a line of `count` points with the tool down, the turntable turning beside it.
+/// Approach by joints, then a line of `count` points with the tool down, the turntable turning
+/// beside it.
 fn program(robot: &Robot, count: u32) -> Program {
     let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.1, 0.2);
     let points: Vec<PathPoint> = (0..count)
@@ -89,7 +90,12 @@ fn a_long_program_is_split_into_jobs_that_another_calls() {
     assert_eq!(called, ["POLISH01", "POLISH02", "POLISH03", "POLISH04"]);
     let mut read = Vec::new();
     for job in &jobs[1..] {
-        let part = job.program(&robot, &whole.tool, &whole.world_from_base, &short);
+        let part = job.program(
+            &robot,
+            &whole.tool,
+            &whole.world_from_base,
+            short.station_pulses_per_deg,
+        );
         read.extend(part.unwrap().moves);
     }
     assert_eq!(read.len(), 200);
@@ -309,7 +315,8 @@ fn every_faulty_program_is_refused_with_file_line_value_and_rule() {
     assert!(unlisted.is_empty(), "{unlisted:?}");
 }
 
-/// What shows only when a robot runs the program: joints of pulses, flags that no posture of the pose has.
+/// What shows only when a robot runs the program: joints of pulses, flags that no posture of the
+/// pose has.
 #[test]
 fn faults_that_the_robot_shows_name_the_position() {
     let robot = robot("hp20");
@@ -318,7 +325,7 @@ fn faults_that_the_robot_shows_name_the_position() {
     let job = jbi::JbiJob::parse(&text, &path).unwrap();
     let tool = Tool::of(&robot, "wheel", 1);
     let base = Isometry3::identity();
-    let error = job.program(&robot, &tool, &base, &options()).unwrap_err();
+    let error = job.program(&robot, &tool, &base, Some(1000.0)).unwrap_err();
     let report = error.to_string();
     assert!(
         report.contains("wrong_joints.JBI:8: C00000 holds 5 joints; the robot has 6"),
@@ -338,7 +345,12 @@ fn faults_that_the_robot_shows_name_the_position() {
     let text = text.replace(flags, &other);
     let job = jbi::JbiJob::parse(&text, Path::new("POLISH.JBI")).unwrap();
     let error = job
-        .program(&robot, &written.tool, &written.world_from_base, &options())
+        .program(
+            &robot,
+            &written.tool,
+            &written.world_from_base,
+            Some(1000.0),
+        )
         .unwrap_err();
     let report = error.to_string();
     assert!(

@@ -35,7 +35,8 @@ fn program(robot: &Robot, poses: &[Isometry3<f64>], speed_m_per_s: f64) -> Progr
     Program::along(robot, "RUN", tool, world, &points, &options).expect("a program")
 }
 
-/// Along a line the joints turn at J⁻¹ (v, 0), taken here at a thousand places; the tool stays on the line all the way.
+/// Along a line the joints turn at J⁻¹ (v, 0), taken here at a thousand places; the tool stays on
+/// the line all the way.
 #[test]
 fn verify_joint_speeds_on_a_line_are_those_of_the_jacobian() {
     let robot = assets::robot("hp20");
@@ -64,7 +65,8 @@ fn verify_joint_speeds_on_a_line_are_those_of_the_jacobian() {
             expected = expected.max(speed.abs() / limit);
         }
     }
-    // Speeds are means over steps of 1 mm; the fastest place is at an end, where a mean falls short by half a step's change.
+    // Speeds are means over steps of 1 mm; the fastest place is at an end, where a mean falls short
+    // by half a step's change.
     let (share, ..) = replay.fastest.expect("moves");
     assert!((share / expected - 1.0).abs() < 2e-3, "{share} {expected}");
 }
@@ -114,7 +116,8 @@ fn a_line_to_another_branch_is_told() {
     );
 }
 
-/// A turntable brings every copy to the first one's place; an arm goes to each, and cannot carry taught postures there.
+/// A turntable brings every copy to the first one's place; an arm goes to each, and cannot carry
+/// taught postures there.
 #[test]
 fn copies_come_by_turntable_or_the_arm_goes_there() {
     let robot = assets::robot("hp20");

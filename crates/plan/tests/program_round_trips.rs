@@ -1,9 +1,10 @@
 //! Programs written and read back: pose, attitude, branch and whole turns, for both dialects.
 //!
-//! A position is printed to 0.001 mm, so that the tool comes back within half of that on each axis: √3 · 0.0005 mm. Rotations
-//! by three angles, each off by half of 0.0001°, are off by √5 of that at most: with the middle angle at ±90° the outer two
-//! turn about one axis and add up, the middle one about an axis at right angles to it. The parts of a quaternion are off by
-//! 0.5e-9 each, the vector of four by 1e-9, the attitude by twice that. The inverse kinematics leave 1e-9 m and rad.
+//! A position is printed to 0.001 mm, so that the tool comes back within half of that on each axis:
+//! √3 · 0.0005 mm. Rotations by three angles, each off by half of 0.0001°, are off by √5 of that at
+//! most: with the middle angle at ±90° the outer two turn about one axis and add up, the middle one
+//! about an axis at right angles to it. The parts of a quaternion are off by 0.5e-9 each, the
+//! vector of four by 1e-9, the attitude by twice that. The inverse kinematics leave 1e-9 m and rad.
 
 mod assets;
 
@@ -70,7 +71,7 @@ fn options() -> jbi::JbiOptions {
 fn through_jbi(program: &Program, robot: &Robot) -> Program {
     let files = jbi::write(program, robot, &options()).unwrap();
     let job = jbi::JbiJob::parse(&files[0].text, Path::new("ONE.JBI")).unwrap();
-    job.program(robot, &program.tool, &program.world_from_base, &options())
+    job.program(robot, &program.tool, &program.world_from_base, Some(1000.0))
         .unwrap()
 }
 
@@ -87,15 +88,16 @@ fn world_from_tool(program: &Program, robot: &Robot) -> Isometry3<f64> {
     flange * program.tool.flange_from_tool
 }
 
-/// Smallest singular value of the flange's Jacobian (m and rad together): a pose that is off by d moves joints by no more than
-/// d over it.
+/// Smallest singular value of the flange's Jacobian (m and rad together): a pose that is off by d
+/// moves joints by no more than d over it.
 fn least_gain(robot: &Robot, q: &[f64]) -> f64 {
     let jacobian = robot.jacobian(q, FrameId::Flange);
     let jacobian = DMatrix::from_fn(6, 6, |r, c| jacobian[(r, c)]);
     jacobian.singular_values().min()
 }
 
-/// Postures over the whole range of all joints, not at a singularity and not on a border between flags.
+/// Postures over the whole range of all joints, not at a singularity and not on a border between
+/// flags.
 fn postures(robot: &Robot) -> impl Strategy<Value = Vec<f64>> + use<> {
     let limits = robot.chain.joints.iter().map(|joint| joint.limits.unwrap());
     let ranges: Vec<_> = limits.map(|l| l.lower..l.upper).collect();
@@ -148,14 +150,16 @@ fn jbi_round_trip(robot: &Robot, posture: &[f64]) {
 }
 
 fn rapid_round_trip(robot: &Robot, posture: &[f64]) {
-    // The base frame at the origin, as in the first bound: another one is printed to decimals of its own.
+    // The base frame at the origin, as in the first bound: another one is printed to decimals of
+    // its own.
     let written = at(robot, posture, Isometry3::identity());
     let read = through_rapid(&written, robot);
     let found = read.moves[0].base_from_tool;
     let wanted = written.moves[0].base_from_tool;
     let printed_m = (found.translation.vector - wanted.translation.vector).norm();
     assert!(printed_m <= PLACE_M, "{printed_m}");
-    // Tool frame: 1e-3 mm and 1e-9 too, and it is read from the file, so that the flange carries its error and the tool does not.
+    // Tool frame: 1e-3 mm and 1e-9 too, and it is read from the file, so that the flange carries
+    // its error and the tool does not.
     compare(robot, &written, &read, 4e-9);
     let angles = [&written, &read].map(|p| p.moves[0].turntable_rad.unwrap().to_degrees());
     assert!((angles[0] - angles[1]).abs() <= ROUND_DEG + 1e-12);
@@ -165,22 +169,22 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn verify_a_job_brings_back_tool_and_joints_of_the_irb6600(q in postures(&robot("irb6600_175_255"))) {
+    fn a_job_brings_back_tool_and_joints_of_the_irb6600(q in postures(&robot("irb6600_175_255"))) {
         jbi_round_trip(&robot("irb6600_175_255"), &q);
     }
 
     #[test]
-    fn verify_a_job_brings_back_tool_and_joints_of_the_hp20(q in postures(&robot("hp20"))) {
+    fn a_job_brings_back_tool_and_joints_of_the_hp20(q in postures(&robot("hp20"))) {
         jbi_round_trip(&robot("hp20"), &q);
     }
 
     #[test]
-    fn verify_a_module_brings_back_tool_and_joints_of_the_irb6600(q in postures(&robot("irb6600_175_255"))) {
+    fn a_module_brings_back_tool_and_joints_of_the_irb6600(q in postures(&robot("irb6600_175_255"))) {
         rapid_round_trip(&robot("irb6600_175_255"), &q);
     }
 
     #[test]
-    fn verify_a_module_brings_back_tool_and_joints_of_the_hp20(q in postures(&robot("hp20"))) {
+    fn a_module_brings_back_tool_and_joints_of_the_hp20(q in postures(&robot("hp20"))) {
         rapid_round_trip(&robot("hp20"), &q);
     }
 }
@@ -198,7 +202,12 @@ fn other_flags_give_another_posture() {
     assert!(text.contains("///RCONF 0,0,0,0,0,0\r\n"), "{text}");
     let other = text.replace("///RCONF 0,0,0", "///RCONF 1,0,0");
     let job = jbi::JbiJob::parse(&other, Path::new("ONE.JBI")).unwrap();
-    let read = job.program(&robot, &program.tool, &program.world_from_base, &options());
+    let read = job.program(
+        &robot,
+        &program.tool,
+        &program.world_from_base,
+        Some(1000.0),
+    );
     let found = &read.unwrap().moves[0].posture;
     let second = [-48.38, 54.82, 6.86, -125.84, -107.43, 158.05].map(f64::to_radians);
     for (a, b) in found.iter().zip(second) {
@@ -206,7 +215,8 @@ fn other_flags_give_another_posture() {
     }
 }
 
-/// The NX100 turns the base by Rz, then Ry, then Rx about the axes as they have turned: Rz · Ry · Rx.
+/// The NX100 turns the base by Rz, then Ry, then Rx about the axes as they have turned: Rz · Ry ·
+/// Rx.
 #[test]
 fn verify_angles_of_a_job_are_rz_ry_rx() {
     let robot = robot("irb6600_175_255");
@@ -232,7 +242,7 @@ fn verify_angles_of_a_job_are_rz_ry_rx() {
 
 /// Pulses: half a pulse on each joint, at the arm's reach.
 #[test]
-fn verify_pulses_bring_back_joints_to_half_a_pulse() {
+fn pulses_bring_back_joints_to_half_a_pulse() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/hp20");
     let urdf = std::fs::read_to_string(path.join("robot.urdf")).unwrap();
     let names: Vec<String> = robot("hp20")
@@ -263,7 +273,9 @@ fn verify_pulses_bring_back_joints_to_half_a_pulse() {
         "{text}"
     );
     let job = jbi::JbiJob::parse(&text, Path::new("ONE.JBI")).unwrap();
-    let read = job.program(&robot, &program.tool, &base(), &pulse).unwrap();
+    let read = job
+        .program(&robot, &program.tool, &base(), pulse.station_pulses_per_deg)
+        .unwrap();
     let mut swept_m = 0.0;
     for ((a, b), per_deg) in q.iter().zip(&read.moves[0].posture).zip(per_deg) {
         let half = (0.5 / per_deg).to_radians();
@@ -332,9 +344,10 @@ fn verify_manipulator_type_and_confdata_follow_their_tables() {
     assert_eq!(cfx([0.0, -40.0, -150.0, 0.0, -40.0, 0.0]), 7);
 }
 
-/// A tool that turns once about a tilted axis winds joint 6 past half a turn: the poses repeat, only the flags tell the turns apart.
+/// A tool that turns once about a tilted axis winds joint 6 past half a turn: the poses repeat,
+/// only the flags tell the turns apart.
 #[test]
-fn verify_whole_turns_come_back_along_a_path() {
+fn whole_turns_come_back_along_a_path() {
     let robot = robot("irb6600_175_255");
     let points: Vec<PathPoint> = (0..60)
         .map(|i| {

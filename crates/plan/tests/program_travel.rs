@@ -100,7 +100,8 @@ fn verify_travel_is_the_shortest_of_all_sequences() {
     );
 }
 
-/// Joint 6 winds up along the path: the start that is nearest to zero would run into its limit, and the one chosen does not.
+/// Joint 6 winds up along the path: the start that is nearest to zero would run into its limit, and
+/// the one chosen does not.
 #[test]
 fn the_start_leaves_room_for_the_turn_to_come() {
     let points: Vec<PathPoint> = (0..60)
@@ -142,7 +143,8 @@ fn what_stops_a_path_is_named_with_point_and_joint() {
         "{far}"
     );
 
-    // The tool pointing back at the base from the front: the wrist would have to bend beyond its 120°.
+    // The tool pointing back at the base from the front: the wrist would have to bend beyond its
+    // 120°.
     let back = point(
         1.6,
         0.0,

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 use support::slot;
-use truecut_arm::{FrameId, Robot};
+use truecut_arm::{Elbow, FrameId, Robot, Shoulder};
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_plan::{Criterion, Cut, Family, PlanError, Planner, PlannerOptions, ToolPath};
@@ -33,8 +33,8 @@ fn refusal(path: &ToolPath) -> PlanError {
     let options = PlannerOptions {
         angle_step_rad: 0.2,
         family: Some(Family {
-            rear_shoulder: false,
-            lower_elbow: false,
+            shoulder: Shoulder::Front,
+            elbow: Elbow::Upper,
         }),
         ..PlannerOptions::default()
     };
@@ -43,9 +43,10 @@ fn refusal(path: &ToolPath) -> PlanError {
     refused.expect("cannot be followed")
 }
 
-/// Tool down, the wrist centre stands 0.5 m above the tip. It comes as far as upper arm and forearm reach from the
-/// shoulder, √(1.142² + 0.2²) + 1.075 m, and no joint limit is in the way there. The path must leave where that sphere ends,
-/// found to 0.1 mm; the elbow singularity, 5 degrees before the stretched arm, comes first.
+/// Tool down, the wrist centre stands 0.5 m above the tip. It comes as far as upper arm and forearm
+/// reach from the shoulder, √(1.142² + 0.2²) + 1.075 m, and no joint limit is in the way there. The
+/// path must leave where that sphere ends, found to 0.1 mm; the elbow singularity, 5 degrees before
+/// the stretched arm, comes first.
 #[test]
 fn verify_the_place_where_a_path_leaves_the_reach() {
     let path = line([1.2, 0.0, 0.8], [2.6, 0.0, 0.8]);
@@ -54,7 +55,8 @@ fn verify_the_place_where_a_path_leaves_the_reach() {
     };
     assert_eq!(kind, "elbow");
     let forearm = 1.142_f64.hypot(0.2);
-    // 5 degrees before it is stretched, the law of cosines gives the distance from shoulder to wrist.
+    // 5 degrees before it is stretched, the law of cosines gives the distance from shoulder to
+    // wrist.
     let bent =
         1.075_f64.powi(2) + forearm.powi(2) + 2.0 * 1.075 * forearm * 5_f64.to_radians().cos();
     let height: f64 = 0.8 + 0.5 - 0.780;
@@ -77,8 +79,8 @@ fn verify_the_place_where_a_path_leaves_the_reach() {
     );
 }
 
-/// Under the elbow, forearm straight down, axes 4 and 6 are in line. A path that crosses that place is refused from 5 degrees
-/// on this side of it, the angle by which the forearm leans.
+/// Under the elbow, forearm straight down, axes 4 and 6 are in line. A path that crosses that place
+/// is refused from 5 degrees on this side of it, the angle by which the forearm leans.
 #[test]
 fn verify_the_place_of_a_wrist_singularity() {
     let robot = robot();

@@ -1,16 +1,15 @@
 //! Butterworth low-pass filters without delay, and derivatives.
 //!
-//! The filter is a cascade of second-order sections (bilinear transform with pre-warped cutoff), run
-//! forward and backward over the data, which is continued at both ends by its own point reflection. Oppenheim
-//! and Schafer, *Discrete-Time Signal Processing* (2010), sections 7.2 and 5.4; the treatment of the ends is
-//! that of Gustafsson, "Determining the initial states in forward-backward filtering" (1996), in the form
-//! that numerical libraries use: steady state for the first value.
+//! The filter is a cascade of second-order sections (bilinear transform with pre-warped cutoff),
+//! run forward and backward over the data, which is continued at both ends by its own point
+//! reflection. `oppenheim2010`, sections 7.2 and 5.4; the treatment of the ends is that of
+//! `gustafsson1996`, in the form that numerical libraries use: steady state for the first value.
 
 use std::f64::consts::PI;
 
 /// One second-order section, `a0 = 1`; transposed direct form II.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Section {
+struct SecondOrderSection {
     b: [f64; 3],
     a: [f64; 2],
 }
@@ -18,13 +17,13 @@ struct Section {
 /// A Butterworth low-pass filter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Butterworth {
-    sections: Vec<Section>,
+    sections: Vec<SecondOrderSection>,
     order: usize,
 }
 
 impl Butterworth {
-    /// A filter of this order whose gain at `cutoff_hz` is 1/√2, for samples at `rate_hz`. A cutoff at or
-    /// above half the rate passes everything: the filter then has no section.
+    /// A filter of this order whose gain at `cutoff_hz` is 1/√2, for samples at `rate_hz`. A cutoff
+    /// at or above half the rate passes everything: the filter then has no section.
     ///
     /// # Panics
     /// If the order is 0, or cutoff or rate are not positive.
@@ -36,17 +35,17 @@ impl Butterworth {
             for pair in 0..order / 2 {
                 // Poles -sin θ ± j cos θ: s² + 2 sin θ s + 1.
                 let angle = PI * (2 * pair + 1) as f64 / (2 * order) as f64;
-                sections.push(Section::second_order(warped, 2.0 * angle.sin()));
+                sections.push(SecondOrderSection::second_order(warped, 2.0 * angle.sin()));
             }
             if order % 2 == 1 {
-                sections.push(Section::first_order(warped));
+                sections.push(SecondOrderSection::first_order(warped));
             }
         }
         Butterworth { sections, order }
     }
 
-    /// Runs the filter forward and backward: no delay, and the gain of the filter squared (so that the
-    /// gain at the cutoff is 1/2).
+    /// Runs the filter forward and backward: no delay, and the gain of the filter squared (so that
+    /// the gain at the cutoff is 1/2).
     pub fn zero_phase(&self, values: &[f64]) -> Vec<f64> {
         if self.sections.is_empty() || values.len() < 2 {
             return values.to_vec();
@@ -67,7 +66,7 @@ impl Butterworth {
     /// One pass, from the steady state of the first value.
     fn run(&self, values: &mut [f64]) {
         for section in &self.sections {
-            let Section { b, a } = section;
+            let SecondOrderSection { b, a } = section;
             let mut state = section.steady_state().map(|z| z * values[0]);
             for value in values.iter_mut() {
                 let x = *value;
@@ -79,11 +78,11 @@ impl Butterworth {
     }
 }
 
-impl Section {
-    fn second_order(w: f64, damping: f64) -> Section {
+impl SecondOrderSection {
+    fn second_order(w: f64, damping: f64) -> SecondOrderSection {
         let norm = 1.0 + damping * w + w * w;
         let gain = w * w / norm;
-        Section {
+        SecondOrderSection {
             b: [gain, 2.0 * gain, gain],
             a: [
                 2.0 * (w * w - 1.0) / norm,
@@ -92,9 +91,9 @@ impl Section {
         }
     }
 
-    fn first_order(w: f64) -> Section {
+    fn first_order(w: f64) -> SecondOrderSection {
         let gain = w / (1.0 + w);
-        Section {
+        SecondOrderSection {
             b: [gain, gain, 0.0],
             a: [(w - 1.0) / (w + 1.0), 0.0],
         }
@@ -106,8 +105,8 @@ impl Section {
     }
 }
 
-/// Derivative of uniform samples: central differences; at both ends the difference of two samples, since a
-/// formula of higher order there would multiply noise.
+/// Derivative of uniform samples: central differences; at both ends the difference of two samples,
+/// since a formula of higher order there would multiply noise.
 ///
 /// # Panics
 /// If the interval is not positive.

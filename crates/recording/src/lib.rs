@@ -62,6 +62,7 @@
 mod any_float;
 mod claims;
 mod compare;
+pub mod fft;
 pub mod filter;
 pub mod measured;
 mod metrics;
@@ -88,5 +89,5 @@ pub use reducer::Reducer;
 pub use scene::{Arrow, Body, Camera, Field, Frame, Geometry, Pose, Scene, Shape};
 pub use sink::{Chunk, Sink, SinkError};
 pub use summary::Summary;
-pub use unit::{Unit, UnitError, UserUnit, significant};
+pub use unit::{Unit, UnitError, UserUnit, short_number, significant};
 pub use window::Window;

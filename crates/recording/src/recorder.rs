@@ -138,7 +138,8 @@ impl Recorder {
     /// A frame; dropped if none is due yet.
     ///
     /// # Panics
-    /// If it has not one pose for each body, one force for each arrow and one set of values for each field of the scene.
+    /// If it has not one pose for each body, one force for each arrow and one set of values for
+    /// each field of the scene.
     pub fn push_frame(&mut self, frame: Frame) {
         let scene = &self.recording.header.scene;
         assert_eq!(

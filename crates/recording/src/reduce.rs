@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn verify_first_time_above_skips_what_does_not_last() {
+    fn first_time_above_skips_what_does_not_last() {
         let time_s: Vec<f64> = (0..100).map(f64::from).collect();
         let mut values = vec![0.0; 100];
         values[10] = -5.0; // one row only

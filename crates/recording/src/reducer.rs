@@ -1,9 +1,12 @@
 //! The rules by which a stretch of a channel becomes one number, as data.
 
+use strum::IntoStaticStr;
+
 use crate::unit::Unit;
 
 /// How a stretch of a channel becomes one number.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, IntoStaticStr)]
+#[strum(serialize_all = "snake_case")]
 pub enum Reducer {
     /// Largest |x|.
     Peak,
@@ -48,40 +51,9 @@ pub enum Reducer {
 }
 
 impl Reducer {
-    /// What a scenario writes for each reducer.
-    pub const NAMES: [&str; 13] = [
-        "peak",
-        "max",
-        "min",
-        "mean",
-        "rms",
-        "final",
-        "range",
-        "amplitude",
-        "peak_norm",
-        "first_time_above",
-        "duration_above",
-        "spectral_line",
-        "spectral_amplitude",
-    ];
-
     /// What a scenario writes for this one.
     pub fn name(&self) -> &'static str {
-        match self {
-            Reducer::Peak => "peak",
-            Reducer::Max => "max",
-            Reducer::Min => "min",
-            Reducer::Mean => "mean",
-            Reducer::Rms => "rms",
-            Reducer::Final => "final",
-            Reducer::Range => "range",
-            Reducer::Amplitude => "amplitude",
-            Reducer::PeakNorm => "peak_norm",
-            Reducer::FirstTimeAbove { .. } => "first_time_above",
-            Reducer::DurationAbove { .. } => "duration_above",
-            Reducer::SpectralLine { .. } => "spectral_line",
-            Reducer::SpectralAmplitude { .. } => "spectral_amplitude",
-        }
+        self.into()
     }
 
     /// The unit of the result, given that of the channel.

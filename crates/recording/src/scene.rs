@@ -156,7 +156,8 @@ pub struct Field {
     pub cells: [usize; 2],
     /// Value at which the colours end, SI.
     pub full_scale: f64,
-    /// Middles of the cells in its frame, x first, where they do not lie in the rectangle; empty where they do.
+    /// Middles of the cells in its frame, x first, where they do not lie in the rectangle; empty
+    /// where they do.
     #[serde(default)]
     pub vertices_m: Vec<[f64; 3]>,
 }

@@ -7,14 +7,7 @@
 //! less than 0.02 % of it, so that leakage of the negative frequency dominates (it falls with the
 //! cube of the number of periods seen).
 
-use std::cell::RefCell;
-
-use realfft::RealFftPlanner;
-
-thread_local! {
-    /// Keeps what it has computed for a length: the channels of a recording all have the same.
-    static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
-}
+use crate::fft;
 
 /// Amplitudes over frequency, one-sided: a sine of amplitude a that lasts shows a line of height a.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -49,10 +42,7 @@ pub fn amplitude_spectrum(time_s: &[f64], values: &[f64]) -> Option<Spectrum> {
     let window_sum = apply_hann(&mut signal);
 
     let length = (4 * rows).next_power_of_two();
-    signal.resize(length, 0.0);
-    let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length));
-    let mut bins = plan.make_output_vec();
-    plan.process(&mut signal, &mut bins).ok()?;
+    let bins = fft::forward(signal, length);
 
     let bin_hz = 1.0 / (length as f64 * step_s);
     Some(Spectrum {
@@ -65,9 +55,10 @@ pub fn amplitude_spectrum(time_s: &[f64], values: &[f64]) -> Option<Spectrum> {
     })
 }
 
-/// As [`amplitude_spectrum`], but only up to a frequency, and cheaper: where rows are far denser than
-/// that needs, means of neighbouring rows stand for them. What averaging takes from a line is given
-/// back: the mean of n rows a step h apart weakens a line at f to |sin(π f n h) / (n sin(π f h))|.
+/// As [`amplitude_spectrum`], but only up to a frequency, and cheaper: where rows are far denser
+/// than that needs, means of neighbouring rows stand for them. What averaging takes from a line is
+/// given back: the mean of n rows a step h apart weakens a line at f to |sin(π f n h) / (n sin(π f
+/// h))|.
 pub fn amplitude_spectrum_up_to(
     time_s: &[f64],
     values: &[f64],
@@ -286,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn verify_averaging_first_changes_nothing_that_is_seen() {
+    fn averaging_first_changes_nothing_that_is_seen() {
         let time_s = times(18_000, 2.5e-4);
         let lines = [(5.013, 2.0), (23.7, 0.5), (58.0, 1.0)];
         let sum = |t: &f64| {

@@ -283,6 +283,15 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// A number with four significant digits, without zeros at the end.
+pub fn short_number(value: f64) -> String {
+    let text = significant(value, 4);
+    if text.contains('.') && !text.contains('e') {
+        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    text
+}
+
 /// A unit that is not known, or not SI where only SI will do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown unit \"{text}\"{}", suggestion(.nearest.as_deref()))]
@@ -300,6 +309,11 @@ pub(crate) fn suggestion(nearest: Option<&str>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn short_numbers_have_no_zeros_at_the_end() {
+        assert_eq!([0.2, 300.0].map(short_number), ["0.2", "300"]);
+    }
 
     #[test]
     fn every_unit_has_its_own_symbol_and_reads_back() {

@@ -5,7 +5,6 @@ use serde::Deserialize;
 
 use crate::check::Check;
 use crate::document::Fault;
-use crate::robot::RobotSpec;
 use crate::units::from_mm;
 
 /// How a link differs from the URDF.
@@ -54,47 +53,6 @@ pub(crate) struct JointTable {
     /// Factor on the inertia of its rotor. Default: 1.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "inertias are not negative"))]
     rotor_inertia_factor: Option<f64>,
-}
-
-impl RobotSpec {
-    /// Gives an inertial value, by its key in the scenario and in the key's own unit, without reading the scenario anew. Whether there
-    /// is such a value and it may be so large; else nothing changes.
-    pub fn set_inertial(&mut self, key: &str, value: f64) -> bool {
-        let parts: Vec<&str> = key.split('.').collect();
-        let (slot, value) = match parts[..] {
-            ["robot", "inertia_scale"] if value > 0.0 => (Some(&mut self.inertia_scale), value),
-            ["robot", "link", index, own] => {
-                let link = index
-                    .parse()
-                    .ok()
-                    .and_then(|i: usize| self.links.get_mut(i));
-                match (link, own) {
-                    (Some(link), "mass_factor") if value > 0.0 => {
-                        (Some(&mut link.mass_factor), value)
-                    }
-                    (Some(link), "center_x_mm") => (Some(&mut link.center_m[0]), from_mm(value)),
-                    (Some(link), "center_y_mm") => (Some(&mut link.center_m[1]), from_mm(value)),
-                    (Some(link), "center_z_mm") => (Some(&mut link.center_m[2]), from_mm(value)),
-                    _ => (None, value),
-                }
-            }
-            ["robot", "joint", index, "rotor_inertia_factor"] if value >= 0.0 => {
-                let joint = index
-                    .parse()
-                    .ok()
-                    .and_then(|i: usize| self.joints.get_mut(i));
-                (joint.map(|joint| &mut joint.rotor_inertia_factor), value)
-            }
-            _ => (None, value),
-        };
-        match slot {
-            Some(slot) => {
-                *slot = value;
-                true
-            }
-            None => false,
-        }
-    }
 }
 
 pub(crate) fn links(tables: Option<Vec<LinkTable>>, check: &mut Check) -> Vec<LinkSpec> {

@@ -52,6 +52,18 @@ impl<'a> Check<'a> {
         value
     }
 
+    /// A direction of any length as a unit vector, or a fault where it has none. `path` is its key.
+    pub fn direction(&mut self, path: &str, vector: [f64; 3]) -> Option<[f64; 3]> {
+        let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length == 0.0 {
+            let message =
+                format!("`{path}` is [0, 0, 0], but must have a length: it is a direction");
+            self.refuse(Fault::value(path, message, "no direction"));
+            return None;
+        }
+        Some(vector.map(|x| x / length))
+    }
+
     pub fn into_faults(self) -> Vec<Fault> {
         self.faults
     }

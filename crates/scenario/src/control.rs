@@ -2,64 +2,11 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_core::wheel::force_control::ForceControl;
 
 use crate::check::Check;
 use crate::document::Fault;
 use crate::units::{from_mm, from_n_per_mm};
-
-/// What holds the normal force.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ControlSpec {
-    /// The wheel keeps its place on the tool; the path reaches into the face.
-    Position {
-        /// How far the undeformed wheel would reach into the face.
-        penetration_m: f64,
-    },
-    /// A carrier moves the wheel along the normal, without mass, at a speed in proportion to what is missing of the force.
-    ConstantForce {
-        /// Force that is held.
-        force_n: f64,
-        /// Missing force per speed of the carrier.
-        damping_n_s_per_m: f64,
-        /// Largest speed of the carrier.
-        fastest_m_per_s: f64,
-        /// Stroke to either side; infinite where none is given.
-        stroke_m: f64,
-    },
-    /// A carrier on a spring, a damper and a preload.
-    Compliant {
-        /// Preload: the force where the carrier stands in its middle.
-        force_n: f64,
-        /// Mass that moves with the wheel.
-        mass_kg: f64,
-        /// Stiffness of the spring.
-        stiffness_n_per_m: f64,
-        /// Damping of the damper.
-        damping_n_s_per_m: f64,
-        /// Stroke to either side.
-        stroke_m: f64,
-    },
-}
-
-impl ControlSpec {
-    /// Stroke of the carrier to either side; none without one.
-    pub fn stroke_m(&self) -> Option<f64> {
-        match *self {
-            Self::Position { .. } => None,
-            Self::ConstantForce { stroke_m, .. } | Self::Compliant { stroke_m, .. } => {
-                Some(stroke_m)
-            }
-        }
-    }
-
-    /// The force that is held, or the preload; none where the path alone presses.
-    pub fn force_n(&self) -> Option<f64> {
-        match *self {
-            Self::Position { .. } => None,
-            Self::ConstantForce { force_n, .. } | Self::Compliant { force_n, .. } => Some(force_n),
-        }
-    }
-}
 
 /// Laws by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
@@ -120,90 +67,108 @@ pub(crate) enum Pressed {
 }
 
 impl ControlTable {
-    /// `None` after recording a fault. `table` is the table's path.
+    /// The law, and with [`Pressed::ByTable`] how far the path reaches into the face where the
+    /// table says it, m. `None` after recording a fault. `table` is the table's path.
     pub(crate) fn resolve(
         self,
         table: &str,
         pressed: &Pressed,
         check: &mut Check,
-    ) -> Option<ControlSpec> {
-        let control = match self.law {
-            LawName::Position => self.position(table, pressed, check),
-            LawName::ConstantForce => self.constant_force(table, pressed, check),
-            LawName::Compliant => self.compliant(table, check),
-        }?;
-        leaves_the_face(&control, table, pressed, check).then_some(control)
-    }
-
-    fn position(self, table: &str, pressed: &Pressed, check: &mut Check) -> Option<ControlSpec> {
-        let because = "law = \"position\" has no carrier";
-        let others = ["force_n", "damping_n_s_per_mm", "fastest_mm_per_s"];
-        check.ignored(table, &others, because);
-        let others = ["mass_kg", "stiffness_n_per_mm", "stroke_mm"];
-        check.ignored(table, &others, because);
-        let penetration_m = match *pressed {
-            Pressed::ByTable { radius_m } => {
-                let who = "law = \"position\"";
-                let given = check.needed(table, "penetration_mm", self.penetration_mm, who);
-                penetration(table, given?, radius_m, check)?
+    ) -> Option<(ForceControl, Option<f64>)> {
+        let Self {
+            law,
+            penetration_mm,
+            force_n,
+            damping_n_s_per_mm,
+            fastest_mm_per_s,
+            mass_kg,
+            stiffness_n_per_mm,
+            stroke_mm,
+        } = self;
+        let (who, idle, because) = law.idle_keys();
+        check.ignored(table, idle, because);
+        if law == LawName::Position {
+            let indentation_m = match *pressed {
+                Pressed::ByTable { radius_m } => {
+                    let given = check.needed(table, "penetration_mm", penetration_mm, who)?;
+                    Some(indentation(table, given, radius_m, check)?)
+                }
+                Pressed::ByPath { .. } => {
+                    let because =
+                        "the path job's wheel.indentation_mm says how far the wheel is led in";
+                    check.ignored(table, &["penetration_mm"], because);
+                    None
+                }
+            };
+            return Some((ForceControl::Position, indentation_m));
+        }
+        let mut needed = |key, value| check.needed(table, key, value, who);
+        let force = needed("force_n", force_n);
+        let control = if law == LawName::Compliant {
+            let mass = needed("mass_kg", mass_kg);
+            let stiffness = needed("stiffness_n_per_mm", stiffness_n_per_mm);
+            let damping = needed("damping_n_s_per_mm", damping_n_s_per_mm);
+            let stroke = needed("stroke_mm", stroke_mm);
+            ForceControl::Compliant {
+                preload_n: force?,
+                mass_kg: mass?,
+                stiffness_n_per_m: from_n_per_mm(stiffness?),
+                damping_n_s_per_m: from_n_per_mm(damping?),
+                stroke_m: from_mm(stroke?),
+                stiction_n: 0.0,
             }
-            Pressed::ByPath { indentation_m, .. } => {
-                let because =
-                    "the path job's wheel.indentation_mm says how far the wheel is led in";
-                check.ignored(table, &["penetration_mm"], because);
-                indentation_m
+        } else {
+            let damping = needed("damping_n_s_per_mm", damping_n_s_per_mm);
+            let fastest = needed("fastest_mm_per_s", fastest_mm_per_s);
+            let stroke = match pressed {
+                Pressed::ByTable { .. } => Some(stroke_mm.unwrap_or(f64::INFINITY)),
+                Pressed::ByPath { .. } => needed("stroke_mm", stroke_mm),
+            };
+            ForceControl::ConstantForce {
+                force_n: force?,
+                damping_n_s_per_m: from_n_per_mm(damping?),
+                fastest_m_per_s: from_mm(fastest?),
+                stroke_m: from_mm(stroke?),
+                stiction_n: 0.0,
             }
         };
-        Some(ControlSpec::Position { penetration_m })
-    }
-
-    fn constant_force(
-        self,
-        table: &str,
-        pressed: &Pressed,
-        check: &mut Check,
-    ) -> Option<ControlSpec> {
-        let others = ["penetration_mm", "mass_kg", "stiffness_n_per_mm"];
-        let because = "law = \"constant_force\" holds a force without mass";
-        check.ignored(table, &others, because);
-        let who = "law = \"constant_force\"";
-        let force = check.needed(table, "force_n", self.force_n, who);
-        let damping = check.needed(table, "damping_n_s_per_mm", self.damping_n_s_per_mm, who);
-        let fastest = check.needed(table, "fastest_mm_per_s", self.fastest_mm_per_s, who);
-        let stroke = match pressed {
-            Pressed::ByTable { .. } => Some(self.stroke_mm.unwrap_or(f64::INFINITY)),
-            Pressed::ByPath { .. } => check.needed(table, "stroke_mm", self.stroke_mm, who),
-        };
-        Some(ControlSpec::ConstantForce {
-            force_n: force?,
-            damping_n_s_per_m: from_n_per_mm(damping?),
-            fastest_m_per_s: from_mm(fastest?),
-            stroke_m: from_mm(stroke?),
-        })
-    }
-
-    fn compliant(self, table: &str, check: &mut Check) -> Option<ControlSpec> {
-        let others = ["penetration_mm", "fastest_mm_per_s"];
-        check.ignored(table, &others, "law = \"compliant\" presses by its preload");
-        let who = "law = \"compliant\"";
-        let force = check.needed(table, "force_n", self.force_n, who);
-        let mass = check.needed(table, "mass_kg", self.mass_kg, who);
-        let stiffness = check.needed(table, "stiffness_n_per_mm", self.stiffness_n_per_mm, who);
-        let damping = check.needed(table, "damping_n_s_per_mm", self.damping_n_s_per_mm, who);
-        let stroke = check.needed(table, "stroke_mm", self.stroke_mm, who);
-        Some(ControlSpec::Compliant {
-            force_n: force?,
-            mass_kg: mass?,
-            stiffness_n_per_m: from_n_per_mm(stiffness?),
-            damping_n_s_per_m: from_n_per_mm(damping?),
-            stroke_m: from_mm(stroke?),
-        })
+        leaves_the_face(&control, table, pressed, check).then_some((control, None))
     }
 }
 
-fn penetration(table: &str, penetration_mm: f64, radius_m: f64, check: &mut Check) -> Option<f64> {
-    let penetration_m = from_mm(penetration_mm);
-    if penetration_m >= radius_m {
+impl LawName {
+    /// As the file writes it; keys that it has no use for, and why.
+    fn idle_keys(self) -> (&'static str, &'static [&'static str], &'static str) {
+        match self {
+            Self::Position => (
+                "law = \"position\"",
+                &[
+                    "force_n",
+                    "damping_n_s_per_mm",
+                    "fastest_mm_per_s",
+                    "mass_kg",
+                    "stiffness_n_per_mm",
+                    "stroke_mm",
+                ],
+                "law = \"position\" has no carrier",
+            ),
+            Self::ConstantForce => (
+                "law = \"constant_force\"",
+                &["penetration_mm", "mass_kg", "stiffness_n_per_mm"],
+                "law = \"constant_force\" holds a force without mass",
+            ),
+            Self::Compliant => (
+                "law = \"compliant\"",
+                &["penetration_mm", "fastest_mm_per_s"],
+                "law = \"compliant\" presses by its preload",
+            ),
+        }
+    }
+}
+
+fn indentation(table: &str, penetration_mm: f64, radius_m: f64, check: &mut Check) -> Option<f64> {
+    let indentation_m = from_mm(penetration_mm);
+    if indentation_m >= radius_m {
         let path = format!("{table}.penetration_mm");
         let message = format!(
             "`{path}` is {penetration_mm}, but must be less than the wheel's radius of {} mm",
@@ -212,12 +177,12 @@ fn penetration(table: &str, penetration_mm: f64, radius_m: f64, check: &mut Chec
         check.refuse(Fault::value(&path, message, "deeper than the wheel"));
         return None;
     }
-    Some(penetration_m)
+    Some(indentation_m)
 }
 
 /// Whether a carrier that stands out between lines is clear of the face there; a fault is recorded if not.
 fn leaves_the_face(
-    control: &ControlSpec,
+    control: &ForceControl,
     table: &str,
     pressed: &Pressed,
     check: &mut Check,

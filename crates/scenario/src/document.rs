@@ -5,7 +5,9 @@
 //! overrides first and in the text as written second, so line numbers are always those of the file.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use serde_json::Value as Json;
 use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, Value};
 
 use crate::error::{Place, Problem};
@@ -19,6 +21,8 @@ pub(crate) struct Document {
     written: toml_edit::Document<String>,
     effective: DocumentMut,
     overrides: Vec<Override>,
+    /// What the file may hold.
+    schema: Arc<Json>,
 }
 
 /// One `--set key=value`.
@@ -82,11 +86,12 @@ pub(crate) fn split_path(path: &str) -> Vec<String> {
 }
 
 impl Document {
-    /// Parses `text` and applies `overrides` in order.
+    /// Parses `text` and applies `overrides` in order; `schema` says what the file may hold.
     pub fn parse(
         path: &Path,
         text: &str,
         overrides: &[(String, String)],
+        schema: &Arc<Json>,
     ) -> Result<Document, Box<Problem>> {
         let syntax = |error: toml_edit::TomlError| {
             let span = error.span().unwrap_or(0..0);
@@ -105,11 +110,17 @@ impl Document {
             written,
             effective,
             overrides: Vec::new(),
+            schema: schema.clone(),
         };
         for (key, value) in overrides {
             document.apply(key.trim(), value.trim())?;
         }
         Ok(document)
+    }
+
+    /// JSON Schema of what the file may hold.
+    pub fn schema(&self) -> &Arc<Json> {
+        &self.schema
     }
 
     /// The file as it was named.
@@ -255,6 +266,7 @@ impl Document {
             value: value.to_owned(),
         };
         let scenario = self.path.clone();
+        let schema = self.schema.clone();
         let fail = |fault: Fault| {
             let place = one.place(&scenario, fault.at);
             let message = format!("{} (given by --set)", fault.message);
@@ -266,7 +278,7 @@ impl Document {
                 place,
             ))
         };
-        let leaf = schema::leaf_schema(&one.path).map_err(&fail)?;
+        let leaf = schema::leaf_schema(&schema, &one.path).map_err(&fail)?;
         let parsed = match value.parse::<Value>() {
             Ok(Value::String(text)) => Value::String(text),
             // `--set name=5` means the text "5"; a number is wanted everywhere else.

@@ -2,83 +2,27 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_core::friction::{EquivalentViscous, FootFriction, FrictionLaw};
+use truecut_core::pressure_foot::Cylinders;
 
 use crate::check::Check;
 use crate::document::Fault;
 use crate::units::{from_mm, from_mpa, from_n_per_um, from_um};
 
 /// The pressure foot and its friction on the workpiece.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FootSpec {
-    /// Gauge pressure in the cylinders.
-    pub pressure_pa: f64,
-    /// Bore of one cylinder.
-    pub bore_m: f64,
-    /// Number of cylinders.
-    pub cylinders: u32,
-    /// What makes the foot stiff along the spindle while its rods slide.
-    pub spring: FootSpring,
+    /// The cylinders; without gas spring where `axial_share` says how stiff they are.
+    pub cylinders: Cylinders,
+    /// Share η = k/(k + k1) of an axial force that the foot carries, where k1 is the axial stiffness of the arm at the tool: the
+    /// foot has a spring of this k in place of the gas.
+    pub axial_share: Option<f64>,
     /// Seal friction that holds the rods, summed over all cylinders.
     pub seal_stiction_n: f64,
     /// Axial stiffness while the seals hold the rods, of the whole foot.
     pub rod_stiffness_n_per_m: f64,
-    /// Friction between foot and workpiece.
-    pub friction: FrictionSpec,
-}
-
-/// What makes the foot stiff along the spindle while its rods slide.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum FootSpring {
-    /// The gas in the cylinders.
-    Gas {
-        /// Length of the gas column in each cylinder at the start.
-        length_m: f64,
-        /// Exponent of the change of state: 1 isothermal, 1.4 adiabatic.
-        polytropic_exponent: f64,
-    },
-    /// A spring of such stiffness k that the foot carries this share η = k/(k + k1) of an axial force,
-    /// where k1 is the axial stiffness of the arm at the tool.
-    AxialShare(f64),
-}
-
-/// Friction between foot and workpiece, in the plane across the spindle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum FrictionSpec {
-    /// No friction.
-    None,
-    /// Dry friction with sticking.
-    Coulomb {
-        /// Coefficient of friction.
-        mu: f64,
-    },
-    /// The equivalent viscous law c = 4 F_f/(π ω X) with the running amplitude X: it never sticks.
-    EquivalentViscous {
-        /// Coefficient of friction in F_f = μ N.
-        mu: f64,
-        /// Smallest amplitude used in the law, which would be infinitely stiff at rest.
-        amplitude_floor_m: f64,
-    },
-    /// Dry friction that falls from a static to a kinetic value with the sliding speed.
-    Stribeck {
-        /// Kinetic coefficient of friction, reached at high speed.
-        mu: f64,
-        /// Static coefficient of friction, at rest.
-        mu_static: f64,
-        /// Speed at which the excess of the static over the kinetic value has fallen to 1/e.
-        stribeck_speed_m_per_s: f64,
-    },
-}
-
-impl FootSpec {
-    /// Piston area of all cylinders together.
-    pub fn piston_area_m2(&self) -> f64 {
-        f64::from(self.cylinders) * std::f64::consts::FRAC_PI_4 * self.bore_m * self.bore_m
-    }
-
-    /// Force of the gas on all pistons together.
-    pub fn preload_n(&self) -> f64 {
-        self.pressure_pa * self.piston_area_m2()
-    }
+    /// Friction between foot and workpiece, in the plane across the spindle.
+    pub friction: FootFriction,
 }
 
 /// The pressure foot.
@@ -123,7 +67,7 @@ pub(crate) struct FootTable {
 /// Friction laws by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-enum FrictionLaw {
+enum LawName {
     /// No friction.
     None,
     /// Dry friction with sticking.
@@ -140,7 +84,7 @@ enum FrictionLaw {
 #[serde(deny_unknown_fields)]
 struct FrictionTable {
     /// Law. Default: "coulomb".
-    law: Option<FrictionLaw>,
+    law: Option<LawName>,
     /// Kinetic coefficient of friction. Default: 0.15.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "friction opposes sliding"))]
     mu: Option<f64>,
@@ -166,72 +110,76 @@ const DEFAULT_ROD_STIFFNESS_N_PER_UM: f64 = 50.0;
 const DEFAULT_AMPLITUDE_FLOOR_UM: f64 = 1.0;
 
 impl FootTable {
-    /// `table` is the dotted path of this table.
-    pub(crate) fn resolve(self, table: &str, check: &mut Check) -> FootSpec {
+    /// `table` is the dotted path of this table, `frequency_rad_s` that of the force that shakes the foot.
+    pub(crate) fn resolve(self, table: &str, frequency_rad_s: f64, check: &mut Check) -> FootSpec {
         if self.axial_share.is_some() {
             let because = "axial_share replaces the gas spring";
             check.ignored(table, &["gas_length_mm", "polytropic_exponent"], because);
         }
-        let spring = match self.axial_share {
-            Some(share) => FootSpring::AxialShare(share),
-            None => FootSpring::Gas {
-                length_m: from_mm(self.gas_length_mm.unwrap_or(DEFAULT_GAS_LENGTH_MM)),
-                polytropic_exponent: self
-                    .polytropic_exponent
+        let (gas_length_m, polytropic_exponent) = match self.axial_share {
+            Some(_) => (f64::INFINITY, 1.0),
+            None => (
+                from_mm(self.gas_length_mm.unwrap_or(DEFAULT_GAS_LENGTH_MM)),
+                self.polytropic_exponent
                     .unwrap_or(DEFAULT_POLYTROPIC_EXPONENT),
-            },
+            ),
         };
         let friction = self.friction.unwrap_or_default();
         FootSpec {
-            pressure_pa: from_mpa(self.pressure_mpa),
-            bore_m: from_mm(self.bore_mm.unwrap_or(DEFAULT_BORE_MM)),
-            cylinders: self.cylinders.unwrap_or(DEFAULT_CYLINDERS),
-            spring,
+            cylinders: Cylinders {
+                count: f64::from(self.cylinders.unwrap_or(DEFAULT_CYLINDERS)),
+                bore_m: from_mm(self.bore_mm.unwrap_or(DEFAULT_BORE_MM)),
+                gas_length_m,
+                pressure_pa: from_mpa(self.pressure_mpa),
+                polytropic_exponent,
+            },
+            axial_share: self.axial_share,
             seal_stiction_n: self.seal_stiction_n.unwrap_or(DEFAULT_SEAL_STICTION_N),
             rod_stiffness_n_per_m: from_n_per_um(
                 self.rod_stiffness_n_per_um
                     .unwrap_or(DEFAULT_ROD_STIFFNESS_N_PER_UM),
             ),
-            friction: friction.resolve(&format!("{table}.friction"), check),
+            friction: friction.resolve(&format!("{table}.friction"), frequency_rad_s, check),
         }
     }
 }
 
 impl FrictionTable {
-    fn resolve(self, table: &str, check: &mut Check) -> FrictionSpec {
+    fn resolve(self, table: &str, frequency_rad_s: f64, check: &mut Check) -> FootFriction {
         let stribeck_only = ["mu_static", "stribeck_speed_mm_per_s"];
         let viscous_only = ["amplitude_floor_um"];
         let mu = self.mu.unwrap_or(DEFAULT_MU);
         match self.law.unwrap_or_default() {
-            FrictionLaw::None => {
+            LawName::None => {
                 let because = "with law = \"none\" there is no friction";
                 check.ignored(table, &["mu"], because);
                 check.ignored(table, &stribeck_only, because);
                 check.ignored(table, &viscous_only, because);
-                FrictionSpec::None
+                FootFriction::Law(FrictionLaw::None)
             }
-            FrictionLaw::Coulomb => {
+            LawName::Coulomb => {
                 let because = "law = \"coulomb\" has one coefficient, mu";
                 check.ignored(table, &stribeck_only, because);
                 check.ignored(table, &viscous_only, because);
-                FrictionSpec::Coulomb { mu }
+                FootFriction::Law(FrictionLaw::Coulomb { mu })
             }
-            FrictionLaw::EquivalentViscous => {
+            LawName::EquivalentViscous => {
                 let because = "law = \"equivalent_viscous\" does not use it";
                 check.ignored(table, &stribeck_only, because);
                 let floor_um = self
                     .amplitude_floor_um
                     .unwrap_or(DEFAULT_AMPLITUDE_FLOOR_UM);
-                FrictionSpec::EquivalentViscous {
+                FootFriction::Equivalent(EquivalentViscous {
                     mu,
+                    frequency_rad_s,
                     amplitude_floor_m: from_um(floor_um),
-                }
+                })
             }
-            FrictionLaw::Stribeck => self.stribeck(mu, table, check),
+            LawName::Stribeck => self.stribeck(mu, table, check),
         }
     }
 
-    fn stribeck(&self, mu: f64, table: &str, check: &mut Check) -> FrictionSpec {
+    fn stribeck(&self, mu: f64, table: &str, check: &mut Check) -> FootFriction {
         check.ignored(
             table,
             &["amplitude_floor_um"],
@@ -252,10 +200,10 @@ impl FrictionTable {
             );
             check.refuse(Fault::value(&path, message, format!("less than mu = {mu}")));
         }
-        FrictionSpec::Stribeck {
+        FootFriction::Law(FrictionLaw::Stribeck {
             mu,
             mu_static: mu_static.unwrap_or(mu),
             stribeck_speed_m_per_s: from_mm(speed.unwrap_or(1.0)),
-        }
+        })
     }
 }

@@ -1,11 +1,12 @@
 //! The formats of files that this crate reads. A file of another format gets one error, not one for each of its keys.
 
+use strum::VariantArray;
 use toml_edit::Table;
 
 use crate::document::Fault;
 
 /// A format, told by a table that no other has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
 pub(crate) enum Format {
     Scenario,
     PathJob,
@@ -13,8 +14,6 @@ pub(crate) enum Format {
 }
 
 impl Format {
-    const ALL: [Format; 3] = [Format::Scenario, Format::PathJob, Format::Identification];
-
     fn tables(self) -> &'static [&'static str] {
         match self {
             Format::Scenario => &["process"],
@@ -46,7 +45,7 @@ impl Format {
         if self.tables().iter().any(|key| has(&key)) {
             return None;
         }
-        let others = Format::ALL.iter().filter(|other| **other != self);
+        let others = Format::VARIANTS.iter().filter(|other| **other != self);
         let mut found = others.filter_map(|other| Some((other, other.tables().iter().find(has)?)));
         let (other, key) = found.next()?;
         let message = format!(

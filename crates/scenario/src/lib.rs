@@ -26,7 +26,7 @@
 //! let scenario = Scenario::from_str(path, text, &[])?;
 //! assert_eq!(scenario.robot.posture_rad[0], std::f64::consts::FRAC_PI_2);
 //! let ProcessSpec::Load(load) = &scenario.process else { unreachable!() };
-//! assert_eq!(load.release_n, [0.0, 1000.0, 0.0]);
+//! assert_eq!(load.release_n.y, 1000.0);
 //!
 //! // Any key can be set from outside; the rest of the file stays as it is.
 //! let longer = scenario.with_overrides(&[("run.duration_s".into(), "4".into())])?;
@@ -45,9 +45,6 @@
 #![warn(missing_docs)]
 
 mod adjust;
-mod belt;
-mod brush;
-mod chamfer;
 mod check;
 mod claim;
 mod control;
@@ -58,16 +55,12 @@ mod error;
 mod foot;
 mod format;
 pub mod identification;
-mod load;
 mod metric;
-mod milling;
 mod overwrite;
 pub mod path_job;
-mod polish;
 mod process;
 mod reach;
 mod relocate;
-mod replay;
 mod robot;
 mod roughness;
 mod run;
@@ -77,32 +70,32 @@ mod structure;
 mod suggest;
 mod sweep;
 mod sweep_check;
+mod sweep_spec;
 mod uncertain;
 mod units;
-mod wheel;
+mod windows;
 
 pub use adjust::{JointSpec, LinkSpec};
-pub use belt::{BeltJob, BeltSpec};
-pub use brush::{BrushSpec, EdgeSpec};
-pub use chamfer::{ChamferSpec, CuttingSpec, FeedDirection, Regeneration};
-pub use control::ControlSpec;
 pub use data::DataSpec;
 pub use error::{Problem, ScenarioError};
-pub use foot::{FootSpec, FootSpring, FrictionSpec};
+pub use foot::FootSpec;
 pub use identification::Identification;
-pub use load::{ForceSweepSpec, LoadFrame, LoadSpec, RotatingForceSpec};
-pub use milling::{
-    CutterSpec, Elbow, EngagementSpec, MillingCoefficients, MillingPathSpec, MillingSpec,
-    PathStart, PlannedPath, Shoulder, TurnKnot, Wrist,
-};
 pub use path_job::PathJob;
-pub use polish::{EdgeRuleSpec, FaceSpec, PneumaticSpec, PolishSpec, PrecessionSpec, RasterSpec};
-pub use process::ProcessSpec;
-pub use replay::{ReplayMode, ReplaySpec, Turning};
-pub use robot::{Drive, RobotSpec};
-pub use roughness::RoughnessSpec;
+pub use process::belt::{BeltJob, BeltSpec};
+pub use process::brush::{BrushSpec, EdgeSpec};
+pub use process::chamfer::{ChamferSpec, FeedDirection, Regeneration};
+pub use process::load::{ForceSweep, LoadFrame, LoadSpec, RotatingForce};
+pub use process::milling::{MillingPathSpec, MillingSpec, PathStart, PlannedPath, TurnKnot};
+pub use process::polish::{FaceSpec, PolishSpec, PrecessionSpec, RasterSpec};
+pub use process::replay::{ReplayMode, ReplaySpec, Turning};
+pub use process::wheel::WheelSpec;
+pub use process::{
+    BrokenRule, CustomSpec, Definition, Facts, Knob, NameTaken, Parts, PostureFrom, ProcessSpec,
+    Processes, WheelHold, WheelPart,
+};
+pub use robot::{DriveKind, RobotSpec};
 pub use run::{LONGEST_S, RunSpec};
 pub use scenario::Scenario;
 pub use sweep::{BisectSpec, SweepAxis, SweepClaim, SweepColumn, SweepSpec};
 pub use uncertain::UncertainSpec;
-pub use wheel::{Spin, WheelSpec};
+pub use units::{key_unit, si_symbol};

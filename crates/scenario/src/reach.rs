@@ -1,60 +1,10 @@
-//! Whether metrics look where a run has something to show: within its duration, below half its recording rate.
+//! Whether spectral metrics look below half the rate at which rows are recorded.
 
-use truecut_recording::{ClaimSpec, MetricSpec, Reducer};
+use truecut_recording::{MetricSpec, Reducer};
 
-use crate::check::Check;
-use crate::document::Fault;
 use crate::error::ScenarioError;
-use crate::run::RunSpec;
 use crate::scenario::Scenario;
-use crate::sweep::SweepSpec;
-
-/// Part by which the end of a stretch may lie beyond the run's: rounding of decimal numbers.
-const TOLERANCE: f64 = 1e-9;
-
-/// The metrics of a scenario with the tables they are written in.
-fn metrics<'a>(
-    claims: &'a [ClaimSpec],
-    sweep: Option<&'a SweepSpec>,
-) -> impl Iterator<Item = (String, &'a MetricSpec)> {
-    let claims = claims.iter().enumerate();
-    let claims = claims.map(|(index, claim)| (format!("claim.{index}"), &claim.metric));
-    let columns = sweep.into_iter().flat_map(|sweep| {
-        let columns = sweep.columns.iter().enumerate();
-        let columns = columns.map(|(index, one)| (format!("sweep.column.{index}"), &one.metric));
-        let bisect = sweep.bisect.iter();
-        columns.chain(bisect.map(|one| ("sweep.bisect".to_owned(), &one.metric)))
-    });
-    claims.chain(columns)
-}
-
-/// Refuses stretches that end after the run does.
-pub(crate) fn check_windows(
-    claims: &[ClaimSpec],
-    sweep: Option<&SweepSpec>,
-    run: Option<&RunSpec>,
-    check: &mut Check,
-) {
-    let Some(end_s) = run.map(|run| run.duration_s) else {
-        return;
-    };
-    for (table, metric) in metrics(claims, sweep) {
-        let MetricSpec::Reduced { window, .. } = metric else {
-            continue;
-        };
-        let latest_s = end_s * (1.0 + TOLERANCE);
-        let ends = [("from_s", window.from_s), ("to_s", window.to_s)];
-        for (key, time_s) in ends {
-            if let Some(time_s) = time_s.filter(|time_s| *time_s > latest_s) {
-                let path = format!("{table}.{key}");
-                let message = format!(
-                    "`{path}` is {time_s} s, but the run ends at {end_s} s: there is nothing to evaluate"
-                );
-                check.refuse(Fault::value(&path, message, "after the end of the run"));
-            }
-        }
-    }
-}
+use crate::windows::metrics;
 
 impl Scenario {
     /// Checks that every band of a spectral metric lies below half the rate at which rows are recorded.

@@ -4,21 +4,15 @@ use std::path::{Component, Path, PathBuf};
 
 use toml_edit::{DocumentMut, Item, Value};
 
-/// Keys that hold the path of a file, relative to the folder of the scenario.
-const PATHS: [&[&str]; 7] = [
-    &["robot", "urdf"],
-    &["robot", "config"],
-    &["process", "milling", "material", "file"],
-    &["process", "belt", "job"],
-    &["process", "brush", "taught"],
-    &["process", "brush", "workpiece", "mesh"],
-    &["data", "file"],
-];
+/// Keys of every scenario that hold the path of a file, relative to its folder.
+const PATHS: [&str; 3] = ["robot.urdf", "robot.config", "data.file"];
 
-/// Rewrites relative paths of a text from folder `from` so that they hold in folder `to`.
-pub(crate) fn relocate(document: &mut DocumentMut, from: &Path, to: &Path) {
-    for path in PATHS {
-        rewrite(find_mut(document, path), from, to);
+/// Rewrites relative paths of a text from folder `from` so that they hold in folder `to`. `files` are the dotted keys of
+/// its process that hold paths.
+pub(crate) fn relocate(document: &mut DocumentMut, files: &[String], from: &Path, to: &Path) {
+    for key in PATHS.into_iter().chain(files.iter().map(String::as_str)) {
+        let path: Vec<&str> = key.split('.').collect();
+        rewrite(find_mut(document, &path), from, to);
     }
     let claims = document
         .get_mut("claim")
@@ -93,6 +87,7 @@ mod tests {
         let mut document: DocumentMut = text.parse().unwrap();
         relocate(
             &mut document,
+            &[],
             Path::new("/project/scenarios"),
             Path::new("/project/out/run"),
         );
@@ -109,7 +104,7 @@ mod tests {
     fn nothing_is_added() {
         let text = "[robot]\nurdf = \"/robots/a.urdf\"\n[process.chamfer]\nspindle_rpm = 300\n";
         let mut document: DocumentMut = text.parse().unwrap();
-        relocate(&mut document, Path::new("/a"), Path::new("/b"));
+        relocate(&mut document, &[], Path::new("/a"), Path::new("/b"));
         assert_eq!(document.to_string(), text);
     }
 }

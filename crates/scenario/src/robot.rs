@@ -8,8 +8,6 @@ use serde::Deserialize;
 use crate::adjust::{self, JointSpec, JointTable, LinkSpec, LinkTable};
 use crate::check::Check;
 use crate::document::Fault;
-use crate::process::ProcessSpec;
-use crate::replay::{ReplayMode, ReplaySpec};
 use crate::units::{from_deg, from_mm};
 
 /// The arm that carries the tool.
@@ -28,7 +26,7 @@ pub struct RobotSpec {
     /// Whether gravity acts (9.81 m/s² along −z of the world).
     pub gravity: bool,
     /// How the joints are driven.
-    pub drive: Drive,
+    pub drive: DriveKind,
     /// Factor on all masses and inertias.
     pub inertia_scale: f64,
     /// Factor on all transmission stiffnesses.
@@ -52,7 +50,7 @@ impl RobotSpec {
         posture_rad: Vec::new(),
         posture_m: Vec::new(),
         gravity: true,
-        drive: Drive::Position,
+        drive: DriveKind::Position,
         inertia_scale: 1.0,
         stiffness_scale: 1.0,
         damping_scale: 1.0,
@@ -65,7 +63,7 @@ impl RobotSpec {
 /// How the joints are driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Drive {
+pub enum DriveKind {
     /// The motor follows the command exactly; the transmission between motor and link is elastic.
     #[default]
     Position,
@@ -73,6 +71,47 @@ pub enum Drive {
     Servo,
     /// No motor and no transmission: the joints are free.
     Force,
+}
+
+impl RobotSpec {
+    /// Gives an inertial value, by its key in the scenario and in SI, without reading the scenario anew. Whether there
+    /// is such a value and it may be so large; else nothing changes.
+    pub fn set_inertial(&mut self, key: &str, value: f64) -> bool {
+        let parts: Vec<&str> = key.split('.').collect();
+        let (slot, value) = match parts[..] {
+            ["robot", "inertia_scale"] if value > 0.0 => (Some(&mut self.inertia_scale), value),
+            ["robot", "link", index, own] => {
+                let link = index
+                    .parse()
+                    .ok()
+                    .and_then(|i: usize| self.links.get_mut(i));
+                match (link, own) {
+                    (Some(link), "mass_factor") if value > 0.0 => {
+                        (Some(&mut link.mass_factor), value)
+                    }
+                    (Some(link), "center_x_mm") => (Some(&mut link.center_m[0]), value),
+                    (Some(link), "center_y_mm") => (Some(&mut link.center_m[1]), value),
+                    (Some(link), "center_z_mm") => (Some(&mut link.center_m[2]), value),
+                    _ => (None, value),
+                }
+            }
+            ["robot", "joint", index, "rotor_inertia_factor"] if value >= 0.0 => {
+                let joint = index
+                    .parse()
+                    .ok()
+                    .and_then(|i: usize| self.joints.get_mut(i));
+                (joint.map(|joint| &mut joint.rotor_inertia_factor), value)
+            }
+            _ => (None, value),
+        };
+        match slot {
+            Some(slot) => {
+                *slot = value;
+                true
+            }
+            None => false,
+        }
+    }
 }
 
 /// The arm, its posture and its drive.
@@ -92,7 +131,7 @@ pub(crate) struct RobotTable {
     /// Whether gravity acts. Default: true.
     gravity: Option<bool>,
     /// How the joints are driven. Default: "position".
-    drive: Option<Drive>,
+    drive: Option<DriveKind>,
     /// Factor on all masses and inertias. Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "masses are positive"))]
     inertia_scale: Option<f64>,
@@ -114,26 +153,19 @@ impl RobotTable {
     /// The arm, which every process needs but a replay that only observes.
     pub(crate) fn resolve_optional(
         table: Option<RobotTable>,
-        process: Option<&ProcessSpec>,
+        is_needed: bool,
         folder: &Path,
         check: &mut Check,
     ) -> RobotSpec {
-        let observes = matches!(
-            process,
-            Some(ProcessSpec::Replay(ReplaySpec {
-                mode: ReplayMode::Observe,
-                ..
-            }))
-        );
         match table {
-            Some(_) if observes => {
+            Some(_) if !is_needed => {
                 let message =
                     "[robot] has no effect: a replay in mode \"observe\" has no model".to_owned();
                 check.refuse(Fault::key("robot", message, "has no effect here"));
                 RobotSpec::NONE
             }
             Some(table) => table.resolve(folder, check),
-            None if observes => RobotSpec::NONE,
+            None if !is_needed => RobotSpec::NONE,
             None => {
                 let message = "missing key `robot` in the file".to_owned();
                 let fault = Fault::key("robot", message, "`robot` is missing here");
@@ -146,7 +178,7 @@ impl RobotTable {
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> RobotSpec {
         let drive = self.drive.unwrap_or_default();
         let gravity = self.gravity.unwrap_or(true);
-        if drive == Drive::Force {
+        if drive == DriveKind::Force {
             let keys = ["stiffness_scale", "damping_scale", "hold_against_sag"];
             check.ignored("robot", &keys, "with drive = \"force\" the joints are free");
         } else if !gravity {

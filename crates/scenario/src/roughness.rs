@@ -2,21 +2,11 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_core::roughness::Polishing;
 
 use crate::check::Check;
 use crate::document::Fault;
 use crate::units::from_um;
-
-/// How the surface smooths: Ra falls from one value to another with the dose `∫ p v dt`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RoughnessSpec {
-    /// Ra before.
-    pub initial_m: f64,
-    /// Ra that the abrasive leaves in the end.
-    pub final_m: f64,
-    /// Dose that takes away all but 1/e of the difference.
-    pub dose_j_per_m2: f64,
-}
 
 /// How the surface smooths.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -35,19 +25,23 @@ pub(crate) struct RoughnessTable {
 
 impl RoughnessTable {
     /// `process` is the path of the table that this one stands in.
-    pub(crate) fn resolve(self, process: &str, check: &mut Check) -> RoughnessSpec {
-        if self.end_um > self.start_um {
+    pub(crate) fn resolve(self, process: &str, check: &mut Check) -> Polishing {
+        let Self {
+            start_um,
+            end_um,
+            dose_j_per_mm2,
+        } = self;
+        if end_um > start_um {
             let path = format!("{process}.roughness.end_um");
             let message = format!(
-                "`{path}` is {}, but must be at most start_um = {}: polishing smooths",
-                self.end_um, self.start_um
+                "`{path}` is {end_um}, but must be at most start_um = {start_um}: polishing smooths"
             );
             check.refuse(Fault::value(&path, message, "rougher than at the start"));
         }
-        RoughnessSpec {
-            initial_m: from_um(self.start_um),
-            final_m: from_um(self.end_um),
-            dose_j_per_m2: self.dose_j_per_mm2 * 1e6,
+        Polishing {
+            initial_m: from_um(start_um),
+            final_m: from_um(end_um),
+            dose_j_per_m2: dose_j_per_mm2 * 1e6,
         }
     }
 }

@@ -1,11 +1,13 @@
 //! The scenario as a whole: from file and overrides to the typed form.
 
+mod channels;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use truecut_recording::{ClaimFault, ClaimSpec, Header, MetricSpec, UserUnit};
+use truecut_recording::{ClaimSpec, UserUnit};
 
 use crate::check::Check;
 use crate::claim::ClaimTable;
@@ -14,9 +16,9 @@ use crate::document::{Document, Fault};
 use crate::effect::table::{self, EffectTable};
 use crate::effect::{Effect, text};
 use crate::error::{Problem, ScenarioError, read_text};
-use crate::milling::PlannedPath;
-use crate::process::{ProcessSpec, ProcessTable};
-use crate::reach;
+use crate::format::Format;
+use crate::process::milling::PlannedPath;
+use crate::process::{Definition, ProcessSpec, ProcessTable, Processes};
 use crate::relocate;
 use crate::robot::{RobotSpec, RobotTable};
 use crate::run::{RunSpec, RunTable};
@@ -24,6 +26,7 @@ use crate::schema;
 use crate::structure;
 use crate::sweep::{SweepSpec, SweepTable};
 use crate::uncertain::{UncertainSpec, UncertainTable};
+use crate::windows;
 
 /// A plant, a process and claims: everything that a run needs, in SI.
 #[derive(Debug, Clone)]
@@ -53,6 +56,7 @@ pub struct Scenario {
     /// Effects that were added in memory.
     added: Vec<Effect>,
     document: Arc<Document>,
+    processes: Processes,
     /// Units of thresholds, by the path of the table that holds the threshold.
     thresholds: Vec<(String, UserUnit)>,
 }
@@ -90,8 +94,20 @@ impl Scenario {
     /// # Errors
     /// A file that cannot be read; every rule of the format that is broken, with its place.
     pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Scenario, ScenarioError> {
+        Scenario::load_with(&Processes::shipped(), path, overrides)
+    }
+
+    /// As [`Scenario::load`], with processes of one's own.
+    ///
+    /// # Errors
+    /// As [`Scenario::load`].
+    pub fn load_with(
+        processes: &Processes,
+        path: &Path,
+        overrides: &[(String, String)],
+    ) -> Result<Scenario, ScenarioError> {
         let text = read_text("scenario", path)?;
-        Scenario::from_str(path, &text, overrides)
+        Scenario::from_str_with(processes, path, &text, overrides)
     }
 
     /// Reads a scenario from a text. `path` names it in errors, and its folder resolves relative paths.
@@ -103,18 +119,33 @@ impl Scenario {
         text: &str,
         overrides: &[(String, String)],
     ) -> Result<Scenario, ScenarioError> {
-        let document =
-            Document::parse(path, text, overrides).map_err(|problem| one_problem(*problem))?;
-        let faults = structure::check(document.effective());
+        Scenario::from_str_with(&Processes::shipped(), path, text, overrides)
+    }
+
+    /// As [`Scenario::from_str`], with processes of one's own.
+    ///
+    /// # Errors
+    /// As [`Scenario::from_str`].
+    pub fn from_str_with(
+        processes: &Processes,
+        path: &Path,
+        text: &str,
+        overrides: &[(String, String)],
+    ) -> Result<Scenario, ScenarioError> {
+        let document = Document::parse(path, text, overrides, processes.schema())
+            .map_err(|problem| one_problem(*problem))?;
+        let faults =
+            structure::check_file(document.schema(), Format::Scenario, document.effective());
         if let Some(error) = located(&document, faults) {
             return Err(error);
         }
-        let table: FileTable = serde_json::from_value(structure::to_json(document.effective()))
-            .map_err(|error| {
-                // What the schema lets pass, the tables read; a difference is reported, not hidden.
-                one_problem(document.locate(Fault::value("", error.to_string(), "here")))
-            })?;
-        table.resolve(document)
+        let mut json = structure::to_json(document.effective());
+        let own = processes.take(&mut json);
+        let table: FileTable = serde_json::from_value(json).map_err(|error| {
+            // What the schema lets pass, the tables read; a difference is reported, not hidden.
+            one_problem(document.locate(Fault::value("", error.to_string(), "here")))
+        })?;
+        table.resolve(own, processes, document)
     }
 
     /// The same scenario with further overrides, applied after those it was loaded with; effects that were
@@ -125,7 +156,14 @@ impl Scenario {
     pub fn with_overrides(&self, further: &[(String, String)]) -> Result<Scenario, ScenarioError> {
         let mut overrides = self.overrides();
         overrides.extend_from_slice(further);
-        Scenario::from_str(self.path(), self.document.text(), &overrides)?.with_effects(&self.added)
+        let text = self.document.text();
+        Scenario::from_str_with(&self.processes, self.path(), text, &overrides)?
+            .with_effects(&self.added)
+    }
+
+    /// The processes that scenarios like this one may have.
+    pub fn processes(&self) -> &Processes {
+        &self.processes
     }
 
     /// The scenario file, as it was named.
@@ -207,7 +245,7 @@ impl Scenario {
     pub fn planned_text(&self, folder: &Path, planned: &PlannedPath) -> String {
         let mut document = self.document.effective_document().clone();
         planned.write(&mut document);
-        relocate::relocate(&mut document, &self.folder(), folder);
+        relocate::relocate(&mut document, &self.process.files(), &self.folder(), folder);
         document.to_string()
     }
 
@@ -215,7 +253,7 @@ impl Scenario {
     pub fn text_for_folder(&self, folder: &Path, effects: &[Effect], rotary: &[bool]) -> String {
         let mut document = self.document.effective_document().clone();
         text::write(&mut document, effects, rotary);
-        relocate::relocate(&mut document, &self.folder(), folder);
+        relocate::relocate(&mut document, &self.process.files(), &self.folder(), folder);
         document.to_string()
     }
 
@@ -233,148 +271,41 @@ impl Scenario {
         )
     }
 
-    /// Checks every metric against the channels of the run: known channels, fitting units.
-    ///
-    /// # Errors
-    /// All claims and sweep columns that cannot be judged, with their places.
-    pub fn check_claims(&self, header: &Header) -> Result<(), ScenarioError> {
-        let mut faults = Vec::new();
-        for (index, claim) in self.claims.iter().enumerate() {
-            let table = format!("claim.{index}");
-            match claim.check(header) {
-                Ok(()) => faults.extend(self.threshold_fault(&table, &claim.metric, header)),
-                Err(error) => {
-                    let key = match error.fault {
-                        ClaimFault::Metric(_) => self.channel_key(&table),
-                        _ => format!("{table}.unit"),
-                    };
-                    faults.push(Fault::value(&key, error.to_string(), "here"));
-                }
-            }
-        }
-        let sweep = self.sweep.as_ref();
-        let columns = sweep.into_iter().flat_map(|sweep| {
-            let columns = sweep.columns.iter().enumerate();
-            let columns = columns
-                .map(|(index, one)| (format!("sweep.column.{index}"), &one.metric, &one.unit));
-            let bisect = sweep.bisect.iter();
-            columns.chain(bisect.map(|one| ("sweep.bisect".to_owned(), &one.metric, &one.unit)))
-        });
-        for (table, metric, unit) in columns {
-            faults.extend(self.metric_fault(&table, metric, unit, header));
-        }
-        located(&self.document, faults).map_or(Ok(()), Err)
-    }
-
-    fn metric_fault(
-        &self,
-        table: &str,
-        metric: &MetricSpec,
-        unit: &UserUnit,
-        header: &Header,
-    ) -> Option<Fault> {
-        match metric.check(header) {
-            Err(error) => Some(Fault::value(
-                &self.channel_key(table),
-                error.to_string(),
-                "here",
-            )),
-            Ok(Some(of_metric)) if of_metric != unit.unit => {
-                let accepted: Vec<&str> = of_metric.accepted_symbols().collect();
-                let message = format!(
-                    "unit \"{}\" does not fit {metric}; accepted: {}",
-                    unit.symbol,
-                    accepted.join(", ")
-                );
-                Some(Fault::value(
-                    &format!("{table}.unit"),
-                    message,
-                    "wrong dimension",
-                ))
-            }
-            Ok(_) => self.threshold_fault(table, metric, header),
-        }
-    }
-
-    /// Where the channel of a metric is written.
-    fn channel_key(&self, table: &str) -> String {
-        let keys = ["channel", "channels"];
-        let given = keys.iter().map(|key| format!("{table}.{key}"));
-        given
-            .into_iter()
-            .find(|key| self.gives(key))
-            .unwrap_or_else(|| table.to_owned())
-    }
-
-    fn threshold_fault(&self, table: &str, metric: &MetricSpec, header: &Header) -> Option<Fault> {
-        let (_, unit) = self.thresholds.iter().find(|(path, _)| path == table)?;
-        let MetricSpec::Reduced { channels, .. } = metric else {
-            return None;
-        };
-        let channel = header.channel(channels.first()?).ok()?;
-        if channel.unit == unit.unit {
-            return None;
-        }
-        let key = format!("{table}.threshold_unit");
-        let accepted: Vec<&str> = channel.unit.accepted_symbols().collect();
-        let message = format!(
-            "the threshold is in \"{}\", but channel {} is in {}; `threshold_unit` may be {}",
-            unit.symbol,
-            channel.name,
-            channel.unit,
-            accepted.join(", ")
-        );
-        let written = if self.gives(&key) {
-            key
-        } else {
-            format!("{table}.threshold")
-        };
-        Some(Fault::value(&written, message, "wrong dimension"))
-    }
-
     /// JSON Schema of the scenario file, for editors. `x-rule` beside a bound gives its reason.
     pub fn json_schema() -> serde_json::Value {
-        schema::schema().clone()
+        schema::schema().as_ref().clone()
     }
 }
 
 impl FileTable {
-    fn resolve(self, document: Document) -> Result<Scenario, ScenarioError> {
+    fn resolve(
+        self,
+        own: Vec<(Arc<Definition>, serde_json::Value)>,
+        processes: &Processes,
+        document: Document,
+    ) -> Result<Scenario, ScenarioError> {
         let mut check = Check::new(&document);
         let mut thresholds = Vec::new();
         let folder = folder_of(document.path());
-        let process = self.process.resolve(&folder, &mut check);
-        let mut robot =
-            RobotTable::resolve_optional(self.robot, process.as_ref(), &folder, &mut check);
-        if let Some(ProcessSpec::Belt(belt)) = &process {
-            belt.lead(&mut robot, &mut check);
-        }
-        if matches!(process, Some(ProcessSpec::Brush(_))) {
-            let because = "the arm starts in the first taught posture";
-            check.ignored("robot", &["posture_deg", "posture_mm"], because);
+        let process = self.process.resolve(own, processes, &folder, &mut check);
+        let is_needed = (process.as_ref()).is_none_or(|process| process.facts().needs_robot);
+        let mut robot = RobotTable::resolve_optional(self.robot, is_needed, &folder, &mut check);
+        if let Some(process) = &process {
+            process.lead(&mut robot, &mut check);
         }
         let data = (self.data).and_then(|data| data.resolve(&folder, &mut check));
         let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
             .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
             .collect();
-        if matches!(process, Some(ProcessSpec::Replay(_))) && document.has("data.starts_s") {
-            let message =
-                "`data.starts_s` has no effect: a replay runs through all of the data".to_owned();
-            check.refuse(Fault::key("data.starts_s", message, "has no effect here"));
+        let facts = process.as_ref().map(ProcessSpec::facts);
+        if facts.as_ref().is_some_and(|facts| facts.replays) {
+            check_replayed(&mut check);
         }
-        if matches!(process, Some(ProcessSpec::Replay(_))) && !document.has("data") {
-            let message = "missing table `[data]`: a replay needs measured inputs".to_owned();
-            check.refuse(Fault::key(
-                "process.replay",
-                message,
-                "has nothing to replay",
-            ));
-        }
-        let natural_s = process.as_ref().map(ProcessSpec::natural_duration_s);
+        let natural_s = facts.map(|facts| facts.natural_duration_s);
         let run =
             natural_s.map(|natural_s| self.run.unwrap_or_default().resolve(natural_s, &mut check));
-        if let (Some(ProcessSpec::Milling(milling)), Some(run)) = (&process, &run) {
-            milling.check_duration(run.duration_s, &mut check);
+        if let (Some(process), Some(run)) = (&process, &run) {
+            process.check_run(run, &mut check);
         }
         let mut claims = Vec::new();
         for (index, claim) in self.claim.unwrap_or_default().into_iter().enumerate() {
@@ -391,7 +322,7 @@ impl FileTable {
             let message = "a sweep has no [[claim]]: its claims are [[sweep.claim]]".to_owned();
             check.refuse(Fault::key("claim.0", message, "never judged"));
         }
-        reach::check_windows(&claims, sweep.as_ref(), run.as_ref(), &mut check);
+        windows::check_windows(&claims, sweep.as_ref(), run.as_ref(), &mut check);
         let effects = table::resolve(self.effect.unwrap_or_default(), &mut check);
         let faults = check.into_faults();
         if let Some(error) = located(&document, faults) {
@@ -417,8 +348,26 @@ impl FileTable {
             uncertain,
             added: Vec::new(),
             document: Arc::new(document),
+            processes: processes.clone(),
             thresholds,
         })
+    }
+}
+
+/// A replay has measured inputs and runs through all of them.
+fn check_replayed(check: &mut Check) {
+    if check.document().has("data.starts_s") {
+        let message =
+            "`data.starts_s` has no effect: a replay runs through all of the data".to_owned();
+        check.refuse(Fault::key("data.starts_s", message, "has no effect here"));
+    }
+    if !check.document().has("data") {
+        let message = "missing table `[data]`: a replay needs measured inputs".to_owned();
+        check.refuse(Fault::key(
+            "process.replay",
+            message,
+            "has nothing to replay",
+        ));
     }
 }
 

@@ -1,6 +1,6 @@
 //! The JSON Schema of the format, and finding one's way in it.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use serde_json::Value as Json;
 use toml_edit::{Item, TableLike};
@@ -8,10 +8,10 @@ use toml_edit::{Item, TableLike};
 use crate::document::Fault;
 use crate::structure::unknown_key;
 
-/// JSON Schema of the scenario file, without references.
-pub(crate) fn schema() -> &'static Json {
-    static SCHEMA: OnceLock<Json> = OnceLock::new();
-    SCHEMA.get_or_init(schema_of::<crate::scenario::FileTable>)
+/// JSON Schema of a scenario with the processes of this crate, without references.
+pub(crate) fn schema() -> &'static Arc<Json> {
+    static SCHEMA: OnceLock<Arc<Json>> = OnceLock::new();
+    SCHEMA.get_or_init(|| Arc::new(schema_of::<crate::scenario::FileTable>()))
 }
 
 /// JSON Schema of a file whose tables are of type `T`, without references.
@@ -24,12 +24,12 @@ pub(crate) fn schema_of<T: schemars::JsonSchema>() -> Json {
         .to_value()
 }
 
-/// The schema of the value at `path`.
+/// The schema of the value at `path` of a file with this schema.
 ///
 /// # Errors
 /// An unknown key on the way, or a path that ends at a table.
-pub(crate) fn leaf_schema(path: &[String]) -> Result<&'static Json, Fault> {
-    let mut here = schema();
+pub(crate) fn leaf_schema<'a>(schema: &'a Json, path: &[String]) -> Result<&'a Json, Fault> {
+    let mut here = schema;
     for (depth, part) in path.iter().enumerate() {
         let here_unwrapped = without_null(here);
         here = if let Some(items) = here_unwrapped.get("items") {

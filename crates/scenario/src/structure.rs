@@ -11,16 +11,11 @@ use crate::format::Format;
 use truecut_recording::nearest;
 
 use crate::schema::{
-    choices, is_table, kinds, of_tag, property, property_names, required, schema, without_null,
+    choices, is_table, kinds, of_tag, property, property_names, required, without_null,
 };
 use crate::suggest::same_quantity;
 
-/// Every rule of the scenario's schema that the table breaks, in the order of the file where it has one.
-pub(crate) fn check(table: &Table) -> Vec<Fault> {
-    check_file(schema(), Format::Scenario, table)
-}
-
-/// As [`check`], for another format.
+/// Every rule of a format's schema that the table breaks, in the order of the file where it has one.
 pub(crate) fn check_file(schema: &Json, format: Format, table: &Table) -> Vec<Fault> {
     match format.misread(table) {
         Some(fault) => vec![fault],

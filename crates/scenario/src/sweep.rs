@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use truecut_recording::{MetricSpec, UserUnit, nearest};
+use truecut_recording::{UserUnit, nearest};
 
 use crate::check::Check;
 use crate::claim::check_bounds;
@@ -11,82 +11,8 @@ use crate::metric::{MetricTable, read_unit};
 use crate::sweep_check::{
     check_count, check_key, check_keys_differ, check_names_differ, check_rising,
 };
+pub use crate::sweep_spec::{BisectSpec, SweepAxis, SweepClaim, SweepColumn, SweepSpec};
 use crate::units::key_unit;
-
-/// A sweep: rows for all combinations of the axes' values.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SweepSpec {
-    /// Up to two keys and their values; without axes there is one row.
-    pub axes: Vec<SweepAxis>,
-    /// Search for a threshold in each row.
-    pub bisect: Option<BisectSpec>,
-    /// What to tabulate for each row.
-    pub columns: Vec<SweepColumn>,
-    /// What must hold of every row.
-    pub claims: Vec<SweepClaim>,
-}
-
-/// A key and the values that it takes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SweepAxis {
-    /// Dotted key, as for `--set`.
-    pub key: String,
-    /// Values, in `unit`.
-    pub values: Vec<f64>,
-    /// Unit of the key.
-    pub unit: UserUnit,
-}
-
-/// Search for the smallest value of a key at which a metric is at most a limit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BisectSpec {
-    /// Name of the column that holds the result.
-    pub name: String,
-    /// Dotted key, as for `--set`.
-    pub key: String,
-    /// Unit of the key, and so of `from`, `to` and the result.
-    pub key_unit: UserUnit,
-    /// Lower end of the search, in the unit of the key.
-    pub from: f64,
-    /// Upper end of the search, in the unit of the key.
-    pub to: f64,
-    /// Width of the final interval relative to the value.
-    pub tolerance: f64,
-    /// The metric.
-    pub metric: MetricSpec,
-    /// Limit of the metric, SI.
-    pub limit: f64,
-    /// Unit in which the limit was written.
-    pub unit: UserUnit,
-}
-
-/// A number to tabulate for each row.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SweepColumn {
-    /// Name of the column.
-    pub name: String,
-    /// The number.
-    pub metric: MetricSpec,
-    /// Unit in which it is shown.
-    pub unit: UserUnit,
-}
-
-/// A bound on a column, or on the ratio of two columns, in every row.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SweepClaim {
-    /// A short sentence.
-    pub name: String,
-    /// The bounded column.
-    pub column: String,
-    /// The column by which it is divided.
-    pub over: Option<String>,
-    /// Not less than this, in the column's unit; a ratio if `over` is given.
-    pub min: Option<f64>,
-    /// Not more than this, in the column's unit; a ratio if `over` is given.
-    pub max: Option<f64>,
-    /// Why it must hold.
-    pub reason: String,
-}
 
 /// How values are spaced between the ends of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]

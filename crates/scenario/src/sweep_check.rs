@@ -3,7 +3,7 @@
 use crate::check::Check;
 use crate::document::{Fault, split_path};
 use crate::schema;
-use crate::sweep::{BisectSpec, SweepAxis, SweepColumn};
+use crate::sweep_spec::{BisectSpec, SweepAxis, SweepColumn};
 
 /// Whether `key` is a number of the scenario that can be changed from outside; else a fault at `at`.
 pub(crate) fn check_key(key: &str, at: &str, check: &mut Check) -> bool {
@@ -15,7 +15,7 @@ pub(crate) fn check_key(key: &str, at: &str, check: &mut Check) -> bool {
         check.refuse(Fault::value(at, message, "cannot be changed"));
         return false;
     }
-    match schema::leaf_schema(&path) {
+    match schema::leaf_schema(check.document().schema(), &path) {
         Err(fault) => {
             let message = format!("`{at}` is \"{key}\": {}", fault.message);
             check.refuse(Fault {

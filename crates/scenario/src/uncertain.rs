@@ -13,12 +13,17 @@ use crate::units::key_unit;
 pub struct UncertainSpec {
     /// Dotted key of the scenario.
     pub key: String,
-    /// Its value in the scenario, in the key's own unit.
+    /// Its value in the scenario, SI.
     pub value: f64,
-    /// Standard deviation, in the key's own unit.
+    /// Standard deviation, SI.
     pub sigma: f64,
-    /// Symbol of the key's own unit.
-    pub unit: String,
+}
+
+impl UncertainSpec {
+    /// The value as it is written in the file, in the key's own unit, for a value in SI.
+    pub fn written(&self, value_si: f64) -> String {
+        format!("{:?}", key_unit(&self.key).from_si(value_si))
+    }
 }
 
 /// A nominal value that is not known exactly; it may be refitted before anything else is blamed.
@@ -74,19 +79,11 @@ impl UncertainTable {
                 return None;
             }
         };
+        let factor = key_unit(&self.key).si_factor;
         Some(UncertainSpec {
-            unit: key_unit(own_part(&self.key)).symbol,
             key: self.key,
-            value,
-            sigma,
+            value: value * factor,
+            sigma: sigma * factor,
         })
     }
-}
-
-/// What says the unit: the last part of a key; all of it for effects, whose keys are SI.
-fn own_part(key: &str) -> &str {
-    if key.starts_with("effect.") {
-        return key;
-    }
-    key.rsplit('.').next().unwrap_or(key)
 }

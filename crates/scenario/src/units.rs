@@ -153,7 +153,7 @@ pub(crate) fn quantity(key: &str) -> &str {
 
 /// The unit of the last part of a dotted key; dimensionless if it has no unit suffix. Keys of effects are SI
 /// and stand in the catalogue.
-pub(crate) fn key_unit(key: &str) -> UserUnit {
+pub fn key_unit(key: &str) -> UserUnit {
     if let Some((_, last)) = key
         .strip_prefix("effect.")
         .and_then(|rest| rest.split_once('.'))
@@ -169,4 +169,14 @@ pub(crate) fn key_unit(key: &str) -> UserUnit {
             si_factor: one.si_factor,
         },
     )
+}
+
+/// Symbol of the SI unit of a dotted key's value.
+pub fn si_symbol(key: &str) -> String {
+    let unit = key_unit(key);
+    match unit.unit {
+        // Units that only keys have: `Pa s/m`, `J/mm^2`.
+        Unit::One => unit.symbol.replace("mm", "m"),
+        known => known.to_string(),
+    }
 }

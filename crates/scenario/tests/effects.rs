@@ -256,6 +256,15 @@ fn an_extended_text_changes_known_entries_in_place() {
 }
 
 #[test]
+fn values_by_name_and_by_position_are_the_same() {
+    for mut effect in one_of_each() {
+        assert_eq!(effect.typed().unwrap().values(), effect.values, "{effect}");
+        effect.values.push(0.0);
+        assert_eq!(effect.typed(), None, "{effect}");
+    }
+}
+
+#[test]
 fn a_key_has_one_unit_in_all_kinds() {
     let mut units = std::collections::BTreeMap::new();
     for info in EffectKind::ALL.iter().flat_map(|kind| kind.parameters()) {

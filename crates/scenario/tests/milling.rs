@@ -3,9 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
-use truecut_scenario::{
-    Elbow, EngagementSpec, MillingSpec, ProcessSpec, Scenario, Shoulder, TurnKnot,
-};
+use truecut_arm::{Elbow, Shoulder};
+use truecut_core::cutting::milling::engagement::Engagement;
+use truecut_scenario::{MillingSpec, ProcessSpec, Scenario, TurnKnot};
 
 const TEXT: &str = include_str!("slot.toml");
 
@@ -17,7 +17,7 @@ fn place() -> std::path::PathBuf {
 fn milling(text: &str) -> MillingSpec {
     let scenario = Scenario::from_str(&place(), text, &[]).unwrap_or_else(|e| panic!("{e}"));
     match scenario.process {
-        ProcessSpec::Milling(milling) => milling,
+        ProcessSpec::Milling(milling) => *milling,
         other => panic!("not milling but {}", other.name()),
     }
 }
@@ -38,20 +38,16 @@ fn fault(from: &str, to: &str) -> String {
 fn every_quantity_arrives_in_si() {
     let spec = milling(TEXT);
     assert!((spec.spindle_rad_s - 80.0 * PI).abs() < 1e-12);
-    assert_eq!((spec.feed_m_per_s, spec.axial_depth_m), (0.016, 3e-4));
-    assert_eq!(
-        spec.engagement,
-        EngagementSpec::Down {
-            radial_depth_m: 0.01
-        }
-    );
+    let cut = &spec.cut;
+    assert_eq!((spec.feed_m_per_s, cut.axial_depth_m), (0.016, 3e-4));
+    assert_eq!(cut.engagement, Engagement::down(0.01, 0.02).unwrap());
     assert!(spec.regeneration && spec.lead_in_m.is_none());
-    assert_eq!((spec.cutter.diameter_m, spec.cutter.teeth), (0.02, 4));
-    assert_eq!(spec.cutter.helix_rad, 30_f64.to_radians());
-    assert_eq!(spec.cutter.runout_m, 5e-6);
-    assert_eq!(spec.cutter.runout_angle_rad, FRAC_PI_2);
-    assert_eq!(spec.coefficients.tangential_pa, 2e9);
-    assert_eq!(spec.coefficients.edge_tangential_n_per_m, 2e4);
+    assert_eq!((cut.cutter.radius_m, cut.cutter.teeth), (0.01, 4));
+    assert_eq!(cut.cutter.helix_angle_rad, 30_f64.to_radians());
+    assert_eq!(cut.cutter.eccentricity.offset_m, 5e-6);
+    assert_eq!(cut.cutter.eccentricity.angle_rad, FRAC_PI_2);
+    assert_eq!(cut.coefficients.tangential_pa, 2e9);
+    assert_eq!(cut.coefficients.edge_tangential_n_per_m, 2e4);
     let start = spec.path.start.as_ref().unwrap();
     assert_eq!(start.point_m, [1.05, -1.45, 0.87]);
     assert_eq!(start.tool_axis, [0.0, 0.0, -1.0]);
@@ -69,10 +65,10 @@ fn every_quantity_arrives_in_si() {
 fn verify_times_and_angles_of_a_pass() {
     let spec = milling(TEXT);
     assert!((spec.tooth_period_s() - 6.25e-3).abs() < 1e-15);
-    assert!((spec.feed_per_tooth_m() - 1e-4).abs() < 1e-15);
+    assert!((spec.cut.feed_per_tooth_m - 1e-4).abs() < 1e-15);
     assert!((spec.pass_s() - 18.75).abs() < 1e-12);
-    let [entry, exit] = spec.engagement.angles_rad(spec.cutter.diameter_m);
-    assert!((entry - FRAC_PI_2).abs() < 1e-15 && exit == PI);
+    let angles = spec.cut.engagement;
+    assert!((angles.entry_rad - FRAC_PI_2).abs() < 1e-15 && angles.exit_rad == PI);
     let per_tooth = TEXT.replace("feed_mm_per_s = 16", "feed_mm_per_tooth = 0.1");
     assert!((milling(&per_tooth).feed_m_per_s - 0.016).abs() < 1e-15);
 }
@@ -85,7 +81,7 @@ fn coefficients_come_from_a_material_file() {
         format!("[process.milling.material]\nfile = \"../../assets/materials/{file}.toml\"\n{set}")
     };
     let spec = milling(&from(&table("al7075_t6", "set = \"al7075_767\"")));
-    let k = spec.coefficients;
+    let k = spec.cut.coefficients;
     assert_eq!(
         (k.tangential_pa, k.radial_pa, k.axial_pa),
         (767e6, 168.8e6, 222e6)
@@ -96,6 +92,7 @@ fn coefficients_come_from_a_material_file() {
     );
     assert_eq!(
         milling(&from(&table("al6061", "")))
+            .cut
             .coefficients
             .tangential_pa,
         243.8e6

@@ -3,10 +3,11 @@
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 use std::path::Path;
 
+use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients};
+use truecut_core::friction::{FootFriction, FrictionLaw};
 use truecut_recording::{ChannelSpec, Header, MetricSpec, Reducer, Unit};
 use truecut_scenario::{
-    ChamferSpec, Drive, FeedDirection, FootSpring, FrictionSpec, ProcessSpec, Regeneration,
-    Scenario, ScenarioError,
+    ChamferSpec, DriveKind, FeedDirection, ProcessSpec, Regeneration, Scenario, ScenarioError,
 };
 
 const TEXT: &str = include_str!("chamfer_d.toml");
@@ -37,24 +38,28 @@ fn every_quantity_arrives_in_si() {
 
     let chamfer = chamfer(&scenario);
     assert_eq!(chamfer.direction, FeedDirection::Backward);
-    assert!((chamfer.spindle_rad_s - 10.0 * PI).abs() < 1e-12);
-    assert_eq!(chamfer.feed_m_per_rev, 5e-5);
-    assert_eq!(chamfer.depth_m, 1e-3);
-    assert_eq!(chamfer.half_angle_rad, FRAC_PI_4);
-    assert_eq!(chamfer.hole_diameter_m, 0.042);
-    assert_eq!(chamfer.cutting.axial_pa, 1.96e9);
-    assert_eq!(chamfer.cutting.in_plane_pa, 2.14e9);
-    assert_eq!(chamfer.cutting.in_plane_angle_rad, 20_f64.to_radians());
+    assert!((chamfer.schedule.spindle_rad_s - 10.0 * PI).abs() < 1e-12);
+    assert_eq!(chamfer.schedule.feed_m_per_rev, 5e-5);
+    assert_eq!(chamfer.schedule.depth_m, 1e-3);
+    assert_eq!(chamfer.chip, ChipArea::new(FRAC_PI_4));
+    assert_eq!(chamfer.hole_radius_m, 0.021);
+    assert_eq!(chamfer.coefficients.axial_pa, 1.96e9);
+    let in_plane = CuttingCoefficients::from_resultant(1.96e9, 2.14e9, 20_f64.to_radians());
+    assert_eq!(chamfer.coefficients.radial_pa, in_plane.radial_pa);
+    assert_eq!(chamfer.coefficients.tangential_pa, in_plane.tangential_pa);
 
     let foot = chamfer.foot.as_ref().unwrap();
-    assert_eq!(foot.pressure_pa, 4.5e5);
-    assert_eq!(foot.friction, FrictionSpec::Coulomb { mu: 0.15 });
+    assert_eq!(foot.cylinders.pressure_pa, 4.5e5);
+    assert_eq!(
+        foot.friction,
+        FootFriction::Law(FrictionLaw::Coulomb { mu: 0.15 })
+    );
 }
 
 #[test]
 fn what_is_not_said_has_its_documented_default() {
     let scenario = read(&[]).unwrap();
-    assert_eq!(scenario.robot.drive, Drive::Position);
+    assert_eq!(scenario.robot.drive, DriveKind::Position);
     assert!(scenario.robot.gravity && scenario.robot.hold_against_sag);
     assert_eq!(
         (scenario.robot.stiffness_scale, scenario.robot.damping_scale),
@@ -62,21 +67,26 @@ fn what_is_not_said_has_its_documented_default() {
     );
     assert_eq!(scenario.run.deflection_scale, 300.0);
     let chamfer = chamfer(&scenario);
-    assert_eq!((chamfer.edges, chamfer.start_angle_rad), (1, 0.0));
+    assert_eq!((chamfer.schedule.edges, chamfer.start_angle_rad), (1, 0.0));
     assert_eq!(chamfer.regeneration, Regeneration::Axial);
-    assert_eq!(chamfer.cutting.edge_tangential_n_per_m, 0.0);
+    assert_eq!(chamfer.coefficients.edge_tangential_n_per_m, 0.0);
     let foot = chamfer.foot.as_ref().unwrap();
     assert_eq!(
-        (foot.bore_m, foot.cylinders, foot.seal_stiction_n),
-        (0.032, 2, 97.0)
+        (
+            foot.cylinders.bore_m,
+            foot.cylinders.count,
+            foot.seal_stiction_n
+        ),
+        (0.032, 2.0, 97.0)
     );
     assert_eq!(foot.rod_stiffness_n_per_m, 5e7);
+    assert_eq!(foot.axial_share, None);
     assert_eq!(
-        foot.spring,
-        FootSpring::Gas {
-            length_m: 0.05,
-            polytropic_exponent: 1.4
-        }
+        (
+            foot.cylinders.gas_length_m,
+            foot.cylinders.polytropic_exponent
+        ),
+        (0.05, 1.4)
     );
 }
 
@@ -84,9 +94,10 @@ fn what_is_not_said_has_its_documented_default() {
 #[test]
 fn verify_a_chamfering_run_lasts_for_ramp_and_dwell() {
     let scenario = read(&[]).unwrap();
-    assert!((chamfer(&scenario).ramp_s() - 3.8).abs() < 1e-12);
+    let schedule = &chamfer(&scenario).schedule;
+    assert!((schedule.ramp_s() - 3.8).abs() < 1e-12);
     assert!((scenario.run.duration_s - 4.2).abs() < 1e-12);
-    let turned_rad = chamfer(&scenario).revolution_s() * chamfer(&scenario).spindle_rad_s;
+    let turned_rad = schedule.revolution_s() * schedule.spindle_rad_s;
     assert!((turned_rad - TAU).abs() < 1e-12);
 }
 
@@ -96,9 +107,9 @@ fn verify_the_preload_of_two_32_mm_cylinders() {
     let scenario = read(&[("process.chamfer.foot.pressure_mpa", "0.3")]).unwrap();
     let foot = chamfer(&scenario).foot.as_ref().unwrap();
     assert!(
-        (foot.preload_n() - 482.5).abs() < 0.05,
+        (foot.cylinders.preload_n() - 482.5).abs() < 0.05,
         "{}",
-        foot.preload_n()
+        foot.cylinders.preload_n()
     );
 }
 
@@ -142,8 +153,11 @@ fn overrides_reach_numbers_words_lists_and_tables_that_the_file_does_not_have() 
     assert_eq!(scenario.robot.posture_rad[1], 60_f64.to_radians());
     assert_eq!(chamfer(&scenario).direction, FeedDirection::Forward);
     let foot = chamfer(&scenario).foot.as_ref().unwrap();
-    assert_eq!(foot.friction, FrictionSpec::Coulomb { mu: 0.3 });
-    assert_eq!(chamfer(&scenario).cutting.edge_axial_n_per_m, 20e3);
+    assert_eq!(
+        foot.friction,
+        FootFriction::Law(FrictionLaw::Coulomb { mu: 0.3 })
+    );
+    assert_eq!(chamfer(&scenario).coefficients.edge_axial_n_per_m, 20e3);
     assert_eq!(scenario.run.deflection_scale, 100.0);
     assert!(!scenario.robot.gravity);
     assert!((scenario.claims[1].max.unwrap() - 1e-4).abs() < 1e-18);
@@ -171,9 +185,9 @@ fn the_effective_text_is_the_same_scenario_without_overrides() {
     assert_eq!(again.run, changed.run);
     assert_eq!(
         chamfer(&again).foot.as_ref().unwrap().friction,
-        FrictionSpec::None
+        FootFriction::Law(FrictionLaw::None)
     );
-    assert!((chamfer(&again).spindle_rad_s - 400.0 * PI / 30.0).abs() < 1e-12);
+    assert!((chamfer(&again).schedule.spindle_rad_s - 400.0 * PI / 30.0).abs() < 1e-12);
 }
 
 #[test]
@@ -183,7 +197,15 @@ fn further_overrides_come_after_the_first() {
     let further = scenario
         .with_overrides(&[(key.into(), "0.5".into())])
         .unwrap();
-    assert_eq!(chamfer(&further).foot.as_ref().unwrap().pressure_pa, 5e5);
+    assert_eq!(
+        chamfer(&further)
+            .foot
+            .as_ref()
+            .unwrap()
+            .cylinders
+            .pressure_pa,
+        5e5
+    );
     assert_eq!(further.overrides().len(), 2);
 }
 
@@ -291,4 +313,26 @@ fn the_published_schema_describes_every_key() {
     let mut found = Vec::new();
     undescribed(&schema, "", &mut found);
     assert_eq!(found, Vec::<String>::new());
+}
+
+/// Uncertain values are SI like all others; they are written back in the unit of their key.
+#[test]
+fn an_uncertain_value_arrives_in_si_and_is_written_in_its_keys_unit() {
+    let entries = "[[uncertain]]\nkey = \"process.chamfer.depth_mm\"\nrelative = 0.1\n\
+                   [[uncertain]]\nkey = \"process.chamfer.spindle_rpm\"\nabsolute = 6.0\n";
+    let text = format!("{TEXT}\n{entries}");
+    let scenario = Scenario::from_str(Path::new("d.toml"), &text, &[]).unwrap();
+    let [depth, spindle] = scenario.uncertain.as_slice() else {
+        panic!("two");
+    };
+    assert_eq!((depth.value, depth.sigma), (1e-3, 1e-4));
+    assert!((spindle.value - 10.0 * PI).abs() < 1e-12 && (spindle.sigma - 0.2 * PI).abs() < 1e-12);
+    assert_eq!(depth.written(2e-3), "2.0");
+    let faster: f64 = spindle.written(20.0 * PI).parse().unwrap();
+    assert!((faster - 600.0).abs() < 1e-9);
+    let symbol = truecut_scenario::si_symbol;
+    assert_eq!(symbol(&depth.key), "m");
+    assert_eq!(symbol(&spindle.key), "rad/s");
+    assert_eq!(symbol("process.polish.wheel.damping_pa_s_per_m"), "Pa s/m");
+    assert_eq!(symbol("robot.stiffness_scale"), "1");
 }

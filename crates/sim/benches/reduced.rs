@@ -1,55 +1,38 @@
 //! The reduced plant beside rapier, in one run: cost of a step, of building, speed-up, distance.
 //!
-//! Every shipped scenario that is not a sweep, and rigs of one and three joints. A run is timed from the
-//! built cell to its last row, guard and rows included, without a recorder; building with the robot's files
-//! read before, and anew. The distance is the normalised root mean square error against rapier at its
-//! default step: of the tool's displacement, and of the force on the dynamometer or under the wheel.
+//! Every shipped scenario that is not a sweep, and rigs of one and three joints. A run is timed from its first
+//! step to its last, guard and recorder included, the shortest of several; building with the robot's files read
+//! before, and anew. The distance is the normalised root mean square error against rapier at its
+//! default step: of the tool's displacement, and of the force on the dynamometer or under the wheel. With
+//! `--test` every run is timed once.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
-use truecut_recording::{Recorder, Recording, Window, compare};
+use truecut_recording::{Window, compare};
 use truecut_scenario::Scenario;
-use truecut_sim::{Cell, Robots};
+use truecut_sim::Robots;
+use truecut_sim::run::{Claims, Engine, Finished, Run};
 
 const REPEATS: usize = 7;
-const WINDOW: usize = 100;
 
-fn record(cell: Cell) -> Recording {
-    let mut recorder = Recorder::new(cell.header(), Vec::new()).expect("no sinks");
-    let end = cell.run(&mut recorder, &|_| {}).expect("no sinks");
-    let finished = recorder.finish(end.scalars, end.profiles, end.outcome);
-    finished.expect("no sinks").0
+fn repeats() -> usize {
+    let once = std::env::args().any(|argument| argument == "--test");
+    if once { 1 } else { REPEATS }
 }
 
-/// Shortest times in s of building and of a step. Of a run, every [`WINDOW`] rows are timed by themselves
-/// and the shortest of all repeats counts, so that what else the machine does drops out.
-fn shortest(build: impl Fn() -> Cell) -> (f64, f64) {
-    let mut build_s = f64::INFINITY;
-    let mut windows_s: Vec<f64> = Vec::new();
-    for _ in 0..REPEATS {
-        let start = Instant::now();
-        let cell = build();
-        build_s = build_s.min(start.elapsed().as_secs_f64());
-        let (mut sum, mut rows) = (0.0, 0);
-        let mut start = Instant::now();
-        cell.run_rows(|_, row| {
-            sum += row[0];
-            rows += 1;
-            if rows % WINDOW == 0 {
-                let window = rows / WINDOW - 1;
-                let now = Instant::now();
-                let taken_s = (now - start).as_secs_f64();
-                match windows_s.get_mut(window) {
-                    Some(best) => *best = best.min(taken_s),
-                    None => windows_s.push(taken_s),
-                }
-                start = now;
-            }
-        });
-        std::hint::black_box(sum);
-    }
-    let timed_rows = (windows_s.len() * WINDOW) as f64;
-    (build_s, windows_s.iter().sum::<f64>() / timed_rows)
+/// A run, with the shortest times in s of building and of a step.
+fn shortest(run: impl Fn() -> Finished) -> (Finished, f64, f64) {
+    let runs: Vec<Finished> = (0..repeats()).map(|_| run()).collect();
+    let least =
+        |time: &dyn Fn(&Finished) -> f64| runs.iter().map(time).fold(f64::INFINITY, f64::min);
+    let (build_s, run_s) = (least(&|run| run.build_s), least(&|run| run.run_s));
+    let last = &runs[runs.len() - 1];
+    let simulated_s = last.recording.time_s.last().expect("rows");
+    let steps = simulated_s / last.time_step_s;
+    (
+        runs.into_iter().next_back().expect("runs"),
+        build_s,
+        run_s / steps,
+    )
 }
 
 fn main() {
@@ -60,22 +43,27 @@ fn main() {
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     for (name, scenario) in scenarios() {
         let robots = Robots::new();
-        let reduced = || Cell::build_reduced_from(&robots, &scenario).expect("shipped");
-        let rapier = || Cell::build(&scenario).expect("shipped");
-        let (step_s, rapier_step_s) = (reduced().time_step_s(), rapier().time_step_s());
-        let (build_s, cost_s) = shortest(reduced);
-        let (_, rapier_cost_s) = shortest(rapier);
-        let read_s = (0..REPEATS)
-            .map(|_| {
-                let start = Instant::now();
-                std::hint::black_box(Cell::build_reduced(&scenario).expect("shipped"));
-                start.elapsed().as_secs_f64()
-            })
-            .fold(f64::INFINITY, f64::min);
-        let (ours, theirs) = (record(reduced()), record(rapier()));
+        let run = |engine, robots| {
+            let run = Run {
+                engine,
+                robots,
+                claims: Claims::Ignore,
+                ..Run::of(&scenario)
+            };
+            run.execute().expect("shipped")
+        };
+        let (ours, build_s, cost_s) = shortest(|| run(Engine::REDUCED, Some(&robots)));
+        let (_, read_s, _) = shortest(|| run(Engine::REDUCED, None));
+        let (theirs, _, rapier_cost_s) = shortest(|| run(Engine::Rapier, None));
+        let (step_s, rapier_step_s) = (ours.time_step_s, theirs.time_step_s);
         let distance = |channels: &[&str]| {
-            compare(&theirs, &ours, channels, Window::default())
-                .map_or_else(|_| String::new(), |d| format!("{:.3} %", d.nrmse * 1e2))
+            compare(
+                &theirs.recording,
+                &ours.recording,
+                channels,
+                Window::default(),
+            )
+            .map_or_else(|_| String::new(), |d| format!("{:.3} %", d.nrmse * 1e2))
         };
         let on = |stem: &str| {
             let axes = ["x", "y", "z"].map(|a| format!("{stem}_{a}"));

@@ -3,14 +3,14 @@
 use nalgebra::Vector3;
 use truecut_arm::Robot;
 use truecut_recording::UnknownName;
-use truecut_scenario::{Drive, RobotSpec};
+use truecut_scenario::{DriveKind, RobotSpec};
 
 use crate::error::SimError;
 
 /// Whether the scenario takes the robot as the files have it.
 pub(crate) fn leaves_as_is(spec: &RobotSpec) -> bool {
     let scales = (spec.inertia_scale, spec.stiffness_scale, spec.damping_scale);
-    spec.drive != Drive::Servo
+    spec.drive != DriveKind::Servo
         && scales == (1.0, 1.0, 1.0)
         && spec.links.is_empty()
         && spec.joints.is_empty()
@@ -35,7 +35,7 @@ pub(crate) fn adjusted(robot: &Robot, spec: &RobotSpec) -> Result<Robot, SimErro
         let at = find("joint", index, &own.name, known)?;
         robot.chain.joints[at].transmission.rotor_inertia *= own.rotor_inertia_factor;
     }
-    if spec.drive == Drive::Servo {
+    if spec.drive == DriveKind::Servo {
         robot.close_rigid_servos();
     }
     Ok(robot)

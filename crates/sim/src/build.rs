@@ -1,26 +1,22 @@
 //! From a scenario to everything that a cell is made of.
 
-use crate::command::{JointCommand, StraightPath};
+use crate::command::JointCommand;
 use crate::effect::{self, Altered, Effects};
 use crate::error::SimError;
-use crate::led_path::LedPath;
 use crate::loads::{Attachment, Wrench};
-use crate::measurement::ChannelModel;
-use crate::plant::{Drive, DriveKind, JointLaw};
-use crate::posture::{check_limits, of_job, posture};
-use crate::process::{Process, Start};
-use crate::replay::forward::ForwardInputs;
+use crate::plant::{Drive, JointLaw};
+use crate::posture::check_limits;
+use crate::process::{self, Process, SetupContext, Start};
 use crate::robots::Robots;
 use crate::scene::Workpiece;
 use crate::step_size::{self, Scheme};
-use crate::tool_path::SolvedPath;
-use crate::translate::build_process;
 use nalgebra::{Isometry3, Vector3, Vector6};
 use std::sync::Arc;
 use truecut_arm::{FrameId, JointKind, Load, Robot};
-use truecut_core::joint_law::LinkFriction;
+use truecut_core::joint_law::{LinkFriction, beyond_gap};
+use truecut_core::sensor::ChannelModel;
 use truecut_recording::{Measured, Scalar, Unit};
-use truecut_scenario::{Drive as DriveSpec, ProcessSpec, RobotSpec, RunSpec, Scenario};
+use truecut_scenario::{DriveKind, RobotSpec, RunSpec, Scenario};
 
 /// A scenario resolved against its robot, before any engine is built.
 pub(crate) struct Prepared {
@@ -47,13 +43,9 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    /// `measured` drives a replay; other processes make no use of it.
-    pub(crate) fn new(scenario: &Scenario, measured: Option<&Measured>) -> Result<Self, SimError> {
-        Self::for_scheme(scenario, measured, &Robots::new(), Scheme::Leapfrog)
-    }
-
-    /// Robots that have been read are not read again; the step is chosen for the scheme.
-    pub(crate) fn for_scheme(
+    /// `measured` drives a replay; other processes make no use of it. Robots that have been read are not read
+    /// again; the step is chosen for the scheme.
+    pub(crate) fn new(
         scenario: &Scenario,
         measured: Option<&Measured>,
         robots: &Robots,
@@ -62,133 +54,64 @@ impl Prepared {
         let spec = &scenario.robot;
         let nominal = robots.robot(spec)?;
         let kind = drive_kind(spec, &nominal)?;
-        let effects = Effects::of(scenario, &nominal, kind)?;
-        let gravity_m_s2 = if spec.gravity {
-            truecut_arm::standard_gravity_m_s2()
-        } else {
-            Vector3::zeros()
-        };
-        let replay = ForwardInputs::of(scenario, measured, &nominal, kind)?;
-        let mut posture = match &scenario.process {
-            // The way begins where it was taught.
-            ProcessSpec::Brush(_) => vec![0.0; nominal.dof()],
-            ProcessSpec::Belt(belt) => {
-                posture(spec, &nominal).map_err(|error| of_job(error, &belt.job.file))?
-            }
-            _ => posture(spec, &nominal)?,
-        };
-        if let Some(replay) = &replay {
-            replay.check_posture(spec, &nominal, &posture)?;
-            posture = replay.posture(&posture);
-        }
-        let path = SolvedPath::of(scenario, &nominal, &posture)?;
-        if let Some(path) = &path {
-            posture.clone_from(&path.knots[0]);
-        }
-        let led = LedPath::of(scenario, &nominal, robots, &posture)?;
-        if let Some(path) = &led {
-            posture = path.start().to_vec();
-        }
-        let run_s = scenario.run.duration_s;
-        let path_s = (led.as_ref()).map_or(run_s, |path| path.duration_s.min(run_s));
-        let mut world_from_process = nominal.world_from_process(&posture);
-        let (mut process, workpiece) = match &replay {
-            Some(replay) => (
-                Box::new(replay.process()) as Box<dyn Process>,
-                Workpiece::None,
-            ),
-            None => build_process(
-                scenario,
-                &nominal,
-                kind,
-                &posture,
-                &world_from_process,
-                &effects,
-                led.as_deref(),
-            )?,
-        };
-        let duration_s = (replay.as_ref()).map_or(path_s, ForwardInputs::duration_s);
+        let effects = Effects::of(scenario, &nominal)?;
+        let gravity_m_s2 = gravity_m_s2(spec);
+        let made = process::set_up(&SetupContext {
+            scenario,
+            robot: &nominal,
+            robots,
+            kind,
+            effects: &effects,
+            measured,
+        })?;
+        let mut world_from_process = nominal.world_from_process(&made.posture);
+        let duration_s = made.duration_s(scenario.run.duration_s);
         let gravity = Load::gravity(gravity_m_s2);
         let sag = (spec.hold_against_sag && kind != DriveKind::Force).then_some(&gravity);
         // The controller knows the nominal robot only; what it does not know shows in the run.
-        let path_note = led.as_ref().and_then(|path| path.note.clone());
-        let command = match (&replay, path, &scenario.process) {
-            (Some(replay), ..) => replay.command(&posture),
-            _ if let Some(led) = &led => JointCommand::Replay(led.command(&nominal, sag)?),
-            (None, Some(path), ProcessSpec::Milling(milling)) => {
-                JointCommand::Along(StraightPath::of(&nominal, path, milling.feed_m_per_s, sag)?)
-            }
-            (None, ..) => command(
-                &nominal,
-                &posture,
-                &world_from_process,
-                process.as_ref(),
-                duration_s,
-                sag,
-            )?,
-        };
+        let command = made.command(&nominal, &world_from_process, duration_s, sag)?;
         check_limits(&nominal, &command)?;
         let altered = effect::alter(&nominal, &effects)?;
         let command = command.behind(altered.base_joints);
         let start = match kind {
             DriveKind::Force => {
-                let mut start = vec![0.0; altered.base_joints];
-                start.extend(&posture);
-                effect::base_at_rest(&altered, &start, &gravity)
+                let base = vec![0.0; altered.base_joints];
+                effect::base_at_rest(&altered, &[&base[..], &made.posture].concat(), &gravity)
             }
-            _ => touch_down(
-                &altered,
-                &command,
-                process.as_ref(),
-                &world_from_process,
-                &gravity,
-            )?,
+            _ => {
+                let process = made.process.as_ref();
+                touch_down(&altered, &command, process, &world_from_process, &gravity)?
+            }
         };
-        let start = replay.as_ref().map_or(start.clone(), |replay| {
-            let mut measured = start.clone();
-            let arm = replay.start(&start[altered.base_joints..]);
-            measured[altered.base_joints..].copy_from_slice(&arm);
-            measured
-        });
-        let friction = friction(&altered, kind);
-        let Altered {
-            robot,
-            base_joints,
-            laws,
-            ..
-        } = altered;
-        let touched = robot.world_from_frame(&start, FrameId::Tool);
+        let (base, arm) = start.split_at(altered.base_joints);
+        let start = [base, &made.start(arm)].concat();
+        let path_note = made.note();
+        let (mut process, workpiece) = (made.process, made.workpiece);
+        let touched = altered.robot.world_from_frame(&start, FrameId::Tool);
         let unloaded = world_from_process.translation;
         world_from_process.translation = touched.translation;
-        let fastest = match kind {
-            DriveKind::Force => None,
-            _ => Some(step_size::fastest_mode(
-                &stiffest(&robot, &laws, &start, &command),
-                &start,
-                process.as_ref(),
-                base_joints,
-                kind == DriveKind::Servo,
-            )?),
-        };
-        let run = RunSpec {
-            duration_s,
-            ..scenario.run
-        };
-        let loose = laws.iter().any(|law| law.gap > 0.0);
-        let scheme = if loose { scheme.with_play() } else { scheme };
-        let dt_s = step_size::choose(scheme, &run, fastest, process.as_ref())?;
+        let run = with_duration(&scenario.run, duration_s);
+        let dt_s = time_step(
+            kind,
+            scheme,
+            &run,
+            &altered,
+            &start,
+            &command,
+            process.as_ref(),
+        )?;
         process.begin(&Start {
             time_step_s: dt_s,
             tool_offset_m: world_from_process.rotation.inverse()
                 * (touched.translation.vector - unloaded.vector),
         });
-        let mut notes = robot.chain.notes.clone();
+        let mut notes = altered.robot.chain.notes.clone();
         notes.extend(path_note);
         Ok(Self {
-            robot: Arc::new(robot),
-            base_joints,
-            laws,
-            friction,
+            friction: friction(&altered, kind),
+            robot: Arc::new(altered.robot),
+            base_joints: altered.base_joints,
+            laws: altered.laws,
             sensors: effects.sensors,
             kind,
             gravity_m_s2,
@@ -225,6 +148,18 @@ impl Prepared {
     }
 }
 
+fn with_duration(run: &RunSpec, duration_s: f64) -> RunSpec {
+    RunSpec { duration_s, ..*run }
+}
+
+fn gravity_m_s2(spec: &RobotSpec) -> Vector3<f64> {
+    if spec.gravity {
+        truecut_arm::standard_gravity_m_s2()
+    } else {
+        Vector3::zeros()
+    }
+}
+
 fn first_of(command: &JointCommand, dof: usize) -> Vec<f64> {
     let (mut position, mut velocity) = (vec![0.0; dof], vec![0.0; dof]);
     command.at(0.0, &mut position, &mut velocity);
@@ -247,13 +182,38 @@ fn friction(altered: &Altered, kind: DriveKind) -> Vec<LinkFriction> {
         .collect()
 }
 
+/// The time step of a run from these joints, s.
+fn time_step(
+    kind: DriveKind,
+    scheme: Scheme,
+    run: &RunSpec,
+    altered: &Altered,
+    start: &[f64],
+    command: &JointCommand,
+    process: &dyn Process,
+) -> Result<f64, SimError> {
+    let fastest = match kind {
+        DriveKind::Force => None,
+        _ => Some(step_size::fastest_mode(
+            &stiffest(&altered.robot, &altered.laws, start, command),
+            start,
+            process,
+            altered.base_joints,
+            kind == DriveKind::Servo,
+        )?),
+    };
+    let play = altered.laws.iter().any(|law| law.gap > 0.0);
+    let scheme = if play { scheme.with_play() } else { scheme };
+    step_size::choose(scheme, run, fastest, process)
+}
+
 /// The robot with its transmissions as stiff as they get at the start, for choosing the step.
 fn stiffest(robot: &Robot, laws: &[JointLaw], start: &[f64], command: &JointCommand) -> Robot {
     let mut stiff = robot.clone();
     let command = first_of(command, robot.dof());
     for (i, (joint, law)) in stiff.chain.joints.iter_mut().zip(laws).enumerate() {
         let windup = law.seen(command[i]) - start[i];
-        let beyond = windup - windup.clamp(-0.5 * law.gap, 0.5 * law.gap);
+        let beyond = beyond_gap(windup, law.gap);
         let added = law.hysteresis.map_or(0.0, |h| h.largest_stiffness())
             + (3.0 * law.cubic * beyond * beyond).max(0.0);
         if added > 0.0 {
@@ -282,11 +242,7 @@ pub fn rotary_joints(scenario: &Scenario) -> Result<Vec<bool>, SimError> {
 }
 
 fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
-    let kind = match spec.drive {
-        DriveSpec::Position => DriveKind::Position,
-        DriveSpec::Servo => DriveKind::Servo,
-        DriveSpec::Force => DriveKind::Force,
-    };
+    let kind = spec.drive;
     if kind == DriveKind::Force {
         return Ok(kind);
     }
@@ -323,25 +279,6 @@ fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
         }
     }
     Ok(kind)
-}
-
-fn command(
-    robot: &Robot,
-    posture: &[f64],
-    world_from_process: &Isometry3<f64>,
-    process: &dyn Process,
-    duration_s: f64,
-    sag: Option<&Load>,
-) -> Result<JointCommand, SimError> {
-    let speed = process.feed_along_y_m_per_s();
-    if speed == 0.0 {
-        return Ok(JointCommand::Hold(match sag {
-            Some(load) => robot.holding_command(posture, load)?,
-            None => posture.to_vec(),
-        }));
-    }
-    StraightPath::solve(robot, posture, world_from_process, speed, duration_s, sag)
-        .map(JointCommand::Along)
 }
 
 /// The posture at rest under gravity and the process's static loads; friction is unloaded.

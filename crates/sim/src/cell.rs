@@ -7,12 +7,12 @@ use crate::command::JointCommand;
 use crate::contact::ContactSolver;
 use crate::error::SimError;
 use crate::guard::Guard;
-use crate::measurement::Sensor;
 use crate::plant::Plant;
 use crate::process::Process;
 use crate::scene::{Setting, Stage};
 use crate::torque_use::TorqueUse;
 use nalgebra::{Matrix3, Vector3};
+use truecut_core::sensor::Sensor;
 use truecut_recording::{ChannelSpec, Header, Outcome, Recorder, Scalar, UnknownName};
 use truecut_scenario::Scenario;
 
@@ -24,7 +24,7 @@ const ROWS_BEYOND: usize = 3;
 const FIELDS_PER_RUN: usize = 40;
 
 /// One scenario, ready to run.
-pub struct Cell {
+pub(crate) struct Cell {
     scenario: Scenario,
     channels: Vec<ChannelSpec>,
     notes: Vec<String>,
@@ -54,7 +54,7 @@ pub struct Cell {
 }
 
 /// What a run ended with; give it to [`Recorder::finish`].
-pub struct RunEnd {
+pub(crate) struct RunEnd {
     pub scalars: Vec<Scalar>,
     pub profiles: Vec<truecut_recording::Profile>,
     pub outcome: Outcome,
@@ -88,6 +88,17 @@ impl Cell {
     pub fn end_after(&mut self, time_s: f64) {
         let rows = (time_s / self.row_interval_s()).ceil().max(0.0) as usize + ROWS_BEYOND;
         self.steps = self.steps.min(rows.saturating_mul(self.steps_per_row));
+    }
+
+    /// Puts another process in the place of this one.
+    #[cfg(test)]
+    pub(crate) fn replace_process(
+        &mut self,
+        other: impl FnOnce(Box<dyn Process>) -> Box<dyn Process>,
+    ) {
+        let process =
+            std::mem::replace(&mut self.process, Box::new(crate::contract::process::Gone));
+        self.process = other(process);
     }
 
     /// The column of a channel.

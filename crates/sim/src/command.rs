@@ -1,15 +1,17 @@
 //! Commanded joint coordinates over time.
 
 use crate::error::SimError;
+use crate::motion::straight::SolvedPath;
 use crate::process::ForceSamples;
-use crate::tool_path::SolvedPath;
 use nalgebra::{Isometry3, Translation3, Vector3};
 use truecut_arm::{FrameId, IkOptions, Load, Robot};
+use truecut_plan::motion::LeadIn;
+use truecut_plan::motion::interpolation::{hermite, lagrange, slope};
 
-/// Time in which a commanded feed comes up to speed, s.
-const RUN_UP_S: f64 = 0.1;
-/// Knots of a path lie this far apart, m. Cubic interpolation between them errs by less than 1e-9 m on
-/// the posture changes of a machining path.
+/// In which a commanded feed comes up to speed.
+const LEAD_IN: LeadIn = LeadIn { duration_s: 0.1 };
+/// Knots of a path lie this far apart, m. Cubic interpolation between them errs by less than 1e-9 m
+/// on the posture changes of a machining path.
 const KNOT_SPACING_M: f64 = 2e-3;
 
 /// What the controller asks of the joints.
@@ -77,7 +79,8 @@ impl JointCommand {
         !matches!(self, Self::Hold(_))
     }
 
-    /// Velocities of the joints at the start, where the arm starts with those of its command; else none.
+    /// Velocities of the joints at the start, where the arm starts with those of its command; else
+    /// none.
     pub(crate) fn start_velocity(&self, dof: usize) -> Vec<f64> {
         let (mut position, mut velocity) = (vec![0.0; dof], vec![0.0; dof]);
         if let Self::Along(path) = self
@@ -108,8 +111,8 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// Cubic Hermite interpolation with central differences (one-sided at both ends) as slopes: the velocity is the derivative of the
-    /// position, and both are continuous.
+    /// Cubic Hermite interpolation with central differences (one-sided at both ends) as slopes: the
+    /// velocity is the derivative of the position, and both are continuous.
     fn at(&self, t_s: f64, position: &mut [f64], velocity: &mut [f64]) {
         let last = self.postures.len() - 1;
         let x = (t_s / self.interval_s).clamp(0.0, last as f64);
@@ -117,24 +120,19 @@ impl Samples {
         let u = x - k as f64;
         let moves = last > 0 && (0.0..=last as f64 * self.interval_s).contains(&t_s);
         for joint in 0..position.len() {
-            let p = |i: usize| self.postures[i.min(last)][joint];
-            let slope = |i: usize| match i {
-                _ if last < 2 => p(last) - p(0),
-                0 => -1.5 * p(0) + 2.0 * p(1) - 0.5 * p(2),
-                i if i >= last => 1.5 * p(last) - 2.0 * p(last - 1) + 0.5 * p(last - 2),
-                i => 0.5 * (p(i + 1) - p(i - 1)),
-            };
-            let (p0, p1, m0, m1) = (p(k), p(k + 1), slope(k), slope(k + 1));
-            let (rise, bend) = (p1 - p0, m0 + m1 - 2.0 * (p1 - p0));
-            position[joint] = p0 + u * (m0 + u * (rise - m0 + (u - 1.0) * bend));
-            let rate = m0 + u * (2.0 * (rise - m0 - bend) + 3.0 * u * bend);
+            let knot = |i: usize| self.postures[i][joint];
+            let ends = [knot(k), knot((k + 1).min(last))];
+            let slopes = [k, k + 1].map(|i| slope(knot, last, i));
+            let [value, rate] = hermite(ends, slopes, u);
+            position[joint] = value;
             velocity[joint] = if moves { rate / self.interval_s } else { 0.0 };
         }
     }
 }
 
 impl StraightPath {
-    /// Solves the knots by inverse kinematics from `q0`, and adds the sag that the command makes up for.
+    /// Solves the knots by inverse kinematics from `q0`, and adds the sag that the command makes up
+    /// for.
     pub(crate) fn solve(
         robot: &Robot,
         q0: &[f64],
@@ -178,7 +176,8 @@ impl StraightPath {
         })
     }
 
-    /// A path whose postures are known, at its speed from the start on, with the sag that the command makes up for.
+    /// A path whose postures are known, at its speed from the start on, with the sag that the
+    /// command makes up for.
     pub(crate) fn of(
         robot: &Robot,
         path: SolvedPath,
@@ -198,19 +197,14 @@ impl StraightPath {
         })
     }
 
-    /// Distance along the path and its rate: a smooth run-up (quintic in position), then constant speed.
+    /// Distance along the path and its rate: a lead-in, then constant speed.
     fn distance(&self, t_s: f64) -> (f64, f64) {
         if !self.from_rest {
             return (self.speed_m_per_s * t_s, self.speed_m_per_s);
         }
-        let x = (t_s / RUN_UP_S).clamp(0.0, 1.0);
-        // speed rises as 3x² - 2x³
-        let ramped = RUN_UP_S * (x.powi(3) - 0.5 * x.powi(4));
-        let rate = x * x * (3.0 - 2.0 * x);
-        let after = (t_s - RUN_UP_S).max(0.0);
         (
-            self.speed_m_per_s * (ramped + after),
-            self.speed_m_per_s * rate,
+            self.speed_m_per_s * LEAD_IN.own_s(t_s),
+            self.speed_m_per_s * LEAD_IN.rate(t_s),
         )
     }
 
@@ -220,14 +214,9 @@ impl StraightPath {
         let k = (x.floor() as usize).clamp(1, self.knots.len() - 3);
         let u = x - k as f64;
         for joint in 0..position.len() {
-            let p = |i: usize| self.knots[k + i - 1][joint];
-            let (p0, p1, p2, p3) = (p(0), p(1), p(2), p(3));
-            // Cubic Lagrange through the four knots around.
-            let a = (-p0 + 3.0 * p1 - 3.0 * p2 + p3) / 6.0;
-            let b = (p0 - 2.0 * p1 + p2) / 2.0;
-            let c = (-2.0 * p0 - 3.0 * p1 + 6.0 * p2 - p3) / 6.0;
-            position[joint] = ((a * u + b) * u + c) * u + p1;
-            let slope = (3.0 * a * u + 2.0 * b) * u + c;
+            let knot = |i: usize| self.knots[k + i - 1][joint];
+            let [value, slope] = lagrange([0, 1, 2, 3].map(knot), u);
+            position[joint] = value;
             velocity[joint] = slope * rate / self.spacing_m;
         }
     }
@@ -237,9 +226,10 @@ impl StraightPath {
 mod tests {
     use super::*;
 
-    /// The interpolant goes through the samples, is exact for parabolas inside, and its velocity is its slope.
+    /// The interpolant goes through the samples, is exact for parabolas inside, and its velocity is
+    /// its slope.
     #[test]
-    fn verify_measured_commands_are_smooth_between_samples() {
+    fn measured_commands_are_smooth_between_samples() {
         let h = 0.01;
         let parabola = |t: f64| 0.3 - 2.0 * t + 5.0 * t * t;
         let command = JointCommand::Replay(Samples {

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix6xX, Point3, Vector3, Vector6};
 use truecut_arm::{ArmError, FrameId, JointKind, Load, Robot, standard_gravity_m_s2};
 use truecut_scenario::RobotSpec;
-use truecut_scenario::identification::{Axes, HammerPoint, Point};
+use truecut_scenario::identification::{Axes, HammerPoint};
 
 use crate::build::load_robot;
 use crate::error::SimError;
@@ -115,12 +115,11 @@ impl ElasticArm {
     pub fn deflection(
         &self,
         command: &[f64],
-        loaded: Point,
-        observed: Point,
+        loaded: FrameId,
+        observed: FrameId,
         wrench: Vector6<f64>,
     ) -> Result<Deflection, SimError> {
         let robot = &self.robot;
-        let (loaded, observed) = (frame(loaded), frame(observed));
         let free = Load {
             gravity_m_s2: self.gravity_m_s2,
             wrench: None,
@@ -168,11 +167,11 @@ impl ElasticArm {
     /// Motion of a hammer point along its direction per unit of joint motion, in the posture of the file.
     pub fn along(&self, at: &HammerPoint, axes: Axes) -> Vec<f64> {
         let robot = &self.robot;
-        let pose = robot.world_from_frame(&self.posture, frame(at.point));
+        let pose = robot.world_from_frame(&self.posture, at.frame);
         let offset = pose * Point3::from(at.offset_m) - Point3::from(pose.translation.vector);
         let direction =
             self.world_from_axes(&self.posture, axes) * Vector3::from_column_slice(&at.direction);
-        let jacobian = robot.jacobian(&self.posture, frame(at.point));
+        let jacobian = robot.jacobian(&self.posture, at.frame);
         (jacobian.column_iter())
             .map(|column| {
                 let linear: Vector3<f64> = column.fixed_rows::<3>(0).into();
@@ -180,13 +179,5 @@ impl ElasticArm {
                 direction.dot(&(linear + angular.cross(&offset)))
             })
             .collect()
-    }
-}
-
-fn frame(point: Point) -> FrameId {
-    match point {
-        Point::Tool => FrameId::Tool,
-        Point::Flange => FrameId::Flange,
-        Point::Foot => FrameId::Foot,
     }
 }

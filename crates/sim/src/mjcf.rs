@@ -1,26 +1,30 @@
 //! The cell's plant as a MuJoCo model.
 
 use crate::build::Prepared;
+use crate::effect::{Effects, JointEffects};
 use crate::error::SimError;
-use crate::plant::DriveKind;
+use crate::robots::Robots;
+use crate::step_size::Scheme;
 use truecut_arm::{MjcfDrive, MjcfOptions};
+use truecut_scenario::DriveKind;
 use truecut_scenario::Scenario;
-use truecut_scenario::effect::{Effect, EffectKind, Family};
+use truecut_scenario::effect::Effect;
 
 /// MJCF of the scenario's arm at the posture of touch-down, driven as the scenario says. The process is not
 /// part of it: it is applied from outside, as it is here.
 ///
 /// # Errors
-/// What [`crate::Cell::build`] would refuse about the robot; a servo drive, which MJCF joints cannot hold.
+/// What a run would refuse about the robot; a servo drive, which MJCF joints cannot hold.
 pub fn export_mjcf(scenario: &Scenario) -> Result<String, SimError> {
     // Laws of joints and process are ours; the MJCF holds what is built into the robot.
-    let built_in = |effect: &Effect| {
-        matches!(
-            effect.kind,
-            EffectKind::JointStiffness | EffectKind::JointDamping
-        ) || effect.kind.family() != Family::Joint
+    let robots = Robots::new();
+    let prepared = Prepared::new(scenario, None, &robots, Scheme::Leapfrog)?;
+    let nominal = robots.robot(&scenario.robot)?;
+    let is_law = |effect: &Effect| {
+        let sum = Effects::sum([effect], &nominal.chain.joints);
+        !sum.joints.iter().all(JointEffects::is_built_in)
     };
-    if let Some(index) = (scenario.effects.iter()).position(|e| !e.is_neutral() && !built_in(e)) {
+    if let Some(index) = scenario.effects.iter().position(is_law) {
         return Err(SimError::scenario(
             format!("effect.{index}.kind"),
             format!(
@@ -29,7 +33,6 @@ pub fn export_mjcf(scenario: &Scenario) -> Result<String, SimError> {
             ),
         ));
     }
-    let prepared = Prepared::new(scenario, None)?;
     let drive = match prepared.kind {
         DriveKind::Position => MjcfDrive::Position,
         DriveKind::Force => MjcfDrive::Free,

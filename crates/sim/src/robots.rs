@@ -1,29 +1,28 @@
-//! Robots that are read once and used by many cells, and the ways of wheels that are solved once.
+//! Robots that are read once and used by many cells, and a cache of solved motions.
 
 use crate::adjust::{adjusted, leaves_as_is};
 use crate::error::SimError;
-use crate::led_path::LedPath;
+use crate::motion::PlannedMotion;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use truecut_arm::Robot;
-use truecut_scenario::{ProcessSpec, RobotSpec};
+use truecut_scenario::{ProcessSpec, RobotSpec, Scenario};
 
 type Files = (PathBuf, Option<PathBuf>, Option<String>);
 
-/// What the way of a wheel depends on: the arm's geometry, the posture that chooses its branch, the process.
-type PathOf = (Files, Vec<f64>, ProcessSpec);
+/// What a motion depends on: the arm's geometry, the posture that chooses its branch, the process.
+type MotionOf = (Files, Vec<f64>, ProcessSpec);
 
-/// Paths that are kept: a diagnosis comes back to those of a few values of each uncertain parameter.
-const PATHS_KEPT: usize = 16;
+/// Motions in the cache: a diagnosis comes back to those of a few values of each uncertain parameter.
+const MOTIONS_KEPT: usize = 16;
 
 /// Robots by their files and tip, as read when they were first asked for. Give one to
-/// [`Cell::build_reduced_from`](crate::Cell::build_reduced_from) where the same robot is built again and
-/// again; files that change meanwhile are not read again. Threads may share it.
+/// [`Run`](crate::run::Run) where the same robot runs again and again; files that change meanwhile are not read again. Threads may share it.
 #[derive(Debug, Default)]
 pub struct Robots {
     read: Mutex<BTreeMap<Files, Arc<Robot>>>,
-    paths: Mutex<VecDeque<(PathOf, Arc<LedPath>)>>,
+    motions: Mutex<VecDeque<(MotionOf, Arc<PlannedMotion>)>>,
 }
 
 impl Robots {
@@ -42,32 +41,31 @@ impl Robots {
         Ok(Arc::new(adjusted(&robot, spec)?))
     }
 
-    /// The way of a process that has one, solved unless it was lately.
-    pub(crate) fn led_path(
+    /// The motion of a scenario's process, solved unless that of a process which `is_same` is in the cache.
+    pub(crate) fn motion(
         &self,
-        robot: &RobotSpec,
+        scenario: &Scenario,
         posture: &[f64],
-        process: &ProcessSpec,
-        solve: impl FnOnce() -> Result<Option<LedPath>, SimError>,
-    ) -> Result<Option<Arc<LedPath>>, SimError> {
-        let is_known = |((of, from, what), _): &&(PathOf, Arc<LedPath>)| {
-            same_way(what, process) && from == posture && *of == files(robot)
+        is_same: impl Fn(&ProcessSpec) -> bool,
+        solve: impl FnOnce() -> Result<PlannedMotion, SimError>,
+    ) -> Result<Arc<PlannedMotion>, SimError> {
+        let robot = &scenario.robot;
+        let is_known = |((of, from, what), _): &&(MotionOf, Arc<PlannedMotion>)| {
+            is_same(what) && from == posture && *of == files(robot)
         };
-        let known = self.paths.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, path)) = known.iter().find(is_known) {
-            return Ok(Some(path.clone()));
+        let known = self.motions.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, motion)) = known.iter().find(is_known) {
+            return Ok(motion.clone());
         }
         drop(known);
-        let Some(path) = solve()?.map(Arc::new) else {
-            return Ok(None);
-        };
-        let mut known = self.paths.lock().unwrap_or_else(PoisonError::into_inner);
-        if known.len() == PATHS_KEPT {
+        let motion = Arc::new(solve()?);
+        let mut known = self.motions.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.len() == MOTIONS_KEPT {
             known.pop_front();
         }
-        let key = (files(robot), posture.to_vec(), process.clone());
-        known.push_back((key, path.clone()));
-        Ok(Some(path))
+        let key = (files(robot), posture.to_vec(), scenario.process.clone());
+        known.push_back((key, motion.clone()));
+        Ok(motion)
     }
 
     fn unscaled(&self, spec: &RobotSpec) -> Result<Arc<Robot>, SimError> {
@@ -80,16 +78,6 @@ impl Robots {
         let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(read.entry(files).or_insert_with(|| Arc::new(robot)).clone())
-    }
-}
-
-/// Whether two processes go the same way. What a belt does to the face along its job's lines does not change them.
-fn same_way(one: &ProcessSpec, other: &ProcessSpec) -> bool {
-    match (one, other) {
-        (ProcessSpec::Belt(one), ProcessSpec::Belt(other)) => {
-            one.job == other.job && one.copies == other.copies && one.cell_m == other.cell_m
-        }
-        (one, other) => one == other,
     }
 }
 

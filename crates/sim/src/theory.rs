@@ -1,9 +1,10 @@
 //! What the slip conditions of the core say of a chamfering pass on a given arm.
 
-use crate::process::{FootFriction, SlipTheory};
+use crate::process::SlipTheory;
 use truecut_core::cutting::slip_condition::{
     ArmCoupling, Cut, first_slip_depth_m, general_threshold_pa,
 };
+use truecut_core::friction::FootFriction;
 use truecut_core::pressure_foot::{Cylinders, PressureFoot};
 
 /// No foot presses harder than this; thresholds above it are not reported, Pa.

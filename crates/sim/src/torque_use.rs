@@ -1,9 +1,10 @@
 //! What is asked of the drives beside what they can give.
 
 use crate::build::Prepared;
-use crate::plant::{DriveKind, Plant};
+use crate::plant::Plant;
 use truecut_arm::{FrameId, Joint, directional_stiffness};
 use truecut_recording::{Scalar, Unit};
+use truecut_scenario::DriveKind;
 
 /// The largest share of its limit that a drive was asked for.
 pub(crate) struct TorqueUse {

@@ -3,7 +3,11 @@
 use std::path::Path;
 use truecut_scenario::Scenario;
 use truecut_sim::facts::robot_facts;
-use truecut_sim::sweep::record;
+use truecut_sim::run::{Finished, Run, RunError};
+
+fn run(scenario: &Scenario) -> Result<Finished, RunError> {
+    Run::of(scenario).execute()
+}
 
 fn scenario(tables: &str) -> Scenario {
     let text = format!(
@@ -42,16 +46,18 @@ fn tables(factor: f64, center_mm: f64, rotor: f64) -> String {
 
 #[test]
 fn a_link_and_a_rotor_as_in_the_files_change_no_bit() {
-    let plain = record(&scenario(""), &[]).unwrap();
-    let given = record(&scenario(&tables(1.0, 0.0, 1.0)), &[]).unwrap();
+    let plain = run(&scenario("")).unwrap().recording;
+    let given = run(&scenario(&tables(1.0, 0.0, 1.0))).unwrap().recording;
     assert_eq!(plain.columns, given.columns);
 }
 
 #[test]
 fn each_of_them_changes_the_run() {
-    let plain = record(&scenario(""), &[]).unwrap();
+    let plain = run(&scenario("")).unwrap().recording;
     for (factor, center) in [(1.2, 0.0), (1.0, 30.0)] {
-        let other = record(&scenario(&tables(factor, center, 1.0)), &[]).unwrap();
+        let other = run(&scenario(&tables(factor, center, 1.0)))
+            .unwrap()
+            .recording;
         assert_ne!(plain.columns, other.columns, "{factor} {center}");
     }
 }
@@ -72,6 +78,6 @@ fn verify_the_moving_mass_follows_the_factor_of_a_link() {
 #[test]
 fn a_link_that_is_not_there_is_refused_at_its_name() {
     let scenario = scenario("[[robot.link]]\nname = \"uper_arm\"\n");
-    let error = record(&scenario, &[]).unwrap_err().to_string();
+    let error = run(&scenario).unwrap_err().to_string();
     assert!(error.contains("uper_arm"), "{error}");
 }

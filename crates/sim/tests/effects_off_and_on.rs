@@ -49,7 +49,7 @@ fn stage(kind: EffectKind) -> Scenario {
         // Two edges push the tool to no side, and the foot would not slide.
         Family::Foot => chamfer(1, 0.3),
         Family::Wheel => polish(),
-        Family::Joint | Family::Robot | Family::Sensor => load(
+        Family::Joint | Family::Robot | Family::Base | Family::Sensor => load(
             "irb6600_175_255",
             ARM_POSTURE,
             "duration_s = 0.1",
@@ -116,7 +116,7 @@ fn all_stages() -> Vec<(EffectKind, Scenario)> {
 }
 
 #[test]
-fn verify_a_neutral_effect_changes_no_bit() {
+fn a_neutral_effect_changes_no_bit() {
     for (kind, scenario) in all_stages() {
         let kind = &kind;
         // What only shapes may have any value.
@@ -141,7 +141,7 @@ fn verify_a_neutral_effect_changes_no_bit() {
 }
 
 #[test]
-fn verify_every_effect_shows_and_only_where_it_acts() {
+fn every_effect_shows_and_only_where_it_acts() {
     for (kind, scenario) in all_stages() {
         let kind = &kind;
         let nominal = run(&scenario, &[]);

@@ -3,11 +3,10 @@
 mod support;
 
 use std::f64::consts::TAU;
-use support::{chamfer, column, load, mean, polish, run, wheel};
+use support::{chamfer, column, load, mean, polish, run, run_with, wheel};
 use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_recording::Recording;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
-use truecut_sim::sweep::record;
 
 fn whole(kind: EffectKind, values: &[f64]) -> Effect {
     Effect {
@@ -248,7 +247,7 @@ fn verify_wheel_runs_out_and_presses_by_its_stiffness() {
 
 /// The wheel's law with modulus and pressure times the factor, Coulomb's friction with its own; Preston's depth is in proportion.
 #[test]
-fn verify_a_polishing_wheel_presses_rubs_and_removes_by_its_factors() {
+fn the_run_applies_the_factors_of_a_polishing_wheel() {
     let scenario = polish();
     let effects = [
         whole(EffectKind::WheelStiffness, &[1.3]),
@@ -303,7 +302,7 @@ fn verify_an_eccentric_polishing_wheel_is_the_sum_of_two_places() {
         ),
     ];
     let sum = sum.map(|(key, value)| (key.to_owned(), format!("{value:?}")));
-    let nominal = record(&polish(), &sum).expect("a run");
+    let nominal = run_with(&polish(), &sum);
     for name in ["polish.normal_force", "tool.displacement_x"] {
         let pairs = column(&with, name).iter().zip(column(&nominal, name));
         let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -340,7 +339,7 @@ fn verify_force_control_is_off_and_sticks() {
 
 /// Sensors change what is recorded of their channel, all in one chain, and nothing else.
 #[test]
-fn verify_a_sensor_measures_the_recorded_channel() {
+fn a_sensor_measures_the_recorded_channel() {
     let scenario = load(
         "rig_1dof",
         "gravity = false",
@@ -361,10 +360,7 @@ fn verify_a_sensor_measures_the_recorded_channel() {
     ];
     let nominal = run(&scenario, &[]);
     let measured = run(&scenario, &effects);
-    let mut model = truecut_sim::measurement::ChannelModel::default();
-    for effect in &effects {
-        model.add(effect);
-    }
+    let model = truecut_sim::measurement::channel_model(&effects, "joint1.position");
     let mut expected = column(&nominal, "joint1.position").to_vec();
     model.apply(&nominal.time_s, &mut expected);
     let got = column(&measured, "joint1.position");

@@ -8,12 +8,13 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use truecut_recording::{Outcome, Recording};
 use truecut_scenario::Scenario;
-use truecut_sim::sweep::record;
+use truecut_sim::run::Run;
 
 fn run(text: &str) -> Recording {
     let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/arm/numerics.toml");
     let scenario = Scenario::from_str(&at, text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
-    record(&scenario, &[]).unwrap_or_else(|e| panic!("{e}"))
+    let finished = Run::of(&scenario).execute();
+    finished.unwrap_or_else(|e| panic!("{e}")).recording
 }
 
 fn column<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
@@ -242,7 +243,7 @@ fn verify_gross_motion_is_of_second_order() {
 }
 
 #[test]
-fn verify_two_runs_are_identical_to_the_bit() {
+fn two_runs_are_identical_to_the_bit() {
     let a = falling(0.5, 0.5);
     let b = falling(0.5, 0.5);
     assert_eq!(a.columns, b.columns);

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
 use truecut_plan::{Criterion, Plan, PlanPoint, Planner, PlannerOptions, Stability};
 use truecut_recording::Outcome;
-use truecut_scenario::{PlannedPath, Scenario, TurnKnot};
-use truecut_sim::Cell;
+use truecut_scenario::{PathStart, PlannedPath, Scenario, TurnKnot};
+use truecut_sim::run::{Claims, Run};
 use truecut_sim::stability::MillingStudy;
 
 const SLOW_MM_PER_TOOTH: f64 = 0.01;
@@ -55,7 +55,7 @@ fn plans(study: &MillingStudy) -> [Plan; 2] {
     let planner = Planner::new(&study.robot, &study.path, &study.cut, &options).expect("in reach");
     let plan = planner.plan(Criterion::Regenerative).expect("a plan");
     let constant = planner
-        .constant_angle(Criterion::Regenerative, 120_f64.to_radians())
+        .at_angles(Criterion::Regenerative, &|_| 120_f64.to_radians())
         .expect("in reach");
     [plan, constant]
 }
@@ -65,15 +65,18 @@ fn about(scenario: &Scenario, study: &MillingStudy, plan: &Plan, along_m: f64) -
     let point = point(plan, along_m);
     let length_m = TEETH * study.cut.nominal.feed_per_tooth_m;
     let from_m = point.along_m - 0.5 * length_m;
-    let part = PlannedPath {
-        start_m: study.path.point_m(from_m).into(),
-        end_m: study.path.point_m(from_m + length_m).into(),
+    let start = PathStart {
+        point_m: study.path.point_m(from_m).into(),
         turn: vec![TurnKnot {
             at_m: 0.0,
             redundancy_rad: point.angle_rad,
         }],
+        ..study.planned(plan).start
+    };
+    let part = PlannedPath {
+        start,
+        end_m: study.path.point_m(from_m + length_m).into(),
         posture_rad: point.posture.clone(),
-        ..study.planned(plan)
     };
     read(&scenario.planned_text(&folder(), &part))
 }
@@ -95,16 +98,19 @@ fn theory(study: &MillingStudy, plan: &Plan, along_m: f64) -> [f64; 2] {
 
 /// Growth rate of a run, 1/s.
 fn milled(scenario: &Scenario) -> f64 {
-    let cell = Cell::build(scenario).unwrap_or_else(|e| panic!("{e}"));
-    let end = cell.run_rows(|_, _| {});
-    assert_eq!(end.outcome, Outcome::Completed);
-    let found = end.scalars.iter().find(|s| s.name == "milling.growth_rate");
+    let run = Run {
+        claims: Claims::Ignore,
+        ..Run::of(scenario)
+    };
+    let recording = run.execute().unwrap_or_else(|e| panic!("{e}")).recording;
+    assert_eq!(recording.outcome, Outcome::Completed);
+    let found = recording.scalar("milling.growth_rate");
     found.expect("a growth rate").value
 }
 
 /// Mills every segment at the planned angle and at 120 degrees and holds each run against the planner and the theory. Gives what the
 /// planner says of the segments at 120 degrees.
-fn verify_segments(feed_mm_per_tooth: f64) -> Vec<Stability> {
+fn hold_segments_against_theory(feed_mm_per_tooth: f64) -> Vec<Stability> {
     let scenario = shipped(feed_mm_per_tooth);
     let study = MillingStudy::of(&scenario).unwrap_or_else(|e| panic!("{e}"));
     let [plan, constant] = plans(&study);
@@ -143,13 +149,13 @@ fn verify_segments(feed_mm_per_tooth: f64) -> Vec<Stability> {
 #[test]
 fn verify_every_segment_is_as_stable_in_rapier_as_planned() {
     use Stability::{Marginal, Unstable};
-    let constant = verify_segments(FULL_MM_PER_TOOTH);
+    let constant = hold_segments_against_theory(FULL_MM_PER_TOOTH);
     assert_eq!(constant, [[Unstable; 3], [Marginal; 3]].concat());
 }
 
 #[test]
 fn verify_every_segment_at_a_tenth_of_the_feed() {
-    let constant = verify_segments(SLOW_MM_PER_TOOTH);
+    let constant = hold_segments_against_theory(SLOW_MM_PER_TOOTH);
     assert!(
         constant.iter().all(|found| *found == Stability::Unstable),
         "{constant:?}"

@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 use truecut_recording::{
-    ChannelSpec, Measured, MeasuredChannel, Outcome, Recorder, Recording, Role, Unit,
+    ChannelSpec, Measured, MeasuredChannel, Outcome, Recording, Role, Unit, UnknownName,
 };
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
-use truecut_sim::replay::predict::sample_at;
-use truecut_sim::{Cell, InverseModel};
+use truecut_sim::InverseModel;
+use truecut_sim::run::Run;
 
 const MASS_KG: f64 = 95.1;
 const GAIN_N_S_PER_M: f64 = 9385.0;
@@ -68,14 +68,13 @@ fn commanded(samples: usize, law: impl Fn(f64) -> f64) -> Measured {
 }
 
 fn run(scenario: &Scenario, measured: &Measured) -> Recording {
-    let cell = Cell::build_with_data(scenario, Some(measured)).unwrap_or_else(|e| panic!("{e}"));
-    let mut recorder = Recorder::new(cell.header(), Vec::new()).unwrap();
-    let end = cell.run(&mut recorder, &|_| ()).unwrap();
-    assert_eq!(end.outcome, Outcome::Completed);
-    recorder
-        .finish(end.scalars, end.profiles, end.outcome)
-        .unwrap()
-        .0
+    let run = Run {
+        measured: Some(measured),
+        ..Run::of(scenario)
+    };
+    let recording = run.execute().unwrap_or_else(|e| panic!("{e}")).recording;
+    assert_eq!(recording.outcome, Outcome::Completed);
+    recording
 }
 
 /// Rise of the command: smooth, so that the start is at rest.
@@ -181,7 +180,7 @@ fn verify_measured_drive_force_moves_a_free_mass() {
 
 /// Forward and inverse are the same mechanics: the recorded motion asks for the recorded force.
 #[test]
-fn verify_inverse_dynamics_give_back_the_force_of_a_forward_run() {
+fn inverse_dynamics_give_back_the_force_of_a_forward_run() {
     let on_joint = |kind: EffectKind, values: &[f64]| Effect {
         kind,
         target: Target::Joint(0),
@@ -335,9 +334,43 @@ fn verify_effects_change_the_drive_force_by_their_law() {
     }
 }
 
+/// A sensor's gain, offset and the rest act in one order, whatever the order of the entries.
+#[test]
+fn verify_a_sensor_is_the_same_in_any_order_of_its_effects() {
+    let motion = |t: f64| 0.1 + 0.05 * (TAU * 0.8 * t).sin();
+    let channel = |name, role| (name, Unit::Metre, role, wave(400.0, 801, motion));
+    let mut force = channel("joint1.drive_force", Role::Output);
+    force.1 = Unit::Newton;
+    let measured = data(
+        400.0,
+        801,
+        vec![channel("joint1.position", Role::Input), force],
+    );
+    let model = InverseModel::new(&scenario("position", "inverse", ""), &measured).unwrap();
+    let sensor = |kind, value| Effect {
+        kind,
+        target: Target::Channel("joint1.drive_force".into()),
+        values: vec![value],
+    };
+    let gain = sensor(EffectKind::SensorGain, 1.25);
+    let offset = sensor(EffectKind::SensorOffset, 8.0);
+    let nominal = model.predict(&[]).unwrap();
+    for effects in [[gain.clone(), offset.clone()], [offset, gain]] {
+        let predicted = model.predict(&effects).unwrap();
+        for (got, force) in predicted[0].iter().zip(&nominal[0]) {
+            assert!((got - (1.25 * force + 8.0)).abs() < 1e-9, "{got} {force}");
+        }
+    }
+}
+
 fn refusal(scenario: &Scenario, measured: &Measured) -> String {
-    let built = Cell::build_with_data(scenario, Some(measured));
-    built.err().expect("must be refused").to_string()
+    let run = Run {
+        measured: Some(measured),
+        ..Run::of(scenario)
+    };
+    run.rows(&[], None)
+        .expect_err("must be refused")
+        .to_string()
 }
 
 #[test]
@@ -371,7 +404,8 @@ fn inputs_that_do_not_fit_are_refused_with_their_place() {
         text.contains("no measurement from 0.100 s to 0.139 s (40 samples)"),
         "{text}"
     );
-    let text = Cell::build(&forward).err().expect("no data").to_string();
+    let without = Run::of(&forward).rows(&[], None);
+    let text = without.expect_err("no data").to_string();
     assert!(text.contains("a replay needs its measured data"), "{text}");
     let longer = [("run.duration_s".to_owned(), "5".to_owned())];
     let longer = forward.with_overrides(&longer).unwrap();
@@ -394,4 +428,40 @@ fn the_robots_of_the_replays_load() {
         truecut_arm::Robot::load(&assets.join(name).join("robot.urdf"), None, None)
             .unwrap_or_else(|error| panic!("{error}"));
     }
+}
+
+/// A channel of a recording at other times, by cubic interpolation between its rows; NaN outside the
+/// recording, as after a run that diverged.
+fn sample_at(
+    recording: &Recording,
+    channel: &str,
+    time_s: &[f64],
+) -> Result<Vec<f64>, UnknownName> {
+    let values = recording.channel(channel)?;
+    let rows = &recording.time_s;
+    let mut from = 0;
+    let at = |&t: &f64| {
+        let last = rows.len().saturating_sub(1);
+        let slack = 1e-9 * t.abs().max(1e-3);
+        if rows.is_empty() || t < rows[0] - slack || t > rows[last] + slack {
+            return f64::NAN;
+        }
+        while from + 1 < last && rows[from + 1] <= t {
+            from += 1;
+        }
+        let start = from.saturating_sub(1).min(rows.len().saturating_sub(4));
+        let end = (start + 4).min(rows.len());
+        lagrange(&rows[start..end], &values[start..end], t)
+    };
+    Ok(time_s.iter().map(at).collect())
+}
+
+/// The polynomial through the points.
+fn lagrange(x: &[f64], y: &[f64], at: f64) -> f64 {
+    (0..x.len())
+        .map(|i| {
+            let others = (0..x.len()).filter(|j| *j != i);
+            y[i] * others.map(|j| (at - x[j]) / (x[i] - x[j])).product::<f64>()
+        })
+        .sum()
 }

@@ -3,21 +3,14 @@
 mod support;
 
 use support::{chamfer, polish, run, wheel};
-use truecut_sim::{Engine, Robots, simulate};
+use truecut_sim::run::{Engine, Run};
 
 #[test]
 fn rows_are_those_of_the_recording() {
     for scenario in [chamfer(2, 0.3), wheel(), polish()] {
         let recording = run(&scenario, &[]);
-        let rows = simulate(
-            &scenario,
-            None,
-            &Robots::default(),
-            Engine::Rapier,
-            &[],
-            None,
-        )
-        .unwrap_or_else(|error| panic!("{}: {error}", scenario.name));
+        let rows = (Run::of(&scenario).rows(&[], None))
+            .unwrap_or_else(|error| panic!("{}: {error}", scenario.name));
         assert_eq!(rows.time_s, recording.time_s, "{}", scenario.name);
         assert!(!recording.scalars.is_empty(), "{}", scenario.name);
         for (channel, column) in rows.channels.iter().zip(&rows.columns) {
@@ -34,11 +27,12 @@ fn rows_are_those_of_the_recording() {
 /// A run that ends early is the beginning of the whole one, to the bit, and goes a little further than asked.
 #[test]
 fn a_run_that_ends_early_is_the_beginning_of_the_whole() {
-    let engine = Engine::Reduced {
-        shortest_step_s: 0.0,
-    };
     for scenario in [chamfer(2, 0.3), wheel(), polish()] {
-        let run = |until_s| simulate(&scenario, None, &Robots::default(), engine, &[], until_s);
+        let reduced = Run {
+            engine: Engine::REDUCED,
+            ..Run::of(&scenario)
+        };
+        let run = |until_s| reduced.rows(&[], until_s);
         let whole = run(None).expect("runs");
         let until_s = 0.4 * whole.time_s[whole.time_s.len() - 1];
         let part = run(Some(until_s)).expect("runs");

@@ -6,7 +6,7 @@ use std::path::Path;
 use truecut_recording::{ChannelSpec, Measured, MeasuredChannel, Outcome, Role, Unit};
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
-use truecut_sim::{Engine, Robots, Rows, reduced_step_s, simulate};
+use truecut_sim::run::{Engine, Rows, Run};
 
 const RATE_HZ: f64 = 250.0;
 const SAMPLES: usize = 501;
@@ -57,16 +57,13 @@ fn measured() -> Measured {
 fn run(scenario: &Scenario, engine: Engine, step_ms: Option<f64>) -> Rows {
     let step = step_ms.map(|ms| ("run.time_step_ms".to_owned(), format!("{ms:?}")));
     let overrides: Vec<_> = step.into_iter().collect();
-    let scenario = scenario.with_overrides(&overrides).unwrap();
-    let rows = simulate(
-        &scenario,
-        Some(&measured()),
-        &Robots::new(),
+    let run = Run {
+        overrides,
+        measured: Some(&measured()),
         engine,
-        &TORQUE,
-        None,
-    )
-    .unwrap();
+        ..Run::of(scenario)
+    };
+    let rows = run.rows(&TORQUE, None).unwrap();
     assert_eq!(rows.outcome, Outcome::Completed);
     rows
 }
@@ -85,16 +82,12 @@ fn apart(ours: &Rows, theirs: &Rows) -> f64 {
     difference / rms(&|c, i| theirs.columns[c][i])
 }
 
-const REDUCED: Engine = Engine::Reduced {
-    shortest_step_s: 0.0,
-};
-
 /// Parts of the torque by which the reduced plant errs at steps of 0.8 and 0.4 ms, and at its own default step.
 fn errors(effects: &[Effect]) -> [f64; 3] {
     let scenario = scenario().with_effects(effects).unwrap();
     let theirs = run(&scenario, Engine::Rapier, Some(0.02));
     let errors = [Some(0.8), Some(0.4), None].map(|step| {
-        let ours = run(&scenario, REDUCED, step);
+        let ours = run(&scenario, Engine::REDUCED, step);
         apart(&ours, &theirs)
     });
     println!("{errors:?}");
@@ -102,14 +95,14 @@ fn errors(effects: &[Effect]) -> [f64; 3] {
 }
 
 #[test]
-fn verify_a_travelling_arm_is_met_to_a_ten_thousandth() {
+fn regress_a_travelling_arm_is_met_to_a_ten_thousandth() {
     let [coarse, fine, own] = errors(&[]);
     assert!(own < 2e-4 && coarse < 2e-4 && fine < 0.4 * coarse);
 }
 
 /// The flanks meet within a step; second order in the step all the same.
 #[test]
-fn verify_play_of_a_travelling_arm_is_met_to_second_order() {
+fn regress_play_of_a_travelling_arm_is_met_to_second_order() {
     let play = Effect {
         kind: EffectKind::JointBacklash,
         target: Target::Joint(1),
@@ -121,7 +114,12 @@ fn verify_play_of_a_travelling_arm_is_met_to_second_order() {
     // in a period of the faster mode, which takes seven.
     let steps = |effects: &[Effect]| {
         let scenario = scenario().with_effects(effects).unwrap();
-        let step_s = reduced_step_s(&scenario, Some(&measured()), &Robots::new()).unwrap();
+        let run = Run {
+            measured: Some(&measured()),
+            engine: Engine::REDUCED,
+            ..Run::of(&scenario)
+        };
+        let step_s = run.time_step_s().unwrap();
         1.0 / (RATE_HZ * step_s)
     };
     let [without, with] = [steps(&[]), steps(&[play])];
@@ -131,7 +129,7 @@ fn verify_play_of_a_travelling_arm_is_met_to_second_order() {
 
 /// A base so stiff that its mode has some five steps in a period: the recurrence is exact for it.
 #[test]
-fn verify_a_stiff_base_needs_no_shorter_step() {
+fn regress_a_stiff_base_needs_no_shorter_step() {
     let base = Effect {
         kind: EffectKind::BaseCompliance,
         target: Target::Axis(1),

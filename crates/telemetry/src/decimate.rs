@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn verify_every_extreme_of_every_channel_survives() {
+    fn every_extreme_of_every_channel_survives() {
         let wave = |phase: f64| -> Vec<f64> {
             (0..4000)
                 .map(|row| (0.01 * row as f64 + phase).sin() + 1e-3 * f64::from(row % 7))

@@ -21,10 +21,10 @@ use crate::table;
 /// so that killing the program loses nothing of it.
 pub struct IpcSink {
     path: PathBuf,
-    open: Option<Open>,
+    open: Option<OpenStream>,
 }
 
-struct Open {
+struct OpenStream {
     schema: SchemaRef,
     writer: StreamWriter<BufWriter<File>>,
 }
@@ -53,7 +53,7 @@ impl Sink for IpcSink {
             writer.flush()?;
             Ok(writer)
         });
-        self.open = Some(Open {
+        self.open = Some(OpenStream {
             schema,
             writer: writer.map_err(|error| failed(error.into()))?,
         });
@@ -78,7 +78,7 @@ impl Sink for IpcSink {
 
     fn finish(&mut self, recording: &Recording, _: &[ClaimResult]) -> Result<(), SinkError> {
         let failed = self.failed("end the stream");
-        let Some(Open { mut writer, .. }) = self.open.take() else {
+        let Some(OpenStream { mut writer, .. }) = self.open.take() else {
             return Ok(());
         };
         writer.finish().map_err(|error| failed(error.into()))?;

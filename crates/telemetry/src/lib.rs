@@ -51,6 +51,9 @@
 
 mod axis;
 mod background;
+mod columns;
+#[cfg(any(test, feature = "contract"))]
+pub mod contract;
 mod decimate;
 mod display;
 mod error;
@@ -61,6 +64,7 @@ mod rrd;
 mod table;
 
 pub use background::Background;
+pub use columns::{Column, Values, write_columns};
 pub use error::{FileError, Reason};
 pub use ipc::{IpcSink, read_ipc_stream};
 pub use measured::read_table;

@@ -13,9 +13,10 @@ use crate::error::{FileError, Reason};
 
 /// Reads a table of numbers, by the ending of its name: `.csv` (also `.txt`, `.tsv`) or `.parquet`.
 ///
-/// A CSV file may be delimited by semicolons, tabs, commas or blanks; lines that begin with `#` are comments.
-/// With `header` its first row names the columns, else they are called "1", "2", …. Empty cells, `nan` and
-/// `NA` are NaN, as are nulls in a Parquet file, whose columns may be of any type of number.
+/// A CSV file may be delimited by semicolons, tabs, commas or blanks; lines that begin with `#` are
+/// comments. With `header` its first row names the columns, else they are called "1", "2", …. Empty
+/// cells, `nan` and `NA` are NaN, as are nulls in a Parquet file, whose columns may be of any type
+/// of number.
 ///
 /// # Errors
 /// A file that cannot be read; a cell that is not a number, with its line and column.
@@ -32,7 +33,7 @@ pub fn read_table(path: &Path, header: bool) -> Result<Table, FileError> {
 }
 
 /// One row of a text file, with its line.
-struct Row {
+struct CsvRow {
     line: usize,
     cells: Vec<String>,
 }
@@ -103,14 +104,14 @@ fn not_utf8(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// The rows of a text, without comments and empty lines. A row is a line.
-fn rows(text: &str) -> Result<Vec<Row>, Reason> {
+fn rows(text: &str) -> Result<Vec<CsvRow>, Reason> {
     let lines: Vec<(usize, &str)> = (text.lines().enumerate())
         .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
         .map(|(index, line)| (index + 1, line))
         .collect();
     let Some(delimiter) = lines.first().and_then(|(_, first)| delimiter(first)) else {
         // Columns that stand under each other: any number of blanks between two of them.
-        let row = |&(line, text): &(usize, &str)| Row {
+        let row = |&(line, text): &(usize, &str)| CsvRow {
             line,
             cells: text.split_whitespace().map(str::to_owned).collect(),
         };
@@ -126,7 +127,7 @@ fn rows(text: &str) -> Result<Vec<Row>, Reason> {
         .from_reader(kept.as_bytes());
     let mut rows = Vec::with_capacity(lines.len());
     for (record, &(line, _)) in reader.records().zip(&lines) {
-        rows.push(Row {
+        rows.push(CsvRow {
             line,
             cells: record?.iter().map(str::to_owned).collect(),
         });
@@ -138,15 +139,15 @@ fn rows(text: &str) -> Result<Vec<Row>, Reason> {
     Ok(rows)
 }
 
-/// What stands between the cells of a line; `None` for blanks. A semicolon comes first: where it delimits,
-/// commas are decimal. A single column has no delimiter; any will do.
+/// What stands between the cells of a line; `None` for blanks. A semicolon comes first: where it
+/// delimits, commas are decimal. A single column has no delimiter; any will do.
 fn delimiter(line: &str) -> Option<u8> {
     let found = [';', '\t', ','].into_iter().find(|one| line.contains(*one));
     let single = line.split_whitespace().count() == 1;
     found.map(|one| one as u8).or(single.then_some(b','))
 }
 
-fn names(first: &Row, header: bool) -> Result<Vec<String>, Reason> {
+fn names(first: &CsvRow, header: bool) -> Result<Vec<String>, Reason> {
     if !header {
         return Ok((1..=first.cells.len())
             .map(|number| number.to_string())

@@ -19,13 +19,13 @@ use crate::table;
 const GROUP_ROWS: usize = 4096;
 
 /// A Parquet file under construction.
-struct Writer {
+struct RowWriter {
     schema: SchemaRef,
     writer: ArrowWriter<File>,
 }
 
-impl Writer {
-    fn create(path: &Path, header: &Header) -> Result<Writer, Reason> {
+impl RowWriter {
+    fn create(path: &Path, header: &Header) -> Result<RowWriter, Reason> {
         let schema = Arc::new(table::schema(header));
         // Simulated values hardly repeat, so that a dictionary costs time and saves nothing.
         let properties = WriterProperties::builder()
@@ -36,7 +36,7 @@ impl Writer {
             .build();
         let file = File::create(path)?;
         let writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
-        Ok(Writer { schema, writer })
+        Ok(RowWriter { schema, writer })
     }
 
     fn group<'a>(
@@ -60,14 +60,14 @@ impl Writer {
     }
 }
 
-/// Writes a recording at its full rate. Equal recordings give equal bytes: no clock, no host, no map
-/// order goes in.
+/// Writes a recording at its full rate. Equal recordings give equal bytes: no clock, no host, no
+/// map order goes in.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write_parquet(path: &Path, recording: &Recording) -> Result<(), FileError> {
     let write = || {
-        let mut writer = Writer::create(path, &recording.header)?;
+        let mut writer = RowWriter::create(path, &recording.header)?;
         let rows = recording.time_s.len();
         for start in (0..rows).step_by(GROUP_ROWS) {
             let group = start..rows.min(start + GROUP_ROWS);
@@ -82,24 +82,24 @@ pub fn write_parquet(path: &Path, recording: &Recording) -> Result<(), FileError
     write().map_err(|reason| FileError::new(path, reason))
 }
 
-/// Writes a Parquet file while the run is under way; it bears its name only when it is complete, and
-/// is then the same, byte by byte, as [`write_parquet`] writes.
+/// Writes a Parquet file while the run is under way; it bears its name only when it is complete,
+/// and is then the same, byte by byte, as [`write_parquet`] writes.
 pub struct ParquetSink {
     path: PathBuf,
-    open: Option<Open>,
+    open: Option<OpenFile>,
 }
 
-struct Open {
-    writer: Writer,
-    part: Part,
+struct OpenFile {
+    writer: RowWriter,
+    part: PartialFile,
     /// Rows that do not fill a group yet: time, then the channels.
     waiting: Vec<Vec<f64>>,
 }
 
 /// A file that is not complete. It is of no use to anyone, so it goes when its run does.
-struct Part(PathBuf);
+struct PartialFile(PathBuf);
 
-impl Drop for Part {
+impl Drop for PartialFile {
     fn drop(&mut self) {
         // Not there after it was given its name; else there is nobody to tell that it stays.
         let _ = std::fs::remove_file(&self.0);
@@ -121,7 +121,7 @@ impl ParquetSink {
     }
 }
 
-impl Open {
+impl OpenFile {
     /// Writes the first so many of the waiting rows.
     fn group(&mut self, rows: usize) -> Result<(), Reason> {
         let mut columns = self.waiting.iter().map(|column| &column[..rows]);
@@ -150,10 +150,11 @@ impl Sink for ParquetSink {
     fn begin(&mut self, header: &Header) -> Result<(), SinkError> {
         let mut name = self.path.clone().into_os_string();
         name.push(".part");
-        let part = Part(name.into());
-        let writer = Writer::create(&part.0, header).map_err(self.failed("begin the recording"))?;
+        let part = PartialFile(name.into());
+        let writer =
+            RowWriter::create(&part.0, header).map_err(self.failed("begin the recording"))?;
         let waiting = vec![Vec::new(); header.channels.len() + 1];
-        self.open = Some(Open {
+        self.open = Some(OpenFile {
             writer,
             part,
             waiting,

@@ -3,11 +3,11 @@
 Let D(t) = n f t be the feed depth already cut; an edge stands one feed per tooth f_t deeper. The chip area of an edge
 that stands at depth d over a rim of depth d_prev, both measured along the axis, is the change of the triangle's area:
 
-    A = 1/2 tan(theta) max(0, max(d, 0)^2 - d_prev^2)          nominally (D + f_t/2) f_t tan(theta), source A eq. (1)
+    A = 1/2 tan(theta) max(0, max(d, 0)^2 - d_prev^2)          nominally (D + f_t/2) f_t tan(theta), Dong et al. 2018, eq. (1)
 
 The rim is a ring of cells, and the step divides the revolution, so that a later pass meets exactly the cell which
 an earlier one wrote. Each edge carries an axial force against its feed and, in the rotating frame, a radial and a
-tangential force that turn with it (source A eq. (5)).
+tangential force that turn with it (Dong et al. 2018, eq. (5)).
 """
 
 from __future__ import annotations

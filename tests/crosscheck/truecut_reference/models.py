@@ -1,6 +1,6 @@
-"""MJCF models written by hand from the specification, not from a URDF: an independent check of the export.
+"""MJCF models written by hand from `docs/physics/arm.md`, not from a URDF: an independent check of the export.
 
-The arm is the surrogate of specification section 2 (OPW dimensions of 0.1, link data and stiffness of
+The arm is the reference model of that page (OPW dimensions, link data and stiffness of
 "IRB6600-cal"); the rigs are masses on springs.
 """
 
@@ -99,5 +99,5 @@ PLANAR_MASS_KG = 557.3
 
 
 def planar_rig(damping_ratio: float = 0.02) -> str:
-    """Three decoupled springs: feed k1, horizontal k2, vertical k3 of source A."""
+    """Three decoupled springs: feed k1, horizontal k2, vertical k3 of Dong et al.."""
     return spring_rig(PLANAR_STIFFNESS_N_PER_M, PLANAR_MASS_KG, damping_ratio)

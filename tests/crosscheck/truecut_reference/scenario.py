@@ -87,7 +87,7 @@ class Foot:
         return self.cylinders * self.pressure_pa * self.area_m2
 
     def gas_stiffness_n_per_m(self, arm_stiffness_n_per_m: float) -> float:
-        """Stiffness of the enclosed gas (specification 1.3), or that which gives the stated axial share."""
+        """Stiffness of the enclosed gas (`docs/physics/pressure_foot.md`), or that which gives the stated axial share."""
         if self.axial_share is not None:
             return arm_stiffness_n_per_m * self.axial_share / (1.0 - self.axial_share)
         absolute_pa = self.pressure_pa + ATMOSPHERE_PA

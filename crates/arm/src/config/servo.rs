@@ -1,10 +1,10 @@
 //! The `[joint.servo]` table.
 
-use super::{Key, RawJoint, RawServo, Reader, Rule};
+use super::{ConfigReader, Key, RawJoint, RawServo, Rule};
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{JointKind, Servo};
 
-impl Reader<'_> {
+impl ConfigReader<'_> {
     /// The servo and the source of its values.
     pub(super) fn servo(
         &self,

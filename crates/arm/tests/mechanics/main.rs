@@ -1,4 +1,5 @@
-//! Kinematics, dynamics, compliance and modes: each against a definition it does not share code with.
+//! Kinematics, dynamics, compliance and modes: each against a definition it does not share code
+//! with.
 
 mod branches;
 mod dynamics;

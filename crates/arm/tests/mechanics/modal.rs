@@ -34,8 +34,8 @@ proptest! {
         prop_assert!(modes.frequency_hz.is_sorted());
     }
 
-    /// With damping proportional to stiffness the sum over modes is the full matrix inverse; at 0 Hz both are the
-    /// static compliance.
+    /// With damping proportional to stiffness the sum over modes is the full matrix inverse; at 0
+    /// Hz both are the static compliance.
     #[test]
     fn verify_frequency_response_is_the_sum_of_modes(case in case(), frequency_hz in 0.1..50.0_f64) {
         let arm = case.robot.linearised(&case.q, FrameId::Tool, &Load::none()).expect("stiff");
@@ -73,7 +73,8 @@ fn verify_one_degree_of_freedom() {
     }
 }
 
-/// Three springs, one mass: √(k/m)/2π each, with 2 % of damping. The 1e-4 kg carriages shift X by 2e-7.
+/// Three springs, one mass: √(k/m)/2π each, with 2 % of damping. The 1e-4 kg carriages shift X by
+/// 2e-7.
 #[test]
 fn verify_planar_rig_modes() {
     let modes = asset("rig_planar").modes(&[0.0; 3], None).expect("stable");
@@ -84,7 +85,8 @@ fn verify_planar_rig_modes() {
     }
 }
 
-/// Factors act as physics has it: twice the stiffness at twice the inertia leaves the frequency, and so on.
+/// Factors act as physics has it: twice the stiffness at twice the inertia leaves the frequency,
+/// and so on.
 #[test]
 fn verify_scaling_laws() {
     let robot = asset("irb6600_175_255");

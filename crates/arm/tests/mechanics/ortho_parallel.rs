@@ -1,4 +1,5 @@
-//! Ortho-parallel arms with spherical wrist: chains built from their lengths, and the inverse as printed.
+//! Ortho-parallel arms with spherical wrist: chains built from their lengths, and the inverse as
+//! printed.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -33,8 +34,8 @@ fn turn(axis: Unit<Vector3<f64>>, angle: f64) -> Matrix3<f64> {
 }
 
 impl Opw {
-    /// The inverse as printed (Brandstötter, Angerer, Hofbaur 2014): eight branches, of which those with an acos of more
-    /// than 1 drop out. Joint values in (−π, π].
+    /// The inverse as printed (Brandstötter, Angerer, Hofbaur 2014): eight branches, of which those
+    /// with an acos of more than 1 drop out. Joint values in (−π, π].
     pub fn printed_inverse(&self, position: &Vector3<f64>, r: &Matrix3<f64>) -> Vec<[f64; 6]> {
         let [a1, a2, b, c1, c2, c3, c4] = self.lengths_m;
         let (kappa, psi) = (a2.hypot(c3), a2.atan2(c3));
@@ -75,8 +76,8 @@ impl Opw {
         found
     }
 
-    /// A chain with these axes. `shift` moves every joint frame along its axis and turns it about it, which changes no
-    /// axis, and the base stands askew.
+    /// A chain with these axes. `shift` moves every joint frame along its axis and turns it about
+    /// it, which changes no axis, and the base stands askew.
     pub fn robot(&self, shift: f64) -> Robot {
         let [a1, a2, b, c1, c2, c3, c4] = self.lengths_m;
         let origins = [

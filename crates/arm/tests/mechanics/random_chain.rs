@@ -102,7 +102,8 @@ fn joint() -> impl Strategy<Value = Joint> {
     })
 }
 
-/// A box of random size, density and orientation: its inertia obeys the triangle rule by construction.
+/// A box of random size, density and orientation: its inertia obeys the triangle rule by
+/// construction.
 fn link() -> impl Strategy<Value = Link> {
     let sides = prop::array::uniform3(0.05..0.5_f64);
     (1.0..50.0_f64, vector(0.4), sides, vector(3.0)).prop_map(|(mass, com, sides, turn)| {

@@ -1,5 +1,5 @@
-//! Tangent stiffnesses against differences of the torques that they are derivatives of. Step 1e-6: error h² and
-//! rounding/h are both near 1e-9 of the torques.
+//! Tangent stiffnesses against differences of the torques that they are derivatives of. Step 1e-6:
+//! error h² and rounding/h are both near 1e-9 of the torques.
 
 use nalgebra::{DVector, Vector3, Vector6};
 use proptest::prelude::*;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use truecut_plan::program::DIALECTS;
 
 #[derive(Debug, Args)]
 pub struct PathArguments {
@@ -15,7 +16,7 @@ pub struct PathArguments {
 
 #[derive(Debug, Args)]
 pub struct ProgramArguments {
-    /// Robot program: a Motoman job (.JBI; jobs that it calls lie beside it) or an ABB module (.mod)
+    #[arg(help = program_files())]
     pub file: PathBuf,
     /// URDF file of the robot that runs it; its robot.toml gives the tool frame of jobs
     #[arg(long, value_name = "URDF")]
@@ -47,6 +48,12 @@ pub struct ProgramArguments {
         allow_hyphen_values = true
     )]
     pub base_rpy_deg: Option<Vec<f64>>,
+}
+
+/// What `truecut program` reads.
+fn program_files() -> String {
+    let all: Vec<&str> = DIALECTS.iter().map(|dialect| dialect.about()).collect();
+    format!("Robot program: {}", all.join(" or "))
 }
 
 fn parse_above_zero(text: &str) -> Result<f64, String> {

@@ -14,7 +14,8 @@ use crate::{lobes, posture};
 pub struct LobesArguments {
     /// Scenario file, with [process.milling]
     scenario: PathBuf,
-    /// Slowest and fastest spindle speed [default: a tenth of the scenario's, and one and a quarter of it]
+    /// Slowest and fastest spindle speed [default: a tenth of the scenario's, and one and a quarter
+    /// of it]
     #[arg(long, value_name = "FROM,TO", value_parser = parse_range)]
     rpm: Option<[f64; 2]>,
     /// Deepest cut [default: three times the scenario's, or a fifth more than its limit]
@@ -43,7 +44,8 @@ pub struct PostureArguments {
     /// By what a posture counts as stable
     #[arg(long, value_enum, default_value_t = CriterionName::Regenerative)]
     criterion: CriterionName,
-    /// Least decay of vibration in the cut, as a part of that of the arm's slowest mode when nothing is cut; from 0 to less than 1
+    /// Least decay of vibration in the cut, as a part of that of the arm's slowest mode when
+    /// nothing is cut; from 0 to less than 1
     #[arg(long, value_name = "PART", default_value_t = LEAST_DECAY, value_parser = parse_part)]
     least_decay: f64,
     /// Draw the maps of stiffness and limit over joints 2 and 3 too
@@ -71,9 +73,9 @@ pub enum CriterionName {
 
 impl LobesArguments {
     /// Loads the scenario.
-    pub fn resolve(self) -> Result<lobes::Plan, Failure> {
+    pub fn resolve(self) -> Result<lobes::LobesPlan, Failure> {
         self.common.use_jobs()?;
-        Ok(lobes::Plan {
+        Ok(lobes::LobesPlan {
             scenario: Scenario::load(&self.scenario, &self.common.set)?,
             rpm: self.rpm,
             deepest_m: self.deepest.map(|mm| mm * 1e-3),
@@ -123,7 +125,11 @@ fn parse_part(text: &str) -> Result<f64, String> {
         .parse()
         .ok()
         .filter(|value: &f64| (0.0..1.0).contains(value));
-    value.ok_or_else(|| "must be a number from 0 to less than 1: a mode in which the tool does not move decays as without a cut".into())
+    value.ok_or_else(|| {
+        "must be a number from 0 to less than 1: a mode in which the tool does \
+                         not move decays as without a cut"
+            .into()
+    })
 }
 
 fn parse_range(text: &str) -> Result<[f64; 2], String> {

@@ -1,11 +1,11 @@
-//! A figure of each channel: signals, residual, its spectrum, and what it depends on most.
+//! One figure per channel: signals, residual, its spectrum, strongest dependence.
 
 use truecut_discrepancy::compare::{
     ChannelComparison, Comparison, Dependence, Explanatory, Kind, along,
 };
-use truecut_recording::{Measured, Recording, Unit, UserUnit, significant};
+use truecut_recording::{Measured, Recording, Unit, UserUnit, short_number, significant};
 
-use crate::figure::{Figure, Layer, Legend, Panel, Scale, Style, short_number, thinned};
+use crate::figure::{Figure, Layer, Legend, Panel, Scale, Style, thinned};
 use crate::text::reading_unit;
 
 /// Most points of a curve.
@@ -15,14 +15,14 @@ const ORANGE: usize = 1;
 const GREEN: usize = 2;
 const BLACK: usize = 6;
 
-/// One channel as it is drawn, all of equal length; NaN where there is no measurement.
-struct Columns {
+/// One channel as drawn, all columns of equal length; NaN where there is no measurement.
+struct FigureColumns {
     time_s: Vec<f64>,
     measured: Vec<f64>,
     simulated: Vec<f64>,
 }
 
-impl Columns {
+impl FigureColumns {
     fn residual(&self) -> impl ExactSizeIterator<Item = f64> {
         self.measured
             .iter()
@@ -60,14 +60,14 @@ fn columns(
     comparison: &Comparison,
     simulated: &Recording,
     measured: &Measured,
-) -> Columns {
+) -> FigureColumns {
     let rows = measured
         .time_s
         .iter()
         .take_while(|t| **t <= comparison.duration_s + 1e-9)
         .count();
     let time_s = measured.time_s[..rows].to_vec();
-    // Both exist: the comparison has used them.
+    // Both exist: the comparison used them.
     let found = measured.channel(&channel.channel).ok();
     let values = found.map_or_else(Vec::new, |one| {
         let samples = one.values.iter().zip(&one.valid).take(rows);
@@ -76,7 +76,7 @@ fn columns(
             .collect()
     });
     let column = simulated.channel(&channel.channel).unwrap_or_default();
-    Columns {
+    FigureColumns {
         simulated: along(simulated, measured, column, rows),
         measured: values,
         time_s,
@@ -113,7 +113,7 @@ fn curve(
     )
 }
 
-fn signals(unit: Unit, columns: &Columns) -> Panel {
+fn signals(unit: Unit, columns: &FigureColumns) -> Panel {
     let unit = reading_unit(
         unit,
         largest(columns.measured.iter().chain(&columns.simulated).copied()),
@@ -136,7 +136,7 @@ fn signals(unit: Unit, columns: &Columns) -> Panel {
     }
 }
 
-fn residual(unit: Unit, columns: &Columns) -> Panel {
+fn residual(unit: Unit, columns: &FigureColumns) -> Panel {
     let unit = reading_unit(unit, largest(columns.residual()));
     Panel {
         title: "Residual: measured − simulated".to_owned(),
@@ -188,10 +188,10 @@ fn spectrum(channel: &ChannelComparison, rate_hz: f64) -> Panel {
             .frequency_hz
             .partition_point(|f| *f < hertz)
             .min(spectra.residual.len() - 1);
-        // The line may lie in the bin before.
+        // The line may lie in the previous bin.
         spectra.residual[bin].max(spectra.residual[bin.saturating_sub(1)])
     };
-    // The strongest lines get a text; what is close to a stronger one would cover it.
+    // The strongest lines are labelled, unless the label would cover that of a stronger one.
     let ends = [spectra.frequency_hz.first(), spectra.frequency_hz.last()]
         .map(|end| end.copied().unwrap_or(1.0));
     let apart = 0.055 * (ends[1] / ends[0]).ln();
@@ -228,7 +228,11 @@ fn spectrum(channel: &ChannelComparison, rate_hz: f64) -> Panel {
 }
 
 /// The residual against the signal that explains most.
-fn explanation(comparison: &Comparison, channel: &ChannelComparison, columns: &Columns) -> Panel {
+fn explanation(
+    comparison: &Comparison,
+    channel: &ChannelComparison,
+    columns: &FigureColumns,
+) -> Panel {
     let Some(found) = channel.dependence.first() else {
         return Panel {
             title: "No signal moves".to_owned(),

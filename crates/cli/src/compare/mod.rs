@@ -1,52 +1,63 @@
-//! `truecut compare`: what the simulation gets wrong against measured data.
+//! `truecut compare`: a simulation against measured data.
 
 mod figures;
-mod tell;
+mod text;
 
 use std::path::Path;
 
+use truecut::data;
+use truecut::outputs::write_file;
 use truecut_discrepancy::compare::{CompareError, Comparison, compare_recordings};
 use truecut_recording::{Measured, Outcome, Recording};
 use truecut_scenario::Scenario;
+use truecut_sim::run::{Claims, Run};
 
 use crate::args::ComparePlan;
-use crate::data;
 use crate::failure::Failure;
-use crate::outputs::write_file;
 use crate::progress::Progress;
-use crate::text;
-use crate::verdict::Verdict;
 
-/// The folder below that of the scenario, and the file in it that says all.
+use crate::exit_status::ExitStatus;
+
+/// Output folder below that of the scenario, and the report in it.
 const FOLDER: &str = "compare";
 const REPORT: &str = "compare.json";
 
-/// Runs the scenario beside its data, prints the table and writes report and figures.
-pub fn compare(plan: &ComparePlan) -> Result<Verdict, Failure> {
+/// Runs the scenario, compares it with its data, prints the table, writes report and figures.
+pub fn compare(plan: &ComparePlan) -> Result<ExitStatus, Failure> {
     let scenario = &plan.scenario;
     if scenario.sweep.is_some() {
         let text = "a sweep cannot be compared with data: only single runs can";
         return Err(scenario.problem("sweep", text).into());
     }
-    let measured = data::needed(scenario, plan.data.as_deref())?;
+    let measured = data::measured(scenario, plan.data.as_deref())?;
     let progress = Progress::new(1, "running");
-    let (simulated, measured) = data::simulate(scenario, measured, &progress.run())?;
-    drop(progress);
-    if simulated.outcome != Outcome::Completed {
-        let outcome = text::outcome(&simulated.outcome);
-        crate::print(&format!("{}\n  {outcome}\n", scenario.name))?;
-        return Ok(Verdict::Diverged);
+    let run = progress.run();
+    let finished = Run {
+        measured: Some(&measured),
+        claims: Claims::Ignore,
+        progress: &|part| run.set(part),
+        ..Run::of(scenario)
     }
-    let spindle_hz = plan.spindle_hz.or_else(|| data::spindle_hz(scenario));
+    .execute()?;
+    drop(run);
+    drop(progress);
+    let (simulated, measured) = (finished.recording, finished.compared.unwrap_or(measured));
+    if simulated.outcome != Outcome::Completed {
+        let outcome = crate::text::outcome(&simulated.outcome);
+        crate::print(&format!("{}\n  {outcome}\n", scenario.name))?;
+        return Ok(ExitStatus::Diverged);
+    }
+    let turning = scenario.process.facts().rate_rad_s;
+    let spindle_hz = (plan.spindle_hz).or(turning.map(|rad_s| rad_s / std::f64::consts::TAU));
     let comparison = compare_recordings(&simulated, &measured, spindle_hz)
         .map_err(|error| refused(scenario, &measured, &error))?;
     let folder = plan.out.join(scenario.stem()).join(FOLDER);
     let written = write(&folder, &comparison, &simulated, &measured)?;
-    crate::print(&tell::tell(&scenario.name, &comparison, &written))?;
-    Ok(Verdict::Good)
+    crate::print(&text::printed(&scenario.name, &comparison, &written))?;
+    Ok(ExitStatus::Good)
 }
 
-/// The fault, at the key of the scenario that it is about.
+/// The error, reported at the key of the scenario that caused it.
 fn refused(scenario: &Scenario, measured: &Measured, error: &CompareError) -> Failure {
     let message = format!("{}: {error}", measured.source);
     let channels = scenario.data.as_ref().map(|data| &data.mapping.channels);
@@ -64,7 +75,7 @@ fn refused(scenario: &Scenario, measured: &Measured, error: &CompareError) -> Fa
     }
 }
 
-/// Writes the report and a figure for each channel; the files, the report first.
+/// Writes the report and a figure for each channel; returns the files, report first.
 fn write(
     folder: &Path,
     comparison: &Comparison,

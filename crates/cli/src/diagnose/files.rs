@@ -1,15 +1,14 @@
-//! What a diagnosis leaves on disk. Everything goes into its own folder; the user's files are only read.
+//! Files that a diagnosis writes, all in its own folder; the user's files are only read.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use truecut_discrepancy::diagnose::Diagnosis;
-use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::Trial;
 use truecut_scenario::Scenario;
 
-use super::{Confirmed, Plan, report, viewer};
+use super::{Confirmed, DiagnosePlan, Written, report, viewer};
 use crate::failure::Failure;
-use crate::outputs::write_file;
+use truecut::outputs::write_file;
 
 const ANSWER: &str = "diagnosis.json";
 const EXTENDED: &str = "extended.toml";
@@ -17,18 +16,12 @@ const EXPERIMENT: &str = "experiment.toml";
 const REPORT: &str = "report.html";
 const VIEWER: &str = "diagnosis.rrd";
 
-/// The files that were written and are worth naming.
-pub struct Written {
-    pub report: PathBuf,
-    pub viewer: PathBuf,
-    pub extended: Option<PathBuf>,
-}
-
-/// Makes the folder, before the work that is to be kept in it. What an earlier diagnosis left stays until there is a new one.
+/// Makes the folder before the search starts. Files of an earlier diagnosis stay until there is a
+/// new one.
 ///
 /// # Errors
 /// A folder that cannot be written to, or in which an answer would replace what is being diagnosed.
-pub fn prepare(plan: &Plan, data: &str) -> Result<(), Failure> {
+pub fn prepare(plan: &DiagnosePlan, data: &str) -> Result<(), Failure> {
     let folder = plan.out.join(plan.scenario.stem());
     spare_inputs(plan, data, &folder)?;
     let failed = |path: &Path, error| Failure::message(format!("{}: {error}", path.display()));
@@ -48,7 +41,7 @@ pub fn prepare(plan: &Plan, data: &str) -> Result<(), Failure> {
     std::fs::remove_file(&probe).map_err(|error| failed(&probe, error))
 }
 
-fn spare_inputs(plan: &Plan, data: &str, folder: &Path) -> Result<(), Failure> {
+fn spare_inputs(plan: &DiagnosePlan, data: &str, folder: &Path) -> Result<(), Failure> {
     let inputs = [plan.scenario.path(), Path::new(data)];
     for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
         let Ok(there) = folder.join(name).canonicalize() else {
@@ -71,7 +64,11 @@ fn spare_inputs(plan: &Plan, data: &str, folder: &Path) -> Result<(), Failure> {
 }
 
 /// Writes the answer, the extended scenario, the experiment proposed, the report and the curves.
-pub fn write(plan: &Plan, trial: &Trial, confirmed: &Confirmed) -> Result<Written, Failure> {
+pub fn write(
+    plan: &DiagnosePlan,
+    trial: &Trial,
+    confirmed: &Confirmed,
+) -> Result<Written, Failure> {
     let folder = plan.out.join(plan.scenario.stem());
     let scenario = &plan.scenario;
     for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
@@ -105,7 +102,7 @@ pub fn write(plan: &Plan, trial: &Trial, confirmed: &Confirmed) -> Result<Writte
         report::html(trial, confirmed).as_bytes(),
     )?;
     viewer::write(trial, confirmed, &text, &written.viewer)?;
-    // Last: whoever finds it finds the others, too.
+    // Written last: where it exists, the others do, too.
     write_file(&folder.join(ANSWER), &json(&answer.diagnosis)?)?;
     Ok(written)
 }
@@ -117,7 +114,8 @@ fn json(diagnosis: &Diagnosis) -> Result<Vec<u8>, Failure> {
     Ok(text.into_bytes())
 }
 
-/// The user's file with refitted values and effects; relative paths lead from the new folder to the same files.
+/// The user's file with refitted values and effects; relative paths lead from the new folder to the
+/// same files.
 fn extended(
     scenario: &Scenario,
     trial: &Trial,
@@ -125,11 +123,6 @@ fn extended(
     folder: &Path,
 ) -> Result<String, Failure> {
     let answer = &confirmed.answer;
-    let refitted = trial.nominal().iter().zip(&answer.nominal);
-    let overrides: Vec<(String, String)> = refitted
-        .filter(|(parameter, value)| parameter.value != **value)
-        .map(|(parameter, value)| (parameter.key.clone(), format!("{value:?}")))
-        .collect();
-    let scenario = scenario.with_overrides(&overrides)?;
+    let scenario = scenario.with_overrides(&trial.overrides(&answer.nominal))?;
     Ok(scenario.text_for_folder(folder, &answer.effects, &trial.rotary()))
 }

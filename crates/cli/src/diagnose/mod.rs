@@ -1,24 +1,26 @@
-//! `truecut diagnose`: what the simulation gets wrong about measured data, its cause, and what is gained.
+//! `truecut diagnose`: what the simulation gets wrong about measured data, its cause, and what is
+//! gained.
 
 mod files;
 mod report;
-mod telling;
+mod text;
 mod viewer;
 
 use std::path::PathBuf;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use truecut_discrepancy::diagnose::{self, Answer, DiagnoseError, Options, Progress, Stage};
-use truecut_discrepancy::model::{Columns, Model};
+use truecut::data;
+use truecut_discrepancy::confirmed::Confirmed;
+use truecut_discrepancy::diagnose::{self, DiagnoseError, Options, Progress, Stage};
+use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::Trial;
 use truecut_scenario::Scenario;
 
-use crate::data;
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::verdict::Verdict;
 
 /// `diagnose`, resolved.
-pub struct Plan {
+pub struct DiagnosePlan {
     pub scenario: Scenario,
     /// Instead of the file that the scenario names.
     pub data: Option<PathBuf>,
@@ -27,21 +29,17 @@ pub struct Plan {
     pub options: Options,
 }
 
-/// A diagnosis with the predictions of the full model.
-pub struct Confirmed {
-    pub answer: Answer,
-    /// The nominal model.
-    pub nominal: Columns,
-    /// The extended model.
-    pub extended: Columns,
-    /// What stood in the way of running the full model with the answer, if anything.
-    pub failure: Option<String>,
+/// The files that were written and are worth naming.
+pub struct Written {
+    pub report: PathBuf,
+    pub viewer: PathBuf,
+    pub extended: Option<PathBuf>,
 }
 
-/// Diagnoses, writes the files, tells the answer.
-pub fn diagnose(plan: &Plan) -> Result<Verdict, Failure> {
+/// Diagnoses, writes the files, prints the answer.
+pub fn diagnose(plan: &DiagnosePlan) -> Result<ExitStatus, Failure> {
     let scenario = &plan.scenario;
-    let data = data::needed(scenario, plan.data.as_deref())?;
+    let data = data::measured(scenario, plan.data.as_deref())?;
     files::prepare(plan, &data.source)?;
     let trial = Trial::new(scenario, &data).map_err(|error| Failure::sim(scenario, error))?;
     let bar = Bar::new(plan.options.max_predictions);
@@ -50,54 +48,10 @@ pub fn diagnose(plan: &Plan) -> Result<Verdict, Failure> {
     })
     .map_err(|error| refused(&trial, scenario, &data.source, &error))?;
     bar.end();
-    let confirmed = confirm(&trial, answer);
+    let confirmed = Confirmed::of(&trial, answer);
     let written = files::write(plan, &trial, &confirmed)?;
-    crate::print(&telling::tell(&trial, &confirmed, &written))?;
-    Ok(Verdict::Good)
-}
-
-/// Runs the answer in the full model and scores it there.
-fn confirm(trial: &Trial, mut answer: Answer) -> Confirmed {
-    let before: Vec<f64> = trial.nominal().iter().map(|one| one.value).collect();
-    let (nominal, extended) = rayon::join(
-        || trial.confirm(&before, &[]),
-        || trial.confirm(&answer.nominal, &answer.effects),
-    );
-    let failures = [nominal.as_ref().err(), extended.as_ref().err()];
-    let failure = failures
-        .into_iter()
-        .flatten()
-        .next()
-        .map(ToString::to_string);
-    let nominal = nominal.unwrap_or_else(|_| answer.before.clone());
-    let extended = extended.unwrap_or_else(|_| answer.after.clone());
-    if failure.is_none() {
-        score(trial, &mut answer, &nominal, &extended);
-    }
-    Confirmed {
-        answer,
-        nominal,
-        extended,
-        failure,
-    }
-}
-
-/// Errors on the test part, of the full model.
-fn score(trial: &Trial, answer: &mut Answer, nominal: &Columns, extended: &Columns) {
-    for (index, spec) in trial.channels().iter().enumerate() {
-        let measured = &trial.observation.outputs[index].values;
-        let rows = &answer.test_rows[index];
-        let rms = |column: &[f64]| {
-            let squares = rows
-                .iter()
-                .map(|&row| (measured[row] - column[row]).powi(2));
-            (squares.sum::<f64>() / rows.len().max(1) as f64).sqrt()
-        };
-        if let Some(errors) = answer.diagnosis.channels.get_mut(&spec.name) {
-            errors.before = rms(&nominal[index]);
-            errors.after = rms(&extended[index]);
-        }
-    }
+    crate::print(&text::printed(&trial, &confirmed, &written))?;
+    Ok(ExitStatus::Good)
 }
 
 /// The fault, at the key of the scenario that it is about.

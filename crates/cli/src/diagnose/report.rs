@@ -1,14 +1,13 @@
-//! The answer as one page of HTML with its figures inside.
+//! The diagnosis as one HTML page with inline figures.
 
-use std::fmt::Write;
-
-use truecut_discrepancy::diagnose::{Cause, Diagnosis};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use truecut_discrepancy::diagnose::Diagnosis;
 use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::Trial;
 use truecut_recording::{UserUnit, significant};
 
 use super::Confirmed;
-use super::telling;
+use super::text;
 use crate::figure::{Figure, Layer, Legend, Panel, thinned};
 use crate::text::reading_unit;
 
@@ -23,178 +22,140 @@ svg{max-width:100%;height:auto}";
 /// The page.
 pub fn html(trial: &Trial, confirmed: &Confirmed) -> String {
     let diagnosis = &confirmed.answer.diagnosis;
-    let title = escape(&diagnosis.scenario);
-    let mut page = format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
-         <style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n<p>Data: {}</p>\n\
-         <p class=\"verdict\"><b>{}</b><br>{}</p>\n",
-        escape(&diagnosis.data),
-        escape(&telling::headline(diagnosis)),
-        escape(&diagnosis.reason)
-    );
-    page.push_str(&causes(diagnosis));
-    page.push_str(&others(diagnosis));
-    page.push_str(&gain(diagnosis));
-    page.push_str("<h2>Measured, nominal, extended</h2>\n");
-    for index in 0..trial.channels().len() {
-        page.push_str(&figure(trial, confirmed, index));
-    }
-    page.push_str(&seen(diagnosis));
-    page.push_str(&notes(trial, confirmed));
-    page.push_str("</body></html>\n");
-    page
-}
-
-fn causes(diagnosis: &Diagnosis) -> String {
-    let row = |cause: &Cause| {
-        let parameters: Vec<String> = (cause.parameters.iter())
-            .map(|(key, parameter)| {
-                format!(
-                    "{} = {}",
-                    escape(key),
-                    escape(&telling::estimate(parameter))
-                )
-            })
-            .collect();
-        vec![
-            format!(
-                "{}<br><small>{}</small>",
-                escape(&telling::name(cause)),
-                escape(telling::description(cause))
-            ),
-            parameters.join("<br>"),
-            format!(
-                "{} standard errors on validation data; {:.1} % less error",
-                significant(cause.evidence.validation_t, 3),
-                100.0 * cause.evidence.practical_gain
-            ),
-        ]
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                title { (diagnosis.scenario) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { (diagnosis.scenario) }
+                p { "Data: " (diagnosis.data) }
+                p.verdict { b { (text::headline(diagnosis)) } br; (diagnosis.reason) }
+                (causes(diagnosis))
+                (others(diagnosis))
+                (gain(diagnosis))
+                h2 { "Measured, nominal, extended" }
+                @for index in 0..trial.channels().len() {
+                    (PreEscaped(figure(trial, confirmed, index)))
+                }
+                (seen(diagnosis))
+                (notes(trial, confirmed))
+            }
+        }
     };
-    let rows: Vec<Vec<String>> = diagnosis.causes.iter().map(row).collect();
-    let mut text = table(
-        "Causes",
-        &["cause", "size (95 % interval)", "evidence"],
-        &rows,
-    );
-    let nominal: Vec<Vec<String>> = (diagnosis.nominal.iter())
-        .map(|one| {
-            vec![
-                escape(&one.key),
-                significant(one.before, 5),
-                escape(&telling::estimate(&one.after)),
-            ]
-        })
-        .collect();
-    text.push_str(&table(
-        "Nominal values refitted",
-        &["key", "before", "after"],
-        &nominal,
-    ));
-    text
+    page.into_string()
 }
 
-fn others(diagnosis: &Diagnosis) -> String {
+fn causes(diagnosis: &Diagnosis) -> Markup {
+    let rows = diagnosis.causes.iter().map(|cause| {
+        let name = html! {
+            (text::name(cause)) br; small { (text::description(cause)) }
+        };
+        let sizes = html! {
+            @for (index, (key, parameter)) in cause.parameters.iter().enumerate() {
+                @if index > 0 { br; }
+                (key) " = " (text::estimate(parameter))
+            }
+        };
+        let evidence = format!(
+            "{} standard errors on validation data; {:.1} % less error",
+            significant(cause.evidence.validation_t, 3),
+            100.0 * cause.evidence.practical_gain
+        );
+        html! { td { (name) } td { (sizes) } td { (evidence) } }
+    });
+    let nominal = (diagnosis.nominal.iter()).map(|one| {
+        let (before, after) = text::in_unit_of_key(one);
+        let before = significant(before, 5);
+        cells(&[&one.key, &before, &text::estimate(&after)])
+    });
+    let head = ["cause", "size (95 % interval)", "evidence"];
+    html! {
+        (table("Causes", &head, rows))
+        (table("Nominal values refitted", &["key", "before", "after"], nominal))
+    }
+}
+
+fn others(diagnosis: &Diagnosis) -> Markup {
     let candidates = diagnosis.alternatives.iter().chain(&diagnosis.runner_up);
-    let rows: Vec<Vec<String>> = candidates
-        .map(|one| {
-            vec![
-                escape(&telling::names_of(one)),
-                format!("{:.0}°", one.angle_deg),
-                significant(one.behind_t, 3),
-            ]
-        })
-        .collect();
+    let explanations = candidates.map(|one| {
+        let (angle, behind) = (
+            format!("{:.0}°", one.angle_deg),
+            significant(one.behind_t, 3),
+        );
+        cells(&[&text::names_of(one), &angle, &behind])
+    });
+    let experiments = (diagnosis.experiments.iter()).map(|one| {
+        let [separation, now] = [one.separation, one.separation_now].map(|t| significant(t, 3));
+        cells(&[&one.description, &separation, &now])
+    });
     let head = [
         "explanation",
         "angle between signatures",
         "standard errors behind",
     ];
-    let mut text = table("Other explanations", &head, &rows);
-    let rows: Vec<Vec<String>> = (diagnosis.experiments.iter())
-        .map(|one| {
-            vec![
-                escape(&one.description),
-                significant(one.separation, 3),
-                significant(one.separation_now, 3),
-            ]
-        })
-        .collect();
-    let head = ["experiment", "separation", "separation now"];
-    text.push_str(&table("What would tell them apart", &head, &rows));
-    text
-}
-
-fn gain(diagnosis: &Diagnosis) -> String {
-    let rows = telling::error_rows(diagnosis);
-    let [head, rows @ ..] = &rows[..] else {
-        return String::new();
-    };
-    let rows: Vec<Vec<String>> = (rows.iter())
-        .map(|row| row.iter().map(|cell| escape(cell)).collect())
-        .collect();
-    let head: Vec<&str> = head.iter().map(String::as_str).collect();
-    let mut text = table("Error on data kept back (root mean square)", &head, &rows);
-    let _ = writeln!(
-        text,
-        "<p>Unexplained: {:.0} % of the discrepancy beyond noise.</p>",
-        100.0 * diagnosis.unexplained_fraction
-    );
-    text
-}
-
-fn seen(diagnosis: &Diagnosis) -> String {
-    let rows: Vec<Vec<String>> = (diagnosis.smallest_seen.iter())
-        .map(|one| {
-            let size = match one.size {
-                Some(size) => telling::with_unit(&significant(size, 3), &one.unit),
-                None => "none within reach".to_owned(),
-            };
-            let target = one.target.as_deref().unwrap_or_default();
-            vec![
-                escape(&format!("{} {target}", one.kind)),
-                escape(&one.parameter),
-                escape(&size),
-            ]
-        })
-        .collect();
-    let head = ["effect", "parameter", "smallest size"];
-    table(
-        "The smallest effects that these data would have shown",
-        &head,
-        &rows,
-    )
-}
-
-fn notes(trial: &Trial, confirmed: &Confirmed) -> String {
-    let diagnosis = &confirmed.answer.diagnosis;
-    let mut text = String::from("<h2>Notes</h2>\n<ul>\n");
-    let failure = confirmed.failure.iter().map(|failure| {
-        format!("The full model could not be run with this answer; the errors are the reduced model's: {failure}")
-    });
-    let locks = diagnosis.ceiling.locks.iter().map(|lock| {
-        format!(
-            "What is left of {} follows {}: {:.0} % of it.",
-            lock.channel,
-            lock.to,
-            100.0 * lock.fraction
-        )
-    });
-    let failed = diagnosis.fits.iter().filter(|fit| !fit.converged).count();
-    let fits = format!(
-        "{} fits, {failed} of them did not converge.",
-        diagnosis.fits.len()
-    );
-    let work = format!(
-        "{} simulations in {} s.",
-        diagnosis.work.predictions,
-        significant(diagnosis.work.seconds, 3)
-    );
-    let measured = trial.measured().notes.iter().cloned();
-    for note in measured.chain(locks).chain(failure).chain([fits, work]) {
-        let _ = writeln!(text, "<li>{}</li>", escape(&note));
+    let planned = ["experiment", "separation", "separation now"];
+    html! {
+        (table("Other explanations", &head, explanations))
+        (table("What would tell them apart", &planned, experiments))
     }
-    text.push_str("</ul>\n");
-    text
+}
+
+fn gain(diagnosis: &Diagnosis) -> Markup {
+    let rows = text::error_rows(diagnosis);
+    let [head, rows @ ..] = &rows[..] else {
+        return html! {};
+    };
+    html! {
+        (table("Error on held-out data (root mean square)", head, rows.iter().map(|row| cells(row))))
+        p { (format!(
+            "Unexplained: {:.0} % of the discrepancy beyond noise.",
+            100.0 * diagnosis.unexplained_fraction
+        )) }
+    }
+}
+
+fn seen(diagnosis: &Diagnosis) -> Markup {
+    let rows = (diagnosis.smallest_seen.iter()).map(|one| {
+        let size = match one.size {
+            Some(size) => text::with_unit(&significant(size, 3), &one.unit),
+            None => "none within reach".to_owned(),
+        };
+        let target = one.target.as_deref().unwrap_or_default();
+        cells(&[&format!("{} {target}", one.kind), &one.parameter, &size])
+    });
+    let head = ["effect", "parameter", "smallest size"];
+    let title = "The smallest effects that these data would have shown";
+    table(title, &head, rows)
+}
+
+fn notes(trial: &Trial, confirmed: &Confirmed) -> Markup {
+    let diagnosis = &confirmed.answer.diagnosis;
+    let failed = diagnosis.fits.iter().filter(|fit| !fit.converged).count();
+    html! {
+        h2 { "Notes" }
+        ul {
+            @for note in &trial.measured().notes { li { (note) } }
+            @for found in &diagnosis.ceiling.correlated_signals {
+                li { (format!(
+                    "What is left of {} follows {}: {:.0} % of it.",
+                    found.channel, found.signal, 100.0 * found.fraction
+                )) }
+            }
+            @if let Some(failure) = &confirmed.failure {
+                li { "The full model could not be run with this answer; "
+                     "the errors are the reduced model's: " (failure) }
+            }
+            li { (diagnosis.fits.len()) " fits, " (failed) " of them did not converge." }
+            li {
+                (diagnosis.work.predictions) " simulations in "
+                (significant(diagnosis.work.seconds, 3)) " s."
+            }
+        }
+    }
 }
 
 fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
@@ -260,29 +221,26 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
     figure.to_svg()
 }
 
-fn table(title: &str, head: &[&str], rows: &[Vec<String>]) -> String {
-    if rows.is_empty() {
-        return String::new();
+/// A table under its title; nothing where it has no rows. A row is its cells.
+fn table(title: &str, head: &[impl AsRef<str>], rows: impl Iterator<Item = Markup>) -> Markup {
+    let mut rows = rows.peekable();
+    if rows.peek().is_none() {
+        return html! {};
     }
-    let mut text = format!("<h2>{title}</h2>\n<table><tr>");
-    for cell in head {
-        let _ = write!(text, "<th>{cell}</th>");
+    html! {
+        h2 { (title) }
+        table {
+            tr { @for cell in head { th { (cell.as_ref()) } } }
+            @for row in rows { tr { (row) } }
+        }
     }
-    text.push_str("</tr>\n");
-    for row in rows {
-        let cell = |cell: &String| match cell.parse::<f64>() {
-            Ok(_) => format!("<td class=\"n\">{cell}</td>"),
-            Err(_) => format!("<td>{cell}</td>"),
-        };
-        let cells: String = row.iter().map(cell).collect();
-        let _ = writeln!(text, "<tr>{cells}</tr>");
-    }
-    text.push_str("</table>\n");
-    text
 }
 
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+/// Cells of a row, numbers to the right.
+fn cells(texts: &[impl AsRef<str>]) -> Markup {
+    html! {
+        @for text in texts.iter().map(AsRef::as_ref) {
+            td.n[text.parse::<f64>().is_ok()] { (text) }
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! The answer for the viewer: the verdict, and a row for each channel.
+//! The diagnosis for the viewer: the verdict, and a row for each channel.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::Trial;
 use truecut_telemetry::{BeforeAfter, ChannelBeforeAfter, write_before_after};
 
-use super::{Confirmed, telling};
+use super::{Confirmed, text};
 use crate::failure::Failure;
 use crate::text::reading_unit;
 
@@ -77,26 +77,26 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     let mut text = format!(
         "## {}\n\n**{}**\n\n{}\n\nData: `{}`\n",
         diagnosis.scenario,
-        telling::headline(diagnosis),
+        text::headline(diagnosis),
         diagnosis.reason,
         diagnosis.data
     );
     for cause in &diagnosis.causes {
-        let (name, what) = (telling::name(cause), telling::description(cause));
+        let (name, what) = (text::name(cause), text::description(cause));
         text.push_str(&format!("- *{name}*: {what}\n"));
     }
-    let causes = telling::cause_rows(diagnosis);
+    let causes = text::cause_rows(diagnosis);
     let head = match diagnosis.verdict {
         Verdict::UnknownCause => ["explains a part", "", "95 % interval"],
         _ => ["cause or refitted value", "", "95 % interval"],
     };
     text.push_str(&table(&head.map(str::to_owned), &causes));
-    if let [head, rows @ ..] = &telling::error_rows(diagnosis)[..] {
+    if let [head, rows @ ..] = &text::error_rows(diagnosis)[..] {
         let mut head = head.clone();
-        "rms on data kept back".clone_into(&mut head[0]);
+        "rms on held-out data".clone_into(&mut head[0]);
         text.push_str(&table(&head, rows));
     }
-    let others = telling::alternative_rows(diagnosis);
+    let others = text::alternative_rows(diagnosis);
     text.push_str(&table(
         &["other explanations".to_owned(), String::new()],
         &others,
@@ -105,8 +105,8 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         "\nUnexplained: {:.0} % of the discrepancy beyond noise.\n\n",
         100.0 * diagnosis.unexplained_fraction
     ));
-    for lock in telling::locks(diagnosis) {
-        text.push_str(&format!("- {lock}\n"));
+    for found in text::correlated_signals(diagnosis) {
+        text.push_str(&format!("- {found}\n"));
     }
     text.push_str(LEGEND);
     text

@@ -1,18 +1,18 @@
-//! Numbered axes: round numbers, linear or logarithmic.
+//! Axes with ticks at round numbers, linear or logarithmic.
 
-use super::short_number;
+use truecut_recording::short_number;
 
-/// How values are laid out along an axis.
+/// Scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Scale {
-    /// Equal steps are equally long.
+    /// Linear.
     #[default]
     Linear,
-    /// Equal ratios are equally long.
+    /// Logarithmic.
     Logarithmic,
 }
 
-/// An axis in its own coordinate: the value, or its decimal logarithm.
+/// An axis in its coordinate: the value, or its decimal logarithm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     scale: Scale,
@@ -22,7 +22,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// An axis that holds the values which can be drawn, with about `count` numbers.
+    /// An axis that spans all values that can be drawn, with about `count` ticks.
     pub fn around(values: impl Iterator<Item = f64>, scale: Scale, count: usize) -> Axis {
         let coordinates = values.filter_map(|value| place(scale, value));
         let (low, high) = coordinates
@@ -35,7 +35,7 @@ impl Axis {
                 low - 0.5 * low.abs().max(1e-3),
                 low + 0.5 * low.abs().max(1e-3),
             ),
-            // A little air, so that no curve runs along the frame.
+            // A margin, so that no curve runs along the frame.
             (low, high) => (low - 0.03 * (high - low), high + 0.03 * (high - low)),
         };
         let ticks = match scale {
@@ -55,10 +55,10 @@ impl Axis {
         place(self.scale, value)
     }
 
-    /// A tick as written.
+    /// Label of a tick.
     pub fn label(&self, tick: f64) -> String {
         match self.scale {
-            // What rounding leaves of zero is zero.
+            // Zero up to rounding.
             Scale::Linear if tick.abs() < 1e-9 * (self.high - self.low) => "0".to_owned(),
             Scale::Linear => shorter(tick),
             Scale::Logarithmic => shorter(10_f64.powf(tick)),
@@ -66,7 +66,7 @@ impl Axis {
     }
 }
 
-/// Without zeros before an exponent either: there is little room.
+/// Without leading zeros in the exponent: there is little room.
 fn shorter(value: f64) -> String {
     let text = short_number(value);
     match text.split_once('e') {
@@ -102,7 +102,7 @@ fn round_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     (first..=last).map(|index| index as f64 * step).collect()
 }
 
-/// Powers of ten; with 2 and 5 between where few of them lie in the range.
+/// Powers of ten; also 2 and 5 times them where few powers lie in the range.
 fn decades(low: f64, high: f64, count: usize) -> Vec<f64> {
     let inner: &[f64] = if high - low < 2.5 {
         &[1.0, 2.0, 5.0]
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn verify_places() {
+    fn places_on_a_logarithmic_axis() {
         let axis = Axis::around([1.0, 100.0].into_iter(), Scale::Logarithmic, 5);
         assert_eq!(
             (axis.place(10.0), axis.place(0.0), axis.place(-1.0)),

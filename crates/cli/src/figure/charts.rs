@@ -4,7 +4,7 @@ use truecut_telemetry::{ChartCurve, ChartPage, ChartShown};
 
 use super::{Figure, Layer, Panel, Scale, Style};
 
-/// The colours of a figure's layers, on a dark ground.
+/// Colours of the layers, for a dark background.
 const COLOURS: [[u8; 3]; 7] = [
     [60, 150, 255],
     [242, 142, 43],
@@ -15,7 +15,7 @@ const COLOURS: [[u8; 3]; 7] = [
     [235, 235, 235],
 ];
 
-/// The panels as charts; cells are left to the figure.
+/// The panels as charts; cells are drawn in the figure only.
 pub fn charts_of(figure: &Figure) -> ChartPage {
     ChartPage {
         title: figure.title.clone(),
@@ -25,7 +25,7 @@ pub fn charts_of(figure: &Figure) -> ChartPage {
 
 fn chart(panel: &Panel) -> ChartShown {
     let shown = |layer: &&Layer| !matches!(layer.style, Style::Cells { .. });
-    // Charts of the viewer are linear: a logarithmic axis becomes one of logarithms.
+    // The viewer's charts are linear: a logarithmic axis shows logarithms.
     let logarithmic = panel.y_scale == Scale::Logarithmic;
     let curve = |layer: &Layer| ChartCurve {
         name: layer.label.clone(),

@@ -16,10 +16,10 @@ type Drawn = Result<(), Box<dyn std::error::Error>>;
 
 /// Size of a panel, px.
 const PANEL: (u32, u32) = (640, 380);
-/// Width of a legend beside a panel, px.
-const BESIDE: u32 = 330;
+/// Width of a legend to the right of a panel, px.
+const LEGEND_WIDTH: u32 = 330;
 const TITLE: u32 = 44;
-/// Colours that stay apart also for colour-blind readers (Okabe and Ito).
+/// Colours that colour-blind readers can distinguish (Okabe and Ito).
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -61,12 +61,12 @@ fn colour(number: usize) -> RGBColor {
 pub fn draw(figure: &Figure, svg: &mut String) -> Drawn {
     let columns = figure.columns.max(1);
     let rows = figure.panels.len().div_ceil(columns).max(1);
-    let beside = if figure.legend == Legend::Beside {
-        BESIDE
+    let legend = if figure.legend == Legend::Right {
+        LEGEND_WIDTH
     } else {
         0
     };
-    let (wide, high) = (PANEL.0 + beside, PANEL.1);
+    let (wide, high) = (PANEL.0 + legend, PANEL.1);
     let size = (wide * columns as u32, TITLE + high * rows as u32);
     let root = SVGBackend::with_string(svg, size).into_drawing_area();
     root.fill(&WHITE)?;
@@ -76,8 +76,8 @@ pub fn draw(figure: &Figure, svg: &mut String) -> Drawn {
     for (panel, area) in figure.panels.iter().zip(body.split_evenly((rows, columns))) {
         let (plot, legend) = area.split_horizontally(PANEL.0);
         draw_panel(panel, &plot, figure.legend)?;
-        if figure.legend == Legend::Beside {
-            legend_beside(panel, &legend)?;
+        if figure.legend == Legend::Right {
+            legend_right(panel, &legend)?;
         }
     }
     root.present()?;
@@ -172,7 +172,7 @@ fn draw_layer(layer: &Layer, chart: &mut Chart<'_, '_>, x: &Axis, y: &Axis) -> D
             chart.draw_series(dots(1, colour.mix(0.35).filled()))?;
         }
         Style::Bars(halves) => {
-            // Two means have no course between them.
+            // Means of bins are not joined if there are only two.
             if layer.points.len() > 2 {
                 chart.draw_series(LineSeries::new(places(), colour.stroke_width(1)))?;
             }
@@ -188,17 +188,17 @@ fn draw_layer(layer: &Layer, chart: &mut Chart<'_, '_>, x: &Axis, y: &Axis) -> D
         }
         Style::Marks(texts) => {
             chart.draw_series(dots(5, colour.stroke_width(2)))?;
-            write_beside(layer, texts, chart, &place)?;
+            write_labels(layer, texts, chart, &place)?;
         }
         Style::Cells { size, shades } => draw_cells(layer, *size, shades, chart)?,
     }
     Ok(())
 }
 
-/// Shades that are told apart.
+/// Number of distinct shades.
 const SHADES: f64 = 12.0;
 
-/// Rectangles; those of one shade that stand on each other are drawn as one.
+/// Rectangles; vertically adjacent ones of one shade are drawn as one.
 fn draw_cells(layer: &Layer, size: (f64, f64), shades: &[f64], chart: &mut Chart<'_, '_>) -> Drawn {
     let level = |shade: f64| (shade.clamp(-1.0, 1.0) * SHADES).round();
     let mut cells: Vec<((f64, f64), f64, f64)> = Vec::new();
@@ -225,7 +225,7 @@ fn draw_cells(layer: &Layer, size: (f64, f64), shades: &[f64], chart: &mut Chart
         let part = |c: u8| (255.0 - share * (255.0 - f64::from(c))).round() as u8;
         RGBColor(part(r), part(g), part(b))
     };
-    // Neighbours overlap by a hair, so that no seams show.
+    // Neighbours overlap slightly, so that no seams show.
     let half = 0.505 * size.0;
     chart.draw_series(cells.into_iter().map(|((x, low), top, level)| {
         Rectangle::new([(x - half, low), (x + half, top)], mixed(level).filled())
@@ -233,11 +233,11 @@ fn draw_cells(layer: &Layer, size: (f64, f64), shades: &[f64], chart: &mut Chart
     Ok(())
 }
 
-/// Where a point of the data lies in the figure; none if outside.
+/// Pixel of a data point; none if outside the panel.
 type Placing<'a> = dyn Fn(&(f64, f64)) -> Option<(f64, f64)> + 'a;
 
 /// A text above each point.
-fn write_beside(
+fn write_labels(
     layer: &Layer,
     texts: &[String],
     chart: &mut Chart<'_, '_>,
@@ -256,7 +256,7 @@ fn write_beside(
 
 /// Labels in a row, right-aligned, in the strip above the panel.
 fn legend_above(panel: &Panel, area: &Area<'_>) -> Drawn {
-    // Letters of 13 px are 6.6 px wide on average; a little more is given.
+    // Letters of 13 px are 6.6 px wide on average; rounded up.
     let wide = |layer: &Layer| 38 + (7.0 * layer.label.chars().count() as f64) as i32;
     let shown = || panel.layers.iter().filter(|layer| !layer.label.is_empty());
     let mut left = PANEL.0 as i32 - 14 - shown().map(wide).sum::<i32>();
@@ -268,7 +268,7 @@ fn legend_above(panel: &Panel, area: &Area<'_>) -> Drawn {
 }
 
 /// Labels below one another.
-fn legend_beside(panel: &Panel, area: &Area<'_>) -> Drawn {
+fn legend_right(panel: &Panel, area: &Area<'_>) -> Drawn {
     let shown = panel.layers.iter().filter(|layer| !layer.label.is_empty());
     for (row, layer) in shown.enumerate() {
         draw_sample(layer, area, (4, 44 + 20 * row as i32))?;

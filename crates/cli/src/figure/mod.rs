@@ -13,18 +13,18 @@ use std::fmt;
 pub struct Figure {
     pub title: String,
     pub panels: Vec<Panel>,
-    /// Panels beside one another.
+    /// Panels in each row.
     pub columns: usize,
     pub legend: Legend,
 }
 
-/// Where the legends of the panels stand.
+/// Where the legends of the panels are placed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Legend {
     /// In a row above the panel: for few, short labels.
     Above,
-    /// Beside the panel.
-    Beside,
+    /// To the right of the panel.
+    Right,
 }
 
 /// Curves over common axes.
@@ -35,37 +35,38 @@ pub struct Panel {
     pub y_label: String,
     pub x_scale: Scale,
     pub y_scale: Scale,
-    /// Drawn in this order, so that later ones lie on top.
+    /// Drawn in this order, later ones on top.
     pub layers: Vec<Layer>,
 }
 
 /// One set of points.
 #[derive(Clone, Default)]
 pub struct Layer {
-    /// In the legend; none if empty.
+    /// Label in the legend; no entry if empty.
     pub label: String,
     pub points: Vec<(f64, f64)>,
     pub style: Style,
-    /// Number of the colour; layers of one colour belong together.
+    /// Index of the colour; related layers share one.
     pub colour: usize,
 }
 
-/// How points are drawn. Points without a place on the axes (NaN, zero on a logarithmic axis) are left
-/// out, and break a line.
+/// How points are drawn. Points that the axes cannot show (NaN, zero on a logarithmic axis) are
+/// skipped and break a line.
 #[derive(Clone, Default)]
 pub enum Style {
     #[default]
     Line,
-    /// A line as wide as this, px, with dots.
+    /// A line of this width, px, with dots.
     Dotted(u32),
     Dashed,
     /// Small, pale dots.
     Cloud,
     /// Dots with bars of this half-length, joined by a thin line.
     Bars(Vec<f64>),
-    /// Circles with a text beside each.
+    /// Circles, each with a label.
     Marks(Vec<String>),
-    /// Rectangles about the points, from −1 (orange) over 0 (white) to 1 (blue); NaN leaves one out. Axes must be linear.
+    /// Rectangles around the points, from −1 (orange) over 0 (white) to 1 (blue); NaN is not drawn.
+    /// Axes must be linear.
     Cells {
         /// Width and height in the units of the axes.
         size: (f64, f64),
@@ -78,13 +79,13 @@ impl Figure {
     /// The figure as SVG.
     pub fn to_svg(&self) -> String {
         let mut svg = String::new();
-        // Fails only if something cannot be drawn into memory; what is there then is still a figure.
+        // Drawing into memory fails only in part; what was drawn is still a figure.
         let _ = draw::draw(self, &mut svg);
         svg
     }
 }
 
-/// At most `count` points of a curve over ascending x: the smallest and largest of every stretch.
+/// At most `count` points of a curve over ascending x: minimum and maximum of each interval.
 pub fn thinned(points: impl ExactSizeIterator<Item = (f64, f64)>, count: usize) -> Vec<(f64, f64)> {
     let stretch = (2 * points.len()).div_ceil(count.max(2)).max(1);
     let all: Vec<(f64, f64)> = points.collect();
@@ -105,7 +106,7 @@ pub fn thinned(points: impl ExactSizeIterator<Item = (f64, f64)>, count: usize) 
         let mut rows: Vec<usize> = low.into_iter().chain(high).collect();
         rows.sort_unstable();
         rows.dedup();
-        // A gap in the stretch is kept.
+        // A gap in the interval is kept.
         let gap = part.iter().find(|point| !point.1.is_finite());
         rows.into_iter()
             .map(|row| part[row])
@@ -113,15 +114,6 @@ pub fn thinned(points: impl ExactSizeIterator<Item = (f64, f64)>, count: usize) 
             .collect::<Vec<_>>()
     };
     all.chunks(stretch).flat_map(ends).collect()
-}
-
-/// Four digits without zeros at the end.
-pub fn short_number(value: f64) -> String {
-    let text = truecut_recording::significant(value, 4);
-    if text.contains('.') && !text.contains('e') {
-        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
-    }
-    text
 }
 
 impl fmt::Debug for Figure {
@@ -218,11 +210,5 @@ mod tests {
         assert!(points.contains(&(503.0, 7.0)) && points.contains(&(704.0, -3.0)));
         assert!(points.iter().any(|point| point.1.is_nan()));
         assert!(points.is_sorted_by(|a, b| a.0 <= b.0 || b.1.is_nan()));
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        let numbers = [0.2, 300.0].map(short_number);
-        assert_eq!(numbers, ["0.2", "300"]);
     }
 }

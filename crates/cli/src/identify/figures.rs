@@ -64,7 +64,7 @@ pub fn stiffness(report: &StiffnessReport) -> Figure {
     }
 }
 
-/// Identified stiffness over the file's, with intervals.
+/// Identified stiffness over that of robot.toml, with intervals.
 fn ratios(report: &StiffnessReport) -> Panel {
     let mut points = Vec::new();
     let mut halves = Vec::new();

@@ -1,4 +1,4 @@
-//! What an identification writes.
+//! Files that an identification writes.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use truecut_recording::significant;
 
 use super::figures;
 use crate::failure::Failure;
-use crate::outputs::write_file;
+use truecut::outputs::write_file;
 
 /// The report, the figure, and the stiffnesses as entries of robot.toml.
 pub fn stiffness(folder: &Path, report: &StiffnessReport) -> Result<Vec<PathBuf>, Failure> {
@@ -48,10 +48,11 @@ fn write(folder: &Path, files: &[(&str, String)]) -> Result<Vec<PathBuf>, Failur
     Ok(written)
 }
 
-/// `[[joint]]` entries of robot.toml. Joints that could not be identified stand there as comments.
+/// `[[joint]]` entries of robot.toml. Joints that could not be identified are comments.
 pub fn entries(report: &StiffnessReport) -> String {
     let mut text = format!(
-        "# Joint stiffness identified from {}; these entries take the place of those in robot.toml.\n",
+        "# Joint stiffness identified from {}; these entries take the place of those in \
+         robot.toml.\n",
         report.source
     );
     for joint in &report.joints {
@@ -83,7 +84,7 @@ fn key(joint: &JointStiffness) -> &'static str {
     }
 }
 
-/// Six digits; TOML wants a point or an exponent in a float.
+/// Six digits; a TOML float needs a point or an exponent.
 fn number(value: f64) -> String {
     format!("{value:.5e}")
 }

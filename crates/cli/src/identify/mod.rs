@@ -2,13 +2,13 @@
 
 mod figures;
 mod files;
-mod tell;
+mod text;
 
 use std::path::{Path, PathBuf};
 
 use truecut_discrepancy::identify::frf::{Frf, frf};
 use truecut_discrepancy::identify::impact::impact;
-use truecut_discrepancy::identify::modes::{ModesReport, beside_model};
+use truecut_discrepancy::identify::modes::{ModesReport, against_model};
 use truecut_discrepancy::identify::readings::readings;
 use truecut_discrepancy::identify::stiffness::{self, StiffnessReport};
 use truecut_discrepancy::identify::{IdentifyError, modal};
@@ -19,11 +19,11 @@ use truecut_sim::elastic::ElasticArm;
 use truecut_telemetry::read_table;
 
 use crate::args::IdentifyArguments;
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::verdict::Verdict;
 
-/// Identifies what the file holds, prints it and writes reports and figures.
-pub fn identify(arguments: &IdentifyArguments) -> Result<Verdict, Failure> {
+/// Runs the identification, prints it and writes reports and figures.
+pub fn identify(arguments: &IdentifyArguments) -> Result<ExitStatus, Failure> {
     let file = Identification::load(&arguments.file)?;
     let arm =
         ElasticArm::load(&file.robot).map_err(|error| Failure::identified_arm(&file, error))?;
@@ -35,16 +35,16 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<Verdict, Failure> {
         .map(|spec| of_modes(&file, spec, &arm, stiffness.as_ref()))
         .transpose()?;
     let folder = arguments.out.join(file.stem());
-    let mut told = format!("{}\n", file.name);
+    let mut text = format!("{}\n", file.name);
     if let Some(report) = &stiffness {
         let written = files::stiffness(&folder, report)?;
-        told.push_str(&tell::stiffness(report, &written));
+        text.push_str(&text::stiffness(report, &written));
     }
     if let Some(report) = &modes {
         let written = files::modes(&folder, report)?;
-        told.push_str(&tell::modes(report, &written));
+        text.push_str(&text::modes(report, &written));
     }
-    crate::print(&told)
+    crate::print(&text)
 }
 
 fn of_stiffness(
@@ -68,22 +68,23 @@ fn of_modes(
     let Some(fit) = modal::fit(&frfs, spec.band_hz, spec.count, shift) else {
         let [low, high] = spec.band_hz;
         let message = format!(
-            "no mode stands out of the FRFs from {low} to {high} Hz; is it the right band, and the right unit?"
+            "no mode stands out of the FRFs from {low} to {high} Hz; is it the right band, and \
+             the right unit?"
         );
         return Err(file.problem("modes.band_hz", message).into());
     };
-    let beside = |arm: &ElasticArm| {
-        beside_model(&frfs, &fit, arm, spec.axes, spec.band_hz)
+    let report_of = |arm: &ElasticArm| {
+        against_model(&frfs, &fit, arm, spec.axes, spec.band_hz)
             .map_err(|error| Failure::identified_arm(file, error))
     };
-    let mut report = beside(arm)?;
+    let mut report = report_of(arm)?;
     if let Some(updated) = stiffness.and_then(StiffnessReport::updated) {
-        report.add_identified(&beside(&arm.with_stiffness(&updated))?);
+        report.add_identified(&report_of(&arm.with_stiffness(&updated))?);
     }
     Ok(report)
 }
 
-/// All FRFs, and what an exponential window has added to their decay rates, 1/s.
+/// All FRFs, and the decay rate that an exponential window has added to them, 1/s.
 fn frfs(file: &Identification, spec: &ModesSpec) -> Result<(Vec<Frf>, f64), Failure> {
     let mut frfs: Vec<Frf> = Vec::new();
     let mut shifts = Vec::new();
@@ -110,7 +111,7 @@ fn frfs(file: &Identification, spec: &ModesSpec) -> Result<(Vec<Frf>, f64), Fail
     Ok((frfs, shift))
 }
 
-/// The table of a file; a fault in it is one of the identification, at the key that names the file.
+/// The table of a file; an error in it is reported at the key that names the file.
 fn table(file: &Identification, path: &Path, header: bool, key: &str) -> Result<Table, Failure> {
     read_table(path, header).map_err(|error| {
         file.problem(&format!("{key}.file"), error.to_string())
@@ -122,9 +123,9 @@ fn refused(file: &Identification, error: &IdentifyError) -> Failure {
     file.problem(&error.key, error.message.clone()).into()
 }
 
-/// A written file as it is told.
-fn shown(path: &Path, beside: &[PathBuf]) -> String {
-    let names: Vec<String> = (beside.iter())
+/// A written file, as printed.
+fn shown(path: &Path, others: &[PathBuf]) -> String {
+    let names: Vec<String> = (others.iter())
         .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
         .collect();
     format!(

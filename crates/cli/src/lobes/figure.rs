@@ -17,7 +17,7 @@ pub fn figure(diagram: &Diagram<'_>) -> Figure {
         title: format!("{}: stability", diagram.scenario.name),
         panels: vec![depths(diagram), frequencies(diagram)],
         columns: 1,
-        legend: Legend::Beside,
+        legend: Legend::Right,
     }
 }
 
@@ -27,7 +27,7 @@ fn depths(diagram: &Diagram<'_>) -> Panel {
     let curve = |limits: &[Option<Crossing>]| -> Vec<(f64, f64)> {
         let points = lobes.spindle_rad_s.iter().zip(limits);
         let depth = |limit: &Option<Crossing>| limit.map_or(f64::NAN, |limit| limit.depth_m * 1e3);
-        // What lies beyond the deepest cut is beyond the figure.
+        // Limits beyond the deepest cut are not drawn.
         let shown = |mm: f64| if mm <= deepest_mm { mm } else { f64::NAN };
         points
             .map(|(speed, limit)| (rpm(*speed), shown(depth(limit))))
@@ -75,7 +75,7 @@ fn depths(diagram: &Diagram<'_>) -> Panel {
     }
 }
 
-/// The unstable part of the plane.
+/// The unstable region.
 fn shading(diagram: &Diagram<'_>) -> Layer {
     let lobes = &diagram.lobes;
     let step = |values: &[f64]| values[values.len() - 1] / values.len() as f64;
@@ -86,7 +86,7 @@ fn shading(diagram: &Diagram<'_>) -> Layer {
     for (speed, column) in lobes.spindle_rad_s.iter().zip(&lobes.multiplier) {
         for (depth, magnitude) in lobes.depth_m.iter().zip(column) {
             points.push((rpm(*speed), depth * 1e3));
-            // Growth over ten tooth periods, saturating.
+            // Growth over ten tooth periods, clamped.
             let growth = magnitude.ln() * 10.0;
             shades.push(if growth > 0.0 {
                 -(0.25 + growth).min(1.0)
@@ -106,7 +106,7 @@ fn shading(diagram: &Diagram<'_>) -> Layer {
     }
 }
 
-/// Runs, told apart by what they did.
+/// Simulated runs, grouped by outcome.
 fn dots(diagram: &Diagram<'_>) -> Vec<Layer> {
     let kinds = [
         (Some(false), "run, stable", BLUE),

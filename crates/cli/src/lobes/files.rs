@@ -1,17 +1,16 @@
-//! What `truecut lobes` writes.
+//! Files that `truecut lobes` writes.
 
 use std::path::{Path, PathBuf};
 
+use truecut::outputs::write_file;
 use truecut_core::chatter::averaged::Crossing;
-use truecut_telemetry::write_charts;
+use truecut_telemetry::{Column, write_charts, write_columns};
 
-use super::{Diagram, figure, rpm, tell};
-use crate::columns_parquet::{self, Column};
+use super::{Diagram, figure, rpm, text};
 use crate::failure::Failure;
 use crate::figure::charts_of;
-use crate::outputs::write_file;
 
-/// Writes the figure first, then what lies beside it.
+/// Writes the figure first, then the other files.
 pub fn write(diagram: &Diagram<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
     let folder = out.join(diagram.scenario.stem());
     let at = |name: &str| folder.join(name);
@@ -23,17 +22,17 @@ pub fn write(diagram: &Diagram<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure>
     let figure = figure::figure(diagram);
     write_file(&svg, figure.to_svg().as_bytes())?;
     let text = diagram.scenario.effective_text();
-    columns_parquet::write(&field, &field_columns(diagram), &text)?;
-    columns_parquet::write(&limits, &limit_columns(diagram), &text)?;
+    write_columns(&field, &field_columns(diagram), &text)?;
+    write_columns(&limits, &limit_columns(diagram), &text)?;
     let mut written = vec![svg, field, limits];
     if !diagram.runs.is_empty() {
         let runs = at("lobes_runs.parquet");
-        columns_parquet::write(&runs, &run_columns(diagram), &text)?;
+        write_columns(&runs, &run_columns(diagram), &text)?;
         written.push(runs);
     }
     let rrd = at("lobes.rrd");
     let pages = [charts_of(&figure)];
-    let summary = tell::summary(diagram);
+    let summary = text::summary(diagram);
     write_charts(&rrd, &figure.title, &summary, &pages)
         .map_err(|error| Failure::message(error.to_string()))?;
     written.push(rrd);
@@ -50,9 +49,9 @@ fn field_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
         .iter()
         .flat_map(|_| lobes.depth_m.iter());
     vec![
-        column("spindle_speed", "rpm", repeated.collect()),
-        column("axial_depth", "mm", each.map(|depth| depth * 1e3).collect()),
-        column("multiplier", "1", lobes.multiplier.concat()),
+        Column::numbers("spindle_speed", "rpm", repeated.collect()),
+        Column::numbers("axial_depth", "mm", each.map(|depth| depth * 1e3).collect()),
+        Column::numbers("multiplier", "1", lobes.multiplier.concat()),
     ]
 }
 
@@ -72,50 +71,46 @@ fn limit_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
     };
     let coupling = vec![lobes.mode_coupling; lobes.spindle_rad_s.len()];
     vec![
-        column(
+        Column::numbers(
             "spindle_speed",
             "rpm",
             lobes.spindle_rad_s.iter().map(|s| rpm(*s)).collect(),
         ),
-        column("limit_depth", "mm", depth(&lobes.limit)),
-        column("chatter_frequency", "Hz", hz(&lobes.limit)),
-        column("zero_order_depth", "mm", depth(&lobes.zero_order)),
-        column("zero_order_frequency", "Hz", hz(&lobes.zero_order)),
-        column("mode_coupling_depth", "mm", depth(&coupling)),
+        Column::numbers("limit_depth", "mm", depth(&lobes.limit)),
+        Column::numbers("chatter_frequency", "Hz", hz(&lobes.limit)),
+        Column::numbers("zero_order_depth", "mm", depth(&lobes.zero_order)),
+        Column::numbers("zero_order_frequency", "Hz", hz(&lobes.zero_order)),
+        Column::numbers("mode_coupling_depth", "mm", depth(&coupling)),
     ]
 }
 
 fn run_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
     let runs = &diagram.runs;
-    let chatters = |run: &super::Run| match run.chatters {
+    let chatters = |run: &truecut_sim::stability::StabilityRun| match run.chatters {
         Some(chatters) => f64::from(u8::from(chatters)),
         None => f64::NAN,
     };
     vec![
-        column(
+        Column::numbers(
             "spindle_speed",
             "rpm",
             runs.iter().map(|r| rpm(r.spindle_rad_s)).collect(),
         ),
-        column(
+        Column::numbers(
             "axial_depth",
             "mm",
             runs.iter().map(|r| r.depth_m * 1e3).collect(),
         ),
-        column("chatters", "1", runs.iter().map(chatters).collect()),
-        column(
+        Column::numbers("chatters", "1", runs.iter().map(chatters).collect()),
+        Column::numbers(
             "growth_rate",
             "1/s",
             runs.iter().map(|r| r.growth_per_s).collect(),
         ),
-        column(
+        Column::numbers(
             "chatter_frequency",
             "Hz",
             runs.iter().map(|r| r.chatter_hz).collect(),
         ),
     ]
-}
-
-fn column(name: &'static str, unit: &'static str, values: Vec<f64>) -> Column<'static> {
-    Column { name, unit, values }
 }

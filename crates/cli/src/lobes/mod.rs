@@ -1,9 +1,8 @@
-//! `truecut lobes`: the stability diagram of a milling scenario, with simulated runs laid over it.
+//! `truecut lobes`: the stability diagram of a milling scenario, with simulated runs.
 
 mod figure;
 mod files;
-mod runs;
-mod tell;
+mod text;
 
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -11,22 +10,21 @@ use std::path::PathBuf;
 use truecut_core::chatter::averaged::zero_order_limit;
 use truecut_plan::lobes::{LobeRequest, Lobes};
 use truecut_scenario::Scenario;
-use truecut_sim::stability::MillingStudy;
+use truecut_sim::stability::{MillingStudy, StabilityRun, stability_runs};
 
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::verdict::Verdict;
-use runs::Run;
 
 /// `lobes`, resolved.
-pub struct Plan {
+pub struct LobesPlan {
     pub scenario: Scenario,
     pub rpm: Option<[f64; 2]>,
     pub deepest_m: Option<f64>,
-    /// Number of speeds, and of depths.
+    /// Numbers of speeds and of depths.
     pub size: usize,
     pub runs: usize,
-    /// Where on the path the arm stands.
+    /// Position of the tool along the path.
     pub at_m: f64,
     pub out: PathBuf,
 }
@@ -37,17 +35,17 @@ struct Diagram<'a> {
     study: MillingStudy,
     posture: Vec<f64>,
     lobes: Lobes,
-    runs: Vec<Run>,
+    runs: Vec<StabilityRun>,
 }
 
-/// Speeds of the default range as parts of the scenario's.
+/// Default range of speeds, as fractions of the scenario's.
 const RANGE: [f64; 2] = [0.1, 1.25];
-/// The default depth as a part of the limit at the scenario's speed, and of its depth.
+/// Default largest depth, as a multiple of the limit at the scenario's speed, and of its depth.
 const BEYOND_LIMIT: f64 = 1.2;
 const BEYOND_DEPTH: f64 = 3.0;
 
-/// Computes the diagram, makes the runs, prints and writes.
-pub fn lobes(plan: &Plan) -> Result<Verdict, Failure> {
+/// Computes the diagram, simulates the runs, prints and writes.
+pub fn lobes(plan: &LobesPlan) -> Result<ExitStatus, Failure> {
     let scenario = &plan.scenario;
     let failed = |error| Failure::sim(scenario, error);
     let study = MillingStudy::of(scenario).map_err(failed)?;
@@ -55,11 +53,15 @@ pub fn lobes(plan: &Plan) -> Result<Verdict, Failure> {
     let modes = study.modes(&posture).map_err(failed)?;
     let request = request(plan, &study, &modes);
     let progress = Progress::new(1, "stability diagram");
-    let told = progress.run();
-    let lobes = truecut_plan::lobes::lobes(&modes, &study.cut, &request, &|part| told.set(part));
-    drop(told);
+    let run = progress.run();
+    let lobes = truecut_plan::lobes::lobes(&modes, &study.cut, &request, &|part| run.set(part));
+    drop(run);
     drop(progress);
-    let runs = runs::make(scenario, &study, &lobes, plan.runs)?;
+    let progress = Progress::new(1, "runs");
+    let run = progress.run();
+    let runs = stability_runs(scenario, &study, &lobes, plan.runs, &|part| run.set(part))?;
+    drop(run);
+    drop(progress);
     let diagram = Diagram {
         scenario,
         study,
@@ -68,11 +70,11 @@ pub fn lobes(plan: &Plan) -> Result<Verdict, Failure> {
         runs,
     };
     let written = files::write(&diagram, &plan.out)?;
-    crate::print(&tell::tell(&diagram, &written))
+    crate::print(&text::printed(&diagram, &written))
 }
 
-/// The posture at the place asked for.
-fn posture_at(plan: &Plan, study: &MillingStudy) -> Result<Vec<f64>, Failure> {
+/// The posture at the requested position.
+fn posture_at(plan: &LobesPlan, study: &MillingStudy) -> Result<Vec<f64>, Failure> {
     let length_m = study.path.length_m();
     if plan.at_m > length_m {
         return Err(Failure::message(format!(
@@ -88,7 +90,7 @@ fn posture_at(plan: &Plan, study: &MillingStudy) -> Result<Vec<f64>, Failure> {
 }
 
 fn request(
-    plan: &Plan,
+    plan: &LobesPlan,
     study: &MillingStudy,
     modes: &[truecut_core::chatter::TipMode],
 ) -> LobeRequest {

@@ -1,9 +1,9 @@
-//! The path on the face, what the wheel does along it, and what the joints do.
+//! Figures of a path: lines on the face, wheel contact, joints.
 
 use nalgebra::Vector3;
 use truecut_plan::surface_path::Contact;
 
-use super::{Answer, durations_s};
+use super::{PlannedPath, durations_s};
 use crate::figure::{Figure, Layer, Legend, Panel, Style, thinned};
 
 const BLUE: usize = 0;
@@ -12,11 +12,11 @@ const GREEN: usize = 2;
 const BLACK: usize = 6;
 /// Most points of a curve.
 const POINTS: usize = 1500;
-/// Points of the face's outline along each border.
+/// Points of the face's outline per border.
 const OUTLINE: usize = 60;
 
-/// Four panels: the lines on the face, widths and depths along them, joints, and their speeds.
-pub fn figure(answer: &Answer<'_>) -> Figure {
+/// Four panels: lines on the face, widths and depths along them, joint angles, joint speeds.
+pub fn figure(answer: &PlannedPath<'_>) -> Figure {
     Figure {
         title: format!("{}: path", answer.job.name),
         panels: vec![
@@ -30,8 +30,8 @@ pub fn figure(answer: &Answer<'_>) -> Figure {
     }
 }
 
-/// Seen from where the patch looks on average.
-fn on_face(answer: &Answer<'_>) -> Panel {
+/// Viewed against the mean normal of the patch.
+fn on_face(answer: &PlannedPath<'_>) -> Panel {
     let contacts: Vec<&Contact> = answer.path.lines.iter().flatten().collect();
     let normal: Vector3<f64> = contacts.iter().map(|c| c.normal.into_inner()).sum();
     let normal = normal.normalize();
@@ -79,7 +79,7 @@ fn on_face(answer: &Answer<'_>) -> Panel {
 }
 
 /// The face's boundary, or the borders of its patch.
-fn outline(answer: &Answer<'_>) -> Vec<Vector3<f64>> {
+fn outline(answer: &PlannedPath<'_>) -> Vec<Vector3<f64>> {
     let surface = answer.inputs.patch.surface.as_ref();
     match &answer.inputs.patch.boundary {
         Some(boundary) => {
@@ -102,8 +102,8 @@ fn outline(answer: &Answer<'_>) -> Vec<Vector3<f64>> {
     }
 }
 
-/// Swath, edge gap and depth over the way along the lines.
-fn along(answer: &Answer<'_>) -> Panel {
+/// Swath, edge gap and depth over arc length along the lines.
+fn along(answer: &PlannedPath<'_>) -> Panel {
     let mut at_mm = 0.0;
     let (mut swath, mut gap, mut depth) = (Vec::new(), Vec::new(), Vec::new());
     for (line, depths) in answer.path.lines.iter().zip(&answer.depth_m) {
@@ -113,7 +113,7 @@ fn along(answer: &Answer<'_>) -> Panel {
             }
             swath.push((at_mm, contact.swath_m * 1e2));
             gap.push((at_mm, contact.edge_gap_m * 1e3));
-            // The first pose of a line is lifted.
+            // The tool is lifted at the first pose of a line.
             depth.push((at_mm, depths[k + 1] * 1e3));
         }
     }
@@ -137,7 +137,7 @@ fn along(answer: &Answer<'_>) -> Panel {
 }
 
 /// Joint angles over time.
-fn joints(answer: &Answer<'_>) -> Panel {
+fn joints(answer: &PlannedPath<'_>) -> Panel {
     let mut time_s = 0.0;
     let times: Vec<f64> = durations_s(answer)
         .into_iter()
@@ -167,8 +167,8 @@ fn joints(answer: &Answer<'_>) -> Panel {
     }
 }
 
-/// Speeds on lines over their limits.
-fn speeds(answer: &Answer<'_>) -> Panel {
+/// Joint speeds on lines, relative to their limits.
+fn speeds(answer: &PlannedPath<'_>) -> Panel {
     let durations = durations_s(answer);
     let chain = &answer.inputs.robot.chain.joints;
     let layers = chain.iter().enumerate().map(|(joint, one)| {

@@ -9,11 +9,11 @@ use truecut_scenario::PathJob;
 
 use crate::failure::Failure;
 
-/// Everything that is read before anything is planned.
+/// Everything that is read before planning.
 pub struct Inputs {
     pub robot: Robot,
     pub patch: PatchFile,
-    /// The patch cut into triangles.
+    /// The patch as a triangle mesh.
     pub patch_mesh: Mesh,
     pub body: Option<Mesh>,
     /// In the order of the job.
@@ -75,13 +75,14 @@ fn robot(job: &PathJob) -> Result<Robot, Failure> {
     Ok(robot)
 }
 
-/// A robot program turns rotary joints alone, and there is a place for each in the posture that the arm comes from.
+/// A robot program moves rotary joints only, and the start posture must have a value for each.
 fn check_joints(job: &PathJob, robot: &Robot) -> Result<(), Failure> {
     let arm = &job.robot;
     let slide = (robot.chain.joints.iter()).find(|joint| joint.kind == JointKind::Prismatic);
     if let Some(slide) = slide {
         let message = format!(
-            "`robot.urdf` is an arm with a slide, joint `{}`, but robot programs are written for arms of rotary joints alone; \
+            "`robot.urdf` is an arm with a slide, joint `{}`, but robot programs are written for \
+             arms of rotary joints alone; \
              `process.belt` takes slides, too",
             slide.name
         );

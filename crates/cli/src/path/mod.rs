@@ -3,71 +3,72 @@
 mod figure;
 mod files;
 mod inputs;
-mod tell;
+mod text;
 
 use nalgebra::Isometry3;
 use rayon::prelude::*;
+use truecut_plan::motion::joints::slowest_joint_s;
 use truecut_plan::program::{
-    Finding, FindingKind, Motion, Program, ProgramErrorKind, Tool, TravelOptions,
+    Finding, FindingKind, Motion, Move, Program, ProgramErrorKind, TravelOptions,
 };
 use truecut_plan::surface::Mesh;
 use truecut_plan::surface_path::{
-    Part, Segment, Speeds, SurfacePath, SurfacePathError, parts_of, program_of,
+    Part, Segment, Speeds, SurfacePath, SurfacePathError, TaughtWhen, parts_of, program_of,
 };
 use truecut_scenario::PathJob;
-use truecut_scenario::path_job::{DialectSpec, TaughtWhen};
-use truecut_sim::path_job;
 
 use crate::args::PathArguments;
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::verdict::Verdict;
 use inputs::Inputs;
 
-/// What was planned.
-struct Answer<'a> {
+/// A planned path job.
+struct PlannedPath<'a> {
     job: &'a PathJob,
     inputs: &'a Inputs,
     path: SurfacePath,
     /// Segments of all copies, in the order of the program.
     parts: Vec<Part>,
     program: Program,
-    /// How deep the wheel lies in patch and body at each pose of each line, m: `[line][pose]`.
+    /// Indentation of the wheel in patch and body at each pose of each line, m: `[line][pose]`.
     depth_m: Vec<Vec<f64>>,
     findings: Vec<Finding>,
 }
 
-/// Poses whose depth is looked for between two steps of the bar.
+/// Poses between two updates of the progress bar.
 const CHUNK: usize = 64;
 
-/// How deep a wheel that just touches may seem to lie: what cutting the patch into triangles costs.
+/// Apparent indentation of a wheel that just touches: the error of the triangle mesh.
 const TOUCHING_M: f64 = 20e-6;
 
 /// Plans, checks, prints and writes.
-pub fn path(arguments: &PathArguments) -> Result<Verdict, Failure> {
+pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     let job = PathJob::load(&arguments.file)?;
     let inputs = Inputs::load(&job)?;
     let answer = answer(&job, &inputs)?;
     let written = files::write(&answer, &arguments.out)?;
-    crate::print(&tell::tell(&answer, &written))
+    crate::print(&text::printed(&answer, &written))
 }
 
-fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<Answer<'a>, Failure> {
+fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, Failure> {
     let progress = Progress::new(3, "path");
-    let told = progress.run();
-    let path = path_job::lines(&job.path, &job.wheel, &inputs.patch)
-        .map_err(|error| refused(job, &error))?;
-    drop(told);
+    let run = progress.run();
+    let path = (job.path.lines(&job.wheel, &inputs.patch)).map_err(|error| refused(job, &error))?;
+    drop(run);
     let poses = path.poses(job.path.lift_m);
     let depth_m = depths(job, inputs, &poses, &progress)?;
-    let told = progress.run();
-    let (parts, program) = follow(job, inputs, &poses).map_err(|error| refused(job, &error))?;
+    let run = progress.run();
+    let head = job.program.head(&inputs.robot);
+    let head = head.map_err(|fault| job.problem("program", fault.to_string()))?;
+    let (parts, program) =
+        follow(job, inputs, head, &poses).map_err(|error| refused(job, &error))?;
     let findings = program.inspect(&inputs.robot, &TravelOptions::default().singularity);
     if let Some(fast) = fastest(&findings) {
         return Err(too_fast(job, fast));
     }
-    drop(told);
-    Ok(Answer {
+    drop(run);
+    Ok(PlannedPath {
         job,
         inputs,
         path,
@@ -78,14 +79,14 @@ fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<Answer<'a>, Failur
     })
 }
 
-/// The whole wheel against the whole patch and body, at every pose.
+/// Indentation of the whole wheel in the whole patch and body, at every pose.
 fn depths(
     job: &PathJob,
     inputs: &Inputs,
     poses: &[Vec<Isometry3<f64>>],
     progress: &Progress,
 ) -> Result<Vec<Vec<f64>>, Failure> {
-    let told = progress.run();
+    let run = progress.run();
     let meshes: Vec<&Mesh> = std::iter::once(&inputs.patch_mesh)
         .chain(&inputs.body)
         .collect();
@@ -98,7 +99,7 @@ fn depths(
     let mut found: Vec<f64> = Vec::with_capacity(all.len());
     for chunk in all.chunks(CHUNK) {
         found.par_extend(chunk.par_iter().map(depth_m));
-        told.set(found.len() as f64 / all.len() as f64);
+        run.set(found.len() as f64 / all.len() as f64);
     }
     let mut rest = found.into_iter();
     let split = poses
@@ -127,7 +128,9 @@ fn check_depths(
                     format!("`path.gouge_limit_mm` allows {:.4} mm", limit_m * 1e3)
                 };
                 let message = format!(
-                    "the wheel gouges: on line {}, point {point}, its centre at ({:.3}, {:.3}, {:.3}) mm in the patch's frame, it lies {:.4} mm deep in the workpiece; {rule}",
+                    "the wheel gouges: on line {}, point {point}, its centre at ({:.3}, {:.3}, \
+                     {:.3}) mm in the patch's frame, it lies {:.4} mm deep in the workpiece; \
+                     {rule}",
                     line + 1,
                     at.x,
                     at.y,
@@ -145,9 +148,10 @@ fn check_depths(
 fn follow(
     job: &PathJob,
     inputs: &Inputs,
+    head: Program,
     poses: &[Vec<Isometry3<f64>>],
 ) -> Result<(Vec<Part>, Program), SurfacePathError> {
-    let world_from_patch = path_job::pose(&job.surface.place);
+    let world_from_patch = job.surface.world_from_patch;
     let planned = poses.iter().map(|line| {
         let line = line.iter().map(|pose| world_from_patch * pose);
         Segment::Planned(line.collect())
@@ -161,19 +165,7 @@ fn follow(
         .chain(planned)
         .chain(taught(TaughtWhen::After))
         .collect();
-    let symmetry = job.symmetry.as_ref().map(path_job::symmetry);
-    let parts = parts_of(&segments, symmetry.as_ref())?;
-    let (name, number) = match &job.program.dialect {
-        DialectSpec::Jbi { tool_number, .. } => ("wheel", *tool_number),
-        DialectSpec::Rapid { tool_name, .. } => (tool_name.as_str(), 0),
-    };
-    let head = Program {
-        name: job.program.name.clone(),
-        comment: job.program.comment.clone(),
-        tool: Tool::of(&inputs.robot, name, number),
-        world_from_base: path_job::pose(&job.program.base),
-        moves: Vec::new(),
-    };
+    let parts = parts_of(&segments, job.symmetry.as_ref())?;
     let speeds = Speeds {
         feed_m_per_s: job.path.feed_m_per_s,
         joint_share: job.program.joint_share,
@@ -187,7 +179,7 @@ fn follow(
     Ok((parts, program))
 }
 
-/// The joint that exceeds its speed most.
+/// The joint that exceeds its speed limit most.
 fn fastest(findings: &[Finding]) -> Option<(&Finding, f64, f64)> {
     let fast = findings.iter().filter_map(|finding| match finding.kind {
         FindingKind::TooFast {
@@ -208,7 +200,7 @@ fn too_fast(job: &PathJob, (finding, speed, limit): (&Finding, f64, f64)) -> Fai
     job.problem("path.feed_mm_per_s", message).into()
 }
 
-/// A fault of the path, at the key of the job that it is about or in the file that holds it.
+/// An error of the path, at the key of the job that caused it or in the file that holds it.
 fn refused(job: &PathJob, error: &SurfacePathError) -> Failure {
     let key = match error {
         SurfacePathError::Gouge { .. } => "wheel.radius_mm",
@@ -227,25 +219,17 @@ fn refused(job: &PathJob, error: &SurfacePathError) -> Failure {
     job.problem(key, error.to_string()).into()
 }
 
-/// Time from one move to the next, s: at the feed along lines, as long as the slowest joint takes else.
-fn durations_s(answer: &Answer<'_>) -> Vec<f64> {
-    let joints = &answer.inputs.robot.chain.joints;
+/// Duration of each move, s: at the feed along lines, else as long as the slowest joint needs.
+fn durations_s(answer: &PlannedPath<'_>) -> Vec<f64> {
     let moves = &answer.program.moves;
-    let step = |pair: &[truecut_plan::program::Move]| {
-        let way =
+    let step = |pair: &[Move]| {
+        let distance =
             pair[1].base_from_tool.translation.vector - pair[0].base_from_tool.translation.vector;
-        let turned = pair[0].posture.iter().zip(&pair[1].posture);
-        let slowest = |share: f64| {
-            let each = joints
-                .iter()
-                .zip(turned.clone())
-                .filter_map(|(joint, (a, b))| {
-                    Some((a - b).abs() / (share * joint.limits?.velocity))
-                });
-            each.fold(0.0, f64::max)
-        };
+        let robot = &answer.inputs.robot;
+        let slowest =
+            |share: f64| slowest_joint_s(robot, &pair[0].posture, &pair[1].posture, share);
         match pair[1].motion {
-            Motion::Linear { speed_m_per_s } => (way.norm() / speed_m_per_s).max(slowest(1.0)),
+            Motion::Linear { speed_m_per_s } => (distance.norm() / speed_m_per_s).max(slowest(1.0)),
             Motion::Joint { share } => slowest(share),
         }
     };

@@ -1,8 +1,8 @@
-//! Where the criteria agree, and where not.
+//! Figures of a plan: criteria over path and redundancy angle, margins, decay.
 
 use truecut_plan::{Assessment, Criterion, Decay, MarginMap, Stability};
 
-use super::Answer;
+use super::PostureAnswer;
 use crate::figure::{Figure, Layer, Legend, Panel, Scale, Style};
 
 const BLUE: usize = 0;
@@ -12,11 +12,11 @@ const PINK: usize = 3;
 const BLACK: usize = 6;
 /// Colour of each criterion.
 const COLOURS: [usize; 4] = [PINK, GREEN, ORANGE, BLUE];
-/// Margin at which a cell is as blue as it gets, as a ratio to what is needed.
+/// Margin of the darkest blue, as a ratio to the requirement.
 const FULL: f64 = 3.0;
 
 /// A map for each criterion, then limits over the angle, margins and decay along the path.
-pub fn figure(answer: &Answer<'_>) -> Figure {
+pub fn figure(answer: &PostureAnswer<'_>) -> Figure {
     let mut panels: Vec<Panel> = answer.maps.iter().map(|map| margins(answer, map)).collect();
     panels.push(over_angle(answer));
     panels.push(along_path(answer));
@@ -34,7 +34,7 @@ pub fn figure(answer: &Answer<'_>) -> Figure {
 }
 
 /// Stable (blue), marginal (white) and unstable (orange) over path and angle.
-fn margins(answer: &Answer<'_>, map: &MarginMap) -> Panel {
+fn margins(answer: &PostureAnswer<'_>, map: &MarginMap) -> Panel {
     let mut points = Vec::new();
     let mut shades = Vec::new();
     for (along, column) in map.along_m.iter().zip(&map.assessments) {
@@ -83,7 +83,7 @@ fn margins(answer: &Answer<'_>, map: &MarginMap) -> Panel {
     }
 }
 
-/// −1 … 1 by the logarithm of value over need; white where it neither chatters nor is stable.
+/// −1 … 1 by the logarithm of value over requirement; white where marginal.
 fn shade(found: &Assessment) -> f64 {
     let ratio = (1.0 + found.margin).max(1e-6).ln() / FULL.ln();
     let least = match found.stability() {
@@ -94,7 +94,7 @@ fn shade(found: &Assessment) -> f64 {
     (ratio.clamp(-1.0, 1.0) * 0.85) + least
 }
 
-/// Angles in one turn; where they pass over its end the curve breaks.
+/// Angles modulo one turn; the curve breaks where they wrap around.
 fn angles(plan: &truecut_plan::Plan) -> Vec<(f64, f64)> {
     let mut curve: Vec<(f64, f64)> = Vec::new();
     for point in &plan.points {
@@ -110,8 +110,8 @@ fn angles(plan: &truecut_plan::Plan) -> Vec<(f64, f64)> {
     curve
 }
 
-/// Limit depth by each theory over the angle in the middle of the path.
-fn over_angle(answer: &Answer<'_>) -> Panel {
+/// Limit depth by each theory over the angle, at the middle of the path.
+fn over_angle(answer: &PostureAnswer<'_>) -> Panel {
     let cut = &answer.study.cut;
     let depth_mm = cut.nominal.axial_depth_m * 1e3;
     let theories = answer.maps.iter().zip(COLOURS);
@@ -157,7 +157,7 @@ fn over_angle(answer: &Answer<'_>) -> Panel {
 }
 
 /// Margins of the plan, and of the scenario's own angles dashed.
-fn along_path(answer: &Answer<'_>) -> Panel {
+fn along_path(answer: &PostureAnswer<'_>) -> Panel {
     let curve = |plan: &truecut_plan::Plan, found: &[Assessment]| -> Vec<(f64, f64)> {
         let points = plan.points.iter().zip(found);
         points
@@ -198,7 +198,7 @@ fn along_path(answer: &Answer<'_>) -> Panel {
     }
 }
 
-/// How fast vibration dies away, and how fast it must: below zero it grows.
+/// Decay rate of vibration, and the required one; negative where it grows.
 fn decays(
     points: impl Iterator<Item = (f64, Assessment)> + Clone,
     style: Style,
@@ -222,8 +222,8 @@ fn decays(
     ]
 }
 
-/// Decay over the angle in the middle of the path.
-fn decay_over_angle(answer: &Answer<'_>) -> Panel {
+/// Decay over the angle, at the middle of the path.
+fn decay_over_angle(answer: &PostureAnswer<'_>) -> Panel {
     let maps = answer.maps.iter();
     let maps = maps.filter(|map| map.criterion == Criterion::Regenerative);
     let layers = maps.flat_map(|map| {
@@ -242,7 +242,7 @@ fn decay_over_angle(answer: &Answer<'_>) -> Panel {
 }
 
 /// Decay of the plan, and at the scenario's own angles dashed.
-fn decay(answer: &Answer<'_>) -> Panel {
+fn decay(answer: &PostureAnswer<'_>) -> Panel {
     let along = |plan: &truecut_plan::Plan, found: &[Assessment], style, label| {
         let points = plan.points.iter().zip(found);
         decays(points.map(|(p, a)| (p.along_m * 1e3, *a)), style, label)

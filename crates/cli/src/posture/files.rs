@@ -1,20 +1,19 @@
-//! What `truecut posture` writes.
+//! Files that `truecut posture` writes.
 
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Rotation3, UnitQuaternion};
+use truecut::outputs::write_file;
 use truecut_plan::section::tool_stiffness;
 use truecut_plan::{Assessment, Criterion};
-use truecut_telemetry::{PlanShown, PlanStation, write_plan};
+use truecut_telemetry::{Column, PlanShown, PlanStation, write_columns, write_plan};
 
-use super::{Answer, figure, tell};
-use crate::columns_parquet::{self, Column};
+use super::{PostureAnswer, figure, text};
 use crate::failure::Failure;
 use crate::figure::{Figure, charts_of};
-use crate::outputs::write_file;
 
-/// Writes the figure first, then the scenario with the plan, then what lies beside them.
-pub fn write(answer: &Answer<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
+/// Writes the figure first, then the scenario with the plan, then the other files.
+pub fn write(answer: &PostureAnswer<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
     let scenario = answer.scenario;
     let folder = out.join(scenario.stem());
     let at = |name: &str| folder.join(name);
@@ -29,18 +28,18 @@ pub fn write(answer: &Answer<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
     write_file(&svg, drawn.to_svg().as_bytes())?;
     let text = scenario.planned_text(&folder, &answer.study.planned(&answer.plan));
     write_file(&planned, text.as_bytes())?;
-    columns_parquet::write(&stations, &station_columns(answer), &text)?;
-    columns_parquet::write(&map, &map_columns(answer), &text)?;
+    write_columns(&stations, &station_columns(answer), &text)?;
+    write_columns(&map, &map_columns(answer), &text)?;
     show(answer, &rrd, &text, &drawn)?;
     Ok(vec![svg, planned, stations, map, rrd])
 }
 
-fn show(answer: &Answer<'_>, rrd: &Path, text: &str, drawn: &Figure) -> Result<(), Failure> {
+fn show(answer: &PostureAnswer<'_>, rrd: &Path, text: &str, drawn: &Figure) -> Result<(), Failure> {
     let (scene, frames) = answer.study.view(&answer.plan);
     let title = format!("{}: postures", answer.scenario.name);
     let shown = PlanShown {
         title: &title,
-        text: &tell::summary(answer),
+        text: &text::summary(answer),
         scenario: text,
         scene: &scene,
         frames: &frames,
@@ -50,8 +49,9 @@ fn show(answer: &Answer<'_>, rrd: &Path, text: &str, drawn: &Figure) -> Result<(
     write_plan(rrd, &shown).map_err(|error| Failure::message(error.to_string()))
 }
 
-/// What the viewer shows beside the arm: the angle, limits over it, values along the path. The maps are left to the figure.
-fn beside_the_arm(answer: &Answer<'_>, drawn: &Figure) -> Figure {
+/// Charts of the viewer: the angle, limits over it, values along the path. Maps are in the figure
+/// only.
+fn beside_the_arm(answer: &PostureAnswer<'_>, drawn: &Figure) -> Figure {
     let maps = answer.maps.len();
     let angle = &drawn.panels[answer.chosen()];
     let panels = std::iter::once(angle).chain(&drawn.panels[maps..]);
@@ -63,7 +63,7 @@ fn beside_the_arm(answer: &Answer<'_>, drawn: &Figure) -> Figure {
     }
 }
 
-fn stations(answer: &Answer<'_>) -> Result<Vec<PlanStation>, Failure> {
+fn stations(answer: &PostureAnswer<'_>) -> Result<Vec<PlanStation>, Failure> {
     let study = answer.study;
     let frame = study.path.world_from_milling(0);
     let feed_m_per_s = study.cut.feed_m_per_s();
@@ -85,46 +85,54 @@ fn stations(answer: &Answer<'_>) -> Result<Vec<PlanStation>, Failure> {
     answer.plan.points.iter().map(station).collect()
 }
 
-fn station_columns(answer: &Answer<'_>) -> Vec<Column<'static>> {
+fn station_columns(answer: &PostureAnswer<'_>) -> Vec<Column<'static>> {
     let points = &answer.plan.points;
     let of = |value: &dyn Fn(&truecut_plan::PlanPoint) -> f64| points.iter().map(value).collect();
     let mut columns = vec![
-        column("along", "mm", of(&|p| p.along_m * 1e3)),
-        column("x", "mm", of(&|p| p.point_m.x * 1e3)),
-        column("y", "mm", of(&|p| p.point_m.y * 1e3)),
-        column("z", "mm", of(&|p| p.point_m.z * 1e3)),
-        column("redundancy_angle", "deg", of(&|p| p.angle_rad.to_degrees())),
+        Column::numbers("along", "mm", of(&|p| p.along_m * 1e3)),
+        Column::numbers("x", "mm", of(&|p| p.point_m.x * 1e3)),
+        Column::numbers("y", "mm", of(&|p| p.point_m.y * 1e3)),
+        Column::numbers("z", "mm", of(&|p| p.point_m.z * 1e3)),
+        Column::numbers("redundancy_angle", "deg", of(&|p| p.angle_rad.to_degrees())),
     ];
     let joints = ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6"];
     for (j, name) in joints.into_iter().enumerate() {
-        columns.push(column(name, "deg", of(&|p| p.posture[j].to_degrees())));
+        columns.push(Column::numbers(
+            name,
+            "deg",
+            of(&|p| p.posture[j].to_degrees()),
+        ));
     }
-    for (criterion, found) in Criterion::ALL.into_iter().zip(&answer.plan_assessed) {
+    for (criterion, found) in Criterion::ALL.iter().copied().zip(&answer.plan_assessed) {
         let (name, unit, scale) = value_column(criterion);
         let values = found.iter().map(|a| a.value * scale);
-        columns.push(column(name, unit, values.collect()));
+        columns.push(Column::numbers(name, unit, values.collect()));
     }
     let found = answer.regenerative(&answer.plan_assessed).iter();
     let of = |a: &Assessment| a.decay_per_s().unwrap_or(f64::NAN);
-    columns.push(column(
+    columns.push(Column::numbers(
         "regenerative_decay",
         "1/s",
         found.clone().map(of).collect(),
     ));
     let least = |a: &Assessment| a.decay.map_or(f64::NAN, |decay| decay.least_per_s);
-    columns.push(column("least_decay", "1/s", found.map(least).collect()));
+    columns.push(Column::numbers(
+        "least_decay",
+        "1/s",
+        found.map(least).collect(),
+    ));
     columns
 }
 
-fn map_columns(answer: &Answer<'_>) -> Vec<Column<'static>> {
+fn map_columns(answer: &PostureAnswer<'_>) -> Vec<Column<'static>> {
     let first = &answer.maps[0];
     let angles = first.angles_rad.len();
     let along = first.along_m.iter();
     let along = along.flat_map(|at| std::iter::repeat_n(at * 1e3, angles));
     let each = first.along_m.iter().flat_map(|_| first.angles_rad.iter());
     let mut columns = vec![
-        column("along", "mm", along.collect()),
-        column(
+        Column::numbers("along", "mm", along.collect()),
+        Column::numbers(
             "redundancy_angle",
             "deg",
             each.map(|a| a.to_degrees()).collect(),
@@ -134,12 +142,16 @@ fn map_columns(answer: &Answer<'_>) -> Vec<Column<'static>> {
         let (name, unit, scale) = value_column(map.criterion);
         let value = |found: &Option<Assessment>| found.map_or(f64::NAN, |a| a.value * scale);
         let values = map.assessments.iter().flatten().map(value);
-        columns.push(column(name, unit, values.collect()));
+        columns.push(Column::numbers(name, unit, values.collect()));
         if map.criterion == Criterion::Regenerative {
             let decay = |found: &Option<Assessment>| found.and_then(|a| a.decay_per_s());
             let values = map.assessments.iter().flatten();
             let values = values.map(|found| decay(found).unwrap_or(f64::NAN));
-            columns.push(column("regenerative_decay", "1/s", values.collect()));
+            columns.push(Column::numbers(
+                "regenerative_decay",
+                "1/s",
+                values.collect(),
+            ));
         }
     }
     columns
@@ -153,8 +165,4 @@ fn value_column(criterion: Criterion) -> (&'static str, &'static str, f64) {
         Criterion::ModeCoupling => ("mode_coupling_limit", "mm", 1e3),
         Criterion::Regenerative => ("regenerative_limit", "mm", 1e3),
     }
-}
-
-fn column(name: &'static str, unit: &'static str, values: Vec<f64>) -> Column<'static> {
-    Column { name, unit, values }
 }

@@ -7,17 +7,17 @@ use truecut_plan::map::{JointMap, MapCell, MapRequest, axis_directions, joint_ma
 use truecut_plan::{LEAST_ANISOTROPY, SingularityLimits};
 use truecut_sim::stability::in_scenario;
 
-use super::Answer;
+use super::PostureAnswer;
 use crate::failure::Failure;
 use crate::figure::{Figure, Layer, Legend, Panel, Style};
-use crate::outputs::write_file;
 use crate::progress::Progress;
+use truecut::outputs::write_file;
 
-/// Step of the maps.
+/// Grid step of the maps.
 const STEP_DEG: f64 = 4.0;
 
 /// Writes the figure.
-pub fn write(answer: &Answer<'_>, out: &Path) -> Result<PathBuf, Failure> {
+pub fn write(answer: &PostureAnswer<'_>, out: &Path) -> Result<PathBuf, Failure> {
     let study = answer.study;
     let first = &answer.plan.points[0];
     let axes = axis_directions();
@@ -25,7 +25,7 @@ pub fn write(answer: &Answer<'_>, out: &Path) -> Result<PathBuf, Failure> {
     let mut panels = Vec::new();
     for (axis, name) in axes.into_iter().zip(["down", "along x", "along y"]) {
         let _told = progress.run();
-        // The tool's x axis and the feed along the first world axis that lies across the tool.
+        // The tool's x axis and the feed are along the first world axis perpendicular to the tool.
         let across = if axis.x.abs() > 0.5 {
             Vector3::y()
         } else {
@@ -58,7 +58,8 @@ pub fn write(answer: &Answer<'_>, out: &Path) -> Result<PathBuf, Failure> {
     }
     let figure = Figure {
         title: format!(
-            "{}: anisotropy and mode-coupling limit over joints 2 and 3, redundancy angle {:.0} deg",
+            "{}: anisotropy and mode-coupling limit over joints 2 and 3, redundancy angle {:.0} \
+             deg",
             answer.scenario.name,
             first.angle_rad.to_degrees()
         ),

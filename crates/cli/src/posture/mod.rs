@@ -3,7 +3,7 @@
 mod figure;
 mod files;
 mod maps;
-mod tell;
+mod text;
 
 use std::path::PathBuf;
 
@@ -11,29 +11,29 @@ use truecut_plan::{Assessment, Criterion, MarginMap, Plan, PlanError, Planner, P
 use truecut_scenario::Scenario;
 use truecut_sim::stability::{MillingStudy, in_scenario};
 
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::verdict::Verdict;
 
 /// `posture`, resolved.
 pub struct Request {
     pub scenario: Scenario,
     pub criterion: Criterion,
-    /// Least decay by regeneration, as a part of that of the arm's slowest mode.
+    /// Required decay rate, as a fraction of that of the arm's slowest mode.
     pub least_decay: f64,
     pub maps: bool,
     pub out: PathBuf,
 }
 
-/// What was planned, and what each criterion says of it.
-struct Answer<'a> {
+/// The plan, and its assessment by each criterion.
+struct PostureAnswer<'a> {
     scenario: &'a Scenario,
     study: &'a MillingStudy,
     plan: Plan,
     /// By criterion, in the order of [`Criterion::ALL`].
     maps: Vec<MarginMap>,
     plan_assessed: Vec<Vec<Assessment>>,
-    /// The scenario's own angles; none where the arm cannot follow them.
+    /// Plan with the scenario's own angles; none where the arm cannot follow them.
     own: Option<Own>,
 }
 
@@ -47,7 +47,7 @@ struct Own {
 const MAP_COLUMNS: usize = 17;
 
 /// Plans, prints and writes.
-pub fn posture(request: &Request) -> Result<Verdict, Failure> {
+pub fn posture(request: &Request) -> Result<ExitStatus, Failure> {
     let scenario = &request.scenario;
     let study = MillingStudy::of(scenario).map_err(|error| Failure::sim(scenario, error))?;
     let answer =
@@ -56,10 +56,13 @@ pub fn posture(request: &Request) -> Result<Verdict, Failure> {
     if request.maps {
         written.push(maps::write(&answer, &request.out)?);
     }
-    crate::print(&tell::tell(&answer, &written))
+    crate::print(&text::printed(&answer, &written))
 }
 
-fn answer<'a>(request: &'a Request, study: &'a MillingStudy) -> Result<Answer<'a>, PlanError> {
+fn answer<'a>(
+    request: &'a Request,
+    study: &'a MillingStudy,
+) -> Result<PostureAnswer<'a>, PlanError> {
     let stages = 2 + 2 * Criterion::ALL.len();
     let progress = Progress::new(stages, "posture plan");
     let options = PlannerOptions {
@@ -68,22 +71,21 @@ fn answer<'a>(request: &'a Request, study: &'a MillingStudy) -> Result<Answer<'a
         least_decay: request.least_decay,
         ..PlannerOptions::default()
     };
-    let told = progress.run();
+    let run = progress.run();
     let planner = Planner::new(&study.robot, &study.path, &study.cut, &options)?;
-    drop(told);
-    let told = progress.run();
+    drop(run);
+    let run = progress.run();
     let plan = planner.plan(request.criterion)?;
-    drop(told);
+    drop(run);
     let of_each = |of: &dyn Fn(Criterion) -> Result<Vec<Assessment>, PlanError>| {
-        Criterion::ALL
-            .map(of)
-            .into_iter()
-            .collect::<Result<Vec<_>, _>>()
+        let all = Criterion::ALL.iter().copied();
+        all.map(of).collect::<Result<Vec<_>, _>>()
     };
-    let maps = Criterion::ALL.map(|criterion| {
+    let maps = Criterion::ALL.iter().map(|&criterion| {
         let _told = progress.run();
         planner.map(criterion, plan.family, MAP_COLUMNS)
     });
+    let maps = maps.collect::<Result<_, _>>()?;
     let plan_assessed = of_each(&|criterion| {
         let _told = progress.run();
         reassessed(&planner, &plan, criterion)
@@ -96,17 +98,17 @@ fn answer<'a>(request: &'a Request, study: &'a MillingStudy) -> Result<Answer<'a
         }),
         Err(_) => None,
     };
-    Ok(Answer {
+    Ok(PostureAnswer {
         scenario: &request.scenario,
         study,
-        maps: maps.into_iter().collect::<Result<_, _>>()?,
+        maps,
         plan_assessed,
         own,
         plan,
     })
 }
 
-/// What a criterion says of a plan; its own has said so already.
+/// Assessment of a plan by a criterion; that by its own is known already.
 fn reassessed(
     planner: &Planner<'_>,
     plan: &Plan,
@@ -118,8 +120,8 @@ fn reassessed(
     planner.reassessed(plan, criterion)
 }
 
-impl Answer<'_> {
-    /// What regeneration says of the plan, and of the scenario's own angles.
+impl PostureAnswer<'_> {
+    /// Assessment by regeneration of the plan, and of the scenario's own angles.
     fn regenerative<'a>(&self, assessed: &'a [Vec<Assessment>]) -> &'a [Assessment] {
         let all = Criterion::ALL.iter().zip(assessed);
         let mut found = all.filter(|(criterion, _)| **criterion == Criterion::Regenerative);

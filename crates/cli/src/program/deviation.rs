@@ -1,4 +1,4 @@
-//! A program that was read beside the path it was written from.
+//! Deviations of a program from the path that it was written from.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ struct PathRow {
     posture_rad: Vec<f64>,
 }
 
-/// Greatest deviations, each with its path point.
+/// Largest deviations, each with its path point.
 pub struct Deviation {
     pub position_m: f64,
     pub position_at: usize,
@@ -77,11 +77,12 @@ fn column(table: &Table, name: &str) -> Result<Vec<f64>, String> {
 }
 
 impl Deviation {
-    /// Compares path points of the same number.
+    /// Compares path points of equal number.
     pub fn of(program: &Program, path: &PathRows) -> Result<Deviation, Failure> {
         if program.moves.len() != path.rows.len() {
             return Err(Failure::message(format!(
-                "{}: {} path points, but the program has {} moves; it is the path of another program",
+                "{}: {} path points, but the program has {} moves; it is the path of another \
+                 program",
                 path.file.display(),
                 path.rows.len(),
                 program.moves.len()

@@ -1,4 +1,4 @@
-//! `truecut program`: reads a robot program back, runs through it, and holds it against its path.
+//! `truecut program`: reads a robot program back, replays it, and compares it with its path.
 
 mod deviation;
 mod read;
@@ -9,20 +9,22 @@ use truecut_plan::program::{FindingKind, Motion, Program, Replay, ReplayOptions}
 use truecut_recording::{Unit, significant};
 
 use crate::args::ProgramArguments;
+use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::text::{Align, show, table};
-use crate::verdict::Verdict;
 use deviation::Deviation;
 
-/// Findings that are listed one by one.
+/// Findings that are listed individually.
 const LISTED: usize = 10;
 
-/// What printed decimals may move the tool by: issue's bound, some ten times what three decimals of a millimetre leave.
+/// Allowed deviation of the tool by printed decimals: some ten times the rounding error of three
+/// decimals of a millimetre.
 const ALLOWED_M: f64 = 1e-5;
 const ALLOWED_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
 
-/// Reads, runs through, compares and prints. A program that the robot cannot run, or that leaves its path, does not hold.
-pub fn program(arguments: &ProgramArguments) -> Result<Verdict, Failure> {
+/// Reads, replays, compares and prints. Fails for a program that the robot cannot run, or that
+/// deviates from its path.
+pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
     let robot = Robot::load(&arguments.robot, None, arguments.tip.as_deref())
         .map_err(|error| Failure::arm(&error))?;
     let base = Isometry3::from_parts(
@@ -36,14 +38,14 @@ pub fn program(arguments: &ProgramArguments) -> Result<Verdict, Failure> {
     let replay = program.replay(&robot, &ReplayOptions::default());
     let deviation = (path.as_ref()).map(|path| Deviation::of(&program, path));
     let deviation = deviation.transpose()?;
-    crate::print(&tell(&robot, &program, &replay, deviation.as_ref()))?;
+    crate::print(&printed(&robot, &program, &replay, deviation.as_ref()))?;
     let grave = |kind: &FindingKind| !matches!(kind, FindingKind::NearSingularity { .. });
     let holds = !replay.findings.iter().any(|finding| grave(&finding.kind))
         && deviation.is_none_or(|d| d.position_m <= ALLOWED_M && d.attitude_rad <= ALLOWED_RAD);
     Ok(if holds {
-        Verdict::Good
+        ExitStatus::Good
     } else {
-        Verdict::ClaimFailed
+        ExitStatus::ClaimFailed
     })
 }
 
@@ -60,14 +62,14 @@ fn rotation(rpy_deg: [f64; 3]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_euler_angles(roll, pitch, yaw)
 }
 
-fn tell(
+fn printed(
     robot: &Robot,
     program: &Program,
     replay: &Replay,
     deviation: Option<&Deviation>,
 ) -> String {
     let lines = (program.moves.iter()).filter(|m| matches!(m.motion, Motion::Linear { .. }));
-    let mut told = format!(
+    let mut text = format!(
         "{}: {} moves, {} of them on lines, tool \"{}\"\n\n",
         program.name,
         program.moves.len(),
@@ -84,18 +86,21 @@ fn tell(
         rows.push(row("joint speed", significant(share, 3), what));
     }
     rows.extend(deviation.into_iter().flat_map(beside_path));
-    told.push_str(&table(&[Align::Left, Align::Right, Align::Left], &rows));
+    text.push_str(&table(&[Align::Left, Align::Right, Align::Left], &rows));
     if replay.findings.is_empty() {
-        told.push_str("  ✓ within limits, clear of singularities, no joint too fast, also between path points\n");
+        text.push_str(
+            "  ✓ within limits, clear of singularities, no joint too fast, also between \
+                       path points\n",
+        );
     }
     for finding in replay.findings.iter().take(LISTED) {
-        told.push_str(&format!("  ✗ {finding}\n"));
+        text.push_str(&format!("  ✗ {finding}\n"));
     }
     let more = replay.findings.len().saturating_sub(LISTED);
     if more > 0 {
-        told.push_str(&format!("  ✗ and {more} more\n"));
+        text.push_str(&format!("  ✗ and {more} more\n"));
     }
-    told
+    text
 }
 
 fn row(name: &str, value: String, what: String) -> Vec<String> {

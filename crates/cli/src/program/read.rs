@@ -1,52 +1,42 @@
 //! Robot programs from their files.
 
-use std::path::Path;
-
 use nalgebra::Isometry3;
 use truecut_arm::Robot;
-use truecut_plan::program::{Program, ProgramError, Tool, jbi, rapid};
+use truecut_plan::program::{
+    DIALECTS, Dialect, Frames, Program, ProgramError, Settings, Tool, TurntableUnit, dialect_of,
+};
 
 use crate::args::ProgramArguments;
 use crate::failure::Failure;
 
-/// Reads a job with those that it calls, or a module; the ending tells which.
+/// Reads a program in the dialect of the file's extension.
 pub fn read(
     arguments: &ProgramArguments,
     robot: &Robot,
     base: &Isometry3<f64>,
 ) -> Result<Program, Failure> {
     let path = &arguments.file;
-    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let program = match ending.as_deref() {
-        Some("jbi") => {
-            // The date is written only, never read.
-            let date = jbi::JobDate::new(2000, 1, 1, 0, 0).map_err(refused)?;
-            let mut options = jbi::JbiOptions::new(date);
-            options.station_pulses_per_deg = arguments.pulses_per_deg;
-            job(path, robot, base, &options)?
-        }
-        Some("mod") => {
-            if arguments.base_xyz_mm.is_some() || arguments.base_rpy_deg.is_some() {
-                return Err(Failure::message(
-                    "--base-xyz-mm and --base-rpy-deg have no effect on a module: it says where its base frame stands",
-                ));
-            }
-            if arguments.pulses_per_deg.is_some() {
-                return Err(Failure::message(
-                    "--pulses-per-deg has no effect on a module: it holds the turntable in degrees",
-                ));
-            }
-            let module = rapid::RapidModule::parse(&text(path)?, path).map_err(refused)?;
-            let options = rapid::RapidOptions::default();
-            module.program(robot, &options).map_err(refused)?
-        }
-        _ => {
-            return Err(Failure::message(format!(
-                "{}: unknown ending; robot programs are read from .JBI and .mod",
-                path.display()
-            )));
-        }
+    let dialect = dialect_of(path).ok_or_else(|| {
+        let known = DIALECTS.iter().flat_map(|one| one.extensions());
+        let known: Vec<String> = known.map(|ending| format!(".{ending}")).collect();
+        Failure::message(format!(
+            "{}: unknown ending; robot programs are read from {}",
+            path.display(),
+            known.join(" and ")
+        ))
+    })?;
+    check_arguments(arguments, dialect)?;
+    let frames = Frames {
+        tool: Tool::of(robot, "wheel", 0),
+        world_from_base: *base,
     };
+    let settings = Settings {
+        pulses_per_deg: arguments.pulses_per_deg,
+        ..Settings::default()
+    };
+    let text = |path: &std::path::Path| std::fs::read_to_string(path);
+    let program = dialect.read(path, &text, robot, &frames, &settings);
+    let program = program.map_err(refused)?;
     if program.moves.is_empty() {
         let message = format!("{}: the program has no move", path.display());
         return Err(Failure::message(message));
@@ -54,30 +44,23 @@ pub fn read(
     Ok(program)
 }
 
-/// A job, or those that it calls one after another. Jobs that call call nothing else.
-fn job(
-    path: &Path,
-    robot: &Robot,
-    base: &Isometry3<f64>,
-    options: &jbi::JbiOptions,
-) -> Result<Program, Failure> {
-    let tool = Tool::of(robot, "wheel", 0);
-    let load = |path: &Path| jbi::JbiJob::parse(&text(path)?, path).map_err(refused);
-    let head = load(path)?;
-    let mut program = head.program(robot, &tool, base, options).map_err(refused)?;
-    for name in &head.calls {
-        let called = path.with_file_name(format!("{name}.JBI"));
-        let part = load(&called)?.program(robot, &tool, base, options);
-        let part = part.map_err(refused)?;
-        program.tool.number = part.tool.number;
-        program.moves.extend(part.moves);
+/// Refuses arguments that repeat what the files of a dialect contain.
+fn check_arguments(arguments: &ProgramArguments, dialect: &dyn Dialect) -> Result<(), Failure> {
+    let noun = dialect.noun();
+    let base = arguments.base_xyz_mm.is_some() || arguments.base_rpy_deg.is_some();
+    if base && dialect.holds_base() {
+        return Err(Failure::message(format!(
+            "--base-xyz-mm and --base-rpy-deg have no effect on a {noun}: it says where its base \
+             frame stands",
+        )));
     }
-    Ok(program)
-}
-
-fn text(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path)
-        .map_err(|error| Failure::message(format!("{}: {error}", path.display())))
+    let in_degrees = dialect.turntable() == TurntableUnit::Degrees;
+    if arguments.pulses_per_deg.is_some() && in_degrees {
+        return Err(Failure::message(format!(
+            "--pulses-per-deg has no effect on a {noun}: it holds the turntable in degrees",
+        )));
+    }
+    Ok(())
 }
 
 fn refused(error: ProgramError) -> Failure {

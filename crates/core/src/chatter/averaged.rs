@@ -1,13 +1,16 @@
-//! Depth limits of n modes under the averaged directional matrix: mode coupling, and regeneration to zero order.
+//! Depth limits of n modes under the averaged directional matrix: mode coupling, and regeneration
+//! to zero order.
 //!
-//! With G(ω) the 3×3 receptance of the tool point and B the averaged matrix (Pa), the loop closes where
-//! `det(I − a κ G(ω) B) = 0`, κ = 1 for teeth that meet the nominal surface and κ = 1 − e^{−iωT} for teeth that meet
-//! the surface left one tooth period earlier (Altintas and Budak 1995). Chips have no axial part, so the third column
-//! of B is zero and the determinant is that of a 2×2 block: `1 − a κt + a² κ²d`, t its trace and d its determinant. Its
-//! imaginary part gives a = Im(κt)/Im(κ²d), and what is left is one smooth real function of ω, whose roots are the
+//! With G(ω) the 3×3 receptance of the tool point and B the averaged matrix (Pa), the loop closes
+//! where `det(I − a κ G(ω) B) = 0`, κ = 1 for teeth that meet the nominal surface and κ = 1 −
+//! e^{−iωT} for teeth that meet the surface left one tooth period earlier (`altintas1995`). Chips
+//! have no axial part, so the third column of B is zero and the determinant is that of a 2×2 block:
+//! `1 − a κt + a² κ²d`, t its trace and d its determinant. Its imaginary part gives a =
+//! Im(κt)/Im(κ²d), and what is left is one smooth real function of ω, whose roots are the
 //! crossings. Nothing is assumed about proportional shapes, orthogonal modes or light damping.
 
 use super::TipMode;
+use crate::roots::bisect;
 use nalgebra::{Complex, DMatrix, Matrix2, Matrix3};
 use std::f64::consts::TAU;
 
@@ -20,8 +23,8 @@ pub struct Crossing {
     pub frequency_hz: f64,
 }
 
-/// Lowest depth at which mode coupling makes n damped modes unstable under the averaged matrix `average_pa` (axes of
-/// the shapes), teeth meeting the nominal surface. `None` if no depth does.
+/// Lowest depth at which mode coupling makes n damped modes unstable under the averaged matrix
+/// `average_pa` (axes of the shapes), teeth meeting the nominal surface. `None` if no depth does.
 pub fn mode_coupling_limit(modes: &[TipMode], average_pa: &Matrix3<f64>) -> Option<Crossing> {
     let fastest = fastest_rad_s(modes)?;
     let scan = Scan::new(
@@ -39,9 +42,10 @@ pub fn mode_coupling_limit(modes: &[TipMode], average_pa: &Matrix3<f64>) -> Opti
     lower(hopf, divergence)
 }
 
-/// Lowest depth at which regeneration makes n modes unstable at a tooth period, to zero order (averaged matrix), m and
-/// Hz. Chatter frequencies are sought from a fiftieth of the lowest natural frequency to four times the highest or one and
-/// a half times the tooth-passing frequency, whichever is more; `None` if no depth is unstable there.
+/// Lowest depth at which regeneration makes n modes unstable at a tooth period, to zero order
+/// (averaged matrix), m and Hz. Chatter frequencies are sought from a fiftieth of the lowest
+/// natural frequency to four times the highest or one and a half times the tooth-passing frequency,
+/// whichever is more; `None` if no depth is unstable there.
 pub fn zero_order_limit(
     modes: &[TipMode],
     average_pa: &Matrix3<f64>,
@@ -69,26 +73,14 @@ pub fn zero_order_limit_within(
     scan.lowest_crossing(tooth_period_s)
 }
 
-/// Rightmost eigenvalue (1/s, imaginary part ≥ 0) of n damped modes under `a B`, teeth meeting the nominal surface:
-/// q̈ + 2ζω q̇ + (ω² − a UᵀBU) q = 0. `None` without modes.
+/// Rightmost eigenvalue (1/s, imaginary part ≥ 0) of n damped modes under `a B`, teeth meeting the
+/// nominal surface: q̈ + 2ζω q̇ + (ω² − a UᵀBU) q = 0. `None` without modes.
 pub fn rightmost_per_s(
     modes: &[TipMode],
     average_pa: &Matrix3<f64>,
     depth_m: f64,
 ) -> Option<Complex<f64>> {
     rightmost(modes, average_pa, depth_m, 0.0)
-}
-
-/// Rightmost eigenvalue (1/s, imaginary part ≥ 0) with regeneration, for vibration that is slow beside the teeth, ωT ≪ 1:
-/// the tooth before left nearly the same wave, x(t) − x(t−T) ≈ T ẋ, and the cut is a damper −a T B ẋ. In a slot that
-/// is C_p = ¼ N a K_t T [[K_r, 1], [−1, K_r]] (`spec` section 2, criticism 4): positive where K_r is. `None` without modes.
-pub fn slow_regenerative_rightmost_per_s(
-    modes: &[TipMode],
-    average_pa: &Matrix3<f64>,
-    depth_m: f64,
-    tooth_period_s: f64,
-) -> Option<Complex<f64>> {
-    rightmost(modes, average_pa, 0.0, depth_m * tooth_period_s)
 }
 
 /// Of q̈ + 2ζω q̇ + ω² q = UᵀBU (`on_position` q + `on_rate` q̇).
@@ -226,7 +218,8 @@ impl<'a> Scan<'a> {
                 bracket(w[0], w[1], v[0] > 0.0);
             }
         }
-        // Two roots between grid points show as a dip of the size, unless it is no more than the grid's coarseness.
+        // Two roots between grid points show as a dip of the size, unless it is no more than the
+        // grid's coarseness.
         for (w, v) in self.grid_rad_s.windows(3).zip(values.windows(3)) {
             let sign = v[1].signum();
             let alike = v.iter().all(|v| v.signum() == sign);
@@ -252,20 +245,14 @@ impl<'a> Scan<'a> {
     }
 
     fn refine(&self, low: f64, high: f64, low_positive: bool, delay_s: f64) -> f64 {
-        let (mut low, mut high) = (low, high);
-        for _ in 0..48 {
-            let middle = 0.5 * (low + high);
-            if (self.resultant(middle, delay_s).0 > 0.0) == low_positive {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let [low, high] = bisect([low, high], 48, |omega| {
+            (self.resultant(omega, delay_s).0 > 0.0) != low_positive
+        });
         0.5 * (low + high)
     }
 
-    /// Whether the determinant is zero there, and not only its resultant (which also vanishes with κ or with both
-    /// imaginary parts).
+    /// Whether the determinant is zero there, and not only its resultant (which also vanishes with
+    /// κ or with both imaginary parts).
     fn closes(&self, omega_rad_s: f64, depth_m: f64, delay_s: f64) -> bool {
         let at = self.at(omega_rad_s);
         let kappa = if delay_s > 0.0 {
@@ -312,8 +299,8 @@ fn lowest_point(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Frequencies, rising, rad/s: even in the logarithm, clusters about each mode in units of its half-width, and fine
-/// enough for the turns of e^{−iωT}.
+/// Frequencies, rising, rad/s: even in the logarithm, clusters about each mode in units of its
+/// half-width, and fine enough for the turns of e^{−iωT}.
 fn grid(modes: &[TipMode], from_rad_s: f64, to_rad_s: f64, delay_s: f64) -> Vec<f64> {
     const EVEN: usize = 160;
     const PER_TURN: f64 = 48.0;

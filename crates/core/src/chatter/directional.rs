@@ -7,7 +7,8 @@ use crate::cutting::chamfer::CuttingCoefficients;
 use crate::cutting::milling::engagement::Engagement;
 use crate::cutting::milling::sweep::Sweep;
 
-/// What the directional matrix is made of: teeth, coefficients, engagement. Straight edges; edge forces have no part.
+/// What the directional matrix is made of: teeth, coefficients, engagement. Straight edges; edge
+/// forces have no part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionalMatrix {
     pub teeth: usize,
@@ -38,8 +39,9 @@ impl DirectionalMatrix {
         }
     }
 
-    /// Averaged over a revolution, Pa (N/m per m of axial depth): `½ K_t A0` with A0 = N/2π (α_ij) between entry and
-    /// exit, α as in Altintas and Budak 1995; the third row is the axial force, the third column zero.
+    /// Averaged over a revolution, Pa (N/m per m of axial depth): `½ K_t A0` with A0 = N/2π (α_ij)
+    /// between entry and exit, α as in `altintas1995`; the third row is the axial force, the third
+    /// column zero.
     pub fn average_pa(&self) -> Matrix3<f64> {
         let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
         sweep.chip_force_pa(&self.coefficients) * (self.teeth as f64 / TAU)
@@ -57,7 +59,8 @@ impl DirectionalMatrix {
         sweep.chip_force_pa(&self.coefficients) / (to_rad - from_rad)
     }
 
-    /// B turned by `angle_rad` about z: the matrix of a cut whose feed stands at this angle from the x axis.
+    /// B turned by `angle_rad` about z: the matrix of a cut whose feed stands at this angle from
+    /// the x axis.
     pub fn turned_pa(matrix_pa: &Matrix3<f64>, angle_rad: f64) -> Matrix3<f64> {
         let (s, c) = angle_rad.sin_cos();
         let q = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
@@ -85,8 +88,8 @@ mod tests {
         at(engagement.exit_rad) - at(engagement.entry_rad)
     }
 
-    /// `spec` section 5, benchmark 2: A for K_r = 0.07 between 0 and π/2, to three decimals; and the formulas as printed
-    /// for several engagements.
+    /// `docs/physics/stability.md`, Directional matrix: A for K_r = 0.07 between 0 and π/2, to
+    /// three decimals; and the formulas as printed for several engagements.
     #[test]
     fn verify_altintas_budak_matrix() {
         let quarter = Engagement {

@@ -1,17 +1,20 @@
 //! Growth of vibration, read off a motion in the time domain.
 //!
-//! Forced vibration repeats with the teeth (with the revolution, if they differ), so that the change
-//! `d(t) = x(t) − x(t − T)` is free of it and grows like the rest, e^{σt}. A tool that travels changes its posture and with
-//! it, slowly, what is forced; the change of the change, `d(t) − d(t − T)`, grows alike and does not see that. Its level is
-//! taken in windows of two of its own periods, and σ is the slope of the levels' logarithm. What saturates is left
-//! out: once d is no longer small beside the feed per tooth, teeth leave the cut and nothing is linear any more.
+//! Forced vibration repeats with the teeth (with the revolution, if they differ), so that the
+//! change `d(t) = x(t) − x(t − T)` is free of it and grows like the rest, e^{σt}. A tool that
+//! travels changes its posture and with it, slowly, what is forced; the change of the change,
+//! `d(t) − d(t − T)`, grows alike and does not see that. Its level is taken in windows of two of
+//! its own periods, and σ is the slope of the levels' logarithm. What saturates is left out: once d
+//! is no longer small beside the feed per tooth, teeth leave the cut and nothing is linear any
+//! more.
 
 use nalgebra::Vector3;
 
 /// What a motion does in the long run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Growth {
-    /// σ, 1/s; negative where vibration dies away. `None` if too little of the motion is in the linear range.
+    /// σ, 1/s; negative where vibration dies away. `None` if too little of the motion is in the
+    /// linear range.
     pub rate_per_s: Option<f64>,
     /// Level of d in the last window, root mean square, m.
     pub last_level_m: f64,
@@ -30,10 +33,12 @@ pub struct GrowthOptions {
 const FEWEST_WINDOWS: usize = 4;
 /// Levels below this part of the linear range are rounding.
 const FLOOR: f64 = 1e-7;
-/// Part of the linear stretch, from its end, over which the slope is taken: fast modes have died away before.
+/// Part of the linear stretch, from its end, over which the slope is taken: fast modes have died
+/// away before.
 const LATE: f64 = 0.6;
 
-/// Growth of a motion sampled at constant intervals. `None` if it lasts for less than five periods, or a sample is not finite.
+/// Growth of a motion sampled at constant intervals. `None` if it lasts for less than five periods,
+/// or a sample is not finite.
 pub fn growth(
     motion_m: &[Vector3<f64>],
     interval_s: f64,
@@ -71,7 +76,8 @@ pub fn growth(
 /// Samples through which a motion is interpolated: the place between the third and the fourth.
 const POINTS: usize = 6;
 
-/// x(t) − x(t − T), T in samples. Where T is no whole number of them, x is interpolated to fifth degree (Lagrange).
+/// x(t) − x(t − T), T in samples. Where T is no whole number of them, x is interpolated to fifth
+/// degree (Lagrange).
 fn changes(motion: &[Vector3<f64>], period: f64) -> Option<Vec<Vector3<f64>>> {
     let whole = period.ceil() as usize;
     let first = whole + 2;
@@ -105,8 +111,8 @@ fn level(part: &[Vector3<f64>]) -> f64 {
     (sum / weights).sqrt()
 }
 
-/// Samples of a window of two periods, of what is forced or of what is not, whichever is longer; the latter by the sign
-/// changes of its largest component.
+/// Samples of a window of two periods, of what is forced or of what is not, whichever is longer;
+/// the latter by the sign changes of its largest component.
 fn window_samples(change: &[Vector3<f64>], period: f64) -> usize {
     let late = &change[change.len() / 2..];
     let size = |axis: usize| late.iter().map(|d| d[axis] * d[axis]).sum::<f64>();
@@ -137,8 +143,8 @@ fn longest_linear(levels: &[(f64, f64)], linear_m: f64) -> std::ops::Range<usize
     best
 }
 
-/// The part of a linear stretch over which the slope is taken: its end; where the motion then leaves the linear range, from its
-/// quietest window on, since before that it died away.
+/// The part of a linear stretch over which the slope is taken: its end; where the motion then
+/// leaves the linear range, from its quietest window on, since before that it died away.
 fn late_part(
     levels: &[(f64, f64)],
     stretch: std::ops::Range<usize>,
@@ -194,8 +200,8 @@ mod tests {
             .collect()
     }
 
-    /// A slow mode that grows or decays beside forced vibration ten times as large, a drift and a fast mode that dies away,
-    /// tooth periods of whole and of broken numbers of samples.
+    /// A slow mode that grows or decays beside forced vibration ten times as large, a drift and a
+    /// fast mode that dies away, tooth periods of whole and of broken numbers of samples.
     #[test]
     fn verify_rate_of_an_exponential() {
         for period_s in [6.25e-3, 7.123e-3] {
@@ -215,7 +221,8 @@ mod tests {
         }
     }
 
-    /// A motion that dies away before it grows out of the linear range has the rate of its growth, whatever came before.
+    /// A motion that dies away before it grows out of the linear range has the rate of its growth,
+    /// whatever came before.
     #[test]
     fn growth_counts_from_the_quietest_window_on() {
         let options = GrowthOptions {

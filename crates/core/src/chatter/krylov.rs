@@ -4,18 +4,20 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 /// Relative residual at which an eigenvalue counts as found.
 const TOLERANCE: f64 = 1e-8;
-/// Largest subspace. The period maps of delayed systems are compact, their eigenvalues fall off fast.
+/// Largest subspace. The period maps of delayed systems are compact, their eigenvalues fall off
+/// fast.
 const MAX_VECTORS: usize = 90;
 const FIRST_CHECK: usize = 4;
-/// Applications before the subspace is begun: they cost little beside orthogonalising and leave of the start vector what
-/// matters, so that few vectors do.
+/// Applications before the subspace is begun: they cost little beside orthogonalising and leave of
+/// the start vector what matters, so that few vectors do.
 const PRELUDE: usize = 16;
-/// QR sweeps for each row of a small matrix after which another origin is tried, and those origins, as parts of the matrix's norm.
+/// QR sweeps for each row of a small matrix after which another origin is tried, and those origins,
+/// as parts of the matrix's norm.
 const SWEEPS: usize = 60;
 const ORIGINS: [f64; 4] = [0.0, 0.37, -0.61, 1.3];
 
-/// Eigenvalue of largest magnitude of the map `apply(x, y): y = M x` on vectors of length `length` (power iteration
-/// to begin with, then Arnoldi's method without restart).
+/// Eigenvalue of largest magnitude of the map `apply(x, y): y = M x` on vectors of length `length`
+/// (power iteration to begin with, then Arnoldi's method without restart).
 pub(crate) fn dominant_eigenvalue(
     length: usize,
     mut apply: impl FnMut(&[f64], &mut [f64]),
@@ -72,8 +74,9 @@ fn start(length: usize) -> Vec<f64> {
     raw.iter().map(|x| x / size).collect()
 }
 
-/// Eigenvalue of largest magnitude. The QR algorithm's own shifts can go round in a circle (on a cyclic matrix of order 6, say, or one near to it);
-/// they do not from another origin. Not a number if none helps.
+/// Eigenvalue of largest magnitude. The QR algorithm's own shifts can go round in a circle (on a
+/// cyclic matrix of order 6, say, or one near to it); they do not from another origin. Not a number
+/// if none helps.
 fn largest(square: &DMatrix<f64>) -> Complex<f64> {
     let (size, sweeps) = (square.norm(), SWEEPS * square.nrows());
     let found = ORIGINS.iter().find_map(|part| {

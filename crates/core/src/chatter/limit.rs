@@ -1,6 +1,9 @@
 //! The depth at which a cut first becomes unstable.
 
+use std::convert::Infallible;
+
 use super::semi_discretisation::{Multiplier, SemiDiscretisation};
+use crate::roots::try_bisect_while;
 
 /// Where stability is first lost as the depth grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,10 +18,11 @@ pub struct FirstLimit {
 pub struct LimitSearch {
     /// Deepest cut looked at, m.
     pub deepest_m: f64,
-    /// Number of even steps in which depth is raised; an unstable island thinner than one may be missed.
+    /// Number of even steps in which depth is raised; an unstable island thinner than one may be
+    /// missed.
     pub scan_steps: usize,
-    /// Relative width to which the limit is narrowed. A cut that is unstable at any depth has a limit of less than a millionth of
-    /// the deepest.
+    /// Relative width to which the limit is narrowed. A cut that is unstable at any depth has a
+    /// limit of less than a millionth of the deepest.
     pub relative_width: f64,
 }
 
@@ -33,8 +37,8 @@ impl LimitSearch {
     }
 }
 
-/// Smallest depth at which the dominant multiplier leaves the unit circle at a tooth period, m: a scan upwards, then
-/// bisection. `None` if all depths up to the deepest are stable.
+/// Smallest depth at which the dominant multiplier leaves the unit circle at a tooth period, m: a
+/// scan upwards, then bisection. `None` if all depths up to the deepest are stable.
 pub fn first_limit(
     of: &SemiDiscretisation,
     tooth_period_s: f64,
@@ -45,18 +49,18 @@ pub fn first_limit(
     let (step, mut multiplier) = (1..=search.scan_steps)
         .map(|i| (i, at(depth(i))))
         .find(|(_, multiplier)| !multiplier.is_stable())?;
-    let (mut low, mut high) = (depth(step - 1), depth(step));
-    while high - low > search.relative_width * high && high > 1e-6 * search.deepest_m {
-        let middle = 0.5 * (low + high);
-        let found = at(middle);
-        if found.is_stable() {
-            low = middle;
-        } else {
-            (high, multiplier) = (middle, found);
+    let wide = |[low, high]: [f64; 2]| {
+        high - low > search.relative_width * high && high > 1e-6 * search.deepest_m
+    };
+    let Ok([_, depth_m]) = try_bisect_while([depth(step - 1), depth(step)], wide, |depth_m| {
+        let found = at(depth_m);
+        if !found.is_stable() {
+            multiplier = found;
         }
-    }
+        Ok::<_, Infallible>(!found.is_stable())
+    });
     Some(FirstLimit {
-        depth_m: high,
+        depth_m,
         multiplier,
     })
 }

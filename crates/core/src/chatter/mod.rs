@@ -1,9 +1,10 @@
 //! Stability of cutting: mode coupling, regeneration, lobes.
 //!
-//! All of it is about small motions x of the tool point in the milling frame of [`crate::cutting::milling`] under the
-//! force `F = b B(φ) (x(t) − x(t−T))`, with b the axial depth, T the tooth period and B the directional matrix
-//! ([`DirectionalMatrix`], Pa). Without regeneration (teeth meet the nominal surface) the delayed term is absent.
-//! A common factor ½K_t is not taken out of B, so that `B = ½ K_t A` in the notation of Altintas and Budak 1995.
+//! All of it is about small motions x of the tool point in the milling frame of
+//! [`crate::cutting::milling`] under the force `F = b B(φ) (x(t) − x(t−T))`, with b the axial
+//! depth, T the tooth period and B the directional matrix ([`DirectionalMatrix`], Pa). Without
+//! regeneration (teeth meet the nominal surface) the delayed term is absent. A common factor ½K_t
+//! is not taken out of B, so that `B = ½ K_t A` in the notation of `altintas1995`.
 //!
 //! | module | question |
 //! | --- | --- |
@@ -13,8 +14,8 @@
 //! | [`growth`] | how fast a motion in the time domain grows |
 //! | [`limit`] | the depth at which a stable cut first becomes unstable |
 //!
-//! Each function answers for one point (one speed, one depth, one posture); whoever wants a diagram calls it from as
-//! many threads as there are.
+//! Each function answers for one point (one speed, one depth, one posture); whoever wants a diagram
+//! calls it from as many threads as there are.
 
 pub mod averaged;
 mod directional;

@@ -50,7 +50,8 @@ impl TipMode {
     }
 }
 
-/// The same modes with shapes in other axes: u' = Rᵀu with R = `outer_from_axes` (columns are the new axes in the old).
+/// The same modes with shapes in other axes: u' = Rᵀu with R = `outer_from_axes` (columns are the
+/// new axes in the old).
 pub fn in_axes(modes: &[TipMode], outer_from_axes: &Matrix3<f64>) -> Vec<TipMode> {
     let turned = modes.iter().map(|mode| TipMode {
         shape_per_sqrt_kg: outer_from_axes.transpose() * mode.shape_per_sqrt_kg,

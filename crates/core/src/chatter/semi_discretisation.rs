@@ -1,16 +1,18 @@
-//! First-order semi-discretisation (Insperger and Stépán, *Semi-Discretization for Time-Delay Systems*, 2011): Floquet
+//! First-order semi-discretisation (`insperger2011`): Floquet
 //! multipliers of n modes under a periodic regenerative cut.
 //!
-//! A tooth period T is cut into k steps. Within a step the directional matrix is its average over the step, the
-//! delayed displacement runs straight from one stored value to the next, and the modes follow their exact solution.
+//! A tooth period T is cut into k steps. Within a step the directional matrix is its average over
+//! the step, the delayed displacement runs straight from one stored value to the next, and the
+//! modes follow their exact solution.
 //!
 //! # How it is computed
 //!
-//! The period map is never formed. Its state is the 2n modal coordinates and velocities and, since forces depend on
-//! where the tool point was and on nothing else, the k last positions of that point: one number each for a single mode,
-//! two otherwise. One application costs k small products, and power iteration followed by Arnoldi's method finds the
-//! dominant multiplier in some twenty of them. Directional matrices depend on the angle only and are shared by all speeds and depths; steps in
-//! which no tooth cuts are free motion, known in closed form.
+//! The period map is never formed. Its state is the 2n modal coordinates and velocities and, since
+//! forces depend on where the tool point was and on nothing else, the k last positions of that
+//! point: one number each for a single mode, two otherwise. One application costs k small products,
+//! and power iteration followed by Arnoldi's method finds the dominant multiplier in some twenty of
+//! them. Directional matrices depend on the angle only and are shared by all speeds and depths;
+//! steps in which no tooth cuts are free motion, known in closed form.
 
 use super::{DirectionalMatrix, TipMode};
 use crate::cutting::milling::nominal::NominalCut;
@@ -70,8 +72,9 @@ impl Multiplier {
         self.value.arg().abs() / tooth_period_s
     }
 
-    /// All frequencies of such a vibration up to `highest_rad_s`, rising: the base frequency, and it and its mirror image
-    /// about every multiple of the tooth-passing frequency. The one near a natural frequency dominates.
+    /// All frequencies of such a vibration up to `highest_rad_s`, rising: the base frequency, and
+    /// it and its mirror image about every multiple of the tooth-passing frequency. The one near a
+    /// natural frequency dominates.
     pub fn frequencies_rad_s(&self, tooth_period_s: f64, highest_rad_s: f64) -> Vec<f64> {
         let base = self.base_frequency_rad_s(tooth_period_s);
         let passing = TAU / tooth_period_s;
@@ -86,7 +89,8 @@ impl Multiplier {
     }
 }
 
-/// Enough steps a tooth period to follow the fastest of the modes: twenty-four to its cycle, and forty at least.
+/// Enough steps a tooth period to follow the fastest of the modes: twenty-four to its cycle, and
+/// forty at least.
 pub fn recommended_steps(modes: &[TipMode], tooth_period_s: f64) -> usize {
     let fastest = modes
         .iter()
@@ -102,8 +106,8 @@ pub struct SemiDiscretisation {
     /// C, outputs × modes, row by row: what is remembered of the modal coordinates.
     outputs: Vec<f64>,
     output_count: usize,
-    /// For each step, n × outputs row by row: modal force per depth and remembered displacement, Pa/kg in the scaling
-    /// of C; empty where no tooth cuts.
+    /// For each step, n × outputs row by row: modal force per depth and remembered displacement,
+    /// Pa/kg in the scaling of C; empty where no tooth cuts.
     forces: Vec<Vec<f64>>,
     floor: Option<Floor>,
 }
@@ -163,9 +167,10 @@ impl SemiDiscretisation {
         }
     }
 
-    /// With the feedback of the floor: a tool that sinks by z is engaged over b − z at once, so that the nominal force changes by
-    /// −z/b of itself, whatever the depth. It grows with the feed, and regeneration has no part in it. Under the mean force the tool
-    /// has sunk (or risen) to begin with, and cuts deeper (or less deep) than was set: depths are those that were set.
+    /// With the feedback of the floor: a tool that sinks by z is engaged over b − z at once, so
+    /// that the nominal force changes by −z/b of itself, whatever the depth. It grows with the
+    /// feed, and regeneration has no part in it. Under the mean force the tool has sunk (or risen)
+    /// to begin with, and cuts deeper (or less deep) than was set: depths are those that were set.
     #[must_use]
     pub fn with_floor(mut self, cut: &NominalCut) -> Self {
         let pitch = cut.cutter.pitch_rad();

@@ -1,9 +1,9 @@
-//! Chip area and cutting forces of hole chamfering, after source A (Dong et al. 2018), eqs. (1)–(5).
+//! Chip area and cutting forces of hole chamfering, after `dong2018chamfering`, eqs. (1)–(5).
 //!
-//! Axes: X along the spindle, from the robot into the workpiece; the rim lies in the Y–Z plane; angles run
-//! from Y towards Z. The chamfer has legs `d` (axial depth) and `d tanθ` (radial width), θ being the angle
-//! between cutting edge and spindle axis, so the material removed down to depth `d` is `½ d² tanθ` per unit
-//! of rim.
+//! Axes: X along the spindle, from the robot into the workpiece; the rim lies in the Y–Z plane;
+//! angles run from Y towards Z. The chamfer has legs `d` (axial depth) and `d tanθ` (radial width),
+//! θ being the angle between cutting edge and spindle axis, so the material removed down to depth
+//! `d` is `½ d² tanθ` per unit of rim.
 
 use nalgebra::Vector3;
 
@@ -40,7 +40,8 @@ impl ChipArea {
         (0.5 * self.tan * (d * d - p * p)).max(0.0)
     }
 
-    /// Source A's eq. (1): depth `d` already cut, feed `f` per tooth: `(d + f/2) f tanθ`, m².
+    /// Eq. (1) of `dong2018chamfering`: depth `d` already cut, feed `f` per tooth: `(d + f/2) f
+    /// tanθ`, m².
     pub fn nominal_m2(&self, depth_m: f64, feed_m: f64) -> f64 {
         self.between_m2(depth_m + feed_m, depth_m)
     }
@@ -67,8 +68,9 @@ pub struct CuttingCoefficients {
 }
 
 impl CuttingCoefficients {
-    /// From source A's K_fc and resultant K_rt = √(K_rc² + K_tc²), split by β = atan(K_rc / K_tc).
-    /// Source A gives no β; with one edge it only turns the rotating force by a constant angle.
+    /// From the published K_fc and resultant K_rt = √(K_rc² + K_tc²), split by β = atan(K_rc /
+    /// K_tc). The paper gives no β; with one edge it only turns the rotating force by a constant
+    /// angle.
     pub fn from_resultant(axial_pa: f64, in_plane_pa: f64, in_plane_angle_rad: f64) -> Self {
         Self {
             axial_pa,
@@ -114,18 +116,18 @@ impl EdgeForces {
         }
     }
 
-    /// Force on the tool in (X, Y, Z) for an edge at angle φ: back along the feed, inwards, and against the
-    /// edge's motion.
+    /// Force on the tool in (X, Y, Z) for an edge at angle φ: back along the feed, inwards, and
+    /// against the edge's motion.
     ///
-    /// `axial_sign` is -1 for forward chamfering (the workpiece pushes the tool back) and +1 for backward
-    /// (it pulls the tool on). In the plane source A's eq. (5) prints the opposite, outwards and along the
-    /// motion: that is the force on the *workpiece*, which a dynamometer measures. With a nominal or an
-    /// axial chip the difference is half a turn of phase; with a chip that sees radial motion the wrong
-    /// sign would make every cut feed itself.
+    /// `axial_sign` is -1 for forward chamfering (the workpiece pushes the tool back) and +1 for
+    /// backward (it pulls the tool on). In the plane the paper's eq. (5) prints the opposite,
+    /// outwards and along the motion: that is the force on the *workpiece*, which a dynamometer
+    /// measures. With a nominal or an axial chip the difference is half a turn of phase; with a
+    /// chip that sees radial motion the wrong sign would make every cut feed itself.
     ///
     /// In the principal frame the force on the workpiece is `F_Yq = -M sin(φ - α - β)` and
-    /// `F_Zq = +M cos(φ - α - β)`; the paper's eq. (16) has the sign of F_Zq reversed, a force that would
-    /// turn against the spindle (`spec` 1.1).
+    /// `F_Zq = +M cos(φ - α - β)`; the paper's eq. (16) has the sign of F_Zq reversed, a force that
+    /// would turn against the spindle (`docs/physics/chamfering.md`, Signs).
     pub fn on_tool_n(&self, angle_rad: f64, axial_sign: f64) -> Vector3<f64> {
         self.on_tool_towards_n(angle_rad.sin_cos(), axial_sign)
     }
@@ -181,8 +183,8 @@ impl FeedSchedule {
         self.ramp_s() + self.dwell_revolutions * self.revolution_s()
     }
 
-    /// Depth already cut, D(t) = n f t / 60, m, held at the end of the ramp; negative before t = 0, which
-    /// is the depth that the virtual pass before the first one would have had.
+    /// Depth already cut, D(t) = n f t / 60, m, held at the end of the ramp; negative before t = 0,
+    /// which is the depth that the virtual pass before the first one would have had.
     pub fn depth_cut_m(&self, t_s: f64) -> f64 {
         let rate = self.feed_m_per_rev / self.revolution_s();
         (rate * t_s).min(self.depth_m - self.feed_per_tooth_m())
@@ -207,7 +209,8 @@ mod tests {
         )
     }
 
-    /// `spec` section 1, worked numbers: M = 109.68 N and F_X = 100.45 N at 1 mm depth.
+    /// `docs/physics/chamfering.md`, Chip and forces: M = 109.68 N and F_X = 100.45 N at 1 mm
+    /// depth.
     #[test]
     fn verify_source_a_forces_at_full_depth() {
         let (chip, k) = source_a();
@@ -249,7 +252,8 @@ mod tests {
         }
     }
 
-    /// `spec` section 1, equations: with two or more equispaced edges the rotating resultant cancels.
+    /// `docs/physics/chamfering.md`, Chip and forces: with two or more equispaced edges the
+    /// rotating resultant cancels.
     #[test]
     fn verify_equispaced_edges_cancel_in_the_plane() {
         let (chip, k) = source_a();

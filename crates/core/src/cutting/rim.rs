@@ -1,8 +1,9 @@
 //! The rim of the hole: chamfer depth by angle, as earlier passes left it.
 //!
-//! A cut is a continuous curve "depth over angle" of which the simulation knows one point per step. Bins
-//! of the rim receive the linear interpolation of that curve at their own angle, one bin behind the edge:
-//! what an edge reads ahead of itself was therefore always left by the *previous* pass.
+//! A cut is a continuous curve "depth over angle" of which the simulation knows one point per step.
+//! Bins of the rim receive the linear interpolation of that curve at their own angle, one bin
+//! behind the edge: what an edge reads ahead of itself was therefore always left by the *previous*
+//! pass.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -29,8 +30,8 @@ struct EdgeTrace {
 }
 
 impl Rim {
-    /// A rim of `bins` bins with initial depth given by angle, for `edges` edges that start at the given
-    /// angles (rad), each at a depth of its own.
+    /// A rim of `bins` bins with initial depth given by angle, for `edges` edges that start at the
+    /// given angles (rad), each at a depth of its own.
     pub fn new(
         bins: usize,
         initial_depth_m: impl Fn(f64) -> f64,
@@ -80,9 +81,9 @@ impl Rim {
         self.depth_m[low] * (1.0 - part) + self.depth_m[(low + 1) % n] * part
     }
 
-    /// Edge `edge` has come to `angle_rad` (unwrapped, never decreasing) at `depth_m`: bins that lie at
-    /// least one bin behind it are deepened to the curve between this point and the one before. An edge
-    /// above the surface leaves the surface alone.
+    /// Edge `edge` has come to `angle_rad` (unwrapped, never decreasing) at `depth_m`: bins that
+    /// lie at least one bin behind it are deepened to the curve between this point and the one
+    /// before. An edge above the surface leaves the surface alone.
     pub fn cut(&mut self, edge: usize, angle_rad: f64, depth_m: f64) {
         let n = self.bins() as i64;
         let x = angle_rad / TAU * n as f64;
@@ -139,8 +140,9 @@ mod tests {
             let angle = TAU * i as f64 / steps_per_rev as f64;
             let depth = feed * angle / TAU + feed;
             let thickness = depth - rim.depth_at_m(angle);
-            // Where the helix steps from one revolution to the next (within two bins of angle zero) the
-            // surface has a real step of one feed, which linear interpolation smears over a bin.
+            // Where the helix steps from one revolution to the next (within two bins of angle zero)
+            // the surface has a real step of one feed, which linear interpolation smears over a
+            // bin.
             let from_step = (angle / TAU).fract() * bins as f64;
             if from_step > 2.0 && from_step < bins as f64 - 2.0 {
                 assert!(
@@ -153,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn verify_an_edge_never_reads_what_it_has_just_cut() {
+    fn an_edge_never_reads_what_it_has_just_cut() {
         for steps_per_rev in [97, 719, 720, 721, 5000] {
             let mut rim = Rim::new(720, |_| 0.0, &[0.0], |_| 1.0);
             for i in 1..steps_per_rev {

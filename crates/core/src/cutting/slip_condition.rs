@@ -1,16 +1,17 @@
-//! When does a pressed foot hold the tool? The conditions of source A and their corrections.
+//! When does a pressed foot hold the tool? The published conditions and their corrections.
 //!
 //! | rule | condition for no motion |
 //! | --- | --- |
 //! | paper, its eq. (27) | `4 μ N > π M`, from an amplitude that becomes imaginary |
 //! | exact, plane | `μ N ≥ M`: friction is one vector and must oppose the whole rotating force |
-//! | general, `spec` 1.11 | `max over a revolution of |M e(t) + S F_arm - K r0| ≤ μ N` |
+//! | general | `max over a revolution of |M e(t) + S F_arm - K r0| ≤ μ N` |
 //!
 //! Over a whole revolution `e(t)` takes every direction, so the maximum of the general form is
 //! `M + |S F_arm - K r0|`.
 
 use super::chamfer::{ChipArea, CuttingCoefficients};
 use crate::pressure_foot::PressureFoot;
+use crate::roots::bisect;
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
@@ -43,15 +44,16 @@ impl Cut {
         (f.radial_n.hypot(f.tangential_n), f.axial_n)
     }
 
-    /// Source A's eq. (27): pressure above which it predicts no vibration, Pa. It takes the whole axial
-    /// force as carried by the foot. `total_piston_area_m2` is the area of all cylinders together.
+    /// Eq. (27) of `dong2018chamfering`: pressure above which it predicts no vibration, Pa. It
+    /// takes the whole axial force as carried by the foot. `total_piston_area_m2` is the area of
+    /// all cylinders together.
     pub fn paper_threshold_pa(&self, depth_m: f64, mu: f64, total_piston_area_m2: f64) -> f64 {
         (PI / (4.0 * mu) * self.rotating_force_n(depth_m) - self.axial_force_n(depth_m))
             / total_piston_area_m2
     }
 
-    /// Exact threshold in the plane, Pa, when the foot carries share `axial_share` of the axial force:
-    /// `p = (K_rt/μ - s η K_fc) A_c / A` (`spec` 1.2).
+    /// Exact threshold in the plane, Pa, when the foot carries share `axial_share` of the axial
+    /// force: `p = (K_rt/μ - s η K_fc) A_c / A` (`docs/physics/chamfering.md`).
     pub fn exact_threshold_pa(
         &self,
         depth_m: f64,
@@ -111,9 +113,9 @@ impl SlipBalance {
     }
 }
 
-/// Depth already cut at which the foot first slips by the general condition, m; `None` if it holds down to
-/// `full_depth_m`. Demand and capacity are continuous in the depth and the first crossing is bracketed on
-/// a fine scan, so a later re-stick does not hide it.
+/// Depth already cut at which the foot first slips by the general condition, m; `None` if it holds
+/// down to `full_depth_m`. Demand and capacity are continuous in the depth and the first crossing
+/// is bracketed on a fine scan, so a later re-stick does not hide it.
 pub fn first_slip_depth_m(
     cut: &Cut,
     foot: &PressureFoot,
@@ -127,22 +129,13 @@ pub fn first_slip_depth_m(
     if crossing == 0 {
         return Some(0.0);
     }
-    let mut low = full_depth_m * (crossing - 1) as f64 / scan as f64;
-    let mut high = full_depth_m * crossing as f64 / scan as f64;
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if slips(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    Some(high)
+    let ends = [crossing - 1, crossing].map(|i| full_depth_m * i as f64 / scan as f64);
+    Some(bisect(ends, 60, slips)[1])
 }
 
 /// Pressure at which the general condition is just met at depth `d`, Pa, for a foot family given by
-/// `foot_at(pressure)`. The capacity grows with pressure; bisection between 0 and `max_pressure_pa`.
-/// 0 if no pressure is needed; `None` if even the largest does not hold.
+/// `foot_at(pressure)`. The capacity grows with pressure; bisection between 0 and
+/// `max_pressure_pa`. 0 if no pressure is needed; `None` if even the largest does not hold.
 pub fn general_threshold_pa(
     cut: &Cut,
     foot_at: impl Fn(f64) -> PressureFoot,
@@ -158,16 +151,8 @@ pub fn general_threshold_pa(
     if holds(0.0) {
         return Some(0.0);
     }
-    let (mut low, mut high) = (0.0, max_pressure_pa);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if holds(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    Some(high)
+    let [_, least_pa] = bisect([0.0, max_pressure_pa], 60, holds);
+    Some(least_pa)
 }
 
 #[cfg(test)]
@@ -200,7 +185,8 @@ mod tests {
         stored_lateral_n: Vector2::new(0.0, 0.0),
     };
 
-    /// `spec` section 1, worked numbers, at 1 mm and μ = 0.15: 0.295, 0.392, 0.455 MPa.
+    /// `docs/physics/chamfering.md`, When a foot holds, at 1 mm and μ = 0.15: 0.295, 0.392, 0.455
+    /// MPa.
     #[test]
     fn verify_threshold_pressures_of_the_three_rules() {
         let c = cut(1.0);
@@ -210,8 +196,8 @@ mod tests {
         assert_eq!(mpa(c.exact_threshold_pa(1e-3, 0.15, 0.0, AREA_M2)), 0.455);
     }
 
-    /// `spec` 1.2: the exact pressure is 1.31–1.42 (η = 1) to 1.44–1.96 (η = 0) times the paper's for
-    /// μ = 0.1–0.3.
+    /// `docs/physics/chamfering.md`, When a foot holds: the exact pressure is 1.31–1.42 (η = 1) to
+    /// 1.44–1.96 (η = 0) times the paper's for μ = 0.1–0.3.
     #[test]
     fn verify_paper_rule_is_too_low_by_the_stated_factors() {
         let c = cut(1.0);
@@ -228,8 +214,8 @@ mod tests {
         }
     }
 
-    /// `spec` section 1, worked numbers: at 0.3 MPa sliding starts at d = 0.651 mm without a share of the
-    /// axial force and at 0.759 mm if the foot carries all of it (backward).
+    /// `docs/physics/chamfering.md`, First slip: at 0.3 MPa sliding starts at d = 0.651 mm without
+    /// a share of the axial force and at 0.759 mm if the foot carries all of it (backward).
     #[test]
     fn verify_first_slip_depth_in_the_plane() {
         let d = first_slip_depth_m(&cut(1.0), &foot(0.3e6), &UNCOUPLED, 0.15, 1e-3).unwrap();
@@ -253,7 +239,8 @@ mod tests {
         assert!((general / exact - 1.0).abs() < 1e-9);
     }
 
-    /// A share of the axial force large enough for friction alone: no pressure is needed, and not some 1e-10 Pa.
+    /// A share of the axial force large enough for friction alone: no pressure is needed, and not
+    /// some 1e-10 Pa.
     #[test]
     fn verify_a_foot_that_holds_by_itself_needs_no_pressure() {
         let rigid = |pressure_pa: f64| PressureFoot {

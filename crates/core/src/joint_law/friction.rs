@@ -1,4 +1,7 @@
-//! Friction between a link and its bearings: dry, growing with the load, viscous by direction, higher at low speed.
+//! Friction between a link and its bearings: dry, growing with the load, viscous by direction,
+//! higher at low speed.
+
+use crate::roots::newton_within;
 
 /// Friction of one joint, by direction (0: while the coordinate grows, 1: while it falls):
 /// `F_s + c_s |v| + E exp(-(v / v_s)²)`, against the motion.
@@ -6,7 +9,8 @@
 pub struct LinkFriction {
     /// Dry friction F_s, N m (N).
     pub dry: [f64; 2],
-    /// Dry friction per torque (force) that the transmission passes on; see [`LinkFriction::under`].
+    /// Dry friction per torque (force) that the transmission passes on; see
+    /// [`LinkFriction::under`].
     pub load_share: f64,
     /// Viscous friction c_s, N m s/rad (N s/m).
     pub viscous: [f64; 2],
@@ -15,9 +19,6 @@ pub struct LinkFriction {
     /// Speed v_s by which the excess has fallen to 1/e, rad/s (m/s).
     pub stribeck_speed: f64,
 }
-
-/// Most steps for the speed at which a sliding joint and its friction agree.
-const MAX_STEPS: usize = 60;
 
 impl LinkFriction {
     /// Dry friction of one level.
@@ -37,8 +38,8 @@ impl LinkFriction {
         dry && self.viscous == [0.0; 2] && self.excess == 0.0
     }
 
-    /// The law while the transmission passes on `load`, N m (N): tooth forces and bearings press harder then, and dry friction
-    /// is `F_s + share |load|`.
+    /// The law while the transmission passes on `load`, N m (N): tooth forces and bearings press
+    /// harder then, and dry friction is `F_s + share |load|`.
     pub fn under(&self, load: f64) -> Self {
         let pressed = self.load_share * load.abs();
         Self {
@@ -47,11 +48,21 @@ impl LinkFriction {
         }
     }
 
-    /// Torque (force) that the transmission passes on to a link which needs `needed` of it against all but this share, while the
-    /// coordinate moves in the direction of `sign`: the `x` of `x = needed + share |x| sign`, which forward simulation finds by
-    /// itself.
+    /// Torque (force) that the transmission passes on to a link which needs `needed` of it against
+    /// all but this share, while the coordinate moves in the direction of `sign`: the `x` of `x =
+    /// needed + share |x| sign`, which forward simulation finds by itself.
     pub fn passed_on(share: f64, needed: f64, sign: f64) -> f64 {
         needed / (1.0 - share * sign * needed.signum())
+    }
+
+    /// What a drive must give against the friction that grows with the load alone, of a link that
+    /// needs `needed` against all else and moves at `velocity`, N m (N).
+    pub fn of_load(share: f64, needed: f64, velocity: f64) -> f64 {
+        if velocity == 0.0 {
+            return 0.0;
+        }
+        let sign = velocity.signum();
+        share * Self::passed_on(share, needed, sign).abs() * sign
     }
 
     /// Size of the friction at a speed in one direction, N m (N).
@@ -62,6 +73,16 @@ impl LinkFriction {
         } else {
             dry + self.excess * (-(speed / self.stribeck_speed).powi(2)).exp()
         }
+    }
+
+    /// What a drive must give against the friction of a link that moves at `velocity`, N m (N);
+    /// nothing at rest. The share of the load is not in it: see [`LinkFriction::under`].
+    pub fn force(&self, velocity: f64) -> f64 {
+        if velocity == 0.0 {
+            return 0.0;
+        }
+        let direction = usize::from(velocity < 0.0);
+        velocity.signum() * self.level(direction, velocity.abs())
     }
 
     /// Slope of the level over the speed.
@@ -78,10 +99,10 @@ impl LinkFriction {
 
 /// Impulse of the friction on the link over one step, N m s (N s).
 ///
-/// `inverse_mass` is the joint's velocity per impulse, `before` its velocity at the start of the step, `free`
-/// the one that it would end with without friction. The joint sticks (ends at rest) if the friction at
-/// standstill can do it; otherwise the friction of the speed at mid-step acts against the motion, as in
-/// [`crate::friction`]. It never turns the motion round.
+/// `inverse_mass` is the joint's velocity per impulse, `before` its velocity at the start of the
+/// step, `free` the one that it would end with without friction. The joint sticks (ends at rest) if
+/// the friction at standstill can do it; otherwise the friction of the speed at mid-step acts
+/// against the motion, as in [`crate::friction`]. It never turns the motion round.
 pub fn solve_link_friction(
     inverse_mass: f64,
     before: f64,
@@ -108,30 +129,16 @@ pub fn solve_link_friction(
     if defect(most) <= 0.0 {
         return stopping;
     }
-    let (mut low, mut high) = (0.0, most);
-    let mut p = dt_s * law.level(direction, speed_at(0.0));
-    for _ in 0..MAX_STEPS {
-        if !(low..=high).contains(&p) {
-            p = 0.5 * (low + high);
-        }
-        let value = defect(p);
-        if value > 0.0 {
-            high = p;
-        } else {
-            low = p;
-        }
+    let start = dt_s * law.level(direction, speed_at(0.0));
+    let p = newton_within([0.0, most], start, 1e-15 * most, |p| {
         let speed = speed_at(p);
         let turning = if speed > 0.0 {
             0.5 * inverse_mass * dt_s * law.slope(direction, speed)
         } else {
             0.0
         };
-        let step = value / (1.0 + turning);
-        if step.abs() <= 1e-15 * most || high - low <= 1e-15 * most {
-            break;
-        }
-        p -= step;
-    }
+        (defect(p), 1.0 + turning)
+    });
     -sign * p
 }
 
@@ -155,7 +162,8 @@ mod tests {
         );
     }
 
-    /// Over one step the mid-step rule is the trapezoid: `v⁺ = v (1 - x) / (1 + x)`, `x = c dt / 2M`.
+    /// Over one step the mid-step rule is the trapezoid: `v⁺ = v (1 - x) / (1 + x)`, `x = c dt /
+    /// 2M`.
     #[test]
     fn verify_viscous_friction_by_direction_is_the_trapezoid() {
         let law = LinkFriction {

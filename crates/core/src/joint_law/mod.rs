@@ -1,15 +1,20 @@
-//! Laws of one joint beyond a linear spring and damper: transmission, friction on the link, balance.
+//! Laws of one joint beyond a linear spring and damper: transmission, friction on the link,
+//! balance.
 //!
-//! Coordinates, forces and stiffnesses are those of the joint: rad, N m, N m/rad for a rotary one, m, N, N/m
-//! for a prismatic one. The wind-up of a transmission is motor coordinate minus link coordinate.
+//! Coordinates, forces and stiffnesses are those of the joint: rad, N m, N m/rad for a rotary one,
+//! m, N, N/m for a prismatic one. The wind-up of a transmission is motor coordinate minus link
+//! coordinate.
 
 mod friction;
+mod joint;
 mod transmission;
 
 pub use friction::{LinkFriction, solve_link_friction};
-pub use transmission::{BoucWen, Elastic, Ripple};
+pub use joint::JointLaw;
+pub use transmission::{BoucWen, Elastic, Ripple, beyond_gap};
 
-/// A spring that balances the link, or any load that repeats with its coordinate: `C cos q + S sin q`.
+/// A spring that balances the link, or any load that repeats with its coordinate:
+/// `C cos q + S sin q`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Counterbalance {
     /// C, N m (N).
@@ -49,7 +54,8 @@ mod tests {
         }
     }
 
-    /// A bar of mass m with its centre at r, held level at q = 0, weighs `m g r cos q` about its axis.
+    /// A bar of mass m with its centre at r, held level at q = 0, weighs `m g r cos q` about its
+    /// axis.
     #[test]
     fn verify_a_cosine_balances_a_bar_at_every_angle() {
         let (m, g, r) = (12.0, 9.81, 0.4);

@@ -1,5 +1,7 @@
 //! What a transmission does with its wind-up.
 
+use crate::roots::newton;
+
 /// Spring of a transmission: dead zone, linear and cubic part. With the wind-up beyond the play
 /// `d = w - clamp(w, -gap/2, gap/2)` the torque is `K d + K3 d³`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -12,17 +14,19 @@ pub struct Elastic {
     pub gap: f64,
 }
 
-/// Most Newton steps for the inverse of the spring's law.
-const MAX_STEPS: usize = 60;
+/// Wind-up beyond a play of full width `gap`, rad (m); zero within it.
+pub fn beyond_gap(windup: f64, gap: f64) -> f64 {
+    if gap > 0.0 {
+        windup - windup.clamp(-0.5 * gap, 0.5 * gap)
+    } else {
+        windup
+    }
+}
 
 impl Elastic {
     /// Wind-up beyond the play, rad (m); zero within it.
     pub fn beyond_gap(&self, windup: f64) -> f64 {
-        if self.gap > 0.0 {
-            windup - windup.clamp(-0.5 * self.gap, 0.5 * self.gap)
-        } else {
-            windup
-        }
+        beyond_gap(windup, self.gap)
     }
 
     /// Whether motor and link touch. Without play they always do.
@@ -52,26 +56,26 @@ impl Elastic {
         }
     }
 
-    /// The wind-up at which the spring carries `torque`; the middle of the play for none. `None` where no
-    /// wind-up on the rising part of the law does (a softening spring carries only so much).
+    /// The wind-up at which the spring carries `torque`; the middle of the play for none. `None`
+    /// where no wind-up on the rising part of the law does (a softening spring carries only so
+    /// much).
     pub fn windup(&self, torque: f64) -> Option<f64> {
         let mut d = torque / self.stiffness;
         if self.cubic != 0.0 {
-            // From the origin on, Newton on a law that stiffens or softens throughout stays on the rising
-            // part; it has left it where the slope is not positive.
-            for _ in 0..MAX_STEPS {
+            // From the origin on, Newton on a law that stiffens or softens throughout stays on the
+            // rising part; it has left it where the slope is not positive.
+            let mut rising = true;
+            let carried = |d: f64| self.stiffness * d + self.cubic * d * d * d;
+            d = newton(d, 1e-15, |d| {
                 let slope = self.stiffness + 3.0 * self.cubic * d * d;
-                if slope <= 0.0 {
-                    return None;
+                rising &= slope > 0.0;
+                if rising {
+                    (torque - carried(d)) / slope
+                } else {
+                    0.0
                 }
-                let step = (self.stiffness * d + self.cubic * d * d * d - torque) / slope;
-                d -= step;
-                if step.abs() <= 1e-15 * d.abs() {
-                    break;
-                }
-            }
-            let reached = self.stiffness * d + self.cubic * d * d * d;
-            if (reached - torque).abs() > 1e-9 * torque.abs() {
+            });
+            if !rising || (carried(d) - torque).abs() > 1e-9 * torque.abs() {
                 return None;
             }
         }
@@ -110,7 +114,7 @@ impl Ripple {
 /// Elastic-plastic friction: Bouc's law in Wen's form with n = 1 and no pinching, which is Dahl's,
 /// `dz = (dw - |dw| z) / w_y`, torque `A z` with `|z| <= 1`. Rate-independent.
 ///
-/// Sources: Bouc (1967); Wen (1976), A = β = 1, γ = 0, n = 1; Dahl (1968), i = 1.
+/// Sources: `bouc1967`; `wen1976`, A = β = 1, γ = 0, n = 1; `dahl1968`, i = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoucWen {
     /// A, torque at which the loop saturates, N m (N).
@@ -209,7 +213,8 @@ mod tests {
         }
     }
 
-    /// The steady loop of half width X ends at `z = tanh(X / w_y)` and encloses `4 A (X - w_y tanh(X / w_y))`.
+    /// The steady loop of half width X ends at `z = tanh(X / w_y)` and encloses
+    /// `4 A (X - w_y tanh(X / w_y))`.
     #[test]
     fn verify_bouc_wen_loop_encloses_its_closed_form() {
         let law = BoucWen {

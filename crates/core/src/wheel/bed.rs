@@ -1,17 +1,20 @@
 //! What a wheel's surface rests on: an elastic bed under a stretched layer.
 //!
-//! Seen from the face, the wheel's surface is a layer under tension N (N/m: the inflated shell, or the
-//! belt) on a bed that answers a deflection w by a pressure q(w). Its equilibrium is
+//! Seen from the face, the wheel's surface is a layer under tension N (N/m: the inflated shell, or
+//! the belt) on a bed that answers a deflection w by a pressure q(w). Its equilibrium is
 //!
 //! `p = q(w) - N ∇²w`,
 //!
-//! p what the face presses; without the layer a Winkler bed, with it a Pasternak bed. Where the face presses,
-//! w is the overlap of wheel and face, `u = u0 - x²/2R …`, whose curvature alone gives `-N ∇²u` (N/R for a
-//! cylinder, 2N/R for a sphere: the air pressure of an inflated ball, since there `N = pR/2`). Where it does
-//! not, p = 0 and the layer runs back to its free shape.
+//! p what the face presses; without the layer a Winkler bed, with it a Pasternak bed. Where the
+//! face presses, w is the indentation, `u = u0 - x²/2R …`, whose curvature alone
+//! gives `-N ∇²u` (N/R for a cylinder, 2N/R for a sphere: the air pressure of an inflated ball,
+//! since there `N = pR/2`). Where it does not, p = 0 and the layer runs back to its free shape.
 //!
-//! The bed is two springs in series: `w = c1 q + c2 q²`. The linear one is the shell's arch action; the other
-//! gives a whole patch Hertz's pressure, a root of the overlap (see `pneumatic`, `belt`).
+//! The bed is two springs in series: `w = c1 q + c2 q²`. The linear one is the shell's arch action;
+//! the other gives a whole patch Hertz's pressure, a root of the indentation (see `pneumatic`,
+//! `belt`).
+
+use crate::roots::newton;
 
 /// Elastic bed, its damping, and the tension of the layer on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,21 +54,24 @@ impl Bed {
         q * q * (0.5 * self.shell_m_per_pa + 2.0 / 3.0 * self.tread_m_per_pa2 * q)
     }
 
-    /// `N |w'|` where the layer leaves the face at a deflection `w`, N/m: with it the layer pulls on the
-    /// line along which it leaves.
+    /// `N |w'|` where the layer leaves the face at a deflection `w`, N/m: with it the layer pulls
+    /// on the line along which it leaves.
     ///
-    /// Off the face `N w'' = q(w)` has the first integral `½ N w'² = Ψ(w)`, so `N |w'| = √(2NΨ)`: on a linear
-    /// bed `w √(N k)`, falling off over `√(N/k)`; on Hertz's bed the layer is back after a finite length.
+    /// Off the face `N w'' = q(w)` has the first integral `½ N w'² = Ψ(w)`, so `N |w'| = √(2NΨ)`:
+    /// on a linear bed `w √(N k)`, falling off over `√(N/k)`; on Hertz's bed the layer is back
+    /// after a finite length.
     ///
-    /// `curvature_per_m` is that of the line, positive when the layer leaves a disc outwards. It adds `N w'/ρ` to the
-    /// equilibrium and `2 N |w'| ∫|w'|dw κ` to the square; against the exact `K1/K0` of a linear bed the slope is
-    /// 1 % low when the radius equals the falling-off length and 3 % low at half of it.
+    /// `curvature_per_m` is that of the line, positive when the layer leaves a disc outwards. It
+    /// adds `N w'/ρ` to the equilibrium and `2 N |w'| ∫|w'|dw κ` to the square; against the exact
+    /// `K1/K0` of a linear bed the slope is 1 % low when the radius equals the falling-off length
+    /// and 3 % low at half of it.
     ///
-    /// `inward_m_per_s` is the speed at which the wheel's surface runs over the line onto the face. Its elements
-    /// are then pressed down within the falling-off length, at the rate `v |w'|`, and the bed's damping η answers:
-    /// `N w'' = q + η v |w'|`. The root of `s² - η v w s - 2NΨ = 0` solves it exactly for a linear bed, and for
-    /// any bed when the speed is high, where `N |w'| → η v w`. A surface that runs off the face (v < 0) relaxes
-    /// on the way out and pulls less.
+    /// `inward_m_per_s` is the speed at which the wheel's surface runs over the line onto the face.
+    /// Its elements are then pressed down within the falling-off length, at the rate `v |w'|`, and
+    /// the bed's damping η answers: `N w'' = q + η v |w'|`. The root of `s² - η v w s - 2NΨ = 0`
+    /// solves it exactly for a linear bed, and for any bed when the speed is high, where
+    /// `N |w'| → η v w`. A surface that runs off the face (v < 0) relaxes on the way out and pulls
+    /// less.
     pub fn leaving_n_per_m(
         &self,
         deflection_m: f64,
@@ -83,9 +89,9 @@ impl Bed {
         )
     }
 
-    /// The same along an edge on which the deflection is given and falls off to either side as `w - y²/2R`,
-    /// `fall_per_m = 1/R`. The level lines of the layer then have the curvature `1/(R |w'|)`, which makes the slope
-    /// the root of a cubic.
+    /// The same along an edge on which the deflection is given and falls off to either side as
+    /// `w - y²/2R`, `fall_per_m = 1/R`. The level lines of the layer then have the curvature
+    /// `1/(R |w'|)`, which makes the slope the root of a cubic.
     pub fn leaving_edge_n_per_m(
         &self,
         deflection_m: f64,
@@ -98,14 +104,9 @@ impl Bed {
         let (straight, bending) = self.squares(deflection_m);
         // s = N|w'|: s³ - straight s - k = 0 by Newton's iteration from above, where it is monotone
         let k = bending * self.tension_n_per_m * fall_per_m;
-        let mut s = straight.sqrt() + k.cbrt();
-        for _ in 0..6 {
-            let step = (s * (s * s - straight) - k) / (3.0 * s * s - straight);
-            s -= step;
-            if step < 1e-6 * s {
-                break;
-            }
-        }
+        let s = newton(straight.sqrt() + k.cbrt(), 1e-6, |s| {
+            (k - s * (s * s - straight)) / (3.0 * s * s - straight)
+        });
         self.with_damping(s * s, deflection_m, inward_m_per_s)
     }
 
@@ -135,7 +136,8 @@ impl Bed {
         )
     }
 
-    /// `2 ∫|w'|dw / |w'|`: w where |w'| grows as w (linear), 8/7 w as w^(3/4) (Hertz); between by share.
+    /// `2 ∫|w'|dw / |w'|`: w where |w'| grows as w (linear), 8/7 w as w^(3/4) (Hertz); between by
+    /// share.
     fn bent_m(&self, deflection_m: f64, pressure_pa: f64) -> f64 {
         deflection_m + self.tread_m_per_pa2 * pressure_pa * pressure_pa / 7.0
     }
@@ -157,6 +159,7 @@ impl Bed {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::roots::bisect;
 
     fn bed(c1: f64, c2: f64) -> Bed {
         Bed {
@@ -180,8 +183,8 @@ mod tests {
         }
     }
 
-    /// Reaction from the layer's equation off the face, `N w'' + N w'/ρ = q - η v w'` (v inward), shot from the
-    /// edge so that w runs out to zero with zero slope.
+    /// Reaction from the layer's equation off the face, `N w'' + N w'/ρ = q - η v w'` (v inward),
+    /// shot from the edge so that w runs out to zero with zero slope.
     fn shot(b: &Bed, w0: f64, radius: f64, v: f64) -> f64 {
         let run = |slope: f64| {
             let (mut w, mut g, mut s) = (w0, -slope, 0.0);
@@ -197,16 +200,7 @@ mod tests {
             }
             w <= 0.0 // too steep: it crosses zero
         };
-        let (mut low, mut high) = (0.0, 20.0);
-        for _ in 0..50 {
-            let middle = 0.5 * (low + high);
-            if run(middle) {
-                high = middle
-            } else {
-                low = middle
-            }
-        }
-        b.tension_n_per_m * low
+        b.tension_n_per_m * bisect([0.0, 20.0], 50, run)[0]
     }
 
     #[test]

@@ -1,18 +1,21 @@
 //! A wheel brush of nylon wires.
 //!
-//! **One bristle.** A cantilever of free length L and bending stiffness EI whose tip is held on the workpiece: pressed in
-//! by δ it must shorten, so it bends. With the deflection of an end-loaded cantilever, `y = Y (3s² - s³)/2`, the shortening
-//! is `∫½y'² = (3/5) Y²/L`, so `Y = √(5Lδ/3)`. Virtual work of the tip, normal force n and friction μn along its drag:
+//! **One bristle.** A cantilever of free length L and bending stiffness EI whose tip is held on the
+//! workpiece: pressed in by δ it must shorten, so it bends. With the deflection of an end-loaded
+//! cantilever, `y = Y (3s² - s³)/2`, the shortening is `∫½y'² = (3/5) Y²/L`, so `Y = √(5Lδ/3)`.
+//! Virtual work of the tip, normal force n and friction μn along its drag:
 //! `3EI Y/L³ = n (6/5) Y/L + μ n`, hence
 //!
 //! `n(δ) = (5EI / 2L²) / (1 + 5μL/(6Y))`.
 //!
-//! Without friction that is the buckling load of a cantilever (2.5 EI/L²; Euler's is π²/4 = 2.467), constant in δ: a brush is soft.
-//! Friction bends the bristle before it buckles, and then `n ∝ √δ` at first. Holds for δ up to about a fifth of L. Bristles do not
-//! touch each other, and their inertia is left out.
+//! Without friction that is the buckling load of a cantilever (2.5 EI/L²; Euler's is π²/4 = 2.467),
+//! constant in δ: a brush is soft. Friction bends the bristle before it buckles, and then `n ∝ √δ`
+//! at first. Holds for δ up to about a fifth of L. Bristles do not touch each other, and their
+//! inertia is left out.
 //!
-//! **The brush.** Bristles stand evenly over the running surface `2πR W`; over a flat face they overlap by
-//! `δ(x) = d - x²/2R`. Its contact is as long as the chord, many times a rubber wheel's.
+//! **The brush.** Bristles stand evenly over the running surface `2πR W`; over a flat face they
+//! indent it by `δ(x) = d - x²/2R`. Its contact is as long as the chord, many times a rubber
+//! wheel's.
 
 use super::quadrature::Quadrature;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -35,7 +38,7 @@ pub struct Brush {
 }
 
 impl Brush {
-    /// Normal force of one bristle pressed in by `shortening_m`, N.
+    /// Normal force of one bristle shortened by `shortening_m`, N.
     pub fn bristle_n(&self, shortening_m: f64) -> f64 {
         if shortening_m <= 0.0 {
             return 0.0;
@@ -52,26 +55,27 @@ impl Brush {
     }
 
     /// Half the length of the contact, `√(2Rd)`, m.
-    pub fn half_length_m(&self, penetration_m: f64) -> f64 {
-        (2.0 * self.radius_m * penetration_m.max(0.0)).sqrt()
+    pub fn half_length_m(&self, indentation_m: f64) -> f64 {
+        (2.0 * self.radius_m * indentation_m.max(0.0)).sqrt()
     }
 
     /// Mean pressure at a distance from the middle along the run, Pa.
-    pub fn pressure_pa(&self, penetration_m: f64, x: f64) -> f64 {
+    pub fn pressure_pa(&self, indentation_m: f64, x: f64) -> f64 {
         let per_area = self.bristles / (2.0 * PI * self.radius_m * self.width_m);
-        per_area * self.bristle_n(penetration_m - x * x / (2.0 * self.radius_m))
+        per_area * self.bristle_n(indentation_m - x * x / (2.0 * self.radius_m))
     }
 
-    /// Normal force on a flat face, N, of the part of the contact between `from` and `to` (m from its middle, along
-    /// the run): a face that ends there bears the bristles on it only, since no layer joins them.
+    /// Normal force on a flat face, N, of the part of the contact between `from` and `to` (m from
+    /// its middle, along the run): a face that ends there bears the bristles on it only, since no
+    /// layer joins them.
     pub fn normal_force_n(
         &self,
-        penetration_m: f64,
+        indentation_m: f64,
         from_m: f64,
         to_m: f64,
         quadrature: &Quadrature,
     ) -> f64 {
-        let half = self.half_length_m(penetration_m);
+        let half = self.half_length_m(indentation_m);
         if half <= 0.0 {
             return 0.0;
         }
@@ -80,7 +84,7 @@ impl Brush {
         debug_assert!((-FRAC_PI_2..=FRAC_PI_2).contains(&from));
         self.width_m
             * quadrature.integrate(from, to, |phi| {
-                self.pressure_pa(penetration_m, half * phi.sin()) * half * phi.cos()
+                self.pressure_pa(indentation_m, half * phi.sin()) * half * phi.cos()
             })
     }
 }
@@ -112,7 +116,8 @@ mod tests {
         assert_eq!(b.bristle_n(-1e-3), 0.0);
     }
 
-    /// The force is the slope of the bristle's energy plus what friction takes, `n dδ = dU - μ n dY`.
+    /// The force is the slope of the bristle's energy plus what friction takes,
+    /// `n dδ = dU - μ n dY`.
     #[test]
     fn verify_work_of_the_tip_is_bending_energy_less_friction() {
         let b = brush();

@@ -1,28 +1,32 @@
 //! What a brush makes of an edge: the burr that it takes off, and the radius that follows.
 //!
-//! **Who bears.** A burr stands out of its edge, and after it the sharp edge itself: while any part of a bristle's tip is over it, it
-//! bears that bristle alone. Of tips of diameter t, ρ of them per area, those are over a strip of width w whose middles
-//! lie within (t + w)/2 of its own: ρ (t + w) per length. With Preston's law for each tip the section taken off grows by
+//! **Who bears.** A burr stands out of its edge, and after it the sharp edge itself: while any part
+//! of a bristle's tip is over it, it bears that bristle alone. Of tips of diameter t, ρ of them per
+//! area, those are over a strip of width w whose middles lie within (t + w)/2 of its own: ρ (t + w)
+//! per length. With Preston's law for each tip the section taken off grows by
 //!
 //! `dA = k_p (t + w) dD`,   `D = ∫ ρ n v dt`,
 //!
-//! n the force of a bristle and v the speed of its tip, whichever way it runs. D is the dose of a face that would lie there (J/m²).
+//! n the force of a bristle and v the speed of its tip, whichever way it runs. D is the dose of a
+//! face that would lie there (J/m²).
 //!
-//! **Burr.** Of height h and thickness s, w = s: it falls by `k_p (t + s)/s` per dose, and is gone at `D_b = h s / (k_p (t + s))`.
+//! **Burr.** Of height h and thickness s, w = s: it falls by `k_p (t + s)/s` per dose, and is gone
+//! at `D_b = h s / (k_p (t + s))`.
 //!
-//! **Radius.** Between faces that enclose the angle β a fillet of radius r has taken off `A = c r²`, `c = cot(β/2) - (π - β)/2`, and is
-//! `w = a r`, `a = 2 cos(β/2)`, wide as seen along the bisector. Then `2 c r dr = k_p (t + a r) dD`, which integrates to
+//! **Radius.** Between faces that enclose the angle β a fillet of radius r has taken off
+//! `A = c r²`, `c = cot(β/2) - (π - β)/2`, and is `w = a r`, `a = 2 cos(β/2)`, wide as seen along
+//! the bisector. Then `2 c r dr = k_p (t + a r) dD`, which integrates to
 //!
 //! `(2c/a) (r - (t/a) ln(1 + a r/t)) = k_p (D - D_b)`.
 //!
-//! While r is small beside the tips that is `r = √(k_p t (D - D_b)/c)`: an edge blunts like a root, fast at first.
+//! While r is small beside the tips that is `r = √(k_p t (D - D_b)/c)`: an edge blunts like a root,
+//! fast at first.
 //!
-//! Left out: a burr that bends away or breaks off whole, and that bristles of a dense brush lean on one another.
+//! Left out: a burr that bends away or breaks off whole, and that bristles of a dense brush lean on
+//! one another.
 
+use crate::roots::newton;
 use std::f64::consts::PI;
-
-/// Steps of Newton's iteration for the radius; it has converged to rounding long before.
-const MOST_STEPS: usize = 60;
 
 /// An edge and what stands on it before brushing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +48,8 @@ impl EdgeWear {
         1.0 / (0.5 * self.wedge_rad).tan() - 0.5 * (PI - self.wedge_rad)
     }
 
-    /// What a dose takes off where nothing is left to stand out: `k_p D` beyond what the burr took, m.
+    /// What a dose takes off where nothing is left to stand out: `k_p D` beyond what the burr took,
+    /// m.
     fn depth_beyond_burr_m(&self, dose_j_per_m2: f64) -> f64 {
         self.preston_per_pa * dose_j_per_m2 - self.depth_of_burr_m()
     }
@@ -72,16 +77,11 @@ impl EdgeWear {
         }
         let (c, t) = (self.fillet(), self.tip_m);
         let a = 2.0 * (0.5 * self.wedge_rad).cos();
-        // With x = a r / t: x - ln(1 + x) = y. Convex, so that Newton's iteration comes down from a start above: x²/2 - x³/3 < y < x²/2.
+        // With x = a r / t: x - ln(1 + x) = y. Convex, so that Newton's iteration comes down from a
+        // start above: x²/2 - x³/3 < y < x²/2.
         let y = depth_m * a * a / (2.0 * c * t);
-        let mut x = (2.0 * y).sqrt() + y;
-        for _ in 0..MOST_STEPS {
-            let step = (x - x.ln_1p() - y) * (1.0 + x) / x;
-            x -= step;
-            if step.abs() <= 1e-14 * x {
-                break;
-            }
-        }
+        let start = (2.0 * y).sqrt() + y;
+        let x = newton(start, 1e-14, |x| (y - (x - x.ln_1p())) * (1.0 + x) / x);
         x * t / a
     }
 
@@ -108,7 +108,8 @@ mod tests {
         }
     }
 
-    /// Section by section, in small steps of the dose: burr and radius are those of the closed form, sharp and blunt wedges.
+    /// Section by section, in small steps of the dose: burr and radius are those of the closed
+    /// form, sharp and blunt wedges.
     #[test]
     fn verify_edge_wear_integrates_prestons_law_over_who_bears() {
         for wedge_deg in [60.0_f64, 90.0, 135.0] {

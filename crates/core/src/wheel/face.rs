@@ -1,4 +1,5 @@
-//! A plane face with its edges, as a wheel meets it: rows and edge pieces within a window about the patch.
+//! A plane face with its edges, as a wheel meets it: rows and edge pieces within a window about the
+//! patch.
 
 use nalgebra::{Isometry2, Point2, Vector2};
 use thiserror::Error;
@@ -14,9 +15,11 @@ pub enum FaceError {
     NoArea(usize),
 }
 
-/// A plane face bounded by closed polygons, convex or not; loops within loops are holes. Without loops it has no edge.
+/// A plane face bounded by closed polygons, convex or not; loops within loops are holes. Without
+/// loops it has no edge.
 ///
-/// Polygons may run either way round but must not cross themselves or each other, which is not checked here.
+/// Polygons may run either way round but must not cross themselves or each other, which is not
+/// checked here.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Face {
     /// Sides with the face on their left.
@@ -82,7 +85,8 @@ impl Face {
         Ok(Self { sides })
     }
 
-    /// Sides that a window `±half` about the patch's origin meets or that lie left of it, which rows must count.
+    /// Sides that a window `±half` about the patch's origin meets or that lie left of it, which
+    /// rows must count.
     pub(super) fn within(
         &self,
         patch_from_face: &Isometry2<f64>,

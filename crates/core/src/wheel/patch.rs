@@ -1,39 +1,42 @@
 //! The patch in which a soft wheel meets a face, whole or cut by the face's edges.
 //!
-//! Frame of the patch: origin at the middle of the undeformed overlap, x along the running direction of a line patch,
-//! y along its axis, z the outward normal of the workpiece. Overlap of wheel and face: `u = u0 - x²/2R` (line), less
-//! `y²/2R` too (point). The layer's equation (`bed`) gives three parts of what the face presses:
+//! Frame of the patch: origin at the middle of the undeformed contact, x along the running
+//! direction of a line patch, y along its axis, z the outward normal of the workpiece. Indentation
+//! of the wheel's bed: `u = u0 - x²/2R` (line), less `y²/2R` too (point). The layer's equation
+//! (`bed`) gives three parts of what the face presses:
 //!
 //! 1. within the patch the pressure `q(u) - N ∇²u`;
 //! 2. where the layer leaves freely nothing extra: the patch ends where it leaves without a kink;
-//! 3. along an edge of the face a **line reaction**. The overhanging layer is not pressed and runs back to its free shape, so it leaves
-//!    with the slope `|w'|` that its bed gives (`Bed::leaving_n_per_m`); on the face it has the slope of the overlap,
-//!    `∂u/∂n = -x·n/R`. The edge holds the kink: `P = N (|w'| + ∂u/∂n)` per length.
+//! 3. along an edge of the face a **line reaction**. The overhanging layer is not pressed and runs
+//!    back to its free shape, so it leaves with the slope `|w'|` that its bed gives
+//!    (`Bed::leaving_n_per_m`); on the face it has the slope of the indentation, `∂u/∂n = -x·n/R`.
+//!    The edge holds the kink: `P = N (|w'| + ∂u/∂n)` per length.
 //!
-//! Part 3 is zero while the edge lies outside the patch, and grows as the patch moves over it: it is the pressure rise at the
-//! edge, and comes from radius, pressure and bed alone. When the middle is so far off the face that the layer rises from the edge on both sides
-//! (`∂u/∂n > |w'|`), the edge presses like a knife with twice the leaving slope, until the wheel is clear.
+//! Part 3 is zero while the edge lies outside the patch, and grows as the patch moves over it: it
+//! is the pressure rise at the edge, and comes from radius, pressure and bed alone. When the middle
+//! is so far off the face that the layer rises from the edge on both sides (`∂u/∂n > |w'|`), the
+//! edge presses like a knife with twice the leaving slope, until the wheel is clear.
 //!
-//! A line reaction is found in the plane across the edge: exact for a line patch along the edge; on a point
-//! patch the layer's curvature along the edge is neglected, and so is the point reaction that a corner of the face adds.
-//! The layer's mass per area m lowers its tension to `N - m v²`: 3 % at 2.4 m/s for 5 mm of rubber at 0.1 MPa and 20 mm radius;
-//! it is left out.
+//! A line reaction is found in the plane across the edge: exact for a line patch along the edge; on
+//! a point patch the layer's curvature along the edge is neglected, and so is the point reaction
+//! that a corner of the face adds. The layer's mass per area m lowers its tension to `N - m v²`: 3
+//! % at 2.4 m/s for 5 mm of rubber at 0.1 MPa and 20 mm radius; it is left out.
 
 use super::bed::Bed;
 use super::face::Face;
 use super::quadrature::Quadrature;
+use crate::roots::{bisect, newton, newton_within};
 use nalgebra::{Isometry2, Point2, Vector2};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 mod integrals;
 
-/// The patch reaches at least so far out, as a part of the overlap's half length: where its boundary is looked for.
+/// The patch reaches at least so far out, as a part of the undeformed half length: where its
+/// boundary is looked for.
 const INNERMOST: f64 = 1e-3;
-/// A step so small, as a part of the overlap's half length, is the last: convergence is quadratic.
+/// A step so small, as a part of the undeformed half length, is the last: convergence is quadratic.
 const LAST_STEP: f64 = 1e-8;
-/// Newton's iteration is done long before; halving would be.
-const MOST_ROUNDS: usize = 60;
 
 /// Nodes across half a line patch; loads at rest are asked for by the hundred.
 static RULES: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::new(24));
@@ -47,7 +50,7 @@ pub enum Layer {
     AlongX,
 }
 
-/// Shape of the undeformed overlap.
+/// Shape of the undeformed contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
     /// A sphere of this radius.
@@ -64,14 +67,14 @@ impl Shape {
     }
 }
 
-/// A wheel pressed to a given overlap.
+/// A wheel at a given indentation of its bed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Patch {
     bed: Bed,
     layer: Layer,
     shape: Shape,
-    overlap_m: f64,
-    overlap_rate: f64,
+    bed_indentation_m: f64,
+    bed_indentation_rate: f64,
     contact_m: f64,
 }
 
@@ -82,15 +85,15 @@ pub struct Sliding {
     pub velocity_m_per_s: Vector2<f64>,
     /// Angular velocity about the normal, rad/s: `v(x) = v + ω ẑ × x`.
     pub spin_rad_s: f64,
-    /// Rate of penetration, m/s.
+    /// Rate of indentation, m/s.
     pub approach_m_per_s: f64,
     /// Friction coefficient.
     pub mu: f64,
 }
 
 impl Sliding {
-    /// A wheel that turns by `spin` about the normal through the point `centre` of the patch's frame:
-    /// `v(x) = ω ẑ × (x - x0)` (precession: `x0 = -(ρ - d) tan θ (cos α, sin α)`).
+    /// A wheel that turns by `spin` about the normal through the point `centre` of the patch's
+    /// frame: `v(x) = ω ẑ × (x - x0)` (precession: `x0 = -(ρ - d) tan θ (cos α, sin α)`).
     pub fn about(centre_m: Point2<f64>, spin_rad_s: f64, mu: f64) -> Self {
         Self {
             velocity_m_per_s: spin_rad_s * Vector2::new(centre_m.y, -centre_m.x),
@@ -150,29 +153,29 @@ pub struct EdgePoint {
 }
 
 impl Patch {
-    /// A patch with the overlap `u0` at its middle, m.
-    pub(super) fn new(bed: Bed, layer: Layer, shape: Shape, overlap_m: f64) -> Self {
+    /// A patch whose bed is indented by `u0` at its middle, m.
+    pub(super) fn new(bed: Bed, layer: Layer, shape: Shape, bed_indentation_m: f64) -> Self {
         let mut patch = Self {
             bed,
             layer,
             shape,
-            overlap_m: overlap_m.max(0.0),
-            overlap_rate: 1.0,
+            bed_indentation_m: bed_indentation_m.max(0.0),
+            bed_indentation_rate: 1.0,
             contact_m: 0.0,
         };
         patch.contact_m = patch.free_boundary_m();
         patch
     }
 
-    /// Rate of the overlap per rate of penetration.
-    pub(super) fn with_overlap_rate(mut self, rate: f64) -> Self {
-        self.overlap_rate = rate;
+    /// Rate of the bed's indentation per rate of the wheel's.
+    pub(super) fn with_bed_indentation_rate(mut self, rate: f64) -> Self {
+        self.bed_indentation_rate = rate;
         self
     }
 
-    /// Half the length over which wheel and face overlap, m.
-    pub fn overlap_half_length_m(&self) -> f64 {
-        (2.0 * self.shape.radius_m() * self.overlap_m).sqrt()
+    /// Half the length over which the undeformed wheel lies in the face, m.
+    pub fn undeformed_half_length_m(&self) -> f64 {
+        (2.0 * self.shape.radius_m() * self.bed_indentation_m).sqrt()
     }
 
     /// Radius (half width, for a line) of the patch away from edges, m.
@@ -180,12 +183,13 @@ impl Patch {
         self.contact_m
     }
 
-    /// Where the layer leaves without a kink: `N |w'| = N c / R`, by Newton's iteration on the difference of the squares
-    /// times c, which is a smooth function down to the middle, kept between two bounds of the root. It begins where a straight
-    /// line would leave a linear bed as stiff as this one at its deepest.
+    /// Where the layer leaves without a kink: `N |w'| = N c / R`, by Newton's iteration on the
+    /// difference of the squares times c, which is a smooth function down to the middle, kept
+    /// between two bounds of the root. It begins where a straight line would leave a linear bed as
+    /// stiff as this one at its deepest.
     fn free_boundary_m(&self) -> f64 {
         let (r, n) = (self.shape.radius_m(), self.bed.tension_n_per_m);
-        let whole = self.overlap_half_length_m();
+        let whole = self.undeformed_half_length_m();
         if n <= 0.0 || whole <= 0.0 {
             return whole;
         }
@@ -199,69 +203,48 @@ impl Patch {
         // with its slope over c
         let kink = |c: f64| {
             let pull = (n * c / r).powi(2);
-            let (straight, bending) = (self.bed).squares_with_slopes(self.overlap_at_m(c, 0.0));
+            let (straight, bending) =
+                (self.bed).squares_with_slopes(self.bed_indentation_at_m(c, 0.0));
             let value = c * (straight[0] - pull) + round * bending[0];
             let slope = straight[0] - 3.0 * pull - (c * straight[1] + round * bending[1]) * c / r;
             (value, slope)
         };
-        let (mut low, mut high) = (INNERMOST * whole, whole);
+        let (low, high) = (INNERMOST * whole, whole);
         if kink(low).0 <= 0.0 {
             return low;
         }
-        let stiffness = self.bed.pressure_pa(self.overlap_m) / self.overlap_m;
+        let stiffness = self.bed.pressure_pa(self.bed_indentation_m) / self.bed_indentation_m;
         let fall = (n / stiffness).sqrt();
-        let mut c = ((fall * fall + whole * whole).sqrt() - fall).clamp(low, high);
-        for _ in 0..MOST_ROUNDS {
-            let (here, slope) = kink(c);
-            if here > 0.0 {
-                low = c;
-            } else {
-                high = c;
-            }
-            let newton = c - here / slope;
-            let next = if (low..=high).contains(&newton) {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            let step = (next - c).abs();
-            c = next;
-            if step <= LAST_STEP * whole {
-                break;
-            }
-        }
-        c
+        let start = (fall * fall + whole * whole).sqrt() - fall;
+        newton_within([high, low], start, LAST_STEP * whole, kink)
     }
 
-    /// [`Self::free_boundary_m`] of a belt on Hertz's bed. With the overlap `w = s²` at the boundary, `2NΨ = (N c/R)²` is
-    /// `2/(3√c2) s³ + N/R (s² - u0) = 0`, whose left side bends upwards: Newton's iteration comes down to the root.
+    /// [`Self::free_boundary_m`] of a belt on Hertz's bed. With the indentation `w = s²` at the
+    /// boundary, `2NΨ = (N c/R)²` is `2/(3√c2) s³ + N/R (s² - u0) = 0`, whose left side bends
+    /// upwards: Newton's iteration comes down to the root.
     fn belt_boundary_m(&self) -> f64 {
         let (r, n) = (self.shape.radius_m(), self.bed.tension_n_per_m);
         let (u0, a) = (
-            self.overlap_m,
+            self.bed_indentation_m,
             2.0 / (3.0 * self.bed.tread_m_per_pa2.sqrt()),
         );
         let b = n / r;
-        // The left side is positive where the overlap ends, and, with α = a √u0/b > 1, at the fourth root of α further down.
+        // The left side is positive where the indentation ends, and, with α = a √u0/b > 1, at the
+        // fourth root of α further down.
         let stiff = (a * u0.sqrt() / b).max(1.0);
-        let mut s = (u0 / stiff.sqrt()).sqrt();
-        for _ in 0..MOST_ROUNDS {
-            let step = (a * s * s * s + b * (s * s - u0)) / (s * (3.0 * a * s + 2.0 * b));
-            s -= step;
-            if step <= LAST_STEP * s {
-                break;
-            }
-        }
+        let s = newton((u0 / stiff.sqrt()).sqrt(), LAST_STEP, |s| {
+            -(a * s * s * s + b * (s * s - u0)) / (s * (3.0 * a * s + 2.0 * b))
+        });
         (2.0 * r * (u0 - s * s)).max(0.0).sqrt()
     }
 
-    /// Overlap of the undeformed wheel at a point, m; negative where they do not overlap.
-    pub fn overlap_at_m(&self, x: f64, y: f64) -> f64 {
+    /// Indentation of the bed by the undeformed wheel at a point, m; negative where there is a gap.
+    pub fn bed_indentation_at_m(&self, x: f64, y: f64) -> f64 {
         let off = match self.shape {
             Shape::Point { .. } => x * x + y * y,
             Shape::Line { .. } => x * x,
         };
-        self.overlap_m - off / (2.0 * self.shape.radius_m())
+        self.bed_indentation_m - off / (2.0 * self.shape.radius_m())
     }
 
     /// Pressure that the layer's tension gives the face within the patch, Pa: `-N ∇²u`.
@@ -290,14 +273,16 @@ impl Patch {
         if !self.touches(x, y) {
             return 0.0;
         }
-        let mut pressure = self.bed.pressure_pa(self.overlap_at_m(x, y)) + self.layer_pressure_pa();
+        let mut pressure =
+            self.bed.pressure_pa(self.bed_indentation_at_m(x, y)) + self.layer_pressure_pa();
         if self.bed.damping_pa_s_per_m > 0.0 {
             let v = sliding.at_m_per_s(x, y);
             let along = match self.shape {
                 Shape::Point { .. } => v.x * x + v.y * y,
                 Shape::Line { .. } => v.x * x,
             };
-            let rate = self.overlap_rate * sliding.approach_m_per_s - along / self.shape.radius_m();
+            let rate = self.bed_indentation_rate * sliding.approach_m_per_s
+                - along / self.shape.radius_m();
             pressure += self.bed.damping_pa_s_per_m * rate;
         }
         pressure.max(0.0)
@@ -309,18 +294,22 @@ impl Patch {
         match self.shape {
             // ∫ q 2πρ dρ with ρ dρ = -R du
             Shape::Point { .. } => {
-                let rim = self.overlap_at_m(c, 0.0);
-                let bed = self.bed.energy_j_per_m2(self.overlap_m) - self.bed.energy_j_per_m2(rim);
+                let rim = self.bed_indentation_at_m(c, 0.0);
+                let bed = self.bed.energy_j_per_m2(self.bed_indentation_m)
+                    - self.bed.energy_j_per_m2(rim);
                 2.0 * PI * r * bed + self.layer_pressure_pa() * PI * c * c
             }
             Shape::Line { half_width_m, .. } => {
-                let b = self.overlap_half_length_m();
+                let b = self.undeformed_half_length_m();
                 if b <= 0.0 {
                     return 0.0;
                 }
                 let end = (c / b).min(1.0).asin();
                 let bed = RULES.integrate(0.0, end, |phi| {
-                    self.bed.pressure_pa(self.overlap_m * phi.cos().powi(2)) * b * phi.cos()
+                    self.bed
+                        .pressure_pa(self.bed_indentation_m * phi.cos().powi(2))
+                        * b
+                        * phi.cos()
                 });
                 4.0 * half_width_m * (bed + self.layer_pressure_pa() * c)
             }
@@ -329,15 +318,15 @@ impl Patch {
 
     /// Half lengths of the window that holds everything, m.
     pub fn window_m(&self) -> Vector2<f64> {
-        let b = self.overlap_half_length_m();
+        let b = self.undeformed_half_length_m();
         match self.shape {
             Shape::Point { .. } => Vector2::new(b, b),
             Shape::Line { half_width_m, .. } => Vector2::new(b, half_width_m),
         }
     }
 
-    /// Loads on the workpiece over the part of the patch that lies on the face. `patch_from_face` takes the
-    /// face's coordinates to the patch's. Edge reactions are handed to `edge` one by one.
+    /// Loads on the workpiece over the part of the patch that lies on the face. `patch_from_face`
+    /// takes the face's coordinates to the patch's. Edge reactions are handed to `edge` one by one.
     pub fn loads(
         &self,
         face: &Face,
@@ -347,7 +336,7 @@ impl Patch {
         mut edge: impl FnMut(EdgePoint),
     ) -> PatchLoads {
         let mut loads = PatchLoads::default();
-        if self.overlap_m <= 0.0 {
+        if self.bed_indentation_m <= 0.0 {
             return loads;
         }
         let sides = face.within(patch_from_face, self.window_m());
@@ -368,17 +357,9 @@ impl Patch {
     }
 }
 
-/// Penetration at which a growing force reaches `force_n`, m, sought up to `longest_m`.
-pub(super) fn penetration_for(force_n: f64, longest_m: f64, force: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.0, longest_m);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if force(middle) < force_n {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+/// Indentation at which a growing force reaches `force_n`, m, sought up to `longest_m`.
+pub(super) fn indentation_for(force_n: f64, longest_m: f64, force: impl Fn(f64) -> f64) -> f64 {
+    let [low, high] = bisect([0.0, longest_m], 60, |depth_m| force(depth_m) >= force_n);
     0.5 * (low + high)
 }
 

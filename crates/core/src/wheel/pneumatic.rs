@@ -1,27 +1,31 @@
-//! A pneumatic wheel: a spherical rubber shell, inflated, pressed onto a face that is flat beside it.
+//! A pneumatic wheel: a spherical rubber shell, inflated, pressed onto a face that is flat beside
+//! it.
 //!
 //! Three springs, from thin-shell and contact mechanics:
 //!
-//! - **Air.** Gauge pressure p stretches the shell to the tension `N = p R / 2` (Laplace). Pressed flat, the layer
-//!   loses its curvature 2/R and hands the face `2 N / R = p`: the membrane part of the force is `p` times the
-//!   area of the patch.
-//! - **Shell.** Shallow-shell theory gives a sphere the Winkler stiffness `E h / R²` (arch action); with
-//!   the tension it reads `E h w / R² - N ∇²w = q` (Vella and others, J. R. Soc. Interface 9 (2012) 448,
-//!   whose bending term is left out).
-//! - **Tread.** Within the patch the rubber itself yields as a half-space. Hertz's patch of radius a has the pressure
-//!   `(2E*/πR) √(a² - ρ²)`; with the overlap above the patch's rim, `u = (a² - ρ²)/2R`, that is
-//!   `κ √u`, `κ = (2E*/πR) √(2R)`: the same for every patch, so a local bed gives Hertz's pressure. The half-space
-//!   drags the rim of the patch along by as much again: approach `a²/R = 2 u0`.
+//! - **Air.** Gauge pressure p stretches the shell to the tension `N = p R / 2` (Laplace). Pressed
+//!   flat, the layer loses its curvature 2/R and hands the face `2 N / R = p`: the membrane part of
+//!   the force is `p` times the area of the patch.
+//! - **Shell.** Shallow-shell theory gives a sphere the Winkler stiffness `E h / R²` (arch action);
+//!   with the tension it reads `E h w / R² - N ∇²w = q` (`vella2012`, whose bending term is left
+//!   out).
+//! - **Tread.** Within the patch the rubber itself yields as a half-space. Hertz's patch of radius
+//!   a has the pressure `(2E*/πR) √(a² - ρ²)`; with the indentation above that of the patch's rim,
+//!   `u = (a² - ρ²)/2R`, that is `κ √u`, `κ = (2E*/πR) √(2R)`: the same for every patch, so a local
+//!   bed gives Hertz's pressure. The half-space drags the rim of the patch along by as much again:
+//!   approach `a²/R = 2 u0`.
 //!
-//! Tread and shell carry the same pressure, in series; the air is beside them, in parallel. From the
-//! pressure q at the middle: `d = c1 q + 2 c2 q²`, `u0 = c1 q + c2 q²`, `c1 = R²/(E h)`, `c2 = 1/κ²`.
-//! The patch ends where the layer leaves without a kink, `N |w'| = N c / R` ([`Bed::leaving_n_per_m`]).
+//! Tread and shell carry the same pressure, in series; the air is beside them, in parallel. From
+//! the pressure q at the middle: `d = c1 q + 2 c2 q²`, `u0 = c1 q + c2 q²`, `c1 = R²/(E h)`,
+//! `c2 = 1/κ²`. The patch ends where the layer leaves without a kink, `N |w'| = N c / R`
+//! ([`Bed::leaving_n_per_m`]).
 //!
-//! Limits: `p → 0`, shell rigid (h → ∞): Hertz's point contact, `a = (3FR/4E*)^{1/3}`, `p0 = 3F/(2πa²)`. Modulus → 0: `F = p A`, A
-//! the patch. A membrane without any shell has no patch at all: nothing but the rim, which is not modelled, keeps it from
-//! giving way, its approach growing with the logarithm of the rim's distance. The model holds while the falling-off
-//! length is small beside R. Bending of the shell (length `√(hR) / (12(1-ν²))^{1/4}`) is left out; it would add to the
-//! reaction at an edge.
+//! Limits: `p → 0`, shell rigid (h → ∞): Hertz's point contact, `a = (3FR/4E*)^{1/3}`,
+//! `p0 = 3F/(2πa²)`. Modulus → 0: `F = p A`, A the patch. A membrane without any shell has no patch
+//! at all: nothing but the rim, which is not modelled, keeps it from giving way, its approach
+//! growing with the logarithm of the rim's distance. The model holds while the falling-off length
+//! is small beside R. Bending of the shell (length `√(hR) / (12(1-ν²))^{1/4}`) is left out; it
+//! would add to the reaction at an edge.
 
 use super::bed::Bed;
 use super::patch::{Layer, Patch, Shape};
@@ -60,32 +64,32 @@ impl PneumaticWheel {
         }
     }
 
-    /// The patch at a penetration: how far the undeformed wheel would reach beyond the face, m.
-    pub fn patch(&self, penetration_m: f64) -> Patch {
+    /// The patch at an indentation: how far the undeformed wheel would reach beyond the face, m.
+    pub fn patch(&self, indentation_m: f64) -> Patch {
         let bed = self.bed();
-        let d = penetration_m.max(0.0);
+        let d = indentation_m.max(0.0);
         let (c1, c2) = (bed.shell_m_per_pa, bed.tread_m_per_pa2);
         let q = if d > 0.0 {
             2.0 * d / (c1 + (c1 * c1 + 8.0 * c2 * d).sqrt())
         } else {
             0.0
         };
-        let overlap_rate = (c1 + 2.0 * c2 * q) / (c1 + 4.0 * c2 * q);
+        let bed_indentation_rate = (c1 + 2.0 * c2 * q) / (c1 + 4.0 * c2 * q);
         let shape = Shape::Point {
             radius_m: self.radius_m,
         };
         Patch::new(bed, Layer::Isotropic, shape, bed.deflection_m(q))
-            .with_overlap_rate(overlap_rate)
+            .with_bed_indentation_rate(bed_indentation_rate)
     }
 
-    /// Normal force at a penetration on a face without edges nearby, N.
-    pub fn normal_force_n(&self, penetration_m: f64) -> f64 {
-        self.patch(penetration_m).free_force_n()
+    /// Normal force at an indentation on a face without edges nearby, N.
+    pub fn normal_force_n(&self, indentation_m: f64) -> f64 {
+        self.patch(indentation_m).free_force_n()
     }
 
-    /// Penetration that gives a normal force on a face without edges nearby, m.
-    pub fn penetration_m(&self, normal_force_n: f64) -> f64 {
-        super::patch::penetration_for(normal_force_n, self.radius_m, |d| self.normal_force_n(d))
+    /// Indentation that gives a normal force on a face without edges nearby, m.
+    pub fn indentation_m(&self, normal_force_n: f64) -> f64 {
+        super::patch::indentation_for(normal_force_n, self.radius_m, |d| self.normal_force_n(d))
     }
 }
 
@@ -114,7 +118,7 @@ pub(super) mod tests {
         };
         let (r, e) = (w.radius_m, w.contact_modulus_pa());
         for force in [1.0, 10.0, 40.0] {
-            let patch = w.patch(w.penetration_m(force));
+            let patch = w.patch(w.indentation_m(force));
             let a = (3.0 * force * r / (4.0 * e)).cbrt();
             assert!((patch.contact_m() / a - 1.0).abs() < 1e-9);
             let peak = 3.0 * force / (2.0 * PI * a * a);
@@ -122,7 +126,7 @@ pub(super) mod tests {
                 let expected = peak * (1.0 - s * s).sqrt();
                 assert!((patch.pressure_pa(s * a, 0.0) / expected - 1.0).abs() < 1e-8);
             }
-            assert!((w.penetration_m(force) / (a * a / r) - 1.0).abs() < 1e-9);
+            assert!((w.indentation_m(force) / (a * a / r) - 1.0).abs() < 1e-9);
         }
     }
 
@@ -173,12 +177,12 @@ pub(super) mod tests {
         for stiffer in more {
             assert!(stiffer.normal_force_n(0.8e-3) > 1.05 * force);
         }
-        assert!((w.normal_force_n(w.penetration_m(12.0)) / 12.0 - 1.0).abs() < 1e-9);
+        assert!((w.normal_force_n(w.indentation_m(12.0)) / 12.0 - 1.0).abs() < 1e-9);
         assert_eq!(w.normal_force_n(-1e-3), 0.0);
     }
 
-    /// The bed itself, integrated inside and outside the patch, carries the same force: the layer only
-    /// redistributes it.
+    /// The bed itself, integrated inside and outside the patch, carries the same force: the layer
+    /// only redistributes it.
     #[test]
     fn verify_what_the_bed_carries_is_what_the_face_presses() {
         let w = wheel();
@@ -186,7 +190,8 @@ pub(super) mod tests {
         let (c, r, n) = (patch.contact_m(), w.radius_m, w.bed().tension_n_per_m);
         let inside = patch.free_force_n() - w.pressure_pa * PI * c * c;
         // the layer outside, from the slope with which it leaves the patch
-        let (mut deflection, mut slope, mut rho, h) = (patch.overlap_at_m(c, 0.0), -c / r, c, 1e-7);
+        let (mut deflection, mut slope, mut rho, h) =
+            (patch.bed_indentation_at_m(c, 0.0), -c / r, c, 1e-7);
         let mut outside = 0.0;
         while deflection > 0.0 && slope < 0.0 {
             let q = bed.pressure_pa(deflection);

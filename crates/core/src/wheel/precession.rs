@@ -1,17 +1,20 @@
-//! A wheel in precession on a flat face, and the rule that keeps it from rubbing inward over an edge.
+//! A wheel in precession on a flat face, and the rule that keeps it from rubbing inward over an
+//! edge.
 //!
-//! The wheel, a sphere of radius ρ pressed in by d, touches the face in a disc of radius r around O1. Its spin axis leans by
-//! the tilt θ from the outward normal N towards the precession angle α, which turns while the wheel travels. The frame of the face
-//! has z along N; angles count from its x axis towards y.
+//! The wheel, a sphere of radius ρ pressed in by d, touches the face in a disc of radius r around
+//! O1. Its spin axis leans by the tilt θ from the outward normal N towards the precession angle α,
+//! which turns while the wheel travels. The frame of the face has z along N; angles count from its
+//! x axis towards y.
 //!
-//! A point x of the patch (from O1) moves with v = ω1 cos θ ẑ × (x − x0), x0 = −h (cos α, sin α), h = (ρ − d) tan θ: a rotation
-//! about x0. On an edge with outward normal n, at s along n turned by −90°, the outward velocity therefore is
+//! A point x of the patch (from O1) moves with v = ω1 cos θ ẑ × (x − x0), x0 = −h (cos α, sin α), h
+//! = (ρ − d) tan θ: a rotation about x0. On an edge with outward normal n, at s along n turned by
+//! −90°, the outward velocity therefore is
 //!
 //! v·n = ω1 cos θ (s + h cos β),   β the angle between the centre's velocity and n.
 //!
-//! It grows along the chord, so that its worse end decides. The source (Cai, Ji, Zhang, Jin 2016, eq. 7) asks for cos β > ε
-//! with an ε that it leaves open; on the whole chord at distance δ what is needed is ε(δ) = √(r² − δ²) / h, and on the chord
-//! that an edge of the face leaves of it, −s/h at its worse end.
+//! It grows along the chord, so that its worse end decides. `cai2016precession` (eq. 7) asks for
+//! cos β > ε with an ε that it leaves open; on the whole chord at distance δ what is needed is ε(δ)
+//! = √(r² − δ²) / h, and on the chord that an edge of the face leaves of it, −s/h at its worse end.
 
 mod angles;
 mod boundary;
@@ -72,8 +75,8 @@ pub struct EdgeMotion {
 }
 
 impl PrecessionWheel {
-    /// A wheel of radius ρ pressed in by d, tilted by θ, spinning at ω1 about the axis that points away from the face
-    /// (negative: about its opposite).
+    /// A wheel of radius ρ pressed in by d, tilted by θ, spinning at ω1 about the axis that points
+    /// away from the face (negative: about its opposite).
     ///
     /// # Errors
     /// Unless 0 < d < ρ, 0 < θ < π/2 and the spin is not 0.
@@ -168,8 +171,8 @@ impl PrecessionWheel {
         across.abs().atan2(velocity.dot(outward))
     }
 
-    /// Least cos β at an edge at distance δ with its whole chord in the patch: ε(δ) = √(r² − δ²) / h. Above 1 no angle
-    /// will do; `None` if the edge is not in the patch.
+    /// Least cos β at an edge at distance δ with its whole chord in the patch: ε(δ) = √(r² − δ²) /
+    /// h. Above 1 no angle will do; `None` if the edge is not in the patch.
     pub fn least_cosine(&self, distance_m: f64) -> Option<f64> {
         let square = self.patch_radius_m.powi(2) - distance_m.powi(2);
         (square > 0.0).then(|| square.sqrt() / self.lever_m())
@@ -180,8 +183,9 @@ impl PrecessionWheel {
         self.allowed_around(boundary, point_m, 0.0, rule)
     }
 
-    /// Precession angles that a rule allows at every point within `reach_m` of `point_m`, or fewer: those that
-    /// suit a patch larger by the reach with its middle off by it. So a stretch of a path is held as a whole, not at samples.
+    /// Precession angles that a rule allows at every point within `reach_m` of `point_m`, or fewer:
+    /// those that suit a patch larger by the reach with its middle off by it. So a stretch of a
+    /// path is held as a whole, not at samples.
     pub fn allowed_around(
         &self,
         boundary: &Boundary,
@@ -206,7 +210,8 @@ impl PrecessionWheel {
 
     /// The cosine that a rule asks for at an edge, and the angle from which it counts.
     fn needed(&self, chord: &Chord, reach_m: f64, rule: EdgeRule) -> (f64, f64) {
-        // With the spin reversed the velocity points straight outward at the opposite angle and falls along the chord.
+        // With the spin reversed the velocity points straight outward at the opposite angle and
+        // falls along the chord.
         let (turn, worse_m) = if self.spin_rad_s > 0.0 {
             (0.0, -chord.from_m)
         } else {

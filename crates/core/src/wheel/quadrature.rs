@@ -3,12 +3,14 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
 
-/// Rows of a disc, and nodes in each: smooth pressures and a sliding that turns about a point outside are met to 1e-5.
+/// Rows of a disc, and nodes in each: smooth pressures and a sliding that turns about a point
+/// outside are met to 1e-5.
 const DISC_ROWS: usize = 12;
 /// Nodes of a disc; four of them are summed at a time.
 pub(super) const DISC_NODES: usize = DISC_ROWS * DISC_ROWS;
 
-/// Nodes of a disc of radius 1 and their weights, apart, so that a loop over them runs over numbers side by side.
+/// Nodes of a disc of radius 1 and their weights, apart, so that a loop over them runs over numbers
+/// side by side.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Disc {
     pub x: [f64; DISC_NODES],
@@ -19,7 +21,8 @@ pub(super) struct Disc {
 /// Nodes across a narrow patch; four of them are summed at a time.
 pub(super) const ACROSS_NODES: usize = 12;
 
-/// Nodes on `[-1, 1]` by the sine of an angle, in which pressures that fall to zero like a root at both ends are smooth.
+/// Nodes on `[-1, 1]` by the sine of an angle, in which pressures that fall to zero like a root at
+/// both ends are smooth.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Across {
     pub x: [f64; ACROSS_NODES],
@@ -57,8 +60,8 @@ impl Quadrature {
         }
     }
 
-    /// Nodes of a disc: rows and nodes along them by the sine of an angle, in which pressures that fall to zero like a root
-    /// at the rim are smooth.
+    /// Nodes of a disc: rows and nodes along them by the sine of an angle, in which pressures that
+    /// fall to zero like a root at the rim are smooth.
     pub(super) fn disc(&self) -> &Disc {
         &self.disc
     }
@@ -78,7 +81,8 @@ impl Quadrature {
         self.for_share(1.0)
     }
 
-    /// As many as [`Self::nodes`] by the sine of an angle, in which what begins like a root at both ends is smooth.
+    /// As many as [`Self::nodes`] by the sine of an angle, in which what begins like a root at both
+    /// ends is smooth.
     pub fn by_sine(&self) -> &[(f64, f64)] {
         &self.by_sine
     }
@@ -88,8 +92,8 @@ impl Quadrature {
         &self.rules[1]
     }
 
-    /// Rule for a part of the whole range: as many nodes as its share, but at least four, since a short
-    /// part is no smoother than a long one.
+    /// Rule for a part of the whole range: as many nodes as its share, but at least four, since a
+    /// short part is no smoother than a long one.
     pub(super) fn for_share(&self, share: f64) -> &[(f64, f64)] {
         let n = self.largest();
         let nodes = (share * n as f64).ceil().clamp(4.0, n as f64) as usize;
@@ -143,7 +147,8 @@ fn disc(rule: &[(f64, f64)]) -> Disc {
     disc
 }
 
-/// Nodes and weights by Newton's iteration on the Legendre polynomial (Abramowitz and Stegun 25.4.29).
+/// Nodes and weights by Newton's iteration on the Legendre polynomial (Abramowitz and Stegun
+/// 25.4.29).
 fn legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {

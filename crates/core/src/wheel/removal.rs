@@ -1,10 +1,10 @@
 //! Preston's law on a grid that stays with the surface, and the roughness that polishing leaves.
 //!
-//! `ż = k_p p v`: what a cell has been given is its dose `D = ∫ p v dt` (J/m²); depth is `k_p D`, roughness
-//! follows the dose too (`roughness::Polishing`). Each step spreads the patch's Preston integral
-//! `∫ p v dA dt`, which the patch's own quadrature gives, over the cells: by the law's density at the cells' middles, scaled
-//! so that the total is kept. Line reactions at edges are given where they act, each to the four cells around
-//! it (to those that exist; nothing is lost).
+//! `ż = k_p p v`: what a cell has been given is its dose `D = ∫ p v dt` (J/m²); depth is `k_p D`,
+//! roughness follows the dose too (`roughness::Polishing`). Each step spreads the patch's Preston
+//! integral `∫ p v dA dt`, which the patch's own quadrature gives, over the cells: by the law's
+//! density at the cells' middles, scaled so that the total is kept. Line reactions at edges are
+//! given where they act, each to the four cells around it (to those that exist; nothing is lost).
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
@@ -20,9 +20,11 @@ pub struct SurfaceGrid {
 /// Where the patch lies on the grid, the surface being flat over the patch's size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
-    /// Middle of the patch in cells: `(0, 0)` is the outer corner of the first cell, `(0.5, 0.5)` its middle.
+    /// Middle of the patch in cells: `(0, 0)` is the outer corner of the first cell, `(0.5, 0.5)`
+    /// its middle.
     pub at_cells: Vector2<f64>,
-    /// Patch coordinates per cell, m: columns are the tangents of u and v in the patch's frame times the cell's size.
+    /// Patch coordinates per cell, m: columns are the tangents of u and v in the patch's frame
+    /// times the cell's size.
     pub patch_from_cells_m: Matrix2<f64>,
 }
 
@@ -68,7 +70,8 @@ impl SurfaceGrid {
         &self.removed_m
     }
 
-    /// Mean depth of each row over the middle half of its columns, m: across a pass, its ends left out.
+    /// Mean depth of each row over the middle half of its columns, m: across a pass, its ends left
+    /// out.
     pub fn middle_means_m(&self) -> Vec<f64> {
         let inner = self.columns / 4..(self.columns * 3 / 4).max(self.columns / 4 + 1);
         (self.removed_m.chunks_exact(self.columns))
@@ -88,9 +91,11 @@ impl SurfaceGrid {
         self.removed_m[cell] += preston_per_pa * dose;
     }
 
-    /// Spreads `energy_j = ∫ p v dA dt` over the cells under a window of half lengths `window_m` in the patch's frame,
-    /// in the ratio of `density(x, y)` (p v at a point of it) times their areas. `scratch` keeps its memory.
-    /// The grid covers the face over which the integral was taken. If no cell's middle meets the patch, the cell (of the surface) nearest to its middle takes it all.
+    /// Spreads `energy_j = ∫ p v dA dt` over the cells under a window of half lengths `window_m` in
+    /// the patch's frame, in the ratio of `density(x, y)` (p v at a point of it) times their areas.
+    /// `scratch` keeps its memory. The grid covers the face over which the integral was taken. If
+    /// no cell's middle meets the patch, the cell (of the surface) nearest to its middle takes it
+    /// all.
     #[allow(clippy::too_many_arguments)]
     pub fn spread(
         &mut self,
@@ -192,7 +197,8 @@ mod tests {
         ball().patch(0.8e-3)
     }
 
-    /// A pass along y = `y` from `from` to `to` over a 60 mm × 20 mm face, `cell` m a cell: grid and Preston's integral, J.
+    /// A pass along y = `y` from `from` to `to` over a 60 mm × 20 mm face, `cell` m a cell: grid
+    /// and Preston's integral, J.
     fn pass(
         cell: f64,
         y: f64,
@@ -245,7 +251,7 @@ mod tests {
         }
     }
 
-    /// Spec section 5, line pass, taken across the track: ∫ depth dy = k_p v_s F / v_f.
+    /// `docs/physics/removal.md`, line pass, taken across the track: ∫ depth dy = k_p v_s F / v_f.
     #[test]
     fn verify_pass_removes_prestons_section_on_any_grid() {
         let expected = PRESTON * 3.0 * patch().free_force_n() / 0.05;
@@ -318,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn verify_nothing_is_lost_along_an_edge_and_edge_removal_is_the_reaction() {
+    fn nothing_is_lost_along_an_edge_and_edge_removal_is_the_reaction() {
         let sliding = Sliding::about(Point2::new(-7e-3, 0.0), 100.0, 0.3);
         let (grid, total) = pass(0.5e-3, 20e-3, 20e-3, 40e-3, &sliding, 400);
         assert!((grid.volume_m3() / (PRESTON * total) - 1.0).abs() < 1e-9);

@@ -1,32 +1,32 @@
 //! Delay and gain between the simulated and the measured channel.
 
 use serde::Serialize;
+use truecut_recording::fft::{forward, inverse};
 
 use super::series::{Estimate, Pair, centred, least_squares, rms};
-use crate::stats::spectrum::{inverse, padded_length, transform};
+use crate::stats::spectrum::padded_length;
 use crate::stats::{Background, sum_covariance};
 
 /// `measured(t) ≈ offset + gain · simulated(t − delay)`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Alignment {
-    /// How much later the measured channel is, s.
+    /// Delay of the measured channel, s.
     pub delay_s: Estimate,
-    /// Measured over simulated.
+    /// Gain, measured over simulated.
     pub gain: Estimate,
-    /// Share of the residual's variance about its mean that vanishes with both.
+    /// Fraction of the residual's variance about its mean that delay and gain explain.
     pub explained_share: f64,
 }
 
-/// Longest delay that is looked for, as a share of the record.
+/// Longest delay tried, as a fraction of the record.
 const LONGEST_DELAY: f64 = 0.1;
-/// Least correlation at the best delay; below it the channels have nothing in common that could be
-/// aligned.
+/// Least correlation at the best delay for the channels to count as related.
 const LEAST_CORRELATION: f64 = 0.8;
-/// Samples on either side that interpolate between two.
+/// Samples on either side that an interpolation uses.
 const REACH: isize = 12;
 
-/// By least squares, from the peak of the cross-correlation on; between samples the simulated channel is
-/// interpolated by a windowed sinc. Standard errors hold for noise as coloured as what remains.
+/// Least squares, started at the peak of the cross-correlation; the simulated channel is
+/// interpolated by a windowed sinc. Standard errors hold for noise with the colour of the residual.
 /// `None` if the channels do not correlate or one of them is constant.
 pub fn align(pair: &Pair<'_>, interval_s: f64) -> Option<Alignment> {
     let mut delay = coarse_delay(pair)?;
@@ -44,7 +44,7 @@ pub fn align(pair: &Pair<'_>, interval_s: f64) -> Option<Alignment> {
     }
     let before = rms(&centred(&pair.residual(), pair.valid), pair.valid);
     let after = rms(&fit.remainder, &fit.valid);
-    let background = Background::beside(&fit.target, &fit.valid, &fit.columns);
+    let background = Background::of_regression(&fit.target, &fit.valid, &fit.columns);
     let (errors, degrees) = match &background {
         Some(background) => {
             let inner = sum_covariance(&fit.columns, background);
@@ -76,9 +76,9 @@ fn coarse_delay(pair: &Pair<'_>) -> Option<f64> {
         return None;
     }
     let length = padded_length(count);
-    let product = transform(&simulated, length)
+    let product = forward(simulated, length)
         .into_iter()
-        .zip(transform(&measured, length));
+        .zip(forward(measured, length));
     let correlation = inverse(product.map(|(x, y)| x.conj() * y).collect(), length);
     let reach = (LONGEST_DELAY * count as f64) as usize;
     // The shorter of two equal delays wins: it comes first.
@@ -95,19 +95,19 @@ fn coarse_delay(pair: &Pair<'_>) -> Option<f64> {
 }
 
 /// The regression at one delay.
-struct Fit {
+struct DelayFit {
     gain: f64,
-    /// What the delay lacks, samples, to first order.
+    /// First-order correction of the delay, samples.
     step: f64,
     columns: Vec<Vec<f64>>,
     inverse: nalgebra::DMatrix<f64>,
-    /// The measured channel without its mean, and what the regression leaves of it.
+    /// The measured channel without its mean, and the residual of the regression.
     target: Vec<f64>,
     remainder: Vec<f64>,
     valid: Vec<bool>,
 }
 
-fn fit_at(pair: &Pair<'_>, delay: f64) -> Option<Fit> {
+fn fit_at(pair: &Pair<'_>, delay: f64) -> Option<DelayFit> {
     const HALF_STEP: f64 = 0.05;
     let shifts = [0.0, HALF_STEP, -HALF_STEP].map(|step| shift(pair.simulated, delay + step));
     let reached = |row: usize| shifts.iter().all(|(_, reached)| reached[row]);
@@ -132,7 +132,7 @@ fn fit_at(pair: &Pair<'_>, delay: f64) -> Option<Fit> {
         .collect();
     // y ≈ g x(t − d) − g δ x′(t − d)
     let step = -coefficients[1] / gain;
-    (gain != 0.0 && step.is_finite()).then_some(Fit {
+    (gain != 0.0 && step.is_finite()).then_some(DelayFit {
         gain,
         step,
         columns,
@@ -143,7 +143,7 @@ fn fit_at(pair: &Pair<'_>, delay: f64) -> Option<Fit> {
     })
 }
 
-/// The series `delay` samples later, and where the samples that this takes exist.
+/// The series `delay` samples later, and where all samples needed for it exist.
 fn shift(values: &[f64], delay: f64) -> (Vec<f64>, Vec<bool>) {
     let count = values.len() as isize;
     let whole = delay.floor();
@@ -151,7 +151,7 @@ fn shift(values: &[f64], delay: f64) -> (Vec<f64>, Vec<bool>) {
     let weights: Vec<f64> = (-REACH + 1..=REACH)
         .map(|tap| kernel(tap as f64 - (1.0 - part)))
         .collect();
-    // Weights of a constant add up to one.
+    // Normalised so that a constant is reproduced.
     let sum: f64 = weights.iter().sum();
     let mut shifted = vec![0.0; values.len()];
     let mut reached = vec![false; values.len()];

@@ -1,4 +1,4 @@
-//! How much of the measured channel follows the simulated one, by frequency.
+//! Coherence of measured and simulated channel, by frequency band.
 
 use serde::Serialize;
 
@@ -8,23 +8,24 @@ use crate::stats::spectrum::cross_welch;
 /// Coherence in one band.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Band {
-    /// From where, Hz.
+    /// Lower end, Hz.
     pub from_hz: f64,
-    /// To where, Hz.
+    /// Upper end, Hz.
     pub to_hz: f64,
-    /// Share of the measured power in the band that is a linear function of the simulated channel: the
-    /// magnitude-squared coherence, weighted by measured power.
+    /// Fraction of the measured power in the band that is a linear function of the simulated
+    /// channel: the magnitude-squared coherence, weighted by measured power.
     pub coherence: f64,
-    /// What that share would be on average if the two had nothing in common.
+    /// Mean of that fraction for unrelated channels.
     pub chance: f64,
-    /// Share of the measured power, trend aside, that lies in the band.
+    /// Fraction of the measured power, without trend, that lies in the band.
     pub power_share: f64,
 }
 
 /// Bands of equal width in ln(frequency).
 const BANDS: usize = 6;
 
-/// Welch's estimate over eighths of the record. Empty if the record is too short, or cut too often.
+/// Welch's estimate over eighths of the record. Empty if the record is too short or has too many
+/// gaps.
 pub fn coherence(pair: &Pair<'_>, interval_s: f64) -> Vec<Band> {
     let length = pair.measured.len() / 16 * 2;
     let spectra = cross_welch(pair.simulated, pair.measured, pair.valid, length);

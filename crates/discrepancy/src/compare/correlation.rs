@@ -2,10 +2,11 @@
 
 use nalgebra::DMatrix;
 use serde::Serialize;
+use truecut_recording::fft::{forward, inverse};
 
 use super::series::centred;
 use crate::stats::distributions::{f_tail, family_wise, t_quantile, t_tail};
-use crate::stats::spectrum::{inverse, padded_length, transform};
+use crate::stats::spectrum::padded_length;
 use crate::stats::{Background, degrees, density_on_grid, unbiased};
 
 /// The strongest cross-correlation of the residual with a signal.
@@ -15,18 +16,18 @@ pub struct InputCorrelation {
     pub signal: String,
     /// Correlation coefficient at that delay.
     pub correlation: f64,
-    /// How much later the residual is than the signal, s.
+    /// Delay of the residual after the signal, s.
     pub delay_s: f64,
-    /// What 95 % of the coefficients at one given delay stay below if the two are independent.
+    /// 95 % quantile of the coefficient at one given delay if the two are independent.
     pub band_95: f64,
-    /// Probability of a coefficient as significant at any of the delays.
+    /// p-value over all delays tried.
     pub p_value: f64,
 }
 
-/// Cross-correlates the residual with `signal` at delays 0, ±1, ±2, ±4, … samples up to a tenth of the
-/// record. The variance of each is Bartlett's: the sum over all lags of the product of both
-/// autocovariances (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8, 1946), with the signal's own and that
-/// of the background of what the signal leaves of the residual. `None` for a constant signal.
+/// Cross-correlates the residual with `signal` at delays 0, ±1, ±2, ±4, … samples up to a tenth of
+/// the record. The variance of each is Bartlett's: the sum over all lags of the product of both
+/// autocovariances (`bartlett1946`), that of the signal and that of the background of the residual
+/// after regression on the signal. `None` for a constant signal.
 pub fn input_correlation(
     residual: &[f64],
     valid: &[bool],
@@ -41,7 +42,7 @@ pub fn input_correlation(
     if scale.is_nan() || scale <= 0.0 || norm(&input) < 1e-9 * norm(signal) {
         return None;
     }
-    let (x, y) = (transform(&input, length), transform(&output, length));
+    let (x, y) = (forward(input.clone(), length), forward(output, length));
     let cross = inverse(
         x.iter().zip(&y).map(|(x, y)| x.conj() * y).collect(),
         length,
@@ -50,7 +51,7 @@ pub fn input_correlation(
     let index = |lag: isize| lag.rem_euclid(length as isize) as usize;
     let size = |lag: &&isize| cross[index(**lag)].abs();
     let lag = *lags.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
-    let background = Background::beside(residual, valid, &[delayed(&input, valid, lag)])?;
+    let background = Background::of_regression(residual, valid, &[delayed(&input, valid, lag)])?;
     let density = density_on_grid(&background, length);
     let power: Vec<f64> = x
         .iter()
@@ -72,7 +73,7 @@ pub fn input_correlation(
     })
 }
 
-/// The signal so many samples later, without its mean; zero where it is not known or does not count.
+/// The signal delayed by a number of samples, without its mean; zero where unknown or invalid.
 fn delayed(signal: &[f64], valid: &[bool], lag: isize) -> Vec<f64> {
     let at = |row: usize| {
         row.checked_add_signed(-lag)
@@ -84,7 +85,7 @@ fn delayed(signal: &[f64], valid: &[bool], lag: isize) -> Vec<f64> {
     centred(&moved, valid)
 }
 
-/// From a one-sided power, in which bins between the ends stand for their mirror images too.
+/// From a one-sided power, in which inner bins also represent their mirror images.
 fn autocovariance(power: &[f64], length: usize) -> Vec<f64> {
     let halved = power.iter().enumerate().map(|(bin, power)| {
         let mirrored = bin > 0 && bin < length / 2;
@@ -97,7 +98,7 @@ fn autocovariance(power: &[f64], length: usize) -> Vec<f64> {
 fn p_of_largest(t: f64, freedom: f64, correlations: DMatrix<f64>) -> f64 {
     let tests = independent_tests(correlations);
     if tests <= 3.0 {
-        // Few patterns make up all delays, as with a sine: the largest is at most their norm, and
+        // Few patterns make up all delays, as for a sine: the largest is at most their norm, and
         // close to it.
         let patterns = tests.ceil();
         return f_tail(t * t / patterns, patterns, freedom);
@@ -116,8 +117,7 @@ fn lags(samples: usize) -> Vec<isize> {
         .collect()
 }
 
-/// How many independent tests weigh as much as correlated ones (J. Li and L. Ji, Heredity 95, 2005,
-/// from the eigenvalues of their correlations).
+/// Effective number of independent tests (`li2005`, from the eigenvalues of their correlations).
 fn independent_tests(correlations: DMatrix<f64>) -> f64 {
     let eigenvalues = correlations.symmetric_eigen().eigenvalues;
     let part = |value: &f64| {

@@ -1,4 +1,5 @@
-//! Whether the residual's mean changes with position, sign of velocity, spindle phase, load or time.
+//! Whether the residual's mean changes with position, sign of velocity, spindle phase, load or
+//! time.
 
 use nalgebra::DVector;
 use serde::Serialize;
@@ -20,33 +21,33 @@ pub struct Dependence {
     pub statistic: f64,
     /// Degrees of freedom above and below the line of the F distribution.
     pub degrees_of_freedom: [f64; 2],
-    /// Probability of means at least as unequal if they are equal.
+    /// p-value of the hypothesis of equal means.
     pub p_value: f64,
-    /// Share of the residual's variance that lies between the bins.
+    /// Fraction of the residual's variance that lies between the bins.
     pub share: f64,
 }
 
-/// Samples with like values of the signal.
+/// Samples with similar values of the signal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bin {
     /// Mean of the signal, SI.
     pub signal: f64,
     /// Mean of the residual, SI.
     pub mean: f64,
-    /// Standard error of its distance from the mean of all bins, for noise as coloured as it is.
+    /// Standard error of its difference from the mean of all bins, under coloured noise.
     pub standard_error: f64,
-    /// How many samples.
+    /// Number of samples.
     pub samples: usize,
 }
 
 /// Fewest samples of a bin.
 const LEAST_SAMPLES: usize = 20;
-/// Below this share of the largest speed a joint counts as at rest.
+/// Below this fraction of the largest speed a joint counts as at rest.
 const AT_REST: f64 = 0.01;
 
-/// Tests equal means. Their covariance comes from the coloured background of what the means leave of the
-/// residual: what depends on the signal is not taken for noise. `None` if the signal does not fill two
-/// bins, or nothing is left.
+/// Wald test of equal means. Their covariance comes from the coloured background of the residual
+/// less its bin means, so that dependence on the signal does not count as noise. `None` if the
+/// signal fills fewer than two bins, or nothing is left.
 pub fn dependence(residual: &[f64], valid: &[bool], signal: &Explanatory) -> Option<Dependence> {
     let places = &bins(signal, valid);
     let count = 1 + places.iter().flatten().max()?;
@@ -68,9 +69,9 @@ pub fn dependence(residual: &[f64], valid: &[bool], signal: &Explanatory) -> Opt
             .collect()
     };
     let columns: Vec<Vec<f64>> = (0..count).map(column).collect();
-    // The columns add up to zero: the last says nothing new.
+    // The columns add up to zero: the last is redundant.
     let free = count - 1;
-    let background = Background::beside(residual, valid, &columns[..free])?;
+    let background = Background::of_regression(residual, valid, &columns[..free])?;
     let covariance = sum_covariance(&columns, &background);
     let sum = |column: &Vec<f64>| column.iter().zip(residual).map(|(a, r)| a * r).sum::<f64>();
     let sums = DVector::from_iterator(count, columns.iter().map(sum));
@@ -118,7 +119,7 @@ fn share_between(residual: &[f64], places: &[Option<usize>], bins: &[Bin]) -> f6
     if all > 0.0 { between / all } else { 0.0 }
 }
 
-/// The signal as it is binned: an angle within one turn.
+/// The signal as binned: an angle modulo one turn.
 fn shown(signal: &Explanatory) -> Vec<f64> {
     match signal.kind {
         Kind::SpindlePhase => {
@@ -181,7 +182,7 @@ fn quantiles(values: &[f64], valid: &[bool], count: usize) -> Vec<f64> {
     edges
 }
 
-/// Bins with too few samples are dropped, the others numbered on.
+/// Bins with too few samples are dropped and the others renumbered.
 fn without_small(places: Vec<Option<usize>>, count: usize) -> Vec<Option<usize>> {
     let mut sizes = vec![0; count];
     places.iter().flatten().for_each(|place| sizes[*place] += 1);

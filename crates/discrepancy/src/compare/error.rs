@@ -7,7 +7,7 @@ use super::suspicion::UnitSuspicion;
 /// Data that cannot be compared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CompareError {
-    /// Nothing is measured that could be compared.
+    /// No measured output.
     #[error("no channel has the role \"output\": there is nothing to compare")]
     NoOutput,
     /// A measured channel that the simulation lacks.
@@ -15,10 +15,10 @@ pub enum CompareError {
     Unknown {
         /// The channel.
         channel: String,
-        /// What it may have been.
+        /// Similar names.
         error: UnknownName,
     },
-    /// A channel measured in another dimension than simulated.
+    /// Measured and simulated units differ in dimension.
     #[error("channel \"{channel}\" is measured in {measured}, but simulated in {simulated}")]
     Dimension {
         /// The channel.
@@ -28,16 +28,16 @@ pub enum CompareError {
         /// Unit of the simulated values.
         simulated: truecut_recording::Unit,
     },
-    /// The run ends before the data begin to say anything.
+    /// The run is shorter than half of the data.
     #[error(
         "the run covers {} s of the {} s of data; it must cover at least half",
         significant(*.simulated_s, 4),
         significant(*.measured_s, 4)
     )]
     NoCommonTime {
-        /// How long the run is, s.
+        /// Duration of the run, s.
         simulated_s: f64,
-        /// How long the data are, s.
+        /// Duration of the data, s.
         measured_s: f64,
     },
     /// Too few samples.
@@ -45,12 +45,12 @@ pub enum CompareError {
     TooFew {
         /// The channel.
         channel: String,
-        /// How many count.
+        /// Number of valid samples.
         counted: usize,
-        /// How many are needed.
+        /// Number needed.
         least: usize,
     },
-    /// Values that are not numbers.
+    /// Values that are not finite.
     #[error("channel \"{channel}\": a {whose} value is not finite")]
     NotFinite {
         /// The channel.
@@ -58,7 +58,7 @@ pub enum CompareError {
         /// Measured or simulated.
         whose: &'static str,
     },
-    /// A sensor that shows nothing.
+    /// A measured channel that never changes.
     #[error("channel \"{channel}\" never changes: it is {value} throughout; check the column")]
     Constant {
         /// The channel.
@@ -66,7 +66,7 @@ pub enum CompareError {
         /// Its value.
         value: String,
     },
-    /// A residual so absurd that the unit must be wrong.
+    /// A residual so large that the unit must be wrong.
     #[error("channel \"{channel}\": {suspicion}")]
     Unit {
         /// The channel.
@@ -77,7 +77,7 @@ pub enum CompareError {
 }
 
 impl CompareError {
-    /// The measured channel that it is about, if it is one.
+    /// The measured channel concerned, if any.
     pub fn channel(&self) -> Option<&str> {
         match self {
             CompareError::NoOutput | CompareError::NoCommonTime { .. } => None,

@@ -1,4 +1,4 @@
-//! How often the tests cry wolf: nothing but noise of each colour, many seeds.
+//! False-alarm rates of the tests on pure noise of each colour, many seeds.
 
 use super::*;
 use crate::stats::welch;
@@ -121,7 +121,7 @@ fn verify_false_alarm_rates_in_white_noise() {
     check(Colour::White, "");
 }
 
-/// The residual as it is has a colour here, and the test that says so is right.
+/// The raw residual is coloured here: its whiteness test rejects rightly.
 #[test]
 fn verify_false_alarm_rates_in_first_order_noise() {
     check(Colour::Ar1(0.9), "whiteness, raw");

@@ -1,4 +1,4 @@
-//! How large the residual is.
+//! Size of the residual.
 
 use serde::Serialize;
 
@@ -8,10 +8,9 @@ use crate::stats::{Background, sum_covariance};
 /// Size of the residual, measured minus simulated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Level {
-    /// Samples that count.
+    /// Valid samples.
     pub samples: usize,
-    /// How many independent samples would give a mean as uncertain: the residual's variance over that
-    /// of its mean.
+    /// Effective number of independent samples: the residual's variance over that of its mean.
     pub effective_samples: f64,
     /// Root of the mean square residual, SI.
     pub rms_error: f64,
@@ -21,13 +20,13 @@ pub struct Level {
     pub relative_rms_error: f64,
     /// Mean of the residual, SI.
     pub bias: Estimate,
-    /// The largest residual, without sign, SI.
+    /// Largest absolute residual, SI.
     pub largest_error: f64,
     /// `rms_error` over the known standard deviation of the measurement's noise.
     pub error_over_noise: Option<f64>,
 }
 
-/// `background` is that of the residual; `None` if there is none to speak of.
+/// `background` is that of the residual; `None` if it has none.
 pub fn level(pair: &Pair<'_>, residual: &[f64], background: Option<&Background>) -> Level {
     let samples = pair.valid.iter().filter(|valid| **valid).count();
     let rms_error = rms(residual, pair.valid);

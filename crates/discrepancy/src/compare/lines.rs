@@ -1,4 +1,4 @@
-//! Spectral lines that the simulation lacks, or has too many.
+//! Spectral lines that are missing in the simulation, or only there.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
@@ -11,9 +11,9 @@ use crate::stats::{Background, Periodogram, contiguous_blocks, welch};
 /// A line of the residual.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpectralLine {
-    /// Where, Hz.
+    /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Which of the two has it.
+    /// Which of the two channels has it.
     pub kind: LineKind,
     /// Amplitude in the residual, SI.
     pub residual: f64,
@@ -21,9 +21,9 @@ pub struct SpectralLine {
     pub measured: f64,
     /// Amplitude in the simulated channel, SI.
     pub simulated: f64,
-    /// Probability that noise with this background shows such a line anywhere.
+    /// Probability of such a line at any frequency in noise with this background.
     pub p_value: f64,
-    /// How many times per revolution of the spindle, if it is a whole number.
+    /// Order of rotation of the spindle, if it is an integer.
     pub per_revolution: Option<u32>,
 }
 
@@ -54,17 +54,17 @@ pub struct Spectra {
     pub simulated: Vec<f64>,
 }
 
-/// Bins from here on are free of what the trend leaves.
+/// Bins from here on are unaffected by the removal of the trend.
 const FIRST_BIN: usize = 3;
-/// Highest multiple of the spindle's frequency that is looked for.
+/// Highest order of rotation that is searched.
 const HIGHEST_MULTIPLE: f64 = 24.0;
-/// Most lines that are reported.
+/// Maximum number of reported lines.
 const MOST: usize = 12;
 
-/// Lines of the residual that stand out of its coloured background with a family-wise p below `level`:
-/// of Welch's spectrum over quarters of the record, as an F test of each bin against the background. The
-/// highest is placed and measured over the whole record and taken out, with all that leaks
-/// from it through the window and the gaps; then the next is looked for. Strongest first.
+/// Lines of the residual above its coloured background with a family-wise p below `level`: an F
+/// test of each bin of Welch's spectrum over quarters of the record. The highest is located and
+/// measured over the whole record and subtracted, with its leakage through window and gaps; then
+/// the next is searched. Strongest first.
 pub fn lines(
     pair: &Pair<'_>,
     residual: &[f64],
@@ -133,7 +133,7 @@ fn spectra(
     })
 }
 
-/// Over quarters of the record; over as long stretches as there are where gaps leave no quarter whole.
+/// Over quarters of the record, or the longest segments where gaps leave no complete quarter.
 fn quarter_spectrum(values: &[f64], valid: &[bool]) -> Option<Periodogram> {
     let longest = contiguous_blocks(valid, 64)
         .iter()
@@ -143,7 +143,7 @@ fn quarter_spectrum(values: &[f64], valid: &[bool]) -> Option<Periodogram> {
     welch(values, valid, quarter).or_else(|| welch(values, valid, longest.min(quarter) / 2 * 2))
 }
 
-/// Family-wise p of each bin; 1 where no line is looked for.
+/// Family-wise p of each bin; 1 where no line is searched.
 pub(super) fn line_p_values(periodogram: &Periodogram, background: &Background) -> Vec<f64> {
     let last = periodogram.density.len() - 1;
     let tested = last.saturating_sub(FIRST_BIN) as f64;
@@ -159,8 +159,8 @@ pub(super) fn line_p_values(periodogram: &Periodogram, background: &Background) 
     (0..=last).map(p_of).collect()
 }
 
-/// The highest bin below the level, above its neighbours, farther than a window's lobe from those
-/// already taken: what is left there is a line that wanders.
+/// The highest significant bin above its neighbours, farther than a window's lobe from those
+/// already found: what remains near them is a line of varying frequency.
 fn highest_peak(density: &[f64], p_values: &[f64], level: f64, taken: &[usize]) -> Option<usize> {
     let top = |bin: &usize| density[*bin] > density[bin - 1] && density[*bin] >= density[bin + 1];
     let apart = |bin: &usize| taken.iter().all(|other| other.abs_diff(*bin) > 2);
@@ -172,7 +172,8 @@ fn highest_peak(density: &[f64], p_values: &[f64], level: f64, taken: &[usize]) 
     found.max_by(|a, b| density[*a].total_cmp(&density[*b]))
 }
 
-/// The frequency near `rough` (cycles per sample), within `wide` of it, where the whole record has most.
+/// Frequency within `wide` of `rough` (cycles per sample) with the largest amplitude over the whole
+/// record.
 fn refine(values: &[f64], valid: &[bool], rough: f64, wide: f64) -> f64 {
     let step = 0.2 / values.len() as f64;
     let count = (wide / step).ceil() as i32;
@@ -195,13 +196,13 @@ fn refine(values: &[f64], valid: &[bool], rough: f64, wide: f64) -> f64 {
     at(best as i32 - count) + offset * step
 }
 
-/// Amplitude of the sine of this frequency (cycles per sample) that fits best.
+/// Amplitude of the best-fitting sine of this frequency (cycles per sample).
 fn amplitude(values: &[f64], valid: &[bool], frequency: f64) -> f64 {
     let [cos, sin] = sine(values, valid, frequency);
     cos.hypot(sin)
 }
 
-/// Takes the sine of this frequency that fits best out of the samples that count.
+/// Subtracts the best-fitting sine of this frequency from the valid samples.
 fn take_out(values: &mut [f64], valid: &[bool], frequency: f64) {
     let [cos, sin] = sine(values, valid, frequency);
     for (row, value) in values.iter_mut().enumerate().filter(|(row, _)| valid[*row]) {
@@ -210,7 +211,7 @@ fn take_out(values: &mut [f64], valid: &[bool], frequency: f64) {
     }
 }
 
-/// Cosine and sine part by least squares beside a constant, under a Hann window over the record.
+/// Cosine, sine and constant by least squares, under a Hann window over the record.
 fn sine(values: &[f64], valid: &[bool], frequency: f64) -> [f64; 2] {
     let (turn_sin, turn_cos) = (std::f64::consts::TAU * frequency).sin_cos();
     let (mut cos, mut sin) = (1.0, 0.0);
@@ -254,7 +255,7 @@ fn describe(
     let duration_s = pair.measured.len() as f64 * interval_s;
     let per_revolution = spindle_hz.and_then(|spindle| {
         let multiple = (frequency_hz / spindle).round();
-        // Half a width of the record's lines, and what a spindle slows down under load.
+        // Half a line width of the record, and the spindle's slowing under load.
         let off = (frequency_hz - multiple * spindle).abs();
         let near = off < 0.5 / duration_s + 0.005 * frequency_hz;
         (near && (1.0..=HIGHEST_MULTIPLE).contains(&multiple)).then_some(multiple as u32)

@@ -1,9 +1,10 @@
-//! What the simulation gets wrong, before any cause is named.
+//! Comparison of a simulation with measured data, without naming causes.
 //!
-//! [`compare_recordings`] takes a run and a measurement, [`compare_channel`] one channel. The residual is
-//! measured minus simulated. Noise is taken as it is: its background is a smooth function of frequency
-//! read off the residual's own spectrum ([`crate::stats::Background`]), and every standard error and
-//! threshold follows from it. So they hold for white noise and for noise that drifts.
+//! [`compare_recordings`] takes a run and a measurement, [`compare_channel`] one channel. The
+//! residual is measured minus simulated. No colour of noise is assumed: its background is a smooth
+//! function of frequency, estimated from the residual's own spectrum
+//! ([`crate::stats::Background`]), and every standard error and threshold follows from it. They
+//! hold for white noise as well as for drift.
 //!
 //! # A tour
 //!
@@ -64,23 +65,23 @@ use crate::stats::distributions::family_wise;
 /// Findings are reported below this probability of a false alarm, counted over all signals tried.
 pub const LEVEL: f64 = 0.01;
 
-/// What a channel is compared in view of.
+/// Context of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<'a> {
     /// Time between samples, s.
     pub interval_s: f64,
-    /// What the residual may depend on.
+    /// Signals that the residual may depend on.
     pub explanatory: &'a [Explanatory],
     /// Revolutions of the spindle per second.
     pub spindle_hz: Option<f64>,
 }
 
-/// What the simulation gets wrong in one channel.
+/// Differences in one channel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChannelComparison {
     /// Its name.
     pub channel: String,
-    /// Unit of every value that is not said to have another.
+    /// Unit of every value that states no other.
     pub unit: Unit,
     /// Size of the residual.
     pub level: Level,
@@ -90,8 +91,8 @@ pub struct ChannelComparison {
     pub lines: Vec<SpectralLine>,
     /// Coherence by band.
     pub coherence: Vec<Band>,
-    /// The residual's mean over each explanatory signal, most significant first. Their p-values count
-    /// all signals tried.
+    /// The residual's mean over each explanatory signal, most significant first. Their p-values
+    /// count all signals tried.
     pub dependence: Vec<Dependence>,
     /// Correlation with each input, most significant first; p-values count all inputs.
     pub inputs: Vec<InputCorrelation>,
@@ -105,8 +106,8 @@ pub struct ChannelComparison {
 /// Compares one channel.
 ///
 /// # Errors
-/// Fewer than [`MIN_SAMPLES`] samples that count, values that are not finite, a measured channel that
-/// never changes, a residual so absurd that the unit must be wrong.
+/// Fewer than [`MIN_SAMPLES`] valid samples, values that are not finite, a measured channel that
+/// never changes, a residual so large that the unit must be wrong.
 pub fn compare_channel(
     pair: &Pair<'_>,
     setting: &Setting<'_>,
@@ -183,10 +184,10 @@ fn dependences(residual: &[f64], valid: &[bool], setting: &Setting<'_>) -> Vec<D
     let test = |signal: &Explanatory| dependence(residual, valid, signal);
     let mut found: Vec<Dependence> = setting.explanatory.iter().filter_map(test).collect();
     let count = found.len() as f64;
-    found
-        .iter_mut()
-        .for_each(|one| one.p_value = family_wise(one.p_value, count));
-    // Where p-values vanish, the larger share first.
+    for one in &mut found {
+        one.p_value = family_wise(one.p_value, count);
+    }
+    // Where p-values underflow, the larger fraction first.
     found.sort_by(|a, b| {
         a.p_value
             .total_cmp(&b.p_value)
@@ -200,7 +201,7 @@ fn inputs(residual: &[f64], pair: &Pair<'_>, setting: &Setting<'_>) -> Vec<Input
         let interval_s = setting.interval_s;
         input_correlation(residual, pair.valid, name, signal, interval_s)
     };
-    // Phase and time grow without end; the tests by bins and lines are theirs.
+    // Phase and time grow without bound; bins and lines test for them.
     let signals = setting.explanatory.iter().filter(|signal| {
         !matches!(signal.kind, Kind::SpindlePhase | Kind::Time)
             && signal.spec.name != pair.spec.name

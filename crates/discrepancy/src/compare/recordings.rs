@@ -1,4 +1,4 @@
-//! A run beside a measurement.
+//! Comparison of a run with a measurement.
 
 use serde::Serialize;
 use truecut_recording::spectrum::resample;
@@ -7,33 +7,33 @@ use truecut_recording::{ChannelSpec, Measured, Recording, Unit};
 use super::series::{Explanatory, Kind, Pair};
 use super::{ChannelComparison, CompareError, Setting, compare_channel};
 
-/// What a simulation gets wrong.
+/// Differences between a simulation and a measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Where the measured data come from.
+    /// Source of the measured data.
     pub source: String,
-    /// Length of what was compared, s.
+    /// Duration compared, s.
     pub duration_s: f64,
     /// Samples per second.
     pub rate_hz: f64,
     /// Revolutions of the spindle per second, if there is one.
     pub spindle_hz: Option<f64>,
-    /// What was done to the data.
+    /// Notes on preprocessing of the data.
     pub notes: Vec<String>,
     /// One for each measured output, in the order of the data.
     pub channels: Vec<ChannelComparison>,
-    /// The signals that the residuals were held against.
+    /// Signals that the residuals were tested against.
     #[serde(skip)]
     pub explanatory: Vec<Explanatory>,
 }
 
-/// Compares every measured output with the channel of the run that has its name, at the times of the
-/// measurement; the run is interpolated linearly. Residuals are held against the run's joint
+/// Compares every measured output with the channel of the run that has its name, at the times of
+/// the measurement; the run is interpolated linearly. Residuals are tested against the run's joint
 /// coordinates and velocities and its forces, against measured inputs, spindle phase and time.
 ///
 /// # Errors
-/// As [`compare_channel`]; a channel that the run lacks or has in another dimension; a run shorter than
-/// half of the data; no measured output.
+/// As [`compare_channel`]; a channel that the run lacks or has in another dimension; a run shorter
+/// than half of the data; no measured output.
 pub fn compare_recordings(
     simulated: &Recording,
     measured: &Measured,
@@ -44,7 +44,7 @@ pub fn compare_recordings(
     let runs: Vec<bool> = (process_s.iter())
         .map(|time| (-1e-9..=simulated_s + 1e-9).contains(time))
         .collect();
-    // Between passes nothing is simulated, and after the last one nothing more is compared.
+    // Nothing is simulated between passes, and nothing is compared after the last.
     let rows = runs
         .iter()
         .rposition(|runs| *runs)
@@ -81,20 +81,7 @@ pub fn compare_recordings(
     };
     let mut channels = Vec::new();
     for output in measured.outputs() {
-        let name = &output.spec.name;
-        let unknown = |error| CompareError::Unknown {
-            channel: name.clone(),
-            error,
-        };
-        let spec = simulated.header.channel(name).map_err(unknown)?;
-        if spec.unit != output.spec.unit {
-            return Err(CompareError::Dimension {
-                channel: name.clone(),
-                measured: output.spec.unit,
-                simulated: spec.unit,
-            });
-        }
-        let column = simulated.channel(name).map_err(unknown)?;
+        let column = column_of(simulated, &output.spec)?;
         let valid: Vec<bool> = (output.valid[..rows].iter().zip(&runs))
             .map(|(valid, runs)| *valid && *runs)
             .collect();
@@ -118,6 +105,26 @@ pub fn compare_recordings(
     })
 }
 
+/// The run's channel with the name and unit of a measured one.
+fn column_of<'a>(
+    simulated: &'a Recording,
+    measured: &ChannelSpec,
+) -> Result<&'a [f64], CompareError> {
+    let unknown = |error| CompareError::Unknown {
+        channel: measured.name.clone(),
+        error,
+    };
+    let spec = simulated.header.channel(&measured.name).map_err(unknown)?;
+    if spec.unit != measured.unit {
+        return Err(CompareError::Dimension {
+            channel: measured.name.clone(),
+            measured: measured.unit,
+            simulated: spec.unit,
+        });
+    }
+    simulated.channel(&measured.name).map_err(unknown)
+}
+
 /// The first `rows` samples of a simulated channel at the times of the measurement, pass by pass.
 pub fn along(simulated: &Recording, measured: &Measured, column: &[f64], rows: usize) -> Vec<f64> {
     let stretches = measured.stretches_s();
@@ -128,8 +135,8 @@ pub fn along(simulated: &Recording, measured: &Measured, column: &[f64], rows: u
     values
 }
 
-/// Everything that the residuals are held against, at the given process times. Signals that hardly move are
-/// left out.
+/// All signals that residuals are tested against, at the given process times. Nearly constant
+/// signals are left out.
 fn explanatory(
     simulated: &Recording,
     measured: &Measured,
@@ -180,7 +187,7 @@ fn explanatory(
     signals
 }
 
-/// Adds the velocity of every joint whose coordinate is known but not its velocity.
+/// Adds the velocity of every joint of which only the coordinate is known.
 fn derive_velocities(signals: &mut Vec<Explanatory>, interval_s: f64) {
     let mut derived = Vec::new();
     for (index, position) in signals
@@ -208,13 +215,13 @@ fn derive_velocities(signals: &mut Vec<Explanatory>, interval_s: f64) {
             ));
         }
     }
-    // Each behind its coordinate.
+    // Each after its coordinate.
     for (index, velocity) in derived.into_iter().rev() {
         signals.insert(index + 1, velocity);
     }
 }
 
-/// Over 10 ms before and after, so that a sensor's steps do not make signs.
+/// Differences over ±10 ms, so that quantisation does not change the sign.
 fn velocity(position: &[f64], interval_s: f64) -> Vec<f64> {
     let reach = ((0.01 / interval_s).round() as usize).max(1);
     let last = position.len() - 1;
@@ -225,7 +232,7 @@ fn velocity(position: &[f64], interval_s: f64) -> Vec<f64> {
     (0..=last).map(slope).collect()
 }
 
-/// What kind of explanation a channel is, told by its name and unit.
+/// Kind of a signal, by its name and unit.
 fn kind(spec: &ChannelSpec) -> Option<Kind> {
     let (subject, quantity) = spec.name.split_once('.')?;
     let of_joint = subject.starts_with("joint");
@@ -240,7 +247,7 @@ fn kind(spec: &ChannelSpec) -> Option<Kind> {
     }
 }
 
-/// Whether a signal does more than rounding does.
+/// Whether a signal varies by more than rounding.
 fn moves(values: &[f64]) -> bool {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -6,23 +6,23 @@ use truecut_recording::ChannelSpec;
 
 use crate::stats::distributions::t_tail;
 
-/// One measured channel beside the simulated one, on the same uniform times.
+/// A measured and the simulated channel, at the same uniform times.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<'a> {
     /// Name, unit and meaning.
     pub spec: &'a ChannelSpec,
-    /// SI; finite also where it does not count.
+    /// SI; finite also where not valid.
     pub measured: &'a [f64],
-    /// Whether a measured sample counts.
+    /// Whether a measured sample is valid.
     pub valid: &'a [bool],
-    /// SI, for every time.
+    /// SI, at every time.
     pub simulated: &'a [f64],
     /// Known standard deviation of the measurement's noise, SI.
     pub noise: Option<f64>,
 }
 
 impl Pair<'_> {
-    /// Measured minus simulated; zero where the measurement does not count.
+    /// Measured minus simulated; zero where the measurement is not valid.
     pub fn residual(&self) -> Vec<f64> {
         let rows = self.measured.iter().zip(self.simulated).zip(self.valid);
         rows.map(|((measured, simulated), valid)| if *valid { measured - simulated } else { 0.0 })
@@ -30,15 +30,15 @@ impl Pair<'_> {
     }
 }
 
-/// What the residual may depend on.
+/// Kind of a signal that the residual may depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// A joint's coordinate.
     Position,
-    /// A joint's velocity; its sign is what matters.
+    /// A joint's velocity; only its sign is used.
     Velocity,
-    /// The angle of the spindle, rad; it counts modulo a turn.
+    /// The angle of the spindle, rad, modulo one turn.
     SpindlePhase,
     /// A force or torque.
     Load,
@@ -49,24 +49,24 @@ pub enum Kind {
 /// A signal that may explain the residual.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanatory {
-    /// What it is, and its unit.
+    /// Name, unit and meaning.
     pub spec: ChannelSpec,
-    /// What kind it is.
+    /// Its kind.
     pub kind: Kind,
-    /// SI, for every time.
+    /// SI, at every time.
     pub values: Vec<f64>,
 }
 
-/// A number, how well it is known, and whether it differs from what it would be without a fault.
+/// An estimate with its standard error, and a test against its neutral value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// The number.
     pub value: f64,
-    /// Its standard error, for noise as coloured as it is.
+    /// Its standard error under coloured noise.
     pub standard_error: f64,
     /// Degrees of freedom of the standard error.
     pub degrees_of_freedom: f64,
-    /// Probability of a value at least as far from its neutral one if nothing is wrong; two-sided.
+    /// Two-sided p-value of the neutral value.
     pub p_value: f64,
 }
 
@@ -87,20 +87,20 @@ impl Estimate {
     }
 }
 
-/// Mean over the samples that count.
+/// Mean over the valid samples.
 pub(super) fn mean(values: &[f64], valid: &[bool]) -> f64 {
     let counted = values.iter().zip(valid).filter(|(_, valid)| **valid);
     let (sum, count) = counted.fold((0.0, 0.0), |(sum, count), (x, _)| (sum + x, count + 1.0));
     if count > 0.0 { sum / count } else { f64::NAN }
 }
 
-/// Root of the mean square over the samples that count.
+/// RMS over the valid samples.
 pub(super) fn rms(values: &[f64], valid: &[bool]) -> f64 {
     let squares: Vec<f64> = values.iter().map(|x| x * x).collect();
     mean(&squares, valid).sqrt()
 }
 
-/// Values less their mean, zero where they do not count.
+/// Values less their mean, zero where not valid.
 pub(super) fn centred(values: &[f64], valid: &[bool]) -> Vec<f64> {
     let mean = mean(values, valid);
     let rows = values.iter().zip(valid);
@@ -108,8 +108,8 @@ pub(super) fn centred(values: &[f64], valid: &[bool]) -> Vec<f64> {
         .collect()
 }
 
-/// Least squares on a few columns, zero where samples do not count: coefficients and the inverse
-/// of the normal matrix. `None` if the columns do not tell themselves apart.
+/// Least squares on a few columns that are zero where samples are not valid: coefficients and the
+/// inverse of the normal matrix. `None` if the columns are linearly dependent.
 pub(super) fn least_squares(
     columns: &[Vec<f64>],
     target: &[f64],

@@ -1,14 +1,15 @@
-//! Residuals so absurd that the unit must be wrong.
+//! Residuals so large that the unit must be wrong.
 
 use thiserror::Error;
 use truecut_recording::significant;
 
 use super::series::{Pair, centred, rms};
 
-/// A factor that would make the measured channel fit.
+/// A factor with which the measured channel would fit.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
-    "measured and simulated differ by {} % of the larger, but by {} % if the measured values are multiplied by {} ({meaning}); check its \
+    "measured and simulated differ by {} % of the larger, but by {} % if the measured values are \
+     multiplied by {} ({meaning}); check its \
      unit and scale",
     significant(100.0 * error, 3),
     significant(100.0 * error_with_factor, 3),
@@ -17,22 +18,22 @@ use super::series::{Pair, centred, rms};
 pub struct UnitSuspicion {
     /// Multiply the measured values by this.
     pub factor: f64,
-    /// What the factor means.
+    /// Meaning of the factor.
     pub meaning: String,
-    /// Error now, over the larger RMS of the two channels, means aside.
+    /// Error as is, over the larger RMS of the two channels, without their means.
     pub error: f64,
     /// The same with the factor.
     pub error_with_factor: f64,
 }
 
-/// Above this error the channels have nothing in common as they stand.
+/// Above this error the channels are unrelated as they are.
 const ABSURD: f64 = 0.6;
-/// The factor must bring the error below this share of it, and below this error.
+/// The factor must reduce the error to below this fraction of it, and below this value.
 const FAR_BETTER: f64 = 0.4;
 const FITTING: f64 = 0.5;
 
-/// Looks for a factor (powers of ten, degrees, turns, rpm, standard gravity, inches, pounds, the sign)
-/// that makes an absurd residual vanish for the most part.
+/// Looks for a factor (powers of ten, degrees, turns, rpm, standard gravity, inches, pounds, the
+/// sign) that removes most of such a residual.
 pub fn unit_suspicion(pair: &Pair<'_>) -> Option<UnitSuspicion> {
     let measured = centred(pair.measured, pair.valid);
     let simulated = centred(pair.simulated, pair.valid);

@@ -1,4 +1,4 @@
-//! That what is wrong is found, in noise of every colour.
+//! Known differences are found in noise of every colour.
 
 use super::*;
 use crate::testing::{Colour, noise};
@@ -25,7 +25,7 @@ fn sum(parts: &[&[f64]]) -> Vec<f64> {
         .collect()
 }
 
-/// Compares with gaps: a tenth of the record is no measurement.
+/// Compares with gaps: a tenth of the record is invalid.
 fn compared(
     measured: &[f64],
     simulated: &[f64],
@@ -87,7 +87,7 @@ fn verify_delay_and_gain_are_found_below_a_sample() {
     }
 }
 
-/// Once per revolution missing, three per revolution too many, and one that locks to nothing.
+/// A missing line at order 1, an extra one at order 3, and one at no order of rotation.
 #[test]
 fn verify_lines_are_found_with_place_amplitude_and_lock() {
     let motion = of_time(|t| 30.0 * (TAU * 0.4 * t).sin());
@@ -104,10 +104,14 @@ fn verify_lines_are_found_with_place_amplitude_and_lock() {
             (62.3, 1.5, LineKind::Missing, None),
         ];
         assert_eq!(found.len(), 3, "{colour:?}: {found:#?}");
-        for (frequency_hz, amplitude, kind, lock) in expected {
+        for (frequency_hz, amplitude, kind, order) in expected {
             let near = |line: &&SpectralLine| (line.frequency_hz - frequency_hz).abs() < 0.05;
             let line = found.iter().find(near).unwrap();
-            assert_eq!((line.kind, line.per_revolution), (kind, lock), "{colour:?}");
+            assert_eq!(
+                (line.kind, line.per_revolution),
+                (kind, order),
+                "{colour:?}"
+            );
             assert!(
                 (line.residual / amplitude - 1.0).abs() < 0.25,
                 "{colour:?}: {line:?}"
@@ -116,8 +120,8 @@ fn verify_lines_are_found_with_place_amplitude_and_lock() {
     }
 }
 
-/// A residual that follows the sign of velocity, amid positions, loads, time and phase that it does not
-/// follow: found first, its two means as far apart as they are.
+/// A residual that follows the sign of velocity, amid positions, loads, time and phase that it does
+/// not follow: found first, with the true difference of its means.
 #[test]
 fn verify_a_force_that_changes_with_the_sign_of_velocity_is_found() {
     let velocity = of_time(|t| (TAU * 0.9 * t).sin() + 0.5 * (TAU * 0.37 * t).cos());
@@ -238,7 +242,7 @@ fn verify_sizes_of_a_known_residual() {
     assert!((level.relative_rms_error - 0.5 / (4.5_f64 + 0.25).sqrt()).abs() < 1e-3);
     assert!((level.error_over_noise.unwrap() - 2.0).abs() < 1e-12);
     assert!(level.bias.p_value < 1e-6, "{level:?}");
-    // And the same thing twice is no different from itself.
+    // Identical channels do not differ.
     let pair = Pair {
         measured: &simulated,
         ..pair
@@ -252,7 +256,7 @@ fn verify_sizes_of_a_known_residual() {
 }
 
 #[test]
-fn verify_a_wrong_unit_is_named_and_a_poor_model_is_not() {
+fn a_wrong_unit_is_named_and_a_poor_model_is_not() {
     let simulated = of_time(|t| (TAU * 0.9 * t).sin() + 0.3 * (TAU * 2.9 * t).cos());
     let noise = noise(Colour::White, SAMPLES, 2);
     let scaled = |factor: f64| -> Vec<f64> {
@@ -284,7 +288,7 @@ fn verify_a_wrong_unit_is_named_and_a_poor_model_is_not() {
     for poor in [0.5, 1.0, 2.0, 2.5] {
         assert!(compared(&scaled(poor), &simulated, &[]).is_ok(), "{poor}");
     }
-    // Nothing in common: no factor would help.
+    // Unrelated channels: no factor helps.
     assert!(compared(&noise, &simulated, &[]).is_ok());
 }
 

@@ -1,24 +1,24 @@
-//! What colour the residual has.
+//! Colour of the residual.
 
 use serde::Serialize;
 
 use crate::stats::distributions::chi_squared_tail;
 use crate::stats::{Ar, Background, Criterion, default_order_cap};
 
-/// The residual's colour, and tests of whiteness before and after it is taken out.
+/// The residual's colour, and tests of whiteness before and after whitening.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Whiteness {
     /// Correlation of neighbouring samples.
     pub lag_one_correlation: f64,
     /// Order of the autoregressive model that predicts best.
     pub order: usize,
-    /// Slope of the background's logarithmic power over logarithmic frequency at its low end: 0 white,
-    /// −1 as 1/f.
+    /// Slope of the background's logarithmic power over logarithmic frequency at its low end: 0
+    /// white, −1 as 1/f.
     pub lowest_slope: f64,
-    /// Ljung and Box's test of the residual as it is, over 20 lags: small if it is coloured.
+    /// Ljung and Box's test of the residual, over 20 lags: p-value, small if it is coloured.
     pub p_raw: f64,
-    /// The same of the model's innovations: small if the colour is not that of a linear process, as
-    /// with bursts or a change within the record.
+    /// The same for the model's innovations: small if the residual is not a stationary linear
+    /// process, as with bursts or a change within the record.
     pub p_whitened: f64,
 }
 
@@ -45,7 +45,7 @@ pub fn whiteness(residual: &[f64], valid: &[bool], background: &Background) -> O
     })
 }
 
-/// Autocorrelation at a lag, and how many pairs it has seen.
+/// Autocorrelation at a lag, and its number of pairs.
 fn autocorrelation(values: &[f64], valid: &[bool], lag: usize) -> (f64, f64) {
     let (mut squares, mut products, mut pairs) = (0.0, 0.0, 0.0);
     for row in 0..values.len() {
@@ -61,8 +61,8 @@ fn autocorrelation(values: &[f64], valid: &[bool], lag: usize) -> (f64, f64) {
     (products / squares, pairs)
 }
 
-/// p-value of G. M. Ljung and G. E. P. Box, Biometrika 65, 1978; with gaps each lag is weighed by
-/// its pairs. Not below `fitted` lags plus one; `fitted` coefficients cost as many degrees of freedom.
+/// p-value of G. M. Ljung and G. E. P. Box, Biometrika 65, 1978; with gaps each lag is weighted by
+/// its pairs. At least `fitted` + 1 lags; `fitted` coefficients cost as many degrees of freedom.
 fn ljung_box(values: &[f64], valid: &[bool], lags: usize, fitted: usize) -> f64 {
     let samples = valid.iter().filter(|one| **one).count() as f64;
     let term = |lag: usize| {

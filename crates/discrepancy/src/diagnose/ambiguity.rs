@@ -1,14 +1,13 @@
-//! What explains the data as well, and which experiment would tell the causes apart.
+//! Alternative explanations, and experiments that would distinguish the causes.
 
 use rayon::prelude::*;
-
-use truecut_scenario::effect::EffectKind;
 
 use super::Stage;
 use super::answer::Proposal;
 use super::choice::{criterion, weight};
 use super::data::{LAGS, Rows};
-use super::fit::{Fit, difference, fit};
+use super::derivatives::difference;
+use super::fit::{Fit, fit};
 use super::memory::{LEAST_GENERALISATION, distance as standing_out};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
@@ -17,7 +16,7 @@ use super::search::{DECISIVE, Outcome};
 use super::validate::compare;
 use crate::model::Columns;
 
-/// A model of as many effects beside the one chosen.
+/// Another model with as many effects as the one chosen.
 #[derive(Debug, Clone)]
 pub(super) struct Rival {
     pub fit: Fit,
@@ -28,8 +27,8 @@ pub(super) struct Rival {
     pub as_good: bool,
 }
 
-/// Traces less apart than this, in degrees, are all but the same: what parts them is no larger than what the model gets wrong of either,
-/// and the odds must be 400 to 1.
+/// Signatures closer than this, in degrees, are practically equal: their difference is no larger
+/// than the model's own error, and the odds must be 400 to 1.
 const NEAR_DEG: f64 = 6.0;
 const DECISIVE_OF_NEAR: f64 = 12.0;
 
@@ -60,7 +59,8 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
                 DECISIVE
             };
             let close = likelihood < decisive;
-            // A generalisation that says the same is no alternative; one that fits worse for its parameters neither.
+            // A generalisation with the same prediction is no alternative, nor is one that fits
+            // worse for its parameters.
             let more = generalises(problem, &rival.point, &chosen.point)
                 && (difference > 0.0
                     || standing_out(problem, &chosen.residual, &rival.residual)
@@ -76,7 +76,7 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
         .collect();
     rivals.sort_by(|a, b| a.criterion_difference.total_cmp(&b.criterion_difference));
     rivals.dedup_by(|a, b| kinds(&a.fit.point) == kinds(&b.fit.point));
-    // Of alternatives, too, generalisations go.
+    // Generalisations are removed from the alternatives, too.
     let points: Vec<Point> = rivals
         .iter()
         .filter(|r| r.as_good)
@@ -89,17 +89,8 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
     rivals
 }
 
-/// Kinds that hold another one as a limit.
-const GENERALISATIONS: [(EffectKind, EffectKind); 6] = [
-    (EffectKind::JointAsymmetricViscous, EffectKind::JointViscous),
-    (EffectKind::JointAsymmetricCoulomb, EffectKind::JointCoulomb),
-    (EffectKind::JointStribeck, EffectKind::JointCoulomb),
-    (EffectKind::JointHysteresis, EffectKind::JointCoulomb),
-    (EffectKind::SensorDrift, EffectKind::SensorOffset),
-    (EffectKind::FootFrictionFalling, EffectKind::FootFriction),
-];
-
-/// Whether the points differ in one effect, and that of the first holds that of the second as a limit.
+/// Whether the points differ in one effect, and that of the first holds that of the second as a
+/// limit.
 fn generalises(problem: &Problem, first: &Point, second: &Point) -> bool {
     let alone = |of: &Point, other: &Point| -> Vec<usize> {
         let (of, other) = (kinds(of), kinds(other));
@@ -110,7 +101,7 @@ fn generalises(problem: &Problem, first: &Point, second: &Point) -> bool {
         return false;
     };
     let (larger, smaller) = (&problem.candidates[*larger], &problem.candidates[*smaller]);
-    larger.target == smaller.target && GENERALISATIONS.contains(&(larger.kind, smaller.kind))
+    larger.target == smaller.target && larger.kind.generalises(smaller.kind)
 }
 
 fn kinds(point: &Point) -> Vec<usize> {
@@ -119,17 +110,18 @@ fn kinds(point: &Point) -> Vec<usize> {
     kinds
 }
 
-/// Angle between what the two models, each with nominal parameters of its own, add to the model of the effects that they share, whitened.
-/// Its sine is what parts the two predictions beside what the effects explain.
+/// Angle between what the two models, each with nominal parameters of its own, add to the model of
+/// the effects that they share, whitened. Its sine is the difference of the two predictions
+/// relative to what the effects explain.
 fn angle(problem: &Problem, outcome: &Outcome, rival: &Fit) -> f64 {
     let chosen = &outcome.chosen;
     let common = common(problem, outcome, rival);
     let rows = &problem.split.development;
-    let trace = |fit: &Fit| {
+    let signature = |fit: &Fit| {
         let change = difference(&fit.predicted, &common, 1.0);
         chosen.noise.whiten(&change, rows)
     };
-    angle_deg(&trace(chosen), &trace(rival))
+    angle_deg(&signature(chosen), &signature(rival))
 }
 
 /// Prediction of the model with the effects that the chosen one and its rival share, refitted.

@@ -1,4 +1,4 @@
-//! What a diagnosis says. Serialised as `diagnosis.json`.
+//! Result of a diagnosis. Serialised as `diagnosis.json`.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use super::problem::{Found, Problem};
 use crate::model::{Candidate, PredictError};
 
 /// Version of the layout.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 
 /// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,11 +20,11 @@ pub enum Verdict {
     NothingBeyondNoise,
     /// The causes are named.
     Named,
-    /// Several causes explain the data alike.
+    /// Several causes explain the data equally well.
     Ambiguous,
-    /// There is a discrepancy that no effect known explains.
+    /// There is a discrepancy that no known effect explains.
     UnknownCause,
-    /// The data do not move enough for anything to be seen.
+    /// The experiment does not excite any output beyond noise.
     NotIdentifiable,
     /// There is a discrepancy, and no fit of it converged.
     FitFailed,
@@ -43,7 +43,7 @@ pub struct Parameter {
     pub unit: String,
 }
 
-/// Why a cause is believed.
+/// Evidence for a cause.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
     /// Fall of minus twice the log-likelihood when the effect joins the others.
@@ -63,7 +63,7 @@ pub struct Cause {
     pub target: Option<String>,
     /// By key of the scenario.
     pub parameters: BTreeMap<String, Parameter>,
-    /// Why it is believed.
+    /// Its evidence.
     pub evidence: Evidence,
 }
 
@@ -72,9 +72,11 @@ pub struct Cause {
 pub struct Alternative {
     /// Its effects, all of them.
     pub causes: Vec<Cause>,
-    /// Angle between its signature and that of the causes named, whitened, less what nominal parameters can do.
+    /// Angle between its signature and that of the causes named, whitened, less what nominal
+    /// parameters can do.
     pub angle_deg: f64,
-    /// How much worse it predicts the validation blocks, in standard errors; negative where it predicts them better.
+    /// How much worse it predicts the validation blocks, in standard errors; negative where it
+    /// predicts them better.
     pub behind_t: f64,
     /// How much larger its Bayesian information criterion is.
     pub criterion_difference: f64,
@@ -100,7 +102,7 @@ pub struct ChannelErrors {
 pub struct Nominal {
     /// Its key.
     pub key: String,
-    /// As the scenario has it.
+    /// As the scenario has it, SI.
     pub before: f64,
     /// Refitted, with the effects named.
     pub after: Parameter,
@@ -115,17 +117,18 @@ pub struct SmallestSeen {
     pub target: Option<String>,
     /// Key of the size.
     pub parameter: String,
-    /// The distance from the neutral value that would be detected with 95 % probability; null where no size within reach would.
+    /// The distance from the neutral value that would be detected with 95 % probability; null where
+    /// no size within reach would.
     pub size: Option<f64>,
     /// Symbol of the unit.
     pub unit: String,
 }
 
-/// Something the residual follows.
+/// A signal that the residual of a channel is correlated with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Lock {
+pub struct CorrelatedSignal {
     /// What: `velocity of joint1.position`, `a line at 12.5 Hz`.
-    pub to: String,
+    pub signal: String,
     /// Channel whose residual follows it.
     pub channel: String,
     /// Part of the whitened variance that it explains, cross-validated.
@@ -137,18 +140,19 @@ pub struct Lock {
 /// What any model could still gain.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Ceiling {
-    /// Part of the whitened variance left that a flexible predictor explains on blocks it was not fitted to.
+    /// Part of the whitened variance left that a flexible predictor explains on blocks it was not
+    /// fitted to.
     pub fraction: f64,
     /// In standard errors.
     pub t: f64,
     /// What the residual follows, strongest first.
-    pub locks: Vec<Lock>,
+    pub correlated_signals: Vec<CorrelatedSignal>,
 }
 
-/// An experiment that would tell causes apart.
+/// An experiment that would distinguish causes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Proposal {
-    /// What would be done differently.
+    /// The change of the experiment.
     pub description: String,
     /// Keys of the scenario and their values as written.
     pub overrides: Vec<(String, String)>,
@@ -171,7 +175,7 @@ pub struct FitRecord {
     pub failure: Option<String>,
 }
 
-/// What it took.
+/// Work done.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Work {
     /// Simulations.
@@ -193,9 +197,10 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// One sentence.
     pub reason: String,
-    /// Effects that explain the discrepancy, the strongest first. With `unknown_cause`, those that explain a part.
+    /// Effects that explain the discrepancy, the strongest first. With `unknown_cause`, those that
+    /// explain a part.
     pub causes: Vec<Cause>,
-    /// What explains it as well; with other verdicts than `ambiguous` empty.
+    /// Equally good explanations; empty for verdicts other than `ambiguous`.
     pub alternatives: Vec<Alternative>,
     /// The next best explanation, if any was fitted.
     pub runner_up: Option<Alternative>,
@@ -205,9 +210,9 @@ pub struct Diagnosis {
     pub channels: BTreeMap<String, ChannelErrors>,
     /// Nominal parameters.
     pub nominal: Vec<Nominal>,
-    /// What would have been seen, beyond the causes.
+    /// Detectable sizes of other effects.
     pub smallest_seen: Vec<SmallestSeen>,
-    /// What the experiment lacks.
+    /// Shortcomings of the experiment.
     pub missing: Vec<String>,
     /// What any model could still gain.
     pub ceiling: Ceiling,
@@ -215,7 +220,7 @@ pub struct Diagnosis {
     pub experiments: Vec<Proposal>,
     /// All fits of the search.
     pub fits: Vec<FitRecord>,
-    /// What it took.
+    /// Work done.
     pub work: Work,
 }
 

@@ -1,12 +1,12 @@
-//! What any model could still gain: a flexible predictor of the residual, cross-validated by blocks.
+//! Bound on the gain of any further model: a flexible predictor of the residual, cross-validated by
+//! blocks.
 
-use std::f64::consts::TAU;
+mod derived;
 
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
 
-use super::answer::{Ceiling, Lock};
-use super::data::{LAGS, Rows};
+use super::answer::{Ceiling, CorrelatedSignal};
+use super::data::Rows;
 use super::features::{Group, delay_by_size, groups};
 use super::fit::Fit;
 use super::memory::{Freedom, channel_distance};
@@ -18,24 +18,28 @@ use super::span::spans;
 use super::validate::{differences, rms};
 use crate::model::Columns;
 
-/// The predictor's end: what it explains, and what it leaves.
+/// Result of the predictor: what it explains, and its residual.
 pub(super) struct Bound {
     pub ceiling: Ceiling,
-    /// Sum of whitened squares that it takes away.
+    /// Sum of whitened squares that it explains.
     pub gain: f64,
-    /// Residual less the prediction of all groups found, fitted to all rows; good on the development part.
+    /// Residual less the prediction of all groups found, fitted to all rows; good on the
+    /// development part.
     pub left: Columns,
-    /// Root mean square of that on the test part; on the development part where a group was not simulated beyond it.
+    /// Root mean square of that on the test part; on the development part where a group was not
+    /// simulated beyond it.
     pub floor: Vec<f64>,
 }
 
-/// Gains of a group must be beyond so many standard errors; a pattern that is strong in few places has large ones.
+/// Gains of a group must be beyond so many standard errors; a pattern that is strong in few places
+/// has large ones.
 const LEAST_T: f64 = 1.5;
-/// How clear a group must be.
+/// Thresholds of a group.
 #[derive(Clone, Copy)]
 struct Least {
     fraction: f64,
-    /// It must stand out of noise of any memory, which keeps chance out: a group has a dozen parameters or two, and a hundred groups are tried.
+    /// Significance in noise of any memory, against chance: a group has one or two dozen
+    /// parameters, and a hundred groups are tried.
     standing_out: f64,
 }
 
@@ -48,7 +52,7 @@ const LEAST_PLAIN: Least = Least {
     fraction: 0.05,
     standing_out: 13.0,
 };
-/// Crossings of its mean by a feature that comes back.
+/// Least mean crossings of a recurring feature.
 const LEAST_CROSSINGS: usize = 6;
 const FOLDS: usize = 6;
 const MOST_GROUPS: usize = 4;
@@ -66,7 +70,7 @@ struct Target<'a> {
 }
 
 /// Groups fitted together, with the noise of what they leave.
-struct Trial<'a> {
+struct GroupTrial<'a> {
     groups: Vec<&'a Group>,
     noise: ChannelNoise,
     left: Vec<f64>,
@@ -76,7 +80,8 @@ struct Trial<'a> {
     errors: Vec<f64>,
 }
 
-/// Bounds what can be explained of the residual; of signatures those count whose effects the model does not have.
+/// Bounds what can be explained of the residual; of signatures those count whose effects the model
+/// does not have.
 pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Signature]) -> Bound {
     let (residual, noise) = (&last.residual, &last.noise);
     let others = signatures.iter();
@@ -87,7 +92,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
     let mut left = residual.clone();
     let mut floor = Vec::new();
     let (mut gain, mut sums, mut total) = (0.0, Vec::new(), 0.0);
-    let mut locks = Vec::new();
+    let mut correlated_signals = Vec::new();
     for c in 0..residual.len() {
         let target = Target::new(problem, &residual[c], c, noise.channels[c].ar.len());
         let mut own = target.lines();
@@ -106,7 +111,11 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
             .chain(&own)
             .filter(|g| !g.by_signal || target.comes_back(g))
             .collect();
-        let trial = target.explain(&all, &problem.model.channels()[c].name, &mut locks);
+        let trial = target.explain(
+            &all,
+            &problem.model.channels()[c].name,
+            &mut correlated_signals,
+        );
         let (own, chance) = differences(&trial.whole, &trial.errors);
         gain += own;
         sums.extend(chance);
@@ -120,7 +129,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         left[c] = trial.left;
         floor.push(rms(&left, rows)[c]);
     }
-    locks.sort_by(|a, b| b.fraction.total_cmp(&a.fraction));
+    correlated_signals.sort_by(|a, b| b.fraction.total_cmp(&a.fraction));
     let error = dot(&sums, &sums).sqrt();
     let ceiling = Ceiling {
         fraction: if total > 0.0 {
@@ -129,7 +138,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
             0.0
         },
         t: if error > 0.0 { gain / error } else { 0.0 },
-        locks,
+        correlated_signals,
     };
     Bound {
         ceiling,
@@ -156,7 +165,8 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Whether most features of a group return often: those that wander look like slow noise, which would be taken for them.
+    /// Whether most features of a group return often: those that wander look like slow noise, which
+    /// would be taken for them.
     fn comes_back(&self, group: &Group) -> bool {
         let returns = |x: &Vec<f64>| {
             let picked: Vec<f64> = self.rows.iter().map(|&t| x[t]).collect();
@@ -167,36 +177,44 @@ impl<'a> Target<'a> {
         2 * group.features.iter().filter(|x| returns(x)).count() > group.features.len()
     }
 
-    /// Takes group after group while they gain clearly: under the noise model, else under white noise. A pattern with sharp edges is
-    /// all but lost where the autoregression has taken a part of it for noise.
-    fn explain<'g>(&self, all: &[&'g Group], channel: &str, locks: &mut Vec<Lock>) -> Trial<'g> {
+    /// Takes group after group while they gain clearly: under the noise model, else under white
+    /// noise. A pattern with sharp edges is all but lost where the autoregression has taken a part
+    /// of it for noise.
+    fn explain<'g>(
+        &self,
+        all: &[&'g Group],
+        channel: &str,
+        correlated_signals: &mut Vec<CorrelatedSignal>,
+    ) -> GroupTrial<'g> {
         let mut now = self.trial(Vec::new(), self.order);
         while now.groups.len() < MOST_GROUPS {
             let signals: Vec<&'g Group> = all.iter().copied().filter(|g| g.by_signal).collect();
             let found = self.next(&now, all, self.order, LEAST);
             let found = found.or_else(|| self.next(&now, &signals, 0, LEAST_PLAIN));
-            let Some((next, mut lock)) = found else { break };
-            lock.channel = channel.to_string();
-            locks.push(lock);
+            let Some((next, mut signal)) = found else {
+                break;
+            };
+            signal.channel = channel.to_string();
+            correlated_signals.push(signal);
             now = next;
         }
         now
     }
 
-    /// The group that explains most beside those already taken, if it is clear.
+    /// The group that explains most in addition to those already taken, if significant.
     fn next<'g>(
         &self,
-        now: &Trial<'g>,
+        now: &GroupTrial<'g>,
         all: &[&'g Group],
         order: usize,
         least: Least,
-    ) -> Option<(Trial<'g>, Lock)> {
+    ) -> Option<(GroupTrial<'g>, CorrelatedSignal)> {
         let free: Vec<&'g Group> = all
             .iter()
             .copied()
             .filter(|g| now.groups.iter().all(|h| h.name != g.name))
             .collect();
-        let trials: Vec<Trial> = free
+        let trials: Vec<GroupTrial> = free
             .par_iter()
             .map(|group| self.trial([now.groups.as_slice(), &[group]].concat(), order))
             .collect();
@@ -207,8 +225,8 @@ impl<'a> Target<'a> {
         let smaller = self.errors(&now.groups, &next.noise);
         let (added, chance) = differences(&smaller, &next.errors);
         let (error, total) = (dot(&chance, &chance).sqrt(), dot(&next.whole, &next.whole));
-        let lock = Lock {
-            to: next.groups[next.groups.len() - 1].name.clone(),
+        let signal = CorrelatedSignal {
+            signal: next.groups[next.groups.len() - 1].name.clone(),
             channel: String::new(),
             fraction: added / total,
             t: added / error,
@@ -222,12 +240,12 @@ impl<'a> Target<'a> {
             };
             channel_distance(self.problem, self.rows, &now.left, &next.left, freedom)
         };
-        (clear && distance() > least.standing_out).then_some((next, lock))
+        (clear && distance() > least.standing_out).then_some((next, signal))
     }
 
-    /// Least squares under white noise, then twice under the noise of what is left: an autoregression of the residual as it is would
-    /// take the pattern for noise.
-    fn trial<'g>(&self, groups: Vec<&'g Group>, order: usize) -> Trial<'g> {
+    /// Least squares under white noise, then twice under the noise of what is left: an
+    /// autoregression of the residual as it is would take the pattern for noise.
+    fn trial<'g>(&self, groups: Vec<&'g Group>, order: usize) -> GroupTrial<'g> {
         let mut noise = ChannelNoise {
             ar: Vec::new(),
             sigma: 1.0,
@@ -237,7 +255,7 @@ impl<'a> Target<'a> {
             left = self.without(&groups, &noise);
             noise = self.noise(&left, order);
         }
-        Trial {
+        GroupTrial {
             whole: noise.whiten(self.residual, self.rows),
             errors: self.errors(&groups, &noise),
             groups,
@@ -305,7 +323,7 @@ impl<'a> Target<'a> {
     }
 }
 
-impl Trial<'_> {
+impl GroupTrial<'_> {
     /// Variance of what cannot be predicted, cross-validated.
     fn innovation(&self) -> f64 {
         self.noise.sigma.powi(2) * dot(&self.errors, &self.errors)
@@ -316,105 +334,12 @@ fn features<'a>(groups: &'a [&'a Group]) -> impl Iterator<Item = &'a Vec<f64>> {
     groups.iter().flat_map(|g| &g.features)
 }
 
-/// A little shrinkage, so that bins with few samples do not matter. From the sum of squares of each column over `count` rows.
+/// A little shrinkage, so that bins with few samples do not matter. From the sum of squares of each
+/// column over `count` rows.
 fn ridge(squares: impl Iterator<Item = f64>, count: usize) -> Vec<Prior> {
     let priors = squares.map(|sum| Prior {
         offset: 0.0,
         precision: (sum / count.max(1) as f64).sqrt(),
     });
     priors.collect()
-}
-
-impl Target<'_> {
-    /// The groups seen through the dynamics of the residual itself, as its autoregression has them: a friction that depends on the
-    /// position leaves a structure ringing, and it is the ringing that is measured.
-    fn through_dynamics(&self, groups: &[Group]) -> Vec<Group> {
-        let ar = self.noise(self.residual, LAGS).ar;
-        let groups = groups.par_iter().filter_map(|group| {
-            let features: Vec<Vec<f64>> = group
-                .features
-                .iter()
-                .map(|x| self.filtered(x, &ar))
-                .collect();
-            // An autoregression may come out unstable.
-            let bounded = features.iter().flatten().all(|x| x.abs() < 1e6);
-            bounded.then(|| Group {
-                name: format!("{}, through the dynamics", group.name),
-                by_signal: group.by_signal,
-                chosen: group.chosen,
-                features,
-            })
-        });
-        groups.collect()
-    }
-
-    fn filtered(&self, input: &[f64], ar: &[f64]) -> Vec<f64> {
-        let mut output = vec![0.0; input.len()];
-        for range in &self.problem.data.trajectories {
-            for t in range.clone() {
-                let past = output[range.start..t].iter().rev();
-                output[t] = input[t] + past.zip(ar).map(|(x, a)| x * a).sum::<f64>();
-            }
-        }
-        output
-    }
-}
-
-/// Lines that are looked for.
-const LINES: usize = 4;
-
-impl Target<'_> {
-    /// The strongest lines of the residual beyond its smooth spectrum, each found in what those before leave.
-    fn lines(&self) -> Vec<Group> {
-        let mut lines: Vec<Group> = Vec::new();
-        while lines.len() < LINES {
-            let found: Vec<&Group> = lines.iter().collect();
-            let left = self.without(
-                &found,
-                &ChannelNoise {
-                    ar: Vec::new(),
-                    sigma: 1.0,
-                },
-            );
-            let Some(frequency) = self.line(&left) else {
-                break;
-            };
-            let time = &self.problem.data.time_s;
-            let wave = |f: fn(f64) -> f64| time.iter().map(|t| f(TAU * frequency * t)).collect();
-            lines.push(Group {
-                by_signal: false,
-                chosen: 1,
-                name: format!(
-                    "a line at {} Hz",
-                    truecut_recording::significant(frequency, 3)
-                ),
-                features: vec![wave(f64::cos), wave(f64::sin)],
-            });
-        }
-        lines
-    }
-
-    fn line(&self, left: &[f64]) -> Option<f64> {
-        let time = &self.problem.data.time_s;
-        let (interval, duration) = (time[1] - time[0], time[time.len() - 1] - time[0]);
-        // Of low order: it flattens the spectrum without swallowing a line.
-        let e = self.noise(left, self.order.min(2)).whiten(left, self.rows);
-        // Samples that are no rows stay zero.
-        let mut padded = vec![0.0; (8 * time.len()).next_power_of_two()];
-        for (e, &t) in e.iter().zip(self.rows) {
-            padded[t] = *e;
-        }
-        let length = padded.len();
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
-        let mut spectrum = transform.make_output_vec();
-        transform.process(&mut padded, &mut spectrum).ok()?;
-        let slowest = (2.0 * length as f64 * interval / duration).ceil() as usize;
-        let powers = spectrum
-            .iter()
-            .map(|z| z.norm_sqr())
-            .enumerate()
-            .skip(slowest);
-        let (peak, _) = powers.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some(peak as f64 / (length as f64 * interval))
-    }
 }

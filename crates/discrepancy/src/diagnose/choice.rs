@@ -1,4 +1,5 @@
-//! The choice among fits: by what they gain on blocks that they were not fitted to, beyond chance and in noise of any memory.
+//! The choice among fits: by what they gain on blocks that they were not fitted to, beyond chance
+//! and in noise of any memory.
 
 use super::fit::Fit;
 use super::memory::{LEAST_GENERALISATION, distance, stands_out};
@@ -7,15 +8,16 @@ use super::screen::critical;
 use super::search::{DECISIVE, Search};
 use super::validate::{Paired, compare, objective};
 
-/// The validation gain must be beyond so many standard errors; detection on the training rows has come before, and it is there that
-/// chance is kept out.
+/// The validation gain must be beyond so many standard errors; detection on the training rows has
+/// come before, and it is there that chance is kept out.
 pub(super) const LEAST_T: f64 = 1.0;
 /// In standard errors.
 const CLEARLY_BEHIND: f64 = 2.0;
 
 impl Search<'_, '_> {
-    /// The trial to take: of those that earn their place and are not clearly behind the best on the validation blocks, the fewest
-    /// effects, and among these the best by the information criterion.
+    /// The trial to take: of those that earn their place and are not clearly behind the best on the
+    /// validation blocks, the fewest effects, and among these the best by the information
+    /// criterion.
     pub(super) fn choose(
         &self,
         base: &Fit,
@@ -44,7 +46,8 @@ impl Search<'_, '_> {
                 noise,
                 validation,
             );
-            // Two models that say all but the same differ by next to nothing, and that may be many standard errors.
+            // Two models that say all but the same differ by next to nothing, and that may be many
+            // standard errors.
             behind.t() <= CLEARLY_BEHIND || behind.gain < DECISIVE
         });
         let value = |i: usize| criterion(self.problem, &trials[i], orders);
@@ -65,7 +68,8 @@ impl Search<'_, '_> {
         simpler.min_by(order).or(Some(taken))
     }
 
-    /// Whether chance is ruled out: on the training rows, where a pair counts for all the pairs there are, and for noise of any memory.
+    /// Whether chance is ruled out: on the training rows, where a pair counts for all the pairs
+    /// there are, and for noise of any memory.
     fn is_detected(&self, base: &Fit, trial: &Fit, tests: usize) -> bool {
         let added = &trial.point.effects[base.point.effects.len()..];
         let dof = added.iter().map(|f| f.values.len()).sum();
@@ -75,7 +79,8 @@ impl Search<'_, '_> {
         gain > bar && stands_out(self.problem, gain, &base.residual, &trial.residual)
     }
 
-    /// Whether the larger model predicts the validation blocks better: beyond chance, and enough to matter.
+    /// Whether the larger model predicts the validation blocks better: beyond chance, and enough to
+    /// matter.
     pub(super) fn earns(&self, small: &Fit, large: &Fit) -> bool {
         let paired = self.paired(small, large);
         paired.t() > LEAST_T && paired.practical >= self.problem.options.min_gain
@@ -91,8 +96,8 @@ impl Search<'_, '_> {
     }
 }
 
-/// Bayesian information criterion on training and validation rows together, with noise of the given orders. A shape parameter counts
-/// twice: it is searched over all its range, from several starts.
+/// Bayesian information criterion on training and validation rows together, with noise of the given
+/// orders. A shape parameter counts twice: it is searched over all its range, from several starts.
 pub(super) fn criterion(problem: &Problem, trial: &Fit, orders: &[usize]) -> f64 {
     let rows = &problem.split.development;
     objective(problem, &trial.residual, rows, orders)

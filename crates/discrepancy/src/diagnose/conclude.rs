@@ -1,31 +1,32 @@
 //! From the end of the search to the answer.
 
+mod test_part;
+
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
 use super::ambiguity::{Rival, experiments, rivals};
-use super::answer::{Ceiling, ChannelErrors, Diagnosis, VERSION, Verdict, Work};
+use super::answer::{Ceiling, Diagnosis, VERSION, Verdict, Work};
 use super::ceiling::{Bound, bound};
-use super::data::Rows;
 use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
 use super::fit::{Fit, fit};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
 use super::search::Outcome;
 use super::uncertainty::standard_errors;
-use super::validate::{batch_sums, compare, error_of_sum, rms};
+use super::validate::{compare, rms};
 use super::{Answer, DiagnoseError, Stage};
 use crate::model::{Columns, PredictError};
 
-/// Where the noise is known: least ratio of the residual's variance to it that counts.
+/// Where the noise is known: least significant ratio of the residual's variance to it.
 const EXCESS: f64 = 1.25;
-/// With less than this part of the candidates within reach the experiment is too poor.
+/// Least fraction of detectable candidates for the experiment to be informative.
 const LEAST_VISIBLE: f64 = 0.05;
-/// Other explanations that are told of, at most.
+/// Other explanations that are reported at most.
 const MOST_RIVALS: usize = 6;
 
-/// The answer where nothing moves.
+/// The diagnosis where no output changes.
 pub(super) fn not_excited(problem: &Problem, before: Columns, missing: Vec<String>) -> Answer {
     let mut diagnosis = empty(problem);
     diagnosis.verdict = Verdict::NotIdentifiable;
@@ -33,7 +34,7 @@ pub(super) fn not_excited(problem: &Problem, before: Columns, missing: Vec<Strin
     diagnosis.missing = missing;
     let residual = problem.data.residual(&before);
     let errors = rms(&residual, &problem.split.test);
-    diagnosis.channels = channel_errors(problem, &errors, &errors, &errors, &errors);
+    diagnosis.channels = test_part::channel_errors(problem, &errors, &errors, &errors, &errors);
     Answer {
         diagnosis,
         effects: Vec::new(),
@@ -62,7 +63,7 @@ fn empty(problem: &Problem) -> Diagnosis {
         ceiling: Ceiling {
             fraction: 0.0,
             t: 0.0,
-            locks: Vec::new(),
+            correlated_signals: Vec::new(),
         },
         experiments: Vec::new(),
         fits: Vec::new(),
@@ -82,7 +83,7 @@ pub(super) fn conclude(
     let development = &problem.split.development;
     let to_all = |point: &Point| -> Result<Fit, PredictError> {
         let mut ended = fit(problem, point.clone(), development, &outcome.orders, true)?;
-        // The test part was not simulated so far; what is drawn and told shows it, too.
+        // The test part was not simulated so far; figures and report include it.
         ended.predicted = problem.predict_whole(&ended.point)?;
         ended.residual = problem.data.residual(&ended.predicted);
         Ok(ended)
@@ -93,16 +94,16 @@ pub(super) fn conclude(
     );
     let (last, base) = (last?, base?);
     problem.report(Stage::Ceiling);
-    // One asks for next to no simulations, the other for many, some of them one after the other.
-    let (bound, told) = rayon::join(
+    // One needs hardly any simulations, the other many, some of them in sequence.
+    let (bound, described) = rayon::join(
         || bound(problem, &base, &last, &outcome.signatures),
-        || told(problem, &outcome, &last),
+        || described(problem, &outcome, &last),
     );
-    let mut diagnosis = told?;
+    let mut diagnosis = described?;
     diagnosis.ceiling = bound.ceiling.clone();
     diagnosis.unexplained_fraction = unexplained(problem, &base, &last, &bound);
     judge(problem, &before, &outcome, &last, &mut diagnosis);
-    open_test(problem, &before, &base, &last, &bound, &mut diagnosis);
+    test_part::open_test(problem, &before, &base, &last, &bound, &mut diagnosis);
     diagnosis.fits = outcome.fits;
     Ok(Answer {
         effects: last
@@ -119,8 +120,9 @@ pub(super) fn conclude(
     })
 }
 
-/// What simulations tell of the model chosen: causes with their uncertainty, other explanations, what would have been seen.
-fn told(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnosis, DiagnoseError> {
+/// Simulations around the model chosen: causes with their uncertainty, other explanations,
+/// detectable sizes.
+fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnosis, DiagnoseError> {
     let mut diagnosis = empty(problem);
     diagnosis.smallest_seen = smallest_seen(problem, outcome);
     let errors = standard_errors(problem, last, &problem.split.development)?;
@@ -134,15 +136,18 @@ fn told(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnosis, D
         true => next_best(problem, outcome),
         false => rivals,
     };
-    let told: Vec<&Rival> = (rivals.iter().take(MOST_RIVALS).enumerate())
+    let described: Vec<&Rival> = (rivals.iter().take(MOST_RIVALS).enumerate())
         .filter(|(i, rival)| *i == 0 || rival.as_good)
         .map(|(_, rival)| rival)
         .collect();
-    let answers = (told.par_iter())
+    let answers = (described.par_iter())
         .map(|rival| alternative(problem, rival))
         .collect::<Result<Vec<_>, _>>()?;
     diagnosis.runner_up = answers.first().cloned();
-    let as_good = answers.into_iter().zip(told).filter(|(_, r)| r.as_good);
+    let as_good = answers
+        .into_iter()
+        .zip(described)
+        .filter(|(_, r)| r.as_good);
     diagnosis.alternatives = as_good.map(|(answer, _)| answer).collect();
     if let Some(rival) = rivals.iter().find(|r| r.as_good) {
         diagnosis.experiments = experiments(problem, &outcome.chosen, &rival.fit);
@@ -150,8 +155,9 @@ fn told(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnosis, D
     Ok(diagnosis)
 }
 
-/// Where the model chosen was reached through a larger one, no rival has as many effects. What came closest alone is told all the same; that it is no
-/// alternative is settled: the larger model was chosen before it.
+/// Where the model chosen was reached through a larger one, no rival has as many effects. The
+/// closest single explanation is reported all the same, but is no alternative: the larger model was
+/// preferred to it.
 fn next_best(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
     let mut found = rivals(problem, outcome, &outcome.singles);
     found.truncate(1);
@@ -171,12 +177,12 @@ fn judge(
     if let Some((fraction, _)) = &excess {
         diagnosis.unexplained_fraction = diagnosis.unexplained_fraction.max(*fraction);
     }
-    let locked = diagnosis
+    let followed = diagnosis
         .ceiling
-        .locks
+        .correlated_signals
         .first()
-        .map(|l| format!("the residual of `{}` follows {}", l.channel, l.to));
-    let locked = locked.or(excess.map(|(_, text)| text));
+        .map(|l| format!("the residual of `{}` follows {}", l.channel, l.signal));
+    let followed = followed.or(excess.map(|(_, text)| text));
     let percent = (100.0 * diagnosis.unexplained_fraction).round();
     let stopped = format!(
         "The search stopped at the limit of {} simulations before it had looked at everything.",
@@ -187,41 +193,19 @@ fn judge(
         (Verdict::FitFailed, stopped.clone())
     } else if outcome.failed {
         diagnosis.unexplained_fraction = 1.0;
-        (
-            Verdict::FitFailed,
-            "There is a discrepancy, and no fit of an effect to it converged.".into(),
-        )
+        let reason = "There is a discrepancy, and no fit of an effect to it converged.";
+        (Verdict::FitFailed, reason.into())
     } else if diagnosis.causes.is_empty() {
-        match locked {
-            Some(locked) => {
-                diagnosis.unexplained_fraction = 1.0;
-                (
-                    Verdict::UnknownCause,
-                    format!("No effect known explains the discrepancy; {locked}."),
-                )
-            }
-            None if visible(problem, &diagnosis.smallest_seen) < LEAST_VISIBLE => {
-                diagnosis.missing = invisible(problem, &diagnosis.smallest_seen);
-                (
-                    Verdict::NotIdentifiable,
-                    "The experiment shows next to none of the effects at their typical size."
-                        .into(),
-                )
-            }
-            None => (
-                Verdict::NothingBeyondNoise,
-                "The model explains the data up to noise.".into(),
-            ),
-        }
+        without_cause(problem, followed, diagnosis)
     } else if diagnosis.unexplained_fraction > problem.options.unknown_above {
-        let locked = locked.unwrap_or_else(|| "a pattern is left".into());
+        let followed = followed.unwrap_or_else(|| "a pattern is left".into());
         let reason = format!(
-            "The effects known leave {percent} % of the discrepancy unexplained; {locked}."
+            "The effects known leave {percent} % of the discrepancy unexplained; {followed}."
         );
         (Verdict::UnknownCause, reason)
     } else if diagnosis.alternatives.is_empty() {
-        let rest = match locked {
-            Some(locked) => format!(" {percent} % stay unexplained: {locked}."),
+        let rest = match followed {
+            Some(followed) => format!(" {percent} % stay unexplained: {followed}."),
             None => String::new(),
         };
         (
@@ -243,7 +227,28 @@ fn judge(
     }
 }
 
-/// Where the noise is known and the residual is clearly above it: which part of the discrepancy that is, and a clause that says so.
+/// The verdict where no cause was found; `followed` names what the residual correlates with.
+fn without_cause(
+    problem: &Problem,
+    followed: Option<String>,
+    diagnosis: &mut Diagnosis,
+) -> (Verdict, String) {
+    if let Some(followed) = followed {
+        diagnosis.unexplained_fraction = 1.0;
+        let reason = format!("No effect known explains the discrepancy; {followed}.");
+        return (Verdict::UnknownCause, reason);
+    }
+    if visible(problem, &diagnosis.smallest_seen) < LEAST_VISIBLE {
+        diagnosis.missing = invisible(problem, &diagnosis.smallest_seen);
+        let reason = "The experiment shows next to none of the effects at their typical size.";
+        return (Verdict::NotIdentifiable, reason.into());
+    }
+    let reason = "The model explains the data up to noise.";
+    (Verdict::NothingBeyondNoise, reason.into())
+}
+
+/// Where the noise is known and the residual is clearly above it: that fraction of the discrepancy,
+/// and a clause for the text.
 fn excess(problem: &Problem, before: &Columns, last: &Fit) -> Option<(f64, String)> {
     let rows = &problem.split.development;
     let nominal = problem.data.residual(before);
@@ -273,7 +278,8 @@ fn excess(problem: &Problem, before: &Columns, last: &Fit) -> Option<(f64, Strin
     most
 }
 
-/// Sum of the squared autocorrelations: by so much the variance of a mean square is larger than that of white noise.
+/// Sum of the squared autocorrelations: the factor by which the variance of a mean square exceeds
+/// that of white noise.
 fn memory(x: &[f64]) -> f64 {
     let whole = dot(x, x);
     let at = |lag: usize| dot(&x[lag..], &x[..x.len() - lag]) / whole;
@@ -283,117 +289,7 @@ fn memory(x: &[f64]) -> f64 {
             .sum::<f64>()
 }
 
-/// Scores on the test part. It changes the verdict only where the test part contradicts it.
-fn open_test(
-    problem: &Problem,
-    before: &Columns,
-    base: &Fit,
-    last: &Fit,
-    bound: &Bound,
-    diagnosis: &mut Diagnosis,
-) {
-    let test = &problem.split.test;
-    let nominal = rms(&problem.data.residual(before), test);
-    let (refitted, after) = (rms(&base.residual, test), rms(&last.residual, test));
-    diagnosis.channels = channel_errors(problem, &nominal, &refitted, &after, &bound.floor);
-    if diagnosis.verdict == Verdict::FitFailed {
-        return;
-    }
-    let paired = compare(&base.residual, &last.residual, &last.noise, test);
-    // Before the test part is called different, what the part before leaves uncertain is settled by both together.
-    let all = problem.split.development.joined(test);
-    let orders: Vec<usize> = last.noise.channels.iter().map(|c| c.ar.len()).collect();
-    let refitted_to_all = fit(problem, last.point.clone(), &all, &orders, true);
-    let settled = refitted_to_all.unwrap_or_else(|_| last.clone());
-    let worse = !last.point.effects.is_empty() && paired.t() < -2.0;
-    if worse || breaks_away(problem, &settled) {
-        diagnosis.verdict = Verdict::UnknownCause;
-        diagnosis.alternatives.clear();
-        diagnosis.experiments.clear();
-        diagnosis.reason = format!(
-            "In the last part of the data, from {} s on, there is a discrepancy that the part before does not have.",
-            truecut_recording::significant(problem.data.time_s[first_of(test)], 4)
-        );
-    }
-}
-
-fn first_of(rows: &Rows) -> usize {
-    rows.per_channel
-        .iter()
-        .filter_map(|rows| rows.first().copied())
-        .min()
-        .unwrap_or(0)
-}
-
-/// Whether the error on the test part is clearly larger than before it: whitened, or as it is about its mean. Slow noise wanders, so
-/// a mean alone must be far away.
-fn breaks_away(problem: &Problem, last: &Fit) -> bool {
-    let (before, test) = (&problem.split.development, &problem.split.test);
-    (0..last.residual.len()).any(|c| {
-        let single = Noise {
-            channels: vec![last.noise.channels[c].clone()],
-        };
-        let column = vec![last.residual[c].clone()];
-        let pick = |rows: &Rows| -> Rows {
-            Rows {
-                per_channel: vec![rows.per_channel[c].clone()],
-            }
-        };
-        let whitened = |rows: &Rows| single.whiten(&column, &pick(rows));
-        let plain = |rows: &Rows| -> Vec<f64> {
-            rows.per_channel[c].iter().map(|&t| column[0][t]).collect()
-        };
-        let (a, b) = (plain(before), plain(test));
-        is_larger(&whitened(before), &whitened(test), 6.0, 1.25)
-            || is_larger(&centred(&a), &centred(&b), 8.0, 4.0)
-            || is_larger(&a, &b, 8.0, 12.0)
-    })
-}
-
-fn centred(x: &[f64]) -> Vec<f64> {
-    let mean = x.iter().sum::<f64>() / x.len() as f64;
-    x.iter().map(|x| x - mean).collect()
-}
-
-/// A sample's square counts for at most so many times the mean square.
-const SINGLE: f64 = 16.0;
-
-/// Whether the mean square is larger by the ratio, and by so many standard errors. In noise alone both errors are alike up to their
-/// lengths; where the later part is unlike, its own error is larger.
-fn is_larger(before: &[f64], after: &[f64], least: f64, ratio: f64) -> bool {
-    let (n, m) = (before.len() as f64, after.len() as f64);
-    // One sample about which an event comes a step early is no discrepancy of the whole part.
-    let most = SINGLE * dot(before, before) / n;
-    let squares = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| (x * x).min(most)).collect() };
-    let expected = error_of_sum(&batch_sums(&squares(before))) / n * (n / m).sqrt();
-    let mean = |x: &[f64]| squares(x).iter().sum::<f64>() / x.len() as f64;
-    let (a, b) = (mean(before), mean(after));
-    b > ratio * a && b - a > least * expected
-}
-
-fn channel_errors(
-    problem: &Problem,
-    nominal: &[f64],
-    refitted: &[f64],
-    after: &[f64],
-    floor: &[f64],
-) -> BTreeMap<String, ChannelErrors> {
-    let specs = problem.model.channels().iter().enumerate();
-    specs
-        .map(|(c, spec)| {
-            let errors = ChannelErrors {
-                before: nominal[c],
-                refitted: refitted[c],
-                after: after[c],
-                noise_floor: problem.data.outputs[c].noise.unwrap_or(floor[c]),
-                unit: spec.unit.to_string(),
-            };
-            (spec.name.clone(), errors)
-        })
-        .collect()
-}
-
-/// What a flexible predictor still explains, as a part of that and what the effects explain.
+/// What a flexible predictor still explains, as a fraction of that plus what the effects explain.
 fn unexplained(problem: &Problem, base: &Fit, last: &Fit, bound: &Bound) -> f64 {
     let rows = &problem.split.development;
     let orders: Vec<usize> = last.noise.channels.iter().map(|c| c.ar.len()).collect();

@@ -120,7 +120,8 @@ impl Observation {
     }
 }
 
-/// Samples of each channel that may serve as rows: each has [`LAGS`] valid predecessors in its block.
+/// Samples of each channel that may serve as rows: each has [`LAGS`] valid predecessors in its
+/// block.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Rows {
     /// Ascending.
@@ -176,8 +177,9 @@ const WHOLE_TRAJECTORIES: usize = 3;
 const UNDIVIDED_TRAJECTORIES: usize = 6;
 
 impl Split {
-    /// Contiguous blocks: the last part is the test, the rest serves in turn for training (two blocks) and validation (one). In
-    /// every trajectory other blocks validate, so that each stretch of a process that runs the same way again does both.
+    /// Contiguous blocks: the last part is the test, the rest serves in turn for training (two
+    /// blocks) and validation (one). In every trajectory other blocks validate, so that each
+    /// stretch of a process that runs the same way again does both.
     pub fn new(data: &Observation) -> Split {
         let count = data.trajectories.len();
         let held_out = match count >= WHOLE_TRAJECTORIES {
@@ -258,8 +260,8 @@ fn blocks_of(range: Range<usize>, trajectories: usize) -> Vec<Range<usize>> {
     (0..count).map(|i| edge(i)..edge(i + 1)).collect()
 }
 
-/// The guard gap: the first samples of a block are not used as rows, so that neither the noise's memory nor a lagged value reaches
-/// across a border.
+/// The guard gap: the first samples of a block are not used as rows, so that neither the noise's
+/// memory nor a lagged value reaches across a border.
 fn rows_of(data: &Observation, ranges: &[&Range<usize>]) -> Rows {
     let per_channel = data.outputs.iter().map(|output| {
         let mut rows = Vec::new();

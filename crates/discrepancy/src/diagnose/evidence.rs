@@ -1,6 +1,8 @@
-//! Causes with their intervals and evidence; what would have been seen.
+//! Causes with intervals and evidence; detectable sizes.
 
 use rayon::prelude::*;
+
+use truecut_scenario::si_symbol;
 
 use super::DiagnoseError;
 use super::ambiguity::Rival;
@@ -23,7 +25,7 @@ use crate::model::Columns;
 const Z95: f64 = 1.959_964;
 /// Normal quantile of a one-sided 95 % probability.
 const Z95_ONE_SIDED: f64 = 1.644_854;
-/// An effect is within reach up to so many times its typical size.
+/// Largest detectable size, in typical sizes, for an effect to count as within reach.
 const REACH: f64 = 3.0;
 pub(super) fn causes(
     problem: &Problem,
@@ -67,7 +69,7 @@ fn cause(problem: &Problem, found: &Found, errors: &[Option<f64>], evidence: Evi
     }
 }
 
-/// What is lost without one of the effects, the others fitted anew.
+/// Loss without one of the effects, the others refitted.
 fn evidence(problem: &Problem, full: &Fit, index: usize) -> Result<Evidence, DiagnoseError> {
     let orders: Vec<usize> = full.noise.channels.iter().map(|c| c.ar.len()).collect();
     let rows = &problem.split.development;
@@ -94,7 +96,7 @@ pub(super) fn nominal(problem: &Problem, fit: &Fit, errors: &[Option<f64>]) -> V
             value: *value,
             low: error.map(|e| value - Z95 * e),
             high: error.map(|e| value + Z95 * e),
-            unit: parameter.unit_text.clone(),
+            unit: si_symbol(&parameter.key),
         },
     })
     .collect()
@@ -110,7 +112,8 @@ pub(super) fn alternative(problem: &Problem, rival: &Rival) -> Result<Alternativ
     })
 }
 
-/// For each size of each candidate: what would have been detected, and would have been worth naming, with 95 % probability.
+/// For each size of each candidate: what would have been detected, and would have been worth
+/// naming, with 95 % probability.
 pub(super) fn smallest_seen(problem: &Problem, outcome: &Outcome) -> Vec<SmallestSeen> {
     let (fit, split) = (&outcome.chosen, &problem.split);
     let (columns, priors) = nuisance(problem, fit);

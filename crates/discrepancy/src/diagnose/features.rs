@@ -1,4 +1,4 @@
-//! What a residual may follow, as features for a flexible predictor.
+//! Features for a flexible predictor of the residual.
 
 use super::data::Observation;
 use super::problem::Problem;
@@ -7,7 +7,8 @@ use crate::model::Columns;
 /// A group of features of one kind, one column each.
 pub(super) struct Group {
     pub name: String,
-    /// Whether it follows a signal that comes back many times; time and lines do not, and slow noise may look like them.
+    /// Whether it follows a signal that comes back many times; time and lines do not, and slow
+    /// noise may look like them.
     pub by_signal: bool,
     /// How many numbers were chosen so that the features fit: a frequency, a damping.
     pub chosen: usize,
@@ -15,7 +16,7 @@ pub(super) struct Group {
 }
 
 impl Group {
-    /// Numbers by which it was laid where most was to be explained, the features' own included; 0 if nothing was chosen.
+    /// Number of parameters chosen to explain most, those of the features included; 0 if none was.
     pub fn tuned(&self) -> usize {
         match self.chosen {
             0 => 0,
@@ -24,7 +25,7 @@ impl Group {
     }
 }
 
-/// What the residual may follow: predicted outputs and known signals, their rates, time.
+/// Signals that the residual may depend on: predicted outputs and known signals, their rates, time.
 pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
     let data = problem.data;
     let mut groups = vec![Group {
@@ -91,8 +92,8 @@ fn standardised(values: &[f64]) -> Option<Vec<f64>> {
 const DELAYS: [usize; 6] = [0, 2, 5, 10, 18, 30];
 const SIZES: usize = 4;
 
-/// A channel that comes late by a time which goes with its size. The output is the nominal model's: what effects of sensors make of it
-/// is late already.
+/// A channel that comes late by a time which goes with its size. The output is the nominal model's:
+/// what effects of sensors make of it is late already.
 pub(super) fn delay_by_size(problem: &Problem, channel: usize, output: &[f64]) -> Option<Group> {
     let x = standardised(output)?;
     let sizes: Vec<f64> = output.iter().map(|x| x.abs()).collect();

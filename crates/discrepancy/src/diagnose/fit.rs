@@ -1,11 +1,11 @@
 //! Fits by simulation error: damped Gauss-Newton under coloured noise, within bounds.
 //!
-//! Library solvers do not serve here: the weights (the noise model) are estimated anew after each step, a simulation that
-//! diverges is a step to be taken back, and bounds are met often (an effect that is not there has size zero, its bound).
-
-use rayon::prelude::*;
+//! Library solvers do not serve here: the weights (the noise model) are estimated anew after each
+//! step, a step whose simulation diverges is undone, and bounds are often active (an effect that is
+//! not there has size zero, its bound).
 
 use super::data::Rows;
+use super::derivatives::{difference, jacobian};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
 use super::step::{Solver, Step};
@@ -27,7 +27,8 @@ pub(super) struct Fit {
 }
 
 const MAX_ITERATIONS: usize = 14;
-/// The first steps are taken under white noise: what is to be found is still in the residual, and its autoregression would hide it.
+/// The first steps are taken under white noise: what is to be found is still in the residual, and
+/// its autoregression would hide it.
 const WHITE_ITERATIONS: usize = 2;
 /// Derivatives serve for so many further steps in a row.
 const LONGEST_REUSE: usize = 3;
@@ -48,7 +49,7 @@ pub(super) fn fit(
     Ok(running.finish())
 }
 
-/// A fit under way.
+/// A fit in progress.
 pub(super) struct Running<'a, 'b> {
     solver: Solver<'a, 'b>,
     noise: Noise,
@@ -60,7 +61,8 @@ pub(super) struct Running<'a, 'b> {
     jacobian: Vec<Columns>,
     /// Steps since the derivatives were taken, if they serve for another one.
     age: Option<usize>,
-    /// Derivatives by the first variables that serve for the first step, which is under white noise.
+    /// Derivatives by the first variables that serve for the first step, which is under white
+    /// noise.
     known: Vec<Columns>,
 }
 
@@ -102,7 +104,8 @@ impl<'a, 'b> Running<'a, 'b> {
         })
     }
 
-    /// Takes derivatives of the model that this one extends by effects as good enough for the first step.
+    /// Takes derivatives of the model that this one extends by effects as good enough for the first
+    /// step.
     pub fn knowing(mut self, base: &Fit) -> Self {
         let candidates = |point: &Point| -> Vec<usize> {
             point.effects.iter().map(|found| found.candidate).collect()
@@ -128,7 +131,8 @@ impl<'a, 'b> Running<'a, 'b> {
             let whitened = self.iterations > self.white;
             let before = self.age.take().unwrap_or(0);
             match self.solver.step(&mut self.jacobian, &self.noise) {
-                // A fit that starts at its end serves with its derivatives: they are taken where it ends.
+                // A fit that starts at its end serves with its derivatives: they are taken where it
+                // ends.
                 Step::Converged if reused && self.white == 0 => {}
                 Step::Converged => self.converged = whitened,
                 // With derivatives of this place it may go on.
@@ -148,17 +152,17 @@ impl<'a, 'b> Running<'a, 'b> {
         Ok(())
     }
 
-    /// Whether nothing is left to be done.
+    /// Whether it has ended.
     pub fn has_ended(&self) -> bool {
         self.converged || self.stuck || self.iterations >= MAX_ITERATIONS
     }
 
-    /// Minus twice the log-likelihood, as it now stands.
+    /// Current value of minus twice the log-likelihood.
     pub fn objective(&self) -> f64 {
         self.noise.objective(self.solver.rows) + self.solver.penalty(&self.solver.variables)
     }
 
-    /// By how much the next step would lower the weighted squares if all were linear.
+    /// Decrease of the weighted squares by the next step in the linear model.
     pub fn decrement(&self) -> f64 {
         self.solver.decrement
     }
@@ -178,7 +182,7 @@ impl<'a, 'b> Running<'a, 'b> {
         dot(&apart, &apart)
     }
 
-    /// The fit as it now stands.
+    /// The current fit.
     pub fn finish(self) -> Fit {
         let solver = self.solver;
         let noise = solver.noise(true);
@@ -218,47 +222,4 @@ pub(super) fn unfitted(
         converged: true,
         iterations: 0,
     })
-}
-
-/// Change of the prediction at the rows per unit of each variable, by finite differences; of the first variables it may be known.
-///
-/// # Errors
-/// The simulation can be run on neither side of the point.
-pub(super) fn jacobian(
-    problem: &Problem,
-    rows: &Rows,
-    point: &Point,
-    predicted: &Columns,
-    known: Vec<Columns>,
-) -> Result<Vec<Columns>, PredictError> {
-    let variables = problem.variables(point);
-    let values: Vec<f64> = variables.iter().map(|v| v.value).collect();
-    let wanted = variables.par_iter().enumerate().skip(known.len());
-    let columns = wanted.map(|(i, v)| {
-        let sides = if v.value + v.step <= v.max {
-            [v.step, -v.step]
-        } else {
-            [-v.step, v.step]
-        };
-        let mut failure = None;
-        for step in sides {
-            let mut moved = values.clone();
-            moved[i] += step;
-            match problem.predict_for(rows, &problem.with_values(point, &moved)) {
-                Ok(columns) => return Ok(difference(&columns, predicted, 1.0 / step)),
-                Err(error) => failure = Some(error),
-            }
-        }
-        Err(failure.expect("both sides failed"))
-    });
-    let columns: Result<Vec<Columns>, PredictError> = columns.collect();
-    Ok([known, columns?].concat())
-}
-
-/// `(a - b) * factor`.
-pub(super) fn difference(a: &Columns, b: &Columns, factor: f64) -> Columns {
-    let pairs = a.iter().zip(b);
-    pairs
-        .map(|(a, b)| a.iter().zip(b).map(|(x, y)| (x - y) * factor).collect())
-        .collect()
 }

@@ -1,9 +1,10 @@
-//! Whether the experiment moved enough for anything to be seen.
+//! Whether the experiment excites the outputs beyond noise.
 
 use super::problem::Problem;
 use crate::model::Columns;
 
-/// An output must move by so many times its noise; what can be seen in fainter motion is found by the screening.
+/// An output must move by so many times its noise; what can be seen in fainter motion is found by
+/// the screening.
 const LEAST_MOTION: f64 = 0.5;
 
 /// What is missing, where no output moves beyond its noise.

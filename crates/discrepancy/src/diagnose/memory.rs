@@ -1,19 +1,20 @@
-//! Whether a change stands out of noise of any memory.
+//! Significance of a change in noise of any memory.
 //!
-//! An autoregression of low order knows nothing of noise whose power grows towards ever lower frequencies (1/f); a constant or a slow
-//! drift then looks sure when it is not. Here the spectrum of what is left is taken as it is, octave by octave, and its low
-//! end is continued to the frequencies that the record is too short for.
+//! An autoregression of low order knows nothing of noise whose power grows towards ever lower
+//! frequencies (1/f); a constant or a slow drift then looks sure when it is not. Here the spectrum
+//! of what is left is taken as it is, octave by octave, and its low end is continued to the
+//! frequencies that the record is too short for.
 
 use std::ops::Range;
 
-use realfft::RealFftPlanner;
+use truecut_recording::fft;
 
 use super::problem::Problem;
 use crate::model::Columns;
 
-/// The change must be so many times what noise of that spectrum would do to it.
+/// Least ratio of the change to its standard deviation in noise of that spectrum.
 const LEAST_DISTANCE: f64 = 3.5;
-/// And so many times on average over the two views of the noise: this one, and an autoregression.
+/// Least mean ratio over both noise models: this one, and an autoregression.
 pub(super) const LEAST_MEAN_DISTANCE: f64 = 5.1;
 /// A generalisation must stand out so far from what it generalises, which is itself beyond doubt.
 pub(super) const LEAST_GENERALISATION: f64 = 1.8;
@@ -22,14 +23,17 @@ const LOWEST: usize = 3;
 /// The low end of a spectrum, in cycles per record.
 const FITTED_UP_TO: usize = 96;
 
-/// What is slower than can be read off counts by so much less: how noise goes on below the record's lowest frequencies is a guess.
+/// What is slower than can be read off counts by so much less: how noise goes on below the record's
+/// lowest frequencies is a guess.
 const SLOW_PART: f64 = 0.8;
 /// And where the change is whatever fits best, out of many that are slow, by so much.
 const SLOW_PART_OF_ANY: f64 = 0.5;
-/// Shapes of a spectrum's low end that are less likely than the likeliest by no more than this logarithm are possible, too.
+/// Shapes of a spectrum's low end that are less likely than the likeliest by no more than this
+/// logarithm are possible, too.
 const POSSIBLE: f64 = 2.0;
 
-/// Distance of two residuals, in standard deviations of noise with the spectrum of the second; development part, all channels.
+/// Distance of two residuals, in standard deviations of noise with the spectrum of the second;
+/// development part, all channels.
 pub(super) fn distance(problem: &Problem, first: &Columns, second: &Columns) -> f64 {
     let rows = &problem.split.development.per_channel;
     let parts = (first.iter().zip(second).zip(rows))
@@ -38,21 +42,22 @@ pub(super) fn distance(problem: &Problem, first: &Columns, second: &Columns) -> 
     weighed(parts, SLOW_PART)
 }
 
-/// Whether a change is beyond chance in noise of any memory, besides gaining `gain` in minus twice the log-likelihood under an
-/// autoregression.
+/// Whether a change is beyond chance in noise of any memory, besides gaining `gain` in minus twice
+/// the log-likelihood under an autoregression.
 pub(super) fn stands_out(problem: &Problem, gain: f64, first: &Columns, second: &Columns) -> bool {
     let distance = distance(problem, first, second);
     let mean = 0.5 * (gain.max(0.0).sqrt() + distance);
     distance > LEAST_DISTANCE && mean > LEAST_MEAN_DISTANCE
 }
 
-/// By how many numbers a change was fitted.
+/// Number of fitted parameters of a change.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Freedom {
-    /// They take the noise away, too, where they are slow: there the spectrum is continued from where they cannot reach.
+    /// They take the noise away, too, where they are slow: there the spectrum is continued from
+    /// where they cannot reach.
     pub parameters: usize,
-    /// Those by which it was laid on the frequencies where most was to be explained: an octave in which it acts has lost as many of its
-    /// degrees of freedom.
+    /// Those by which it was laid on the frequencies where most was to be explained: an octave in
+    /// which it acts has lost as many of its degrees of freedom.
     pub tuned: usize,
 }
 
@@ -100,8 +105,9 @@ fn squares(
     parts
 }
 
-/// Share of an octave's degrees of freedom that a change laid by so many numbers leaves to the noise, by the frequency in its middle.
-/// They act where the change is, by its squares over the noise.
+/// Share of an octave's degrees of freedom that a change laid by so many numbers leaves to the
+/// noise, by the frequency in its middle. They act where the change is, by its squares over the
+/// noise.
 fn kept_by_octave(ratios: &[f64], tuned: usize) -> Vec<f64> {
     let sums = running_sums(ratios);
     let whole = sums[ratios.len()].max(f64::MIN_POSITIVE);
@@ -114,7 +120,8 @@ fn kept_by_octave(ratios: &[f64], tuned: usize) -> Vec<f64> {
     (0..ratios.len()).map(kept).collect()
 }
 
-/// A change at the rows, and on straight lines between them: elsewhere nothing was fitted, and it may be anything.
+/// A change at the rows, and on straight lines between them: elsewhere nothing was fitted, and it
+/// may be anything.
 fn between(
     rows: &[usize],
     samples: impl Iterator<Item = usize>,
@@ -136,13 +143,10 @@ fn between(
     line.collect()
 }
 
-fn periodogram(mut x: Vec<f64>) -> Vec<f64> {
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(x.len());
-    let mut spectrum = transform.make_output_vec();
-    transform
-        .process(&mut x, &mut spectrum)
-        .expect("buffers are of the plan's own lengths");
-    spectrum.iter().map(|z| z.norm_sqr()).collect()
+fn periodogram(x: Vec<f64>) -> Vec<f64> {
+    let length = x.len();
+    let bins = fft::forward(x, length);
+    bins.iter().map(|z| z.norm_sqr()).collect()
 }
 
 /// Frequencies of the octave about one, of so many.
@@ -159,7 +163,8 @@ fn running_sums(x: &[f64]) -> Vec<f64> {
     sums
 }
 
-/// Means over an octave about each frequency, continued below `lowest` as the low end of the spectrum goes.
+/// Means over an octave about each frequency, continued below `lowest` as the low end of the
+/// spectrum goes.
 fn smoothed(power: &[f64], lowest: usize) -> Vec<f64> {
     let sums = running_sums(power);
     let mean = |octave: Range<usize>| (sums[octave.end] - sums[octave.start]) / octave.len() as f64;
@@ -174,8 +179,9 @@ fn smoothed(power: &[f64], lowest: usize) -> Vec<f64> {
     smooth
 }
 
-/// The low end of a spectrum, continued to any frequency: a power law, as of 1/f noise, or flat up to a corner, as of an
-/// autoregression of first order. Of those that are possible by Whittle's likelihood the one with most power there.
+/// The low end of a spectrum, continued to any frequency: a power law, as of 1/f noise, or flat up
+/// to a corner, as of an autoregression of first order. Of those that are possible by Whittle's
+/// likelihood the one with most power there.
 fn continued(power: &[f64], lowest: usize, frequency: f64) -> f64 {
     let range = lowest - 1
         ..FITTED_UP_TO

@@ -1,13 +1,15 @@
-//! Finds the effects that explain what a model gets wrong, or says that it cannot.
+//! Finds the effects that explain the discrepancy of a model, or reports that none do.
 //!
-//! 1. The data are divided into blocks: for fitting, for choosing, and a last part that is opened once, when the choice is frozen.
+//! 1. The data are divided into blocks: for fitting, for choosing, and a last part that is opened
+//!    once, when the choice is frozen.
 //! 2. Nominal parameters are refitted within their stated uncertainty before structure is blamed.
-//! 3. *Detection*: likelihood-ratio tests of each candidate's signature under coloured noise, whose autoregression is fitted
-//!    together with the candidate, at a family-wise error that counts all tests made.
-//! 4. *Search* by simulation error: the best are fitted by damped Gauss-Newton; forward selection with a look at pairs,
-//!    replacement, backward removal.
+//! 3. *Detection*: likelihood-ratio tests of each candidate's signature under coloured noise, whose
+//!    autoregression is fitted together with the candidate, at a family-wise error that counts all
+//!    tests made.
+//! 4. *Search* by simulation error: the best are fitted by damped Gauss-Newton; forward selection
+//!    with a look at pairs, replacement, backward removal.
 //! 5. *Choice* on the validation blocks by a paired test, with a least practical gain.
-//! 6. What cannot be told apart is reported together, with an experiment that would.
+//! 6. Causes that cannot be distinguished are reported together, with an experiment that would.
 //! 7. A flexible predictor of what is left bounds what any model could still gain.
 //!
 //! All of it works on any [`Model`]. Runs are deterministic: parallel parts keep their order.
@@ -18,6 +20,7 @@ mod ceiling;
 mod choice;
 mod conclude;
 mod data;
+mod derivatives;
 mod evidence;
 mod features;
 mod fit;
@@ -45,12 +48,12 @@ use truecut_scenario::effect::Effect;
 use crate::compare::{Pair, UnitSuspicion, unit_suspicion};
 use crate::model::{Columns, Model, PredictError};
 pub use answer::{
-    Alternative, Cause, Ceiling, ChannelErrors, Diagnosis, Evidence, FitRecord, Lock, Nominal,
-    Parameter, Proposal, SmallestSeen, Verdict, Work,
+    Alternative, Cause, Ceiling, ChannelErrors, CorrelatedSignal, Diagnosis, Evidence, FitRecord,
+    Nominal, Parameter, Proposal, SmallestSeen, Verdict, Work,
 };
 pub use data::{MIN_SAMPLES, Observation, Output, Regressor};
 
-/// What a caller may choose.
+/// Options of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// Probability of a detection in pure noise, over all candidates together.
@@ -80,7 +83,7 @@ impl Default for Options {
     }
 }
 
-/// What is being done.
+/// Stage of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Nominal parameters within their uncertainty.
@@ -89,18 +92,18 @@ pub enum Stage {
     Screening(usize),
     /// Candidates fitted by simulation error.
     Fitting(usize),
-    /// Whether another cause explains as much.
+    /// Alternative causes.
     Alternatives,
-    /// What any model could still gain.
+    /// Bound on the gain of any further model.
     Ceiling,
-    /// Experiments that would tell the causes apart.
+    /// Experiments that would distinguish the causes.
     Experiments,
 }
 
-/// How far the work is.
+/// Progress of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// What is being done.
+    /// Stage of the work.
     pub stage: Stage,
     /// Simulations made.
     pub predictions: usize,
@@ -160,7 +163,7 @@ pub enum DiagnoseError {
     /// Trajectories that are empty, overlap or lie outside the data.
     #[error("trajectories must be in order, within the data, not empty, and must not overlap")]
     Trajectories,
-    /// A residual so absurd that the unit must be wrong.
+    /// A residual so large that the unit must be wrong.
     #[error("channel \"{channel}\": {suspicion}")]
     Unit {
         /// The channel.
@@ -220,7 +223,7 @@ pub fn diagnose(
     Ok(answer)
 }
 
-/// Refuses channels whose residual is absurd as they stand, and is not if a unit is exchanged.
+/// Refuses channels with a huge residual that another unit would remove.
 fn check_units(
     model: &dyn Model,
     data: &Observation,

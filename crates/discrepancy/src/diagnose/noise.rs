@@ -76,7 +76,7 @@ impl Noise {
     }
 }
 
-/// Rows that are whitened at once: as many sums do not wait for one another.
+/// Rows that are whitened at once: as many independent sums.
 const AT_ONCE: usize = 8;
 
 impl ChannelNoise {
@@ -123,8 +123,9 @@ fn stretches(rows: &[usize]) -> impl Iterator<Item = Range<usize>> {
     runs.map(|run| run[0]..run[0] + run.len())
 }
 
-/// Second moments of the present value and its predecessors, upper triangle. Within a run of rows, a moment of later values is that of the
-/// same two a row earlier, but for what the shift brings in and leaves behind.
+/// Second moments of the present value and its predecessors, upper triangle. Within a run of rows,
+/// a moment of later values is that of the same two a row earlier, but for what the shift brings in
+/// and leaves behind.
 fn second_moments(residual: &[f64], rows: &[usize], order: usize) -> DMatrix<f64> {
     let mut sums = DMatrix::zeros(order + 1, order + 1);
     let mut own = sums.clone();
@@ -170,7 +171,8 @@ fn fit_channel(residual: &[f64], rows: &[usize], order: usize, floor: f64) -> Ch
     }
 }
 
-/// What is known of a coefficient beforehand: `precision * (coefficient + offset)` is standard normal; precision 0 means nothing.
+/// What is known of a coefficient beforehand: `precision * (coefficient + offset)` is standard
+/// normal; precision 0 means nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Prior {
     pub offset: f64,
@@ -185,8 +187,9 @@ pub(super) struct LinearFit {
     pub objective: f64,
 }
 
-/// Generalised least squares: coefficients and autoregression in turn (Cochrane and Orcutt 1949), so that the noise model is that
-/// of what is left and not of what is to be found. Started from white noise and from `start`; the better end counts.
+/// Generalised least squares: coefficients and autoregression in turn (`cochrane1949`), so that the
+/// noise model is that of what is left and not of what is to be found. Started from white noise and
+/// from `start`; the better end counts.
 pub(super) fn fit_linear(
     residual: &Columns,
     design: &[&Columns],
@@ -236,7 +239,7 @@ pub(super) fn penalty(coefficients: &[f64], priors: &[Prior]) -> f64 {
         .sum()
 }
 
-/// Inner product, in eight sums that do not wait for one another.
+/// Inner product, in eight independent sums.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     let mut sums = [0.0; 8];
@@ -254,7 +257,8 @@ pub(super) fn solve(target: &[f64], columns: &[Vec<f64>], priors: &[Prior]) -> V
     Moments::new(target, columns).solve(priors)
 }
 
-/// Inner products of columns with one another and with what they are to explain. Those of parts of the rows add up.
+/// Inner products of columns with one another and with what they are to explain. Those of parts of
+/// the rows add up.
 #[derive(Debug, Clone)]
 pub(super) struct Moments {
     columns: DMatrix<f64>,

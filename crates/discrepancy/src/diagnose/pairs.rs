@@ -1,4 +1,4 @@
-//! Pair look-ahead: effects that are nothing alone and much together.
+//! Pair look-ahead: effects that are insignificant alone and significant together.
 
 use rayon::prelude::*;
 
@@ -7,8 +7,9 @@ use super::noise::{Noise, Prior, dot, solve};
 use super::problem::Problem;
 use super::screen::{Ranked, critical, nuisance, projected};
 
-/// Pairs that gain most beyond their better half, from the signatures alone: two under the noise model, and three under white noise,
-/// since the autoregression may have taken for noise what two effects leave that mask each other.
+/// Pairs that gain most beyond their better half, from the signatures alone: two under the noise
+/// model, and three under white noise, since the autoregression may have taken for noise what two
+/// effects leave that mask each other.
 pub(super) fn pairs(
     problem: &Problem,
     base: &Fit,

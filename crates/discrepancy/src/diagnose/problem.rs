@@ -57,7 +57,8 @@ pub(super) struct Variable {
 /// One part in so many of the predictions is kept for the conclusion.
 const KEPT_PART: usize = 10;
 
-/// A nominal parameter is refitted within so many standard deviations; what asks for more is no matter of uncertainty.
+/// A nominal parameter is refitted within so many standard deviations; a larger change is not due
+/// to uncertainty.
 const WITHIN_SIGMA: f64 = 3.0;
 
 impl<'a> Problem<'a> {
@@ -103,7 +104,8 @@ impl<'a> Problem<'a> {
         self.predictions.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Predictions that the search may still make; a part of those allowed is kept for the conclusion.
+    /// Predictions that the search may still make; a part of those allowed is kept for the
+    /// conclusion.
     pub fn left(&self) -> usize {
         let for_search = self.options.max_predictions / KEPT_PART * (KEPT_PART - 1);
         for_search.saturating_sub(self.predictions())

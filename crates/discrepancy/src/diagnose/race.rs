@@ -1,4 +1,5 @@
-//! Many fits side by side: two that have come together go on as one, and what falls far behind is given up.
+//! Many fits in parallel: fits that converge to the same point are merged, and those far behind are
+//! dropped.
 
 use rayon::prelude::*;
 
@@ -6,17 +7,19 @@ use super::fit::{Fit, Running};
 use super::problem::{Point, Problem};
 use crate::model::PredictError;
 
-/// Iterations after which fits are compared, the first of them under white noise, and a part: a fit is given up if, with all that its next
-/// step promises several times over, it has gained less than this part of what the best of as many effects has.
+/// Iterations after which fits are compared, the first of them under white noise, and a part: a fit
+/// is given up if, with all that its next step promises several times over, it has gained less than
+/// this part of what the best of as many effects has.
 const HEATS: [(usize, f64); 2] = [(3, 0.2), (5, 0.5)];
 /// What is left may be so many times what the next step promises.
 const PROMISE: f64 = 4.0;
-/// That much must have been gained by the best before anything is given up; with less, chance decides who leads.
+/// That much must have been gained by the best before anything is given up; with less, chance
+/// decides who leads.
 const CLEAR: f64 = 100.0;
 /// Squared distance, in standard deviations of the noise, below which two predictions are the same.
 const TOGETHER: f64 = 0.01;
 
-/// What fits have to beat in order to go on.
+/// Gain that fits must exceed to be continued.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Race<'a> {
     /// Nothing: all go to their ends. A model that all extend may be known.
@@ -28,17 +31,17 @@ pub(super) enum Race<'a> {
 }
 
 /// One fit with its end.
-pub(super) struct Trial {
+pub(super) struct FitTrial {
     pub start: Point,
     pub iterations: usize,
     pub end: Result<Fit, PredictError>,
 }
 
-/// A fit on its way.
+/// A fit in progress.
 struct Runner<'a, 'b> {
     start: Point,
     running: Result<Running<'a, 'b>, PredictError>,
-    /// Why it goes no further.
+    /// Why it was stopped.
     given_up: Option<&'static str>,
 }
 
@@ -71,10 +74,10 @@ impl<'a, 'b> Runner<'a, 'b> {
         }
     }
 
-    fn end(mut self) -> Trial {
+    fn end(mut self) -> FitTrial {
         let iterations = self.running.as_ref().map_or(0, Running::iterations);
         self.advance(usize::MAX);
-        Trial {
+        FitTrial {
             start: self.start,
             iterations: (self.running.as_ref()).map_or(iterations, Running::iterations),
             end: match self.given_up {
@@ -91,7 +94,7 @@ pub(super) fn run(
     starts: Vec<Point>,
     orders: &[usize],
     race: Race,
-) -> Vec<Trial> {
+) -> Vec<FitTrial> {
     let mut runners: Vec<Runner> = (starts.into_par_iter())
         .map(|start| Runner::begin(problem, start, orders, race))
         .collect();
@@ -105,7 +108,7 @@ pub(super) fn run(
     runners.into_par_iter().map(Runner::end).collect()
 }
 
-/// Which fits are not worth going on with, and why.
+/// Fits to stop, and why.
 fn given_up(runners: &[Runner], race: Race, part: f64) -> Vec<Option<&'static str>> {
     let running: Vec<Option<&Running>> = (runners.iter())
         .map(|runner| runner.running.as_ref().ok())
@@ -150,8 +153,8 @@ fn given_up(runners: &[Runner], race: Race, part: f64) -> Vec<Option<&'static st
     (0..runners.len()).map(verdict).collect()
 }
 
-/// The effects of the best fit that has others than the leader, among fits of the fewest effects: it is told as the next best explanation,
-/// however far behind.
+/// The effects of the best fit that has others than the leader, among fits of the fewest effects:
+/// it is reported as the next best explanation, however far behind.
 fn next_best(runners: &[Runner]) -> Option<Vec<usize>> {
     let on_the_way: Vec<&Running> = (runners.iter())
         .filter(|runner| runner.given_up.is_none())

@@ -9,7 +9,8 @@ use super::noise::{Prior, dot, solve};
 use super::problem::Problem;
 use crate::model::Columns;
 
-/// Resonances per octave that are tried, and their damping ratios: closer ones leave nearly one trace.
+/// Resonances per octave that are tried, and their damping ratios: closer ones have nearly equal
+/// signatures.
 const PER_OCTAVE: f64 = 12.0;
 const DAMPING: [f64; 2] = [0.03, 0.1];
 /// The fastest has so many samples in a period.
@@ -17,7 +18,8 @@ const SAMPLES: f64 = 8.0;
 /// The slowest has so many periods in the record.
 const PERIODS: f64 = 4.0;
 
-/// The resonance, and the signal that drives it, that explain most of the residual; none if nothing moves.
+/// The resonance, and the signal that drives it, that explain most of the residual; none if nothing
+/// moves.
 pub(super) fn resonance(
     problem: &Problem,
     predicted: &Columns,
@@ -71,8 +73,9 @@ fn explained(target: &[f64], features: &[Vec<f64>; 2], rows: &[usize]) -> f64 {
     parts.map(|(x, b)| b * dot(x, target)).sum()
 }
 
-/// Displacement and velocity of an oscillator of the angular frequency (per sample) whose base a signal moves; exact for a signal that
-/// is held over each sample. It rests at the signal's first value.
+/// Displacement and velocity of an oscillator of the angular frequency (per sample) whose base a
+/// signal moves; exact for a signal that is held over each sample. It rests at the signal's first
+/// value.
 fn response(problem: &Problem, signal: &[f64], angular: f64, damping: f64) -> [Vec<f64>; 2] {
     let decay = (-damping * angular).exp();
     let damped = angular * (1.0 - damping * damping).sqrt();

@@ -1,4 +1,5 @@
-//! What is done to a choice made: the same effects from other sizes, one taken away, one exchanged for another.
+//! What is done to a choice made: the same effects from other sizes, one taken away, one exchanged
+//! for another.
 
 use rayon::prelude::*;
 
@@ -19,8 +20,9 @@ const RESTARTED: usize = 6;
 const CLEARLY_BETTER: f64 = 10.0;
 
 impl Search<'_, '_> {
-    /// Where something is left to be found: the effect added last from other sizes, if that explains clearly more. What is not linear,
-    /// a phase or the moment of a slip, may have led its first fit to a lesser optimum.
+    /// Where something is left to be found: the effect added last from other sizes, if that
+    /// explains clearly more. What is not linear, a phase or the moment of a slip, may have led its
+    /// first fit to a lesser optimum.
     pub(super) fn restarted(&mut self, base: &Fit, orders: &[usize]) -> Option<Fit> {
         let last = base.point.effects.len().checked_sub(1)?;
         let infos = self.problem.infos(base.point.effects[last].candidate);
@@ -91,8 +93,8 @@ impl Search<'_, '_> {
         Ok(())
     }
 
-    /// Replaces each effect in turn by others; a clearly better model is taken, or one that is simpler and as good; all are kept as
-    /// rivals. Whether one was taken.
+    /// Replaces each effect in turn by others; a clearly better model is taken, or one that is
+    /// simpler and as good; all are kept as rivals. Whether one was taken.
     pub(super) fn replace(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
         let problem = self.problem;
         let train = &problem.split.train;
@@ -138,8 +140,9 @@ impl Search<'_, '_> {
         Ok(taken)
     }
 
-    /// Takes a pair that was fitted to begin with where it says clearly more with no more parameters: an effect that can do much alone
-    /// is added first, and no exchange of one effect for another leads from it to two that are there.
+    /// Takes a pair that was fitted to begin with where it says clearly more with no more
+    /// parameters: an effect that can do much alone is added first, and no exchange of one effect
+    /// for another leads from it to two that are there.
     pub(super) fn prefer_a_pair(&self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
         let problem = self.problem;
         if outcome.chosen.point.effects.is_empty() {

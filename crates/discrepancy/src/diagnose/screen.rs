@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::data::Rows;
-use super::fit::{Fit, difference};
+use super::derivatives::difference;
+use super::fit::Fit;
 use super::noise::{LinearFit, Prior, dot, fit_linear, solve};
 use super::problem::{Found, Problem};
 use super::signature::{Signature, with};
@@ -42,14 +43,13 @@ pub(super) fn nuisance<'a>(problem: &Problem, base: &'a Fit) -> (Vec<&'a Columns
     )
 }
 
-/// What each signature would gain on the rows, the best of each candidate that the point does not hold, best first.
-pub(super) fn rank(
+/// Those columns with what is known of them, and the fit of them alone.
+fn without_candidates<'a>(
     problem: &Problem,
-    base: &Fit,
-    signatures: &[Signature],
+    base: &'a Fit,
     rows: &Rows,
     orders: &[usize],
-) -> Vec<Ranked> {
+) -> (Vec<&'a Columns>, Vec<Prior>, LinearFit) {
     let (columns, priors) = nuisance(problem, base);
     let zero = fit_linear(
         &base.residual,
@@ -60,6 +60,19 @@ pub(super) fn rank(
         orders,
         &problem.floor,
     );
+    (columns, priors, zero)
+}
+
+/// What each signature would gain on the rows, the best of each candidate that the point does not
+/// hold, best first.
+pub(super) fn rank(
+    problem: &Problem,
+    base: &Fit,
+    signatures: &[Signature],
+    rows: &Rows,
+    orders: &[usize],
+) -> Vec<Ranked> {
+    let (columns, priors, zero) = without_candidates(problem, base, rows, orders);
     let ranked: Vec<Ranked> = signatures
         .par_iter()
         .filter(|signature| !base.point.holds(signature.candidate))
@@ -127,7 +140,8 @@ fn gain(
     for &i in &signature.sizes {
         start[i] = infos[i].neutral;
     }
-    // A size that comes out on the wrong side of its bound is not there; what is left is fitted again.
+    // A size that comes out on the wrong side of its bound is not there; what is left is fitted
+    // again.
     while !used.is_empty() {
         let mut design: Vec<&Columns> = used.iter().map(|&j| &signature.columns[j]).collect();
         design.extend(nuisance);
@@ -168,7 +182,8 @@ fn gain(
     (0.0, start)
 }
 
-/// Takes the signatures of the best anew at the sizes that were found: what is not linear looks different there.
+/// Takes the signatures of the best anew at the sizes that were found: what is not linear looks
+/// different there.
 pub(super) fn refine(
     problem: &Problem,
     base: &Fit,
@@ -177,16 +192,7 @@ pub(super) fn refine(
     orders: &[usize],
     count: usize,
 ) -> Vec<Ranked> {
-    let (columns, priors) = nuisance(problem, base);
-    let zero = fit_linear(
-        &base.residual,
-        &columns,
-        &priors,
-        rows,
-        &base.noise,
-        orders,
-        &problem.floor,
-    );
+    let (columns, priors, zero) = without_candidates(problem, base, rows, orders);
     let count = count.min(ranked.len());
     ranked[..count].par_iter_mut().for_each(|entry| {
         let infos = problem.infos(entry.candidate());
@@ -212,7 +218,8 @@ pub(super) fn refine(
             );
             let factor = fit.coefficients[0].clamp(0.2, 5.0);
             let gain = (zero.objective - fit.objective).max(0.0);
-            // At the size itself the change is no extrapolation, so it counts even where it is less.
+            // At the size itself the change is no extrapolation, so it counts even where it is
+            // less.
             let near = (fit.coefficients[0] - 1.0).abs() < 0.3;
             if near || gain > entry.gain {
                 entry.gain = gain;
@@ -253,7 +260,8 @@ pub(super) fn projected(column: &[f64], nuisance: &[Vec<f64>], priors: &[Prior])
     left
 }
 
-/// Angle in degrees between the spaces of two sets of whitened, projected columns (the smallest principal one for single columns).
+/// Angle in degrees between the spaces of two sets of whitened, projected columns (the smallest
+/// principal one for single columns).
 pub(super) fn angle_deg(a: &[f64], b: &[f64]) -> f64 {
     let norms = (dot(a, a) * dot(b, b)).sqrt();
     if norms <= 0.0 {

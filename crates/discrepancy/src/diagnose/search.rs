@@ -1,4 +1,5 @@
-//! The search: screening, fits, choice on the validation blocks, forward, in pairs, by replacement and backward.
+//! The search: screening, fits, choice on the validation blocks, forward, in pairs, by replacement
+//! and backward.
 
 use rayon::prelude::*;
 
@@ -30,7 +31,8 @@ pub(super) struct Outcome {
     pub ranking: Vec<Ranked>,
     /// Signatures tested in the last screening.
     pub tests: usize,
-    /// Signatures of the nominal model, refitted. Beside effects they serve as well: those of the best are taken anew there.
+    /// Signatures of the nominal model, refitted. Beside effects they serve as well: those of the
+    /// best are taken anew there.
     pub signatures: Vec<Signature>,
     /// A discrepancy was detected, and no fit of it ended well.
     pub failed: bool,
@@ -118,8 +120,9 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
 /// More nominal parameters than these are refitted from their values alone.
 const MOST_STARTED: usize = 4;
 
-/// Nominal parameters refitted: from their values, from either side of them, and with the first steps under white noise, since an
-/// autoregression takes a wrong constant or a late slip for noise. The likeliest end counts.
+/// Nominal parameters refitted: from their values, from either side of them, and with the first
+/// steps under white noise, since an autoregression takes a wrong constant or a late slip for
+/// noise. The likeliest end counts.
 fn refit(problem: &Problem, orders: &[usize]) -> Result<Fit, DiagnoseError> {
     let train = &problem.split.train;
     let nominal = problem.start();
@@ -177,8 +180,9 @@ impl Search<'_, '_> {
         let found = &outcome.signatures;
         let (ranking, mut starts) = self.screened(base, found, &outcome.orders, outcome.tests);
         if base.point.effects.is_empty() && !starts.is_empty() && self.is_far(base) {
-            // Nominal values may have been drawn there by what is to be found. What is promising from where they were is found with the
-            // same signatures; those of the best are taken anew there.
+            // Nominal values may have been drawn there by what is to be found. What is promising
+            // from where they were is found with the same signatures; those of the best are taken
+            // anew there.
             let unmoved = unfitted(problem, problem.start(), train, &outcome.orders)?;
             let (_, others) = self.screened(&unmoved, found, &outcome.orders, outcome.tests);
             starts.retain(|start| !others.iter().any(|other| is_like(start, other)));
@@ -248,7 +252,8 @@ impl Search<'_, '_> {
         far.any(|sigmas| sigmas > FAR_SIGMA)
     }
 
-    /// Starting points: single candidates beyond the critical gain, best first, and pairs that gain clearly more together.
+    /// Starting points: single candidates beyond the critical gain, best first, and pairs that gain
+    /// clearly more together.
     fn promising(&self, base: &Fit, ranking: &[Ranked], tests: usize) -> Vec<Point> {
         let problem = self.problem;
         let alpha = problem.options.family_wise_error;
@@ -266,8 +271,8 @@ impl Search<'_, '_> {
         starts
     }
 
-    /// Starting points that promise most under white noise. What an autoregression of the residual takes for noise is found here;
-    /// whether it is noise is decided by the fits.
+    /// Starting points that promise most under white noise. What an autoregression of the residual
+    /// takes for noise is found here; whether it is noise is decided by the fits.
     fn promising_in_white(
         &self,
         base: &Fit,
@@ -295,8 +300,8 @@ impl Search<'_, '_> {
             .collect()
     }
 
-    /// Fits from all starts, best promise first; only as many as the simulations left allow. What falls far behind in the
-    /// race is given up.
+    /// Fits from all starts, best promise first; only as many as the simulations left allow. What
+    /// falls far behind in the race is given up.
     pub(super) fn fit_all(
         &mut self,
         mut starts: Vec<Point>,
@@ -336,7 +341,8 @@ pub(super) fn extended(base: &Fit, added: &[&Ranked]) -> Point {
     point
 }
 
-/// Whether both start with the same effects from values that are nearly the same, wherever the nominal ones are.
+/// Whether both start with the same effects from values that are nearly the same, wherever the
+/// nominal ones are.
 fn is_like(a: &Point, b: &Point) -> bool {
     let same = |a: &Found, b: &Found| {
         let mut pairs = a.values.iter().zip(&b.values);

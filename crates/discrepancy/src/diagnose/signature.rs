@@ -1,14 +1,16 @@
-//! Signatures: the change of the prediction for a size of an effect that is not small, since backlash or dry friction have no
-//! derivative at zero.
+//! Signatures: the change of the prediction for a size of an effect that is not small, since
+//! backlash or dry friction have no derivative at zero.
 
 use rayon::prelude::*;
 
-use super::fit::{Fit, difference};
+use super::derivatives::difference;
+use super::fit::Fit;
 use super::problem::{Found, Point, Problem};
 use super::validate::rms;
 use crate::model::Columns;
 
-/// Change of the prediction for one candidate at given shape parameters, one for each size parameter.
+/// Change of the prediction for one candidate at given shape parameters, one for each size
+/// parameter.
 #[derive(Debug, Clone)]
 pub(super) struct Signature {
     pub candidate: usize,
@@ -39,7 +41,8 @@ pub(super) fn signatures(problem: &Problem, base: &Fit) -> Vec<Signature> {
     found.into_iter().flatten().collect()
 }
 
-/// Number of tests that a screening at the point makes: one for each value on the grids, whether or not two of them came to the same.
+/// Number of tests that a screening at the point makes: one for each value on the grids, whether or
+/// not two of them came to the same.
 pub(super) fn tests(problem: &Problem, point: &Point) -> usize {
     let grids = absent(problem, point).flat_map(|candidate| grid(problem, candidate));
     grids.map(|levels| levels.len()).sum()
@@ -50,7 +53,8 @@ fn absent(problem: &Problem, point: &Point) -> impl Iterator<Item = usize> {
     (0..problem.candidates.len()).filter(|candidate| !point.holds(*candidate))
 }
 
-/// A signature so many times the residual is taken anew at a smaller size: the effect, if it is there, is no larger than that.
+/// A signature so many times the residual is taken anew at a smaller size: the effect, if it is
+/// there, is no larger than that.
 const FAR_TOO_LARGE: f64 = 4.0;
 /// And then it is to be so many times the residual.
 const LARGE: f64 = 2.0;
@@ -66,7 +70,8 @@ struct Screening<'a, 'b> {
 }
 
 impl Screening<'_, '_> {
-    /// Signatures at several levels of the sizes, smallest first; a level that would be taken anew where one before it is, is left out.
+    /// Signatures at several levels of the sizes, smallest first; a level that would be taken anew
+    /// where one before it is, is left out.
     fn ladder(&self, candidate: usize, levels: Vec<Vec<f64>>) -> Vec<Signature> {
         let infos = self.problem.infos(candidate);
         let sizes: Vec<usize> = (0..infos.len()).filter(|&i| infos[i].is_size).collect();
@@ -102,7 +107,8 @@ impl Screening<'_, '_> {
         ratios.fold(0.0, f64::max)
     }
 
-    /// Change of the prediction for one size parameter alone; `values` gets the size at which it was taken.
+    /// Change of the prediction for one size parameter alone; `values` gets the size at which it
+    /// was taken.
     fn taken(&self, candidate: usize, values: &mut [f64], chosen: usize) -> Option<Columns> {
         let infos = self.problem.infos(candidate);
         let neutral = infos[chosen].neutral;
@@ -146,11 +152,13 @@ impl Screening<'_, '_> {
     }
 }
 
-/// Parts of the typical size at which signatures are taken where the kind names no sizes to start from; smallest first.
+/// Parts of the typical size at which signatures are taken where the kind names no sizes to start
+/// from; smallest first.
 const LEVELS: [f64; 2] = [0.2, 1.0];
 
-/// Starting values: for each combination of the shape parameters' starts those of the sizes. Those that are levels of one typical size
-/// belong together; those that the kind names stand for themselves.
+/// Starting values: for each combination of the shape parameters' starts those of the sizes. Those
+/// that are levels of one typical size belong together; those that the kind names stand for
+/// themselves.
 fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<Vec<f64>>> {
     let infos = problem.infos(candidate);
     let scale = &problem.candidates[candidate].scale;

@@ -1,19 +1,22 @@
-//! What whole families of effects could do together, in any mixture: a friction of any course over speed, a transmission of any
-//! shape. The library holds a few courses; a residual that a free mixture of them follows has a place, if no name.
+//! What whole families of effects could do together, in any mixture: a friction of any course over
+//! speed, a transmission of any shape. The library holds a few courses; a residual that a free
+//! mixture of them follows has a place, if no name.
 
-use truecut_scenario::effect::{EffectKind, Family, Target};
+use truecut_scenario::effect::{Signal, Target};
 
 use super::features::Group;
 use super::noise::dot;
 use super::problem::Problem;
 use super::signature::Signature;
+use crate::model::Candidate;
 
-/// The mixtures, as features of one channel; their traces come from full simulations, dynamics included.
+/// The mixtures, as features of one channel; their traces come from full simulations, dynamics
+/// included.
 pub(super) fn spans(problem: &Problem, signatures: &[&Signature], channel: usize) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for signature in signatures {
         let candidate = &problem.candidates[signature.candidate];
-        let Some(name) = family(candidate.kind, &candidate.target) else {
+        let Some(name) = family(candidate) else {
             continue;
         };
         let columns = signature.columns.iter().map(|x| x[channel].clone());
@@ -34,26 +37,16 @@ pub(super) fn spans(problem: &Problem, signatures: &[&Signature], channel: usize
     groups
 }
 
-fn family(kind: EffectKind, target: &Target) -> Option<String> {
-    use EffectKind as K;
-    let Target::Joint(joint) = target else {
-        let foot = kind.family() == Family::Foot;
-        return foot.then(|| "the load of the foot, as a friction would".to_owned());
+fn family(candidate: &Candidate) -> Option<String> {
+    let signal = candidate.kind.follows()?;
+    let Target::Joint(joint) = candidate.target else {
+        return Some("the load of the foot, as a friction would".to_owned());
     };
     let joint = joint + 1;
-    Some(match kind {
-        K::JointViscous
-        | K::JointCoulomb
-        | K::JointAsymmetricViscous
-        | K::JointAsymmetricCoulomb
-        | K::JointStribeck => format!("the speed of joint {joint}, as a friction would"),
-        K::JointStiffness
-        | K::JointDamping
-        | K::JointBacklash
-        | K::JointHysteresis
-        | K::JointCubicStiffness => format!("the load of joint {joint}, as its transmission would"),
-        K::JointRipple => format!("the angle of joint {joint}, as its transmission would"),
-        _ => return None,
+    Some(match signal {
+        Signal::Speed => format!("the speed of joint {joint}, as a friction would"),
+        Signal::Load => format!("the load of joint {joint}, as its transmission would"),
+        Signal::Angle => format!("the angle of joint {joint}, as its transmission would"),
     })
 }
 

@@ -1,22 +1,25 @@
-//! One step of a fit: damped normal equations within bounds, and what a step teaches about the derivatives.
+//! One step of a fit: damped normal equations within bounds, and what a step teaches about the
+//! derivatives.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::data::Rows;
-use super::fit::{difference, jacobian};
+use super::derivatives::{difference, jacobian};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem, Variable};
 use crate::model::{Columns, PredictError};
 
 const MAX_REJECTED: usize = 5;
-/// Derivatives serve for another step, with Broyden's correction, if they foresaw the last one to this part of it.
+/// Derivatives serve for another step, with Broyden's correction, if they foresaw the last one to
+/// this part of it.
 const FORESEEN: f64 = 0.2;
-/// A variable is left where it is if the step of its finite difference, about a ten-thousandth of its typical size, moves the whitened
-/// prediction by less than this: what derivatives say of it is rounding, and to follow it keeps the others from converging.
+/// A variable is left where it is if the step of its finite difference, about a ten-thousandth of
+/// its typical size, moves the whitened prediction by less than this: what derivatives say of it is
+/// rounding, and to follow it keeps the others from converging.
 const LEAST_FELT: f64 = 1e-6;
-/// Relative accuracy of derivatives. Where two of them differ by less, the step that their difference asks for is no reason to call a
-/// fit unfinished.
+/// Relative accuracy of derivatives. Where two of them differ by less, the step that their
+/// difference asks for is no reason to call a fit unfinished.
 const ACCURACY: f64 = 1e-3;
 
 pub(super) enum Step {
@@ -169,8 +172,8 @@ impl Solver<'_, '_> {
     }
 }
 
-/// Corrects derivatives by what a step did (Broyden's good update, variables scaled by the norm of their whitened derivatives). How
-/// far the step was from what they foresaw, as a part of that.
+/// Corrects derivatives by what a step did (Broyden's good update, variables scaled by the norm of
+/// their whitened derivatives). How far the step was from what they foresaw, as a part of that.
 fn corrected(
     jacobian: &mut [Columns],
     whitened: &[Vec<f64>],

@@ -4,12 +4,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::DiagnoseError;
 use super::data::Rows;
-use super::fit::{Fit, jacobian};
+use super::derivatives::jacobian;
+use super::fit::Fit;
 use super::noise::dot;
 use super::problem::Problem;
 
-/// One for each variable of the fit: from the whitened Gauss-Newton covariance, or from leaving out blocks in turn, whichever is
-/// larger. None where the data do not determine it.
+/// One for each variable of the fit: from the whitened Gauss-Newton covariance, or from leaving out
+/// blocks in turn, whichever is larger. None where the data do not determine it.
 ///
 /// # Errors
 /// The simulation cannot be run around the fit.
@@ -53,11 +54,12 @@ pub(super) fn standard_errors(
     Ok(errors)
 }
 
-/// A variable counts if the step of its finite difference, about a ten-thousandth of its typical size, moves the whitened prediction by
-/// more than this: less is rounding.
+/// A variable counts if the step of its finite difference, about a ten-thousandth of its typical
+/// size, moves the whitened prediction by more than this: less is rounding.
 const LEAST_FELT: f64 = 1e-10;
 
-/// Variances of the scaled variables by the block jackknife, each time with one Gauss-Newton step from the whole.
+/// Variances of the scaled variables by the block jackknife, each time with one Gauss-Newton step
+/// from the whole.
 fn leave_out(
     problem: &Problem,
     rows: &Rows,

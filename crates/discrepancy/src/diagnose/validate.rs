@@ -12,7 +12,8 @@ pub(super) struct Paired {
     pub gain: f64,
     /// Standard error of `gain`.
     pub error: f64,
-    /// Largest relative fall of a channel's rms that is beyond its own standard error; not whitened.
+    /// Largest relative fall of a channel's rms that is beyond its own standard error; not
+    /// whitened.
     pub practical: f64,
 }
 
@@ -26,14 +27,16 @@ impl Paired {
     }
 }
 
-/// Batches into which the rows are divided for standard errors; each is long beside the noise's memory.
+/// Batches into which the rows are divided for standard errors; each is long compared with the
+/// noise's memory.
 const BATCHES: usize = 12;
 const SHORTEST_BATCH: usize = 20;
 
 /// Compares residuals on the rows; both are whitened alike.
 ///
-/// With `e` the second model's error and `d` what the models differ by, squares differ by `d^2 + 2 d e`. The first term is the gain
-/// itself, however unevenly it falls on the batches (a transient may hold most of it); only the second is chance.
+/// With `e` the second model's error and `d` what the models differ by, squares differ by
+/// `d^2 + 2 d e`. The first term is the gain itself, however unevenly it falls on the batches (a
+/// transient may hold most of it); only the second is chance.
 pub(super) fn compare(first: &Columns, second: &Columns, noise: &Noise, rows: &Rows) -> Paired {
     let (a, b) = (noise.whiten(first, rows), noise.whiten(second, rows));
     let (mut gain, mut sums, mut start) = (0.0, Vec::new(), 0);
@@ -49,7 +52,8 @@ pub(super) fn compare(first: &Columns, second: &Columns, noise: &Noise, rows: &R
             |x: &Columns| -> Vec<f64> { rows.per_channel[c].iter().map(|&t| x[c][t]).collect() };
         practical_gain(&pick(first), &pick(second))
     });
-    // Whitened, the second model's error has unit variance if it is noise; batches cannot be surer than that.
+    // Whitened, the second model's error has unit variance if it is noise; batches cannot be surer
+    // than that.
     let distance: f64 = a.iter().zip(&b).map(|(x, y)| (x - y).powi(2)).sum();
     Paired {
         gain,

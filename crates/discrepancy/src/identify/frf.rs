@@ -17,27 +17,29 @@ pub struct Frf {
     pub frequency_hz: Vec<f64>,
     /// m/N, (m/s)/N or (m/s²)/N.
     pub value: Vec<Complex<f64>>,
-    /// Standard deviation of the real and of the imaginary part, known but for a common factor.
+    /// Standard deviation of the real and of the imaginary part, up to a common factor.
     pub noise: Option<Vec<f64>>,
     /// Coherence, if it is known.
     pub coherence: Option<Vec<f64>>,
-    /// What the motion is.
+    /// Quantity of the motion.
     pub kind: MotionKind,
-    /// Where the hammer struck.
+    /// Point and direction of the blow.
     pub excitation: HammerPoint,
-    /// Where the motion was measured.
+    /// Point and direction of the measured motion.
     pub response: HammerPoint,
-    /// What was done to the signals, one sentence each.
+    /// Notes on processing, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// Fewest frequencies in the band: a mode takes four numbers, the rest of the arm two or three more.
+/// Fewest frequencies in the band: a mode takes four numbers, the rest of the arm two or three
+/// more.
 pub const FEWEST: usize = 12;
 
 /// Reads an FRF from a table; the part of it that lies in the band.
 ///
 /// # Errors
-/// A missing column, a frequency that does not rise, a value that is no number, too few in the band.
+/// A missing column, a frequency that does not rise, a value that is no number, too few in the
+/// band.
 pub fn frf(
     table: &Table,
     spec: &FrfSpec,
@@ -117,7 +119,7 @@ pub fn frf(
 }
 
 impl Frf {
-    /// Refuses what holds nothing.
+    /// Refuses an FRF that is zero.
     pub(super) fn check(&self, band_hz: [f64; 2], key: &str) -> Result<(), IdentifyError> {
         let count = self.frequency_hz.len();
         let message = if count < FEWEST {
@@ -136,7 +138,7 @@ impl Frf {
         Err(IdentifyError::new(format!("{key}.file"), message))
     }
 
-    /// (iω)^p that turns a compliance into what was measured.
+    /// (iω)^p that converts a compliance into the measured quantity.
     pub fn from_compliance(kind: MotionKind, frequency_hz: f64) -> Complex<f64> {
         let i_omega = Complex::new(0.0, TAU * frequency_hz);
         match kind {
@@ -147,8 +149,9 @@ impl Frf {
     }
 }
 
-/// Deviation that a coherence stands for, |H|² (1 − γ²)/(2 n γ²) for each part, smoothed: a coherence from few
-/// averages scatters itself. Never below a thousandth of |H|, since a coherence of 1 is a rounded one.
+/// Standard deviation from coherence: variance |H|² (1 − γ²)/(2 n γ²) of each part, smoothed since
+/// a coherence from few averages scatters. At least a thousandth of |H|, since a coherence of 1 is
+/// rounded.
 pub(super) fn noise(value: &[Complex<f64>], coherence: &[f64], averages: usize) -> Vec<f64> {
     const HALF: usize = 4;
     let single: Vec<f64> = (value.iter().zip(coherence))

@@ -1,10 +1,11 @@
-//! FRFs from the signals of hammer and sensor: blows are found, and averaged by H1.
+//! FRFs from the signals of hammer and sensor: detection of blows, averages by H1.
 //!
-//! H1 = Σ F* X / Σ F* F is free of bias from noise of the sensor. An exponential window e^(−t/τ) acts on force and
-//! response alike, which gives exactly H(iω + 1/τ): the fit takes the 1/τ off its poles again.
+//! H1 = Σ F* X / Σ F* F is unbiased under noise of the sensor. An exponential window e^(−t/τ) acts
+//! on force and response alike, which gives exactly H(iω + 1/τ): the fit subtracts 1/τ from its
+//! decay rates.
 
 use nalgebra::Complex;
-use realfft::RealFftPlanner;
+use truecut_recording::fft;
 use truecut_recording::measured::Table;
 use truecut_recording::significant;
 use truecut_scenario::identification::{ImpactSpec, SampleTimes};
@@ -12,15 +13,15 @@ use truecut_scenario::identification::{ImpactSpec, SampleTimes};
 use super::frf::{Frf, noise};
 use super::{IdentifyError, place};
 
-/// Sampling may jitter by this share of the interval.
+/// Allowed jitter, as a fraction of the sampling interval.
 const JITTER: f64 = 0.01;
-/// A second blow inside a window: this share of the first.
+/// Least force of a second blow inside a window, as a fraction of the first.
 const DOUBLE: f64 = 0.2;
-/// A response has rung down when its last tenth is at most this share of its first.
+/// A response has decayed if its last tenth is at most this fraction of its first.
 const RUNG_DOWN: f64 = 0.03;
 
 /// Hammer and response, uniformly sampled, SI.
-struct Signals {
+struct HammerSignals {
     rate_hz: f64,
     force: Vec<f64>,
     response: Vec<f64>,
@@ -29,7 +30,7 @@ struct Signals {
 /// The FRF of all blows in a table.
 ///
 /// # Errors
-/// Signals that are not uniform or hold gaps, no blow, windows too short for the band.
+/// HammerSignals that are not uniform or hold gaps, no blow, windows too short for the band.
 pub fn impact(
     table: &Table,
     spec: &ImpactSpec,
@@ -81,7 +82,8 @@ pub fn impact(
     }
     if let Some(left) = still_ringing(&signals, spec, &windows, length) {
         notes.push(format!(
-            "the response still has {} % of its first size when the window ends: damping comes out too large; \
+            "the response still has {} % of its first size when the window ends: damping comes \
+             out too large; \
              take a longer window_s, or exponential_s",
             significant(100.0 * left, 2)
         ));
@@ -102,7 +104,7 @@ pub fn impact(
     Ok(found)
 }
 
-fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<Signals, IdentifyError> {
+fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<HammerSignals, IdentifyError> {
     let read = |name: &str, factor: f64, part: &str| -> Result<Vec<f64>, IdentifyError> {
         let at = || format!("{key}.{part}");
         let values = table
@@ -132,7 +134,8 @@ fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<Signals, Ident
                 .position(|pair| (pair[1] - pair[0] - interval).abs() > JITTER * interval);
             if let Some(row) = uneven.or((span <= 0.0).then_some(0)) {
                 let message = format!(
-                    "{}: {}: the next sample follows after {} s, but the mean interval is {} s; a spectrum needs \
+                    "{}: {}: the next sample follows after {} s, but the mean interval is {} s; a \
+                     spectrum needs \
                      equal intervals",
                     table.source,
                     place(table, row),
@@ -144,21 +147,21 @@ fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<Signals, Ident
             1.0 / interval
         }
     };
-    Ok(Signals {
+    Ok(HammerSignals {
         rate_hz,
         force,
         response,
     })
 }
 
-/// Samples at which blows begin: the force rises through the trigger, and was below it for a while.
-fn blows(signals: &Signals, spec: &ImpactSpec) -> Vec<usize> {
+/// Samples at which blows begin: the force rises through the trigger after a time below it.
+fn blows(signals: &HammerSignals, spec: &ImpactSpec) -> Vec<usize> {
     let largest = signals.force.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let trigger = spec.trigger_n.unwrap_or(0.1 * largest);
     if largest < trigger || largest == 0.0 {
         return Vec::new();
     }
-    // Inside a window a second crossing is a double blow, judged later.
+    // A second crossing inside a window is a double blow, treated later.
     let quiet = spec.window_s.unwrap_or(0.25) * signals.rate_hz;
     let mut found: Vec<usize> = Vec::new();
     for (i, force) in signals.force.iter().enumerate() {
@@ -171,7 +174,7 @@ fn blows(signals: &Signals, spec: &ImpactSpec) -> Vec<usize> {
 }
 
 /// Samples of a window.
-fn window(signals: &Signals, spec: &ImpactSpec, blows: &[usize]) -> Option<usize> {
+fn window(signals: &HammerSignals, spec: &ImpactSpec, blows: &[usize]) -> Option<usize> {
     let before = (spec.before_s * signals.rate_hz).round() as usize;
     if let Some(window_s) = spec.window_s {
         return (!blows.is_empty()).then(|| before + (window_s * signals.rate_hz).round() as usize);
@@ -186,7 +189,7 @@ fn window(signals: &Signals, spec: &ImpactSpec, blows: &[usize]) -> Option<usize
 
 /// Whether a window holds one blow.
 fn single(
-    signals: &Signals,
+    signals: &HammerSignals,
     spec: &ImpactSpec,
     start: usize,
     length: usize,
@@ -202,7 +205,7 @@ fn single(
     });
     let largest = force[peak].abs();
     let trigger = spec.trigger_n.unwrap_or(0.1 * largest).min(0.1 * largest);
-    // The first blow ends where the force falls through the trigger; later it must stay small.
+    // The first blow ends where the force falls below the trigger; then it must stay small.
     let end = (peak..force.len()).find(|&i| force[i].abs() < trigger);
     let later = end.map_or(&[][..], |end| &force[end..]);
     let early = &force[..peak.min(before.saturating_sub(1))];
@@ -210,9 +213,9 @@ fn single(
     small(later) && small(early)
 }
 
-/// What is left of the response at the end of its windows, if that is too much.
+/// Remaining response at the end of its windows, if too large.
 fn still_ringing(
-    signals: &Signals,
+    signals: &HammerSignals,
     spec: &ImpactSpec,
     windows: &[usize],
     length: usize,
@@ -226,7 +229,7 @@ fn still_ringing(
         (spec.exponential_s).map_or(1.0, |tau| (-(length as f64) / signals.rate_hz / tau).exp());
     let worst = windows.iter().map(|&start| {
         let window = &signals.response[start..start + length];
-        // The largest tenth: a window begins before its blow.
+        // Relative to the largest tenth: a window begins before its blow.
         let first = window.chunks(tenth).map(rms).fold(0.0, f64::max);
         decay * rms(&window[length - tenth..]) / first.max(f64::MIN_POSITIVE)
     });
@@ -234,33 +237,29 @@ fn still_ringing(
 }
 
 fn average(
-    signals: &Signals,
+    signals: &HammerSignals,
     spec: &ImpactSpec,
     windows: &[usize],
     length: usize,
     band_hz: [f64; 2],
 ) -> Frf {
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(length);
     let count = length / 2 + 1;
     let (mut ff, mut xx) = (vec![0.0; count], vec![0.0; count]);
     let mut fx = vec![Complex::new(0.0, 0.0); count];
     let before = (spec.before_s * signals.rate_hz).round() as usize;
     for &start in windows {
         let spectrum = |signal: &[f64]| {
-            // What stands before the blow is the sensor's offset.
+            // The signal before the blow is the sensor's offset.
             let rest =
                 signal[start..start + before.max(1)].iter().sum::<f64>() / before.max(1) as f64;
             let offset = if before >= 4 { rest } else { 0.0 };
-            let mut window: Vec<f64> = (signal[start..start + length].iter().enumerate())
+            let window: Vec<f64> = (signal[start..start + length].iter().enumerate())
                 .map(|(i, x)| {
                     let t = i as f64 / signals.rate_hz;
                     (x - offset) * spec.exponential_s.map_or(1.0, |tau| (-t / tau).exp())
                 })
                 .collect();
-            let mut out = plan.make_output_vec();
-            // The lengths fit: the plan made the output for this window.
-            let _ = plan.process(&mut window, &mut out);
-            out
+            fft::forward(window, length)
         };
         let (force, response) = (spectrum(&signals.force), spectrum(&signals.response));
         for k in 0..count {
@@ -274,7 +273,7 @@ fn average(
         .filter(|&k| hz(k) >= band_hz[0] && hz(k) <= band_hz[1] && ff[k] > 0.0)
         .collect();
     let value: Vec<Complex<f64>> = used.iter().map(|&k| fx[k] / ff[k]).collect();
-    // One blow is always coherent with itself.
+    // The coherence of a single blow is 1.
     let coherence: Option<Vec<f64>> = (windows.len() > 1).then(|| {
         let of = |k: usize| (fx[k].norm_sqr() / (ff[k] * xx[k]).max(f64::MIN_POSITIVE)).min(1.0);
         used.iter().map(|&k| of(k)).collect()

@@ -1,13 +1,14 @@
-//! What measurements of the arm itself say: joint stiffness from load and deflection, modes from hammer FRFs.
+//! Identification from measurements of the arm itself: joint stiffness from load and deflection,
+//! modes from hammer FRFs.
 //!
 //! | module | what it holds |
 //! | --- | --- |
 //! | [`readings`] | a table of loads and displacements, as rows in SI |
-//! | [`stiffness`] | joint stiffnesses from them, with intervals, and which cannot be told |
+//! | [`stiffness`] | joint stiffnesses from them, with intervals and identifiability |
 //! | [`frf`] | FRFs from files |
 //! | [`impact`] | FRFs from the signals of hammer and sensor: H1 and coherence |
 //! | [`modal`] | poles and residues common to FRFs |
-//! | [`modes`] | measured modes beside those of the model |
+//! | [`modes`] | measured modes paired with those of the model |
 
 pub mod frf;
 pub mod impact;
@@ -19,10 +20,10 @@ pub mod stiffness;
 #[cfg(test)]
 mod tests;
 
-/// Probability that an interval of this module is meant to hold the true value with.
+/// Coverage of the intervals of this module.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// Data that say nothing, at the key of the identification file that they belong to.
+/// Unusable data, at the key of the identification file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct IdentifyError {
@@ -33,7 +34,7 @@ pub struct IdentifyError {
 }
 
 impl IdentifyError {
-    /// A fault at a key.
+    /// An error at a key.
     pub fn new(key: impl Into<String>, message: impl std::fmt::Display) -> IdentifyError {
         IdentifyError {
             key: key.into(),
@@ -42,7 +43,7 @@ impl IdentifyError {
     }
 }
 
-/// A row of a table as a message names it.
+/// A row of a table, as named in messages.
 fn place(table: &truecut_recording::measured::Table, row: usize) -> String {
     match table.lines.get(row) {
         Some(line) => format!("row {} (line {line})", row + 1),

@@ -1,12 +1,13 @@
 //! Poles and residues common to FRFs.
 //!
-//! H(ω) = (iω)^p [ Σ_k ( R_k/(iω − s_k) + R_k*/(iω − s_k*) ) + U − L/ω² ], with the poles s_k = −ζω + iω√(1 − ζ²)
-//! common to all FRFs and residues of each FRF its own; U and L stand for modes above and below the band. For given
-//! poles residues follow by linear least squares, so that only the poles are searched (variable projection, by
-//! Levenberg and Marquardt).
+//! H(ω) = (iω)^p [ Σ_k ( R_k/(iω − s_k) + R_k*/(iω − s_k*) ) + U − L/ω² ], with the poles
+//! s_k = −ζω + iω√(1 − ζ²) common to all FRFs and the residues specific to each; U and L represent
+//! modes above and below the band. For given poles residues follow by linear least squares, so
+//! that only the poles are optimised (variable projection, `golub1973`, by Levenberg and
+//! Marquardt).
 //!
-//! Modes are added one by one where they take most off the residual, as long as that is worth their parameters (BIC)
-//! and they matter at their own frequency.
+//! Modes are added one by one where they reduce the residual most, as long as BIC improves and they
+//! matter at their own frequency.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -16,7 +17,7 @@ mod projection;
 mod search;
 
 use crate::stats::distributions::t_quantile;
-use projection::{Fitted, Problem};
+use projection::{Fitted, PoleProblem};
 
 /// A pole by natural frequency and damping ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +28,7 @@ pub struct Pole {
     pub zeta: f64,
 }
 
-/// A mode that FRFs show.
+/// A mode found in FRFs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredMode {
     /// Natural frequency, Hz: value, and ends of its 95 % interval.
@@ -43,28 +44,29 @@ pub struct MeasuredMode {
 pub struct ModalFit {
     /// The modes, slowest first.
     pub modes: Vec<MeasuredMode>,
-    /// What the fit gives at each frequency of each FRF, in the FRF's quantity.
+    /// The fit at each frequency of each FRF, in the FRF's quantity.
     pub fitted: Vec<Vec<Complex<f64>>>,
     /// Of each FRF, RMS of the residual over RMS of the values.
     pub residual: Vec<f64>,
-    /// Factor by which the intervals were widened, because residuals of neighbouring frequencies go together.
+    /// Factor by which the intervals were widened because residuals of neighbouring frequencies are
+    /// correlated.
     pub widened: f64,
 }
 
-/// Fits modes. `count` fixes their number; `damping_shift` (1/s, one for all FRFs) is what an exponential window
-/// has added to every decay rate. `None` if the data show no mode.
+/// Fits modes. `count` fixes their number; `damping_shift` (1/s, one for all FRFs) is the decay
+/// rate that an exponential window has added. `None` if the data show no mode.
 pub fn fit(
     frfs: &[Frf],
     band_hz: [f64; 2],
     count: Option<usize>,
     damping_shift: f64,
 ) -> Option<ModalFit> {
-    let mut problem = Problem::new(frfs);
+    let mut problem = PoleProblem::new(frfs);
     let mut poles = search::poles(&problem, band_hz, count);
     if poles.is_empty() {
         return None;
     }
-    // Each FRF weighs by the residual that it is left with.
+    // Each FRF is weighted by its residual.
     for _ in 0..2 {
         problem.reweigh(&poles);
         poles = search::refine(&problem, &poles);
@@ -103,7 +105,7 @@ fn measured(
     k: usize,
 ) -> MeasuredMode {
     let hz = |omega: f64| omega / std::f64::consts::TAU;
-    // Decay and damped frequency of the fit; the window's share comes off the decay.
+    // Decay rate and damped frequency of the fit, less the window's decay rate.
     let decay = pole.zeta * pole.omega - shift;
     let damped = pole.omega * (1.0 - pole.zeta * pole.zeta).max(0.0).sqrt();
     let omega = decay.hypot(damped);
@@ -127,7 +129,7 @@ fn measured(
 }
 
 /// Of the logarithms of ω and ζ, in the order of the poles.
-fn covariance(problem: &Problem, poles: &[Pole], best: &Fitted) -> Option<DMatrix<f64>> {
+fn covariance(problem: &PoleProblem, poles: &[Pole], best: &Fitted) -> Option<DMatrix<f64>> {
     let jacobian = problem.jacobian(poles, best);
     let inverse = (jacobian.transpose() * &jacobian).try_inverse()?;
     let residual = DVector::from_column_slice(&best.residual);

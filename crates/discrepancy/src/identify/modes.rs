@@ -1,11 +1,11 @@
-//! Measured modes beside those of the model.
+//! Pairing of measured modes with those of the model.
 //!
-//! A mode is known by its frequency and by what it does to each FRF (its participation). Pairs are chosen together,
-//! such that the sum of their distances is least; beyond a distance two modes are no pair.
+//! A mode is characterised by its frequency and its participation in each FRF. Pairs are assigned
+//! together so that the sum of their distances is least; modes beyond a distance are not paired.
 
 use nalgebra::Complex;
 use serde::Serialize;
-use truecut_scenario::identification::{MotionKind, Point};
+use truecut_scenario::identification::{FrameId, MotionKind};
 use truecut_sim::SimError;
 use truecut_sim::elastic::ElasticArm;
 
@@ -13,17 +13,18 @@ use super::frf::Frf;
 use super::modal::{MeasuredMode, ModalFit};
 use truecut_scenario::identification::Axes;
 
-/// Frequencies a factor of this apart are as far from each other as shapes without anything in common.
+/// Frequency ratio with the same distance as orthogonal shapes.
 const OCTAVES: f64 = 0.5;
-/// Beyond this distance two modes are no pair.
+/// Modes beyond this distance are not paired.
 const FAR: f64 = 1.6;
-/// A mode of the model that adds less than this to every FRF at its own frequency is not to be seen there.
-const HIDDEN: f64 = 0.02;
+/// A mode of the model that contributes less than this to every FRF at its own frequency is not
+/// visible.
+const LEAST_VISIBLE: f64 = 0.02;
 
-/// What hammer FRFs say.
+/// Result of a modal identification.
 #[derive(Debug, Clone, Serialize)]
 pub struct ModesReport {
-    /// Frequencies that were used, Hz.
+    /// Frequency band used, Hz.
     pub band_hz: [f64; 2],
     /// The FRFs.
     pub frfs: Vec<FrfReport>,
@@ -31,9 +32,10 @@ pub struct ModesReport {
     pub measured: Vec<Measured>,
     /// All modes of the model.
     pub model: Vec<Modelled>,
-    /// Factor by which intervals were widened, because residuals of neighbouring frequencies go together.
+    /// Factor by which intervals were widened because residuals of neighbouring frequencies are
+    /// correlated.
     pub widened: f64,
-    /// What a person should know, one sentence each.
+    /// Notes, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -66,7 +68,7 @@ pub struct Measured {
     pub partner: Option<usize>,
     /// Modal assurance criterion with it, over the FRFs; none with a single FRF.
     pub mac: Option<f64>,
-    /// Frequency of its partner in the model with the stiffnesses identified beside it, Hz.
+    /// Frequency of its partner in the model with the identified stiffnesses, Hz.
     pub identified_stiffness_hz: Option<f64>,
 }
 
@@ -88,7 +90,7 @@ pub struct Modelled {
     pub frequency_hz: f64,
     /// Damping ratio.
     pub damping_ratio: f64,
-    /// Whether it shows in these FRFs and lies in their band.
+    /// Whether it is visible in these FRFs and lies in their band.
     pub visible: bool,
     #[serde(skip)]
     participation: Vec<f64>,
@@ -105,11 +107,11 @@ impl Interval {
     }
 }
 
-/// Holds measured modes against those of the arm.
+/// Compares measured modes with those of the arm.
 ///
 /// # Errors
-/// An arm that has no modes: a joint without stiffness, a posture in which it would fall over.
-pub fn beside_model(
+/// An arm without modes: a joint without stiffness, an unstable posture.
+pub fn against_model(
     frfs: &[Frf],
     fit: &ModalFit,
     arm: &ElasticArm,
@@ -139,9 +141,9 @@ pub fn beside_model(
         })
         .collect();
     let mut notes: Vec<String> = frfs.iter().flat_map(|frf| frf.notes.clone()).collect();
-    // FRFs of one record share what was done to it.
-    let mut told = std::collections::BTreeSet::new();
-    notes.retain(|note| told.insert(note.clone()));
+    // FRFs of one record share its notes.
+    let mut seen = std::collections::BTreeSet::new();
+    notes.retain(|note| seen.insert(note.clone()));
     if frfs.len() == 1 && fit.modes.len() > 1 {
         notes.push("with a single FRF modes are paired by frequency and sign alone".to_owned());
     }
@@ -159,10 +161,10 @@ pub fn beside_model(
 }
 
 impl ModesReport {
-    /// Adds the frequencies of the model with identified stiffnesses, held against the same FRFs.
+    /// Adds the frequencies of the model with identified stiffnesses, paired with the same FRFs.
     pub fn add_identified(&mut self, other: &ModesReport) {
-        for (mode, beside) in self.measured.iter_mut().zip(&other.measured) {
-            mode.identified_stiffness_hz = beside.partner.map(|k| other.model[k].frequency_hz);
+        for (mode, counterpart) in self.measured.iter_mut().zip(&other.measured) {
+            mode.identified_stiffness_hz = counterpart.partner.map(|k| other.model[k].frequency_hz);
         }
     }
 }
@@ -189,7 +191,7 @@ fn modelled(frfs: &[Frf], arm: &ElasticArm, axes: Axes) -> Result<Vec<Modelled>,
     Ok(modes.collect())
 }
 
-/// What one mode gives to an FRF, in the FRF's quantity.
+/// Contribution of a mode to an FRF, in the FRF's quantity.
 fn contribution(mode: &Modelled, frf: usize, hz: f64, kind: MotionKind) -> Complex<f64> {
     let (own, omega) = (mode.frequency_hz, hz);
     let square = std::f64::consts::TAU.powi(2);
@@ -215,7 +217,7 @@ fn shows(model: &[Modelled], mode: usize, frfs: &[Frf], band_hz: [f64; 2]) -> bo
             .norm()
             .max(f64::MIN_POSITIVE)
     };
-    (band_hz[0]..=band_hz[1]).contains(&hz) && (0..frfs.len()).any(|m| share(m) > HIDDEN)
+    (band_hz[0]..=band_hz[1]).contains(&hz) && (0..frfs.len()).any(|m| share(m) > LEAST_VISIBLE)
 }
 
 /// |aᴴb|²/(|a|²|b|²).
@@ -228,7 +230,7 @@ fn mac(measured: &[Complex<f64>], model: &[f64]) -> f64 {
     dot.norm_sqr() / (sizes[0] * sizes[1]).max(f64::MIN_POSITIVE)
 }
 
-/// How far two modes are apart: their frequencies, and their shapes. With one FRF the shape is a sign.
+/// Distance of two modes in frequency and shape. With one FRF the shape is a sign.
 fn distance(measured: &MeasuredMode, model: &Modelled) -> f64 {
     let octaves = (measured.frequency_hz[0] / model.frequency_hz).log2().abs() / OCTAVES;
     let alike = if measured.participation.len() > 1 {
@@ -240,10 +242,12 @@ fn distance(measured: &MeasuredMode, model: &Modelled) -> f64 {
     octaves + (1.0 - alike)
 }
 
-/// The partners with the least sum of distances; staying alone costs as much as the farthest pair.
+/// The partners with the least sum of distances; an unpaired mode costs as much as the farthest
+/// pair.
 fn pair(measured: &[MeasuredMode], model: &[Modelled]) -> Vec<Option<usize>> {
     let sets = 1usize << model.len();
-    // Least cost of the modes so far with each set of the model's modes taken, and the choice that led there.
+    // Dynamic programming: least cost so far for each set of used modes of the model, with its
+    // choice.
     let mut best = vec![(f64::INFINITY, Vec::new()); sets];
     best[0] = (0.0, Vec::new());
     for mode in measured {
@@ -297,9 +301,9 @@ fn frf_report(frf: &Frf, fit: &ModalFit, model: &[Complex<f64>], m: usize) -> Fr
     }
 }
 
-/// Directions that no FRF looks at are worth a word: modes along them stay unseen.
+/// Notes on directions without an FRF: modes along them are not visible.
 fn missing(frfs: &[Frf]) -> Option<String> {
-    let at_tool = frfs.iter().all(|frf| frf.response.point == Point::Tool);
+    let at_tool = frfs.iter().all(|frf| frf.response.frame == FrameId::Tool);
     let seen = |axis: usize| {
         frfs.iter()
             .any(|frf| frf.response.direction[axis].abs() > 0.3)

@@ -1,4 +1,4 @@
-//! From a table of loads and displacements to rows in SI, world axes.
+//! Tables of loads and displacements, as rows in SI and world axes.
 
 use nalgebra::{Matrix3, Vector3, Vector6};
 use truecut_recording::Unit;
@@ -11,21 +11,21 @@ use super::{IdentifyError, place};
 /// One loading.
 #[derive(Debug, Clone)]
 pub struct Loading {
-    /// Where it stands in the file.
+    /// Its line in the file.
     pub place: String,
-    /// Number of its posture, counted in the order of the file.
+    /// Index of its posture, in the order of the file.
     pub posture: usize,
-    /// Coordinates that the controller held, rad and m.
+    /// Commanded joint coordinates, rad and m.
     pub command: Vec<f64>,
     /// Force and moment on the arm, world axes.
     pub wrench: Vector6<f64>,
-    /// World from the axes of `answers`.
+    /// Rotation from the axes of `answers` to the world.
     pub world_from_axes: Matrix3<f64>,
-    /// Measured displacements (0 to 2) and rotations (3 to 5), with what they were measured to be.
+    /// Index (displacements 0 to 2, rotations 3 to 5) and value of each measured component.
     pub answers: Vec<(usize, f64)>,
 }
 
-/// Loadings, and the noise of what was measured.
+/// Loadings, and the noise of the measurements.
 #[derive(Debug, Clone)]
 pub struct Readings {
     /// The file.
@@ -38,7 +38,7 @@ pub struct Readings {
     pub noise: [Option<f64>; 6],
 }
 
-/// Postures that differ by less than this, rad or m, are one: encoders are read with more digits.
+/// Postures that differ by less than this, rad or m, are the same: encoders resolve more.
 const SAME_POSTURE: f64 = 1e-6;
 
 /// Reads the rows of a table.
@@ -89,7 +89,8 @@ pub fn readings(
             }
             if value.abs() > LARGEST {
                 let message = format!(
-                    "{}: {}: column \"{}\" holds {:e}, which is no measurement: at most {LARGEST:e} in SI units",
+                    "{}: {}: column \"{}\" holds {:e}, which is no measurement: at most \
+                     {LARGEST:e} in SI units",
                     table.source,
                     place(table, row),
                     column.column,
@@ -113,7 +114,7 @@ pub fn readings(
 }
 
 impl Readings {
-    /// Refuses a table in which nothing ever moved.
+    /// Refuses a table without any displacement.
     fn check_motion(&self) -> Result<(), IdentifyError> {
         let mut answers = self.loadings.iter().flat_map(|loading| &loading.answers);
         if answers.clone().count() == 0 || answers.any(|(_, value)| *value != 0.0) {

@@ -1,11 +1,12 @@
 //! Joint stiffnesses from loads and displacements.
 //!
-//! The unknowns are the compliances c = 1/K, in which the displacement d = J C Jᵀ w is linear but for gravity and
-//! the posture's change under load. Both are exact here: each step of Gauss and Newton takes the arm at rest with
-//! and without the load, and its derivatives.
+//! The unknowns are the compliances c = 1/K, in which the displacement d = J C Jᵀ w is linear but
+//! for gravity and the posture's change under load. Both are exact here: each Gauss-Newton step
+//! uses the arm's equilibrium with and without the load, and its derivatives.
 //!
-//! What the data say of each joint is read off the singular values of the design (columns of unit length) and off
-//! the interval of its compliance: where that reaches zero, only a lower bound of the stiffness is known.
+//! Identifiability of each joint follows from the singular values of the design (columns of unit
+//! length) and from the interval of its compliance: where that contains zero, only a lower bound of
+//! the stiffness is known.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -22,32 +23,32 @@ mod notes;
 pub use design::Component;
 use design::Design;
 
-/// What a load-deflection table says.
+/// Result of an identification from a load-deflection table.
 #[derive(Debug, Clone, Serialize)]
 pub struct StiffnessReport {
     /// The file.
     pub source: String,
-    /// Rows, and postures among them.
+    /// Number of rows.
     pub loadings: usize,
     /// Number of postures.
     pub postures: usize,
     /// Measured displacements and rotations.
     pub readings: usize,
-    /// Readings beyond the unknowns.
+    /// Degrees of freedom: readings less unknowns.
     pub degrees_of_freedom: usize,
     /// The joints, in chain order.
     pub joints: Vec<JointStiffness>,
     /// Singular values of the design with columns of unit length, largest first.
     pub singular_values: Vec<f64>,
-    /// What is left, by measured component.
+    /// Residuals by measured component.
     pub components: Vec<Component>,
     /// Residual over stated noise (root of the reduced chi-squared), if noise was stated.
     pub residual_over_noise: Option<f64>,
-    /// Rows whose residual stands out, the worst first.
+    /// Outlying rows, the worst first.
     pub outliers: Vec<Outlier>,
-    /// Steps until the compliances stood still.
+    /// Steps until convergence.
     pub steps: usize,
-    /// What a person should know, one sentence each.
+    /// Notes, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -58,7 +59,7 @@ pub struct JointStiffness {
     pub name: String,
     /// "N m/rad" or "N/m".
     pub unit: &'static str,
-    /// What could be said.
+    /// Result for the joint.
     pub status: Status,
     /// Stiffness.
     pub value: Option<f64>,
@@ -68,54 +69,56 @@ pub struct JointStiffness {
     pub high: Option<f64>,
     /// Compliance and its standard error.
     pub compliance: Option<[f64; 2]>,
-    /// What robot.toml says.
+    /// Value in robot.toml.
     pub nominal: Option<f64>,
-    /// Whether that lies in the interval.
+    /// Whether that value lies in the interval.
     pub agrees: Option<bool>,
-    /// Joints that its effect is mistaken for, in these postures and loads.
+    /// Joints whose effect cannot be separated from its own, in these postures and loads.
     pub confused_with: Vec<String>,
 }
 
-/// What the data say of a joint.
+/// Identifiability of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// A stiffness with an interval.
     Identified,
-    /// Stiffer than `low`; how much stiffer is lost in the noise.
+    /// Stiffer than `low`; noise hides an upper bound.
     LowerBound,
-    /// No load turned it.
+    /// No load acts on it.
     NotLoaded,
-    /// Its effect is exactly that of others.
+    /// Its effect is a combination of those of others.
     NotSeparable,
-    /// A compliance below zero by more than noise: loads or displacements are not what they are said to be.
+    /// A significantly negative compliance: loads or displacements are wrong.
     Contradictory,
 }
 
-/// A row that stands out.
+/// An outlying row.
 #[derive(Debug, Clone, Serialize)]
 pub struct Outlier {
-    /// Its place in the file.
+    /// Its line in the file.
     pub place: String,
     /// Residual over its standard deviation.
     pub sigmas: f64,
 }
 
-/// Singular values below this share of the largest are zero: a geometry that determines nothing.
+/// Singular values below this fraction of the largest count as zero: not determined by the
+/// geometry.
 const RANK: f64 = 1e-7;
-/// Directions below this share of the largest singular value do not move the point of linearisation.
+/// Directions below this fraction of the largest singular value do not move the point of
+/// linearisation.
 const VAGUE: f64 = 0.05;
-/// Most of a joint's effect in directions that nothing determines, for it to count as determined.
+/// Largest fraction of a joint's effect in undetermined directions for it to count as determined.
 const SHARE: f64 = 1e-6;
-/// Compliance at least as small as this is none, rad/(N m) or m/N.
+/// Compliances up to this count as zero, rad/(N m) or m/N.
 const RIGID: f64 = 1e-11;
 const MAX_STEPS: usize = 40;
-/// Compliances stand still when they change by less than this share.
+/// Convergence: relative change of compliances.
 const STILL: f64 = 1e-9;
 
 impl StiffnessReport {
-    /// Stiffnesses of all joints: identified where they are, else those of the file. `None` if nothing was identified
-    /// or a joint has neither.
+    /// Stiffnesses of all joints: identified where they are, else those of the file. `None` if
+    /// nothing was identified or a joint has neither.
     pub fn updated(&self) -> Option<Vec<f64>> {
         let any = self.joints.iter().any(|joint| joint.value.is_some());
         let all = self
@@ -129,7 +132,7 @@ impl StiffnessReport {
 /// Identifies the stiffness of every joint.
 ///
 /// # Errors
-/// Too few readings, no load at all, or an arm that finds no rest under the loads.
+/// Too few readings, no load at all, or an arm without equilibrium under the loads.
 pub fn identify(
     readings: &Readings,
     spec: &StiffnessSpec,
@@ -151,7 +154,8 @@ pub fn identify(
         }
         if steps == MAX_STEPS {
             let message = format!(
-                "fit failed: the compliances do not stand still after {MAX_STEPS} steps; are the units right?"
+                "fit failed: the compliances do not stand still after {MAX_STEPS} steps; are the \
+                 units right?"
             );
             return Err(IdentifyError::new("stiffness", message));
         }
@@ -159,22 +163,22 @@ pub fn identify(
     report(readings, spec, arm, &joints, (&design, &solution, steps))
 }
 
-/// Least squares on a design, with what it leaves open.
+/// Least squares on a design, with undetermined directions.
 struct Solution {
     compliance: Vec<f64>,
-    /// Compliances at which to linearise next: without the directions that hardly anything determines, in which
-    /// noise would lead far astray.
+    /// Compliances of the next linearisation: without poorly determined directions, which noise
+    /// would dominate.
     point: Vec<f64>,
     standard_error: Vec<f64>,
     /// Correlations of the estimates.
     correlation: DMatrix<f64>,
     singular_values: Vec<f64>,
-    /// Of each joint: whether a load turns it, and how much of its effect nothing determines.
+    /// Of each joint: whether a load acts on it, and the undetermined fraction of its effect.
     loaded: Vec<bool>,
     open: DMatrix<f64>,
     residual: DVector<f64>,
     degrees: usize,
-    /// Σ r² over degrees; r over the stated or common noise.
+    /// Reduced chi-squared, with the stated or a common noise.
     variance: f64,
 }
 
@@ -185,7 +189,8 @@ impl Solution {
         let largest = norms.iter().copied().fold(0.0, f64::max);
         let loaded: Vec<bool> = norms.iter().map(|n| *n > 1e-9 * largest).collect();
         if largest == 0.0 {
-            let message = "no load of the table turns any joint: every force and moment is zero, or the same \
+            let message = "no load of the table turns any joint: every force and moment is zero, \
+                           or the same \
                            in all rows of a posture";
             return Err(IdentifyError::new("stiffness", message));
         }
@@ -232,7 +237,8 @@ impl Solution {
             .filter(|d| *d > 0)
         else {
             let message = format!(
-                "{} readings for {rank} stiffnesses and {} zeros: more are needed to tell how sure they are",
+                "{} readings for {rank} stiffnesses and {} zeros: more are needed for an error \
+                 estimate",
                 design.readings, design.zeros
             );
             return Err(IdentifyError::new("stiffness.file", message));
@@ -315,13 +321,13 @@ fn report(
     (design, solution, steps): (&Design, &Solution, usize),
 ) -> Result<StiffnessReport, IdentifyError> {
     let names: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
-    let told: Vec<JointStiffness> = (joints.iter().enumerate())
+    let estimates: Vec<JointStiffness> = (joints.iter().enumerate())
         .map(|(k, joint)| solution.joint(k, joint, &names))
         .collect();
     let nominal: Option<Vec<f64>> = (joints.iter())
         .map(|joint| joint.stiffness.map(|stiffness| 1.0 / stiffness))
         .collect();
-    // Without a stiffness for every joint the model predicts nothing.
+    // Predictions need a stiffness for every joint.
     let predicted = nominal
         .map(|nominal| Design::new(readings, spec, arm, &nominal))
         .transpose()?;
@@ -335,7 +341,7 @@ fn report(
         postures: readings.postures,
         readings: design.readings,
         degrees_of_freedom: solution.degrees,
-        joints: told,
+        joints: estimates,
         singular_values: solution.singular_values.clone(),
         components,
         residual_over_noise: over,

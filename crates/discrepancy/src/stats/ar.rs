@@ -2,30 +2,30 @@
 
 use super::blocks::contiguous_blocks;
 
-/// How the order of a model is chosen.
+/// Criterion for the order of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Criterion {
-    /// Akaike's, corrected for few samples: predicts best, never too short for whitening.
+    /// Akaike's, corrected for few samples: best prediction, never too short for whitening.
     #[default]
     Akaike,
-    /// Schwarz's: finds the true order if there is one.
+    /// Schwarz's: consistent if there is a true order.
     Bayes,
 }
 
 /// `x[t] − mean = Σ a[k] (x[t−1−k] − mean) + e[t]`, with e white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ar {
-    /// Mean of the samples that count.
+    /// Mean of the valid samples.
     pub mean: f64,
     /// `a`; its length is the order.
     pub coefficients: Vec<f64>,
     /// Variance of e.
     pub innovation_variance: f64,
-    /// How many samples the fit has seen.
+    /// Number of samples used.
     pub samples: usize,
 }
 
-/// The highest order that is tried by default: 10 log₁₀ N, at most N/10 and 64.
+/// Highest order tried by default: 10 log₁₀ N, at most N/10 and 64.
 pub fn default_order_cap(samples: usize) -> usize {
     let by_logarithm = (10.0 * (samples.max(1) as f64).log10()) as usize;
     by_logarithm.min(samples / 10).min(64)
@@ -38,11 +38,11 @@ struct Errors {
 }
 
 impl Ar {
-    /// Fits by Burg's method, jointly over all runs of valid samples (S. de Waele and P. M. T.
-    /// Broersen, IEEE Trans. Signal Process. 48, 2000), with the order from 0 to `highest` that the
-    /// criterion prefers. Runs no longer than an order do not take part in it.
+    /// Fits by Burg's method, jointly over all runs of valid samples (`dewaele2000`), with the
+    /// order from 0 to `highest` that the criterion prefers. Runs no longer than an order do not
+    /// take part in it.
     ///
-    /// `None` for fewer than eight samples, or a value that counts and is not finite. A constant
+    /// `None` for fewer than eight samples, or a valid one that is not finite. A constant
     /// series gives order 0 and variance 0.
     pub fn fit(values: &[f64], valid: &[bool], highest: usize, criterion: Criterion) -> Option<Ar> {
         let runs = contiguous_blocks(valid, 1);
@@ -71,7 +71,7 @@ impl Ar {
         };
         let mut current = best.clone();
         let mut best_score = criterion.score(&best);
-        // What rounding leaves of a constant is no noise.
+        // A constant up to rounding has no noise.
         if variance <= (8.0 * f64::EPSILON * mean.abs()).powi(2) {
             best.innovation_variance = 0.0;
             return Some(best);
@@ -111,8 +111,8 @@ impl Ar {
         self.apply(values, valid, self.mean)
     }
 
-    /// As [`Ar::whiten`], for what is not the series itself but stands beside it, such as a column
-    /// of a regression: no mean is taken away.
+    /// As [`Ar::whiten`] for another series, such as a column of a regression: no mean is
+    /// subtracted.
     pub fn filter(&self, values: &[f64], valid: &[bool]) -> (Vec<f64>, Vec<bool>) {
         self.apply(values, valid, 0.0)
     }
@@ -156,8 +156,8 @@ impl Ar {
     }
 }
 
-/// One step of Burg's recursion over all runs: the reflection coefficient of `order`, and the errors
-/// of the new order. `None` if nothing is left to predict.
+/// One step of Burg's recursion over all runs: the reflection coefficient of `order`, and the
+/// errors of the new order. `None` if the prediction is exact.
 fn reflect(errors: &mut [Errors], order: usize) -> Option<f64> {
     let (mut product, mut power) = (0.0, 0.0);
     for run in errors.iter() {
@@ -197,9 +197,8 @@ impl Criterion {
     }
 }
 
-/// How many independent samples would give a mean as uncertain as this series does: N times
-/// variance over long-run variance of the fitted model, at least 1 and at most N.
-/// `None` where [`Ar::fit`] has none.
+/// Effective number of independent samples: N times variance over long-run variance of the fitted
+/// model, from 1 to N. `None` where [`Ar::fit`] has none.
 pub fn effective_sample_size(values: &[f64], valid: &[bool]) -> Option<f64> {
     let samples = valid.iter().filter(|one| **one).count();
     let model = Ar::fit(values, valid, default_order_cap(samples), Criterion::Akaike)?;

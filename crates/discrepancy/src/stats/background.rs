@@ -1,4 +1,4 @@
-//! The coloured background of a spectrum, from which lines stand out.
+//! The coloured background of a spectrum, above which lines are detected.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::function::gamma::digamma;
@@ -8,22 +8,22 @@ use super::spectrum::{Periodogram, SHARE_VALID, welch};
 
 /// Power density as a smooth function of frequency.
 ///
-/// At each bin a straight line in the plane of ln(frequency) and ln(density) is fitted to the bins
-/// around it; at the lowest ones it is the same line, drawn on. So white noise, 1/f noise and
-/// anything smooth between are followed without assuming a model. Bins that stand out far above
-/// are left out and the fit is repeated: lines do not raise their own background.
+/// At each bin a straight line of ln(density) over ln(frequency) is fitted to the bins around it;
+/// below the lowest fit it is extrapolated. White noise, 1/f noise and any smooth spectrum are
+/// followed without a parametric model. Bins far above the fit are excluded and the fit is
+/// repeated, so that lines do not raise their own background.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Background {
     bin_width: f64,
     stretch: f64,
-    fits: Vec<Fit>,
-    /// Variance of the logarithm of one bin, with what neighbours share under the window.
+    fits: Vec<LocalLine>,
+    /// Variance of the logarithm of one bin, including correlation of neighbours by the window.
     scatter: f64,
 }
 
 /// The straight line at one bin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Fit {
+struct LocalLine {
     middle: f64,
     level: f64,
     slope: f64,
@@ -31,7 +31,7 @@ struct Fit {
     spread: f64,
 }
 
-impl Fit {
+impl LocalLine {
     fn log_density(&self, x: f64) -> f64 {
         self.level + self.slope * (x - self.middle)
     }
@@ -48,7 +48,7 @@ impl Fit {
     }
 }
 
-/// Running sums over the bins that are kept, of 1, x, x², y, xy.
+/// Cumulative sums over the included bins, of 1, x, x², y, xy.
 struct Sums(Vec<[f64; 5]>);
 
 impl Sums {
@@ -67,9 +67,9 @@ impl Sums {
         std::array::from_fn(|i| self.0[end][i] - self.0[first][i])
     }
 
-    /// The line through `width` bins around one, without those nearer to it than `apart`. At either end
-    /// of the spectrum the stretch is shifted, not cut; it is widened over bins that are left out.
-    fn fit(&self, bin: usize, width: usize, apart: usize) -> Fit {
+    /// The line through `width` bins around one, without those closer than `apart`. At the ends of
+    /// the spectrum the interval is shifted, not truncated; it is widened over excluded bins.
+    fn fit(&self, bin: usize, width: usize, apart: usize) -> LocalLine {
         let end_of_all = self.0.len() - 1;
         let mut wide = width;
         loop {
@@ -90,29 +90,29 @@ impl Sums {
     }
 }
 
-/// What neighbours share under a Hann window makes the variance of a mean of many logarithms so much
-/// larger. Powers correlate by ρ = (2/3)² and (1/6)² with the next and the next but one; logarithms of
-/// powers with two degrees of freedom by Li₂(ρ)/(π²/6), with many by ρ: 1 + 2 (0.308 + 0.017), and
-/// 1 + 2 (0.444 + 0.028).
+/// Factor by which correlation of neighbours under a Hann window raises the variance of a mean of
+/// many logarithms. Powers correlate by ρ = (2/3)² and (1/6)² with the next and the next but one;
+/// logarithms of powers with two degrees of freedom by Li₂(ρ)/(π²/6), with many by ρ: 1 + 2 (0.308
+/// + 0.017), and 1 + 2 (0.444 + 0.028).
 fn shared(degrees: f64) -> f64 {
     if degrees < 3.0 { 1.65 } else { 1.944 }
 }
 
-/// Largest share of a bin that a regression may have taken and still leave a trace of the noise.
+/// Largest fraction of a bin's noise that a regression may remove for the bin to be used.
 const MOST_REMOVED: f64 = 0.5;
 
-/// Bins on either side of one that stands out which it may have touched.
+/// Bins on either side of an outlier that it may affect.
 const LOBE: usize = 2;
 
 impl Background {
     /// Of a periodogram; `None` for fewer than 16 bins, or power nowhere.
     pub fn fit(periodogram: &Periodogram) -> Option<Background> {
-        Background::fit_beside(periodogram, &[])
+        Background::fit_excluding(periodogram, &[])
     }
 
-    /// Of the periodogram of what a regression has left. `removed` is the share of white noise that the
-    /// regression takes out of each bin: what is left is scaled up, or left out where it is little.
-    fn fit_beside(periodogram: &Periodogram, removed: &[f64]) -> Option<Background> {
+    /// Of the periodogram of a regression's residual. `removed` is the fraction of white noise that
+    /// the regression removes from each bin: the rest is scaled up, or excluded where small.
+    fn fit_excluding(periodogram: &Periodogram, removed: &[f64]) -> Option<Background> {
         let last = periodogram.density.len() - 1;
         let mean = periodogram.density.iter().sum::<f64>() / (last + 1) as f64;
         if last < 16 || mean.is_nan() || mean <= 0.0 {
@@ -120,7 +120,7 @@ impl Background {
         }
         let half = 0.5 * periodogram.degrees;
         let offset = digamma(half) - half.ln();
-        // Exact zeros have no logarithm; nothing measured is 200 dB below the mean.
+        // Exact zeros have no logarithm; no measurement is 200 dB below its mean.
         let log_of = |density: &f64| density.max(1e-20 * mean).ln() - offset;
         let mut logs: Vec<f64> = periodogram.density.iter().map(log_of).collect();
         let bin_width = 1.0 / periodogram.length as f64;
@@ -168,15 +168,19 @@ impl Background {
         Background::fit(&welch(values, valid, whole(valid))?)
     }
 
-    /// Of what columns leave of a series by least squares, as if they had taken no noise along. The
-    /// columns are zero where samples do not count, and have no mean. `None` also if they do not tell
-    /// themselves apart.
-    pub fn beside(values: &[f64], valid: &[bool], columns: &[Vec<f64>]) -> Option<Background> {
+    /// Of the residual of a least-squares regression on columns, corrected for the noise that they
+    /// remove. The columns are zero where samples are not valid, and have no mean. `None` also if
+    /// they are linearly dependent.
+    pub fn of_regression(
+        values: &[f64],
+        valid: &[bool],
+        columns: &[Vec<f64>],
+    ) -> Option<Background> {
         let count = columns.len();
         let matrix = DMatrix::from_fn(values.len(), count, |row, i| columns[i][row]);
         let normal = matrix.transpose() * &matrix;
         let factor = normal.cholesky()?;
-        // Orthonormal columns that span the same.
+        // Orthonormal columns of the same span.
         let basis = factor
             .l()
             .solve_lower_triangular(&matrix.transpose())?
@@ -198,11 +202,11 @@ impl Background {
                 .zip(&own.density)
                 .for_each(|(sum, share)| *sum += scale * share / own.length as f64);
         }
-        Background::fit_beside(&periodogram, &removed)
+        Background::fit_excluding(&periodogram, &removed)
     }
 
-    /// Bins that are not noise: too far above the line through their neighbours, those left out that
-    /// they may have touched.
+    /// Bins that are not noise: too far above the line through their neighbours, without those that
+    /// they may affect.
     fn standing_out(&self, periodogram: &Periodogram, sums: &Sums, width: usize) -> Vec<usize> {
         let last = periodogram.density.len() - 1;
         let level = 0.05 / last as f64;
@@ -219,13 +223,13 @@ impl Background {
         (1..last).filter(stands_out).collect()
     }
 
-    fn fit_at(&self, frequency: f64) -> &Fit {
+    fn fit_at(&self, frequency: f64) -> &LocalLine {
         let bin = (frequency / self.bin_width).round() as usize;
         &self.fits[bin.clamp(1, self.fits.len() - 1)]
     }
 
-    /// Two-sided density at `frequency` cycles per sample, above 0. Below the lowest bin, where the record
-    /// says nothing, a rise as steep as 1/f or steeper is taken as f^−0.9.
+    /// Two-sided density at `frequency` cycles per sample, above 0. Below the lowest bin, where the
+    /// record has no information, a rise of 1/f or steeper is limited to f^−0.9.
     pub fn density(&self, frequency: f64) -> f64 {
         if frequency < self.bin_width {
             let lowest = self.fits[1].log_density(self.bin_width.ln()).exp();
@@ -239,7 +243,7 @@ impl Background {
         self.density(frequency) / (1.0 + self.slope_below())
     }
 
-    /// Where it is −1 or less a mean from 0 on would not exist.
+    /// At −1 or less the mean from 0 would diverge.
     fn slope_below(&self) -> f64 {
         self.lowest_slope().max(-0.9)
     }
@@ -250,7 +254,7 @@ impl Background {
         self.scatter * self.fit_at(frequency).leverage(frequency.ln())
     }
 
-    /// Width of the stretch that a density is taken from, cycles per sample.
+    /// Width of the interval that a density is estimated from, cycles per sample.
     pub fn stretch(&self) -> f64 {
         self.stretch
     }
@@ -282,7 +286,7 @@ fn whole(valid: &[bool]) -> usize {
     blocks.iter().map(ExactSizeIterator::len).max().unwrap_or(0)
 }
 
-fn straight_line([count, x, xx, y, xy]: [f64; 5]) -> Fit {
+fn straight_line([count, x, xx, y, xy]: [f64; 5]) -> LocalLine {
     let middle = x / count.max(1.0);
     let level = y / count.max(1.0);
     let spread = (xx - count * middle * middle).max(0.0);
@@ -291,7 +295,7 @@ fn straight_line([count, x, xx, y, xy]: [f64; 5]) -> Fit {
     } else {
         0.0
     };
-    Fit {
+    LocalLine {
         middle,
         level,
         slope,
@@ -318,7 +322,7 @@ mod tests {
         (found, stated)
     }
 
-    /// The error, bias included, is as stated: at the lowest frequency, where the line is drawn on,
+    /// The error, bias included, is as stated: at the lowest frequency, by extrapolation,
     /// at the bend of the spectrum of AR(1) noise, and beyond.
     #[test]
     fn verify_known_densities_are_met_with_the_stated_error() {
@@ -353,7 +357,8 @@ mod tests {
         assert!((mean + 1.0).abs() < 0.1, "{mean}");
     }
 
-    /// A line a hundred times the noise, in power per bin 10⁷ of it, leaves the background alone.
+    /// A line a hundred times the noise, in power per bin 10⁷ of it, does not change the
+    /// background.
     #[test]
     fn verify_a_line_does_not_raise_its_background() {
         let mut values = noise(Colour::White, 4096, 5);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::distributions::t_tail;
 
-/// The runs of samples that count, in order, as far as they hold at least `shortest`.
+/// Runs of at least `shortest` valid samples, in order.
 pub fn contiguous_blocks(valid: &[bool], shortest: usize) -> Vec<Range<usize>> {
     let mut blocks = Vec::new();
     let mut start = 0;
@@ -19,8 +19,8 @@ pub fn contiguous_blocks(valid: &[bool], shortest: usize) -> Vec<Range<usize>> {
     blocks
 }
 
-/// The record cut into stretches of `length` samples; those with fewer than half of their samples
-/// counting are left out. What remains at the end joins the last stretch if it is shorter than half.
+/// The record divided into blocks of `length` samples; blocks with fewer than half of their samples
+/// valid are left out. A remainder shorter than half a block joins the last one.
 pub fn blocks_of_length(valid: &[bool], length: usize) -> Vec<Range<usize>> {
     let length = length.max(1);
     let count = ((valid.len() as f64 / length as f64).round() as usize).max(1);
@@ -39,7 +39,7 @@ pub fn blocks_of_length(valid: &[bool], length: usize) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Whether one loss is smaller than another, judged by blocks.
+/// Paired test on block means of two losses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairedTest {
     /// Mean of (first − second) over the blocks; positive if the second is smaller.
@@ -49,7 +49,7 @@ pub struct PairedTest {
     /// Probability of a mean at least this large if there is no difference; Student's t with
     /// `blocks` − 1 degrees of freedom.
     pub p_second_smaller: f64,
-    /// How many blocks there are.
+    /// Number of blocks.
     pub blocks: usize,
 }
 

@@ -1,7 +1,7 @@
 //! Statistics of evenly spaced series with gaps and coloured noise.
 //!
-//! A series is a slice of values and, beside it, a slice that says which of them count. Values that
-//! do not count are never read, so they may be NaN.
+//! A series is a slice of values and a slice of flags that says which of them are valid. Values
+//! that are not valid are never read and may be NaN.
 
 mod ar;
 mod background;

@@ -1,42 +1,8 @@
-//! Periodograms of series with gaps, and transforms of columns.
+//! Periodograms of series with gaps.
 
-use std::cell::RefCell;
+use truecut_recording::fft::{Complex64, forward};
 
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex64;
-
-thread_local! {
-    /// Keeps what it has computed for a length.
-    static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
-}
-
-/// Transform of a column after padding with zeros to `length`.
-pub(crate) fn transform(column: &[f64], length: usize) -> Vec<Complex64> {
-    let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length));
-    let mut input = plan.make_input_vec();
-    let kept = column.len().min(length);
-    input[..kept].copy_from_slice(&column[..kept]);
-    let mut output = plan.make_output_vec();
-    // Fails for wrong lengths only, and both are the plan's own.
-    let _ = plan.process(&mut input, &mut output);
-    output
-}
-
-/// Inverse of [`transform`]: `length` real values.
-pub(crate) fn inverse(mut spectrum: Vec<Complex64>, length: usize) -> Vec<f64> {
-    let plan = PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length));
-    let mut output = plan.make_output_vec();
-    spectrum[0].im = 0.0;
-    if length.is_multiple_of(2) {
-        spectrum[length / 2].im = 0.0;
-    }
-    // As above.
-    let _ = plan.process(&mut spectrum, &mut output);
-    output.iter_mut().for_each(|value| *value /= length as f64);
-    output
-}
-
-/// A length that holds a series twice, so that nothing wraps around, and is quick to transform.
+/// A fast transform length of at least twice the series, so that nothing wraps around.
 pub(crate) fn padded_length(samples: usize) -> usize {
     (2 * samples).next_power_of_two()
 }
@@ -49,27 +15,27 @@ pub(crate) fn hann(length: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Power over frequency, averaged over stretches of the record.
+/// Power over frequency, averaged over segments of the record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Periodogram {
-    /// Samples in each stretch; bin k lies at k/length cycles per sample.
+    /// Samples in each segment; bin k lies at k/length cycles per sample.
     pub length: usize,
     /// Two-sided density, so that the integral from −½ to ½ cycles per sample is the variance;
     /// bins 0 to length/2.
     pub density: Vec<f64>,
-    /// Degrees of freedom of each bin: `density` scatters as χ² with so many over so many.
+    /// Degrees of freedom ν of each bin: `density` scatters as χ²(ν)/ν.
     pub degrees: f64,
-    /// Where the stretches start.
+    /// First samples of the segments.
     pub starts: Vec<usize>,
 }
 
-/// Share of the samples of a stretch that must count.
+/// Fraction of the samples of a segment that must be valid.
 pub(super) const SHARE_VALID: f64 = 0.8;
 
-/// Welch's estimate (P. D. Welch, IEEE Trans. Audio Electroacoust. 15, 1967): stretches of `length`
-/// samples under a Hann window, overlapping by half, each with its straight line of least squares
-/// taken away. Samples that do not count are zero; stretches where they are more than a fifth are left
-/// out. One stretch as long as the record gives the plain periodogram. `None` without a stretch.
+/// Welch's estimate (`welch1967`): segments of `length` samples under a Hann window, overlapping by
+/// half, each linearly detrended. Invalid samples are zero; segments with more than a fifth of them
+/// are left out. One segment as long as the record gives the plain periodogram. `None` without a
+/// segment.
 pub fn welch(values: &[f64], valid: &[bool], length: usize) -> Option<Periodogram> {
     let starts = stretches(valid, length);
     let window = hann(length);
@@ -77,7 +43,7 @@ pub fn welch(values: &[f64], valid: &[bool], length: usize) -> Option<Periodogra
     for &start in &starts {
         let rows = start..start + length;
         let (tapered, power) = tapered(&values[rows.clone()], &valid[rows], &window);
-        for (sum, bin) in density.iter_mut().zip(transform(&tapered, length)) {
+        for (sum, bin) in density.iter_mut().zip(forward(tapered, length)) {
             *sum += bin.norm_sqr() / power / starts.len() as f64;
         }
     }
@@ -89,7 +55,7 @@ pub fn welch(values: &[f64], valid: &[bool], length: usize) -> Option<Periodogra
     })
 }
 
-/// Cross power of two series over the same stretches as [`welch`] of both: (first, second, cross).
+/// Cross power of two series over the same segments as [`welch`] of both: (first, second, cross).
 pub(crate) fn cross_welch(
     first: &[f64],
     second: &[f64],
@@ -103,7 +69,7 @@ pub(crate) fn cross_welch(
         let rows = start..start + length;
         let (x, power) = tapered(&first[rows.clone()], &valid[rows.clone()], &window);
         let (y, _) = tapered(&second[rows.clone()], &valid[rows], &window);
-        let bins = transform(&x, length).into_iter().zip(transform(&y, length));
+        let bins = forward(x, length).into_iter().zip(forward(y, length));
         for (sum, (x, y)) in cross.iter_mut().zip(bins) {
             *sum += x.conj() * y / power / one.starts.len() as f64;
         }
@@ -130,14 +96,14 @@ fn stretches(valid: &[bool], length: usize) -> Vec<usize> {
     (0..count).map(place).filter(counted).collect()
 }
 
-/// Of a mean of periodograms under a Hann window that overlap by half (D. B. Percival and A. T.
-/// Walden, *Spectral Analysis for Physical Applications*, 1993, eq. 292b).
+/// Of a mean of half-overlapping periodograms under a Hann window (`percival1993`,
+/// eq. 292b).
 fn degrees_of_freedom(stretches: usize) -> f64 {
     let count = stretches as f64;
     36.0 * count * count / (19.0 * count - 1.0)
 }
 
-/// A stretch without its straight line, under the window; and the sum of squares of the weights.
+/// A detrended segment under the window, and the sum of squares of the weights.
 fn tapered(values: &[f64], valid: &[bool], window: &[f64]) -> (Vec<f64>, f64) {
     let (mean, slope, middle) = line(values, valid);
     let mut power = 0.0;
@@ -204,21 +170,6 @@ mod tests {
             (scatter * estimate.degrees / 2.0 - 1.0).abs() < 0.3,
             "{scatter}"
         );
-    }
-
-    #[test]
-    fn verify_transform_and_back() {
-        let values = [1.0, -2.0, 0.5, 4.0, 3.0, 0.0];
-        for length in [6, 7, 16] {
-            let back = inverse(transform(&values, length), length);
-            let expected = values.iter().chain(std::iter::repeat(&0.0));
-            assert!(
-                back.iter()
-                    .zip(expected)
-                    .all(|(a, b)| (a - b).abs() < 1e-12),
-                "{back:?}"
-            );
-        }
     }
 
     #[test]

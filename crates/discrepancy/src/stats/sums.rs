@@ -1,24 +1,23 @@
-//! How uncertain weighted sums of coloured noise are.
+//! Covariance of weighted sums of coloured noise.
 
 use nalgebra::DMatrix;
-use realfft::num_complex::Complex64;
-
 use statrs::function::gamma::digamma;
+use truecut_recording::fft::{Complex64, forward};
 
 use super::background::Background;
-use super::spectrum::{padded_length, transform};
+use super::spectrum::padded_length;
 
 /// Covariance of sums `Σ column[t] · noise[t]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SumCovariance {
     /// One row and column for each column of weights.
     pub matrix: DMatrix<f64>,
-    /// How well the matrix is known: as if its scale came from so many squares of white noise.
+    /// Degrees of freedom of the matrix's scale.
     pub degrees: f64,
 }
 
 /// Covariance of the sums of noise with this background under columns of weights, which are zero
-/// where a sample does not count: `∫ Bᵢ* Bⱼ S df`, on a grid fine enough that nothing wraps around.
+/// where a sample is not valid: `∫ Bᵢ* Bⱼ S df`, on a grid fine enough that nothing wraps around.
 ///
 /// Exact for the given density, for any weights: no model of the weights is assumed. For weights of
 /// ones it is the variance of a sum; for a series it is Bartlett's formula for a cross-correlation
@@ -28,7 +27,7 @@ pub fn sum_covariance(columns: &[Vec<f64>], background: &Background) -> SumCovar
     let length = padded_length(samples);
     let transforms: Vec<Vec<Complex64>> = columns
         .iter()
-        .map(|column| transform(column, length))
+        .map(|column| forward(column.clone(), length))
         .collect();
     let density = density_on_grid(background, length);
     let entry = |i: usize, j: usize| -> f64 {
@@ -78,7 +77,7 @@ pub(crate) fn density_on_grid(background: &Background, length: usize) -> Vec<f64
 }
 
 /// Degrees of freedom of a mean of densities with these weights: 2 over the variance of its
-/// logarithm. Densities within a stretch come from the same bins and err together, others apart.
+/// logarithm. Errors of densities within an interval are fully correlated, others independent.
 pub(crate) fn degrees(weights: &[f64], background: &Background, length: usize) -> f64 {
     let total: f64 = weights.iter().sum();
     let cell = (background.stretch() * length as f64).max(1.0) as usize;
@@ -97,8 +96,8 @@ pub(crate) fn degrees(weights: &[f64], background: &Background, length: usize) -
     }
 }
 
-/// A variance read off densities is right in the mean of its logarithm. The denominator of F and of
-/// Student's t is right in its mean; this is the factor between them.
+/// A variance estimated from densities is unbiased in its logarithm, the denominator of F and of
+/// Student's t in its mean; this is the factor between them.
 pub(crate) fn unbiased(degrees: f64) -> f64 {
     if degrees > 1e6 {
         1.0
@@ -113,8 +112,8 @@ mod tests {
     use crate::stats::distributions::t_quantile;
     use crate::testing::{Colour, noise};
 
-    /// How often a sum over AR(1) noise leaves the interval that the record itself states for 95 %: the
-    /// mean, and a square wave. Within three standard errors of a rate found in 400 records.
+    /// How often a sum over AR(1) noise lies outside the record's own 95 % interval: the mean, and
+    /// a square wave. Within three standard errors of a rate found in 400 records.
     #[test]
     fn verify_stated_intervals_hold() {
         let samples = 2048;

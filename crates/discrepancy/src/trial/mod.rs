@@ -1,29 +1,32 @@
 //! A scenario and its measured data as a [`Model`]: what the diagnosis simulates.
 //!
-//! Predictions come from the reduced plant, which is fast; [`Trial::confirm`] makes the same prediction in
-//! rapier. Scenarios that replay measured motion backwards (mode "inverse") integrate nothing and need neither.
+//! Predictions come from the reduced plant, which is fast; [`Trial::confirm`] makes the same
+//! prediction in rapier. Scenarios that replay measured motion backwards (mode "inverse") integrate
+//! nothing and need neither.
 
+mod cache;
 mod candidates;
 mod experiments;
-mod lately;
 mod nominal;
 mod observation;
 mod parallel;
+mod predict;
 mod sampling;
+mod signals;
 mod speeds;
 mod stiff;
+#[cfg(test)]
+mod tests;
 
 use truecut_recording::measured::Measured;
-use truecut_recording::{ChannelSpec, Outcome, UnknownName};
-use truecut_scenario::effect::{Effect, EffectKind, Family, Target};
+use truecut_recording::{ChannelSpec, UnknownName};
+use truecut_scenario::effect::{Effect, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario, ScenarioError};
 use truecut_sim::facts::{RobotFacts, robot_facts};
-use truecut_sim::measurement::ChannelModel;
-use truecut_sim::{
-    Engine, Forces, InverseModel, Robots, Rows, SimError, SteadyModel, reduced_step_s, simulate,
-};
+use truecut_sim::run::{self, Engine, Rows};
+use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel};
 
-use self::lately::Lately;
+use self::cache::{Cache, RunKey};
 use crate::diagnose::Observation;
 use crate::model::{Candidate, Columns, Experiment, Model, NominalParameter, PredictError};
 
@@ -39,15 +42,18 @@ pub struct Trial {
     candidates: Vec<Candidate>,
     engine: Kind,
     robots: Robots,
-    /// The scenario with nominal parameters that were asked for lately: to read it anew takes a tenth of a run.
-    varied: Lately<Vec<f64>, Scenario>,
-    /// Drive forces of the arm without effects, for nominal parameters that were asked for lately.
-    rigid: Lately<Vec<f64>, Forces>,
-    /// Runs by nominal parameters and effects on the machine: what sensors make of them needs no other run.
-    runs: Lately<Run, Rows>,
+    /// The scenario with nominal parameters that were asked for last: to read it anew takes a
+    /// tenth of a run.
+    varied: Cache<Vec<f64>, Scenario>,
+    /// Drive forces of the arm without effects, for nominal parameters that were asked for last.
+    rigid: Cache<Vec<f64>, Forces>,
+    /// Runs by nominal parameters and effects on the machine: what sensors make of them needs no
+    /// other run.
+    runs: Cache<RunKey, Rows>,
     /// Runs with a shorter step are not made, s.
     shortest_step_s: f64,
-    /// Of each joint, the greatest speed at which a friction's fall with speed can be told from other friction.
+    /// Of each joint, the greatest speed at which a friction's fall with speed can be told from
+    /// other friction.
     fall_speeds: Vec<f64>,
     /// Base compliances below which the change is taken as proportional.
     stiff: Vec<(Target, f64)>,
@@ -55,7 +61,8 @@ pub struct Trial {
     pub observation: Observation,
 }
 
-/// A run of the search may need so many times the steps of the nominal one; what is faster is beyond what the data show.
+/// A run of the search may need so many times the steps of the nominal one; what is faster is
+/// beyond what the data show.
 const FINEST: f64 = 4.0;
 
 /// Most steps of one run: a diagnosis makes thousands of runs.
@@ -68,7 +75,7 @@ fn check_length(scenario: &Scenario, measured: &Measured, robots: &Robots) -> Re
     };
     let duration_s = measured.duration_s() / replay.speed_factor;
     let duration_s = duration_s.min(scenario.run.duration_s);
-    let steps = duration_s / reduced_step_s(scenario, Some(measured), robots)?;
+    let steps = duration_s / reduced(scenario, measured, robots).time_step_s()?;
     if steps <= MOST_STEPS {
         return Ok(());
     }
@@ -80,22 +87,18 @@ fn check_length(scenario: &Scenario, measured: &Measured, robots: &Robots) -> Re
     Err(SimError::scenario("data", message))
 }
 
-/// What a run is made for.
-#[derive(Debug, PartialEq)]
-struct Run {
-    nominal: Vec<f64>,
-    /// Effects on the machine.
-    machine: Vec<Effect>,
-    until_s: Option<f64>,
+/// A run with the reduced plant, whatever step it needs.
+fn reduced<'a>(scenario: &'a Scenario, measured: &'a Measured, robots: &'a Robots) -> run::Run<'a> {
+    run::Run {
+        measured: Some(measured),
+        robots: Some(robots),
+        engine: Engine::REDUCED,
+        ..run::Run::of(scenario)
+    }
 }
 
 /// Runs that end early go on for so long, for channels that come early, s.
 const EARLIEST_S: f64 = 0.05;
-
-/// Whether a sensor shows what is still to come further ahead than that.
-fn comes_early(effect: &Effect) -> bool {
-    effect.kind == EffectKind::SensorDelay && effect.values[0] < -EARLIEST_S
-}
 
 /// How predictions are made.
 enum Kind {
@@ -127,7 +130,6 @@ impl Trial {
                 key: one.key.clone(),
                 value: one.value,
                 sigma: one.sigma,
-                unit_text: one.unit.clone(),
             })
             .collect();
         let values: Vec<f64> = nominal.iter().map(|one| one.value).collect();
@@ -150,10 +152,7 @@ impl Trial {
             }
             _ => {
                 check_length(scenario, measured, &robots)?;
-                let any = Engine::Reduced {
-                    shortest_step_s: 0.0,
-                };
-                let rows = simulate(scenario, Some(measured), &robots, any, &[], None)?;
+                let rows = reduced(scenario, measured, &robots).rows(&[], None)?;
                 (Kind::Forward, Some(rows), measured.clone())
             }
         };
@@ -164,10 +163,10 @@ impl Trial {
             _ => Vec::new(),
         };
         let observation = observation::observation(scenario, &used, &channels, recording.as_ref());
-        let signals = candidates::Signals::new(scenario, measured, &facts, recording.as_ref());
+        let signals = signals::Signals::new(scenario, measured, &facts, recording.as_ref());
         let shortest_step_s = match &engine {
             Kind::Inverse { .. } | Kind::Steady(_) => 0.0,
-            Kind::Forward => reduced_step_s(scenario, Some(measured), &robots)? / FINEST,
+            Kind::Forward => reduced(scenario, measured, &robots).time_step_s()? / FINEST,
         };
         let mut trial = Trial {
             candidates: candidates::candidates(scenario, &signals, &channels),
@@ -179,9 +178,9 @@ impl Trial {
             nominal,
             engine,
             robots,
-            varied: Lately::default(),
-            rigid: Lately::default(),
-            runs: Lately::default(),
+            varied: Cache::default(),
+            rigid: Cache::default(),
+            runs: Cache::default(),
             shortest_step_s,
             fall_speeds: signals.fall_speeds(),
             stiff: Vec::new(),
@@ -212,14 +211,19 @@ impl Trial {
         }
     }
 
+    /// The nominal parameters that differ from the scenario's, as they are written in its file.
+    pub fn overrides(&self, nominal: &[f64]) -> Vec<(String, String)> {
+        let changed = self.scenario.uncertain.iter().zip(nominal);
+        changed
+            .filter(|(parameter, value)| parameter.value != **value)
+            .map(|(parameter, value)| (parameter.key.clone(), parameter.written(*value)))
+            .collect()
+    }
+
     /// The scenario with other nominal parameters and further effects.
     fn varied(&self, nominal: &[f64], effects: &[Effect]) -> Result<Scenario, PredictError> {
         let failed = |error: ScenarioError| PredictError(error.to_string());
-        let changed = self.nominal.iter().zip(nominal);
-        let overrides: Vec<(String, String)> = changed
-            .filter(|(parameter, value)| parameter.value != **value)
-            .map(|(parameter, value)| (parameter.key.clone(), format!("{value:?}")))
-            .collect();
+        let overrides = self.overrides(nominal);
         if overrides.is_empty() {
             return self.scenario.with_effects(effects).map_err(failed);
         }
@@ -227,121 +231,6 @@ impl Trial {
             self.scenario.with_overrides(&overrides).map_err(failed)
         })?;
         varied.with_effects(effects).map_err(failed)
-    }
-
-    fn reduced(&self) -> Engine {
-        Engine::Reduced {
-            shortest_step_s: self.shortest_step_s,
-        }
-    }
-
-    /// What the search is told; what is integrated in time ends at `until_s`.
-    fn predicted(
-        &self,
-        nominal: &[f64],
-        effects: &[Effect],
-        until_s: Option<f64>,
-    ) -> Result<Columns, PredictError> {
-        let failed = |error: SimError| PredictError(error.to_string());
-        self.check_speeds(effects)?;
-        match &self.engine {
-            Kind::Forward => self.extrapolated(nominal, effects, until_s),
-            Kind::Steady(model) => model.predict(effects).map_err(failed),
-            Kind::Inverse {
-                nominal: made_for,
-                model,
-                every,
-            } => {
-                let columns = if made_for == nominal {
-                    model.predict(effects)
-                } else {
-                    let own = self.rigid.get(self.of_robot(nominal), || {
-                        let robot = self.varied_robot(nominal)?;
-                        model.nominal_for(&robot, &self.robots).map_err(failed)
-                    })?;
-                    model.predict_from(&own, &self.with_own(nominal, effects))
-                };
-                let columns = columns.map_err(failed)?;
-                Ok((columns.iter())
-                    .map(|column| parallel::picked(column, *every))
-                    .collect())
-            }
-        }
-    }
-
-    /// Rapier's prediction, or the reduced plant's; with `until_s` no further than that.
-    fn forward(
-        &self,
-        nominal: &[f64],
-        effects: &[Effect],
-        engine: Engine,
-        until_s: Option<f64>,
-    ) -> Result<Columns, PredictError> {
-        let until_s = until_s.filter(|_| !effects.iter().any(comes_early));
-        if engine == Engine::Rapier || !self.scenario.effects.is_empty() {
-            let rows = self.run(&self.varied(nominal, effects)?, engine, until_s)?;
-            return Ok(self.at_the_data(&rows));
-        }
-        let (sensors, machine): (Vec<Effect>, Vec<Effect>) =
-            (effects.iter().cloned()).partition(|effect| effect.kind.family() == Family::Sensor);
-        let key = Run {
-            nominal: nominal.to_vec(),
-            machine: machine.clone(),
-            until_s,
-        };
-        let run = self.runs.get(key, || {
-            self.run(&self.varied(nominal, &machine)?, engine, until_s)
-        })?;
-        if sensors.is_empty() {
-            return Ok(self.at_the_data(&run));
-        }
-        Ok(self.at_the_data(&self.sensed((*run).clone(), &sensors)))
-    }
-
-    /// What sensors with these effects make of a run.
-    fn sensed(&self, mut run: Rows, sensors: &[Effect]) -> Rows {
-        for (spec, column) in run.channels.iter().zip(&mut run.columns) {
-            let mut sensor = ChannelModel::default();
-            let own = sensors.iter().filter(
-                |effect| matches!(&effect.target, Target::Channel(name) if *name == spec.name),
-            );
-            own.for_each(|effect| sensor.add(effect));
-            if sensor != ChannelModel::default() {
-                sensor.apply(&run.time_s, column);
-            }
-        }
-        run
-    }
-
-    /// The channels that were measured, of one run.
-    fn run(
-        &self,
-        scenario: &Scenario,
-        engine: Engine,
-        until_s: Option<f64>,
-    ) -> Result<Rows, PredictError> {
-        let names: Vec<&str> = self
-            .channels
-            .iter()
-            .map(|spec| spec.name.as_str())
-            .collect();
-        let measured = Some(&self.measured);
-        let rows = simulate(scenario, measured, &self.robots, engine, &names, until_s)
-            .map_err(|error| PredictError(error.to_string()))?;
-        match rows.outcome {
-            Outcome::Completed => Ok(rows),
-            outcome => Err(PredictError(outcome.to_string())),
-        }
-    }
-
-    fn at_the_data(&self, rows: &Rows) -> Columns {
-        let column = |values: &Vec<f64>| {
-            let stretches = self.stretches_s.iter();
-            stretches
-                .flat_map(|times| sampling::at(&rows.time_s, values, times))
-                .collect()
-        };
-        rows.columns.iter().map(column).collect()
     }
 }
 

@@ -1,4 +1,5 @@
-//! Nominal parameters put into a scenario without reading it anew: an inverse model predicts in less time than a text is read.
+//! Nominal parameters put into a scenario without reading it anew: an inverse model predicts in
+//! less time than a text is read.
 
 use truecut_scenario::RobotSpec;
 use truecut_scenario::effect::{Effect, ParameterInfo};
@@ -10,7 +11,8 @@ use crate::model::PredictError;
 const EFFECT: &str = "effect.";
 
 impl Trial {
-    /// The nominal parameters that are the robot's: drive forces without effects depend on these alone.
+    /// The nominal parameters that are the robot's: drive forces without effects depend on these
+    /// alone.
     pub(super) fn of_robot(&self, nominal: &[f64]) -> Vec<f64> {
         let all = self.nominal.iter().zip(nominal);
         all.filter(|(one, _)| !one.key.starts_with(EFFECT))
@@ -31,8 +33,8 @@ impl Trial {
         Ok(self.varied(nominal, &[])?.robot)
     }
 
-    /// The scenario's own effects as far as nominal parameters change them, and `effects`, which replace those of the same kind and
-    /// target.
+    /// The scenario's own effects as far as nominal parameters change them, and `effects`, which
+    /// replace those of the same kind and target.
     pub(super) fn with_own(&self, nominal: &[f64], effects: &[Effect]) -> Vec<Effect> {
         let mut own: Vec<(usize, Effect)> = Vec::new();
         for (one, value) in self.nominal.iter().zip(nominal) {

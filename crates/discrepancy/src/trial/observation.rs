@@ -4,25 +4,17 @@ use std::f64::consts::TAU;
 
 use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
-use truecut_scenario::{ProcessSpec, Scenario};
-use truecut_sim::Rows;
+use truecut_scenario::Scenario;
+use truecut_sim::run::Rows;
 
 use super::sampling;
 use crate::diagnose::{Observation, Output, Regressor};
 
-/// Channels of the nominal run that say where the machine was: a residual may follow them.
-const SIGNALS: [&str; 5] = [
-    "cutting.depth",
-    "foot.normal_force",
-    "wheel.normal_force",
-    "tool.displacement_x",
-    "wheel.position",
-];
-
 /// A run that ends so many intervals before a sample says nothing of it.
 const BEYOND: f64 = 1.5;
 
-/// Outputs in the order of `channels`; commands, velocities, spindle angle and load as known signals.
+/// Outputs in the order of `channels`; commands, velocities, spindle angle and load as known
+/// signals.
 pub(super) fn observation(
     scenario: &Scenario,
     measured: &Measured,
@@ -69,7 +61,7 @@ pub(super) fn observation(
     }
     if let Some(recording) = nominal {
         let stretches = measured.stretches_s();
-        let known = SIGNALS.iter().filter_map(|name| {
+        let known = scenario.process.facts().signals.iter().filter_map(|name| {
             let index = recording
                 .channels
                 .iter()
@@ -100,16 +92,7 @@ pub(super) fn observation(
 
 /// Spindle or wheel speed, if anything spins.
 pub(super) fn spin_rad_s(scenario: &Scenario) -> Option<f64> {
-    match &scenario.process {
-        ProcessSpec::Chamfer(chamfer) => Some(chamfer.spindle_rad_s),
-        ProcessSpec::Wheel(wheel) => Some(wheel.spin_rad_s),
-        ProcessSpec::Milling(milling) => Some(milling.spindle_rad_s),
-        ProcessSpec::Polish(polish) => Some(polish.spin_rad_s.abs()),
-        ProcessSpec::Belt(belt) => Some(belt.wheel_rad_s()),
-        ProcessSpec::Brush(brush) => Some(brush.spin_rad_s.abs()),
-        ProcessSpec::Replay(replay) => replay.turning.map(|cut| cut.spindle_rad_s),
-        _ => None,
-    }
+    scenario.process.facts().rate_rad_s
 }
 
 /// Central differences; one-sided at the ends.

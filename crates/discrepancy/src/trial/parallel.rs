@@ -1,13 +1,14 @@
-//! Parallel decimation: of filtered drive forces, measured and predicted alike, as many samples as the filter leaves worth of
-//! information. (Gautier, "Dynamic identification of robots with power model", 1997.)
+//! Parallel decimation: of filtered drive forces, measured and predicted alike, as many samples as
+//! the filter leaves worth of information. (`gautier1997`.)
 //!
-//! Between the filter's cutoff and half the rate of the data nothing is left but rounding. A search that whitens noise would weigh
-//! that as much as the motion.
+//! Between the filter's cutoff and half the rate of the data nothing is left but rounding. A search
+//! that whitens noise would weigh that as much as the motion.
 
 use truecut_recording::measured::Measured;
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 
-/// Samples kept per period of the cutoff. At 2 the cutoff is half the rate of what is kept: the spectrum is filled to its end.
+/// Samples kept per period of the cutoff. At 2 the cutoff is half the rate of what is kept: the
+/// spectrum is filled to its end.
 const PER_PERIOD: f64 = 2.0;
 
 /// Samples of the data for one that is kept.

@@ -1,12 +1,12 @@
 //! Bases that hardly give: their mode is so fast that a run would take hundreds of times the steps.
 //!
-//! What such a base changes is its quasi-static tilt, proportional to the compliance. Below the least compliance that the search
-//! simulates, the change is therefore taken in proportion from there.
+//! What such a base changes is its quasi-static tilt, proportional to the compliance. Below the
+//! least compliance that the search simulates, the change is therefore taken in proportion from
+//! there.
 
-use truecut_scenario::effect::{Effect, EffectKind, Target};
-use truecut_sim::reduced_step_s;
+use truecut_scenario::effect::{BaseEffect, Effect, EffectKind, Target, Typed};
 
-use super::Trial;
+use super::{Trial, reduced};
 use crate::model::{Columns, PredictError};
 
 /// Halvings and doublings that are tried.
@@ -22,14 +22,10 @@ impl Trial {
         compliances
             .map(|candidate| {
                 let fits = |value: f64| {
-                    let effect = Effect {
-                        kind: candidate.kind,
-                        target: candidate.target.clone(),
-                        values: vec![value],
-                    };
+                    let effect = with_compliance(&candidate.target, value);
                     let step =
                         self.scenario.with_effects(&[effect]).ok().and_then(|s| {
-                            reduced_step_s(&s, Some(&self.measured), &self.robots).ok()
+                            reduced(&s, &self.measured, &self.robots).time_step_s().ok()
                         });
                     step.is_some_and(|step| step >= self.shortest_step_s)
                 };
@@ -50,23 +46,24 @@ impl Trial {
             .collect()
     }
 
-    /// The reduced prediction; where the base is too stiff to be simulated, in proportion from the least compliance.
+    /// The reduced prediction; where the base is too stiff to be simulated, in proportion from the
+    /// least compliance.
     pub(super) fn extrapolated(
         &self,
         nominal: &[f64],
         effects: &[Effect],
         until_s: Option<f64>,
     ) -> Result<Columns, PredictError> {
-        let stiff = effects.iter().position(|effect| {
-            effect.kind == EffectKind::BaseCompliance && effect.values[0] < self.least(effect)
+        let stiff = effects.iter().enumerate().find_map(|(index, effect)| {
+            let value = compliance(effect)?;
+            let least = self.least(effect);
+            (value < least).then_some((index, value / least, least))
         });
-        let Some(index) = stiff else {
+        let Some((index, share, least)) = stiff else {
             return self.forward(nominal, effects, self.reduced(), until_s);
         };
         let mut raised = effects.to_vec();
-        let least = self.least(&effects[index]);
-        let share = effects[index].values[0] / least;
-        raised[index].values[0] = least;
+        raised[index] = with_compliance(&effects[index].target, least);
         let with = self.extrapolated(nominal, &raised, until_s)?;
         raised.remove(index);
         let without = self.extrapolated(nominal, &raised, until_s)?;
@@ -82,5 +79,30 @@ impl Trial {
     fn least(&self, effect: &Effect) -> f64 {
         let known = self.stiff.iter().find(|(t, _)| *t == effect.target);
         known.map_or(0.0, |(_, least)| *least)
+    }
+}
+
+/// The compliance of a base, rad/(N m), if the effect is one.
+fn compliance(effect: &Effect) -> Option<f64> {
+    match effect.typed() {
+        Some(Typed::Base(
+            _,
+            BaseEffect::Compliance {
+                compliance_rad_per_n_m,
+            },
+        )) => Some(compliance_rad_per_n_m),
+        Some(_) | None => None,
+    }
+}
+
+/// A base that gives about the axis of `target`.
+fn with_compliance(target: &Target, compliance_rad_per_n_m: f64) -> Effect {
+    let law = BaseEffect::Compliance {
+        compliance_rad_per_n_m,
+    };
+    Effect {
+        kind: EffectKind::BaseCompliance,
+        target: target.clone(),
+        values: law.values(),
     }
 }

@@ -4,19 +4,22 @@ use nalgebra::{DMatrix, DVector, Isometry3, Unit, Vector3};
 use truecut_arm::{FrameId, IkSolver, PathOptions, Robot, tool_pose};
 use truecut_core::wheel::precession::PrecessionWheel;
 
-use super::feed::Pace;
+use super::feed::FeedPace;
 use super::{
     PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError, PrecessionProgress,
-    PrecessionTask, Told,
+    PrecessionTask, ProgressReport,
 };
 
-/// A joint that is too fast is brought to this share of its limit, so that rounding does not ask for another pass.
+/// A joint that is too fast is brought to this share of its limit, so that rounding does not ask
+/// for another pass.
 const AIM: f64 = 0.999;
 
-/// Share of a joint's limit that the feed may take before it is lowered; the rest is left to the angle.
+/// Share of a joint's limit that the feed may take before it is lowered; the rest is left to the
+/// angle.
 const MOST_BY_FEED: f64 = 0.5;
 
-/// An arm before a face. The tool frame's origin is the wheel's centre, its z axis the spin axis towards the face.
+/// An arm before a face. The tool frame's origin is the wheel's centre, its z axis the spin axis
+/// towards the face.
 #[derive(Debug, Clone, Copy)]
 pub struct ArmOnFace<'a> {
     pub robot: &'a Robot,
@@ -73,7 +76,7 @@ impl ArmOnFace<'_> {
         &self,
         plan: &PrecessionPlan,
         postures: &[Vec<f64>],
-        pace: &mut Pace,
+        pace: &mut FeedPace,
         window_s: f64,
     ) -> Result<bool, PrecessionPlanError> {
         let times: Vec<f64> = plan.points.iter().map(|p| p.time_s).collect();
@@ -112,8 +115,8 @@ impl ArmOnFace<'_> {
         Ok(held)
     }
 
-    /// Speed over its limit that the feed alone asks of a joint, the spin axis kept: J q̇ = (feed, 0). Infinite where the arm is
-    /// singular.
+    /// Speed over its limit that the feed alone asks of a joint, the spin axis kept: J q̇ = (feed,
+    /// 0). Infinite where the arm is singular.
     fn share_by_feed(&self, plan: &PrecessionPlan, q: &[f64], k: usize, joint: usize) -> f64 {
         let (from, to) = (&plan.points[k], &plan.points[k + 1]);
         let moved = (to.point_m - from.point_m) / (to.time_s - from.time_s);
@@ -132,31 +135,32 @@ impl PrecessionTask<'_> {
     /// The angle along the path and the postures, every joint within its speed limit.
     ///
     /// # Errors
-    /// As [`Self::plan`]; if the path leaves the arm's reach or limits or makes it jump; or if a joint stays too fast.
+    /// As [`Self::plan`]; if the path leaves the arm's reach or limits or makes it jump; or if a
+    /// joint stays too fast.
     pub fn plan_for_arm(
         &self,
         arm: &ArmOnFace<'_>,
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
     ) -> Result<ArmPlan, PrecessionPlanError> {
-        self.plan_for_arm_telling(arm, limits, options, &mut |_| ())
+        self.plan_for_arm_with_progress(arm, limits, options, &mut |_| ())
     }
 
     /// As [`Self::plan_for_arm`], and tells how far it has come, some hundred times a pass.
     ///
     /// # Errors
     /// As [`Self::plan_for_arm`].
-    pub fn plan_for_arm_telling(
+    pub fn plan_for_arm_with_progress(
         &self,
         arm: &ArmOnFace<'_>,
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
         tell: &mut dyn FnMut(PrecessionProgress),
     ) -> Result<ArmPlan, PrecessionPlanError> {
-        let mut told = Told { pass: 0, tell };
-        let (intervals, mut pace) = self.prepared(limits, options, &mut told)?;
+        let mut progress = ProgressReport { pass: 0, tell };
+        let (intervals, mut pace) = self.prepared(limits, options, &mut progress)?;
         loop {
-            let plan = self.planned(&intervals, &mut pace, limits, options, &mut told)?;
+            let plan = self.planned(&intervals, &mut pace, limits, options, &mut progress)?;
             let poses = arm.poses(self.wheel, &plan)?;
             let steps = PathOptions::default();
             let postures = (arm.solver).follow(&poses, FrameId::Tool, arm.start, &steps)?;

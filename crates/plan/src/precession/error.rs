@@ -1,13 +1,14 @@
-//! Why there is no course of the precession angle.
+//! Why there is no trajectory of the precession angle.
 
 use nalgebra::Vector2;
 use thiserror::Error;
 use truecut_arm::ArmError;
 use truecut_core::wheel::precession::PrecessionError;
 
-use super::{PrecessionLimits, PrecessionOptions, PrecessionTask};
+use super::task::{PrecessionLimits, PrecessionOptions, PrecessionTask};
 
-/// Why there is no course of the precession angle. `along_m` is the distance from the path's start.
+/// Why there is no trajectory of the precession angle. `along_m` is the distance from the path's
+/// start.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PrecessionPlanError {
@@ -59,52 +60,24 @@ pub(super) fn check(
         return Err(PrecessionPlanError::Path { count });
     }
     let positive = |value: f64| value > 0.0 && value.is_finite();
-    let (above, finite) = ("finite and above 0", "finite");
     let angles = options.angles as f64;
     let share = options.least_feed_share;
+    let above_zero = |quantity, value| (quantity, value, positive(value), "finite and above 0");
+    let any = |quantity, value: f64| (quantity, value, value.is_finite(), "finite");
     let rules = [
-        (
-            "the feed (m/s)",
-            task.feed_m_per_s,
-            positive(task.feed_m_per_s),
-            above,
-        ),
-        (
-            "the rate of the steady turn (rad/s)",
-            task.turn_rad_s,
-            task.turn_rad_s.is_finite(),
-            finite,
-        ),
-        (
-            "the angle at the start (rad)",
-            task.start_rad,
-            task.start_rad.is_finite(),
-            finite,
-        ),
-        (
-            "the largest rate of the angle (rad/s)",
-            limits.rate_rad_s,
-            positive(limits.rate_rad_s),
-            above,
-        ),
-        (
+        above_zero("the feed (m/s)", task.feed_m_per_s),
+        any("the rate of the steady turn (rad/s)", task.turn_rad_s),
+        any("the angle at the start (rad)", task.start_rad),
+        above_zero("the largest rate of the angle (rad/s)", limits.rate_rad_s),
+        above_zero(
             "the largest acceleration of the angle (rad/s2)",
             limits.acceleration_rad_s2,
-            positive(limits.acceleration_rad_s2),
-            above,
         ),
-        (
+        above_zero(
             "the largest acceleration of the feed (m/s2)",
             limits.feed_acceleration_m_s2,
-            positive(limits.feed_acceleration_m_s2),
-            above,
         ),
-        (
-            "the longest interval (m)",
-            options.interval_m,
-            positive(options.interval_m),
-            above,
-        ),
+        above_zero("the longest interval (m)", options.interval_m),
         (
             "the number of angles",
             angles,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use super::PrecessionLimits;
+use super::task::PrecessionLimits;
 
 /// What one lowering leaves of the feed.
 const STEP: f64 = 0.9;
@@ -23,7 +23,7 @@ pub struct FeedReduction {
 }
 
 /// Feed and largest rate of the angle for each interval.
-pub(super) struct Pace {
+pub(super) struct FeedPace {
     lengths_m: Vec<f64>,
     asked_m_per_s: f64,
     least_m_per_s: f64,
@@ -34,7 +34,7 @@ pub(super) struct Pace {
     slowed: Vec<bool>,
 }
 
-impl Pace {
+impl FeedPace {
     pub fn new(
         lengths_m: Vec<f64>,
         asked_m_per_s: f64,
@@ -73,8 +73,9 @@ impl Pace {
         knots.windows(2).map(least).collect()
     }
 
-    /// Time before a station from which the angle can get an eighth of a turn on until there. What is missing on the way to a station
-    /// is time; spent nearer to it, it costs lower feeds, spent further away, feed where the angle has nowhere to go yet.
+    /// Time before a station from which the angle can get an eighth of a turn on until there. What
+    /// is missing on the way to a station is time; spent nearer to it, it costs lower feeds, spent
+    /// further away, feed where the angle has nowhere to go yet.
     pub fn turned_before_s(&self, station: usize, times_s: &[f64]) -> f64 {
         let mut left_rad = FRAC_PI_4;
         for k in (0..station).rev() {
@@ -95,7 +96,8 @@ impl Pace {
         }
     }
 
-    /// Lowers the feed by a step in all intervals that are met between two times; each once until it settles.
+    /// Lowers the feed by a step in all intervals that are met between two times; each once until
+    /// it settles.
     ///
     /// # Errors
     /// The least feed, if it would fall below.

@@ -1,12 +1,12 @@
-//! The course nearest to the steady turn, on a grid of angles.
+//! The trajectory nearest to the steady turn, on a grid of angles.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use truecut_core::wheel::precession::{AngleSet, wrapped};
 
-/// How often the share of a search is told.
-const TOLD: usize = 100;
+/// How many progress reports a search gives.
+const REPORTS: usize = 100;
 
 /// Angles of a turn.
 pub(super) struct Grid {
@@ -21,8 +21,9 @@ pub(super) struct Stuck {
     pub narrow: bool,
 }
 
-/// Angles of the grid that follow each other without a gap: the first, and how many. `closed` if the last meets the first.
-struct Run {
+/// Angles of the grid that follow each other without a gap: the first, and how many. `closed` if
+/// the last meets the first.
+struct AngleRun {
     first: usize,
     count: usize,
     closed: bool,
@@ -33,9 +34,9 @@ impl Grid {
         TAU / self.angles as f64
     }
 
-    fn runs(&self, set: &AngleSet) -> Vec<Run> {
+    fn runs(&self, set: &AngleSet) -> Vec<AngleRun> {
         let AngleSet::Arcs(arcs) = set else {
-            return vec![Run {
+            return vec![AngleRun {
                 first: 0,
                 count: self.angles,
                 closed: true,
@@ -44,7 +45,7 @@ impl Grid {
         let runs = arcs.iter().filter_map(|arc| {
             let first = (arc.from_rad / self.step_rad()).ceil() as usize;
             let end = (arc.to_rad / self.step_rad()).floor() as usize + 1;
-            (end > first).then(|| Run {
+            (end > first).then(|| AngleRun {
                 first,
                 count: end - first,
                 closed: false,
@@ -53,13 +54,14 @@ impl Grid {
         runs.collect()
     }
 
-    /// The course of least ∫ deviation² dt through `sets`, turns counted from the first angle in [0, 2π). From one station to the next
-    /// it moves within one arc of the earlier station's set, at the rate that `rates_rad_s` has for this step at most. `tell` hears the
-    /// share of the stations that are done.
+    /// The trajectory of least ∫ deviation² dt through `sets`, turns counted from the first angle
+    /// in [0, 2π). From one station to the next it moves within one arc of the earlier station's
+    /// set, at the rate that `rates_rad_s` has for this step at most. `tell` hears the share of the
+    /// stations that are done.
     ///
     /// # Errors
-    /// Where no course gets through.
-    pub fn course(
+    /// Where no trajectory gets through.
+    pub fn trajectory(
         &self,
         sets: &[AngleSet],
         times_s: &[f64],
@@ -67,7 +69,7 @@ impl Grid {
         rates_rad_s: &[f64],
         tell: &mut dyn FnMut(f64),
     ) -> Result<Vec<f64>, Stuck> {
-        let runs: Vec<Vec<Run>> = sets.iter().map(|set| self.runs(set)).collect();
+        let runs: Vec<Vec<AngleRun>> = sets.iter().map(|set| self.runs(set)).collect();
         let stations: Vec<usize> = (0..runs.len()).filter(|k| runs[*k].is_empty()).collect();
         if !stations.is_empty() {
             let narrow = true;
@@ -97,7 +99,7 @@ impl Grid {
             }
             costs = reached;
             came_by.push(steps);
-            if k % (1 + last / TOLD) == 0 || k == last {
+            if k % (1 + last / REPORTS) == 0 || k == last {
                 tell(k as f64 / last as f64);
             }
         }
@@ -105,7 +107,7 @@ impl Grid {
     }
 
     /// Adds what a station costs, and forbids what it does not allow.
-    fn charge(&self, costs: &mut [f64], runs: &[Run], nominal_rad: f64, held_s: f64) {
+    fn charge(&self, costs: &mut [f64], runs: &[AngleRun], nominal_rad: f64, held_s: f64) {
         let mut charged = vec![f64::INFINITY; self.angles];
         for run in runs {
             for angle in run.first..run.first + run.count {
@@ -117,15 +119,16 @@ impl Grid {
         costs.copy_from_slice(&charged);
     }
 
-    /// Least cost at which each angle is reached by at most `most` steps within a run, and by how many. A sliding minimum, linear in
-    /// the angles whatever the rate.
-    fn reached(&self, costs: &[f64], runs: &[Run], most: usize) -> (Vec<f64>, Vec<i16>) {
+    /// Least cost at which each angle is reached by at most `most` steps within a run, and by how
+    /// many. A sliding minimum, linear in the angles whatever the rate.
+    fn reached(&self, costs: &[f64], runs: &[AngleRun], most: usize) -> (Vec<f64>, Vec<i16>) {
         let most = most.min(self.angles / 2 - 1);
         let mut least = vec![f64::INFINITY; self.angles];
         let mut steps = vec![0; self.angles];
         let mut queue: VecDeque<(usize, f64)> = VecDeque::new();
         for run in runs {
-            // A closed run is walked with an overlap at both ends; places count from its first angle, less the overlap.
+            // A closed run is walked with an overlap at both ends; places count from its first
+            // angle, less the overlap.
             let overlap = if run.closed { most } else { 0 };
             let places = run.count + 2 * overlap;
             let angle = |place: usize| (run.first + self.angles + place - overlap) % self.angles;
@@ -155,20 +158,22 @@ impl Grid {
     fn traced(&self, costs: &[f64], came_by: &[Vec<i16>]) -> Vec<f64> {
         let cheapest = (0..self.angles).min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
         let mut angle = cheapest.unwrap_or(0) as i64;
-        let mut course = vec![angle];
+        let mut trajectory = vec![angle];
         for steps in came_by.iter().rev() {
             angle -= i64::from(steps[angle.rem_euclid(self.angles as i64) as usize]);
-            course.push(angle);
+            trajectory.push(angle);
         }
-        course.reverse();
-        let turns = course[0].div_euclid(self.angles as i64) * self.angles as i64;
-        let angles = course.iter().map(|a| (a - turns) as f64 * self.step_rad());
+        trajectory.reverse();
+        let turns = trajectory[0].div_euclid(self.angles as i64) * self.angles as i64;
+        let angles = trajectory
+            .iter()
+            .map(|a| (a - turns) as f64 * self.step_rad());
         angles.collect()
     }
 }
 
-/// Mean over `window_s` about each of `at_s`, which grow, of what runs straight between values, the first and the last of them held
-/// beyond the ends.
+/// Mean over `window_s` about each of `at_s`, which grow, of what runs straight between values, the
+/// first and the last of them held beyond the ends.
 pub(super) fn moving_mean(
     times_s: &[f64],
     values: &[f64],

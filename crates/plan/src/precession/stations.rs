@@ -3,12 +3,13 @@
 use nalgebra::Vector2;
 use truecut_core::wheel::precession::AngleSet;
 
-use super::{PrecessionPlanError, PrecessionTask, Told};
+use super::error::PrecessionPlanError;
+use super::task::{PrecessionTask, ProgressReport};
 
 /// How often an interval is halved before its places count as having no angle in common.
 const MOST_HALVINGS: usize = 10;
 
-/// Share of the path after which progress is told again.
+/// Share of the path after which progress is reported again.
 const SHARE_TOLD: f64 = 0.01;
 
 /// Stations of the path, and the intervals between them.
@@ -25,7 +26,7 @@ impl Intervals {
     pub fn new(
         task: &PrecessionTask<'_>,
         longest_m: f64,
-        told: &mut Told<'_>,
+        progress: &mut ProgressReport<'_>,
     ) -> Result<Self, PrecessionPlanError> {
         let mut intervals = Self {
             along_m: vec![0.0],
@@ -44,7 +45,7 @@ impl Intervals {
                 intervals.extend(task, at(k), at(k + 1), MOST_HALVINGS)?;
                 let share = intervals.along_m[intervals.along_m.len() - 1] / whole_m;
                 if share - last >= SHARE_TOLD {
-                    told.share(share.min(1.0));
+                    progress.share(share.min(1.0));
                     last = share;
                 }
             }
@@ -87,7 +88,8 @@ impl Intervals {
         self.along_m.windows(2).map(|w| w[1] - w[0]).collect()
     }
 
-    /// For each knot (a station) the angles that suit all intervals met from half a window before it to half a window after the next.
+    /// For each knot (a station) the angles that suit all intervals met from half a window before
+    /// it to half a window after the next.
     pub fn windows(&self, times_s: &[f64], knots: &[usize], window_s: f64) -> Vec<AngleSet> {
         let (last, half_s) = (times_s.len() - 1, 0.5 * window_s);
         let (mut first, mut end) = (0, 0);
@@ -110,7 +112,8 @@ impl Intervals {
     }
 }
 
-/// Stations at which the course may bend: the first, the last, and between them each that is `apart_s` or more after the one before.
+/// Stations at which the trajectory may bend: the first, the last, and between them each that is
+/// `apart_s` or more after the one before.
 pub(super) fn knots(times_s: &[f64], apart_s: f64) -> Vec<usize> {
     let last = times_s.len() - 1;
     let mut knots = vec![0];

@@ -8,10 +8,29 @@ use truecut_arm::Placed;
 /// A fault with the place it was found at.
 pub type ProgramError = Placed<ProgramErrorKind>;
 
+/// An option that a dialect cannot take.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum OptionFault {
+    #[error("option `{key}` is missing")]
+    Missing { key: &'static str },
+    #[error("option `{key}` is {value}; it must be {rule}")]
+    Value {
+        key: &'static str,
+        value: String,
+        rule: String,
+    },
+    #[error("the options cannot be read: {0}")]
+    Table(String),
+}
+
 /// The faults of programs and their files.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ProgramErrorKind {
+    #[error("{0}")]
+    Unreadable(#[from] std::io::Error),
+    #[error("{0}")]
+    Option(#[from] OptionFault),
     #[error("`{found}` stands where {wanted} is wanted")]
     Unexpected { found: String, wanted: String },
     #[error("the file ends here, before {missing}")]

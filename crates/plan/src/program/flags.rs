@@ -3,14 +3,16 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Isometry3;
-use truecut_arm::{FrameId, IkSolver, OpwGeometry, Robot};
+use truecut_arm::{Elbow, FrameId, IkSolver, OpwGeometry, Robot, Shoulder, Wrist};
 
-use super::ProgramErrorKind;
+use super::error::ProgramErrorKind;
 
-/// By how much a posture may break the flags in all: the printed decimals may carry a joint over a border.
+/// By how much a posture may break the flags in all: the printed decimals may carry a joint over a
+/// border.
 const SLACK_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
-/// Postures that break the flags equally well, to this, are told apart by the moves before and after.
+/// Postures that break the flags equally well, to this, are told apart by the moves before and
+/// after.
 const EVEN_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
 
 /// What a file says of the branch: by how much (rad) a posture breaks it.
@@ -42,8 +44,8 @@ impl<'a> Resolver<'a> {
         })
     }
 
-    /// Postures that reach a flange pose and break `flags` least, several where they do it equally well: by how much, and the
-    /// posture, the one nearest to zero first.
+    /// Postures that reach a flange pose and break `flags` least, several where they do it equally
+    /// well: by how much, and the posture, the one nearest to zero first.
     pub fn postures(
         &self,
         path_point: usize,
@@ -73,8 +75,8 @@ impl<'a> Resolver<'a> {
         Ok(rated)
     }
 
-    /// A branch with every joint on every turn that breaks flags and limits by no more than the slack; if there is none, on the
-    /// turns that break them least.
+    /// A branch with every joint on every turn that breaks flags and limits by no more than the
+    /// slack; if there is none, on the turns that break them least.
     fn turned(&self, branch: &[f64], excess: f64, flags: &dyn Flags) -> Vec<(f64, Vec<f64>)> {
         let mut postures = vec![(excess, Vec::new())];
         for (i, (joint, &value)) in self.robot.chain.joints.iter().zip(branch).enumerate() {
@@ -114,14 +116,15 @@ pub(super) fn outside_rad(value_rad: f64, intervals_deg: &[(f64, f64)]) -> f64 {
     distances.fold(f64::INFINITY, f64::min).to_radians()
 }
 
-/// How far a posture is from changing to the wanted branch, rad; 0 if it is on it. The shoulder's distance counts 1 m as 1 rad.
+/// How far a posture is from changing to the wanted branch, rad; 0 if it is on it. The shoulder's
+/// distance counts 1 m as 1 rad.
 pub(super) fn branch_excess(geometry: &OpwGeometry, q: &[f64], wanted: [Option<bool>; 3]) -> f64 {
     let branch = geometry.branch(q);
     let distance = geometry.singularity_distance(q);
     let has = [
-        branch.rear_shoulder,
-        branch.lower_elbow,
-        branch.flipped_wrist,
+        branch.shoulder == Shoulder::Rear,
+        branch.elbow == Elbow::Lower,
+        branch.wrist == Wrist::Negative,
     ];
     let far = [distance.shoulder_m, distance.elbow_rad, distance.wrist_rad];
     let parts = wanted.iter().zip(has).zip(far);

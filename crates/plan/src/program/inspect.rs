@@ -2,7 +2,7 @@
 
 use truecut_arm::{OpwGeometry, Robot};
 
-use super::{Motion, Move, Program};
+use super::moves::{Motion, Move, Program};
 use crate::reach::SingularityLimits;
 
 /// By how much a joint may stand beyond its limits, rad: what printed decimals move it by.
@@ -27,9 +27,11 @@ pub enum FindingKind {
         distance: String,
         least: String,
     },
-    /// On the line from the point before, at this share of it, no posture within limits reaches the pose. The joint is the first.
+    /// On the line from the point before, at this share of it, no posture within limits reaches the
+    /// pose. The joint is the first.
     LeavesReach { share: f64 },
-    /// Followed from the posture before, the line ends in another posture than the point's, this joint so far from it.
+    /// Followed from the posture before, the line ends in another posture than the point's, this
+    /// joint so far from it.
     OtherPosture { by_rad: f64 },
     /// The tool's speed on the line from the point before asks more of the joint than it can turn.
     TooFast {
@@ -127,9 +129,10 @@ impl SingularityLimits {
 }
 
 impl Program {
-    /// All that a program asks beyond the robot's limits, and where it comes near a singularity. The speed of a joint is that
-    /// between two path points at the programmed speed of the tool; a controller that is asked for more slows the tool down.
-    /// Moves by joints, and turns on the spot, take the time that the joints need.
+    /// All that a program asks beyond the robot's limits, and where it comes near a singularity.
+    /// The speed of a joint is that between two path points at the programmed speed of the tool; a
+    /// controller that is asked for more slows the tool down. Moves by joints, and turns on the
+    /// spot, take the time that the joints need.
     #[must_use]
     pub fn inspect(&self, robot: &Robot, limits: &SingularityLimits) -> Vec<Finding> {
         let geometry = OpwGeometry::of(robot);

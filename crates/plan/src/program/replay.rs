@@ -4,7 +4,9 @@ use nalgebra::Isometry3;
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, OpwGeometry, Robot};
 
-use super::{Finding, FindingKind, Motion, Move, Program};
+use super::inspect::{Finding, FindingKind};
+use super::moves::{Motion, Move, Program};
+use crate::motion::joints::slowest_joint_s;
 use crate::reach::SingularityLimits;
 
 /// How a program is run through.
@@ -49,9 +51,10 @@ pub struct Replay {
 }
 
 impl Program {
-    /// Runs through a program: along lines the tool point at the programmed speed, its attitude turning evenly, the joints found again
-    /// between path points from the posture before; on moves by joints all joints together, the slowest at its share of its top speed.
-    /// Accelerations and zones are left out.
+    /// Runs through a program: along lines the tool point at the programmed speed, its attitude
+    /// turning evenly, the joints found again between path points from the posture before; on moves
+    /// by joints all joints together, the slowest at its share of its top speed. Accelerations and
+    /// zones are left out.
     #[must_use]
     pub fn replay(&self, robot: &Robot, options: &ReplayOptions) -> Replay {
         // Moves are independent of each other: each begins and ends with a posture of the program.
@@ -115,12 +118,8 @@ impl Program {
         share: f64,
         options: &ReplayOptions,
     ) -> Leg {
+        let time_s = slowest_joint_s(robot, &before.posture, &step.posture, share);
         let turned = before.posture.iter().zip(&step.posture);
-        let joints = robot.chain.joints.iter();
-        let times = joints
-            .zip(turned.clone())
-            .filter_map(|(joint, (a, b))| Some((a - b).abs() / (share * joint.limits?.velocity)));
-        let time_s = times.filter(|t| t.is_finite()).fold(0.0, f64::max);
         let widest = turned.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let count = (widest / options.step_rad).ceil().max(1.0) as usize;
         let mut leg = Leg::default();
@@ -148,9 +147,9 @@ impl Program {
         options: &ReplayOptions,
     ) -> Leg {
         let (from, to) = (&before.base_from_tool, &step.base_from_tool);
-        let way_m = (to.translation.vector - from.translation.vector).norm();
+        let path_m = (to.translation.vector - from.translation.vector).norm();
         let turn_rad = from.rotation.angle_to(&to.rotation);
-        let count = (way_m / options.step_m).max(turn_rad / options.step_rad);
+        let count = (path_m / options.step_m).max(turn_rad / options.step_rad);
         let count = count.ceil().max(1.0) as usize;
         let solver = robot.ik_solver(&BranchOptions::default());
         let geometry = OpwGeometry::of(robot);
@@ -173,7 +172,7 @@ impl Program {
                 leg.find(robot, step, 0, FindingKind::LeavesReach { share: t });
                 return leg;
             };
-            let time_s = way_m / speed_m_per_s;
+            let time_s = path_m / speed_m_per_s;
             leg.speeds(robot, step, &last, &posture, time_s / count as f64);
             if let Some(geometry) = geometry.as_ref().filter(|_| k < count) {
                 leg.nearness(robot, step, geometry, &posture, &options.singularity);
@@ -195,8 +194,8 @@ impl Program {
     }
 }
 
-/// A line arrives in the posture of its end if all joints do to this, rad: what the inverse kinematics of a rounded pose leave near, not at, a
-/// singularity.
+/// A line arrives in the posture of its end if all joints do to this, rad: what the inverse
+/// kinematics of a rounded pose leave near, not at, a singularity.
 const SAME_POSTURE_RAD: f64 = 1e-3;
 
 /// One move run through.

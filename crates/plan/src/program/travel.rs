@@ -4,13 +4,15 @@ use nalgebra::Isometry3;
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, IkSolver, Robot};
 
-use super::{Motion, PathPoint, ProgramError, ProgramErrorKind};
+use super::error::{ProgramError, ProgramErrorKind};
+use super::moves::{Motion, Move, PathPoint, Program, Tool};
 use crate::reach::SingularityLimits;
 
 /// When a posture or a step of the arm counts as possible.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TravelOptions {
-    /// Largest motion of one joint (rad or m) along a linear move. A joint move may turn joints as far as limits let it.
+    /// Largest motion of one joint (rad or m) along a linear move. A joint move may turn joints as
+    /// far as limits let it.
     pub largest_step: f64,
     /// How far postures keep from singularities.
     pub singularity: SingularityLimits,
@@ -26,26 +28,67 @@ impl Default for TravelOptions {
     }
 }
 
-/// Cheapest way to a posture: what it costs, and the posture before.
+impl Program {
+    /// A program through `points`, on the arm's branches by [`shortest_travel`]. Path points count
+    /// from 0.
+    ///
+    /// # Errors
+    /// As [`shortest_travel`].
+    pub fn along(
+        robot: &Robot,
+        name: &str,
+        tool: Tool,
+        world_from_base: Isometry3<f64>,
+        points: &[PathPoint],
+        options: &TravelOptions,
+    ) -> Result<Self, ProgramError> {
+        let postures = shortest_travel(
+            robot,
+            &tool.flange_from_tool,
+            &world_from_base,
+            points,
+            None,
+            options,
+        )?;
+        let moves = points.iter().zip(postures).enumerate();
+        Ok(Self {
+            name: name.to_owned(),
+            comment: String::new(),
+            tool,
+            world_from_base,
+            moves: moves
+                .map(|(path_point, (point, posture))| Move {
+                    path_point,
+                    base_from_tool: point.base_from_tool,
+                    motion: point.motion,
+                    turntable_rad: point.turntable_rad,
+                    posture,
+                })
+                .collect(),
+        })
+    }
+}
+
+/// Cheapest route to a posture: what it costs, and the posture before.
 #[derive(Clone, Copy)]
-struct Way {
+struct Route {
     cost: f64,
     from: usize,
 }
 
-const UNREACHED: Way = Way {
+const UNREACHED: Route = Route {
     cost: f64::INFINITY,
     from: usize::MAX,
 };
 
-/// Postures along a path, over all branches of the inverse kinematics and all whole turns within limits, that minimise the
-/// sum of the distances from point to point (root of the sum of squared joint motions), that from a posture before the first included if
-/// `start` gives one. Found by dynamic programming, so no
-/// other choice is shorter.
+/// Postures along a path, over all branches of the inverse kinematics and all whole turns within
+/// limits, that minimise the sum of the distances from point to point (root of the sum of squared
+/// joint motions), that from a posture before the first included if `start` gives one. Found by
+/// dynamic programming, so no other choice is shorter.
 ///
 /// # Errors
-/// At the first point that is out of reach, within no limits, singular in all postures, or to which a joint would have to
-/// jump: with the point and the joint.
+/// At the first point that is out of reach, within no limits, singular in all postures, or to which
+/// a joint would have to jump: with the point and the joint.
 pub fn shortest_travel(
     robot: &Robot,
     flange_from_tool: &Isometry3<f64>,
@@ -61,17 +104,18 @@ pub fn shortest_travel(
         candidates(robot, &solver, path_point, &flange, &options.singularity)
     };
     let columns = points.par_iter().enumerate().map(survey);
-    // Collected in order, so that the first fault of the path is reported, whichever thread finds one first.
+    // Collected in order, so that the first fault of the path is reported, whichever thread finds
+    // one first.
     let columns: Vec<Result<Vec<Vec<f64>>, ProgramErrorKind>> = columns.collect();
     let columns: Vec<Vec<Vec<f64>>> = columns.into_iter().collect::<Result<_, _>>()?;
     let Some(first) = columns.first() else {
         return Ok(Vec::new());
     };
-    let begun = first.iter().map(|q| Way {
+    let begun = first.iter().map(|q| Route {
         cost: start.map_or(0.0, |start| distance(start, q).0),
         from: usize::MAX,
     });
-    let mut ways: Vec<Vec<Way>> = vec![begun.collect()];
+    let mut routes: Vec<Vec<Route>> = vec![begun.collect()];
     for (i, point) in points.iter().enumerate().skip(1) {
         let largest = match point.motion {
             Motion::Joint { .. } => f64::INFINITY,
@@ -80,39 +124,39 @@ pub fn shortest_travel(
         let (before, here) = (&columns[i - 1], &columns[i]);
         let reached = here
             .iter()
-            .map(|q| cheapest(before, &ways[i - 1], q, largest));
-        let reached: Vec<Way> = reached.collect();
-        if reached.iter().all(|way| way.cost.is_infinite()) {
-            return Err(jump(robot, i, before, &ways[i - 1], here, largest).into());
+            .map(|q| cheapest(before, &routes[i - 1], q, largest));
+        let reached: Vec<Route> = reached.collect();
+        if reached.iter().all(|route| route.cost.is_infinite()) {
+            return Err(jump(robot, i, before, &routes[i - 1], here, largest).into());
         }
-        ways.push(reached);
+        routes.push(reached);
     }
-    Ok(walk_back(&columns, &ways))
+    Ok(walk_back(&columns, &routes))
 }
 
 /// The chain of least travel through columns of rated postures, the ratings added to it.
 pub(super) fn rated_chain(columns: &[Vec<(f64, Vec<f64>)>]) -> Vec<Vec<f64>> {
     let postures = |column: &Vec<(f64, Vec<f64>)>| column.iter().map(|(_, q)| q.clone()).collect();
     let bare: Vec<Vec<Vec<f64>>> = columns.iter().map(postures).collect();
-    let mut ways: Vec<Vec<Way>> = Vec::with_capacity(columns.len());
+    let mut routes: Vec<Vec<Route>> = Vec::with_capacity(columns.len());
     for (i, column) in columns.iter().enumerate() {
         let reached = column.iter().map(|(rating, q)| {
-            let way = match ways.last() {
+            let route = match routes.last() {
                 Some(before) => cheapest(&bare[i - 1], before, q, f64::INFINITY),
-                None => Way {
+                None => Route {
                     cost: 0.0,
                     from: usize::MAX,
                 },
             };
-            Way {
-                cost: way.cost + rating,
-                ..way
+            Route {
+                cost: route.cost + rating,
+                ..route
             }
         });
         let reached = reached.collect();
-        ways.push(reached);
+        routes.push(reached);
     }
-    walk_back(&bare, &ways)
+    walk_back(&bare, &routes)
 }
 
 /// Postures at a point that keep limits and distances.
@@ -188,17 +232,17 @@ fn distance(from: &[f64], to: &[f64]) -> (f64, f64) {
     (squares.sqrt(), widest)
 }
 
-fn cheapest(before: &[Vec<f64>], ways: &[Way], to: &[f64], largest: f64) -> Way {
+fn cheapest(before: &[Vec<f64>], routes: &[Route], to: &[f64], largest: f64) -> Route {
     let mut best = UNREACHED;
-    for (from, (q, way)) in before.iter().zip(ways).enumerate() {
-        // No way from here is cheaper than the way to here.
-        if way.cost >= best.cost {
+    for (from, (q, route)) in before.iter().zip(routes).enumerate() {
+        // No route from here is cheaper than the route to here.
+        if route.cost >= best.cost {
             continue;
         }
         let (length, widest) = distance(q, to);
-        let cost = way.cost + length;
+        let cost = route.cost + length;
         if widest <= largest && cost < best.cost {
-            best = Way { cost, from };
+            best = Route { cost, from };
         }
     }
     best
@@ -208,12 +252,15 @@ fn jump(
     robot: &Robot,
     path_point: usize,
     before: &[Vec<f64>],
-    ways: &[Way],
+    routes: &[Route],
     here: &[Vec<f64>],
     largest: f64,
 ) -> ProgramErrorKind {
     let mut least = (f64::INFINITY, 0);
-    let reached = before.iter().zip(ways).filter(|(_, w)| w.cost.is_finite());
+    let reached = before
+        .iter()
+        .zip(routes)
+        .filter(|(_, w)| w.cost.is_finite());
     for (from, _) in reached {
         for to in here {
             let steps = from.iter().zip(to).map(|(a, b)| (a - b).abs());
@@ -231,17 +278,17 @@ fn jump(
     }
 }
 
-fn walk_back(columns: &[Vec<Vec<f64>>], ways: &[Vec<Way>]) -> Vec<Vec<f64>> {
-    let last = ways.last().map(Vec::as_slice).unwrap_or_default();
+fn walk_back(columns: &[Vec<Vec<f64>>], routes: &[Vec<Route>]) -> Vec<Vec<f64>> {
+    let last = routes.last().map(Vec::as_slice).unwrap_or_default();
     let cheapest = last
         .iter()
         .enumerate()
         .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
     let mut at = cheapest.map_or(0, |(k, _)| k);
     let mut path = Vec::with_capacity(columns.len());
-    for (column, ways) in columns.iter().zip(ways).rev() {
+    for (column, routes) in columns.iter().zip(routes).rev() {
         path.push(column[at].clone());
-        at = ways[at].from;
+        at = routes[at].from;
     }
     path.reverse();
     path

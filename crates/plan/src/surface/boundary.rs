@@ -18,7 +18,8 @@ impl Boundary {
     /// A boundary from points of which the last repeats the first.
     ///
     /// # Errors
-    /// If a point is not finite, the line is open, has less than three corners, or crosses itself (seen along its mean normal).
+    /// If a point is not finite, the line is open, has less than three corners, or crosses itself
+    /// (seen along its mean normal).
     pub fn new(points_m: &[Vector3<f64>]) -> Result<Self, SurfaceFault> {
         if let Some(index) = points_m
             .iter()
@@ -57,8 +58,8 @@ impl Boundary {
         &self.corners_m
     }
 
-    /// Whether a rectangle of a tangent plane lies within, boundary and rectangle seen along the plane's normal: half-lengths
-    /// along two square directions of length 1 from a centre.
+    /// Whether a rectangle of a tangent plane lies within, boundary and rectangle seen along the
+    /// plane's normal: half-lengths along two square directions of length 1 from a centre.
     #[must_use]
     pub fn holds_rectangle(
         &self,
@@ -82,7 +83,8 @@ impl Boundary {
         self.corners_m.iter().map(corner).collect()
     }
 
-    /// Newell's normal: the sum of cross products around the line, which does not depend on where it starts.
+    /// Newell's normal: the sum of cross products around the line, which does not depend on where
+    /// it starts.
     fn normal(&self) -> Option<Unit<Vector3<f64>>> {
         let origin = self.corners_m[0];
         let around = self.corners_m.windows(2);
@@ -94,7 +96,8 @@ impl Boundary {
 
     fn check_simple(&self) -> Result<(), SurfaceFault> {
         let count = self.corners_m.len();
-        // A line without area (a figure of eight that cancels) is seen along any direction across its longest extent.
+        // A line without area (a figure of eight that cancels) is seen along any direction across
+        // its longest extent.
         let normal = self.normal().unwrap_or_else(Vector3::z_axis);
         let x = if normal.x.abs() < 0.9 {
             Vector3::x()

@@ -1,4 +1,5 @@
-//! How deep a wheel lies in a mesh: the whole wheel against the whole face, not its curvature at one place.
+//! How deep a wheel lies in a mesh: the whole wheel against the whole face, not its curvature at
+//! one place.
 
 use nalgebra::{Isometry3, Vector3};
 use parry3d_f64::math::{Pose, Rotation, Vector as ParryVector};
@@ -6,11 +7,12 @@ use parry3d_f64::query;
 use parry3d_f64::shape::{Cylinder, Shape, Triangle};
 
 use super::error::SurfaceFault;
-use super::mesh::{Mesh, MeshUse};
+use super::mesh::Mesh;
+use super::mesh_checks::MeshUse;
 use super::{Domain, Surface};
 
-/// Triangles with no longer side are looked at in their corners and their middle: against a wheel of radius R that misses s²/(8 R)
-/// at most, 7 µm for 40 mm.
+/// Triangles with no longer side are looked at in their corners and their middle: against a wheel
+/// of radius R that misses s²/(8 R) at most, 7 µm for 40 mm.
 const SMALL_M: f64 = 1.5e-3;
 
 /// Sides of the cells into which a patch is cut, m.
@@ -29,7 +31,8 @@ impl Mesh {
         let at = |range: [f64; 2], k: usize, of: usize| {
             range[0] + (range[1] - range[0]) * k as f64 / of as f64
         };
-        // Lengths of the parameter lines through the middle and along the borders; the longest decides.
+        // Lengths of the parameter lines through the middle and along the borders; the longest
+        // decides.
         let length_m = |point: &dyn Fn(f64) -> Vector3<f64>| {
             let points: Vec<_> = (0..=64).map(|k| point(f64::from(k) / 64.0)).collect();
             points.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>()
@@ -56,9 +59,9 @@ impl Mesh {
         Self::new(&vertices, &triangles, MeshUse::Face)
     }
 
-    /// How deep a cylindrical wheel, its axis the y axis of its frame, lies in the mesh, m: how far its deepest point of contact
-    /// is from the wheel's nearest outer face. 0 where it does not touch. A wheel whose middle is inside a body lies as deep as that is, and
-    /// its radius more.
+    /// How deep a cylindrical wheel, its axis the y axis of its frame, lies in the mesh, m: how far
+    /// its deepest point of contact is from the wheel's nearest outer face. 0 where it does not
+    /// touch. A wheel whose middle is inside a body lies as deep as that is, and its radius more.
     #[must_use]
     pub fn wheel_depth_m(
         &self,
@@ -143,7 +146,8 @@ mod tests {
         Mesh::new(&corners, &triangles, MeshUse::Body).expect("a block")
     }
 
-    /// On a plane the depth is what the wheel is pressed in by, on a patch of small triangles as on a block of large ones.
+    /// On a plane the depth is what the wheel is pressed in by, on a patch of small triangles as on
+    /// a block of large ones.
     #[test]
     fn verify_depth_on_a_plane_is_the_indentation() {
         let plane = PlanePatch::new(Vector3::z() * 0.02, Vector3::x() * 0.1, Vector3::y() * 0.06)
@@ -153,7 +157,8 @@ mod tests {
             for pressed_m in [0.2e-3, 2e-3] {
                 let pose = above(0.0505, 0.0302, 0.02 + RADIUS_M - pressed_m);
                 let found_m = mesh.wheel_depth_m(&pose, RADIUS_M, WIDTH_M);
-                // Corners of the patch's triangles stand up to half a cell from the lowest line: s²/(8 R) with s 1 mm.
+                // Corners of the patch's triangles stand up to half a cell from the lowest line:
+                // s²/(8 R) with s 1 mm.
                 assert!((found_m - pressed_m).abs() < 4e-6, "{found_m} {pressed_m}");
             }
             let clear = above(0.05, 0.03, 0.02 + RADIUS_M + 1e-4);
@@ -161,8 +166,9 @@ mod tests {
         }
     }
 
-    /// Within a bore narrower than the wheel, local curvature aside, the wheel's rim cuts by R + e − r at its side: here the wheel
-    /// stands in a bore of radius 50 mm and its axis across, so that its corners reach √((R)² + (W/2)²).
+    /// Within a bore narrower than the wheel, local curvature aside, the wheel's rim cuts by R + e
+    /// − r at its side: here the wheel stands in a bore of radius 50 mm and its axis across, so
+    /// that its corners reach √((R)² + (W/2)²).
     #[test]
     fn verify_the_corners_of_a_wheel_across_a_bore_cut_it() {
         let bore = CylinderPatch::new(
@@ -180,7 +186,8 @@ mod tests {
         let pose = Isometry3::from_parts(Translation3::new(0.0, 0.05, -0.05 + RADIUS_M), turn);
         let found_m = mesh.wheel_depth_m(&pose, RADIUS_M, WIDTH_M);
         let half_m = 0.5 * WIDTH_M;
-        // At the wheel's rim the bore has risen by r − √(r² − W²/4); a point just inside the rim is as deep as that or as near to the side.
+        // At the wheel's rim the bore has risen by r − √(r² − W²/4); a point just inside the rim is
+        // as deep as that or as near to the side.
         let rise_m = |y: f64| 0.05 - (0.05_f64 * 0.05 - y * y).sqrt();
         let mut expected_m = 0.0_f64;
         for k in 0..=10_000 {

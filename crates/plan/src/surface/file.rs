@@ -27,7 +27,7 @@ const CHECKED: usize = 25;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Raw {
+struct RawPatch {
     kind: Spanned<String>,
     outside: Spanned<[f64; 3]>,
     degree: Option<Spanned<[usize; 2]>>,
@@ -72,7 +72,7 @@ impl PatchFile {
     pub fn from_text(text: &str, path: &Path) -> Result<Self, SurfaceError> {
         let line = |at: usize| text[..at.min(text.len())].matches('\n').count() + 1;
         let error = |at: Option<usize>, fault| SurfaceError::in_file(path, at.map(line), fault);
-        let raw: Raw = toml::from_str(text).map_err(|e: toml::de::Error| {
+        let raw: RawPatch = toml::from_str(text).map_err(|e: toml::de::Error| {
             let fault = SurfaceFault::Syntax(e.message().replace('\n', "; "));
             error(e.span().map(|s| s.start), fault)
         })?;
@@ -94,7 +94,7 @@ impl PatchFile {
     }
 }
 
-impl Raw {
+impl RawPatch {
     fn surface(&self) -> Result<Box<dyn Surface + Send>, SurfaceFault> {
         let of_nurbs = [
             ("degree", self.degree.is_some()),
@@ -272,7 +272,7 @@ mod tests {
             .map(|i| k((i / 20) as f64 / 19.0, (i % 20) as f64 / 19.0))
             .collect();
         assert!(
-            all.iter().any(|k| k.gaussian_per_m2() < 0.0),
+            all.iter().any(|k| k.min_per_m * k.max_per_m < 0.0),
             "bumps have saddles between them"
         );
         assert!(
@@ -281,7 +281,8 @@ mod tests {
         );
     }
 
-    /// One fault a case, put into the asset's text; the answer names the line, the value and the rule.
+    /// One fault a case, put into the asset's text; the answer names the line, the value and the
+    /// rule.
     #[test]
     fn faults_are_told_with_line_and_rule() {
         let (text, _) = asset("hub_spoke.toml");

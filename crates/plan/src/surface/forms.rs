@@ -1,4 +1,5 @@
-//! Fundamental forms and curvatures (do Carmo, Differential Geometry of Curves and Surfaces, chapter 3).
+//! Fundamental forms and curvatures (do Carmo, Differential Geometry of Curves and Surfaces,
+//! chapter 3).
 
 use nalgebra::{Unit, Vector3};
 
@@ -8,10 +9,12 @@ use super::error::SurfaceFault;
 /// Parameter lines closer to parallel than this (sine of their angle) give no normal.
 const LEAST_SINE: f64 = 1e-9;
 
-/// Principal curvatures that differ by less than this share of the larger one have no directions of their own.
+/// Principal curvatures that differ by less than this share of the larger one have no directions of
+/// their own.
 const UMBILIC_SHARE: f64 = 1e-6;
 
-/// Nor have those that differ by less than this, 1/m: across a wheel 100 mm wide the surface departs by 1 nm.
+/// Nor have those that differ by less than this, 1/m: across a wheel 100 mm wide the surface
+/// departs by 1 nm.
 const UMBILIC_PER_M: f64 = 1e-6;
 
 /// First and second fundamental form at a point, E, F, G and L, M, N, with the outward normal.
@@ -35,26 +38,15 @@ pub struct Curvatures {
     /// Least principal curvature, by algebraic value.
     pub min_per_m: f64,
     pub max_per_m: f64,
-    /// Directions of least and greatest curvature, of length 1, at right angles. They are lines, not arrows: the sign is
-    /// arbitrary ([`continue_line`]). `None` at umbilics, where every direction is one.
+    /// Directions of least and greatest curvature, of length 1, at right angles. They are lines,
+    /// not arrows: the sign is arbitrary ([`continue_line`]). `None` at umbilics, where every
+    /// direction is one.
     pub directions: Option<[Unit<Vector3<f64>>; 2]>,
 }
 
 impl Curvatures {
-    /// Product of the principal curvatures, 1/m².
-    #[must_use]
-    pub fn gaussian_per_m2(&self) -> f64 {
-        self.min_per_m * self.max_per_m
-    }
-
-    /// Mean of the principal curvatures, 1/m.
-    #[must_use]
-    pub fn mean_per_m(&self) -> f64 {
-        0.5 * (self.min_per_m + self.max_per_m)
-    }
-
-    /// The principal direction whose curvature is least in magnitude: along it a cylindrical wheel lies best, on concave
-    /// surfaces as on convex ones. `None` at umbilics.
+    /// The principal direction whose curvature is least in magnitude: along it a cylindrical wheel
+    /// lies best, on concave surfaces as on convex ones. `None` at umbilics.
     #[must_use]
     pub fn flattest(&self) -> Option<Unit<Vector3<f64>>> {
         let [least, greatest] = self.directions?;
@@ -81,7 +73,8 @@ impl Forms {
         let along = ru / ru.norm();
         let square = normal.cross(&along);
         let second_m = jet.second_m.map(|r| r.dot(&normal));
-        // r_u = a e1, r_v = b e1 + c e2; the shape operator is J^-T II J^-1 with J = [a b; 0 c], its sign turned.
+        // r_u = a e1, r_v = b e1 + c e2; the shape operator is J^-T II J^-1 with J = [a b; 0 c],
+        // its sign turned.
         let (a, b, c) = (ru.norm(), rv.dot(&along), rv.dot(&square));
         let [l, m, n] = second_m;
         let s11 = l / (a * a);
@@ -151,8 +144,9 @@ mod tests {
     use crate::surface::spoke::Spoke;
     use crate::surface::{CylinderPatch, PlanePatch, Surface};
 
-    /// One row of the published table: parameters, point and normal, principal curvatures, axis.
-    struct Row {
+    /// One row of the table in `docs/physics/surfaces.md`: parameters, point and normal, principal
+    /// curvatures, axis.
+    struct FormsRow {
         uv: [f64; 2],
         point_mm: [f64; 3],
         normal: [f64; 3],
@@ -160,22 +154,22 @@ mod tests {
         axis: [f64; 3],
     }
 
-    const TABLE: [Row; 3] = [
-        Row {
+    const TABLE: [FormsRow; 3] = [
+        FormsRow {
             uv: [0.25, 0.25],
             point_mm: [50.0, -20.0, 15.5777],
             normal: [-0.26751, -0.19803, 0.94299],
             curvature_per_mm: [0.003_788_8, 0.009_483_2],
             axis: [-0.96356, 0.05512, -0.26177],
         },
-        Row {
+        FormsRow {
             uv: [0.5, 0.5],
             point_mm: [100.0, 0.0, 25.0],
             normal: [0.0, 0.0, 1.0],
             curvature_per_mm: [0.006_168_5, 0.009_000_0],
             axis: [1.0, 0.0, 0.0],
         },
-        Row {
+        FormsRow {
             uv: [0.75, 0.8],
             point_mm: [150.0, 24.0, 15.5177],
             normal: [0.25596, 0.17125, 0.95140],
@@ -184,7 +178,8 @@ mod tests {
         },
     ];
 
-    /// Points to 1e-3 mm, directions to 1e-5, curvatures to 1e-6 per mm: what the table's digits allow.
+    /// Points to 1e-3 mm, directions to 1e-5, curvatures to 1e-6 per mm: what the table's digits
+    /// allow.
     #[test]
     fn verify_table_of_the_bumpy_spoke() {
         for row in &TABLE {
@@ -223,8 +218,9 @@ mod tests {
         }
     }
 
-    /// The determinant form of the principal directions, (EM−FL) du² + (EN−GL) du dv + (FN−GM) dv² = 0, holds for both, and
-    /// their curvatures agree with Gauss's and the mean one from the forms.
+    /// The determinant form of the principal directions, (EM−FL) du² + (EN−GL) du dv + (FN−GM) dv²
+    /// = 0, holds for both, and their curvatures agree with Gauss's and the mean one from the
+    /// forms.
     #[test]
     fn verify_directions_solve_the_quadratic_form() {
         for (u, v) in [(0.1, 0.9), (0.25, 0.25), (0.6, 0.3), (0.93, 0.55)] {
@@ -234,8 +230,8 @@ mod tests {
             let k = forms.curvatures();
             let gauss = (l * n - m * m) / (e * g - f * f);
             let mean = -(e * n - 2.0 * f * m + g * l) / (2.0 * (e * g - f * f));
-            assert!((k.gaussian_per_m2() / gauss - 1.0).abs() < 1e-12);
-            assert!((k.mean_per_m() / mean - 1.0).abs() < 1e-12);
+            assert!((k.min_per_m * k.max_per_m / gauss - 1.0).abs() < 1e-12);
+            assert!((0.5 * (k.min_per_m + k.max_per_m) / mean - 1.0).abs() < 1e-12);
             for (direction, curvature) in k
                 .directions
                 .expect("no umbilic")

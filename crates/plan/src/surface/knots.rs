@@ -1,4 +1,5 @@
-//! Knot vectors and B-spline basis functions (Piegl and Tiller, The NURBS Book, algorithms A2.1 to A2.3).
+//! Knot vectors and B-spline basis functions (Piegl and Tiller, The NURBS Book, algorithms A2.1 to
+//! A2.3).
 
 use super::error::SurfaceFault;
 
@@ -15,7 +16,8 @@ pub(super) struct Knots {
     knots: Vec<f64>,
 }
 
-/// Basis functions at a parameter: the first control point that they weigh, values and two derivatives.
+/// Basis functions at a parameter: the first control point that they weigh, values and two
+/// derivatives.
 pub(super) struct Basis {
     pub(super) first: usize,
     pub(super) derivatives: [Values; 3],
@@ -95,7 +97,8 @@ impl Knots {
         [self.knots[self.degree], self.knots[last]]
     }
 
-    /// Index of the last knot at or below a parameter within the range; at the range's end that before it.
+    /// Index of the last knot at or below a parameter within the range; at the range's end that
+    /// before it.
     fn span(&self, t: f64) -> usize {
         let inside = &self.knots[self.degree..self.knots.len() - self.degree];
         let above = inside.partition_point(|k| *k <= t);
@@ -144,7 +147,8 @@ impl Knots {
         values
     }
 
-    /// Derivatives of the functions of a degree from those of one degree less (or from derivatives of those).
+    /// Derivatives of the functions of a degree from those of one degree less (or from derivatives
+    /// of those).
     fn differentiated(&self, span: usize, degree: usize, lower: &Values) -> Values {
         let mut raised = [0.0; MAX_DEGREE + 1];
         for j in 0..=degree {

@@ -6,16 +6,7 @@ use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::TriMesh;
 
 use super::error::SurfaceFault;
-use super::mesh_checks;
-
-/// What a mesh is needed for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MeshUse {
-    /// A skin; edges may belong to one triangle.
-    Face,
-    /// A body: closed, wound counter-clockwise seen from outside. Only bodies tell inside from outside.
-    Body,
-}
+use super::mesh_checks::{self, MeshUse};
 
 /// The point of a mesh that is nearest to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,11 +30,13 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh from vertices (those at the same place count as one) and triangles wound counter-clockwise seen from outside.
+    /// A mesh from vertices (those at the same place count as one) and triangles wound
+    /// counter-clockwise seen from outside.
     ///
     /// # Errors
-    /// If a vertex is not finite, a triangle has no area, an edge belongs to more than two triangles or two neighbours are
-    /// wound against each other; for a body also if it is open or inside out.
+    /// If a vertex is not finite, a triangle has no area, an edge belongs to more than two
+    /// triangles or two neighbours are wound against each other; for a body also if it is open or
+    /// inside out.
     pub fn new(
         vertices_m: &[Vector3<f64>],
         triangles: &[[usize; 3]],
@@ -110,8 +103,9 @@ impl Mesh {
         }
     }
 
-    /// How often the mesh winds about a point: 1 inside a body, 0 outside (sum of solid angles, van Oosterom and
-    /// Strackee 1983). Unlike the normal of the nearest triangle it does not err where that is an edge or a corner.
+    /// How often the mesh winds about a point: 1 inside a body, 0 outside (sum of solid angles,
+    /// `oosterom1983`). Unlike the normal of the nearest triangle it does not err where that is an
+    /// edge or a corner.
     fn winding(&self, point_m: &Vector3<f64>) -> f64 {
         let solid_angles = self.triangles.iter().map(|triangle| {
             let [a, b, c] = triangle.map(|i| self.vertices_m[i] - point_m);

@@ -5,7 +5,16 @@ use std::collections::HashMap;
 use nalgebra::Vector3;
 
 use super::error::{SurfaceFault, place};
-use super::mesh::MeshUse;
+
+/// What a mesh is needed for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeshUse {
+    /// A skin; edges may belong to one triangle.
+    Face,
+    /// A body: closed, wound counter-clockwise seen from outside. Only bodies tell inside from
+    /// outside.
+    Body,
+}
 
 /// Least height of a triangle over its longest side.
 const LEAST_SLENDERNESS: f64 = 1e-7;
@@ -75,7 +84,8 @@ pub(super) fn check_triangles(
     Ok(())
 }
 
-/// Edges shared by one or two triangles that run through them in opposite directions; for a body all by two.
+/// Edges shared by one or two triangles that run through them in opposite directions; for a body
+/// all by two.
 pub(super) fn check_edges(
     vertices_m: &[Vector3<f64>],
     triangles: &[[usize; 3]],

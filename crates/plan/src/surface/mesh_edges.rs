@@ -8,7 +8,8 @@ use std::f64::consts::PI;
 
 use super::mesh::Mesh;
 
-/// Faces that turn by less meet in no edge: a curved face cut into triangles turns from one to the next.
+/// Faces that turn by less meet in no edge: a curved face cut into triangles turns from one to the
+/// next.
 pub const LEAST_TURN_RAD: f64 = 10.0 * PI / 180.0;
 
 /// Where two faces of a mesh meet in an edge that stands out.

@@ -1,22 +1,33 @@
 //! Meshes from STL and OBJ files. Neither says its unit, so the caller does.
 
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
 use super::error::{SurfaceError, SurfaceFault, place};
-use super::mesh::{Mesh, MeshUse};
+use super::mesh::Mesh;
+use super::mesh_checks::MeshUse;
 
 /// Vertices and triangles as a file gives them.
-type Raw = (Vec<Vector3<f64>>, Vec<[usize; 3]>);
+type Triangles = (Vec<Vector3<f64>>, Vec<[usize; 3]>);
+
+/// A mesh on disk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshFile {
+    /// STL or OBJ file.
+    pub file: PathBuf,
+    /// Length of the file's unit, m.
+    pub unit_m: f64,
+}
 
 impl Mesh {
-    /// Reads a mesh from an STL (binary or ASCII) or OBJ file, by its ending. `unit_m` is the length of the file's unit, 1e-3 for mm.
+    /// Reads a mesh from an STL (binary or ASCII) or OBJ file, by its ending. `unit_m` is the
+    /// length of the file's unit, 1e-3 for mm.
     ///
     /// # Errors
-    /// If the file cannot be read, has another ending, or holds no good mesh; for STL also where the normal that a triangle states
-    /// is against its winding.
+    /// If the file cannot be read, has another ending, or holds no good mesh; for STL also where
+    /// the normal that a triangle states is against its winding.
     pub fn load(path: &Path, unit_m: f64, mesh_use: MeshUse) -> Result<Self, SurfaceError> {
         let error = |fault| SurfaceError::in_file(path, None, fault);
         let bytes = std::fs::read(path).map_err(|e| error(SurfaceFault::Unreadable(e)))?;
@@ -41,7 +52,7 @@ impl Mesh {
     }
 }
 
-fn stl(bytes: &[u8]) -> Result<Raw, SurfaceFault> {
+fn stl(bytes: &[u8]) -> Result<Triangles, SurfaceFault> {
     let read = stl_io::read_stl(&mut Cursor::new(bytes));
     let mesh = read.map_err(|e| SurfaceFault::Syntax(format!("not a valid STL file: {e}")))?;
     let vector = |v: &stl_io::Vector<f32>| Vector3::new(v[0], v[1], v[2]).cast::<f64>();
@@ -60,7 +71,7 @@ fn stl(bytes: &[u8]) -> Result<Raw, SurfaceFault> {
     Ok((vertices, mesh.faces.iter().map(|f| f.vertices).collect()))
 }
 
-fn obj(bytes: &[u8]) -> Result<Raw, SurfaceFault> {
+fn obj(bytes: &[u8]) -> Result<Triangles, SurfaceFault> {
     let options = tobj::LoadOptions {
         triangulate: true,
         ..tobj::LoadOptions::default()

@@ -1,8 +1,10 @@
-//! Workpiece surfaces: parametric patches with exact derivatives, triangle meshes, closed boundaries.
+//! Workpiece surfaces: parametric patches with exact derivatives, triangle meshes, closed
+//! boundaries.
 //!
-//! A patch gives point, first and second derivatives ([`Jet`]) at a pair of parameters; everything else about its shape
-//! follows from those ([`Forms`], [`Curvatures`]). Parameters are dimensionless, lengths are m, curvatures 1/m, positive where the
-//! surface is convex seen from outside. The outward normal is r_u × r_v, normalised.
+//! A patch gives point, first and second derivatives ([`Jet`]) at a pair of parameters; everything
+//! else about its shape follows from those ([`Forms`], [`Curvatures`]). Parameters are
+//! dimensionless, lengths are m, curvatures 1/m, positive where the surface is convex seen from
+//! outside. The outward normal is r_u × r_v, normalised.
 //!
 //! Meshes ([`Mesh`]) have no curvature; they serve for sections, nearest points and depths.
 
@@ -25,8 +27,10 @@ pub use boundary::Boundary;
 pub use error::{SurfaceError, SurfaceFault};
 pub use file::PatchFile;
 pub use forms::{Curvatures, Forms, continue_line};
-pub use mesh::{Mesh, MeshUse, NearestPoint};
+pub use mesh::{Mesh, NearestPoint};
+pub use mesh_checks::MeshUse;
 pub use mesh_edges::{LEAST_TURN_RAD, SharpEdge};
+pub use mesh_files::MeshFile;
 pub use nurbs::NurbsPatch;
 pub use primitives::{CylinderPatch, PlanePatch};
 

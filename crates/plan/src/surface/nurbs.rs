@@ -1,6 +1,8 @@
-//! Rational B-spline patches with exact first and second derivatives (The NURBS Book, algorithms A3.6 and A4.4).
+//! Rational B-spline patches with exact first and second derivatives (The NURBS Book, algorithms
+//! A3.6 and A4.4).
 //!
-//! Evaluation keeps everything on the stack: a path asks for a point some hundred times while its spacing is sought.
+//! Evaluation keeps everything on the stack: a path asks for a point some hundred times while its
+//! spacing is sought.
 
 use nalgebra::{Vector3, Vector4};
 
@@ -10,7 +12,8 @@ use super::{Domain, Jet, Surface};
 
 /// A NURBS patch.
 ///
-/// At a knot of multiplicity above degree − 2 second derivatives jump; those of the span that begins there are given.
+/// At a knot of multiplicity above degree − 2 second derivatives jump; those of the span that
+/// begins there are given.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NurbsPatch {
     u: Knots,
@@ -22,11 +25,12 @@ pub struct NurbsPatch {
 }
 
 impl NurbsPatch {
-    /// A patch from degrees and knots of u and v, control points `[u][v]` (m) and weights of the same shape.
+    /// A patch from degrees and knots of u and v, control points `[u][v]` (m) and weights of the
+    /// same shape.
     ///
     /// # Errors
-    /// If rows differ in length, knots do not fit, fall or stand more often than the degree allows, a control point is
-    /// not finite, or a weight not above 0.
+    /// If rows differ in length, knots do not fit, fall or stand more often than the degree allows,
+    /// a control point is not finite, or a weight not above 0.
     pub fn new(
         degree: [usize; 2],
         knots: [Vec<f64>; 2],
@@ -142,7 +146,8 @@ mod tests {
         vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0]
     }
 
-    /// Quarter of a cylinder of radius R about y: exact in rational form, so all of its shape must be.
+    /// Quarter of a cylinder of radius R about y: exact in rational form, so all of its shape must
+    /// be.
     #[test]
     fn verify_a_cylinder_is_exact() {
         let radius = 0.04;
@@ -172,8 +177,8 @@ mod tests {
         }
     }
 
-    /// An octant of a sphere: both principal curvatures 1/R everywhere, an umbilic at every point. (At the pole the patch is
-    /// degenerate and has no normal.)
+    /// An octant of a sphere: both principal curvatures 1/R everywhere, an umbilic at every point.
+    /// (At the pole the patch is degenerate and has no normal.)
     #[test]
     fn verify_a_sphere_is_exact_and_all_umbilic() {
         let radius = 0.03;
@@ -221,7 +226,8 @@ mod tests {
     }
 
     proptest! {
-        /// Derivatives against central differences away from knots: what remains is rounding over the step, and the step squared.
+        /// Derivatives against central differences away from knots: what remains is rounding over
+        /// the step, and the step squared.
         #[test]
         fn derivatives_are_those_of_the_point(
             seed in prop::collection::vec(-1.0_f64..1.0, 11),

@@ -68,12 +68,13 @@ pub struct CylinderPatch {
 }
 
 impl CylinderPatch {
-    /// A cylinder about `axis` through `origin_m`, from angle to angle (rad, 0 along `zero_direction`, right-handed about the axis).
-    /// A positive radius gives the outside (convex), a negative one a bore seen from within (concave).
+    /// A cylinder about `axis` through `origin_m`, from angle to angle (rad, 0 along
+    /// `zero_direction`, right-handed about the axis). A positive radius gives the outside
+    /// (convex), a negative one a bore seen from within (concave).
     ///
     /// # Errors
-    /// If a number is not finite, the radius or length vanishes, angles do not rise or turn more than once, or the zero
-    /// direction lies along the axis.
+    /// If a number is not finite, the radius or length vanishes, angles do not rise or turn more
+    /// than once, or the zero direction lies along the axis.
     pub fn new(
         origin_m: Vector3<f64>,
         axis: Unit<Vector3<f64>>,

@@ -11,15 +11,17 @@ use crate::surface::{Forms, Surface, continue_line};
 /// Directions that are tried for the widest swath, evenly over half a turn.
 const TRIED: usize = 180;
 
-/// Axes with a swath within this share of the widest count as equally wide; the one that turns the wheel least is taken.
+/// Axes with a swath within this share of the widest count as equally wide; the one that turns the
+/// wheel least is taken.
 const AS_WIDE: f64 = 0.02;
 
 /// Where the wheel's axis points within the tangent plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AxisRule {
-    /// Along the least curvature in magnitude, the published rule. It does not look at the feed: where that runs along the
-    /// least curvature too, the wheel travels along its own axis and its swath shrinks to the contact width. At umbilics the
-    /// axis before is kept, at the first point that across the feed.
+    /// Along the least curvature in magnitude, the published rule. It does not look at the feed:
+    /// where that runs along the least curvature too, the wheel travels along its own axis and its
+    /// swath shrinks to the contact width. At umbilics the axis before is kept, at the first point
+    /// that across the feed.
     LeastCurvature,
     /// The widest effective swath among axes that do not gouge and whose edge gap keeps a limit.
     WidestSwath { edge_gap_limit_m: f64 },
@@ -51,15 +53,16 @@ pub struct Contact {
     pub curvature_across_per_m: f64,
     /// Half-width of the contact line, m.
     pub half_width_m: f64,
-    /// Curvature of the gap that the wheel, as it passes, leaves across the feed, 1/m: at a distance s from the line the gap is
-    /// half of that times s². Negative where the surface is hollow across the feed.
+    /// Curvature of the gap that the wheel, as it passes, leaves across the feed, 1/m: at a
+    /// distance s from the line the gap is half of that times s². Negative where the surface is
+    /// hollow across the feed.
     pub gap_curvature_per_m: f64,
     /// Whether the surface has no direction of least curvature here.
     pub umbilic: bool,
 }
 
 /// One axis tried.
-struct Trial {
+struct AxisTrial {
     axis: Unit<Vector3<f64>>,
     psi_rad: f64,
     swath_m: f64,
@@ -69,8 +72,8 @@ struct Trial {
 }
 
 impl Contact {
-    /// The contact at parameters (u, v) with the feed along (du, dv), the sign of the axis after `before` (without it, along r_u; if
-    /// the axis is square to that, n × r_u).
+    /// The contact at parameters (u, v) with the feed along (du, dv), the sign of the axis after
+    /// `before` (without it, along r_u; if the axis is square to that, n × r_u).
     ///
     /// # Errors
     /// If the surface has no normal there, the wheel gouges, or no axis keeps the rule's limits.
@@ -146,21 +149,24 @@ impl Contact {
         })
     }
 
-    /// Distance of lines that leave a ridge of this height between them, √(8 h/κ) with κ the gap's curvature, m; infinite where the gap is
-    /// flat. Where the surface is hollow across the feed its edges cut by as much as the middle would stand off, and κ counts by magnitude.
+    /// Distance of lines that leave a ridge of this height between them, √(8 h/κ) with κ the gap's
+    /// curvature, m; infinite where the gap is flat. Where the surface is hollow across the feed
+    /// its edges cut by as much as the middle would stand off, and κ counts by magnitude.
     #[must_use]
     pub fn ridge_spacing_m(&self, scallop_m: f64) -> f64 {
         (8.0 * scallop_m / self.gap_curvature_per_m.abs()).sqrt()
     }
 
-    /// Pose of the tool, its point at the wheel's centre: y along the axis, z into the surface, x = y × z.
+    /// Pose of the tool, its point at the wheel's centre: y along the axis, z into the surface, x =
+    /// y × z.
     #[must_use]
     pub fn pose(&self) -> Isometry3<f64> {
         wheel_pose(self.centre_m, &self.axis, &self.normal)
     }
 }
 
-/// Pose of the tool of a wheel with its centre there: y along the axis, z against the normal of the surface, x = y × z.
+/// Pose of the tool of a wheel with its centre there: y along the axis, z against the normal of the
+/// surface, x = y × z.
 #[must_use]
 pub fn wheel_pose(
     centre_m: Vector3<f64>,
@@ -175,8 +181,9 @@ pub fn wheel_pose(
 
 /// Curvature across the feed of the gap that is left when the wheel has passed.
 ///
-/// To second order the gap between wheel and surface is ½ xᵀ D x about the contact, D = K + (1 − a aᵀ)/R with K the surface's
-/// curvature and a the axis. What is left at s across the feed f is the least of it along the feed, ½ (D_ss − D_fs²/D_ff) s².
+/// To second order the gap between wheel and surface is ½ xᵀ D x about the contact, D = K + (1 − a
+/// aᵀ)/R with K the surface's curvature and a the axis. What is left at s across the feed f is the
+/// least of it along the feed, ½ (D_ss − D_fs²/D_ff) s².
 fn gap_curvature_per_m(
     forms: &Forms,
     radius_m: f64,
@@ -203,7 +210,7 @@ fn trial(
     wheel: &ContactWheel,
     feed: &Unit<Vector3<f64>>,
     axis: Unit<Vector3<f64>>,
-) -> Result<Trial, f64> {
+) -> Result<AxisTrial, f64> {
     let across_per_m = forms.curvature_along_per_m(&forms.normal.cross(&axis));
     let Some(half_width_m) = wheel.half_width_m(across_per_m) else {
         return Err(across_per_m);
@@ -211,7 +218,7 @@ fn trial(
     let cos = feed.dot(&axis).abs().min(1.0);
     let psi_rad = feed.cross(&axis).norm().atan2(cos);
     let along = forms.curvature_along_per_m(&axis);
-    Ok(Trial {
+    Ok(AxisTrial {
         axis,
         psi_rad,
         swath_m: wheel.width_m * psi_rad.sin() + 2.0 * half_width_m * cos,
@@ -221,16 +228,17 @@ fn trial(
     })
 }
 
-/// The widest swath within the limit. Of axes that are nearly as wide the one nearest to `near`: a contact is as wide with its
-/// axis turned either way from across the feed, and the wheel must not swing between the two.
-/// Otherwise the least edge gap of all axes, or the curvature of a place where all gouge.
+/// The widest swath within the limit. Of axes that are nearly as wide the one nearest to `near`: a
+/// contact is as wide with its axis turned either way from across the feed, and the wheel must not
+/// swing between the two. Otherwise the least edge gap of all axes, or the curvature of a place
+/// where all gouge.
 fn widest(
     forms: &Forms,
     wheel: &ContactWheel,
     feed: &Unit<Vector3<f64>>,
     near: &Unit<Vector3<f64>>,
     limit_m: f64,
-) -> Result<Trial, Result<f64, f64>> {
+) -> Result<AxisTrial, Result<f64, f64>> {
     let square = forms.normal.cross(near);
     let (mut fitting, mut least_m, mut deepest) = (Vec::new(), f64::INFINITY, 0.0_f64);
     for k in 0..TRIED {
@@ -269,7 +277,8 @@ mod tests {
         Contact::at(&Spoke, &PUBLISHED, rule, [u, v], [1.0, 0.0], None).expect("a contact")
     }
 
-    /// Wheel centres to 1e-3 mm, ψ to the digit given, edge gaps of 286 to 482 µm, and the swath trap: 6.1 mm of a 25 mm wheel.
+    /// `docs/physics/surfaces.md`: wheel centres to 1e-3 mm, ψ to the digit given, edge gaps of 286
+    /// to 482 µm, and the swath trap: 6.1 mm of a 25 mm wheel.
     #[test]
     fn verify_wheel_centres_and_the_swath_trap() {
         let rows = [
@@ -296,7 +305,8 @@ mod tests {
         assert!((swath_mm - 6.1).abs() < 0.05, "{swath_mm}");
     }
 
-    /// With 0.5 mm of edge gap allowed, the rule makes the swath at least twice as wide at the trap's place.
+    /// With 0.5 mm of edge gap allowed, the rule makes the swath at least twice as wide at the
+    /// trap's place.
     #[test]
     fn verify_the_widest_swath_keeps_its_limit_and_is_wider() {
         let rule = AxisRule::WidestSwath {
@@ -343,7 +353,7 @@ mod tests {
 
     /// A bore takes a wheel smaller than itself along its axis, and no larger one.
     #[test]
-    fn verify_a_wheel_larger_than_the_bore_is_refused() {
+    fn a_wheel_larger_than_the_bore_is_refused() {
         let bore = |radius_m: f64| {
             CylinderPatch::new(
                 Vector3::zeros(),

@@ -1,11 +1,12 @@
 //! Contacts along lines: spacing, distances, and where lines end.
 
 use super::contact::Contact;
-use super::course::Course;
 use super::error::SurfacePathError;
-use super::lines::PathOptions;
+use super::graph::GraphLine;
+use super::options::PathOptions;
 use super::wheel::ContactWheel;
 use crate::surface::{Boundary, Forms, Surface};
+use truecut_core::roots::{bisect, try_bisect};
 
 /// Places along a line at which widths and distances are compared.
 pub(super) const STATIONS: usize = 64;
@@ -13,7 +14,8 @@ pub(super) const STATIONS: usize = 64;
 /// Steps of the trapezoidal rule by which the way from one line to another is measured.
 const WAY_STEPS: usize = 8;
 
-/// Most contacts of a line, and most lines: more take longer than anyone would wait, and more than memory holds.
+/// Most contacts of a line, and most lines: more take longer than anyone would wait, and more than
+/// memory holds.
 const MOST_CONTACTS: usize = 100_000;
 const MOST_LINES: usize = 2_000;
 
@@ -44,7 +46,8 @@ pub(super) struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    /// The first parameter, on the way from one to another, at which a condition holds that holds from there on.
+    /// The first parameter, on the way from one to another, at which a condition holds that holds
+    /// from there on.
     pub fn bisect(
         &self,
         from: f64,
@@ -54,37 +57,29 @@ impl Layout<'_> {
         if !holds(to)? {
             return Ok(None);
         }
-        let (mut before, mut after) = (from, to);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (before + after);
-            if holds(middle)? {
-                after = middle;
-            } else {
-                before = middle;
-            }
-        }
-        Ok(Some(after))
+        let [_, first] = try_bisect([from, to], BISECTIONS, holds)?;
+        Ok(Some(first))
     }
 
     /// The line v = const.
-    pub fn constant(&self, v: f64) -> Course {
-        Course::constant(self.surface.domain().u, STATIONS, v)
+    pub fn constant(&self, v: f64) -> GraphLine {
+        GraphLine::constant(self.surface.domain().u, STATIONS, v)
     }
 
     /// Contacts at even parameters along a line, borders included.
-    pub fn stations(&self, course: &Course) -> Result<Vec<Contact>, SurfacePathError> {
-        self.contacts(course, (0..=STATIONS).map(|k| course.u(k)))
+    pub fn stations(&self, graph: &GraphLine) -> Result<Vec<Contact>, SurfacePathError> {
+        self.contacts(graph, (0..=STATIONS).map(|k| graph.u(k)))
     }
 
     fn contacts(
         &self,
-        course: &Course,
+        graph: &GraphLine,
         places: impl Iterator<Item = f64>,
     ) -> Result<Vec<Contact>, SurfacePathError> {
         let mut contacts: Vec<Contact> = Vec::new();
         for u in places {
             let before = contacts.last().map(|c| &c.axis);
-            let [v, slope] = course.at(u);
+            let [v, slope] = graph.at(u);
             let (rule, feed) = (self.options.rule, [1.0, slope]);
             let contact = Contact::at(self.surface, self.wheel, rule, [u, v], feed, before)?;
             contacts.push(contact);
@@ -93,24 +88,24 @@ impl Layout<'_> {
     }
 
     /// Way across a feed along (1, slope) from one v to another at a place, m.
-    pub fn way_m(&self, u: f64, slope: f64, from: f64, to: f64) -> Result<f64, SurfacePathError> {
+    pub fn path_m(&self, u: f64, slope: f64, from: f64, to: f64) -> Result<f64, SurfacePathError> {
         let step = (to - from) / WAY_STEPS as f64;
-        let mut way_m = 0.0;
+        let mut path_m = 0.0;
         for k in 0..=WAY_STEPS {
             let v = from + step * k as f64;
             let [e, f, g] = Forms::at(&self.surface.jet(u, v), u, v)?.first_m2;
             let weight = if k == 0 || k == WAY_STEPS { 0.5 } else { 1.0 };
             let along = e + slope * (2.0 * f + slope * g);
-            way_m += weight * ((e * g - f * f).max(0.0) / along).sqrt() * step.abs();
+            path_m += weight * ((e * g - f * f).max(0.0) / along).sqrt() * step.abs();
         }
-        Ok(way_m)
+        Ok(path_m)
     }
 
     /// Whether a line v = const keeps clear of a border along v everywhere.
     pub fn clear_of(&self, border: f64, v: f64) -> Result<bool, SurfacePathError> {
         for contact in self.stations(&self.constant(v))? {
-            let way_m = self.way_m(contact.u, 0.0, border, v)?;
-            if way_m < 0.5 * contact.swath_m + self.options.margin_m {
+            let path_m = self.path_m(contact.u, 0.0, border, v)?;
+            if path_m < 0.5 * contact.swath_m + self.options.margin_m {
                 return Ok(false);
             }
         }
@@ -128,16 +123,17 @@ impl Layout<'_> {
         }
     }
 
-    /// The contacts of a line, evenly spaced, cut into pieces whose contacts lie within the face; `keeps` says which stations are wanted.
-    /// Ends keep half their reach and the margin from the ends of the patch.
+    /// The contacts of a line, evenly spaced, cut into pieces whose contacts lie within the face;
+    /// `keeps` says which stations are wanted. Ends keep half their reach and the margin from the
+    /// ends of the patch.
     pub fn pieces(
         &self,
-        course: &Course,
+        graph: &GraphLine,
         backwards: bool,
         keeps: &[bool],
     ) -> Result<Vec<Vec<Contact>>, SurfacePathError> {
-        let stations = self.stations(course)?;
-        let line = Line::new(self, course, &stations);
+        let stations = self.stations(graph)?;
+        let line = RawLine::new(self, graph, &stations);
         let inside: Vec<bool> = (0..=STATIONS)
             .map(|k| keeps[k] && line.holds(self, k, 0.0))
             .collect();
@@ -170,10 +166,11 @@ impl Layout<'_> {
         let mut pieces = Vec::new();
         for run in runs {
             let places = line.even(run, self.options.step_m)?;
-            let mut piece = self.contacts(course, places.into_iter())?;
+            let mut piece = self.contacts(graph, places.into_iter())?;
             level(&mut piece);
             if backwards {
-                // The axis is chosen from the same end whichever way a line is fed: neighbours were compared so.
+                // The axis is chosen from the same end whichever way a line is fed: neighbours were
+                // compared so.
                 piece.reverse();
                 piece
                     .iter_mut()
@@ -188,8 +185,9 @@ impl Layout<'_> {
     }
 }
 
-/// Turns the axes of a whole piece so that they point from right to left of the feed where they lie across it, along it where they lie along:
-/// the wheel, and with it the sense in which its belt runs, keeps its sense from line to line.
+/// Turns the axes of a whole piece so that they point from right to left of the feed where they lie
+/// across it, along it where they lie along: the wheel, and with it the sense in which its belt
+/// runs, keeps its sense from line to line.
 fn level(piece: &mut [Contact]) {
     let Some(first) = piece.first() else {
         return;
@@ -214,26 +212,26 @@ pub(super) fn narrow(line: &[Contact]) -> SurfacePathError {
 }
 
 /// A line with its length.
-struct Line<'a> {
-    course: &'a Course,
+struct RawLine<'a> {
+    graph: &'a GraphLine,
     stations: &'a [Contact],
     /// Length from the start at each station, m.
     along_m: Vec<f64>,
 }
 
-impl<'a> Line<'a> {
-    fn new(layout: &Layout<'_>, course: &'a Course, stations: &'a [Contact]) -> Self {
+impl<'a> RawLine<'a> {
+    fn new(layout: &Layout<'_>, graph: &'a GraphLine, stations: &'a [Contact]) -> Self {
         let speed_m = |contact: &Contact| {
             let [ru, rv] = layout.surface.jet(contact.u, contact.v).first_m;
-            (ru + rv * course.at(contact.u)[1]).norm()
+            (ru + rv * graph.at(contact.u)[1]).norm()
         };
         let mut along_m = vec![0.0];
         for pair in stations.windows(2) {
-            let way_m = 0.5 * (speed_m(&pair[0]) + speed_m(&pair[1])) * (pair[1].u - pair[0].u);
-            along_m.push(along_m[along_m.len() - 1] + way_m);
+            let path_m = 0.5 * (speed_m(&pair[0]) + speed_m(&pair[1])) * (pair[1].u - pair[0].u);
+            along_m.push(along_m[along_m.len() - 1] + path_m);
         }
         Self {
-            course,
+            graph,
             stations,
             along_m,
         }
@@ -254,7 +252,7 @@ impl<'a> Line<'a> {
             return true;
         };
         let u = between(one.u, other.u);
-        let [v, slope] = self.course.at(u);
+        let [v, slope] = self.graph.at(u);
         let jet = layout.surface.jet(u, v);
         let [low, high] = layout.surface.domain().v;
         let Some(forms) = Forms::of(&jet).filter(|_| (low..=high).contains(&v)) else {
@@ -268,15 +266,8 @@ impl<'a> Line<'a> {
 
     /// Where between station k and the next the face begins (`entering`) or ends, in stations.
     fn edge(&self, layout: &Layout<'_>, k: usize, entering: bool) -> f64 {
-        let (mut inside, mut outside) = if entering { (1.0, 0.0) } else { (0.0, 1.0) };
-        for _ in 0..END_BISECTIONS {
-            let middle = 0.5 * (inside + outside);
-            if self.holds(layout, k, middle) {
-                inside = middle;
-            } else {
-                outside = middle;
-            }
-        }
+        let ends = if entering { [0.0, 1.0] } else { [1.0, 0.0] };
+        let [_, inside] = bisect(ends, END_BISECTIONS, |at| self.holds(layout, k, at));
         k as f64 + inside
     }
 

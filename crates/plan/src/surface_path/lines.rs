@@ -1,45 +1,15 @@
 //! How lines are laid on a face: iso-parametric lines here, others beside.
 
-use nalgebra::{Isometry3, Unit, Vector3};
+use nalgebra::Isometry3;
 
-use super::contact::{AxisRule, Contact};
-use super::course::{Course, Turned};
+use super::contact::Contact;
 use super::error::SurfacePathError;
+use super::graph::{GraphLine, Turned};
 use super::layout::{Layout, STATIONS, check_distance, narrow};
+use super::options::{FeedAlong, PathOptions, Strategy};
 use super::wheel::ContactWheel;
 use super::{planes, scallop};
 use crate::surface::{Boundary, Surface};
-
-/// How a path covers a face.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PathOptions {
-    pub rule: AxisRule,
-    /// Share of the swath that the next line covers again, 0 to below 1.
-    pub overlap: f64,
-    /// Largest distance of points along a line, m.
-    pub step_m: f64,
-    /// Distance that the contact keeps from the borders of the patch, m.
-    pub margin_m: f64,
-}
-
-/// How lines are laid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Strategy {
-    /// Lines along which one parameter is constant, the next as far away as the narrowest place allows.
-    IsoParametric,
-    /// Each line as far from the one before, at every place of it, as leaves a ridge of one height (and no strip untouched).
-    IsoScallop { scallop_m: f64 },
-    /// Sections with planes of one normal, the next as far away as the narrowest place allows.
-    ParallelPlane { normal: Unit<Vector3<f64>> },
-}
-
-/// The parameter along which lines are fed; parallel planes choose it themselves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum FeedAlong {
-    #[default]
-    U,
-    V,
-}
 
 /// Lines of contacts, fed to and fro.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +18,8 @@ pub struct SurfacePath {
 }
 
 impl SurfacePath {
-    /// Poses of the tool along each line, with one lifted along the normal before and after; the arm moves freely from line to line.
+    /// Poses of the tool along each line, with one lifted along the normal before and after; the
+    /// arm moves freely from line to line.
     #[must_use]
     pub fn poses(&self, lift_m: f64) -> Vec<Vec<Isometry3<f64>>> {
         let lifted = |contact: &Contact| {
@@ -65,12 +36,13 @@ impl SurfacePath {
     }
 }
 
-/// Lines on a patch, within its boundary if it has one, fed to and fro. A line that leaves the boundary is cut there and goes on where it
-/// comes back; between its pieces the wheel is lifted as between lines.
+/// Lines on a patch, within its boundary if it has one, fed to and fro. A line that leaves the
+/// boundary is cut there and goes on where it comes back; between its pieces the wheel is lifted as
+/// between lines.
 ///
 /// # Errors
-/// If an option is out of its range, the wheel gouges or finds no axis somewhere, the face is too narrow for the contact, or
-/// planes do not cross the patch from border to border.
+/// If an option is out of its range, the wheel gouges or finds no axis somewhere, the face is too
+/// narrow for the contact, or planes do not cross the patch from border to border.
 pub fn plan_path(
     surface: &dyn Surface,
     boundary: Option<&Boundary>,
@@ -112,9 +84,10 @@ pub fn plan_path(
 
 /// Lines v = const, fed along u and back in turn.
 ///
-/// Two neighbours stand as far apart as half the swath of each covers, less the overlap, at the place where that is least; the
-/// distance is measured across the feed, √(EG − F²)/√E for a step of v, which is |r_v| only where r_u and r_v are square. The first
-/// and last line keep half their swath and the margin from the borders, and each line half its reach from its ends.
+/// Two neighbours stand as far apart as half the swath of each covers, less the overlap, at the
+/// place where that is least; the distance is measured across the feed, √(EG − F²)/√E for a step of
+/// v, which is |r_v| only where r_u and r_v are square. The first and last line keep half their
+/// swath and the margin from the borders, and each line half its reach from its ends.
 ///
 /// # Errors
 /// As [`plan_path`].
@@ -194,18 +167,18 @@ fn iso_parametric(layout: &Layout<'_>) -> Result<Vec<Vec<Contact>>, SurfacePathE
         places.push(next);
         v = next;
     }
-    let courses = places.iter().map(|v| layout.constant(*v));
-    to_and_fro(layout, courses)
+    let graphs = places.iter().map(|v| layout.constant(*v));
+    to_and_fro(layout, graphs)
 }
 
 /// Courses from end to end, every other one backwards.
 fn to_and_fro(
     layout: &Layout<'_>,
-    courses: impl Iterator<Item = Course>,
+    graphs: impl Iterator<Item = GraphLine>,
 ) -> Result<Vec<Vec<Contact>>, SurfacePathError> {
     let mut lines = Vec::new();
-    for (k, course) in courses.enumerate() {
-        lines.extend(layout.pieces(&course, k % 2 == 1, &[true; STATIONS + 1])?);
+    for (k, graph) in graphs.enumerate() {
+        lines.extend(layout.pieces(&graph, k % 2 == 1, &[true; STATIONS + 1])?);
     }
     Ok(lines)
 }
@@ -215,7 +188,7 @@ fn joined(layout: &Layout<'_>, line: &[Contact], next: f64) -> Result<bool, Surf
     let other = layout.stations(&layout.constant(next))?;
     for (a, b) in line.iter().zip(&other) {
         let covered_m = 0.5 * (a.swath_m + b.swath_m) * (1.0 - layout.options.overlap);
-        if layout.way_m(a.u, 0.0, a.v, next)? > covered_m {
+        if layout.path_m(a.u, 0.0, a.v, next)? > covered_m {
             return Ok(false);
         }
     }
@@ -227,6 +200,7 @@ mod tests {
     use super::*;
     use crate::surface::PlanePatch;
     use crate::surface::spoke::Spoke;
+    use crate::surface_path::AxisRule;
     use crate::surface_path::wheel::tests::PUBLISHED;
     use nalgebra::Vector3;
 
@@ -239,7 +213,8 @@ mod tests {
         margin_m: 0.0,
     };
 
-    /// Every place between two lines is covered by one of them, with no line nearer than it need be at its tightest place.
+    /// Every place between two lines is covered by one of them, with no line nearer than it need be
+    /// at its tightest place.
     #[test]
     fn verify_lines_on_the_spoke_leave_no_gap_and_waste_none() {
         let path = plan_iso_parametric(&Spoke, &PUBLISHED, &OPTIONS).expect("a path");
@@ -255,8 +230,8 @@ mod tests {
             let [one, other] =
                 [pair[0], pair[1]].map(|v| plan.stations(&plan.constant(v)).expect("a line"));
             let uses = one.iter().zip(&other).map(|(a, b)| {
-                let way_m = plan.way_m(a.u, 0.0, a.v, b.v).expect("a way");
-                way_m / (0.4 * (a.swath_m + b.swath_m))
+                let path_m = plan.path_m(a.u, 0.0, a.v, b.v).expect("a distance");
+                path_m / (0.4 * (a.swath_m + b.swath_m))
             });
             let used = uses.fold(0.0, f64::max);
             assert!(used < 1.0 + 1e-6, "line {k}: {used}");
@@ -283,8 +258,9 @@ mod tests {
         }
     }
 
-    /// On the mould block's top the axis stands across the feed, the swath is that of the wheel turned to the diagonal of its
-    /// contact at most, and first and last line stand half a swath from the borders.
+    /// On the mould block's top the axis stands across the feed, the swath is that of the wheel
+    /// turned to the diagonal of its contact at most, and first and last line stand half a swath
+    /// from the borders.
     #[test]
     fn verify_lines_on_a_plane_stand_a_swath_apart() {
         let plane = PlanePatch::new(Vector3::zeros(), Vector3::x() * 0.1, Vector3::y() * 0.06)

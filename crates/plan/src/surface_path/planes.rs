@@ -1,10 +1,11 @@
 //! Sections of a patch with parallel planes.
 
 use nalgebra::{Unit, Vector3};
+use truecut_core::roots::bisect;
 
 use super::contact::Contact;
-use super::course::Course;
 use super::error::SurfacePathError;
+use super::graph::GraphLine;
 use super::layout::{Layout, STATIONS, check_distance, narrow};
 use crate::surface::{Boundary, Domain, Forms, Surface};
 
@@ -31,7 +32,8 @@ pub(super) fn lines(
     normal: &Unit<Vector3<f64>>,
 ) -> Result<Vec<Vec<Contact>>, SurfacePathError> {
     let sections = Sections::new(layout.surface, normal)?;
-    // Without a boundary the outline of the patch itself is one: sections meet its borders at any angle.
+    // Without a boundary the outline of the patch itself is one: sections meet its borders at any
+    // angle.
     let outline = match layout.boundary {
         Some(_) => None,
         None => Some(outline(layout.surface)?),
@@ -42,7 +44,7 @@ pub(super) fn lines(
     };
     let [low_m, high_m] = sections.range_m;
     let pieces = |c_m: f64, backwards: bool| {
-        layout.pieces(&sections.course(c_m), backwards, &[true; STATIONS + 1])
+        layout.pieces(&sections.graph(c_m), backwards, &[true; STATIONS + 1])
     };
     let some = |c_m: f64| Ok(!pieces(c_m, false)?.is_empty());
     let middle_m = 0.5 * (low_m + high_m);
@@ -51,7 +53,7 @@ pub(super) fn lines(
         layout.bisect(high_m, middle_m, some)?,
     );
     let (Some(first_m), Some(last_m)) = (first, last) else {
-        return Err(narrow(&layout.stations(&sections.course(middle_m))?));
+        return Err(narrow(&layout.stations(&sections.graph(middle_m))?));
     };
     let mut at_m = vec![first_m];
     let mut c_m = first_m;
@@ -67,7 +69,7 @@ pub(super) fn lines(
             if last_m - c_m < 1e-6 * (high_m - low_m) {
                 break;
             }
-            return Err(narrow(&layout.stations(&sections.course(c_m))?));
+            return Err(narrow(&layout.stations(&sections.graph(c_m))?));
         }
         if next_m < last_m {
             check_distance((next_m - c_m) / (high_m - low_m))?;
@@ -137,19 +139,11 @@ impl<'a> Sections<'a> {
                 return border - at_border / rise;
             }
         }
-        let (mut a, mut b) = (low, high);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (a + b);
-            if (excess(middle) > 0.0) == rising {
-                b = middle;
-            } else {
-                a = middle;
-            }
-        }
+        let [a, b] = bisect([low, high], BISECTIONS, |v| (excess(v) > 0.0) == rising);
         0.5 * (a + b)
     }
 
-    fn course(&self, c_m: f64) -> Course {
+    fn graph(&self, c_m: f64) -> GraphLine {
         let range = self.surface.domain().u;
         let u = |k: usize| range[0] + (range[1] - range[0]) * k as f64 / STATIONS as f64;
         let v: Vec<f64> = (0..=STATIONS).map(|k| self.v(u(k), c_m)).collect();
@@ -158,15 +152,15 @@ impl<'a> Sections<'a> {
             -ru.dot(self.normal) / rv.dot(self.normal)
         });
         let slope = slope.collect();
-        Course::with_slopes(range, v, slope)
+        GraphLine::with_slopes(range, v, slope)
     }
 
-    /// Distance to the next plane that a section allows: the swath, less the overlap, times the share of the normal that lies in the
-    /// surface, at the place where that is least, m.
+    /// Distance to the next plane that a section allows: the swath, less the overlap, times the
+    /// share of the normal that lies in the surface, at the place where that is least, m.
     fn apart_m(&self, layout: &Layout<'_>, c_m: f64) -> Result<f64, SurfacePathError> {
         let [low, high] = self.surface.domain().v;
         let mut least_m = f64::INFINITY;
-        for contact in layout.stations(&self.course(c_m))? {
+        for contact in layout.stations(&self.graph(c_m))? {
             if !(low..=high).contains(&contact.v) {
                 continue;
             }
@@ -254,8 +248,9 @@ mod tests {
         }
     }
 
-    /// On a plane cut along its side lines stand a swath apart; on a bar of radius ρ planes across the chord stand
-    /// swath · cos φ apart, at the outermost place of either line, so that no strip is left.
+    /// On a plane cut along its side lines stand a swath apart; on a bar of radius ρ planes across
+    /// the chord stand swath · cos φ apart, at the outermost place of either line, so that no strip
+    /// is left.
     #[test]
     fn verify_planes_stand_as_far_apart_as_the_swath_seen_along_them() {
         let lines = planned(&plane(), Vector3::y(), None);

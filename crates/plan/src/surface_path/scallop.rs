@@ -1,9 +1,10 @@
 //! Lines between which ridges of one height are left.
 
 use super::contact::Contact;
-use super::course::Course;
 use super::error::SurfacePathError;
+use super::graph::GraphLine;
 use super::layout::{Layout, STATIONS, check_distance, narrow};
+use truecut_core::roots::try_bisect;
 
 /// Bisections of the way to the next line at one station: to 1e-9 of it.
 const BISECTIONS: usize = 30;
@@ -14,35 +15,36 @@ const SMOOTHED: usize = 2;
 /// How often a line that came out too far away is drawn nearer, by a fiftieth each time.
 const DRAWN_NEARER: usize = 20;
 
-/// The first line keeps clear of one border with v = const, each further one stands at its own distance at every place, and what reaches
-/// the line that keeps clear of the other border goes along it, once.
+/// The first line keeps clear of one border with v = const, each further one stands at its own
+/// distance at every place, and what reaches the line that keeps clear of the other border goes
+/// along it, once.
 pub(super) fn lines(
     layout: &Layout<'_>,
     scallop_m: f64,
 ) -> Result<Vec<Vec<Contact>>, SurfacePathError> {
     let [first, last] = layout.outermost()?;
     let whole = last - first;
-    let mut course = layout.constant(first);
-    let mut lines = layout.pieces(&course, false, &[true; STATIONS + 1])?;
+    let mut graph = layout.constant(first);
+    let mut lines = layout.pieces(&graph, false, &[true; STATIONS + 1])?;
     let mut backwards = true;
-    while course.v().iter().any(|v| last - v > 1e-9 * whole) {
-        let next = next_line(layout, scallop_m, &course, [first, last])?;
-        let least = course.v().iter().zip(next.v()).map(|(a, b)| b - a);
+    while graph.v().iter().any(|v| last - v > 1e-9 * whole) {
+        let next = next_line(layout, scallop_m, &graph, [first, last])?;
+        let least = graph.v().iter().zip(next.v()).map(|(a, b)| b - a);
         let moved = least.fold(0.0, f64::max);
         if moved < 1e-9 * whole {
-            return Err(narrow(&layout.stations(&course)?));
+            return Err(narrow(&layout.stations(&graph)?));
         }
         if next.v().iter().all(|v| *v < last) {
             check_distance(moved / whole)?;
         }
         // Where the line before has reached the last one already there is nothing left to do.
         let mut keeps = [true; STATIONS + 1];
-        for (keep, v) in keeps.iter_mut().zip(course.v()) {
+        for (keep, v) in keeps.iter_mut().zip(graph.v()) {
             *keep = last - v > 1e-9 * whole;
         }
         lines.extend(layout.pieces(&next, backwards, &keeps)?);
         backwards = !backwards;
-        course = next;
+        graph = next;
     }
     Ok(lines)
 }
@@ -56,45 +58,41 @@ fn allowed_m(layout: &Layout<'_>, scallop_m: f64, contact: &Contact) -> f64 {
 fn next_line(
     layout: &Layout<'_>,
     scallop_m: f64,
-    course: &Course,
+    graph: &GraphLine,
     [first, last]: [f64; 2],
-) -> Result<Course, SurfacePathError> {
-    let stations = layout.stations(course)?;
+) -> Result<GraphLine, SurfacePathError> {
+    let stations = layout.stations(graph)?;
     let mut steps = Vec::with_capacity(STATIONS + 1);
     for contact in &stations {
-        let slope = course.at(contact.u)[1];
+        let slope = graph.at(contact.u)[1];
         let allowed_m = allowed_m(layout, scallop_m, contact);
-        let (mut near, mut far) = (contact.v, last);
-        if layout.way_m(contact.u, slope, contact.v, last)? > allowed_m {
-            for _ in 0..BISECTIONS {
-                let middle = 0.5 * (near + far);
-                if layout.way_m(contact.u, slope, contact.v, middle)? > allowed_m {
-                    far = middle;
-                } else {
-                    near = middle;
-                }
-            }
+        if layout.path_m(contact.u, slope, contact.v, last)? > allowed_m {
+            let [near, _] = try_bisect([contact.v, last], BISECTIONS, |v| {
+                let path_m = layout.path_m(contact.u, slope, contact.v, v);
+                path_m.map(|path_m| path_m > allowed_m)
+            })?;
             steps.push(near - contact.v);
         } else {
-            // The last line is within reach; how far the step would go on without it, so that smoothing does not stop short of it.
+            // The last line is within reach; how far the step would go on without it, so that
+            // smoothing does not stop short of it.
             let back = 1e-3 * (last - first);
-            let per_v_m = layout.way_m(contact.u, slope, contact.v - back, contact.v)? / back;
+            let per_v_m = layout.path_m(contact.u, slope, contact.v - back, contact.v)? / back;
             steps.push((last - contact.v).max(allowed_m / per_v_m));
         }
     }
     let mut steps = smoothed(&steps);
     let range = layout.surface.domain().u;
     for _ in 0..DRAWN_NEARER {
-        let v = course.v().iter().zip(&steps);
-        let next = Course::through(range, v.map(|(v, step)| (v + step).min(last)).collect());
+        let v = graph.v().iter().zip(&steps);
+        let next = GraphLine::through(range, v.map(|(v, step)| (v + step).min(last)).collect());
         // The next line's own contacts may allow less than those of the line before.
         let there = layout.stations(&next)?;
         let mut good = true;
         for (k, (a, b)) in stations.iter().zip(&there).enumerate() {
-            let slope = course.at(a.u)[1];
-            let way_m = layout.way_m(a.u, slope, a.v, b.v)?;
+            let slope = graph.at(a.u)[1];
+            let path_m = layout.path_m(a.u, slope, a.v, b.v)?;
             let both_m = 0.5 * (allowed_m(layout, scallop_m, a) + allowed_m(layout, scallop_m, b));
-            if way_m > both_m * (1.0 + 1e-9) {
+            if path_m > both_m * (1.0 + 1e-9) {
                 good = false;
                 let from = k.saturating_sub(SMOOTHED);
                 for step in &mut steps[from..=(k + SMOOTHED).min(STATIONS)] {
@@ -106,13 +104,15 @@ fn next_line(
             return Ok(next);
         }
     }
-    // So narrow a place ahead that the average does not come down to it: half of what this line allows.
-    let v = course.v().iter().zip(&steps);
+    // So narrow a place ahead that the average does not come down to it: half of what this line
+    // allows.
+    let v = graph.v().iter().zip(&steps);
     let next = v.map(|(v, step)| (v + 0.5 * step).min(last)).collect();
-    Ok(Course::through(range, next))
+    Ok(GraphLine::through(range, next))
 }
 
-/// The mean of neighbours' least steps, which is above no step: the lines do not take over what the choice of the axis makes jump.
+/// The mean of neighbours' least steps, which is above no step: the lines do not take over what the
+/// choice of the axis makes jump.
 fn smoothed(steps: &[f64]) -> Vec<f64> {
     let around = |k: usize, of: &[f64]| {
         of[k.saturating_sub(SMOOTHED)..=(k + SMOOTHED).min(of.len() - 1)].to_vec()
@@ -148,8 +148,8 @@ mod tests {
         plan_path(surface, None, &PUBLISHED, strategy, FeedAlong::U, &options).expect("a path")
     }
 
-    /// A wheel fed along a round bar of radius ρ, axis across the feed, touches it along facets whose ridges stand
-    /// ρ (1/cos(φ/2) − 1) high for facets φ apart.
+    /// A wheel fed along a round bar of radius ρ, axis across the feed, touches it along facets
+    /// whose ridges stand ρ (1/cos(φ/2) − 1) high for facets φ apart.
     #[test]
     fn verify_ridges_on_a_round_bar_have_the_height_asked_for() {
         let (radius_m, scallop_m) = (0.1, 0.05e-3);
@@ -183,8 +183,9 @@ mod tests {
         for k in 0..count - 2 {
             let apart = (angle(k + 1) - angle(k)).abs();
             let height_m = radius_m * (1.0 / (0.5 * apart).cos() - 1.0);
-            // √(8 h/κ) is exact to second order: the chord's next term is 5 (φ/2)²/12, 1e-4 here. Axes nearly as wide as the widest
-            // are taken, so that no more than 2 % of the width, 4 % of the height, is given away.
+            // √(8 h/κ) is exact to second order: the chord's next term is 5 (φ/2)²/12, 1e-4 here.
+            // Axes nearly as wide as the widest are taken, so that no more than 2 % of the width, 4
+            // % of the height, is given away.
             let ratio = height_m / scallop_m;
             assert!(ratio < 1.001 && ratio > 0.95, "line {k}: {ratio}");
         }
@@ -206,8 +207,8 @@ mod tests {
         );
     }
 
-    /// On the bumpy spoke neighbours are nowhere further apart than the half-spacings of both together: the ridge stands where
-    /// their gaps are equal, at √(2 h/κ) from each.
+    /// On the bumpy spoke neighbours are nowhere further apart than the half-spacings of both
+    /// together: the ridge stands where their gaps are equal, at √(2 h/κ) from each.
     #[test]
     fn ridges_on_the_spoke_keep_the_limit() {
         use crate::surface::spoke::Spoke;
@@ -228,7 +229,8 @@ mod tests {
                 let Some((apart_m, other)) = beside else {
                     continue;
                 };
-                // Points 2 mm apart: the nearest one stands 1 mm along the line at most, so that √(g² + 1) mm may be found for g.
+                // Points 2 mm apart: the nearest one stands 1 mm along the line at most, so that
+                // √(g² + 1) mm may be found for g.
                 let allowed_m = reach_m(contact) + reach_m(other);
                 assert!(
                     apart_m < 1.03 * allowed_m.hypot(1e-3),

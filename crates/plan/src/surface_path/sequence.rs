@@ -40,8 +40,8 @@ pub struct Speeds {
     pub joint_share: f64,
 }
 
-/// The segments of every copy in turn. A turntable turns by −k/count of a turn for copy k, which brings it to where copy 0 was; an arm
-/// goes there.
+/// The segments of every copy in turn. A turntable turns by −k/count of a turn for copy k, which
+/// brings it to where copy 0 was; an arm goes there.
 ///
 /// # Errors
 /// If the arm is to carry taught postures to another copy: postures do not turn.
@@ -82,8 +82,9 @@ pub fn parts_of(
     Ok(all)
 }
 
-/// A program through parts: by joints to the first point of each, along lines through planned ones, by joints through taught
-/// ones. Path points count from 0 through the whole program; `head` gives all but the moves.
+/// A program through parts: by joints to the first point of each, along lines through planned ones,
+/// by joints through taught ones. Path points count from 0 through the whole program; `head` gives
+/// all but the moves.
 ///
 /// # Errors
 /// As [`solve`].

@@ -25,7 +25,8 @@ pub struct Solved {
     pub between: Vec<f64>,
 }
 
-/// Copies of a path for a part of `count`-fold symmetry, turned about a turntable's axis: the k-th by k/count of a turn.
+/// Copies of a path for a part of `count`-fold symmetry, turned about a turntable's axis: the k-th
+/// by k/count of a turn.
 #[must_use]
 pub fn copies(
     poses: &[Isometry3<f64>],
@@ -44,10 +45,12 @@ pub fn copies(
     (0..count).map(turned).collect()
 }
 
-/// Postures along segments, each planned one by [`shortest_travel`] from where the one before ends, the first from `start`.
+/// Postures along segments, each planned one by [`shortest_travel`] from where the one before ends,
+/// the first from `start`.
 ///
 /// # Errors
-/// At the first point that is out of reach or limits, too near a singularity, or to which a joint would have to jump.
+/// At the first point that is out of reach or limits, too near a singularity, or to which a joint
+/// would have to jump.
 pub fn solve(
     robot: &Robot,
     segments: &[Segment],

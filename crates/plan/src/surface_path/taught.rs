@@ -1,6 +1,7 @@
 //! Taught points: postures recorded on the arm, in a CSV file.
 //!
-//! A heading `j1,j2,…,jn`, then a row for each point, a column for each joint, degrees (mm for prismatic joints).
+//! A heading `j1,j2,…,jn`, then a row for each point, a column for each joint, degrees (mm for
+//! prismatic joints).
 
 use std::path::Path;
 
@@ -19,8 +20,8 @@ impl TaughtPoints {
     /// Reads a file for an arm.
     ///
     /// # Errors
-    /// If the file cannot be read, its heading or a row has not one column a joint, a cell is not a finite number, a posture
-    /// breaks the arm's limits, or there is no row.
+    /// If the file cannot be read, its heading or a row has not one column a joint, a cell is not a
+    /// finite number, a posture breaks the arm's limits, or there is no row.
     pub fn load(path: &Path, robot: &Robot) -> Result<Self, SurfacePathError> {
         let text = std::fs::read_to_string(path).map_err(|e| SurfacePathError::Taught {
             file: path.display().to_string(),

@@ -10,7 +10,8 @@ pub struct ContactWheel {
     /// Radius with the belt on, m.
     pub radius_m: f64,
     pub width_m: f64,
-    /// How far the wheel's centre is set below the radius, k h in the publication, m; 0 where the wheel just touches.
+    /// How far the wheel's centre is set below the radius, k h in the publication, m; 0 where the
+    /// wheel just touches.
     pub indentation_m: f64,
     /// Normal force per width, N/m.
     pub line_load_n_per_m: f64,
@@ -50,7 +51,8 @@ impl ContactWheel {
         Ok(())
     }
 
-    /// Half-width of the contact line by [`line_half_width_m`], m; `None` if the surface is hollow with a radius not above the wheel's.
+    /// Half-width of the contact line by [`line_half_width_m`], m; `None` if the surface is hollow
+    /// with a radius not above the wheel's.
     #[must_use]
     pub fn half_width_m(&self, curvature_across_per_m: f64) -> Option<f64> {
         let relative_m = relative_radius_m(self.radius_m, curvature_across_per_m)?;
@@ -67,7 +69,8 @@ pub(crate) mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// R 40 mm, W 25 mm, h 0.5 mm, 30 N over the width, E* 8 MPa.
+    /// `docs/physics/surfaces.md`, line contact: R 40 mm, W 25 mm, h 0.5 mm, 30 N over the width,
+    /// E* 8 MPa.
     pub(crate) const PUBLISHED: ContactWheel = ContactWheel {
         radius_m: 0.04,
         width_m: 0.025,

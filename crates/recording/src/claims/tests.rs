@@ -38,7 +38,7 @@ fn claim(unit: &str, min: Option<f64>, max: Option<f64>) -> ClaimSpec {
 }
 
 #[test]
-fn verify_bounds_include_their_ends() {
+fn bounds_include_their_ends() {
     let recording = recording(vec![0.0, -0.25, 0.125]);
     let holds = |min, max| {
         claim("m", min, max)
@@ -61,7 +61,7 @@ fn the_result_is_si_and_shown_in_the_claims_unit() {
 }
 
 #[test]
-fn verify_nan_never_holds() {
+fn nan_never_holds() {
     for bad in [
         vec![f64::NAN; 3],
         vec![0.0, f64::NAN, 0.0],
@@ -105,7 +105,7 @@ fn a_diverged_run_holds_nothing() {
 }
 
 #[test]
-fn verify_a_ratio_to_another_run() {
+fn a_ratio_to_another_run() {
     let mut claim = claim("1", Some(3.0), None);
     claim.relative_to = Some(RunReference {
         scenario: None,

@@ -11,8 +11,9 @@ use crate::unit::significant;
 /// Maps the columns of `table` to channels on one uniform time base.
 ///
 /// Samples are masked where the file has no number and where the sensor is at its end. Gaps up to
-/// `max_gap_s` are bridged by straight lines; in longer ones the result is not valid. A channel that is
-/// sampled faster than the result is smoothed first, without delay, so that nothing folds back.
+/// `max_gap_s` are bridged by straight lines; in longer ones the result is not valid. A channel
+/// that is sampled faster than the result is smoothed first, without delay, so that nothing folds
+/// back.
 ///
 /// # Errors
 /// A missing column, times that do not rise, too few samples, an output that never changes.
@@ -152,7 +153,8 @@ fn times(table: &Table, mapping: &Mapping) -> Result<(Vec<usize>, Vec<f64>), Dat
     Ok((rows, time_s))
 }
 
-/// What is larger, SI, is an error code of a logger and no measurement; its square would not be a number for long.
+/// What is larger, SI, is an error code of a logger and no measurement; its square would not be a
+/// number for long.
 pub const LARGEST: f64 = 1e30;
 
 /// The valid samples of one channel, SI.

@@ -1,8 +1,8 @@
 //! Measured data: columns of a file become channels on one uniform time base.
 //!
-//! Reading the file is not done here; a [`Table`] of named columns comes in. [`measured`] maps its columns to
-//! channels, checks them, masks what is not a measurement, and resamples. Everything that was done to
-//! the data is said in [`Measured::notes`].
+//! Reading the file is not done here; a [`Table`] of named columns comes in. [`measured`] maps its
+//! columns to channels, checks them, masks what is not a measurement, and resamples. Everything
+//! that was done to the data is said in [`Measured::notes`].
 
 mod columns;
 mod error;
@@ -74,13 +74,15 @@ pub struct ChannelMapping {
 pub struct Mapping {
     /// Where the times come from.
     pub time: TimeBase,
-    /// The part of the file that is used, s, in the file's own time; ends are infinite if not given.
+    /// The part of the file that is used, s, in the file's own time; ends are infinite if not
+    /// given.
     pub window_s: [f64; 2],
     /// Rate of the result; `None` for the median rate of the file.
     pub resample_hz: Option<f64>,
     /// Longest gap that is bridged by a straight line, s.
     pub max_gap_s: f64,
-    /// Times of the file at which the process begins anew, rising; empty if it begins once, with the first sample.
+    /// Times of the file at which the process begins anew, rising; empty if it begins once, with
+    /// the first sample.
     pub starts_s: Vec<f64>,
     /// The channels, in the order of the result.
     pub channels: Vec<ChannelMapping>,
@@ -93,7 +95,8 @@ pub struct Measured {
     pub source: String,
     /// Uniform times from 0 on, s.
     pub time_s: Vec<f64>,
-    /// Runs of the process in these data, in order and without overlap; empty if there is one, from time 0 on.
+    /// Runs of the process in these data, in order and without overlap; empty if there is one, from
+    /// time 0 on.
     pub passes: Vec<Pass>,
     /// The channels; each has one value for every time.
     pub channels: Vec<MeasuredChannel>,
@@ -157,7 +160,8 @@ impl Measured {
         }
     }
 
-    /// Time of every sample since the start of its pass, s. Samples before the first pass have negative times.
+    /// Time of every sample since the start of its pass, s. Samples before the first pass have
+    /// negative times.
     pub fn process_time_s(&self) -> Vec<f64> {
         let passes = self.passes();
         let mut times: Vec<f64> = (self.time_s.iter())
@@ -171,7 +175,8 @@ impl Measured {
         times
     }
 
-    /// Process times in stretches that rise: what lies before the first pass, if anything, then pass by pass.
+    /// Process times in stretches that rise: what lies before the first pass, if anything, then
+    /// pass by pass.
     pub fn stretches_s(&self) -> Vec<Vec<f64>> {
         let times = self.process_time_s();
         let passes = self.passes();

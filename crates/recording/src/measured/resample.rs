@@ -41,9 +41,9 @@ impl Series {
         median_interval_s(&self.time_s)
     }
 
-    /// Value at `t` on the line between the samples around it, and whether they are at most `max_gap_s`
-    /// apart. A time within `slack_s` of a sample is that sample's: times are rounded. `from` remembers the
-    /// place between calls with rising times.
+    /// Value at `t` on the line between the samples around it, and whether they are at most
+    /// `max_gap_s` apart. A time within `slack_s` of a sample is that sample's: times are rounded.
+    /// `from` remembers the place between calls with rising times.
     fn at(&self, t: f64, max_gap_s: f64, slack_s: f64, from: &mut usize) -> (f64, bool) {
         let last = self.time_s.len() - 1;
         while *from + 1 < last && self.time_s[*from + 1] <= t + slack_s {

@@ -80,7 +80,8 @@ fn units_and_scales_become_si_on_a_uniform_base() {
 #[test]
 fn short_gaps_are_bridged_and_long_ones_masked() {
     let mut table = table(1000);
-    // Nine samples are missing: the neighbours are 10 ms apart, within the 10.5 ms allowed. Then nineteen.
+    // Nine samples are missing: the neighbours are 10 ms apart, within the 10.5 ms allowed. Then
+    // nineteen.
     table.columns[1].values[100..109].fill(f64::NAN);
     table.columns[1].values[500..519].fill(f64::NAN);
     let mut mapping = mapping();

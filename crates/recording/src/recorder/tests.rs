@@ -116,7 +116,7 @@ const PATIENT: Pace = Pace {
 };
 
 #[test]
-fn verify_no_chunk_spans_more_than_a_simulated_second() {
+fn no_chunk_spans_more_than_a_simulated_second() {
     let (log, recording) = run(4400, 1e-3, PATIENT);
     let chunks = log.chunks();
     assert_eq!(chunks.len(), 5);
@@ -142,7 +142,7 @@ fn verify_no_chunk_spans_more_than_a_simulated_second() {
 }
 
 #[test]
-fn verify_the_clock_on_the_wall_also_sends() {
+fn the_clock_on_the_wall_also_sends() {
     let (log, _) = run(
         10,
         1e-6,
@@ -159,7 +159,7 @@ fn verify_the_clock_on_the_wall_also_sends() {
 }
 
 #[test]
-fn verify_a_chunk_is_bounded_in_rows() {
+fn a_chunk_is_bounded_in_rows() {
     let (log, _) = run(
         1000,
         1e-6,
@@ -177,7 +177,7 @@ fn verify_a_chunk_is_bounded_in_rows() {
 }
 
 #[test]
-fn verify_frames_keep_their_rate_whatever_the_step() {
+fn frames_keep_their_rate_whatever_the_step() {
     for step_s in [1e-3, 2.5e-4, 7.3e-4, 3.1e-3] {
         let rows = (2.0 / step_s) as usize;
         let (log, _) = run(rows, step_s, PATIENT);

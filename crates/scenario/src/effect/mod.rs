@@ -8,7 +8,10 @@ pub(crate) mod text;
 
 use truecut_recording::Unit;
 
-pub use catalogue::{EffectKind, Family, ParameterInfo, TargetKind};
+pub use catalogue::{
+    BaseEffect, CuttingEffect, EffectKind, Family, FootEffect, JointEffect, Model, ParameterInfo,
+    RobotEffect, SensorEffect, Signal, TargetKind, Typed, WheelEffect,
+};
 
 /// Unit of a key of the catalogue; a key has the same one in every kind.
 pub(crate) fn unit_of_key(key: &str) -> Unit {

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use truecut_arm::FrameId;
 use truecut_recording::UserUnit;
 
-use super::stiffness::{Axes, Point};
+use super::stiffness::Axes;
 
 /// Hammer FRFs of one posture, that of the arm.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +29,7 @@ pub type Direction = [f64; 3];
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HammerPoint {
     /// Frame of the arm.
-    pub point: Point,
+    pub frame: FrameId,
     /// From the frame's origin, in the frame's axes, m.
     pub offset_m: [f64; 3],
     /// Direction of the blow, or of the sensor.

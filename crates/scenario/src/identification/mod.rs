@@ -8,16 +8,18 @@ mod modes;
 mod stiffness;
 
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+
+pub use truecut_arm::FrameId;
 
 pub use hammer::{
     Direction, FrfSpec, FrfValues, HammerPoint, ImpactSpec, ModesSpec, MotionKind, SampleTimes,
     Signal,
 };
-pub use stiffness::{Axes, Point, StiffnessColumn, StiffnessQuantity, StiffnessSpec, Zero};
+pub use stiffness::{Axes, StiffnessColumn, StiffnessQuantity, StiffnessSpec, Zero};
 
 use crate::check::Check;
 use crate::document::{Document, Fault};
@@ -93,7 +95,8 @@ impl Identification {
     /// # Errors
     /// Every rule of the format that is broken, with its place.
     pub fn from_str(path: &Path, text: &str) -> Result<Identification, ScenarioError> {
-        let document = Document::parse(path, text, &[]).map_err(|problem| one_problem(*problem))?;
+        let document =
+            Document::parse(path, text, &[], schema()).map_err(|problem| one_problem(*problem))?;
         let faults = structure::check_file(schema(), Format::Identification, document.effective());
         if let Some(error) = located(&document, faults) {
             return Err(error);
@@ -131,13 +134,13 @@ impl Identification {
 
     /// JSON Schema of the identification file, for editors. `x-rule` beside a bound gives its reason.
     pub fn json_schema() -> serde_json::Value {
-        schema().clone()
+        schema().as_ref().clone()
     }
 }
 
-fn schema() -> &'static serde_json::Value {
-    static SCHEMA: OnceLock<serde_json::Value> = OnceLock::new();
-    SCHEMA.get_or_init(schema::schema_of::<FileTable>)
+fn schema() -> &'static Arc<serde_json::Value> {
+    static SCHEMA: OnceLock<Arc<serde_json::Value>> = OnceLock::new();
+    SCHEMA.get_or_init(|| Arc::new(schema::schema_of::<FileTable>()))
 }
 
 impl FileTable {

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_arm::FrameId;
 use truecut_recording::{Unit, UserUnit};
 
 use super::hammer::{
     FrfSpec, FrfValues, HammerPoint, ImpactSpec, ModesSpec, MotionKind, SampleTimes, Signal,
 };
-use super::stiffness::{Axes, Point};
+use super::stiffness::Axes;
 use super::{check_scale, check_unit};
 use crate::check::Check;
 use crate::document::Fault;
@@ -38,7 +39,7 @@ pub(super) struct ModesTable {
 #[serde(deny_unknown_fields)]
 struct PointTable {
     /// Frame of the arm. Default: "tool".
-    point: Option<Point>,
+    point: Option<FrameId>,
     /// From the frame's origin, in the frame's axes. Default: [0, 0, 0].
     offset_mm: Option<[f64; 3]>,
     /// Direction in `axes`, of any length but zero.
@@ -180,7 +181,7 @@ impl PointTable {
             return None;
         }
         Some(HammerPoint {
-            point: self.point.unwrap_or_default(),
+            frame: self.point.unwrap_or(FrameId::Tool),
             offset_m: self.offset_mm.unwrap_or_default().map(from_mm),
             direction: self.direction.map(|v| v / length),
         })

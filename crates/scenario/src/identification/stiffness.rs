@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_arm::FrameId;
 use truecut_recording::{Unit, UserUnit};
 
 use super::{check_scale, check_unit};
@@ -19,9 +20,9 @@ pub struct StiffnessSpec {
     /// Whether the first row of a CSV file names the columns.
     pub header: bool,
     /// Frame at whose origin the load acts.
-    pub loaded: Point,
+    pub loaded: FrameId,
     /// Frame whose displacement was measured.
-    pub observed: Point,
+    pub observed: FrameId,
     /// Axes of loads and displacements.
     pub axes: Axes,
     /// What displacements count from.
@@ -60,19 +61,6 @@ pub enum StiffnessQuantity {
     Rotation(usize),
 }
 
-/// Frames of the arm.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Point {
-    /// The tool frame of robot.toml.
-    #[default]
-    Tool,
-    /// The URDF tip link.
-    Flange,
-    /// The foot frame of robot.toml.
-    Foot,
-}
-
 /// Axes that components are given in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -106,9 +94,9 @@ pub(super) struct StiffnessTable {
     /// Whether the first row of a CSV file names the columns. Default: true.
     header: Option<bool>,
     /// Frame at whose origin the load acts. Default: "tool".
-    loaded: Option<Point>,
+    loaded: Option<FrameId>,
     /// Frame whose displacement was measured. Default: "tool".
-    observed: Option<Point>,
+    observed: Option<FrameId>,
     /// Axes of loads and displacements. Default: "world".
     axes: Option<Axes>,
     /// "unloaded": displacements count from the unloaded arm; "unknown": from a zero that is estimated for each
@@ -157,8 +145,8 @@ impl StiffnessTable {
         Some(StiffnessSpec {
             file: folder.join(self.file),
             header: self.header.unwrap_or(true),
-            loaded: self.loaded.unwrap_or_default(),
-            observed: self.observed.unwrap_or_default(),
+            loaded: self.loaded.unwrap_or(FrameId::Tool),
+            observed: self.observed.unwrap_or(FrameId::Tool),
             axes: self.axes.unwrap_or_default(),
             zero: self.zero.unwrap_or_default(),
             columns,

@@ -4,21 +4,18 @@
 //! tables, units in the keys, faults with their places.
 
 mod motion;
-mod spec;
 mod tables;
 
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_plan::program::ProgramSetup;
+use truecut_plan::surface_path::{ContactWheel, PathSetup, SurfaceSetup, Symmetry, TaughtFile};
 
+use motion::SymmetryTable;
 pub(crate) use tables::place;
-
-pub use spec::{
-    AxisSpec, BodySpec, Carrier, ContactWheelSpec, DialectSpec, FeedAlong, PathSpec, PlaceSpec,
-    ProgramSpec, StrategySpec, SurfaceSpec, SymmetrySpec, TaughtSpec, TaughtWhen,
-};
 
 use crate::check::Check;
 use crate::document::{Document, Fault};
@@ -36,17 +33,17 @@ pub struct PathJob {
     /// The arm.
     pub robot: ArmSpec,
     /// The face.
-    pub surface: SurfaceSpec,
+    pub surface: SurfaceSetup,
     /// The wheel.
-    pub wheel: ContactWheelSpec,
+    pub wheel: ContactWheel,
     /// The lines on the face.
-    pub path: PathSpec,
+    pub path: PathSetup,
     /// Copies of the face.
-    pub symmetry: Option<SymmetrySpec>,
+    pub symmetry: Option<Symmetry>,
     /// Postures that were taught, in the order of the file.
-    pub taught: Vec<TaughtSpec>,
+    pub taught: Vec<TaughtFile>,
     /// The robot program.
-    pub program: ProgramSpec,
+    pub program: ProgramSetup,
     document: Document,
 }
 
@@ -81,7 +78,7 @@ struct FileTable {
     /// The lines on the face.
     path: tables::PathTable,
     /// Copies of the face about an axis. Default: the face stands alone.
-    symmetry: Option<motion::SymmetryTable>,
+    symmetry: Option<SymmetryTable>,
     /// Postures recorded on the arm, mixed with the planned lines.
     taught: Option<Vec<motion::TaughtTable>>,
     /// The robot program.
@@ -120,7 +117,8 @@ impl PathJob {
     /// # Errors
     /// Every rule of the format that is broken, with its place.
     pub fn from_str(path: &Path, text: &str) -> Result<PathJob, ScenarioError> {
-        let document = Document::parse(path, text, &[]).map_err(|problem| one_problem(*problem))?;
+        let document =
+            Document::parse(path, text, &[], schema()).map_err(|problem| one_problem(*problem))?;
         let faults = structure::check_file(schema(), Format::PathJob, document.effective());
         if let Some(error) = located(&document, faults) {
             return Err(error);
@@ -153,13 +151,13 @@ impl PathJob {
 
     /// JSON Schema of the path job, for editors. `x-rule` beside a bound gives its reason.
     pub fn json_schema() -> serde_json::Value {
-        schema().clone()
+        schema().as_ref().clone()
     }
 }
 
-fn schema() -> &'static serde_json::Value {
-    static SCHEMA: OnceLock<serde_json::Value> = OnceLock::new();
-    SCHEMA.get_or_init(schema::schema_of::<FileTable>)
+fn schema() -> &'static Arc<serde_json::Value> {
+    static SCHEMA: OnceLock<Arc<serde_json::Value>> = OnceLock::new();
+    SCHEMA.get_or_init(|| Arc::new(schema::schema_of::<FileTable>()))
 }
 
 impl FileTable {
@@ -168,11 +166,8 @@ impl FileTable {
         let mut check = Check::new(&document);
         let wheel = self.wheel.resolve(&mut check);
         let path = self.path.resolve(wheel.indentation_m, &mut check);
-        let symmetry = (self.symmetry).and_then(|table| table.resolve(&mut check));
-        let turntable = symmetry.and_then(|one| match one.carrier {
-            Carrier::Arm => None,
-            Carrier::Turntable { pulses_per_deg } => Some(pulses_per_deg),
-        });
+        let turntable = self.symmetry.as_ref().and_then(SymmetryTable::turntable);
+        let symmetry = self.symmetry.map(|table| table.resolve(&mut check));
         let program = self.program.resolve(turntable, &mut check);
         let surface = self.surface.resolve(&folder, &mut check);
         let robot = self.robot.resolve(&folder, &mut check);
@@ -217,13 +212,5 @@ impl ArmTable {
             posture_rad: radians.map(from_deg).collect(),
             posture_m: metres.map(from_mm).collect(),
         }
-    }
-}
-
-/// Refuses a direction without length, at its key.
-fn check_direction(key: &str, direction: [f64; 3], check: &mut Check) {
-    if direction == [0.0; 3] {
-        let message = format!("`{key}` is [0, 0, 0], but must have a length: it is a direction");
-        check.refuse(Fault::value(key, message, "no direction"));
     }
 }

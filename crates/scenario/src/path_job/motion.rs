@@ -2,12 +2,16 @@
 
 use std::path::Path;
 
-use schemars::JsonSchema;
+use nalgebra::Unit;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
+use serde_json::{Value, json};
+use truecut_plan::program::{
+    DIALECTS, Dialect, OptionFault, Options, ProgramSetup, Settings, TurntableUnit, dialect_named,
+};
+use truecut_plan::surface_path::{Symmetry, TaughtFile, TaughtWhen};
 
-use super::check_direction;
-use super::spec::{Carrier, DialectSpec, ProgramSpec, SymmetrySpec, TaughtSpec, TaughtWhen};
-use super::tables::place;
+use super::tables::{check_direction, place};
 use crate::check::Check;
 use crate::document::Fault;
 use crate::units::{from_deg, from_mm};
@@ -50,47 +54,17 @@ pub(super) struct TaughtTable {
     when: TaughtWhen,
 }
 
-/// The language of the program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-enum Dialect {
-    /// Motoman job, NX100.
-    Jbi,
-    /// ABB module in RAPID.
-    Rapid,
-}
-
-/// How a job holds positions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-enum Positions {
-    /// Poses in the base frame.
-    Rectangular,
-    /// Encoder pulses; robot.toml must give pulses_per_deg.
-    Pulse,
-}
-
 /// The robot program.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(transform = with_options)]
 pub(super) struct ProgramTable {
     /// The language.
-    dialect: Dialect,
+    #[schemars(schema_with = "names")]
+    dialect: String,
     /// Name of the program, and of its file.
     name: String,
     /// A remark in its head. Default: none.
     comment: Option<String>,
-    /// Date in a job's head, "2026-01-31 12:00". For jbi.
-    date: Option<String>,
-    /// How a job holds positions. Default: "rectangular". For jbi.
-    positions: Option<Positions>,
-    /// Number of the tool in the controller's table. Default: 0. For jbi.
-    #[schemars(range(min = 0, max = 255))]
-    tool_number: Option<u8>,
-    /// Name of the tool. Default: "wheel". For rapid.
-    tool_name: Option<String>,
-    /// Zone of the points between first and last. Default: "z1". For rapid.
-    zone: Option<String>,
     /// Speed of moves by joints, a fraction of the top speed. Default: 0.25.
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0, "x-rule" = "a fraction of the top speed"))]
     joint_speed: Option<f64>,
@@ -101,35 +75,62 @@ pub(super) struct ProgramTable {
     base_xyz_mm: Option<[f64; 3]>,
     /// Its roll, pitch and yaw. Default: [0, 0, 0].
     base_rpy_deg: Option<[f64; 3]>,
+    /// The dialect's own options; its schema is part of this one.
+    #[serde(flatten)]
+    #[schemars(skip)]
+    options: Options,
+}
+
+/// Names of all dialects.
+fn names(_: &mut SchemaGenerator) -> Schema {
+    let one = |dialect: &&dyn Dialect| json!({ "const": dialect.name(), "type": "string", "description": dialect.about() });
+    let all: Vec<Value> = DIALECTS.iter().map(one).collect();
+    json_schema!({ "oneOf": all })
+}
+
+/// Adds the options of all dialects.
+fn with_options(schema: &mut Schema) {
+    let own = schema.ensure_object();
+    own.insert("additionalProperties".to_owned(), Value::Bool(false));
+    let keys = own.get_mut("properties").and_then(Value::as_object_mut);
+    let options = DIALECTS.iter().map(|dialect| properties(*dialect));
+    if let Some(keys) = keys {
+        keys.extend(options.flatten());
+    }
+}
+
+/// A dialect's options: key and schema.
+fn properties(dialect: &dyn Dialect) -> Options {
+    let schema = dialect.options();
+    let keys = schema.get("properties").and_then(Value::as_object);
+    keys.cloned().unwrap_or_default()
 }
 
 impl SymmetryTable {
-    /// `None` after recording a fault.
-    pub(super) fn resolve(&self, check: &mut Check) -> Option<SymmetrySpec> {
+    pub(super) fn resolve(&self, check: &mut Check) -> Symmetry {
         let axis = self.axis.unwrap_or([0.0, 0.0, 1.0]);
         check_direction("symmetry.axis", axis, check);
-        let carrier = match self.carried_by {
-            CarriedBy::Arm => {
-                let because = "carried_by = \"arm\" needs no turntable";
-                check.ignored("symmetry", &["pulses_per_deg"], because);
-                Carrier::Arm
-            }
-            CarriedBy::Turntable => Carrier::Turntable {
-                pulses_per_deg: self.pulses_per_deg,
-            },
-        };
-        Some(SymmetrySpec {
+        if self.carried_by == CarriedBy::Arm {
+            let because = "carried_by = \"arm\" needs no turntable";
+            check.ignored("symmetry", &["pulses_per_deg"], because);
+        }
+        Symmetry {
             count: self.count,
-            centre_m: self.centre_mm.map(from_mm),
-            axis,
-            carrier,
-        })
+            centre_m: self.centre_mm.map(from_mm).into(),
+            axis: Unit::new_normalize(axis.into()),
+            turntable: self.carried_by == CarriedBy::Turntable,
+        }
+    }
+
+    /// Pulses per degree of the turntable, if there is one and if they are given.
+    pub(super) fn turntable(&self) -> Option<Option<f64>> {
+        (self.carried_by == CarriedBy::Turntable).then_some(self.pulses_per_deg)
     }
 }
 
 impl TaughtTable {
-    pub(super) fn resolve(self, folder: &Path) -> TaughtSpec {
-        TaughtSpec {
+    pub(super) fn resolve(self, folder: &Path) -> TaughtFile {
+        TaughtFile {
             file: folder.join(self.file),
             when: self.when,
         }
@@ -142,74 +143,75 @@ impl ProgramTable {
         self,
         turntable: Option<Option<f64>>,
         check: &mut Check,
-    ) -> Option<ProgramSpec> {
-        let dialect = match self.dialect {
-            Dialect::Jbi => {
-                let because = "dialect = \"jbi\" has no such thing";
-                check.ignored("program", &["tool_name", "zone"], because);
-                if let Some(pulses) = turntable {
-                    let who = "a job with a turntable";
-                    check.needed("symmetry", "pulses_per_deg", pulses, who);
-                }
-                let who = "dialect = \"jbi\"";
-                let date = check.needed("program", "date", self.date, who)?;
-                let Some(date) = read_date(&date) else {
-                    let message = format!(
-                        "`program.date` is \"{date}\", but must be written like \"2026-01-31 12:00\""
-                    );
-                    check.refuse(Fault::value("program.date", message, "no date"));
-                    return None;
-                };
-                DialectSpec::Jbi {
-                    date,
-                    pulses: self.positions == Some(Positions::Pulse),
-                    tool_number: self.tool_number.unwrap_or(0),
-                }
-            }
-            Dialect::Rapid => {
-                let because = "dialect = \"rapid\" has no such thing";
-                check.ignored("program", &["date", "positions", "tool_number"], because);
-                let because = "dialect = \"rapid\" holds the turntable's angle in degrees";
-                check.ignored("symmetry", &["pulses_per_deg"], because);
-                DialectSpec::Rapid {
-                    zone: self.zone,
-                    tool_name: self.tool_name.unwrap_or_else(|| "wheel".to_owned()),
-                }
-            }
-        };
-        Some(ProgramSpec {
+    ) -> Option<ProgramSetup> {
+        // The schema knows the names of dialects only.
+        let dialect = dialect_named(&self.dialect)?;
+        refuse_foreign_options(dialect, check);
+        check_turntable(dialect, turntable, check);
+        let (own, mut options) = (properties(dialect), self.options);
+        options.retain(|key, _| own.contains_key(key));
+        if let Err(fault) = dialect.check(&options) {
+            refuse_option(dialect, fault, check);
+            return None;
+        }
+        let joint_share = self.joint_speed.unwrap_or(0.25);
+        Some(ProgramSetup {
             name: self.name,
             comment: self.comment.unwrap_or_default(),
             dialect,
-            joint_share: self.joint_speed.unwrap_or(0.25),
+            settings: Settings {
+                options,
+                pulses_per_deg: turntable.flatten(),
+                turntable_share: joint_share,
+            },
+            joint_share,
             largest_step_rad: from_deg(self.largest_step_deg.unwrap_or(10.0)),
-            base: place(self.base_xyz_mm, self.base_rpy_deg),
+            world_from_base: place(self.base_xyz_mm, self.base_rpy_deg),
         })
     }
 }
 
-/// Year, month, day, hour, minute.
-fn read_date(text: &str) -> Option<[u16; 5]> {
-    let (day, time) = text.trim().split_once(' ')?;
-    let parts = day.split('-').chain(time.trim().split(':'));
-    let numbers: Vec<u16> = (parts.map(|part| part.parse().ok())).collect::<Option<_>>()?;
-    numbers.try_into().ok()
+/// Refuses options that only other dialects have.
+fn refuse_foreign_options(dialect: &dyn Dialect, check: &mut Check) {
+    let own = properties(dialect);
+    let others = DIALECTS.iter().filter(|one| one.name() != dialect.name());
+    let foreign: Options = others.flat_map(|one| properties(*one)).collect();
+    let foreign = foreign.keys().filter(|key| !own.contains_key(*key));
+    let foreign: Vec<&str> = foreign.map(String::as_str).collect();
+    let because = format!("dialect = \"{}\" has no such thing", dialect.name());
+    check.ignored("program", &foreign, &because);
 }
 
-#[cfg(test)]
-mod tests {
-    use super::read_date;
+/// Asks for a turntable's pulses where the dialect writes them, and refuses them where it does not.
+fn check_turntable(dialect: &dyn Dialect, turntable: Option<Option<f64>>, check: &mut Check) {
+    match (dialect.turntable(), turntable) {
+        (TurntableUnit::Pulses, Some(pulses)) => {
+            let who = format!("a {} with a turntable", dialect.noun());
+            check.needed("symmetry", "pulses_per_deg", pulses, &who);
+        }
+        (TurntableUnit::Pulses, None) => {}
+        (TurntableUnit::Degrees, _) => {
+            let name = dialect.name();
+            let because = format!("dialect = \"{name}\" holds the turntable's angle in degrees");
+            check.ignored("symmetry", &["pulses_per_deg"], &because);
+        }
+    }
+}
 
-    #[test]
-    fn dates_have_five_parts() {
-        assert_eq!(read_date("2026-01-31 12:05"), Some([2026, 1, 31, 12, 5]));
-        for wrong in [
-            "2026-01-31",
-            "2026-01 12:00",
-            "31.1.2026 12:00",
-            "2026-01-31 12:00:00",
-        ] {
-            assert_eq!(read_date(wrong), None, "{wrong}");
+fn refuse_option(dialect: &dyn Dialect, fault: OptionFault, check: &mut Check) {
+    match fault {
+        OptionFault::Missing { key } => {
+            let who = format!("dialect = \"{}\"", dialect.name());
+            check.needed::<()>("program", key, None, &who);
+        }
+        OptionFault::Value { key, value, rule } => {
+            let label = format!("no {key}");
+            let key = format!("program.{key}");
+            let message = format!("`{key}` is {value}, but must be {rule}");
+            check.refuse(Fault::value(&key, message, label));
+        }
+        OptionFault::Table(message) => {
+            check.refuse(Fault::value("program", message, "here"));
         }
     }
 }

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::Deserialize;
-
-use super::check_direction;
-use super::spec::{
-    AxisSpec, BodySpec, ContactWheelSpec, FeedAlong, PathSpec, PlaceSpec, StrategySpec, SurfaceSpec,
+use truecut_plan::surface::MeshFile;
+use truecut_plan::surface_path::{
+    AxisRule, ContactWheel, FeedAlong, PathOptions, PathSetup, Strategy, SurfaceSetup,
 };
+
 use crate::check::Check;
 use crate::document::Fault;
 use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm};
@@ -55,7 +56,7 @@ pub(super) struct WheelTable {
 /// How lines are laid on the patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-enum Strategy {
+enum StrategyWord {
     /// Lines along which one parameter is constant.
     IsoParametric,
     /// Lines between which ridges of one height are left.
@@ -79,7 +80,7 @@ enum Axis {
 #[serde(deny_unknown_fields)]
 pub(super) struct PathTable {
     /// How lines are laid.
-    strategy: Strategy,
+    strategy: StrategyWord,
     /// The parameter along which lines are fed. Default: "u". Parallel planes choose it themselves.
     feed_along: Option<FeedAlong>,
     /// Where the wheel's axis points. Default: "widest_swath".
@@ -113,33 +114,34 @@ pub(super) struct PathTable {
 }
 
 impl SurfaceTable {
-    pub(super) fn resolve(self, folder: &Path, check: &mut Check) -> SurfaceSpec {
+    pub(super) fn resolve(self, folder: &Path, check: &mut Check) -> SurfaceSetup {
         if self.body.is_none() {
             let because = "there is no `surface.body` whose unit it could be";
             check.ignored("surface", &["body_unit_mm"], because);
         }
         let unit_m = from_mm(self.body_unit_mm.unwrap_or(1.0));
-        SurfaceSpec {
+        SurfaceSetup {
             patch: folder.join(self.patch),
-            body: self.body.map(|name| BodySpec {
+            body: self.body.map(|name| MeshFile {
                 file: folder.join(name),
                 unit_m,
             }),
-            place: place(self.xyz_mm, self.rpy_deg),
+            world_from_patch: place(self.xyz_mm, self.rpy_deg),
         }
     }
 }
 
-/// Where something stands, by default at the world's origin.
-pub(crate) fn place(xyz_mm: Option<[f64; 3]>, rpy_deg: Option<[f64; 3]>) -> PlaceSpec {
-    PlaceSpec {
-        xyz_m: xyz_mm.unwrap_or_default().map(from_mm),
-        rpy_rad: rpy_deg.unwrap_or_default().map(from_deg),
-    }
+/// Where something stands in the world, by default at its origin. Rotations are about the world's x,
+/// then y, then z axis.
+pub(crate) fn place(xyz_mm: Option<[f64; 3]>, rpy_deg: Option<[f64; 3]>) -> Isometry3<f64> {
+    let [roll, pitch, yaw] = rpy_deg.unwrap_or_default().map(from_deg);
+    let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    let xyz_m = xyz_mm.unwrap_or_default().map(from_mm);
+    Isometry3::from_parts(Vector3::from(xyz_m).into(), rotation)
 }
 
 impl WheelTable {
-    pub(super) fn resolve(&self, check: &mut Check) -> ContactWheelSpec {
+    pub(super) fn resolve(&self, check: &mut Check) -> ContactWheel {
         let indentation_mm = self.indentation_mm.unwrap_or(0.0);
         if indentation_mm >= self.radius_mm {
             let message = format!(
@@ -148,7 +150,7 @@ impl WheelTable {
             );
             check.refuse(Fault::value("wheel.indentation_mm", message, "too deep"));
         }
-        ContactWheelSpec {
+        ContactWheel {
             radius_m: from_mm(self.radius_mm),
             width_m: from_mm(self.width_mm),
             indentation_m: from_mm(indentation_mm),
@@ -160,7 +162,7 @@ impl WheelTable {
 
 impl PathTable {
     /// `None` after recording a fault.
-    pub(super) fn resolve(&self, indentation_m: f64, check: &mut Check) -> Option<PathSpec> {
+    pub(super) fn resolve(&self, indentation_m: f64, check: &mut Check) -> Option<PathSetup> {
         let strategy = self.strategy(check);
         let (axis, gouge_limit_m) = match self.axis.unwrap_or(Axis::WidestSwath) {
             Axis::LeastCurvature => {
@@ -168,7 +170,7 @@ impl PathTable {
                 check.ignored("path", &["edge_gap_limit_mm"], because);
                 let who = "axis = \"least_curvature\", which bounds no edge gap,";
                 let limit = check.needed("path", "gouge_limit_mm", self.gouge_limit_mm, who);
-                (Some(AxisSpec::LeastCurvature), limit.map(from_mm))
+                (Some(AxisRule::LeastCurvature), limit.map(from_mm))
             }
             Axis::WidestSwath => {
                 let who = "axis = \"widest_swath\"";
@@ -176,47 +178,58 @@ impl PathTable {
                 let edge_gap_limit_m = limit.map(from_mm);
                 let both = edge_gap_limit_m.map(|gap_m| indentation_m + gap_m);
                 let axis = edge_gap_limit_m
-                    .map(|edge_gap_limit_m| AxisSpec::WidestSwath { edge_gap_limit_m });
+                    .map(|edge_gap_limit_m| AxisRule::WidestSwath { edge_gap_limit_m });
                 (axis, self.gouge_limit_mm.map(from_mm).or(both))
             }
         };
-        Some(PathSpec {
+        Some(PathSetup {
             strategy: strategy?,
-            feed_along: self.feed_along.unwrap_or_default(),
-            axis: axis?,
-            step_m: from_mm(self.step_mm),
-            margin_m: from_mm(self.margin_mm.unwrap_or(0.0)),
+            along: self.feed_along.unwrap_or_default(),
+            options: PathOptions {
+                rule: axis?,
+                overlap: self.overlap.unwrap_or(0.0),
+                step_m: from_mm(self.step_mm),
+                margin_m: from_mm(self.margin_mm.unwrap_or(0.0)),
+            },
             lift_m: from_mm(self.lift_mm),
             feed_m_per_s: from_mm(self.feed_mm_per_s),
             gouge_limit_m: gouge_limit_m?,
         })
     }
 
-    fn strategy(&self, check: &mut Check) -> Option<StrategySpec> {
-        let overlap = self.overlap.unwrap_or(0.0);
+    fn strategy(&self, check: &mut Check) -> Option<Strategy> {
         let idle = |keys: &[&str], name: &str, check: &mut Check| {
             let because = format!("strategy = \"{name}\" has no use for it");
             check.ignored("path", keys, &because);
         };
         match self.strategy {
-            Strategy::IsoParametric => {
+            StrategyWord::IsoParametric => {
                 idle(&["scallop_mm", "plane_normal"], "iso_parametric", check);
-                Some(StrategySpec::IsoParametric { overlap })
+                Some(Strategy::IsoParametric)
             }
-            Strategy::IsoScallop => {
+            StrategyWord::IsoScallop => {
                 idle(&["plane_normal"], "iso_scallop", check);
                 let who = "strategy = \"iso_scallop\"";
                 let scallop = check.needed("path", "scallop_mm", self.scallop_mm, who)?;
                 let scallop_m = from_mm(scallop);
-                Some(StrategySpec::IsoScallop { scallop_m, overlap })
+                Some(Strategy::IsoScallop { scallop_m })
             }
-            Strategy::ParallelPlane => {
+            StrategyWord::ParallelPlane => {
                 idle(&["scallop_mm", "feed_along"], "parallel_plane", check);
                 let who = "strategy = \"parallel_plane\"";
                 let normal = check.needed("path", "plane_normal", self.plane_normal, who)?;
                 check_direction("path.plane_normal", normal, check);
-                Some(StrategySpec::ParallelPlane { overlap, normal })
+                let normal = Unit::new_normalize(Vector3::from(normal));
+                Some(Strategy::ParallelPlane { normal })
             }
         }
+    }
+}
+
+/// Refuses a direction without length, at its key.
+pub(super) fn check_direction(key: &str, direction: [f64; 3], check: &mut Check) {
+    if direction == [0.0; 3] {
+        let message = format!("`{key}` is [0, 0, 0], but must have a length: it is a direction");
+        check.refuse(Fault::value(key, message, "no direction"));
     }
 }

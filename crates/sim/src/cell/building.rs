@@ -4,10 +4,10 @@ use super::Cell;
 use crate::build::{Prepared, plant_scalars};
 use crate::channels;
 use crate::contact::ContactSolver;
+use crate::engine::Engine;
 use crate::error::SimError;
 use crate::guard::Guard;
 use crate::loads::Attachment;
-use crate::measurement::Sensor;
 use crate::plant::{Plant, RapierPlant, ReducedPlant};
 use crate::posture::joint_limits;
 use crate::robots::Robots;
@@ -15,94 +15,37 @@ use crate::scene::Setting;
 use crate::step_size::Scheme;
 use crate::torque_use::{TorqueUse, servo_note};
 use truecut_arm::JointKind;
+use truecut_core::sensor::Sensor;
 use truecut_recording::{ChannelSpec, Measured, UnknownName};
+use truecut_scenario::Scenario;
 use truecut_scenario::effect::Target;
-use truecut_scenario::{ProcessSpec, Scenario};
 
 /// Largest recording, bytes.
 const LARGEST_RECORDING_BYTES: f64 = 2e9;
 
 impl Cell {
-    /// Loads the robot, finds the posture at touch-down, chooses the step and builds the world.
+    /// Loads the robot, finds the posture at touch-down, chooses the step and builds the world. `measured` drives a
+    /// replay.
     ///
     /// # Errors
-    /// Whatever is wrong with the robot's files, or with a value of the scenario for this robot.
-    pub fn build(scenario: &Scenario) -> Result<Self, SimError> {
-        Self::build_with_data(scenario, None)
-    }
-
-    /// As [`Cell::build`], with the measured data that a replay is driven by. Other processes make no use of it.
-    ///
-    /// # Errors
-    /// As [`Cell::build`]; a replay without data, or with data that does not fit.
-    pub fn build_with_data(
+    /// Whatever is wrong with the robot's files, or with a value of the scenario for this robot; a replay without
+    /// data, or with data that does not fit.
+    pub(crate) fn build(
         scenario: &Scenario,
         measured: Option<&Measured>,
-    ) -> Result<Self, SimError> {
-        let prepared = Prepared::new(scenario, measured)?;
-        let plant = RapierPlant::new(
-            &prepared.robot,
-            &prepared.start,
-            &prepared.first_command(),
-            prepared.drive(),
-            prepared.gravity_m_s2,
-            prepared.dt_s,
-        )
-        .moving(&prepared.start_velocity());
-        let note = format!(
-            "time step {:.6} ms, leapfrog, no numerical damping",
-            prepared.dt_s * 1e3
-        );
-        let cell = Self::assemble(scenario, prepared, Box::new(plant), note)?;
-        cell.check_memory(scenario)?;
-        Ok(cell)
-    }
-
-    /// As [`Cell::build`], with the arm linearised about its start ([`ReducedPlant`]): many times as fast,
-    /// with steps up to 0.8 ms.
-    ///
-    /// # Errors
-    /// As [`Cell::build`].
-    pub fn build_reduced(scenario: &Scenario) -> Result<Self, SimError> {
-        Self::build_reduced_from(&Robots::new(), scenario)
-    }
-
-    /// As [`Cell::build_reduced`], with robots that may have been read before.
-    ///
-    /// # Errors
-    /// As [`Cell::build`].
-    pub fn build_reduced_from(robots: &Robots, scenario: &Scenario) -> Result<Self, SimError> {
-        Self::build_reduced_with_data(robots, scenario, None)
-    }
-
-    /// As [`Cell::build_reduced_from`], with the measured data that a replay is driven by.
-    ///
-    /// # Errors
-    /// As [`Cell::build_with_data`].
-    pub fn build_reduced_with_data(
         robots: &Robots,
-        scenario: &Scenario,
-        measured: Option<&Measured>,
+        engine: Engine,
     ) -> Result<Self, SimError> {
-        let prepared = Prepared::for_scheme(scenario, measured, robots, Scheme::Exact)?;
-        let plant = ReducedPlant::new(
-            prepared.robot.clone(),
-            &prepared.start,
-            &prepared.first_command(),
-            (prepared.kind, prepared.drive()),
-            prepared.gravity_m_s2,
-            prepared.dt_s,
-            prepared.command.moves(),
-        )
-        .ok_or_else(|| {
-            SimError::scenario(
-                "robot.urdf",
-                "the mass matrix of the arm at its start is singular",
-            )
-        })?
-        .moving(&prepared.start_velocity());
-        let note = plant.note();
-        let cell = Self::assemble(scenario, prepared, Box::new(plant), note)?;
+        let scheme = match engine {
+            Engine::Rapier => Scheme::Leapfrog,
+            Engine::Reduced { .. } => Scheme::Exact,
+        };
+        let prepared = Prepared::new(scenario, measured, robots, scheme)?;
+        let (plant, note) = match engine {
+            Engine::Rapier => rapier(&prepared),
+            Engine::Reduced { .. } => reduced(&prepared)?,
+        };
+        let cell = Self::assemble(scenario, prepared, plant, note)?;
         cell.check_memory(scenario)?;
         Ok(cell)
     }
@@ -186,8 +129,7 @@ impl Cell {
             "run.duration_s",
         ];
         let key = keys.into_iter().find(|key| scenario.gives(key));
-        let is_replay = matches!(scenario.process, ProcessSpec::Replay(_));
-        let unit = if is_replay {
+        let unit = if scenario.process.facts().replays {
             ", or, if the times of the data are not in seconds, say so with data.time_unit"
         } else {
             ""
@@ -204,6 +146,46 @@ impl Cell {
             ),
         ))
     }
+}
+
+/// The arm as a multibody, and a note on its step.
+fn rapier(prepared: &Prepared) -> (Box<dyn Plant>, String) {
+    let plant = RapierPlant::new(
+        &prepared.robot,
+        &prepared.start,
+        &prepared.first_command(),
+        prepared.drive(),
+        prepared.gravity_m_s2,
+        prepared.dt_s,
+    )
+    .moving(&prepared.start_velocity());
+    let note = format!(
+        "time step {:.6} ms, leapfrog, no numerical damping",
+        prepared.dt_s * 1e3
+    );
+    (Box::new(plant), note)
+}
+
+/// The arm linearised about its start, and a note on its step.
+fn reduced(prepared: &Prepared) -> Result<(Box<dyn Plant>, String), SimError> {
+    let plant = ReducedPlant::new(
+        prepared.robot.clone(),
+        &prepared.start,
+        &prepared.first_command(),
+        (prepared.kind, prepared.drive()),
+        prepared.gravity_m_s2,
+        prepared.dt_s,
+        prepared.command.moves(),
+    )
+    .ok_or_else(|| {
+        SimError::scenario(
+            "robot.urdf",
+            "the mass matrix of the arm at its start is singular",
+        )
+    })?
+    .moving(&prepared.start_velocity());
+    let note = plant.note();
+    Ok((Box::new(plant), note))
 }
 
 /// The column of every channel with a sensor of its own.

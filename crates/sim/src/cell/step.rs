@@ -150,6 +150,11 @@ impl Cell {
             self.energy_j,
         );
         self.process.record(row);
+        debug_assert_eq!(
+            row.len(),
+            self.channels.len(),
+            "a process records one value for each of its channels"
+        );
         for (column, sensor) in &mut self.sensors {
             row[*column] = sensor.measure(state.time_s, row[*column]);
         }

@@ -1,18 +1,15 @@
 //! Whether an effect applies to a scenario.
 
 use crate::error::SimError;
-use crate::plant::DriveKind;
 use truecut_arm::{JointKind, Robot};
-use truecut_scenario::effect::{Effect, EffectKind, Family, Target};
-use truecut_scenario::{FootSpec, FrictionSpec, ProcessSpec, Scenario};
+use truecut_core::friction::{FootFriction, FrictionLaw};
+use truecut_scenario::effect::{
+    Effect, EffectKind, FootEffect, Model, SensorEffect, Target, Typed, WheelEffect,
+};
+use truecut_scenario::{DriveKind, Parts, ProcessSpec, ReplayMode, Scenario, WheelHold};
 
 /// Checks `scenario.effects[index]`.
-pub(super) fn applies(
-    scenario: &Scenario,
-    index: usize,
-    robot: &Robot,
-    drive: DriveKind,
-) -> Result<(), SimError> {
+pub(super) fn applies(scenario: &Scenario, index: usize, robot: &Robot) -> Result<(), SimError> {
     let effect = &scenario.effects[index];
     let refuse = |key: &str, message: String| {
         Err(SimError::scenario(format!("effect.{index}.{key}"), message))
@@ -24,24 +21,80 @@ pub(super) fn applies(
         if let Some(message) = wrong_keys(scenario, index, robot, joint) {
             return refuse("kind", message);
         }
-        if drive == DriveKind::Force && in_transmission(effect.kind) {
-            let message = format!(
-                "{effect} acts in the transmission, but drive = \"force\" leaves the joints without one"
-            );
-            return refuse("kind", message);
-        }
     }
-    if effect.kind == EffectKind::SensorDelay && effect.values[0] < 0.0 {
-        let message = format!(
-            "the delay is {} s, but a run knows no future: it must be at least 0",
-            effect.values[0]
-        );
+    if let Some(Typed::Sensor(_, SensorEffect::Delay { delay_s })) = effect.typed()
+        && delay_s < 0.0
+    {
+        let message =
+            format!("the delay is {delay_s} s, but a run knows no future: it must be at least 0");
         return refuse("delay_s", message);
     }
-    match misfit(effect, &scenario.process) {
+    match misfit(scenario, effect) {
         Some(message) => refuse("kind", message),
         None => Ok(()),
     }
+}
+
+/// Why the effect, at any size, has nothing to act on in the model that the scenario is about;
+/// `None` if it has. What this refuses, neither a run takes nor a search proposes.
+pub fn misfit(scenario: &Scenario, effect: &Effect) -> Option<String> {
+    let model = model(scenario);
+    if !effect.kind.acts_in(model) {
+        return Some(no_part(effect, model));
+    }
+    let (name, parts) = (scenario.process.name(), scenario.process.facts().parts);
+    let why = match effect.typed()? {
+        Typed::Joint(..) | Typed::Robot(_) | Typed::Base(..) | Typed::Sensor(..) => None,
+        Typed::Cutting(_) if model == Model::Steady => {
+            return (!turns(&scenario.process)).then(|| no_part(effect, model));
+        }
+        Typed::Cutting(_) => cutting_misfit(&parts),
+        Typed::Foot(foot) => return foot_misfit(effect, foot, name, &parts),
+        Typed::Wheel(wheel) => wheel_misfit(wheel, &parts),
+    };
+    why.map(|why| format!("{effect} does not apply to process.{name}: {why}"))
+}
+
+/// The model that predicts what the scenario is about.
+fn model(scenario: &Scenario) -> Model {
+    if let ProcessSpec::Replay(replay) = &scenario.process {
+        match replay.mode {
+            ReplayMode::Inverse { .. } => return Model::Inverse,
+            ReplayMode::Observe => return Model::Steady,
+            ReplayMode::Forward => {}
+        }
+    }
+    match scenario.robot.drive {
+        DriveKind::Position | DriveKind::Servo => Model::Driven,
+        DriveKind::Force => Model::Free,
+    }
+}
+
+/// That effects of the kind do nothing in the model.
+fn no_part(effect: &Effect, model: Model) -> String {
+    let name = effect.kind.name();
+    match model {
+        Model::Driven => format!("\"{name}\" plays no part in a plant"),
+        Model::Free => format!(
+            "{effect} acts in the transmission, but drive = \"force\" leaves the joints without one"
+        ),
+        Model::Inverse => {
+            let known: Vec<&str> = (EffectKind::ALL.iter())
+                .filter(|kind| kind.acts_in(model))
+                .map(|kind| kind.name())
+                .collect();
+            let known = known.join(", ");
+            format!("\"{name}\" plays no part in inverse dynamics; {known} do")
+        }
+        Model::Steady => format!(
+            "\"{name}\" plays no part where nothing is simulated; sensor_drift does, and with \
+             spindle_rpm and depth_mm in [process.replay] cutting_runout"
+        ),
+    }
+}
+
+fn turns(process: &ProcessSpec) -> bool {
+    matches!(process, ProcessSpec::Replay(replay) if replay.turning.is_some())
 }
 
 fn no_such_joint(robot: &Robot, joint: usize) -> String {
@@ -73,98 +126,57 @@ fn wrong_keys(scenario: &Scenario, index: usize, robot: &Robot, joint: usize) ->
     ))
 }
 
-fn in_transmission(kind: EffectKind) -> bool {
-    matches!(
-        kind,
-        EffectKind::JointStiffness
-            | EffectKind::JointDamping
-            | EffectKind::JointBacklash
-            | EffectKind::JointHysteresis
-            | EffectKind::JointCubicStiffness
-            | EffectKind::JointRipple
-            | EffectKind::JointLoadFriction
-    )
+fn cutting_misfit(parts: &Parts) -> Option<&'static str> {
+    parts
+        .edges
+        .is_none()
+        .then_some("it acts on a chamfering edge")
 }
 
-fn foot_of(process: &ProcessSpec) -> Option<&FootSpec> {
-    match process {
-        ProcessSpec::Chamfer(spec) => spec.foot.as_ref(),
-        ProcessSpec::Load(spec) => spec.foot.as_ref(),
-        ProcessSpec::Wheel(_)
-        | ProcessSpec::Milling(_)
-        | ProcessSpec::Polish(_)
-        | ProcessSpec::Belt(_)
-        | ProcessSpec::Brush(_)
-        | ProcessSpec::Replay(_) => None,
-    }
-}
-
-/// Why the effect has nothing to act on in the process.
-fn misfit(effect: &Effect, process: &ProcessSpec) -> Option<String> {
-    let name = match process {
-        ProcessSpec::Chamfer(_) => "process.chamfer",
-        ProcessSpec::Load(_) => "process.load",
-        ProcessSpec::Wheel(_) => "process.wheel",
-        ProcessSpec::Milling(_) => "process.milling",
-        ProcessSpec::Polish(_) => "process.polish",
-        ProcessSpec::Belt(_) => "process.belt",
-        ProcessSpec::Brush(_) => "process.brush",
-        ProcessSpec::Replay(_) => "process.replay",
-    };
-    match effect.kind.family() {
-        Family::Cutting if !matches!(process, ProcessSpec::Chamfer(_)) => Some(format!(
-            "{effect} does not apply to {name}: it acts on a chamfering edge"
-        )),
-        Family::Wheel => wheel_misfit(effect, process)
-            .map(|why| format!("{effect} does not apply to {name}: {why}")),
-        Family::Foot => {
-            let Some(foot) = foot_of(process) else {
-                return Some(format!(
-                    "{effect} does not apply to {name} without a pressure foot"
-                ));
-            };
-            friction_misfit(effect, &foot.friction)
-                .map(|why| format!("{effect} does not apply: {why}"))
-        }
-        _ => None,
-    }
-}
-
-fn wheel_misfit(effect: &Effect, process: &ProcessSpec) -> Option<&'static str> {
-    let of_control = matches!(
-        effect.kind,
-        EffectKind::WheelForceOffset | EffectKind::WheelForceStiction
-    );
-    let uncontrolled = match process {
-        ProcessSpec::Polish(spec) => spec.control.force_n().is_none(),
-        ProcessSpec::Belt(spec) => spec.control.force_n().is_none(),
-        _ => false,
-    };
-    match process {
-        ProcessSpec::Wheel(_) | ProcessSpec::Brush(_) if of_control => {
-            Some("it acts on a force control, which process.polish and process.belt can have")
-        }
-        _ if of_control && uncontrolled => {
-            Some("it acts on a force control, but law = \"position\" has none")
-        }
-        ProcessSpec::Wheel(_)
-        | ProcessSpec::Polish(_)
-        | ProcessSpec::Belt(_)
-        | ProcessSpec::Brush(_) => None,
-        _ => Some(
+fn wheel_misfit(effect: WheelEffect, parts: &Parts) -> Option<&'static str> {
+    let Some(wheel) = parts.wheel else {
+        return Some(
             "it acts on the wheel of process.wheel, process.polish, process.belt or process.brush",
-        ),
+        );
+    };
+    match effect {
+        WheelEffect::ForceOffset { .. } | WheelEffect::ForceStiction { .. } => match wheel.hold {
+            WheelHold::Force(_) => None,
+            WheelHold::Position => {
+                Some("it acts on a force control, but law = \"position\" has none")
+            }
+            WheelHold::Path => {
+                Some("it acts on a force control, which process.polish and process.belt can have")
+            }
+        },
+        WheelEffect::Stiffness { .. }
+        | WheelEffect::Eccentricity { .. }
+        | WheelEffect::Friction { .. }
+        | WheelEffect::Removal { .. } => None,
     }
 }
 
-fn friction_misfit(effect: &Effect, law: &FrictionSpec) -> Option<&'static str> {
-    match (effect.kind, law) {
-        (EffectKind::FootFriction | EffectKind::FootFrictionFalling, FrictionSpec::None) => {
-            Some("the foot has no friction (law = \"none\")")
+fn foot_misfit(effect: &Effect, foot: FootEffect, name: &str, parts: &Parts) -> Option<String> {
+    let Some(spec) = &parts.foot else {
+        return Some(format!(
+            "{effect} does not apply to process.{name} without a pressure foot"
+        ));
+    };
+    let why = match (foot, &spec.friction) {
+        (
+            FootEffect::Friction { .. } | FootEffect::FrictionFalling { .. },
+            FootFriction::Law(FrictionLaw::None),
+        ) => "the foot has no friction (law = \"none\")",
+        (FootEffect::FrictionFalling { .. }, FootFriction::Equivalent(_)) => {
+            "the equivalent viscous law has no speed; use \"coulomb\" or \"stribeck\""
         }
-        (EffectKind::FootFrictionFalling, FrictionSpec::EquivalentViscous { .. }) => {
-            Some("the equivalent viscous law has no speed; use \"coulomb\" or \"stribeck\"")
-        }
-        _ => None,
-    }
+        (
+            FootEffect::Friction { .. }
+            | FootEffect::FrictionFalling { .. }
+            | FootEffect::PressureLoss { .. }
+            | FootEffect::SealStiction { .. },
+            _,
+        ) => return None,
+    };
+    Some(format!("{effect} does not apply: {why}"))
 }

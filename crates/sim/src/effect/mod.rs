@@ -1,26 +1,30 @@
-//! The effects of a scenario, sorted by where they act: plant building, joint laws, process, measurement.
+//! The effects of a scenario, sorted by where they act: plant building, joint laws, process,
+//! measurement.
 //!
-//! Effects at their neutral size are checked like the others and then left out, so that a run with them is
-//! the nominal run to the last bit.
+//! Effects at their neutral size are checked like the others and then left out, so that a run with
+//! them is the nominal run to the last bit.
+#![deny(clippy::wildcard_enum_match_arm)]
 
 mod check;
 mod process;
 mod robot;
 mod start;
 
+pub use check::misfit;
+
 pub(crate) use process::{CuttingEffects, FootEffects, WheelEffects};
-pub(crate) use robot::{Altered, alter};
+pub(crate) use robot::{Altered, alter, point_inertia};
 pub(crate) use start::{at_rest, base_at_rest};
 
 use crate::error::SimError;
-use crate::measurement::ChannelModel;
-use crate::plant::{DriveKind, JointLaw};
+use crate::measurement;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
-use truecut_arm::{JointKind, Robot};
-use truecut_core::joint_law::{BoucWen, Counterbalance, LinkFriction, Ripple};
+use truecut_arm::{Joint, JointKind, Robot};
+use truecut_core::joint_law::{BoucWen, Counterbalance, JointLaw, LinkFriction, Ripple};
+use truecut_core::sensor::ChannelModel;
 use truecut_scenario::Scenario;
-use truecut_scenario::effect::{Effect, EffectKind, Family, Target};
+use truecut_scenario::effect::{BaseEffect, Effect, JointEffect, RobotEffect, Typed};
 
 /// All effects of a scenario.
 #[derive(Debug, Clone, Default)]
@@ -69,102 +73,134 @@ impl Effects {
     /// Checks the scenario's effects against its robot and process, and sorts them.
     ///
     /// # Errors
-    /// An effect on a joint that the robot does not have, with the keys of the other kind of joint, or that
-    /// does not apply to the process or the drive.
-    pub(crate) fn of(
-        scenario: &Scenario,
-        robot: &Robot,
-        drive: DriveKind,
-    ) -> Result<Self, SimError> {
-        let mut effects = Self {
-            joints: vec![JointEffects::default(); robot.dof()],
-            ..Self::default()
-        };
-        for (index, effect) in scenario.effects.iter().enumerate() {
-            check::applies(scenario, index, robot, drive)?;
-            if !effect.is_neutral() {
-                effects.add(effect, robot);
-            }
+    /// An effect on a joint that the robot does not have, with the keys of the other kind of joint,
+    /// or that does not apply to the process or the drive.
+    pub(crate) fn of(scenario: &Scenario, robot: &Robot) -> Result<Self, SimError> {
+        for index in 0..scenario.effects.len() {
+            check::applies(scenario, index, robot)?;
         }
-        Ok(effects)
+        Ok(Effects::sum(&scenario.effects, &robot.chain.joints))
     }
 
-    fn add(&mut self, effect: &Effect, robot: &Robot) {
-        let v = &effect.values;
-        match (effect.kind.family(), &effect.target) {
-            (Family::Joint, Target::Joint(joint)) => {
-                let kind = robot.chain.joints[*joint].kind;
-                self.joints[*joint].add(effect, kind);
+    /// Sorts effects that apply to an arm with these joints.
+    pub(crate) fn sum<'a>(
+        effects: impl IntoIterator<Item = &'a Effect>,
+        joints: &[Joint],
+    ) -> Effects {
+        let mut sum = Self {
+            joints: vec![JointEffects::default(); joints.len()],
+            ..Self::default()
+        };
+        for effect in effects {
+            // Those of neutral size are left out, so that a run with them is the nominal one.
+            if !effect.is_neutral()
+                && let Some(typed) = effect.typed()
+            {
+                sum.add(typed, joints);
             }
-            (Family::Robot, Target::Axis(axis)) => self.base.push((*axis, v[0])),
-            (Family::Robot, _) => {
+        }
+        sum
+    }
+
+    fn add(&mut self, effect: Typed<'_>, joints: &[Joint]) {
+        match effect {
+            Typed::Joint(joint, effect) => self.joints[joint].add(effect, joints[joint].kind),
+            Typed::Robot(RobotEffect::Payload {
+                mass_kg,
+                center_x_m,
+                center_y_m,
+                center_z_m,
+            }) => {
                 self.payload = Some(Payload {
-                    mass_kg: v[0],
-                    flange_from_center_m: Vector3::new(v[1], v[2], v[3]),
+                    mass_kg,
+                    flange_from_center_m: Vector3::new(center_x_m, center_y_m, center_z_m),
                 });
             }
-            (Family::Cutting, _) => self.cutting.add(effect),
-            (Family::Foot, _) => self.foot.add(effect),
-            (Family::Wheel, _) => self.wheel.add(effect),
-            (Family::Sensor, Target::Channel(channel)) => {
+            Typed::Base(
+                axis,
+                BaseEffect::Compliance {
+                    compliance_rad_per_n_m,
+                },
+            ) => self.base.push((axis, compliance_rad_per_n_m)),
+            Typed::Cutting(effect) => self.cutting.add(effect),
+            Typed::Foot(effect) => self.foot.add(effect),
+            Typed::Wheel(effect) => self.wheel.add(effect),
+            Typed::Sensor(channel, effect) => {
                 let known = self.sensors.iter().position(|(name, _)| name == channel);
                 let at = known.unwrap_or(self.sensors.len());
-                if at == self.sensors.len() {
+                if known.is_none() {
                     self.sensors
-                        .push((channel.clone(), ChannelModel::default()));
+                        .push((channel.to_owned(), ChannelModel::default()));
                 }
-                self.sensors[at].1.add(effect);
+                measurement::add(&mut self.sensors[at].1, effect);
             }
-            // The scenario holds no effect whose target does not fit its kind.
-            (Family::Joint | Family::Sensor, _) => {}
         }
     }
 }
 
 impl JointEffects {
-    fn add(&mut self, effect: &Effect, joint: JointKind) {
-        let v = &effect.values;
+    /// What the transmission must pass on against these effects, N m (N): friction opposes the
+    /// motion, so the drive gives it; what pushes the link by itself the drive need not. Without
+    /// friction that grows with the load, which depends on all that is passed on.
+    pub(crate) fn against(&self, position: f64, velocity: f64) -> f64 {
+        let friction = self.friction.force(velocity) + self.law.viscous * velocity;
+        friction - self.law.link_torque(position)
+    }
+
+    /// Whether the robot's own numbers hold them, without a law beyond spring and damper.
+    pub(crate) fn is_built_in(&self) -> bool {
+        self.law == JointLaw::default() && self.friction.is_none()
+    }
+
+    fn add(&mut self, effect: JointEffect, kind: JointKind) {
         let (friction, law) = (&mut self.friction, &mut self.law);
-        match effect.kind {
-            EffectKind::JointStiffness => self.stiffness_factor = v[0],
-            EffectKind::JointDamping => self.damping_factor = v[0],
-            EffectKind::JointViscous => law.viscous = v[0],
-            EffectKind::JointCoulomb => friction.dry = friction.dry.map(|dry| dry + v[0]),
-            EffectKind::JointLoadFriction => friction.load_share = v[0],
-            EffectKind::JointAsymmetricViscous => friction.viscous = [v[0], v[1]],
-            EffectKind::JointAsymmetricCoulomb => {
-                friction.dry = [friction.dry[0] + v[0], friction.dry[1] + v[1]];
+        match effect {
+            JointEffect::Stiffness { factor } => self.stiffness_factor = factor,
+            JointEffect::Damping { factor } => self.damping_factor = factor,
+            JointEffect::Viscous { viscous } => law.viscous = viscous,
+            JointEffect::Coulomb { friction: level } => {
+                friction.dry = friction.dry.map(|dry| dry + level);
             }
-            EffectKind::JointStribeck => {
-                friction.excess = v[0];
-                friction.stribeck_speed = v[1];
+            JointEffect::LoadFriction { share } => friction.load_share = share,
+            JointEffect::AsymmetricViscous { positive, negative } => {
+                friction.viscous = [positive, negative];
             }
-            EffectKind::JointBacklash => law.gap = v[0],
-            EffectKind::JointHysteresis => {
+            JointEffect::AsymmetricCoulomb { positive, negative } => {
+                friction.dry = [friction.dry[0] + positive, friction.dry[1] + negative];
+            }
+            JointEffect::Stribeck { excess, speed } => {
+                friction.excess = excess;
+                friction.stribeck_speed = speed;
+            }
+            JointEffect::Backlash { gap } => law.gap = gap,
+            JointEffect::Hysteresis {
+                amplitude,
+                yield_windup,
+            } => {
                 law.hysteresis = Some(BoucWen {
-                    amplitude: v[0],
-                    yield_windup: v[1],
+                    amplitude,
+                    yield_windup,
                 });
             }
-            EffectKind::JointCubicStiffness => law.cubic = v[0],
-            EffectKind::JointRipple => {
+            JointEffect::CubicStiffness { cubic } => law.cubic = cubic,
+            JointEffect::Ripple {
+                cosine,
+                sine,
+                cycles,
+            } => {
                 law.ripple = Some(Ripple {
-                    cosine: v[0],
-                    sine: v[1],
-                    phase_per_coordinate: match joint {
-                        JointKind::Revolute => v[2],
-                        JointKind::Prismatic => TAU * v[2],
+                    cosine,
+                    sine,
+                    phase_per_coordinate: match kind {
+                        JointKind::Revolute => cycles,
+                        JointKind::Prismatic => TAU * cycles,
                     },
                 });
             }
-            EffectKind::JointCounterbalance => {
-                law.counterbalance = Some(Counterbalance {
-                    cosine: v[0],
-                    sine: v[1],
-                });
+            JointEffect::Counterbalance { cosine, sine } => {
+                law.counterbalance = Some(Counterbalance { cosine, sine });
             }
-            EffectKind::JointOffset => law.offset = v[0],
-            _ => {}
+            JointEffect::Offset { force } => law.offset = force,
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Effects on edge, foot and wheel, as numbers that the processes take.
 
-use truecut_scenario::effect::{Effect, EffectKind};
+use truecut_core::wheel::abrasive::Abrasive;
+use truecut_core::wheel::force_control::ForceControl;
+use truecut_scenario::effect::{CuttingEffect, FootEffect, WheelEffect};
 
 /// Effects on the cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -9,7 +11,8 @@ pub struct CuttingEffects {
     pub coefficient_factor: f64,
     /// Beyond the edge coefficients: axial, radial, tangential, N/m.
     pub edge_n_per_m: [f64; 3],
-    /// Offset of the tool from its axis of rotation: towards the first edge, a quarter of a turn ahead, m.
+    /// Offset of the tool from its axis of rotation: towards the first edge, a quarter of a turn
+    /// ahead, m.
     pub runout_m: [f64; 2],
     /// Offset of the hole, process Y and Z, m.
     pub hole_offset_m: [f64; 2],
@@ -39,18 +42,20 @@ impl Default for CuttingEffects {
 }
 
 impl CuttingEffects {
-    pub(super) fn add(&mut self, effect: &Effect) {
-        let v = &effect.values;
-        match effect.kind {
-            EffectKind::CuttingCoefficient => self.coefficient_factor = v[0],
-            EffectKind::CuttingEdgeForce => self.edge_n_per_m = [v[0], v[1], v[2]],
-            EffectKind::CuttingRunout => self.runout_m = [v[0], v[1]],
-            EffectKind::CuttingHoleOffset => self.hole_offset_m = [v[0], v[1]],
-            EffectKind::CuttingWornTooth => self.recess_m = v[0],
-            EffectKind::CuttingWear => self.wear_per_m = v[0],
-            EffectKind::CuttingDepthOffset => self.depth_offset_m = v[0],
-            EffectKind::SpindleSpeed => self.spindle_factor = v[0],
-            _ => {}
+    pub(super) fn add(&mut self, effect: CuttingEffect) {
+        match effect {
+            CuttingEffect::Coefficient { factor } => self.coefficient_factor = factor,
+            CuttingEffect::EdgeForce {
+                axial_n_per_m,
+                radial_n_per_m,
+                tangential_n_per_m,
+            } => self.edge_n_per_m = [axial_n_per_m, radial_n_per_m, tangential_n_per_m],
+            CuttingEffect::Runout { cosine_m, sine_m } => self.runout_m = [cosine_m, sine_m],
+            CuttingEffect::HoleOffset { y_m, z_m } => self.hole_offset_m = [y_m, z_m],
+            CuttingEffect::WornTooth { recess_m } => self.recess_m = recess_m,
+            CuttingEffect::Wear { growth_per_m } => self.wear_per_m = growth_per_m,
+            CuttingEffect::DepthOffset { depth_m } => self.depth_offset_m = depth_m,
+            CuttingEffect::SpindleSpeed { factor } => self.spindle_factor = factor,
         }
     }
 
@@ -87,14 +92,15 @@ impl Default for FootEffects {
 }
 
 impl FootEffects {
-    pub(super) fn add(&mut self, effect: &Effect) {
-        let v = &effect.values;
-        match effect.kind {
-            EffectKind::FootFriction => self.friction_factor = v[0],
-            EffectKind::FootFrictionFalling => self.falling = Some((v[0], v[1])),
-            EffectKind::FootPressureLoss => self.pressure_loss_per_s = v[0],
-            EffectKind::FootSealStiction => self.seal_stiction_n = v[0],
-            _ => {}
+    pub(super) fn add(&mut self, effect: FootEffect) {
+        match effect {
+            FootEffect::Friction { factor } => self.friction_factor = factor,
+            FootEffect::FrictionFalling {
+                drop,
+                speed_m_per_s,
+            } => self.falling = Some((drop, speed_m_per_s)),
+            FootEffect::PressureLoss { rate_per_s } => self.pressure_loss_per_s = rate_per_s,
+            FootEffect::SealStiction { force_n } => self.seal_stiction_n = force_n,
         }
     }
 }
@@ -103,8 +109,8 @@ impl FootEffects {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelEffects {
     pub stiffness_factor: f64,
-    /// Runout at the contact when the wheel starts, and a quarter of a turn later, m; of a wheel in precession the place of its
-    /// middle when it starts, along the tool's x and y axes.
+    /// Runout at the contact when the wheel starts, and a quarter of a turn later, m; of a wheel in
+    /// precession the place of its middle when it starts, along the tool's x and y axes.
     pub eccentricity_m: [f64; 2],
     pub friction_factor: f64,
     pub removal_factor: f64,
@@ -128,16 +134,30 @@ impl Default for WheelEffects {
 }
 
 impl WheelEffects {
-    pub(super) fn add(&mut self, effect: &Effect) {
-        let v = &effect.values;
-        match effect.kind {
-            EffectKind::WheelStiffness => self.stiffness_factor = v[0],
-            EffectKind::WheelEccentricity => self.eccentricity_m = [v[0], v[1]],
-            EffectKind::WheelFriction => self.friction_factor = v[0],
-            EffectKind::WheelRemoval => self.removal_factor = v[0],
-            EffectKind::WheelForceOffset => self.force_offset_n = v[0],
-            EffectKind::WheelForceStiction => self.force_stiction_n = v[0],
-            _ => {}
+    /// The abrasive as it is.
+    pub fn on_abrasive(&self, nominal: Abrasive) -> Abrasive {
+        Abrasive {
+            mu: nominal.mu * self.friction_factor,
+            preston_per_pa: nominal.preston_per_pa * self.removal_factor,
+            ..nominal
+        }
+    }
+
+    /// The force control as it is.
+    pub fn on_control(&self, nominal: ForceControl) -> ForceControl {
+        nominal.disturbed(self.force_offset_n, self.force_stiction_n)
+    }
+
+    pub(super) fn add(&mut self, effect: WheelEffect) {
+        match effect {
+            WheelEffect::Stiffness { factor } => self.stiffness_factor = factor,
+            WheelEffect::Eccentricity { cosine_m, sine_m } => {
+                self.eccentricity_m = [cosine_m, sine_m];
+            }
+            WheelEffect::Friction { factor } => self.friction_factor = factor,
+            WheelEffect::Removal { factor } => self.removal_factor = factor,
+            WheelEffect::ForceOffset { force_n } => self.force_offset_n = force_n,
+            WheelEffect::ForceStiction { force_n } => self.force_stiction_n = force_n,
         }
     }
 }

@@ -2,12 +2,12 @@
 
 use super::{Effects, Payload};
 use crate::error::SimError;
-use crate::plant::JointLaw;
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 use truecut_arm::{FrameId, Joint, JointKind, Link, MAX_JOINTS, Robot, Transmission};
-use truecut_core::joint_law::LinkFriction;
+use truecut_core::joint_law::{JointLaw, LinkFriction};
 
-/// A robot with the effects of a scenario built in. Joints of the base come before those of the arm.
+/// A robot with the effects of a scenario built in. Joints of the base come before those of the
+/// arm.
 pub(crate) struct Altered {
     pub robot: Robot,
     /// How many joints of the base there are.
@@ -88,7 +88,7 @@ fn tilt(axis: usize, compliance_rad_per_n_m: f64) -> (Joint, Link) {
 }
 
 /// Inertia of a point mass about the origin of its lever, kg m².
-fn point_inertia(mass_kg: f64, lever_m: &Vector3<f64>) -> Matrix3<f64> {
+pub(crate) fn point_inertia(mass_kg: f64, lever_m: &Vector3<f64>) -> Matrix3<f64> {
     (Matrix3::identity() * lever_m.norm_squared() - lever_m * lever_m.transpose()) * mass_kg
 }
 

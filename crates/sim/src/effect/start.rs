@@ -2,20 +2,21 @@
 
 use super::Altered;
 use crate::error::SimError;
-use crate::plant::JointLaw;
 use truecut_arm::Load;
-use truecut_core::joint_law::Elastic;
+use truecut_core::joint_law::{Elastic, JointLaw};
 
 /// Most rounds of the search.
 const MAX_ROUNDS: usize = 200;
-/// The search ends when no coordinate moves by more than this, rad (m): rounding of the coordinates.
+/// The search ends when no coordinate moves by more than this, rad (m): rounding of the
+/// coordinates.
 const TOLERANCE: f64 = 1e-15;
 
-/// The posture in which the arm rests at `command` under `load`: link friction and hysteresis unloaded, a
-/// joint with play on the side that the load chooses, in the middle without load.
+/// The posture in which the arm rests at `command` under `load`: link friction and hysteresis
+/// unloaded, a joint with play on the side that the load chooses, in the middle without load.
 ///
-/// The nominal equilibrium is solved for a command that stands where a linear transmission would have to
-/// stand; play, ripple, cubic stiffness and torques on the link move that command until it no longer changes.
+/// The nominal equilibrium is solved for a command that stands where a linear transmission would
+/// have to stand; play, ripple, cubic stiffness and torques on the link move that command until it
+/// no longer changes.
 pub(crate) fn at_rest(
     altered: &Altered,
     command: &[f64],
@@ -54,7 +55,8 @@ pub(crate) fn at_rest(
         }
         q = robot.static_posture(&stand_in, load)?;
     }
-    // A joint that a load of changing sign drives to and fro across its play has no one posture at rest.
+    // A joint that a load of changing sign drives to and fro across its play has no one posture at
+    // rest.
     Err(SimError::scenario(
         "effect",
         format!("the arm finds no posture at rest with these effects in {MAX_ROUNDS} rounds"),
@@ -71,8 +73,8 @@ fn no_rest(joint: usize, torque: f64) -> SimError {
     )
 }
 
-/// Tilt of the base under the arm when the arm itself is not held (`drive = "force"`): joints of the base at
-/// rest, those of the arm where they are asked to start.
+/// Tilt of the base under the arm when the arm itself is not held (`drive = "force"`): joints of
+/// the base at rest, those of the arm where they are asked to start.
 pub(crate) fn base_at_rest(altered: &Altered, start: &[f64], load: &Load) -> Vec<f64> {
     let robot = &altered.robot;
     let mut q = start.to_vec();

@@ -8,21 +8,13 @@ use super::law::{JointDrive, JointMotion};
 use super::play::Play;
 use super::{Command, JointLaw, JointState};
 use truecut_arm::Robot;
-
-/// How the joints are driven.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DriveKind {
-    /// The motor follows the command exactly.
-    Position,
-    /// A P–P servo turns a rotor: `M_r θ'' = sat(k_v (k_p (c - θ) + f c' - θ')) - τ_transmission`. Where the
-    /// transmission is rigid it acts on the link, `sat(k_v (k_p (c - q) + f c' - q'))`: a spring `k_v k_p` to the
-    /// command and a damper `k_v`, which the plant takes half implicitly like any other.
-    Servo,
-    /// No transmission; the joints are free.
-    Force,
-}
+use truecut_scenario::DriveKind;
 
 /// The drives of all joints.
+///
+/// A servo is P–P and turns a rotor: `M_r θ'' = sat(k_v (k_p (c - θ) + f c' - θ')) - τ_transmission`.
+/// Where the transmission is rigid it acts on the link, `sat(k_v (k_p (c - q) + f c' - q'))`: a spring
+/// `k_v k_p` to the command and a damper `k_v`, which the plant takes half implicitly like any other.
 #[derive(Debug, Clone)]
 pub struct Drive {
     kind: DriveKind,
@@ -106,10 +98,12 @@ impl Drive {
     }
 
     /// Joints whose motors follow their commands, whatever the links do, with the stiffness between.
-    pub(super) fn led(&self) -> Vec<(usize, f64)> {
+    pub(super) fn prescribed(&self) -> Vec<(usize, f64)> {
         let joints = self.joints.iter().enumerate();
-        let led = joints.filter(|(_, drive)| drive.kind == DriveKind::Position);
-        led.map(|(i, drive)| (i, drive.stiffness())).collect()
+        let prescribed = joints.filter(|(_, drive)| drive.kind == DriveKind::Position);
+        prescribed
+            .map(|(i, drive)| (i, drive.stiffness()))
+            .collect()
     }
 
     pub(super) fn joint(&self, joint: usize) -> &JointDrive {

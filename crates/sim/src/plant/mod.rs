@@ -16,10 +16,10 @@ mod reduced;
 mod smoothed;
 mod world;
 
-pub use drive::{Drive, DriveKind};
-pub use law::JointLaw;
+pub use drive::Drive;
 pub use rapier::RapierPlant;
 pub use reduced::{RENEWAL_RAD, ReducedPlant};
+pub use truecut_core::joint_law::JointLaw;
 
 use crate::loads::Attachment;
 use nalgebra::{DVector, Isometry3, Matrix6xX, Vector3, Vector6};

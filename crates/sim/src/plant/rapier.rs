@@ -308,9 +308,10 @@ impl Plant for RapierPlant {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{DriveKind, JointLaw};
+    use super::super::JointLaw;
     use super::*;
     use std::path::Path;
+    use truecut_scenario::DriveKind;
 
     fn falling_arm(dt_s: f64) -> RapierPlant {
         let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -10,8 +10,7 @@
 //! (`Q → 1`, `G → h M⁻¹`). For an oscillator without damping `G = h sinc²(ωh/2)/m`. Free motion, and
 //! motion under a constant force, are met exactly whatever the step and whatever modes the damping couples;
 //! modes without stiffness need no case of their own. A force of frequency `w` is met to `(w h)²/12`. This is
-//! Gautschi's method (Numer. Math. 3, 1961; Hairer, Lubich, Wanner, "Geometric Numerical Integration",
-//! XIII.1), carried over to damped systems.
+//! Gautschi's method (`gautschi1961`; `hairer2006`, XIII.1), carried over to damped systems.
 //!
 //! Velocities at the instant follow from the same elimination; it is singular where a step is a whole
 //! number of half periods of a mode, since positions then say nothing about that mode's velocity.

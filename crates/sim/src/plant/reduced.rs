@@ -21,22 +21,22 @@
 //! by [`RENEWAL_RAD`]. In between, `(M(q) - M) a` is one torque more, with the acceleration `a` [`Foreseen`] from the
 //! two instants before: a correction of a percent or two of the torque, and itself good to a percent or so.
 
+mod frames;
+
 use super::foreseen::Foreseen;
 use super::linear::{Arm, Linear};
 use super::play::Play;
 use super::recurrence::add_product;
 use super::smoothed::Smoothed;
-use super::{Command, Drive, DriveKind, FrameState, JointState, Plant, WorldWrench, combined};
+use super::{Command, Drive, FrameState, JointState, Plant, WorldWrench};
 use crate::loads::Attachment;
-use nalgebra::{DVector, Isometry3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{DVector, Isometry3, Vector3};
 use std::sync::Arc;
 use truecut_arm::{FrameId, JointKind, Robot};
+use truecut_scenario::DriveKind;
 
 /// A travelling arm is linearised anew when one of its revolute joints has turned so far, rad.
 pub const RENEWAL_RAD: f64 = 2e-2;
-/// Part of that by which the new linearisation lies ahead; short of one, so that a vibrating joint does not
-/// call for the next one at once.
-const LEAD: f64 = 0.8;
 
 /// The arm, linearised.
 pub struct ReducedPlant {
@@ -59,8 +59,8 @@ pub struct ReducedPlant {
     acceleration: Foreseen,
     /// Coordinates of the motors at this instant and before, where a command moves them.
     motors: Smoothed,
-    /// Joints that a moving command leads, with their stiffness.
-    led: Vec<(usize, f64)>,
+    /// Joints whose motors follow a moving command, with their stiffness.
+    prescribed: Vec<(usize, f64)>,
     plays: Vec<Play>,
     /// Distance from the posture of the linearisation.
     shift: DVector<f64>,
@@ -107,7 +107,7 @@ impl ReducedPlant {
             carried: zeros.clone(),
             acceleration: Foreseen::new(n),
             motors: Smoothed::new(n),
-            led: if path { drive.led() } else { Vec::new() },
+            prescribed: if path { drive.prescribed() } else { Vec::new() },
             plays: drive.with_play(),
             shift: zeros.clone(),
             bias: linear.gravity_torque.clone(),
@@ -219,65 +219,6 @@ impl ReducedPlant {
         self.free_velocity();
         self.started = true;
     }
-
-    /// Poses to first order about the linearisation's, or exactly where the arm travels.
-    fn update_frames(&mut self) {
-        if self.travels {
-            let q = &self.joints.position;
-            let joints = self.arm.robot.chain.joints.iter().zip(q);
-            let last = joints.fold(Isometry3::identity(), |pose, (joint, &q)| {
-                pose * joint.parent_from_link(q)
-            });
-            self.tool.world_from_frame = last * self.last_from_tool;
-            self.foot.world_from_frame = last * self.last_from_foot;
-            let jacobian = &mut self.tool.jacobian;
-            (self.arm.dynamics).jacobian_into(q, FrameId::Tool, jacobian);
-            // Both are fixed to the last link: they turn alike, and move apart by the turning.
-            let arm_m = self.foot.world_from_frame.translation.vector
-                - self.tool.world_from_frame.translation.vector;
-            self.foot.jacobian.copy_from(jacobian);
-            for mut column in self.foot.jacobian.column_iter_mut() {
-                let turn: Vector3<f64> = column.fixed_rows::<3>(3).into_owned();
-                let mut linear = column.fixed_rows_mut::<3>(0);
-                linear += turn.cross(&arm_m);
-            }
-            return;
-        }
-        let linear = &self.linear;
-        for (state, at) in [
-            (&mut self.tool, &linear.tool),
-            (&mut self.foot, &linear.foot),
-        ] {
-            let [shift, turn] =
-                [0, 3].map(|row| combined(&at.jacobian, row, self.shift.as_slice()));
-            let pose = &mut state.world_from_frame;
-            pose.translation.vector = at.world_from_frame.translation.vector + shift;
-            let half = Quaternion::from_parts(1.0, turn * 0.5);
-            pose.rotation = UnitQuaternion::new_normalize(half) * at.world_from_frame.rotation;
-        }
-    }
-
-    /// Linearises a travelling arm anew where it has turned too far from its linearisation: about a posture
-    /// ahead, so that what mass and recurrence err by before it makes up for what they err by behind it.
-    fn renew(&mut self) {
-        let (mut turned, mut fastest) = (0.0f64, 0.0f64);
-        for (i, joint) in self.arm.robot.chain.joints.iter().enumerate() {
-            if joint.kind == JointKind::Revolute {
-                turned = turned.max((self.joints.position[i] - self.linear.posture[i]).abs());
-                fastest = fastest.max(self.joints.velocity[i].abs());
-            }
-        }
-        if turned <= RENEWAL_RAD {
-            return;
-        }
-        let ahead_s = LEAD * RENEWAL_RAD / fastest.max(f64::MIN_POSITIVE);
-        let joints = self.joints.position.iter().zip(&self.joints.velocity);
-        let posture: Vec<f64> = joints.map(|(q, v)| q + v * ahead_s).collect();
-        // Only a state that has already left the numbers has no linearisation; the guard will say so.
-        if let Some(linear) = self.arm.about(&posture) {
-            self.linear = linear;
-        }
-    }
 }
 
 impl Plant for ReducedPlant {
@@ -310,11 +251,11 @@ impl Plant for ReducedPlant {
             force[i] =
                 self.explicit[i] - self.drive.damping_without_play(i) * carried - self.bias[i];
         }
-        if !self.led.is_empty() {
+        if !self.prescribed.is_empty() {
             self.motors.advance();
             self.motors.now().copy_from_slice(&self.joints.motor);
         }
-        for (i, stiffness) in &self.led {
+        for (i, stiffness) in &self.prescribed {
             force[*i] += stiffness * self.motors.curvature(*i) / 12.0;
         }
         for play in &self.plays {

@@ -7,29 +7,35 @@
 mod belt;
 mod brush;
 mod chamfer;
+mod custom;
 mod foot;
-mod kept_back;
 mod load;
-mod met;
 mod milling;
+mod pending_removal;
 mod polish;
 mod replay;
+mod setup;
+mod step_cache;
 mod wheel;
 
-pub use belt::{Belt, BeltSetup, Cells, Copied, cells_within};
+pub use belt::{Belt, BeltSetup, Cells, cells_within};
 pub use brush::{BrushProcess, BrushSetup, Station};
-pub use chamfer::{Chamfer, ChamferParameters, Regeneration, SlipTheory};
-pub use foot::{Foot, FootFriction, FootParameters};
-pub use load::{Load, LoadParameters, RotatingForce, Sweep};
+pub use chamfer::{Chamfer, ChamferParameters, SlipTheory};
+pub use custom::OwnProcess;
+pub use foot::{Foot, FootParameters};
+pub use load::Load;
 pub(crate) use milling::linear_share;
 pub use milling::{Milling, MillingSetup, MillingTheory};
 pub use polish::{Polish, PolishSetup};
 pub use replay::{ForceSamples, Replay};
-pub use wheel::{Wheel, WheelParameters};
+pub use setup::{ProcessSetup, SetupContext};
+pub use wheel::Wheel;
 
+use crate::error::SimError;
 use crate::loads::{Attachment, ContactOutcomes, Loads};
 use nalgebra::{Isometry3, Vector3};
 use truecut_recording::{ChannelSpec, Field, Profile, Scalar};
+use truecut_scenario::ProcessSpec;
 
 /// Motion of one frame of the robot, in process axes, relative to where it stood after touch-down.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,8 +47,11 @@ pub struct FrameMotion {
 /// What a process may know of the robot at one time.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ToolState {
+    /// Time since touch-down, s.
     pub time_s: f64,
+    /// Motion of the tool: process axes, from where it stood after touch-down.
     pub tool: FrameMotion,
+    /// Motion of the foot, likewise.
     pub foot: FrameMotion,
     /// Where the tool stands, for processes that know where the workpiece is.
     pub world_from_tool: Isometry3<f64>,
@@ -151,4 +160,20 @@ pub trait Process: Send {
 
     /// Forces on the robot to be drawn, in the process frame: (name, frame, force of the last step).
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)>;
+}
+
+/// The process of a scenario, ready to run. The one place where the simulator tells processes apart.
+pub(crate) fn set_up(context: &SetupContext<'_>) -> Result<ProcessSetup, SimError> {
+    setup::check_drive(&context.scenario.process, context.kind)?;
+    match &context.scenario.process {
+        ProcessSpec::Belt(spec) => belt::setup::setup(spec, context),
+        ProcessSpec::Brush(spec) => brush::setup::setup(spec, context),
+        ProcessSpec::Custom(spec) => custom::setup(spec, context),
+        ProcessSpec::Chamfer(spec) => chamfer::setup::setup(spec, context),
+        ProcessSpec::Load(spec) => load::setup::setup(spec, context),
+        ProcessSpec::Milling(spec) => milling::setup::setup(spec, context),
+        ProcessSpec::Polish(spec) => polish::setup::setup(spec, context),
+        ProcessSpec::Replay(spec) => replay::setup::setup(spec, context),
+        ProcessSpec::Wheel(spec) => wheel::setup::setup(spec, context),
+    }
 }

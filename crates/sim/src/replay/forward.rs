@@ -3,11 +3,10 @@
 use super::inputs::{JointQuantity, Source, joint_channel};
 use crate::command::{JointCommand, Samples};
 use crate::error::SimError;
-use crate::plant::DriveKind;
 use crate::process::{ForceSamples, Replay};
 use truecut_arm::{JointKind, Robot};
 use truecut_recording::{Measured, Role, Unit};
-use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario};
+use truecut_scenario::{DriveKind, ReplayMode, ReplaySpec, RobotSpec, Scenario};
 
 /// Names of the measured tool forces, in process axes.
 const TOOL_FORCES: [&str; 3] = ["tool.force_x", "tool.force_y", "tool.force_z"];
@@ -31,20 +30,18 @@ pub(crate) struct ForwardInputs {
 }
 
 impl ForwardInputs {
-    /// `None` if the scenario replays nothing.
+    /// The inputs of a scenario's replay.
     ///
     /// # Errors
     /// A mode without plant; no data; an input that does not fit the drive, is incomplete, in a wrong unit or
     /// beyond the joint's limits; a run that is longer than its data.
     pub fn of(
+        replay: &ReplaySpec,
         scenario: &Scenario,
         measured: Option<&Measured>,
         robot: &Robot,
         kind: DriveKind,
-    ) -> Result<Option<ForwardInputs>, SimError> {
-        let ProcessSpec::Replay(replay) = &scenario.process else {
-            return Ok(None);
-        };
+    ) -> Result<ForwardInputs, SimError> {
         if replay.mode != ReplayMode::Forward {
             let message = "has no plant to run; only mode \"forward\" has one";
             return Err(SimError::scenario("process.replay.mode", message));
@@ -78,12 +75,12 @@ impl ForwardInputs {
         let none = vec![None; robot.dof()];
         let (commands, drive_forces) = match quantity {
             JointQuantity::Command => (series, none),
-            _ => (none, series),
+            JointQuantity::Coordinate | JointQuantity::Drive => (none, series),
         };
         let scaled = |series: Option<Vec<f64>>| {
             series.map(|values| about_first(values, replay.amplitude_factor))
         };
-        Ok(Some(ForwardInputs {
+        Ok(ForwardInputs {
             source: measured.source.clone(),
             interval_s: measured.interval_s() / replay.speed_factor,
             duration_s: duration_s(scenario, measured, replay.speed_factor)?,
@@ -93,7 +90,7 @@ impl ForwardInputs {
             measured_start: joints
                 .map(|joint| measured_start(&source, robot, joint))
                 .collect::<Result<_, _>>()?,
-        }))
+        })
     }
 
     /// How long the run takes, s.

@@ -1,16 +1,17 @@
 //! Measured motion in, drive forces out.
 //!
-//! The coordinates go through a zero-phase Butterworth filter of fourth order and are differentiated twice by
-//! central differences. The rigid arm's inverse dynamics, its rotors and its friction give the drive forces;
-//! these and the measured ones go through one and the same second filter, so that neither leads nor lags. The
-//! practice is that of Gautier, "Dynamic identification of robots with power model" (1997), and Janot, Vandanjon
-//! and Gautier, "A generic instrumental variable approach for industrial robot identification" (2014).
+//! The coordinates go through a zero-phase Butterworth filter of fourth order and are
+//! differentiated twice by central differences. The rigid arm's inverse dynamics, its rotors and
+//! its friction give the drive forces; these and the measured ones go through one and the same
+//! second filter, so that neither leads nor lags. The practice is that of `gautier1997` and
+//! `janot2014`.
 
 use super::inputs::{JointQuantity, Source, joint_channel};
-use super::motion::{Motion, sign};
-use super::place;
-use super::regressors::{BodyRegressors, JointRegressors, against};
+use super::motion::Motion;
+use super::regressors::BodyRegressors;
+use super::{in_force, place, unfit};
 use crate::channels::drive_spec;
+use crate::effect::{Effects, JointEffects, Payload, misfit};
 use crate::error::SimError;
 use crate::robots::Robots;
 use nalgebra::{Point3, Vector3};
@@ -18,13 +19,14 @@ use truecut_arm::{Dynamics, FrameId, Robot};
 use truecut_core::joint_law::LinkFriction;
 use truecut_recording::filter::Butterworth;
 use truecut_recording::{ChannelSpec, Measured, Role};
-use truecut_scenario::effect::{Effect, EffectKind, Target};
+use truecut_scenario::effect::{Effect, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario};
 
 /// Order of both filters; run forward and backward they act twice.
 const FILTER_ORDER: usize = 4;
 
-/// Predicts drive forces from measured motion, for any set of effects, without integrating anything.
+/// Predicts drive forces from measured motion, for any set of effects, without integrating
+/// anything.
 #[derive(Debug, Clone)]
 pub struct InverseModel {
     robot: Robot,
@@ -35,12 +37,12 @@ pub struct InverseModel {
     filter: Butterworth,
     motion: Motion,
     nominal: Forces,
-    regressors: Vec<JointRegressors>,
     body: BodyRegressors,
-    effects: Vec<Effect>,
+    scenario: Scenario,
 }
 
-/// Forces (torques) without effects, one column per predicted joint; see [`InverseModel::nominal_for`].
+/// Forces (torques) without effects, one column per predicted joint; see
+/// [`InverseModel::nominal_for`].
 #[derive(Debug, Clone)]
 pub struct Forces {
     /// Of the drives, filtered.
@@ -50,11 +52,13 @@ pub struct Forces {
 }
 
 impl InverseModel {
-    /// Filters and differentiates the motion and prepares everything that does not depend on effects.
+    /// Filters and differentiates the motion and prepares everything that does not depend on
+    /// effects.
     ///
     /// # Errors
-    /// A robot that cannot be loaded; a scenario that does not replay in mode "inverse"; an input that is
-    /// missing, incomplete or in a wrong unit; no measured drive force; effects that play no part here.
+    /// A robot that cannot be loaded; a scenario that does not replay in mode "inverse"; an input
+    /// that is missing, incomplete or in a wrong unit; no measured drive force; effects that play
+    /// no part here.
     pub fn new(scenario: &Scenario, measured: &Measured) -> Result<InverseModel, SimError> {
         let (differentiate_hz, compare_hz) = cutoffs(scenario)?;
         let robot = crate::build::load_robot(&scenario.robot)?;
@@ -66,18 +70,14 @@ impl InverseModel {
         let smooth = Butterworth::low_pass(FILTER_ORDER, differentiate_hz, rate);
         let filter = Butterworth::low_pass(FILTER_ORDER, compare_hz, rate);
         let motion = Motion::new(&robot, &source, &smooth)?;
-        let (q, v) = (&motion.position, &motion.velocity);
         let model = InverseModel {
             nominal: nominal(&robot, &motion, &joints, &filter),
-            regressors: (joints.iter())
-                .map(|&joint| JointRegressors::new(&q[joint], &v[joint], &filter))
-                .collect(),
             body: BodyRegressors::new(&robot, &motion, &joints, &filter, robot.dof() - 1),
             specs: (joints.iter())
                 .map(|&joint| drive_spec(joint + 1, &robot.chain.joints[joint]))
                 .collect(),
             measured: filtered(measured, &robot, &joints, &filter, compare_hz),
-            effects: scenario.effects.clone(),
+            scenario: scenario.clone(),
             joints,
             motion,
             filter,
@@ -102,7 +102,8 @@ impl InverseModel {
         &self.specs
     }
 
-    /// The measured drive forces through the same filter; samples whose neighbourhood has a gap are not valid.
+    /// The measured drive forces through the same filter; samples whose neighbourhood has a gap are
+    /// not valid.
     pub fn measured(&self) -> &Measured {
         &self.measured
     }
@@ -112,9 +113,10 @@ impl InverseModel {
         &self.robot
     }
 
-    /// The drive forces as they depend on a link's inertial parameters about its origin, in its axes: mass, three
-    /// first moments, and the inertia's xx, yy, zz, xy, xz, yz; `[parameter][channel][sample]`, filtered. The drive
-    /// forces are linear in them, so that they can be identified.
+    /// The drive forces as they depend on a link's inertial parameters about its origin, in its
+    /// axes: mass, three first moments, and the inertia's xx, yy, zz, xy, xz, yz;
+    /// `[parameter][channel][sample]`, filtered. The drive forces are linear in them, so that they
+    /// can be identified.
     ///
     /// # Panics
     /// If there is no such link.
@@ -122,8 +124,8 @@ impl InverseModel {
         BodyRegressors::new(&self.robot, &self.motion, &self.joints, &self.filter, link).columns
     }
 
-    /// Acceleration of a predicted joint through the filter: the drive force per rotor inertia, one value for
-    /// each sample.
+    /// Acceleration of a predicted joint through the filter: the drive force per rotor inertia, one
+    /// value for each sample.
     ///
     /// # Panics
     /// If there is no such channel.
@@ -132,27 +134,8 @@ impl InverseModel {
         self.filter.zero_phase(&self.motion.acceleration[joint])
     }
 
-    /// Whether effects of a kind play a part here.
-    pub fn supports(kind: EffectKind) -> bool {
-        use EffectKind as K;
-        matches!(
-            kind,
-            K::JointViscous
-                | K::JointCoulomb
-                | K::JointLoadFriction
-                | K::JointAsymmetricViscous
-                | K::JointAsymmetricCoulomb
-                | K::JointStribeck
-                | K::JointCounterbalance
-                | K::JointOffset
-                | K::Payload
-                | K::SensorGain
-                | K::SensorOffset
-        )
-    }
-
-    /// Drive forces with the scenario's effects and further `effects`, which replace those of the same kind and
-    /// target: one filtered column for each of [`InverseModel::channels`], SI.
+    /// Drive forces with the scenario's effects and further `effects`, which replace those of the
+    /// same kind and target: one filtered column for each of [`InverseModel::channels`], SI.
     ///
     /// # Errors
     /// An effect that plays no part in inverse dynamics, or whose joint or channel does not exist.
@@ -169,165 +152,114 @@ impl InverseModel {
         nominal: &Forces,
         effects: &[Effect],
     ) -> Result<Vec<Vec<f64>>, SimError> {
+        let all = in_force(&self.scenario.effects, effects);
+        for effect in &all {
+            self.check(effect)?;
+        }
+        let sum = Effects::sum(all, &self.robot.chain.joints);
         let mut columns = nominal.drive.clone();
-        let kept = (self.effects.iter()).filter(|own| {
-            !effects
-                .iter()
-                .any(|e| e.kind == own.kind && e.target == own.target)
-        });
-        let all: Vec<&Effect> = kept.chain(effects).collect();
+        if let Some(payload) = &sum.payload {
+            let center = self.center(payload);
+            (self.body).add_point_mass(payload.mass_kg, &center, &mut columns);
+        }
+        for (at, &joint) in self.joints.iter().enumerate() {
+            let effects = &sum.joints[joint];
+            if !effects.is_built_in() {
+                let against = self.against(at, effects, &sum, &nominal.passed_on[at]);
+                for (sum, force) in columns[at].iter_mut().zip(against) {
+                    *sum += force;
+                }
+            }
+        }
         // Sensors see the sum of all torques, so they come last.
-        for effect in all.iter().filter(|effect| !is_sensor(effect.kind)) {
-            self.add(effect, &mut columns)?;
-        }
-        for effect in (all.iter()).filter(|effect| effect.kind == EffectKind::JointLoadFriction) {
-            self.press(effect, &all, &nominal.passed_on, &mut columns);
-        }
-        for effect in all.iter().filter(|effect| is_sensor(effect.kind)) {
-            self.sense(effect, &mut columns)?;
+        for (spec, column) in self.specs.iter().zip(&mut columns) {
+            if let Some((_, model)) = sum.sensors.iter().find(|(name, _)| *name == spec.name) {
+                model.apply(&self.measured.time_s, column);
+            }
         }
         Ok(columns)
     }
 
-    fn add(&self, effect: &Effect, columns: &mut [Vec<f64>]) -> Result<(), SimError> {
+    /// Refuses an effect that plays no part in inverse dynamics, or is on what is not predicted.
+    fn check(&self, effect: &Effect) -> Result<(), SimError> {
         let refuse = |key: &str, message: String| {
-            Err(SimError::scenario(
-                place(&self.effects, effect, key),
-                message,
-            ))
+            let place = place(&self.scenario.effects, effect, key);
+            Err(SimError::scenario(place, message))
         };
-        if !InverseModel::supports(effect.kind) {
-            let name = effect.kind.name();
-            let all = EffectKind::ALL.iter().filter(|kind| Self::supports(**kind));
-            let known: Vec<&str> = all.map(|kind| kind.name()).collect();
-            let known = known.join(", ");
-            return refuse(
-                "kind",
-                format!("\"{name}\" plays no part in inverse dynamics; {known} do"),
-            );
+        if let Some(message) = misfit(&self.scenario, effect).or_else(|| unfit(effect)) {
+            return refuse("kind", message);
         }
-        let values = &effect.values;
-        let joint = match effect.target {
-            Target::Whole => {
-                let (mass, center) = self.payload(values);
-                self.body.add_point_mass(mass, &center, columns);
-                return Ok(());
-            }
-            Target::Joint(joint) if joint < self.robot.dof() => joint,
-            _ => {
-                let name = effect.kind.name();
+        let name = effect.kind.name();
+        match &effect.target {
+            Target::Joint(joint) if *joint >= self.robot.dof() => {
                 let joints = self.robot.dof();
-                return refuse(
-                    "joint",
-                    format!("\"{name}\" is on a joint that the chain of {joints} lacks"),
+                let message = format!("\"{name}\" is on a joint that the chain of {joints} lacks");
+                refuse("joint", message)
+            }
+            Target::Channel(channel) if self.specs.iter().all(|spec| spec.name != *channel) => {
+                let known: Vec<&str> = self.specs.iter().map(|spec| spec.name.as_str()).collect();
+                let message = format!(
+                    "\"{name}\" is on a channel that is not predicted here; these are {}",
+                    known.join(", ")
                 );
+                refuse("channel", message)
             }
-        };
-        let Some(at) = self.joints.iter().position(|known| *known == joint) else {
-            return Ok(()); // Nobody measured what it would change.
-        };
-        let column = &mut columns[at];
-        if effect.kind == EffectKind::JointStribeck {
-            let law = |v: &f64| against(effect.kind, values, 0.0, *v);
-            let law: Vec<f64> = self.motion.velocity[joint].iter().map(law).collect();
-            for (sum, f) in column.iter_mut().zip(self.filter.zero_phase(&law)) {
-                *sum += f;
-            }
-        } else {
-            self.regressors[at].add(effect.kind, values, column);
+            Target::Whole | Target::Joint(_) | Target::Axis(_) | Target::Channel(_) => Ok(()),
         }
-        Ok(())
     }
 
-    /// Adds friction that grows with the load: with all that the transmission passes on, that of the other effects included.
-    fn press(
+    /// What the drive gives against the effects on its joint, filtered. Friction that grows with
+    /// the load does with all that the transmission passes on, the other effects included.
+    fn against(
         &self,
-        effect: &Effect,
-        all: &[&Effect],
-        passed_on: &[Vec<f64>],
-        columns: &mut [Vec<f64>],
-    ) {
-        let Target::Joint(joint) = effect.target else {
-            return;
-        };
-        let Some(at) = self.joints.iter().position(|known| *known == joint) else {
-            return; // Nobody measured what it would change.
-        };
+        at: usize,
+        effects: &JointEffects,
+        all: &Effects,
+        passed_on: &[f64],
+    ) -> Vec<f64> {
+        let joint = self.joints[at];
         let (position, velocity) = (&self.motion.position[joint], &self.motion.velocity[joint]);
-        let mut needed = passed_on[at].clone();
-        for other in all {
-            if other.kind == EffectKind::Payload {
-                let (mass, center) = self.payload(&other.values);
-                self.body.add_raw(mass, &center, at, &mut needed);
-            } else if other.target == effect.target {
-                for ((sum, q), v) in needed.iter_mut().zip(position).zip(velocity) {
-                    *sum += against(other.kind, &other.values, *q, *v);
-                }
+        let instants = position.iter().zip(velocity);
+        let mut law: Vec<f64> = instants.map(|(q, v)| effects.against(*q, *v)).collect();
+        let share = effects.friction.load_share;
+        if share != 0.0 {
+            let mut needed = passed_on.to_vec();
+            if let Some(payload) = &all.payload {
+                let center = self.center(payload);
+                (self.body).add_raw(payload.mass_kg, &center, at, &mut needed);
+            }
+            for ((force, needed), v) in law.iter_mut().zip(needed).zip(velocity) {
+                *force += LinkFriction::of_load(share, needed + *force, *v);
             }
         }
-        let friction = needed.iter().zip(velocity).map(|(needed, v)| {
-            let load = LinkFriction::passed_on(effect.values[0], *needed, sign(*v));
-            effect.values[0] * load.abs() * sign(*v)
-        });
-        let friction = self.filter.zero_phase(&friction.collect::<Vec<_>>());
-        for (sum, f) in columns[at].iter_mut().zip(friction) {
-            *sum += f;
-        }
+        self.filter.zero_phase(&law)
     }
 
-    /// Mass of a payload, kg, and its centre in the last link's frame, m.
-    fn payload(&self, values: &[f64]) -> (f64, Vector3<f64>) {
-        let center = Point3::new(values[1], values[2], values[3]);
+    /// The centre of a payload in the last link's frame, m.
+    fn center(&self, payload: &Payload) -> Vector3<f64> {
         let flange = self.robot.last_link_from_frame(FrameId::Flange);
-        (values[0], (flange * center).coords)
+        (flange * Point3::from(payload.flange_from_center_m)).coords
     }
-
-    fn sense(&self, effect: &Effect, columns: &mut [Vec<f64>]) -> Result<(), SimError> {
-        let channel = match &effect.target {
-            Target::Channel(name) => self.specs.iter().position(|spec| spec.name == *name),
-            _ => None,
-        };
-        let Some(channel) = channel else {
-            let known: Vec<&str> = self.specs.iter().map(|spec| spec.name.as_str()).collect();
-            let message = format!(
-                "\"{}\" is on a channel that is not predicted here; these are {}",
-                effect.kind.name(),
-                known.join(", ")
-            );
-            let place = place(&self.effects, effect, "channel");
-            return Err(SimError::scenario(place, message));
-        };
-        for value in &mut columns[channel] {
-            match effect.kind {
-                EffectKind::SensorGain => *value *= effect.values[0],
-                _ => *value += effect.values[0],
-            }
-        }
-        Ok(())
-    }
-}
-
-fn is_sensor(kind: EffectKind) -> bool {
-    matches!(kind, EffectKind::SensorGain | EffectKind::SensorOffset)
 }
 
 fn cutoffs(scenario: &Scenario) -> Result<(f64, f64), SimError> {
-    match &scenario.process {
-        ProcessSpec::Replay(replay) => match replay.mode {
-            ReplayMode::Inverse {
-                differentiate_cutoff_hz,
-                compare_cutoff_hz,
-            } => Ok((differentiate_cutoff_hz, compare_cutoff_hz)),
-            _ => Err(SimError::scenario(
-                "process.replay.mode",
-                "must be \"inverse\" to predict drive forces from motion",
-            )),
-        },
-        other => Err(SimError::scenario(
-            format!("process.{}", other.name()),
+    let ProcessSpec::Replay(replay) = &scenario.process else {
+        return Err(SimError::scenario(
+            format!("process.{}", scenario.process.name()),
             "must be [process.replay] with mode \"inverse\" to predict drive forces from motion",
-        )),
-    }
+        ));
+    };
+    let ReplayMode::Inverse {
+        differentiate_cutoff_hz,
+        compare_cutoff_hz,
+    } = replay.mode
+    else {
+        return Err(SimError::scenario(
+            "process.replay.mode",
+            "must be \"inverse\" to predict drive forces from motion",
+        ));
+    };
+    Ok((differentiate_cutoff_hz, compare_cutoff_hz))
 }
 
 fn check_cutoff(key: &str, hz: f64, rate_hz: f64) -> Result<(), SimError> {
@@ -378,8 +310,9 @@ fn nominal(robot: &Robot, motion: &Motion, joints: &[usize], filter: &Butterwort
     let mut drive = Vec::with_capacity(joints.len());
     for (column, &joint) in passed_on.iter_mut().zip(joints) {
         let transmission = &robot.chain.joints[joint].transmission;
+        let friction = LinkFriction::coulomb(transmission.dry_friction);
         for (sum, v) in column.iter_mut().zip(&motion.velocity[joint]) {
-            *sum += transmission.dry_friction * sign(*v);
+            *sum += friction.force(*v);
         }
         let with_rotor = column.iter().zip(&motion.acceleration[joint]);
         let with_rotor: Vec<f64> = with_rotor
@@ -390,8 +323,8 @@ fn nominal(robot: &Robot, motion: &Motion, joints: &[usize], filter: &Butterwort
     Forces { drive, passed_on }
 }
 
-/// The measured drive forces through `filter`. A gap spoils the samples within a period of the cutoff, and so do the ends: what was
-/// before and after the filter can only guess.
+/// The measured drive forces through `filter`. A gap spoils the samples within a period of the
+/// cutoff, and so do the ends: what was before and after the filter can only guess.
 fn filtered(
     measured: &Measured,
     robot: &Robot,

@@ -2,21 +2,39 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
-//! | [`forward`] | commands and forces in, motion out |
-//! | [`inputs`] | which measured channel drives what, and whether it may |
+//! | `forward` | commands and forces in, motion out |
+//! | `inputs` | which measured channel drives what, and whether it may |
 //! | [`inverse`] | measured motion in, drive forces out |
 //! | [`steady`] | a steady machine: means, and a cut that turns |
-//! | [`predict`] | replays without a plant; recordings at the times of data |
+//! | `predict` | replays without a plant |
+#![deny(clippy::wildcard_enum_match_arm)]
 
 pub(crate) mod forward;
 pub(crate) mod inputs;
 pub mod inverse;
 mod motion;
-pub mod predict;
+pub(crate) mod predict;
 mod regressors;
 pub mod steady;
 
 use truecut_scenario::effect::Effect;
+
+/// The scenario's `own` effects and further `effects`, which replace those of the same kind and
+/// target.
+fn in_force<'a>(own: &'a [Effect], effects: &'a [Effect]) -> Vec<&'a Effect> {
+    let replaced = |own: &&Effect| {
+        let twin = |other: &Effect| other.kind == own.kind && other.target == own.target;
+        effects.iter().any(twin)
+    };
+    let kept = own.iter().filter(|own| !replaced(own));
+    kept.chain(effects).collect()
+}
+
+/// Why the effect has not the target and the number of values of its kind. Its bounds are for files.
+fn unfit(effect: &Effect) -> Option<String> {
+    let fits = effect.typed().is_some();
+    (!fits).then(|| effect.check().err()).flatten()
+}
 
 /// The key of an effect among the scenario's `own`; of their list for one that is not in the file.
 fn place(own: &[Effect], effect: &Effect, key: &str) -> String {

@@ -70,11 +70,6 @@ impl Motion {
     }
 }
 
-/// 1, 0 or -1.
-pub(super) fn sign(v: f64) -> f64 {
-    if v == 0.0 { 0.0 } else { v.signum() }
-}
-
 /// The measured coordinates of all joints.
 fn coordinates<'a>(robot: &Robot, source: &Source<'a>) -> Result<Vec<&'a [f64]>, SimError> {
     let names: Vec<String> = (0..robot.dof())

@@ -1,14 +1,14 @@
-//! Replays without a plant, and recordings at the times of measured data.
+//! Replays without a plant.
 
 use super::inverse::InverseModel;
 use super::steady::SteadyModel;
 use crate::error::SimError;
-use truecut_recording::{Header, Measured, Recording, UnknownName};
+use truecut_recording::{Header, Measured};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 
 /// What a replay without a plant predicts, at the times of the data it is given for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Prediction {
+pub(crate) struct Prediction {
     /// Channels and notes.
     pub header: Header,
     /// One column for each channel, SI.
@@ -22,7 +22,10 @@ pub struct Prediction {
 ///
 /// # Errors
 /// As [`InverseModel::new`] and [`SteadyModel::new`].
-pub fn predict(scenario: &Scenario, measured: &Measured) -> Result<Option<Prediction>, SimError> {
+pub(crate) fn predict(
+    scenario: &Scenario,
+    measured: &Measured,
+) -> Result<Option<Prediction>, SimError> {
     let ProcessSpec::Replay(replay) = &scenario.process else {
         return Ok(None);
     };
@@ -63,43 +66,4 @@ pub fn predict(scenario: &Scenario, measured: &Measured) -> Result<Option<Predic
         columns,
         measured: compared,
     }))
-}
-
-/// A channel of a recording at other times, by cubic interpolation between its rows; NaN outside the
-/// recording, as after a run that diverged.
-///
-/// # Errors
-/// A channel that is not there; the nearest one is named.
-pub fn sample_at(
-    recording: &Recording,
-    channel: &str,
-    time_s: &[f64],
-) -> Result<Vec<f64>, UnknownName> {
-    let values = recording.channel(channel)?;
-    let rows = &recording.time_s;
-    let mut from = 0;
-    let at = |&t: &f64| {
-        let last = rows.len().saturating_sub(1);
-        let slack = 1e-9 * t.abs().max(1e-3);
-        if rows.is_empty() || t < rows[0] - slack || t > rows[last] + slack {
-            return f64::NAN;
-        }
-        while from + 1 < last && rows[from + 1] <= t {
-            from += 1;
-        }
-        let start = from.saturating_sub(1).min(rows.len().saturating_sub(4));
-        let end = (start + 4).min(rows.len());
-        lagrange(&rows[start..end], &values[start..end], t)
-    };
-    Ok(time_s.iter().map(at).collect())
-}
-
-/// The polynomial through the points.
-fn lagrange(x: &[f64], y: &[f64], at: f64) -> f64 {
-    (0..x.len())
-        .map(|i| {
-            let others = (0..x.len()).filter(|j| *j != i);
-            y[i] * others.map(|j| (at - x[j]) / (x[i] - x[j])).product::<f64>()
-        })
-        .sum()
 }

@@ -1,82 +1,13 @@
 //! Columns that drive forces are linear in, filtered once.
 
-use super::motion::{Motion, sign};
+use super::motion::Motion;
+use crate::effect::point_inertia;
 use nalgebra::{Matrix3, Vector3};
 use truecut_arm::{Dynamics, Robot};
 use truecut_recording::filter::Butterworth;
-use truecut_scenario::effect::EffectKind;
 
-/// Columns of one joint's own laws.
-#[derive(Debug, Clone)]
-pub(super) struct JointRegressors {
-    /// Velocity while it is positive, else 0; and the other way round.
-    velocity: [Vec<f64>; 2],
-    /// 1 while the velocity is positive, -1 while it is negative, each else 0.
-    sign: [Vec<f64>; 2],
-    cosine: Vec<f64>,
-    sine: Vec<f64>,
-}
-
-impl JointRegressors {
-    pub fn new(position: &[f64], velocity: &[f64], filter: &Butterworth) -> JointRegressors {
-        let of = |values: &[f64], law: &dyn Fn(f64) -> f64| {
-            filter.zero_phase(&values.iter().map(|x| law(*x)).collect::<Vec<_>>())
-        };
-        JointRegressors {
-            velocity: [of(velocity, &|v| v.max(0.0)), of(velocity, &|v| v.min(0.0))],
-            sign: [
-                of(velocity, &|v| sign(v).max(0.0)),
-                of(velocity, &|v| sign(v).min(0.0)),
-            ],
-            cosine: of(position, &f64::cos),
-            sine: of(position, &f64::sin),
-        }
-    }
-
-    /// Adds to `column` what the drive must do against an effect on this joint. Friction opposes the motion,
-    /// so the drive gives it; what pushes the link by itself the drive need not.
-    pub fn add(&self, kind: EffectKind, values: &[f64], column: &mut [f64]) {
-        let two = |columns: &[Vec<f64>; 2], factors: [f64; 2], into: &mut [f64]| {
-            axpy(factors[0], &columns[0], into);
-            axpy(factors[1], &columns[1], into);
-        };
-        match kind {
-            EffectKind::JointViscous => two(&self.velocity, [values[0]; 2], column),
-            EffectKind::JointAsymmetricViscous => {
-                two(&self.velocity, [values[0], values[1]], column);
-            }
-            EffectKind::JointCoulomb => two(&self.sign, [values[0]; 2], column),
-            EffectKind::JointAsymmetricCoulomb => two(&self.sign, [values[0], values[1]], column),
-            EffectKind::JointCounterbalance => {
-                axpy(-values[0], &self.cosine, column);
-                axpy(-values[1], &self.sine, column);
-            }
-            EffectKind::JointOffset => column.iter_mut().for_each(|sum| *sum -= values[0]),
-            _ => {}
-        }
-    }
-}
-
-/// What the transmission must pass on against an effect of one joint, at one instant; see [`JointRegressors::add`].
-pub(super) fn against(kind: EffectKind, values: &[f64], position: f64, velocity: f64) -> f64 {
-    let direction = usize::from(velocity < 0.0);
-    match kind {
-        EffectKind::JointViscous => values[0] * velocity,
-        EffectKind::JointAsymmetricViscous => values[direction] * velocity,
-        EffectKind::JointCoulomb => values[0] * sign(velocity),
-        EffectKind::JointAsymmetricCoulomb => values[direction] * sign(velocity),
-        EffectKind::JointStribeck => {
-            let (excess, speed) = (values[0], values[1]);
-            excess * (-(velocity / speed).powi(2)).exp() * sign(velocity)
-        }
-        EffectKind::JointCounterbalance => -values[0] * position.cos() - values[1] * position.sin(),
-        EffectKind::JointOffset => -values[0],
-        _ => 0.0,
-    }
-}
-
-/// Columns of a body fixed to one link, for each of its ten inertial parameters about that link's origin:
-/// mass, three first moments, and the inertia's xx, yy, zz, xy, xz, yz.
+/// Columns of a body fixed to one link, for each of its ten inertial parameters about that link's
+/// origin: mass, three first moments, and the inertia's xx, yy, zz, xy, xz, yz.
 #[derive(Debug, Clone)]
 pub(super) struct BodyRegressors {
     /// `[parameter][joint][sample]`, filtered.
@@ -109,7 +40,8 @@ impl BodyRegressors {
         let zero = Matrix3::zeros();
         let mut columns = vec![run(1.0, Vector3::zeros(), zero)];
         for axis in 0..3 {
-            // The second moments of a mass at +e and at -e are the same, so half the difference has none.
+            // The second moments of a mass at +e and at -e are the same, so half the difference has
+            // none.
             let e = Vector3::ith(axis, 1.0);
             let mut ahead = run(1.0, e, zero);
             for (a, b) in ahead
@@ -153,13 +85,11 @@ impl BodyRegressors {
 
 /// The ten inertial parameters of a mass at `center_m`.
 fn point_mass(mass_kg: f64, center_m: &Vector3<f64>) -> impl Iterator<Item = f64> {
-    let cross = center_m.cross_matrix();
-    let inertia = -cross * cross;
-    let first: [f64; 3] = (*center_m).into();
-    std::iter::once(1.0)
+    let inertia = point_inertia(mass_kg, center_m);
+    let first: [f64; 3] = (center_m * mass_kg).into();
+    std::iter::once(mass_kg)
         .chain(first)
         .chain(MOMENTS.map(|place| inertia[place]))
-        .map(move |factor| mass_kg * factor)
 }
 
 /// Places of the six moments of inertia.

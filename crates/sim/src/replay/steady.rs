@@ -1,11 +1,14 @@
-//! Mode "observe": no plant. Every channel is predicted by its mean; where the spindle speed and the depth of cut are given, a cut's
-//! forces follow the depth as it changes with the spindle's angle.
+//! Mode "observe": no plant. Every channel is predicted by its mean; where the spindle speed and
+//! the depth of cut are given, a cut's forces follow the depth as it changes with the spindle's
+//! angle.
 
+use truecut_core::cutting;
 use truecut_recording::{ChannelSpec, Measured};
-use truecut_scenario::effect::{Effect, EffectKind, Target};
+use truecut_scenario::effect::{Effect, Target};
 use truecut_scenario::{ProcessSpec, Scenario, Turning};
 
-use super::place;
+use super::{in_force, place, unfit};
+use crate::effect::{Effects, misfit};
 use crate::error::SimError;
 
 /// Predicts what a steady machine's channels are, without integrating anything.
@@ -15,7 +18,7 @@ pub struct SteadyModel {
     specs: Vec<ChannelSpec>,
     means: Vec<f64>,
     turning: Option<Turning>,
-    effects: Vec<Effect>,
+    scenario: Scenario,
 }
 
 impl SteadyModel {
@@ -35,11 +38,8 @@ impl SteadyModel {
                 .map(|one| one.spec.clone())
                 .collect(),
             means: outputs.channels.iter().map(mean).collect(),
-            turning: match &scenario.process {
-                ProcessSpec::Replay(replay) => replay.turning,
-                _ => None,
-            },
-            effects: scenario.effects.clone(),
+            turning: turning(scenario),
+            scenario: scenario.clone(),
             measured: outputs,
         };
         model.predict(&[])?;
@@ -56,18 +56,8 @@ impl SteadyModel {
         &self.measured
     }
 
-    /// Whether effects of a kind play a part here.
-    pub fn supports(scenario: &Scenario, kind: EffectKind) -> bool {
-        match kind {
-            EffectKind::CuttingRunout => {
-                matches!(&scenario.process, ProcessSpec::Replay(replay) if replay.turning.is_some())
-            }
-            EffectKind::SensorDrift => true,
-            _ => false,
-        }
-    }
-
-    /// The channels with the scenario's effects and further `effects`, which replace those of the same kind and target.
+    /// The channels with the scenario's effects and further `effects`, which replace those of the
+    /// same kind and target.
     ///
     /// # Errors
     /// An effect that plays no part here, or is on a channel that was not measured.
@@ -75,51 +65,61 @@ impl SteadyModel {
         let times = &self.measured.time_s;
         let constant = |mean: &f64| vec![*mean; times.len()];
         let mut columns: Vec<Vec<f64>> = self.means.iter().map(constant).collect();
-        let kept = (self.effects.iter()).filter(|own| {
-            !effects
-                .iter()
-                .any(|e| e.kind == own.kind && e.target == own.target)
-        });
-        for effect in kept.chain(effects) {
-            match (effect.kind, self.turning, &effect.target) {
-                (EffectKind::CuttingRunout, Some(turning), _) => {
-                    self.turn(turning, &effect.values, &mut columns);
-                }
-                (EffectKind::SensorDrift, _, Target::Channel(name)) => {
-                    let Some(at) = self.specs.iter().position(|spec| spec.name == *name) else {
-                        let message = format!("channel \"{name}\" is not among the outputs");
-                        let place = place(&self.effects, effect, "channel");
-                        return Err(SimError::scenario(place, message));
-                    };
-                    let (size, time_constant) = (effect.values[0], effect.values[1]);
-                    for (value, t) in columns[at].iter_mut().zip(times) {
-                        *value -= size * (-t / time_constant).exp_m1();
-                    }
-                }
-                _ => {
-                    let name = effect.kind.name();
-                    let message = format!(
-                        "\"{name}\" plays no part where nothing is simulated; sensor_drift does, and with spindle_rpm and \
-                         depth_mm in [process.replay] cutting_runout"
-                    );
-                    let place = place(&self.effects, effect, "kind");
-                    return Err(SimError::scenario(place, message));
-                }
+        let all = in_force(&self.scenario.effects, effects);
+        for effect in &all {
+            self.check(effect)?;
+        }
+        let sum = Effects::sum(all, &[]);
+        if let Some(turning) = self.turning {
+            self.turn(turning, sum.cutting.runout_m, &mut columns);
+        }
+        for (spec, column) in self.specs.iter().zip(&mut columns) {
+            if let Some((_, model)) = sum.sensors.iter().find(|(name, _)| *name == spec.name) {
+                model.apply(times, column);
             }
         }
         Ok(columns)
     }
 
-    /// A workpiece that turns about another axis than its own: the depth changes once per revolution, and the forces with it, each as
-    /// its mean, since the chip's area is width times depth.
-    fn turn(&self, turning: Turning, values: &[f64], columns: &mut [Vec<f64>]) {
+    /// Refuses an effect that plays no part here, or is on a channel that was not measured.
+    fn check(&self, effect: &Effect) -> Result<(), SimError> {
+        let refuse = |key: &str, message: String| {
+            let place = place(&self.scenario.effects, effect, key);
+            Err(SimError::scenario(place, message))
+        };
+        if let Some(message) = misfit(&self.scenario, effect).or_else(|| unfit(effect)) {
+            return refuse("kind", message);
+        }
+        if let Target::Channel(name) = &effect.target
+            && self.specs.iter().all(|spec| spec.name != *name)
+        {
+            let message = format!("channel \"{name}\" is not among the outputs");
+            return refuse("channel", message);
+        }
+        Ok(())
+    }
+
+    /// A workpiece that turns about another axis than its own: the depth changes once per
+    /// revolution, and the forces with it, each as its mean, since the chip's area is width times
+    /// depth.
+    fn turn(&self, turning: Turning, runout_m: [f64; 2], columns: &mut [Vec<f64>]) {
+        if runout_m == [0.0; 2] {
+            return;
+        }
         for (column, mean) in columns.iter_mut().zip(&self.means) {
             for (value, t) in column.iter_mut().zip(&self.measured.time_s) {
-                let (sine, cosine) = (turning.spindle_rad_s * t).sin_cos();
-                *value += mean * (values[0] * cosine + values[1] * sine) / turning.depth_m;
+                let deeper = cutting::runout_m(runout_m, turning.spindle_rad_s * t);
+                *value += mean * deeper / turning.depth_m;
             }
         }
     }
+}
+
+fn turning(scenario: &Scenario) -> Option<Turning> {
+    let ProcessSpec::Replay(replay) = &scenario.process else {
+        return None;
+    };
+    replay.turning
 }
 
 fn mean(channel: &truecut_recording::MeasuredChannel) -> f64 {

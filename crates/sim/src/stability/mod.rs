@@ -2,24 +2,24 @@
 //!
 //! The arm is the nominal one with its transmissions, motors standing still; effects of the scenario act in runs only.
 
+mod runs;
 mod view;
+
+pub use runs::{StabilityRun, stability_runs};
 
 use std::sync::Arc;
 
 use nalgebra::{Unit, Vector3};
-use truecut_arm::{FrameId, OpwGeometry, Robot};
+use truecut_arm::{FrameId, OpwGeometry, Robot, Wrist};
 use truecut_core::chatter::TipMode;
 use truecut_plan::{Cut, Family, Plan, PlanError, ToolPath, modes_in_cut};
-use truecut_scenario::{
-    Elbow, MillingSpec, PlannedPath, ProcessSpec, Scenario, Shoulder, TurnKnot, Wrist,
-};
+use truecut_scenario::{MillingSpec, PathStart, PlannedPath, ProcessSpec, Scenario, TurnKnot};
 
 use crate::error::SimError;
+use crate::motion::straight::SolvedPath;
 use crate::posture::posture;
 use crate::process::linear_share;
 use crate::robots::Robots;
-use crate::tool_path::SolvedPath;
-use crate::translate::nominal_cut;
 
 const PATH: &str = "process.milling.path";
 const DEPTH: &str = "process.milling.axial_depth_mm";
@@ -71,10 +71,13 @@ impl MillingStudy {
         let axis = Unit::new_normalize(axis);
         let path = ToolPath::new(&[start_m, end_m], axis, zero_direction).map_err(in_scenario)?;
         Ok(Self {
-            cut: cut(milling),
+            cut: Cut {
+                nominal: milling.cut,
+                spindle_rad_s: milling.spindle_rad_s,
+            },
             robot,
             path,
-            milling: milling.clone(),
+            milling: (**milling).clone(),
             posture,
             zero_direction,
         })
@@ -109,8 +112,8 @@ impl MillingStudy {
     pub fn family(&self) -> Option<Family> {
         let start = self.milling.path.start.as_ref()?;
         Some(Family {
-            rear_shoulder: start.shoulder? == Shoulder::Rear,
-            lower_elbow: start.elbow? == Elbow::Lower,
+            shoulder: start.shoulder?,
+            elbow: start.elbow?,
         })
     }
 
@@ -130,8 +133,8 @@ impl MillingStudy {
     /// A plan in the terms of a scenario file.
     pub fn planned(&self, plan: &Plan) -> PlannedPath {
         let first = &plan.points[0];
-        let wrist = OpwGeometry::of(&self.robot)
-            .is_some_and(|geometry| geometry.branch(&first.posture).flipped_wrist);
+        let wrist =
+            OpwGeometry::of(&self.robot).map(|geometry| geometry.branch(&first.posture).wrist);
         let turn = plan
             .knots()
             .into_iter()
@@ -139,29 +142,17 @@ impl MillingStudy {
                 at_m,
                 redundancy_rad,
             });
-        let point = first.point_m;
-        let end = plan.points[plan.points.len() - 1].point_m;
         PlannedPath {
-            start_m: point.into(),
-            end_m: end.into(),
-            tool_axis: self.path.tool_axis().into_inner().into(),
-            zero_direction: self.zero_direction.into(),
-            turn: turn.collect(),
-            shoulder: if plan.family.rear_shoulder {
-                Shoulder::Rear
-            } else {
-                Shoulder::Front
+            start: PathStart {
+                point_m: first.point_m.into(),
+                tool_axis: self.path.tool_axis().into_inner().into(),
+                zero_direction: self.zero_direction.into(),
+                turn: turn.collect(),
+                shoulder: Some(plan.family.shoulder),
+                elbow: Some(plan.family.elbow),
+                wrist: Some(wrist.unwrap_or(Wrist::Positive)),
             },
-            elbow: if plan.family.lower_elbow {
-                Elbow::Lower
-            } else {
-                Elbow::Upper
-            },
-            wrist: if wrist {
-                Wrist::Negative
-            } else {
-                Wrist::Positive
-            },
+            end_m: plan.points[plan.points.len() - 1].point_m.into(),
             posture_rad: first.posture.clone(),
         }
     }
@@ -176,11 +167,4 @@ pub fn in_scenario(error: PlanError) -> SimError {
         _ => PATH,
     };
     SimError::scenario(key, error.to_string())
-}
-
-fn cut(spec: &MillingSpec) -> Cut {
-    Cut {
-        nominal: nominal_cut(spec),
-        spindle_rad_s: spec.spindle_rad_s,
-    }
 }

@@ -83,7 +83,7 @@ fn verify_offset_and_stiction_act_on_the_held_force() {
 
 /// Lifted before the line the carrier stands at the end of its stroke, on the line within it.
 #[test]
-fn verify_the_carrier_stands_out_before_the_line() {
+fn the_carrier_stands_out_before_the_line() {
     let recording = run(&HELD);
     let carrier = column(&recording, "belt.carrier_offset");
     let normal = column(&recording, "belt.normal_force");

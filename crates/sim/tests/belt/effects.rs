@@ -29,7 +29,7 @@ fn taken_m3(recording: &Recording) -> f64 {
 /// The wheel's law with rubber of the modulus times the factor and the belt's tension as it was, Coulomb's friction with its own; Preston's volume is
 /// in proportion, and what is removed does not act back.
 #[test]
-fn verify_a_belt_presses_rubs_and_removes_by_its_factors() {
+fn the_run_applies_the_factors_of_a_belt() {
     let pressing = [
         whole(EffectKind::WheelStiffness, &[1.3]),
         whole(EffectKind::WheelFriction, &[1.5]),

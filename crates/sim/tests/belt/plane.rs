@@ -12,7 +12,7 @@ const SPACING: f64 = 5e-3;
 /// Along the lines the force is that of the wheel's law at the penetration that the arm leaves, friction is Coulomb's against the belt's run, and
 /// the wheel touches over its whole width. Lifted, nothing acts.
 #[test]
-fn verify_force_is_the_line_contact_s_and_friction_coulomb_s() {
+fn the_run_applies_the_line_contact_s_law_and_coulomb_s() {
     let recording = run(&[("mu", "0.4")]);
     let normal = column(&recording, "belt.normal_force");
     let depth = column(&recording, "belt.penetration");

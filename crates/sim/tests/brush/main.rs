@@ -105,7 +105,7 @@ fn verify_half_of_the_bristles_press_over_an_edge() {
 
 /// Every place of the edge is passed by the width of the brush at the feed: burr and radius are those of the closed form for that dose.
 #[test]
-fn verify_the_radius_of_an_edge_is_that_of_its_dose() {
+fn the_run_applies_edge_wear_to_its_dose() {
     let recording = run_with(&brush("over_edge.csv", &[]), &[]);
     let radius = |name: &str| {
         let profile = recording.profiles.iter().find(|p| p.name == name);
@@ -150,7 +150,7 @@ fn verify_the_radius_of_an_edge_is_that_of_its_dose() {
 
 /// An eccentric brush reaches further by C cos + S sin of its turning: its force is that of a brush of this radius.
 #[test]
-fn verify_an_eccentric_brush_presses_by_its_long_side() {
+fn the_run_applies_the_bristles_law_on_the_long_side() {
     let [c, s] = [0.2e-3, -0.1e-3];
     let with = run(
         &brush("over_face.csv", &[]),
@@ -201,7 +201,7 @@ fn verify_removal_goes_with_its_factor_until_the_burr_is_gone() {
 
 /// Half the step changes the mean radius by less than a thousandth, a quarter by less than a quarter of that more.
 #[test]
-fn verify_the_time_step_hardly_shows() {
+fn regress_the_time_step_hardly_shows() {
     let radius = |step_ms: &str| {
         let overrides = [("run.time_step_ms".to_owned(), step_ms.to_owned())];
         scalar(

@@ -7,7 +7,7 @@
 
 use crate::support::{grows, scenario};
 use nalgebra::Vector3;
-use truecut_arm::{BranchOptions, FrameId, Robot, tool_pose};
+use truecut_arm::{BranchOptions, Elbow, FrameId, Robot, Shoulder, tool_pose};
 use truecut_core::chatter::averaged::mode_coupling_limit;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
 use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
@@ -87,7 +87,7 @@ fn modes(angle_deg: f64) -> Vec<TipMode> {
     let postures = solver.branches(&pose, FrameId::Tool);
     let upper_front = postures.into_iter().find(|q| {
         let branch = geometry.branch(q);
-        !branch.rear_shoulder && !branch.lower_elbow
+        (branch.shoulder, branch.elbow) == (Shoulder::Front, Elbow::Upper)
     });
     let q = upper_front.expect("in reach");
     robot.tip_modes(&q, FrameId::Tool, None).expect("stiffness")

@@ -18,7 +18,7 @@ fn apart(scenario: &Scenario, names: &[&str]) -> f64 {
 /// Forces, surface and deflection of a cut on its own surface; growth of one on the nominal surface, whose rate is a small
 /// difference of large ones: 0.1 % of frequency is 0.06 /s.
 #[test]
-fn verify_linearised_arm_mills_like_rapier() {
+fn regress_linearised_arm_mills_like_rapier() {
     let own = slot(120.0, 0.3e-3, true, 2.5);
     let names = [
         "milling.mean_force_x",

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use truecut_recording::{Outcome, Scalar};
+use truecut_recording::{Outcome, Recording};
 use truecut_scenario::{MillingSpec, ProcessSpec, Scenario};
-use truecut_sim::{Cell, RunEnd};
+use truecut_sim::run::{Claims, Engine, Run};
 
 /// The benchmark's oscillator: two teeth, half immersion in down-milling.
 pub const RIG: &str = r#"
@@ -50,25 +50,29 @@ pub fn milling(scenario: &Scenario) -> &MillingSpec {
 }
 
 /// A finished run in rapier.
-pub fn run(scenario: &Scenario) -> RunEnd {
-    let cell = Cell::build(scenario).unwrap_or_else(|e| panic!("{e}"));
-    let end = cell.run_rows(|_, _| {});
-    assert_eq!(end.outcome, Outcome::Completed);
-    end
+pub fn run(scenario: &Scenario) -> Recording {
+    run_in(Engine::Rapier, scenario)
 }
 
 /// The same with the arm linearised.
-pub fn run_reduced(scenario: &Scenario) -> RunEnd {
-    let cell = Cell::build_reduced(scenario).unwrap_or_else(|e| panic!("{e}"));
-    let end = cell.run_rows(|_, _| {});
-    assert_eq!(end.outcome, Outcome::Completed);
-    end
+pub fn run_reduced(scenario: &Scenario) -> Recording {
+    run_in(Engine::REDUCED, scenario)
 }
 
-pub fn scalar(end: &RunEnd, name: &str) -> f64 {
-    let named = |scalar: &&Scalar| scalar.name == name;
-    let found = end.scalars.iter().find(named);
-    found.unwrap_or_else(|| panic!("no scalar {name}")).value
+fn run_in(engine: Engine, scenario: &Scenario) -> Recording {
+    let run = Run {
+        engine,
+        claims: Claims::Ignore,
+        ..Run::of(scenario)
+    };
+    let recording = run.execute().unwrap_or_else(|e| panic!("{e}")).recording;
+    assert_eq!(recording.outcome, Outcome::Completed);
+    recording
+}
+
+pub fn scalar(recording: &Recording, name: &str) -> f64 {
+    let found = recording.scalar(name);
+    found.unwrap_or_else(|e| panic!("{e}")).value
 }
 
 /// Whether vibration grows: its rate is positive, or at the end it is beyond what counts as small, a twentieth of the feed per tooth.
@@ -77,5 +81,5 @@ pub fn grows(scenario: &Scenario) -> bool {
     let rate = scalar(&end, "milling.growth_rate");
     let level = scalar(&end, "milling.vibration_level");
     println!("{rate:.3} /s, {level:.2e} m");
-    rate > 0.0 || level > 0.05 * milling(scenario).feed_per_tooth_m()
+    rate > 0.0 || level > 0.05 * milling(scenario).cut.feed_per_tooth_m
 }

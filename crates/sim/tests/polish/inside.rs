@@ -6,7 +6,7 @@ use super::support::{WHEEL, run, run_under};
 /// What is pressed is the wheel's law at the penetration that the arm leaves; friction is Coulomb's and turns with the precession;
 /// the arm yields by what the commanded penetration lacks.
 #[test]
-fn verify_normal_force_is_the_wheel_s_law_and_friction_is_coulomb_s() {
+fn the_run_applies_the_wheel_s_law_and_coulomb_s() {
     let recording = run(&[]);
     let normal = column(&recording, "polish.normal_force");
     let depth = column(&recording, "polish.penetration");
@@ -37,7 +37,7 @@ fn verify_normal_force_is_the_wheel_s_law_and_friction_is_coulomb_s() {
     assert!(lacking > 2e-6 && lacking < 60e-6, "{lacking}");
 }
 
-/// The arm starts at rest in contact: the force begins without a jump and follows what the run-up asks of the arm.
+/// The arm starts at rest in contact: the force begins without a jump and follows what the lead-in asks of the arm.
 #[test]
 fn the_start_is_at_rest() {
     let recording = run(&[("precession.turn_rpm", "1")]);

@@ -6,7 +6,7 @@ use std::path::Path;
 use truecut_recording::{Outcome, Recording};
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::Effect;
-use truecut_sim::sweep::record;
+use truecut_sim::run::{Claims, Run};
 
 pub fn scenario(text: &str) -> Scenario {
     let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/arm/effects.toml");
@@ -43,7 +43,12 @@ pub fn below(table: &str, overrides: &[(&str, &str)]) -> Vec<(String, String)> {
 
 /// A finished run of a scenario with overrides.
 pub fn run_with(scenario: &Scenario, overrides: &[(String, String)]) -> Recording {
-    let recording = record(scenario, overrides).unwrap_or_else(|e| panic!("{e}"));
+    let run = Run {
+        overrides: overrides.to_vec(),
+        claims: Claims::Ignore,
+        ..Run::of(scenario)
+    };
+    let recording = run.execute().unwrap_or_else(|e| panic!("{e}")).recording;
     assert_eq!(recording.outcome, Outcome::Completed);
     recording
 }

@@ -60,8 +60,8 @@ pub struct ChannelBeforeAfter<'a> {
     pub noise: f64,
 }
 
-/// Writes the file: at the left the verdict, at the right a row for each channel with the signals where the nominal model is worst and
-/// the residuals over the whole record.
+/// Writes the file: at the left the verdict, at the right a row for each channel with the signals
+/// where the nominal model is worst and the residuals over the whole record.
 ///
 /// # Errors
 /// Where the file cannot be written.

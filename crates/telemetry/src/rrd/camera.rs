@@ -56,7 +56,8 @@ pub(super) fn near_tool(scene: &Scene) -> Option<Camera> {
 /// Parts of its height that a view from above is wide: it stands beside two others.
 const NARROW: f64 = 0.43;
 
-/// Straight onto a field, its longer side up, from where it fills a narrow view; with that direction up.
+/// Straight onto a field, its longer side up, from where it fills a narrow view; with that
+/// direction up.
 pub(super) fn above(field: &Field) -> (Camera, [f64; 3]) {
     let pose = &field.world_from_field;
     let [length_m, width_m] = field.size_m;
@@ -170,7 +171,8 @@ mod tests {
     use super::*;
     use truecut_recording::Shape;
 
-    /// A face that looks along x, its length along y: seen from in front, from where its width fits.
+    /// A face that looks along x, its length along y: seen from in front, from where its width
+    /// fits.
     #[test]
     fn a_field_is_seen_from_where_its_normal_points() {
         // From (x, y, z) to (y, z, x).

@@ -5,8 +5,8 @@ use truecut_recording::Field;
 
 use super::shapes::{quaternion, translation};
 
-/// From nothing to full scale: a map of even lightness steps, legible without colour vision (viridis of matplotlib, five of its
-/// colours).
+/// From nothing to full scale: a map of even lightness steps, legible without colour vision
+/// (viridis of matplotlib, five of its colours).
 const COLOURS: [[f32; 3]; 5] = [
     [68.0, 1.0, 84.0],
     [59.0, 82.0, 139.0],
@@ -15,7 +15,8 @@ const COLOURS: [[f32; 3]; 5] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// Middle of a cell along one side, the outermost ones on the edge, so that the grid covers the field.
+/// Middle of a cell along one side, the outermost ones on the edge, so that the grid covers the
+/// field.
 fn place(cell: usize, cells: usize, size_m: f64) -> f32 {
     let at = match cell {
         0 => 0.0,

@@ -37,13 +37,13 @@ const SCENE: &str = "/scene";
 /// operating system when [`Sink::chunk`] returns, so that killing the program loses nothing of it.
 pub struct RrdSink {
     path: PathBuf,
-    open: Option<Open>,
+    open: Option<OpenRecording>,
 }
 
 /// Logging and flushing fail in ways of their own.
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-struct Open {
+struct OpenRecording {
     stream: RecordingStream,
     groups: Vec<Group>,
     scene: SceneLogger,
@@ -67,8 +67,9 @@ impl RrdSink {
 
 impl Sink for RrdSink {
     fn begin(&mut self, header: &Header) -> Result<(), SinkError> {
-        self.open =
-            Some(Open::begin(&self.path, header).map_err(self.failed("begin the recording"))?);
+        self.open = Some(
+            OpenRecording::begin(&self.path, header).map_err(self.failed("begin the recording"))?,
+        );
         Ok(())
     }
 
@@ -89,8 +90,8 @@ impl Sink for RrdSink {
     }
 }
 
-impl Open {
-    fn begin(path: &std::path::Path, header: &Header) -> Result<Open, Failure> {
+impl OpenRecording {
+    fn begin(path: &std::path::Path, header: &Header) -> Result<OpenRecording, Failure> {
         let stream = RecordingStreamBuilder::new(application(&header.scenario_name))
             .recording_name(header.scenario_name.as_str())
             // Whatever the environment says: the user asked for this file.
@@ -110,7 +111,7 @@ impl Open {
         log_text(&stream, results::CLAIMS, under_way.to_owned())?;
         layout::send(&stream, header, &groups, foot.is_some(), None)?;
         flush(&stream)?;
-        Ok(Open {
+        Ok(OpenRecording {
             stream,
             groups,
             scene,

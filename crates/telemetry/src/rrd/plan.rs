@@ -1,4 +1,5 @@
-//! A planned path for the viewer: the arm along it, the reserve as the path's colour, the stiffness ellipsoid at the tool.
+//! A planned path for the viewer: the arm along it, the reserve as the path's colour, the stiffness
+//! ellipsoid at the tool.
 
 use std::path::Path;
 

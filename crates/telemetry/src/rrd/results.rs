@@ -169,7 +169,8 @@ pub(super) fn log_profiles(
     Ok(drawn)
 }
 
-/// The chatter line of a spectrum of milling: the highest point near the frequency that the run names.
+/// The chatter line of a spectrum of milling: the highest point near the frequency that the run
+/// names.
 fn chatter_mark(
     profile: &Profile,
     scalars: &[Scalar],

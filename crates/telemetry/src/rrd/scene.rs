@@ -103,8 +103,8 @@ impl SceneLogger {
         Ok(())
     }
 
-    /// Logs the path that the tool took, once the run has ended, and where bodies stand of which there
-    /// was no frame.
+    /// Logs the path that the tool took, once the run has ended, and where bodies stand of which
+    /// there was no frame.
     pub(super) fn finish(self, stream: &RecordingStream) -> RecordingStreamResult<()> {
         for body in self.bodies.iter().filter(|body| body.last.is_none()) {
             send_poses(

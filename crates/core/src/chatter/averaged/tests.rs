@@ -1,7 +1,7 @@
 use super::*;
 use crate::chatter::DirectionalMatrix;
 use crate::chatter::limit::{LimitSearch, first_limit};
-use crate::chatter::planar::PlanarSplit;
+use crate::chatter::planar::reference::PlanarSplit;
 use crate::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
 use crate::cutting::milling::engagement::Engagement;
 use nalgebra::Vector3;
@@ -22,8 +22,8 @@ fn scattered(count: usize, seed: usize) -> Vec<TipMode> {
         .collect()
 }
 
-/// Below the limit all eigenvalues of the damped system lie to the left, above it one lies to the right, and at the
-/// limit it stands on the axis at the frequency given.
+/// Below the limit all eigenvalues of the damped system lie to the left, above it one lies to the
+/// right, and at the limit it stands on the axis at the frequency given.
 #[test]
 fn verify_limit_is_where_an_eigenvalue_crosses() {
     let mut found = 0;
@@ -79,7 +79,8 @@ fn verify_planar_criterion_is_the_case_of_two_modes() {
     assert!(!flutters(limit * (1.0 - 1e-6)) && flutters(limit * (1.0 + 1e-6)));
 }
 
-/// `spec` section 5, benchmark 2: lowest zero-order limit over all speeds, 1.087 mm at 633 Hz.
+/// `docs/physics/stability.md`, benchmark 2: lowest zero-order limit over all speeds, 1.087 mm at
+/// 633 Hz.
 #[test]
 fn verify_benchmark_2_lowest_limit() {
     let modes = [
@@ -102,7 +103,8 @@ fn verify_benchmark_2_lowest_limit() {
     assert!((lowest.frequency_hz - 633.0).abs() < 1.0, "{lowest:?}");
 }
 
-/// One mode across the feed only: Tlusty's limit −1/(2 B Re G) at its least, where the phase is free.
+/// One mode across the feed only: Tlusty's limit −1/(2 B Re G) at its least, where the phase is
+/// free.
 #[test]
 fn verify_one_direction_at_its_lowest_is_the_real_part_rule() {
     let mode = TipMode::of_stiffness(TAU * 100.0, 0.03, 1e7, &Vector3::y());
@@ -128,16 +130,17 @@ fn verify_slow_regeneration_is_damping() {
     let size = 0.25 * teeth as f64 * depth * k_t * period;
     let expected = Matrix2::new(k_r, 1.0, -1.0, k_r) * size;
     assert!((damper - expected).amax() < 1e-12 * size);
-    // One direction along the feed: half the damper's diagonal over the mass is added to the decay rate.
+    // One direction along the feed: half the damper's diagonal over the mass is added to the decay
+    // rate.
     let mass = 2000.0;
     let mode = TipMode::of_mass(TAU * 7.0, 0.02, mass, &Vector3::x());
-    let found = slow_regenerative_rightmost_per_s(&[mode], &b, depth, period).expect("a mode");
+    let found = rightmost(&[mode], &b, 0.0, depth * period).expect("a mode");
     let decay = 0.02 * TAU * 7.0 + 0.5 * size * k_r / mass;
     assert!((found.re / -decay - 1.0).abs() < 1e-9, "{found}");
 }
 
-/// For slow vibration the damper's eigenvalue is that of semi-discretisation: x(t) − x(t−T) departs from T ẋ by ωT/2,
-/// as a stiffness that leaves the growth rate alone to first order.
+/// For slow vibration the damper's eigenvalue is that of semi-discretisation: x(t) − x(t−T) departs
+/// from T ẋ by ωT/2, as a stiffness that leaves the growth rate alone to first order.
 #[test]
 fn verify_slow_regeneration_against_semi_discretisation() {
     let modes = [
@@ -149,14 +152,13 @@ fn verify_slow_regeneration_against_semi_discretisation() {
     let sdm = SemiDiscretisation::new(&modes, &process, 40);
     for depth in [0.1e-3, 0.3e-3] {
         let growth = sdm.multiplier(period, depth).growth_per_s(period);
-        let slow = slow_regenerative_rightmost_per_s(&modes, &process.average_pa(), depth, period)
-            .expect("modes");
+        let slow = rightmost(&modes, &process.average_pa(), 0.0, depth * period).expect("modes");
         assert!((growth / slow.re - 1.0).abs() < 0.02, "{growth} {slow}");
     }
 }
 
-/// Four teeth in a slot have a constant directional matrix: zero order is exact, and semi-discretisation with many steps
-/// must find the same first limit for any modes.
+/// Four teeth in a slot have a constant directional matrix: zero order is exact, and
+/// semi-discretisation with many steps must find the same first limit for any modes.
 #[test]
 fn verify_zero_order_against_semi_discretisation_where_it_is_exact() {
     let process = DirectionalMatrix::planar(4, 2e9, 0.3, Engagement::SLOT);

@@ -1,4 +1,5 @@
-//! The map over one tooth period, step by step. Sizes are known to the compiler: that is what makes it fast.
+//! The map over one tooth period, step by step. Sizes are known to the compiler: that is what makes
+//! it fast.
 
 use super::super::krylov::dominant_eigenvalue;
 use super::SemiDiscretisation;
@@ -24,12 +25,12 @@ pub(super) fn dominant_multiplier(
 
 /// Modal coordinates and their change per step.
 #[derive(Debug, Clone, Copy)]
-struct State<const N: usize> {
+struct DelayState<const N: usize> {
     q: [f64; N],
     v: [f64; N],
 }
 
-impl<const N: usize> State<N> {
+impl<const N: usize> DelayState<N> {
     const ZERO: Self = Self {
         q: [0.0; N],
         v: [0.0; N],
@@ -48,16 +49,18 @@ impl<const N: usize> State<N> {
     }
 }
 
-/// Directional matrices that differ by no more than rounding, as in a slot with four teeth, share one step.
+/// Directional matrices that differ by no more than rounding, as in a slot with four teeth, share
+/// one step.
 const ALIKE: f64 = 1e-13;
 
-/// One cutting step: what each coordinate, each rate and both remembered positions add to the next state.
+/// One cutting step: what each coordinate, each rate and both remembered positions add to the next
+/// state.
 #[derive(Clone)]
 struct CuttingStep<const N: usize, const D: usize> {
-    from_q: [State<N>; N],
-    from_v: [State<N>; N],
-    from_before: [State<N>; D],
-    from_after: [State<N>; D],
+    from_q: [DelayState<N>; N],
+    from_v: [DelayState<N>; N],
+    from_before: [DelayState<N>; D],
+    from_after: [DelayState<N>; D],
 }
 
 /// Modes in time steps, and what is remembered of them.
@@ -70,7 +73,8 @@ struct Oscillators<const N: usize, const D: usize> {
     heights: [f64; N],
 }
 
-/// Accelerations of the modes, in steps: per remembered position, and per displacement along the tool's axis.
+/// Accelerations of the modes, in steps: per remembered position, and per displacement along the
+/// tool's axis.
 #[derive(Clone, Copy)]
 struct Push<const N: usize, const D: usize> {
     remembered: [[f64; D]; N],
@@ -133,7 +137,8 @@ impl<const N: usize, const D: usize> PeriodMap<N, D> {
         }
     }
 
-    /// Length of the vector that the map acts on: the state, and one position for each step before it.
+    /// Length of the vector that the map acts on: the state, and one position for each step before
+    /// it.
     pub(super) fn length(&self) -> usize {
         2 * N + self.steps.len() * D
     }
@@ -142,11 +147,12 @@ impl<const N: usize, const D: usize> PeriodMap<N, D> {
         dominant_eigenvalue(self.length(), |from, to| self.apply(from, to))
     }
 
-    /// One tooth period: `from` is the state and the k positions before it, oldest first; `to` likewise a period later.
+    /// One tooth period: `from` is the state and the k positions before it, oldest first; `to`
+    /// likewise a period later.
     pub(super) fn apply(&self, from: &[f64], to: &mut [f64]) {
         let (start, past) = from.split_at(2 * N);
         let (end, recorded) = to.split_at_mut(2 * N);
-        let mut state = State {
+        let mut state = DelayState {
             q: std::array::from_fn(|j| start[j]),
             v: std::array::from_fn(|j| start[N + j]),
         };
@@ -170,8 +176,8 @@ impl<const N: usize, const D: usize> PeriodMap<N, D> {
         end[N..].copy_from_slice(&state.v);
     }
 
-    fn free_motion(&self, state: &State<N>) -> State<N> {
-        let mut next = State::ZERO;
+    fn free_motion(&self, state: &DelayState<N>) -> DelayState<N> {
+        let mut next = DelayState::ZERO;
         for (j, e) in self.free.iter().enumerate() {
             next.q[j] = e[0] * state.q[j] + e[1] * state.v[j];
             next.v[j] = e[2] * state.q[j] + e[3] * state.v[j];
@@ -181,8 +187,8 @@ impl<const N: usize, const D: usize> PeriodMap<N, D> {
 }
 
 impl<const N: usize, const D: usize> CuttingStep<N, D> {
-    fn apply(&self, state: &State<N>, before: &[f64; D], after: &[f64; D]) -> State<N> {
-        let mut next = State::ZERO;
+    fn apply(&self, state: &DelayState<N>, before: &[f64; D], after: &[f64; D]) -> DelayState<N> {
+        let mut next = DelayState::ZERO;
         for j in 0..N {
             next.add(state.q[j], &self.from_q[j]);
             next.add(state.v[j], &self.from_v[j]);
@@ -202,10 +208,10 @@ impl<const N: usize, const D: usize> Oscillators<N, D> {
     }
 
     /// A (q, v) · factor = (v, −a q − b v + F C q + f z) · factor.
-    fn derivative(&self, force: &Push<N, D>, column: &State<N>, factor: f64) -> State<N> {
+    fn derivative(&self, force: &Push<N, D>, column: &DelayState<N>, factor: f64) -> DelayState<N> {
         let seen = self.seen(&column.q);
         let height: f64 = (0..N).map(|j| self.heights[j] * column.q[j]).sum();
-        let mut next = State::ZERO;
+        let mut next = DelayState::ZERO;
         for (j, ((a, b), row)) in self.rates.iter().zip(&force.remembered).enumerate() {
             let push: f64 = row.iter().zip(&seen).map(|(f, s)| f * s).sum();
             let push = push + force.floor[j] * height;
@@ -215,12 +221,13 @@ impl<const N: usize, const D: usize> Oscillators<N, D> {
         next
     }
 
-    /// Exact solution of y' = A y − B (z₀ (1 − τ) + z₁ τ), B = (0, F), over τ = 0 … 1 by the Taylor series of e^A,
-    /// ∫e^{A(1−τ)} dτ and ∫e^{A(1−τ)} τ dτ, which short steps let converge fast. Terms of the columns that start with a
-    /// rate follow from those that start with a coordinate: A eᵥ = e_q − b eᵥ.
+    /// Exact solution of y' = A y − B (z₀ (1 − τ) + z₁ τ), B = (0, F), over τ = 0 … 1 by the Taylor
+    /// series of e^A, ∫e^{A(1−τ)} dτ and ∫e^{A(1−τ)} τ dτ, which short steps let converge fast.
+    /// Terms of the columns that start with a rate follow from those that start with a coordinate:
+    /// A eᵥ = e_q − b eᵥ.
     fn cutting_step(&self, force: &Push<N, D>) -> CuttingStep<N, D> {
-        let mut term_q = [State::<N>::ZERO; N];
-        let mut term_v = [State::<N>::ZERO; N];
+        let mut term_q = [DelayState::<N>::ZERO; N];
+        let mut term_v = [DelayState::<N>::ZERO; N];
         for j in 0..N {
             term_q[j].q[j] = 1.0;
             term_v[j].v[j] = 1.0;
@@ -228,7 +235,7 @@ impl<const N: usize, const D: usize> Oscillators<N, D> {
         let (mut sum_q, mut sum_v) = (term_q, term_v);
         let mut whole = term_v;
         let mut rising = term_v.map(|column| {
-            let mut half = State::ZERO;
+            let mut half = DelayState::ZERO;
             half.add(0.5, &column);
             half
         });
@@ -237,7 +244,7 @@ impl<const N: usize, const D: usize> Oscillators<N, D> {
             let (next, after) = (1.0 / f64::from(m + 1), 1.0 / f64::from((m + 1) * (m + 2)));
             let mut largest = 0.0_f64;
             for j in 0..N {
-                let mut column = State::ZERO;
+                let mut column = DelayState::ZERO;
                 column.add(factor, &term_q[j]);
                 column.add(-factor * self.rates[j].1, &term_v[j]);
                 term_v[j] = column;
@@ -255,8 +262,8 @@ impl<const N: usize, const D: usize> Oscillators<N, D> {
         let mut step = CuttingStep {
             from_q: sum_q,
             from_v: sum_v,
-            from_before: [State::ZERO; D],
-            from_after: [State::ZERO; D],
+            from_before: [DelayState::ZERO; D],
+            from_after: [DelayState::ZERO; D],
         };
         for (j, pushes) in force.remembered.iter().enumerate() {
             for (d, push) in pushes.iter().enumerate() {

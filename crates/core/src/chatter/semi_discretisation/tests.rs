@@ -10,7 +10,8 @@ fn seconds_per_tooth(rpm: f64, teeth: usize) -> f64 {
     60.0 / (rpm * teeth as f64)
 }
 
-/// Benchmark 1 (Insperger): one direction of 0.03993 kg, 922 Hz, ζ = 0.011, two teeth, K_t = 6e8, K_n = 2e8 Pa.
+/// Benchmark 1 (Insperger): one direction of 0.03993 kg, 922 Hz, ζ = 0.011, two teeth, K_t = 6e8,
+/// K_n = 2e8 Pa.
 fn benchmark_1(immersion: f64, steps: usize) -> SemiDiscretisation {
     let mode = TipMode::of_mass(TAU * 922.0, 0.011, 0.03993, &Vector3::x());
     let down = Engagement::down(immersion, 1.0).expect("partial");
@@ -18,7 +19,8 @@ fn benchmark_1(immersion: f64, steps: usize) -> SemiDiscretisation {
     SemiDiscretisation::new(&[mode], &process, steps)
 }
 
-/// `spec` section 5: |μ| at a/D = 1, 5000 rpm, k = 200, to 0.1 %; the values agree to all five digits.
+/// `docs/physics/stability.md`, benchmark 1: |μ| at a/D = 1, 5000 rpm, k = 200, to 0.1 %; the
+/// values agree to all five digits.
 #[test]
 fn verify_benchmark_1_multipliers() {
     let sdm = benchmark_1(1.0, 200);
@@ -46,7 +48,8 @@ fn verify_benchmark_1_converges() {
     }
 }
 
-/// `spec` section 5: first limits in mm at k = 100, ±2 %, and which of them are flips.
+/// `docs/physics/stability.md`, benchmark 1: first limits in mm at k = 100, ±2 %, and which of them
+/// are flips.
 #[test]
 fn verify_benchmark_1_first_limits() {
     use Bifurcation::{Flip, Hopf};
@@ -120,7 +123,8 @@ fn benchmark_2(engagement: Engagement) -> (Vec<TipMode>, DirectionalMatrix) {
     (modes, DirectionalMatrix::planar(3, 6e8, 0.07, engagement))
 }
 
-/// `spec` section 5: zero-order and semi-discretisation limits in mm at four speeds, ±2 %.
+/// `docs/physics/stability.md`, benchmark 2: zero-order and semi-discretisation limits in mm at
+/// four speeds, ±2 %.
 #[test]
 fn verify_benchmark_2_zero_order_and_semi_discretisation() {
     let quarter = Engagement {
@@ -160,7 +164,8 @@ fn verify_benchmark_2_zero_order_and_semi_discretisation() {
     }
 }
 
-/// The period map against the dense matrices of the textbook, multiplied out: same dominant multiplier.
+/// The period map against the dense matrices of the textbook, multiplied out: same dominant
+/// multiplier.
 #[test]
 fn verify_krylov_against_dense_monodromy() {
     let down = Engagement::down(0.4, 1.0).expect("partial");
@@ -222,8 +227,8 @@ fn verify_zero_depth_is_free_decay() {
     assert!(all.windows(2).all(|w| w[0] < w[1]));
 }
 
-/// Both diagrams of `benches/lobes_numpy.py`, which multiplies dense matrices out: sums of |μ| over 20 × 20 points. Its
-/// directional factors are sums over 50 samples a step, good for some 1e-5.
+/// Both diagrams of `benches/lobes_numpy.py`, which multiplies dense matrices out: sums of |μ| over
+/// 20 × 20 points. Its directional factors are sums over 50 samples a step, good for some 1e-5.
 #[test]
 fn verify_diagrams_agree_with_dense_numpy() {
     let slot = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, Engagement::SLOT);
@@ -243,8 +248,8 @@ fn verify_diagrams_agree_with_dense_numpy() {
     }
 }
 
-/// The floor alone (no depth): a slot with four teeth pushes with a constant force per displacement, and the multiplier is that of the
-/// state matrix.
+/// The floor alone (no depth): a slot with four teeth pushes with a constant force per
+/// displacement, and the multiplier is that of the state matrix.
 #[test]
 fn verify_floor_feedback_is_that_of_the_state_matrix() {
     let shapes = [

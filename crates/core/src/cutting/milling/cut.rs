@@ -1,64 +1,21 @@
 //! Forces of a tool that vibrates against the surface that earlier teeth left.
 //!
-//! The tooth's tip runs on a circle about the displaced axis. Along the ray from the axis through the tip, the
-//! material begins where the outermost of the remembered arcs ends: regeneration, teeth that leave the cut and the
-//! several older surfaces that the next one then meets all follow from that one rule. The chip is the part of the ray
-//! between that point and the tip which lies in the stock; it is measured on true arcs, not on their linearisation.
+//! The tooth's tip runs on a circle about the displaced axis. Along the ray from the axis through
+//! the tip, the material begins where the outermost of the remembered arcs ends: regeneration,
+//! teeth that leave the cut and the several older surfaces that the next one then meets all follow
+//! from that one rule. The chip is the part of the ray between that point and the tip which lies in
+//! the stock; it is measured on true arcs, not on their linearisation.
 //!
-//! The edge is engaged from the tip up to the stock's upper face. A tool that sinks is engaged deeper at once (the
-//! floor ahead is still whole), which is the depth feedback of mode coupling. What the end teeth cut while the tool
-//! sinks, on its flat end, is not part of the model.
+//! The edge is engaged from the tip up to the stock's upper face. A tool that sinks is engaged
+//! deeper at once (the floor ahead is still whole), which is the depth feedback of mode coupling.
+//! What the end teeth cut while the tool sinks, on its flat end, is not part of the model.
 
-use super::cutter::Cutter;
 use super::dexel::FinishedSurface;
-use super::engagement::Stock;
 use super::memory::{Passed, Trace};
+pub use super::parameters::{MillingParameters, ToolState};
 use super::sweep::on_tool_n;
-use crate::cutting::chamfer::CuttingCoefficients;
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::TAU;
-
-/// All that a straight milling pass is made of. The tool point's nominal path starts at the origin of the milling
-/// frame and runs along x; its rotation is 0 there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MillingParameters {
-    pub cutter: Cutter,
-    pub coefficients: CuttingCoefficients,
-    pub stock: Stock,
-    /// c, m.
-    pub feed_per_tooth_m: f64,
-    /// Teeth meet the surface that was left (true), or the one that a steadily displaced tool would have left.
-    pub regeneration: bool,
-    /// Displacement of the tool that left the surface before the pass began and, without regeneration, at any time:
-    /// the deflection under the mean force, if the cut is to begin steadily and, without regeneration, to have its
-    /// nominal chip; x and y count.
-    pub steady_displacement_m: Vector3<f64>,
-    /// How many earlier passes are remembered; a tooth that was out of the cut for longer finds the oldest of them.
-    pub passes: usize,
-    /// The edge is cut into slices over each of which it lags by no more than this, rad.
-    pub slice_lag_rad: f64,
-}
-
-impl MillingParameters {
-    /// Feed per revolution, m.
-    pub fn feed_per_revolution_m(&self) -> f64 {
-        self.feed_per_tooth_m * self.cutter.teeth as f64
-    }
-
-    /// Nominal x of the tool point, m.
-    pub fn nominal_x_m(&self, rotation_rad: f64) -> f64 {
-        self.feed_per_revolution_m() * rotation_rad / TAU
-    }
-}
-
-/// Where the tool is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ToolState {
-    /// Angle by which the spindle has turned, rad, not wrapped.
-    pub rotation_rad: f64,
-    /// Tool point minus its nominal position, milling frame, m.
-    pub displacement_m: Vector3<f64>,
-}
 
 /// What the cut does to the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,7 +40,8 @@ pub struct MillingCut {
     finished: Option<FinishedSurface>,
 }
 
-/// An earlier pass as the teeth of now see it: the axis then minus the axis now, and its change with rotation.
+/// An earlier pass as the teeth of now see it: the axis then minus the axis now, and its change
+/// with rotation.
 #[derive(Debug, Clone, Copy)]
 struct EarlierPass {
     offset_m: Vector2<f64>,
@@ -91,7 +49,8 @@ struct EarlierPass {
 }
 
 impl MillingCut {
-    /// A pass before which the tool ran steadily displaced. `finished` collects walls and floor, if wanted.
+    /// A pass before which the tool ran steadily displaced. `finished` collects walls and floor, if
+    /// wanted.
     pub fn new(parameters: MillingParameters, finished: Option<FinishedSurface>) -> Self {
         // A pass and a half more than is read, for the shift along the arc.
         let span = parameters.cutter.pitch_rad() * (parameters.passes as f64 + 1.5);
@@ -150,7 +109,8 @@ impl MillingCut {
         loads
     }
 
-    /// The tool has come to this state: its teeth leave their surface. To be called once a step, with rising rotation.
+    /// The tool has come to this state: its teeth leave their surface. To be called once a step,
+    /// with rising rotation.
     pub fn commit(&mut self, state: &ToolState) {
         if let (Some(finished), Some((rotation_rad, displacement_m))) =
             (&mut self.finished, self.trace.last())

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Offset of the cutter's axis from the spindle's: tooth j runs at `r + e cos(φ0 − 2πj/N)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Runout {
+pub struct Eccentricity {
     /// e, m.
     pub offset_m: f64,
     /// φ0, angle of the offset from tooth 0 in the sense of rotation, rad.
@@ -19,23 +19,23 @@ pub struct Cutter {
     pub teeth: usize,
     /// β between cutting edge and axis, rad; positive if the edge lags behind with height.
     pub helix_angle_rad: f64,
-    pub runout: Runout,
+    pub eccentricity: Eccentricity,
 }
 
 impl Cutter {
-    /// A cutter without helix and runout.
+    /// A cutter without helix and eccentricity.
     pub fn straight(radius_m: f64, teeth: usize) -> Self {
         Self {
             radius_m,
             teeth,
             helix_angle_rad: 0.0,
-            runout: Runout::default(),
+            eccentricity: Eccentricity::default(),
         }
     }
 
     /// # Errors
-    /// If the cutter has no teeth, a radius that is not positive, a helix beyond 1.4 rad or more runout than half
-    /// its radius.
+    /// If the cutter has no teeth, a radius that is not positive, a helix beyond 1.4 rad or more
+    /// eccentricity than half its radius.
     pub fn check(&self) -> Result<(), MillingError> {
         if self.teeth == 0 {
             return Err(MillingError::NoTeeth);
@@ -48,9 +48,12 @@ impl Cutter {
         if !(-1.4..=1.4).contains(&helix_angle_rad) {
             return Err(MillingError::Helix { helix_angle_rad });
         }
-        let runout_m = self.runout.offset_m;
-        if runout_m.is_nan() || runout_m.abs() >= 0.5 * radius_m {
-            return Err(MillingError::Runout { runout_m, radius_m });
+        let eccentricity_m = self.eccentricity.offset_m;
+        if eccentricity_m.is_nan() || eccentricity_m.abs() >= 0.5 * radius_m {
+            return Err(MillingError::Eccentricity {
+                eccentricity_m,
+                radius_m,
+            });
         }
         Ok(())
     }
@@ -60,15 +63,15 @@ impl Cutter {
         TAU / self.teeth as f64
     }
 
-    /// Radius on which tooth `tooth` runs, m. Counted against the rotation: tooth 1 follows tooth 0, and tooth
-    /// numbers beyond N count on.
+    /// Radius on which tooth `tooth` runs, m. Counted against the rotation: tooth 1 follows tooth
+    /// 0, and tooth numbers beyond N count on.
     pub fn tooth_radius_m(&self, tooth: usize) -> f64 {
         let behind = self.pitch_rad() * (tooth % self.teeth) as f64;
-        self.radius_m + self.runout.offset_m * (self.runout.angle_rad + behind).cos()
+        self.radius_m + self.eccentricity.offset_m * (self.eccentricity.angle_rad + behind).cos()
     }
 
-    /// Angle φ of a tooth's tip when the spindle has turned by `rotation_rad`, not wrapped: tooth 0 stands at φ = 0
-    /// when the rotation is 0, tooth j follows by j pitches.
+    /// Angle φ of a tooth's tip when the spindle has turned by `rotation_rad`, not wrapped: tooth 0
+    /// stands at φ = 0 when the rotation is 0, tooth j follows by j pitches.
     pub fn tooth_angle_rad(&self, tooth: usize, rotation_rad: f64) -> f64 {
         rotation_rad - self.pitch_rad() * tooth as f64
     }
@@ -94,15 +97,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verify_runout_moves_each_tooth_by_the_projected_offset() {
+    fn verify_eccentricity_moves_each_tooth_by_the_projected_offset() {
         let cutter = Cutter {
-            runout: Runout {
+            eccentricity: Eccentricity {
                 offset_m: 1e-5,
                 angle_rad: 0.3,
             },
             ..Cutter::straight(8e-3, 4)
         };
-        // r_j = r + e cos(φ0 - 2πj/N) with j counted in the sense of rotation; here teeth are counted as they pass.
+        // r_j = r + e cos(φ0 - 2πj/N) with j counted in the sense of rotation; here teeth are
+        // counted as they pass.
         for tooth in 0..4 {
             let ahead = -(tooth as f64) * TAU / 4.0;
             let expected = 8e-3 + 1e-5 * (0.3 - ahead).cos();

@@ -1,9 +1,10 @@
-//! The finished surface as dexels: rows of parallel rays, each keeping where the tool has cut it off.
+//! The finished surface as dexels: rows of parallel rays, each keeping where the tool has cut it
+//! off.
 //!
-//! A wall has one row of rays along y for each height looked at, the floor one row of rays along z for each line
-//! looked at. Rays stand on an even grid along the feed.
+//! A wall has one row of rays along y for each height looked at, the floor one row of rays along z
+//! for each line looked at. Rays stand on an even grid along the feed.
 
-use super::cut::{MillingParameters, ToolState};
+use super::parameters::{MillingParameters, ToolState};
 use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
 
@@ -30,7 +31,8 @@ impl RayGrid {
     }
 }
 
-/// A row of dexels: how far material is left above the nominal surface, m, by ray; NaN where nothing has been cut.
+/// A row of dexels: how far material is left above the nominal surface, m, by ray; NaN where
+/// nothing has been cut.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DexelRow {
     left_m: Vec<f64>,
@@ -43,7 +45,8 @@ impl DexelRow {
         }
     }
 
-    /// Material left above the nominal surface by ray, m; negative where too much was taken, NaN where none was.
+    /// Material left above the nominal surface by ray, m; negative where too much was taken, NaN
+    /// where none was.
     pub fn left_m(&self) -> &[f64] {
         &self.left_m
     }
@@ -87,8 +90,8 @@ struct FloorRow {
 }
 
 impl FinishedSurface {
-    /// Rays on `grid` for the walls that `walls` names, at heights above the nominal floor, and for floor lines at
-    /// the given y.
+    /// Rays on `grid` for the walls that `walls` names, at heights above the nominal floor, and for
+    /// floor lines at the given y.
     pub fn new(grid: RayGrid, walls: &[(Wall, f64)], floor_lines_y_m: &[f64]) -> Self {
         let wall = |&(wall, height_m): &(Wall, f64)| WallRow {
             wall,
@@ -176,7 +179,8 @@ impl TipState {
     }
 }
 
-/// Shares of the way from `from` to `to` at which the angle stands between `low` and `high`, any turn.
+/// Shares of the way from `from` to `to` at which the angle stands between `low` and `high`, any
+/// turn.
 fn within(from: &TipState, to: &TipState, low_rad: f64, high_rad: f64) -> Option<(f64, f64)> {
     let width = to.angle_rad - from.angle_rad;
     if width <= 0.0 {
@@ -222,8 +226,8 @@ impl WallRow {
 }
 
 impl FloorRow {
-    /// Teeth scratch the floor where their tips cross the line; between one tooth's crossing and the next the floor
-    /// runs straight.
+    /// Teeth scratch the floor where their tips cross the line; between one tooth's crossing and
+    /// the next the floor runs straight.
     fn sweep(
         &mut self,
         grid: &RayGrid,

@@ -67,7 +67,8 @@ impl Engagement {
         })
     }
 
-    /// The stock that gives this engagement to a tool on its nominal path with axis at y = 0, unbounded along x.
+    /// The stock that gives this engagement to a tool on its nominal path with axis at y = 0,
+    /// unbounded along x.
     pub fn stock(&self, cutter: &Cutter, axial_depth_m: f64) -> Stock {
         Stock {
             x_min_m: f64::NEG_INFINITY,
@@ -79,7 +80,8 @@ impl Engagement {
     }
 }
 
-/// Lateral face of the stock where teeth enter or leave at `angle`; none if they do so on the wall they make.
+/// Lateral face of the stock where teeth enter or leave at `angle`; none if they do so on the wall
+/// they make.
 fn bound(radius_m: f64, angle: f64, wall_angle: f64, none: f64) -> f64 {
     if (angle - wall_angle).abs() < 1e-12 {
         none
@@ -98,7 +100,8 @@ fn check_depth(radial_depth_m: f64, diameter_m: f64) -> Result<(), MillingError>
     })
 }
 
-/// A block of stock in the milling frame. Its floor is where the tool's tip stands; bounds may be infinite.
+/// A block of stock in the milling frame. Its floor is where the tool's tip stands; bounds may be
+/// infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stock {
     pub x_min_m: f64,

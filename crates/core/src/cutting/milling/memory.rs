@@ -1,9 +1,10 @@
 //! The surface that earlier teeth left, kept as the motion that made it.
 //!
-//! A tooth leaves an arc about the point where the axis stood at the time. All teeth of an equally pitched cutter, at
-//! all heights of a helical edge, pass a given angle one pitch of rotation after another, so that one trace of the
-//! axis over the angle of rotation holds the surfaces of all of them, to the accuracy of its interpolation and without
-//! a grid. What a tooth reads was left at least half a pitch of rotation before.
+//! A tooth leaves an arc about the point where the axis stood at the time. All teeth of an equally
+//! pitched cutter, at all heights of a helical edge, pass a given angle one pitch of rotation after
+//! another, so that one trace of the axis over the angle of rotation holds the surfaces of all of
+//! them, to the accuracy of its interpolation and without a grid. What a tooth reads was left at
+//! least half a pitch of rotation before.
 
 use nalgebra::Vector3;
 use std::collections::VecDeque;
@@ -24,7 +25,8 @@ pub struct Passed {
 }
 
 impl Trace {
-    /// Remembers rotation by `span_rad`. Before its first point the tool ran displaced by `before_m`.
+    /// Remembers rotation by `span_rad`. Before its first point the tool ran displaced by
+    /// `before_m`.
     pub fn new(span_rad: f64, before_m: Vector3<f64>) -> Self {
         Self {
             span_rad,
@@ -48,8 +50,8 @@ impl Trace {
         self.points.back().copied()
     }
 
-    /// Where the tool was at `rotation_rad`: cubic through the two points on either side (Lagrange), straight at the
-    /// ends; what was before the first point, the last point after it.
+    /// Where the tool was at `rotation_rad`: cubic through the two points on either side
+    /// (Lagrange), straight at the ends; what was before the first point, the last point after it.
     pub fn at(&self, rotation_rad: f64) -> Passed {
         let still = |displacement_m| Passed {
             displacement_m,
@@ -103,8 +105,8 @@ mod tests {
         )
     }
 
-    /// Cubic interpolation of a wave of unit curvature at 40 points a turn is off by 3/128 (2π/40)⁴ at most, times 16
-    /// for the wave of double frequency; the derivative loses one order.
+    /// Cubic interpolation of a wave of unit curvature at 40 points a turn is off by 3/128 (2π/40)⁴
+    /// at most, times 16 for the wave of double frequency; the derivative loses one order.
     #[test]
     fn verify_trace_interpolates_to_fourth_order() {
         let step = std::f64::consts::TAU / 40.0;

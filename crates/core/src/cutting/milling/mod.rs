@@ -1,12 +1,13 @@
-//! Peripheral milling with an end mill: linear-edge forces, the surface that earlier teeth left, the finished walls.
+//! Peripheral milling with an end mill: linear-edge forces, the surface that earlier teeth left,
+//! the finished walls.
 //!
 //! # Milling frame
 //!
-//! x is the feed of the tool relative to the workpiece, z the tool axis pointing from the tip up into the spindle,
-//! y = z × x. The tool turns clockwise seen from above, as a right-hand cutter does. The angle φ of a tooth is
-//! measured from +y towards +x, so that a tooth at φ points along (sin φ, cos φ), cuts while sin φ > 0, and the
-//! nominal chip is `c sin φ` with c the feed per tooth (Altintas, *Manufacturing Automation*, 2nd ed. 2012,
-//! section 2.5, whose axes these are).
+//! x is the feed of the tool relative to the workpiece, z the tool axis pointing from the tip up
+//! into the spindle, y = z × x. The tool turns clockwise seen from above, as a right-hand cutter
+//! does. The angle φ of a tooth is measured from +y towards +x, so that a tooth at φ points along
+//! (sin φ, cos φ), cuts while sin φ > 0, and the nominal chip is `c sin φ` with c the feed per
+//! tooth (`altintas2012`, section 2.5, whose axes these are).
 //!
 //! | engagement | angles |
 //! | --- | --- |
@@ -14,12 +15,13 @@
 //! | up-milling, radial depth a, diameter D | 0 … acos(1 − 2a/D) |
 //! | down-milling | acos(2a/D − 1) … π |
 //!
-//! Forces act on the tool: tangential against the motion of the tooth, radial towards the axis, axial along +z.
-//! Publications differ in the sign of K_ac; here a positive one pushes the tool into the spindle.
+//! Forces act on the tool: tangential against the motion of the tooth, radial towards the axis,
+//! axial along +z. Publications differ in the sign of K_ac; here a positive one pushes the tool
+//! into the spindle.
 //!
 //! | module | what it holds |
 //! | --- | --- |
-//! | [`cutter`] | teeth, helix, runout |
+//! | [`cutter`] | teeth, helix, eccentricity |
 //! | [`engagement`] | entry and exit angles, the stock |
 //! | [`nominal`] | forces of the nominal chip in closed form: at an angle, and averaged over a revolution |
 //! | [`memory`] | where the tool stood when earlier teeth passed: the surface they left |
@@ -34,6 +36,7 @@ pub mod engagement;
 pub mod finish;
 pub mod memory;
 pub mod nominal;
+mod parameters;
 pub(crate) mod sweep;
 
 /// Why a milling cut cannot be what was asked for.
@@ -46,9 +49,9 @@ pub enum MillingError {
     #[error("the helix angle is {helix_angle_rad} rad; it must lie between -1.4 and 1.4 rad")]
     Helix { helix_angle_rad: f64 },
     #[error(
-        "the runout of {runout_m} m is not smaller than half the cutter radius of {radius_m} m"
+        "the eccentricity of {eccentricity_m} m is not smaller than half the cutter radius of {radius_m} m"
     )]
-    Runout { runout_m: f64, radius_m: f64 },
+    Eccentricity { eccentricity_m: f64, radius_m: f64 },
     #[error(
         "the radial depth of cut is {radial_depth_m} m; it must be positive and at most the cutter diameter, {diameter_m} m"
     )]

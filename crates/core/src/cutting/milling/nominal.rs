@@ -19,17 +19,19 @@ pub struct NominalCut {
 }
 
 impl NominalCut {
-    /// Force on the tool, averaged over a revolution, N: `N b / 2π` times the integral of the tooth's force over the
-    /// engagement (Altintas, *Manufacturing Automation*, 2012, eqs. 2.42 f.). Helix and runout have no part in it as
-    /// long as every tooth cuts: the helix moves force in time, runout from one tooth to another.
+    /// Force on the tool, averaged over a revolution, N: `N b / 2π` times the integral of the
+    /// tooth's force over the engagement (`altintas2012`, eqs. 2.42 f.). Helix and eccentricity
+    /// have no part in it as long as every tooth cuts: the helix moves force in time, eccentricity
+    /// from one tooth to another.
     pub fn average_force_n(&self) -> Vector3<f64> {
         let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
         let scale = self.cutter.teeth as f64 * self.axial_depth_m / TAU;
         self.force_of(&sweep) * scale
     }
 
-    /// Moment on the tool about its tip, averaged over a revolution, N m: tooth forces at the radius and, every height
-    /// contributing alike, half the depth above the tip; z brakes the spindle.
+    /// Moment on the tool about its tip, averaged over a revolution, N m: tooth forces at the
+    /// radius and, every height contributing alike, half the depth above the tip; z brakes the
+    /// spindle.
     pub fn average_moment_n_m(&self) -> Vector3<f64> {
         let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
         let k = &self.coefficients;
@@ -44,8 +46,8 @@ impl NominalCut {
         up.cross(&self.average_force_n()) + Vector3::new(axial_cos, -axial_sin, braking) * scale
     }
 
-    /// Force on the tool when the spindle has turned by `rotation_rad`, N. The helical edge is integrated in closed
-    /// form: with lag κ per height, dz = dφ/κ.
+    /// Force on the tool when the spindle has turned by `rotation_rad`, N. The helical edge is
+    /// integrated in closed form: with lag κ per height, dz = dφ/κ.
     pub fn force_n(&self, rotation_rad: f64) -> Vector3<f64> {
         let teeth = 0..self.cutter.teeth;
         teeth
@@ -53,16 +55,17 @@ impl NominalCut {
             .sum()
     }
 
-    /// Depth feedback from the floor, averaged, N/m: force on the tool by columns of its displacement. A tool that sinks
-    /// is engaged deeper at once, F̄ (b − z)/b, whatever the depth; in a slot ∂F/∂z per depth is (f_rev/4)(−K_rc, K_tc)
-    /// without edge forces. It does not grow with the depth and is added to `b B` where that enters a stability question.
+    /// Depth feedback from the floor, averaged, N/m: force on the tool by columns of its
+    /// displacement. A tool that sinks is engaged deeper at once, F̄ (b − z)/b, whatever the depth;
+    /// in a slot ∂F/∂z per depth is (f_rev/4)(−K_rc, K_tc) without edge forces. It does not grow
+    /// with the depth and is added to `b B` where that enters a stability question.
     pub fn floor_feedback_n_per_m(&self) -> Matrix3<f64> {
         let per_depth = self.average_force_n() / self.axial_depth_m;
         Matrix3::from_columns(&[Vector3::zeros(), Vector3::zeros(), -per_depth])
     }
 
-    /// Force on the tool per axial depth, averaged while tooth 0 turns from φ = `from_rad` to `to_rad`, all teeth together, N/m.
-    /// Straight edges.
+    /// Force on the tool per axial depth, averaged while tooth 0 turns from φ = `from_rad` to
+    /// `to_rad`, all teeth together, N/m. Straight edges.
     pub fn force_per_depth_between(&self, from_rad: f64, to_rad: f64) -> Vector3<f64> {
         let mut sweep = Sweep::default();
         for tooth in 0..self.cutter.teeth {
@@ -137,9 +140,9 @@ mod tests {
         cuts
     }
 
-    /// The average as printed: F̄x = N b c/8π [K_tc cos 2φ − K_rc (2φ − sin 2φ)] + N b/2π [−K_te sin φ + K_re cos φ],
-    /// F̄y = N b c/8π [K_tc (2φ − sin 2φ) + K_rc cos 2φ] − N b/2π [K_te cos φ + K_re sin φ],
-    /// F̄z = N b/2π [−K_ac c cos φ + K_ae φ].
+    /// The average as printed: F̄x = N b c/8π [K_tc cos 2φ − K_rc (2φ − sin 2φ)] + N b/2π [−K_te
+    /// sin φ + K_re cos φ], F̄y = N b c/8π [K_tc (2φ − sin 2φ) + K_rc cos 2φ] − N b/2π [K_te cos φ +
+    /// K_re sin φ], F̄z = N b/2π [−K_ac c cos φ + K_ae φ].
     fn printed(cut: &NominalCut) -> Vector3<f64> {
         let k = &cut.coefficients;
         let (b, c, n) = (
@@ -174,7 +177,8 @@ mod tests {
         }
     }
 
-    /// `spec` section 2: (f_rev/4)(−K_rc, K_tc) per depth, 2e5 N/m in steel of K_t 2 GPa at 0.4 mm per revolution.
+    /// `docs/physics/milling_forces.md`, Floor: (f_rev/4)(−K_rc, K_tc) per depth, 2e5 N/m in steel
+    /// of K_t 2 GPa at 0.4 mm per revolution.
     #[test]
     fn verify_floor_feedback_of_a_slot() {
         let cut = NominalCut {
@@ -197,8 +201,9 @@ mod tests {
         assert!((feedback.column(2).y + 2e5).abs() < 1e-6);
     }
 
-    /// The force at an angle, averaged numerically over a revolution. 7200 samples meet an entry to 0.9 mrad, which
-    /// is 1e-3 of the shortest engagement at most; with helix the force is continuous and the sum far better.
+    /// The force at an angle, averaged numerically over a revolution. 7200 samples meet an entry to
+    /// 0.9 mrad, which is 1e-3 of the shortest engagement at most; with helix the force is
+    /// continuous and the sum far better.
     #[test]
     fn verify_mean_of_the_force_over_a_revolution() {
         for cut in cuts() {

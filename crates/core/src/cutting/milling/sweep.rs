@@ -32,8 +32,8 @@ impl Sweep {
         self.one - self.sin_sin
     }
 
-    /// ∫ d(K) [sin φ, cos φ, 0]ᵀ… as a matrix: force on the tool per edge length (Pa rad) for a chip
-    /// h = (sin φ, cos φ, 0)·Δ, by columns of Δ.
+    /// ∫ d(K) [sin φ, cos φ, 0]ᵀ… as a matrix: force on the tool per edge length (Pa rad) for a
+    /// chip h = (sin φ, cos φ, 0)·Δ, by columns of Δ.
     pub fn chip_force_pa(&self, k: &CuttingCoefficients) -> Matrix3<f64> {
         let (t, r, a) = (k.tangential_pa, k.radial_pa, k.axial_pa);
         let (ss, sc, cc) = (self.sin_sin, self.sin_cos, self.cos_cos());
@@ -71,7 +71,8 @@ impl std::ops::AddAssign for Sweep {
     }
 }
 
-/// Force on the tool from forces (tangential, radial, axial) of a tooth at φ, in the milling frame, N.
+/// Force on the tool from forces (tangential, radial, axial) of a tooth at φ, in the milling frame,
+/// N.
 pub(crate) fn on_tool_n(
     angle_rad: f64,
     tangential_n: f64,

@@ -8,7 +8,8 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Points that are summed side by side.
 const LANES: usize = 4;
-/// The belt's velocity changes by at most this part over a narrow patch: there two rows are exact to its fourth power.
+/// The belt's velocity changes by at most this part over a narrow patch: there two rows are exact
+/// to its fourth power.
 const NARROW: f64 = 0.02;
 
 /// Force, its first moments, Preston's integral, friction and its moment, each in lanes.
@@ -54,8 +55,9 @@ impl PatchLoads {
 }
 
 impl Patch {
-    /// Rows across the patch between the ordinates at which the face's boundary changes, parts of rows on the face;
-    /// both by the sine of an angle, in which pressures that fall to zero like a root are smooth.
+    /// Rows across the patch between the ordinates at which the face's boundary changes, parts of
+    /// rows on the face; both by the sine of an angle, in which pressures that fall to zero like a
+    /// root are smooth.
     pub(super) fn add_patch(
         &self,
         face: &Face,
@@ -115,7 +117,8 @@ impl Patch {
         (alike && sides.is_empty() && face.is_unbounded()).then_some(half_width_m)
     }
 
-    /// A narrow patch: pressures across it once, four side by side, in two rows, which are exact up to the third power of the place.
+    /// A narrow patch: pressures across it once, four side by side, in two rows, which are exact up
+    /// to the third power of the place.
     fn add_narrow(
         &self,
         half_y: f64,
@@ -127,7 +130,7 @@ impl Patch {
         let [vx, vy] = sliding.velocity_m_per_s.into();
         let rest_pa = self.at_rest_pa(across);
         let flatter = 1.0 / self.shape.radius_m();
-        let approach = self.overlap_rate * sliding.approach_m_per_s;
+        let approach = self.bed_indentation_rate * sliding.approach_m_per_s;
         let damping = self.bed.damping_pa_s_per_m;
         let mut sums = Sums::default();
         for (node, weight) in quadrature.pair() {
@@ -152,12 +155,13 @@ impl Patch {
         let layer_pa = self.layer_pressure_pa();
         across.x.map(|x| {
             self.bed
-                .pressure_pa(self.overlap_at_m(self.contact_m * x, 0.0))
+                .pressure_pa(self.bed_indentation_at_m(self.contact_m * x, 0.0))
                 + layer_pa
         })
     }
 
-    /// A round patch that lies on the face as a whole: the same points every time, four of them side by side.
+    /// A round patch that lies on the face as a whole: the same points every time, four of them
+    /// side by side.
     fn add_disc(&self, sliding: &Sliding, quadrature: &Quadrature, loads: &mut PatchLoads) {
         let (disc, c) = (quadrature.disc(), self.contact_m);
         let force_n = self.disc_forces_n(disc, sliding);
@@ -183,15 +187,16 @@ impl Patch {
         let flatter = 0.5 / self.shape.radius_m();
         let layer_pa = self.layer_pressure_pa();
         let damping = self.bed.damping_pa_s_per_m;
-        let approach = self.overlap_rate * sliding.approach_m_per_s;
+        let approach = self.bed_indentation_rate * sliding.approach_m_per_s;
         let [vx, vy] = sliding.velocity_m_per_s.into();
         let (c1, c2) = (self.bed.shell_m_per_pa, self.bed.tread_m_per_pa2);
         let mut force_n = [0.0; DISC_NODES];
         for (k, force_n) in force_n.iter_mut().enumerate() {
             let (x, y) = (c * disc.x[k], c * disc.y[k]);
-            // Inside the rim the overlap is positive; its bed is [`super::super::bed::Bed::pressure_pa`] without the question.
-            let overlap = self.overlap_m - (x * x + y * y) * flatter;
-            let bed = 2.0 * overlap / (c1 + (c1 * c1 + 4.0 * c2 * overlap).sqrt());
+            // Inside the rim the indentation is positive; its bed is
+            // [`super::super::bed::Bed::pressure_pa`] without the question.
+            let indentation = self.bed_indentation_m - (x * x + y * y) * flatter;
+            let bed = 2.0 * indentation / (c1 + (c1 * c1 + 4.0 * c2 * indentation).sqrt());
             // The spin moves points around the middle, not outwards.
             let outwards = vx * x + vy * y;
             let viscous = damping * (approach - 2.0 * flatter * outwards);
@@ -249,7 +254,7 @@ impl Patch {
 
     /// Line reaction per length at a point of an edge, N/m.
     fn reaction_n_per_m(&self, at: Point2<f64>, outward: &Vector2<f64>, v: Vector2<f64>) -> f64 {
-        let u = self.overlap_at_m(at.x, at.y);
+        let u = self.bed_indentation_at_m(at.x, at.y);
         let (share, normal) = match self.layer {
             Layer::Isotropic => (1.0, *outward),
             Layer::AlongX => (
@@ -284,10 +289,10 @@ impl Patch {
         quadrature: &Quadrature,
         add: &mut impl FnMut(Point2<f64>, f64),
     ) {
-        let b = self.overlap_half_length_m();
+        let b = self.undeformed_half_length_m();
         let along = side.to_m - side.from_m;
         let length = along.norm();
-        // the piece over the overlap, as near ± half of the side's length
+        // the piece over the undeformed contact, as near ± half of the side's length
         let (near, half) = match self.shape {
             Shape::Point { .. } => chord(side, b),
             Shape::Line { half_width_m, .. } => {

@@ -92,7 +92,8 @@ fn verify_a_whole_patch_is_the_sum_over_its_rings() {
     assert_close(&found, &expected, patch.contact_m(), 1e-5);
 }
 
-/// A belt's patch is summed in two rows where its velocity hardly changes, and by the rule for any patch on a face whose borders are far.
+/// A belt's patch is summed in two rows where its velocity hardly changes, and by the rule for any
+/// patch on a face whose borders are far.
 #[test]
 fn verify_a_narrow_patch_is_any_patch() {
     let wheel = BeltWheel {
@@ -123,7 +124,8 @@ fn verify_a_narrow_patch_is_any_patch() {
     }
 }
 
-/// Where a belt leaves the face: what the bed holds beyond pulls the belt down as steeply as the wheel's surface falls there.
+/// Where a belt leaves the face: what the bed holds beyond pulls the belt down as steeply as the
+/// wheel's surface falls there.
 #[test]
 fn verify_a_belt_leaves_without_a_kink() {
     let r = belt().relative_radius_m(0.0).unwrap();
@@ -135,9 +137,10 @@ fn verify_a_belt_leaves_without_a_kink() {
             }
             .patch(depth_m, r);
             let c = patch.contact_m();
-            let left = patch.overlap_at_m(c, 0.0);
+            let left = patch.bed_indentation_at_m(c, 0.0);
             assert!(left > 0.0 && c > 0.0, "{tension_n} {depth_m}");
-            // N w'^2 = 2 Psi, the bed's energy per area to the overlap, by Simpson's rule over its root
+            // N w'^2 = 2 Psi, the bed's energy per area to the indentation, by Simpson's rule over
+            // its root
             let rows = 200;
             let at_root = |k: usize| {
                 let root = left.sqrt() * k as f64 / rows as f64;
@@ -180,7 +183,7 @@ fn verify_force_passes_an_edge_without_a_jump() {
     let r = belt().relative_radius_m(0.0).unwrap();
     for patch in [ball().patch(0.8e-3), belt().patch(0.4e-3, r)] {
         let whole = patch.free_force_n();
-        let reach = patch.overlap_half_length_m();
+        let reach = patch.undeformed_half_length_m();
         let n = 2000;
         let force = |i: i32| {
             let x = 0.1 + 1.2 * reach * f64::from(i) / f64::from(n);
@@ -209,7 +212,7 @@ fn verify_edge_presses_harder_the_more_the_layer_is_stretched() {
             youngs_modulus_pa: modulus,
             ..ball()
         };
-        let patch = wheel.patch(wheel.penetration_m(10.0));
+        let patch = wheel.patch(wheel.indentation_m(10.0));
         let l = loads(&patch, &face, at(0.1, 0.03, 0.0), &Sliding::default(), 16);
         (l.edge_n, l.normal_n / patch.free_force_n())
     };
@@ -224,8 +227,9 @@ fn verify_edge_presses_harder_the_more_the_layer_is_stretched() {
     assert!(share(0.1e6, 16e6).0 < 0.95 * share(0.1e6, 4e6).0);
 }
 
-/// A belt whose axis lies along the edge: the layer's equation in one dimension, relaxed on a fine grid as an obstacle
-/// problem (w at least the overlap on the face, free off it), against patch and edge reaction.
+/// A belt whose axis lies along the edge: the layer's equation in one dimension, relaxed on a fine
+/// grid as an obstacle problem (w at least the indentation on the face, free off it), against patch
+/// and edge reaction.
 #[test]
 fn verify_line_patch_over_an_edge_solves_the_obstacle_problem() {
     let r = 40e-3;
@@ -236,7 +240,7 @@ fn verify_line_patch_over_an_edge_solves_the_obstacle_problem() {
     for nodes in [-125.0, -50.0, 0.0, 45.0, 90.0] {
         let edge = nodes * h;
         let mut w: Vec<f64> = (0..n)
-            .map(|i| patch.overlap_at_m(x(i), 0.0).max(0.0))
+            .map(|i| patch.bed_indentation_at_m(x(i), 0.0).max(0.0))
             .collect();
         let spring = patch.bed.tension_n_per_m / (h * h);
         for _ in 0..8000 {
@@ -247,7 +251,7 @@ fn verify_line_patch_over_an_edge_solves_the_obstacle_problem() {
                 let balance = spring * (w[i - 1] + w[i + 1] - 2.0 * w[i]) - q;
                 let free = w[i] + 1.98 * balance / (2.0 * spring + slope.max(0.0) / 1e-9);
                 let floor = if x(i) <= edge + 0.1 * h {
-                    patch.overlap_at_m(x(i), 0.0)
+                    patch.bed_indentation_at_m(x(i), 0.0)
                 } else {
                     0.0
                 };
@@ -272,7 +276,7 @@ fn verify_line_patch_over_an_edge_solves_the_obstacle_problem() {
 }
 
 #[test]
-fn verify_quadrature_converges() {
+fn regress_quadrature_converges() {
     let p = Point2::new;
     // an L-shaped face whose inner corner lies under the patch
     let corners = [
@@ -320,7 +324,8 @@ fn verify_inward_spin_at_the_edge_presses_harder_than_outward() {
         ..ball()
     };
     let edge = |wheel: &PneumaticWheel, spin: f64| {
-        // the edge lies at x = 1 mm of the patch; about a centre below, the surface there moves along ∓x
+        // the edge lies at x = 1 mm of the patch; about a centre below, the surface there moves
+        // along ∓x
         let s = Sliding::about(Point2::new(0.0, -7e-3), spin, 0.3);
         let patch = wheel.patch(0.8e-3);
         loads(&patch, &face, at(0.099, 0.03, 0.0), &s, 24)
@@ -336,8 +341,8 @@ fn verify_inward_spin_at_the_edge_presses_harder_than_outward() {
     assert!((a.edge_n / b.edge_n - 1.0).abs() < 1e-12);
 }
 
-/// The same in two dimensions for a point patch: here the edge reaction is an approximation (planes across the edge),
-/// and this says how good.
+/// The same in two dimensions for a point patch: here the edge reaction is an approximation (planes
+/// across the edge), and this says how good.
 #[test]
 fn verify_point_patch_over_an_edge_is_near_the_obstacle_problem() {
     let patch = ball().patch(0.8e-3);
@@ -347,7 +352,7 @@ fn verify_point_patch_over_an_edge_is_near_the_obstacle_problem() {
     // error in the plane across: largest where the patch hangs off the face by its radius
     for (nodes, tolerance) in [(80.0, 0.03), (-6.0, 0.12), (0.0, 0.07), (6.0, 0.04)] {
         let edge = nodes * h;
-        let u = |i: usize, j: usize| patch.overlap_at_m(at_node(j), at_node(i));
+        let u = |i: usize, j: usize| patch.bed_indentation_at_m(at_node(j), at_node(i));
         let mut w = vec![0.0_f64; n * n];
         let spring = patch.bed.tension_n_per_m / (h * h);
         for _ in 0..500 {

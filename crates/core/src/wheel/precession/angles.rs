@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// From `from_rad` in [0, 2π) anticlockwise to `to_rad`, which may lie beyond 2π; both ends included.
+/// From `from_rad` in [0, 2π) anticlockwise to `to_rad`, which may lie beyond 2π; both ends
+/// included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arc {
     pub from_rad: f64,
@@ -24,7 +25,8 @@ impl Arc {
     }
 }
 
-/// Angles that an intersection of arcs leaves: the whole circle, or arcs that do not overlap, none of them if it is empty.
+/// Angles that an intersection of arcs leaves: the whole circle, or arcs that do not overlap, none
+/// of them if it is empty.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AngleSet {
     Circle,
@@ -32,7 +34,8 @@ pub enum AngleSet {
 }
 
 impl AngleSet {
-    /// All angles within `half_width_rad` of `middle_rad`. A half-width of π or more is the circle, one below 0 nothing.
+    /// All angles within `half_width_rad` of `middle_rad`. A half-width of π or more is the circle,
+    /// one below 0 nothing.
     pub fn around(middle_rad: f64, half_width_rad: f64) -> Self {
         if half_width_rad >= PI {
             return Self::Circle;
@@ -90,7 +93,8 @@ impl AngleSet {
         }
     }
 
-    /// The angle of the set nearest to `angle_rad`, within half a turn of it; `None` if the set is empty.
+    /// The angle of the set nearest to `angle_rad`, within half a turn of it; `None` if the set is
+    /// empty.
     pub fn nearest_rad(&self, angle_rad: f64) -> Option<f64> {
         if self.contains(angle_rad) {
             return Some(angle_rad);
@@ -131,7 +135,8 @@ mod tests {
     }
 
     proptest! {
-        /// An angle is in the intersection if it is in every arc; the nearest angle is in the set and no end is nearer.
+        /// An angle is in the intersection if it is in every arc; the nearest angle is in the set
+        /// and no end is nearer.
         #[test]
         fn an_intersection_holds_what_all_hold(
             arcs in prop::collection::vec((0.0..TAU, 0.3..3.1_f64), 1..4), angle in -9.0..9.0_f64,

@@ -62,8 +62,8 @@ pub struct Chord {
     pub distance_m: f64,
     /// Outward normal of the edge.
     pub outward: Vector2<f64>,
-    /// Ends of the chord along the direction in which the outward velocity grows with a positive spin (the outward normal turned
-    /// by −90°), from the foot of the perpendicular, m.
+    /// Ends of the chord along the direction in which the outward velocity grows with a positive
+    /// spin (the outward normal turned by −90°), from the foot of the perpendicular, m.
     pub from_m: f64,
     pub to_m: f64,
     /// Half the chord of the edge's whole line, √(r² − δ²), m.
@@ -71,7 +71,8 @@ pub struct Chord {
 }
 
 impl Chord {
-    /// Precession angle at which the wheel's centre velocity points straight outward over the edge, for a positive spin.
+    /// Precession angle at which the wheel's centre velocity points straight outward over the edge,
+    /// for a positive spin.
     pub fn outward_angle_rad(&self) -> f64 {
         (-self.outward.x).atan2(self.outward.y)
     }
@@ -89,7 +90,8 @@ pub struct Boundary {
 }
 
 impl Boundary {
-    /// The outer boundary through `points_m`, anticlockwise seen along −N, its last point the first again.
+    /// The outer boundary through `points_m`, anticlockwise seen along −N, its last point the first
+    /// again.
     ///
     /// # Errors
     /// If it is open, meets itself, runs clockwise, or has too few, repeated or non-finite points.
@@ -108,7 +110,8 @@ impl Boundary {
     /// The same face with a hole, clockwise.
     ///
     /// # Errors
-    /// As for the outer boundary, with the sense of rotation reversed; or if the hole meets an edge that is there.
+    /// As for the outer boundary, with the sense of rotation reversed; or if the hole meets an edge
+    /// that is there.
     pub fn with_hole(mut self, points_m: &[Vector2<f64>]) -> Result<Self, PrecessionError> {
         let edges = closed_loop(points_m)?;
         if area_m2(&edges) > 0.0 {

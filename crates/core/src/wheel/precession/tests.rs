@@ -1,5 +1,6 @@
-//! The worked example: ρ 20 mm, d 0.6 mm, θ 20°, block of 100 × 60 mm, 20 mm/s, ω2 1.5 rad/s. Its table was computed by two
-//! independent programs.
+//! The worked example: ρ 20 mm, d 0.6 mm, θ 20°, block of 100 × 60 mm, 20 mm/s, ω2 1.5 rad/s.
+//! Numbers:
+//! `docs/physics/precession.md`, computed anew by `tests/reference/precession.py`.
 
 use std::f64::consts::TAU;
 
@@ -42,7 +43,8 @@ fn verify_patch_and_lever() {
     assert!((hertz.patch_radius_m() - 12e-6_f64.sqrt()).abs() <= 1e-12);
 }
 
-/// δ = 2 mm from the upper edge: ε, β_max and the least outward velocity over the chord at five β, to 1e-3 (mm, of ω1 = 1).
+/// δ = 2 mm from the upper edge: ε, β_max and the least outward velocity over the chord at five β,
+/// to 1e-3 (mm, of ω1 = 1).
 #[test]
 fn verify_boundary_test_point() {
     let (wheel, block, point) = (wheel(), block(), mm(50.0, 58.0));
@@ -70,7 +72,8 @@ fn verify_boundary_test_point() {
     }
 }
 
-/// Near a corner: what the source's rule allows, whole chords, and chords clipped to the block, to a hundredth of a degree.
+/// Near a corner: what the source's rule allows, whole chords, and chords clipped to the block, to
+/// a hundredth of a degree.
 #[test]
 fn verify_corner_angles() {
     let rules = [
@@ -99,8 +102,9 @@ fn raster(s_mm: f64) -> Vector2<f64> {
     mm(if forward { x } else { 100.0 - x }, y)
 }
 
-/// Points with inward edge velocity (%), mean inward share of the chord, and fastest change of the angle (rad/s), where each point of
-/// the raster takes the allowed angle nearest to 1.5 t on its own.
+/// Points with inward edge velocity (%), mean inward share of the chord, and fastest change of the
+/// angle (rad/s), where each point of the raster takes the allowed angle nearest to 1.5 t on its
+/// own.
 fn table(rule: EdgeRule) -> (f64, f64, f64) {
     let (wheel, block) = (wheel(), block());
     let (mut zone, mut inward, mut share, mut fastest) = (0.0, 0.0, 0.0, 0.0_f64);
@@ -131,8 +135,8 @@ fn table(rule: EdgeRule) -> (f64, f64, f64) {
     (100.0 * inward / zone, share / zone, fastest)
 }
 
-/// The whole table. Tolerances: 0.15 % points of the points, 0.005 of the share (two programs sample the chord differently), half a digit
-/// of the fastest change.
+/// The whole table. Tolerances: 0.15 % points of the points, 0.005 of the share (two programs
+/// sample the chord differently), half a digit of the fastest change.
 #[test]
 fn verify_raster_table() {
     let rows = [
@@ -242,8 +246,8 @@ fn notched() -> Boundary {
 }
 
 proptest! {
-    /// The velocity field is that of a rigid body, ω1 × r less its part along N, and the closed form on a chord is its dot product
-    /// with the normal, for either spin.
+    /// The velocity field is that of a rigid body, ω1 × r less its part along N, and the closed
+    /// form on a chord is its dot product with the normal, for either spin.
     #[test]
     fn verify_chord_velocity_is_the_rigid_body_s(
         x in 0.0..30.0_f64, y in 0.0..25.0_f64, angle in 0.0..TAU, reverse: bool,
@@ -274,8 +278,8 @@ proptest! {
         prop_assert_eq!(motion.inward_share > 1e-9, motion.least_outward_m_per_s < -1e-9 * 3e-3);
     }
 
-    /// An angle is allowed by the exact rule if and only if nothing moves inward; and what is allowed around a point is allowed
-    /// at every point within reach.
+    /// An angle is allowed by the exact rule if and only if nothing moves inward; and what is
+    /// allowed around a point is allowed at every point within reach.
     #[test]
     fn the_exact_rule_is_the_absence_of_inward_motion(
         x in 0.0..30.0_f64, y in 0.0..25.0_f64, angle in 0.0..TAU, reverse: bool,

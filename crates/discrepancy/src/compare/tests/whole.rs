@@ -23,7 +23,7 @@ fn recording(unit: Unit, rows: usize) -> Recording {
     }
 }
 
-/// A measured angle that is the run's, with noise.
+/// A measured angle: the run's with noise.
 fn angle() -> Vec<f64> {
     let noise = noise(Colour::White, SAMPLES, 1);
     sum(&[&of_time(|t| (TAU * 0.9 * t).sin()), &noise])
@@ -124,7 +124,7 @@ fn every_pass_is_held_against_the_run_from_its_start() {
     let found = level(&data);
     let rms = found.channels[0].level.rms_error;
     let floor = (noise.iter().map(|n| n * n).sum::<f64>() / SAMPLES as f64).sqrt();
-    assert!((rms / floor - 1.0).abs() < 0.05, "{rms} beside {floor}");
+    assert!((rms / floor - 1.0).abs() < 0.05, "{rms} against {floor}");
     assert!(
         found
             .notes

@@ -3,7 +3,8 @@
 use super::force::{Force, INTERVAL_S, MASS_KG};
 use super::*;
 
-/// Of 300 clean data sets, those in which anything is named or suspected. The mass is off by half its uncertainty.
+/// Of 300 clean data sets, those in which anything is named or suspected. The mass is off by half
+/// its uncertainty.
 fn alarms(colour: Colour, seeds: std::ops::Range<u64>) -> usize {
     let model = Force::new(1200, 0.1);
     let truth = vec![model.force(1.025 * MASS_KG, &[])];

@@ -1,4 +1,5 @@
-//! A slide whose motion is given: the drive force in closed form. Fast enough for hundreds of diagnoses.
+//! A slide whose motion is given: the drive force in closed form. Fast enough for hundreds of
+//! diagnoses.
 
 use truecut_recording::{ChannelSpec, Unit};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
@@ -74,7 +75,6 @@ impl Force {
                 key: "robot.mass_kg".into(),
                 value: MASS_KG,
                 sigma: 0.05 * MASS_KG,
-                unit_text: "kg".into(),
             }],
             candidates: joint.chain(sensor).collect(),
             position: of(&|_, x| x.sin()),

@@ -1,5 +1,5 @@
-//! The search on models written here, whose data come from code of their own: closed forms and a Runge-Kutta integration with
-//! finer steps than the model's. Nothing of the simulator is used.
+//! The search on models written here, whose data come from code of their own: closed forms and a
+//! Runge-Kutta integration with finer steps than the model's. Nothing of the simulator is used.
 
 mod clean;
 mod force;
@@ -52,8 +52,8 @@ fn observed(
     }
 }
 
-/// Noise levels at which the change from `nominal` to `changed` is `ratio` times the noise in the channel where it shows most, and
-/// noise is the same part of every channel's signal.
+/// Noise levels at which the change from `nominal` to `changed` is `ratio` times the noise in the
+/// channel where it shows most, and noise is the same part of every channel's signal.
 fn levels(nominal: &Columns, changed: &Columns, ratio: f64) -> Vec<f64> {
     let rms = |x: &mut dyn Iterator<Item = f64>| {
         let squares: Vec<f64> = x.map(|v| v * v).collect();
@@ -89,7 +89,7 @@ fn describe(answer: &Answer) -> String {
         .map(|a| a.causes.iter().map(|c| c.kind.clone()).collect::<Vec<_>>())
         .collect();
     format!(
-        "{:?} {:?} fits {:?} alternatives {rivals:?} unexplained {:.2} locks {:?} work {:?} -- {}",
+        "{:?} {:?} fits {:?} alternatives {rivals:?} unexplained {:.2} correlated_signals {:?} work {:?} -- {}",
         d.verdict,
         answer.effects,
         d.fits
@@ -97,7 +97,7 @@ fn describe(answer: &Answer) -> String {
             .map(|f| (f.effects.join("+"), f.converged, f.iterations))
             .collect::<Vec<_>>(),
         d.unexplained_fraction,
-        d.ceiling.locks.first(),
+        d.ceiling.correlated_signals.first(),
         d.work,
         d.reason
     )

@@ -34,7 +34,8 @@ fn hidden() -> Vec<Effect> {
     ]
 }
 
-/// Hidden by a simulation with four times finer steps than the model's, and a mass off by half its uncertainty.
+/// Hidden by a simulation with four times finer steps than the model's, and a mass off by half its
+/// uncertainty.
 pub fn diagnosed(
     effects: &[Effect],
     extra_n: &dyn Fn(f64, f64, f64) -> f64,

@@ -1,5 +1,5 @@
-//! A driven slide behind an elastic transmission: motor on a given path, link a mass with friction, a known force on the link.
-//! Runge-Kutta of fourth order.
+//! A driven slide behind an elastic transmission: motor on a given path, link a mass with friction,
+//! a known force on the link. Runge-Kutta of fourth order.
 
 use truecut_recording::{ChannelSpec, Unit};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
@@ -31,7 +31,8 @@ struct Given {
     load_n: f64,
 }
 
-/// What a simulation is made with; `extra_n` is a force on the link that no effect knows, of time, position and velocity.
+/// What a simulation is made with; `extra_n` is a force on the link that no effect knows, of time,
+/// position and velocity.
 pub struct Truth<'a> {
     pub mass_kg: f64,
     pub effects: &'a [Effect],
@@ -110,7 +111,6 @@ impl Slide {
                 key: "robot.mass_kg".into(),
                 value: MASS_KG,
                 sigma: 0.02 * MASS_KG,
-                unit_text: "kg".into(),
             }],
             course: course(samples, substeps),
             samples,

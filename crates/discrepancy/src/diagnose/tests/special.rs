@@ -18,8 +18,9 @@ fn force_answer(model: &dyn Model, force: Vec<f64>, level: f64, seed: u64) -> An
     run(model, &data)
 }
 
-/// Stiffness and cubic stiffness work against each other: one masks the other, and they need twice the ratio of the other pairs. Below it
-/// they are answered with "unknown cause", since nominal inertia and noise take a part of what they leave.
+/// Stiffness and cubic stiffness work against each other: one masks the other, and they need twice
+/// the ratio of the other pairs. Below it they are answered with "unknown cause", since nominal
+/// inertia and noise take a part of what they leave.
 #[test]
 fn both_effects_of_a_pair_are_named() {
     let pairs = [
@@ -75,7 +76,10 @@ fn a_line_outside_the_library_stays_unknown() {
         "{}",
         describe(&answer)
     );
-    assert_eq!(answer.diagnosis.ceiling.locks[0].to, "a line at 7.31 Hz");
+    assert_eq!(
+        answer.diagnosis.ceiling.correlated_signals[0].signal,
+        "a line at 7.31 Hz"
+    );
 }
 
 /// Friction on a part of the path only.
@@ -111,9 +115,12 @@ fn friction_at_one_place_stays_unknown_and_is_traced_to_the_place() {
             "{}",
             describe(&answer)
         );
-        let lock = &answer.diagnosis.ceiling.locks[0];
+        let found = &answer.diagnosis.ceiling.correlated_signals[0];
         let place = ["joint1.position and its", "place of joint1.position"];
-        assert!(place.iter().any(|p| lock.to.starts_with(p)), "{lock:?}");
+        assert!(
+            place.iter().any(|p| found.signal.starts_with(p)),
+            "{found:?}"
+        );
     }
 }
 
@@ -144,7 +151,8 @@ fn a_residual_above_the_known_noise_is_not_called_noise() {
     );
 }
 
-/// An offset of the drive and one of the sensor that reads its force are the same thing in the data.
+/// An offset of the drive and one of the sensor that reads its force are the same thing in the
+/// data.
 #[test]
 fn causes_that_cannot_be_told_apart_are_reported_together() {
     let model = Force::new(1200, 0.1);

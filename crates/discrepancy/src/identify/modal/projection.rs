@@ -1,4 +1,4 @@
-//! Residues for given poles, and how the residual changes with the poles.
+//! Residues for given poles, and derivatives of the residual by the poles.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use crate::identify::frf::Frf;
 type C = Complex<f64>;
 
 /// Frequencies, values and weights of all FRFs.
-pub(super) struct Problem {
+pub(super) struct PoleProblem {
     curves: Vec<Curve>,
 }
 
@@ -19,9 +19,9 @@ struct Curve {
     /// (iω)^p.
     factor: Vec<C>,
     value: Vec<C>,
-    /// One over the deviation of each value.
+    /// Inverse standard deviation of each value.
     weight: Vec<f64>,
-    /// Frequency that numbers are scaled by, rad/s.
+    /// Reference frequency of the scaling, rad/s.
     scale: f64,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Fitted {
     pub residues: Vec<Vec<C>>,
     /// Weighted residual, all real parts of an FRF and then all imaginary ones.
     pub residual: Vec<f64>,
-    /// Of each FRF: an orthonormal basis of what its design spans, and the coefficients.
+    /// Of each FRF: an orthonormal basis of its design's column space, and the coefficients.
     bases: Vec<DMatrix<f64>>,
     coefficients: Vec<DVector<f64>>,
 }
@@ -42,8 +42,8 @@ impl Fitted {
     }
 }
 
-impl Problem {
-    pub fn new(frfs: &[Frf]) -> Problem {
+impl PoleProblem {
+    pub fn new(frfs: &[Frf]) -> PoleProblem {
         let curves = frfs.iter().map(|frf| {
             let omega: Vec<f64> = frf.frequency_hz.iter().map(|f| TAU * f).collect();
             let square: f64 = frf.value.iter().map(|h| h.norm_sqr()).sum();
@@ -63,17 +63,17 @@ impl Problem {
                 omega,
             }
         });
-        Problem {
+        PoleProblem {
             curves: curves.collect(),
         }
     }
 
-    /// Real numbers that were measured.
+    /// Number of real measured values.
     pub fn size(&self) -> f64 {
         self.curves.iter().map(|c| 2.0 * c.omega.len() as f64).sum()
     }
 
-    /// Unknowns with so many poles.
+    /// Number of unknowns for a number of poles.
     pub fn unknowns(&self, poles: usize) -> f64 {
         (2 * poles + self.curves.len() * (2 * poles + 2)) as f64
     }
@@ -82,7 +82,7 @@ impl Problem {
         (self.size() - self.unknowns(poles)).max(1.0)
     }
 
-    /// Cost of fitting nothing.
+    /// Cost without modes.
     pub fn total(&self) -> f64 {
         let of = |c: &Curve| -> f64 {
             (c.value.iter().zip(&c.weight))
@@ -103,7 +103,7 @@ impl Problem {
         for curve in &self.curves {
             let (mut design, norms) = unit_columns(curve.design(poles));
             let target = curve.weighted(&curve.value);
-            // Two rounds of Gram and Schmidt; columns that are hardly new are dropped, their coefficient is 0.
+            // Gram-Schmidt, twice; nearly dependent columns are dropped, with coefficient 0.
             let rank = orthonormal(&mut design);
             let basis = design;
             let within = basis.tr_mul(&target);
@@ -159,7 +159,7 @@ impl Problem {
         jacobian
     }
 
-    /// Gives each FRF a weight after what these poles leave of it.
+    /// Weights each FRF by its residual with these poles.
     pub fn reweigh(&mut self, poles: &[Pole]) {
         let fitted = self.solve(poles);
         let mut start = 0;
@@ -169,14 +169,15 @@ impl Problem {
             let unknowns = (2 * poles.len() + 2).min(rows - 1);
             let rms = (part.iter().map(|r| r * r).sum::<f64>() / (rows - unknowns) as f64).sqrt();
             start += rows;
-            // What is fitted to the last digit has no noise to go by.
+            // An exact fit gives no estimate of noise.
             let size: f64 = curve.weighted(&curve.value).norm() / (rows as f64).sqrt();
             let rms = rms.max(1e-9 * size);
             curve.weight.iter_mut().for_each(|w| *w /= rms);
         }
     }
 
-    /// Sum of the correlations of neighbouring residuals, at least 1: so many of them are worth one.
+    /// Sum of the correlations of neighbouring residuals, at least 1: the number of values per
+    /// independent one.
     pub fn correlation(&self, fitted: &Fitted) -> f64 {
         let (mut start, mut sums) = (0, Vec::new());
         for curve in &self.curves {
@@ -197,7 +198,7 @@ impl Problem {
         if zero <= 0.0 {
             return 1.0;
         }
-        // Until the first that is not positive: beyond it there is noise only.
+        // Up to the first that is not positive: beyond it there is only noise.
         let positive = sums[1..].iter().map(|s| s / zero).take_while(|s| *s > 0.05);
         1.0 + 2.0 * positive.sum::<f64>()
     }
@@ -230,7 +231,7 @@ impl Problem {
         self.curves.iter().map(of).collect()
     }
 
-    /// Largest share that a pole has of an FRF at the pole's own frequency.
+    /// Largest fraction of an FRF that a pole contributes at its own frequency.
     pub fn share(&self, pole: &Pole, k: usize, fitted: &Fitted) -> f64 {
         let of = |(curve, residues): (&Curve, &Vec<C>)| {
             let near = |i: &usize| (curve.omega[*i] - pole.omega).abs();
@@ -247,7 +248,7 @@ impl Problem {
 }
 
 impl Curve {
-    /// What a pole with this residue gives.
+    /// Contribution of a pole with this residue.
     fn of_pole(&self, pole: &Pole, residue: C) -> Vec<C> {
         let s = self.pole(pole);
         (self.omega.iter().zip(&self.factor))
@@ -263,7 +264,7 @@ impl Curve {
         C::new(-zeta, (1.0 - zeta * zeta).sqrt()) * pole.omega
     }
 
-    /// Of each unknown: what one unit of it gives. Two for each pole, then U and L.
+    /// Contribution of each unknown per unit: two for each pole, then U and L.
     fn columns(&self, poles: &[Pole]) -> Vec<Vec<C>> {
         let mut columns = Vec::with_capacity(2 * poles.len() + 2);
         for pole in poles {
@@ -285,7 +286,7 @@ impl Curve {
         design
     }
 
-    /// Real parts, then imaginary ones, over the deviation.
+    /// Real parts, then imaginary ones, over the standard deviation.
     fn weighted(&self, values: &[C]) -> DVector<f64> {
         let half = values.len();
         DVector::from_fn(2 * half, |i, _| {
@@ -305,7 +306,8 @@ fn unit_columns(mut design: DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
     (design, norms)
 }
 
-/// Makes the columns orthonormal in place; whether each held anything new. Those that did not are zero.
+/// Makes the columns orthonormal in place; returns which were independent. The others are set to
+/// zero.
 fn orthonormal(design: &mut DMatrix<f64>) -> Vec<bool> {
     (0..design.ncols())
         .map(|k| {

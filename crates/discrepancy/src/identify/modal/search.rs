@@ -1,35 +1,36 @@
-//! The search for poles: one more where it takes most off the residual, then all together.
+//! Search for poles: one is added where it reduces the residual most, then all are refined
+//! together.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Pole;
-use super::projection::Problem;
+use super::projection::PoleProblem;
 
-/// Damping ratios that a new mode starts from.
+/// Starting damping ratios of a new mode.
 const ZETAS: [f64; 4] = [0.005, 0.02, 0.06, 0.15];
-/// Frequencies that a new mode may start from.
+/// Number of starting frequencies of a new mode.
 const STARTS: usize = 60;
-/// More modes are not looked for.
+/// Maximum number of modes.
 const MOST: usize = 16;
-/// Modes that are added although none of them is worth it yet.
+/// Modes that are added in a row without improving BIC.
 const PATIENCE: usize = 3;
-/// A mode must make up this share of some FRF at its own frequency.
+/// Least fraction of some FRF that a mode contributes at its own frequency.
 const VISIBLE: f64 = 0.05;
-/// Beyond this a pole is no mode but a slope.
+/// Damping ratio above which a pole is not a mode but a trend.
 const OVERDAMPED: f64 = 0.5;
-/// A residual this small (share of the squares) is rounding.
+/// A residual this small (fraction of the sum of squares) is rounding.
 const EXACT: f64 = 1e-14;
 const MAX_STEPS: usize = 60;
 
-/// The poles that the data show, or `count` of them.
-pub(super) fn poles(problem: &Problem, band_hz: [f64; 2], count: Option<usize>) -> Vec<Pole> {
+/// The significant poles, or `count` of them.
+pub(super) fn poles(problem: &PoleProblem, band_hz: [f64; 2], count: Option<usize>) -> Vec<Pole> {
     let none = problem.solve(&[]).cost();
     let (mut poles, mut cost) = (Vec::new(), none);
-    // What a mode leaves while others are still missing looks like coloured noise, in which it is worth little; a few
-    // more are tried before the last that was worth it stands.
-    let (mut worthy, mut worthy_cost) = (Vec::new(), none);
+    // While other modes are missing, the residual looks like coloured noise, in which a mode gains
+    // little; a few more are tried before the last accepted set is final.
+    let (mut accepted, mut best_cost) = (Vec::new(), none);
     let total = problem.total();
     while poles.len() < count.unwrap_or(MOST) && cost > EXACT * total {
         if problem.size() <= problem.unknowns(poles.len() + 1) + 1.0 {
@@ -39,18 +40,18 @@ pub(super) fn poles(problem: &Problem, band_hz: [f64; 2], count: Option<usize>) 
             break;
         };
         (poles, cost) = more;
-        if count.is_some() || worth_it(problem, (&worthy, worthy_cost), (&poles, cost)) {
-            (worthy, worthy_cost) = (poles.clone(), cost);
-        } else if poles.len() >= worthy.len() + PATIENCE {
+        if count.is_some() || improves_bic(problem, (&accepted, best_cost), (&poles, cost)) {
+            (accepted, best_cost) = (poles.clone(), cost);
+        } else if poles.len() >= accepted.len() + PATIENCE {
             break;
         }
     }
-    worthy
+    accepted
 }
 
-/// The poles with the one added that takes most off the cost; `None` if none takes anything off.
+/// The poles with the one added that reduces the cost most; `None` if none does.
 fn one_more(
-    problem: &Problem,
+    problem: &PoleProblem,
     band_hz: [f64; 2],
     poles: &[Pole],
     cost: f64,
@@ -69,16 +70,16 @@ fn one_more(
     found
 }
 
-/// Bayes's information criterion; residuals that go together count once.
-fn worth_it(problem: &Problem, before: (&[Pole], f64), after: (&[Pole], f64)) -> bool {
+/// Bayesian information criterion, with the number of independent residuals.
+fn improves_bic(problem: &PoleProblem, before: (&[Pole], f64), after: (&[Pole], f64)) -> bool {
     let together = problem.correlation(&problem.solve(after.0));
     let samples = problem.size() / together;
     let price = problem.unknowns(after.0.len()) - problem.unknowns(before.0.len());
     samples * (before.1 / after.1).ln() > price * samples.ln()
 }
 
-/// The starts that take most off the residual: the best of each damping.
-fn starts(problem: &Problem, band_hz: [f64; 2], poles: &[Pole]) -> Vec<Pole> {
+/// The starts that reduce the residual most: the best of each damping.
+fn starts(problem: &PoleProblem, band_hz: [f64; 2], poles: &[Pole]) -> Vec<Pole> {
     let low = band_hz[0].max(1e-3 * band_hz[1]);
     let at = |i: usize| TAU * low * (band_hz[1] / low).powf((i as f64 + 0.5) / STARTS as f64);
     let mut trial = poles.to_vec();
@@ -100,8 +101,8 @@ fn starts(problem: &Problem, band_hz: [f64; 2], poles: &[Pole]) -> Vec<Pole> {
     best.into_iter().map(|(pole, _)| pole).collect()
 }
 
-/// Whether all poles are modes of the band that matter somewhere.
-fn sensible(problem: &Problem, poles: &[Pole], band_hz: [f64; 2]) -> bool {
+/// Whether all poles are modes in the band that contribute to some FRF.
+fn sensible(problem: &PoleProblem, poles: &[Pole], band_hz: [f64; 2]) -> bool {
     let fitted = problem.solve(poles);
     let inside = |pole: &Pole| {
         let hz = pole.omega / TAU;
@@ -111,8 +112,8 @@ fn sensible(problem: &Problem, poles: &[Pole], band_hz: [f64; 2]) -> bool {
         .all(|(k, pole)| inside(pole) && problem.share(pole, k, &fitted) > VISIBLE)
 }
 
-/// Moves all poles to the nearest least cost.
-pub(super) fn refine(problem: &Problem, start: &[Pole]) -> Vec<Pole> {
+/// Moves all poles to the nearest minimum of the cost.
+pub(super) fn refine(problem: &PoleProblem, start: &[Pole]) -> Vec<Pole> {
     let mut poles = start.to_vec();
     let mut at = problem.solve(&poles);
     let mut cost = at.cost();
@@ -151,7 +152,7 @@ pub(super) fn refine(problem: &Problem, start: &[Pole]) -> Vec<Pole> {
     poles
 }
 
-/// Poles moved against a step of the logarithms of ω and ζ, by a factor of two at most.
+/// Poles moved by the negative step of the logarithms of ω and ζ, by a factor of two at most.
 fn stepped(poles: &[Pole], step: &DVector<f64>) -> Vec<Pole> {
     let factor = |delta: f64| (-delta).clamp(-0.7, 0.7).exp();
     (poles.iter().enumerate())

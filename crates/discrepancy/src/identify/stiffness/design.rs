@@ -9,7 +9,7 @@ use super::Outlier;
 use crate::identify::IdentifyError;
 use crate::identify::readings::Readings;
 
-/// One measured component: what is left of it, and its values for a figure.
+/// Residuals of one measured component, and its values for a figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Component {
     /// displacement_x, …
@@ -18,11 +18,11 @@ pub struct Component {
     pub unit: &'static str,
     /// Readings.
     pub readings: usize,
-    /// RMS of what was measured, from the zero.
+    /// RMS of the measured values, relative to the zero.
     pub measured_rms: f64,
-    /// RMS of what robot.toml's stiffnesses leave.
+    /// RMS of the residual with the stiffnesses of robot.toml.
     pub nominal_residual_rms: Option<f64>,
-    /// RMS of what the identified ones leave.
+    /// RMS of the residual with the identified ones.
     pub residual_rms: f64,
     /// Stated noise.
     pub noise: Option<f64>,
@@ -31,11 +31,11 @@ pub struct Component {
     pub points: Vec<[f64; 3]>,
 }
 
-/// Weighted readings against compliances: `matrix · c = target` but for noise.
+/// Weighted readings as a function of compliances: `matrix · c = target` up to noise.
 pub(super) struct Design {
     pub matrix: DMatrix<f64>,
     pub target: DVector<f64>,
-    /// Readings, and zeros that were estimated with them.
+    /// Number of readings.
     pub readings: usize,
     pub zeros: usize,
     /// Of each row: loading, component, weight, measured and predicted at the compliances.
@@ -67,7 +67,8 @@ impl Design {
                 .deflection(&loading.command, spec.loaded, spec.observed, loading.wrench)
                 .map_err(|error| {
                     let message = format!(
-                        "{}: {}: the arm finds no rest under this load ({error}); are force and displacement in \
+                        "{}: {}: the arm finds no rest under this load ({error}); are force and \
+                         displacement in \
                          the units given?",
                         readings.source, loading.place
                     );
@@ -113,7 +114,7 @@ impl Design {
         })
     }
 
-    /// What is left, by component; `residual` is in units of the noise.
+    /// Residuals by component; `residual` is in units of the noise.
     pub fn components(
         &self,
         residual: &DVector<f64>,
@@ -159,7 +160,7 @@ impl Design {
         found
     }
 
-    /// Rows with a residual that normal noise would give to one table in a thousand.
+    /// Rows with a residual that normal noise gives in one table of a thousand.
     pub fn outliers(
         &self,
         residual: &DVector<f64>,
@@ -168,7 +169,7 @@ impl Design {
     ) -> Vec<Outlier> {
         let tail = 5e-4 / self.readings as f64;
         let limit = crate::stats::distributions::normal_quantile(tail);
-        // One bad row must not hide in the deviation that it makes: the median stands for it.
+        // Robust scale from the median: a bad row must not mask itself.
         let mut sizes: Vec<f64> = residual.iter().map(|r| r.abs()).collect();
         sizes.sort_by(f64::total_cmp);
         let typical = sizes
@@ -190,15 +191,15 @@ impl Design {
     }
 }
 
-/// A component of a world motion in other axes.
+/// Component of a world motion in other axes.
 fn in_axes(world_from_axes: &Matrix3<f64>, component: usize, pick: &dyn Fn(usize) -> f64) -> f64 {
     let from = 3 * (component / 3);
     let vector = Vector3::new(pick(from), pick(from + 1), pick(from + 2));
     world_from_axes.column(component % 3).dot(&vector)
 }
 
-/// Takes the mean of each posture and component off the readings and off what predicts them, which is what
-/// estimating a zero for each comes to. Returns their number.
+/// Subtracts the mean of each posture and component from readings and predictors, which is
+/// equivalent to estimating a zero for each. Returns their number.
 fn remove_zeros(readings: &Readings, rows: &mut [Row], matrix: &mut DMatrix<f64>) -> usize {
     let mut zeros = 0;
     for posture in 0..readings.postures {

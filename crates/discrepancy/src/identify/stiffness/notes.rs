@@ -1,10 +1,10 @@
-//! What a person should know about an identification of stiffness.
+//! Notes on an identification of stiffness.
 
 use truecut_recording::significant;
 
 use super::{Status, StiffnessReport};
 
-/// All stiffnesses off by more than this factor are no matter of stiffness.
+/// If all stiffnesses are off by more than this factor, the cause is another (units, axes).
 const ABSURD: f64 = 30.0;
 
 pub(super) fn notes(
@@ -15,7 +15,8 @@ pub(super) fn notes(
     let mut notes = Vec::new();
     if let (true, Some(times)) = (beyond_noise, report.residual_over_noise) {
         notes.push(format!(
-            "the residual is {} times the stated noise: something beside constant joint stiffness bends, slips or \
+            "the residual is {} times the stated noise: something other than constant joint \
+             stiffness bends, slips or \
              was mismeasured; the intervals are widened by it",
             significant(times, 3)
         ));
@@ -35,7 +36,8 @@ pub(super) fn notes(
     let contradictory = |joint: &&super::JointStiffness| joint.status == Status::Contradictory;
     if report.joints.iter().any(|joint| contradictory(&joint)) {
         notes.push(
-            "a compliance is below zero by more than noise: loads act on the arm (not on what it presses against), \
+            "a compliance is below zero by more than noise: loads act on the arm (not on what it \
+             presses against), \
              and displacements count in the same axes; is a sign or an axis the other way round?"
                 .to_owned(),
         );
@@ -47,7 +49,8 @@ pub(super) fn notes(
     let all = |far: fn(&f64) -> bool| !ratios.is_empty() && ratios.iter().all(far);
     if all(|ratio| *ratio > ABSURD) || all(|ratio| *ratio < 1.0 / ABSURD) {
         notes.push(format!(
-            "every identified stiffness is about {} times that of the robot's file: is a unit wrong?",
+            "every identified stiffness is about {} times that of the robot's file: is a unit \
+             wrong?",
             significant(ratios[ratios.len() / 2], 2)
         ));
     }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 use truecut_recording::measured::{Column, Table};
 use truecut_scenario::identification::{
-    HammerPoint, ImpactSpec, MotionKind, Point, SampleTimes, Signal,
+    FrameId, HammerPoint, ImpactSpec, MotionKind, SampleTimes, Signal,
 };
 
 use super::normal;
@@ -24,7 +24,7 @@ const THREE: [Mode; 3] = [
 const BAND: [f64; 2] = [3.0, 45.0];
 
 const HERE: HammerPoint = HammerPoint {
-    point: Point::Tool,
+    frame: FrameId::Tool,
     offset_m: [0.0; 3],
     direction: [1.0, 0.0, 0.0],
 };
@@ -89,7 +89,7 @@ fn check(found: &ModalFit, modes: &[Mode], of_hz: f64, of_zeta: f64) {
 
 #[test]
 fn verify_exact_frfs_give_modes_damping_and_shares_back() {
-    // The mode above the band is not quite the constant that stands for it.
+    // The mode above the band is only approximated by the constant term.
     for kind in [
         MotionKind::Displacement,
         MotionKind::Velocity,
@@ -116,7 +116,7 @@ fn verify_noisy_frfs_show_as_many_modes_as_there_are() {
         .unwrap();
         check(&found, &THREE, 3e-3, 0.1);
     }
-    // Two modes closer than their widths, told apart by two FRFs.
+    // Two modes closer than their widths, separated by two FRFs.
     let close = [(10.0, 0.03, [1.0, 0.5]), (10.5, 0.03, [0.5, -1.0])];
     for seed in 0..5 {
         let found = fit(
@@ -149,7 +149,7 @@ fn verify_intervals_of_modes_hold_the_truth_as_often_as_they_say() {
     }
     for held in held {
         let share = f64::from(held) / f64::from(all);
-        // 400 draws of 95 %: 1.1 points of deviation.
+        // Standard deviation of a rate of 95 % over 400 draws: 1.1 percentage points.
         assert!((0.917..0.983).contains(&share), "{share}");
     }
 }
@@ -231,8 +231,9 @@ fn hammer(window_s: f64, exponential_s: Option<f64>) -> ImpactSpec {
 
 #[test]
 fn verify_blows_give_the_modes_of_the_closed_form() {
-    // Sampled displacement is exact; the constant and 1/ω² terms take up what aliasing there is.
-    // A window much shorter than the decay needs the exponential; blows themselves wait until the arm is quiet.
+    // Sampled displacement is exact; the constant and 1/ω² terms absorb aliasing. A
+    // window much shorter than the decay needs the exponential; blows themselves wait until the arm
+    // is quiet.
     for (window_s, exponential, shift) in [(11.9, None, 0.0), (2.5, Some(0.6), 1.0 / 0.6)] {
         let table = blows(3, 12.0, 1e-4);
         let spec = hammer(window_s, exponential);
@@ -256,7 +257,7 @@ fn verify_blows_give_the_modes_of_the_closed_form() {
 }
 
 #[test]
-fn double_blows_are_left_out_and_short_windows_are_told() {
+fn double_blows_are_left_out_and_short_windows_are_noted() {
     let mut table = blows(3, 3.0, 1e-4);
     table.columns[0].values[1200 + 20 + 60] = 250.0;
     let found = impact(&table, &hammer(2.9, None), BAND, "modes.impact.0").unwrap();

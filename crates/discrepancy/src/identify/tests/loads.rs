@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::Vector6;
 use truecut_recording::measured::{Column, Table};
 use truecut_scenario::Identification;
-use truecut_scenario::identification::Point;
+use truecut_scenario::identification::FrameId;
 use truecut_sim::elastic::ElasticArm;
 
 use super::normal;
@@ -19,7 +19,8 @@ fn file(robot: &str, further: &str) -> Identification {
     let path =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/identification/test.toml");
     let text = format!(
-        "name = \"test\"\n[robot]\nurdf = \"../../assets/robots/{robot}/robot.urdf\"\n[stiffness]\nfile = \"t.csv\"\n{further}"
+        "name = \"test\"\n[robot]\nurdf = \
+         \"../../assets/robots/{robot}/robot.urdf\"\n[stiffness]\nfile = \"t.csv\"\n{further}"
     );
     Identification::from_str(&path, &text).unwrap()
 }
@@ -33,12 +34,14 @@ fn planar(zero: &str, noise: f64) -> Identification {
         ("force_z", "N"),
     ] {
         text += &format!(
-            "[[stiffness.column]]\ncolumn = \"{column}\"\nchannel = \"{column}\"\nunit = \"{unit}\"\n"
+            "[[stiffness.column]]\ncolumn = \"{column}\"\nchannel = \"{column}\"\nunit = \
+             \"{unit}\"\n"
         );
     }
     for column in ["displacement_x", "displacement_z"] {
         text += &format!(
-            "[[stiffness.column]]\ncolumn = \"{column}\"\nchannel = \"{column}\"\nunit = \"m\"\nnoise = {noise}\n"
+            "[[stiffness.column]]\ncolumn = \"{column}\"\nchannel = \"{column}\"\nunit = \
+             \"m\"\nnoise = {noise}\n"
         );
     }
     file("arm_2r", &text)
@@ -75,7 +78,7 @@ fn table(arm: &ElasticArm, zero: f64, mut noise: impl FnMut() -> f64) -> Table {
         ] {
             let wrench = Vector6::new(x, 0.0, z, 0.0, 0.0, 0.0);
             let moved = arm
-                .deflection(posture, Point::Tool, Point::Tool, wrench)
+                .deflection(posture, FrameId::Tool, FrameId::Tool, wrench)
                 .unwrap()
                 .motion;
             let reading = |value: f64, noise: f64| value + noise + zero * (p as f64 + 1.0);
@@ -125,7 +128,7 @@ fn verify_exact_readings_give_the_stiffness_back_under_gravity() {
     }
 }
 
-/// A force across the stretched arm, by hand: the tool gives way by F (L²/K₁ + l²/K₂).
+/// A force across the stretched arm, by hand: the tool is displaced by F (L²/K₁ + l²/K₂).
 #[test]
 fn verify_the_stretched_arm_gives_way_by_the_lever_rule() {
     let mut file = planar("unloaded", 1e-5);
@@ -133,7 +136,7 @@ fn verify_the_stretched_arm_gives_way_by_the_lever_rule() {
     let arm = true_arm(&file);
     let wrench = Vector6::new(0.0, 0.0, 1e-3, 0.0, 0.0, 0.0);
     let moved = arm
-        .deflection(&[0.0, 0.0], Point::Tool, Point::Tool, wrench)
+        .deflection(&[0.0, 0.0], FrameId::Tool, FrameId::Tool, wrench)
         .unwrap();
     let expected = 1e-3 * (1.4_f64.powi(2) / STIFFNESS[0] + 0.7_f64.powi(2) / STIFFNESS[1]);
     assert!(
@@ -159,7 +162,7 @@ fn verify_intervals_hold_the_truth_as_often_as_they_say() {
             }
         }
         let share = f64::from(held) / f64::from(all);
-        // 600 draws of 95 %: 0.9 points of deviation.
+        // Standard deviation of a rate of 95 % over 600 draws: 0.9 percentage points.
         assert!((0.923..0.977).contains(&share), "{zero}: {share}");
         assert!(
             (over - 1.0).abs() < 0.02,
@@ -183,8 +186,8 @@ fn a_single_posture_and_direction_cannot_tell_two_joints_apart() {
     let file = planar("unloaded", 1e-4);
     let mut draw = normal(8);
     let mut table = table(&true_arm(&file), 0.0, || 0.0);
-    // One posture, pushed up and down, seen in one direction; what the posture's change under load tells is
-    // far below the noise.
+    // One posture, pushed up and down, measured in one direction; the information in the posture's
+    // change under load is far below the noise.
     for column in &mut table.columns {
         column.values = (column.values[2..4].iter().copied().cycle().take(8)).collect();
         match column.name.as_str() {

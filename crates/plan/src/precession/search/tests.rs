@@ -33,12 +33,12 @@ fn least_cost(
         let most = (rates[k - 1] * (times[k] - times[k - 1]) / grid.step_rad()) as i64;
         let best = |j: i64| {
             let mut best = costs[j as usize];
-            for way in [-1, 1] {
+            for sign in [-1, 1] {
                 for step in 0..=most {
-                    if !sets[k - 1].contains(at(j + way * step)) {
+                    if !sets[k - 1].contains(at(j + sign * step)) {
                         break;
                     }
-                    best = best.min(costs[(j + way * step).rem_euclid(n) as usize]);
+                    best = best.min(costs[(j + sign * step).rem_euclid(n) as usize]);
                 }
             }
             best + cost(k, j)
@@ -48,16 +48,17 @@ fn least_cost(
     costs.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-fn cost_of(course: &[f64], times: &[f64], nominal: &[f64]) -> f64 {
-    let last = course.len() - 1;
+fn cost_of(trajectory: &[f64], times: &[f64], nominal: &[f64]) -> f64 {
+    let last = trajectory.len() - 1;
     let each = (0..=last).map(|k| {
         let held = times[(k + 1).min(last)] - times[k.saturating_sub(1)];
-        wrapped(course[k] - nominal[k]).powi(2) * held
+        wrapped(trajectory[k] - nominal[k]).powi(2) * held
     });
     each.sum()
 }
 
-/// The course leaves as late as its rate of one angle (5°) a station allows, and waits at the near end of the arc.
+/// The trajectory leaves as late as its rate of one angle (5°) a station allows, and waits at the
+/// near end of the arc.
 #[test]
 fn a_course_leaves_in_time_for_what_closes_ahead() {
     let times: Vec<f64> = (0..60).map(|k| f64::from(k) * 0.1).collect();
@@ -66,10 +67,10 @@ fn a_course_leaves_in_time_for_what_closes_ahead() {
         _ => arc(180.0, 20.0),
     };
     let sets: Vec<AngleSet> = (0..60).map(set).collect();
-    let course = grid()
-        .course(&sets, &times, &[0.0; 60], &[1.0; 59], &mut |_| ())
-        .expect("a way");
-    for (k, angle) in course.iter().enumerate() {
+    let trajectory = grid()
+        .trajectory(&sets, &times, &[0.0; 60], &[1.0; 59], &mut |_| ())
+        .expect("a sign");
+    for (k, angle) in trajectory.iter().enumerate() {
         let expected = (160.0 - 5.0 * (40.0 - k as f64)).clamp(0.0, 160.0);
         let found = wrapped(*angle).abs().to_degrees();
         assert!((found - expected).abs() < 1e-9, "{k}: {found} {expected}");
@@ -83,20 +84,21 @@ fn a_course_leaves_in_time_for_what_closes_ahead() {
             }
         })
         .collect();
-    let stuck = grid().course(&too_soon, &times, &[0.0; 60], &[1.0; 59], &mut |_| ());
-    let stuck = stuck.expect_err("no way");
+    let stuck = grid().trajectory(&too_soon, &times, &[0.0; 60], &[1.0; 59], &mut |_| ());
+    let stuck = stuck.expect_err("no sign");
     assert_eq!((stuck.stations, stuck.narrow), (vec![10], false));
 }
 
 #[test]
 fn a_set_without_an_angle_of_the_grid_is_narrow() {
     let sets = [AngleSet::Circle, arc(2.5, 1.0), AngleSet::Circle];
-    let stuck = grid().course(&sets, &[0.0, 1.0, 2.0], &[0.0; 3], &[1.0; 2], &mut |_| ());
+    let stuck = grid().trajectory(&sets, &[0.0, 1.0, 2.0], &[0.0; 3], &[1.0; 2], &mut |_| ());
     let stuck = stuck.expect_err("too narrow");
     assert_eq!((stuck.stations, stuck.narrow), (vec![1], true));
 }
 
-/// The mean of a straight line is the line, away from the ends; of a step of rate it has the acceleration rate/window.
+/// The mean of a straight line is the line, away from the ends; of a step of rate it has the
+/// acceleration rate/window.
 #[test]
 fn verify_moving_mean_of_lines() {
     let times: Vec<f64> = (0..=100)
@@ -116,7 +118,8 @@ fn verify_moving_mean_of_lines() {
 }
 
 proptest! {
-    /// No course costs less, by brute force; it stays in its sets and moves no faster than allowed.
+    /// No trajectory costs less, by brute force; it stays in its sets and moves no faster than
+    /// allowed.
     #[test]
     fn verify_course_is_the_best_of_the_grid(
         arcs in prop::collection::vec((0.0..360.0_f64, 20.0..170.0_f64, any::<bool>()), 12),
@@ -130,14 +133,14 @@ proptest! {
             if free { AngleSet::Circle } else { arc(middle, half) }
         }).collect();
         let best = least_cost(&grid, &sets, &times, &nominal, &rates);
-        match grid.course(&sets, &times, &nominal, &rates, &mut |_| ()) {
-            Ok(course) => {
-                let cost = cost_of(&course, &times, &nominal);
+        match grid.trajectory(&sets, &times, &nominal, &rates, &mut |_| ()) {
+            Ok(trajectory) => {
+                let cost = cost_of(&trajectory, &times, &nominal);
                 prop_assert!((cost - best).abs() <= 1e-9 * best.max(1.0), "{} {}", cost, best);
                 for k in 0..36 {
-                    prop_assert!(sets[k].contains(course[k]));
+                    prop_assert!(sets[k].contains(trajectory[k]));
                     if k > 0 {
-                        let rate_found = (course[k] - course[k - 1]).abs() / (times[k] - times[k - 1]);
+                        let rate_found = (trajectory[k] - trajectory[k - 1]).abs() / (times[k] - times[k - 1]);
                         prop_assert!(rate_found <= rates[k - 1] + 1e-9);
                     }
                 }

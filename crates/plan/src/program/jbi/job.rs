@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use truecut_arm::{FrameId, Robot};
 
-use super::{JbiOptions, Rconf};
+use super::Rconf;
 use crate::program::flags::Resolver;
 use crate::program::travel::rated_chain;
 use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind, Tool};
@@ -57,17 +57,19 @@ pub struct JbiMove {
 }
 
 impl JbiJob {
-    /// The program that the job makes a robot run: the posture of each move is found from pose and manipulator type, or pose
-    /// from pulses.
+    /// The program that the job makes a robot run: the posture of each move is found from pose and
+    /// manipulator type, or pose from pulses; the turntable's angle with the pulses per degree of
+    /// its motor.
     ///
     /// # Errors
-    /// With the position's line: if no posture reaches a pose with its manipulator type, or pulses cannot be turned into joints.
+    /// With the position's line: if no posture reaches a pose with its manipulator type, or pulses
+    /// cannot be turned into joints.
     pub fn program(
         &self,
         robot: &Robot,
         tool: &Tool,
         world_from_base: &Isometry3<f64>,
-        options: &JbiOptions,
+        station_pulses_per_deg: Option<f64>,
     ) -> Result<Program, ProgramError> {
         let mut program = Program {
             name: self.name.clone(),
@@ -109,7 +111,7 @@ impl JbiJob {
                     (pose, found.map_err(at)?)
                 }
             };
-            let turntable_rad = self.turntable(step, options)?;
+            let turntable_rad = self.turntable(step, station_pulses_per_deg)?;
             program.moves.push(Move {
                 path_point: step.path_point,
                 base_from_tool,
@@ -126,12 +128,16 @@ impl JbiJob {
     }
 
     /// Angle of the turntable at a move, if it has one.
-    fn turntable(&self, step: &JbiMove, options: &JbiOptions) -> Result<Option<f64>, ProgramError> {
+    fn turntable(
+        &self,
+        step: &JbiMove,
+        pulses_per_deg: Option<f64>,
+    ) -> Result<Option<f64>, ProgramError> {
         let Some(number) = step.station else {
             return Ok(None);
         };
         let (pulses, line) = self.stations[&number];
-        let per_deg = options.station_pulses_per_deg.ok_or_else(|| {
+        let per_deg = pulses_per_deg.ok_or_else(|| {
             ProgramError::in_file(&self.path, line, ProgramErrorKind::NoStationPulses)
         })?;
         Ok(Some((pulses / per_deg).to_radians()))

@@ -1,17 +1,22 @@
 //! Motoman jobs (`.JBI`), dialect of the NX100.
 //!
-//! Fields, ranges and where they are documented stand in `docs/finishing.md`, section "Robot programs". Positions are
-//! millimetres with three decimals and degrees with four; a station's turntable is written in pulses.
+//! Fields, ranges and where they are documented stand in `docs/robot_program_formats.md`. Positions
+//! are millimetres with three decimals and degrees with four; a station's turntable is written in
+//! pulses.
 
+mod dialect;
 mod job;
 mod read;
 mod write;
 
-use truecut_arm::OpwGeometry;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use truecut_arm::{Elbow, OpwGeometry, Shoulder};
 
 use super::flags::{Flags, branch_excess, outside_rad};
 use super::{ProgramError, ProgramErrorKind};
 
+pub use dialect::Jbi;
 pub use job::{JbiJob, JbiMove, JbiPosition, JbiPositionValue};
 pub use write::{JbiFile, write};
 
@@ -25,11 +30,14 @@ const V_MM_PER_S: (f64, f64) = (0.1, 1500.0);
 const VJ_PERCENT: (f64, f64) = (0.01, 100.0);
 
 /// How a job holds positions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum PositionFormat {
-    /// `///POSTYPE BASE`, `///RECTAN`: pose of the tool in the base frame and the manipulator type.
+    /// Poses in the base frame.
+    // `///POSTYPE BASE`, `///RECTAN`, with the manipulator type.
     Rectangular,
-    /// `///POSTYPE PULSE`: encoder pulses; needs `pulses_per_deg` of all joints in `robot.toml`.
+    /// Encoder pulses; robot.toml must give pulses_per_deg.
+    // `///POSTYPE PULSE`.
     Pulse,
 }
 
@@ -91,7 +99,8 @@ pub struct JbiOptions {
     pub station_pulses_per_deg: Option<f64>,
     /// Speed of the turntable beside a move of the robot, share of its top speed.
     pub station_share: f64,
-    /// Most instruction lines in a job; a longer program is split and called from a job of its name.
+    /// Most instruction lines in a job; a longer program is split and called from a job of its
+    /// name.
     pub lines_per_job: usize,
 }
 
@@ -112,7 +121,8 @@ impl JbiOptions {
 /// Manipulator type (`///RCONF`): which of the postures that reach a pose is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rconf {
-    /// The R axis (joint 4) lies in (90°, 270°] or (−270°, −90°]; else in (−90°, 90°] or beyond ±270°: *flip*.
+    /// The R axis (joint 4) lies in (90°, 270°] or (−270°, −90°]; else in (−90°, 90°] or beyond
+    /// ±270°: *flip*.
     pub no_flip: bool,
     /// The elbow is bent downwards.
     pub lower_arm: bool,
@@ -139,8 +149,8 @@ impl Rconf {
         let turned = q[3].to_degrees().rem_euclid(360.0);
         Self {
             no_flip: turned > 90.0 && turned <= 270.0,
-            lower_arm: branch.lower_elbow,
-            rear: branch.rear_shoulder,
+            lower_arm: branch.elbow == Elbow::Lower,
+            rear: branch.shoulder == Shoulder::Rear,
             r_over,
             t_over,
             s_over,
@@ -202,7 +212,8 @@ fn rconf_text(rconf: &Rconf) -> String {
     fields.join(",")
 }
 
-/// Job names: letters, digits, hyphens and underscores. The dialect gives the length only; what else it may allow is refused.
+/// Job names: letters, digits, hyphens and underscores. The dialect gives the length only; what
+/// else it may allow is refused.
 fn check_name(name: &str) -> Result<(), ProgramErrorKind> {
     let good = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '-' || c == '_';
     if name.is_empty() || name.len() > NAME_CHARS || !name.chars().all(good) {

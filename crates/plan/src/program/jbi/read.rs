@@ -10,7 +10,7 @@ use crate::program::{Motion, ProgramError, ProgramErrorKind};
 
 /// Where in the file the reader stands.
 #[derive(PartialEq, Clone, Copy)]
-enum Section {
+enum JobSection {
     Job,
     Name,
     Pos,
@@ -20,9 +20,9 @@ enum Section {
     End,
 }
 
-struct Reader<'a> {
+struct JobReader<'a> {
     job: JbiJob,
-    section: Section,
+    section: JobSection,
     line: usize,
     /// Line of `///NPOS`, positions and stations that it announces.
     announced: Option<(usize, usize, usize)>,
@@ -35,9 +35,10 @@ impl JbiJob {
     /// Reads a job.
     ///
     /// # Errors
-    /// At the first line that the dialect does not have, and if positions and moves do not belong together.
+    /// At the first line that the dialect does not have, and if positions and moves do not belong
+    /// together.
     pub fn parse(text: &str, path: &Path) -> Result<Self, ProgramError> {
-        let mut reader = Reader {
+        let mut reader = JobReader {
             job: Self {
                 path: path.to_owned(),
                 name: String::new(),
@@ -48,7 +49,7 @@ impl JbiJob {
                 moves: Vec::new(),
                 calls: Vec::new(),
             },
-            section: Section::Job,
+            section: JobSection::Job,
             line: 0,
             announced: None,
             kind: None,
@@ -96,27 +97,32 @@ fn fields<'a>(
     })
 }
 
-impl<'a> Reader<'a> {
+impl<'a> JobReader<'a> {
     fn read(&mut self, line: &'a str) -> Result<(), ProgramErrorKind> {
         match self.section {
-            Section::Job => self.marker(line, "/JOB", Section::Name),
-            Section::Name => {
+            JobSection::Job => self.marker(line, "/JOB", JobSection::Name),
+            JobSection::Name => {
                 let name = line.strip_prefix("//NAME ");
                 let name = name.ok_or_else(|| unexpected(line, "//NAME"))?.trim();
                 check_name(name)?;
                 name.clone_into(&mut self.job.name);
-                self.section = Section::Pos;
+                self.section = JobSection::Pos;
                 Ok(())
             }
-            Section::Pos => self.marker(line, "//POS", Section::Positions),
-            Section::Positions => self.in_positions(line),
-            Section::Head => self.instruction_head(line),
-            Section::Instructions => self.instruction(line),
-            Section::End => Err(unexpected(line, "the end of the file, after END,")),
+            JobSection::Pos => self.marker(line, "//POS", JobSection::Positions),
+            JobSection::Positions => self.in_positions(line),
+            JobSection::Head => self.instruction_head(line),
+            JobSection::Instructions => self.instruction(line),
+            JobSection::End => Err(unexpected(line, "the end of the file, after END,")),
         }
     }
 
-    fn marker(&mut self, line: &str, wanted: &str, next: Section) -> Result<(), ProgramErrorKind> {
+    fn marker(
+        &mut self,
+        line: &str,
+        wanted: &str,
+        next: JobSection,
+    ) -> Result<(), ProgramErrorKind> {
         if line != wanted {
             return Err(unexpected(line, wanted));
         }
@@ -127,7 +133,7 @@ impl<'a> Reader<'a> {
     fn in_positions(&mut self, line: &'a str) -> Result<(), ProgramErrorKind> {
         let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
         match word {
-            "//INST" => self.section = Section::Head,
+            "//INST" => self.section = JobSection::Head,
             "///NPOS" => {
                 let counts = fields(rest, "///NPOS", &[6])?;
                 let counts = counts.iter().map(|text| whole::<usize>(text, "///NPOS"));
@@ -218,7 +224,7 @@ impl<'a> Reader<'a> {
     fn instruction_head(&mut self, line: &str) -> Result<(), ProgramErrorKind> {
         let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
         match word {
-            "NOP" => self.section = Section::Instructions,
+            "NOP" => self.section = JobSection::Instructions,
             "///COMM" => {
                 check_comment(rest)?;
                 rest.clone_into(&mut self.job.comment);
@@ -236,7 +242,7 @@ impl<'a> Reader<'a> {
 
     fn instruction(&mut self, line: &str) -> Result<(), ProgramErrorKind> {
         if line == "END" {
-            self.section = Section::End;
+            self.section = JobSection::End;
         } else if let Some(point) = line.strip_prefix("'POINT ") {
             self.next_point = whole(point, "the path point")?;
         } else if let Some(name) = line.strip_prefix("CALL JOB:") {
@@ -305,13 +311,13 @@ impl<'a> Reader<'a> {
 
     /// What only the whole job shows, with the line if it is not the last.
     fn whole(&self) -> Result<(), (Option<usize>, ProgramErrorKind)> {
-        if self.section != Section::End {
+        if self.section != JobSection::End {
             let missing = match self.section {
-                Section::Job => "/JOB",
-                Section::Name => "//NAME",
-                Section::Pos => "//POS",
-                Section::Positions => "//INST",
-                Section::Head => "NOP",
+                JobSection::Job => "/JOB",
+                JobSection::Name => "//NAME",
+                JobSection::Pos => "//POS",
+                JobSection::Positions => "//INST",
+                JobSection::Head => "NOP",
                 _ => "END",
             };
             let missing = missing.to_owned();

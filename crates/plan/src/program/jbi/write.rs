@@ -17,11 +17,13 @@ pub struct JbiFile {
     pub text: String,
 }
 
-/// Writes a program as one job; as several and one that calls them in turn if it has more instruction lines than fit.
+/// Writes a program as one job; as several and one that calls them in turn if it has more
+/// instruction lines than fit.
 ///
 /// # Errors
-/// If the name, the comment, the tool number or a speed is one that the dialect cannot hold, a joint stands where the
-/// manipulator type cannot say it, pulses are wanted and not known, or the program contradicts itself.
+/// If the name, the comment, the tool number or a speed is one that the dialect cannot hold, a
+/// joint stands where the manipulator type cannot say it, pulses are wanted and not known, or the
+/// program contradicts itself.
 pub fn write(
     program: &Program,
     robot: &Robot,
@@ -38,7 +40,7 @@ pub fn write(
         return Err(ProgramErrorKind::value("lines per job", options.lines_per_job, rule).into());
     }
     program.check(robot)?;
-    let writer = Writer::new(program, robot, options)?;
+    let writer = JobWriter::new(program, robot, options)?;
     let parts = writer.parts();
     if parts.len() <= 1 {
         return Ok(vec![writer.job(&program.name, &program.moves, 0)?]);
@@ -53,7 +55,8 @@ pub fn write(
     Ok(files)
 }
 
-/// Names of the parts: as much of the program's name as leaves room for a number of two digits or more.
+/// Names of the parts: as much of the program's name as leaves room for a number of two digits or
+/// more.
 fn part_names(name: &str, count: usize) -> Result<Vec<String>, ProgramErrorKind> {
     let digits = count.to_string().len().max(2);
     let stem: String = name.chars().take(NAME_CHARS - digits).collect();
@@ -69,7 +72,7 @@ fn part_names(name: &str, count: usize) -> Result<Vec<String>, ProgramErrorKind>
     Ok(names)
 }
 
-struct Writer<'a> {
+struct JobWriter<'a> {
     program: &'a Program,
     robot: &'a Robot,
     options: &'a JbiOptions,
@@ -77,7 +80,7 @@ struct Writer<'a> {
     with_station: bool,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> JobWriter<'a> {
     fn new(
         program: &'a Program,
         robot: &'a Robot,
@@ -276,7 +279,8 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Whether the point of a move is named: at the start of a job whose first point is not 0, and where numbers leap.
+/// Whether the point of a move is named: at the start of a job whose first point is not 0, and
+/// where numbers leap.
 fn names_point(moves: &[Move], i: usize, first: usize) -> bool {
     let expected = if i == first {
         0

@@ -1,18 +1,21 @@
 //! ABB modules (`.MOD`) in RAPID.
 //!
-//! Fields, and where they are documented, stand in `docs/finishing.md`, section "Robot programs". Positions are millimetres
-//! with three decimals, attitudes quaternions with nine, angles of the turntable degrees with four.
+//! Fields, and where they are documented, stand in `docs/robot_program_formats.md`. Positions are
+//! millimetres with three decimals, attitudes quaternions with nine, angles of the turntable
+//! degrees with four.
 
+mod dialect;
 mod module;
 mod read;
 mod text;
 mod write;
 
-use truecut_arm::OpwGeometry;
+use truecut_arm::{Elbow, OpwGeometry, Shoulder, Wrist};
 
 use super::ProgramErrorKind;
 use super::flags::{Flags, branch_excess, outside_rad};
 
+pub use dialect::Rapid;
 pub use module::{RapidModule, RapidMove, RobTarget};
 pub use write::write;
 
@@ -46,8 +49,8 @@ const RESERVED: [&str; 12] = [
 pub struct RapidOptions {
     /// Zone of the points between the first and the last, which are `fine`.
     pub zone: String,
-    /// Speed of the tool point that stands for a joint move at full speed. RAPID gives joint moves a speed of the tool
-    /// point, not a share.
+    /// Speed of the tool point that stands for a joint move at full speed. RAPID gives joint moves
+    /// a speed of the tool point, not a share.
     pub joint_top_m_per_s: f64,
     /// Speed of reorientation in all speed data.
     pub reorientation_deg_per_s: f64,
@@ -71,7 +74,8 @@ pub struct Confdata {
     pub cf1: i32,
     pub cf4: i32,
     pub cf6: i32,
-    /// 4 if the wrist centre is behind axis 1, plus 2 if it is behind the lower arm, plus 1 if axis 5 is negative.
+    /// 4 if the wrist centre is behind axis 1, plus 2 if it is behind the lower arm, plus 1 if axis
+    /// 5 is negative.
     pub cfx: i32,
 }
 
@@ -85,9 +89,9 @@ impl Confdata {
             cf1: quadrant(0),
             cf4: quadrant(3),
             cf6: quadrant(5),
-            cfx: 4 * i32::from(branch.rear_shoulder)
-                + 2 * i32::from(branch.lower_elbow)
-                + i32::from(branch.flipped_wrist),
+            cfx: 4 * i32::from(branch.shoulder == Shoulder::Rear)
+                + 2 * i32::from(branch.elbow == Elbow::Lower)
+                + i32::from(branch.wrist == Wrist::Negative),
         }
     }
 

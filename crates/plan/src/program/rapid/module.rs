@@ -49,8 +49,8 @@ pub struct RapidModule {
 }
 
 impl RapidModule {
-    /// The program that the module makes a robot run. Targets named `p` and a number are the path points of that number;
-    /// if one is not, moves are counted.
+    /// The program that the module makes a robot run. Targets named `p` and a number are the path
+    /// points of that number; if one is not, moves are counted.
     ///
     /// # Errors
     /// With the target's line, if no posture reaches its pose in its configuration.

@@ -13,7 +13,7 @@ use crate::program::{ProgramError, ProgramErrorKind};
 /// By how much the squares of a quaternion's parts may miss 1: four decimals are enough.
 const UNIT: f64 = 2e-4;
 
-struct Reader<'a> {
+struct ModuleReader<'a> {
     source: Source<'a>,
     module: RapidModule,
     tool: Option<usize>,
@@ -24,10 +24,10 @@ impl RapidModule {
     /// Reads a module.
     ///
     /// # Errors
-    /// At the first piece that is none of those that [`write`](super::write) writes, with names and layout free, and if targets
-    /// and moves do not belong together.
+    /// At the first piece that is none of those that [`write`](super::write) writes, with names and
+    /// layout free, and if targets and moves do not belong together.
     pub fn parse(text: &str, path: &Path) -> Result<Self, ProgramError> {
-        let mut reader = Reader {
+        let mut reader = ModuleReader {
             source: Source::new(text, path)?,
             module: Self {
                 path: path.to_owned(),
@@ -51,7 +51,7 @@ impl RapidModule {
     }
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ModuleReader<'a> {
     fn module(&mut self) -> Result<(), ProgramError> {
         self.source.expect(&["MODULE"])?;
         let name = self.source.word("the module's name")?;

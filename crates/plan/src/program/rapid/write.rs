@@ -10,8 +10,9 @@ use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind};
 /// Writes a program as one module with the procedure `main`, lines ended by CR LF.
 ///
 /// # Errors
-/// If the program's name, the tool's or the zone is none of the language, an option is out of its range, the arm's branches
-/// are not those that the language names, or the program contradicts itself.
+/// If the program's name, the tool's or the zone is none of the language, an option is out of its
+/// range, the arm's branches are not those that the language names, or the program contradicts
+/// itself.
 pub fn write(
     program: &Program,
     robot: &Robot,

@@ -1,6 +1,6 @@
 //! Rows of the catalogue, written short.
 
-use super::{Family, ParameterInfo, TargetKind};
+use super::{EffectKind, Family, Model, ParameterInfo, Signal, TargetKind};
 use truecut_recording::Unit;
 
 /// One kind of effect.
@@ -10,6 +10,9 @@ pub(super) struct Entry {
     pub target: TargetKind,
     pub description: &'static str,
     pub parameters: &'static [ParameterInfo],
+    pub models: &'static [Model],
+    pub limits: &'static [EffectKind],
+    pub follows: Option<Signal>,
 }
 
 /// A size whose key does not depend on the kind of joint.
@@ -19,18 +22,16 @@ pub(super) const fn same(
     neutral: f64,
     min: f64,
     max: f64,
-    description: &'static str,
 ) -> ParameterInfo {
-    joint(key, unit, key, unit, neutral, min, max, description)
+    joint(key, unit, key, unit, neutral, min, max)
 }
 
 /// The size of what is so many times its nominal value.
-pub(super) const fn factor(min: f64, max: f64, description: &'static str) -> ParameterInfo {
-    same("factor", Unit::One, 1.0, min, max, description)
+pub(super) const fn factor(min: f64, max: f64) -> ParameterInfo {
+    same("factor", Unit::One, 1.0, min, max)
 }
 
 /// A size with one key for prismatic and one for rotary joints.
-#[expect(clippy::too_many_arguments, reason = "one row of a table")]
 pub(super) const fn joint(
     key: &'static str,
     unit: Unit,
@@ -39,7 +40,6 @@ pub(super) const fn joint(
     neutral: f64,
     min: f64,
     max: f64,
-    description: &'static str,
 ) -> ParameterInfo {
     ParameterInfo {
         key,
@@ -51,7 +51,15 @@ pub(super) const fn joint(
         max,
         is_size: true,
         starts: &[],
+        description: "",
+    }
+}
+
+/// With its meaning.
+pub(super) const fn described(info: ParameterInfo, description: &'static str) -> ParameterInfo {
+    ParameterInfo {
         description,
+        ..info
     }
 }
 

@@ -1,4 +1,4 @@
-//! A wheel on a carrier whose tool is held, or led, over a plane.
+//! A wheel on a carrier whose tool is held, or moves, over a plane.
 
 use super::tests::{WHEEL, held, plane};
 use super::*;
@@ -27,7 +27,7 @@ fn compliant(preload_n: f64, damping_n_s_per_m: f64) -> ForceControl {
 
 /// The process with a carrier, run over a plane with the tool so deep in it, m, and so fast towards it, m/s. `see` is given the loads on the
 /// tool and the process after each step.
-fn led(
+fn run_pressed(
     control: ForceControl,
     steps: usize,
     depth: impl Fn(f64) -> (f64, f64),
@@ -60,7 +60,7 @@ fn led(
 fn verify_a_held_force_does_not_depend_on_the_path() {
     for depth_m in [-0.4e-3, 0.0, DEPTH_M, 0.9e-3] {
         let mut last = (0.0, 0.0);
-        led(
+        run_pressed(
             CONSTANT,
             4000,
             |_| (depth_m, 0.0),
@@ -73,7 +73,7 @@ fn verify_a_held_force_does_not_depend_on_the_path() {
     }
     let w = 1.5e-3;
     let mut last = 0.0;
-    led(
+    run_pressed(
         CONSTANT,
         8000,
         |t| (w * t - 0.5e-3, w),
@@ -97,7 +97,7 @@ fn verify_a_compliant_carrier_swings_on_both_springs() {
     let rest_m = (preload_n - force(DEPTH_M)) / (2e3 + contact);
     let (mut crossings, mut before) = (Vec::new(), 0.0);
     let still = |_| (DEPTH_M, 0.0);
-    led(compliant(preload_n, 0.0), 8000, still, |time_s, _, belt| {
+    run_pressed(compliant(preload_n, 0.0), 8000, still, |time_s, _, belt| {
         let off = belt.carrier.offset_m - rest_m;
         if before < 0.0 && off >= 0.0 {
             crossings.push(time_s);
@@ -114,7 +114,7 @@ fn verify_a_compliant_carrier_swings_on_both_springs() {
     // Damped it comes to rest, and its spring gives the tool what the contact gives the wheel; friction passes across the carrier.
     let (mut end, mut on_tool) = (0.0, Vector3::zeros());
     let damped = compliant(preload_n, 60.0);
-    led(damped, 8000, still, |_, wrench, belt| {
+    run_pressed(damped, 8000, still, |_, wrench, belt| {
         (end, on_tool) = (belt.carrier.offset_m, wrench.force_n);
     });
     assert!((end / rest_m - 1.0).abs() < 0.01, "{end} {rest_m}");
@@ -134,13 +134,13 @@ fn verify_stops_end_the_stroke() {
     for control in [CONSTANT, compliant(30.0, 0.0)] {
         let mut end = 0.0;
         let lifted = |_| (-20e-3, 0.0);
-        led(control, 4000, lifted, |_, on_tool, belt| {
+        run_pressed(control, 4000, lifted, |_, on_tool, belt| {
             end = belt.last.carrier_m;
             assert_eq!(on_tool.force_n.x, 0.0);
         });
         assert_eq!(end, 2e-3);
         let mut last = (0.0, 0.0);
-        led(
+        run_pressed(
             control,
             8000,
             |t| ((t * 0.02).min(3.5e-3), 0.0),

@@ -1,7 +1,7 @@
 //! Wheel and face at one instant: narrow line patches side by side along the wheel's axis.
 //!
 //! A straight wheel does not touch a curved face over its whole width. It is cut into strips, each a line patch of its own with the
-//! penetration and the curvature of its section; they are as wide on the face as the face leans along the axis. A strip's force stands along
+//! indentation and the curvature of its section; they are as wide on the face as the face leans along the axis. A strip's force stands along
 //! the normal of the face, so that the sum is the derivative of the strips' energies: no work is gained on a closed way.
 //! Strips do not hold one another: the rubber's stiffness along the axis is left out.
 
@@ -38,7 +38,7 @@ pub(super) struct Strip {
     /// Half of its width on the face.
     pub half_width_m: f64,
     /// How far the undeformed wheel reaches in.
-    pub penetration_m: f64,
+    pub indentation_m: f64,
     pub patch: Patch,
     pub sliding: Sliding,
     pub loads: PatchLoads,
@@ -53,7 +53,7 @@ pub(super) struct Motion {
 
 /// Wheel and face at one instant.
 #[derive(Debug, Clone)]
-pub(super) struct Contact {
+pub(super) struct BeltContact {
     /// Which copy of the face.
     pub copy: usize,
     pub strips: Vec<Strip>,
@@ -75,7 +75,7 @@ pub(super) struct Contact {
     pub moment_n_m: Vector3<f64>,
 }
 
-impl Contact {
+impl BeltContact {
     /// `seed` is a copy and the parameters under the wheel's middle a little before; without it the face's samples are searched.
     /// `edges` is given the reactions along borders of the face, with the strip that they belong to.
     pub fn of(
@@ -93,8 +93,8 @@ impl Contact {
         let tool_x = motion.patch_from_wheel.rotation * Vector3::x();
         let centre = Point3::from(motion.patch_from_wheel.translation.vector);
         let wheel = &setup.wheel;
-        let [runout_m, runout_m_per_s] = setup.runout(state.time_s);
-        let radius_m = wheel.radius_m + runout_m;
+        let [offset_m, offset_rate_m_per_s] = setup.radius_offset(state.time_s);
+        let radius_m = wheel.radius_m + offset_m;
         let reach_m = radius_m.hypot(0.5 * wheel.width_m);
         let seed = seed.filter(|seed| seed.0 == copy).map(|seed| seed.1);
         let Some(near) = seed.or_else(|| face.near(&centre, reach_m)) else {
@@ -108,7 +108,7 @@ impl Contact {
             motion: &motion,
             axis,
             radius_m,
-            runout_m_per_s,
+            offset_rate_m_per_s,
         };
         for (index, section) in sections.iter().enumerate() {
             let Some(section) = section else { continue };
@@ -206,9 +206,9 @@ struct Press<'a> {
     face: &'a FaceGeometry,
     motion: &'a Motion,
     axis: Vector3<f64>,
-    /// With the runout of this instant.
+    /// With the radius offset of this instant.
     radius_m: f64,
-    runout_m_per_s: f64,
+    offset_rate_m_per_s: f64,
 }
 
 impl Press<'_> {
@@ -220,8 +220,8 @@ impl Press<'_> {
         edges: &mut impl FnMut(&Strip, &EdgePoint),
     ) -> Option<Strip> {
         let wheel = &self.setup.wheel;
-        let penetration_m = self.radius_m - section.distance_m;
-        if penetration_m <= 0.0 {
+        let indentation_m = self.radius_m - section.distance_m;
+        if indentation_m <= 0.0 {
             return None;
         }
         let normal = section.normal.into_inner();
@@ -250,8 +250,8 @@ impl Press<'_> {
             normal,
             first_m: section.first_m,
             half_width_m,
-            penetration_m,
-            patch: narrow.patch(penetration_m, radius_m),
+            indentation_m,
+            patch: narrow.patch(indentation_m, radius_m),
             sliding: self.sliding(section, &x, &y, lean),
             loads: PatchLoads::default(),
         };
@@ -279,8 +279,8 @@ impl Press<'_> {
                 velocity.dot(y),
             ),
             spin_rad_s: motion.turning_rad_s.dot(&normal),
-            approach_m_per_s: self.runout_m_per_s - velocity.dot(&normal) / lean,
-            mu: self.setup.mu,
+            approach_m_per_s: self.offset_rate_m_per_s - velocity.dot(&normal) / lean,
+            mu: self.setup.abrasive.mu,
         }
     }
 
@@ -304,7 +304,7 @@ impl Press<'_> {
             (v - domain.v[0]) * to_v - reach_v_m,
             (domain.v[1] - v) * to_v - reach_v_m,
         ];
-        // A wheel that is led flush with a border is within it, whatever rounding says.
+        // A wheel that moves flush with a border is within it, whatever rounding says.
         let flush_m = FLUSH * window_m.norm();
         if clear_m.into_iter().all(|clear_m| clear_m >= -flush_m) {
             return Some(Face::unbounded());

@@ -15,56 +15,49 @@ mod carrier_tests;
 mod contact;
 mod geometry;
 mod report;
+pub(crate) mod setup;
 mod surface;
 #[cfg(test)]
 mod tests;
 
 pub use surface::{Cells, cells_within};
 
-use super::met::Met;
+use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
-use contact::{Contact, Motion, Strip};
+use contact::{BeltContact, Motion, Strip};
 use geometry::FaceGeometry;
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Translation3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
 use std::f64::consts::TAU;
 use std::sync::{Arc, LazyLock};
 use surface::Worn;
-use truecut_core::roughness::Polishing;
+use truecut_core::wheel::abrasive::Abrasive;
 use truecut_core::wheel::belt::BeltWheel;
 use truecut_core::wheel::force_control::{ForceControl, Offset};
 use truecut_core::wheel::patch::EdgePoint;
 use truecut_core::wheel::quadrature::Quadrature;
+use truecut_plan::motion::lines::CopyAt;
 use truecut_plan::surface::PatchFile;
 use truecut_recording::{ChannelSpec, Field, Unit};
 
 /// Eight nodes across and along a strip; a search makes thousands of belts.
 static RULES: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::new(8));
 
-/// A copy of the face.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Copied {
-    /// From when on it is the one under the wheel, s.
-    pub from_s: f64,
-    pub world_from_patch: Isometry3<f64>,
-}
-
 /// All that a belt run is made of.
 #[derive(Debug, Clone)]
 pub struct BeltSetup {
     pub wheel: BeltWheel,
     pub control: ForceControl,
-    /// How much further than its radius the contact wheel reaches at the face when the run starts, and a quarter of a turn later, m.
-    pub runout_m: [f64; 2],
+    /// What eccentricity adds to the contact wheel's radius at the face at the start, and a
+    /// quarter of a turn later, m.
+    pub eccentricity_m: [f64; 2],
     /// Speed of the belt along the tool's x axis, m/s.
     pub belt_m_per_s: f64,
-    pub mu: f64,
-    pub preston_per_pa: f64,
-    pub polishing: Polishing,
+    pub abrasive: Abrasive,
     pub patch: Arc<PatchFile>,
     /// Copies in the order in which they are finished, one at least.
-    pub copies: Vec<Copied>,
+    pub copies: Vec<CopyAt>,
     /// Turns world axes into process axes.
     pub process_from_world: UnitQuaternion<f64>,
     pub cells: Cells,
@@ -95,9 +88,10 @@ impl BeltSetup {
         self.belt_m_per_s / self.wheel.radius_m
     }
 
-    /// How much further than its radius the wheel reaches, and how fast that grows: `C cos φ + S sin φ`, in m and m/s.
-    fn runout(&self, time_s: f64) -> [f64; 2] {
-        let [c, s] = self.runout_m;
+    /// What eccentricity adds to the radius at the contact, `C cos φ + S sin φ`, m, and its
+    /// rate, m/s.
+    fn radius_offset(&self, time_s: f64) -> [f64; 2] {
+        let [c, s] = self.eccentricity_m;
         let spin = self.wheel_rad_s();
         let (sin, cos) = (spin * time_s).sin_cos();
         [c * cos + s * sin, spin * (s * cos - c * sin)]
@@ -136,22 +130,22 @@ pub struct Belt {
     /// One a copy; none where only rows are asked for.
     worn: Vec<Worn>,
     watch: Watch,
-    last: Last,
+    last: BeltStep,
     /// Where the last step's contact is looked for in the next, if the wheel touched.
     seed: Option<(usize, [f64; 2])>,
-    /// What the loads of this step were computed from.
-    met: Met<(Contact, Edges)>,
+    /// The contact state that the loads of this step were computed from.
+    contact_state: StepCache<(BeltContact, Edges)>,
 }
 
 /// Reactions along borders, with the strip that they belong to.
 type Edges = Vec<(Strip, EdgePoint)>;
 
-/// What is recorded of the last step.
+/// Values of the last committed step.
 #[derive(Debug, Clone, Copy, Default)]
-struct Last {
+struct BeltStep {
     copy: usize,
     uv: [f64; 2],
-    penetration_m: f64,
+    indentation_m: f64,
     normal_n: f64,
     edge_n: f64,
     friction_n: Vector2<f64>,
@@ -169,23 +163,23 @@ impl Belt {
             carrier: Offset::at(setup.control.lifted_m()),
             worn: setup.copies.iter().map(|_| Worn::new(&setup)).collect(),
             watch: Watch::default(),
-            last: Last::default(),
+            last: BeltStep::default(),
             seed: None,
-            met: Met::default(),
+            contact_state: StepCache::default(),
             setup,
         }
     }
 
-    fn meet(&self, state: &ToolState) -> (Contact, Edges) {
+    fn contact_state(&self, state: &ToolState) -> (BeltContact, Edges) {
         let mut edges = Edges::new();
         let add = |strip: &Strip, point: &EdgePoint| edges.push((*strip, *point));
         let (setup, carrier) = (&self.setup, &self.carrier);
-        let contact = Contact::of(setup, &self.face, self.seed, state, carrier, add);
+        let contact = BeltContact::of(setup, &self.face, self.seed, state, carrier, add);
         (contact, edges)
     }
 
     /// Force and moment about its point that the contact gives the tool, process axes.
-    fn on_tool(&self, contact: &Contact) -> (Vector3<f64>, Vector3<f64>) {
+    fn on_tool(&self, contact: &BeltContact) -> (Vector3<f64>, Vector3<f64>) {
         let (setup, carrier) = (&self.setup, &self.carrier);
         let pushed_n = contact.pushed_n();
         let carried_n = setup.control.carried_n(carrier, pushed_n);
@@ -196,7 +190,7 @@ impl Belt {
         (to_process(force_n), to_process(moment_n_m))
     }
 
-    /// Slope of the force over the penetration on a flat face, at the indentation of the path, N/m.
+    /// Slope of the force over the indentation on a flat face, at the indentation of the path, N/m.
     fn stiffness_n_per_m(&self) -> f64 {
         let p = &self.setup;
         let (d, h) = (p.indentation_m, 1e-3 * p.indentation_m);
@@ -260,7 +254,7 @@ impl Process for Belt {
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let (contact, edges) = self.meet(state);
+        let (contact, edges) = self.contact_state(state);
         let (force_n, moment_n_m) = self.on_tool(&contact);
         let mut loads = Loads::default();
         loads.wrenches.push(Wrench {
@@ -268,28 +262,28 @@ impl Process for Belt {
             force_n,
             moment_n_m,
         });
-        self.met.keep(state.time_s, (contact, edges));
+        self.contact_state.set(state.time_s, (contact, edges));
         loads
     }
 
     fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, dt_s: f64) {
-        // What is removed and recorded is what acted: the contact of the loads, met with the velocity foreseen for this instant.
-        let met = self.met.take(state.time_s);
-        let (contact, edges) = met.unwrap_or_else(|| self.meet(state));
+        // Removal and channels use the contact state of the loads, with its predicted velocity.
+        let cached = self.contact_state.take(state.time_s);
+        let (contact, edges) = cached.unwrap_or_else(|| self.contact_state(state));
         if let Some(worn) = self.worn.get_mut(contact.copy) {
             worn.grind(&self.setup, &contact.strips, &edges, dt_s);
         }
         let control = self.setup.control;
         self.watch
             .step(&contact, control.is_at_stop(&self.carrier), dt_s);
-        let (uv, penetration_m) = contact.middle.unwrap_or((self.last.uv, 0.0));
+        let (uv, indentation_m) = contact.middle.unwrap_or((self.last.uv, 0.0));
         // Between steps a contact moves by less than any bump is wide; in the air the nearest place may be another one.
         let touched = contact.middle.is_some() && !contact.strips.is_empty();
         self.seed = touched.then_some((contact.copy, uv));
-        self.last = Last {
+        self.last = BeltStep {
             copy: contact.copy,
             uv,
-            penetration_m: penetration_m.max(0.0),
+            indentation_m: indentation_m.max(0.0),
             normal_n: contact.normal_n,
             edge_n: contact.edge_n,
             friction_n: contact.friction_n,
@@ -307,7 +301,7 @@ impl Process for Belt {
             last.edge_n,
             last.friction_n.x,
             last.friction_n.y,
-            last.penetration_m,
+            last.indentation_m,
             last.width_m,
             last.carrier_m,
             last.uv[0],
@@ -333,7 +327,7 @@ impl Process for Belt {
 
     fn highest_frequency_hz(&self) -> Option<f64> {
         let p = &self.setup;
-        (p.runout_m != [0.0; 2]).then(|| p.wheel_rad_s().abs() / TAU)
+        (p.eccentricity_m != [0.0; 2]).then(|| p.wheel_rad_s().abs() / TAU)
     }
 
     fn quickest_s(&self) -> Option<f64> {

@@ -1,7 +1,7 @@
 //! What a belt run ends with: force, removal and its evenness, roughness; and how the face is drawn.
 
 use super::BeltSetup;
-use super::contact::Contact;
+use super::contact::BeltContact;
 use super::surface::{Worn, middles};
 use crate::process::Findings;
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -26,17 +26,17 @@ pub(super) struct Watch {
     /// `∫ F² dt`, N² s.
     square_n2_s: f64,
     largest_n: f64,
-    penetration_m: f64,
+    indentation_m: f64,
 }
 
 impl Watch {
-    pub fn step(&mut self, contact: &Contact, at_stop: bool, dt_s: f64) {
+    pub fn step(&mut self, contact: &BeltContact, at_stop: bool, dt_s: f64) {
         self.preston_j += contact.sliding_w * dt_s;
         self.impulse_n_s += contact.normal_n * dt_s;
         self.square_n2_s += contact.normal_n.powi(2) * dt_s;
         self.largest_n = self.largest_n.max(contact.normal_n);
-        let depths = contact.strips.iter().map(|strip| strip.penetration_m);
-        self.penetration_m = depths.fold(self.penetration_m, f64::max);
+        let depths = contact.strips.iter().map(|strip| strip.indentation_m);
+        self.indentation_m = depths.fold(self.indentation_m, f64::max);
         if contact.normal_n > 0.0 {
             self.contact_s += dt_s;
             self.stopped_s += if at_stop { dt_s } else { 0.0 };
@@ -45,7 +45,7 @@ impl Watch {
 
     /// Volume that Preston's law takes off by what was given so far, m³.
     pub fn preston_m3(&self, setup: &BeltSetup) -> f64 {
-        setup.preston_per_pa * self.preston_j
+        setup.abrasive.preston_per_pa * self.preston_j
     }
 }
 
@@ -91,7 +91,7 @@ fn sums(setup: &BeltSetup, worn: &Worn) -> (Sums, Sums) {
         if !setup.is_face[cell] {
             continue;
         }
-        let (area, roughness) = (setup.area_m2[cell], setup.polishing.ra_m(*dose));
+        let (area, roughness) = (setup.area_m2[cell], setup.abrasive.polishing.ra_m(*dose));
         face.add(area, *depth, roughness);
         let middle = setup.cells.middle(cell);
         let within = |i: usize| (setup.swept[i][0]..=setup.swept[i][1]).contains(&middle[i]);
@@ -174,7 +174,7 @@ fn pressing(setup: &BeltSetup, watch: &Watch) -> Vec<Scalar> {
         scalar(
             "largest_penetration",
             Unit::One,
-            watch.penetration_m / setup.wheel.rubber_m,
+            watch.indentation_m / setup.wheel.rubber_m,
             "Largest penetration of the wheel over the thickness of its rubber; from 1 on the hub would be on the face",
         ),
     ];

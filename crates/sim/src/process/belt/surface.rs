@@ -2,7 +2,7 @@
 
 use super::BeltSetup;
 use super::contact::{STRIPS, Strip};
-use crate::process::kept_back::KeptBack;
+use crate::process::pending_removal::PendingRemoval;
 use nalgebra::{Matrix2, Point3, Vector2};
 use truecut_core::wheel::patch::EdgePoint;
 use truecut_core::wheel::removal::{Placement, SurfaceGrid};
@@ -81,7 +81,7 @@ impl Cells {
 #[derive(Debug, Clone)]
 pub(super) struct Worn {
     pub grid: SurfaceGrid,
-    kept: [KeptBack<Strip>; STRIPS],
+    pending: [PendingRemoval<Strip>; STRIPS],
     scratch: Vec<(usize, f64)>,
 }
 
@@ -89,7 +89,7 @@ impl Worn {
     pub fn new(setup: &BeltSetup) -> Self {
         Self {
             grid: SurfaceGrid::new(setup.cells.count[0], setup.area_m2.to_vec()),
-            kept: std::array::from_fn(|_| KeptBack::default()),
+            pending: std::array::from_fn(|_| PendingRemoval::default()),
             scratch: Vec::new(),
         }
     }
@@ -106,7 +106,12 @@ impl Worn {
         for (strip, edge) in edges {
             let placement = placement(&setup.cells, strip, setup.cells.place(strip.uv));
             let energy_j = edge.sliding_w * dt_s;
-            (self.grid).give_at(&placement, edge.at_m, energy_j, setup.preston_per_pa);
+            (self.grid).give_at(
+                &placement,
+                edge.at_m,
+                energy_j,
+                setup.abrasive.preston_per_pa,
+            );
         }
         for index in 0..STRIPS {
             if strips.iter().all(|strip| strip.index != index) {
@@ -116,23 +121,23 @@ impl Worn {
         for strip in strips {
             let at_cells = setup.cells.place(strip.uv);
             let energy_j = (strip.loads.sliding_w - strip.loads.edge_sliding_w) * dt_s;
-            if self.kept[strip.index].add(energy_j, at_cells, *strip) {
+            if self.pending[strip.index].add(energy_j, at_cells, *strip) {
                 self.settle(setup, strip.index);
             }
         }
     }
 
-    /// Spreads what is kept back of all strips.
+    /// Spreads the pending removal of all strips.
     pub fn settle_all(&mut self, setup: &BeltSetup) {
         for index in 0..STRIPS {
             self.settle(setup, index);
         }
     }
 
-    /// Spreads what is kept back of a strip. A cell that the strip covers in part along the wheel's axis takes that part: strips meet within
+    /// Spreads the pending removal of a strip. A cell that the strip covers in part along the wheel's axis takes that part: strips meet within
     /// cells, and the depth must not show where.
     fn settle(&mut self, setup: &BeltSetup, index: usize) {
-        let Some(dose) = self.kept[index].take() else {
+        let Some(dose) = self.pending[index].take() else {
             return;
         };
         let strip = dose.contact;
@@ -146,7 +151,7 @@ impl Worn {
             &placement,
             window_m,
             dose.energy_j,
-            setup.preston_per_pa,
+            setup.abrasive.preston_per_pa,
             &mut self.scratch,
             |x, y| {
                 let (from, to) = (y - 0.5 * cell_m, y + 0.5 * cell_m);

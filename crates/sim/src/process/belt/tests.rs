@@ -1,8 +1,9 @@
 //! The contact of a wheel that is held somewhere, against closed forms.
 
-use super::contact::Contact;
+use super::contact::BeltContact;
 use super::*;
-use nalgebra::{Matrix3, Point3, Rotation3, Unit};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Unit};
+use truecut_core::roughness::Polishing;
 use truecut_plan::surface::{CylinderPatch, Forms, PlanePatch, Surface};
 
 /// A slack belt; its law is Hertz's line contact.
@@ -23,18 +24,20 @@ fn setup(surface: Box<dyn Surface + Send>, wheel: BeltWheel) -> BeltSetup {
     });
     let cells = Cells::of(&patch, 1e-3);
     BeltSetup {
-        runout_m: [0.0; 2],
+        eccentricity_m: [0.0; 2],
         wheel,
         control: ForceControl::Position,
         belt_m_per_s: 20.0,
-        mu: 0.3,
-        preston_per_pa: 4e-12,
-        polishing: Polishing {
-            initial_m: 3e-6,
-            final_m: 0.4e-6,
-            dose_j_per_m2: 1e6,
+        abrasive: Abrasive {
+            mu: 0.3,
+            preston_per_pa: 4e-12,
+            polishing: Polishing {
+                initial_m: 3e-6,
+                final_m: 0.4e-6,
+                dose_j_per_m2: 1e6,
+            },
         },
-        copies: vec![Copied {
+        copies: vec![CopyAt {
             from_s: 0.0,
             world_from_patch: Isometry3::identity(),
         }],
@@ -73,8 +76,8 @@ pub(super) fn held(
     }
 }
 
-fn contact(setup: &BeltSetup, state: &ToolState) -> Contact {
-    Belt::new(setup.clone()).meet(state).0
+fn contact(setup: &BeltSetup, state: &ToolState) -> BeltContact {
+    Belt::new(setup.clone()).contact_state(state).0
 }
 
 pub(super) fn plane(wheel: BeltWheel) -> BeltSetup {
@@ -86,7 +89,7 @@ pub(super) fn plane(wheel: BeltWheel) -> BeltSetup {
 }
 
 /// Strips on a plane are one wheel: force, friction along the run, and a moment about the wheel's centre that the friction makes at the
-/// lever of the radius less the penetration.
+/// lever of the radius less the indentation.
 #[test]
 fn verify_strips_on_a_plane_are_one_wheel() {
     let taut = BeltWheel {
@@ -141,7 +144,7 @@ fn verify_half_a_wheel_presses_with_half_of_its_force() {
 }
 
 /// A wheel across a round bar touches over the part of its width in which the bar rises to it: the force is the line load at each
-/// section's penetration, summed over the width.
+/// section's indentation, summed over the width.
 #[test]
 fn verify_edge_gap_leaves_the_wheel_s_edges_off_a_round_bar() {
     let bar = 60e-3;
@@ -157,8 +160,8 @@ fn verify_edge_gap_leaves_the_wheel_s_edges_off_a_round_bar() {
         let state = held(&setup, middle, Vector3::y(), d, Vector3::zeros());
         let found = contact(&setup, &state);
         let line = |y: f64| {
-            let penetration = d - (bar - (bar * bar - y * y).sqrt());
-            WHEEL.normal_force_n(penetration, WHEEL.radius_m) / WHEEL.width_m
+            let indentation_m = d - (bar - (bar * bar - y * y).sqrt());
+            WHEEL.normal_force_n(indentation_m, WHEEL.radius_m) / WHEEL.width_m
         };
         let n = 2000;
         let dy = WHEEL.width_m / f64::from(n);
@@ -186,10 +189,8 @@ fn verify_no_work_on_a_closed_way() {
         Unit::new_normalize(Vector3::z()),
     );
     let cylinder = CylinderPatch::new(Vector3::zeros(), axis, zero, 60e-3, [-1.0, 1.0], 0.2);
-    let setup = BeltSetup {
-        mu: 0.0,
-        ..setup(Box::new(cylinder.unwrap()), WHEEL)
-    };
+    let mut setup = setup(Box::new(cylinder.unwrap()), WHEEL);
+    setup.abrasive.mu = 0.0;
     let domain = setup.patch.surface.domain();
     let middle = [domain.u, domain.v].map(|range| 0.5 * (range[0] + range[1]));
     let belt = Belt::new(setup.clone());
@@ -204,7 +205,7 @@ fn verify_no_work_on_a_closed_way() {
         for i in 0..steps {
             let off = corner(k) + way * ((f64::from(i) + 0.5) / f64::from(steps));
             let state = held(&setup, middle, Vector3::y(), 0.3e-3, off);
-            let force = belt.meet(&state).0.force_n;
+            let force = belt.contact_state(&state).0.force_n;
             let part = force.dot(&way) / f64::from(steps);
             work += part;
             size += part.abs();
@@ -250,7 +251,7 @@ fn verify_a_pass_leaves_an_even_depth() {
         }
         belt.finish();
         let line = WHEEL.normal_force_n(d, WHEEL.radius_m) / WHEEL.width_m;
-        let expected = setup.preston_per_pa * setup.belt_m_per_s * line / feed;
+        let expected = setup.abrasive.preston_per_pa * setup.belt_m_per_s * line / feed;
         let [columns, rows] = setup.cells.count;
         for row in 0..rows {
             let cell = row * columns + columns / 2;
@@ -277,7 +278,7 @@ fn a_copy_elsewhere_is_the_same_contact() {
     let mut setup = plane(WHEEL);
     let turn = UnitQuaternion::from_euler_angles(0.3, -0.2, 0.9);
     let stands = Isometry3::from_parts(Vector3::new(1.0, -0.2, 0.4).into(), turn);
-    setup.copies.push(Copied {
+    setup.copies.push(CopyAt {
         from_s: 2.0,
         world_from_patch: stands,
     });

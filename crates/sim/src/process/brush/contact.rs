@@ -5,7 +5,7 @@
 //! square to it, against the sliding of its tip. So a bristle is taken also where a face stands askew to it, at an edge: its law is one of a
 //! tip that is pressed back along the bristle.
 
-use super::rows::{Corners, Row, SLICES, Sections, is_in_reach};
+use super::rows::{BristleRow, Corners, SLICES, Sections, is_in_reach};
 use super::section::Side;
 use super::{BrushSetup, RULES, Station};
 use crate::process::ToolState;
@@ -48,7 +48,7 @@ impl Motion {
 
 /// What a brush does at one instant; forces on the tool, in the tool's frame.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Contact {
+pub(super) struct BrushContact {
     pub force_n: Vector3<f64>,
     /// About the tool point.
     pub moment_n_m: Vector3<f64>,
@@ -66,7 +66,7 @@ pub(super) struct Contact {
     pub doses_w_per_m2: Vec<(usize, f64)>,
 }
 
-impl Contact {
+impl BrushContact {
     pub fn of(setup: &BrushSetup, state: &ToolState) -> Self {
         let brush = setup.brush_at(state.time_s);
         let motion = Motion::of(setup, state);
@@ -76,10 +76,10 @@ impl Contact {
             return contact;
         }
         let mut sections = Sections::new(&triangles, brush.radius_m);
-        let mut met = Vec::new();
+        let mut nearest = Vec::new();
         for row in sections.rows(brush.width_m, &RULES) {
-            sections.met(row.y_m, &mut met);
-            for side in &met {
+            sections.nearest(row.y_m, &mut nearest);
+            for side in &nearest {
                 contact.press(&brush, &motion, RULES.by_sine(), &row, side);
             }
         }
@@ -99,7 +99,7 @@ impl Contact {
         brush: &Brush,
         motion: &Motion,
         nodes: &[(f64, f64)],
-        row: &Row,
+        row: &BristleRow,
         side: &Side,
     ) {
         let middle = 0.5 * (side.from_rad + side.to_rad);

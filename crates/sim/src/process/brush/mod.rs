@@ -10,11 +10,12 @@ mod contact;
 mod report;
 mod rows;
 mod section;
+pub(crate) mod setup;
 
-use super::met::Met;
+use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
-use contact::Contact;
+use contact::BrushContact;
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 use report::Watch;
 use std::f64::consts::TAU;
@@ -45,8 +46,9 @@ pub struct Station {
 #[derive(Debug, Clone)]
 pub struct BrushSetup {
     pub brush: Brush,
-    /// How much further than its radius the brush reaches along the tool's z axis when the run starts, and a quarter of a turn later, m.
-    pub runout_m: [f64; 2],
+    /// What eccentricity adds to the brush's radius along the tool's z axis at the start, and a
+    /// quarter of a turn later, m.
+    pub eccentricity_m: [f64; 2],
     /// Right-handed about the tool's y axis.
     pub spin_rad_s: f64,
     pub mesh: Arc<Mesh>,
@@ -61,9 +63,10 @@ pub struct BrushSetup {
 }
 
 impl BrushSetup {
-    /// The brush as it reaches now: an eccentric one turns its long side to the work once per revolution.
+    /// The brush with its radius towards the work at this instant: an eccentric one turns its long
+    /// side to the work once per revolution.
     fn brush_at(&self, time_s: f64) -> Brush {
-        let [c, s] = self.runout_m;
+        let [c, s] = self.eccentricity_m;
         let (sin, cos) = (self.spin_rad_s * time_s).sin_cos();
         Brush {
             radius_m: self.brush.radius_m + c * cos + s * sin,
@@ -79,14 +82,14 @@ pub struct BrushProcess {
     /// `∫ ρ n v dt` of each station, J/m².
     dose_j_per_m2: Vec<f64>,
     watch: Watch,
-    last: Last,
-    /// What the loads of this step were computed from.
-    met: Met<Contact>,
+    last: BrushStep,
+    /// The contact state that the loads of this step were computed from.
+    contact_state: StepCache<BrushContact>,
 }
 
-/// What is recorded of the last step.
+/// Values of the last committed step.
 #[derive(Debug, Clone, Copy, Default)]
-struct Last {
+struct BrushStep {
     bristle_n: f64,
     friction_n: f64,
     power_w: f64,
@@ -101,8 +104,8 @@ impl BrushProcess {
         Self {
             dose_j_per_m2: vec![0.0; setup.stations.len()],
             watch: Watch::default(),
-            last: Last::default(),
-            met: Met::default(),
+            last: BrushStep::default(),
+            contact_state: StepCache::default(),
             setup,
         }
     }
@@ -168,26 +171,26 @@ impl Process for BrushProcess {
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let contact = Contact::of(&self.setup, state);
+        let contact = BrushContact::of(&self.setup, state);
         let mut loads = Loads::default();
         loads.wrenches.push(Wrench {
             frame: Attachment::Tool,
             force_n: self.to_process(state, &contact.force_n),
             moment_n_m: self.to_process(state, &contact.moment_n_m),
         });
-        self.met.keep(state.time_s, contact);
+        self.contact_state.set(state.time_s, contact);
         loads
     }
 
     fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
-        // What is removed and recorded is what acted: the contact of the loads, met with the velocity foreseen for this instant.
-        let met = self.met.take(state.time_s);
-        let contact = met.unwrap_or_else(|| Contact::of(&self.setup, state));
+        // Removal and channels use the contact state of the loads, with its predicted velocity.
+        let cached = self.contact_state.take(state.time_s);
+        let contact = cached.unwrap_or_else(|| BrushContact::of(&self.setup, state));
         for (station, dose_w_per_m2) in &contact.doses_w_per_m2 {
             self.dose_j_per_m2[*station] += dose_w_per_m2 * dt_s;
         }
         self.watch.step(&contact, dt_s);
-        self.last = Last {
+        self.last = BrushStep {
             bristle_n: contact.bristle_n,
             friction_n: contact.friction_n.norm(),
             power_w: contact.power_w,
@@ -220,7 +223,7 @@ impl Process for BrushProcess {
 
     fn highest_frequency_hz(&self) -> Option<f64> {
         let p = &self.setup;
-        (p.runout_m != [0.0; 2]).then(|| p.spin_rad_s.abs() / TAU)
+        (p.eccentricity_m != [0.0; 2]).then(|| p.spin_rad_s.abs() / TAU)
     }
 
     /// Slope of the force over the depth on a flat face, where bristles are shortened by a twentieth.

@@ -1,6 +1,6 @@
 //! What a brush run ends with: force, burrs and radii along the edges; and how these are drawn.
 
-use super::contact::Contact;
+use super::contact::BrushContact;
 use super::{BrushSetup, Station};
 use crate::process::Findings;
 use nalgebra::{Isometry3, Vector3};
@@ -27,7 +27,7 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    pub fn step(&mut self, contact: &Contact, dt_s: f64) {
+    pub fn step(&mut self, contact: &BrushContact, dt_s: f64) {
         if contact.bristle_n > 0.0 {
             self.contact_s += dt_s;
         }

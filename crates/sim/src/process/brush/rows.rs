@@ -3,7 +3,7 @@
 //! Between corners of the workpiece its section changes smoothly along the axis. Where the same sides are met at both ends of such a stretch and in
 //! its middle, or where it is short, a few rows by Gauss's rule stand for it, two if they hardly change; elsewhere rows stand as close as slices of the brush.
 
-use super::section::{Side, met_first};
+use super::section::{Side, nearest_sides};
 use nalgebra::{Vector2, Vector3};
 use truecut_core::wheel::quadrature::Quadrature;
 
@@ -21,7 +21,7 @@ pub(super) type Corners = [Vector3<f64>; 3];
 
 /// A row of bristles.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Row {
+pub(super) struct BristleRow {
     pub y_m: f64,
     /// Part of the brush's width that it stands for.
     pub share: f64,
@@ -31,7 +31,7 @@ pub(super) struct Row {
 enum Stretch {
     /// Hardly.
     Even,
-    /// The same sides are met all along.
+    /// The nearest sides are the same all along.
     Smooth,
     /// Others are, or none.
     Broken,
@@ -54,13 +54,13 @@ impl<'a> Sections<'a> {
     }
 
     /// The sides that bristles at `y_m` meet first.
-    pub fn met(&mut self, y_m: f64, met: &mut Vec<Side>) {
+    pub fn nearest(&mut self, y_m: f64, nearest: &mut Vec<Side>) {
         self.sides.clear();
         for (index, corners) in self.triangles.iter().enumerate() {
             self.sides
                 .extend(section(index, corners, y_m, self.reach_m));
         }
-        met_first(&self.sides, met);
+        nearest_sides(&self.sides, nearest);
     }
 
     /// Whether the workpiece holds a bristle to this point back by more than `nearer_m`.
@@ -73,7 +73,7 @@ impl<'a> Sections<'a> {
     }
 
     /// Rows over the whole width, from one end to the other.
-    pub fn rows(&mut self, width_m: f64, rule: &Quadrature) -> Vec<Row> {
+    pub fn rows(&mut self, width_m: f64, rule: &Quadrature) -> Vec<BristleRow> {
         let (end_m, slice_m) = (0.5 * width_m, width_m / SLICES as f64);
         let mut borders = self.corners(end_m, WITHIN * slice_m);
         let is_fine = borders.len() > MOST_CORNERS;
@@ -86,7 +86,7 @@ impl<'a> Sections<'a> {
         for pair in borders.windows(2) {
             let (middle_m, half_m) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
             let slices = (2.0 * half_m / slice_m - 1e-9).ceil().max(1.0);
-            let row = |(node, weight): (f64, f64)| Row {
+            let row = |(node, weight): (f64, f64)| BristleRow {
                 y_m: middle_m + half_m * node,
                 share: half_m * weight / width_m,
             };
@@ -119,15 +119,15 @@ impl<'a> Sections<'a> {
 
     /// What sides do between the middle of a stretch without corners and its ends.
     fn stretch(&mut self, middle_m: f64, half_m: f64) -> Stretch {
-        let (mut first, mut met) = (Vec::new(), Vec::new());
-        self.met(middle_m, &mut first);
+        let (mut first, mut nearest) = (Vec::new(), Vec::new());
+        self.nearest(middle_m, &mut first);
         let (mut are_same, mut changes) = (true, 0.0);
         for off_m in [-half_m, half_m] {
-            self.met(middle_m + off_m, &mut met);
-            if first.is_empty() || met.len() != first.len() {
+            self.nearest(middle_m + off_m, &mut nearest);
+            if first.is_empty() || nearest.len() != first.len() {
                 return Stretch::Broken;
             }
-            for (one, other) in first.iter().zip(&met) {
+            for (one, other) in first.iter().zip(&nearest) {
                 are_same &= one.triangle == other.triangle;
                 let turned = (one.from_rad - other.from_rad).abs();
                 let turned = turned.max((one.to_rad - other.to_rad).abs());
@@ -236,11 +236,11 @@ mod tests {
     fn sums(triangles: &[Corners]) -> [f64; 2] {
         let rule = Quadrature::new(8);
         let mut sections = Sections::new(triangles, RADIUS_M);
-        let mut met = Vec::new();
-        let mut sum = |rows: Vec<Row>, sections: &mut Sections| -> f64 {
-            let over = |row: &Row| {
-                sections.met(row.y_m, &mut met);
-                let parts = met.iter().map(|side| {
+        let mut nearest = Vec::new();
+        let mut sum = |rows: Vec<BristleRow>, sections: &mut Sections| -> f64 {
+            let over = |row: &BristleRow| {
+                sections.nearest(row.y_m, &mut nearest);
+                let parts = nearest.iter().map(|side| {
                     rule.integrate(side.from_rad, side.to_rad, |angle| {
                         RADIUS_M - side.along_bristle_m(angle)
                     })
@@ -253,7 +253,7 @@ mod tests {
         let whole: f64 = rows.iter().map(|row| row.share).sum();
         assert!((whole - 1.0).abs() < 1e-12);
         let count = 64 * SLICES;
-        let slices = (0..count).map(|k| Row {
+        let slices = (0..count).map(|k| BristleRow {
             y_m: WIDTH_M * ((k as f64 + 0.5) / count as f64 - 0.5),
             share: 1.0 / count as f64,
         });
@@ -265,7 +265,7 @@ mod tests {
 
     /// Over the edge, tilted and turned, and off the block's end by parts of the brush's width.
     #[test]
-    fn verify_rows_are_as_good_as_many_slices() {
+    fn regress_rows_are_as_good_as_many_slices() {
         let mut pressed = 0;
         for (place, shift_m) in [0.0, 30e-3, 45e-3, 52e-3, 58e-3].into_iter().enumerate() {
             for tilt in [-0.2, -0.02, 0.0, 1e-4, 0.05] {

@@ -92,14 +92,14 @@ impl Side {
 }
 
 /// The sides that bristles meet first, by rising angle and without overlap.
-pub(super) fn met_first(sides: &[Side], met: &mut Vec<Side>) {
-    met.clear();
+pub(super) fn nearest_sides(sides: &[Side], nearest: &mut Vec<Side>) {
+    nearest.clear();
     // Nothing hides a side that is alone and does not reach behind the axis.
     if let [one] = sides
         && one.from_rad >= -PI
         && one.to_rad <= PI
     {
-        met.push(*one);
+        nearest.push(*one);
         return;
     }
     let all: Vec<Side> = (sides.iter().flat_map(|side| side.unwound()))
@@ -119,13 +119,13 @@ pub(super) fn met_first(sides: &[Side], met: &mut Vec<Side>) {
         let first =
             over.min_by(|a, b| (a.along_bristle_m(middle)).total_cmp(&b.along_bristle_m(middle)));
         let Some(first) = first else { continue };
-        match met.last_mut() {
+        match nearest.last_mut() {
             Some(last)
                 if from_rad - last.to_rad < SAME_ANGLE_RAD && last.is_in_line_with(first) =>
             {
                 last.to_rad = to_rad;
             }
-            _ => met.push(Side {
+            _ => nearest.push(Side {
                 from_rad,
                 to_rad,
                 ..*first
@@ -155,11 +155,11 @@ mod tests {
     fn verify_what_is_nearer_hides_what_is_behind() {
         let near = Side::new(0, [[-1.0, 0.9], [0.1, 0.9]], 1.0).unwrap();
         let behind = Side::new(0, [[-1.0, 0.92], [1.0, 0.92]], 1.0).unwrap();
-        let mut met = Vec::new();
-        met_first(&[behind, near], &mut met);
+        let mut nearest = Vec::new();
+        nearest_sides(&[behind, near], &mut nearest);
         let corner = (0.1_f64 / 0.9).atan();
         let at = |distance_m: f64| -> Vec<&Side> {
-            let near = met
+            let near = nearest
                 .iter()
                 .filter(|s| (s.distance_m - distance_m).abs() < 1e-12);
             near.collect()
@@ -167,17 +167,21 @@ mod tests {
         let (first, second) = (at(0.9), at(0.92));
         assert!((first.last().unwrap().to_rad - corner).abs() < 1e-12);
         assert!((second[0].from_rad - corner).abs() < 1e-12);
-        assert!(met.windows(2).all(|w| w[0].to_rad <= w[1].from_rad + 1e-12));
+        assert!(
+            nearest
+                .windows(2)
+                .all(|w| w[0].to_rad <= w[1].from_rad + 1e-12)
+        );
     }
 
     /// Behind the wheel, at angles about π, nothing is lost and nothing doubled.
     #[test]
     fn verify_a_face_behind_the_axis_is_met_over_the_same_angle() {
         let side = Side::new(0, [[1.0, -0.9], [-1.0, -0.9]], 1.0).unwrap();
-        let mut met = Vec::new();
-        met_first(&[side], &mut met);
-        let whole: f64 = met.iter().map(|s| s.to_rad - s.from_rad).sum();
+        let mut nearest = Vec::new();
+        nearest_sides(&[side], &mut nearest);
+        let whole: f64 = nearest.iter().map(|s| s.to_rad - s.from_rad).sum();
         assert!((whole - 2.0 * 0.9_f64.acos()).abs() < 1e-12);
-        assert!(met.iter().all(|s| s.from_rad >= -PI && s.to_rad <= PI));
+        assert!(nearest.iter().all(|s| s.from_rad >= -PI && s.to_rad <= PI));
     }
 }

@@ -58,15 +58,15 @@ impl Chamfer {
     /// at the radius of its centroid, m³.
     fn removed_volume_m3(&self, surface: &Rim) -> f64 {
         let p = &self.parameters;
-        let tan = p.chip.tan();
+        let tan = p.cut.chip.tan();
         let step = TAU / surface.bins() as f64;
         (surface.depths_m().iter())
-            .map(|d| 0.5 * d * d * tan * (p.hole_radius_m + d * tan / 3.0) * step)
+            .map(|d| 0.5 * d * d * tan * (p.cut.hole_radius_m + d * tan / 3.0) * step)
             .sum()
     }
 
     pub(super) fn width_profile(&self, surface: &Rim) -> Profile {
-        let tan = self.parameters.chip.tan();
+        let tan = self.parameters.cut.chip.tan();
         Profile {
             name: "chamfer.width".into(),
             description: "Radial width of the finished chamfer around the rim".into(),
@@ -84,10 +84,10 @@ impl Chamfer {
         let values = &width.values;
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let to_normal = self.parameters.chip.cos();
+        let to_normal = self.parameters.cut.chip.cos();
         let slip_depth = self
             .first_slip_s
-            .map_or(f64::NAN, |t| self.parameters.schedule.depth_cut_m(t));
+            .map_or(f64::NAN, |t| self.parameters.cut.schedule.depth_cut_m(t));
         let mut scalars = vec![
             metre(
                 "chamfer.width_mean",

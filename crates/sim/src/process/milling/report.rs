@@ -1,6 +1,6 @@
 //! What a milling pass reports: channels, forces, vibration, the finished surface.
 
-use super::{Last, Milling, MillingSetup, MillingTheory};
+use super::{Milling, MillingSetup, MillingStep, MillingTheory};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::chatter::growth::{GrowthOptions, growth};
@@ -75,7 +75,7 @@ pub(super) fn channels(wall: Option<Wall>) -> Vec<ChannelSpec> {
     specs
 }
 
-pub(super) fn record(setup: &MillingSetup, last: &Last, row: &mut Vec<f64>) {
+pub(super) fn record(setup: &MillingSetup, last: &MillingStep, row: &mut Vec<f64>) {
     let zero = Vector3::zeros();
     let (force, torque, chip, teeth) = last.loads.map_or((zero, 0.0, 0.0, 0), |loads| {
         let torque = loads.moment_on_tool_n_m.z;
@@ -95,7 +95,7 @@ pub(super) fn record(setup: &MillingSetup, last: &Last, row: &mut Vec<f64>) {
         f64::from(u8::from(teeth > 0)),
         last.rotation_rad.rem_euclid(TAU),
     ]);
-    row.extend(setup.wall.map(|_| last.wall_error_m));
+    row.extend(setup.wall().map(|_| last.wall_error_m));
 }
 
 /// Scalars and profiles at the end of the run.
@@ -232,7 +232,7 @@ fn vibration(milling: &Milling, findings: &mut Findings) {
 /// Period of forced vibration: that of the teeth, or of the revolution if they differ.
 fn forced_period_s(setup: &MillingSetup) -> f64 {
     let cutter = &setup.parameters.cutter;
-    let teeth = if cutter.runout.offset_m == 0.0 {
+    let teeth = if cutter.eccentricity.offset_m == 0.0 {
         1
     } else {
         cutter.teeth

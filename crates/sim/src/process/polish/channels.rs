@@ -1,6 +1,6 @@
 //! What a polishing run records of every step.
 
-use super::Last;
+use super::PolishStep;
 use truecut_recording::{ChannelSpec, Unit};
 
 /// Channels in the order of [`record`].
@@ -78,14 +78,14 @@ pub(super) fn specs() -> Vec<ChannelSpec> {
 }
 
 /// The values of a step; `removed_m3` is the volume removed so far.
-pub(super) fn record(last: &Last, removed_m3: f64, row: &mut Vec<f64>) {
+pub(super) fn record(last: &PolishStep, removed_m3: f64, row: &mut Vec<f64>) {
     row.extend([
         last.normal_n,
         last.edge_n,
         last.inward_n,
         last.friction_n.x,
         last.friction_n.y,
-        last.penetration_m,
+        last.indentation_m,
         last.at_m.x,
         last.at_m.y,
         last.lean_rad,

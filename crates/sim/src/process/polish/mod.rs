@@ -11,21 +11,21 @@
 
 mod channels;
 mod report;
+pub(crate) mod setup;
 mod surface;
 
-use super::met::Met;
+use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::{Isometry2, Isometry3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
 use surface::Surface;
-use truecut_core::roughness::Polishing;
 use truecut_core::wheel::face::Face;
-use truecut_core::wheel::force_control::{ForceControl, Offset};
+use truecut_core::wheel::force_control::Offset;
 use truecut_core::wheel::patch::{EdgePoint, Patch, PatchLoads, Sliding};
-use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_core::wheel::quadrature::Quadrature;
 use truecut_recording::{ChannelSpec, Field};
+use truecut_scenario::PolishSpec;
 
 /// Height over the face at which the depth is drawn, so that the block does not shine through, m.
 const DRAWN_ABOVE_M: f64 = 1e-4;
@@ -35,26 +35,14 @@ const FULL_SCALE: f64 = 3.0;
 /// All that a polishing run is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolishSetup {
-    pub wheel: PneumaticWheel,
-    pub control: ForceControl,
-    /// Spin about the axis that points away from the face, rad/s.
-    pub spin_rad_s: f64,
-    pub mu: f64,
-    pub eccentricity_m: f64,
-    /// Where the wheel's middle stands at the start, from the tool's x axis towards its y axis.
-    pub eccentricity_angle_rad: f64,
-    pub preston_per_pa: f64,
-    pub polishing: Polishing,
+    /// What the scenario asks for, its effects included.
+    pub spec: PolishSpec,
     pub world_from_face: Isometry3<f64>,
     /// Turns world axes into process axes.
     pub process_from_world: UnitQuaternion<f64>,
     pub face: Face,
-    pub length_m: f64,
-    pub width_m: f64,
-    /// Columns along the length, rows along the width.
-    pub cells: [usize; 2],
     /// How far the path reaches into the face.
-    pub penetration_m: f64,
+    pub indentation_m: f64,
     pub duration_s: f64,
     /// Mean depth that lines leave far from edges, for the colours of the view, m.
     pub expected_depth_m: f64,
@@ -71,18 +59,18 @@ pub struct Polish {
     carrier: Offset,
     surface: Surface,
     watch: Watch,
-    last: Last,
+    last: PolishStep,
     /// Whether nobody asks for the findings.
     rows_only: bool,
-    /// What the loads of this step were computed from.
-    met: Met<(Contact, Vec<EdgePoint>)>,
+    /// The contact state that the loads of this step were computed from.
+    contact_state: StepCache<(PolishContact, Vec<EdgePoint>)>,
 }
 
-/// What is recorded of the last step, face axes.
+/// Values of the last committed step, face axes.
 #[derive(Debug, Clone, Copy, Default)]
-struct Last {
+struct PolishStep {
     at_m: Vector2<f64>,
-    penetration_m: f64,
+    indentation_m: f64,
     normal_n: f64,
     friction_n: Vector2<f64>,
     edge_n: f64,
@@ -95,10 +83,10 @@ struct Last {
 
 /// Wheel and face at one instant, face axes.
 #[derive(Debug, Clone, Copy)]
-struct Contact {
+struct PolishContact {
     /// Middle of the patch.
     at_m: Point2<f64>,
-    penetration_m: f64,
+    indentation_m: f64,
     patch: Patch,
     sliding: Sliding,
     loads: PatchLoads,
@@ -116,15 +104,15 @@ impl Polish {
             carrier: Offset::default(),
             surface: Surface::new(&setup),
             watch: Watch::new(&setup),
-            last: Last::default(),
+            last: PolishStep::default(),
             rows_only: false,
-            met: Met::default(),
+            contact_state: StepCache::default(),
             setup,
         }
     }
 
     /// The contact and its reactions along edges.
-    fn meet(&self, state: &ToolState) -> (Contact, Vec<EdgePoint>) {
+    fn contact_state(&self, state: &ToolState) -> (PolishContact, Vec<EdgePoint>) {
         let mut edges = Vec::new();
         let contact = self.contact(state, |point| edges.push(*point));
         (contact, edges)
@@ -138,13 +126,13 @@ impl Polish {
         let velocity_in_world = p.process_from_world.inverse() * state.tool.velocity_m_per_s;
         let mut velocity = into_face.rotation * velocity_in_world;
         let mut middle = tool;
-        if p.eccentricity_m > 0.0 {
+        if p.spec.eccentricity_m > 0.0 {
             // The tool's z axis points towards the face: a positive spin turns from its y axis to its x axis.
-            let angle = p.eccentricity_angle_rad - p.spin_rad_s * state.time_s;
+            let angle = p.spec.eccentricity_angle_rad - p.spec.spin_rad_s * state.time_s;
             let (sine, cosine) = angle.sin_cos();
             let axes = into_face.rotation * state.world_from_tool.rotation;
-            middle += axes * Vector3::new(cosine, sine, 0.0) * p.eccentricity_m;
-            let rate = -p.spin_rad_s * p.eccentricity_m;
+            middle += axes * Vector3::new(cosine, sine, 0.0) * p.spec.eccentricity_m;
+            let rate = -p.spec.spin_rad_s * p.spec.eccentricity_m;
             velocity += axes * Vector3::new(-sine, cosine, 0.0) * rate;
         }
         middle.z -= self.carrier.offset_m;
@@ -156,17 +144,17 @@ impl Polish {
     fn turning_rad_s(&self, state: &ToolState) -> Vector3<f64> {
         let p = &self.setup;
         let away = -(state.world_from_tool.rotation * Vector3::z());
-        p.world_from_face.rotation.inverse() * (away * p.spin_rad_s + state.tool_turning_rad_s)
+        p.world_from_face.rotation.inverse() * (away * p.spec.spin_rad_s + state.tool_turning_rad_s)
     }
 
     /// Patch, loads and what reaches the tool. `edges` is given the reactions along edges.
-    fn contact(&self, state: &ToolState, mut edges: impl FnMut(&EdgePoint)) -> Contact {
+    fn contact(&self, state: &ToolState, mut edges: impl FnMut(&EdgePoint)) -> PolishContact {
         let p = &self.setup;
         let (middle, velocity, tool) = self.middle(state);
         let turning = self.turning_rad_s(state);
         let (height_m, at_m) = (middle.z, middle.xy());
-        let penetration_m = p.wheel.radius_m - height_m;
-        let patch = p.wheel.patch(penetration_m);
+        let indentation_m = p.spec.wheel.radius_m - height_m;
+        let patch = p.spec.wheel.patch(indentation_m);
         let sliding = Sliding {
             velocity_m_per_s: Vector2::new(
                 velocity.x - turning.y * height_m,
@@ -174,7 +162,7 @@ impl Polish {
             ),
             spin_rad_s: turning.z,
             approach_m_per_s: -velocity.z,
-            mu: p.mu,
+            mu: p.spec.abrasive.mu,
         };
         let patch_from_face = Isometry2::translation(-at_m.x, -at_m.y);
         let mut inward_n = 0.0;
@@ -192,9 +180,9 @@ impl Polish {
         let moment = Vector3::new(first.y, -first.x, -loads.spin_moment_n_m);
         let lever = Vector3::new(at_m.x, at_m.y, 0.0) - tool.coords;
         let force_on_tool_n = self.through_carrier(on_wheel);
-        Contact {
+        PolishContact {
             at_m,
-            penetration_m,
+            indentation_m,
             patch,
             sliding,
             inward_n,
@@ -206,13 +194,18 @@ impl Polish {
 
     /// What a carrier lets pass of the force on the wheel: across the normal all of it.
     fn through_carrier(&self, on_wheel_n: Vector3<f64>) -> Vector3<f64> {
-        let carried_n = self.setup.control.carried_n(&self.carrier, on_wheel_n.z);
+        let carried_n = self
+            .setup
+            .spec
+            .control
+            .carried_n(&self.carrier, on_wheel_n.z);
         Vector3::new(on_wheel_n.x, on_wheel_n.y, carried_n)
     }
 
     /// Outward normal of the edge nearest to a point of the boundary.
     fn outward(&self, at: Point2<f64>) -> Vector2<f64> {
-        let (length, width) = (self.setup.length_m, self.setup.width_m);
+        let face = &self.setup.spec.face;
+        let (length, width) = (face.length_m, face.width_m);
         let sides = [
             (at.x.abs(), -Vector2::x()),
             ((length - at.x).abs(), Vector2::x()),
@@ -225,15 +218,16 @@ impl Polish {
 
     /// Distance from a point of the face's plane to the nearest edge, positive inside, m.
     fn inside_m(&self, at: Point2<f64>) -> f64 {
-        let (length, width) = (self.setup.length_m, self.setup.width_m);
+        let face = &self.setup.spec.face;
+        let (length, width) = (face.length_m, face.width_m);
         at.x.min(length - at.x).min(at.y).min(width - at.y)
     }
 
-    /// Slope of the force over the penetration on a face without edges, N/m.
+    /// Slope of the force over the indentation on a face without edges, N/m.
     fn stiffness_n_per_m(&self) -> f64 {
         let p = &self.setup;
-        let (d, h) = (p.penetration_m, 1e-3 * p.penetration_m);
-        let force = |d: f64| p.wheel.normal_force_n(d);
+        let (d, h) = (p.indentation_m, 1e-3 * p.indentation_m);
+        let force = |d: f64| p.spec.wheel.normal_force_n(d);
         (force(d + h) - force(d - h)) / (2.0 * h)
     }
 
@@ -248,8 +242,8 @@ impl Process for Polish {
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let (contact, edges) = self.meet(state);
-        self.met.keep(state.time_s, (contact, edges));
+        let (contact, edges) = self.contact_state(state);
+        self.contact_state.set(state.time_s, (contact, edges));
         let mut loads = Loads::default();
         loads.wrenches.push(Wrench {
             frame: Attachment::Tool,
@@ -260,9 +254,9 @@ impl Process for Polish {
     }
 
     fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
-        // What is removed and recorded is what acted: the contact of the loads, met with the velocity foreseen for this instant.
-        let met = self.met.take(state.time_s);
-        let (contact, edges) = met.unwrap_or_else(|| self.meet(state));
+        // Removal and channels use the contact state of the loads, with its predicted velocity.
+        let cached = self.contact_state.take(state.time_s);
+        let (contact, edges) = cached.unwrap_or_else(|| self.contact_state(state));
         self.surface.preston_j += contact.loads.sliding_w * dt_s;
         if !self.rows_only {
             self.surface.polish(&self.setup, &contact, &edges, dt_s);
@@ -273,9 +267,9 @@ impl Process for Polish {
         let acceleration_m_s2 = self.watch.acceleration_m_s2(velocity, dt_s);
         let lean =
             p.world_from_face.rotation.inverse() * (state.world_from_tool.rotation * -Vector3::z());
-        self.last = Last {
+        self.last = PolishStep {
             at_m: contact.at_m.coords,
-            penetration_m: contact.penetration_m,
+            indentation_m: contact.indentation_m,
             normal_n: contact.loads.normal_n,
             friction_n: contact.loads.friction_n,
             edge_n: contact.loads.edge_n,
@@ -289,7 +283,10 @@ impl Process for Polish {
             let inside_m = self.inside_m(contact.at_m);
             self.watch.step(&self.last, inside_m, dt_s);
         }
-        self.carrier = p.control.step(&self.carrier, contact.loads.normal_n, dt_s);
+        self.carrier = p
+            .spec
+            .control
+            .step(&self.carrier, contact.loads.normal_n, dt_s);
     }
 
     fn record(&self, row: &mut Vec<f64>) {
@@ -321,11 +318,11 @@ impl Process for Polish {
     /// Where an eccentric wheel turns, its frequency.
     fn highest_frequency_hz(&self) -> Option<f64> {
         let p = &self.setup;
-        (p.eccentricity_m > 0.0).then(|| p.spin_rad_s.abs() / std::f64::consts::TAU)
+        (p.spec.eccentricity_m > 0.0).then(|| p.spec.spin_rad_s.abs() / std::f64::consts::TAU)
     }
 
     fn quickest_s(&self) -> Option<f64> {
-        self.setup.control.quickest_s(self.stiffness_n_per_m())
+        self.setup.spec.control.quickest_s(self.stiffness_n_per_m())
     }
 
     /// A carrier is softer, or follows within its own law.
@@ -343,8 +340,8 @@ impl Process for Polish {
         Some(Field {
             path: "removed_depth".into(),
             world_from_field: crate::scene::pose(&(p.world_from_face * ridge)),
-            size_m: [p.length_m, p.width_m],
-            cells: p.cells,
+            size_m: [p.spec.face.length_m, p.spec.face.width_m],
+            cells: p.spec.face.cells(),
             full_scale: FULL_SCALE * p.expected_depth_m,
             vertices_m: Vec::new(),
         })

@@ -1,14 +1,14 @@
 //! What a polishing run ends with: vibration at edges and inside, removal at edges and inside, roughness.
 
 use super::surface::Surface;
-use super::{Last, PolishSetup};
+use super::{PolishSetup, PolishStep};
 use crate::process::Findings;
 use nalgebra::Vector3;
 use truecut_recording::{Profile, Scalar, Unit};
 
 /// Length of the windows in which the deviation of the acceleration is taken, s.
 const WINDOW_S: f64 = 0.25;
-/// Windows that begin earlier belong to the run-up, s.
+/// Windows that begin earlier belong to the lead-in, s.
 const SETTLED_S: f64 = 1.0;
 /// Windows in which the wheel leaves its line by more belong to the raster's corners, which shake the arm by themselves, m.
 const STRAIGHT_M: f64 = 0.2e-3;
@@ -67,9 +67,9 @@ impl Deviations {
 
 impl Watch {
     pub fn new(setup: &PolishSetup) -> Self {
-        let d = setup.penetration_m;
+        let d = setup.indentation_m;
         Self {
-            reach_m: (d * (2.0 * setup.wheel.radius_m - d)).sqrt(),
+            reach_m: (d * (2.0 * setup.spec.wheel.radius_m - d)).sqrt(),
             velocity_m_per_s: None,
             time_s: 0.0,
             window: Window::default(),
@@ -87,7 +87,7 @@ impl Watch {
     }
 
     /// `inside_m` is how far inside the nearest edge the middle of the patch is.
-    pub fn step(&mut self, last: &Last, inside_m: f64, dt_s: f64) {
+    pub fn step(&mut self, last: &PolishStep, inside_m: f64, dt_s: f64) {
         self.edge_n_s += last.edge_n * dt_s;
         self.inward_n_s += last.inward_n * dt_s;
         let normal = last.acceleration_m_s2.z;
@@ -126,7 +126,8 @@ fn depths(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> (f64, f64) {
     let (mut band, mut middle) = ((0.0, 0.0), (0.0, 0.0));
     for (cell, depth) in surface.grid.removed_m().iter().enumerate() {
         let at = surface.middle_m(cell);
-        let inside = (at.x.min(setup.length_m - at.x)).min(at.y.min(setup.width_m - at.y));
+        let inside = (at.x.min(setup.spec.face.length_m - at.x))
+            .min(at.y.min(setup.spec.face.width_m - at.y));
         let sum = if inside < BAND_M {
             &mut band
         } else if inside > 2.0 * watch.reach_m {
@@ -140,95 +141,111 @@ fn depths(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> (f64, f64) {
 }
 
 pub(super) fn findings(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> Findings {
+    let scalars = removal(setup, surface, watch).into_iter();
+    let scalars = scalars.chain(pressing(watch));
+    Findings {
+        scalars: scalars
+            .map(|(name, unit, value, text)| {
+                Scalar::new(format!("polish.{name}"), unit, value, text)
+            })
+            .collect(),
+        profiles: vec![across(setup, surface)],
+    }
+}
+
+/// Name, unit, value, text.
+type Told = (&'static str, Unit, f64, &'static str);
+
+/// What is off the face.
+fn removal(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> [Told; 7] {
     let (band_m, middle_m) = depths(setup, surface, watch);
-    let scalar = |name: &str, unit, value, text: &str| {
-        Scalar::new(format!("polish.{name}"), unit, value, text)
-    };
     let roughness: Vec<f64> = (surface.grid.dose_j_per_m2().iter())
-        .map(|dose| setup.polishing.ra_m(*dose))
+        .map(|dose| setup.spec.abrasive.polishing.ra_m(*dose))
         .collect();
     let mean_ra = roughness.iter().sum::<f64>() / roughness.len() as f64;
     let largest_ra = roughness.iter().copied().fold(0.0, f64::max);
-    let (edge, middle) = (watch.at_edges.rms(), watch.in_middle.rms());
-    let acceleration = Unit::MetrePerSecondSquared;
-    let scalars = vec![
-        scalar(
+    [
+        (
             "removed_volume",
             Unit::CubicMetre,
             surface.grid.volume_m3(),
             "Volume removed from the face",
         ),
-        scalar(
+        (
             "preston_volume",
             Unit::CubicMetre,
             surface.preston_m3(setup),
             "Preston's integral k_p ∫ p v dA dt",
         ),
-        scalar(
+        (
             "depth_middle",
             Unit::Metre,
             middle_m,
             "Mean depth further inside than the patch is wide",
         ),
-        scalar(
+        (
             "depth_edge",
             Unit::Metre,
             band_m,
             "Mean depth within 1 mm of the edges",
         ),
-        scalar(
+        (
             "edge_excess",
             Unit::One,
             band_m / middle_m - 1.0,
             "Depth within 1 mm of the edges over that of the middle, less 1",
         ),
-        scalar(
+        (
             "roughness_mean",
             Unit::Metre,
             mean_ra,
             "Mean Ra of the cells",
         ),
-        scalar(
+        (
             "roughness_largest",
             Unit::Metre,
             largest_ra,
             "Largest Ra of a cell",
         ),
-        scalar(
+    ]
+}
+
+/// How the wheel ran.
+fn pressing(watch: &Watch) -> [Told; 5] {
+    let (edge, middle) = (watch.at_edges.rms(), watch.in_middle.rms());
+    [
+        (
             "acceleration_edge",
-            acceleration,
+            Unit::MetrePerSecondSquared,
             edge,
-            "Standard deviation of the normal acceleration, rms over windows of 0.25 s on straight lines with an edge in the patch",
+            "Standard deviation of the normal acceleration, rms over windows of 0.25 s on straight \
+             lines with an edge in the patch",
         ),
-        scalar(
+        (
             "acceleration_middle",
-            acceleration,
+            Unit::MetrePerSecondSquared,
             middle,
             "The same over windows whose patch stays a patch's width inside",
         ),
-        scalar(
+        (
             "acceleration_ratio",
             Unit::One,
             edge / middle,
             "Edge over middle",
         ),
-        scalar(
+        (
             "acceleration_burst",
             Unit::One,
             watch.at_edges.largest / middle,
             "Largest window with an edge in the patch over the middle's",
         ),
-        scalar(
+        (
             "inward_share",
             Unit::One,
             watch.inward_n_s / watch.edge_n_s,
             "Share of the edge force, over time, on edges over which the wheel moves inward",
         ),
-    ];
-    Findings {
-        scalars,
-        profiles: vec![across(setup, surface)],
-    }
+    ]
 }
 
 /// Mean depth of each row over the middle half of the length.
@@ -241,7 +258,7 @@ fn across(setup: &PolishSetup, surface: &Surface) -> Profile {
         axis_name: "face_y".into(),
         axis_unit: Unit::Metre,
         axis: (0..rows)
-            .map(|row| (row as f64 + 0.5) * setup.width_m / rows as f64)
+            .map(|row| (row as f64 + 0.5) * setup.spec.face.width_m / rows as f64)
             .collect(),
         unit: Unit::Metre,
         values: surface.grid.middle_means_m(),

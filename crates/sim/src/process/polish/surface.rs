@@ -1,7 +1,7 @@
 //! What the wheel takes off the face: a grid of doses and depths.
 
-use super::{Contact, PolishSetup};
-use crate::process::kept_back::KeptBack;
+use super::{PolishContact, PolishSetup};
+use crate::process::pending_removal::PendingRemoval;
 use nalgebra::{Matrix2, Point2, Vector2};
 use truecut_core::wheel::patch::{EdgePoint, Patch, Sliding};
 use truecut_core::wheel::removal::{Placement, SurfaceGrid};
@@ -15,18 +15,19 @@ pub(super) struct Surface {
     /// `∫ p |v| dA dt` of the whole run, J.
     pub preston_j: f64,
     scratch: Vec<(usize, f64)>,
-    kept: KeptBack<(Patch, Sliding)>,
+    pending: PendingRemoval<(Patch, Sliding)>,
 }
 
 impl Surface {
     pub fn new(setup: &PolishSetup) -> Self {
-        let [columns, rows] = setup.cells;
+        let face = &setup.spec.face;
+        let [columns, rows] = face.cells();
         Self {
-            grid: SurfaceGrid::plane(columns, rows, setup.length_m, setup.width_m),
-            cell_m: Vector2::new(setup.length_m / columns as f64, setup.width_m / rows as f64),
+            grid: SurfaceGrid::plane(columns, rows, face.length_m, face.width_m),
+            cell_m: Vector2::new(face.length_m / columns as f64, face.width_m / rows as f64),
             preston_j: 0.0,
             scratch: Vec::new(),
-            kept: KeptBack::default(),
+            pending: PendingRemoval::default(),
         }
     }
 
@@ -41,7 +42,7 @@ impl Surface {
     pub fn polish(
         &mut self,
         setup: &PolishSetup,
-        contact: &Contact,
+        contact: &PolishContact,
         edges: &[EdgePoint],
         dt_s: f64,
     ) {
@@ -50,18 +51,23 @@ impl Surface {
         let placement = self.placement(at_cells);
         for edge in edges {
             let energy_j = edge.sliding_w * dt_s;
-            (self.grid).give_at(&placement, edge.at_m, energy_j, setup.preston_per_pa);
+            (self.grid).give_at(
+                &placement,
+                edge.at_m,
+                energy_j,
+                setup.spec.abrasive.preston_per_pa,
+            );
         }
         let energy_j = (loads.sliding_w - loads.edge_sliding_w) * dt_s;
         let moving = (contact.patch, contact.sliding);
-        if self.kept.add(energy_j, at_cells, moving) {
+        if self.pending.add(energy_j, at_cells, moving) {
             self.settle(setup);
         }
     }
 
-    /// Spreads what is kept back.
+    /// Spreads the pending removal.
     pub fn settle(&mut self, setup: &PolishSetup) {
-        let Some(dose) = self.kept.take() else {
+        let Some(dose) = self.pending.take() else {
             return;
         };
         let placement = self.placement(dose.at_cells);
@@ -70,15 +76,15 @@ impl Surface {
             &placement,
             patch.window_m(),
             dose.energy_j,
-            setup.preston_per_pa,
+            setup.spec.abrasive.preston_per_pa,
             &mut self.scratch,
             |x, y| patch.moving_pressure_pa(x, y, &sliding) * sliding.at_m_per_s(x, y).norm(),
         );
     }
 
-    /// Volume that Preston's law takes off by what was given so far, kept back or not, m³.
+    /// Volume that Preston's law takes off by what was given so far, pending or not, m³.
     pub fn preston_m3(&self, setup: &PolishSetup) -> f64 {
-        setup.preston_per_pa * self.preston_j
+        setup.spec.abrasive.preston_per_pa * self.preston_j
     }
 
     /// Middle of a cell, m.

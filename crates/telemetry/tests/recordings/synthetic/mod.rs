@@ -18,7 +18,8 @@ const POSTURE_DEG: [f64; 6] = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95];
 /// Tool point beyond the flange.
 const TOOL_M: f64 = 0.30;
 
-/// Runs it at the given step, with the given sinks, and with some work before each step; returns the recording and its claims.
+/// Runs it at the given step, with the given sinks, and with some work before each step; returns
+/// the recording and its claims.
 pub fn run(
     duration_s: f64,
     step_s: f64,

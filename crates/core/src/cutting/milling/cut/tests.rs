@@ -1,5 +1,6 @@
 use super::*;
-use crate::cutting::milling::cutter::Runout;
+use crate::cutting::milling::cutter::Cutter;
+use crate::cutting::milling::cutter::Eccentricity;
 use crate::cutting::milling::engagement::Engagement;
 use crate::cutting::milling::examples::aluminium;
 use crate::cutting::milling::nominal::NominalCut;
@@ -29,11 +30,12 @@ fn still(rotation_rad: f64) -> ToolState {
     }
 }
 
-/// Mean force over a revolution against the closed form, all three components, with helix and edge forces. With runout
-/// the edges do not rub where a tooth that stands back misses its thin first and last chips, so that this case goes
-/// without edge forces: what one tooth leaves the next one takes.
-/// The closed form takes chips as linear in the feed; true arcs differ by c/2r of the force, here 0.03 %, which is
-/// ten times as much of a component in which tangential and radial parts nearly cancel.
+/// Mean force over a revolution against the closed form, all three components, with helix and edge
+/// forces. With eccentricity the edges do not rub where a tooth that stands back misses its thin
+/// first and last chips, so that this case goes without edge forces: what one tooth leaves the next
+/// one takes. The closed form takes chips as linear in the feed; true arcs differ by c/2r of the
+/// force, here 0.03 %, which is ten times as much of a component in which tangential and radial
+/// parts nearly cancel.
 #[test]
 fn verify_mean_force_over_a_revolution() {
     let engagements = [
@@ -43,18 +45,18 @@ fn verify_mean_force_over_a_revolution() {
         Engagement::down(12e-3, 16e-3).expect("partial"),
     ];
     for engagement in engagements {
-        for (teeth, helix_deg, runout_m) in [(2, 0.0, 0.0), (4, 30.0, 0.0), (3, 40.0, 1e-6)] {
+        for (teeth, helix_deg, eccentricity_m) in [(2, 0.0, 0.0), (4, 30.0, 0.0), (3, 40.0, 1e-6)] {
             let cutter = Cutter {
                 helix_angle_rad: f64::to_radians(helix_deg),
-                runout: Runout {
-                    offset_m: runout_m,
+                eccentricity: Eccentricity {
+                    offset_m: eccentricity_m,
                     angle_rad: 0.4,
                 },
                 ..Cutter::straight(8e-3, teeth)
             };
             let mut p = parameters(cutter, engagement, 6e-3);
             p.feed_per_tooth_m = 5e-6;
-            if runout_m > 0.0 {
+            if eccentricity_m > 0.0 {
                 p.coefficients.edge_tangential_n_per_m = 0.0;
                 p.coefficients.edge_radial_n_per_m = 0.0;
                 p.coefficients.edge_axial_n_per_m = 0.0;
@@ -112,8 +114,8 @@ fn verify_force_at_an_angle_is_the_nominal_one() {
     }
 }
 
-/// A slot by one tooth without helix at φ = 90°: chip c plus what the tool has moved ahead since the last pass, and
-/// whatever earlier passes left standing if the last one had drawn back further.
+/// A slot by one tooth without helix at φ = 90°: chip c plus what the tool has moved ahead since
+/// the last pass, and whatever earlier passes left standing if the last one had drawn back further.
 #[test]
 fn verify_chip_after_passes_that_drew_back() {
     let mut p = parameters(Cutter::straight(8e-3, 1), Engagement::SLOT, 1e-3);
@@ -174,12 +176,13 @@ fn verify_without_regeneration_the_surface_is_nominal() {
     }
 }
 
-/// Runout larger than the feed: one of two teeth does not cut, the other takes the feed of both.
+/// Eccentricity larger than the feed: one of two teeth does not cut, the other takes the feed of
+/// both.
 #[test]
-fn verify_runout_takes_teeth_out_of_the_cut() {
+fn verify_eccentricity_takes_teeth_out_of_the_cut() {
     let chips = |offset_m: f64| {
         let cutter = Cutter {
-            runout: Runout {
+            eccentricity: Eccentricity {
                 offset_m,
                 angle_rad: 0.0,
             },
@@ -199,8 +202,8 @@ fn verify_runout_takes_teeth_out_of_the_cut() {
     assert!((first - 2.0 * c).abs() < 1e-12 && second == 0.0);
 }
 
-/// `spec` section 2: a tool that sinks into a slot's floor meets ∂F/∂z = (f_rev/4) (−K_rc, K_tc) per depth, at once and
-/// whatever the depth of cut.
+/// `docs/physics/milling_forces.md`, Floor: a tool that sinks into a slot's floor meets ∂F/∂z =
+/// (f_rev/4) (−K_rc, K_tc) per depth, at once and whatever the depth of cut.
 #[test]
 fn verify_floor_depth_feedback() {
     // A large cutter, on which arcs differ from the formula's linear chips by c/2r = 0.1 % only.

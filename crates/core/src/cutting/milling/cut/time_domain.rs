@@ -3,9 +3,11 @@
 use super::tests::parameters;
 use super::*;
 use crate::chatter::limit::{LimitSearch, first_limit};
-use crate::chatter::planar::PlanarSplit;
+use crate::chatter::planar::reference::PlanarSplit;
 use crate::chatter::semi_discretisation::SemiDiscretisation;
 use crate::chatter::{DirectionalMatrix, TipMode};
+use crate::cutting::chamfer::CuttingCoefficients;
+use crate::cutting::milling::cutter::Cutter;
 use crate::cutting::milling::engagement::Engagement;
 use crate::cutting::milling::examples::aluminium;
 use crate::cutting::milling::nominal::NominalCut;
@@ -19,8 +21,9 @@ struct Oscillator {
 }
 
 impl Oscillator {
-    /// Growth rate (1/s) of what is left when the periodic vibration is taken away: differences between states one tooth
-    /// period apart. The tool sinks to depth within `ramp` tooth periods, so slowly that teeth keep cutting.
+    /// Growth rate (1/s) of what is left when the periodic vibration is taken away: differences
+    /// between states one tooth period apart. The tool sinks to depth within `ramp` tooth periods,
+    /// so slowly that teeth keep cutting.
     fn growth_per_s(&self, p: &MillingParameters, period_s: f64, ramp: usize, run: usize) -> f64 {
         let steps = (period_s * self.omega_rad_s / TAU * 50.0).ceil().max(60.0) as usize;
         let dt = period_s / steps as f64;
@@ -33,7 +36,8 @@ impl Oscillator {
                 let sunk = (t / (ramp as f64 * period_s)).min(1.0);
                 let z = p.stock.top_m * (1.0 - sunk);
                 ToolState {
-                    // Not on a step, nor half of one: entry and exit must not be a matter of rounding.
+                    // Not on a step, nor half of one: entry and exit must not be a matter of
+                    // rounding.
                     rotation_rad: per_s * (t + 0.21 * dt),
                     displacement_m: Vector3::new(x, 0.0, z),
                 }
@@ -81,8 +85,9 @@ impl Oscillator {
     }
 }
 
-/// Benchmark 1 in the time domain at five speeds: depth limits by bisection on the growth rate agree with
-/// semi-discretisation within 5 %, flips among them. Both sides are good for 1 %: the bisection stops at 1 %.
+/// Benchmark 1 in the time domain at five speeds: depth limits by bisection on the growth rate
+/// agree with semi-discretisation within 5 %, flips among them. Both sides are good for 1 %: the
+/// bisection stops at 1 %.
 #[test]
 fn verify_time_domain_limits_agree_with_semi_discretisation() {
     let tool = Oscillator {
@@ -134,8 +139,8 @@ fn verify_time_domain_limits_agree_with_semi_discretisation() {
     }
 }
 
-/// The flutter of `spec` section 2: two directions of 500 kg, 0.9 and 1.0 N/µm, in a slot cut 0.3 mm deep by two teeth
-/// that meet the nominal surface.
+/// The flutter of `docs/physics/stability.md`, Mode coupling: two directions of 500 kg, 0.9 and 1.0
+/// N/µm, in a slot cut 0.3 mm deep by two teeth that meet the nominal surface.
 struct Flutter {
     cut: MillingCut,
     rest_m: Vector2<f64>,
@@ -195,7 +200,8 @@ impl Flutter {
         Vector4::new(y.z, y.w, a.x, a.y)
     }
 
-    /// States a tooth period apart over three seconds, a tenth of a micrometre off rest at first; RK4.
+    /// States a tooth period apart over three seconds, a tenth of a micrometre off rest at first;
+    /// RK4.
     fn run(&self) -> Vec<Vector4<f64>> {
         let dt = TAU / self.spindle_rad_s / 200.0;
         let mut y = Vector4::new(self.rest_m.x + 1e-7, self.rest_m.y, 0.0, 0.0);
@@ -215,7 +221,8 @@ impl Flutter {
     }
 }
 
-/// Growth of 1.4715 /s at 7.04 Hz. The theory averages over the turning teeth; that and the measurement leave 2 %.
+/// Growth of 1.4715 /s at 7.04 Hz. The theory averages over the turning teeth; that and the
+/// measurement leave 2 %.
 #[test]
 fn verify_time_domain_flutter_without_regeneration() {
     let flutter = Flutter::new();

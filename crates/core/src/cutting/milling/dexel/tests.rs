@@ -1,9 +1,10 @@
 use super::*;
 use crate::cutting::chamfer::CuttingCoefficients;
 use crate::cutting::milling::cut::MillingCut;
-use crate::cutting::milling::cutter::{Cutter, Runout};
+use crate::cutting::milling::cutter::{Cutter, Eccentricity};
 use crate::cutting::milling::engagement::Engagement;
-use crate::cutting::milling::finish::{feed_mark_height_m, figures, strongest_wave};
+use crate::cutting::milling::finish::figures;
+use crate::cutting::milling::finish::marks::{feed_mark_height_m, strongest_wave};
 use nalgebra::Vector3;
 
 const FEED_M: f64 = 0.2e-3;
@@ -57,14 +58,16 @@ fn cutter(teeth: usize) -> Cutter {
     }
 }
 
-/// A tool that does not vibrate leaves feed marks of height c²/8r on both walls, whatever the step, and a flat floor.
+/// A tool that does not vibrate leaves feed marks of height c²/8r on both walls, whatever the step,
+/// and a flat floor.
 #[test]
 fn verify_feed_marks_of_a_still_tool() {
     let surface = mill(cutter(2), |_| Vector3::zeros());
     let expected = feed_mark_height_m(RADIUS_M, FEED_M);
     for wall in 0..3 {
         let found = figures(surface.wall(wall).left_m()).expect("cut everywhere");
-        // Rays 4 µm apart meet a mark's crest to within 2 µm: 2 % of its half-width, 4 % of its height.
+        // Rays 4 µm apart meet a mark's crest to within 2 µm: 2 % of its half-width, 4 % of its
+        // height.
         assert!(
             (found.peak_to_valley_m / expected - 1.0).abs() < 0.05,
             "{found:?} {expected}"
@@ -81,17 +84,17 @@ fn verify_feed_marks_of_a_still_tool() {
     }
 }
 
-/// Runout beyond the feed marks: one tooth makes the surface, marks are those of the feed per revolution, and the wall
-/// stands further out by the runout.
+/// Eccentricity beyond the feed marks: one tooth makes the surface, marks are those of the feed per
+/// revolution, and the wall stands further out by the eccentricity.
 #[test]
-fn verify_runout_makes_marks_of_a_whole_revolution() {
-    let runout = Runout {
+fn verify_eccentricity_makes_marks_of_a_whole_revolution() {
+    let eccentricity = Eccentricity {
         offset_m: 5e-6,
         angle_rad: 0.0,
     };
     let surface = mill(
         Cutter {
-            runout,
+            eccentricity,
             ..cutter(2)
         },
         |_| Vector3::zeros(),
@@ -116,8 +119,8 @@ fn verify_surface_location_error_of_a_deflected_tool() {
     assert!((error(1) - (marks - 20e-6)).abs() < 0.1 * marks, "entry");
 }
 
-/// A slow vibration along the axis leaves a wave in the floor and none in the walls; the floor ends at what the deeper
-/// of the two crossings, ahead of and behind the axis, has left.
+/// A slow vibration along the axis leaves a wave in the floor and none in the walls; the floor ends
+/// at what the deeper of the two crossings, ahead of and behind the axis, has left.
 #[test]
 fn verify_slow_axial_vibration_is_copied_into_the_floor() {
     // One wave every 1 mm of feed: 2.5 revolutions of two teeth.

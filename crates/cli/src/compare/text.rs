@@ -1,0 +1,207 @@
+//! The comparison as text: a table, and one line per finding.
+
+use std::path::PathBuf;
+
+use truecut_discrepancy::compare::{
+    ChannelComparison, Comparison, Dependence, Kind, LEVEL, LineKind, SpectralLine,
+};
+use truecut_recording::{Unit, short_number, significant};
+
+use crate::text::{self, Align, show};
+
+/// Most spectral lines, and most signals, that are printed; the report has all.
+const MOST: usize = 3;
+
+pub fn printed(name: &str, comparison: &Comparison, written: &[PathBuf]) -> String {
+    let mut text = format!(
+        "{name}\n  {} of {}, {} samples a second\n",
+        text::seconds(comparison.duration_s),
+        comparison.source,
+        significant(comparison.rate_hz, 4)
+    );
+    for note in &comparison.notes {
+        text.push_str(&format!("  note: {note}\n"));
+    }
+    text.push_str(&format!("\n{}", table(comparison)));
+    for channel in &comparison.channels {
+        let findings = findings(channel);
+        text.push_str(&format!("\n  {}\n", channel.channel));
+        if findings.is_empty() {
+            text.push_str("    nothing beyond noise\n");
+        }
+        findings
+            .iter()
+            .for_each(|finding| text.push_str(&format!("    {finding}\n")));
+    }
+    if let Some(report) = written.first() {
+        text.push_str(&format!(
+            "\n  {}   (beside it: a figure of each channel)\n\n",
+            report.display()
+        ));
+    }
+    text
+}
+
+fn table(comparison: &Comparison) -> String {
+    let head = [
+        "channel",
+        "NRMSE",
+        "RMS error",
+        "bias",
+        "delay",
+        "gain",
+        "independent samples",
+    ];
+    let rows = comparison.channels.iter().map(|channel| {
+        let level = &channel.level;
+        let aligned = channel.alignment.as_ref();
+        let of = |unit, pick: fn(&truecut_discrepancy::compare::Alignment) -> (f64, f64)| {
+            aligned.map_or("–".to_owned(), |alignment| {
+                let (value, error) = pick(alignment);
+                with_error(unit, value, error)
+            })
+        };
+        vec![
+            channel.channel.clone(),
+            format!("{} %", significant(100.0 * level.nrmse, 3)),
+            show(channel.unit, level.rms_error),
+            with_error(channel.unit, level.bias.value, level.bias.standard_error),
+            of(Unit::Second, |a| {
+                (a.delay_s.value, a.delay_s.standard_error)
+            }),
+            of(Unit::One, |a| (a.gain.value, a.gain.standard_error)),
+            format!(
+                "{} of {}",
+                short_number(level.effective_samples.round()),
+                level.samples
+            ),
+        ]
+    });
+    let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
+        .chain(rows)
+        .collect();
+    let mut aligns = vec![Align::Right; head.len()];
+    aligns[0] = Align::Left;
+    text::table(&aligns, &rows)
+}
+
+/// `1.23 ± 0.05 mm`: as many decimals as the standard error justifies.
+fn with_error(unit: Unit, value: f64, error: f64) -> String {
+    let unit = text::reading_unit(unit, value.abs().max(error));
+    let (value, error) = (unit.from_si(value), unit.from_si(error));
+    let decimals = if error > 0.0 {
+        (1.0 - error.log10().floor()).clamp(0.0, 6.0) as usize
+    } else {
+        3
+    };
+    let symbol = if unit.symbol == "1" {
+        String::new()
+    } else {
+        format!(" {}", unit.symbol)
+    };
+    // No minus sign on a value that is rounded to zero.
+    let value = if value.abs() < 0.5 * 10_f64.powi(-(decimals as i32)) {
+        0.0
+    } else {
+        value
+    };
+    format!("{value:.decimals$} ± {error:.decimals$}{symbol}")
+}
+
+/// Significant findings, the clearest first.
+fn findings(channel: &ChannelComparison) -> Vec<String> {
+    // A line far above a low background may still be negligible, unless it is at an order of
+    // rotation of the spindle.
+    let matters = |line: &&SpectralLine| {
+        line.per_revolution.is_some() || line.residual > 0.05 * channel.level.rms_error
+    };
+    let (listed, rest): (Vec<_>, Vec<_>) = channel.lines.iter().partition(matters);
+    let mut found: Vec<String> = listed
+        .iter()
+        .take(MOST)
+        .map(|one| line(channel.unit, one))
+        .collect();
+    let more: Vec<f64> = listed
+        .iter()
+        .skip(MOST)
+        .chain(&rest)
+        .map(|line| line.residual)
+        .collect();
+    if !more.is_empty() {
+        let largest = show(channel.unit, more.iter().copied().fold(0.0, f64::max));
+        found.push(format!("{} more lines, of {largest} and less", more.len()));
+    }
+    let significant_ones = channel.dependence.iter().filter(|one| one.p_value < LEVEL);
+    found.extend(
+        significant_ones
+            .take(MOST)
+            .map(|one| dependence(channel.unit, one)),
+    );
+    let input = channel.inputs.iter().find(|one| one.p_value < LEVEL);
+    found.extend(input.map(|input| {
+        format!(
+            "follows {} by {}: correlation {} ({})",
+            input.signal,
+            show(Unit::Second, input.delay_s),
+            significant(input.correlation, 2),
+            chance(input.p_value)
+        )
+    }));
+    if channel.level.bias.p_value < LEVEL {
+        let bias = show(channel.unit, channel.level.bias.value);
+        found.push(format!(
+            "mean off by {bias} ({})",
+            chance(channel.level.bias.p_value)
+        ));
+    }
+    let aligned = channel.alignment.as_ref();
+    found.extend(
+        aligned
+            .filter(|one| one.delay_s.p_value.min(one.gain.p_value) < LEVEL)
+            .map(|one| {
+                let share = significant(100.0 * one.explained_share, 2);
+                format!("delay and gain together explain {share} % of the residual's variance")
+            }),
+    );
+    found
+}
+
+fn line(unit: Unit, line: &SpectralLine) -> String {
+    let place = format!("line at {} Hz", significant(line.frequency_hz, 4));
+    let order = match line.per_revolution {
+        Some(1) => ", once per revolution".to_owned(),
+        Some(multiple) => format!(", {multiple} per revolution"),
+        None => String::new(),
+    };
+    let [measured, simulated] =
+        [line.measured, line.simulated].map(|amplitude| show(unit, amplitude));
+    match line.kind {
+        LineKind::Missing => format!("{place}{order}: {measured} that the simulation lacks"),
+        LineKind::Extra => format!("{place}{order}: {simulated} simulated, not measured"),
+        LineKind::Differs => format!("{place}{order}: {measured} measured, {simulated} simulated"),
+    }
+}
+
+fn dependence(unit: Unit, found: &Dependence) -> String {
+    let with = match found.kind {
+        Kind::Velocity => format!("the sign of {}", found.signal),
+        Kind::SpindlePhase => "the phase of the spindle".to_owned(),
+        _ => found.signal.clone(),
+    };
+    let means = || found.bins.iter().map(|bin| bin.mean);
+    let range = means().fold(f64::NEG_INFINITY, f64::max) - means().fold(f64::INFINITY, f64::min);
+    format!(
+        "changes with {with}: by {} over its range, {} % of the variance ({})",
+        show(unit, range),
+        significant(100.0 * found.share, 2),
+        chance(found.p_value)
+    )
+}
+
+fn chance(p: f64) -> String {
+    if p < 1e-6 {
+        "p < 1e-6".to_owned()
+    } else {
+        format!("p = {}", significant(p, 2))
+    }
+}

@@ -1,0 +1,335 @@
+//! The diagnosis as text, short enough to read in ten seconds.
+
+use std::path::Path;
+
+use truecut_discrepancy::diagnose::{Alternative, Cause, Diagnosis, Nominal, Parameter, Verdict};
+use truecut_discrepancy::trial::Trial;
+use truecut_recording::{Unit, significant};
+use truecut_scenario::effect::EffectKind;
+use truecut_scenario::key_unit;
+
+use super::Confirmed;
+use super::Written;
+use crate::text::{self, Align, reading_unit};
+
+/// Most rows of the list of detectable sizes.
+const SEEN_ROWS: usize = 8;
+/// Most of what is said to be followed by what is left.
+const MOST_SIGNALS: usize = 3;
+
+/// The verdict as text.
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::NothingBeyondNoise => "nothing beyond noise",
+        Verdict::Named => "cause named",
+        Verdict::Ambiguous => "these cannot be told apart",
+        Verdict::UnknownCause => "none of the causes known",
+        Verdict::NotIdentifiable => "not identifiable from these data",
+        Verdict::FitFailed => "the fit failed",
+    }
+}
+
+/// The verdict with the causes that it is about: to be read first.
+pub fn headline(diagnosis: &Diagnosis) -> String {
+    let names: Vec<String> = diagnosis.causes.iter().map(name).collect();
+    let rivals = diagnosis.alternatives.iter().map(names_of);
+    let verdict = verdict(diagnosis.verdict).to_uppercase();
+    match diagnosis.verdict {
+        Verdict::Named => format!("{verdict}: {}", names.join(" and ")),
+        Verdict::Ambiguous => {
+            let all: Vec<String> = std::iter::once(names.join(" and ")).chain(rivals).collect();
+            format!("{verdict}: {}", all.join(" or "))
+        }
+        _ => verdict,
+    }
+}
+
+/// Its effects, all of them.
+pub fn names_of(alternative: &Alternative) -> String {
+    let names: Vec<String> = alternative.causes.iter().map(name).collect();
+    names.join(" and ")
+}
+
+/// What a cause is, in one sentence.
+pub fn description(cause: &Cause) -> &'static str {
+    EffectKind::from_name(&cause.kind).map_or("", EffectKind::description)
+}
+
+/// A cause: `joint_backlash on joint 2`.
+pub fn name(cause: &Cause) -> String {
+    match &cause.target {
+        Some(target) => format!("{} on {target}", cause.kind),
+        None => cause.kind.clone(),
+    }
+}
+
+/// A number with its unit, if it has one.
+pub fn with_unit(number: &str, unit: &str) -> String {
+    match unit {
+        "1" => number.to_owned(),
+        unit => format!("{number} {unit}"),
+    }
+}
+
+/// A value with its interval and unit.
+pub fn estimate(parameter: &Parameter) -> String {
+    let number = |value: f64| significant(value, 4);
+    let value = number(parameter.value);
+    match (parameter.low, parameter.high) {
+        (Some(low), Some(high)) => with_unit(
+            &format!("{value} ({} to {})", number(low), number(high)),
+            &parameter.unit,
+        ),
+        _ => format!(
+            "{} (not bounded by the data)",
+            with_unit(&value, &parameter.unit)
+        ),
+    }
+}
+
+/// Causes and refitted values, a parameter a row: what, its key or its value before, its estimate.
+pub fn cause_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    for cause in &diagnosis.causes {
+        let mut first = Some(name(cause));
+        for (key, parameter) in &cause.parameters {
+            rows.push(vec![
+                first.take().unwrap_or_default(),
+                key.clone(),
+                estimate(parameter),
+            ]);
+        }
+    }
+    for nominal in &diagnosis.nominal {
+        let (before, after) = in_unit_of_key(nominal);
+        rows.push(vec![
+            nominal.key.clone(),
+            format!("{} →", significant(before, 4)),
+            estimate(&after),
+        ]);
+    }
+    rows
+}
+
+/// A nominal value before and after, in the unit in which its key is written.
+pub fn in_unit_of_key(nominal: &Nominal) -> (f64, Parameter) {
+    let unit = key_unit(&nominal.key);
+    let shown = |value: f64| unit.from_si(value);
+    let after = Parameter {
+        value: shown(nominal.after.value),
+        low: nominal.after.low.map(shown),
+        high: nominal.after.high.map(shown),
+        unit: unit.symbol.clone(),
+    };
+    (shown(nominal.before), after)
+}
+
+/// A header, and for each channel its errors on held-out data and the noise, in the unit in which
+/// one reads them.
+pub fn error_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
+    let mut rows = vec![vec!["".to_owned(), "nominal".to_owned()]];
+    let refitted = !diagnosis.nominal.is_empty();
+    rows[0].extend(refitted.then(|| "refitted alone".to_owned()));
+    rows[0].extend(["extended", "noise", ""].map(str::to_owned));
+    for (channel, errors) in &diagnosis.channels {
+        let unit = errors.unit.parse().unwrap_or(Unit::One);
+        let unit = reading_unit(unit, errors.before.max(errors.noise_floor));
+        let number = |value: f64| significant(unit.from_si(value), 4);
+        let mut row = vec![channel.clone(), number(errors.before)];
+        row.extend(refitted.then(|| number(errors.refitted)));
+        row.extend([number(errors.after), number(errors.noise_floor)]);
+        row.push(with_unit("", &unit.symbol).trim().to_owned());
+        rows.push(row);
+    }
+    rows
+}
+
+/// Alternatives, or the next best explanation, and the experiment that would decide: what, how far.
+pub fn alternative_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
+    let mut rows: Vec<Vec<String>> = (diagnosis.alternatives.iter())
+        .map(|one| {
+            vec![
+                format!("or {}", names_of(one)),
+                format!("{:.0}° apart", one.angle_deg),
+            ]
+        })
+        .collect();
+    if rows.is_empty()
+        && let Some(next) = &diagnosis.runner_up
+    {
+        rows.push(vec![
+            format!("next best: {}", names_of(next)),
+            format!(
+                "{:.1} standard errors behind, {:.0}° apart",
+                next.behind_t, next.angle_deg
+            ),
+        ]);
+    }
+    if let Some(best) = diagnosis.experiments.first() {
+        rows.push(vec![
+            format!("would tell them apart: {}", best.description),
+            format!(
+                "separation {} (now {})",
+                significant(best.separation, 3),
+                significant(best.separation_now, 3)
+            ),
+        ]);
+    }
+    rows
+}
+
+/// What is left of the channels follows …
+pub fn correlated_signals(diagnosis: &Diagnosis) -> Vec<String> {
+    let correlated_signals = diagnosis.ceiling.correlated_signals.iter().map(|found| {
+        format!(
+            "what is left of {} follows {} ({:.0} % of it)",
+            found.channel,
+            found.signal,
+            100.0 * found.fraction
+        )
+    });
+    correlated_signals.take(MOST_SIGNALS).collect()
+}
+
+pub fn printed(trial: &Trial, confirmed: &Confirmed, written: &Written) -> String {
+    let diagnosis = &confirmed.answer.diagnosis;
+    let mut text = format!(
+        "{}\n  data     {}\n  verdict  {}\n           {}\n",
+        diagnosis.scenario,
+        diagnosis.data,
+        headline(diagnosis),
+        diagnosis.reason
+    );
+    for note in &trial.measured().notes {
+        text.push_str(&format!("  note     {note}\n"));
+    }
+    text.push_str(&causes(diagnosis));
+    text.push_str(&alternatives(diagnosis));
+    text.push_str(&gain(diagnosis));
+    text.push_str(&seen(diagnosis));
+    text.push_str(&rest(confirmed));
+    let row = |what: &str, path: &Path| vec![what.to_owned(), path.display().to_string()];
+    let mut files = vec![row("report", &written.report)];
+    files.extend((written.extended.iter()).map(|path| row("extended scenario", path)));
+    files.push(row("for truecut view", &written.viewer));
+    text.push_str(&text::table(&[Align::Left; 2], &files));
+    text.push('\n');
+    text
+}
+
+fn causes(diagnosis: &Diagnosis) -> String {
+    titled(
+        "Causes and refitted values (95 % interval)",
+        &[Align::Left; 3],
+        &cause_rows(diagnosis),
+    )
+}
+
+fn alternatives(diagnosis: &Diagnosis) -> String {
+    let rows = alternative_rows(diagnosis);
+    titled("Other explanations", &[Align::Left; 2], &rows)
+}
+
+fn gain(diagnosis: &Diagnosis) -> String {
+    if diagnosis.channels.is_empty() {
+        return String::new();
+    }
+    let rows = error_rows(diagnosis);
+    let mut aligns = vec![Align::Right; rows[0].len()];
+    for side in [0, rows[0].len() - 1] {
+        aligns[side] = Align::Left;
+    }
+    titled("Error on held-out data (root mean square)", &aligns, &rows)
+}
+
+fn seen(diagnosis: &Diagnosis) -> String {
+    if diagnosis.verdict != Verdict::NothingBeyondNoise {
+        return String::new();
+    }
+    let rows: Vec<Vec<String>> = (diagnosis.smallest_seen.iter())
+        .filter_map(|one| {
+            let size = one.size?;
+            let target = one.target.as_deref().unwrap_or_default();
+            Some(vec![
+                format!("{} {target}", one.kind),
+                one.parameter.clone(),
+                with_unit(&significant(size, 3), &one.unit),
+            ])
+        })
+        .take(SEEN_ROWS)
+        .collect();
+    titled(
+        "These would have been seen (the others are in the report)",
+        &[Align::Left; 3],
+        &rows,
+    )
+}
+
+fn rest(confirmed: &Confirmed) -> String {
+    let diagnosis = &confirmed.answer.diagnosis;
+    let mut text = String::new();
+    for missing in &diagnosis.missing {
+        text.push_str(&format!("  missing: {missing}\n"));
+    }
+    for found in correlated_signals(diagnosis) {
+        text.push_str(&format!("  {found}\n"));
+    }
+    if let Some(failure) = &confirmed.failure {
+        text.push_str(&format!(
+            "  the full model could not be run with this answer, the errors are the reduced model's: {failure}\n"
+        ));
+    }
+    text.push_str(&format!(
+        "\n  {} simulations in {}\n",
+        diagnosis.work.predictions,
+        text::seconds(diagnosis.work.seconds)
+    ));
+    text
+}
+
+fn titled(title: &str, aligns: &[Align], rows: &[Vec<String>]) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    format!("\n  {title}\n{}", text::table(aligns, rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(value: f64, width: Option<f64>, unit: Unit) -> Parameter {
+        Parameter {
+            value,
+            low: width.map(|width| value - width),
+            high: width.map(|width| value + width),
+            unit: unit.to_string(),
+        }
+    }
+
+    #[test]
+    fn estimates_carry_their_unit_and_factors_none() {
+        let cubic = parameter(2.5e7, Some(1e6), Unit::NewtonMetrePerCubicRadian);
+        assert_eq!(estimate(&cubic), "2.500e7 (2.400e7 to 2.600e7) N m/rad^3");
+        let tilt = parameter(5e-7, None, Unit::RadianPerNewtonMetre);
+        assert_eq!(
+            estimate(&tilt),
+            "5.000e-7 rad/(N m) (not bounded by the data)"
+        );
+        let factor = parameter(1.25, Some(0.25), Unit::One);
+        assert_eq!(estimate(&factor), "1.250 (1.000 to 1.500)");
+        assert_eq!(with_unit("0.300", "1"), "0.300");
+    }
+
+    #[test]
+    fn nominal_values_are_told_in_the_unit_of_their_key() {
+        let nominal = Nominal {
+            key: "process.chamfer.depth_mm".into(),
+            before: 1e-3,
+            after: parameter(1.25e-3, Some(2.5e-4), Unit::Metre),
+        };
+        let (before, after) = in_unit_of_key(&nominal);
+        assert!((before - 1.0).abs() < 1e-12);
+        assert_eq!(estimate(&after), "1.250 (1.000 to 1.500) mm");
+    }
+}

@@ -1,0 +1,90 @@
+//! Exit status of a command.
+
+use std::process::ExitCode;
+
+use truecut_recording::{ClaimResult, Outcome};
+use truecut_sim::sweep::SweepTable;
+
+/// How a command ended; the discriminant is the exit code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum ExitStatus {
+    /// All claims hold.
+    Good = 0,
+    /// A claim does not hold.
+    ClaimFailed = 1,
+    /// Bad input, or a request that cannot be met.
+    BadInput = 2,
+    /// A run diverged.
+    Diverged = 3,
+    /// The two engines disagree.
+    Disagrees = 4,
+}
+
+impl ExitStatus {
+    /// ExitStatus of a run and its claims.
+    pub fn of_run(outcome: &Outcome, claims: &[ClaimResult]) -> ExitStatus {
+        let of_run = match outcome {
+            Outcome::Completed => ExitStatus::Good,
+            Outcome::Diverged { .. } | Outcome::Interrupted => ExitStatus::Diverged,
+        };
+        of_run.and(ExitStatus::of_claims(claims))
+    }
+
+    /// ExitStatus of a sweep and its claims.
+    pub fn of_sweep(table: &SweepTable, claims: &[ClaimResult]) -> ExitStatus {
+        let of_runs = if table.count_diverged() == 0 {
+            ExitStatus::Good
+        } else {
+            ExitStatus::Diverged
+        };
+        of_runs.and(ExitStatus::of_claims(claims))
+    }
+
+    fn of_claims(claims: &[ClaimResult]) -> ExitStatus {
+        if claims.iter().all(|claim| claim.holds) {
+            ExitStatus::Good
+        } else {
+            ExitStatus::ClaimFailed
+        }
+    }
+
+    /// The more severe of two: bad input before divergence, disagreement and a failed claim.
+    pub fn and(self, other: ExitStatus) -> ExitStatus {
+        let gravity = |status| match status {
+            ExitStatus::Good => 0,
+            ExitStatus::ClaimFailed => 1,
+            ExitStatus::Disagrees => 2,
+            ExitStatus::Diverged => 3,
+            ExitStatus::BadInput => 4,
+        };
+        if gravity(other) > gravity(self) {
+            other
+        } else {
+            self
+        }
+    }
+}
+
+impl From<ExitStatus> for ExitCode {
+    fn from(status: ExitStatus) -> ExitCode {
+        ExitCode::from(status as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gravest_status_wins_whatever_the_order() {
+        use ExitStatus::{BadInput, ClaimFailed, Disagrees, Diverged, Good};
+        let by_gravity = [Good, ClaimFailed, Disagrees, Diverged, BadInput];
+        for (index, lesser) in by_gravity.iter().enumerate() {
+            for greater in &by_gravity[index..] {
+                assert_eq!(lesser.and(*greater), *greater);
+                assert_eq!(greater.and(*lesser), *greater);
+            }
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The diagram as text.
+
+use std::path::PathBuf;
+
+use truecut_core::chatter::averaged::Crossing;
+use truecut_recording::{Unit, significant};
+
+use super::{Diagram, rpm};
+use crate::text::{self, Align};
+
+/// The printed text.
+pub fn printed(diagram: &Diagram<'_>, written: &[PathBuf]) -> String {
+    let mut text = format!("{}\n{}", diagram.scenario.name, summary(diagram));
+    if !diagram.runs.is_empty() {
+        text.push_str(&runs(diagram));
+    }
+    let [first, rest @ ..] = written else {
+        return text;
+    };
+    let names: Vec<String> = (rest.iter())
+        .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
+        .collect();
+    text.push_str(&format!(
+        "\n  {}   (beside it: {})\n\n",
+        first.display(),
+        names.join(", ")
+    ));
+    text
+}
+
+/// Posture, limits at the scenario's speed, and the best speed.
+pub fn summary(diagram: &Diagram<'_>) -> String {
+    let lobes = &diagram.lobes;
+    let cut = &diagram.study.cut;
+    let degrees: Vec<String> = (diagram.posture.iter())
+        .map(|q| format!("{:.2}", q.to_degrees()))
+        .collect();
+    let mut text = format!("  posture {} deg\n", degrees.join(", "));
+    let deepest = lobes.depth_m.last().copied().unwrap_or(0.0);
+    let at_speed = |limits: &[Option<Crossing>]| {
+        let speeds = lobes.spindle_rad_s.iter().enumerate();
+        let off = |s: &f64| (s - cut.spindle_rad_s).abs();
+        let nearest = speeds.min_by(|a, b| off(a.1).total_cmp(&off(b.1)));
+        nearest.and_then(|(i, _)| limits[i])
+    };
+    let shown = |limit: Option<Crossing>| match limit {
+        Some(limit) => format!(
+            "{} at {} Hz",
+            text::show(Unit::Metre, limit.depth_m),
+            significant(limit.frequency_hz, 3)
+        ),
+        None => format!("none down to {}", text::show(Unit::Metre, deepest)),
+    };
+    text.push_str(&format!(
+        "  limits near {} rpm: semi-discretisation {}, zero order {}\n",
+        significant(rpm(cut.spindle_rad_s), 4),
+        shown(at_speed(&lobes.limit)),
+        shown(at_speed(&lobes.zero_order)),
+    ));
+    text.push_str(&match lobes.mode_coupling {
+        Some(limit) => format!(
+            "  mode coupling, were there no regeneration: {}\n",
+            shown(Some(limit))
+        ),
+        None => "  no mode coupling at any depth\n".to_owned(),
+    });
+    if !diagram.scenario.effects.is_empty() {
+        text.push_str(
+            "  note: limits are those of the nominal arm; effects act in the runs only\n",
+        );
+    }
+    text
+}
+
+fn runs(diagram: &Diagram<'_>) -> String {
+    let agree = diagram
+        .runs
+        .iter()
+        .filter(|r| r.chatters == Some(r.predicted))
+        .count();
+    let head = ["spindle", "depth", "theory", "run", "growth", "line"];
+    let rows = diagram.runs.iter().map(|run| {
+        let word = |chatters: Option<bool>| match chatters {
+            Some(true) => "chatters",
+            Some(false) => "stable",
+            None => "undecided",
+        };
+        vec![
+            format!("{} rpm", significant(rpm(run.spindle_rad_s), 4)),
+            text::show(Unit::Metre, run.depth_m),
+            word(Some(run.predicted)).to_owned(),
+            word(run.chatters).to_owned(),
+            format!("{:+.2} 1/s", run.growth_per_s),
+            format!("{:.2} Hz", run.chatter_hz),
+        ]
+    });
+    let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
+        .chain(rows)
+        .collect();
+    let aligns = [
+        Align::Right,
+        Align::Right,
+        Align::Left,
+        Align::Left,
+        Align::Right,
+        Align::Right,
+    ];
+    format!(
+        "\n  {agree} of {} runs do what the theory says\n{}",
+        diagram.runs.len(),
+        text::table(&aligns, &rows)
+    )
+}

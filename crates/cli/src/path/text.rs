@@ -1,0 +1,168 @@
+//! A path as text.
+
+use std::path::PathBuf;
+
+use truecut_plan::program::{FindingKind, Motion};
+use truecut_plan::surface_path::{Contact, Segment};
+use truecut_recording::{Unit, significant};
+
+use super::{PlannedPath, durations_s};
+use crate::text::{Align, show, table};
+
+/// Findings that are listed individually.
+const LISTED: usize = 5;
+
+pub fn printed(answer: &PlannedPath<'_>, written: &[PathBuf]) -> String {
+    let mut text = format!("{}\n", answer.job.name);
+    text.push_str(&format!("  {}\n\n", extent(answer)));
+    text.push_str(&table(
+        &[Align::Left, Align::Right, Align::Left],
+        &rows(answer),
+    ));
+    text.push_str(&notes(answer));
+    if let Some((first, rest)) = written.split_first() {
+        let names: Vec<String> = (rest.iter())
+            .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
+            .collect();
+        text.push_str(&format!(
+            "\n  {}   (beside it: {})\n",
+            first.display(),
+            names.join(", ")
+        ));
+    }
+    text
+}
+
+fn extent(answer: &PlannedPath<'_>) -> String {
+    let lines = answer.path.lines.len();
+    let points: usize = answer.path.lines.iter().map(Vec::len).sum();
+    let copies = match answer.job.symmetry {
+        None => String::new(),
+        Some(one) => {
+            let by = if one.turntable {
+                "brought by a turntable"
+            } else {
+                "the arm goes to each"
+            };
+            format!(", {} copies, {by}", one.count)
+        }
+    };
+    let taught = (answer.parts.iter())
+        .filter(|part| part.copy == 0)
+        .filter_map(|part| match &part.segment {
+            Segment::Taught(points) => Some(points.postures.len()),
+            Segment::Planned(_) => None,
+        });
+    let taught: usize = taught.sum();
+    let taught = if taught > 0 {
+        format!(", {taught} taught postures a copy")
+    } else {
+        String::new()
+    };
+    format!(
+        "{lines} lines with {points} contacts{copies}{taught}: {} moves in all",
+        answer.program.moves.len()
+    )
+}
+
+fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
+    let contacts = || answer.path.lines.iter().flatten();
+    let range = |of: &dyn Fn(&Contact) -> f64| {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for value in contacts().map(of) {
+            (low, high) = (low.min(value), high.max(value));
+        }
+        (low, high)
+    };
+    let (narrow, wide) = range(&|c| c.swath_m);
+    let (_, gap) = range(&|c| c.edge_gap_m);
+    let [shallow, deep] = depths(answer);
+    let way_m: f64 = (answer.path.lines.iter())
+        .flat_map(|line| line.windows(2))
+        .map(|w| (w[1].point_m - w[0].point_m).norm())
+        .sum();
+    let durations = durations_s(answer);
+    let total_s: f64 = durations.iter().sum();
+    let row = |name: &str, value: String, what: String| vec![name.to_owned(), value, what];
+    let mm = |value: f64| show(Unit::Metre, value);
+    let mut rows = vec![
+        row("lines", mm(way_m), "length of one copy's lines".to_owned()),
+        row(
+            "swath",
+            mm(wide),
+            format!("widest; narrowest {}", mm(narrow)),
+        ),
+        row(
+            "edge gap",
+            mm(gap),
+            "largest, by curvature along the axis".to_owned(),
+        ),
+        row(
+            "depth",
+            mm(deep),
+            format!(
+                "of the undeformed wheel in the workpiece, largest (least {}); allowed {}",
+                mm(shallow),
+                mm(answer.job.path.gouge_limit_m)
+            ),
+        ),
+        row(
+            "time",
+            format!("{} s", significant(total_s, 4)),
+            "of the whole program".to_owned(),
+        ),
+    ];
+    if let Some((share, joint, point)) = hardest(answer, &durations) {
+        let what =
+            format!("of its limit: the fastest joint on a line, \"{joint}\" at path point {point}");
+        rows.push(row("joint speed", significant(share, 3), what));
+    }
+    rows
+}
+
+/// Least and greatest depth on the lines, m.
+fn depths(answer: &PlannedPath<'_>) -> [f64; 2] {
+    let on_lines = answer
+        .depth_m
+        .iter()
+        .flat_map(|line| &line[1..line.len() - 1]);
+    let (mut shallow, mut deep) = (f64::INFINITY, 0.0_f64);
+    for depth in on_lines {
+        (shallow, deep) = (shallow.min(*depth), deep.max(*depth));
+    }
+    [shallow, deep]
+}
+
+/// The joint closest to its speed limit on a line.
+fn hardest(answer: &PlannedPath<'_>, durations_s: &[f64]) -> Option<(f64, String, usize)> {
+    let joints = &answer.inputs.robot.chain.joints;
+    let steps = answer.program.moves.windows(2).zip(&durations_s[1..]);
+    let lines = steps.filter(|(pair, _)| matches!(pair[1].motion, Motion::Linear { .. }));
+    let each = lines.flat_map(|(pair, duration)| {
+        joints.iter().enumerate().filter_map(move |(j, joint)| {
+            let turned = (pair[1].posture[j] - pair[0].posture[j]).abs();
+            let share = turned / duration.max(1e-9) / joint.limits?.velocity;
+            Some((share, joint.name.clone(), pair[1].path_point))
+        })
+    });
+    each.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// Notes for the reader.
+fn notes(answer: &PlannedPath<'_>) -> String {
+    let mut text = String::new();
+    for finding in answer.findings.iter().take(LISTED) {
+        if !matches!(finding.kind, FindingKind::TooFast { .. }) {
+            text.push_str(&format!("  note: {finding}\n"));
+        }
+    }
+    let more = answer.findings.len().saturating_sub(LISTED);
+    if more > 0 {
+        text.push_str(&format!("  note: and {more} more of this kind\n"));
+    }
+    text.push_str(
+        "  note: only the wheel is checked, where it grinds and where it is lifted; the spindle, \
+         the arm and the moves between are not\n",
+    );
+    text
+}

@@ -1,0 +1,53 @@
+//! All that a joint does beyond spring and damper, but for the friction of its bearings.
+
+use super::{BoucWen, Counterbalance, Ripple};
+
+/// What a joint's transmission and link do beyond spring and damper.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointLaw {
+    /// Viscous friction on the link, N m s/rad (N s/m).
+    pub viscous: f64,
+    /// Full width of the play, rad (m).
+    pub gap: f64,
+    /// Cubic stiffness, N m/rad³ (N/m³).
+    pub cubic: f64,
+    pub hysteresis: Option<BoucWen>,
+    pub ripple: Option<Ripple>,
+    pub counterbalance: Option<Counterbalance>,
+    /// Constant torque on the link, N m (N).
+    pub offset: f64,
+}
+
+impl JointLaw {
+    /// Whether the joint rests where a linear one would.
+    pub fn is_nominal(&self) -> bool {
+        let elastic = self.gap == 0.0 && self.cubic == 0.0 && self.ripple.is_none();
+        elastic && self.counterbalance.is_none() && self.offset == 0.0
+    }
+
+    /// Where the link sees the motor, rad (m).
+    pub fn seen(&self, motor: f64) -> f64 {
+        self.ripple
+            .map_or(motor, |ripple| motor + ripple.error(motor))
+    }
+
+    /// Change of [`JointLaw::seen`] per motor coordinate.
+    pub fn gear(&self, motor: f64) -> f64 {
+        self.ripple.map_or(1.0, |ripple| 1.0 + ripple.slope(motor))
+    }
+
+    /// Torque on the link that does not come through the transmission, N m (N).
+    pub fn link_torque(&self, q: f64) -> f64 {
+        self.offset + self.counterbalance.map_or(0.0, |spring| spring.torque(q))
+    }
+
+    /// Potential energy of [`JointLaw::link_torque`], J.
+    pub fn link_energy_j(&self, q: f64) -> f64 {
+        self.counterbalance.map_or(0.0, |spring| spring.energy_j(q)) - self.offset * q
+    }
+
+    /// Whether [`JointLaw::link_torque`] is ever there.
+    pub fn loads_link(&self) -> bool {
+        self.offset != 0.0 || self.counterbalance.is_some()
+    }
+}

@@ -1,0 +1,124 @@
+//! The test part, which is opened last.
+
+use std::collections::BTreeMap;
+
+use crate::diagnose::answer::{ChannelErrors, Diagnosis, Verdict};
+use crate::diagnose::ceiling::Bound;
+use crate::diagnose::data::Rows;
+use crate::diagnose::fit::{Fit, fit};
+use crate::diagnose::noise::{Noise, dot};
+use crate::diagnose::problem::Problem;
+use crate::diagnose::validate::{batch_sums, compare, error_of_sum, rms};
+use crate::model::Columns;
+
+/// Scores on the test part. It changes the verdict only where the test part contradicts it.
+pub(super) fn open_test(
+    problem: &Problem,
+    before: &Columns,
+    base: &Fit,
+    last: &Fit,
+    bound: &Bound,
+    diagnosis: &mut Diagnosis,
+) {
+    let test = &problem.split.test;
+    let nominal = rms(&problem.data.residual(before), test);
+    let (refitted, after) = (rms(&base.residual, test), rms(&last.residual, test));
+    diagnosis.channels = channel_errors(problem, &nominal, &refitted, &after, &bound.floor);
+    if diagnosis.verdict == Verdict::FitFailed {
+        return;
+    }
+    let paired = compare(&base.residual, &last.residual, &last.noise, test);
+    // Before the test part is called different, what the part before leaves uncertain is settled by
+    // both together.
+    let all = problem.split.development.joined(test);
+    let orders: Vec<usize> = last.noise.channels.iter().map(|c| c.ar.len()).collect();
+    let refitted_to_all = fit(problem, last.point.clone(), &all, &orders, true);
+    let settled = refitted_to_all.unwrap_or_else(|_| last.clone());
+    let worse = !last.point.effects.is_empty() && paired.t() < -2.0;
+    if worse || breaks_away(problem, &settled) {
+        diagnosis.verdict = Verdict::UnknownCause;
+        diagnosis.alternatives.clear();
+        diagnosis.experiments.clear();
+        diagnosis.reason = format!(
+            "In the last part of the data, from {} s on, there is a discrepancy that the part before does not have.",
+            truecut_recording::significant(problem.data.time_s[first_of(test)], 4)
+        );
+    }
+}
+
+fn first_of(rows: &Rows) -> usize {
+    rows.per_channel
+        .iter()
+        .filter_map(|rows| rows.first().copied())
+        .min()
+        .unwrap_or(0)
+}
+
+/// Whether the error on the test part is clearly larger than before it: whitened, or as it is about
+/// its mean. Slow noise wanders, so a mean alone must be far away.
+fn breaks_away(problem: &Problem, last: &Fit) -> bool {
+    let (before, test) = (&problem.split.development, &problem.split.test);
+    (0..last.residual.len()).any(|c| {
+        let single = Noise {
+            channels: vec![last.noise.channels[c].clone()],
+        };
+        let column = vec![last.residual[c].clone()];
+        let pick = |rows: &Rows| -> Rows {
+            Rows {
+                per_channel: vec![rows.per_channel[c].clone()],
+            }
+        };
+        let whitened = |rows: &Rows| single.whiten(&column, &pick(rows));
+        let plain = |rows: &Rows| -> Vec<f64> {
+            rows.per_channel[c].iter().map(|&t| column[0][t]).collect()
+        };
+        let (a, b) = (plain(before), plain(test));
+        is_larger(&whitened(before), &whitened(test), 6.0, 1.25)
+            || is_larger(&centred(&a), &centred(&b), 8.0, 4.0)
+            || is_larger(&a, &b, 8.0, 12.0)
+    })
+}
+
+fn centred(x: &[f64]) -> Vec<f64> {
+    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    x.iter().map(|x| x - mean).collect()
+}
+
+/// A sample's square counts for at most so many times the mean square.
+const SINGLE: f64 = 16.0;
+
+/// Whether the mean square is larger by the ratio, and by so many standard errors. In noise alone
+/// both errors are alike up to their lengths; where the later part is unlike, its own error is
+/// larger.
+fn is_larger(before: &[f64], after: &[f64], least: f64, ratio: f64) -> bool {
+    let (n, m) = (before.len() as f64, after.len() as f64);
+    // One sample about which an event comes a step early is no discrepancy of the whole part.
+    let most = SINGLE * dot(before, before) / n;
+    let squares = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| (x * x).min(most)).collect() };
+    let expected = error_of_sum(&batch_sums(&squares(before))) / n * (n / m).sqrt();
+    let mean = |x: &[f64]| squares(x).iter().sum::<f64>() / x.len() as f64;
+    let (a, b) = (mean(before), mean(after));
+    b > ratio * a && b - a > least * expected
+}
+
+pub(super) fn channel_errors(
+    problem: &Problem,
+    nominal: &[f64],
+    refitted: &[f64],
+    after: &[f64],
+    floor: &[f64],
+) -> BTreeMap<String, ChannelErrors> {
+    let specs = problem.model.channels().iter().enumerate();
+    specs
+        .map(|(c, spec)| {
+            let errors = ChannelErrors {
+                before: nominal[c],
+                refitted: refitted[c],
+                after: after[c],
+                noise_floor: problem.data.outputs[c].noise.unwrap_or(floor[c]),
+                unit: spec.unit.to_string(),
+            };
+            (spec.name.clone(), errors)
+        })
+        .collect()
+}

@@ -1,0 +1,136 @@
+//! Predictions at the times of the data: by inverse dynamics, by means, or by runs of which the
+//! last are kept.
+
+use truecut_recording::Outcome;
+use truecut_scenario::Scenario;
+use truecut_scenario::effect::{Effect, Family, SensorEffect, Typed};
+use truecut_sim::SimError;
+use truecut_sim::measurement::{ChannelModel, channel_model};
+use truecut_sim::run::{self, Engine, Rows};
+
+use super::cache::RunKey;
+use super::{EARLIEST_S, Kind, Trial, parallel, reduced, sampling};
+use crate::model::{Columns, PredictError};
+
+/// Whether a sensor shows what is still to come further ahead than that.
+fn comes_early(effect: &Effect) -> bool {
+    let Some(Typed::Sensor(_, SensorEffect::Delay { delay_s })) = effect.typed() else {
+        return false;
+    };
+    delay_s < -EARLIEST_S
+}
+
+impl Trial {
+    pub(super) fn reduced(&self) -> Engine {
+        Engine::Reduced {
+            shortest_step_s: self.shortest_step_s,
+        }
+    }
+
+    /// What the search is told; what is integrated in time ends at `until_s`.
+    pub(super) fn predicted(
+        &self,
+        nominal: &[f64],
+        effects: &[Effect],
+        until_s: Option<f64>,
+    ) -> Result<Columns, PredictError> {
+        let failed = |error: SimError| PredictError(error.to_string());
+        self.check_speeds(effects)?;
+        match &self.engine {
+            Kind::Forward => self.extrapolated(nominal, effects, until_s),
+            Kind::Steady(model) => model.predict(effects).map_err(failed),
+            Kind::Inverse {
+                nominal: made_for,
+                model,
+                every,
+            } => {
+                let columns = if made_for == nominal {
+                    model.predict(effects)
+                } else {
+                    let own = self.rigid.get(self.of_robot(nominal), || {
+                        let robot = self.varied_robot(nominal)?;
+                        model.nominal_for(&robot, &self.robots).map_err(failed)
+                    })?;
+                    model.predict_from(&own, &self.with_own(nominal, effects))
+                };
+                let columns = columns.map_err(failed)?;
+                Ok((columns.iter())
+                    .map(|column| parallel::picked(column, *every))
+                    .collect())
+            }
+        }
+    }
+
+    /// Rapier's prediction, or the reduced plant's; with `until_s` no further than that.
+    pub(super) fn forward(
+        &self,
+        nominal: &[f64],
+        effects: &[Effect],
+        engine: Engine,
+        until_s: Option<f64>,
+    ) -> Result<Columns, PredictError> {
+        let until_s = until_s.filter(|_| !effects.iter().any(comes_early));
+        if engine == Engine::Rapier || !self.scenario.effects.is_empty() {
+            let rows = self.run(&self.varied(nominal, effects)?, engine, until_s)?;
+            return Ok(self.at_the_data(&rows));
+        }
+        let (sensors, machine): (Vec<Effect>, Vec<Effect>) =
+            (effects.iter().cloned()).partition(|effect| effect.kind.family() == Family::Sensor);
+        let key = RunKey {
+            nominal: nominal.to_vec(),
+            machine: machine.clone(),
+            until_s,
+        };
+        let run = self.runs.get(key, || {
+            self.run(&self.varied(nominal, &machine)?, engine, until_s)
+        })?;
+        if sensors.is_empty() {
+            return Ok(self.at_the_data(&run));
+        }
+        Ok(self.at_the_data(&self.sensed((*run).clone(), &sensors)))
+    }
+
+    /// What sensors with these effects make of a run.
+    fn sensed(&self, mut run: Rows, sensors: &[Effect]) -> Rows {
+        for (spec, column) in run.channels.iter().zip(&mut run.columns) {
+            let sensor = channel_model(sensors, &spec.name);
+            if sensor != ChannelModel::default() {
+                sensor.apply(&run.time_s, column);
+            }
+        }
+        run
+    }
+
+    /// The channels that were measured, of one run.
+    pub(super) fn run(
+        &self,
+        scenario: &Scenario,
+        engine: Engine,
+        until_s: Option<f64>,
+    ) -> Result<Rows, PredictError> {
+        let names: Vec<&str> = self
+            .channels
+            .iter()
+            .map(|spec| spec.name.as_str())
+            .collect();
+        let run = run::Run {
+            engine,
+            ..reduced(scenario, &self.measured, &self.robots)
+        };
+        let rows = (run.rows(&names, until_s)).map_err(|error| PredictError(error.to_string()))?;
+        match rows.outcome {
+            Outcome::Completed => Ok(rows),
+            outcome => Err(PredictError(outcome.to_string())),
+        }
+    }
+
+    pub(super) fn at_the_data(&self, rows: &Rows) -> Columns {
+        let column = |values: &Vec<f64>| {
+            let stretches = self.stretches_s.iter();
+            stretches
+                .flat_map(|times| sampling::at(&rows.time_s, values, times))
+                .collect()
+        };
+        rows.columns.iter().map(column).collect()
+    }
+}

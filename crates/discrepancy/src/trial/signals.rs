@@ -1,0 +1,127 @@
+//! What moves in the nominal run: what sizes of effects are measured by.
+
+use truecut_recording::measured::Measured;
+use truecut_scenario::Scenario;
+use truecut_sim::facts::RobotFacts;
+use truecut_sim::run::Rows;
+
+/// What moves in the nominal run, joint by joint and channel by channel.
+pub(super) struct Signals {
+    pub joints: Vec<JointSignals>,
+    pub moving_mass_kg: f64,
+    /// Standard deviation of every measured output, with its name.
+    pub outputs: Vec<(String, f64)>,
+    pub interval_s: f64,
+    pub duration_s: f64,
+}
+
+pub(super) struct JointSignals {
+    pub rotary: bool,
+    pub stiffness: Option<f64>,
+    /// Root mean square of the velocity.
+    pub speed: f64,
+    /// Greatest speed.
+    pub fastest: f64,
+    /// Standard deviation of the coordinate.
+    pub travel: f64,
+    /// Root mean square of the drive force or torque.
+    pub effort: f64,
+    /// Standard deviation of its magnitude, as a part of that.
+    pub effort_varies: f64,
+}
+
+impl Signals {
+    pub(super) fn new(
+        scenario: &Scenario,
+        measured: &Measured,
+        facts: &RobotFacts,
+        nominal: Option<&Rows>,
+    ) -> Signals {
+        let column = |name: &str| -> Option<Vec<f64>> {
+            let simulated = nominal.and_then(|recording| {
+                let index = recording
+                    .channels
+                    .iter()
+                    .position(|spec| spec.name == name)?;
+                Some(recording.columns[index].clone())
+            });
+            simulated.or_else(|| measured.channel(name).ok().map(|one| one.values.clone()))
+        };
+        let first = |joint: usize, names: &[&str]| {
+            let mut found = names
+                .iter()
+                .map(|name| column(&format!("joint{joint}.{name}")));
+            found.find_map(|values| values)
+        };
+        let interval_s = match nominal {
+            Some(recording) => step(&recording.time_s),
+            None => measured.interval_s(),
+        };
+        let joints = (facts.joints.iter().enumerate())
+            .map(|(index, joint)| {
+                let number = index + 1;
+                let coordinate = first(number, &["angle", "position"]).unwrap_or_default();
+                let efforts = [
+                    "drive_torque",
+                    "drive_force",
+                    "transmission_torque",
+                    "transmission_force",
+                ];
+                let velocity = differences(&coordinate);
+                let efforts = first(number, &efforts).unwrap_or_default();
+                let magnitudes: Vec<f64> = efforts.iter().map(|effort| effort.abs()).collect();
+                JointSignals {
+                    rotary: joint.rotary,
+                    stiffness: joint.stiffness.map(|k| k * scenario.robot.stiffness_scale),
+                    speed: rms(&velocity) / interval_s,
+                    fastest: velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
+                        / interval_s,
+                    travel: deviation(&coordinate),
+                    effort: rms(&efforts),
+                    effort_varies: deviation(&magnitudes) / rms(&efforts),
+                }
+            })
+            .collect();
+        Signals {
+            joints,
+            moving_mass_kg: facts.moving_mass_kg,
+            outputs: (measured.outputs())
+                .map(|one| (one.spec.name.clone(), deviation(&one.values)))
+                .collect(),
+            interval_s: measured.interval_s(),
+            duration_s: (measured.process_time_s().into_iter()).fold(0.0, f64::max),
+        }
+    }
+
+    /// Of each joint, the greatest speed over which a friction may fall.
+    pub(super) fn fall_speeds(&self) -> Vec<f64> {
+        (self.joints.iter())
+            .map(|joint| FALL_PART * joint.fastest)
+            .collect()
+    }
+}
+
+/// At its fastest the joint must be beyond the fall: at twice its speed 2 % of the excess are left.
+const FALL_PART: f64 = 0.5;
+
+fn step(times_s: &[f64]) -> f64 {
+    match times_s {
+        [first, .., last] => (last - first) / (times_s.len() - 1) as f64,
+        _ => f64::NAN,
+    }
+}
+
+fn differences(values: &[f64]) -> Vec<f64> {
+    values.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+fn rms(values: &[f64]) -> f64 {
+    let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    (finite.iter().map(|v| v * v).sum::<f64>() / finite.len() as f64).sqrt()
+}
+
+fn deviation(values: &[f64]) -> f64 {
+    let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let mean = finite.iter().sum::<f64>() / finite.len() as f64;
+    rms(&finite.iter().map(|v| v - mean).collect::<Vec<_>>())
+}

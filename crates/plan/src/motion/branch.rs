@@ -1,0 +1,107 @@
+//! Postures along given poses: on one branch of an arm with a closed form, or from posture to
+//! posture.
+
+use nalgebra::Isometry3;
+use truecut_arm::{Elbow, FrameId, IkOptions, IkSolver, PathOptions, Robot, Shoulder, Wrist};
+
+use super::follow::{AtMm, FollowError, leaves};
+
+/// The branch on which a path shall be followed; `None`: either.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct BranchWish {
+    pub shoulder: Option<Shoulder>,
+    pub elbow: Option<Elbow>,
+    pub wrist: Option<Wrist>,
+}
+
+impl BranchWish {
+    fn is_of(&self, solver: &IkSolver<'_>, q: &[f64]) -> bool {
+        let Some(branch) = solver.geometry().map(|geometry| geometry.branch(q)) else {
+            return false;
+        };
+        self.shoulder.is_none_or(|side| side == branch.shoulder)
+            && self.elbow.is_none_or(|side| side == branch.elbow)
+            && self.wrist.is_none_or(|sense| sense == branch.wrist)
+    }
+}
+
+/// Postures along poses on the branch of `posture`.
+///
+/// # Errors
+/// Where the path cannot be followed.
+pub fn on_the_branch_of(
+    posture: &[f64],
+    solver: &IkSolver<'_>,
+    poses: &[Isometry3<f64>],
+    at_mm: &AtMm<'_>,
+) -> Result<Vec<Vec<f64>>, FollowError> {
+    let followed = solver.follow(poses, FrameId::Tool, posture, &PathOptions::default());
+    followed.map_err(|error| leaves(error.kind(), at_mm).1)
+}
+
+/// Postures along poses over all branches asked for: from the start nearest to `posture` from which
+/// the path can be followed to its end.
+///
+/// # Errors
+/// If no posture of the branch reaches the start; else where the start that gets furthest fails.
+pub fn on_a_branch(
+    wish: BranchWish,
+    posture: &[f64],
+    solver: &IkSolver<'_>,
+    poses: &[Isometry3<f64>],
+    at_mm: &AtMm<'_>,
+) -> Result<Vec<Vec<f64>>, FollowError> {
+    let mut starts = solver.within_limits(&poses[0], FrameId::Tool);
+    if starts.is_empty() {
+        // Following from anywhere says why.
+        return on_the_branch_of(posture, solver, poses, at_mm);
+    }
+    let reached = starts.len();
+    starts.retain(|q| wish.is_of(solver, q));
+    if starts.is_empty() {
+        return Err(FollowError::NoBranch { reached });
+    }
+    let distance = |q: &[f64]| {
+        q.iter()
+            .zip(posture)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>()
+    };
+    starts.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let mut furthest: Option<(usize, FollowError)> = None;
+    for start in &starts {
+        match solver.follow(poses, FrameId::Tool, start, &PathOptions::default()) {
+            Ok(knots) => return Ok(knots),
+            Err(error) => {
+                let (index, error) = leaves(error.kind(), at_mm);
+                if furthest.as_ref().is_none_or(|(best, _)| index > *best) {
+                    furthest = Some((index, error));
+                }
+            }
+        }
+    }
+    Err(furthest.map_or(FollowError::NoStart, |(_, error)| error))
+}
+
+/// Postures along poses of an arm without a closed form: each from the one before.
+///
+/// # Errors
+/// At the first pose that is not reached.
+pub fn from_posture_to_posture(
+    robot: &Robot,
+    posture: &[f64],
+    poses: &[Isometry3<f64>],
+    at_mm: &AtMm<'_>,
+) -> Result<Vec<Vec<f64>>, FollowError> {
+    let mut seed = posture.to_vec();
+    let mut knots = Vec::with_capacity(poses.len());
+    for (k, pose) in poses.iter().enumerate() {
+        let found = robot.inverse_kinematics(pose, FrameId::Tool, &seed, &IkOptions::default());
+        seed = found.map_err(|error| FollowError::Unreachable {
+            at_mm: at_mm(k),
+            reason: error.to_string(),
+        })?;
+        knots.push(seed.clone());
+    }
+    Ok(knots)
+}

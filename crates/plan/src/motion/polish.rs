@@ -1,0 +1,162 @@
+//! The motion of a polishing wheel along a raster over a rectangular face, its spin axis
+//! precessing.
+
+use nalgebra::{Isometry3, Point3, SVector, Unit, Vector2, Vector3};
+use thiserror::Error;
+use truecut_arm::{ArmError, BranchOptions, FrameId, IkSolver, PathOptions, Robot, tool_pose};
+use truecut_core::wheel::precession::{Boundary, EdgeRule, PrecessionWheel};
+
+use super::follow::{FollowError, check_singularities, check_speeds, leaves};
+use super::raster::{Raster, vertices};
+use super::timing::{LeadIn, TimingLaw};
+use super::trajectory::Trajectory;
+use crate::precession::{
+    ArmOnFace, PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError,
+    PrecessionPoint, PrecessionTask,
+};
+
+/// Time in which feed and turn come up to speed, s.
+const LEAD_IN: TimingLaw = TimingLaw::FromRest(LeadIn { duration_s: 0.5 });
+
+/// A raster over a face, and how the wheel's spin axis turns along it.
+#[derive(Debug)]
+pub struct RasterTask<'a> {
+    pub wheel: &'a PrecessionWheel,
+    /// The face's frame: x along its length, z its outward normal, a corner its origin.
+    pub world_from_face: Isometry3<f64>,
+    /// Direction of the tool's x axis, made square to the tool axis: along the face's length.
+    pub zero_direction: Vector3<f64>,
+    /// Length and width of the face, m.
+    pub face_m: [f64; 2],
+    pub raster: Raster,
+    /// Precession angle at the start, rad, and its steady turn, rad/s.
+    pub start_rad: f64,
+    pub turn_rad_s: f64,
+    /// What the angle keeps at edges, and how fast it may turn; `None`: it turns steadily.
+    pub rule: Option<(EdgeRule, PrecessionLimits)>,
+    /// Time between knots, s.
+    pub interval_s: f64,
+}
+
+/// A wheel led along a raster.
+#[derive(Debug)]
+pub struct RasterMotion {
+    /// Postures at even times, from rest on.
+    pub knots: Vec<Vec<f64>>,
+    pub duration_s: f64,
+    /// How the angle keeps its rule at edges, where it has one.
+    pub plan: Option<PrecessionPlan>,
+}
+
+/// Why a wheel cannot be led along a raster.
+#[derive(Debug, Error)]
+pub enum RasterError {
+    #[error("{0}")]
+    Face(String),
+    #[error(transparent)]
+    Precession(#[from] PrecessionPlanError),
+    #[error(transparent)]
+    Arm(#[from] ArmError),
+    #[error(transparent)]
+    Follow(#[from] FollowError),
+}
+
+/// A place on the raster: distance from its start (m), x and y on the face (m), precession angle
+/// (rad, turns counted).
+type RasterPlace = SVector<f64, 4>;
+
+fn place(along_m: f64, point_m: &Vector2<f64>, angle_rad: f64) -> RasterPlace {
+    RasterPlace::new(along_m, point_m.x, point_m.y, angle_rad)
+}
+
+impl RasterTask<'_> {
+    /// Solves the motion; `posture` chooses the branch at the start.
+    ///
+    /// # Errors
+    /// If the angle cannot keep its rule, or the arm cannot be led along the raster.
+    pub fn solve(&self, robot: &Robot, posture: &[f64]) -> Result<RasterMotion, RasterError> {
+        let vertices = vertices(self.face_m, &self.raster);
+        let solver = robot.ik_solver(&BranchOptions::default());
+        let (knots, plan) = match &self.rule {
+            None => (self.steady(&vertices), None),
+            Some((rule, limits)) => {
+                let plan = self.planned(&vertices, (robot, &solver), posture, (*rule, limits))?;
+                let knot = |point: &PrecessionPoint| {
+                    let place = place(point.along_m, &point.point_m, point.angle_rad);
+                    (point.time_s, place)
+                };
+                (plan.points.iter().map(knot).collect(), Some(plan))
+            }
+        };
+        let trajectory = Trajectory::new(knots, LEAD_IN);
+        let places = trajectory.sampled(self.interval_s);
+        let poses: Vec<Isometry3<f64>> = (places.iter())
+            .map(|place| self.pose(place))
+            .collect::<Result<_, ArmError>>()?;
+        let at_mm = |k: usize| places[k][0] * 1e3;
+        let followed = solver.follow(&poses, FrameId::Tool, posture, &PathOptions::default());
+        let knots = followed.map_err(|error| leaves(error.kind(), &at_mm).1)?;
+        check_singularities(&solver, &knots, &at_mm)?;
+        let advice = "lower the feed or the rate of the precession";
+        check_speeds(robot, &knots, self.interval_s, &at_mm, "the path", advice)?;
+        Ok(RasterMotion {
+            knots,
+            duration_s: trajectory.duration_s(),
+            plan,
+        })
+    }
+
+    /// The angle turns by the clock, the feed is that asked for.
+    fn steady(&self, vertices: &[Vector2<f64>]) -> Vec<(f64, RasterPlace)> {
+        let (mut along_m, mut knots) = (0.0, Vec::with_capacity(vertices.len()));
+        for (k, point_m) in vertices.iter().enumerate() {
+            along_m += (point_m - vertices[k.saturating_sub(1)]).norm();
+            let time_s = along_m / self.raster.feed_m_per_s;
+            let angle_rad = self.start_rad + self.turn_rad_s * time_s;
+            knots.push((time_s, place(along_m, point_m, angle_rad)));
+        }
+        knots
+    }
+
+    /// The angle keeps a rule at edges; feed and angle are lowered to what the rule and the joints
+    /// allow.
+    fn planned(
+        &self,
+        vertices: &[Vector2<f64>],
+        (robot, solver): (&Robot, &IkSolver<'_>),
+        posture: &[f64],
+        (rule, limits): (EdgeRule, &PrecessionLimits),
+    ) -> Result<PrecessionPlan, RasterError> {
+        let boundary = Boundary::rectangle(self.face_m[0], self.face_m[1])
+            .map_err(|error| RasterError::Face(error.to_string()))?;
+        let task = PrecessionTask {
+            wheel: self.wheel,
+            boundary: &boundary,
+            rule,
+            path_m: vertices,
+            feed_m_per_s: self.raster.feed_m_per_s,
+            turn_rad_s: self.turn_rad_s,
+            start_rad: self.start_rad,
+        };
+        let arm = ArmOnFace {
+            robot,
+            solver,
+            world_from_face: self.world_from_face,
+            zero_direction: self.zero_direction,
+            start: posture,
+        };
+        Ok(task
+            .plan_for_arm(&arm, limits, &PrecessionOptions::default())?
+            .plan)
+    }
+
+    /// Pose of the tool: the wheel's centre above the point, the tool's z axis along the spin axis,
+    /// towards the face.
+    fn pose(&self, place: &RasterPlace) -> Result<Isometry3<f64>, ArmError> {
+        let height_m = self.wheel.centre_height_m();
+        let centre = self.world_from_face * Point3::new(place[1], place[2], height_m);
+        let towards_face = -(self.world_from_face * self.wheel.axis(place[3]));
+        let axis = Unit::new_normalize(towards_face);
+        tool_pose(&centre.coords, &axis, &self.zero_direction, 0.0)
+    }
+}

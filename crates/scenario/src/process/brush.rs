@@ -1,0 +1,346 @@
+//! The `[process.brush]` table: a wheel brush deburrs edges of a mesh, led by taught postures.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::Isometry3;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use truecut_core::wheel::brush::Brush;
+use truecut_plan::surface::MeshFile;
+
+use crate::check::Check;
+use crate::document::Fault;
+use crate::path_job::place;
+use crate::process::{Facts, Knob, Parts, PostureFrom, Room, WheelHold, WheelPart};
+use crate::robot::RobotSpec;
+use crate::units::{from_mm, from_mpa, from_rpm};
+
+/// Brushing of edges. The brush's centre is the tool frame's origin, its axis the frame's y.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BrushSpec {
+    /// CSV file of the taught postures.
+    pub taught: PathBuf,
+    /// Speed of the tool from posture to posture.
+    pub feed_m_per_s: f64,
+    /// Top speed of joints on the way, share of their limits.
+    pub joint_share: f64,
+    /// Brush and bristles.
+    pub brush: Brush,
+    /// Right-handed about the tool's y axis.
+    pub spin_rad_s: f64,
+    /// Preston coefficient: removed depth per pressure and sliding distance.
+    pub preston_per_pa: f64,
+    /// Largest distance of the places on an edge for which its state is kept.
+    pub station_m: f64,
+    /// The workpiece.
+    pub workpiece: MeshFile,
+    /// Where its frame stands in the world.
+    pub world_from_mesh: Isometry3<f64>,
+    /// Edges that are deburred.
+    pub edges: Vec<EdgeSpec>,
+}
+
+/// An edge of the workpiece.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EdgeSpec {
+    /// Points along it, in the workpiece's frame.
+    pub points_m: Vec<[f64; 3]>,
+    /// How far the burr stands out.
+    pub burr_height_m: f64,
+    /// Thickness of the burr.
+    pub burr_thickness_m: f64,
+}
+
+/// Brushing of edges by taught postures.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BrushTable {
+    /// CSV file of taught postures with a column j1, j2, … for each joint (degrees; mm for prismatic joints), relative to this file. The arm
+    /// starts in the first one and ends in the last one.
+    taught: String,
+    /// Speed of the tool from posture to posture.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the brush is fed along the edge"))]
+    feed_mm_per_s: f64,
+    /// Top speed of joints on the way, a fraction of their limits. Default: 0.25.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0, "x-rule" = "a fraction of the top speed"))]
+    joint_speed: Option<f64>,
+    /// Radius to the tips of the bristles.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a brush has a radius"))]
+    radius_mm: f64,
+    /// Width.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a brush has a width"))]
+    width_mm: f64,
+    /// Speed of rotation, right-handed about the tool's y axis.
+    speed_rpm: f64,
+    /// Number of bristles.
+    #[schemars(range(min = 1, max = 10_000_000), extend("x-rule" = "1 to 10000000 bristles"))]
+    bristles: u32,
+    /// Diameter of a bristle.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a bristle has a diameter"))]
+    bristle_diameter_mm: f64,
+    /// Length of a bristle from hub to tip.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "bristles stand out of the hub"))]
+    free_length_mm: f64,
+    /// Young's modulus of the wire.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "bristles are elastic"))]
+    youngs_modulus_mpa: f64,
+    /// Coefficient of friction of the tips.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "friction opposes sliding"))]
+    mu: f64,
+    /// Preston coefficient.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "brushing removes material"))]
+    preston_per_pa: f64,
+    /// Largest distance of the places on an edge for which its state is kept. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "places get on along the edge"))]
+    station_mm: Option<f64>,
+    /// The workpiece.
+    workpiece: WorkpieceTable,
+    /// Edges that are deburred.
+    #[schemars(length(min = 1), extend("x-rule" = "a brush deburrs one edge at least"))]
+    edge: Vec<EdgeTable>,
+}
+
+/// A workpiece as a closed mesh.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct WorkpieceTable {
+    /// Closed mesh (.stl or .obj), relative to this file.
+    mesh: String,
+    /// Length of the mesh's unit. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]
+    unit_mm: Option<f64>,
+    /// Where the mesh's frame stands in the world. Default: [0, 0, 0].
+    xyz_mm: Option<[f64; 3]>,
+    /// Roll, pitch and yaw of that frame about the world's x, y, z. Default: [0, 0, 0].
+    rpy_deg: Option<[f64; 3]>,
+}
+
+/// An edge.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct EdgeTable {
+    /// Points along the edge, in the mesh's frame; from point to point it is straight.
+    #[schemars(length(min = 2), extend("x-rule" = "an edge has two ends"))]
+    points_mm: Vec<[f64; 3]>,
+    /// How far the burr stands out. Default: 0, a clean sharp edge.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "a burr stands out"))]
+    burr_height_mm: Option<f64>,
+    /// Thickness of the burr.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a burr has a thickness"))]
+    burr_thickness_mm: Option<f64>,
+}
+
+const TABLE: &str = "process.brush";
+/// Where a scenario does not say, of the joints' top speed.
+const DEFAULT_JOINT_SHARE: f64 = 0.25;
+/// Where a scenario does not give a distance of places on an edge, mm.
+const DEFAULT_STATION_MM: f64 = 1.0;
+/// Part of the hub's surface that round bristles cover where they touch one another.
+const CLOSEST_PACKING: f64 = 0.9069;
+
+impl BrushTable {
+    /// `None` after recording a fault. `folder` is that of the scenario file.
+    pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<BrushSpec> {
+        let faults = [
+            self.still(),
+            self.no_hub(),
+            self.too_dense(),
+            self.too_far_apart(),
+        ];
+        let is_sound = faults.iter().all(Option::is_none);
+        (faults.into_iter().flatten()).for_each(|fault| check.refuse(fault));
+        let Self {
+            taught,
+            feed_mm_per_s,
+            joint_speed,
+            radius_mm,
+            width_mm,
+            speed_rpm,
+            bristles,
+            bristle_diameter_mm,
+            free_length_mm,
+            youngs_modulus_mpa,
+            mu,
+            preston_per_pa,
+            station_mm,
+            workpiece,
+            edge,
+        } = self;
+        let edges: Vec<Option<EdgeSpec>> = (edge.into_iter().enumerate())
+            .map(|(index, edge)| edge.resolve(index, check))
+            .collect();
+        is_sound.then_some(())?;
+        let (workpiece, world_from_mesh) = workpiece.resolve(folder);
+        Some(BrushSpec {
+            taught: folder.join(taught),
+            feed_m_per_s: from_mm(feed_mm_per_s),
+            joint_share: joint_speed.unwrap_or(DEFAULT_JOINT_SHARE),
+            brush: Brush {
+                radius_m: from_mm(radius_mm),
+                width_m: from_mm(width_mm),
+                bristles: f64::from(bristles),
+                bristle_diameter_m: from_mm(bristle_diameter_mm),
+                free_length_m: from_mm(free_length_mm),
+                youngs_modulus_pa: from_mpa(youngs_modulus_mpa),
+                mu,
+            },
+            spin_rad_s: from_rpm(speed_rpm),
+            preston_per_pa,
+            station_m: from_mm(station_mm.unwrap_or(DEFAULT_STATION_MM)),
+            world_from_mesh,
+            workpiece,
+            edges: edges.into_iter().collect::<Option<_>>()?,
+        })
+    }
+
+    fn still(&self) -> Option<Fault> {
+        let path = format!("{TABLE}.speed_rpm");
+        let message = format!(
+            "`{path}` is 0, but must not be: a brush that stands still only rubs by the feed"
+        );
+        (self.speed_rpm == 0.0).then(|| Fault::value(&path, message, "does not turn"))
+    }
+
+    fn too_far_apart(&self) -> Option<Fault> {
+        let station_mm = self.station_mm?;
+        let path = format!("{TABLE}.station_mm");
+        let message = format!(
+            "`{path}` is {station_mm}, but must be at most `{TABLE}.width_mm`, {} mm: the brush would miss what is between",
+            self.width_mm
+        );
+        (station_mm > self.width_mm).then(|| Fault::value(&path, message, "wider than the brush"))
+    }
+
+    fn no_hub(&self) -> Option<Fault> {
+        let path = format!("{TABLE}.free_length_mm");
+        let message = format!(
+            "`{path}` is {}, but must be below `{TABLE}.radius_mm`, {} mm: bristles stand on a hub",
+            self.free_length_mm, self.radius_mm
+        );
+        (self.free_length_mm >= self.radius_mm)
+            .then(|| Fault::value(&path, message, "leaves no hub"))
+    }
+
+    fn too_dense(&self) -> Option<Fault> {
+        let hub_mm2 =
+            std::f64::consts::TAU * (self.radius_mm - self.free_length_mm) * self.width_mm;
+        let each_mm2 = std::f64::consts::FRAC_PI_4 * self.bristle_diameter_mm.powi(2);
+        let most = CLOSEST_PACKING * hub_mm2 / each_mm2;
+        if hub_mm2 <= 0.0 || f64::from(self.bristles) <= most {
+            return None;
+        }
+        let path = format!("{TABLE}.bristles");
+        let message = format!(
+            "`{path}` is {}, but must be at most {most:.0}: round bristles of {} mm cover at most {CLOSEST_PACKING} of a hub {} mm wide with a radius of {} mm",
+            self.bristles,
+            self.bristle_diameter_mm,
+            self.width_mm,
+            self.radius_mm - self.free_length_mm
+        );
+        Some(Fault::value(&path, message, "do not fit on the hub"))
+    }
+}
+
+impl WorkpieceTable {
+    /// The mesh, and where its frame stands.
+    fn resolve(self, folder: &Path) -> (MeshFile, Isometry3<f64>) {
+        let Self {
+            mesh,
+            unit_mm,
+            xyz_mm,
+            rpy_deg,
+        } = self;
+        let body = MeshFile {
+            file: folder.join(mesh),
+            unit_m: from_mm(unit_mm.unwrap_or(1.0)),
+        };
+        (body, place(xyz_mm, rpy_deg))
+    }
+}
+
+impl EdgeTable {
+    /// `None` after recording a fault.
+    fn resolve(self, index: usize, check: &mut Check) -> Option<EdgeSpec> {
+        let Self {
+            points_mm,
+            burr_height_mm,
+            burr_thickness_mm,
+        } = self;
+        let table = format!("{TABLE}.edge.{index}");
+        let same = points_mm.windows(2).position(|pair| pair[0] == pair[1]);
+        if let Some(k) = same {
+            let path = format!("{table}.points_mm");
+            let message = format!(
+                "points {} and {} of `{path}` are the same, {:?}: an edge gets on from point to point",
+                k + 1,
+                k + 2,
+                points_mm[k]
+            );
+            check.refuse(Fault::value(&path, message, "stands still"));
+            return None;
+        }
+        let height_mm = burr_height_mm.unwrap_or(0.0);
+        let thickness_mm = if height_mm == 0.0 {
+            let because = "without `burr_height_mm` there is no burr";
+            check.ignored(&table, &["burr_thickness_mm"], because);
+            0.0
+        } else {
+            check.needed(&table, "burr_thickness_mm", burr_thickness_mm, "a burr")?
+        };
+        Some(EdgeSpec {
+            points_m: points_mm.iter().map(|point| point.map(from_mm)).collect(),
+            burr_height_m: from_mm(height_mm),
+            burr_thickness_m: from_mm(thickness_mm),
+        })
+    }
+}
+
+/// By such a part of their length bristles are typically pressed in.
+const TYPICAL_INDENTATION: f64 = 0.05;
+
+/// What a person could change at the machine.
+const KNOBS: &[Knob] = &[
+    Knob::new("process.brush.speed_rpm", "brush speed", &[0.6, 1.6]),
+    Knob::new("process.brush.feed_mm_per_s", "feed", &[0.5, 2.0]),
+];
+
+impl Room for BrushSpec {
+    type Table = BrushTable;
+
+    fn resolve(table: BrushTable, folder: &Path, check: &mut Check) -> Option<Self> {
+        table.resolve(folder, check)
+    }
+
+    fn facts(&self) -> Facts {
+        Facts {
+            rate_rad_s: Some(self.spin_rad_s.abs()).filter(|rate| *rate > 0.0),
+            natural_duration_s: Some(f64::INFINITY),
+            signals: &[
+                "brush.bristle_force",
+                "brush.shortening",
+                "brush.contact_length",
+                "tool.displacement_x",
+            ],
+            knobs: KNOBS,
+            files: &["taught", "workpiece.mesh"],
+            needs_drive: Some("brush"),
+            needs_robot: true,
+            replays: false,
+            posture: PostureFrom::Taught,
+            parts: Parts {
+                wheel: Some(WheelPart {
+                    hold: WheelHold::Path,
+                    shows_removal: true,
+                    turns: true,
+                    indentation_m: TYPICAL_INDENTATION * self.brush.free_length_m,
+                }),
+                ..Parts::NONE
+            },
+        }
+    }
+
+    fn lead(&self, _robot: &mut RobotSpec, check: &mut Check) {
+        let because = "the arm starts in the first taught posture";
+        check.ignored("robot", &["posture_deg", "posture_mm"], because);
+    }
+}

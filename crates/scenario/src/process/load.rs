@@ -1,0 +1,202 @@
+//! The `[process.load]` table: given forces at the tool, for free decay, static load and sweeps.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::check::Check;
+use crate::document::Fault;
+use crate::foot::{FootSpec, FootTable};
+use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
+use crate::units::from_deg;
+
+/// Given forces on the tool; what is not given is zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadSpec {
+    /// Frame of `constant_n`, `release_n` and of the sweep's amplitude.
+    pub frame: LoadFrame,
+    /// Force from t = 0 on.
+    pub constant_n: Vector3<f64>,
+    /// Force before t = 0, gone at t = 0: the arm starts in equilibrium with it and then swings.
+    pub release_n: Vector3<f64>,
+    /// A force whose frequency rises over the run.
+    pub sweep: Option<ForceSweep>,
+    /// A force that rotates in the process Y–Z plane, whatever `frame` says.
+    pub rotating: Option<RotatingForce>,
+    /// Pressure foot; `None` means that there is none.
+    pub foot: Option<FootSpec>,
+}
+
+/// Frame in which a force is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LoadFrame {
+    /// The process frame: X along the spindle.
+    #[default]
+    Process,
+    /// The world frame: z up.
+    World,
+}
+
+/// A force whose frequency rises linearly over the whole run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForceSweep {
+    /// Amplitude.
+    pub amplitude_n: Vector3<f64>,
+    /// Frequency at the start.
+    pub from_hz: f64,
+    /// Frequency at the end.
+    pub to_hz: f64,
+}
+
+/// A force of constant magnitude that rotates from process Y towards process Z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RotatingForce {
+    /// Magnitude.
+    pub amplitude_n: f64,
+    /// Revolutions per second.
+    pub frequency_hz: f64,
+    /// Angle at t = 0, from process Y towards process Z.
+    pub start_angle_rad: f64,
+}
+
+/// Given forces on the tool.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LoadTable {
+    /// Frame of the forces. Default: "process".
+    frame: Option<LoadFrame>,
+    /// Force from t = 0 on. Default: none.
+    constant_n: Option<[f64; 3]>,
+    /// Force before t = 0, gone at t = 0. Default: none.
+    release_n: Option<[f64; 3]>,
+    /// A force whose frequency rises linearly over the run.
+    sweep: Option<ForceSweepTable>,
+    /// A force that rotates in the process Y-Z plane.
+    rotating: Option<RotatingForceTable>,
+    /// Pressure foot. Default: no foot.
+    foot: Option<FootTable>,
+}
+
+/// A force whose frequency rises linearly over the run.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct ForceSweepTable {
+    /// Amplitude.
+    amplitude_n: [f64; 3],
+    /// Frequency at the start.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "a frequency is not negative"))]
+    from_hz: f64,
+    /// Frequency at the end.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a frequency is positive"))]
+    to_hz: f64,
+}
+
+/// A rotating force.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct RotatingForceTable {
+    /// Magnitude.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "the start angle gives the direction"))]
+    amplitude_n: f64,
+    /// Revolutions per second.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the force rotates"))]
+    frequency_hz: f64,
+    /// Angle at t = 0, from process Y towards process Z. Default: 0.
+    start_angle_deg: Option<f64>,
+}
+
+impl LoadTable {
+    pub(crate) fn resolve(self, check: &mut Check) -> LoadSpec {
+        if self.constant_n.is_none() && self.release_n.is_none() && self.sweep.is_none() {
+            let because = "none of constant_n, release_n and sweep is given";
+            check.ignored("process.load", &["frame"], because);
+        }
+        if let Some(sweep) = self
+            .sweep
+            .as_ref()
+            .filter(|sweep| sweep.from_hz >= sweep.to_hz)
+        {
+            let path = "process.load.sweep.to_hz";
+            let message = format!(
+                "`{path}` is {}, but must be greater than from_hz = {}: the frequency rises over the run",
+                sweep.to_hz, sweep.from_hz
+            );
+            check.refuse(Fault::value(path, message, "not above from_hz"));
+        }
+        let rotating = self.rotating.map(|force| RotatingForce {
+            amplitude_n: force.amplitude_n,
+            frequency_hz: force.frequency_hz,
+            start_angle_rad: from_deg(force.start_angle_deg.unwrap_or(0.0)),
+        });
+        // Where nothing turns there is no vibration to be equivalent to.
+        let turning_rad_s = rotating.map_or(1.0, |force| TAU * force.frequency_hz);
+        LoadSpec {
+            frame: self.frame.unwrap_or_default(),
+            constant_n: self.constant_n.unwrap_or_default().into(),
+            release_n: self.release_n.unwrap_or_default().into(),
+            sweep: self.sweep.map(|sweep| ForceSweep {
+                amplitude_n: sweep.amplitude_n.into(),
+                from_hz: sweep.from_hz,
+                to_hz: sweep.to_hz,
+            }),
+            rotating,
+            foot: self
+                .foot
+                .map(|foot| foot.resolve("process.load.foot", turning_rad_s, check)),
+        }
+    }
+}
+
+/// What a person could change at the machine.
+const KNOBS: &[Knob] = &[
+    Knob::new(
+        "process.load.rotating.amplitude_n",
+        "amplitude of the rotating force",
+        &[0.5, 2.0],
+    ),
+    Knob::new(
+        "process.load.rotating.frequency_hz",
+        "frequency of the rotating force",
+        &[0.6, 1.6],
+    ),
+    Knob::new(
+        "process.load.sweep.to_hz",
+        "highest frequency of the sweep",
+        &[1.5],
+    ),
+    Knob::new(
+        "process.load.foot.pressure_mpa",
+        "foot pressure",
+        &[0.6, 1.5],
+    ),
+];
+
+impl Room for LoadSpec {
+    type Table = LoadTable;
+
+    fn resolve(table: LoadTable, _folder: &Path, check: &mut Check) -> Option<Self> {
+        Some(table.resolve(check))
+    }
+
+    fn facts(&self) -> Facts {
+        Facts {
+            rate_rad_s: None,
+            natural_duration_s: None,
+            signals: &["foot.normal_force", "tool.displacement_x"],
+            knobs: KNOBS,
+            files: &[],
+            needs_drive: self.foot.as_ref().map(|_| "load.foot"),
+            needs_robot: true,
+            replays: false,
+            posture: PostureFrom::Scenario,
+            parts: Parts {
+                foot: self.foot,
+                ..Parts::NONE
+            },
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The `[process.milling.cutter]` table, and where its teeth meet material.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use truecut_core::cutting::milling::cutter::{Cutter, Eccentricity};
+use truecut_core::cutting::milling::engagement::Engagement;
+
+use crate::check::Check;
+use crate::document::Fault;
+use crate::units::{from_deg, from_mm, from_um};
+
+const TABLE: &str = "process.milling";
+
+/// Engagements by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum EngagementName {
+    /// The whole diameter.
+    Slot,
+    /// Up-milling: teeth enter at the wall they make.
+    Up,
+    /// Down-milling: teeth leave at the wall they make.
+    Down,
+    /// Between the angles entry_deg and exit_deg.
+    Between,
+}
+
+/// A cylindrical end mill.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CutterTable {
+    /// Diameter.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cutter has a diameter"))]
+    diameter_mm: f64,
+    /// Number of equally spaced teeth.
+    #[schemars(range(min = 1, max = 64), extend("x-rule" = "a cutter has 1 to 64 teeth"))]
+    teeth: u32,
+    /// Angle between cutting edge and tool axis; positive if the edge lags behind with height. Default: 0.
+    #[schemars(range(min = -75.0, max = 75.0), extend("x-rule" = "an edge runs along the cutter"))]
+    helix_deg: Option<f64>,
+    /// Offset of the cutter's axis from the spindle's. Default: 0.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "runout_angle_deg gives the direction"))]
+    runout_um: Option<f64>,
+    /// Angle of that offset from the first tooth, in the sense of rotation. Default: 0.
+    runout_angle_deg: Option<f64>,
+}
+
+impl CutterTable {
+    pub(super) fn resolve(self, check: &mut Check) -> Cutter {
+        let Self {
+            diameter_mm,
+            teeth,
+            helix_deg,
+            runout_um,
+            runout_angle_deg,
+        } = self;
+        let table = "process.milling.cutter";
+        let diameter_m = from_mm(diameter_mm);
+        let runout_m = from_um(runout_um.unwrap_or(0.0));
+        if runout_m == 0.0 {
+            check.ignored(table, &["runout_angle_deg"], "the cutter has no runout");
+        }
+        if runout_m >= 0.25 * diameter_m {
+            let path = format!("{table}.runout_um");
+            let message = format!(
+                "`{path}` is {}, but must be less than half the cutter's radius of {} mm: every \
+                 tooth has a radius",
+                runout_m * 1e6,
+                diameter_m * 5e2
+            );
+            check.refuse(Fault::value(&path, message, "too much for the cutter"));
+        }
+        Cutter {
+            radius_m: 0.5 * diameter_m,
+            teeth: teeth as usize,
+            helix_angle_rad: from_deg(helix_deg.unwrap_or(0.0)),
+            eccentricity: Eccentricity {
+                offset_m: runout_m,
+                angle_rad: from_deg(runout_angle_deg.unwrap_or(0.0)),
+            },
+        }
+    }
+}
+
+/// Where teeth enter and leave; `None` after recording a fault.
+pub(super) fn engaged(
+    name: EngagementName,
+    radial_depth_mm: Option<f64>,
+    [entry_deg, exit_deg]: [Option<f64>; 2],
+    diameter_m: f64,
+    check: &mut Check,
+) -> Option<Engagement> {
+    if matches!(name, EngagementName::Slot | EngagementName::Between) {
+        let because = "only the engagements \"up\" and \"down\" have a radial depth";
+        check.ignored(TABLE, &["radial_depth_mm"], because);
+    }
+    if name != EngagementName::Between {
+        let because = "only engagement = \"between\" is given by angles";
+        check.ignored(TABLE, &["entry_deg", "exit_deg"], because);
+    }
+    let who = "this engagement";
+    match name {
+        EngagementName::Slot => Some(Engagement::SLOT),
+        EngagementName::Up => Engagement::up(
+            radial_depth_m(radial_depth_mm, diameter_m, check)?,
+            diameter_m,
+        )
+        .ok(),
+        EngagementName::Down => Engagement::down(
+            radial_depth_m(radial_depth_mm, diameter_m, check)?,
+            diameter_m,
+        )
+        .ok(),
+        EngagementName::Between => {
+            let entry = check.needed(TABLE, "entry_deg", entry_deg, who)?;
+            let exit = check.needed(TABLE, "exit_deg", exit_deg, who)?;
+            if entry >= exit {
+                let path = format!("{TABLE}.exit_deg");
+                let message = format!(
+                    "`{path}` is {exit}, but must be greater than entry_deg = {entry}: teeth \
+                     leave after they enter"
+                );
+                check.refuse(Fault::value(&path, message, "not behind the entry"));
+            }
+            Some(Engagement {
+                entry_rad: from_deg(entry),
+                exit_rad: from_deg(exit),
+            })
+        }
+    }
+}
+
+/// `None` after recording a fault.
+fn radial_depth_m(depth_mm: Option<f64>, diameter_m: f64, check: &mut Check) -> Option<f64> {
+    let depth_mm = check.needed(TABLE, "radial_depth_mm", depth_mm, "this engagement")?;
+    let depth_m = from_mm(depth_mm);
+    if depth_m > diameter_m {
+        let path = format!("{TABLE}.radial_depth_mm");
+        let message = format!(
+            "`{path}` is {depth_mm}, but must be at most the cutter's diameter of {} mm: it cuts \
+             no wider",
+            diameter_m * 1e3
+        );
+        check.refuse(Fault::value(&path, message, "wider than the cutter"));
+    }
+    // What else is wrong is told with the widest cut.
+    Some(depth_m.min(diameter_m))
+}

@@ -1,0 +1,241 @@
+//! Cutting force coefficients: written in the scenario, or taken from a material file.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use truecut_core::cutting::chamfer::CuttingCoefficients;
+
+use crate::check::Check;
+use crate::document::{Fault, split_path};
+use crate::schema::schema_of;
+use crate::structure;
+use crate::units::{from_mpa, from_n_per_mm};
+
+/// Coefficients of a material file.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MaterialTable {
+    /// Material file, relative to the scenario file.
+    file: String,
+    /// Which of its sets of coefficients. Default: the only one.
+    set: Option<String>,
+}
+
+/// Coefficients of the linear-edge model.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CuttingTable {
+    /// Tangential force per chip area.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "cutting resists the rotation"))]
+    tangential_mpa: f64,
+    /// Radial force per chip area; positive away from the surface.
+    radial_mpa: f64,
+    /// Axial force per chip area; positive into the spindle. Default: 0.
+    axial_mpa: Option<f64>,
+    /// Tangential edge force per length of engaged edge. Default: 0.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "cutting resists the rotation"))]
+    edge_tangential_n_per_mm: Option<f64>,
+    /// Radial edge force per length of engaged edge. Default: 0.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "an edge is pushed off, never drawn in"))]
+    edge_radial_n_per_mm: Option<f64>,
+    /// Axial edge force per length of engaged edge; positive into the spindle. Default: 0.
+    edge_axial_n_per_mm: Option<f64>,
+}
+
+/// A material: published sets of coefficients.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct MaterialFile {
+    /// Name of the material.
+    #[serde(rename = "name")]
+    _name: String,
+    /// Sets of coefficients, each with its publication.
+    set: Vec<SetTable>,
+}
+
+/// One publication's coefficients.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct SetTable {
+    /// Name of the set.
+    id: String,
+    /// Tangential force per chip area.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "cutting resists the rotation"))]
+    tangential_mpa: f64,
+    /// Radial force per chip area.
+    radial_mpa: f64,
+    /// Axial force per chip area.
+    axial_mpa: Option<f64>,
+    /// Tangential edge force.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "cutting resists the rotation"))]
+    edge_tangential_n_per_mm: Option<f64>,
+    /// Radial edge force.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "an edge is pushed off, never drawn in"))]
+    edge_radial_n_per_mm: Option<f64>,
+    /// Axial edge force.
+    edge_axial_n_per_mm: Option<f64>,
+    /// "published", "recalled" or "estimated".
+    #[serde(rename = "status")]
+    _status: String,
+    /// Where the numbers come from.
+    #[serde(rename = "source")]
+    _source: String,
+    /// Key of the publication in literature.bib.
+    #[serde(rename = "bib")]
+    _bib: Option<String>,
+}
+
+const FILE: &str = "process.milling.material.file";
+const SET: &str = "process.milling.material.set";
+
+/// Exactly one of both tables; `None` after recording a fault.
+pub(super) fn resolve(
+    material: Option<MaterialTable>,
+    cutting: Option<CuttingTable>,
+    folder: &Path,
+    check: &mut Check,
+) -> Option<CuttingCoefficients> {
+    match (material, cutting) {
+        (Some(material), None) => material.read(folder, check),
+        (None, Some(cutting)) => Some(cutting.resolve()),
+        (Some(_), Some(_)) => {
+            let message = "[process.milling.cutting] has no effect: [process.milling.material] already gives the \
+                           coefficients"
+                .to_owned();
+            check.refuse(Fault::key(
+                "process.milling.cutting",
+                message,
+                "given twice",
+            ));
+            None
+        }
+        (None, None) => {
+            let message =
+                "missing cutting force coefficients in [process.milling]: they are given by \
+                           [process.milling.material] or [process.milling.cutting]"
+                    .to_owned();
+            let fault = Fault::key("process.milling.material", message, "no coefficients");
+            check.refuse(fault);
+            None
+        }
+    }
+}
+
+impl CuttingTable {
+    fn resolve(self) -> CuttingCoefficients {
+        let Self {
+            tangential_mpa,
+            radial_mpa,
+            axial_mpa,
+            edge_tangential_n_per_mm,
+            edge_radial_n_per_mm,
+            edge_axial_n_per_mm,
+        } = self;
+        let edge = |value: Option<f64>| from_n_per_mm(value.unwrap_or(0.0));
+        CuttingCoefficients {
+            tangential_pa: from_mpa(tangential_mpa),
+            radial_pa: from_mpa(radial_mpa),
+            axial_pa: from_mpa(axial_mpa.unwrap_or(0.0)),
+            edge_tangential_n_per_m: edge(edge_tangential_n_per_mm),
+            edge_radial_n_per_m: edge(edge_radial_n_per_mm),
+            edge_axial_n_per_m: edge(edge_axial_n_per_mm),
+        }
+    }
+}
+
+impl MaterialTable {
+    fn read(self, folder: &Path, check: &mut Check) -> Option<CuttingCoefficients> {
+        let file = folder.join(&self.file);
+        let text = match std::fs::read_to_string(&file) {
+            Ok(text) => text,
+            Err(error) => {
+                check.refuse(not_found(&self.file, &file, &error));
+                return None;
+            }
+        };
+        match parse(&text) {
+            Ok(material) => self.choose(material, check),
+            Err(reason) => {
+                let message = format!("`{FILE}`: {} is no material file: {reason}", self.file);
+                check.refuse(Fault::value(FILE, message, "no material file"));
+                None
+            }
+        }
+    }
+
+    fn choose(self, material: MaterialFile, check: &mut Check) -> Option<CuttingCoefficients> {
+        let ids: Vec<&str> = material.set.iter().map(|set| set.id.as_str()).collect();
+        let known = ids.join(", ");
+        let index = match &self.set {
+            Some(wanted) => ids.iter().position(|id| id == wanted),
+            None if ids.len() == 1 => Some(0),
+            None => None,
+        };
+        let Some(index) = index else {
+            check.refuse(match &self.set {
+                Some(wanted) => {
+                    let message = format!(
+                        "`{SET}` is \"{wanted}\", but {} has only the sets {known}",
+                        self.file
+                    );
+                    Fault::value(SET, message, "no such set")
+                }
+                None => {
+                    let message = format!(
+                        "missing key `set` in [process.milling.material]: {} has the sets {known}",
+                        self.file
+                    );
+                    Fault::key(SET, message, "which of its sets?")
+                }
+            });
+            return None;
+        };
+        let set = material.set.into_iter().nth(index)?;
+        let numbers = CuttingTable {
+            tangential_mpa: set.tangential_mpa,
+            radial_mpa: set.radial_mpa,
+            axial_mpa: set.axial_mpa,
+            edge_tangential_n_per_mm: set.edge_tangential_n_per_mm,
+            edge_radial_n_per_mm: set.edge_radial_n_per_mm,
+            edge_axial_n_per_mm: set.edge_axial_n_per_mm,
+        };
+        Some(numbers.resolve())
+    }
+}
+
+/// Reads a material file, or says what is wrong with it.
+fn parse(text: &str) -> Result<MaterialFile, String> {
+    let document: toml_edit::DocumentMut = text
+        .parse()
+        .map_err(|error: toml_edit::TomlError| error.message().trim().to_owned())?;
+    let faults = structure::check_against(&schema_of::<MaterialFile>(), document.as_table());
+    if let Some(fault) = faults.into_iter().next() {
+        return Err(fault.message);
+    }
+    serde_json::from_value(structure::to_json(document.as_table()))
+        .map_err(|error| error.to_string())
+}
+
+/// A file that cannot be read, with the material files beside it.
+fn not_found(written: &str, file: &Path, error: &std::io::Error) -> Fault {
+    let beside = file.parent().map(Path::to_owned).unwrap_or_default();
+    let mut names: Vec<String> = std::fs::read_dir(&beside)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path: &PathBuf| path.extension().is_some_and(|found| found == "toml"))
+        .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
+        .collect();
+    names.sort();
+    let message = format!("`{FILE}`: cannot read material {written}: {error}");
+    let fault = Fault {
+        path: split_path(FILE),
+        ..Fault::value(FILE, message, "no such material")
+    };
+    if names.is_empty() {
+        fault.with_help(format!("{} holds no material file", beside.display()))
+    } else {
+        fault.with_help(format!("beside it are {}", names.join(", ")))
+    }
+}

@@ -1,0 +1,118 @@
+//! The `[process.polish.face]` table: a rectangle in the world.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::check::Check;
+use crate::document::Fault;
+use crate::units::from_mm;
+
+/// A rectangular face in the world, which is the frame of the robot's base. Its own frame has the origin in a corner, x along the
+/// length, z along the outward normal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FaceSpec {
+    /// Corner at which the raster begins.
+    pub origin_m: [f64; 3],
+    /// Unit vector along the length.
+    pub x_axis: [f64; 3],
+    /// Outward unit normal, square to `x_axis`.
+    pub normal: [f64; 3],
+    /// Length, along x.
+    pub length_m: f64,
+    /// Width, along y = normal × x.
+    pub width_m: f64,
+    /// Size of the cells on which removal is kept, as asked for.
+    pub cell_m: f64,
+}
+
+impl FaceSpec {
+    /// Columns (along the length) and rows of cells: as few as are no larger than asked for.
+    pub fn cells(&self) -> [usize; 2] {
+        [self.length_m, self.width_m]
+            .map(|side| (side / self.cell_m - 1e-9).ceil().max(1.0) as usize)
+    }
+}
+
+/// A rectangular face in the world.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FaceTable {
+    /// Corner at which the raster begins, in the robot's base frame.
+    origin_mm: [f64; 3],
+    /// Direction of the length, of any length. Default: [1, 0, 0].
+    x_axis: Option<[f64; 3]>,
+    /// Direction of the outward normal, of any length. Default: [0, 0, 1], up.
+    normal: Option<[f64; 3]>,
+    /// Length, along x_axis.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a face has a length"))]
+    length_mm: f64,
+    /// Width, along normal × x_axis.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a face has a width"))]
+    width_mm: f64,
+    /// Largest size of the cells on which removal is kept. Default: 0.5.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cell has a size"))]
+    cell_mm: Option<f64>,
+}
+
+const TABLE: &str = "process.polish.face";
+
+/// Size of the cells where a scenario does not give one, mm.
+const DEFAULT_CELL_MM: f64 = 0.5;
+
+/// Most cells of a face: a map of them fits into memory and onto a screen.
+const MOST_CELLS: f64 = 4e6;
+
+/// Largest cosine between the two directions.
+const LARGEST_COSINE: f64 = 1e-6;
+
+impl FaceTable {
+    /// `None` after recording a fault.
+    pub(super) fn resolve(self, check: &mut Check) -> Option<FaceSpec> {
+        let Self {
+            origin_mm,
+            x_axis: given_x_axis,
+            normal,
+            length_mm,
+            width_mm,
+            cell_mm,
+        } = self;
+        let mut unit = |key, given| check.direction(&format!("{TABLE}.{key}"), given);
+        let x_axis = unit("x_axis", given_x_axis.unwrap_or([1.0, 0.0, 0.0]));
+        let normal = unit("normal", normal.unwrap_or([0.0, 0.0, 1.0]));
+        let (x_axis, normal) = (x_axis?, normal?);
+        let cosine: f64 = x_axis.iter().zip(&normal).map(|(a, b)| a * b).sum();
+        if cosine.abs() > LARGEST_COSINE {
+            let key = match given_x_axis {
+                Some(_) => "x_axis",
+                None => "normal",
+            };
+            let path = format!("{TABLE}.{key}");
+            let message = format!(
+                "`{path}` stands {:.4} degrees off a right angle to the other direction of the face, \
+                 but length and normal must be square",
+                cosine.clamp(-1.0, 1.0).asin().to_degrees().abs()
+            );
+            check.refuse(Fault::value(&path, message, "not square"));
+            return None;
+        }
+        let cell_mm = cell_mm.unwrap_or(DEFAULT_CELL_MM);
+        let cells = (length_mm / cell_mm).ceil() * (width_mm / cell_mm).ceil();
+        if cells > MOST_CELLS {
+            let path = format!("{TABLE}.cell_mm");
+            let message = format!(
+                "`{path}` is {cell_mm}, which makes {cells:.2e} cells, but a face has at most \
+                 {MOST_CELLS:.0e}: their map fits into memory"
+            );
+            check.refuse(Fault::value(&path, message, "too fine"));
+            return None;
+        }
+        Some(FaceSpec {
+            origin_m: origin_mm.map(from_mm),
+            x_axis,
+            normal,
+            length_m: from_mm(length_mm),
+            width_m: from_mm(width_mm),
+            cell_m: from_mm(cell_mm),
+        })
+    }
+}

@@ -1,0 +1,20 @@
+//! What integrates the arm.
+
+/// What integrates the arm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Engine {
+    /// The full model: a multibody in rapier.
+    Rapier,
+    /// The arm linearised and exactly stepped ([`crate::plant::ReducedPlant`]): many times as fast.
+    Reduced {
+        /// Runs that need a shorter step are refused, s; 0 refuses none.
+        shortest_step_s: f64,
+    },
+}
+
+impl Engine {
+    /// The reduced plant, whatever step it needs.
+    pub const REDUCED: Engine = Engine::Reduced {
+        shortest_step_s: 0.0,
+    };
+}

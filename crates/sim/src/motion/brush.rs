@@ -1,0 +1,260 @@
+//! The motion of a brush along taught postures, and the edges that it deburrs.
+
+use super::{BrushWork, KNOT_INTERVAL_S, PlannedMotion, Target};
+use crate::error::SimError;
+use crate::process::Station;
+use nalgebra::Vector3;
+use std::collections::HashSet;
+use std::sync::Arc;
+use truecut_arm::{FrameId, Robot};
+use truecut_core::wheel::edge_wear::EdgeWear;
+use truecut_plan::motion::follow::{AtMm, FollowError, check_duration, check_speeds};
+use truecut_plan::motion::taught::{TaughtSpeeds, through_taught, tool_path_mm};
+use truecut_plan::surface::{LEAST_TURN_RAD, Mesh, MeshUse, SharpEdge};
+use truecut_plan::surface_path::TaughtPoints;
+use truecut_scenario::{BrushSpec, EdgeSpec, LONGEST_S};
+
+const TAUGHT: &str = "process.brush.taught";
+
+/// A point of an edge may be so far from the mesh's edge: what is printed in a file is rounded.
+const ON_THE_EDGE_M: f64 = 0.05e-3;
+/// Most places on all edges.
+const MOST_STATIONS: f64 = 100_000.0;
+/// Places nearer to each other are the same, m.
+const SAME_PLACE_M: f64 = 1e-6;
+/// Of the knots of the way one in so many is looked at for the depth of brush and hub.
+const LOOKED_AT: usize = 4;
+/// Bristles that are pressed in by more, over their free length, are beyond their law.
+const WITHIN_LAW: f64 = 0.2;
+
+/// The motion along the taught postures.
+pub(crate) fn solve(spec: &BrushSpec, robot: &Robot) -> Result<PlannedMotion, SimError> {
+    let taught = taught(spec, robot)?;
+    let speeds = TaughtSpeeds {
+        feed_m_per_s: spec.feed_m_per_s,
+        joint_share: spec.joint_share,
+    };
+    let trajectory = through_taught(robot, &taught.postures, speeds).ok_or_else(|| {
+        let message = format!(
+            "{} holds one posture, played again and again: a brush is led from one posture to another",
+            spec.taught.display()
+        );
+        SimError::scenario(TAUGHT, message)
+    })?;
+    let refused = |error: FollowError| SimError::scenario(TAUGHT, error.to_string());
+    let advice = "raise process.brush.feed_mm_per_s or process.brush.joint_speed";
+    check_duration(trajectory.duration_s(), LONGEST_S, advice).map_err(refused)?;
+    let sampled = trajectory.sampled(KNOT_INTERVAL_S);
+    let postures: Vec<Vec<f64>> = sampled.iter().map(|q| q.as_slice().to_vec()).collect();
+    let path_mm = tool_path_mm(robot, &postures);
+    let at_mm = |k: usize| path_mm[k];
+    let advice = "lower process.brush.joint_speed";
+    check_speeds(robot, &postures, KNOT_INTERVAL_S, &at_mm, "the way", advice).map_err(refused)?;
+    let duration_s = (postures.len() - 1) as f64 * KNOT_INTERVAL_S;
+    let work = work(spec)?;
+    let depth_m = deepest_m(spec, robot, &work, &postures, &at_mm)?;
+    let note = told(spec, &work, taught.postures.len(), duration_s, depth_m);
+    Ok(PlannedMotion {
+        knots: postures,
+        duration_s,
+        note: Some(note),
+        target: Target::Edges(work),
+    })
+}
+
+fn taught(spec: &BrushSpec, robot: &Robot) -> Result<TaughtPoints, SimError> {
+    let text = std::fs::read_to_string(&spec.taught).map_err(|error| {
+        let file = spec.taught.display();
+        SimError::scenario(
+            TAUGHT,
+            format!("cannot read the taught postures of {file}: {error}"),
+        )
+    })?;
+    TaughtPoints::from_text(&text, &spec.taught, robot)
+        .map_err(|error| SimError::scenario(TAUGHT, error.to_string()))
+}
+
+/// How far the unbent brush reaches into the workpiece along the commanded way, m; an error where its hub would strike.
+fn deepest_m(
+    spec: &BrushSpec,
+    robot: &Robot,
+    work: &BrushWork,
+    postures: &[Vec<f64>],
+    at_mm: &AtMm<'_>,
+) -> Result<f64, SimError> {
+    let hub_m = spec.brush.radius_m - spec.brush.free_length_m;
+    let mesh_from_world = work.world_from_mesh.inverse();
+    let mut deepest_m = 0.0_f64;
+    for k in (0..postures.len()).step_by(LOOKED_AT) {
+        let mesh_from_tool = mesh_from_world * robot.world_from_frame(&postures[k], FrameId::Tool);
+        let depth =
+            |radius_m| (work.mesh).wheel_depth_m(&mesh_from_tool, radius_m, spec.brush.width_m);
+        let depth_m = depth(spec.brush.radius_m);
+        deepest_m = deepest_m.max(depth_m);
+        if depth_m > 0.0 && depth(hub_m) > 0.0 {
+            let message = format!(
+                "the brush's hub, radius {:.3} mm, would strike the workpiece {:.1} mm from the way's start: bristles of {:.3} mm leave no more; teach postures further away",
+                hub_m * 1e3,
+                at_mm(k),
+                spec.brush.free_length_m * 1e3
+            );
+            return Err(SimError::scenario(TAUGHT, message));
+        }
+    }
+    Ok(deepest_m)
+}
+
+/// What there is to tell of the way.
+fn told(
+    spec: &BrushSpec,
+    work: &BrushWork,
+    postures: usize,
+    duration_s: f64,
+    depth_m: f64,
+) -> String {
+    let length_m: f64 = work.stations.iter().map(|station| station.length_m).sum();
+    let pressed = if depth_m == 0.0 {
+        "the way never brings the brush to the workpiece".to_owned()
+    } else if depth_m > WITHIN_LAW * spec.brush.free_length_m {
+        format!(
+            "pressed in by up to {:.2} mm, which is more than the fifth of {:.2} mm up to which the law of a bristle holds",
+            depth_m * 1e3,
+            spec.brush.free_length_m * 1e3
+        )
+    } else {
+        format!("pressed in by up to {:.2} mm", depth_m * 1e3)
+    };
+    format!(
+        "brush: {postures} taught postures, {duration_s:.2} s, {:.0} mm of edge, {pressed}",
+        length_m * 1e3
+    )
+}
+
+/// The workpiece and its edges.
+fn work(spec: &BrushSpec) -> Result<BrushWork, SimError> {
+    let mesh = Mesh::load(&spec.workpiece.file, spec.workpiece.unit_m, MeshUse::Body)
+        .map_err(|error| SimError::scenario("process.brush.workpiece.mesh", error.to_string()))?;
+    check_count(spec)?;
+    let sharp = mesh.sharp_edges();
+    let mut stations = Vec::new();
+    let mut known = HashSet::new();
+    for (index, edge) in spec.edges.iter().enumerate() {
+        for point in &edge.points_m {
+            edge_at(spec, index, &mesh, &sharp, &Vector3::from(*point))?;
+        }
+        for pair in edge.points_m.windows(2) {
+            let [from, to] = [pair[0], pair[1]].map(Vector3::from);
+            let count = count(&from, &to, spec.station_m);
+            for k in 0..count as usize {
+                let point_m = from + (to - from) * ((k as f64 + 0.5) / count);
+                let found = edge_at(spec, index, &mesh, &sharp, &point_m)?;
+                if !known.insert(point_m.map(|x| (x / SAME_PLACE_M).round() as i64)) {
+                    return Err(twice(index, &point_m));
+                }
+                stations.push(Station {
+                    edge: index,
+                    point_m,
+                    length_m: (to - from).norm() / count,
+                    normals: found.normals,
+                    wear: wear(spec, edge, found.wedge_rad()),
+                });
+            }
+        }
+    }
+    Ok(BrushWork {
+        mesh: Arc::new(mesh),
+        world_from_mesh: spec.world_from_mesh,
+        stations,
+    })
+}
+
+fn wear(spec: &BrushSpec, edge: &EdgeSpec, wedge_rad: f64) -> EdgeWear {
+    EdgeWear {
+        burr_height_m: edge.burr_height_m,
+        burr_thickness_m: edge.burr_thickness_m,
+        wedge_rad,
+        tip_m: spec.brush.bristle_diameter_m,
+        preston_per_pa: spec.preston_per_pa,
+    }
+}
+
+/// In how many parts a straight piece of edge is cut.
+fn count(from: &Vector3<f64>, to: &Vector3<f64>, station_m: f64) -> f64 {
+    ((to - from).norm() / station_m - 1e-9).ceil().max(1.0)
+}
+
+fn twice(index: usize, point_m: &Vector3<f64>) -> SimError {
+    let [x, y, z] = (point_m * 1e3).into();
+    SimError::scenario(
+        format!("process.brush.edge.{index}.points_mm"),
+        format!(
+            "the edge at ({x:.3}, {y:.3}, {z:.3}) mm is given twice: what is removed there would count twice"
+        ),
+    )
+}
+
+fn check_count(spec: &BrushSpec) -> Result<(), SimError> {
+    let pairs = || {
+        let all = spec.edges.iter().flat_map(|edge| edge.points_m.windows(2));
+        all.map(|pair| [pair[0], pair[1]].map(Vector3::from))
+    };
+    let length_m: f64 = pairs().map(|[from, to]| (to - from).norm()).sum();
+    let count: f64 = pairs()
+        .map(|[from, to]| count(&from, &to, spec.station_m))
+        .sum();
+    if count <= MOST_STATIONS {
+        return Ok(());
+    }
+    Err(SimError::scenario(
+        "process.brush.station_mm",
+        format!(
+            "`process.brush.station_mm` is {}, which makes {count:.0} places on {:.0} mm of edge, but there are at most {MOST_STATIONS}",
+            spec.station_m * 1e3,
+            length_m * 1e3
+        ),
+    ))
+}
+
+/// The mesh's edge at a point of an edge that the scenario gives.
+fn edge_at<'a>(
+    spec: &BrushSpec,
+    index: usize,
+    mesh: &Mesh,
+    sharp: &'a [SharpEdge],
+    point_m: &Vector3<f64>,
+) -> Result<&'a SharpEdge, SimError> {
+    let distances = sharp.iter().map(|edge| (edge.distance_m(point_m), edge));
+    let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((distance_m, edge)) = nearest
+        && distance_m <= ON_THE_EDGE_M
+    {
+        return Ok(edge);
+    }
+    let nearest = nearest.map_or_else(
+        || "it has none".to_owned(),
+        |(distance_m, _)| format!("the nearest is {:.3} mm away", distance_m * 1e3),
+    );
+    let [x, y, z] = (point_m * 1e3).into();
+    Err(SimError::scenario(
+        format!("process.brush.edge.{index}.points_mm"),
+        format!(
+            "no edge of {} that stands out by {:.0} degrees or more runs within {} mm of ({x:.3}, {y:.3}, {z:.3}) mm, but must where a brush deburrs: {nearest}; the mesh reaches from {}",
+            spec.workpiece.file.display(),
+            LEAST_TURN_RAD.to_degrees(),
+            ON_THE_EDGE_M * 1e3,
+            extent_mm(mesh)
+        ),
+    ))
+}
+
+/// Where a mesh lies: a wrong unit shows.
+fn extent_mm(mesh: &Mesh) -> String {
+    let corner = |pick: fn(f64, f64) -> f64| {
+        let all = mesh.vertices_m().iter().copied();
+        let [x, y, z] = all
+            .reduce(|a, b| a.zip_map(&b, pick))
+            .map_or([0.0; 3], |corner| (corner * 1e3).into());
+        format!("({x:.3}, {y:.3}, {z:.3})")
+    };
+    format!("{} to {} mm", corner(f64::min), corner(f64::max))
+}

@@ -1,0 +1,81 @@
+//! Motions that are solved as a whole before the run.
+
+pub(crate) mod belt;
+pub(crate) mod brush;
+pub(crate) mod polish;
+pub(crate) mod solve;
+pub(crate) mod straight;
+
+use crate::command::Samples;
+use crate::error::SimError;
+use crate::process::Station;
+use nalgebra::Isometry3;
+use std::sync::Arc;
+use truecut_arm::{Load, Robot};
+use truecut_plan::motion::lines::CopyAt;
+use truecut_plan::surface::{Mesh, PatchFile};
+use truecut_plan::surface_path::SurfacePath;
+
+/// Time between knots of the command, s.
+pub(crate) const KNOT_INTERVAL_S: f64 = 5e-3;
+
+/// A motion of the arm.
+#[derive(Debug)]
+pub(crate) struct PlannedMotion {
+    /// Postures every [`KNOT_INTERVAL_S`], from the start on.
+    pub knots: Vec<Vec<f64>>,
+    pub duration_s: f64,
+    /// What there is to tell of it, for people.
+    pub note: Option<String>,
+    pub target: Target,
+}
+
+/// What a motion was solved over, for the process that goes along it.
+#[derive(Debug)]
+pub(crate) enum Target {
+    /// A face that the scenario gives whole.
+    Face,
+    /// The lines of a path job.
+    Lines(BeltLines),
+    /// A workpiece and its edges.
+    Edges(BrushWork),
+}
+
+/// What a belt follows, and where.
+#[derive(Debug)]
+pub(crate) struct BeltLines {
+    pub patch: Arc<PatchFile>,
+    /// The lines on the patch, in its frame.
+    pub lines: SurfacePath,
+    /// The copies, in the order in which they are finished.
+    pub copies: Vec<CopyAt>,
+}
+
+/// What a brush works on.
+#[derive(Debug)]
+pub(crate) struct BrushWork {
+    pub mesh: Arc<Mesh>,
+    pub world_from_mesh: Isometry3<f64>,
+    /// Places on the edges, in the mesh's frame, edge after edge.
+    pub stations: Vec<Station>,
+}
+
+impl PlannedMotion {
+    /// Where the arm stands before the first step, without load.
+    pub(crate) fn start(&self) -> &[f64] {
+        &self.knots[0]
+    }
+
+    /// The command that leads a nominal arm along, with the sag that it makes up for.
+    pub(crate) fn command(&self, robot: &Robot, sag: Option<&Load>) -> Result<Samples, SimError> {
+        let postures = match sag {
+            Some(load) => robot.holding_commands(&self.knots, load)?,
+            None => self.knots.clone(),
+        };
+        Ok(Samples {
+            interval_s: KNOT_INTERVAL_S,
+            postures,
+            forces: vec![None; robot.dof()],
+        })
+    }
+}

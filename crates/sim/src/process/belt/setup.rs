@@ -1,0 +1,175 @@
+//! From the belt table and its solved lines to the process that runs.
+
+use crate::effect::WheelEffects;
+use crate::error::SimError;
+use crate::motion::{self, BeltLines, Target};
+use crate::process::setup::Motion;
+use crate::process::{Belt, BeltSetup, Cells, ProcessSetup, SetupContext, cells_within};
+use crate::scene::Workpiece;
+use nalgebra::Isometry3;
+use std::sync::Arc;
+use truecut_core::wheel::belt::BeltWheel;
+use truecut_plan::surface_path::Contact;
+use truecut_scenario::{BeltSpec, ProcessSpec};
+
+/// Most cells of all copies: their maps fit into memory and onto a screen.
+const MOST_CELLS: usize = 4_000_000;
+
+/// The process of a scenario along the lines of its job, and its workpiece.
+pub(crate) fn setup(spec: &BeltSpec, context: &SetupContext<'_>) -> Result<ProcessSetup, SimError> {
+    let robot = context.robot;
+    let near = context.posture()?;
+    // What the belt does to the face along its job's lines does not change them.
+    let is_same = |other: &ProcessSpec| {
+        matches!(other, ProcessSpec::Belt(other)
+            if spec.job == other.job && spec.copies == other.copies && spec.cell_m == other.cell_m)
+    };
+    let path = context.planned(&near, is_same, || motion::belt::solve(spec, robot, &near))?;
+    let Target::Lines(lines) = &path.target else {
+        return Err(SimError::scenario(
+            "process.belt",
+            "the lines are not solved",
+        ));
+    };
+    let posture = path.start().to_vec();
+    let world_from_process = robot.world_from_process(&posture);
+    let duration_s = context.duration_along_s(&path);
+    let (process, workpiece) = belt(
+        spec,
+        &context.effects.wheel,
+        lines,
+        &world_from_process,
+        duration_s,
+    )?;
+    Ok(ProcessSetup::new(process, posture)
+        .on(workpiece)
+        .led_by(Motion::Planned(path)))
+}
+
+/// The process along a solved path, and its workpiece.
+fn belt(
+    spec: &BeltSpec,
+    effects: &WheelEffects,
+    path: &BeltLines,
+    world_from_process: &Isometry3<f64>,
+    duration_s: f64,
+) -> Result<(Belt, Workpiece), SimError> {
+    let cells = Cells::of(&path.patch, spec.cell_m);
+    check_cells(spec, &cells)?;
+    let area_m2 = cells.areas_m2(&path.patch);
+    let is_face = cells_within(&cells, path.patch.clone());
+    let of_face = area_m2.iter().zip(&is_face).filter(|(_, within)| **within);
+    let face_m2: f64 = of_face.map(|(area, _)| area).sum();
+    let contacts = || path.lines.lines.iter().flatten();
+    let Some(first) = contacts().next() else {
+        return Err(SimError::scenario(
+            "process.belt.job",
+            "the job has no lines",
+        ));
+    };
+    let copies = path.copies.clone();
+    let setup = BeltSetup {
+        // A stiffer wheel has stiffer rubber; the belt's tension is another matter.
+        wheel: BeltWheel {
+            contact_modulus_pa: spec.wheel.contact_modulus_pa * effects.stiffness_factor,
+            ..spec.wheel
+        },
+        control: effects.on_control(spec.control),
+        abrasive: effects.on_abrasive(spec.abrasive),
+        eccentricity_m: effects.eccentricity_m,
+        belt_m_per_s: spec.belt_m_per_s,
+        patch: path.patch.clone(),
+        process_from_world: world_from_process.rotation.inverse(),
+        swept: swept(path),
+        indentation_m: spec.job.wheel.indentation_m,
+        first_normal: copies[0].world_from_patch.rotation * first.normal.into_inner(),
+        duration_s,
+        expected_depth_m: expected_depth_m(spec, path, face_m2),
+        area_m2: Arc::new(area_m2),
+        is_face: Arc::new(is_face),
+        cells,
+        copies,
+    };
+    let workpiece = Workpiece::Outline {
+        process_from_patch: world_from_process.inverse() * setup.copies[0].world_from_patch,
+        points_m: outline(path),
+    };
+    Ok((Belt::new(setup), workpiece))
+}
+
+fn check_cells(spec: &BeltSpec, cells: &Cells) -> Result<(), SimError> {
+    let [columns, rows] = cells.count;
+    let count = columns.saturating_mul(rows).saturating_mul(spec.copies);
+    if count <= MOST_CELLS {
+        return Ok(());
+    }
+    Err(SimError::scenario(
+        "process.belt.cell_mm",
+        format!(
+            "`process.belt.cell_mm` is {}, which makes {columns} by {rows} cells on each of {} copies, but all have at most {MOST_CELLS}: \
+             their maps fit into memory",
+            spec.cell_m * 1e3,
+            spec.copies
+        ),
+    ))
+}
+
+/// Preston's law for the job's line load over all lines, spread over the face: `k_p v F L / (v_f A)`.
+fn expected_depth_m(spec: &BeltSpec, path: &BeltLines, face_m2: f64) -> f64 {
+    let length_m: f64 = (path.lines.lines.iter())
+        .flat_map(|line| line.windows(2))
+        .map(|pair: &[Contact]| (pair[1].point_m - pair[0].point_m).norm())
+        .sum();
+    let force_n = spec.job.wheel.line_load_n_per_m * spec.job.wheel.width_m;
+    let time_s = length_m / spec.job.path.feed_m_per_s;
+    spec.abrasive.preston_per_pa * spec.belt_m_per_s.abs() * force_n * time_s / face_m2
+}
+
+/// Parameters between the outermost lines and their ends, twice the half-width of the contact line short of these: there a pass is whole.
+fn swept(path: &BeltLines) -> [[f64; 2]; 2] {
+    let inner = path.lines.lines.iter().flat_map(|line| {
+        let ends = [line.first(), line.last()];
+        line.iter().filter(move |contact| {
+            let clear_m = 2.0 * contact.half_width_m;
+            let away = |end: &&Contact| (contact.point_m - end.point_m).norm() >= clear_m;
+            ends.iter().flatten().all(away)
+        })
+    });
+    let inner: Vec<&Contact> = inner.collect();
+    [
+        range(inner.iter().map(|c| c.u)),
+        range(inner.iter().map(|c| c.v)),
+    ]
+}
+
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    })
+}
+
+/// The boundary of the face, or the border of its patch, closed, in the patch's frame.
+fn outline(path: &BeltLines) -> Vec<[f64; 3]> {
+    let surface = path.patch.surface.as_ref();
+    if let Some(boundary) = &path.patch.boundary {
+        let corners = boundary.corners_m();
+        let closed = corners.iter().chain(corners.first());
+        return closed.map(|corner| (*corner).into()).collect();
+    }
+    let domain = surface.domain();
+    let side = 40;
+    let mix = |range: [f64; 2], part: f64| range[0] + part * (range[1] - range[0]);
+    (0..=4 * side)
+        .map(|k| {
+            let part = (k % side) as f64 / side as f64;
+            let (u, v) = match k / side {
+                0 => (part, 0.0),
+                1 => (1.0, part),
+                2 => (1.0 - part, 1.0),
+                3 => (0.0, 1.0 - part),
+                _ => (0.0, 0.0),
+            };
+            surface.point_m(mix(domain.u, u), mix(domain.v, v)).into()
+        })
+        .collect()
+}

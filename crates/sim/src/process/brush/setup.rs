@@ -1,0 +1,80 @@
+//! From the brush table and its solved way to the process that runs.
+
+use crate::effect::WheelEffects;
+use crate::error::SimError;
+use crate::motion::{self, BrushWork, Target};
+use crate::process::setup::Motion;
+use crate::process::{BrushProcess, BrushSetup, ProcessSetup, SetupContext};
+use crate::scene::Workpiece;
+use nalgebra::{Isometry3, Vector3};
+use truecut_arm::{FrameId, Robot};
+use truecut_core::wheel::brush::Brush;
+use truecut_scenario::{BrushSpec, ProcessSpec};
+
+/// The process of a scenario along its taught postures, and its workpiece.
+pub(crate) fn setup(
+    spec: &BrushSpec,
+    context: &SetupContext<'_>,
+) -> Result<ProcessSetup, SimError> {
+    let robot = context.robot;
+    let is_same = |other: &ProcessSpec| *other == context.scenario.process;
+    let solve = || motion::brush::solve(spec, robot);
+    let path = context.planned(&context.posture()?, is_same, solve)?;
+    let Target::Edges(work) = &path.target else {
+        return Err(SimError::scenario(
+            "process.brush",
+            "the motion is not solved",
+        ));
+    };
+    let posture = path.start().to_vec();
+    let world_from_process = robot.world_from_process(&posture);
+    let (process, workpiece) = brush(
+        spec,
+        &context.effects.wheel,
+        work,
+        robot,
+        &posture,
+        &world_from_process,
+        context.duration_along_s(&path),
+    );
+    Ok(ProcessSetup::new(process, posture)
+        .on(workpiece)
+        .led_by(Motion::Planned(path)))
+}
+
+/// The process along a solved way, and its workpiece.
+fn brush(
+    spec: &BrushSpec,
+    effects: &WheelEffects,
+    work: &BrushWork,
+    robot: &Robot,
+    posture: &[f64],
+    world_from_process: &Isometry3<f64>,
+    duration_s: f64,
+) -> (BrushProcess, Workpiece) {
+    let mut stations = work.stations.clone();
+    for station in &mut stations {
+        station.wear.preston_per_pa *= effects.removal_factor;
+    }
+    let world_from_tool = robot.world_from_frame(posture, FrameId::Tool);
+    let workpiece = Workpiece::Mesh {
+        process_from_mesh: world_from_process.inverse() * work.world_from_mesh,
+        mesh: work.mesh.clone(),
+    };
+    let setup = BrushSetup {
+        brush: Brush {
+            youngs_modulus_pa: spec.brush.youngs_modulus_pa * effects.stiffness_factor,
+            mu: spec.brush.mu * effects.friction_factor,
+            ..spec.brush
+        },
+        eccentricity_m: effects.eccentricity_m,
+        spin_rad_s: spec.spin_rad_s,
+        mesh: work.mesh.clone(),
+        world_from_mesh: work.world_from_mesh,
+        stations,
+        process_from_world: world_from_process.rotation.inverse(),
+        approach: world_from_tool.rotation * Vector3::z(),
+        duration_s,
+    };
+    (BrushProcess::new(setup), workpiece)
+}

@@ -1,0 +1,125 @@
+//! Given forces at the tool: release, step, chirp, rotation; optionally with a pressure foot.
+
+pub(crate) mod setup;
+
+use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState};
+use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use nalgebra::Vector3;
+use std::f64::consts::TAU;
+use truecut_recording::{ChannelSpec, Unit};
+use truecut_scenario::LoadSpec;
+
+/// The process.
+#[derive(Debug, Clone)]
+pub struct Load {
+    /// The forces, in process axes.
+    forces: LoadSpec,
+    /// Time from the first to the last frequency of the sweep, s.
+    sweep_s: f64,
+    foot: Option<Foot>,
+    last_force_n: Vector3<f64>,
+}
+
+impl Load {
+    /// Forces in process axes over a run of this length, s.
+    pub fn new(forces: LoadSpec, run_s: f64, foot: Option<FootParameters>) -> Self {
+        Self {
+            foot: foot.map(Foot::new),
+            forces,
+            sweep_s: run_s,
+            last_force_n: Vector3::zeros(),
+        }
+    }
+
+    fn force_n(&self, t: f64) -> Vector3<f64> {
+        let p = &self.forces;
+        let mut force = p.constant_n;
+        if let Some(s) = &p.sweep {
+            // A sine whose frequency grows linearly over the run: sin(2π (f0 t + (f1-f0) t²/2T)).
+            let cycles = s.from_hz * t + (s.to_hz - s.from_hz) * t * t / (2.0 * self.sweep_s);
+            force += s.amplitude_n * (TAU * cycles).sin();
+        }
+        if let Some(r) = &p.rotating {
+            let (sin, cos) = (r.start_angle_rad + TAU * r.frequency_hz * t).sin_cos();
+            force += Vector3::new(0.0, cos, sin) * r.amplitude_n;
+        }
+        force
+    }
+}
+
+impl Process for Load {
+    fn channels(&self) -> Vec<ChannelSpec> {
+        let mut channels: Vec<_> = ["x", "y", "z"]
+            .iter()
+            .map(|axis| {
+                ChannelSpec::new(
+                    format!("load.force_{axis}"),
+                    Unit::Newton,
+                    format!("Given force on the tool, process {}", axis.to_uppercase()),
+                )
+            })
+            .collect();
+        if self.foot.is_some() {
+            channels.extend(Foot::channels());
+        }
+        channels
+    }
+
+    fn evaluate(&self, state: &ToolState) -> Loads {
+        let mut loads = Loads::default();
+        let force = self.force_n(state.time_s);
+        loads.wrenches.push(Wrench::force(Attachment::Tool, force));
+        if let Some(foot) = &self.foot {
+            foot.press(state, &mut loads);
+        }
+        loads
+    }
+
+    fn commit(&mut self, state: &ToolState, loads: &Loads, contacts: &ContactOutcomes, _dt: f64) {
+        self.last_force_n = loads.wrenches[0].force_n;
+        if let (Some(foot), Some(outcome)) = (&mut self.foot, contacts.first()) {
+            foot.commit(state.time_s, &state.foot, outcome);
+        }
+    }
+
+    fn record(&self, row: &mut Vec<f64>) {
+        row.extend(self.last_force_n.iter());
+        if let Some(foot) = &self.foot {
+            foot.record(row);
+        }
+    }
+
+    fn finish(&mut self) -> Findings {
+        Findings::default()
+    }
+
+    fn static_loads(&self) -> Loads {
+        let mut loads = Loads::default();
+        loads
+            .wrenches
+            .push(Wrench::force(Attachment::Tool, self.forces.release_n));
+        loads
+            .wrenches
+            .extend(self.foot.iter().map(Foot::touch_down_wrench));
+        loads
+    }
+
+    fn duration_s(&self) -> Option<f64> {
+        None
+    }
+
+    fn highest_frequency_hz(&self) -> Option<f64> {
+        let sweep = self.forces.sweep.map(|s| s.from_hz.max(s.to_hz));
+        let turning = self.forces.rotating.map(|r| r.frequency_hz.abs());
+        let highest = sweep.unwrap_or(0.0).max(turning.unwrap_or(0.0));
+        (highest > 0.0).then_some(highest)
+    }
+
+    fn contact_stiffness(&self) -> Vec<ContactStiffness> {
+        self.foot.iter().map(Foot::contact_stiffness).collect()
+    }
+
+    fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
+        vec![("load", Attachment::Tool, self.last_force_n)]
+    }
+}

@@ -1,0 +1,357 @@
+//! Peripheral milling along a straight line.
+//!
+//! The cut itself is [`MillingCut`]; this process moves it: it turns process axes into the milling frame, takes the feed
+//! off the motion so that what is left is the tool's deflection from its path, averages the force over each step (a
+//! tooth that enters in the middle of a step cuts for half of it), lets the cut begin (under way, through the face of the
+//! stock, or on a wedge) and keeps what is reported at the end.
+
+mod history;
+mod report;
+pub(crate) mod setup;
+
+pub(crate) use report::linear_share;
+
+use super::{ContactStiffness, Findings, Process, Start, ToolState};
+use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use history::{History, stride};
+use nalgebra::{Rotation3, Vector3};
+use truecut_core::cutting::milling::cut::{
+    MillingCut, MillingLoads, MillingParameters, ToolState as CutState,
+};
+use truecut_core::cutting::milling::dexel::{FinishedSurface, RayGrid, Wall};
+use truecut_recording::ChannelSpec;
+use truecut_scenario::MillingSpec;
+
+/// Parts of a step at whose middles the force is taken.
+const PARTS: usize = 4;
+/// Rays of a finished surface per feed mark.
+const RAYS_PER_MARK: f64 = 8.0;
+/// Most rays of a finished surface.
+const MOST_RAYS: f64 = 20_000.0;
+
+/// All that a milling pass is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MillingSetup {
+    pub spec: MillingSpec,
+    /// The cut; its steady displacement is filled in at the start of the run.
+    pub parameters: MillingParameters,
+    /// Takes components in the milling frame to components in the process frame.
+    pub process_from_milling: Rotation3<f64>,
+    /// Force on the tool of the nominal cut, averaged over a revolution, milling frame, N.
+    pub nominal_force_n: Vector3<f64>,
+    /// Force (N) and moment (N m) on a tool that rests in the cut, sunk or lifted by them, milling frame.
+    pub mean_load: (Vector3<f64>, Vector3<f64>),
+    /// Deflection of the arm under it, milling frame, m.
+    pub mean_deflection_m: Vector3<f64>,
+    /// The walls that the pass finishes, the one of down-milling first.
+    pub finished_walls: Vec<Wall>,
+    pub theory: MillingTheory,
+}
+
+/// What the averaged theories predict at the posture of the start; published beside the result. Depths in m, infinite if no
+/// depth is unstable; frequencies in Hz.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MillingTheory {
+    /// Teeth that meet the nominal surface.
+    pub coupling_depth_m: f64,
+    pub coupling_hz: f64,
+    /// Teeth that meet their own surface, to zero order.
+    pub regenerative_depth_m: f64,
+    pub regenerative_hz: f64,
+}
+
+impl MillingSetup {
+    /// The wall that is looked at while the run goes on.
+    fn wall(&self) -> Option<Wall> {
+        self.finished_walls.first().copied()
+    }
+
+    /// Distance along the path at a time, m.
+    fn distance_m(&self, time_s: f64) -> f64 {
+        self.spec.feed_m_per_s * time_s
+    }
+
+    fn tooth_period_s(&self) -> f64 {
+        self.parameters
+            .cutter
+            .tooth_period_s(self.spec.spindle_rad_s)
+    }
+
+    /// Whether the arm starts in the cut, deflected by it.
+    fn starts_in_cut(&self) -> bool {
+        self.spec.lead_in_m.is_none() && self.spec.ramp_m == 0.0
+    }
+
+    /// Part of the full depth at a distance along the path.
+    fn depth_share(&self, distance_m: f64) -> f64 {
+        let behind_m = distance_m - self.spec.lead_in_m.unwrap_or(0.0);
+        if self.spec.ramp_m == 0.0 {
+            1.0
+        } else {
+            (behind_m / self.spec.ramp_m).clamp(0.0, 1.0)
+        }
+    }
+
+    /// Distance from which on the cut has its full depth and width, m.
+    fn settled_m(&self) -> f64 {
+        let entry_m =
+            (self.spec.lead_in_m).map_or(0.0, |lead_m| lead_m + self.parameters.cutter.radius_m);
+        entry_m + self.spec.ramp_m
+    }
+
+    /// x of the cut at the start of the path: the cut counts from rotation 0.
+    fn origin_m(&self) -> f64 {
+        self.parameters.nominal_x_m(self.spec.start_angle_rad)
+    }
+}
+
+/// The process.
+#[derive(Debug, Clone)]
+pub struct Milling {
+    setup: MillingSetup,
+    cut: MillingCut,
+    step_s: f64,
+    /// Tool point at the start minus the start of the path, milling frame, m.
+    start_offset_m: Vector3<f64>,
+    last: MillingStep,
+    history: History,
+}
+
+/// Values of the last committed step.
+#[derive(Debug, Clone, Copy, Default)]
+struct MillingStep {
+    loads: Option<MillingLoads>,
+    deflection_m: Vector3<f64>,
+    rotation_rad: f64,
+    wall_error_m: f64,
+}
+
+impl Milling {
+    pub fn new(setup: MillingSetup) -> Self {
+        Self {
+            cut: MillingCut::new(setup.parameters, None),
+            setup,
+            step_s: 0.0,
+            start_offset_m: Vector3::zeros(),
+            last: MillingStep::default(),
+            history: History::default(),
+        }
+    }
+
+    /// Walls and floor to be finished, on rays from where the cut has its full width and depth.
+    fn surface(&self) -> FinishedSurface {
+        let s = &self.setup;
+        let p = &s.parameters;
+        let from_m = s.settled_m().min(s.spec.path.length_m);
+        let length_m = s.spec.path.length_m - from_m;
+        let spacing_m = (p.feed_per_tooth_m / RAYS_PER_MARK).max(length_m / MOST_RAYS);
+        let grid = RayGrid {
+            start_m: s.origin_m() + from_m,
+            spacing_m,
+            count: (length_m / spacing_m) as usize + 1,
+        };
+        let walls: Vec<(Wall, f64)> = (s.finished_walls.iter())
+            .map(|wall| (*wall, 0.5 * p.stock.top_m))
+            .collect();
+        FinishedSurface::new(grid, &walls, &[0.0])
+    }
+
+    fn rotation_rad(&self, time_s: f64) -> f64 {
+        self.setup.spec.start_angle_rad + self.setup.spec.spindle_rad_s * time_s
+    }
+
+    /// Deflection of the tool from its path and its rate, milling frame.
+    fn deflection(&self, state: &ToolState) -> (Vector3<f64>, Vector3<f64>) {
+        let s = &self.setup;
+        let feed = Vector3::x() * s.spec.feed_m_per_s;
+        let moved = s
+            .process_from_milling
+            .inverse_transform_vector(&state.tool.displacement_m);
+        let rate = s
+            .process_from_milling
+            .inverse_transform_vector(&state.tool.velocity_m_per_s);
+        (
+            self.start_offset_m + moved - feed * state.time_s,
+            rate - feed,
+        )
+    }
+
+    /// The cut a time ahead of a state.
+    fn cut_at(&self, state: &ToolState, ahead_s: f64) -> MillingLoads {
+        let s = &self.setup;
+        let (deflection_m, rate) = self.deflection(state);
+        let time_s = state.time_s + ahead_s;
+        let share = s.depth_share(s.distance_m(time_s));
+        let mut displacement_m = deflection_m + rate * ahead_s;
+        // On the wedge the stock's face is lower, which for the edge is the same as a tool that stands higher.
+        displacement_m.z += s.parameters.stock.top_m * (1.0 - share);
+        if !s.parameters.regeneration {
+            // The steady tool is deflected by its share of the force only.
+            displacement_m += s.mean_deflection_m * (1.0 - share);
+        }
+        self.cut.evaluate(&CutState {
+            rotation_rad: self.rotation_rad(time_s),
+            displacement_m,
+        })
+    }
+
+    fn wrench(&self, force: &Vector3<f64>, moment: &Vector3<f64>) -> Wrench {
+        let axes = &self.setup.process_from_milling;
+        Wrench {
+            frame: Attachment::Tool,
+            force_n: axes * force,
+            moment_n_m: axes * moment,
+        }
+    }
+
+    /// Material left on the wall by the tooth that has passed it since the last step, if one has.
+    fn note_wall(&mut self, rotation_rad: f64, deflection_m: &Vector3<f64>) {
+        let cutter = &self.setup.parameters.cutter;
+        let (apex_rad, side) = match self.setup.wall() {
+            Some(Wall::Exit) => (std::f64::consts::PI, -1.0),
+            Some(Wall::Entry) => (0.0, 1.0),
+            None => return,
+        };
+        let passed = |rotation: f64| ((rotation - apex_rad) / cutter.pitch_rad()).floor();
+        let (before, now) = (passed(self.last.rotation_rad), passed(rotation_rad));
+        if now <= before {
+            return;
+        }
+        // Tooth j follows the first by j pitches.
+        let tooth = (now as i64).rem_euclid(cutter.teeth as i64) as usize;
+        let at = apex_rad + now * cutter.pitch_rad();
+        let share = (at - self.last.rotation_rad) / (rotation_rad - self.last.rotation_rad);
+        let y_m = self.last.deflection_m.y + (deflection_m.y - self.last.deflection_m.y) * share;
+        self.last.wall_error_m = cutter.radius_m - cutter.tooth_radius_m(tooth) - side * y_m;
+    }
+
+    fn keep(&mut self, time_s: f64, rate: &Vector3<f64>, loads: &MillingLoads) {
+        if self.setup.distance_m(time_s) < self.setup.settled_m() {
+            return;
+        }
+        let history = &mut self.history;
+        if history.steps.is_multiple_of(history.stride) {
+            history.deflection_m.push(self.last.deflection_m);
+            history.velocity_m_per_s.push(*rate);
+        }
+        history.steps += 1;
+        history
+            .force
+            .add(self.last.rotation_rad, &loads.force_on_tool_n);
+    }
+}
+
+impl Process for Milling {
+    fn begin(&mut self, start: &Start) {
+        self.step_s = start.time_step_s;
+        let s = &self.setup;
+        self.start_offset_m = s
+            .process_from_milling
+            .inverse_transform_vector(&start.tool_offset_m);
+        let mut parameters = s.parameters;
+        parameters.steady_displacement_m = self.start_offset_m;
+        if !s.starts_in_cut() && !parameters.regeneration {
+            parameters.steady_displacement_m += s.mean_deflection_m;
+        }
+        self.cut = MillingCut::new(parameters, Some(self.surface()));
+        let per_tooth = self.setup.tooth_period_s() / start.time_step_s;
+        self.history.stride = stride(per_tooth);
+        self.last = MillingStep {
+            deflection_m: self.start_offset_m,
+            rotation_rad: self.rotation_rad(0.0),
+            ..MillingStep::default()
+        };
+        let side = if self.setup.wall() == Some(Wall::Entry) {
+            1.0
+        } else {
+            -1.0
+        };
+        self.last.wall_error_m = -side * self.start_offset_m.y;
+    }
+
+    fn channels(&self) -> Vec<ChannelSpec> {
+        report::channels(self.setup.wall())
+    }
+
+    fn evaluate(&self, state: &ToolState) -> Loads {
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        for part in 0..PARTS {
+            let ahead = (part as f64 + 0.5) / PARTS as f64 - 0.5;
+            let cut = self.cut_at(state, ahead * self.step_s);
+            force += cut.force_on_tool_n / PARTS as f64;
+            moment += cut.moment_on_tool_n_m / PARTS as f64;
+        }
+        let mut loads = Loads::default();
+        loads.wrenches.push(self.wrench(&force, &moment));
+        loads
+    }
+
+    fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, _dt_s: f64) {
+        let wrench = &loads.wrenches[0];
+        let axes = &self.setup.process_from_milling;
+        let loads = MillingLoads {
+            force_on_tool_n: axes.inverse_transform_vector(&wrench.force_n),
+            moment_on_tool_n_m: axes.inverse_transform_vector(&wrench.moment_n_m),
+            ..self.cut_at(state, 0.0)
+        };
+        let (deflection_m, rate) = self.deflection(state);
+        let rotation_rad = self.rotation_rad(state.time_s);
+        self.note_wall(rotation_rad, &deflection_m);
+        self.cut.commit(&CutState {
+            rotation_rad,
+            displacement_m: deflection_m,
+        });
+        self.last = MillingStep {
+            loads: Some(loads),
+            deflection_m,
+            rotation_rad,
+            ..self.last
+        };
+        self.keep(state.time_s, &rate, &loads);
+    }
+
+    fn record(&self, row: &mut Vec<f64>) {
+        report::record(&self.setup, &self.last, row);
+    }
+
+    fn finish(&mut self) -> Findings {
+        report::findings(self)
+    }
+
+    fn static_loads(&self) -> Loads {
+        let mut loads = Loads::default();
+        if self.setup.starts_in_cut() {
+            let (force, moment) = &self.setup.mean_load;
+            loads.wrenches.push(self.wrench(force, moment));
+        }
+        loads
+    }
+
+    fn duration_s(&self) -> Option<f64> {
+        Some(self.setup.spec.pass_s())
+    }
+
+    fn tooth_period_s(&self) -> Option<f64> {
+        Some(self.setup.tooth_period_s())
+    }
+
+    fn steps_with_teeth(&self) -> bool {
+        true
+    }
+
+    fn contact_stiffness(&self) -> Vec<ContactStiffness> {
+        Vec::new()
+    }
+
+    fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
+        let force = self
+            .last
+            .loads
+            .map_or_else(Vector3::zeros, |loads| loads.force_on_tool_n);
+        vec![(
+            "cutting",
+            Attachment::Tool,
+            self.setup.process_from_milling * force,
+        )]
+    }
+}

@@ -1,0 +1,176 @@
+//! From the milling table to the process that runs.
+
+use crate::error::SimError;
+use crate::motion::straight::SolvedPath;
+use crate::process::setup::Motion;
+use crate::process::{Milling, MillingSetup, MillingTheory, ProcessSetup, SetupContext};
+use crate::scene::Workpiece;
+use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3, Vector6};
+use std::f64::consts::PI;
+use truecut_arm::{FrameId, Load, Robot};
+use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
+use truecut_core::chatter::{DirectionalMatrix, in_axes};
+use truecut_core::cutting::milling::cut::MillingParameters;
+use truecut_core::cutting::milling::dexel::Wall;
+use truecut_core::cutting::milling::engagement::{Engagement, Stock};
+use truecut_core::cutting::milling::nominal::NominalCut;
+use truecut_scenario::MillingSpec;
+
+/// Edges with a helix are cut into slices that lag by no more than this, rad.
+const SLICE_LAG_RAD: f64 = 0.02;
+/// Revolutions that the surface is remembered for: a tooth that misses its cut for longer finds the oldest.
+const REMEMBERED_REVOLUTIONS: usize = 2;
+/// Largest cosine between feed and tool axis.
+const LARGEST_COSINE: f64 = 1e-6;
+
+/// The process of a scenario along its path, and its workpiece.
+pub(crate) fn setup(
+    spec: &MillingSpec,
+    context: &SetupContext<'_>,
+) -> Result<ProcessSetup, SimError> {
+    let robot = context.robot;
+    let path = SolvedPath::solve(&spec.path, robot, &context.posture()?)?;
+    let posture = path.knots[0].clone();
+    let world_from_process = robot.world_from_process(&posture);
+    let (setup, workpiece) = milling(spec, robot, &posture, &world_from_process)?;
+    Ok(ProcessSetup::new(Milling::new(setup), posture)
+        .on(workpiece)
+        .led_by(Motion::Straight(path, spec.feed_m_per_s)))
+}
+
+/// The pass of a scenario by an arm at the first posture of its path, and its workpiece.
+fn milling(
+    spec: &MillingSpec,
+    robot: &Robot,
+    posture: &[f64],
+    world_from_process: &Isometry3<f64>,
+) -> Result<(MillingSetup, Workpiece), SimError> {
+    let process_from_milling = process_from_milling(spec, world_from_process)?;
+    let cut = &spec.cut;
+    cut.cutter
+        .check()
+        .map_err(|error| SimError::scenario("process.milling.cutter", error.to_string()))?;
+    let world_from_milling =
+        world_from_process.rotation.to_rotation_matrix() * process_from_milling;
+    let mean_load = (cut.average_force_n(), cut.average_moment_n_m());
+    let compliance = robot.cartesian_compliance(posture, FrameId::Tool, &Load::none())?;
+    let mut wrench = Vector6::zeros();
+    wrench
+        .fixed_rows_mut::<3>(0)
+        .copy_from(&(world_from_milling * mean_load.0));
+    wrench
+        .fixed_rows_mut::<3>(3)
+        .copy_from(&(world_from_milling * mean_load.1));
+    let deflection: Vector3<f64> = (compliance * wrench).fixed_rows::<3>(0).into();
+    let deflection = world_from_milling.inverse() * deflection;
+    // A tool that sinks by z under the force F cuts deeper: F (b - z)/b, of which z is the deflection.
+    let deeper = 1.0 / (1.0 + deflection.z / cut.axial_depth_m).max(0.1);
+    let workpiece = Workpiece::Slab {
+        feed: process_from_milling * Vector3::x(),
+        length_m: spec.path.length_m,
+        width_m: 4.0 * cut.cutter.radius_m,
+        depth_m: cut.axial_depth_m,
+    };
+    let setup = MillingSetup {
+        parameters: parameters(spec),
+        process_from_milling,
+        nominal_force_n: mean_load.0,
+        mean_load: (mean_load.0 * deeper, mean_load.1 * deeper),
+        mean_deflection_m: deflection * deeper,
+        finished_walls: finished_walls(&cut.engagement),
+        theory: theory(
+            robot,
+            posture,
+            &world_from_milling,
+            cut,
+            spec.tooth_period_s(),
+        )?,
+        spec: spec.clone(),
+    };
+    Ok((setup, workpiece))
+}
+
+/// Axes of the milling frame in the process frame: x the feed, z against process X.
+fn process_from_milling(
+    spec: &MillingSpec,
+    world_from_process: &Isometry3<f64>,
+) -> Result<Rotation3<f64>, SimError> {
+    let feed = world_from_process.rotation.inverse() * Vector3::from(spec.path.direction);
+    if feed.x.abs() > LARGEST_COSINE {
+        return Err(SimError::scenario(
+            "process.milling.path.direction",
+            format!(
+                "the path leads {:.4} degrees out of the plane across the tool axis at the robot's posture, but must lie in it: \
+                 an end mill is fed sideways",
+                feed.x.asin().to_degrees().abs()
+            ),
+        ));
+    }
+    let x = Vector3::new(0.0, feed.y, feed.z).normalize();
+    let z = -Vector3::x();
+    let axes = Matrix3::from_columns(&[x, z.cross(&x), z]);
+    Ok(Rotation3::from_matrix_unchecked(axes))
+}
+
+/// Walls that the teeth finish, the one of down-milling first.
+fn finished_walls(engagement: &Engagement) -> Vec<Wall> {
+    let mut walls = Vec::new();
+    if (engagement.exit_rad - PI).abs() < 1e-9 {
+        walls.push(Wall::Exit);
+    }
+    if engagement.entry_rad.abs() < 1e-9 {
+        walls.push(Wall::Entry);
+    }
+    walls
+}
+
+fn parameters(spec: &MillingSpec) -> MillingParameters {
+    let cut = &spec.cut;
+    let mut parameters = MillingParameters {
+        cutter: cut.cutter,
+        coefficients: cut.coefficients,
+        stock: cut.engagement.stock(&cut.cutter, cut.axial_depth_m),
+        feed_per_tooth_m: cut.feed_per_tooth_m,
+        regeneration: spec.regeneration,
+        steady_displacement_m: Vector3::zeros(),
+        passes: REMEMBERED_REVOLUTIONS * cut.cutter.teeth,
+        slice_lag_rad: SLICE_LAG_RAD,
+    };
+    if let Some(lead_m) = spec.lead_in_m {
+        // The cut counts from rotation 0.
+        let origin_m = parameters.nominal_x_m(spec.start_angle_rad);
+        parameters.stock = Stock {
+            x_min_m: origin_m + lead_m + cut.cutter.radius_m,
+            ..parameters.stock
+        };
+    }
+    parameters
+}
+
+/// Limits of the averaged theories with the arm's modes, gravity aside.
+fn theory(
+    robot: &Robot,
+    posture: &[f64],
+    world_from_milling: &Rotation3<f64>,
+    cut: &NominalCut,
+    tooth_period_s: f64,
+) -> Result<MillingTheory, SimError> {
+    let modes = robot.tip_modes(posture, FrameId::Tool, None)?;
+    let modes = in_axes(&modes, world_from_milling.matrix());
+    let matrix = DirectionalMatrix {
+        teeth: cut.cutter.teeth,
+        coefficients: cut.coefficients,
+        engagement: cut.engagement,
+    };
+    let average = matrix.average_pa();
+    let coupling = mode_coupling_limit(&modes, &average);
+    let regenerative = zero_order_limit(&modes, &average, tooth_period_s);
+    let depth = |c: Option<Crossing>| c.map_or(f64::INFINITY, |c| c.depth_m);
+    let hz = |c: Option<Crossing>| c.map_or(f64::NAN, |c| c.frequency_hz);
+    Ok(MillingTheory {
+        coupling_depth_m: depth(coupling),
+        coupling_hz: hz(coupling),
+        regenerative_depth_m: depth(regenerative),
+        regenerative_hz: hz(regenerative),
+    })
+}

@@ -1,0 +1,196 @@
+//! From the process of a scenario to what runs. Each process has a `setup` in its folder; here is what it is given, and what
+//! it gives.
+
+use super::Process;
+use crate::command::{JointCommand, StraightPath};
+use crate::effect::Effects;
+use crate::error::SimError;
+use crate::motion::PlannedMotion;
+use crate::motion::solve::solved;
+use crate::motion::straight::SolvedPath;
+use crate::posture;
+use crate::replay::forward::ForwardInputs;
+use crate::robots::Robots;
+use crate::scene::Workpiece;
+use nalgebra::{Isometry3, Matrix3};
+use std::sync::Arc;
+use truecut_arm::{FrameId, Load, Robot};
+use truecut_recording::Measured;
+use truecut_scenario::{DriveKind, PostureFrom, ProcessSpec, Scenario};
+
+/// What a process is set up from.
+pub struct SetupContext<'a> {
+    pub(crate) scenario: &'a Scenario,
+    /// The nominal robot: effects on it show in the run only.
+    pub(crate) robot: &'a Robot,
+    pub(crate) robots: &'a Robots,
+    pub(crate) kind: DriveKind,
+    pub(crate) effects: &'a Effects,
+    pub(crate) measured: Option<&'a Measured>,
+}
+
+impl<'a> SetupContext<'a> {
+    /// The scenario.
+    #[must_use]
+    pub fn scenario(&self) -> &'a Scenario {
+        self.scenario
+    }
+
+    /// The robot without effects.
+    #[must_use]
+    pub fn robot(&self) -> &'a Robot {
+        self.robot
+    }
+
+    /// Joint coordinates from which the arm starts, in chain order, rad and m.
+    ///
+    /// # Errors
+    /// Too many or too few values, or one outside the limits of its joint.
+    pub fn posture(&self) -> Result<Vec<f64>, SimError> {
+        let given = || posture::posture(&self.scenario.robot, self.robot);
+        match self.scenario.process.facts().posture {
+            PostureFrom::Scenario => given(),
+            PostureFrom::Job(file) => given().map_err(|error| posture::of_job(error, &file)),
+            PostureFrom::Taught => Ok(vec![0.0; self.robot.dof()]),
+        }
+    }
+
+    /// Compliance of the driven arm at the foot, process axes, m/N.
+    pub(crate) fn compliance(&self, posture: &[f64]) -> Result<Matrix3<f64>, SimError> {
+        Ok(self.robot.process_compliance(posture, FrameId::Foot)?)
+    }
+
+    /// The motion of the arm, solved unless it is known. `is_same` says of another process whether it asks for the same one.
+    pub(crate) fn planned(
+        &self,
+        posture: &[f64],
+        is_same: impl Fn(&ProcessSpec) -> bool,
+        solve: impl FnOnce() -> Result<PlannedMotion, SimError>,
+    ) -> Result<Arc<PlannedMotion>, SimError> {
+        solved(self.scenario, self.robots, posture, is_same, solve)
+    }
+
+    /// Length of a run with this motion, s.
+    pub(crate) fn duration_along_s(&self, path: &PlannedMotion) -> f64 {
+        path.duration_s.min(self.scenario.run.duration_s)
+    }
+}
+
+/// A process that is ready to run, and how the arm moves with it.
+pub struct ProcessSetup {
+    pub(crate) process: Box<dyn Process>,
+    pub(crate) workpiece: Workpiece,
+    /// Posture without load in which the arm starts.
+    pub(crate) posture: Vec<f64>,
+    pub(crate) motion: Motion,
+}
+
+/// What moves the arm.
+pub(crate) enum Motion {
+    /// The feed of the process along its y axis; without one the arm holds its posture.
+    Feed,
+    /// A straight path, at this speed, m/s.
+    Straight(SolvedPath, f64),
+    /// A motion that was solved as a whole.
+    Planned(Arc<PlannedMotion>),
+    /// Measured commands.
+    Replay(ForwardInputs),
+}
+
+impl ProcessSetup {
+    /// A process on an arm that starts in `posture` and holds it, or feeds the tool along the process's y axis if
+    /// [`Process::feed_along_y_m_per_s`] says so.
+    #[must_use]
+    pub fn new(process: impl Process + 'static, posture: Vec<f64>) -> Self {
+        Self {
+            process: Box::new(process),
+            workpiece: Workpiece::None,
+            posture,
+            motion: Motion::Feed,
+        }
+    }
+
+    /// The same with a workpiece to be drawn.
+    pub(crate) fn on(self, workpiece: Workpiece) -> Self {
+        Self { workpiece, ..self }
+    }
+
+    /// The same along a path.
+    pub(crate) fn led_by(self, motion: Motion) -> Self {
+        Self { motion, ..self }
+    }
+
+    /// Length of the run, s, where the scenario asks for `asked_s`.
+    pub(crate) fn duration_s(&self, asked_s: f64) -> f64 {
+        match &self.motion {
+            Motion::Feed | Motion::Straight(..) => asked_s,
+            Motion::Planned(path) => path.duration_s.min(asked_s),
+            Motion::Replay(inputs) => inputs.duration_s(),
+        }
+    }
+
+    /// What there is to say of the path.
+    pub(crate) fn note(&self) -> Option<String> {
+        match &self.motion {
+            Motion::Planned(path) => path.note.clone(),
+            _ => None,
+        }
+    }
+
+    /// Where an arm that rests in `rest` starts: where it was measured, if nothing commands it.
+    pub(crate) fn start(&self, rest: &[f64]) -> Vec<f64> {
+        match &self.motion {
+            Motion::Replay(inputs) => inputs.start(rest),
+            _ => rest.to_vec(),
+        }
+    }
+
+    /// What the controller asks of the nominal robot, with the sag that it makes up for.
+    pub(crate) fn command(
+        &self,
+        robot: &Robot,
+        world_from_process: &Isometry3<f64>,
+        duration_s: f64,
+        sag: Option<&Load>,
+    ) -> Result<JointCommand, SimError> {
+        let posture = &self.posture;
+        Ok(match &self.motion {
+            Motion::Feed => {
+                let speed = self.process.feed_along_y_m_per_s();
+                if speed == 0.0 {
+                    JointCommand::Hold(match sag {
+                        Some(load) => robot.holding_command(posture, load)?,
+                        None => posture.clone(),
+                    })
+                } else {
+                    JointCommand::Along(StraightPath::solve(
+                        robot,
+                        posture,
+                        world_from_process,
+                        speed,
+                        duration_s,
+                        sag,
+                    )?)
+                }
+            }
+            Motion::Straight(path, speed_m_per_s) => {
+                JointCommand::Along(StraightPath::of(robot, path.clone(), *speed_m_per_s, sag)?)
+            }
+            Motion::Planned(path) => JointCommand::Replay(path.command(robot, sag)?),
+            Motion::Replay(inputs) => inputs.command(posture),
+        })
+    }
+}
+
+/// Refuses a process that presses with an arm whose joints are free.
+pub(crate) fn check_drive(process: &ProcessSpec, kind: DriveKind) -> Result<(), SimError> {
+    match process.facts().needs_drive {
+        Some(what) if kind == DriveKind::Force => Err(SimError::scenario(
+            "robot.drive",
+            format!(
+                "drive = \"force\" leaves the joints free, but process.{what} presses against them"
+            ),
+        )),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,110 @@
+//! The recording of a run, from a plant or from what is predicted without one.
+
+use std::time::Instant;
+
+use truecut_recording::{Measured, OpenSinks, Outcome, Recorder, Recording, Sink};
+use truecut_scenario::Scenario;
+
+use super::request::{Claims, Run};
+use crate::error::SimError;
+use crate::replay::predict::{Prediction, predict};
+
+/// A run that has ended, with its sinks still open for the claims.
+pub(super) struct Recorded {
+    pub recording: Recording,
+    pub sinks: OpenSinks,
+    pub time_step_s: f64,
+    pub build_s: f64,
+    pub run_s: f64,
+    pub compared: Option<Measured>,
+}
+
+type Sinks = Vec<Box<dyn Sink + Send>>;
+
+impl Run<'_> {
+    pub(super) fn record(
+        &self,
+        scenario: &Scenario,
+        measured: Option<&Measured>,
+        sinks: Sinks,
+    ) -> Result<Recorded, SimError> {
+        let started = Instant::now();
+        if let Some(measured) = measured
+            && let Some(prediction) = predict(scenario, measured)?
+        {
+            let build_s = started.elapsed().as_secs_f64();
+            return self.record_prediction(scenario, measured, prediction, build_s, sinks);
+        }
+        let cell = self.cell(scenario, measured)?;
+        let mut header = cell.header();
+        header
+            .notes
+            .extend(measured.into_iter().flat_map(|data| data.notes.clone()));
+        if self.claims != Claims::Ignore {
+            scenario.check_claims(&header)?;
+            scenario.check_bands(cell.row_interval_s())?;
+        }
+        let time_step_s = cell.time_step_s();
+        let build_s = started.elapsed().as_secs_f64();
+        let started = Instant::now();
+        let mut recorder = Recorder::new(header, sinks)?;
+        let end = cell.run(&mut recorder, self.progress)?;
+        let (recording, sinks) = recorder.finish(end.scalars, end.profiles, end.outcome)?;
+        Ok(Recorded {
+            recording,
+            sinks,
+            time_step_s,
+            build_s,
+            run_s: started.elapsed().as_secs_f64(),
+            compared: None,
+        })
+    }
+
+    fn record_prediction(
+        &self,
+        scenario: &Scenario,
+        measured: &Measured,
+        prediction: Prediction,
+        build_s: f64,
+        sinks: Sinks,
+    ) -> Result<Recorded, SimError> {
+        let Prediction {
+            header,
+            columns,
+            measured: mut compared,
+        } = prediction;
+        if self.claims != Claims::Ignore {
+            scenario.check_claims(&header)?;
+        }
+        let started = Instant::now();
+        let mut recorder = Recorder::new(header, sinks)?;
+        let mut row = Vec::with_capacity(columns.len());
+        for (k, time_s) in compared.time_s.iter().enumerate() {
+            row.clear();
+            row.extend(columns.iter().map(|column| column[k]));
+            recorder.push_row(*time_s, &row)?;
+        }
+        let (recording, sinks) = recorder.finish(Vec::new(), Vec::new(), Outcome::Completed)?;
+        let time_step_s = compared.interval_s();
+        keep_inputs(&mut compared, measured);
+        Ok(Recorded {
+            recording,
+            sinks,
+            time_step_s,
+            build_s,
+            run_s: started.elapsed().as_secs_f64(),
+            compared: Some(compared),
+        })
+    }
+}
+
+/// Adds the inputs that the prediction made no output of: they may explain what is left.
+fn keep_inputs(compared: &mut Measured, measured: &Measured) {
+    if compared.time_s != measured.time_s {
+        return;
+    }
+    let known = |name: &str| compared.channel(name).is_ok();
+    let inputs = measured.inputs().filter(|input| !known(&input.spec.name));
+    let inputs: Vec<_> = inputs.cloned().collect();
+    compared.channels.extend(inputs);
+}

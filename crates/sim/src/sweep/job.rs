@@ -1,0 +1,243 @@
+//! One combination of a sweep's values, run alone.
+
+use crate::error::SimError;
+use crate::run::Run;
+use truecut_recording::{Outcome, Recording, Unit};
+use truecut_scenario::{BisectSpec, Scenario, SweepSpec};
+
+/// One combination of the axes' values.
+#[derive(Debug, Clone)]
+pub struct Job {
+    scenario: Scenario,
+    sweep: SweepSpec,
+    /// Keys and values, as for `--set`.
+    pub overrides: Vec<(String, String)>,
+}
+
+/// One value of a row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// Key of an axis, or name of a column.
+    pub name: String,
+    /// SI for columns; in the key's own unit for axes and for the threshold searched for.
+    pub value: f64,
+    /// Unit of columns; `None` where the key's own unit applies.
+    pub unit: Option<Unit>,
+}
+
+/// What one job gives: its axis values, the threshold found (if one is searched), its columns.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SweepRow {
+    pub values: Vec<Entry>,
+    /// Which run did not come to its end, and why; then the threshold and every column are NaN, since a
+    /// metric over a part of a run is no result.
+    pub diverged: Option<String>,
+}
+
+impl SweepRow {
+    /// The value of a name, if the row has it.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        (self.values.iter().find(|v| v.name == name)).map(|v| v.value)
+    }
+}
+
+/// All jobs of a scenario's sweep, the last axis running fastest; none without a sweep.
+pub fn jobs(scenario: &Scenario) -> Vec<Job> {
+    let Some(sweep) = &scenario.sweep else {
+        return Vec::new();
+    };
+    let mut combinations: Vec<Vec<(String, String)>> = vec![Vec::new()];
+    for axis in &sweep.axes {
+        combinations = combinations
+            .iter()
+            .flat_map(|before| {
+                axis.values.iter().map(move |value| {
+                    let mut next = before.clone();
+                    next.push((axis.key.clone(), number(*value)));
+                    next
+                })
+            })
+            .collect();
+    }
+    combinations
+        .into_iter()
+        .map(|overrides| Job {
+            scenario: scenario.clone(),
+            sweep: sweep.clone(),
+            overrides,
+        })
+        .collect()
+}
+
+/// A number as TOML reads it back, to the last bit. Whole numbers stay whole for keys that count.
+fn number(value: f64) -> String {
+    if value.fract() == 0.0 && value.abs() < 1e15 {
+        format!("{value:.0}")
+    } else {
+        format!("{value:?}")
+    }
+}
+
+/// Runs one job. `progress` is told the part done, from 0 to 1; it never falls.
+///
+/// # Errors
+/// What makes a scenario unfit to run at these values, or a column that its recording does not have.
+pub fn run_job(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
+    row(job, progress).map_err(|error| of_row(job, error))
+}
+
+/// An error that says in which of many rows it came; what overrides have made invalid names the key already.
+fn of_row(job: &Job, error: SimError) -> SimError {
+    let SimError::Scenario { key, message } = error else {
+        return error;
+    };
+    let values = job.overrides.iter();
+    let values: Vec<String> = values
+        .map(|(key, value)| format!("`{key}` = {value}"))
+        .collect();
+    SimError::Scenario {
+        key,
+        message: format!("{message} (in the sweep's row with {})", values.join(", ")),
+    }
+}
+
+fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
+    let mut row = SweepRow::default();
+    for (key, value) in &job.overrides {
+        row.values.push(Entry {
+            name: key.clone(),
+            value: value.parse().unwrap_or(f64::NAN),
+            unit: None,
+        });
+    }
+    let recording = match &job.sweep.bisect {
+        Some(bisect) => {
+            let found = search(job, bisect, progress)?;
+            row.values.push(Entry {
+                name: bisect.name.clone(),
+                value: found.value,
+                unit: None,
+            });
+            row.diverged = found.diverged;
+            found.recording
+        }
+        None => {
+            let recording = record(&job.scenario, &job.overrides, progress)?;
+            row.diverged = diverged(&recording);
+            recording
+        }
+    };
+    for column in &job.sweep.columns {
+        let metric = column.metric.evaluate(&recording)?;
+        row.values.push(Entry {
+            name: column.name.clone(),
+            value: row.diverged.as_ref().map_or(metric.value, |_| f64::NAN),
+            unit: Some(metric.unit),
+        });
+    }
+    Ok(row)
+}
+
+/// How a run ended if it did not come to its end.
+fn diverged(recording: &Recording) -> Option<String> {
+    (recording.outcome != Outcome::Completed).then(|| recording.outcome.to_string())
+}
+
+/// What a search ended with: the threshold, and the run there or that which stopped the search.
+struct Found {
+    value: f64,
+    recording: Recording,
+    diverged: Option<String>,
+}
+
+/// Bisects for the smallest value at which the metric meets its limit, and gives the run there. The metric
+/// is taken to fall as the key rises. If even the upper end does not meet the limit the value is NaN; if
+/// the lower end does, it is the lower end. A trial that diverges ends the search without a threshold: nothing
+/// is known of the metric there.
+fn search(job: &Job, bisect: &BisectSpec, progress: &dyn Fn(f64)) -> Result<Found, SimError> {
+    let halvings = ((bisect.to - bisect.from) / (bisect.tolerance * bisect.to.abs())).log2();
+    let most = halvings.max(0.0).ceil() + 2.0;
+    let made = std::cell::Cell::new(0.0);
+    let run_at = |value| {
+        let tried = search_run(job, bisect, value, &|part| {
+            progress((made.get() + part) / most)
+        });
+        made.set(made.get() + 1.0);
+        tried
+    };
+    let (mut low, mut high) = (bisect.from, bisect.to);
+    let mut best = run_at(high)?;
+    if best.diverged.is_some() || !best.meets_limit {
+        return Ok(best.found(f64::NAN));
+    }
+    let lowest = run_at(low)?;
+    if lowest.diverged.is_some() {
+        return Ok(lowest.found(f64::NAN));
+    }
+    if lowest.meets_limit {
+        return Ok(lowest.found(low));
+    }
+    while high - low > bisect.tolerance * high.abs() {
+        let middle = 0.5 * (low + high);
+        let tried = run_at(middle)?;
+        if tried.diverged.is_some() {
+            return Ok(tried.found(f64::NAN));
+        }
+        if tried.meets_limit {
+            high = middle;
+            best = tried;
+        } else {
+            low = middle;
+        }
+    }
+    Ok(best.found(high))
+}
+
+/// One run of a search.
+struct SearchRun {
+    meets_limit: bool,
+    recording: Recording,
+    diverged: Option<String>,
+}
+
+impl SearchRun {
+    fn found(self, value: f64) -> Found {
+        Found {
+            value,
+            recording: self.recording,
+            diverged: self.diverged,
+        }
+    }
+}
+
+fn search_run(
+    job: &Job,
+    bisect: &BisectSpec,
+    value: f64,
+    progress: &dyn Fn(f64),
+) -> Result<SearchRun, SimError> {
+    let mut overrides = job.overrides.clone();
+    overrides.push((bisect.key.clone(), format!("{value:?}")));
+    let recording = record(&job.scenario, &overrides, progress)?;
+    let metric = bisect.metric.evaluate(&recording)?;
+    Ok(SearchRun {
+        meets_limit: metric.value <= bisect.limit,
+        diverged: diverged(&recording)
+            .map(|outcome| format!("the trial at {} = {value} {outcome}", bisect.key)),
+        recording,
+    })
+}
+
+/// Runs a scenario with overrides and keeps the recording in memory.
+fn record(
+    scenario: &Scenario,
+    overrides: &[(String, String)],
+    progress: &dyn Fn(f64),
+) -> Result<Recording, SimError> {
+    Run {
+        overrides: overrides.to_vec(),
+        progress,
+        ..Run::of(scenario)
+    }
+    .recording()
+}

@@ -1,0 +1,102 @@
+//! The claims of a sweep, over all rows.
+
+use truecut_recording::{ClaimResult, Unit, UserUnit};
+use truecut_scenario::{Scenario, SweepClaim};
+
+use super::table::SweepTable;
+
+/// Bounds of a claim, SI.
+struct Bounds {
+    min: Option<f64>,
+    max: Option<f64>,
+}
+
+impl Bounds {
+    fn of(claim: &SweepClaim, unit: &UserUnit) -> Bounds {
+        let si = |bound: Option<f64>| bound.map(|bound| bound * unit.si_factor);
+        Bounds {
+            min: si(claim.min),
+            max: si(claim.max),
+        }
+    }
+
+    /// How far a value is outside; a value that does not exist is outside of everything.
+    fn excess(&self, value: f64) -> f64 {
+        let below = self.min.map_or(f64::NEG_INFINITY, |min| min - value);
+        let above = self.max.map_or(f64::NEG_INFINITY, |max| value - max);
+        if value.is_nan() {
+            f64::INFINITY
+        } else {
+            below.max(above)
+        }
+    }
+
+    fn show(&self, unit: &UserUnit) -> String {
+        match (self.min, self.max) {
+            (Some(min), Some(max)) => format!("{} to {}", unit.show(min), unit.show(max)),
+            (Some(min), None) => format!("at least {}", unit.show(min)),
+            (None, Some(max)) => format!("at most {}", unit.show(max)),
+            (None, None) => String::new(),
+        }
+    }
+}
+
+impl SweepTable {
+    /// The sweep's claims, judged over all rows; the value shown is that of the worst row.
+    pub fn claims(&self, scenario: &Scenario) -> Vec<ClaimResult> {
+        let claims = scenario.sweep.iter().flat_map(|sweep| &sweep.claims);
+        claims.map(|claim| self.judge(claim)).collect()
+    }
+
+    fn judge(&self, claim: &SweepClaim) -> ClaimResult {
+        let (unit, values) = self.judged_values(claim);
+        let bounds = Bounds::of(claim, &unit);
+        let row = (0..values.len()).max_by(|a, b| {
+            bounds
+                .excess(values[*a])
+                .total_cmp(&bounds.excess(values[*b]))
+                .then(b.cmp(a))
+        });
+        let worst = row.map(|row| values[row]).filter(|value| value.is_finite());
+        let row_name = row.map_or_else(|| "no row".to_owned(), |row| self.row_name(row));
+        let why = row.and_then(|row| self.diverged[row].clone());
+        let note =
+            (worst.is_none()).then(|| why.unwrap_or_else(|| "the row has no value".to_owned()));
+        let metric = match &claim.over {
+            Some(over) => format!("{} / {over}", claim.column),
+            None => claim.column.clone(),
+        };
+        let value = worst.map_or_else(|| "no value".to_owned(), |value| unit.show(value));
+        ClaimResult {
+            name: claim.name.clone(),
+            metric,
+            value: worst,
+            unit: unit.unit,
+            min: bounds.min,
+            max: bounds.max,
+            holds: worst.is_some_and(|value| bounds.excess(value) <= 0.0),
+            reason: claim.reason.clone(),
+            shown: format!("worst row {value} at {row_name}, {}", bounds.show(&unit)),
+            note,
+        }
+    }
+
+    /// What a claim bounds, row by row, SI, and the unit in which it is written.
+    fn judged_values(&self, claim: &SweepClaim) -> (UserUnit, Vec<f64>) {
+        let column = self.index(&claim.column);
+        let over = claim.over.as_ref().map(|name| self.index(name));
+        let value = |row: &Vec<f64>| -> f64 {
+            let si = |index: Option<usize>| {
+                index.map_or(f64::NAN, |index| {
+                    row[index] * self.columns[index].unit.si_factor
+                })
+            };
+            over.map_or(si(column), |over| si(column) / si(over))
+        };
+        let unit = match (column, over) {
+            (Some(index), None) => self.columns[index].unit.clone(),
+            _ => UserUnit::from(Unit::One),
+        };
+        (unit, self.rows.iter().map(value).collect())
+    }
+}

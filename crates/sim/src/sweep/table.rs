@@ -1,0 +1,177 @@
+//! All jobs of a sweep, run in parallel, as one table.
+
+use std::sync::Mutex;
+
+use rayon::prelude::*;
+use truecut_recording::{UserUnit, short_number};
+use truecut_scenario::Scenario;
+
+use super::job::{SweepRow, jobs, run_job};
+use crate::run::{Run, RunError};
+
+/// The results of a sweep: a row for each job, the last axis running fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepTable {
+    /// Axes first, then results.
+    pub columns: Vec<Column>,
+    /// Values in the unit of their column.
+    pub rows: Vec<Vec<f64>>,
+    /// For each row, which of its runs did not come to its end, and why.
+    pub diverged: Vec<Option<String>>,
+}
+
+/// A column of a sweep's results.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Key of an axis, or name of a result.
+    pub name: String,
+    /// Unit of the values.
+    pub unit: UserUnit,
+    /// Whether the values are those of an axis, rather than results.
+    pub is_axis: bool,
+}
+
+impl Column {
+    /// The end of an axis' key, which is enough to know it by; the whole name of a result.
+    pub fn short_name(&self) -> &str {
+        let name = self.name.as_str();
+        if !self.is_axis {
+            return name;
+        }
+        // An entry of a list is known by its list: `release_n.0`.
+        let parts = name
+            .rsplit('.')
+            .take_while(|part| part.parse::<usize>().is_ok());
+        let last = parts.count();
+        let start = name
+            .rmatch_indices('.')
+            .nth(last)
+            .map_or(0, |(dot, _)| dot + 1);
+        &name[start..]
+    }
+}
+
+/// Runs every job of a scenario's sweep. `progress` is told the part done, from 0 to 1.
+///
+/// # Errors
+/// Whatever makes the scenario unfit to run, as it is or in one of the rows; metrics that its runs do not have.
+pub fn sweep(scenario: &Scenario, progress: &(dyn Fn(f64) + Sync)) -> Result<SweepTable, RunError> {
+    // Mistakes in the metrics are to be found before the first run.
+    Run::of(scenario).check()?;
+    let columns = columns(scenario);
+    let jobs = jobs(scenario);
+    let count = jobs.len() as f64;
+    let done = Mutex::new(0.0);
+    let rows = jobs
+        .par_iter()
+        .map(|job| {
+            let of_job = std::cell::Cell::new(0.0);
+            let advance = |part: f64| {
+                if let Ok(mut done) = done.lock() {
+                    *done += part - of_job.replace(part);
+                    progress(*done / count);
+                }
+            };
+            let row = run_job(job, &advance).map_err(|error| RunError::of(scenario, error))?;
+            advance(1.0);
+            Ok((values(&columns, &row), row.diverged))
+        })
+        .collect::<Result<Vec<(Vec<f64>, Option<String>)>, RunError>>()?;
+    let (rows, diverged) = rows.into_iter().unzip();
+    Ok(SweepTable {
+        columns,
+        rows,
+        diverged,
+    })
+}
+
+/// What a run gives is SI; axes and a threshold that is searched for are in their key's unit.
+fn values(columns: &[Column], row: &SweepRow) -> Vec<f64> {
+    let value = |column: &Column| {
+        let entry = row.values.iter().find(|entry| entry.name == column.name);
+        entry.map_or(f64::NAN, |entry| match entry.unit {
+            Some(_) => column.unit.from_si(entry.value),
+            None => entry.value,
+        })
+    };
+    columns.iter().map(value).collect()
+}
+
+fn columns(scenario: &Scenario) -> Vec<Column> {
+    let Some(sweep) = &scenario.sweep else {
+        return Vec::new();
+    };
+    let axes = sweep.axes.iter().map(|axis| Column {
+        name: axis.key.clone(),
+        unit: axis.unit.clone(),
+        is_axis: true,
+    });
+    let result = |name: &str, unit: &UserUnit| Column {
+        name: name.to_owned(),
+        unit: unit.clone(),
+        is_axis: false,
+    };
+    let bisect = sweep
+        .bisect
+        .iter()
+        .map(|bisect| result(&bisect.name, &bisect.key_unit));
+    let others = sweep
+        .columns
+        .iter()
+        .map(|column| result(&column.name, &column.unit));
+    axes.chain(bisect).chain(others).collect()
+}
+
+impl SweepTable {
+    /// The index of a result's column.
+    pub fn index(&self, name: &str) -> Option<usize> {
+        self.columns
+            .iter()
+            .position(|column| column.name == name && !column.is_axis)
+    }
+
+    /// In how many rows a run diverged.
+    pub fn count_diverged(&self) -> usize {
+        self.diverged.iter().flatten().count()
+    }
+
+    /// The row by the values of its axes: `mu = 0.1, bore_mm = 32`; its number where there are no axes.
+    pub fn row_name(&self, row: usize) -> String {
+        let axes = self.columns.iter().zip(&self.rows[row]);
+        let axes: Vec<String> = axes
+            .filter(|(column, _)| column.is_axis)
+            .map(|(column, value)| format!("{} = {}", column.short_name(), short_number(*value)))
+            .collect();
+        if axes.is_empty() {
+            return format!("row {}", row + 1);
+        }
+        axes.join(", ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truecut_recording::Unit;
+
+    #[test]
+    fn an_axis_is_known_by_the_end_of_its_key() {
+        let column = |name: &str, is_axis| Column {
+            name: name.to_owned(),
+            unit: UserUnit::from(Unit::One),
+            is_axis,
+        };
+        assert_eq!(
+            column("process.chamfer.foot.friction.mu", true).short_name(),
+            "mu"
+        );
+        assert_eq!(
+            column("process.load.release_n.0", true).short_name(),
+            "release_n.0"
+        );
+        assert_eq!(
+            column("paper, eq. (27)", false).short_name(),
+            "paper, eq. (27)"
+        );
+    }
+}

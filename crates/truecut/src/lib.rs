@@ -1,0 +1,198 @@
+//! truecut simulates robotic machining: a compliant arm, the process that loads it, and claims on
+//! the result. From measured data it also finds what a simulation lacks.
+//!
+//! A *scenario* is a TOML file: a robot (URDF), what the tool does, and what must hold. A run of it
+//! yields a *recording*: channels with units over time. An *effect* is one physical thing that the
+//! model leaves out; a diagnosis answers with effects, as entries of the same scenario.
+//!
+//! # A tour
+//!
+//! ```
+//! use std::path::Path;
+//! use truecut::{Engine, Run, Scenario};
+//!
+//! // The back of a hole is chamfered by a tool whose foot is pressed onto the part, on a rig that
+//! // gives way in a plane. Keys have their unit in their name.
+//! let text = r#"
+//! name = "A foot that holds"
+//!
+//! [robot]
+//! urdf = "assets/robots/rig_planar/robot.urdf"
+//! gravity = false
+//!
+//! [run]
+//! duration_s = 1.0
+//!
+//! [process.chamfer]
+//! direction = "backward"
+//! spindle_rpm = 300
+//! feed_mm_per_rev = 0.1
+//! depth_mm = 1.0
+//! half_angle_deg = 45
+//! hole_diameter_mm = 42
+//! regeneration = "off"
+//!
+//! [process.chamfer.cutting]
+//! axial_mpa = 1960
+//! in_plane_mpa = 2140
+//! in_plane_angle_deg = 20
+//!
+//! [process.chamfer.foot]
+//! pressure_mpa = 0.8
+//! bore_mm = 32
+//! cylinders = 2
+//! seal_stiction_n = 97
+//!
+//! [process.chamfer.foot.friction]
+//! law = "coulomb"
+//! mu = 0.15
+//!
+//! [[claim]]
+//! name = "the foot holds"
+//! metric = "duration_above"
+//! channel = "foot.sliding"
+//! threshold = 0.5
+//! max = 3
+//! unit = "ms"
+//! reason = "friction exceeds the rotating force at every depth"
+//! "#;
+//! // The text stands for a file in the root of the repository: its paths lead from there.
+//! let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+//! let scenario = Scenario::from_str(&root.join("foot.toml"), text, &[])?;
+//!
+//! // A run in one call. Claims are judged; numbers are SI.
+//! let held = Run::of(&scenario).execute()?;
+//! assert!(held.holds(), "{}", held.claims[0].shown);
+//! let axial_n = held.recording.channel("foot.normal_force")?;
+//! assert_eq!(axial_n.len(), held.recording.time_s.len());
+//!
+//! // Any key can be changed from outside, and the arm stepped by its linearisation, many times as
+//! // fast. Here the friction is too low: the claim fails, and says by how much.
+//! let slippery = Run {
+//!     overrides: vec![("process.chamfer.foot.friction.mu".into(), "0.02".into())],
+//!     engine: Engine::REDUCED,
+//!     ..Run::of(&scenario)
+//! };
+//! let slid = slippery.execute()?;
+//! assert!(!slid.claims[0].holds);
+//! assert!(slid.recording.scalar("chamfer.width_spread")?.value > 0.0);
+//!
+//! // A mistake names its place.
+//! let error = Scenario::from_str(&root.join("foot.toml"), &text.replace("= 32", "= -32"), &[]);
+//! let error = error.unwrap_err();
+//! assert_eq!(error.problems().next().and_then(|problem| problem.line()), Some(27));
+//!
+//! // A sweep runs a scenario over values of its keys, in parallel, and judges claims on all rows.
+//! let sweep = r#"
+//! [[sweep.axis]]
+//! key = "process.chamfer.foot.friction.mu"
+//! values = [0.02, 0.15]
+//!
+//! [[sweep.column]]
+//! name = "time sliding"
+//! metric = "duration_above"
+//! channel = "foot.sliding"
+//! threshold = 0.5
+//! unit = "ms"
+//! "#;
+//! let (head, _claims) = text.split_once("[[claim]]").unwrap();
+//! let swept = Scenario::from_str(&root.join("foot.toml"), &format!("{head}{sweep}"), &[])?;
+//! let table = truecut::sweep(&swept, &|_part| {})?;
+//! assert!(table.rows[0][1] > 3.0 && table.rows[1][1] < 3.0, "{:?}", table.rows);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Measured data are another recording. What a simulation gets wrong about them is compared, then
+//! explained:
+//!
+//! ```
+//! use std::path::Path;
+//! use truecut::discrepancy::compare::compare_recordings;
+//! use truecut::discrepancy::diagnose::{Options, Verdict, diagnose};
+//! use truecut::discrepancy::trial::Trial;
+//! use truecut::{Claims, Run, RunError, Scenario, data};
+//!
+//! // The scenario says which column of the data is which channel, and which of them drive the
+//! // model.
+//! let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis/elbow.toml");
+//! let scenario = Scenario::load(&file, &[("data.to_s".into(), "1".into())])?; // one second is enough
+//! let measured = data::measured(&scenario, None)?;
+//!
+//! let nominal = Run { measured: Some(&measured), claims: Claims::Ignore, ..Run::of(&scenario) };
+//! let differences = compare_recordings(&nominal.execute()?.recording, &measured, None)?;
+//! assert_eq!(differences.channels[2].channel, "tool.position_z");
+//!
+//! // Effects are searched that would explain it: play in the second joint.
+//! let trial = Trial::new(&scenario, &measured).map_err(|error| RunError::of(&scenario, error))?;
+//! let answer = diagnose(&trial, &trial.observation, &Options::default(), &|_progress| {})?;
+//! assert_eq!(answer.diagnosis.verdict, Verdict::Named);
+//! assert_eq!(answer.diagnosis.causes[0].kind, "joint_backlash");
+//!
+//! // The answer is a scenario that anyone can run.
+//! let extended = scenario.with_effects(&answer.effects)?;
+//! assert!(extended.extended_text(&answer.effects, &trial.rotary()).contains("joint_backlash"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Where to go on
+//!
+//! | example, `cargo run --release -p truecut --example …` | shows |
+//! | --- | --- |
+//! | `chamfer` | one scenario at two pressures, claims, channels, scalars |
+//! | `sweep` | a threshold searched over friction, compared with two formulas |
+//! | `diagnose` | measured data, and the play that explains them |
+//! | `own_process` | a process that truecut does not know, in one's own code |
+//!
+//! | module | what it holds |
+//! | --- | --- |
+//! | [`scenario`] | the file format: tables, schema, units, effects, claims |
+//! | [`sim`] | the simulator: [`sim::run`], sweeps, plants, processes |
+//! | [`recording`] | channels, metrics, claims, measured data, sinks |
+//! | [`data`] | the measured data that a scenario names |
+//! | [`outputs`], [`telemetry`] | the files of a run, and readers of them |
+//! | [`discrepancy`] | comparison with measured data, diagnosis, identification |
+//! | [`arm`], [`plan`], [`core`] | robots; tool paths, postures, programs; laws of the processes |
+//!
+//! A process of your own needs a table type, [`sim::process::OwnProcess`] (name, [`scenario::Facts`],
+//! set-up) and [`sim::process::Process`]; [`scenario::Processes`] registers it. The feature
+//! `contract` has tests for it.
+//!
+//! The program of the same name (package `truecut-cli`) adds arguments, text and figures, and
+//! nothing else.
+
+#![warn(missing_docs)]
+
+pub mod data;
+pub mod outputs;
+
+pub use truecut_arm as arm;
+pub use truecut_core as core;
+pub use truecut_discrepancy as discrepancy;
+pub use truecut_plan as plan;
+pub use truecut_recording as recording;
+pub use truecut_scenario as scenario;
+pub use truecut_sim as sim;
+pub use truecut_telemetry as telemetry;
+
+pub use outputs::Outputs;
+pub use truecut_scenario::Scenario;
+pub use truecut_sim::run::{Claims, Engine, Finished, Run, RunError, Runs};
+pub use truecut_sim::sweep::{SweepTable, sweep};
+
+/// Libraries whose types are part of the interface, in the versions that it uses.
+pub mod external {
+    pub use nalgebra;
+    pub use schemars;
+    pub use serde;
+}
+
+/// Contract tests for your own implementations: a macro makes a `#[test]` of each rule.
+#[cfg(feature = "contract")]
+pub mod contract {
+    pub use truecut_plan::dialect_contract;
+    pub use truecut_plan::program::contract as dialect;
+    pub use truecut_sim::contract::{plant, process};
+    pub use truecut_sim::{plant_contract, process_contract};
+    pub use truecut_telemetry::contract as reader;
+    pub use truecut_telemetry::reader_contract;
+}

@@ -1,0 +1,172 @@
+//! The files of a run: recording, stream, viewer's file and summary, in a folder named like the
+//! scenario.
+
+use std::path::{Path, PathBuf};
+
+use truecut_recording::{ClaimResult, Recording, Sink, Summary};
+use truecut_scenario::Scenario;
+use truecut_sim::sweep::SweepTable;
+use truecut_telemetry::{
+    Background, Column, FileError, IpcSink, ParquetSink, Reason, RrdSink, Values, write_columns,
+};
+
+/// The files of one scenario, in a folder named like it.
+///
+/// ```
+/// use truecut::{Engine, Outputs, Run, Scenario};
+///
+/// # let out = tempfile::tempdir()?;
+/// # let out = out.path();
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/arm/free_decay.toml");
+/// let scenario = Scenario::load(file.as_ref(), &[])?;
+/// let outputs = Outputs::prepare(out, &scenario, false)?;
+/// let run = Run { sinks: outputs.sinks(), engine: Engine::REDUCED, ..Run::of(&scenario) };
+/// let run = run.execute()?;
+/// outputs.write_summary(&run.recording, &run.claims)?;
+/// assert!(out.join("free_decay/recording.parquet").is_file());
+/// assert!(out.join("free_decay/summary.json").is_file());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Outputs {
+    folder: PathBuf,
+    rrd: bool,
+}
+
+const RECORDING: &str = "recording.parquet";
+const STREAM: &str = "recording.arrows";
+const VIEWER: &str = "recording.rrd";
+const SUMMARY: &str = "summary.json";
+/// The robot for MuJoCo, written by a cross-check.
+pub const MODEL: &str = "model.xml";
+/// Comparison of the two engines, written by a cross-check.
+pub const COMPARISON: &str = "crosscheck.json";
+
+impl Outputs {
+    /// Makes the folder below `out` and removes files of earlier runs from it. With `rrd` a file
+    /// for the viewer is written, too.
+    ///
+    /// # Errors
+    /// A folder that cannot be made, a file that cannot be removed.
+    pub fn prepare(out: &Path, scenario: &Scenario, rrd: bool) -> Result<Outputs, FileError> {
+        let outputs = Outputs {
+            folder: out.join(scenario.stem()),
+            rrd,
+        };
+        std::fs::create_dir_all(&outputs.folder).map_err(|error| failed(&outputs.folder, error))?;
+        for name in [RECORDING, STREAM, VIEWER, SUMMARY, MODEL, COMPARISON] {
+            let path = outputs.path(name);
+            match std::fs::remove_file(&path) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(failed(&path, error));
+                }
+                _ => {}
+            }
+        }
+        Ok(outputs)
+    }
+
+    /// A file of the folder.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// The Parquet file.
+    pub fn recording(&self) -> PathBuf {
+        self.path(RECORDING)
+    }
+
+    /// The main file: for the viewer if there is one, else the Parquet file.
+    pub fn main_file(&self) -> PathBuf {
+        self.path(if self.rrd { VIEWER } else { RECORDING })
+    }
+
+    /// The other files.
+    pub fn other_files(&self) -> Vec<&'static str> {
+        let all = [VIEWER, RECORDING, STREAM, SUMMARY];
+        let main = if self.rrd { VIEWER } else { RECORDING };
+        let written = |name: &&'static str| *name != main && (self.rrd || *name != VIEWER);
+        all.into_iter().filter(written).collect()
+    }
+
+    /// Sinks that take the rows during the run, on a thread of their own.
+    pub fn sinks(&self) -> Vec<Box<dyn Sink + Send>> {
+        let mut sinks: Vec<Box<dyn Sink + Send>> = vec![
+            Box::new(IpcSink::new(self.path(STREAM))),
+            Box::new(ParquetSink::new(self.recording())),
+        ];
+        if self.rrd {
+            sinks.push(Box::new(RrdSink::new(self.path(VIEWER))));
+        }
+        vec![Box::new(Background::new(sinks))]
+    }
+
+    /// Writes `summary.json`; the sinks write the rest.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_summary(
+        &self,
+        recording: &Recording,
+        claims: &[ClaimResult],
+    ) -> Result<(), FileError> {
+        let path = self.path(SUMMARY);
+        let summary = serde_json::to_string_pretty(&Summary::new(recording, claims))
+            .map_err(|error| failed(&path, error.into()))?;
+        write_file(&path, format!("{summary}\n").as_bytes())
+    }
+}
+
+/// Name of the column of a sweep's table that says how a row's runs ended: `completed`, or what
+/// diverged.
+pub const SWEEP_OUTCOME: &str = "outcome";
+
+/// Writes a sweep's table as `sweep.parquet`, into a folder below `out` that is named like the
+/// scenario: a column for each axis and result, its unit in the field's metadata, and how each
+/// row's runs ended in the last. Returns the file. Equal tables give equal bytes.
+///
+/// # Errors
+/// A file or folder that cannot be written.
+pub fn write_sweep(
+    out: &Path,
+    scenario: &Scenario,
+    table: &SweepTable,
+) -> Result<PathBuf, FileError> {
+    let folder = out.join(scenario.stem());
+    std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
+    let results = table.columns.iter().enumerate().map(|(index, column)| {
+        let values = table.rows.iter().map(|row| row[index]).collect();
+        Column::numbers(&column.name, &column.unit.symbol, values)
+    });
+    let outcomes = table.diverged.iter();
+    let outcomes = outcomes.map(|why| why.as_deref().unwrap_or("completed"));
+    let outcome = Column {
+        name: SWEEP_OUTCOME,
+        values: Values::Words(outcomes.collect()),
+    };
+    let columns: Vec<Column<'_>> = results.chain([outcome]).collect();
+    let path = folder.join("sweep.parquet");
+    write_columns(&path, &columns, &scenario.effective_text())?;
+    Ok(path)
+}
+
+/// Writes a file, and makes its folder.
+///
+/// # Errors
+/// A file or folder that cannot be written.
+pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    folder
+        .map_or(Ok(()), std::fs::create_dir_all)
+        .and_then(|()| std::fs::write(path, content))
+        .map_err(|error| failed(path, error))
+}
+
+fn failed(path: &Path, error: std::io::Error) -> FileError {
+    FileError {
+        path: path.to_owned(),
+        reason: Reason::Io(error),
+    }
+}

@@ -1,0 +1,150 @@
+"""Runs the commands that README, docs and benches show: each block marked `sh`, as a reader would paste it.
+
+A document's blocks run in its order, in a copy of what is shipped, with the built program as `truecut`. A comment on the
+line before a block changes what is run:
+
+    <!-- ci: short "the command in a form that takes less time" -->
+    <!-- ci: skip "why it cannot run" -->
+
+A command that names `$TRUECUT_DATA` is skipped where there is no measured data. Skipped blocks are named at the end of
+`tests/run.py`.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
+SHIPPED = ("README.md", "assets", "benches", "docs", "scenarios", "tests")
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), ROOT / "benches" / "README.md"]
+# runs these tests, and is running now
+THIS_RUN = "python3 tests/run.py"
+LONGEST_S = 900
+
+NOTE = re.compile(r'^<!-- ci: (short|skip) "(.*)" -->$')
+# the workspace is not copied, so that nothing is built twice; a program that cargo starts runs in the copy. A bench of
+# one package alone would build the libraries with fewer features, once more: it is built as part of the workspace
+CARGO = """#!/bin/sh
+command=$1
+shift
+if [ "$command" = bench ] && [ "$1" = -p ]; then
+    shift 2
+    set -- --workspace "$@"
+fi
+exec "{cargo}" "$command" --manifest-path "{root}/Cargo.toml" "$@"
+"""
+
+
+class Block(NamedTuple):
+    """Commands of a document, from a line on, and what the comment before them says."""
+
+    document: Path
+    line: int
+    commands: str
+    note: str | None
+    text: str
+
+    @property
+    def name(self) -> str:
+        """Document and first command."""
+        first = self.commands.strip().splitlines()[0]
+        return f"{self.document.relative_to(ROOT)}:{self.line}: {first}"
+
+
+def blocks(document: Path) -> list[Block]:
+    """All blocks of shell commands in a document."""
+    lines = document.read_text(encoding="utf-8").splitlines()
+    starts = [number for number, line in enumerate(lines) if line.strip() == "```sh"]
+    found = []
+    for start in starts:
+        indent = len(lines[start]) - len(lines[start].lstrip())
+        end = next(number for number in range(start + 1, len(lines)) if lines[number].strip() == "```")
+        commands = "\n".join(line[indent:] for line in lines[start + 1 : end])
+        note = NOTE.match(lines[start - 1].strip()) if start > 0 else None
+        found.append(Block(document, start + 1, commands, *(note.groups() if note else (None, ""))))
+    return found
+
+
+BLOCKS = [block for document in DOCUMENTS for block in blocks(document)]
+
+
+@pytest.fixture(scope="session")
+def desks(tmp_path_factory) -> dict[Path, Path]:
+    """A folder for each document, made when its first block runs."""
+    if not PROGRAM.exists():
+        pytest.fail(f"{PROGRAM} is missing: cargo build --release -p truecut-cli")
+    made: dict[Path, Path] = {}
+
+    class Desks(dict):
+        def __missing__(self, document: Path) -> Path:
+            made[document] = self[document] = desk(tmp_path_factory.mktemp(document.stem))
+            return made[document]
+
+    return Desks()
+
+
+def desk(folder: Path) -> Path:
+    """What a reader has after the first build."""
+    for name in SHIPPED:
+        source = ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(source, folder / name)
+    built = folder / "target" / "release"
+    built.mkdir(parents=True)
+    (built / "truecut").symlink_to(PROGRAM)
+    tools = folder / "tools"
+    tools.mkdir()
+    (tools / "truecut").symlink_to(PROGRAM)
+    (tools / "cargo").write_text(CARGO.format(cargo=shutil.which("cargo"), root=ROOT), encoding="utf-8")
+    (tools / "cargo").chmod(0o755)
+    return folder
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.name)
+def test_command_of_a_document_runs(desks, block):
+    """It ends with exit code 0."""
+    if block.commands.strip() == THIS_RUN:
+        return
+    if block.note == "skip":
+        pytest.skip(block.text)
+    commands = block.text if block.note == "short" else block.commands
+    if "$TRUECUT_DATA" in commands and "TRUECUT_DATA" not in os.environ:
+        pytest.skip("TRUECUT_DATA names no folder of measured data")
+    folder = desks[block.document]
+    path = os.pathsep.join([str(folder / "tools"), str(Path(sys.executable).parent), os.environ["PATH"]])
+    variables = os.environ | {"PATH": path, "NO_COLOR": "1", "TRUECUT_PYTHON": sys.executable}
+    if "TRUECUT_DATA" in variables:
+        variables["TRUECUT_DATA"] = str((ROOT / variables["TRUECUT_DATA"]).resolve())
+    command = ["bash", "-euo", "pipefail", "-c", commands]
+    done = subprocess.run(
+        command, cwd=folder, env=variables, capture_output=True, text=True, timeout=LONGEST_S, check=False
+    )
+    assert done.returncode == 0, f"{commands}\nexit {done.returncode}\n{done.stdout}\n{done.stderr}"
+
+
+def test_every_comment_on_a_command_is_understood():
+    """A comment that stands elsewhere, or is written otherwise, would silently do nothing."""
+    for document in DOCUMENTS:
+        text = document.read_text(encoding="utf-8")
+        noted = sum(1 for block in blocks(document) if block.note is not None)
+        assert text.count("<!-- ci:") == noted, document
+
+
+def test_every_bench_has_its_command():
+    """No bench is left out of `benches/README.md`, whose commands run here."""
+    shown = "\n".join(block.commands for block in blocks(ROOT / "benches" / "README.md"))
+    for source in [*ROOT.glob("crates/*/benches/*.rs"), *ROOT.glob("tests/benches/*.rs")]:
+        assert f"--bench {source.stem}" in shown or source.stem == "forced_arm", source
+    for script in (ROOT / "benches").glob("*.py"):
+        assert f"benches/{script.name}" in shown, script
