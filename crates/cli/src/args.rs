@@ -1,20 +1,22 @@
 //! Arguments as written, and in the resolved form that the commands use.
 
 mod finishing;
+mod number;
+mod runs;
 mod stability;
 
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
-use truecut_discrepancy::diagnose::Options;
 use truecut_scenario::Scenario;
 
-use crate::diagnose;
 use crate::failure::Failure;
-use crate::find::find_scenarios;
 
 pub use finishing::{PathArguments, ProgramArguments};
+pub use runs::{
+    CheckArguments, CheckPlan, CompareArguments, ComparePlan, CrosscheckArguments,
+    DiagnoseArguments, RunArguments, RunPlan,
+};
 pub use stability::{LobesArguments, PostureArguments};
 
 /// Physics-backed simulation of robotic machining.
@@ -73,36 +75,6 @@ pub struct Common {
 }
 
 #[derive(Debug, Args)]
-pub struct RunArguments {
-    /// Scenario files
-    #[arg(required = true, value_name = "SCENARIO")]
-    scenarios: Vec<PathBuf>,
-    /// Folder for outputs; each scenario gets a folder of its own in it
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
-    #[command(flatten)]
-    common: Common,
-    /// Write no .rrd file for the viewer
-    #[arg(long)]
-    no_rrd: bool,
-    /// Measured data (.csv or .parquet) in the place of data.file of the scenarios
-    #[arg(long, value_name = "FILE")]
-    data: Option<PathBuf>,
-}
-
-#[derive(Debug, Args)]
-pub struct CheckArguments {
-    /// Scenario files, or folders in which they are looked for
-    #[arg(required = true, value_name = "PATH")]
-    paths: Vec<PathBuf>,
-    #[command(flatten)]
-    common: Common,
-    /// Where the JUnit XML goes
-    #[arg(long, value_name = "FILE", default_value = "out/junit.xml")]
-    junit: PathBuf,
-}
-
-#[derive(Debug, Args)]
 pub struct ViewArguments {
     /// A recording: .rrd, .parquet or .arrows
     pub file: PathBuf,
@@ -121,55 +93,6 @@ pub struct ExportArguments {
     /// Change a key of the scenario; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_set)]
     pub set: Vec<(String, String)>,
-}
-
-#[derive(Debug, Args)]
-pub struct CrosscheckArguments {
-    /// Scenario files
-    #[arg(required = true, value_name = "SCENARIO")]
-    scenarios: Vec<PathBuf>,
-    /// Folder for outputs; each scenario gets a folder of its own in it
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
-    #[command(flatten)]
-    common: Common,
-}
-
-#[derive(Debug, Args)]
-pub struct CompareArguments {
-    /// Scenario file, with a table [data]
-    scenario: PathBuf,
-    /// The measured data, .csv or .parquet [default: data.file of the scenario]
-    #[arg(long, value_name = "FILE")]
-    data: Option<PathBuf>,
-    /// Folder for outputs; the scenario gets a folder of its own in it
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
-    /// Speed of the spindle, to find lines at its orders of rotation [default: the scenario's]
-    #[arg(long, value_name = "RPM", value_parser = parse_rpm)]
-    rpm: Option<f64>,
-    #[command(flatten)]
-    common: Common,
-}
-
-#[derive(Debug, Args)]
-pub struct DiagnoseArguments {
-    /// Scenario file with a [data] table
-    scenario: PathBuf,
-    /// Measured data (.csv or .parquet) [default: the file that the scenario names]
-    #[arg(long, value_name = "FILE")]
-    data: Option<PathBuf>,
-    /// Folder for outputs; the scenario gets a folder of its own in it
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
-    /// Most simulations that the search may make [default: 2500]
-    #[arg(long, value_name = "N")]
-    max_runs: Option<std::num::NonZeroUsize>,
-    /// Most causes that are named together [default: 4]
-    #[arg(long, value_name = "N")]
-    max_causes: Option<std::num::NonZeroUsize>,
-    #[command(flatten)]
-    common: Common,
 }
 
 #[derive(Debug, Args)]
@@ -227,101 +150,13 @@ pub struct RobotArguments {
     pub json: bool,
 }
 
-/// `run`, resolved.
-pub struct RunPlan {
-    pub scenarios: Vec<Scenario>,
-    pub data: Option<PathBuf>,
-    pub out: PathBuf,
-    pub rrd: bool,
-}
-
-/// `compare`, resolved.
-pub struct ComparePlan {
-    pub scenario: Scenario,
-    pub data: Option<PathBuf>,
-    pub out: PathBuf,
-    pub spindle_hz: Option<f64>,
-}
-
-/// `check`, resolved.
-pub struct CheckPlan {
-    pub files: Vec<PathBuf>,
-    pub set: Vec<(String, String)>,
-    pub junit: PathBuf,
-}
-
-impl RunArguments {
-    /// Loads every scenario before any runs.
-    pub fn resolve(self) -> Result<RunPlan, Failure> {
-        let scenarios = load_all(&self.scenarios, &self.common)?;
-        Ok(RunPlan {
-            scenarios,
-            data: self.data,
-            out: self.out,
-            rrd: !self.no_rrd,
-        })
-    }
-}
-
-impl DiagnoseArguments {
-    /// Loads the scenario.
-    pub fn resolve(self) -> Result<diagnose::DiagnosePlan, Failure> {
-        self.common.use_jobs()?;
-        let mut options = Options::default();
-        if let Some(runs) = self.max_runs {
-            options.max_predictions = runs.get();
-        }
-        if let Some(causes) = self.max_causes {
-            options.max_effects = causes.get();
-        }
-        Ok(diagnose::DiagnosePlan {
-            scenario: Scenario::load(&self.scenario, &self.common.set)?,
-            data: self.data,
-            out: self.out,
-            options,
-        })
-    }
-}
-
-impl CrosscheckArguments {
-    /// Loads every scenario before any runs.
-    pub fn resolve(self) -> Result<RunPlan, Failure> {
-        let scenarios = load_all(&self.scenarios, &self.common)?;
-        Ok(RunPlan {
-            scenarios,
-            data: None,
-            out: self.out,
-            rrd: false,
-        })
-    }
-}
-
-impl CompareArguments {
-    /// Loads the scenario.
-    pub fn resolve(self) -> Result<ComparePlan, Failure> {
-        self.common.use_jobs()?;
-        Ok(ComparePlan {
-            scenario: Scenario::load(&self.scenario, &self.common.set)?,
-            data: self.data,
-            out: self.out,
-            spindle_hz: self.rpm.map(|rpm| rpm / 60.0),
-        })
-    }
-}
-
-impl CheckArguments {
-    /// Finds the scenarios.
-    pub fn resolve(self) -> Result<CheckPlan, Failure> {
-        self.common.use_jobs()?;
-        Ok(CheckPlan {
-            files: find_scenarios(&self.paths)?,
-            set: self.common.set,
-            junit: self.junit,
-        })
-    }
-}
-
 impl Common {
+    /// The scenario of a file, changed.
+    fn load(&self, path: &Path) -> Result<Scenario, Failure> {
+        self.use_jobs()?;
+        Ok(Scenario::load(path, &self.set)?)
+    }
+
     fn use_jobs(&self) -> Result<(), Failure> {
         let asked = self.jobs.map_or(0, std::num::NonZeroUsize::get);
         if asked > MOST_JOBS {
@@ -344,28 +179,6 @@ const MOST_JOBS: usize = 1024;
 /// More threads per core only slow each other down.
 const MOST_THREADS_PER_CORE: usize = 4;
 
-fn load_all(paths: &[PathBuf], common: &Common) -> Result<Vec<Scenario>, Failure> {
-    common.use_jobs()?;
-    let mut scenarios: Vec<Scenario> = Vec::new();
-    let mut folders = BTreeMap::new();
-    for path in paths {
-        let scenario = Scenario::load(path, &common.set)?;
-        if let Some(other) = folders.insert(scenario.stem(), path) {
-            let (stem, other) = (scenario.stem(), other.display());
-            let text = format!(
-                "{other} and {} would both write to the folder \"{stem}\"",
-                path.display()
-            );
-            return Err(Failure::with_help(
-                text,
-                "run them one by one, with different --out folders",
-            ));
-        }
-        scenarios.push(scenario);
-    }
-    Ok(scenarios)
-}
-
 fn parse_set(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
@@ -373,14 +186,6 @@ fn parse_set(text: &str) -> Result<(String, String), String> {
         }
         _ => Err("write KEY=VALUE, e.g. process.chamfer.spindle_rpm=400".into()),
     }
-}
-
-fn parse_rpm(text: &str) -> Result<f64, String> {
-    let rpm = text
-        .parse()
-        .ok()
-        .filter(|rpm: &f64| rpm.is_finite() && *rpm > 0.0);
-    rpm.ok_or_else(|| "must be a number above 0".into())
 }
 
 #[cfg(test)]

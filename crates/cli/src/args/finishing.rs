@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use truecut_plan::program::DIALECTS;
 
+use super::number::above_zero;
+
 #[derive(Debug, Args)]
 pub struct PathArguments {
     /// Path job: face, contact wheel, lines, robot and program
@@ -28,7 +30,7 @@ pub struct ProgramArguments {
     #[arg(long, value_name = "CSV")]
     pub path: Option<PathBuf>,
     /// Pulses per degree of the turntable, if a job has one
-    #[arg(long, value_name = "PULSES", value_parser = parse_above_zero)]
+    #[arg(long, value_name = "PULSES", value_parser = above_zero)]
     pub pulses_per_deg: Option<f64>,
     /// Where a job's base frame stands in the world; a module says it itself
     #[arg(
@@ -54,10 +56,4 @@ pub struct ProgramArguments {
 fn program_files() -> String {
     let all: Vec<&str> = DIALECTS.iter().map(|dialect| dialect.about()).collect();
     format!("Robot program: {}", all.join(" or "))
-}
-
-fn parse_above_zero(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok();
-    let value = value.filter(|value: &f64| value.is_finite() && *value > 0.0);
-    value.ok_or_else(|| "must be a number above 0".into())
 }

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use truecut_plan::{Criterion, LEAST_DECAY};
-use truecut_scenario::Scenario;
 
-use super::{Common, parse_rpm};
+use super::Common;
+use super::number::{above_zero, number};
 use crate::failure::Failure;
 use crate::{lobes, posture};
 
@@ -19,7 +19,7 @@ pub struct LobesArguments {
     #[arg(long, value_name = "FROM,TO", value_parser = parse_range)]
     rpm: Option<[f64; 2]>,
     /// Deepest cut [default: three times the scenario's, or a fifth more than its limit]
-    #[arg(long, value_name = "MM", value_parser = parse_rpm)]
+    #[arg(long, value_name = "MM", value_parser = above_zero)]
     deepest: Option<f64>,
     /// How many speeds and depths the diagram has
     #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u16).range(2..=1000))]
@@ -74,9 +74,8 @@ pub enum CriterionName {
 impl LobesArguments {
     /// Loads the scenario.
     pub fn resolve(self) -> Result<lobes::LobesPlan, Failure> {
-        self.common.use_jobs()?;
         Ok(lobes::LobesPlan {
-            scenario: Scenario::load(&self.scenario, &self.common.set)?,
+            scenario: self.common.load(&self.scenario)?,
             rpm: self.rpm,
             deepest_m: self.deepest.map(|mm| mm * 1e-3),
             size: self.size.into(),
@@ -90,9 +89,8 @@ impl LobesArguments {
 impl PostureArguments {
     /// Loads the scenario.
     pub fn resolve(self) -> Result<posture::Request, Failure> {
-        self.common.use_jobs()?;
         Ok(posture::Request {
-            scenario: Scenario::load(&self.scenario, &self.common.set)?,
+            scenario: self.common.load(&self.scenario)?,
             criterion: self.criterion.into(),
             least_decay: self.least_decay,
             maps: self.maps,
@@ -113,30 +111,18 @@ impl From<CriterionName> for Criterion {
 }
 
 fn parse_distance(text: &str) -> Result<f64, String> {
-    let value = text
-        .parse()
-        .ok()
-        .filter(|value: &f64| value.is_finite() && *value >= 0.0);
-    value.ok_or_else(|| "must be a number, 0 or above".into())
+    number(text, |value| value >= 0.0, "must be a number, 0 or above")
 }
 
 fn parse_part(text: &str) -> Result<f64, String> {
-    let value = text
-        .parse()
-        .ok()
-        .filter(|value: &f64| (0.0..1.0).contains(value));
-    value.ok_or_else(|| {
-        "must be a number from 0 to less than 1: a mode in which the tool does \
-                         not move decays as without a cut"
-            .into()
-    })
+    let rule = "must be a number from 0 to less than 1: a mode in which the tool does not move \
+                decays as without a cut";
+    number(text, |value| (0.0..1.0).contains(&value), rule)
 }
 
 fn parse_range(text: &str) -> Result<[f64; 2], String> {
-    let ends = text
-        .split_once(',')
-        .map(|(from, to)| [from, to].map(str::trim));
-    match ends.map(|ends| ends.map(parse_rpm)) {
+    let ends = text.split_once(',');
+    match ends.map(|(from, to)| [from, to].map(|end| above_zero(end.trim()))) {
         Some([Ok(from), Ok(to)]) if from < to => Ok([from, to]),
         _ => Err("write FROM,TO, two numbers above 0 that rise, e.g. 300,3000".into()),
     }
