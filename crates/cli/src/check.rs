@@ -153,13 +153,12 @@ fn table(checked: &[Checked]) -> String {
         let judged = one.result.as_ref().ok();
         for claim in judged.into_iter().flat_map(|judged| &judged.claims) {
             if !claim.holds {
-                let note = claim.note.as_ref().map(|note| format!(" ({note})"));
-                let shown = format!("{}{}", claim.shown, note.unwrap_or_default());
+                let name = format!("    ✗ {}", claim.name);
                 rows.push(vec![
-                    format!("    ✗ {}", claim.name),
+                    name,
                     String::new(),
                     String::new(),
-                    shown,
+                    text::with_note(claim),
                 ]);
             }
         }
@@ -196,7 +195,7 @@ fn write_junit(checked: &[Checked], plan: &CheckPlan) -> Result<(), Failure> {
     }
     let xml = report
         .to_string()
-        .map_err(|error| Failure::message(format!("{}: {error}", plan.junit.display())))?;
+        .map_err(|error| Failure::at(&plan.junit, error))?;
     Ok(write_file(&plan.junit, xml.as_bytes())?)
 }
 
@@ -220,12 +219,8 @@ fn claim_case(claim: &ClaimResult) -> TestCase {
     let status = if claim.holds {
         TestCaseStatus::success()
     } else {
-        let note = claim
-            .note
-            .as_ref()
-            .map(|note| format!(" ({note})"))
-            .unwrap_or_default();
-        let text = format!("{}: {}{note}; {}", claim.metric, claim.shown, claim.reason);
+        let shown = text::with_note(claim);
+        let text = format!("{}: {shown}; {}", claim.metric, claim.reason);
         non_success(NonSuccessKind::Failure, &text)
     };
     TestCase::new(&*claim.name, status)

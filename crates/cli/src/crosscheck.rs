@@ -52,19 +52,17 @@ fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Failure
     })?;
     let python = python(scenario)?;
     let outputs = Outputs::prepare(out, scenario, false)?;
-    let progress = Progress::new(1, "running");
-    let run = progress.run();
-    let recording = Run {
-        read_data: Some(data::replayed),
-        claims: Claims::Check,
-        sinks: outputs.sinks(),
-        progress: &|part| run.set(part),
-        ..Run::of(scenario)
-    }
-    .execute()?
-    .recording;
-    drop(run);
-    drop(progress);
+    let finished = Progress::of_one("running", |progress| {
+        let run = Run {
+            read_data: Some(data::replayed),
+            claims: Claims::Check,
+            sinks: outputs.sinks(),
+            progress,
+            ..Run::of(scenario)
+        };
+        run.execute()
+    });
+    let recording = finished?.recording;
     outputs.write_summary(&recording, &[])?;
     if recording.outcome != Outcome::Completed {
         let outcome = text::outcome(&recording.outcome);
@@ -85,7 +83,7 @@ fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Failure
     }
     let status = command
         .status()
-        .map_err(|error| Failure::message(format!("{}: {error}", python.display())))?;
+        .map_err(|error| Failure::at(&python, error))?;
     match status.code() {
         Some(0) => Ok(ExitStatus::Good),
         Some(DISAGREES) => Ok(ExitStatus::Disagrees),

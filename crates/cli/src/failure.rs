@@ -120,6 +120,11 @@ impl Failure {
         }))
     }
 
+    /// A failure about a file or a folder.
+    pub fn at(path: &Path, what: impl std::fmt::Display) -> Failure {
+        Failure::message(format!("{}: {what}", path.display()))
+    }
+
     /// A failure that is not at a place in a file, with advice.
     pub fn with_help(text: impl Into<String>, help: impl Into<String>) -> Failure {
         Failure(Box::new(Message {

@@ -14,10 +14,7 @@ pub fn find_scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         } else if path.exists() {
             found.push(path.clone());
         } else {
-            return Err(Failure::message(format!(
-                "{}: no such file or folder",
-                path.display()
-            )));
+            return Err(Failure::at(path, "no such file or folder"));
         }
     }
     if found.is_empty() {
@@ -35,8 +32,7 @@ pub fn find_scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 }
 
 fn collect(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
-    let unreadable =
-        |error: std::io::Error| Failure::message(format!("{}: {error}", folder.display()));
+    let unreadable = |error: std::io::Error| Failure::at(folder, error);
     let entries = std::fs::read_dir(folder).map_err(unreadable)?;
     let mut entries: Vec<PathBuf> = entries
         .map(|entry| entry.map(|entry| entry.path()))

@@ -13,6 +13,6 @@ pub fn export(arguments: &ExportArguments) -> Result<ExitStatus, Failure> {
         truecut_sim::export_mjcf(&scenario).map_err(|error| Failure::sim(&scenario, error))?;
     // The path was typed by hand; a missing folder is likely a typing error.
     std::fs::write(&arguments.output, mjcf.as_bytes())
-        .map_err(|error| Failure::message(format!("{}: {error}", arguments.output.display())))?;
+        .map_err(|error| Failure::at(&arguments.output, error))?;
     crate::print(&format!("{}\n", arguments.output.display()))
 }

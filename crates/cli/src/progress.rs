@@ -43,6 +43,13 @@ impl Progress {
         }
     }
 
+    /// Does work that tells of its progress, 0 to 1.
+    pub fn of_one<T>(what: &str, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+        let progress = Progress::new(1, what);
+        let run = progress.run();
+        work(&|part| run.set(part))
+    }
+
     /// Starts the progress of a run.
     pub fn run(&self) -> RunProgress<'_> {
         RunProgress {

@@ -11,10 +11,8 @@ pub fn describe(arguments: &RobotArguments) -> Result<ExitStatus, Failure> {
     let robot = Robot::load(&arguments.urdf, None, arguments.tip.as_deref())
         .map_err(|error| Failure::arm(&error))?;
     if let Some(file) = &arguments.fk {
-        let text = std::fs::read_to_string(file)
-            .map_err(|error| Failure::message(format!("{}: {error}", file.display())))?;
-        let table = fk_table(&robot, &text)
-            .map_err(|error| Failure::message(format!("{}: {error}", file.display())))?;
+        let text = std::fs::read_to_string(file).map_err(|error| Failure::at(file, error))?;
+        let table = fk_table(&robot, &text).map_err(|error| Failure::at(file, error))?;
         return crate::print(&table);
     }
     let posture = match &arguments.posture_deg {

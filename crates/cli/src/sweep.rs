@@ -15,11 +15,7 @@ use crate::text::{self, Align};
 
 /// Runs a sweep with progress, prints its table and writes `sweep.parquet` and `sweep.svg`.
 pub fn run_and_write(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Failure> {
-    let progress = Progress::new(1, "sweeping");
-    let bar = progress.run();
-    let table = sweep(scenario, &|part| bar.set(part))?;
-    drop(bar);
-    drop(progress);
+    let table = Progress::of_one("sweeping", |progress| sweep(scenario, progress))?;
     let claims = table.claims(scenario);
     let svg = write_sweep(out, scenario, &table)?.with_extension("svg");
     let figure = Figure {
@@ -109,11 +105,7 @@ fn panels(table: &SweepTable) -> Vec<Panel> {
         let known = panels.iter().position(|panel| panel.y_label == y_label);
         let position = known.unwrap_or_else(|| {
             let x_label = heading(&table.columns[over]);
-            panels.push(Panel {
-                x_label,
-                y_label,
-                ..Panel::default()
-            });
+            panels.push(Panel::new("", x_label, y_label, Vec::new()));
             panels.len() - 1
         });
         panels[position]
@@ -148,14 +140,7 @@ fn curves_of(table: &SweepTable, index: usize, over: usize, outer: Option<usize>
             }
             None => name.clone(),
         };
-        curves.push((
-            group,
-            Layer {
-                label,
-                points: vec![point],
-                ..Layer::default()
-            },
-        ));
+        curves.push((group, Layer::line(label, [point], 0)));
     }
     curves.into_iter().map(|(_, curve)| curve).collect()
 }

@@ -1,5 +1,7 @@
 //! Numbers and tables as printed.
 
+use std::path::{Path, PathBuf};
+
 pub use comfy_table::CellAlignment as Align;
 use comfy_table::presets;
 use truecut_recording::{ClaimResult, Outcome, Scalar, Unit, UserUnit, significant};
@@ -35,16 +37,8 @@ pub fn show(unit: Unit, value: f64) -> String {
 
 /// The scalars of a run, one per line.
 pub fn scalars(scalars: &[Scalar]) -> String {
-    let rows: Vec<Vec<String>> = scalars
-        .iter()
-        .map(|one| {
-            vec![
-                one.name.clone(),
-                show(one.unit, one.value),
-                one.description.clone(),
-            ]
-        })
-        .collect();
+    let of = |one: &Scalar| row(&one.name, show(one.unit, one.value), &*one.description);
+    let rows: Vec<Vec<String>> = scalars.iter().map(of).collect();
     table(&[Align::Left, Align::Right, Align::Left], &rows)
 }
 
@@ -123,15 +117,19 @@ pub fn claims(claims: &[ClaimResult]) -> String {
         .iter()
         .map(|claim| {
             let mark = if claim.holds { "✓" } else { "✗" };
-            let note = claim.note.as_ref().map(|note| format!(" ({note})"));
-            vec![
-                format!("{mark} {}", claim.name),
-                format!("{}{}", claim.shown, note.unwrap_or_default()),
-                claim.reason.clone(),
-            ]
+            let name = format!("{mark} {}", claim.name);
+            row(&name, with_note(claim), &*claim.reason)
         })
         .collect();
     table(&[Align::Left; 3], &rows)
+}
+
+/// What a claim found and must be, with its note.
+pub fn with_note(claim: &ClaimResult) -> String {
+    match &claim.note {
+        Some(note) => format!("{} ({note})", claim.shown),
+        None => claim.shown.clone(),
+    }
 }
 
 /// Outcome of a run as a phrase; names what diverged.
@@ -145,6 +143,35 @@ pub fn outcome(outcome: &Outcome) -> String {
 /// A duration with three digits.
 pub fn seconds(value: f64) -> String {
     format!("{} s", significant(value, 3))
+}
+
+/// The file to look at first, and those written with it.
+pub fn written(first: &Path, rest: &[PathBuf]) -> String {
+    let names = rest.iter().filter_map(|path| path.file_name());
+    let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
+    format!(
+        "  {}   (beside it: {})\n",
+        first.display(),
+        names.join(", ")
+    )
+}
+
+/// A row of a name, a value and what it is.
+pub fn row(name: &str, value: String, what: impl Into<String>) -> Vec<String> {
+    vec![name.to_owned(), value, what.into()]
+}
+
+/// The row of the joint that is closest to its speed limit on a line.
+pub fn fastest_joint(share: f64, joint: &str, point: usize) -> Vec<String> {
+    let what =
+        format!("of its limit: the fastest joint on a line, \"{joint}\" at path point {point}");
+    row("joint speed", significant(share, 3), what)
+}
+
+/// Rows below their headings.
+pub fn headed(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<Vec<String>> {
+    let head = head.iter().map(|&heading| heading.to_owned()).collect();
+    std::iter::once(head).chain(rows).collect()
 }
 
 /// Lines with aligned columns, indented by two.

@@ -18,10 +18,7 @@ const GET_VIEWER: &str = "pip install rerun-sdk==0.36.3";
 pub fn view(arguments: &ViewArguments) -> Result<ExitStatus, Failure> {
     let file = &arguments.file;
     if !file.is_file() {
-        return Err(Failure::message(format!(
-            "{}: no such file",
-            file.display()
-        )));
+        return Err(Failure::at(file, "no such file"));
     }
     if file.extension().is_some_and(|extension| extension == "rrd") {
         return open(file);
@@ -46,7 +43,7 @@ fn open(file: &Path) -> Result<ExitStatus, Failure> {
     let status = Command::new(&viewer)
         .arg(file)
         .status()
-        .map_err(|error| Failure::message(format!("{}: {error}", viewer.display())))?;
+        .map_err(|error| Failure::at(&viewer, error))?;
     if status.success() {
         return Ok(ExitStatus::Good);
     }
@@ -96,9 +93,7 @@ fn list(file: &Path, recording: &Recording) -> String {
     for note in &header.notes {
         text.push_str(&format!("  note: {note}\n"));
     }
-    let head = ["channel", "unit", "min", "max", "rms", "what"]
-        .map(str::to_owned)
-        .to_vec();
+    let head = ["channel", "unit", "min", "max", "rms", "what"];
     let channels = header
         .channels
         .iter()
@@ -115,12 +110,10 @@ fn list(file: &Path, recording: &Recording) -> String {
                 channel.description.clone(),
             ]
         });
-    let rows: Vec<Vec<String>> = std::iter::once(head).chain(channels).collect();
     use Align::{Left, Right};
-    text.push_str(&format!(
-        "\n{}",
-        text::table(&[Left, Left, Right, Right, Right, Left], &rows)
-    ));
+    let aligns = [Left, Left, Right, Right, Right, Left];
+    let table = text::table(&aligns, &text::headed(&head, channels));
+    text.push_str(&format!("\n{table}"));
     if !recording.scalars.is_empty() {
         text.push_str(&format!("\n{}", text::scalars(&recording.scalars)));
     }

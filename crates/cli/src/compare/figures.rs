@@ -5,15 +5,13 @@ use truecut_discrepancy::compare::{
 };
 use truecut_recording::{Measured, Recording, Unit, UserUnit, short_number, significant};
 
-use crate::figure::{Figure, Layer, Legend, Panel, Scale, Style, thinned};
+use crate::figure::{
+    BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, Scale, Style, thinned,
+};
 use crate::text::reading_unit;
 
 /// Most points of a curve.
 const POINTS: usize = 2400;
-const BLUE: usize = 0;
-const ORANGE: usize = 1;
-const GREEN: usize = 2;
-const BLACK: usize = 6;
 
 /// One channel as drawn, all columns of equal length; NaN where there is no measurement.
 struct FigureColumns {
@@ -23,11 +21,9 @@ struct FigureColumns {
 }
 
 impl FigureColumns {
-    fn residual(&self) -> impl ExactSizeIterator<Item = f64> {
-        self.measured
-            .iter()
-            .zip(&self.simulated)
-            .map(|(m, s)| m - s)
+    fn residual(&self) -> impl Iterator<Item = f64> {
+        let pairs = self.measured.iter().zip(&self.simulated);
+        pairs.map(|(m, s)| m - s)
     }
 }
 
@@ -99,18 +95,16 @@ fn labelled(what: &str, unit: &UserUnit) -> String {
 }
 
 /// A curve over time in the given unit.
-fn curve(
+fn over_time(
+    label: &str,
     time_s: &[f64],
-    values: impl ExactSizeIterator<Item = f64>,
+    values: impl Iterator<Item = f64>,
     unit: &UserUnit,
-) -> Vec<(f64, f64)> {
-    thinned(
-        time_s
-            .iter()
-            .zip(values)
-            .map(|(t, value)| (*t, unit.from_si(value))),
-        POINTS,
-    )
+    colour: usize,
+) -> Layer {
+    let points = time_s.iter().zip(values);
+    let points = points.map(|(t, value)| (*t, unit.from_si(value)));
+    Layer::line(label, thinned(points, POINTS), colour)
 }
 
 fn signals(unit: Unit, columns: &FigureColumns) -> Panel {
@@ -118,37 +112,40 @@ fn signals(unit: Unit, columns: &FigureColumns) -> Panel {
         unit,
         largest(columns.measured.iter().chain(&columns.simulated).copied()),
     );
-    let layer = |label: &str, values: &[f64], colour| Layer {
-        label: label.to_owned(),
-        points: curve(&columns.time_s, values.iter().copied(), &unit),
-        colour,
-        ..Layer::default()
+    let layer = |label: &str, values: &[f64], colour| {
+        over_time(
+            label,
+            &columns.time_s,
+            values.iter().copied(),
+            &unit,
+            colour,
+        )
     };
-    Panel {
-        title: "Signals".to_owned(),
-        x_label: "time [s]".to_owned(),
-        y_label: labelled("value", &unit),
-        layers: vec![
+    Panel::new(
+        "Signals",
+        "time [s]",
+        labelled("value", &unit),
+        vec![
             layer("measured", &columns.measured, BLUE),
             layer("simulated", &columns.simulated, ORANGE),
         ],
-        ..Panel::default()
-    }
+    )
 }
 
 fn residual(unit: Unit, columns: &FigureColumns) -> Panel {
     let unit = reading_unit(unit, largest(columns.residual()));
-    Panel {
-        title: "Residual: measured − simulated".to_owned(),
-        x_label: "time [s]".to_owned(),
-        y_label: labelled("residual", &unit),
-        layers: vec![Layer {
-            points: curve(&columns.time_s, columns.residual(), &unit),
-            colour: GREEN,
-            ..Layer::default()
-        }],
-        ..Panel::default()
-    }
+    Panel::new(
+        "Residual: measured − simulated",
+        "time [s]",
+        labelled("residual", &unit),
+        vec![over_time(
+            "",
+            &columns.time_s,
+            columns.residual(),
+            &unit,
+            GREEN,
+        )],
+    )
 }
 
 fn spectrum(channel: &ChannelComparison, rate_hz: f64) -> Panel {
@@ -168,20 +165,10 @@ fn spectrum(channel: &ChannelComparison, rate_hz: f64) -> Panel {
         amplitude(spectra.residual.iter().copied().fold(0.0, f64::max)),
     );
     let density = |density: &f64| unit.from_si(amplitude(*density));
-    let points = |densities: &[f64]| {
+    let layer = |label: &str, densities: &[f64], style, colour| {
         let all = spectra.frequency_hz.iter().zip(densities);
-        thinned(
-            all.map(|(f, d)| (*f, density(d)))
-                .collect::<Vec<_>>()
-                .into_iter(),
-            POINTS,
-        )
-    };
-    let layer = |label: &str, densities: &[f64], style, colour| Layer {
-        label: label.to_owned(),
-        points: points(densities),
-        style,
-        colour,
+        let points = thinned(all.map(|(f, d)| (*f, density(d))), POINTS);
+        Layer::new(label, points, style, colour)
     };
     let at = |hertz: f64| {
         let bin = spectra
@@ -216,13 +203,9 @@ fn spectrum(channel: &ChannelComparison, rate_hz: f64) -> Panel {
         layer("its background", &spectra.background, Style::Dashed, BLACK),
     ];
     if !marks.is_empty() {
-        let label = "lines".to_owned();
-        panel.layers.push(Layer {
-            label,
-            points: marks,
-            style: Style::Marks(texts),
-            colour: ORANGE,
-        });
+        panel
+            .layers
+            .push(Layer::new("lines", marks, Style::Marks(texts), ORANGE));
     }
     panel
 }
@@ -254,23 +237,16 @@ fn explanation(
     } else {
         format!("= {}", short_number(found.p_value))
     };
-    Panel {
-        title: format!("Residual over {} (p {p})", found.signal),
-        x_label: labelled(&found.signal, &x_unit),
-        y_label: labelled("residual", &unit),
-        layers: vec![
-            Layer {
-                points: cloud
-                    .map(|(x, r)| (x_unit.from_si(*x), unit.from_si(r)))
-                    .collect(),
-                style: Style::Cloud,
-                colour: GREEN,
-                ..Layer::default()
-            },
+    let cloud = cloud.map(|(x, r)| (x_unit.from_si(*x), unit.from_si(r)));
+    Panel::new(
+        format!("Residual over {} (p {p})", found.signal),
+        labelled(&found.signal, &x_unit),
+        labelled("residual", &unit),
+        vec![
+            Layer::new("", cloud, Style::Cloud, GREEN),
             means(found, &x_unit, &unit),
         ],
-        ..Panel::default()
-    }
+    )
 }
 
 /// The values of a signal; an angle of the spindle within one turn.
@@ -283,17 +259,15 @@ fn within_a_turn(signal: &Explanatory) -> Vec<f64> {
 }
 
 fn means(found: &Dependence, x_unit: &UserUnit, unit: &UserUnit) -> Layer {
-    let bins = || found.bins.iter();
-    Layer {
-        label: "mean ± 2 standard errors".to_owned(),
-        points: bins()
-            .map(|bin| (x_unit.from_si(bin.signal), unit.from_si(bin.mean)))
-            .collect(),
-        style: Style::Bars(
-            bins()
-                .map(|bin| unit.from_si(2.0 * bin.standard_error))
-                .collect(),
-        ),
-        colour: ORANGE,
-    }
+    let bins = found.bins.iter().map(|bin| {
+        let place = (x_unit.from_si(bin.signal), unit.from_si(bin.mean));
+        (place, unit.from_si(2.0 * bin.standard_error))
+    });
+    let (points, halves): (Vec<_>, _) = bins.unzip();
+    Layer::new(
+        "mean ± 2 standard errors",
+        points,
+        Style::Bars(halves),
+        ORANGE,
+    )
 }

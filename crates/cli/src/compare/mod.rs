@@ -30,17 +30,15 @@ pub fn compare(plan: &ComparePlan) -> Result<ExitStatus, Failure> {
         return Err(scenario.problem("sweep", text).into());
     }
     let measured = data::measured(scenario, plan.data.as_deref())?;
-    let progress = Progress::new(1, "running");
-    let run = progress.run();
-    let finished = Run {
-        measured: Some(&measured),
-        claims: Claims::Ignore,
-        progress: &|part| run.set(part),
-        ..Run::of(scenario)
-    }
-    .execute()?;
-    drop(run);
-    drop(progress);
+    let finished = Progress::of_one("running", |progress| {
+        let run = Run {
+            measured: Some(&measured),
+            claims: Claims::Ignore,
+            progress,
+            ..Run::of(scenario)
+        };
+        run.execute()
+    })?;
     let (simulated, measured) = (finished.recording, finished.compared.unwrap_or(measured));
     if simulated.outcome != Outcome::Completed {
         let outcome = crate::text::outcome(&simulated.outcome);
@@ -84,7 +82,7 @@ fn write(
 ) -> Result<Vec<std::path::PathBuf>, Failure> {
     match std::fs::remove_dir_all(folder) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            return Err(Failure::message(format!("{}: {error}", folder.display())));
+            return Err(Failure::at(folder, error));
         }
         _ => {}
     }

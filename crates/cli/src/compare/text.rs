@@ -77,12 +77,9 @@ fn table(comparison: &Comparison) -> String {
             ),
         ]
     });
-    let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
-        .chain(rows)
-        .collect();
-    let mut aligns = vec![Align::Right; head.len()];
+    let mut aligns = [Align::Right; 7];
     aligns[0] = Align::Left;
-    text::table(&aligns, &rows)
+    text::table(&aligns, &text::headed(&head, rows))
 }
 
 /// `1.23 ± 0.05 mm`: as many decimals as the standard error justifies.

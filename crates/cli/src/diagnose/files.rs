@@ -24,21 +24,17 @@ const VIEWER: &str = "diagnosis.rrd";
 pub fn prepare(plan: &DiagnosePlan, data: &str) -> Result<(), Failure> {
     let folder = plan.out.join(plan.scenario.stem());
     spare_inputs(plan, data, &folder)?;
-    let failed = |path: &Path, error| Failure::message(format!("{}: {error}", path.display()));
-    std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
+    std::fs::create_dir_all(&folder).map_err(|error| Failure::at(&folder, error))?;
     for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
         let path = folder.join(name);
         if path.is_dir() {
-            let text = format!(
-                "{}: it is a folder, but a file of this name is to be written",
-                path.display()
-            );
-            return Err(Failure::message(text));
+            let text = "it is a folder, but a file of this name is to be written";
+            return Err(Failure::at(&path, text));
         }
     }
     let probe = folder.join(format!(".{}", std::process::id()));
-    std::fs::write(&probe, b"").map_err(|error| failed(&folder, error))?;
-    std::fs::remove_file(&probe).map_err(|error| failed(&probe, error))
+    std::fs::write(&probe, b"").map_err(|error| Failure::at(&folder, error))?;
+    std::fs::remove_file(&probe).map_err(|error| Failure::at(&probe, error))
 }
 
 fn spare_inputs(plan: &DiagnosePlan, data: &str, folder: &Path) -> Result<(), Failure> {
@@ -74,8 +70,7 @@ pub fn write(
     for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
         match std::fs::remove_file(folder.join(name)) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                let text = format!("{}: {error}", folder.join(name).display());
-                return Err(Failure::message(text));
+                return Err(Failure::at(&folder.join(name), error));
             }
             _ => {}
         }

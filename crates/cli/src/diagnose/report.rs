@@ -8,7 +8,7 @@ use truecut_recording::{UserUnit, significant};
 
 use super::Confirmed;
 use super::text;
-use crate::figure::{Figure, Layer, Legend, Panel, thinned};
+use crate::figure::{BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, thinned};
 use crate::text::reading_unit;
 
 /// Points of a curve that a page can show.
@@ -169,16 +169,9 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
     let unit = reading_unit(spec.unit, size);
     let (nominal, extended) = (&confirmed.nominal[index], &confirmed.extended[index]);
     let curve = |label: &str, colour, value: &dyn Fn(usize) -> f64, unit: &UserUnit| {
-        let points: Vec<(f64, f64)> = (0..time_s.len())
-            .filter(|row| output.valid[*row])
-            .map(|row| (time_s[row], unit.from_si(value(row))))
-            .collect();
-        Layer {
-            label: label.to_owned(),
-            points: thinned(points.into_iter(), POINTS),
-            colour,
-            ..Layer::default()
-        }
+        let rows = (0..time_s.len()).filter(|row| output.valid[*row]);
+        let points = rows.map(|row| (time_s[row], unit.from_si(value(row))));
+        Layer::line(label, thinned(points, POINTS), colour)
     };
     let measured = |row: usize| output.values[row];
     let worst = (0..time_s.len())
@@ -187,22 +180,19 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
             worst.max((measured(row) - nominal[row]).abs())
         });
     let small = reading_unit(spec.unit, worst);
-    let panel = |title: &str, label: &str, unit: &UserUnit, layers| Panel {
-        title: title.to_owned(),
-        x_label: "time [s]".to_owned(),
-        y_label: format!("{label} [{}]", unit.symbol),
-        layers,
-        ..Panel::default()
+    let panel = |title: &str, label: &str, unit: &UserUnit, layers| {
+        let label = format!("{label} [{}]", unit.symbol);
+        Panel::new(title, "time [s]", label, layers)
     };
     let signals = vec![
-        curve("measured", 0, &measured, &unit),
-        curve("nominal", 1, &|row| nominal[row], &unit),
-        curve("extended", 2, &|row| extended[row], &unit),
+        curve("measured", BLUE, &measured, &unit),
+        curve("nominal", ORANGE, &|row| nominal[row], &unit),
+        curve("extended", GREEN, &|row| extended[row], &unit),
     ];
     let left = |model: &[f64], row: usize| measured(row) - model[row];
     let residuals = vec![
-        curve("less nominal", 1, &|row| left(nominal, row), &small),
-        curve("less extended", 2, &|row| left(extended, row), &small),
+        curve("less nominal", ORANGE, &|row| left(nominal, row), &small),
+        curve("less extended", GREEN, &|row| left(extended, row), &small),
     ];
     let figure = Figure {
         title: spec.description.clone(),

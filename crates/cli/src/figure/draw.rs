@@ -146,18 +146,11 @@ fn draw_layer(layer: &Layer, chart: &mut Chart<'_, '_>, x: &Axis, y: &Axis) -> D
     let dots = |size: i32, style: ShapeStyle| places().map(move |at| Circle::new(at, size, style));
     match &layer.style {
         Style::Line | Style::Dotted(_) => {
-            let wide = if let Style::Dotted(wide) = layer.style {
-                wide
-            } else {
-                2
-            };
+            let stroke = line_stroke(layer);
             for strip in &strips {
-                chart.draw_series(LineSeries::new(
-                    strip.iter().copied(),
-                    colour.stroke_width(wide),
-                ))?;
+                chart.draw_series(LineSeries::new(strip.iter().copied(), stroke))?;
             }
-            if matches!(layer.style, Style::Dotted(_)) {
+            if let Style::Dotted(wide) = layer.style {
                 chart.draw_series(dots(2 + wide as i32 / 2, colour.filled()))?;
             }
         }
@@ -193,6 +186,15 @@ fn draw_layer(layer: &Layer, chart: &mut Chart<'_, '_>, x: &Axis, y: &Axis) -> D
         Style::Cells { size, shades } => draw_cells(layer, *size, shades, chart)?,
     }
     Ok(())
+}
+
+/// How an unbroken line is drawn.
+fn line_stroke(layer: &Layer) -> ShapeStyle {
+    let wide = match layer.style {
+        Style::Dotted(wide) => wide,
+        _ => 2,
+    };
+    colour(layer.colour).stroke_width(wide)
 }
 
 /// Number of distinct shades.
@@ -280,15 +282,8 @@ fn draw_sample(layer: &Layer, area: &Area<'_>, (x, y): (i32, i32)) -> Drawn {
     let colour = colour(layer.colour);
     match layer.style {
         Style::Line | Style::Dotted(_) => {
-            let wide = if let Style::Dotted(wide) = layer.style {
-                wide
-            } else {
-                2
-            };
-            area.draw(&PathElement::new(
-                [(x, y), (x + 22, y)],
-                colour.stroke_width(wide),
-            ))?;
+            let ends = [(x, y), (x + 22, y)];
+            area.draw(&PathElement::new(ends, line_stroke(layer)))?;
         }
         Style::Dashed => {
             for from in [x, x + 8, x + 16] {

@@ -9,6 +9,13 @@ pub use charts::charts_of;
 
 use std::fmt;
 
+/// Indices of colours of layers, the same in the figure and in the viewer.
+pub const BLUE: usize = 0;
+pub const ORANGE: usize = 1;
+pub const GREEN: usize = 2;
+pub const PINK: usize = 3;
+pub const BLACK: usize = 6;
+
 /// Panels in rows below a title.
 pub struct Figure {
     pub title: String,
@@ -75,6 +82,75 @@ pub enum Style {
     },
 }
 
+/// Where something is drawn, in the units of the axes.
+pub trait Points: IntoIterator<Item = (f64, f64)> {}
+
+impl<T: IntoIterator<Item = (f64, f64)>> Points for T {}
+
+impl Panel {
+    /// Layers over linear axes.
+    pub fn new(
+        title: impl Into<String>,
+        x_label: impl Into<String>,
+        y_label: impl Into<String>,
+        layers: Vec<Layer>,
+    ) -> Panel {
+        Panel {
+            title: title.into(),
+            x_label: x_label.into(),
+            y_label: y_label.into(),
+            layers,
+            ..Panel::default()
+        }
+    }
+
+    /// With a logarithmic vertical axis.
+    pub fn logarithmic(self) -> Panel {
+        Panel {
+            y_scale: Scale::Logarithmic,
+            ..self
+        }
+    }
+}
+
+impl Layer {
+    /// Points drawn in a style and a colour; without an entry in the legend if the label is empty.
+    pub fn new(
+        label: impl Into<String>,
+        points: impl Points,
+        style: Style,
+        colour: usize,
+    ) -> Layer {
+        Layer {
+            label: label.into(),
+            points: points.into_iter().collect(),
+            style,
+            colour,
+        }
+    }
+
+    pub fn line(label: impl Into<String>, points: impl Points, colour: usize) -> Layer {
+        Layer::new(label, points, Style::Line, colour)
+    }
+
+    pub fn dashed(label: impl Into<String>, points: impl Points, colour: usize) -> Layer {
+        Layer::new(label, points, Style::Dashed, colour)
+    }
+
+    /// Circles without labels.
+    pub fn circles(label: &str, points: impl Points, colour: usize) -> Layer {
+        let points: Vec<(f64, f64)> = points.into_iter().collect();
+        let style = Style::Marks(vec![String::new(); points.len()]);
+        Layer::new(label, points, style, colour)
+    }
+
+    /// Shaded rectangles of this size around points; they carry their own colours.
+    pub fn cells(size: (f64, f64), shaded: impl Iterator<Item = ((f64, f64), f64)>) -> Layer {
+        let (points, shades): (Vec<_>, _) = shaded.unzip();
+        Layer::new("", points, Style::Cells { size, shades }, BLUE)
+    }
+}
+
 impl Figure {
     /// The figure as SVG.
     pub fn to_svg(&self) -> String {
@@ -86,9 +162,9 @@ impl Figure {
 }
 
 /// At most `count` points of a curve over ascending x: minimum and maximum of each interval.
-pub fn thinned(points: impl ExactSizeIterator<Item = (f64, f64)>, count: usize) -> Vec<(f64, f64)> {
-    let stretch = (2 * points.len()).div_ceil(count.max(2)).max(1);
-    let all: Vec<(f64, f64)> = points.collect();
+pub fn thinned(points: impl Points, count: usize) -> Vec<(f64, f64)> {
+    let all: Vec<(f64, f64)> = points.into_iter().collect();
+    let stretch = (2 * all.len()).div_ceil(count.max(2)).max(1);
     if stretch <= 2 {
         return all;
     }

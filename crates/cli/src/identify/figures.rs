@@ -6,13 +6,9 @@ use truecut_discrepancy::identify::modes::{FrfReport, ModesReport};
 use truecut_discrepancy::identify::stiffness::StiffnessReport;
 use truecut_recording::{Unit, significant};
 
-use crate::figure::{Figure, Layer, Legend, Panel, Scale, Style, thinned};
+use crate::figure::{BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, Style, thinned};
 use crate::text::reading_unit;
 
-const BLUE: usize = 0;
-const ORANGE: usize = 1;
-const GREEN: usize = 2;
-const BLACK: usize = 6;
 /// Most points of a curve, and most FRFs that are drawn.
 const POINTS: usize = 1200;
 const FRFS: usize = 6;
@@ -28,31 +24,24 @@ pub fn stiffness(report: &StiffnessReport) -> Figure {
                 Unit::Radian
             };
             let unit = reading_unit(kind, size);
-            let cloud = |which: usize, label: &str, colour| Layer {
-                label: label.to_owned(),
-                points: (one.points.iter())
-                    .map(|p| (unit.from_si(p[0]), unit.from_si(p[which])))
-                    .collect(),
-                style: Style::Marks(vec![String::new(); one.points.len()]),
-                colour,
+            let cloud = |which: usize, label: &str, colour| {
+                Layer::circles(
+                    label,
+                    (one.points.iter()).map(|p| (unit.from_si(p[0]), unit.from_si(p[which]))),
+                    colour,
+                )
             };
             let ends = [-unit.from_si(size), unit.from_si(size)];
-            Panel {
-                title: one.channel.clone(),
-                x_label: format!("measured [{}]", unit.symbol),
-                y_label: format!("predicted [{}]", unit.symbol),
-                layers: vec![
-                    Layer {
-                        label: "equal".to_owned(),
-                        points: ends.map(|end| (end, end)).to_vec(),
-                        style: Style::Dashed,
-                        colour: BLACK,
-                    },
+            Panel::new(
+                one.channel.clone(),
+                format!("measured [{}]", unit.symbol),
+                format!("predicted [{}]", unit.symbol),
+                vec![
+                    Layer::dashed("equal", ends.map(|end| (end, end)), BLACK),
                     cloud(1, "robot's file", ORANGE),
                     cloud(2, "identified", BLUE),
                 ],
-                ..Panel::default()
-            }
+            )
         })
         .collect();
     panels.push(ratios(report));
@@ -77,26 +66,15 @@ fn ratios(report: &StiffnessReport) -> Panel {
         halves.push(0.5 * (high - low) / scale);
     }
     let joints = report.joints.len() as f64;
-    Panel {
-        title: "stiffness over that of the robot's file, 95 % intervals".to_owned(),
-        x_label: "joint".to_owned(),
-        y_label: "ratio".to_owned(),
-        layers: vec![
-            Layer {
-                label: "equal".to_owned(),
-                points: vec![(0.5, 1.0), (joints + 0.5, 1.0)],
-                style: Style::Dashed,
-                colour: BLACK,
-            },
-            Layer {
-                label: "identified".to_owned(),
-                points,
-                style: Style::Bars(halves),
-                colour: BLUE,
-            },
+    Panel::new(
+        "stiffness over that of the robot's file, 95 % intervals",
+        "joint",
+        "ratio",
+        vec![
+            Layer::dashed("equal", [(0.5, 1.0), (joints + 0.5, 1.0)], BLACK),
+            Layer::new("identified", points, Style::Bars(halves), BLUE),
         ],
-        ..Panel::default()
-    }
+    )
 }
 
 /// Magnitude and phase of every FRF, with the measured modes.
@@ -113,19 +91,14 @@ pub fn modes(report: &ModesReport) -> Figure {
 }
 
 fn curve(frf: &FrfReport, which: usize, value: fn(f64, f64) -> f64) -> Vec<(f64, f64)> {
-    let points = frf
-        .curves
-        .iter()
-        .map(|(f, all)| (*f, value(all[which].re, all[which].im)));
+    let curves = frf.curves.iter();
+    let points = curves.map(|(f, all)| (*f, value(all[which].re, all[which].im)));
     thinned(points, POINTS)
 }
 
 fn layers(frf: &FrfReport, value: fn(f64, f64) -> f64) -> Vec<Layer> {
-    let layer = |which, label: &str, style, colour| Layer {
-        label: label.to_owned(),
-        points: curve(frf, which, value),
-        style,
-        colour,
+    let layer = |which, label: &str, style, colour| {
+        Layer::new(label, curve(frf, which, value), style, colour)
     };
     vec![
         layer(0, "measured", Style::Dotted(3), ORANGE),
@@ -144,30 +117,28 @@ fn magnitude(report: &ModesReport, frf: &FrfReport) -> Panel {
         nearest.map_or(f64::NAN, |(_, all)| all[1].re.hypot(all[1].im))
     };
     let modes = report.measured.iter().map(|mode| mode.frequency_hz.value);
-    layers.push(Layer {
-        label: "modes".to_owned(),
-        points: modes.clone().map(|f| (f, near(f))).collect(),
-        style: Style::Marks(modes.map(|f| format!("{} Hz", significant(f, 3))).collect()),
-        colour: BLACK,
-    });
-    Panel {
-        title: file_name(frf),
-        x_label: "frequency [Hz]".to_owned(),
-        y_label: format!("magnitude [{}]", frf.unit),
-        y_scale: Scale::Logarithmic,
+    layers.push(Layer::new(
+        "modes",
+        modes.clone().map(|f| (f, near(f))),
+        Style::Marks(modes.map(|f| format!("{} Hz", significant(f, 3))).collect()),
+        BLACK,
+    ));
+    Panel::new(
+        file_name(frf),
+        "frequency [Hz]",
+        format!("magnitude [{}]", frf.unit),
         layers,
-        ..Panel::default()
-    }
+    )
+    .logarithmic()
 }
 
 fn phase(frf: &FrfReport) -> Panel {
-    Panel {
-        title: "phase".to_owned(),
-        x_label: "frequency [Hz]".to_owned(),
-        y_label: "phase [deg]".to_owned(),
-        layers: layers(frf, |re, im| im.atan2(re) * 180.0 / PI),
-        ..Panel::default()
-    }
+    Panel::new(
+        "phase",
+        "frequency [Hz]",
+        "phase [deg]",
+        layers(frf, |re, im| im.atan2(re) * 180.0 / PI),
+    )
 }
 
 fn file_name(frf: &FrfReport) -> String {

@@ -4,7 +4,7 @@ mod figures;
 mod files;
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use truecut_discrepancy::identify::frf::{Frf, frf};
 use truecut_discrepancy::identify::impact::impact;
@@ -121,16 +121,4 @@ fn table(file: &Identification, path: &Path, header: bool, key: &str) -> Result<
 
 fn refused(file: &Identification, error: &IdentifyError) -> Failure {
     file.problem(&error.key, error.message.clone()).into()
-}
-
-/// A written file, as printed.
-fn shown(path: &Path, others: &[PathBuf]) -> String {
-    let names: Vec<String> = (others.iter())
-        .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
-        .collect();
-    format!(
-        "  {}   (beside it: {})\n\n",
-        path.display(),
-        names.join(", ")
-    )
 }

@@ -6,34 +6,19 @@ use truecut_discrepancy::identify::modes::{Interval, Measured, ModesReport};
 use truecut_discrepancy::identify::stiffness::{JointStiffness, Status, StiffnessReport};
 use truecut_recording::{Unit, significant};
 
-use super::shown;
-use crate::text::{Align, show, table};
+use crate::text::{Align, headed, show, table, written as written_files};
 
 pub fn stiffness(report: &StiffnessReport, written: &[PathBuf]) -> String {
     let mut text = format!(
         "  joint stiffness: {} loadings in {} postures, {} readings of {}\n\n",
         report.loadings, report.postures, report.readings, report.source
     );
-    let head = [
-        "joint",
-        "stiffness",
-        "95 % interval",
-        "unit",
-        "robot's file",
-        "",
-    ];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    rows.extend(report.joints.iter().map(joint));
+    let interval = "95 % interval";
+    let head = ["joint", "stiffness", interval, "unit", "robot's file", ""];
+    use Align::{Left, Right};
     text.push_str(&table(
-        &[
-            Align::Left,
-            Align::Right,
-            Align::Left,
-            Align::Left,
-            Align::Right,
-            Align::Left,
-        ],
-        &rows,
+        &[Left, Right, Left, Left, Right, Left],
+        &headed(&head, report.joints.iter().map(joint)),
     ));
     text.push('\n');
     for one in &report.components {
@@ -111,8 +96,8 @@ pub fn modes(report: &ModesReport, written: &[PathBuf]) -> String {
         "MAC",
         "with identified stiffness",
     ];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    rows.extend((report.measured.iter().enumerate()).map(|(k, mode)| measured(k, mode, report)));
+    let found = report.measured.iter().enumerate();
+    let mut rows = headed(&head, found.map(|(k, mode)| measured(k, mode, report)));
     let paired = |k: usize| report.measured.iter().any(|mode| mode.partner == Some(k));
     let alone = report
         .model
@@ -186,7 +171,7 @@ fn percent(ratio: f64) -> String {
 fn finish(mut text: String, written: &[PathBuf]) -> String {
     if let Some((first, rest)) = written.split_first() {
         text.push('\n');
-        text.push_str(&shown(first, rest));
+        text.push_str(&format!("{}\n", written_files(first, rest)));
     }
     text
 }

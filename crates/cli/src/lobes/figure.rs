@@ -1,15 +1,10 @@
 //! The diagram as a figure.
 
 use truecut_core::chatter::averaged::Crossing;
+use truecut_plan::lobes::Lobes;
 
 use super::{Diagram, rpm};
-use crate::figure::{Figure, Layer, Legend, Panel, Style};
-
-const BLUE: usize = 0;
-const ORANGE: usize = 1;
-const GREEN: usize = 2;
-const PINK: usize = 3;
-const BLACK: usize = 6;
+use crate::figure::{BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, PINK, Panel, Style};
 
 /// Limit depth and chatter frequency over spindle speed.
 pub fn figure(diagram: &Diagram<'_>) -> Figure {
@@ -24,55 +19,51 @@ pub fn figure(diagram: &Diagram<'_>) -> Figure {
 fn depths(diagram: &Diagram<'_>) -> Panel {
     let lobes = &diagram.lobes;
     let deepest_mm = lobes.depth_m.last().copied().unwrap_or(0.0) * 1e3;
-    let curve = |limits: &[Option<Crossing>]| -> Vec<(f64, f64)> {
-        let points = lobes.spindle_rad_s.iter().zip(limits);
-        let depth = |limit: &Option<Crossing>| limit.map_or(f64::NAN, |limit| limit.depth_m * 1e3);
-        // Limits beyond the deepest cut are not drawn.
-        let shown = |mm: f64| if mm <= deepest_mm { mm } else { f64::NAN };
-        points
-            .map(|(speed, limit)| (rpm(*speed), shown(depth(limit))))
-            .collect()
-    };
     let ends = [0, lobes.spindle_rad_s.len() - 1].map(|i| rpm(lobes.spindle_rad_s[i]));
     let mut layers = vec![shading(diagram)];
-    layers.push(Layer {
-        label: "semi-discretisation".to_owned(),
-        points: curve(&lobes.limit),
-        style: Style::Line,
-        colour: BLACK,
-    });
-    layers.push(Layer {
-        label: "zero order".to_owned(),
-        points: curve(&lobes.zero_order),
-        style: Style::Dashed,
-        colour: GREEN,
-    });
+    layers.extend(theories(lobes, |limit| {
+        let mm = limit.depth_m * 1e3;
+        // Limits beyond the deepest cut are not drawn.
+        if mm <= deepest_mm { mm } else { f64::NAN }
+    }));
     if let Some(coupling) = lobes.mode_coupling {
         let mm = coupling.depth_m * 1e3;
         if mm <= deepest_mm {
-            layers.push(Layer {
-                label: "mode coupling, without regeneration".to_owned(),
-                points: ends.map(|x| (x, mm)).to_vec(),
-                style: Style::Dashed,
-                colour: PINK,
-            });
+            layers.push(Layer::dashed(
+                "mode coupling, without regeneration",
+                ends.map(|x| (x, mm)),
+                PINK,
+            ));
         }
     }
     layers.extend(dots(diagram));
     let cut = &diagram.study.cut;
-    layers.push(Layer {
-        label: "the scenario".to_owned(),
-        points: vec![(rpm(cut.spindle_rad_s), cut.nominal.axial_depth_m * 1e3)],
-        style: Style::Marks(vec!["scenario".to_owned()]),
-        colour: PINK,
-    });
-    Panel {
-        title: "Limit depth (shaded: unstable)".to_owned(),
-        x_label: "spindle speed [rpm]".to_owned(),
-        y_label: "axial depth [mm]".to_owned(),
+    layers.push(Layer::new(
+        "the scenario",
+        [(rpm(cut.spindle_rad_s), cut.nominal.axial_depth_m * 1e3)],
+        Style::Marks(vec!["scenario".to_owned()]),
+        PINK,
+    ));
+    Panel::new(
+        "Limit depth (shaded: unstable)",
+        "spindle speed [rpm]",
+        "axial depth [mm]",
         layers,
-        ..Panel::default()
-    }
+    )
+}
+
+/// A value of the limit over spindle speed, by two theories.
+fn theories(lobes: &Lobes, value: impl Fn(Crossing) -> f64) -> [Layer; 2] {
+    let curve = |limits: &[Option<Crossing>]| -> Vec<(f64, f64)> {
+        let points = lobes.spindle_rad_s.iter().zip(limits);
+        points
+            .map(|(speed, limit)| (rpm(*speed), limit.map_or(f64::NAN, &value)))
+            .collect()
+    };
+    [
+        Layer::line("semi-discretisation", curve(&lobes.limit), BLACK),
+        Layer::dashed("zero order", curve(&lobes.zero_order), GREEN),
+    ]
 }
 
 /// The unstable region.
@@ -81,29 +72,21 @@ fn shading(diagram: &Diagram<'_>) -> Layer {
     let step = |values: &[f64]| values[values.len() - 1] / values.len() as f64;
     let wide = rpm(lobes.spindle_rad_s[1] - lobes.spindle_rad_s[0]);
     let high = step(&lobes.depth_m) * 1e3;
-    let mut points = Vec::new();
-    let mut shades = Vec::new();
-    for (speed, column) in lobes.spindle_rad_s.iter().zip(&lobes.multiplier) {
-        for (depth, magnitude) in lobes.depth_m.iter().zip(column) {
-            points.push((rpm(*speed), depth * 1e3));
+    let columns = lobes.spindle_rad_s.iter().zip(&lobes.multiplier);
+    let cells = columns.flat_map(|(speed, column)| {
+        let cell = move |(depth, magnitude): (&f64, &f64)| {
             // Growth over ten tooth periods, clamped.
             let growth = magnitude.ln() * 10.0;
-            shades.push(if growth > 0.0 {
+            let shade = if growth > 0.0 {
                 -(0.25 + growth).min(1.0)
             } else {
                 f64::NAN
-            });
-        }
-    }
-    Layer {
-        label: String::new(),
-        points,
-        style: Style::Cells {
-            size: (wide, high),
-            shades,
-        },
-        colour: ORANGE,
-    }
+            };
+            ((rpm(*speed), depth * 1e3), shade)
+        };
+        lobes.depth_m.iter().zip(column).map(cell)
+    });
+    Layer::cells((wide, high), cells)
 }
 
 /// Simulated runs, grouped by outcome.
@@ -118,56 +101,29 @@ fn dots(diagram: &Diagram<'_>) -> Vec<Layer> {
         let points: Vec<(f64, f64)> = of_kind
             .map(|run| (rpm(run.spindle_rad_s), run.depth_m * 1e3))
             .collect();
-        Layer {
-            label: label.to_owned(),
-            style: Style::Marks(vec![String::new(); points.len()]),
-            points,
-            colour,
-        }
+        Layer::circles(label, points, colour)
     });
     layers.filter(|layer| !layer.points.is_empty()).collect()
 }
 
 fn frequencies(diagram: &Diagram<'_>) -> Panel {
     let lobes = &diagram.lobes;
-    let curve = |limits: &[Option<Crossing>]| -> Vec<(f64, f64)> {
-        let points = lobes.spindle_rad_s.iter().zip(limits);
-        let hz = |limit: &Option<Crossing>| limit.map_or(f64::NAN, |limit| limit.frequency_hz);
-        points
-            .map(|(speed, limit)| (rpm(*speed), hz(limit)))
-            .collect()
-    };
     let chattering = diagram.runs.iter().filter(|run| run.chatters == Some(true));
     let measured: Vec<(f64, f64)> = chattering
         .map(|run| (rpm(run.spindle_rad_s), run.chatter_hz))
         .collect();
-    let mut layers = vec![
-        Layer {
-            label: "semi-discretisation".to_owned(),
-            points: curve(&lobes.limit),
-            style: Style::Line,
-            colour: BLACK,
-        },
-        Layer {
-            label: "zero order".to_owned(),
-            points: curve(&lobes.zero_order),
-            style: Style::Dashed,
-            colour: GREEN,
-        },
-    ];
+    let mut layers = theories(lobes, |limit| limit.frequency_hz).to_vec();
     if !measured.is_empty() {
-        layers.push(Layer {
-            label: "highest line of runs that chatter".to_owned(),
-            style: Style::Marks(vec![String::new(); measured.len()]),
-            points: measured,
-            colour: ORANGE,
-        });
+        layers.push(Layer::circles(
+            "highest line of runs that chatter",
+            measured,
+            ORANGE,
+        ));
     }
-    Panel {
-        title: "Chatter frequency at the limit".to_owned(),
-        x_label: "spindle speed [rpm]".to_owned(),
-        y_label: "frequency [Hz]".to_owned(),
+    Panel::new(
+        "Chatter frequency at the limit",
+        "spindle speed [rpm]",
+        "frequency [Hz]",
         layers,
-        ..Panel::default()
-    }
+    )
 }

@@ -52,16 +52,12 @@ pub fn lobes(plan: &LobesPlan) -> Result<ExitStatus, Failure> {
     let posture = posture_at(plan, &study)?;
     let modes = study.modes(&posture).map_err(failed)?;
     let request = request(plan, &study, &modes);
-    let progress = Progress::new(1, "stability diagram");
-    let run = progress.run();
-    let lobes = truecut_plan::lobes::lobes(&modes, &study.cut, &request, &|part| run.set(part));
-    drop(run);
-    drop(progress);
-    let progress = Progress::new(1, "runs");
-    let run = progress.run();
-    let runs = stability_runs(scenario, &study, &lobes, plan.runs, &|part| run.set(part))?;
-    drop(run);
-    drop(progress);
+    let lobes = Progress::of_one("stability diagram", |progress| {
+        truecut_plan::lobes::lobes(&modes, &study.cut, &request, progress)
+    });
+    let runs = Progress::of_one("runs", |progress| {
+        stability_runs(scenario, &study, &lobes, plan.runs, progress)
+    })?;
     let diagram = Diagram {
         scenario,
         study,

@@ -17,14 +17,7 @@ pub fn printed(diagram: &Diagram<'_>, written: &[PathBuf]) -> String {
     let [first, rest @ ..] = written else {
         return text;
     };
-    let names: Vec<String> = (rest.iter())
-        .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
-        .collect();
-    text.push_str(&format!(
-        "\n  {}   (beside it: {})\n\n",
-        first.display(),
-        names.join(", ")
-    ));
+    text.push_str(&format!("\n{}\n", text::written(first, rest)));
     text
 }
 
@@ -94,20 +87,11 @@ fn runs(diagram: &Diagram<'_>) -> String {
             format!("{:.2} Hz", run.chatter_hz),
         ]
     });
-    let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
-        .chain(rows)
-        .collect();
-    let aligns = [
-        Align::Right,
-        Align::Right,
-        Align::Left,
-        Align::Left,
-        Align::Right,
-        Align::Right,
-    ];
+    use Align::{Left, Right};
+    let aligns = [Right, Right, Left, Left, Right, Right];
     format!(
         "\n  {agree} of {} runs do what the theory says\n{}",
         diagram.runs.len(),
-        text::table(&aligns, &rows)
+        text::table(&aligns, &text::headed(&head, rows))
     )
 }

@@ -4,12 +4,8 @@ use nalgebra::Vector3;
 use truecut_plan::surface_path::Contact;
 
 use super::{PlannedPath, durations_s};
-use crate::figure::{Figure, Layer, Legend, Panel, Style, thinned};
+use crate::figure::{BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, thinned};
 
-const BLUE: usize = 0;
-const ORANGE: usize = 1;
-const GREEN: usize = 2;
-const BLACK: usize = 6;
 /// Most points of a curve.
 const POINTS: usize = 1500;
 /// Points of the face's outline per border.
@@ -43,7 +39,7 @@ fn on_face(answer: &PlannedPath<'_>) -> Panel {
         .normalize();
     let y = normal.cross(&x);
     let seen = |p: &Vector3<f64>| (p.dot(&x) * 1e3, p.dot(&y) * 1e3);
-    let outline = outline(answer).iter().map(seen).collect();
+    let outline = outline(answer);
     let mut lines = Vec::new();
     let mut edges = [Vec::new(), Vec::new()];
     for line in &answer.path.lines {
@@ -58,24 +54,17 @@ fn on_face(answer: &PlannedPath<'_>) -> Panel {
         edges.iter_mut().for_each(|edge| edge.push(gap));
     }
     let [one, other] = edges;
-    let layer = |label: &str, points, style, colour| Layer {
-        label: label.to_owned(),
-        points,
-        style,
-        colour,
-    };
-    Panel {
-        title: "Lines on the face".to_owned(),
-        x_label: "patch, across the view [mm]".to_owned(),
-        y_label: "patch, up the view [mm]".to_owned(),
-        layers: vec![
-            layer("face", outline, Style::Line, BLACK),
-            layer("swath", one, Style::Dashed, ORANGE),
-            layer("", other, Style::Dashed, ORANGE),
-            layer("line", lines, Style::Line, BLUE),
+    Panel::new(
+        "Lines on the face",
+        "patch, across the view [mm]",
+        "patch, up the view [mm]",
+        vec![
+            Layer::line("face", outline.iter().map(seen), BLACK),
+            Layer::dashed("swath", one, ORANGE),
+            Layer::dashed("", other, ORANGE),
+            Layer::line("line", lines, BLUE),
         ],
-        ..Panel::default()
-    }
+    )
 }
 
 /// The face's boundary, or the borders of its patch.
@@ -117,23 +106,25 @@ fn along(answer: &PlannedPath<'_>) -> Panel {
             depth.push((at_mm, depths[k + 1] * 1e3));
         }
     }
-    let layer = |label: &str, points: Vec<(f64, f64)>, colour| Layer {
-        label: label.to_owned(),
-        points: thinned(points.into_iter(), POINTS),
-        style: Style::Line,
-        colour,
+    let layer = |label: &str, points: Vec<(f64, f64)>, colour| {
+        Layer::line(label, thinned(points, POINTS), colour)
     };
-    Panel {
-        title: "What the wheel does".to_owned(),
-        x_label: "along the lines [mm]".to_owned(),
-        y_label: "swath [cm]; gap, depth [mm]".to_owned(),
-        layers: vec![
+    Panel::new(
+        "What the wheel does",
+        "along the lines [mm]",
+        "swath [cm]; gap, depth [mm]",
+        vec![
             layer("swath", swath, BLUE),
             layer("edge gap", gap, ORANGE),
             layer("depth", depth, GREEN),
         ],
-        ..Panel::default()
-    }
+    )
+}
+
+/// The curve of a joint, named by its number.
+fn of_joint(joint: usize, curve: impl Iterator<Item = (f64, f64)>) -> Layer {
+    let number = (joint + 1).to_string();
+    Layer::line(number, thinned(curve, POINTS), joint)
 }
 
 /// Joint angles over time.
@@ -148,23 +139,10 @@ fn joints(answer: &PlannedPath<'_>) -> Panel {
         .collect();
     let layers = (0..answer.inputs.robot.dof()).map(|joint| {
         let moves = answer.program.moves.iter().zip(&times);
-        let curve: Vec<(f64, f64)> = moves
-            .map(|(step, t)| (*t, step.posture[joint].to_degrees()))
-            .collect();
-        Layer {
-            label: format!("{}", joint + 1),
-            points: thinned(curve.into_iter(), POINTS),
-            style: Style::Line,
-            colour: joint,
-        }
+        let curve = moves.map(|(step, t)| (*t, step.posture[joint].to_degrees()));
+        of_joint(joint, curve)
     });
-    Panel {
-        title: "Joints".to_owned(),
-        x_label: "time [s]".to_owned(),
-        y_label: "angle [deg]".to_owned(),
-        layers: layers.collect(),
-        ..Panel::default()
-    }
+    Panel::new("Joints", "time [s]", "angle [deg]", layers.collect())
 }
 
 /// Joint speeds on lines, relative to their limits.
@@ -175,25 +153,17 @@ fn speeds(answer: &PlannedPath<'_>) -> Panel {
         let limit = one.limits.map_or(f64::NAN, |l| l.velocity);
         let mut time_s = 0.0;
         let steps = answer.program.moves.windows(2).zip(&durations[1..]);
-        let curve: Vec<(f64, f64)> = steps
-            .map(|(pair, duration)| {
-                time_s += duration;
-                let turned = (pair[1].posture[joint] - pair[0].posture[joint]).abs();
-                (time_s, turned / duration.max(1e-9) / limit)
-            })
-            .collect();
-        Layer {
-            label: format!("{}", joint + 1),
-            points: thinned(curve.into_iter(), POINTS),
-            style: Style::Line,
-            colour: joint,
-        }
+        let curve = steps.map(|(pair, duration)| {
+            time_s += duration;
+            let turned = (pair[1].posture[joint] - pair[0].posture[joint]).abs();
+            (time_s, turned / duration.max(1e-9) / limit)
+        });
+        of_joint(joint, curve)
     });
-    Panel {
-        title: "Joint speeds".to_owned(),
-        x_label: "time [s]".to_owned(),
-        y_label: "speed over its limit".to_owned(),
-        layers: layers.collect(),
-        ..Panel::default()
-    }
+    Panel::new(
+        "Joint speeds",
+        "time [s]",
+        "speed over its limit",
+        layers.collect(),
+    )
 }

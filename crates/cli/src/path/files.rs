@@ -15,8 +15,7 @@ pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failu
     let folder = out.join(answer.job.stem());
     let (svg, points_csv) = (folder.join("path.svg"), folder.join("path.csv"));
     write_file(&svg, figure::figure(answer).to_svg().as_bytes())?;
-    let points = table(answer)
-        .map_err(|error| Failure::message(format!("{}: {error}", points_csv.display())))?;
+    let points = table(answer).map_err(|error| Failure::at(&points_csv, error))?;
     write_file(&points_csv, &points)?;
     let mut written = vec![svg, points_csv];
     for one in program {

@@ -7,7 +7,7 @@ use truecut_plan::surface_path::{Contact, Segment};
 use truecut_recording::{Unit, significant};
 
 use super::{PlannedPath, durations_s};
-use crate::text::{Align, show, table};
+use crate::text::{self, Align, fastest_joint, row, show, table};
 
 /// Findings that are listed individually.
 const LISTED: usize = 5;
@@ -21,14 +21,7 @@ pub fn printed(answer: &PlannedPath<'_>, written: &[PathBuf]) -> String {
     ));
     text.push_str(&notes(answer));
     if let Some((first, rest)) = written.split_first() {
-        let names: Vec<String> = (rest.iter())
-            .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
-            .collect();
-        text.push_str(&format!(
-            "\n  {}   (beside it: {})\n",
-            first.display(),
-            names.join(", ")
-        ));
+        text.push_str(&format!("\n{}", text::written(first, rest)));
     }
     text
 }
@@ -83,20 +76,15 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
         .sum();
     let durations = durations_s(answer);
     let total_s: f64 = durations.iter().sum();
-    let row = |name: &str, value: String, what: String| vec![name.to_owned(), value, what];
     let mm = |value: f64| show(Unit::Metre, value);
     let mut rows = vec![
-        row("lines", mm(way_m), "length of one copy's lines".to_owned()),
+        row("lines", mm(way_m), "length of one copy's lines"),
         row(
             "swath",
             mm(wide),
             format!("widest; narrowest {}", mm(narrow)),
         ),
-        row(
-            "edge gap",
-            mm(gap),
-            "largest, by curvature along the axis".to_owned(),
-        ),
+        row("edge gap", mm(gap), "largest, by curvature along the axis"),
         row(
             "depth",
             mm(deep),
@@ -109,14 +97,11 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
         row(
             "time",
             format!("{} s", significant(total_s, 4)),
-            "of the whole program".to_owned(),
+            "of the whole program",
         ),
     ];
-    if let Some((share, joint, point)) = hardest(answer, &durations) {
-        let what =
-            format!("of its limit: the fastest joint on a line, \"{joint}\" at path point {point}");
-        rows.push(row("joint speed", significant(share, 3), what));
-    }
+    let hardest = hardest(answer, &durations);
+    rows.extend(hardest.map(|(share, joint, point)| fastest_joint(share, &joint, point)));
     rows
 }
 

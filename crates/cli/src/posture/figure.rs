@@ -3,13 +3,8 @@
 use truecut_plan::{Assessment, Criterion, Decay, MarginMap, Stability};
 
 use super::PostureAnswer;
-use crate::figure::{Figure, Layer, Legend, Panel, Scale, Style};
+use crate::figure::{BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, PINK, Panel, Style};
 
-const BLUE: usize = 0;
-const ORANGE: usize = 1;
-const GREEN: usize = 2;
-const PINK: usize = 3;
-const BLACK: usize = 6;
 /// Colour of each criterion.
 const COLOURS: [usize; 4] = [PINK, GREEN, ORANGE, BLUE];
 /// Margin of the darkest blue, as a ratio to the requirement.
@@ -35,52 +30,34 @@ pub fn figure(answer: &PostureAnswer<'_>) -> Figure {
 
 /// Stable (blue), marginal (white) and unstable (orange) over path and angle.
 fn margins(answer: &PostureAnswer<'_>, map: &MarginMap) -> Panel {
-    let mut points = Vec::new();
-    let mut shades = Vec::new();
-    for (along, column) in map.along_m.iter().zip(&map.assessments) {
-        for (angle, found) in map.angles_rad.iter().zip(column) {
-            let Some(found) = found else { continue };
-            points.push((along * 1e3, angle.to_degrees()));
-            shades.push(shade(found));
-        }
-    }
+    let columns = map.along_m.iter().zip(&map.assessments);
+    let shaded = columns.flat_map(|(along, column)| {
+        let cells = map.angles_rad.iter().zip(column);
+        cells.filter_map(move |(angle, found)| {
+            let place = (along * 1e3, angle.to_degrees());
+            Some((place, shade(found.as_ref()?)))
+        })
+    });
     let step = |values: &[f64]| {
         let count = values.len().max(2) - 1;
         (values[values.len() - 1] - values[0]) / count as f64
     };
-    let cells = Layer {
-        label: String::new(),
-        points,
-        style: Style::Cells {
-            size: (step(&map.along_m) * 1e3, step(&map.angles_rad).to_degrees()),
-            shades,
-        },
-        colour: BLUE,
-    };
-    let mut layers = vec![cells];
-    layers.push(Layer {
-        label: "plan".to_owned(),
-        points: angles(&answer.plan),
-        style: Style::Line,
-        colour: BLACK,
-    });
+    let size = (step(&map.along_m) * 1e3, step(&map.angles_rad).to_degrees());
+    let mut layers = vec![
+        Layer::cells(size, shaded),
+        Layer::line("plan", angles(&answer.plan), BLACK),
+    ];
     if let Some(own) = &answer.own {
-        layers.push(Layer {
-            label: "scenario".to_owned(),
-            points: angles(&own.plan),
-            style: Style::Dashed,
-            colour: PINK,
-        });
+        layers.push(Layer::dashed("scenario", angles(&own.plan), PINK));
     }
     let of_plan = map.criterion == answer.plan.criterion;
     let mark = if of_plan { ", planned by" } else { "" };
-    Panel {
-        title: format!("{}{mark}", name(map.criterion)),
-        x_label: "along the path [mm]".to_owned(),
-        y_label: "redundancy angle [deg]".to_owned(),
+    Panel::new(
+        format!("{}{mark}", name(map.criterion)),
+        "along the path [mm]",
+        "redundancy angle [deg]",
         layers,
-        ..Panel::default()
-    }
+    )
 }
 
 /// −1 … 1 by the logarithm of value over requirement; white where marginal.
@@ -125,14 +102,11 @@ fn over_angle(answer: &PostureAnswer<'_>) -> Panel {
                 .iter()
                 .zip(column)
                 .filter(|(_, found)| found.is_some());
-            Layer {
-                label: name(map.criterion).to_owned(),
-                points: points
-                    .map(|(angle, found)| (angle.to_degrees(), value(found)))
-                    .collect(),
-                style: Style::Line,
+            Layer::line(
+                name(map.criterion),
+                points.map(|(angle, found)| (angle.to_degrees(), value(found))),
                 colour,
-            }
+            )
         })
         .collect();
     let reached = layers.iter().flat_map(|layer| &layer.points);
@@ -140,20 +114,14 @@ fn over_angle(answer: &PostureAnswer<'_>) -> Panel {
     let ends = reached.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
         [low.min(x), high.max(x)]
     });
-    layers.push(Layer {
-        label: "cut".to_owned(),
-        points: ends.map(|x| (x, depth_mm)).to_vec(),
-        style: Style::Dashed,
-        colour: BLACK,
-    });
-    Panel {
-        title: "Limit at mid-path".to_owned(),
-        x_label: "redundancy angle [deg]".to_owned(),
-        y_label: "limit depth [mm]".to_owned(),
-        y_scale: Scale::Logarithmic,
+    layers.push(Layer::dashed("cut", ends.map(|x| (x, depth_mm)), BLACK));
+    Panel::new(
+        "Limit at mid-path",
+        "redundancy angle [deg]",
+        "limit depth [mm]",
         layers,
-        ..Panel::default()
-    }
+    )
+    .logarithmic()
 }
 
 /// Margins of the plan, and of the scenario's own angles dashed.
@@ -166,36 +134,28 @@ fn along_path(answer: &PostureAnswer<'_>) -> Panel {
     };
     let mut layers = Vec::new();
     for (k, colour) in COLOURS.into_iter().enumerate() {
-        layers.push(Layer {
-            label: name(Criterion::ALL[k]).to_owned(),
-            points: curve(&answer.plan, &answer.plan_assessed[k]),
-            style: Style::Line,
+        layers.push(Layer::line(
+            name(Criterion::ALL[k]),
+            curve(&answer.plan, &answer.plan_assessed[k]),
             colour,
-        });
+        ));
         if let Some(own) = &answer.own {
-            layers.push(Layer {
-                label: String::new(),
-                points: curve(&own.plan, &own.assessed[k]),
-                style: Style::Dashed,
+            layers.push(Layer::dashed(
+                "",
+                curve(&own.plan, &own.assessed[k]),
                 colour,
-            });
+            ));
         }
     }
     let length_mm = answer.study.path.length_m() * 1e3;
-    layers.push(Layer {
-        label: String::new(),
-        points: vec![(0.0, 1.0), (length_mm, 1.0)],
-        style: Style::Line,
-        colour: BLACK,
-    });
-    Panel {
-        title: "dashed: scenario".to_owned(),
-        x_label: "along the path [mm]".to_owned(),
-        y_label: "value over what is needed".to_owned(),
-        y_scale: Scale::Logarithmic,
+    layers.push(Layer::line("", [(0.0, 1.0), (length_mm, 1.0)], BLACK));
+    Panel::new(
+        "dashed: scenario",
+        "along the path [mm]",
+        "value over what is needed",
         layers,
-        ..Panel::default()
-    }
+    )
+    .logarithmic()
 }
 
 /// Decay rate of vibration, and the required one; negative where it grows.
@@ -204,13 +164,13 @@ fn decays(
     style: Style,
     label: &str,
 ) -> [Layer; 2] {
-    let layer = |label: &str, colour, of: &dyn Fn(&Decay) -> f64| Layer {
-        label: label.to_owned(),
-        points: (points.clone())
-            .filter_map(|(at, found)| Some((at, of(&found.decay?))))
-            .collect(),
-        style: style.clone(),
-        colour,
+    let layer = |label: &str, colour, of: &dyn Fn(&Decay) -> f64| {
+        Layer::new(
+            label,
+            (points.clone()).filter_map(|(at, found)| Some((at, of(&found.decay?)))),
+            style.clone(),
+            colour,
+        )
     };
     let (colour, least) = match label {
         "scenario" => (PINK, ""),
@@ -232,13 +192,12 @@ fn decay_over_angle(answer: &PostureAnswer<'_>) -> Panel {
         let cells = cells.filter_map(|(angle, found)| Some((angle.to_degrees(), (*found)?)));
         decays(cells, Style::Line, "regeneration")
     });
-    Panel {
-        title: "Decay at mid-path".to_owned(),
-        x_label: "redundancy angle [deg]".to_owned(),
-        y_label: "decay of vibration [1/s]".to_owned(),
-        layers: layers.collect(),
-        ..Panel::default()
-    }
+    Panel::new(
+        "Decay at mid-path",
+        "redundancy angle [deg]",
+        "decay of vibration [1/s]",
+        layers.collect(),
+    )
 }
 
 /// Decay of the plan, and at the scenario's own angles dashed.
@@ -253,13 +212,12 @@ fn decay(answer: &PostureAnswer<'_>) -> Panel {
         let found = answer.regenerative(&own.assessed);
         layers.extend(along(&own.plan, found, Style::Dashed, "scenario"));
     }
-    Panel {
-        title: "Decay by regeneration".to_owned(),
-        x_label: "along the path [mm]".to_owned(),
-        y_label: "decay of vibration [1/s]".to_owned(),
+    Panel::new(
+        "Decay by regeneration",
+        "along the path [mm]",
+        "decay of vibration [1/s]",
         layers,
-        ..Panel::default()
-    }
+    )
 }
 
 /// Short names for legends.

@@ -9,7 +9,8 @@ use truecut_sim::stability::in_scenario;
 
 use super::PostureAnswer;
 use crate::failure::Failure;
-use crate::figure::{Figure, Layer, Legend, Panel, Style};
+
+use crate::figure::{Figure, Layer, Legend, Panel};
 use crate::progress::Progress;
 use truecut::outputs::write_file;
 
@@ -75,34 +76,25 @@ pub fn write(answer: &PostureAnswer<'_>, out: &Path) -> Result<PathBuf, Failure>
 }
 
 fn panel(map: &JointMap, title: &str, shade: &dyn Fn(&MapCell) -> f64) -> Panel {
-    let mut points = Vec::new();
-    let mut shades = Vec::new();
-    for (q2, row) in map.joint_2_rad.iter().zip(&map.cells) {
-        for (q3, cell) in map.joint_3_rad.iter().zip(row) {
-            points.push((q2.to_degrees(), q3.to_degrees()));
+    let rows = map.joint_2_rad.iter().zip(&map.cells);
+    let shaded = rows.flat_map(|(q2, row)| {
+        let cells = map.joint_3_rad.iter().zip(row);
+        cells.map(move |(q3, cell)| {
             let value = cell.as_ref().map_or(f64::NAN, shade);
-            shades.push(if value.abs() < 0.1 {
+            let shown = if value.abs() < 0.1 {
                 0.1_f64.copysign(value)
             } else {
                 value
-            });
-        }
-    }
+            };
+            ((q2.to_degrees(), q3.to_degrees()), shown)
+        })
+    });
     let step = |values: &[f64]| (values[1] - values[0]).to_degrees();
-    let cells = Layer {
-        label: String::new(),
-        points,
-        style: Style::Cells {
-            size: (step(&map.joint_2_rad), step(&map.joint_3_rad)),
-            shades,
-        },
-        colour: 0,
-    };
-    Panel {
-        title: title.to_owned(),
-        x_label: "joint 2 [deg]".to_owned(),
-        y_label: "joint 3 [deg]".to_owned(),
-        layers: vec![cells],
-        ..Panel::default()
-    }
+    let size = (step(&map.joint_2_rad), step(&map.joint_3_rad));
+    Panel::new(
+        title,
+        "joint 2 [deg]",
+        "joint 3 [deg]",
+        vec![Layer::cells(size, shaded)],
+    )
 }

@@ -14,13 +14,9 @@ pub fn printed(answer: &PostureAnswer<'_>, written: &[PathBuf]) -> String {
     let [first, planned, rest @ ..] = written else {
         return text;
     };
-    let names: Vec<String> = (rest.iter())
-        .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
-        .collect();
     text.push_str(&format!(
-        "\n  {}   (beside it: {})\n  run it: truecut run {}\n\n",
-        first.display(),
-        names.join(", "),
+        "\n{}  run it: truecut run {}\n\n",
+        text::written(first, rest),
         planned.display()
     ));
     text
@@ -73,12 +69,10 @@ fn percent(margin: f64) -> String {
 }
 
 fn segments(answer: &PostureAnswer<'_>) -> String {
-    let head = ["segment", "taken from", "to", "angle", "least reserve"];
-    let mut head = head.map(str::to_owned).to_vec();
+    let mut head = vec!["segment", "taken from", "to", "angle", "least reserve"];
     let plan = &answer.plan;
-    let decays = slowest(&plan.points).is_some();
-    if decays {
-        head.push("slowest decay".to_owned());
+    if slowest(&plan.points).is_some() {
+        head.push("slowest decay");
     }
     let rows = plan.segments.iter().map(|segment| {
         let inside = plan
@@ -105,8 +99,7 @@ fn segments(answer: &PostureAnswer<'_>) -> String {
         row.extend(slowest.map(|decay| format!("{} 1/s", significant(-decay.growth_per_s, 3))));
         row
     });
-    let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
-    text::table(&vec![Align::Right; if decays { 6 } else { 5 }], &rows)
+    text::table(&vec![Align::Right; head.len()], &text::headed(&head, rows))
 }
 
 /// Stable angles by each criterion at start, middle and end of the path, within reach.
@@ -208,9 +201,6 @@ fn comparison(answer: &PostureAnswer<'_>) -> String {
         least_decay(answer.regenerative(&answer.plan_assessed)),
         own.unwrap_or_else(|| "cannot be followed".to_owned()),
     ];
-    let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
-        .chain(rows)
-        .chain([decay])
-        .collect();
+    let rows = text::headed(&head, rows.chain([decay]));
     text::table(&[Align::Left, Align::Right, Align::Right], &rows)
 }

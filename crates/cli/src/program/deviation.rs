@@ -21,19 +21,32 @@ struct PathRow {
     posture_rad: Vec<f64>,
 }
 
-/// Largest deviations, each with its path point.
+/// Largest deviations.
+#[derive(Default)]
 pub struct Deviation {
-    pub position_m: f64,
-    pub position_at: usize,
-    pub attitude_rad: f64,
-    pub attitude_at: usize,
-    pub joint_rad: f64,
-    pub joint_at: usize,
+    pub position_m: Largest,
+    pub attitude_rad: Largest,
+    pub joint_rad: Largest,
+}
+
+/// The largest of values, and the path point that it belongs to.
+#[derive(Default)]
+pub struct Largest {
+    pub value: f64,
+    pub at: usize,
+}
+
+impl Largest {
+    fn take(&mut self, value: f64, at: usize) {
+        if value > self.value {
+            *self = Largest { value, at };
+        }
+    }
 }
 
 /// Reads the columns point, x_mm … z_mm, qw … qz and j1 … of a path.
 pub fn path_of(path: &Path, joints: usize) -> Result<PathRows, Failure> {
-    let failed = |text: String| Failure::message(format!("{}: {text}", path.display()));
+    let failed = |text: String| Failure::at(path, text);
     let table: Table =
         read_table(path, true).map_err(|error| Failure::message(error.to_string()))?;
     let names: Vec<String> = ["point", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz"]
@@ -80,30 +93,19 @@ impl Deviation {
     /// Compares path points of equal number.
     pub fn of(program: &Program, path: &PathRows) -> Result<Deviation, Failure> {
         if program.moves.len() != path.rows.len() {
-            return Err(Failure::message(format!(
-                "{}: {} path points, but the program has {} moves; it is the path of another \
-                 program",
-                path.file.display(),
-                path.rows.len(),
-                program.moves.len()
-            )));
+            let (rows, moves) = (path.rows.len(), program.moves.len());
+            let text = format!(
+                "{rows} path points, but the program has {moves} moves; it is the path of another \
+                 program"
+            );
+            return Err(Failure::at(&path.file, text));
         }
-        let mut worst = Deviation {
-            position_m: 0.0,
-            position_at: 0,
-            attitude_rad: 0.0,
-            attitude_at: 0,
-            joint_rad: 0.0,
-            joint_at: 0,
-        };
+        let mut worst = Deviation::default();
         for (step, row) in program.moves.iter().zip(&path.rows) {
             if step.path_point != row.point {
-                return Err(Failure::message(format!(
-                    "{}: path point {} stands where the program has {}",
-                    path.file.display(),
-                    row.point,
-                    step.path_point
-                )));
+                let (found, wanted) = (row.point, step.path_point);
+                let text = format!("path point {found} stands where the program has {wanted}");
+                return Err(Failure::at(&path.file, text));
             }
             let pose = program.world_from_base * step.base_from_tool;
             let wanted = &row.world_from_tool;
@@ -111,15 +113,9 @@ impl Deviation {
             let apart_rad = pose.rotation.angle_to(&wanted.rotation);
             let joints = step.posture.iter().zip(&row.posture_rad);
             let joint_rad = joints.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            if apart_m > worst.position_m {
-                (worst.position_m, worst.position_at) = (apart_m, step.path_point);
-            }
-            if apart_rad > worst.attitude_rad {
-                (worst.attitude_rad, worst.attitude_at) = (apart_rad, step.path_point);
-            }
-            if joint_rad > worst.joint_rad {
-                (worst.joint_rad, worst.joint_at) = (joint_rad, step.path_point);
-            }
+            worst.position_m.take(apart_m, step.path_point);
+            worst.attitude_rad.take(apart_rad, step.path_point);
+            worst.joint_rad.take(joint_rad, step.path_point);
         }
         Ok(worst)
     }

@@ -11,7 +11,7 @@ use truecut_recording::{Unit, significant};
 use crate::args::ProgramArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::text::{Align, show, table};
+use crate::text::{Align, fastest_joint, row, show, table};
 use deviation::Deviation;
 
 /// Findings that are listed individually.
@@ -41,7 +41,8 @@ pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
     crate::print(&printed(&robot, &program, &replay, deviation.as_ref()))?;
     let grave = |kind: &FindingKind| !matches!(kind, FindingKind::NearSingularity { .. });
     let holds = !replay.findings.iter().any(|finding| grave(&finding.kind))
-        && deviation.is_none_or(|d| d.position_m <= ALLOWED_M && d.attitude_rad <= ALLOWED_RAD);
+        && deviation
+            .is_none_or(|d| d.position_m.value <= ALLOWED_M && d.attitude_rad.value <= ALLOWED_RAD);
     Ok(if holds {
         ExitStatus::Good
     } else {
@@ -80,10 +81,8 @@ fn printed(
     let places = format!("{} places looked at", replay.rows.len());
     let mut rows = vec![row("time", format!("{} s", significant(time_s, 4)), places)];
     if let Some((share, joint, point)) = replay.fastest {
-        let name = &robot.chain.joints[joint].name;
-        let what =
-            format!("of its limit: the fastest joint on a line, \"{name}\" at path point {point}");
-        rows.push(row("joint speed", significant(share, 3), what));
+        let joint = &robot.chain.joints[joint].name;
+        rows.push(fastest_joint(share, joint, point));
     }
     rows.extend(deviation.into_iter().flat_map(beside_path));
     text.push_str(&table(&[Align::Left, Align::Right, Align::Left], &rows));
@@ -103,38 +102,34 @@ fn printed(
     text
 }
 
-fn row(name: &str, value: String, what: String) -> Vec<String> {
-    vec![name.to_owned(), value, what]
-}
-
 /// Rows of the comparison with the path.
 fn beside_path(d: &Deviation) -> [Vec<String>; 3] {
     let mark = |good: bool| if good { "✓" } else { "✗" };
     [
         row(
             "position",
-            show(Unit::Metre, d.position_m),
+            show(Unit::Metre, d.position_m.value),
             format!(
                 "{} from the path at most, at path point {}; 0.01 mm are allowed",
-                mark(d.position_m <= ALLOWED_M),
-                d.position_at
+                mark(d.position_m.value <= ALLOWED_M),
+                d.position_m.at
             ),
         ),
         row(
             "attitude",
-            format!("{} deg", significant(d.attitude_rad.to_degrees(), 3)),
+            format!("{} deg", significant(d.attitude_rad.value.to_degrees(), 3)),
             format!(
                 "{} from the path at most, at path point {}; 0.01 deg are allowed",
-                mark(d.attitude_rad <= ALLOWED_RAD),
-                d.attitude_at
+                mark(d.attitude_rad.value <= ALLOWED_RAD),
+                d.attitude_rad.at
             ),
         ),
         row(
             "joints",
-            format!("{} deg", significant(d.joint_rad.to_degrees(), 3)),
+            format!("{} deg", significant(d.joint_rad.value.to_degrees(), 3)),
             format!(
                 "from the path's postures at most, at path point {}",
-                d.joint_at
+                d.joint_rad.at
             ),
         ),
     ]

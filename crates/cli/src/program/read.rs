@@ -38,8 +38,7 @@ pub fn read(
     let program = dialect.read(path, &text, robot, &frames, &settings);
     let program = program.map_err(refused)?;
     if program.moves.is_empty() {
-        let message = format!("{}: the program has no move", path.display());
-        return Err(Failure::message(message));
+        return Err(Failure::at(path, "the program has no move"));
     }
     Ok(program)
 }
