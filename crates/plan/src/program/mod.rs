@@ -62,9 +62,32 @@ pub use replay::{Replay, ReplayOptions, ReplayRow};
 pub use setup::ProgramSetup;
 pub use travel::{TravelOptions, shortest_travel};
 
-/// The dialects that path jobs name and whose files are read, in the order in which they are
-/// listed.
-pub static DIALECTS: &[&dyn Dialect] = &[&jbi::Jbi, &rapid::Rapid];
+/// The shipped dialects, each a folder here with a `dialect.rs`: `build.rs` finds the folders.
+macro_rules! dialects {
+    ($($room:ident),*) => {
+        /// The dialects that path jobs name and whose files are read, by name.
+        pub static DIALECTS: &[&dyn Dialect] = &[$(&$room::DIALECT),*];
+
+        #[cfg(test)]
+        mod contracts {
+            use super::shipped_dialects::subject;
+
+            mod hp20 {
+                use super::subject;
+                $( crate::dialect_contract!($room, subject("hp20", &crate::program::$room::DIALECT,
+                    crate::program::$room::sample_options())); )*
+            }
+
+            mod irb6600 {
+                use super::subject;
+                $( crate::dialect_contract!($room, subject("irb6600_175_255", &crate::program::$room::DIALECT,
+                    crate::program::$room::sample_options())); )*
+            }
+        }
+    };
+}
+
+include!(concat!(env!("OUT_DIR"), "/dialects.rs"));
 
 /// The dialect of this name.
 #[must_use]

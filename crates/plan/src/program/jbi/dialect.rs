@@ -17,6 +17,9 @@ use crate::program::{OptionFault, Program, ProgramError, ProgramErrorKind, Tool}
 #[derive(Debug, Clone, Copy)]
 pub struct Jbi;
 
+/// The dialect, for the list.
+pub static DIALECT: Jbi = Jbi;
+
 /// Options of a job.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -158,6 +161,12 @@ impl Dialect for Jbi {
         }
         Ok(whole)
     }
+}
+
+/// Options with which the contract tests write.
+#[cfg(test)]
+pub fn sample_options() -> serde_json::Value {
+    serde_json::json!({ "date": "2026-01-31 12:00", "tool_number": 3 })
 }
 
 #[cfg(test)]

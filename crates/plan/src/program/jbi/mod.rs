@@ -16,7 +16,9 @@ use truecut_arm::{Elbow, OpwGeometry, Shoulder};
 use super::flags::{Flags, branch_excess, outside_rad};
 use super::{ProgramError, ProgramErrorKind};
 
-pub use dialect::Jbi;
+#[cfg(test)]
+pub(super) use dialect::sample_options;
+pub use dialect::{DIALECT, Jbi};
 pub use job::{JbiJob, JbiMove, JbiPosition, JbiPositionValue};
 pub use write::{JbiFile, write};
 

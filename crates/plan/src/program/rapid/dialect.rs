@@ -17,6 +17,9 @@ use crate::program::{OptionFault, Program, ProgramError, ProgramErrorKind, Tool}
 #[derive(Debug, Clone, Copy)]
 pub struct Rapid;
 
+/// The dialect, for the list.
+pub static DIALECT: Rapid = Rapid;
+
 /// Options of a module.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -103,4 +106,10 @@ impl Dialect for Rapid {
         let text = text(file).map_err(|error| ProgramError::in_file(file, None, error.into()))?;
         RapidModule::parse(&text, file)?.program(robot, &RapidOptions::default())
     }
+}
+
+/// Options with which the contract tests write.
+#[cfg(test)]
+pub fn sample_options() -> serde_json::Value {
+    serde_json::json!({ "tool_name": "wheel", "zone": "z5" })
 }

@@ -15,7 +15,9 @@ use truecut_arm::{Elbow, OpwGeometry, Shoulder, Wrist};
 use super::ProgramErrorKind;
 use super::flags::{Flags, branch_excess, outside_rad};
 
-pub use dialect::Rapid;
+#[cfg(test)]
+pub(super) use dialect::sample_options;
+pub use dialect::{DIALECT, Rapid};
 pub use module::{RapidModule, RapidMove, RobTarget};
 pub use write::write;
 
