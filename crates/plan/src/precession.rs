@@ -35,11 +35,10 @@ use truecut_core::wheel::precession::wrapped;
 pub use arm::{ArmOnFace, ArmPlan};
 pub use error::PrecessionPlanError;
 pub use feed::FeedReduction;
-pub use task::{PrecessionLimits, PrecessionOptions, PrecessionProgress, PrecessionTask};
+pub use task::{PrecessionLimits, PrecessionOptions, PrecessionTask};
 
 use feed::FeedPace;
 use stations::Intervals;
-use task::ProgressReport;
 
 /// Knots of the trajectory in a window of the mean. Fewer would widen the stretch that a knot's
 /// angles must suit, more would make steps that the grid of angles renders badly.
@@ -74,22 +73,6 @@ impl PrecessionPlan {
         self.points.last().map_or(0.0, |point| point.time_s)
     }
 
-    /// Largest rate of the angle between two points, rad/s.
-    pub fn fastest_rad_s(&self) -> f64 {
-        self.rates().map(|(_, rate)| rate.abs()).fold(0.0, f64::max)
-    }
-
-    /// Largest change of that rate from one interval to the next, per time between their middles,
-    /// rad/s².
-    pub fn hardest_rad_s2(&self) -> f64 {
-        let rates: Vec<(f64, f64)> = self.rates().collect();
-        let changes = rates.windows(2).map(|w| {
-            let ((before_s, before), (after_s, after)) = (w[0], w[1]);
-            ((after - before) / (after_s - before_s)).abs()
-        });
-        changes.fold(0.0, f64::max)
-    }
-
     /// Root of the mean squared deviation from the steady turn over time, rad.
     pub fn deviation_rms_rad(&self) -> f64 {
         let square = |p: &PrecessionPoint| p.deviation_rad.powi(2);
@@ -98,15 +81,6 @@ impl PrecessionPlan {
             .map(|w| 0.5 * (square(&w[0]) + square(&w[1])) * (w[1].time_s - w[0].time_s))
             .sum();
         (sum / self.duration_s()).sqrt()
-    }
-
-    /// Middle of each interval in time, and rate of the angle in it.
-    fn rates(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
-        self.points.windows(2).map(|w| {
-            let taken = w[1].time_s - w[0].time_s;
-            let middle = 0.5 * (w[0].time_s + w[1].time_s);
-            (middle, (w[1].angle_rad - w[0].angle_rad) / taken)
-        })
     }
 }
 
@@ -121,32 +95,17 @@ impl PrecessionTask<'_> {
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
     ) -> Result<PrecessionPlan, PrecessionPlanError> {
-        self.plan_with_progress(limits, options, &mut |_| ())
-    }
-
-    /// As [`Self::plan`], and tells how far it has come, some hundred times a pass.
-    ///
-    /// # Errors
-    /// As [`Self::plan`].
-    pub fn plan_with_progress(
-        &self,
-        limits: &PrecessionLimits,
-        options: &PrecessionOptions,
-        tell: &mut dyn FnMut(PrecessionProgress),
-    ) -> Result<PrecessionPlan, PrecessionPlanError> {
-        let mut progress = ProgressReport { pass: 0, tell };
-        let (intervals, mut pace) = self.prepared(limits, options, &mut progress)?;
-        self.planned(&intervals, &mut pace, limits, options, &mut progress)
+        let (intervals, mut pace) = self.prepared(limits, options)?;
+        self.planned(&intervals, &mut pace, limits, options)
     }
 
     fn prepared(
         &self,
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
-        progress: &mut ProgressReport<'_>,
     ) -> Result<(Intervals, FeedPace), PrecessionPlanError> {
         error::check(self, limits, options)?;
-        let intervals = Intervals::new(self, options.interval_m, progress)?;
+        let intervals = Intervals::new(self, options.interval_m)?;
         let least = options.least_feed_share * self.feed_m_per_s;
         let pace = FeedPace::new(intervals.lengths_m(), self.feed_m_per_s, least, limits);
         Ok((intervals, pace))
@@ -159,14 +118,12 @@ impl PrecessionTask<'_> {
         pace: &mut FeedPace,
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
-        progress: &mut ProgressReport<'_>,
     ) -> Result<PrecessionPlan, PrecessionPlanError> {
         let window_s = limits.window_s();
         let grid = search::Grid {
             angles: options.angles,
         };
         loop {
-            progress.pass += 1;
             let times = pace.times_s();
             let nominal = |t: &f64| self.start_rad + self.turn_rad_s * t;
             let knots = stations::knots(&times, window_s / KNOTS_PER_WINDOW);
@@ -174,17 +131,13 @@ impl PrecessionTask<'_> {
             let knot_times: Vec<f64> = knots.iter().map(|k| times[*k]).collect();
             let steady: Vec<f64> = knot_times.iter().map(nominal).collect();
             let rates = pace.least_rates_rad_s(&knots);
-            let stuck =
-                match grid.trajectory(&windows, &knot_times, &steady, &rates, &mut |share| {
-                    progress.share(share)
-                }) {
-                    Ok(trajectory) => {
-                        let angles =
-                            search::moving_mean(&knot_times, &trajectory, window_s, &times);
-                        return Ok(self.finished(intervals, pace, &times, &angles));
-                    }
-                    Err(stuck) => stuck,
-                };
+            let stuck = match grid.trajectory(&windows, &knot_times, &steady, &rates) {
+                Ok(trajectory) => {
+                    let angles = search::moving_mean(&knot_times, &trajectory, window_s, &times);
+                    return Ok(self.finished(intervals, pace, &times, &angles));
+                }
+                Err(stuck) => stuck,
+            };
             for knot in stuck.stations {
                 let station = knots[knot];
                 let begin_s = match stuck.narrow {

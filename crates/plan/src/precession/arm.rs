@@ -6,8 +6,7 @@ use truecut_core::wheel::precession::PrecessionWheel;
 
 use super::feed::FeedPace;
 use super::{
-    PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError, PrecessionProgress,
-    PrecessionTask, ProgressReport,
+    PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError, PrecessionTask,
 };
 
 /// A joint that is too fast is brought to this share of its limit, so that rounding does not ask
@@ -143,24 +142,9 @@ impl PrecessionTask<'_> {
         limits: &PrecessionLimits,
         options: &PrecessionOptions,
     ) -> Result<ArmPlan, PrecessionPlanError> {
-        self.plan_for_arm_with_progress(arm, limits, options, &mut |_| ())
-    }
-
-    /// As [`Self::plan_for_arm`], and tells how far it has come, some hundred times a pass.
-    ///
-    /// # Errors
-    /// As [`Self::plan_for_arm`].
-    pub fn plan_for_arm_with_progress(
-        &self,
-        arm: &ArmOnFace<'_>,
-        limits: &PrecessionLimits,
-        options: &PrecessionOptions,
-        tell: &mut dyn FnMut(PrecessionProgress),
-    ) -> Result<ArmPlan, PrecessionPlanError> {
-        let mut progress = ProgressReport { pass: 0, tell };
-        let (intervals, mut pace) = self.prepared(limits, options, &mut progress)?;
+        let (intervals, mut pace) = self.prepared(limits, options)?;
         loop {
-            let plan = self.planned(&intervals, &mut pace, limits, options, &mut progress)?;
+            let plan = self.planned(&intervals, &mut pace, limits, options)?;
             let poses = arm.poses(self.wheel, &plan)?;
             let steps = PathOptions::default();
             let postures = (arm.solver).follow(&poses, FrameId::Tool, arm.start, &steps)?;

@@ -5,9 +5,6 @@ use std::f64::consts::TAU;
 
 use truecut_core::wheel::precession::{AngleSet, wrapped};
 
-/// How many progress reports a search gives.
-const REPORTS: usize = 100;
-
 /// Angles of a turn.
 pub(super) struct Grid {
     pub angles: usize,
@@ -56,8 +53,7 @@ impl Grid {
 
     /// The trajectory of least ∫ deviation² dt through `sets`, turns counted from the first angle
     /// in [0, 2π). From one station to the next it moves within one arc of the earlier station's
-    /// set, at the rate that `rates_rad_s` has for this step at most. `tell` hears the share of the
-    /// stations that are done.
+    /// set, at the rate that `rates_rad_s` has for this step at most.
     ///
     /// # Errors
     /// Where no trajectory gets through.
@@ -67,7 +63,6 @@ impl Grid {
         times_s: &[f64],
         nominal_rad: &[f64],
         rates_rad_s: &[f64],
-        tell: &mut dyn FnMut(f64),
     ) -> Result<Vec<f64>, Stuck> {
         let runs: Vec<Vec<AngleRun>> = sets.iter().map(|set| self.runs(set)).collect();
         let stations: Vec<usize> = (0..runs.len()).filter(|k| runs[*k].is_empty()).collect();
@@ -99,9 +94,6 @@ impl Grid {
             }
             costs = reached;
             came_by.push(steps);
-            if k % (1 + last / REPORTS) == 0 || k == last {
-                tell(k as f64 / last as f64);
-            }
         }
         Ok(self.traced(&costs, &came_by))
     }

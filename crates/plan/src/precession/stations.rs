@@ -4,13 +4,10 @@ use nalgebra::Vector2;
 use truecut_core::wheel::precession::AngleSet;
 
 use super::error::PrecessionPlanError;
-use super::task::{PrecessionTask, ProgressReport};
+use super::task::PrecessionTask;
 
 /// How often an interval is halved before its places count as having no angle in common.
 const MOST_HALVINGS: usize = 10;
-
-/// Share of the path after which progress is reported again.
-const SHARE_TOLD: f64 = 0.01;
 
 /// Stations of the path, and the intervals between them.
 pub(super) struct Intervals {
@@ -23,31 +20,19 @@ pub(super) struct Intervals {
 impl Intervals {
     /// # Errors
     /// If a place leaves no angle, or neighbouring places none in common.
-    pub fn new(
-        task: &PrecessionTask<'_>,
-        longest_m: f64,
-        progress: &mut ProgressReport<'_>,
-    ) -> Result<Self, PrecessionPlanError> {
+    pub fn new(task: &PrecessionTask<'_>, longest_m: f64) -> Result<Self, PrecessionPlanError> {
         let mut intervals = Self {
             along_m: vec![0.0],
             points_m: vec![task.path_m[0]],
             sets: Vec::new(),
         };
-        let legs = task.path_m.windows(2);
-        let whole_m: f64 = legs.clone().map(|leg| (leg[1] - leg[0]).norm()).sum();
-        let mut last = 0.0;
-        for leg in legs {
+        for leg in task.path_m.windows(2) {
             let count = ((leg[1] - leg[0]).norm() / longest_m - 1e-9)
                 .ceil()
                 .max(1.0);
             for k in 0..count as usize {
                 let at = |k: usize| leg[0].lerp(&leg[1], k as f64 / count);
                 intervals.extend(task, at(k), at(k + 1), MOST_HALVINGS)?;
-                let share = intervals.along_m[intervals.along_m.len() - 1] / whole_m;
-                if share - last >= SHARE_TOLD {
-                    progress.share(share.min(1.0));
-                    last = share;
-                }
             }
         }
         Ok(intervals)

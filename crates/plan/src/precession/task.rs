@@ -57,25 +57,3 @@ impl Default for PrecessionOptions {
         }
     }
 }
-
-/// How far a plan has come. How often the path must be searched shows only on the way.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PrecessionProgress {
-    /// 0 while the allowed angles are gathered, then the number of the search through the path.
-    pub pass: usize,
-    /// Share of the path that this pass has behind it, 0 to 1.
-    pub share: f64,
-}
-
-/// Reports the progress of a plan and counts its passes.
-pub(super) struct ProgressReport<'a> {
-    pub pass: usize,
-    pub tell: &'a mut dyn FnMut(PrecessionProgress),
-}
-
-impl ProgressReport<'_> {
-    pub fn share(&mut self, share: f64) {
-        let pass = self.pass;
-        (self.tell)(PrecessionProgress { pass, share });
-    }
-}

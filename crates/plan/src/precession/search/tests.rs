@@ -68,7 +68,7 @@ fn a_course_leaves_in_time_for_what_closes_ahead() {
     };
     let sets: Vec<AngleSet> = (0..60).map(set).collect();
     let trajectory = grid()
-        .trajectory(&sets, &times, &[0.0; 60], &[1.0; 59], &mut |_| ())
+        .trajectory(&sets, &times, &[0.0; 60], &[1.0; 59])
         .expect("a sign");
     for (k, angle) in trajectory.iter().enumerate() {
         let expected = (160.0 - 5.0 * (40.0 - k as f64)).clamp(0.0, 160.0);
@@ -84,7 +84,7 @@ fn a_course_leaves_in_time_for_what_closes_ahead() {
             }
         })
         .collect();
-    let stuck = grid().trajectory(&too_soon, &times, &[0.0; 60], &[1.0; 59], &mut |_| ());
+    let stuck = grid().trajectory(&too_soon, &times, &[0.0; 60], &[1.0; 59]);
     let stuck = stuck.expect_err("no sign");
     assert_eq!((stuck.stations, stuck.narrow), (vec![10], false));
 }
@@ -92,7 +92,7 @@ fn a_course_leaves_in_time_for_what_closes_ahead() {
 #[test]
 fn a_set_without_an_angle_of_the_grid_is_narrow() {
     let sets = [AngleSet::Circle, arc(2.5, 1.0), AngleSet::Circle];
-    let stuck = grid().trajectory(&sets, &[0.0, 1.0, 2.0], &[0.0; 3], &[1.0; 2], &mut |_| ());
+    let stuck = grid().trajectory(&sets, &[0.0, 1.0, 2.0], &[0.0; 3], &[1.0; 2]);
     let stuck = stuck.expect_err("too narrow");
     assert_eq!((stuck.stations, stuck.narrow), (vec![1], true));
 }
@@ -133,7 +133,7 @@ proptest! {
             if free { AngleSet::Circle } else { arc(middle, half) }
         }).collect();
         let best = least_cost(&grid, &sets, &times, &nominal, &rates);
-        match grid.trajectory(&sets, &times, &nominal, &rates, &mut |_| ()) {
+        match grid.trajectory(&sets, &times, &nominal, &rates) {
             Ok(trajectory) => {
                 let cost = cost_of(&trajectory, &times, &nominal);
                 prop_assert!((cost - best).abs() <= 1e-9 * best.max(1.0), "{} {}", cost, best);
