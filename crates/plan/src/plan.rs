@@ -19,6 +19,11 @@ impl Segment {
     pub fn midpoint_m(&self) -> f64 {
         0.5 * (self.from_m + self.to_m)
     }
+
+    /// Its midpoint (m), and the redundancy angle taken there (rad).
+    pub(crate) fn knot(&self) -> (f64, f64) {
+        (self.midpoint_m(), self.interval.middle_rad())
+    }
 }
 
 /// The arm at one station of the path.
@@ -60,10 +65,7 @@ impl Plan {
         if self.segments.is_empty() {
             return vec![(0.0, self.points[0].angle_rad)];
         }
-        let knots = self.segments.iter();
-        knots
-            .map(|s| (s.midpoint_m(), s.interval.middle_rad()))
-            .collect()
+        self.segments.iter().map(Segment::knot).collect()
     }
 
     /// Largest motion of one joint from one point to the next, rad.

@@ -309,10 +309,7 @@ impl<'a> Planner<'a> {
             interval: *interval,
         });
         let segments: Vec<Segment> = segments.collect();
-        let knots = segments
-            .iter()
-            .map(|s| (s.midpoint_m(), s.interval.middle_rad()));
-        let knots: Vec<(f64, f64)> = knots.collect();
+        let knots: Vec<(f64, f64)> = segments.iter().map(Segment::knot).collect();
         let angle = |along_m: f64| between(&knots, along_m);
         let starts = self.starts(chain[0].sheet, angle(0.0))?;
         let mut refused = None;

@@ -27,6 +27,16 @@ pub struct SingularityLimits {
     pub shoulder_m: f64,
 }
 
+/// The singularity that a posture is nearest to, in shares of the distance asked.
+pub(crate) struct Near {
+    pub kind: &'static str,
+    /// The joint that the singularity is of.
+    pub joint: usize,
+    pub share: f64,
+    pub distance: String,
+    pub least: String,
+}
+
 impl Default for SingularityLimits {
     /// 5° and 50 mm: at 5° from a wrist singularity joints 4 and 6 turn eleven times as fast as the
     /// tool.
@@ -45,6 +55,37 @@ impl SingularityLimits {
         distance.wrist_rad >= self.wrist_rad
             && distance.elbow_rad >= self.elbow_rad
             && distance.shoulder_m >= self.shoulder_m
+    }
+
+    /// The singularity that a posture at this distance is nearest to.
+    pub(crate) fn nearest(&self, distance: &SingularityDistance) -> Near {
+        let angle = |rad: f64| format!("{:.2} deg", rad.to_degrees());
+        let length = |m: f64| format!("{:.1} mm", m * 1e3);
+        let near = |kind, joint, has: f64, least: f64, text: &dyn Fn(f64) -> String| Near {
+            kind,
+            joint,
+            // A limit of zero asks nothing.
+            share: if least > 0.0 {
+                has / least
+            } else {
+                f64::INFINITY
+            },
+            distance: text(has),
+            least: text(least),
+        };
+        let wrist = near("wrist", 4, distance.wrist_rad, self.wrist_rad, &angle);
+        let elbow = near("elbow", 2, distance.elbow_rad, self.elbow_rad, &angle);
+        let shoulder = near("shoulder", 0, distance.shoulder_m, self.shoulder_m, &length);
+        let least = if elbow.share < wrist.share {
+            elbow
+        } else {
+            wrist
+        };
+        if shoulder.share < least.share {
+            shoulder
+        } else {
+            least
+        }
     }
 }
 
@@ -221,42 +262,16 @@ impl Surveyor<'_> {
 
     /// The singularity that a posture is nearest to, and its share of the distance asked for.
     fn singular(&self, q: &[f64], along_m: f64, angle_rad: f64) -> (f64, PlanError) {
-        let d = self.geometry.singularity_distance(q);
-        let limits = &self.limits;
-        let degrees = |rad: f64| format!("{:.2} deg", rad.to_degrees());
-        let millimetres = |m: f64| format!("{:.1} mm", m * 1e3);
-        let kinds = [
-            (
-                "wrist",
-                d.wrist_rad / limits.wrist_rad,
-                degrees(d.wrist_rad),
-                degrees(limits.wrist_rad),
-            ),
-            (
-                "elbow",
-                d.elbow_rad / limits.elbow_rad,
-                degrees(d.elbow_rad),
-                degrees(limits.elbow_rad),
-            ),
-            (
-                "shoulder",
-                d.shoulder_m / limits.shoulder_m,
-                millimetres(d.shoulder_m),
-                millimetres(limits.shoulder_m),
-            ),
-        ];
-        let [first, second, third] = kinds;
-        let nearer = |a: (_, f64, _, _), b: (_, f64, _, _)| if b.1 < a.1 { b } else { a };
-        let (kind, share, distance, least) = nearer(nearer(first, second), third);
+        let near = (self.limits).nearest(&self.geometry.singularity_distance(q));
         let error = PlanError::Singular {
-            kind,
+            kind: near.kind,
             along_m,
             point_m: self.path.point_m(along_m),
             angle_deg: angle_rad.to_degrees(),
-            distance,
-            least,
+            distance: near.distance,
+            least: near.least,
         };
-        (share, error)
+        (near.share, error)
     }
 
     /// The joint that breaks its limits most, and by how much.

@@ -148,6 +148,26 @@ impl ProgramErrorKind {
         }
     }
 
+    /// Refuses a value that does not hold to a rule.
+    pub(crate) fn unless(
+        holds: bool,
+        what: impl Display,
+        value: impl Display,
+        rule: impl Display,
+    ) -> Result<(), Self> {
+        if holds {
+            return Ok(());
+        }
+        Err(Self::value(what, value, rule))
+    }
+
+    pub(crate) fn unexpected(found: &str, wanted: &str) -> Self {
+        Self::Unexpected {
+            found: found.to_owned(),
+            wanted: wanted.to_owned(),
+        }
+    }
+
     pub(crate) fn at_point(path_point: usize, what: &str, value: f64, rule: &str) -> Self {
         Self::value(format!("path point {path_point}: the {what}"), value, rule)
     }

@@ -86,48 +86,6 @@ impl std::fmt::Display for Finding {
     }
 }
 
-/// The singularity that a posture is nearest to, in shares of the distance asked.
-pub(super) struct Near {
-    pub kind: &'static str,
-    /// The joint that the singularity is of.
-    pub joint: usize,
-    pub share: f64,
-    pub distance: String,
-    pub least: String,
-}
-
-impl SingularityLimits {
-    pub(super) fn nearest(&self, distance: &truecut_arm::SingularityDistance) -> Near {
-        let angle = |rad: f64| format!("{:.2} deg", rad.to_degrees());
-        let length = |m: f64| format!("{:.1} mm", m * 1e3);
-        let near = |kind, joint, has: f64, least: f64, text: &dyn Fn(f64) -> String| Near {
-            kind,
-            joint,
-            // A limit of zero asks nothing.
-            share: if least > 0.0 {
-                has / least
-            } else {
-                f64::INFINITY
-            },
-            distance: text(has),
-            least: text(least),
-        };
-        let wrist = near("wrist", 4, distance.wrist_rad, self.wrist_rad, &angle);
-        let elbow = near("elbow", 2, distance.elbow_rad, self.elbow_rad, &angle);
-        let shoulder = near("shoulder", 0, distance.shoulder_m, self.shoulder_m, &length);
-        let least = if elbow.share < wrist.share {
-            elbow
-        } else {
-            wrist
-        };
-        if shoulder.share < least.share {
-            shoulder
-        } else {
-            least
-        }
-    }
-}
-
 impl Program {
     /// All that a program asks beyond the robot's limits, and where it comes near a singularity.
     /// The speed of a joint is that between two path points at the programmed speed of the tool; a
@@ -152,16 +110,10 @@ impl Program {
                     found(i, FindingKind::OutsideLimits { excess_rad });
                 }
             }
-            if let Some(geometry) = &geometry {
-                let near = limits.nearest(&geometry.singularity_distance(&step.posture));
-                if near.share < 1.0 {
-                    let kind = FindingKind::NearSingularity {
-                        singularity: near.kind,
-                        distance: near.distance,
-                        least: near.least,
-                    };
-                    found(near.joint, kind);
-                }
+            if let Some(geometry) = &geometry
+                && let Some((joint, kind)) = too_near(geometry, &step.posture, limits)
+            {
+                found(joint, kind);
             }
             if let Some(before) = before {
                 for (joint, speed_rad_per_s, limit_rad_per_s) in too_fast(robot, before, step) {
@@ -176,6 +128,21 @@ impl Program {
         }
         findings
     }
+}
+
+/// The singularity that a posture is nearer to than asked, with its joint.
+pub(super) fn too_near(
+    geometry: &OpwGeometry,
+    posture: &[f64],
+    limits: &SingularityLimits,
+) -> Option<(usize, FindingKind)> {
+    let near = limits.nearest(&geometry.singularity_distance(posture));
+    let kind = FindingKind::NearSingularity {
+        singularity: near.kind,
+        distance: near.distance,
+        least: near.least,
+    };
+    (near.share < 1.0).then_some((near.joint, kind))
 }
 
 /// Joints that a linear move asks too much of: joint, speed, limit.

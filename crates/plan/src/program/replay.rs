@@ -4,10 +4,10 @@ use nalgebra::Isometry3;
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, OpwGeometry, Robot};
 
-use super::inspect::{Finding, FindingKind};
+use super::inspect::{Finding, FindingKind, too_near};
 use super::moves::{Motion, Move, Program};
 use crate::motion::joints::slowest_joint_s;
-use crate::reach::SingularityLimits;
+use crate::reach::{SingularityLimits, largest_motion_rad};
 
 /// How a program is run through.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,8 +119,7 @@ impl Program {
         options: &ReplayOptions,
     ) -> Leg {
         let time_s = slowest_joint_s(robot, &before.posture, &step.posture, share);
-        let turned = before.posture.iter().zip(&step.posture);
-        let widest = turned.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let widest = largest_motion_rad(&before.posture, &step.posture);
         let count = (widest / options.step_rad).ceil().max(1.0) as usize;
         let mut leg = Leg::default();
         for k in 1..=count {
@@ -161,10 +160,7 @@ impl Program {
             let pose = from.try_lerp_slerp(to, t, 1e-9).unwrap_or(*to);
             let flange = self.world_from_flange(&pose);
             let found = solver.within_limits(&flange, FrameId::Flange);
-            let apart = |q: &Vec<f64>| {
-                let each = q.iter().zip(&last).map(|(a, b)| (a - b).abs());
-                each.fold(0.0, f64::max)
-            };
+            let apart = |q: &Vec<f64>| largest_motion_rad(q, &last);
             let nearest = found
                 .into_iter()
                 .min_by(|a, b| apart(a).total_cmp(&apart(b)));
@@ -174,8 +170,10 @@ impl Program {
             };
             let time_s = path_m / speed_m_per_s;
             leg.speeds(robot, step, &last, &posture, time_s / count as f64);
-            if let Some(geometry) = geometry.as_ref().filter(|_| k < count) {
-                leg.nearness(robot, step, geometry, &posture, &options.singularity);
+            if let Some(geometry) = geometry.as_ref().filter(|_| k < count)
+                && let Some((joint, kind)) = too_near(geometry, &posture, &options.singularity)
+            {
+                leg.find(robot, step, joint, kind);
             }
             leg.rows.push(ReplayRow {
                 time_s: t * time_s,
@@ -220,25 +218,6 @@ impl Leg {
                 joint,
                 kind,
             });
-        }
-    }
-
-    fn nearness(
-        &mut self,
-        robot: &Robot,
-        step: &Move,
-        geometry: &OpwGeometry,
-        posture: &[f64],
-        limits: &SingularityLimits,
-    ) {
-        let near = limits.nearest(&geometry.singularity_distance(posture));
-        if near.share < 1.0 {
-            let kind = FindingKind::NearSingularity {
-                singularity: near.kind,
-                distance: near.distance,
-                least: near.least,
-            };
-            self.find(robot, step, near.joint, kind);
         }
     }
 

@@ -281,6 +281,17 @@ mod tests {
         );
     }
 
+    #[test]
+    fn patches_of_the_documentation_are_read() {
+        let page = include_str!("../../../../docs/plan_a_belt_path.md");
+        let blocks = page.split("```toml\n").skip(1);
+        let texts: Vec<&str> = blocks.filter_map(|rest| rest.split("```").next()).collect();
+        assert_eq!(texts.len(), 2);
+        for text in texts {
+            PatchFile::from_text(text, Path::new("page.toml")).expect("a patch");
+        }
+    }
+
     /// One fault a case, put into the asset's text; the answer names the line, the value and the
     /// rule.
     #[test]

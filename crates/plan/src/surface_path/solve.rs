@@ -6,6 +6,7 @@ use truecut_arm::Robot;
 use super::error::SurfacePathError;
 use super::taught::TaughtPoints;
 use crate::program::{Motion, PathPoint, ProgramError, TravelOptions, shortest_travel};
+use crate::reach::largest_motion_rad;
 
 /// Part of a program.
 #[derive(Debug, Clone)]
@@ -75,8 +76,7 @@ pub fn solve(
             Segment::Taught(points) => points.postures.clone(),
         };
         if let Some(first) = postures.first().filter(|_| number > 0) {
-            let moves = before.iter().zip(first).map(|(a, b)| (a - b).abs());
-            solved.between.push(moves.fold(0.0, f64::max));
+            solved.between.push(largest_motion_rad(&before, first));
         }
         if let Some(last) = postures.last() {
             before.clone_from(last);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use truecut_arm::{FrameId, Robot};
 
-use super::Rconf;
+use super::{Rconf, pulses_per_unit};
 use crate::program::flags::Resolver;
 use crate::program::travel::rated_chain;
 use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind, Tool};
@@ -162,12 +162,6 @@ fn joints(robot: &Robot, number: u32, pulses: &[f64]) -> Result<Vec<f64>, Progra
     }
     let joints = robot.chain.joints.iter().zip(pulses);
     joints
-        .map(|(joint, count)| {
-            let per_unit = joint.transmission.pulses_per_unit;
-            let per_unit = per_unit.ok_or_else(|| ProgramErrorKind::NoPulses {
-                joint: joint.name.clone(),
-            })?;
-            Ok(count / per_unit)
-        })
+        .map(|(joint, count)| Ok(count / pulses_per_unit(joint)?))
         .collect()
 }

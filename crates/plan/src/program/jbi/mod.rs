@@ -11,7 +11,7 @@ mod write;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use truecut_arm::{Elbow, OpwGeometry, Shoulder};
+use truecut_arm::{Elbow, Joint, OpwGeometry, Shoulder};
 
 use super::flags::{Flags, branch_excess, outside_rad};
 use super::{ProgramError, ProgramErrorKind};
@@ -65,11 +65,9 @@ impl JobDate {
             ("minute", u16::from(minute), 0, 59),
         ];
         for (what, value, low, high) in ranges {
-            if !(low..=high).contains(&value) {
-                let what = format!("the {what} of the job's date");
-                let rule = format!("from {low} to {high}");
-                return Err(ProgramErrorKind::value(what, value, rule).into());
-            }
+            let what = format!("the {what} of the job's date");
+            let rule = format!("from {low} to {high}");
+            ProgramErrorKind::unless((low..=high).contains(&value), what, value, rule)?;
         }
         Ok(Self {
             year,
@@ -209,6 +207,14 @@ impl Flags for Rconf {
     }
 }
 
+/// Pulses per rad (m) of a joint.
+fn pulses_per_unit(joint: &Joint) -> Result<f64, ProgramErrorKind> {
+    let known = joint.transmission.pulses_per_unit;
+    known.ok_or_else(|| ProgramErrorKind::NoPulses {
+        joint: joint.name.clone(),
+    })
+}
+
 fn rconf_text(rconf: &Rconf) -> String {
     let fields = rconf.fields().map(|flag| if flag { "1" } else { "0" });
     fields.join(",")
@@ -218,26 +224,14 @@ fn rconf_text(rconf: &Rconf) -> String {
 /// else it may allow is refused.
 fn check_name(name: &str) -> Result<(), ProgramErrorKind> {
     let good = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '-' || c == '_';
-    if name.is_empty() || name.len() > NAME_CHARS || !name.chars().all(good) {
-        let rule = format!("1 to {NAME_CHARS} characters, each of A-Z, 0-9, `-` or `_`");
-        return Err(ProgramErrorKind::value(
-            "the job name",
-            format!("\"{name}\""),
-            rule,
-        ));
-    }
-    Ok(())
+    let fits = !name.is_empty() && name.len() <= NAME_CHARS && name.chars().all(good);
+    let rule = format!("1 to {NAME_CHARS} characters, each of A-Z, 0-9, `-` or `_`");
+    ProgramErrorKind::unless(fits, "the job name", format!("\"{name}\""), rule)
 }
 
 fn check_comment(comment: &str) -> Result<(), ProgramErrorKind> {
     let printable = comment.chars().all(|c| (' '..='~').contains(&c));
-    if comment.len() > COMMENT_CHARS || !printable {
-        let rule = format!("printable ASCII, at most {COMMENT_CHARS} characters");
-        return Err(ProgramErrorKind::value(
-            "the comment",
-            format!("\"{comment}\""),
-            rule,
-        ));
-    }
-    Ok(())
+    let fits = comment.len() <= COMMENT_CHARS && printable;
+    let rule = format!("printable ASCII, at most {COMMENT_CHARS} characters");
+    ProgramErrorKind::unless(fits, "the comment", format!("\"{comment}\""), rule)
 }

@@ -72,13 +72,6 @@ impl JbiJob {
     }
 }
 
-fn unexpected(found: &str, wanted: &str) -> ProgramErrorKind {
-    ProgramErrorKind::Unexpected {
-        found: found.to_owned(),
-        wanted: wanted.to_owned(),
-    }
-}
-
 /// Comma-separated fields, as many as one of `counts`.
 fn fields<'a>(
     text: &'a str,
@@ -103,7 +96,9 @@ impl<'a> JobReader<'a> {
             JobSection::Job => self.marker(line, "/JOB", JobSection::Name),
             JobSection::Name => {
                 let name = line.strip_prefix("//NAME ");
-                let name = name.ok_or_else(|| unexpected(line, "//NAME"))?.trim();
+                let name = name
+                    .ok_or_else(|| ProgramErrorKind::unexpected(line, "//NAME"))?
+                    .trim();
                 check_name(name)?;
                 name.clone_into(&mut self.job.name);
                 self.section = JobSection::Pos;
@@ -113,7 +108,10 @@ impl<'a> JobReader<'a> {
             JobSection::Positions => self.in_positions(line),
             JobSection::Head => self.instruction_head(line),
             JobSection::Instructions => self.instruction(line),
-            JobSection::End => Err(unexpected(line, "the end of the file, after END,")),
+            JobSection::End => Err(ProgramErrorKind::unexpected(
+                line,
+                "the end of the file, after END,",
+            )),
         }
     }
 
@@ -124,7 +122,7 @@ impl<'a> JobReader<'a> {
         next: JobSection,
     ) -> Result<(), ProgramErrorKind> {
         if line != wanted {
-            return Err(unexpected(line, wanted));
+            return Err(ProgramErrorKind::unexpected(line, wanted));
         }
         self.section = next;
         Ok(())
@@ -138,29 +136,29 @@ impl<'a> JobReader<'a> {
                 let counts = fields(rest, "///NPOS", &[6])?;
                 let counts = counts.iter().map(|text| whole::<usize>(text, "///NPOS"));
                 let counts: Vec<usize> = counts.collect::<Result<_, _>>()?;
-                if counts[1] + counts[3] + counts[4] + counts[5] > 0 {
-                    let rule = "C and EC positions only: BC, P, BP and EX must be 0";
-                    return Err(ProgramErrorKind::value("///NPOS", rest, rule));
-                }
+                let others = [1, 3, 4, 5].map(|kind| counts[kind]);
+                let rule = "C and EC positions only: BC, P, BP and EX must be 0";
+                ProgramErrorKind::unless(others == [0; 4], "///NPOS", rest, rule)?;
                 self.announced = Some((self.line, counts[0], counts[2]));
             }
             "///TOOL" => {
                 self.job.tool = whole(rest, "///TOOL")?;
-                if self.job.tool > LAST_TOOL {
-                    let rule = format!("from 0 to {LAST_TOOL}");
-                    return Err(ProgramErrorKind::value("///TOOL", rest, rule));
-                }
+                let rule = format!("from 0 to {LAST_TOOL}");
+                ProgramErrorKind::unless(self.job.tool <= LAST_TOOL, "///TOOL", rest, rule)?;
             }
             "///POSTYPE" => self.kind = Some(position_type(rest.trim())?),
             "///RECTAN" | "///PULSE" => {
                 let fits = self.kind == Some(if word == "///PULSE" { "PULSE" } else { "BASE" });
                 if !fits {
-                    return Err(unexpected(word, "the form that ///POSTYPE announces"));
+                    return Err(ProgramErrorKind::unexpected(
+                        word,
+                        "the form that ///POSTYPE announces",
+                    ));
                 }
             }
             "///RCONF" => self.rconf = Some(rconf(rest)?),
             _ if line.starts_with("EC") || line.starts_with('C') => self.position(line)?,
-            _ => return Err(unexpected(line, "a position or //INST")),
+            _ => return Err(ProgramErrorKind::unexpected(line, "a position or //INST")),
         }
         Ok(())
     }
@@ -168,10 +166,10 @@ impl<'a> JobReader<'a> {
     fn position(&mut self, line: &str) -> Result<(), ProgramErrorKind> {
         let (name, values) = line
             .split_once('=')
-            .ok_or_else(|| unexpected(line, "a position `C00000=...`"))?;
-        let kind = self
-            .kind
-            .ok_or_else(|| unexpected(line, "///POSTYPE, before any position,"))?;
+            .ok_or_else(|| ProgramErrorKind::unexpected(line, "a position `C00000=...`"))?;
+        let kind = self.kind.ok_or_else(|| {
+            ProgramErrorKind::unexpected(line, "///POSTYPE, before any position,")
+        })?;
         let station = name.starts_with("EC");
         let number: u32 = whole(name.trim_start_matches(['E', 'C']), "the position's number")?;
         let known = if station {
@@ -185,7 +183,7 @@ impl<'a> JobReader<'a> {
         }
         if station {
             if kind != "PULSE" {
-                return Err(unexpected(
+                return Err(ProgramErrorKind::unexpected(
                     name,
                     "///POSTYPE PULSE, before a station's position,",
                 ));
@@ -211,7 +209,9 @@ impl<'a> JobReader<'a> {
             JbiPositionValue::Rectangular {
                 xyz_mm: [x, y, z],
                 rxyz_deg: [rx, ry, rz],
-                rconf: rconf.ok_or_else(|| unexpected(name, "///RCONF, before a pose,"))?,
+                rconf: rconf.ok_or_else(|| {
+                    ProgramErrorKind::unexpected(name, "///RCONF, before a pose,")
+                })?,
             }
         };
         let line = self.line;
@@ -231,7 +231,7 @@ impl<'a> JobReader<'a> {
             }
             "///DATE" | "///ATTR" | "///GROUP1" | "///GROUP2" => {}
             _ => {
-                return Err(unexpected(
+                return Err(ProgramErrorKind::unexpected(
                     line,
                     "///DATE, ///COMM, ///ATTR, ///GROUP1, ///GROUP2 or NOP",
                 ));
@@ -260,18 +260,21 @@ impl<'a> JobReader<'a> {
         let words: Vec<&str> = line.split_whitespace().collect();
         let (main, beside) = words.split_at(words.len().min(3));
         let &[verb, position, speed] = main else {
-            return Err(unexpected(line, "MOVJ, MOVL, CALL or END"));
+            return Err(ProgramErrorKind::unexpected(
+                line,
+                "MOVJ, MOVL, CALL or END",
+            ));
         };
-        let in_range = |text: &str, key: &str, (low, high): (f64, f64)| {
-            let value = text.strip_prefix(key).and_then(|t| t.strip_prefix('='));
-            let value = value.ok_or_else(|| unexpected(text, &format!("{key}=")))?;
-            let number = finite(value, key)?;
-            if !(low..=high).contains(&number) {
+        let in_range =
+            |text: &str, key: &str, (low, high): (f64, f64)| -> Result<f64, ProgramErrorKind> {
+                let value = text.strip_prefix(key).and_then(|t| t.strip_prefix('='));
+                let value =
+                    value.ok_or_else(|| ProgramErrorKind::unexpected(text, &format!("{key}=")))?;
+                let number = finite(value, key)?;
                 let rule = format!("from {low} to {high}");
-                return Err(ProgramErrorKind::value(key, value, rule));
-            }
-            Ok(number)
-        };
+                ProgramErrorKind::unless((low..=high).contains(&number), key, value, rule)?;
+                Ok(number)
+            };
         let motion = match verb {
             "MOVL" => Motion::Linear {
                 speed_m_per_s: in_range(speed, "V", V_MM_PER_S)? * 1e-3,
@@ -279,7 +282,12 @@ impl<'a> JobReader<'a> {
             "MOVJ" => Motion::Joint {
                 share: in_range(speed, "VJ", VJ_PERCENT)? * 1e-2,
             },
-            _ => return Err(unexpected(verb, "MOVJ, MOVL, CALL or END")),
+            _ => {
+                return Err(ProgramErrorKind::unexpected(
+                    verb,
+                    "MOVJ, MOVL, CALL or END",
+                ));
+            }
         };
         let station = match beside {
             [] => None,
@@ -290,7 +298,7 @@ impl<'a> JobReader<'a> {
                 Some(known.then_some(number).ok_or_else(|| missing(station))?)
             }
             _ => {
-                return Err(unexpected(
+                return Err(ProgramErrorKind::unexpected(
                     &beside.join(" "),
                     "+MOVJ EC... VJ=... or nothing",
                 ));
@@ -338,23 +346,26 @@ impl<'a> JobReader<'a> {
             }
         }
         let used: BTreeSet<u32> = job.moves.iter().map(|step| step.position).collect();
-        for (number, position) in &job.positions {
-            if !used.contains(number) {
-                let name = format!("C{number:05}");
-                return Err((
-                    Some(position.line),
-                    ProgramErrorKind::UnusedPosition { name },
-                ));
-            }
+        let idle = job
+            .positions
+            .iter()
+            .find(|(number, _)| !used.contains(number));
+        if let Some((number, position)) = idle {
+            let name = format!("C{number:05}");
+            return Err((
+                Some(position.line),
+                ProgramErrorKind::UnusedPosition { name },
+            ));
         }
         let used: BTreeSet<u32> = job.moves.iter().filter_map(|step| step.station).collect();
-        for (number, (_, line)) in &job.stations {
-            if !used.contains(number) {
-                let name = format!("EC{number:05}");
-                return Err((Some(*line), ProgramErrorKind::UnusedPosition { name }));
-            }
-        }
-        Ok(())
+        let idle = job
+            .stations
+            .iter()
+            .find(|(number, _)| !used.contains(number));
+        idle.map_or(Ok(()), |(number, (_, line))| {
+            let name = format!("EC{number:05}");
+            Err((Some(*line), ProgramErrorKind::UnusedPosition { name }))
+        })
     }
 }
 
@@ -366,7 +377,8 @@ fn missing(name: &str) -> ProgramErrorKind {
 
 fn numbered(text: &str, prefix: &str) -> Result<u32, ProgramErrorKind> {
     let number = text.strip_prefix(prefix);
-    let number = number.ok_or_else(|| unexpected(text, &format!("a position {prefix}...")))?;
+    let number = number
+        .ok_or_else(|| ProgramErrorKind::unexpected(text, &format!("a position {prefix}...")))?;
     whole(number, "the position's number")
 }
 

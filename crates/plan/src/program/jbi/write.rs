@@ -5,7 +5,7 @@ use truecut_arm::{OpwGeometry, Robot};
 
 use super::{
     JbiOptions, LAST_TOOL, NAME_CHARS, PositionFormat, Rconf, TURN_JOINTS, V_MM_PER_S, VJ_PERCENT,
-    check_comment, check_name, rconf_text,
+    check_comment, check_name, pulses_per_unit, rconf_text,
 };
 use crate::program::number::fixed;
 use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind};
@@ -31,14 +31,11 @@ pub fn write(
 ) -> Result<Vec<JbiFile>, ProgramError> {
     check_name(&program.name)?;
     check_comment(&program.comment)?;
-    if program.tool.number > LAST_TOOL {
-        let rule = format!("from 0 to {LAST_TOOL}");
-        return Err(ProgramErrorKind::value("the tool number", program.tool.number, rule).into());
-    }
-    if options.lines_per_job < 4 {
-        let rule = "at least 4: NOP, a move with its point, END";
-        return Err(ProgramErrorKind::value("lines per job", options.lines_per_job, rule).into());
-    }
+    let (tool, lines) = (program.tool.number, options.lines_per_job);
+    let rule = format!("from 0 to {LAST_TOOL}");
+    ProgramErrorKind::unless(tool <= LAST_TOOL, "the tool number", tool, rule)?;
+    let rule = "at least 4: NOP, a move with its point, END";
+    ProgramErrorKind::unless(lines >= 4, "lines per job", lines, rule)?;
     program.check(robot)?;
     let writer = JobWriter::new(program, robot, options)?;
     let parts = writer.parts();
@@ -61,14 +58,9 @@ fn part_names(name: &str, count: usize) -> Result<Vec<String>, ProgramErrorKind>
     let digits = count.to_string().len().max(2);
     let stem: String = name.chars().take(NAME_CHARS - digits).collect();
     let names: Vec<String> = (1..=count).map(|i| format!("{stem}{i:0digits$}")).collect();
-    if names.iter().any(|part| part == name) {
-        let rule = "one that the names of the parts into which the job is split do not repeat";
-        return Err(ProgramErrorKind::value(
-            "the job name",
-            format!("\"{name}\""),
-            rule,
-        ));
-    }
+    let alone = names.iter().all(|part| part != name);
+    let rule = "one that the names of the parts into which the job is split do not repeat";
+    ProgramErrorKind::unless(alone, "the job name", format!("\"{name}\""), rule)?;
     Ok(names)
 }
 
@@ -96,14 +88,9 @@ impl<'a> JobWriter<'a> {
         if with_station {
             let pulses = options.station_pulses_per_deg;
             let per_deg = pulses.ok_or(ProgramErrorKind::NoStationPulses)?;
-            if !(per_deg.is_finite() && per_deg > 0.0) {
-                let what = "the station's pulses per degree";
-                return Err(ProgramErrorKind::value(
-                    what,
-                    per_deg,
-                    "above zero and finite",
-                ));
-            }
+            let what = "the station's pulses per degree";
+            let counts = per_deg.is_finite() && per_deg > 0.0;
+            ProgramErrorKind::unless(counts, what, per_deg, "above zero and finite")?;
             percent("the station's speed", options.station_share)?;
         }
         Ok(Self {
@@ -239,16 +226,9 @@ impl<'a> JobWriter<'a> {
 
     fn pulses(&self, step: &Move) -> Result<String, ProgramErrorKind> {
         let joints = self.robot.chain.joints.iter().zip(&step.posture);
-        let counts = joints.map(|(joint, q)| {
-            let per_unit = joint.transmission.pulses_per_unit;
-            let per_unit = per_unit.ok_or_else(|| ProgramErrorKind::NoPulses {
-                joint: joint.name.clone(),
-            })?;
-            Ok(fixed(q * per_unit, 0))
-        });
-        Ok(counts
-            .collect::<Result<Vec<_>, ProgramErrorKind>>()?
-            .join(","))
+        let counts = joints.map(|(joint, q)| Ok(fixed(q * pulses_per_unit(joint)?, 0)));
+        let counts: Result<Vec<String>, ProgramErrorKind> = counts.collect();
+        Ok(counts?.join(","))
     }
 
     fn instruction(&self, i: usize, step: &Move) -> Result<String, ProgramErrorKind> {
@@ -293,10 +273,8 @@ fn names_point(moves: &[Move], i: usize, first: usize) -> bool {
 fn percent(what: &str, share: f64) -> Result<String, ProgramErrorKind> {
     let (low, high) = VJ_PERCENT;
     let percent = share * 100.0;
-    if !(low..=high).contains(&percent) {
-        let rule = format!("from {low} to {high} %");
-        return Err(ProgramErrorKind::value(what, percent, rule));
-    }
+    let rule = format!("from {low} to {high} %");
+    ProgramErrorKind::unless((low..=high).contains(&percent), what, percent, rule)?;
     Ok(fixed(percent, 2))
 }
 

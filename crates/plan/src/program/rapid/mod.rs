@@ -98,10 +98,7 @@ impl Confdata {
     }
 
     fn check(&self) -> Result<(), ProgramErrorKind> {
-        if (0..8).contains(&self.cfx) {
-            return Ok(());
-        }
-        Err(ProgramErrorKind::value("cfx", self.cfx, "from 0 to 7"))
+        ProgramErrorKind::unless((0..8).contains(&self.cfx), "cfx", self.cfx, "from 0 to 7")
     }
 }
 
@@ -134,23 +131,15 @@ fn check_name(what: &str, name: &str) -> Result<(), ProgramErrorKind> {
     let first = name.chars().next().is_some_and(|c| c.is_ascii_alphabetic());
     let rest = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     let reserved = RESERVED.iter().any(|word| word.eq_ignore_ascii_case(name));
-    if !first || !rest || reserved || name.len() > NAME_CHARS {
-        let rule = format!(
-            "a letter, then letters, digits and underscores, {NAME_CHARS} characters at most, and no word of the language"
-        );
-        return Err(ProgramErrorKind::value(what, format!("\"{name}\""), rule));
-    }
-    Ok(())
+    let fits = first && rest && !reserved && name.len() <= NAME_CHARS;
+    let rule = format!(
+        "a letter, then letters, digits and underscores, {NAME_CHARS} characters at most, and no word of the language"
+    );
+    ProgramErrorKind::unless(fits, what, format!("\"{name}\""), rule)
 }
 
 fn check_zone(zone: &str) -> Result<(), ProgramErrorKind> {
-    if zone == "fine" || ZONES.contains(&zone) {
-        return Ok(());
-    }
+    let known = zone == "fine" || ZONES.contains(&zone);
     let rule = format!("`fine` or one of {}", ZONES.join(", "));
-    Err(ProgramErrorKind::value(
-        "the zone",
-        format!("\"{zone}\""),
-        rule,
-    ))
+    ProgramErrorKind::unless(known, "the zone", format!("\"{zone}\""), rule)
 }

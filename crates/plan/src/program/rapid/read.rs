@@ -143,9 +143,7 @@ impl<'a> ModuleReader<'a> {
         let parts = value.parts(name, 5)?;
         truth("robhold", &parts[0], "FALSE")?;
         truth("ufprog", &parts[1], "TRUE")?;
-        if parts[2] != Value::Text {
-            return Err(ProgramErrorKind::value("ufmec", "no text", "a text"));
-        }
+        ProgramErrorKind::unless(parts[2] == Value::Text, "ufmec", "no text", "a text")?;
         self.module.world_from_base = frame("uframe", &parts[3])? * frame("oframe", &parts[4])?;
         name.clone_into(&mut self.module.base_name);
         self.base = Some(line);
@@ -154,9 +152,7 @@ impl<'a> ModuleReader<'a> {
 
     fn speed(&mut self, name: &str, value: &Value, line: usize) -> Result<(), ProgramErrorKind> {
         let [tcp, _, _, _] = value.numbers::<4>(name)?;
-        if tcp <= 0.0 {
-            return Err(ProgramErrorKind::value("v_tcp", tcp, "above zero"));
-        }
+        ProgramErrorKind::unless(tcp > 0.0, "v_tcp", tcp, "above zero")?;
         let speed = (tcp * 1e-3, line);
         self.module.speeds.insert(name.to_owned(), speed);
         Ok(())
@@ -167,9 +163,8 @@ impl<'a> ModuleReader<'a> {
         let mut quadrants = [0; 4];
         for (quadrant, part) in quadrants.iter_mut().zip(parts[2].parts("robconf", 4)?) {
             let number = part.number("robconf")?;
-            if number.fract() != 0.0 || number.abs() > 100.0 {
-                return Err(ProgramErrorKind::value("robconf", number, "a whole number"));
-            }
+            let fits = number.fract() == 0.0 && number.abs() <= 100.0;
+            ProgramErrorKind::unless(fits, "robconf", number, "a whole number")?;
             *quadrant = number as i32;
         }
         let [cf1, cf4, cf6, cfx] = quadrants;
@@ -289,9 +284,7 @@ fn attitude(what: &str, value: &Value) -> Result<UnitQuaternion<f64>, ProgramErr
     let [w, x, y, z] = value.numbers::<4>(what)?;
     let quaternion = Quaternion::new(w, x, y, z);
     let square = quaternion.norm_squared();
-    if (square - 1.0).abs() > UNIT {
-        let what = format!("the sum of squares of {what}");
-        return Err(ProgramErrorKind::value(what, square, "1, to 2e-4"));
-    }
+    let what = format!("the sum of squares of {what}");
+    ProgramErrorKind::unless((square - 1.0).abs() <= UNIT, what, square, "1, to 2e-4")?;
     Ok(UnitQuaternion::from_quaternion(quaternion))
 }

@@ -86,11 +86,7 @@ impl<'a> Source<'a> {
     /// The fault that the token last taken is not what is wanted.
     pub fn unexpected(&self, wanted: &str) -> ProgramError {
         let (token, line) = &self.tokens[self.at.saturating_sub(1)];
-        let kind = ProgramErrorKind::Unexpected {
-            found: token.text(),
-            wanted: wanted.to_owned(),
-        };
-        self.error(*line, kind)
+        self.error(*line, ProgramErrorKind::unexpected(&token.text(), wanted))
     }
 
     pub fn word(&mut self, wanted: &str) -> Result<&'a str, ProgramError> {
@@ -140,10 +136,9 @@ impl<'a> Source<'a> {
 
 fn token(rest: &str) -> Result<(Token<'_>, &str), ProgramErrorKind> {
     if let Some(text) = rest.strip_prefix('"') {
-        let end = text.find('"').ok_or_else(|| ProgramErrorKind::Unexpected {
-            found: rest.to_owned(),
-            wanted: "a text that ends in its line".to_owned(),
-        })?;
+        let end = text
+            .find('"')
+            .ok_or_else(|| ProgramErrorKind::unexpected(rest, "a text that ends in its line"))?;
         return Ok((Token::Text(&text[..end]), &text[end + 1..]));
     }
     if let Some(after) = rest.strip_prefix(":=") {
@@ -158,10 +153,10 @@ fn token(rest: &str) -> Result<(Token<'_>, &str), ProgramErrorKind> {
     if "[],;\\()".contains(&rest[..mark]) {
         return Ok((Token::Mark(&rest[..mark]), &rest[mark..]));
     }
-    Err(ProgramErrorKind::Unexpected {
-        found: rest[..mark].to_owned(),
-        wanted: "a word, a number or one of [ ] , ; \\ ( ) :=".to_owned(),
-    })
+    Err(ProgramErrorKind::unexpected(
+        &rest[..mark],
+        "a word, a number or one of [ ] , ; \\ ( ) :=",
+    ))
 }
 
 impl<'a> Value<'a> {

@@ -74,23 +74,12 @@ fn check(program: &Program, options: &RapidOptions) -> Result<(), ProgramErrorKi
             options.reorientation_deg_per_s,
         ),
     ] {
-        if !(value.is_finite() && value > 0.0) {
-            return Err(ProgramErrorKind::value(
-                what,
-                value,
-                "above zero and finite",
-            ));
-        }
+        let fits = value.is_finite() && value > 0.0;
+        ProgramErrorKind::unless(fits, what, value, "above zero and finite")?;
     }
-    if !program.comment.chars().all(|c| (' '..='~').contains(&c)) {
-        let comment = format!("\"{}\"", program.comment);
-        return Err(ProgramErrorKind::value(
-            "the comment",
-            comment,
-            "printable ASCII",
-        ));
-    }
-    Ok(())
+    let printable = program.comment.chars().all(|c| (' '..='~').contains(&c));
+    let comment = format!("\"{}\"", program.comment);
+    ProgramErrorKind::unless(printable, "the comment", comment, "printable ASCII")
 }
 
 fn verb(step: &Move) -> &'static str {
