@@ -4,7 +4,8 @@
 //!
 //! The table `[process.drilling]` is read, checked, overridden, swept, claimed and recorded like
 //! those of truecut. Everything that is needed stands in this file: the table ([`Drilling`]), its
-//! facts, and the process ([`TwistDrill`]).
+//! facts, the process ([`TwistDrill`]), and at the end the tests that every process must pass
+//! (`truecut` with the feature `contract` among the dev-dependencies).
 //!
 //! # Law
 //!
@@ -343,4 +344,51 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     );
     one_hole(&std::env::temp_dir().join("truecut_own_process"))?;
     three_feeds()
+}
+
+/// The rules that every process keeps, a test each.
+#[cfg(test)]
+mod tests {
+    use super::{Drilling, TwistDrill, Vector3};
+    use truecut::contract::process::Subject;
+    use truecut::contract::process_contract;
+    use truecut::sim::process::{FrameMotion, ToolState};
+
+    const TIME_STEP_S: f64 = 1e-3;
+
+    fn drill() -> TwistDrill {
+        let table = Drilling {
+            spindle_rpm: 1200.0,
+            feed_mm_per_rev: 0.2,
+            diameter_mm: 10.0,
+            point_angle_deg: 118.0,
+            depth_mm: 8.0,
+            cutting_mpa: 800.0,
+            feed_mpa: 400.0,
+        };
+        table.drill()
+    }
+
+    /// The drill, and what it lives through: the point enters while thrust pushes the tool back.
+    pub fn subject() -> Subject {
+        let state = |step: u32| {
+            let time_s = TIME_STEP_S * f64::from(step);
+            let pushed_m = -1e-4 * (1.0 - (-time_s / 0.1).exp());
+            ToolState {
+                time_s,
+                tool: FrameMotion {
+                    displacement_m: Vector3::new(pushed_m, 0.0, 0.0),
+                    velocity_m_per_s: Vector3::zeros(),
+                },
+                ..ToolState::default()
+            }
+        };
+        Subject::new(
+            Box::new(drill()),
+            TIME_STEP_S,
+            (0..1000).map(state).collect(),
+        )
+    }
+
+    process_contract!(twist_drill, super::subject);
 }

@@ -5,6 +5,30 @@
 //! yields a *recording*: channels with units over time. An *effect* is one physical thing that the
 //! model leaves out; a diagnosis answers with effects, as entries of the same scenario.
 //!
+//! # In a crate of your own
+//!
+//! ```toml
+//! [dependencies]
+//! truecut = { path = "../truecut/crates/truecut" }
+//! ```
+//!
+//! Scenarios, robots and materials to begin with lie in `scenarios` and `assets` of the repository;
+//! paths in a scenario start from the folder of its file. The smallest program runs one and says
+//! what came of its claims:
+//!
+//! ```no_run
+//! use truecut::{Run, Scenario};
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let file = "../truecut/scenarios/chamfer/backward_sufficient.toml";
+//!     let finished = Run::of(&Scenario::load(file.as_ref(), &[])?).execute()?;
+//!     for claim in &finished.claims {
+//!         println!("{}: {}", claim.name, claim.shown);
+//!     }
+//!     Ok(())
+//! }
+//! ```
+//!
 //! # A tour
 //!
 //! ```
@@ -153,9 +177,45 @@
 //! | [`discrepancy`] | comparison with measured data, diagnosis, identification |
 //! | [`arm`], [`plan`], [`core`] | robots; tool paths, postures, programs; laws of the processes |
 //!
-//! A process of your own needs a table type, [`sim::process::OwnProcess`] (name, [`scenario::Facts`],
-//! set-up) and [`sim::process::Process`]; [`scenario::Processes`] registers it. The feature
-//! `contract` has tests for it.
+//! # A process of your own
+//!
+//! It needs nothing in truecut changed; `own_process` is a whole one in a file. Your crate has
+//!
+//! 1. the type of its table (serde, schemars): keys with units in their names, ranges with their
+//!    reason in `x-rule`;
+//! 2. [`sim::process::OwnProcess`] for that type: its name, its [`scenario::Facts`], rules between
+//!    keys, and `set_up`, which makes the process;
+//! 3. [`sim::process::Process`] for the process: channels, `evaluate` (state of the tool to loads,
+//!    changes nothing), `commit` (advances its memory, once a step), `record`.
+//!
+//! [`scenario::Processes::with`] registers it, and [`Scenario::load_with`] reads scenarios that have
+//! it. The derives of the table need serde and schemars among your dependencies, in the major
+//! versions of [`external`].
+//!
+//! The rules that every process keeps are tests in the feature `contract`; a macro makes a `#[test]`
+//! of each:
+//!
+//! ```toml
+//! [dev-dependencies]
+//! truecut = { path = "../truecut/crates/truecut", features = ["contract"] }
+//! ```
+//!
+//! ```ignore
+//! #[cfg(test)]
+//! mod tests {
+//!     use truecut::contract::{process::Subject, process_contract};
+//!
+//!     pub fn subject() -> Subject {
+//!         Subject::new(Box::new(drill()), 1e-3, states())
+//!     }
+//!
+//!     process_contract!(twist_drill, super::subject);
+//! }
+//! ```
+//!
+//! Plants, dialects of robot programs and readers of measured data have the like.
+//!
+//! # The program
 //!
 //! The program of the same name (package `truecut-cli`) adds arguments, text and figures, and
 //! nothing else.
