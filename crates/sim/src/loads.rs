@@ -65,6 +65,16 @@ pub struct Loads {
     pub contacts: ArrayVec<ContactRequest, MAX_LOADS>,
 }
 
+impl From<Wrench> for Loads {
+    /// One wrench and no contact.
+    fn from(wrench: Wrench) -> Self {
+        Self {
+            wrenches: ArrayVec::from_iter([wrench]),
+            contacts: ArrayVec::new(),
+        }
+    }
+}
+
 /// What a contact did in the step, averaged over it.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactOutcome {

@@ -8,11 +8,13 @@ mod belt;
 mod brush;
 mod chamfer;
 mod custom;
+mod dispatch;
 mod foot;
 mod load;
 mod milling;
 mod pending_removal;
 mod polish;
+mod quantity;
 mod replay;
 mod setup;
 mod step_cache;
@@ -22,20 +24,20 @@ pub use belt::{Belt, BeltSetup, Cells, cells_within};
 pub use brush::{BrushProcess, BrushSetup, Station};
 pub use chamfer::{Chamfer, ChamferParameters, SlipTheory};
 pub use custom::OwnProcess;
+pub(crate) use dispatch::set_up;
 pub use foot::{Foot, FootParameters};
 pub use load::Load;
 pub(crate) use milling::linear_share;
 pub use milling::{Milling, MillingSetup, MillingTheory};
 pub use polish::{Polish, PolishSetup};
+pub use quantity::Quantity;
 pub use replay::{ForceSamples, Replay};
 pub use setup::{ProcessSetup, SetupContext};
 pub use wheel::Wheel;
 
-use crate::error::SimError;
 use crate::loads::{Attachment, ContactOutcomes, Loads};
 use nalgebra::{Isometry3, Vector3};
 use truecut_recording::{ChannelSpec, Field, Profile, Scalar};
-use truecut_scenario::ProcessSpec;
 
 /// Motion of one frame of the robot, in process axes, relative to where it stood after touch-down.
 #[derive(Debug, Clone, Copy, Default)]
@@ -160,20 +162,4 @@ pub trait Process: Send {
 
     /// Forces on the robot to be drawn, in the process frame: (name, frame, force of the last step).
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)>;
-}
-
-/// The process of a scenario, ready to run. The one place where the simulator tells processes apart.
-pub(crate) fn set_up(context: &SetupContext<'_>) -> Result<ProcessSetup, SimError> {
-    setup::check_drive(&context.scenario.process, context.kind)?;
-    match &context.scenario.process {
-        ProcessSpec::Belt(spec) => belt::setup::setup(spec, context),
-        ProcessSpec::Brush(spec) => brush::setup::setup(spec, context),
-        ProcessSpec::Custom(spec) => custom::setup(spec, context),
-        ProcessSpec::Chamfer(spec) => chamfer::setup::setup(spec, context),
-        ProcessSpec::Load(spec) => load::setup::setup(spec, context),
-        ProcessSpec::Milling(spec) => milling::setup::setup(spec, context),
-        ProcessSpec::Polish(spec) => polish::setup::setup(spec, context),
-        ProcessSpec::Replay(spec) => replay::setup::setup(spec, context),
-        ProcessSpec::Wheel(spec) => wheel::setup::setup(spec, context),
-    }
 }

@@ -22,6 +22,7 @@ mod tests;
 
 pub use surface::{Cells, cells_within};
 
+use super::quantity::{self, Quantity};
 use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
@@ -190,6 +191,34 @@ impl Belt {
         (to_process(force_n), to_process(moment_n_m))
     }
 
+    /// What is recorded of the step last committed.
+    fn quantities(&self) -> [Quantity; 10] {
+        let (last, [u, v]) = (&self.last, self.last.uv);
+        let removed_m3 = self.watch.preston_m3(&self.setup);
+        [
+            Quantity::new("belt.normal_force", Unit::Newton, last.normal_n)
+                .text("Force with which the belt presses on the face, along its normals"),
+            Quantity::new("belt.edge_force", Unit::Newton, last.edge_n)
+                .text("Part of the normal force that acts along borders of the face"),
+            Quantity::new("belt.friction_run", Unit::Newton, last.friction_n.x)
+                .text("Friction on the face along the tool's x axis, the belt's run"),
+            Quantity::new("belt.friction_axis", Unit::Newton, last.friction_n.y)
+                .text("Friction on the face along the wheel's axis"),
+            Quantity::new("belt.penetration", Unit::Metre, last.indentation_m)
+                .text("How far the undeformed wheel reaches into the face in its middle; 0 when lifted"),
+            Quantity::new("belt.contact_width", Unit::Metre, last.width_m)
+                .text("Width over which the wheel touches the face"),
+            Quantity::new("belt.carrier_offset", Unit::Metre, last.carrier_m)
+                .text("How far the carrier of a force control stands out towards the face; 0 without one"),
+            Quantity::new("belt.position_u", Unit::One, u)
+                .text("First parameter of the face under the wheel's middle; far from the face that of the last place"),
+            Quantity::new("belt.position_v", Unit::One, v)
+                .text("Second parameter of the face under the wheel's middle"),
+            Quantity::new("belt.removed_volume", Unit::CubicMetre, removed_m3)
+                .text("Volume removed so far"),
+        ]
+    }
+
     /// Slope of the force over the indentation on a flat face, at the indentation of the path, N/m.
     fn stiffness_n_per_m(&self) -> f64 {
         let p = &self.setup;
@@ -201,69 +230,18 @@ impl Belt {
 
 impl Process for Belt {
     fn channels(&self) -> Vec<ChannelSpec> {
-        let spec =
-            |name: &str, unit, text: &str| ChannelSpec::new(format!("belt.{name}"), unit, text);
-        vec![
-            spec(
-                "normal_force",
-                Unit::Newton,
-                "Force with which the belt presses on the face, along its normals",
-            ),
-            spec(
-                "edge_force",
-                Unit::Newton,
-                "Part of the normal force that acts along borders of the face",
-            ),
-            spec(
-                "friction_run",
-                Unit::Newton,
-                "Friction on the face along the tool's x axis, the belt's run",
-            ),
-            spec(
-                "friction_axis",
-                Unit::Newton,
-                "Friction on the face along the wheel's axis",
-            ),
-            spec(
-                "penetration",
-                Unit::Metre,
-                "How far the undeformed wheel reaches into the face in its middle; 0 when lifted",
-            ),
-            spec(
-                "contact_width",
-                Unit::Metre,
-                "Width over which the wheel touches the face",
-            ),
-            spec(
-                "carrier_offset",
-                Unit::Metre,
-                "How far the carrier of a force control stands out towards the face; 0 without one",
-            ),
-            spec(
-                "position_u",
-                Unit::One,
-                "First parameter of the face under the wheel's middle; far from the face that of the last place",
-            ),
-            spec(
-                "position_v",
-                Unit::One,
-                "Second parameter of the face under the wheel's middle",
-            ),
-            spec("removed_volume", Unit::CubicMetre, "Volume removed so far"),
-        ]
+        quantity::channels(self.quantities())
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
         let (contact, edges) = self.contact_state(state);
         let (force_n, moment_n_m) = self.on_tool(&contact);
-        let mut loads = Loads::default();
-        loads.wrenches.push(Wrench {
+        self.contact_state.set(state.time_s, (contact, edges));
+        Loads::from(Wrench {
             frame: Attachment::Tool,
             force_n,
             moment_n_m,
-        });
-        self.contact_state.set(state.time_s, (contact, edges));
-        loads
+        })
     }
 
     fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, dt_s: f64) {
@@ -295,19 +273,7 @@ impl Process for Belt {
     }
 
     fn record(&self, row: &mut Vec<f64>) {
-        let last = &self.last;
-        row.extend([
-            last.normal_n,
-            last.edge_n,
-            last.friction_n.x,
-            last.friction_n.y,
-            last.indentation_m,
-            last.width_m,
-            last.carrier_m,
-            last.uv[0],
-            last.uv[1],
-            self.watch.preston_m3(&self.setup),
-        ]);
+        quantity::record(self.quantities(), row);
     }
 
     fn keep_rows_only(&mut self) {

@@ -4,9 +4,10 @@ use super::BeltSetup;
 use super::contact::BeltContact;
 use super::surface::{Worn, middles};
 use crate::process::Findings;
+use crate::process::quantity::{self, Quantity};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use truecut_core::wheel::force_control::ForceControl;
-use truecut_recording::{Field, Profile, Scalar, Unit};
+use truecut_recording::{Field, Profile, Unit};
 
 /// Depth at which the colours end, over the mean that is expected.
 const FULL_SCALE: f64 = 2.0;
@@ -124,12 +125,12 @@ pub(super) fn findings(setup: &BeltSetup, worn: &[Worn], watch: &Watch) -> Findi
     let means = each.iter().map(|one| one.0.mean_m());
     let (least, most) = means.fold((f64::INFINITY, 0.0_f64), |(l, m), x| (l.min(x), m.max(x)));
     let volume_m3 = worn.iter().map(|one| one.grid.volume_m3()).sum();
-    let mut scalars = pressing(setup, watch);
-    scalars.extend(removed(volume_m3, watch.preston_m3(setup)));
-    scalars.extend(depths(&face, &swept, (most - least) / face.mean_m()));
-    scalars.extend(roughness(&swept));
+    let mut quantities = pressing(setup, watch);
+    quantities.extend(removed(volume_m3, watch.preston_m3(setup)));
+    quantities.extend(depths(&face, &swept, (most - least) / face.mean_m()));
+    quantities.extend(roughness(&swept));
     Findings {
-        scalars,
+        scalars: quantity::scalars(quantities),
         profiles: worn
             .first()
             .map(|one| across(setup, one))
@@ -138,129 +139,67 @@ pub(super) fn findings(setup: &BeltSetup, worn: &[Worn], watch: &Watch) -> Findi
     }
 }
 
-fn scalar(name: &str, unit: Unit, value: f64, text: &str) -> Scalar {
-    Scalar::new(format!("belt.{name}"), unit, value, text)
-}
-
 /// How the belt pressed.
-fn pressing(setup: &BeltSetup, watch: &Watch) -> Vec<Scalar> {
+fn pressing(setup: &BeltSetup, watch: &Watch) -> Vec<Quantity> {
     let mean_n = watch.impulse_n_s / watch.contact_s;
     let variance = watch.square_n2_s / watch.contact_s - mean_n * mean_n;
-    let mut scalars = vec![
-        scalar(
-            "mean_force",
-            Unit::Newton,
-            mean_n,
-            "Mean normal force while the belt is on the face",
-        ),
-        scalar(
-            "force_spread",
-            Unit::Newton,
-            variance.max(0.0).sqrt(),
-            "Standard deviation of the normal force while the belt is on the face, setting down and lifting included",
-        ),
-        scalar(
-            "largest_force",
-            Unit::Newton,
-            watch.largest_n,
-            "Largest normal force",
-        ),
-        scalar(
-            "contact_time",
-            Unit::Second,
-            watch.contact_s,
-            "Time that the belt is on the face",
-        ),
-        scalar(
-            "largest_penetration",
-            Unit::One,
-            watch.indentation_m / setup.wheel.rubber_m,
-            "Largest penetration of the wheel over the thickness of its rubber; from 1 on the hub would be on the face",
-        ),
+    let indentation = watch.indentation_m / setup.wheel.rubber_m;
+    let stopped = watch.stopped_s / watch.contact_s;
+    let mut quantities = vec![
+        Quantity::new("belt.mean_force", Unit::Newton, mean_n)
+            .text("Mean normal force while the belt is on the face"),
+        Quantity::new("belt.force_spread", Unit::Newton, variance.max(0.0).sqrt())
+            .text("Standard deviation of the normal force while the belt is on the face, setting down and lifting included"),
+        Quantity::new("belt.largest_force", Unit::Newton, watch.largest_n)
+            .text("Largest normal force"),
+        Quantity::new("belt.contact_time", Unit::Second, watch.contact_s)
+            .text("Time that the belt is on the face"),
+        Quantity::new("belt.largest_penetration", Unit::One, indentation)
+            .text("Largest penetration of the wheel over the thickness of its rubber; from 1 on the hub would be on the face"),
     ];
     if setup.control != ForceControl::Position {
-        scalars.push(scalar(
-            "carrier_at_stop",
-            Unit::One,
-            watch.stopped_s / watch.contact_s,
-            "Part of the time on the face during which the carrier stands at an end of its stroke, and the force is not the one asked for",
-        ));
+        quantities.push(Quantity::new("belt.carrier_at_stop", Unit::One, stopped)
+            .text("Part of the time on the face during which the carrier stands at an end of its stroke, and the force is not the one asked for"));
     }
-    scalars
+    quantities
 }
 
-fn removed(volume_m3: f64, preston_m3: f64) -> [Scalar; 2] {
+fn removed(volume_m3: f64, preston_m3: f64) -> [Quantity; 2] {
     [
-        scalar(
-            "removed_volume",
-            Unit::CubicMetre,
-            volume_m3,
-            "Volume removed from all copies",
-        ),
-        scalar(
-            "preston_volume",
-            Unit::CubicMetre,
-            preston_m3,
-            "Preston's integral k_p ∫ p v dA dt",
-        ),
+        Quantity::new("belt.removed_volume", Unit::CubicMetre, volume_m3)
+            .text("Volume removed from all copies"),
+        Quantity::new("belt.preston_volume", Unit::CubicMetre, preston_m3)
+            .text("Preston's integral k_p ∫ p v dA dt"),
     ]
 }
 
-fn depths(face: &Sums, swept: &Sums, copies_difference: f64) -> [Scalar; 6] {
+fn depths(face: &Sums, swept: &Sums, copies_difference: f64) -> [Quantity; 6] {
     [
-        scalar(
-            "depth_mean",
-            Unit::Metre,
-            face.mean_m(),
-            "Mean depth over the whole face, all copies",
-        ),
-        scalar(
-            "depth_swept",
-            Unit::Metre,
-            swept.mean_m(),
-            "Mean depth between the outermost lines and short of their ends, where every pass is whole",
-        ),
-        scalar(
-            "depth_least",
-            Unit::Metre,
-            swept.least.unwrap_or(0.0),
-            "Least depth of a cell there",
-        ),
-        scalar(
-            "depth_largest",
-            Unit::Metre,
-            swept.largest,
-            "Largest depth of a cell there",
-        ),
-        scalar(
-            "unevenness",
-            Unit::One,
-            swept.unevenness(),
-            "Standard deviation of the depth over its mean there",
-        ),
-        scalar(
-            "copies_difference",
-            Unit::One,
-            copies_difference,
-            "Mean depth of the copy worn most less that of the copy worn least, over the mean of all",
-        ),
+        Quantity::new("belt.depth_mean", Unit::Metre, face.mean_m())
+            .text("Mean depth over the whole face, all copies"),
+        Quantity::new("belt.depth_swept", Unit::Metre, swept.mean_m())
+            .text("Mean depth between the outermost lines and short of their ends, where every pass is whole"),
+        Quantity::new("belt.depth_least", Unit::Metre, swept.least.unwrap_or(0.0))
+            .text("Least depth of a cell there"),
+        Quantity::new("belt.depth_largest", Unit::Metre, swept.largest)
+            .text("Largest depth of a cell there"),
+        Quantity::new("belt.unevenness", Unit::One, swept.unevenness())
+            .text("Standard deviation of the depth over its mean there"),
+        Quantity::new("belt.copies_difference", Unit::One, copies_difference)
+            .text("Mean depth of the copy worn most less that of the copy worn least, over the mean of all"),
     ]
 }
 
-fn roughness(swept: &Sums) -> [Scalar; 2] {
+fn roughness(swept: &Sums) -> [Quantity; 2] {
     [
-        scalar(
-            "roughness_mean",
+        Quantity::new(
+            "belt.roughness_mean",
             Unit::Metre,
             swept.roughness / swept.area,
-            "Mean Ra between the outermost lines and short of their ends",
-        ),
-        scalar(
-            "roughness_largest",
-            Unit::Metre,
-            swept.roughest,
-            "Largest Ra of a cell there",
-        ),
+        )
+        .text("Mean Ra between the outermost lines and short of their ends"),
+        Quantity::new("belt.roughness_largest", Unit::Metre, swept.roughest)
+            .text("Largest Ra of a cell there"),
     ]
 }
 

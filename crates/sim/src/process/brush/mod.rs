@@ -12,11 +12,12 @@ mod rows;
 mod section;
 pub(crate) mod setup;
 
+use super::quantity::{self, Quantity};
 use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use contact::BrushContact;
-use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
 use report::Watch;
 use std::f64::consts::TAU;
 use std::sync::{Arc, LazyLock};
@@ -24,7 +25,7 @@ use truecut_core::wheel::brush::Brush;
 use truecut_core::wheel::edge_wear::EdgeWear;
 use truecut_core::wheel::quadrature::Quadrature;
 use truecut_plan::surface::Mesh;
-use truecut_recording::{ChannelSpec, Field, Unit as Measure};
+use truecut_recording::{ChannelSpec, Field, Unit};
 
 /// Eight nodes over a side of a row; a search makes thousands of brushes.
 static RULES: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::new(8));
@@ -38,7 +39,7 @@ pub struct Station {
     pub point_m: Vector3<f64>,
     pub length_m: f64,
     /// Outward normals of the faces that meet there, in the mesh's frame.
-    pub normals: [Unit<Vector3<f64>>; 2],
+    pub normals: [UnitVector3<f64>; 2],
     pub wear: EdgeWear,
 }
 
@@ -129,57 +130,44 @@ impl BrushProcess {
         // A sum of nothing would be -0.
         burred.fold(0.0, |sum, (station, _)| sum + station.length_m)
     }
+
+    /// What is recorded of the step last committed.
+    fn quantities(&self) -> [Quantity; 7] {
+        let last = &self.last;
+        let (burred_m, removed_m3) = (self.burred_m(), self.removed_m3());
+        [
+            Quantity::new("brush.bristle_force", Unit::Newton, last.bristle_n)
+                .text("Sum of the forces with which the bristles press, each along itself"),
+            Quantity::new("brush.friction_force", Unit::Newton, last.friction_n)
+                .text("Friction of all tips together"),
+            Quantity::new("brush.power", Unit::Watt, last.power_w)
+                .text("Power that friction takes"),
+            Quantity::new("brush.shortening", Unit::Metre, last.shortening_m)
+                .text("By how much the bristle that is pressed in most is shortened"),
+            Quantity::new("brush.contact_length", Unit::Metre, last.edge_m)
+                .text("Length of edge under the brush"),
+            Quantity::new("brush.burred_length", Unit::Metre, burred_m)
+                .text("Length of edge on which a burr is left"),
+            Quantity::new("brush.removed_volume", Unit::CubicMetre, removed_m3)
+                .text("Volume removed from the edges so far, burrs included"),
+        ]
+    }
 }
 
 impl Process for BrushProcess {
     fn channels(&self) -> Vec<ChannelSpec> {
-        let spec =
-            |name: &str, unit, text: &str| ChannelSpec::new(format!("brush.{name}"), unit, text);
-        vec![
-            spec(
-                "bristle_force",
-                Measure::Newton,
-                "Sum of the forces with which the bristles press, each along itself",
-            ),
-            spec(
-                "friction_force",
-                Measure::Newton,
-                "Friction of all tips together",
-            ),
-            spec("power", Measure::Watt, "Power that friction takes"),
-            spec(
-                "shortening",
-                Measure::Metre,
-                "By how much the bristle that is pressed in most is shortened",
-            ),
-            spec(
-                "contact_length",
-                Measure::Metre,
-                "Length of edge under the brush",
-            ),
-            spec(
-                "burred_length",
-                Measure::Metre,
-                "Length of edge on which a burr is left",
-            ),
-            spec(
-                "removed_volume",
-                Measure::CubicMetre,
-                "Volume removed from the edges so far, burrs included",
-            ),
-        ]
+        quantity::channels(self.quantities())
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
         let contact = BrushContact::of(&self.setup, state);
-        let mut loads = Loads::default();
-        loads.wrenches.push(Wrench {
+        let wrench = Wrench {
             frame: Attachment::Tool,
             force_n: self.to_process(state, &contact.force_n),
             moment_n_m: self.to_process(state, &contact.moment_n_m),
-        });
+        };
         self.contact_state.set(state.time_s, contact);
-        loads
+        Loads::from(wrench)
     }
 
     fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
@@ -201,16 +189,7 @@ impl Process for BrushProcess {
     }
 
     fn record(&self, row: &mut Vec<f64>) {
-        let last = &self.last;
-        row.extend([
-            last.bristle_n,
-            last.friction_n,
-            last.power_w,
-            last.shortening_m,
-            last.edge_m,
-            self.burred_m(),
-            self.removed_m3(),
-        ]);
+        quantity::record(self.quantities(), row);
     }
 
     fn finish(&mut self) -> Findings {

@@ -3,8 +3,9 @@
 use super::contact::BrushContact;
 use super::{BrushSetup, Station};
 use crate::process::Findings;
+use crate::process::quantity::{self, Quantity};
 use nalgebra::{Isometry3, Vector3};
-use truecut_recording::{Field, Profile, Scalar, Unit};
+use truecut_recording::{Field, Profile, Unit};
 
 /// Half the width at which an edge is drawn, m, and its height over the faces.
 const DRAWN_HALF_M: f64 = 2e-3;
@@ -85,109 +86,52 @@ impl Edges {
 
 pub(super) fn findings(setup: &BrushSetup, dose_j_per_m2: &[f64], watch: &Watch) -> Findings {
     let edges = Edges::of(&setup.stations, dose_j_per_m2);
-    let mut scalars = pressing(setup, watch);
-    scalars.extend(left(&edges));
+    let quantities = pressing(setup, watch).into_iter().chain(left(&edges));
     let count = setup.stations.last().map_or(0, |last| last.edge + 1);
     let profiles = (0..count).flat_map(|edge| along(setup, dose_j_per_m2, edge));
     Findings {
-        scalars,
+        scalars: quantity::scalars(quantities),
         profiles: profiles.collect(),
     }
 }
 
-fn scalar(name: &str, unit: Unit, value: f64, text: &str) -> Scalar {
-    Scalar::new(format!("brush.{name}"), unit, value, text)
-}
-
 /// How the brush pressed.
-fn pressing(setup: &BrushSetup, watch: &Watch) -> Vec<Scalar> {
-    let mut scalars = vec![
-        scalar(
-            "largest_force",
-            Unit::Newton,
-            watch.largest_n,
-            "Largest sum of the forces of the bristles",
-        ),
-        scalar(
-            "contact_time",
-            Unit::Second,
-            watch.contact_s,
-            "Time that the brush touches the workpiece",
-        ),
-        scalar(
-            "friction_work",
-            Unit::Joule,
-            watch.work_j,
-            "Work of the friction of the tips",
-        ),
-        scalar(
-            "largest_shortening",
-            Unit::One,
-            watch.shortening_m / setup.brush.free_length_m,
-            "Largest shortening of a bristle over its free length; the law of a bristle holds up to about a fifth",
-        ),
-    ];
-    scalars.push(scalar(
-        "mean_force",
-        Unit::Newton,
-        // Where it never touches there is none.
-        watch.impulse_n_s / watch.contact_s.max(f64::MIN_POSITIVE),
-        "Mean sum of the forces of the bristles while the brush touches",
-    ));
-    scalars
+fn pressing(setup: &BrushSetup, watch: &Watch) -> [Quantity; 5] {
+    let shortening = watch.shortening_m / setup.brush.free_length_m;
+    // Where it never touches there is none.
+    let mean_n = watch.impulse_n_s / watch.contact_s.max(f64::MIN_POSITIVE);
+    [
+        Quantity::new("brush.largest_force", Unit::Newton, watch.largest_n)
+            .text("Largest sum of the forces of the bristles"),
+        Quantity::new("brush.contact_time", Unit::Second, watch.contact_s)
+            .text("Time that the brush touches the workpiece"),
+        Quantity::new("brush.friction_work", Unit::Joule, watch.work_j)
+            .text("Work of the friction of the tips"),
+        Quantity::new("brush.largest_shortening", Unit::One, shortening)
+            .text("Largest shortening of a bristle over its free length; the law of a bristle holds up to about a fifth"),
+        Quantity::new("brush.mean_force", Unit::Newton, mean_n)
+            .text("Mean sum of the forces of the bristles while the brush touches"),
+    ]
 }
 
 /// What is left of burrs and edges.
-fn left(edges: &Edges) -> [Scalar; 8] {
+fn left(edges: &Edges) -> [Quantity; 8] {
     [
-        scalar(
-            "edge_length",
-            Unit::Metre,
-            edges.length_m,
-            "Length of all edges",
-        ),
-        scalar(
-            "burred_length",
-            Unit::Metre,
-            edges.burred_m,
-            "Length of edge on which a burr is left",
-        ),
-        scalar(
-            "burr_mean",
-            Unit::Metre,
-            edges.burr_mean_m,
-            "Mean height of the burr that is left, over all edges",
-        ),
-        scalar(
-            "burr_largest",
-            Unit::Metre,
-            edges.burr_largest_m,
-            "Largest height of the burr that is left",
-        ),
-        scalar(
-            "radius_mean",
-            Unit::Metre,
-            edges.radius_mean_m,
-            "Mean radius of the edges; 0 where a burr is left",
-        ),
-        scalar(
-            "radius_least",
-            Unit::Metre,
-            edges.radius_least_m,
-            "Least radius of an edge",
-        ),
-        scalar(
-            "radius_largest",
-            Unit::Metre,
-            edges.radius_largest_m,
-            "Largest radius of an edge",
-        ),
-        scalar(
-            "removed_volume",
-            Unit::CubicMetre,
-            edges.removed_m3,
-            "Volume removed from the edges, burrs included",
-        ),
+        Quantity::new("brush.edge_length", Unit::Metre, edges.length_m).text("Length of all edges"),
+        Quantity::new("brush.burred_length", Unit::Metre, edges.burred_m)
+            .text("Length of edge on which a burr is left"),
+        Quantity::new("brush.burr_mean", Unit::Metre, edges.burr_mean_m)
+            .text("Mean height of the burr that is left, over all edges"),
+        Quantity::new("brush.burr_largest", Unit::Metre, edges.burr_largest_m)
+            .text("Largest height of the burr that is left"),
+        Quantity::new("brush.radius_mean", Unit::Metre, edges.radius_mean_m)
+            .text("Mean radius of the edges; 0 where a burr is left"),
+        Quantity::new("brush.radius_least", Unit::Metre, edges.radius_least_m)
+            .text("Least radius of an edge"),
+        Quantity::new("brush.radius_largest", Unit::Metre, edges.radius_largest_m)
+            .text("Largest radius of an edge"),
+        Quantity::new("brush.removed_volume", Unit::CubicMetre, edges.removed_m3)
+            .text("Volume removed from the edges, burrs included"),
     ]
 }
 

@@ -3,6 +3,7 @@
 mod report;
 pub(crate) mod setup;
 
+use super::quantity;
 use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState};
 use crate::effect::CuttingEffects;
@@ -238,19 +239,14 @@ impl Chamfer {
 
 impl Process for Chamfer {
     fn channels(&self) -> Vec<ChannelSpec> {
-        let mut channels = report::channels();
-        if self.foot.is_some() {
-            channels.extend(Foot::channels());
-        }
-        channels
+        quantity::channels(self.quantities())
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let mut loads = Loads::default();
         let edges = self.edges(state);
         let force = edges.iter().map(|edge| edge.on_tool_n).sum();
         self.edge_states.set(state.time_s, edges);
-        loads.wrenches.push(Wrench::force(Attachment::Tool, force));
+        let mut loads = Loads::from(Wrench::force(Attachment::Tool, force));
         if let Some(foot) = &self.foot {
             foot.press(state, &mut loads);
         }
@@ -293,24 +289,7 @@ impl Process for Chamfer {
     }
 
     fn record(&self, row: &mut Vec<f64>) {
-        let cutting = self.last.force_on_tool_n;
-        let foot = self
-            .foot
-            .as_ref()
-            .map_or_else(Vector3::zeros, Foot::force_on_workpiece_n);
-        let dynamometer = foot - cutting;
-        row.extend(cutting.iter());
-        row.extend([
-            self.last.depth_m,
-            self.last.engaged_depth_m,
-            self.last.chip_area_m2,
-            self.last.edge_angle_rad.rem_euclid(TAU),
-            self.last.torque_n_m,
-        ]);
-        row.extend(dynamometer.iter());
-        if let Some(foot) = &self.foot {
-            foot.record(row);
-        }
+        quantity::record(self.quantities(), row);
     }
 
     fn keep_rows_only(&mut self) {
@@ -330,11 +309,8 @@ impl Process for Chamfer {
     }
 
     fn static_loads(&self) -> Loads {
-        let mut loads = Loads::default();
-        loads
-            .wrenches
-            .extend(self.foot.iter().map(Foot::touch_down_wrench));
-        loads
+        let preload = self.foot.as_ref().map(Foot::touch_down_wrench);
+        preload.map_or_else(Loads::default, Loads::from)
     }
 
     fn duration_s(&self) -> Option<f64> {

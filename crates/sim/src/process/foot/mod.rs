@@ -2,13 +2,14 @@
 
 pub(crate) mod setup;
 
+use super::quantity::Quantity;
 use super::{ContactStiffness, FrameMotion, ToolState};
 use crate::effect::FootEffects;
 use crate::loads::{Attachment, ContactOutcome, ContactRequest, Loads, Wrench};
 use nalgebra::{Vector2, Vector3};
 use truecut_core::friction::{EquivalentViscous, FootFriction, FrictionLaw};
 use truecut_core::pressure_foot::{FootForce, FootMemory, PressureFoot};
-use truecut_recording::{ChannelSpec, Unit};
+use truecut_recording::Unit;
 
 /// The same friction times a factor, or falling with the speed. A law without friction stays without; the
 /// equivalent viscous law has no speed to fall with (both are refused where effects are read).
@@ -117,39 +118,27 @@ impl Foot {
         &self.parameters
     }
 
-    /// Channels filled by [`Foot::record`].
-    pub fn channels() -> Vec<ChannelSpec> {
-        vec![
-            ChannelSpec::new(
-                "foot.normal_force",
-                Unit::Newton,
-                "Force with which the foot presses on the workpiece",
-            ),
-            ChannelSpec::new(
-                "foot.friction_y",
-                Unit::Newton,
-                "Friction of the foot on the workpiece, process Y",
-            ),
-            ChannelSpec::new(
-                "foot.friction_z",
-                Unit::Newton,
-                "Friction of the foot on the workpiece, process Z",
-            ),
-            ChannelSpec::new(
-                "foot.sliding",
-                Unit::One,
-                "1 while the foot slides or is lifted, 0 while it sticks",
-            ),
-            ChannelSpec::new(
+    /// What is recorded of the step last committed.
+    pub(super) fn quantities(&self) -> [Quantity; 6] {
+        let (last, friction) = (&self.last, self.last.friction_on_workpiece_n);
+        let flag = |on: bool| f64::from(u8::from(on));
+        [
+            Quantity::new("foot.normal_force", Unit::Newton, last.normal_n)
+                .text("Force with which the foot presses on the workpiece"),
+            Quantity::new("foot.friction_y", Unit::Newton, friction.x)
+                .text("Friction of the foot on the workpiece, process Y"),
+            Quantity::new("foot.friction_z", Unit::Newton, friction.y)
+                .text("Friction of the foot on the workpiece, process Z"),
+            Quantity::new("foot.sliding", Unit::One, flag(last.sliding))
+                .text("1 while the foot slides or is lifted, 0 while it sticks"),
+            Quantity::new(
                 "foot.slip_speed",
                 Unit::MetrePerSecond,
-                "Speed of the foot over the workpiece",
-            ),
-            ChannelSpec::new(
-                "foot.lifted",
-                Unit::One,
-                "1 while the foot is off the workpiece",
-            ),
+                last.slip_speed_m_per_s,
+            )
+            .text("Speed of the foot over the workpiece"),
+            Quantity::new("foot.lifted", Unit::One, flag(last.lifted))
+                .text("1 while the foot is off the workpiece"),
         ]
     }
 
@@ -205,18 +194,6 @@ impl Foot {
             sliding: outcome.sliding || force.lifted,
             slip_speed_m_per_s: outcome.velocity_m_per_s.norm(),
         };
-    }
-
-    pub fn record(&self, row: &mut Vec<f64>) {
-        let flag = |on: bool| if on { 1.0 } else { 0.0 };
-        row.extend([
-            self.last.normal_n,
-            self.last.friction_on_workpiece_n.x,
-            self.last.friction_on_workpiece_n.y,
-            flag(self.last.sliding),
-            self.last.slip_speed_m_per_s,
-            flag(self.last.lifted),
-        ]);
     }
 
     /// Whether the foot slid (or hung free) in the step last committed.

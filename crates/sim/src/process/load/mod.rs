@@ -2,6 +2,7 @@
 
 pub(crate) mod setup;
 
+use super::quantity::{self, Quantity};
 use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::Vector3;
@@ -45,30 +46,32 @@ impl Load {
         }
         force
     }
+
+    /// What is recorded of the step last committed, that of the foot included if there is one.
+    fn quantities(&self) -> impl Iterator<Item = Quantity> {
+        let force = self.last_force_n;
+        let given = [
+            Quantity::new("load.force_x", Unit::Newton, force.x)
+                .text("Given force on the tool, process X"),
+            Quantity::new("load.force_y", Unit::Newton, force.y)
+                .text("Given force on the tool, process Y"),
+            Quantity::new("load.force_z", Unit::Newton, force.z)
+                .text("Given force on the tool, process Z"),
+        ];
+        given
+            .into_iter()
+            .chain(self.foot.iter().flat_map(Foot::quantities))
+    }
 }
 
 impl Process for Load {
     fn channels(&self) -> Vec<ChannelSpec> {
-        let mut channels: Vec<_> = ["x", "y", "z"]
-            .iter()
-            .map(|axis| {
-                ChannelSpec::new(
-                    format!("load.force_{axis}"),
-                    Unit::Newton,
-                    format!("Given force on the tool, process {}", axis.to_uppercase()),
-                )
-            })
-            .collect();
-        if self.foot.is_some() {
-            channels.extend(Foot::channels());
-        }
-        channels
+        quantity::channels(self.quantities())
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let mut loads = Loads::default();
         let force = self.force_n(state.time_s);
-        loads.wrenches.push(Wrench::force(Attachment::Tool, force));
+        let mut loads = Loads::from(Wrench::force(Attachment::Tool, force));
         if let Some(foot) = &self.foot {
             foot.press(state, &mut loads);
         }
@@ -83,10 +86,7 @@ impl Process for Load {
     }
 
     fn record(&self, row: &mut Vec<f64>) {
-        row.extend(self.last_force_n.iter());
-        if let Some(foot) = &self.foot {
-            foot.record(row);
-        }
+        quantity::record(self.quantities(), row);
     }
 
     fn finish(&mut self) -> Findings {
@@ -94,13 +94,9 @@ impl Process for Load {
     }
 
     fn static_loads(&self) -> Loads {
-        let mut loads = Loads::default();
-        loads
-            .wrenches
-            .push(Wrench::force(Attachment::Tool, self.forces.release_n));
-        loads
-            .wrenches
-            .extend(self.foot.iter().map(Foot::touch_down_wrench));
+        let mut loads = Loads::from(Wrench::force(Attachment::Tool, self.forces.release_n));
+        let preload = self.foot.iter().map(Foot::touch_down_wrench);
+        loads.wrenches.extend(preload);
         loads
     }
 

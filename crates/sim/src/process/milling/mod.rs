@@ -11,6 +11,7 @@ pub(crate) mod setup;
 
 pub(crate) use report::linear_share;
 
+use super::quantity;
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use history::{History, stride};
@@ -270,7 +271,7 @@ impl Process for Milling {
     }
 
     fn channels(&self) -> Vec<ChannelSpec> {
-        report::channels(self.setup.wall())
+        quantity::channels(report::quantities(&self.setup, &self.last))
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
@@ -281,9 +282,7 @@ impl Process for Milling {
             force += cut.force_on_tool_n / PARTS as f64;
             moment += cut.moment_on_tool_n_m / PARTS as f64;
         }
-        let mut loads = Loads::default();
-        loads.wrenches.push(self.wrench(&force, &moment));
-        loads
+        Loads::from(self.wrench(&force, &moment))
     }
 
     fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, _dt_s: f64) {
@@ -311,7 +310,7 @@ impl Process for Milling {
     }
 
     fn record(&self, row: &mut Vec<f64>) {
-        report::record(&self.setup, &self.last, row);
+        quantity::record(report::quantities(&self.setup, &self.last), row);
     }
 
     fn finish(&mut self) -> Findings {
@@ -319,12 +318,11 @@ impl Process for Milling {
     }
 
     fn static_loads(&self) -> Loads {
-        let mut loads = Loads::default();
-        if self.setup.starts_in_cut() {
-            let (force, moment) = &self.setup.mean_load;
-            loads.wrenches.push(self.wrench(force, moment));
+        if !self.setup.starts_in_cut() {
+            return Loads::default();
         }
-        loads
+        let (force, moment) = &self.setup.mean_load;
+        Loads::from(self.wrench(force, moment))
     }
 
     fn duration_s(&self) -> Option<f64> {

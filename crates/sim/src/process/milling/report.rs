@@ -1,15 +1,15 @@
 //! What a milling pass reports: channels, forces, vibration, the finished surface.
 
 use super::{Milling, MillingSetup, MillingStep, MillingTheory};
+use crate::process::Findings;
+use crate::process::quantity::{self, Quantity};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::chatter::growth::{GrowthOptions, growth};
 use truecut_core::cutting::milling::dexel::{DexelRow, RayGrid, Wall};
 use truecut_core::cutting::milling::finish;
 use truecut_recording::spectrum::{Spectrum, amplitude_spectrum_up_to};
-use truecut_recording::{ChannelSpec, Profile, Scalar, Unit};
-
-use super::super::Findings;
+use truecut_recording::{Profile, Scalar, Unit};
 
 const AXES: [(&str, &str); 3] = [
     ("x", "along the feed"),
@@ -28,56 +28,13 @@ const SPECTRUM_TEETH: f64 = 3.0;
 /// Feed per revolution by which rays at the ends of a surface are left out: their neighbours are not all cut.
 const MARGIN_REVOLUTIONS: f64 = 2.0;
 
-/// Channels of the cut.
-pub(super) fn channels(wall: Option<Wall>) -> Vec<ChannelSpec> {
-    let mut specs = Vec::new();
-    for (axis, text) in AXES {
-        specs.push(ChannelSpec::new(
-            format!("milling.force_{axis}"),
-            Unit::Newton,
-            format!("Cutting force on the tool, {text}"),
-        ));
-    }
-    specs.push(ChannelSpec::new(
-        "milling.torque",
-        Unit::NewtonMetre,
-        "Torque of the cut about the tool axis; positive brakes the spindle",
-    ));
-    for (axis, text) in AXES {
-        specs.push(ChannelSpec::new(
-            format!("milling.deflection_{axis}"),
-            Unit::Metre,
-            format!("Tool point minus its place on the path, {text}"),
-        ));
-    }
-    let others = [
-        (
-            "milling.chip_thickness",
-            Unit::Metre,
-            "Thickest chip of all teeth",
-        ),
-        ("milling.teeth_in_cut", Unit::One, "Teeth that cut"),
-        ("milling.in_cut", Unit::One, "1 while a tooth cuts, else 0"),
-        (
-            "milling.spindle_angle",
-            Unit::Radian,
-            "Angle of the first tooth, from +y towards the feed, 0 to 2 pi",
-        ),
-    ];
-    specs.extend(others.map(|(name, unit, text)| ChannelSpec::new(name, unit, text)));
-    if wall.is_some() {
-        specs.push(ChannelSpec::new(
-            "milling.wall_error",
-            Unit::Metre,
-            "Material that the last tooth left on the wall; negative if it took too much",
-        ));
-    }
-    specs
-}
-
-pub(super) fn record(setup: &MillingSetup, last: &MillingStep, row: &mut Vec<f64>) {
+/// What is recorded of a step: the cut, and of a pass that finishes a wall what is left on that.
+pub(super) fn quantities(
+    setup: &MillingSetup,
+    last: &MillingStep,
+) -> impl Iterator<Item = Quantity> {
     let zero = Vector3::zeros();
-    let (force, torque, chip, teeth) = last.loads.map_or((zero, 0.0, 0.0, 0), |loads| {
+    let (force, torque, chip_m, teeth) = last.loads.map_or((zero, 0.0, 0.0, 0), |loads| {
         let torque = loads.moment_on_tool_n_m.z;
         (
             loads.force_on_tool_n,
@@ -86,16 +43,36 @@ pub(super) fn record(setup: &MillingSetup, last: &MillingStep, row: &mut Vec<f64
             loads.teeth_in_cut,
         )
     });
-    row.extend(force.iter());
-    row.push(torque);
-    row.extend(last.deflection_m.iter());
-    row.extend([
-        chip,
-        teeth as f64,
-        f64::from(u8::from(teeth > 0)),
-        last.rotation_rad.rem_euclid(TAU),
-    ]);
-    row.extend(setup.wall().map(|_| last.wall_error_m));
+    let (teeth, in_cut) = (teeth as f64, f64::from(u8::from(teeth > 0)));
+    let (deflection, angle_rad) = (last.deflection_m, last.rotation_rad.rem_euclid(TAU));
+    let cut = [
+        Quantity::new("milling.force_x", Unit::Newton, force.x)
+            .text("Cutting force on the tool, along the feed"),
+        Quantity::new("milling.force_y", Unit::Newton, force.y)
+            .text("Cutting force on the tool, across it"),
+        Quantity::new("milling.force_z", Unit::Newton, force.z)
+            .text("Cutting force on the tool, into the spindle"),
+        Quantity::new("milling.torque", Unit::NewtonMetre, torque)
+            .text("Torque of the cut about the tool axis; positive brakes the spindle"),
+        Quantity::new("milling.deflection_x", Unit::Metre, deflection.x)
+            .text("Tool point minus its place on the path, along the feed"),
+        Quantity::new("milling.deflection_y", Unit::Metre, deflection.y)
+            .text("Tool point minus its place on the path, across it"),
+        Quantity::new("milling.deflection_z", Unit::Metre, deflection.z)
+            .text("Tool point minus its place on the path, into the spindle"),
+        Quantity::new("milling.chip_thickness", Unit::Metre, chip_m)
+            .text("Thickest chip of all teeth"),
+        Quantity::new("milling.teeth_in_cut", Unit::One, teeth).text("Teeth that cut"),
+        Quantity::new("milling.in_cut", Unit::One, in_cut).text("1 while a tooth cuts, else 0"),
+        Quantity::new("milling.spindle_angle", Unit::Radian, angle_rad)
+            .text("Angle of the first tooth, from +y towards the feed, 0 to 2 pi"),
+    ];
+    let error_m = last.wall_error_m;
+    let wall = setup.wall().map(|_| {
+        Quantity::new("milling.wall_error", Unit::Metre, error_m)
+            .text("Material that the last tooth left on the wall; negative if it took too much")
+    });
+    cut.into_iter().chain(wall)
 }
 
 /// Scalars and profiles at the end of the run.
@@ -180,36 +157,21 @@ fn vibration(milling: &Milling, findings: &mut Findings) {
     let grown = growth(samples.deflection_m, samples.interval_s, &options);
     let highest_hz = SPECTRUM_TEETH / setup.tooth_period_s();
     let line = dominant_line(&samples, 1.0 / forced_s, highest_hz);
-    let scalar = |name: &str, unit, value: Option<f64>, text: &str| {
-        Scalar::new(
-            format!("milling.{name}"),
-            unit,
-            value.unwrap_or(f64::NAN),
-            text,
-        )
-    };
-    findings.scalars.extend([
-        scalar(
-            "growth_rate",
-            Unit::PerSecond,
-            grown.and_then(|g| g.rate_per_s),
-            "Growth of vibration that does not repeat with the teeth, while it is small beside the feed per tooth; negative: \
-             it dies away",
-        ),
-        scalar(
-            "vibration_level",
-            Unit::Metre,
-            grown.map(|g| g.last_level_m),
-            "Change of the deflection from one tooth to the next (with runout: one revolution), root mean square at the end",
-        ),
-        scalar(
-            "chatter_frequency",
-            Unit::Hertz,
-            line.map(|l| l.0),
-            "Highest line of the deflection in the plane of cut apart from the teeth's harmonics",
-        ),
-        scalar("chatter_amplitude", Unit::Metre, line.map(|l| l.1), "Amplitude of that line"),
-    ]);
+    let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    let rate_per_s = or_nan(grown.and_then(|g| g.rate_per_s));
+    let level_m = or_nan(grown.map(|g| g.last_level_m));
+    let (line_hz, line_m) = line.unwrap_or((f64::NAN, f64::NAN));
+    findings.scalars.extend(quantity::scalars([
+        Quantity::new("milling.growth_rate", Unit::PerSecond, rate_per_s)
+            .text("Growth of vibration that does not repeat with the teeth, while it is small beside the feed per tooth; negative: \
+             it dies away"),
+        Quantity::new("milling.vibration_level", Unit::Metre, level_m)
+            .text("Change of the deflection from one tooth to the next (with runout: one revolution), root mean square at the end"),
+        Quantity::new("milling.chatter_frequency", Unit::Hertz, line_hz)
+            .text("Highest line of the deflection in the plane of cut apart from the teeth's harmonics"),
+        Quantity::new("milling.chatter_amplitude", Unit::Metre, line_m)
+            .text("Amplitude of that line"),
+    ]));
     for (i, (axis, text)) in AXES.into_iter().enumerate() {
         let Some(spectrum) = samples.spectrum(samples.velocity_m_per_s, i, highest_hz) else {
             continue;
@@ -359,23 +321,14 @@ fn surface(
 }
 
 fn predictions(theory: &MillingTheory, findings: &mut Findings) {
-    let scalar = |name: &str, unit, value: f64, text: &str| {
-        Scalar::new(format!("theory.{name}"), unit, value, text)
-    };
-    findings.scalars.extend([
-        scalar(
-            "mode_coupling_depth",
-            Unit::Metre,
-            theory.coupling_depth_m,
-            "Depth limit of the averaged theory for teeth that meet the nominal surface, at the start",
-        ),
-        scalar("mode_coupling_frequency", Unit::Hertz, theory.coupling_hz, "Chatter frequency there"),
-        scalar(
-            "regenerative_depth",
-            Unit::Metre,
-            theory.regenerative_depth_m,
-            "Depth limit to zero order for teeth that meet their own surface, at the start",
-        ),
-        scalar("regenerative_frequency", Unit::Hertz, theory.regenerative_hz, "Chatter frequency there"),
-    ]);
+    findings.scalars.extend(quantity::scalars([
+        Quantity::new("theory.mode_coupling_depth", Unit::Metre, theory.coupling_depth_m)
+            .text("Depth limit of the averaged theory for teeth that meet the nominal surface, at the start"),
+        Quantity::new("theory.mode_coupling_frequency", Unit::Hertz, theory.coupling_hz)
+            .text("Chatter frequency there"),
+        Quantity::new("theory.regenerative_depth", Unit::Metre, theory.regenerative_depth_m)
+            .text("Depth limit to zero order for teeth that meet their own surface, at the start"),
+        Quantity::new("theory.regenerative_frequency", Unit::Hertz, theory.regenerative_hz)
+            .text("Chatter frequency there"),
+    ]));
 }

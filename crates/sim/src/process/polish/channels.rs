@@ -1,96 +1,43 @@
 //! What a polishing run records of every step.
 
 use super::PolishStep;
-use truecut_recording::{ChannelSpec, Unit};
+use crate::process::quantity::Quantity;
+use truecut_recording::Unit;
 
-/// Channels in the order of [`record`].
-pub(super) fn specs() -> Vec<ChannelSpec> {
-    let spec =
-        |name: &str, unit, text: &str| ChannelSpec::new(format!("polish.{name}"), unit, text);
-    vec![
-        spec(
-            "normal_force",
-            Unit::Newton,
-            "Force with which the wheel presses on the face",
-        ),
-        spec(
-            "edge_force",
-            Unit::Newton,
-            "Part of the normal force that acts along edges",
-        ),
-        spec(
-            "inward_edge_force",
-            Unit::Newton,
-            "Part of the edge force on edges over which the wheel's surface moves inward",
-        ),
-        spec(
-            "friction_x",
-            Unit::Newton,
-            "Friction on the face, along its length",
-        ),
-        spec(
-            "friction_y",
-            Unit::Newton,
-            "Friction on the face, along its width",
-        ),
-        spec(
-            "penetration",
-            Unit::Metre,
-            "How far the undeformed wheel reaches into the face",
-        ),
-        spec(
-            "position_x",
-            Unit::Metre,
-            "Middle of the patch, along the face's length",
-        ),
-        spec(
-            "position_y",
-            Unit::Metre,
-            "Middle of the patch, along the face's width",
-        ),
-        spec(
-            "precession_angle",
-            Unit::Radian,
-            "Where the spin axis leans, from the face's x axis, -180 to 180 degrees",
-        ),
-        spec(
-            "carrier_offset",
-            Unit::Metre,
-            "Offset of the force control's carrier towards the face",
-        ),
-        spec(
-            "acceleration_x",
-            Unit::MetrePerSecondSquared,
-            "Acceleration of the tool along the face's length",
-        ),
-        spec(
-            "acceleration_y",
-            Unit::MetrePerSecondSquared,
-            "Acceleration of the tool along the face's width",
-        ),
-        spec(
-            "acceleration_z",
-            Unit::MetrePerSecondSquared,
-            "Acceleration of the tool along the face's normal",
-        ),
-        spec("removed_volume", Unit::CubicMetre, "Volume removed so far"),
-    ]
-}
-
-/// The values of a step; `removed_m3` is the volume removed so far.
-pub(super) fn record(last: &PolishStep, removed_m3: f64, row: &mut Vec<f64>) {
-    row.extend([
-        last.normal_n,
-        last.edge_n,
-        last.inward_n,
-        last.friction_n.x,
-        last.friction_n.y,
-        last.indentation_m,
-        last.at_m.x,
-        last.at_m.y,
-        last.lean_rad,
-        last.carrier_m,
-    ]);
-    row.extend(last.acceleration_m_s2.iter());
-    row.push(removed_m3);
+impl PolishStep {
+    /// The step in numbers; `removed_m3` is the volume removed so far.
+    pub(super) fn quantities(&self, removed_m3: f64) -> [Quantity; 14] {
+        let [x, y, z] = self.acceleration_m_s2.into();
+        [
+            Quantity::new("polish.normal_force", Unit::Newton, self.normal_n)
+                .text("Force with which the wheel presses on the face"),
+            Quantity::new("polish.edge_force", Unit::Newton, self.edge_n)
+                .text("Part of the normal force that acts along edges"),
+            Quantity::new("polish.inward_edge_force", Unit::Newton, self.inward_n).text(
+                "Part of the edge force on edges over which the wheel's surface moves inward",
+            ),
+            Quantity::new("polish.friction_x", Unit::Newton, self.friction_n.x)
+                .text("Friction on the face, along its length"),
+            Quantity::new("polish.friction_y", Unit::Newton, self.friction_n.y)
+                .text("Friction on the face, along its width"),
+            Quantity::new("polish.penetration", Unit::Metre, self.indentation_m)
+                .text("How far the undeformed wheel reaches into the face"),
+            Quantity::new("polish.position_x", Unit::Metre, self.at_m.x)
+                .text("Middle of the patch, along the face's length"),
+            Quantity::new("polish.position_y", Unit::Metre, self.at_m.y)
+                .text("Middle of the patch, along the face's width"),
+            Quantity::new("polish.precession_angle", Unit::Radian, self.lean_rad)
+                .text("Where the spin axis leans, from the face's x axis, -180 to 180 degrees"),
+            Quantity::new("polish.carrier_offset", Unit::Metre, self.carrier_m)
+                .text("Offset of the force control's carrier towards the face"),
+            Quantity::new("polish.acceleration_x", Unit::MetrePerSecondSquared, x)
+                .text("Acceleration of the tool along the face's length"),
+            Quantity::new("polish.acceleration_y", Unit::MetrePerSecondSquared, y)
+                .text("Acceleration of the tool along the face's width"),
+            Quantity::new("polish.acceleration_z", Unit::MetrePerSecondSquared, z)
+                .text("Acceleration of the tool along the face's normal"),
+            Quantity::new("polish.removed_volume", Unit::CubicMetre, removed_m3)
+                .text("Volume removed so far"),
+        ]
+    }
 }

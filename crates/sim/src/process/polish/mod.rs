@@ -14,6 +14,7 @@ mod report;
 pub(crate) mod setup;
 mod surface;
 
+use super::quantity::{self, Quantity};
 use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
@@ -231,6 +232,11 @@ impl Polish {
         (force(d + h) - force(d - h)) / (2.0 * h)
     }
 
+    /// What is recorded of the step last committed.
+    fn quantities(&self) -> [Quantity; 14] {
+        self.last.quantities(self.surface.preston_m3(&self.setup))
+    }
+
     fn to_process(&self, in_face: Vector3<f64>) -> Vector3<f64> {
         self.setup.process_from_world * (self.setup.world_from_face.rotation * in_face)
     }
@@ -238,19 +244,17 @@ impl Polish {
 
 impl Process for Polish {
     fn channels(&self) -> Vec<ChannelSpec> {
-        channels::specs()
+        quantity::channels(self.quantities())
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
         let (contact, edges) = self.contact_state(state);
         self.contact_state.set(state.time_s, (contact, edges));
-        let mut loads = Loads::default();
-        loads.wrenches.push(Wrench {
+        Loads::from(Wrench {
             frame: Attachment::Tool,
             force_n: self.to_process(contact.force_on_tool_n),
             moment_n_m: self.to_process(contact.moment_on_tool_n_m),
-        });
-        loads
+        })
     }
 
     fn commit(&mut self, state: &ToolState, _: &Loads, _: &ContactOutcomes, dt_s: f64) {
@@ -290,7 +294,7 @@ impl Process for Polish {
     }
 
     fn record(&self, row: &mut Vec<f64>) {
-        channels::record(&self.last, self.surface.preston_m3(&self.setup), row);
+        quantity::record(self.quantities(), row);
     }
 
     fn keep_rows_only(&mut self) {
@@ -306,9 +310,7 @@ impl Process for Polish {
     }
 
     fn static_loads(&self) -> Loads {
-        let mut loads = Loads::default();
-        loads.wrenches.push(self.setup.resting);
-        loads
+        Loads::from(self.setup.resting)
     }
 
     fn duration_s(&self) -> Option<f64> {

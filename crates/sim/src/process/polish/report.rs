@@ -3,8 +3,9 @@
 use super::surface::Surface;
 use super::{PolishSetup, PolishStep};
 use crate::process::Findings;
+use crate::process::quantity::{self, Quantity};
 use nalgebra::Vector3;
-use truecut_recording::{Profile, Scalar, Unit};
+use truecut_recording::{Profile, Unit};
 
 /// Length of the windows in which the deviation of the acceleration is taken, s.
 const WINDOW_S: f64 = 0.25;
@@ -141,110 +142,58 @@ fn depths(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> (f64, f64) {
 }
 
 pub(super) fn findings(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> Findings {
-    let scalars = removal(setup, surface, watch).into_iter();
-    let scalars = scalars.chain(pressing(watch));
+    let removed = removal(setup, surface, watch);
     Findings {
-        scalars: scalars
-            .map(|(name, unit, value, text)| {
-                Scalar::new(format!("polish.{name}"), unit, value, text)
-            })
-            .collect(),
+        scalars: quantity::scalars(removed.into_iter().chain(pressing(watch))),
         profiles: vec![across(setup, surface)],
     }
 }
 
-/// Name, unit, value, text.
-type Told = (&'static str, Unit, f64, &'static str);
-
 /// What is off the face.
-fn removal(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> [Told; 7] {
+fn removal(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> [Quantity; 7] {
     let (band_m, middle_m) = depths(setup, surface, watch);
     let roughness: Vec<f64> = (surface.grid.dose_j_per_m2().iter())
         .map(|dose| setup.spec.abrasive.polishing.ra_m(*dose))
         .collect();
     let mean_ra = roughness.iter().sum::<f64>() / roughness.len() as f64;
     let largest_ra = roughness.iter().copied().fold(0.0, f64::max);
+    let (removed_m3, preston_m3) = (surface.grid.volume_m3(), surface.preston_m3(setup));
     [
-        (
-            "removed_volume",
-            Unit::CubicMetre,
-            surface.grid.volume_m3(),
-            "Volume removed from the face",
-        ),
-        (
-            "preston_volume",
-            Unit::CubicMetre,
-            surface.preston_m3(setup),
-            "Preston's integral k_p ∫ p v dA dt",
-        ),
-        (
-            "depth_middle",
-            Unit::Metre,
-            middle_m,
-            "Mean depth further inside than the patch is wide",
-        ),
-        (
-            "depth_edge",
-            Unit::Metre,
-            band_m,
-            "Mean depth within 1 mm of the edges",
-        ),
-        (
-            "edge_excess",
-            Unit::One,
-            band_m / middle_m - 1.0,
-            "Depth within 1 mm of the edges over that of the middle, less 1",
-        ),
-        (
-            "roughness_mean",
-            Unit::Metre,
-            mean_ra,
-            "Mean Ra of the cells",
-        ),
-        (
-            "roughness_largest",
-            Unit::Metre,
-            largest_ra,
-            "Largest Ra of a cell",
-        ),
+        Quantity::new("polish.removed_volume", Unit::CubicMetre, removed_m3)
+            .text("Volume removed from the face"),
+        Quantity::new("polish.preston_volume", Unit::CubicMetre, preston_m3)
+            .text("Preston's integral k_p ∫ p v dA dt"),
+        Quantity::new("polish.depth_middle", Unit::Metre, middle_m)
+            .text("Mean depth further inside than the patch is wide"),
+        Quantity::new("polish.depth_edge", Unit::Metre, band_m)
+            .text("Mean depth within 1 mm of the edges"),
+        Quantity::new("polish.edge_excess", Unit::One, band_m / middle_m - 1.0)
+            .text("Depth within 1 mm of the edges over that of the middle, less 1"),
+        Quantity::new("polish.roughness_mean", Unit::Metre, mean_ra).text("Mean Ra of the cells"),
+        Quantity::new("polish.roughness_largest", Unit::Metre, largest_ra)
+            .text("Largest Ra of a cell"),
     ]
 }
 
 /// How the wheel ran.
-fn pressing(watch: &Watch) -> [Told; 5] {
+fn pressing(watch: &Watch) -> [Quantity; 5] {
     let (edge, middle) = (watch.at_edges.rms(), watch.in_middle.rms());
+    let inward = watch.inward_n_s / watch.edge_n_s;
+    let burst = watch.at_edges.largest / middle;
+    let acceleration = |name, value| Quantity::new(name, Unit::MetrePerSecondSquared, value);
     [
-        (
-            "acceleration_edge",
-            Unit::MetrePerSecondSquared,
-            edge,
+        acceleration("polish.acceleration_edge", edge).text(
             "Standard deviation of the normal acceleration, rms over windows of 0.25 s on straight \
              lines with an edge in the patch",
         ),
-        (
-            "acceleration_middle",
-            Unit::MetrePerSecondSquared,
-            middle,
-            "The same over windows whose patch stays a patch's width inside",
-        ),
-        (
-            "acceleration_ratio",
-            Unit::One,
-            edge / middle,
-            "Edge over middle",
-        ),
-        (
-            "acceleration_burst",
-            Unit::One,
-            watch.at_edges.largest / middle,
-            "Largest window with an edge in the patch over the middle's",
-        ),
-        (
-            "inward_share",
-            Unit::One,
-            watch.inward_n_s / watch.edge_n_s,
-            "Share of the edge force, over time, on edges over which the wheel moves inward",
-        ),
+        acceleration("polish.acceleration_middle", middle)
+            .text("The same over windows whose patch stays a patch's width inside"),
+        Quantity::new("polish.acceleration_ratio", Unit::One, edge / middle)
+            .text("Edge over middle"),
+        Quantity::new("polish.acceleration_burst", Unit::One, burst)
+            .text("Largest window with an edge in the patch over the middle's"),
+        Quantity::new("polish.inward_share", Unit::One, inward)
+            .text("Share of the edge force, over time, on edges over which the wheel moves inward"),
     ]
 }
 

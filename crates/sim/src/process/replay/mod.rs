@@ -2,6 +2,7 @@
 
 pub(crate) mod setup;
 
+use super::quantity::{self, Quantity};
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::Vector3;
@@ -53,32 +54,31 @@ impl Replay {
         self.forces.iter().all(Option::is_none)
     }
 
+    /// What is recorded of the step last committed: nothing where nothing was measured.
+    fn quantities(&self) -> impl Iterator<Item = Quantity> {
+        let force = self.last_force_n;
+        let measured = [
+            Quantity::new("tool.force_x", Unit::Newton, force.x)
+                .text("Measured force on the tool, process X"),
+            Quantity::new("tool.force_y", Unit::Newton, force.y)
+                .text("Measured force on the tool, process Y"),
+            Quantity::new("tool.force_z", Unit::Newton, force.z)
+                .text("Measured force on the tool, process Z"),
+        ];
+        measured.into_iter().filter(|_| !self.is_idle())
+    }
+
     fn loads(&self, time_s: f64) -> Loads {
-        let mut loads = Loads::default();
-        if !self.is_idle() {
-            let force = self.force_n(time_s);
-            loads.wrenches.push(Wrench::force(Attachment::Tool, force));
+        if self.is_idle() {
+            return Loads::default();
         }
-        loads
+        Loads::from(Wrench::force(Attachment::Tool, self.force_n(time_s)))
     }
 }
 
 impl Process for Replay {
     fn channels(&self) -> Vec<ChannelSpec> {
-        if self.is_idle() {
-            return Vec::new();
-        }
-        let spec = |axis: &str| {
-            ChannelSpec::new(
-                format!("tool.force_{axis}"),
-                Unit::Newton,
-                format!(
-                    "Measured force on the tool, process {}",
-                    axis.to_uppercase()
-                ),
-            )
-        };
-        ["x", "y", "z"].map(spec).to_vec()
+        quantity::channels(self.quantities())
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
@@ -90,9 +90,7 @@ impl Process for Replay {
     }
 
     fn record(&self, row: &mut Vec<f64>) {
-        if !self.is_idle() {
-            row.extend(self.last_force_n.iter());
-        }
+        quantity::record(self.quantities(), row);
     }
 
     fn finish(&mut self) -> Findings {

@@ -2,11 +2,12 @@
 
 pub(crate) mod setup;
 
+use super::quantity::{self, Quantity};
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::Vector3;
 use truecut_core::wheel::Strip;
-use truecut_recording::{ChannelSpec, Profile, Scalar, Unit};
+use truecut_recording::{ChannelSpec, Profile, Unit};
 use truecut_scenario::WheelSpec;
 
 /// The process. The plate is at right angles to process X, the pass runs along process Y.
@@ -70,41 +71,39 @@ impl Wheel {
     fn friction_on_wheel_n(&self, contact: &WheelContactState) -> f64 {
         -self.parameters.contact.mu * contact.normal_n * contact.sliding_m_per_s.signum()
     }
+
+    /// What is recorded of the step last committed.
+    fn quantities(&self) -> [Quantity; 4] {
+        let last = &self.last;
+        [
+            Quantity::new("wheel.normal_force", Unit::Newton, last.normal_n)
+                .text("Force with which the wheel presses on the plate"),
+            Quantity::new(
+                "wheel.friction_force",
+                Unit::Newton,
+                last.friction_on_wheel_n,
+            )
+            .text("Friction on the wheel, process Y"),
+            Quantity::new("wheel.penetration", Unit::Metre, last.indentation_m)
+                .text("Flattening of the wheel, runout included"),
+            Quantity::new("wheel.position", Unit::Metre, last.position_m)
+                .text("Position along the strip"),
+        ]
+    }
 }
 
 impl Process for Wheel {
     fn channels(&self) -> Vec<ChannelSpec> {
-        vec![
-            ChannelSpec::new(
-                "wheel.normal_force",
-                Unit::Newton,
-                "Force with which the wheel presses on the plate",
-            ),
-            ChannelSpec::new(
-                "wheel.friction_force",
-                Unit::Newton,
-                "Friction on the wheel, process Y",
-            ),
-            ChannelSpec::new(
-                "wheel.penetration",
-                Unit::Metre,
-                "Flattening of the wheel, runout included",
-            ),
-            ChannelSpec::new("wheel.position", Unit::Metre, "Position along the strip"),
-        ]
+        quantity::channels(self.quantities())
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
         let contact = self.contact(state);
         let friction = self.friction_on_wheel_n(&contact);
-        let mut loads = Loads::default();
         // The tool frame sits at the contact; what the friction turns about the wheel's axis is borne by
         // the spindle's drive and reaches the arm through the same frame.
-        loads.wrenches.push(Wrench::force(
-            Attachment::Tool,
-            Vector3::new(-contact.normal_n, friction, 0.0),
-        ));
-        loads
+        let force = Vector3::new(-contact.normal_n, friction, 0.0);
+        Loads::from(Wrench::force(Attachment::Tool, force))
     }
 
     fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, dt_s: f64) {
@@ -127,12 +126,7 @@ impl Process for Wheel {
     }
 
     fn record(&self, row: &mut Vec<f64>) {
-        row.extend([
-            self.last.normal_n,
-            self.last.friction_on_wheel_n,
-            self.last.indentation_m,
-            self.last.position_m,
-        ]);
+        quantity::record(self.quantities(), row);
     }
 
     fn keep_rows_only(&mut self) {
@@ -145,34 +139,21 @@ impl Process for Wheel {
         };
         let removed = strip.removed_m();
         let inner = &removed[removed.len() / 4..(removed.len() * 3 / 4).max(removed.len() / 4 + 1)];
-        let mean = inner.iter().sum::<f64>() / inner.len() as f64;
+        let mean_m = inner.iter().sum::<f64>() / inner.len() as f64;
+        let spread_m = truecut_core::roughness::spread(inner);
+        let removed_m3 = strip.volume_m3();
+        let preston_m3 = self.parameters.preston_per_pa * self.removal_work_j;
         Findings {
-            scalars: vec![
-                Scalar::new(
-                    "wheel.removed_volume",
-                    Unit::CubicMetre,
-                    strip.volume_m3(),
-                    "Volume removed from the strip",
-                ),
-                Scalar::new(
-                    "wheel.preston_volume",
-                    Unit::CubicMetre,
-                    self.parameters.preston_per_pa * self.removal_work_j,
-                    "Preston's integral k_p ∫ N v dt, on and off the strip",
-                ),
-                Scalar::new(
-                    "wheel.removed_depth_mean",
-                    Unit::Metre,
-                    mean,
-                    "Mean depth removed over the middle half of the strip",
-                ),
-                Scalar::new(
-                    "wheel.removed_depth_spread",
-                    Unit::Metre,
-                    truecut_core::roughness::spread(inner),
-                    "Deepest minus shallowest over the middle half of the strip",
-                ),
-            ],
+            scalars: quantity::scalars([
+                Quantity::new("wheel.removed_volume", Unit::CubicMetre, removed_m3)
+                    .text("Volume removed from the strip"),
+                Quantity::new("wheel.preston_volume", Unit::CubicMetre, preston_m3)
+                    .text("Preston's integral k_p ∫ N v dt, on and off the strip"),
+                Quantity::new("wheel.removed_depth_mean", Unit::Metre, mean_m)
+                    .text("Mean depth removed over the middle half of the strip"),
+                Quantity::new("wheel.removed_depth_spread", Unit::Metre, spread_m)
+                    .text("Deepest minus shallowest over the middle half of the strip"),
+            ]),
             profiles: vec![Profile {
                 name: "wheel.removed_depth".into(),
                 description: "Depth removed along the strip".into(),
@@ -186,15 +167,11 @@ impl Process for Wheel {
     }
 
     fn static_loads(&self) -> Loads {
-        let mut loads = Loads::default();
         let contact = &self.parameters.contact;
         let swing = contact.stiffness_n_per_m * contact.eccentricity_at_start_m;
         let normal_n = (self.parameters.normal_force_n + swing).max(0.0);
         let preload = Vector3::new(-normal_n, 0.0, 0.0);
-        loads
-            .wrenches
-            .push(Wrench::force(Attachment::Tool, preload));
-        loads
+        Loads::from(Wrench::force(Attachment::Tool, preload))
     }
 
     fn duration_s(&self) -> Option<f64> {

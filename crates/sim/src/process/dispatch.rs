@@ -1,0 +1,22 @@
+//! From the process of a scenario to the room that sets it up.
+
+use super::setup::{self, ProcessSetup, SetupContext};
+use super::{belt, brush, chamfer, custom, load, milling, polish, replay, wheel};
+use crate::error::SimError;
+use truecut_scenario::ProcessSpec;
+
+/// The process of a scenario, ready to run. The one place where the simulator tells processes apart.
+pub(crate) fn set_up(context: &SetupContext<'_>) -> Result<ProcessSetup, SimError> {
+    setup::check_drive(&context.scenario.process, context.kind)?;
+    match &context.scenario.process {
+        ProcessSpec::Belt(spec) => belt::setup::setup(spec, context),
+        ProcessSpec::Brush(spec) => brush::setup::setup(spec, context),
+        ProcessSpec::Custom(spec) => custom::setup(spec, context),
+        ProcessSpec::Chamfer(spec) => chamfer::setup::setup(spec, context),
+        ProcessSpec::Load(spec) => load::setup::setup(spec, context),
+        ProcessSpec::Milling(spec) => milling::setup::setup(spec, context),
+        ProcessSpec::Polish(spec) => polish::setup::setup(spec, context),
+        ProcessSpec::Replay(spec) => replay::setup::setup(spec, context),
+        ProcessSpec::Wheel(spec) => wheel::setup::setup(spec, context),
+    }
+}
