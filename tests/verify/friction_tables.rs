@@ -5,6 +5,9 @@
 //! (62 % too small near the threshold) or none; see `crates/core/tests/planar_oscillator.rs` for
 //! the same tables on two bare oscillators.
 
+#[path = "../../crates/core/tests/vibration_tables/mod.rs"]
+mod vibration_tables;
+
 use crate::support::{amplitude, channel, lateral_peak, run_text};
 
 /// Force of the table, N, and the foot pressure at which μN has a given ratio to it.
@@ -44,43 +47,15 @@ mu = {MU}
     )
 }
 
-/// Steady amplitude in µm at 300 rpm, k2 ≠ k3. The table is printed to 0.1 µm; the step of 0.25 ms adds
-/// (ω dt)²/24 = 3e-6.
+/// At 300 rpm, k2 ≠ k3. The step of 0.25 ms adds (ω dt)²/24 = 3e-6.
 #[test]
 fn verify_steady_amplitude_table() {
-    for (rho, y_um, z_um) in [
-        (0.0, 207.4, 129.8),
-        (0.5, 172.3, 110.7),
-        (0.7, 136.9, 91.1),
-        (0.785, 115.3, 79.2),
-        (0.9, 73.9, 56.5),
-        (0.95, 46.7, 41.0),
-    ] {
-        let (y, z) = steady(rho, 300.0);
-        println!("rho {rho}: Y {y:.2} ({y_um}), Z {z:.2} ({z_um})");
-        assert!(
-            (y / y_um - 1.0).abs() <= 0.01,
-            "rho {rho}: Y {y} against {y_um}"
-        );
-        assert!(
-            (z / z_um - 1.0).abs() <= 0.01,
-            "rho {rho}: Z {z} against {z_um}"
-        );
-    }
-    let (y, z) = steady(1.0, 300.0);
-    assert!(y < 0.1 && z < 0.1, "held: {y} {z}");
+    vibration_tables::check_300_rpm(|rho| steady(rho, 300.0));
 }
 
 #[test]
 fn verify_steady_amplitude_near_resonance() {
-    for (rho, y_um) in [(0.0, 1013.1), (0.5, 640.0), (0.9, 134.7)] {
-        let (y, _) = steady(rho, 400.0);
-        println!("400 rpm, rho {rho}: Y {y:.1} ({y_um})");
-        assert!(
-            (y / y_um - 1.0).abs() <= 0.01,
-            "rho {rho}: Y {y} against {y_um}"
-        );
-    }
+    vibration_tables::check_400_rpm(|rho| steady(rho, 400.0));
 }
 
 /// Largest radius in each quarter of the ramp, µm.
