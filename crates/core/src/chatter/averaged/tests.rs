@@ -1,7 +1,7 @@
 use super::*;
 use crate::chatter::DirectionalMatrix;
 use crate::chatter::limit::{LimitSearch, first_limit};
-use crate::chatter::planar::reference::PlanarSplit;
+use crate::chatter::planar::tests::PlanarSplit;
 use crate::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
 use crate::cutting::milling::engagement::Engagement;
 use nalgebra::Vector3;

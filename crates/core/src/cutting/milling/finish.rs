@@ -31,43 +31,4 @@ pub fn figures(left_m: &[f64]) -> Option<FinishFigures> {
 }
 
 #[cfg(test)]
-pub(crate) mod marks;
-
-#[cfg(test)]
-mod tests {
-    use super::marks::{feed_mark_height_m, strongest_wave};
-    use super::*;
-    use std::f64::consts::TAU;
-
-    #[test]
-    fn verify_figures_of_a_wave() {
-        let (a, offset) = (3e-6, 8e-6);
-        let wave: Vec<f64> = (0..4000)
-            .map(|i| offset + a * (TAU * f64::from(i) * 12.3 / 4000.0).sin())
-            .collect();
-        let found = figures(&wave).expect("finite");
-        assert!((found.location_error_m / offset - 1.0).abs() < 0.02);
-        assert!((found.peak_to_valley_m / (2.0 * a) - 1.0).abs() < 1e-3);
-        assert!(
-            (found.arithmetic_deviation_m / (2.0 * a / std::f64::consts::PI) - 1.0).abs() < 0.02
-        );
-        assert!((found.rms_deviation_m / (a / 2f64.sqrt()) - 1.0).abs() < 0.02);
-        let strongest = strongest_wave(&wave, 1e-5, 1e-4).expect("a wave");
-        assert!((strongest.wavelength_m / (0.04 / 12.3) - 1.0).abs() < 0.01);
-        assert!((strongest.amplitude_m / a - 1.0).abs() < 0.05);
-    }
-
-    #[test]
-    fn unfinished_profiles_have_no_figures() {
-        assert!(figures(&[]).is_none());
-        assert!(figures(&[1.0, f64::NAN]).is_none());
-        assert!(strongest_wave(&[0.0; 4], 1.0, 2.0).is_none());
-    }
-
-    #[test]
-    fn verify_feed_mark_is_a_sagitta() {
-        let exact = 8e-3 - (8e-3_f64.powi(2) - 5e-5_f64.powi(2)).sqrt();
-        assert!((feed_mark_height_m(8e-3, 1e-4) / exact - 1.0).abs() < 1e-6);
-        assert!((feed_mark_height_m(8e-3, 1e-4) / (1e-8 / 64e-3) - 1.0).abs() < 1e-4);
-    }
-}
+pub(crate) mod tests;

@@ -3,7 +3,7 @@
 use super::tests::parameters;
 use super::*;
 use crate::chatter::limit::{LimitSearch, first_limit};
-use crate::chatter::planar::reference::PlanarSplit;
+use crate::chatter::planar::tests::PlanarSplit;
 use crate::chatter::semi_discretisation::SemiDiscretisation;
 use crate::chatter::{DirectionalMatrix, TipMode};
 use crate::cutting::chamfer::CuttingCoefficients;

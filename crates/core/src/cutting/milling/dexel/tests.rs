@@ -4,7 +4,7 @@ use crate::cutting::milling::cut::MillingCut;
 use crate::cutting::milling::cutter::{Cutter, Eccentricity};
 use crate::cutting::milling::engagement::Engagement;
 use crate::cutting::milling::finish::figures;
-use crate::cutting::milling::finish::marks::{feed_mark_height_m, strongest_wave};
+use crate::cutting::milling::finish::tests::{feed_mark_height_m, strongest_wave};
 use nalgebra::Vector3;
 
 const FEED_M: f64 = 0.2e-3;
