@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::motion::interpolation::hermite;
 use crate::surface::{Domain, Jet, Surface};
 
 /// A line as a graph v(u) over even places, cubic between them.
@@ -51,20 +52,15 @@ impl GraphLine {
         (self.range[1] - self.range[0]) / (self.v.len() - 1) as f64
     }
 
-    /// v and dv/du at a place (Hermite's cubic).
+    /// v and dv/du at a place.
     pub fn at(&self, u: f64) -> [f64; 2] {
         let step = self.step();
         let along = (u - self.range[0]) / step;
         let k = (along.floor().max(0.0) as usize).min(self.v.len() - 2);
         let t = along - k as f64;
-        let (v0, v1) = (self.v[k], self.v[k + 1]);
-        let (s0, s1) = (self.slope[k] * step, self.slope[k + 1] * step);
-        let rise = v1 - v0;
-        let (b, c) = (3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise);
-        [
-            v0 + t * (s0 + t * (b + t * c)),
-            (s0 + t * (2.0 * b + t * 3.0 * c)) / step,
-        ]
+        let slopes = [k, k + 1].map(|k| self.slope[k] * step);
+        let [v, slope] = hermite([self.v[k], self.v[k + 1]], slopes, t);
+        [v, slope / step]
     }
 }
 
