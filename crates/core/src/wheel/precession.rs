@@ -164,13 +164,6 @@ impl PrecessionWheel {
         self.spin_rad_s * self.tilt_rad.cos() * Vector2::new(-arm.y, arm.x)
     }
 
-    /// Angle β between the velocity in the middle of the patch and an outward normal, 0 to π.
-    pub fn beta_rad(&self, angle_rad: f64, outward: &Vector2<f64>) -> f64 {
-        let velocity = self.velocity_m_per_s(angle_rad, &Vector2::zeros());
-        let across = velocity.x * outward.y - velocity.y * outward.x;
-        across.abs().atan2(velocity.dot(outward))
-    }
-
     /// Least cos β at an edge at distance δ with its whole chord in the patch: ε(δ) = √(r² − δ²) /
     /// h. Above 1 no angle will do; `None` if the edge is not in the patch.
     pub fn least_cosine(&self, distance_m: f64) -> Option<f64> {
