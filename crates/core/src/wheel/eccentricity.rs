@@ -1,22 +1,26 @@
 //! Eccentricity of a running surface, for any of the wheels.
 
-/// Eccentricity as `WheelContact` has it: `δ = δ0 + e sin φ + e0 cos φ`.
+/// Eccentricity of a wheel that has turned by φ since its start: it adds `e0 cos φ + e sin φ` to
+/// the radius at the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Eccentricity {
-    /// A quarter of a turn after the wheel starts, m.
-    pub eccentricity_m: f64,
-    /// At the contact when the wheel starts, m.
-    pub eccentricity_at_start_m: f64,
+    /// e0, at the contact when the wheel starts, m.
+    pub at_start_m: f64,
+    /// e, a quarter of a turn after the wheel starts, m.
+    pub quarter_later_m: f64,
 }
 
 impl Eccentricity {
-    /// What eccentricity adds to the indentation, m, and to its rate, m/s.
-    pub fn at(&self, angle_rad: f64, spin_rad_s: f64) -> (f64, f64) {
-        let (s, c) = angle_rad.sin_cos();
-        (
-            self.eccentricity_m * s + self.eccentricity_at_start_m * c,
-            spin_rad_s * (self.eccentricity_m * c - self.eccentricity_at_start_m * s),
-        )
+    /// Whether the surface runs true.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// What eccentricity adds to the radius, m, and to its rate, m/s.
+    pub fn at(&self, angle_rad: f64, spin_rad_s: f64) -> [f64; 2] {
+        let (e0, e) = (self.at_start_m, self.quarter_later_m);
+        let (sin, cos) = angle_rad.sin_cos();
+        [e0 * cos + e * sin, spin_rad_s * (e * cos - e0 * sin)]
     }
 }
 
@@ -38,13 +42,13 @@ mod tests {
             eccentricity_at_start_m: e0,
         };
         let eccentricity = Eccentricity {
-            eccentricity_m: e,
-            eccentricity_at_start_m: e0,
+            at_start_m: e0,
+            quarter_later_m: e,
         };
         for angle in [0.0, 0.7, 2.9, 40.0] {
             let (d, rate) = plate.indentation_m(0.0, 0.0, 0.0, angle, 125.0);
             let ours = eccentricity.at(angle, 125.0);
-            assert!((ours.0 - d).abs() < 1e-18 && (ours.1 - rate).abs() < 1e-15);
+            assert!((ours[0] - d).abs() < 1e-18 && (ours[1] - rate).abs() < 1e-15);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Effects on edge, foot and wheel, as numbers that the processes take.
 
 use truecut_core::wheel::abrasive::Abrasive;
+use truecut_core::wheel::eccentricity::Eccentricity;
 use truecut_core::wheel::force_control::ForceControl;
 use truecut_scenario::effect::{CuttingEffect, FootEffect, WheelEffect};
 
@@ -109,7 +110,7 @@ impl FootEffects {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelEffects {
     pub stiffness_factor: f64,
-    /// Runout at the contact when the wheel starts, and a quarter of a turn later, m; of a wheel in
+    /// Eccentricity at the contact when the wheel starts, and a quarter of a turn later, m; of a wheel in
     /// precession the place of its middle when it starts, along the tool's x and y axes.
     pub eccentricity_m: [f64; 2],
     pub friction_factor: f64,
@@ -140,6 +141,15 @@ impl WheelEffects {
             mu: nominal.mu * self.friction_factor,
             preston_per_pa: nominal.preston_per_pa * self.removal_factor,
             ..nominal
+        }
+    }
+
+    /// The eccentricity of a wheel that turns about an axis along its face.
+    pub fn eccentricity(&self) -> Eccentricity {
+        let [at_start_m, quarter_later_m] = self.eccentricity_m;
+        Eccentricity {
+            at_start_m,
+            quarter_later_m,
         }
     }
 

@@ -93,7 +93,8 @@ impl BeltContact {
         let tool_x = motion.patch_from_wheel.rotation * Vector3::x();
         let centre = Point3::from(motion.patch_from_wheel.translation.vector);
         let wheel = &setup.wheel;
-        let [offset_m, offset_rate_m_per_s] = setup.radius_offset(state.time_s);
+        let spin = setup.wheel_rad_s();
+        let [offset_m, offset_rate_m_per_s] = setup.eccentricity.at(spin * state.time_s, spin);
         let radius_m = wheel.radius_m + offset_m;
         let reach_m = radius_m.hypot(0.5 * wheel.width_m);
         let seed = seed.filter(|seed| seed.0 == copy).map(|seed| seed.1);

@@ -35,6 +35,7 @@ use std::sync::{Arc, LazyLock};
 use surface::Worn;
 use truecut_core::wheel::abrasive::Abrasive;
 use truecut_core::wheel::belt::BeltWheel;
+use truecut_core::wheel::eccentricity::Eccentricity;
 use truecut_core::wheel::force_control::{ForceControl, Offset};
 use truecut_core::wheel::patch::EdgePoint;
 use truecut_core::wheel::quadrature::Quadrature;
@@ -50,9 +51,8 @@ static RULES: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::new(8));
 pub struct BeltSetup {
     pub wheel: BeltWheel,
     pub control: ForceControl,
-    /// What eccentricity adds to the contact wheel's radius at the face at the start, and a
-    /// quarter of a turn later, m.
-    pub eccentricity_m: [f64; 2],
+    /// Of the contact wheel's running surface.
+    pub eccentricity: Eccentricity,
     /// Speed of the belt along the tool's x axis, m/s.
     pub belt_m_per_s: f64,
     pub abrasive: Abrasive,
@@ -87,15 +87,6 @@ impl BeltSetup {
     /// How fast the belt turns the contact wheel, rad/s.
     fn wheel_rad_s(&self) -> f64 {
         self.belt_m_per_s / self.wheel.radius_m
-    }
-
-    /// What eccentricity adds to the radius at the contact, `C cos φ + S sin φ`, m, and its
-    /// rate, m/s.
-    fn radius_offset(&self, time_s: f64) -> [f64; 2] {
-        let [c, s] = self.eccentricity_m;
-        let spin = self.wheel_rad_s();
-        let (sin, cos) = (spin * time_s).sin_cos();
-        [c * cos + s * sin, spin * (s * cos - c * sin)]
     }
 
     /// Motion of the wheel, which a carrier moves along the tool's z axis, in the frame of a copy's patch.
@@ -293,7 +284,7 @@ impl Process for Belt {
 
     fn highest_frequency_hz(&self) -> Option<f64> {
         let p = &self.setup;
-        (p.eccentricity_m != [0.0; 2]).then(|| p.wheel_rad_s().abs() / TAU)
+        (!p.eccentricity.is_none()).then(|| p.wheel_rad_s().abs() / TAU)
     }
 
     fn quickest_s(&self) -> Option<f64> {

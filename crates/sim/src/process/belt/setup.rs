@@ -76,7 +76,7 @@ fn belt(
         },
         control: effects.on_control(spec.control),
         abrasive: effects.on_abrasive(spec.abrasive),
-        eccentricity_m: effects.eccentricity_m,
+        eccentricity: effects.eccentricity(),
         belt_m_per_s: spec.belt_m_per_s,
         patch: path.patch.clone(),
         process_from_world: world_from_process.rotation.inverse(),

@@ -24,7 +24,7 @@ fn setup(surface: Box<dyn Surface + Send>, wheel: BeltWheel) -> BeltSetup {
     });
     let cells = Cells::of(&patch, 1e-3);
     BeltSetup {
-        eccentricity_m: [0.0; 2],
+        eccentricity: Eccentricity::default(),
         wheel,
         control: ForceControl::Position,
         belt_m_per_s: 20.0,

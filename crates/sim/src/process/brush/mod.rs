@@ -22,6 +22,7 @@ use report::Watch;
 use std::f64::consts::TAU;
 use std::sync::{Arc, LazyLock};
 use truecut_core::wheel::brush::Brush;
+use truecut_core::wheel::eccentricity::Eccentricity;
 use truecut_core::wheel::edge_wear::EdgeWear;
 use truecut_core::wheel::quadrature::Quadrature;
 use truecut_plan::surface::Mesh;
@@ -47,9 +48,8 @@ pub struct Station {
 #[derive(Debug, Clone)]
 pub struct BrushSetup {
     pub brush: Brush,
-    /// What eccentricity adds to the brush's radius along the tool's z axis at the start, and a
-    /// quarter of a turn later, m.
-    pub eccentricity_m: [f64; 2],
+    /// Of the brush, along the tool's z axis.
+    pub eccentricity: Eccentricity,
     /// Right-handed about the tool's y axis.
     pub spin_rad_s: f64,
     pub mesh: Arc<Mesh>,
@@ -67,10 +67,10 @@ impl BrushSetup {
     /// The brush with its radius towards the work at this instant: an eccentric one turns its long
     /// side to the work once per revolution.
     fn brush_at(&self, time_s: f64) -> Brush {
-        let [c, s] = self.eccentricity_m;
-        let (sin, cos) = (self.spin_rad_s * time_s).sin_cos();
+        let spin = self.spin_rad_s;
+        let [offset_m, _] = self.eccentricity.at(spin * time_s, spin);
         Brush {
-            radius_m: self.brush.radius_m + c * cos + s * sin,
+            radius_m: self.brush.radius_m + offset_m,
             ..self.brush
         }
     }
@@ -202,7 +202,7 @@ impl Process for BrushProcess {
 
     fn highest_frequency_hz(&self) -> Option<f64> {
         let p = &self.setup;
-        (p.eccentricity_m != [0.0; 2]).then(|| p.spin_rad_s.abs() / TAU)
+        (!p.eccentricity.is_none()).then(|| p.spin_rad_s.abs() / TAU)
     }
 
     /// Slope of the force over the depth on a flat face, where bristles are shortened by a twentieth.

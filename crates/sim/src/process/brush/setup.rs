@@ -67,7 +67,7 @@ fn brush(
             mu: spec.brush.mu * effects.friction_factor,
             ..spec.brush
         },
-        eccentricity_m: effects.eccentricity_m,
+        eccentricity: effects.eccentricity(),
         spin_rad_s: spec.spin_rad_s,
         mesh: work.mesh.clone(),
         world_from_mesh: work.world_from_mesh,
