@@ -18,7 +18,7 @@ use crate::schema;
 #[derive(Debug, Clone)]
 pub(crate) struct Document {
     path: PathBuf,
-    written: toml_edit::Document<String>,
+    written: Arc<toml_edit::Document<String>>,
     effective: DocumentMut,
     overrides: Vec<Override>,
     /// What the file may hold.
@@ -107,15 +107,23 @@ impl Document {
         let effective = text.parse::<DocumentMut>().map_err(syntax)?;
         let mut document = Document {
             path: path.to_owned(),
-            written,
+            written: Arc::new(written),
             effective,
             overrides: Vec::new(),
             schema: schema.clone(),
         };
-        for (key, value) in overrides {
-            document.apply(key.trim(), value.trim())?;
-        }
+        document.override_with(overrides)?;
         Ok(document)
+    }
+
+    /// Applies further overrides, in order.
+    pub fn override_with(&mut self, overrides: &[(String, String)]) -> Result<(), Box<Problem>> {
+        (overrides.iter()).try_for_each(|(key, value)| self.apply(key.trim(), value.trim()))
+    }
+
+    /// Applies further overrides whose values are numbers, each in its key's own unit.
+    pub fn set_number(&mut self, key: &str, value: f64) -> Result<(), Box<Problem>> {
+        self.set(key, format!("{value:?}"), |_| Value::from(value))
     }
 
     /// JSON Schema of what the file may hold.
@@ -260,15 +268,29 @@ impl Document {
     }
 
     fn apply(&mut self, key: &str, value: &str) -> Result<(), Box<Problem>> {
+        self.set(key, value.to_owned(), |leaf| match value.parse::<Value>() {
+            Ok(Value::String(text)) => Value::String(text),
+            // `--set name=5` means the text "5"; a number is wanted everywhere else.
+            Ok(_) | Err(_) if schema::is_text(leaf) => Value::from(value),
+            Ok(parsed) => parsed,
+            Err(_) => Value::from(value),
+        })
+    }
+
+    /// Sets a key to the value that is made for its schema; `written` is how a report quotes it.
+    fn set(
+        &mut self,
+        key: &str,
+        written: String,
+        value: impl FnOnce(&Json) -> Value,
+    ) -> Result<(), Box<Problem>> {
         let one = Override {
             path: split_path(key),
             key: key.to_owned(),
-            value: value.to_owned(),
+            value: written,
         };
-        let scenario = self.path.clone();
-        let schema = self.schema.clone();
         let fail = |fault: Fault| {
-            let place = one.place(&scenario, fault.at);
+            let place = one.place(&self.path, fault.at);
             let message = format!("{} (given by --set)", fault.message);
             Box::new(Problem::new(
                 key.to_owned(),
@@ -278,15 +300,9 @@ impl Document {
                 place,
             ))
         };
-        let leaf = schema::leaf_schema(&schema, &one.path).map_err(&fail)?;
-        let parsed = match value.parse::<Value>() {
-            Ok(Value::String(text)) => Value::String(text),
-            // `--set name=5` means the text "5"; a number is wanted everywhere else.
-            Ok(_) | Err(_) if schema::is_text(leaf) => Value::from(value),
-            Ok(parsed) => parsed,
-            Err(_) => Value::from(value),
-        };
-        set_in_table(self.effective.as_table_mut(), &one.path, 0, parsed).map_err(&fail)?;
+        let leaf = schema::leaf_schema(&self.schema, &one.path).map_err(fail)?;
+        let value = value(leaf);
+        set_in_table(self.effective.as_table_mut(), &one.path, 0, value).map_err(fail)?;
         self.overrides.push(one);
         Ok(())
     }

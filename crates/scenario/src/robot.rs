@@ -74,44 +74,32 @@ pub enum DriveKind {
 }
 
 impl RobotSpec {
-    /// Gives an inertial value, by its key in the scenario and in SI, without reading the scenario anew. Whether there
-    /// is such a value and it may be so large; else nothing changes.
-    pub fn set_inertial(&mut self, key: &str, value: f64) -> bool {
-        let parts: Vec<&str> = key.split('.').collect();
-        let (slot, value) = match parts[..] {
-            ["robot", "inertia_scale"] if value > 0.0 => (Some(&mut self.inertia_scale), value),
-            ["robot", "link", index, own] => {
-                let link = index
-                    .parse()
-                    .ok()
-                    .and_then(|i: usize| self.links.get_mut(i));
-                match (link, own) {
-                    (Some(link), "mass_factor") if value > 0.0 => {
-                        (Some(&mut link.mass_factor), value)
-                    }
-                    (Some(link), "center_x_mm") => (Some(&mut link.center_m[0]), value),
-                    (Some(link), "center_y_mm") => (Some(&mut link.center_m[1]), value),
-                    (Some(link), "center_z_mm") => (Some(&mut link.center_m[2]), value),
-                    _ => (None, value),
-                }
+    /// Sets a number that nothing else is resolved from, by its key below `robot` and in SI. Whether
+    /// there is one.
+    pub(crate) fn set(&mut self, key: &[&str], value: f64) -> bool {
+        let has_transmissions = self.drive != DriveKind::Force;
+        let slot = match *key {
+            ["inertia_scale"] => Some(&mut self.inertia_scale),
+            ["stiffness_scale"] if has_transmissions => Some(&mut self.stiffness_scale),
+            ["damping_scale"] if has_transmissions => Some(&mut self.damping_scale),
+            ["link", index, own] => entry(&mut self.links, index).and_then(|link| match own {
+                "mass_factor" => Some(&mut link.mass_factor),
+                "center_x_mm" => Some(&mut link.center_m[0]),
+                "center_y_mm" => Some(&mut link.center_m[1]),
+                "center_z_mm" => Some(&mut link.center_m[2]),
+                _ => None,
+            }),
+            ["joint", index, "rotor_inertia_factor"] => {
+                entry(&mut self.joints, index).map(|joint| &mut joint.rotor_inertia_factor)
             }
-            ["robot", "joint", index, "rotor_inertia_factor"] if value >= 0.0 => {
-                let joint = index
-                    .parse()
-                    .ok()
-                    .and_then(|i: usize| self.joints.get_mut(i));
-                (joint.map(|joint| &mut joint.rotor_inertia_factor), value)
-            }
-            _ => (None, value),
+            _ => None,
         };
-        match slot {
-            Some(slot) => {
-                *slot = value;
-                true
-            }
-            None => false,
-        }
+        slot.map(|slot| *slot = value).is_some()
     }
+}
+
+fn entry<'a, T>(list: &'a mut [T], index: &str) -> Option<&'a mut T> {
+    list.get_mut(index.parse::<usize>().ok()?)
 }
 
 /// The arm, its posture and its drive.

@@ -1,6 +1,7 @@
 //! The scenario as a whole: from file and overrides to the typed form.
 
 mod channels;
+mod values;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -55,6 +56,8 @@ pub struct Scenario {
     pub uncertain: Vec<UncertainSpec>,
     /// Effects that were added in memory.
     added: Vec<Effect>,
+    /// Values that were set in memory, SI, by key.
+    set: Vec<(String, f64)>,
     document: Arc<Document>,
     processes: Processes,
     /// Units of thresholds, by the path of the table that holds the threshold.
@@ -134,6 +137,11 @@ impl Scenario {
     ) -> Result<Scenario, ScenarioError> {
         let document = Document::parse(path, text, overrides, processes.schema())
             .map_err(|problem| one_problem(*problem))?;
+        Scenario::read(document, processes)
+    }
+
+    /// Checks a document and resolves its tables.
+    fn read(document: Document, processes: &Processes) -> Result<Scenario, ScenarioError> {
         let faults =
             structure::check_file(document.schema(), Format::Scenario, document.effective());
         if let Some(error) = located(&document, faults) {
@@ -149,16 +157,12 @@ impl Scenario {
     }
 
     /// The same scenario with further overrides, applied after those it was loaded with; effects that were
-    /// added in memory stay.
+    /// added in memory stay, and so do values that were set there.
     ///
     /// # Errors
     /// As [`Scenario::load`].
     pub fn with_overrides(&self, further: &[(String, String)]) -> Result<Scenario, ScenarioError> {
-        let mut overrides = self.overrides();
-        overrides.extend_from_slice(further);
-        let text = self.document.text();
-        Scenario::from_str_with(&self.processes, self.path(), text, &overrides)?
-            .with_effects(&self.added)
+        self.resolved_anew(further)
     }
 
     /// The processes that scenarios like this one may have.
@@ -347,6 +351,7 @@ impl FileTable {
             data,
             uncertain,
             added: Vec::new(),
+            set: Vec::new(),
             document: Arc::new(document),
             processes: processes.clone(),
             thresholds,

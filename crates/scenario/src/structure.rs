@@ -11,7 +11,7 @@ use crate::format::Format;
 use truecut_recording::nearest;
 
 use crate::schema::{
-    choices, is_table, kinds, of_tag, property, property_names, required, without_null,
+    choices, is_table, kinds, leaf_schema, of_tag, property, property_names, required, without_null,
 };
 use crate::suggest::same_quantity;
 
@@ -298,6 +298,12 @@ fn wrong_length(schema: &Json, length: usize, path: &[String]) -> Option<Fault> 
 
 /// Largest size of a number: products of a few of them are finite.
 const LARGEST: f64 = 1e18;
+
+/// Whether a number may stand at `path`, as far as that does not depend on others.
+pub(crate) fn may_be(schema: &Json, path: &[String], value: f64) -> bool {
+    leaf_schema(schema, path)
+        .is_ok_and(|leaf| out_of_range(without_null(leaf), value, path).is_none())
+}
 
 fn out_of_range(schema: &Json, value: f64, path: &[String]) -> Option<Fault> {
     let key = path.join(".");

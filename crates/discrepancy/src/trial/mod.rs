@@ -7,7 +7,6 @@
 mod cache;
 mod candidates;
 mod experiments;
-mod nominal;
 mod observation;
 mod parallel;
 mod predict;
@@ -21,7 +20,7 @@ mod tests;
 use truecut_recording::measured::Measured;
 use truecut_recording::{ChannelSpec, UnknownName};
 use truecut_scenario::effect::{Effect, Target};
-use truecut_scenario::{ProcessSpec, ReplayMode, Scenario, ScenarioError};
+use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::run::{self, Engine, Rows};
 use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel};
@@ -42,11 +41,8 @@ pub struct Trial {
     candidates: Vec<Candidate>,
     engine: Kind,
     robots: Robots,
-    /// The scenario with nominal parameters that were asked for last: to read it anew takes a
-    /// tenth of a run.
-    varied: Cache<Vec<f64>, Scenario>,
-    /// Drive forces of the arm without effects, for nominal parameters that were asked for last.
-    rigid: Cache<Vec<f64>, Forces>,
+    /// Drive forces of the arm without effects, for robots that were asked for last.
+    rigid: Cache<RobotSpec, Forces>,
     /// Runs by nominal parameters and effects on the machine: what sensors make of them needs no
     /// other run.
     runs: Cache<RunKey, Rows>,
@@ -178,7 +174,6 @@ impl Trial {
             nominal,
             engine,
             robots,
-            varied: Cache::default(),
             rigid: Cache::default(),
             runs: Cache::default(),
             shortest_step_s,
@@ -213,24 +208,24 @@ impl Trial {
 
     /// The nominal parameters that differ from the scenario's, as they are written in its file.
     pub fn overrides(&self, nominal: &[f64]) -> Vec<(String, String)> {
-        let changed = self.scenario.uncertain.iter().zip(nominal);
-        changed
-            .filter(|(parameter, value)| parameter.value != **value)
-            .map(|(parameter, value)| (parameter.key.clone(), parameter.written(*value)))
+        (self.changed(nominal))
+            .map(|(parameter, value)| (parameter.key.clone(), parameter.written(value)))
             .collect()
+    }
+
+    fn changed<'a>(&'a self, nominal: &'a [f64]) -> impl Iterator<Item = (&'a UncertainSpec, f64)> {
+        let pairs = self.scenario.uncertain.iter().zip(nominal.iter().copied());
+        pairs.filter(|(parameter, value)| parameter.value != *value)
     }
 
     /// The scenario with other nominal parameters and further effects.
     fn varied(&self, nominal: &[f64], effects: &[Effect]) -> Result<Scenario, PredictError> {
-        let failed = |error: ScenarioError| PredictError(error.to_string());
-        let overrides = self.overrides(nominal);
-        if overrides.is_empty() {
-            return self.scenario.with_effects(effects).map_err(failed);
-        }
-        let varied = (self.varied).get(nominal.to_vec(), || {
-            self.scenario.with_overrides(&overrides).map_err(failed)
-        })?;
-        varied.with_effects(effects).map_err(failed)
+        let values: Vec<(&str, f64)> = (self.changed(nominal))
+            .map(|(parameter, value)| (parameter.key.as_str(), value))
+            .collect();
+        (self.scenario.with_values(&values))
+            .and_then(|scenario| scenario.with_effects(effects))
+            .map_err(|error| PredictError(error.to_string()))
     }
 }
 
@@ -276,11 +271,9 @@ impl Model for Trial {
         nominal: &[f64],
         effects: &[Effect],
     ) -> Result<Columns, PredictError> {
-        let scenario = (self
-            .varied(nominal, effects)?
-            .with_overrides(&experiment.overrides))
-        .and_then(|scenario| scenario.with_effects(effects))
-        .map_err(|error| PredictError(error.to_string()))?;
+        let scenario = (self.varied(nominal, effects)?)
+            .with_overrides(&experiment.overrides)
+            .map_err(|error| PredictError(error.to_string()))?;
         let rows = self.run(&scenario, self.reduced(), None)?;
         Ok(self.at_the_data(&rows))
     }

@@ -47,11 +47,11 @@ impl Trial {
                 let columns = if made_for == nominal {
                     model.predict(effects)
                 } else {
-                    let own = self.rigid.get(self.of_robot(nominal), || {
-                        let robot = self.varied_robot(nominal)?;
-                        model.nominal_for(&robot, &self.robots).map_err(failed)
+                    let varied = self.varied(nominal, effects)?;
+                    let rigid = self.rigid.get(varied.robot.clone(), || {
+                        (model.nominal_for(&varied.robot, &self.robots)).map_err(failed)
                     })?;
-                    model.predict_from(&own, &self.with_own(nominal, effects))
+                    model.predict_from(&rigid, &varied.effects)
                 };
                 let columns = columns.map_err(failed)?;
                 Ok((columns.iter())

@@ -92,6 +92,20 @@ impl Effect {
         Ok(())
     }
 
+    /// Whether the effect has a parameter with this key and within these bounds; then it is set.
+    pub(crate) fn set(&mut self, key: &str, value: f64) -> bool {
+        let is_meant = |info: &ParameterInfo| info.key == key || info.rotary_key == key;
+        let mut known = self.kind.parameters().iter().zip(&mut self.values);
+        let Some((info, slot)) = known.find(|(info, _)| is_meant(info)) else {
+            return false;
+        };
+        let is_within = (info.min..=info.max).contains(&value);
+        if is_within {
+            *slot = value;
+        }
+        is_within
+    }
+
     /// Whether the effect, by its size, changes nothing.
     pub fn is_neutral(&self) -> bool {
         let sizes = self.kind.parameters().iter().zip(&self.values);
