@@ -8,7 +8,7 @@
 //! length) and from the interval of its compliance: where that contains zero, only a lower bound of
 //! the stiffness is known.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, SVD};
 use serde::Serialize;
 use truecut_scenario::identification::{StiffnessSpec, Zero};
 use truecut_sim::elastic::{ElasticArm, ElasticJoint};
@@ -182,47 +182,57 @@ struct Solution {
     variance: f64,
 }
 
-impl Solution {
-    fn new(design: &Design) -> Result<Solution, IdentifyError> {
-        let joints = design.matrix.ncols();
-        let norms: Vec<f64> = design.matrix.column_iter().map(|c| c.norm()).collect();
-        let largest = norms.iter().copied().fold(0.0, f64::max);
-        let loaded: Vec<bool> = norms.iter().map(|n| *n > 1e-9 * largest).collect();
+/// A design with columns of unit length, and its singular values.
+struct UnitDesign {
+    matrix: DMatrix<f64>,
+    /// Lengths of the columns; infinite for a joint that no load acts on.
+    norms: Vec<f64>,
+    svd: SVD<f64, Dyn, Dyn>,
+}
+
+impl UnitDesign {
+    fn new(design: &Design) -> Result<UnitDesign, IdentifyError> {
+        let norms = design.matrix.column_iter().map(|c| c.norm());
+        let largest = norms.clone().fold(0.0, f64::max);
         if largest == 0.0 {
             let message = "no load of the table turns any joint: every force and moment is zero, \
-                           or the same \
-                           in all rows of a posture";
+                           or the same in all rows of a posture";
             return Err(IdentifyError::new("stiffness", message));
         }
-        let unit = DMatrix::from_fn(design.matrix.nrows(), joints, |r, c| {
-            if loaded[c] {
-                design.matrix[(r, c)] / norms[c]
-            } else {
-                0.0
-            }
-        });
-        let svd = unit.clone().svd(true, true);
-        let (Some(u), Some(v_t)) = (&svd.u, &svd.v_t) else {
-            return Err(IdentifyError::new(
-                "stiffness",
-                "the design has no singular values",
-            ));
-        };
-        let limit = RANK * svd.singular_values.max();
+        let is_loaded = |norm: f64| norm > 1e-9 * largest;
+        let norms: Vec<f64> = norms
+            .map(|norm| if is_loaded(norm) { norm } else { f64::INFINITY })
+            .collect();
+        let (rows, joints) = design.matrix.shape();
+        let matrix = DMatrix::from_fn(rows, joints, |r, c| design.matrix[(r, c)] / norms[c]);
+        let svd = matrix.clone().svd(true, true);
+        Ok(UnitDesign { matrix, norms, svd })
+    }
+
+    /// Determined directions: singular value and both singular vectors.
+    fn directions(&self) -> impl Iterator<Item = (f64, DVector<f64>, DVector<f64>)> {
+        let values = self.svd.singular_values.iter().copied().enumerate();
+        let limit = RANK * self.svd.singular_values.max();
+        let vectors = self.svd.u.as_ref().zip(self.svd.v_t.as_ref());
+        vectors.into_iter().flat_map(move |(u, v_t)| {
+            let determined = values.clone().filter(move |(_, s)| *s > limit);
+            determined.map(|(k, s)| (s, u.column(k).into_owned(), v_t.row(k).transpose()))
+        })
+    }
+}
+
+impl Solution {
+    fn new(design: &Design) -> Result<Solution, IdentifyError> {
+        let unit = UnitDesign::new(design)?;
+        let (norms, joints) = (&unit.norms, unit.norms.len());
         let mut scaled = DVector::zeros(joints);
         let mut firm = DVector::zeros(joints);
         let mut covariance = DMatrix::zeros(joints, joints);
         let mut known = DMatrix::zeros(joints, joints);
         let mut rank = 0;
-        for (k, s) in svd
-            .singular_values
-            .iter()
-            .enumerate()
-            .filter(|(_, s)| **s > limit)
-        {
-            let v = v_t.row(k).transpose();
-            let share = &v * (u.column(k).dot(&design.target) / s);
-            if *s > VAGUE * svd.singular_values.max() {
+        for (s, u, v) in unit.directions() {
+            let share = &v * (u.dot(&design.target) / s);
+            if s > VAGUE * unit.svd.singular_values.max() {
                 firm += &share;
             }
             scaled += share;
@@ -230,36 +240,24 @@ impl Solution {
             known += &v * v.transpose();
             rank += 1;
         }
-        let residual = &design.target - &unit * &scaled;
-        let Some(degrees) = design
-            .readings
-            .checked_sub(rank + design.zeros)
-            .filter(|d| *d > 0)
-        else {
-            let message = format!(
-                "{} readings for {rank} stiffnesses and {} zeros: more are needed for an error \
-                 estimate",
-                design.readings, design.zeros
-            );
-            return Err(IdentifyError::new("stiffness.file", message));
-        };
+        let residual = &design.target - &unit.matrix * &scaled;
+        let degrees = degrees_of_freedom(design, rank)?;
         let variance = residual.norm_squared() / degrees as f64;
         let deviation = |k: usize| covariance[(k, k)].sqrt();
-        let norm = |k: usize| if loaded[k] { norms[k] } else { f64::INFINITY };
-        let mut singular_values: Vec<f64> = svd.singular_values.iter().copied().collect();
+        let mut singular_values: Vec<f64> = unit.svd.singular_values.iter().copied().collect();
         singular_values.sort_by(|a, b| b.total_cmp(a));
         Ok(Solution {
-            compliance: (0..joints).map(|k| scaled[k] / norm(k)).collect(),
-            point: (0..joints).map(|k| firm[k] / norm(k)).collect(),
+            compliance: (0..joints).map(|k| scaled[k] / norms[k]).collect(),
+            point: (0..joints).map(|k| firm[k] / norms[k]).collect(),
             standard_error: (0..joints)
-                .map(|k| variance.sqrt() * deviation(k) / norm(k))
+                .map(|k| variance.sqrt() * deviation(k) / norms[k])
                 .collect(),
             correlation: DMatrix::from_fn(joints, joints, |i, j| {
                 covariance[(i, j)] / (deviation(i) * deviation(j)).max(f64::MIN_POSITIVE)
             }),
             singular_values,
             open: DMatrix::identity(joints, joints) - known,
-            loaded,
+            loaded: norms.iter().map(|norm| norm.is_finite()).collect(),
             residual,
             degrees,
             variance,
@@ -311,6 +309,19 @@ impl Solution {
             .map(|nominal| ((1.0 / nominal) - c).abs() <= half * (1.0 + 1e-12) + 1e-12 * c.abs());
         found
     }
+}
+
+/// Readings beyond the unknowns.
+fn degrees_of_freedom(design: &Design, rank: usize) -> Result<usize, IdentifyError> {
+    let (readings, zeros) = (design.readings, design.zeros);
+    let degrees = readings.checked_sub(rank + zeros).filter(|d| *d > 0);
+    degrees.ok_or_else(|| {
+        let message = format!(
+            "{readings} readings for {rank} stiffnesses and {zeros} zeros: more are needed for an \
+             error estimate"
+        );
+        IdentifyError::new("stiffness.file", message)
+    })
 }
 
 fn report(
