@@ -108,16 +108,6 @@ impl Ar {
     /// The innovations of a series, in its unit, and which of them exist: not the first `order`
     /// of each run of valid samples.
     pub fn whiten(&self, values: &[f64], valid: &[bool]) -> (Vec<f64>, Vec<bool>) {
-        self.apply(values, valid, self.mean)
-    }
-
-    /// As [`Ar::whiten`] for another series, such as a column of a regression: no mean is
-    /// subtracted.
-    pub fn filter(&self, values: &[f64], valid: &[bool]) -> (Vec<f64>, Vec<bool>) {
-        self.apply(values, valid, 0.0)
-    }
-
-    fn apply(&self, values: &[f64], valid: &[bool], mean: f64) -> (Vec<f64>, Vec<bool>) {
         let order = self.order();
         let mut filtered = vec![f64::NAN; values.len()];
         let mut exists = vec![false; values.len()];
@@ -128,18 +118,13 @@ impl Ar {
                     .coefficients
                     .iter()
                     .zip(past)
-                    .map(|(a, x)| a * (x - mean))
+                    .map(|(a, x)| a * (x - self.mean))
                     .sum();
-                filtered[row] = values[row] - mean - predicted;
+                filtered[row] = values[row] - self.mean - predicted;
                 exists[row] = true;
             }
         }
         (filtered, exists)
-    }
-
-    /// N times the variance of the mean of N samples, for large N: σ²/(1 − Σa)².
-    pub fn long_run_variance(&self) -> f64 {
-        self.innovation_variance / (1.0 - self.coefficients.iter().sum::<f64>()).powi(2)
     }
 
     /// Two-sided power density at `frequency` cycles per sample: its integral from −½ to ½ is the
@@ -195,19 +180,6 @@ impl Criterion {
             Criterion::Bayes => misfit + parameters * samples.ln(),
         }
     }
-}
-
-/// Effective number of independent samples: N times variance over long-run variance of the fitted
-/// model, from 1 to N. `None` where [`Ar::fit`] has none.
-pub fn effective_sample_size(values: &[f64], valid: &[bool]) -> Option<f64> {
-    let samples = valid.iter().filter(|one| **one).count();
-    let model = Ar::fit(values, valid, default_order_cap(samples), Criterion::Akaike)?;
-    if model.innovation_variance == 0.0 {
-        return Some(samples as f64);
-    }
-    let counted = values.iter().zip(valid).filter(|(_, valid)| **valid);
-    let squares: f64 = counted.map(|(x, _)| (x - model.mean).powi(2)).sum();
-    Some((squares / model.long_run_variance()).clamp(1.0, samples as f64))
 }
 
 #[cfg(test)]

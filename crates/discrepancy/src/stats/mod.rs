@@ -10,9 +10,9 @@ pub mod distributions;
 pub(crate) mod spectrum;
 mod sums;
 
-pub use ar::{Ar, Criterion, default_order_cap, effective_sample_size};
+pub use ar::{Ar, Criterion, default_order_cap};
 pub use background::Background;
-pub use blocks::{PairedTest, blocks_of_length, contiguous_blocks, paired_block_test};
+pub use blocks::contiguous_blocks;
 pub use spectrum::{Periodogram, welch};
 pub use sums::{SumCovariance, sum_covariance};
 pub(crate) use sums::{degrees, density_on_grid, unbiased};
