@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::series::{Explanatory, Kind};
 use crate::stats::distributions::f_tail;
-use crate::stats::{Background, sum_covariance};
+use crate::stats::{Background, counted, sum_covariance};
 
 /// The residual's mean over an explanatory signal.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -166,12 +166,7 @@ fn signs(values: &[f64], valid: &[bool]) -> Vec<Option<usize>> {
 
 /// Inner edges of bins with equally many samples; equal edges are merged.
 fn quantiles(values: &[f64], valid: &[bool], count: usize) -> Vec<f64> {
-    let mut sorted: Vec<f64> = values
-        .iter()
-        .zip(valid)
-        .filter(|(_, v)| **v)
-        .map(|(x, _)| *x)
-        .collect();
+    let mut sorted: Vec<f64> = counted(values, valid).collect();
     sorted.sort_by(f64::total_cmp);
     let mut edges: Vec<f64> = (1..count)
         .filter_map(|i| sorted.get(i * sorted.len() / count).copied())

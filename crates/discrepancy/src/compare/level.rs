@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::series::{Estimate, Pair, mean, rms};
-use crate::stats::{Background, sum_covariance};
+use crate::stats::{Background, counted, sum_covariance};
 
 /// Size of the residual, measured minus simulated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,13 +33,7 @@ pub fn level(pair: &Pair<'_>, residual: &[f64], background: Option<&Background>)
     let bias = mean(residual, pair.valid);
     let variance = rms_error * rms_error - bias * bias;
     let (standard_error, degrees) = standard_error_of_mean(pair.valid, background);
-    let measured = || {
-        pair.measured
-            .iter()
-            .zip(pair.valid)
-            .filter(|(_, v)| **v)
-            .map(|(x, _)| *x)
-    };
+    let measured = || counted(pair.measured, pair.valid);
     let range =
         measured().fold(f64::NEG_INFINITY, f64::max) - measured().fold(f64::INFINITY, f64::min);
     let effective = variance / (standard_error * standard_error);

@@ -59,8 +59,8 @@ use serde::Serialize;
 use truecut_recording::measured::MIN_SAMPLES;
 use truecut_recording::{Unit, significant};
 
-use crate::stats::Background;
 use crate::stats::distributions::family_wise;
+use crate::stats::{Background, counted};
 
 /// Findings are reported below this probability of a false alarm, counted over all signals tried.
 pub const LEVEL: f64 = 0.01;
@@ -144,31 +144,21 @@ pub fn compare_channel(
 
 fn check(pair: &Pair<'_>) -> Result<(), CompareError> {
     let channel = pair.spec.name.clone();
-    let counted = pair.valid.iter().filter(|valid| **valid).count();
-    if counted < MIN_SAMPLES {
+    let samples = pair.valid.iter().filter(|valid| **valid).count();
+    if samples < MIN_SAMPLES {
         return Err(CompareError::TooFew {
             channel,
-            counted,
+            counted: samples,
             least: MIN_SAMPLES,
         });
     }
-    let finite = |values: &[f64]| {
-        values
-            .iter()
-            .zip(pair.valid)
-            .all(|(x, v)| !v || x.is_finite())
-    };
+    let finite = |values: &[f64]| counted(values, pair.valid).all(f64::is_finite);
     for (values, whose) in [(pair.measured, "measured"), (pair.simulated, "simulated")] {
         if !finite(values) {
             return Err(CompareError::NotFinite { channel, whose });
         }
     }
-    let mut values = pair
-        .measured
-        .iter()
-        .zip(pair.valid)
-        .filter(|(_, v)| **v)
-        .map(|(x, _)| *x);
+    let mut values = counted(pair.measured, pair.valid);
     let first = values.next().unwrap_or(0.0);
     if values.all(|value| value == first) {
         let value = format!("{} {}", significant(first, 4), pair.spec.unit);

@@ -147,21 +147,13 @@ fn explanatory(
     for input in measured.inputs() {
         let kind = kind(&input.spec).unwrap_or(Kind::Load);
         let values = input.values[..time_s.len()].to_vec();
-        signals.push(Explanatory {
-            spec: input.spec.clone(),
-            kind,
-            values,
-        });
+        signals.push(Explanatory::new(input.spec.clone(), kind, values));
     }
     for (spec, column) in simulated.header.channels.iter().zip(&simulated.columns) {
         let known = signals.iter().any(|signal| signal.spec.name == spec.name);
         if let (Some(kind), false) = (kind(spec), known) {
             let values = along(simulated, measured, column, time_s.len());
-            signals.push(Explanatory {
-                spec: spec.clone(),
-                kind,
-                values,
-            });
+            signals.push(Explanatory::new(spec.clone(), kind, values));
         }
     }
     signals.retain(|signal| moves(&signal.values));
@@ -172,18 +164,11 @@ fn explanatory(
             .map(|t| std::f64::consts::TAU * spindle_hz * t)
             .collect();
         let spec = ChannelSpec::new("spindle.angle", Unit::Radian, "Angle of the spindle");
-        signals.push(Explanatory {
-            spec,
-            kind: Kind::SpindlePhase,
-            values,
-        });
+        signals.push(Explanatory::new(spec, Kind::SpindlePhase, values));
     }
     let spec = ChannelSpec::new("time", Unit::Second, "Time since the first sample");
-    signals.push(Explanatory {
-        spec,
-        kind: Kind::Time,
-        values: measured.time_s[..time_s.len()].to_vec(),
-    });
+    let values = measured.time_s[..time_s.len()].to_vec();
+    signals.push(Explanatory::new(spec, Kind::Time, values));
     signals
 }
 
@@ -205,14 +190,7 @@ fn derive_velocities(signals: &mut Vec<Explanatory>, interval_s: f64) {
             let spec =
                 ChannelSpec::new(name, unit, format!("Change of the {per_second} per second"));
             let values = velocity(&position.values, interval_s);
-            derived.push((
-                index,
-                Explanatory {
-                    spec,
-                    kind: Kind::Velocity,
-                    values,
-                },
-            ));
+            derived.push((index, Explanatory::new(spec, Kind::Velocity, values)));
         }
     }
     // Each after its coordinate.

@@ -57,6 +57,12 @@ pub struct Explanatory {
     pub values: Vec<f64>,
 }
 
+impl Explanatory {
+    pub(super) fn new(spec: ChannelSpec, kind: Kind, values: Vec<f64>) -> Explanatory {
+        Explanatory { spec, kind, values }
+    }
+}
+
 /// An estimate with its standard error, and a test against its neutral value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {

@@ -105,7 +105,7 @@ fn generalises(problem: &Problem, first: &Point, second: &Point) -> bool {
 }
 
 fn kinds(point: &Point) -> Vec<usize> {
-    let mut kinds: Vec<usize> = point.effects.iter().map(|f| f.candidate).collect();
+    let mut kinds = point.candidates();
     kinds.sort_unstable();
     kinds
 }
@@ -149,12 +149,9 @@ pub(super) fn experiments(problem: &Problem, chosen: &Fit, rival: &Fit) -> Vec<P
         .par_iter()
         .map(|experiment| {
             let predicted = |point: &Point| {
-                let effects: Vec<_> = point.effects.iter().map(|f| problem.effect(f)).collect();
                 problem.count_prediction();
-                problem
-                    .model
-                    .predict_experiment(experiment, &point.nominal, &effects)
-                    .ok()
+                let (model, effects) = (problem.model, problem.effects(point));
+                (model.predict_experiment(experiment, &point.nominal, &effects)).ok()
             };
             let (a, b) = (predicted(&chosen.point)?, predicted(&rival.point)?);
             let rows = Rows {

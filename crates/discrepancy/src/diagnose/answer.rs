@@ -7,16 +7,18 @@ use truecut_recording::Unit;
 use truecut_scenario::effect::Target;
 
 use super::problem::{Found, Problem};
-use crate::model::{Candidate, PredictError};
+use super::race::FitTrial;
+use crate::model::Candidate;
 
 /// Version of the layout.
 pub(super) const VERSION: u32 = 2;
 
 /// The verdict.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The model explains the data up to noise.
+    #[default]
     NothingBeyondNoise,
     /// The causes are named.
     Named,
@@ -138,7 +140,7 @@ pub struct CorrelatedSignal {
 }
 
 /// What any model could still gain.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Ceiling {
     /// Part of the whitened variance left that a flexible predictor explains on blocks it was not
     /// fitted to.
@@ -185,7 +187,7 @@ pub struct Work {
 }
 
 /// The whole answer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Diagnosis {
     /// Of this layout.
     pub version: u32,
@@ -225,13 +227,7 @@ pub struct Diagnosis {
 }
 
 impl FitRecord {
-    pub(super) fn new(
-        problem: &Problem,
-        effects: &[Found],
-        converged: bool,
-        iterations: usize,
-        failure: Option<&PredictError>,
-    ) -> FitRecord {
+    pub(super) fn new(problem: &Problem, trial: &FitTrial) -> FitRecord {
         let name = |found: &Found| {
             let candidate = &problem.candidates[found.candidate];
             match target_name(candidate) {
@@ -239,11 +235,12 @@ impl FitRecord {
                 None => candidate.kind.name().to_string(),
             }
         };
+        let end = trial.end.as_ref();
         FitRecord {
-            effects: effects.iter().map(name).collect(),
-            converged,
-            iterations,
-            failure: failure.map(ToString::to_string),
+            effects: trial.start.effects.iter().map(name).collect(),
+            converged: end.is_ok_and(|fit| fit.converged),
+            iterations: end.map_or(trial.iterations, |fit| fit.iterations),
+            failure: end.err().map(ToString::to_string),
         }
     }
 }

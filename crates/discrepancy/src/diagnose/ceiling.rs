@@ -6,11 +6,10 @@ mod derived;
 use rayon::prelude::*;
 
 use super::answer::{Ceiling, CorrelatedSignal};
-use super::data::Rows;
 use super::features::{Group, delay_by_size, groups};
 use super::fit::Fit;
 use super::memory::{Freedom, channel_distance};
-use super::noise::{ChannelNoise, Moments, Noise, Prior, dot, subtract};
+use super::noise::{ChannelNoise, Moments, Prior, add_column, dot};
 use super::problem::Problem;
 use super::resonance::resonance;
 use super::signature::Signature;
@@ -246,10 +245,7 @@ impl<'a> Target<'a> {
     /// Least squares under white noise, then twice under the noise of what is left: an
     /// autoregression of the residual as it is would take the pattern for noise.
     fn trial<'g>(&self, groups: Vec<&'g Group>, order: usize) -> GroupTrial<'g> {
-        let mut noise = ChannelNoise {
-            ar: Vec::new(),
-            sigma: 1.0,
-        };
+        let mut noise = ChannelNoise::WHITE;
         let mut left = self.residual.to_vec();
         for _ in 0..3 {
             left = self.without(&groups, &noise);
@@ -265,32 +261,29 @@ impl<'a> Target<'a> {
     }
 
     fn noise(&self, left: &[f64], order: usize) -> ChannelNoise {
-        let rows = Rows {
-            per_channel: vec![self.rows.to_vec()],
-        };
-        let mut noise = Noise::fit(&vec![left.to_vec()], &rows, &[order], &[self.floor]);
-        noise.channels.remove(0)
+        ChannelNoise::fit(left, self.rows, order, self.floor)
     }
 
     fn without(&self, groups: &[&Group], noise: &ChannelNoise) -> Vec<f64> {
-        let columns: Vec<Vec<f64>> = features(groups)
-            .map(|x| noise.whiten(x, self.rows))
-            .collect();
+        let columns = self.whitened(groups, noise);
         let moments = Moments::new(&noise.whiten(self.residual, self.rows), &columns);
         let coefficients = moments.solve(&ridge(moments.squares(), self.rows.len()));
-        let mut left = vec![self.residual.to_vec()];
+        let mut left = self.residual.to_vec();
         for (x, b) in features(groups).zip(&coefficients) {
-            subtract(&mut left, &vec![x.clone()], *b);
+            add_column(&mut left, x, -b);
         }
-        left.remove(0)
+        left
+    }
+
+    fn whitened(&self, groups: &[&Group], noise: &ChannelNoise) -> Vec<Vec<f64>> {
+        let columns = features(groups).map(|x| noise.whiten(x, self.rows));
+        columns.collect()
     }
 
     /// Whitened residual less predictions fitted to the other folds.
     fn errors(&self, groups: &[&Group], noise: &ChannelNoise) -> Vec<f64> {
         let target = noise.whiten(self.residual, self.rows);
-        let columns: Vec<Vec<f64>> = features(groups)
-            .map(|x| noise.whiten(x, self.rows))
-            .collect();
+        let columns = self.whitened(groups, noise);
         let parts: Vec<Moments> = (0..self.folds)
             .map(|fold| {
                 let pick = |x: &[f64]| -> Vec<f64> {

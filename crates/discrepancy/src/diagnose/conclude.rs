@@ -2,12 +2,10 @@
 
 mod test_part;
 
-use std::collections::BTreeMap;
-
 use rayon::prelude::*;
 
 use super::ambiguity::{Rival, experiments, rivals};
-use super::answer::{Ceiling, Diagnosis, VERSION, Verdict, Work};
+use super::answer::{Diagnosis, VERSION, Verdict};
 use super::ceiling::{Bound, bound};
 use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
 use super::fit::{Fit, fit};
@@ -50,24 +48,7 @@ fn empty(problem: &Problem) -> Diagnosis {
         version: VERSION,
         scenario: problem.data.scenario.clone(),
         data: problem.data.source.clone(),
-        verdict: Verdict::NothingBeyondNoise,
-        reason: String::new(),
-        causes: Vec::new(),
-        alternatives: Vec::new(),
-        runner_up: None,
-        unexplained_fraction: 0.0,
-        channels: BTreeMap::new(),
-        nominal: Vec::new(),
-        smallest_seen: Vec::new(),
-        missing: Vec::new(),
-        ceiling: Ceiling {
-            fraction: 0.0,
-            t: 0.0,
-            correlated_signals: Vec::new(),
-        },
-        experiments: Vec::new(),
-        fits: Vec::new(),
-        work: Work::default(),
+        ..Diagnosis::default()
     }
 }
 
@@ -106,12 +87,7 @@ pub(super) fn conclude(
     test_part::open_test(problem, &before, &base, &last, &bound, &mut diagnosis);
     diagnosis.fits = outcome.fits;
     Ok(Answer {
-        effects: last
-            .point
-            .effects
-            .iter()
-            .map(|f| problem.effect(f))
-            .collect(),
+        effects: problem.effects(&last.point),
         nominal: last.point.nominal.clone(),
         before,
         after: last.predicted,
@@ -292,8 +268,7 @@ fn memory(x: &[f64]) -> f64 {
 /// What a flexible predictor still explains, as a fraction of that plus what the effects explain.
 fn unexplained(problem: &Problem, base: &Fit, last: &Fit, bound: &Bound) -> f64 {
     let rows = &problem.split.development;
-    let orders: Vec<usize> = last.noise.channels.iter().map(|c| c.ar.len()).collect();
-    let noise = Noise::fit(&bound.left, rows, &orders, &problem.floor);
+    let noise = Noise::fit(&bound.left, rows, &last.noise.own_orders(), &problem.floor);
     let named = compare(&base.residual, &last.residual, &noise, rows)
         .gain
         .max(0.0);

@@ -27,6 +27,17 @@ pub struct Regressor {
     pub is_angle: bool,
 }
 
+impl Regressor {
+    /// A signal that is no angle.
+    pub fn new(name: impl Into<String>, values: Vec<f64>) -> Regressor {
+        Regressor {
+            name: name.into(),
+            values,
+            is_angle: false,
+        }
+    }
+}
+
 /// Measured data on a uniform time base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observation {
@@ -56,43 +67,29 @@ impl Observation {
                 found: self.outputs.len(),
             });
         }
+        let length = |what: String, found: usize| DiagnoseError::Length {
+            what,
+            expected: n,
+            found,
+        };
         for (index, output) in self.outputs.iter().enumerate() {
             if output.values.len() != n || output.valid.len() != n {
-                return Err(DiagnoseError::Length {
-                    what: format!("output {}", index + 1),
-                    expected: n,
-                    found: output.values.len().min(output.valid.len()),
-                });
+                let found = output.values.len().min(output.valid.len());
+                return Err(length(format!("output {}", index + 1), found));
             }
-            let valid = (0..n).filter(|&t| output.valid[t]);
-            let (mut count, mut bad) = (0, None);
-            for t in valid {
-                count += 1;
-                if !output.values[t].is_finite() {
-                    bad = Some(t);
-                }
+            let valid = || (0..n).filter(|&t| output.valid[t]);
+            let output = index + 1;
+            if let Some(sample) = valid().rfind(|&t| !self.outputs[index].values[t].is_finite()) {
+                return Err(DiagnoseError::NotFinite { output, sample });
             }
-            if let Some(sample) = bad {
-                return Err(DiagnoseError::NotFinite {
-                    output: index + 1,
-                    sample,
-                });
-            }
-            if count < MIN_SAMPLES {
-                return Err(DiagnoseError::TooFewSamples {
-                    output: index + 1,
-                    found: count,
-                });
+            let found = valid().count();
+            if found < MIN_SAMPLES {
+                return Err(DiagnoseError::TooFewSamples { output, found });
             }
         }
-        for regressor in &self.regressors {
-            if regressor.values.len() != n {
-                return Err(DiagnoseError::Length {
-                    what: format!("regressor `{}`", regressor.name),
-                    expected: n,
-                    found: regressor.values.len(),
-                });
-            }
+        if let Some(regressor) = self.regressors.iter().find(|one| one.values.len() != n) {
+            let what = format!("regressor `{}`", regressor.name);
+            return Err(length(what, regressor.values.len()));
         }
         let mut end = 0;
         for range in &self.trajectories {

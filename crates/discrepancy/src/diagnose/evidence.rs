@@ -13,7 +13,7 @@ use super::choice::LEAST_T;
 use super::data::Rows;
 use super::fit::{Fit, fit};
 use super::memory::{LEAST_MEAN_DISTANCE, distance};
-use super::noise::{dot, subtract};
+use super::noise::{add_columns, dot};
 use super::problem::{Found, Problem};
 use super::screen::{Ranked, critical, nuisance, projected};
 use super::search::{Outcome, without};
@@ -71,8 +71,7 @@ fn cause(problem: &Problem, found: &Found, errors: &[Option<f64>], evidence: Evi
 
 /// Loss without one of the effects, the others refitted.
 fn evidence(problem: &Problem, full: &Fit, index: usize) -> Result<Evidence, DiagnoseError> {
-    let orders: Vec<usize> = full.noise.channels.iter().map(|c| c.ar.len()).collect();
-    let rows = &problem.split.development;
+    let (rows, orders) = (&problem.split.development, full.noise.own_orders());
     let small = fit(problem, without(&full.point, index), rows, &orders, false)?;
     let paired = compare(
         &small.residual,
@@ -141,7 +140,7 @@ pub(super) fn smallest_seen(problem: &Problem, outcome: &Outcome) -> Vec<Smalles
                 .map(|(a, b)| a / b)
                 .fold(0.0, f64::max);
             let mut moved = fit.residual.clone();
-            subtract(&mut moved, change, -1.0);
+            add_columns(&mut moved, change, 1.0);
             let factors = [
                 detection / norm(change, &split.train, &by_train),
                 validation / norm(change, &split.validation, &by_validation),

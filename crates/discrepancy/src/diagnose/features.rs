@@ -3,6 +3,7 @@
 use super::data::Observation;
 use super::problem::Problem;
 use crate::model::Columns;
+use crate::stats::{deviation, mean};
 
 /// A group of features of one kind, one column each.
 pub(super) struct Group {
@@ -16,6 +17,24 @@ pub(super) struct Group {
 }
 
 impl Group {
+    /// Features that follow a signal.
+    pub fn of_signal(name: impl Into<String>, features: Vec<Vec<f64>>) -> Group {
+        Group {
+            name: name.into(),
+            by_signal: true,
+            chosen: 0,
+            features,
+        }
+    }
+
+    /// Features that depend on time alone.
+    pub fn of_time(name: impl Into<String>, features: Vec<Vec<f64>>) -> Group {
+        Group {
+            by_signal: false,
+            ..Group::of_signal(name, features)
+        }
+    }
+
     /// Number of parameters chosen to explain most, those of the features included; 0 if none was.
     pub fn tuned(&self) -> usize {
         match self.chosen {
@@ -28,34 +47,16 @@ impl Group {
 /// Signals that the residual may depend on: predicted outputs and known signals, their rates, time.
 pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
     let data = problem.data;
-    let mut groups = vec![Group {
-        name: "a constant".into(),
-        by_signal: false,
-        chosen: 0,
-        features: vec![vec![1.0; data.time_s.len()]],
-    }];
     let (first, last) = (data.time_s[0], data.time_s[data.time_s.len() - 1]);
-    let relative: Vec<f64> = data
-        .time_s
-        .iter()
+    let relative: Vec<f64> = (data.time_s.iter())
         .map(|t| 2.0 * (t - first) / (last - first) - 1.0)
         .collect();
-    groups.push(Group {
-        name: "time".into(),
-        by_signal: false,
-        chosen: 0,
-        features: (0..4)
-            .map(|k| relative.iter().map(|x| x.powi(k)).collect())
-            .collect(),
-    });
-    let outputs = problem
-        .model
-        .channels()
-        .iter()
-        .map(|spec| spec.name.as_str())
-        .zip(predicted.iter());
-    let known = data.regressors.iter().filter(|r| !r.is_angle);
-    for (name, values) in outputs.chain(known.map(|r| (r.name.as_str(), &r.values))) {
+    let power = |k: i32| relative.iter().map(|x| x.powi(k)).collect();
+    let mut groups = vec![
+        Group::of_time("a constant", vec![vec![1.0; data.time_s.len()]]),
+        Group::of_time("time", (0..4).map(power).collect()),
+    ];
+    for (name, values) in problem.signals(predicted) {
         if let Some(standard) = standardised(values) {
             signal_groups(name, &standard, data, &mut groups);
         }
@@ -63,27 +64,20 @@ pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
     for angle in data.regressors.iter().filter(|r| r.is_angle) {
         for harmonic in 1..=6 {
             let phase = |f: fn(f64) -> f64| {
-                angle
-                    .values
-                    .iter()
-                    .map(|x| f(harmonic as f64 * x))
-                    .collect()
+                let angles = angle.values.iter();
+                angles.map(|x| f(f64::from(harmonic) * x)).collect()
             };
-            groups.push(Group {
-                name: format!("{harmonic} per revolution of {}", angle.name),
-                by_signal: true,
-                chosen: 0,
-                features: vec![phase(f64::cos), phase(f64::sin)],
-            });
+            groups.push(Group::of_signal(
+                format!("{harmonic} per revolution of {}", angle.name),
+                vec![phase(f64::cos), phase(f64::sin)],
+            ));
         }
     }
     groups
 }
 
 fn standardised(values: &[f64]) -> Option<Vec<f64>> {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let spread = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
+    let (mean, spread) = (mean(values), deviation(values));
     (spread > 1e-12 * mean.abs() && spread > 0.0)
         .then(|| values.iter().map(|x| (x - mean) / spread).collect())
 }
@@ -99,15 +93,11 @@ pub(super) fn delay_by_size(problem: &Problem, channel: usize, output: &[f64]) -
     let sizes: Vec<f64> = output.iter().map(|x| x.abs()).collect();
     let sizes = bins(&standardised(&sizes)?, SIZES);
     let delayed = DELAYS.iter().map(|lag| shifted(&x, problem.data, *lag));
-    Some(Group {
-        name: format!(
-            "delay of {}, by its size",
-            problem.model.channels()[channel].name
-        ),
-        by_signal: true,
-        chosen: 0,
-        features: delayed.flat_map(|x| products(&sizes, &x)).collect(),
-    })
+    let name = &problem.model.channels()[channel].name;
+    Some(Group::of_signal(
+        format!("delay of {name}, by its size"),
+        delayed.flat_map(|x| products(&sizes, &x)).collect(),
+    ))
 }
 
 fn products(bins: &[Vec<f64>], factor: &[f64]) -> Vec<Vec<f64>> {
@@ -126,56 +116,33 @@ fn shifted(x: &[f64], data: &Observation, lag: usize) -> Vec<f64> {
 }
 
 fn signal_groups(name: &str, x: &[f64], data: &Observation, groups: &mut Vec<Group>) {
-    groups.push(Group {
-        name: format!("{name}, linearly"),
-        by_signal: true,
-        chosen: 0,
-        features: [0, 1, 2, 4, 8, 16, 32]
-            .iter()
-            .map(|lag| shifted(x, data, *lag))
-            .collect(),
-    });
-    groups.push(Group {
-        name: name.to_string(),
-        by_signal: true,
-        chosen: 0,
-        features: bins(x, 12),
-    });
+    let lags = [0, 1, 2, 4, 8, 16, 32];
+    let lagged = lags.iter().map(|lag| shifted(x, data, *lag)).collect();
+    groups.push(Group::of_signal(format!("{name}, linearly"), lagged));
+    groups.push(Group::of_signal(name, bins(x, 12)));
     let before = shifted(x, data, 2);
     let rate: Vec<f64> = x.iter().zip(&before).map(|(a, b)| a - b).collect();
-    if let Some(rate) = standardised(&rate) {
-        let signs: Vec<f64> = rate.iter().map(|v| (v * 20.0).tanh()).collect();
-        groups.push(Group {
-            name: format!("direction of {name}"),
-            by_signal: true,
-            chosen: 0,
-            features: vec![signs.clone()],
-        });
-        groups.push(Group {
-            name: format!("rate of {name}"),
-            by_signal: true,
-            chosen: 0,
-            features: bins(&rate, 8),
-        });
-        groups.push(Group {
-            name: format!("rate of {name}, by its size"),
-            by_signal: true,
-            chosen: 0,
-            features: products(&bins(x, 8), &rate),
-        });
-        groups.push(Group {
-            name: format!("place of {name} and its direction"),
-            by_signal: true,
-            chosen: 0,
-            features: harmonics(x, &signs),
-        });
-        groups.push(Group {
-            name: format!("{name} and its direction"),
-            by_signal: true,
-            chosen: 0,
-            features: products(&bins(x, 12), &signs),
-        });
-    }
+    let Some(rate) = standardised(&rate) else {
+        return;
+    };
+    let signs: Vec<f64> = rate.iter().map(|v| (v * 20.0).tanh()).collect();
+    let of_rate = [
+        (format!("direction of {name}"), vec![signs.clone()]),
+        (format!("rate of {name}"), bins(&rate, 8)),
+        (
+            format!("rate of {name}, by its size"),
+            products(&bins(x, 8), &rate),
+        ),
+        (
+            format!("place of {name} and its direction"),
+            harmonics(x, &signs),
+        ),
+        (
+            format!("{name} and its direction"),
+            products(&bins(x, 12), &signs),
+        ),
+    ];
+    groups.extend(of_rate.map(|(name, features)| Group::of_signal(name, features)));
 }
 
 /// Half waves over the range of a signal.

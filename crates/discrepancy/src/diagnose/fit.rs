@@ -107,10 +107,7 @@ impl<'a, 'b> Running<'a, 'b> {
     /// Takes derivatives of the model that this one extends by effects as good enough for the first
     /// step.
     pub fn knowing(mut self, base: &Fit) -> Self {
-        let candidates = |point: &Point| -> Vec<usize> {
-            point.effects.iter().map(|found| found.candidate).collect()
-        };
-        let (own, others) = (candidates(&self.solver.point), candidates(&base.point));
+        let (own, others) = (self.solver.point.candidates(), base.point.candidates());
         if self.white > 0 && own.starts_with(&others) {
             self.known.clone_from(&base.jacobian);
         }

@@ -2,6 +2,7 @@
 
 use super::problem::Problem;
 use crate::model::Columns;
+use crate::stats::deviation;
 
 /// An output must move by so many times its noise; what can be seen in fainter motion is found by
 /// the screening.
@@ -21,7 +22,8 @@ pub(super) fn unexcited(problem: &Problem, nominal: &Columns) -> Option<Vec<Stri
         let noise = output
             .noise
             .unwrap_or_else(|| noise_level(&output.values, &valid));
-        let motion = spread(&nominal[c], &valid);
+        let moved: Vec<f64> = valid.iter().map(|&t| nominal[c][t]).collect();
+        let motion = deviation(&moved);
         if motion > LEAST_MOTION * noise {
             return None;
         }
@@ -34,17 +36,6 @@ pub(super) fn unexcited(problem: &Problem, nominal: &Columns) -> Option<Vec<Stri
         ));
     }
     Some(missing)
-}
-
-fn spread(values: &[f64], rows: &[usize]) -> f64 {
-    let n = rows.len() as f64;
-    let mean = rows.iter().map(|&t| values[t]).sum::<f64>() / n;
-    (rows
-        .iter()
-        .map(|&t| (values[t] - mean).powi(2))
-        .sum::<f64>()
-        / n)
-        .sqrt()
 }
 
 /// White noise on a smooth signal, from second differences.

@@ -32,10 +32,15 @@ impl Noise {
     /// Least squares of given orders. `floor` bounds each channel's sigma from below.
     pub fn fit(residual: &Columns, rows: &Rows, orders: &[usize], floor: &[f64]) -> Noise {
         let channels = (0..residual.len())
-            .map(|c| fit_channel(&residual[c], &rows.per_channel[c], orders[c], floor[c]));
+            .map(|c| ChannelNoise::fit(&residual[c], &rows.per_channel[c], orders[c], floor[c]));
         Noise {
             channels: channels.collect(),
         }
+    }
+
+    /// The order of each channel.
+    pub fn own_orders(&self) -> Vec<usize> {
+        self.channels.iter().map(|noise| noise.ar.len()).collect()
     }
 
     /// The order of each channel that the Bayesian information criterion prefers.
@@ -47,7 +52,7 @@ impl Noise {
                 let allowed = ORDERS.iter().filter(|p| **p * 20 <= rows.len());
                 let mut best = (f64::INFINITY, 0);
                 for &order in allowed {
-                    let sigma = fit_channel(&residual[c], rows, order, floor[c]).sigma;
+                    let sigma = ChannelNoise::fit(&residual[c], rows, order, floor[c]).sigma;
                     let criterion = 2.0 * n * sigma.ln() + order as f64 * n.ln();
                     if criterion < best.0 {
                         best = (criterion, order);
@@ -80,6 +85,40 @@ impl Noise {
 const AT_ONCE: usize = 8;
 
 impl ChannelNoise {
+    /// White noise of unit variance.
+    pub const WHITE: ChannelNoise = ChannelNoise {
+        ar: Vec::new(),
+        sigma: 1.0,
+    };
+
+    /// Least squares of a given order at the rows; `floor` bounds sigma from below.
+    pub fn fit(residual: &[f64], rows: &[usize], order: usize, floor: f64) -> ChannelNoise {
+        let n = rows.len().max(1) as f64;
+        let mut moment = second_moments(residual, rows, order);
+        moment.fill_lower_triangle_with_upper_triangle();
+        let mut normal = moment.view((1, 1), (order, order)).into_owned();
+        // A residual that is all but smooth leaves its moments singular to rounding.
+        let ridge = 1e-10 * (moment[(0, 0)] + f64::MIN_POSITIVE);
+        for i in 0..order {
+            normal[(i, i)] += ridge;
+        }
+        let right = moment.view((1, 0), (order, 1)).into_owned();
+        let ar = match normal.cholesky() {
+            Some(factor) => factor.solve(&right).column(0).iter().copied().collect(),
+            None => vec![0.0; order],
+        };
+        let coefficients = DVector::from_vec(ar);
+        let sub = moment.view((1, 1), (order, order));
+        let explained =
+            2.0 * right.column(0).dot(&coefficients) - (sub * &coefficients).dot(&coefficients);
+        let free = (n - order as f64).max(1.0);
+        let sigma = ((moment[(0, 0)] - explained).max(0.0) / free).sqrt();
+        ChannelNoise {
+            ar: coefficients.iter().copied().collect(),
+            sigma: sigma.max(floor),
+        }
+    }
+
     /// The column at the rows, whitened to unit variance.
     pub fn whiten(&self, column: &[f64], rows: &[usize]) -> Vec<f64> {
         let mut out = Vec::with_capacity(rows.len());
@@ -144,33 +183,6 @@ fn second_moments(residual: &[f64], rows: &[usize], order: usize) -> DMatrix<f64
     sums
 }
 
-fn fit_channel(residual: &[f64], rows: &[usize], order: usize, floor: f64) -> ChannelNoise {
-    let n = rows.len().max(1) as f64;
-    let mut moment = second_moments(residual, rows, order);
-    moment.fill_lower_triangle_with_upper_triangle();
-    let mut normal = moment.view((1, 1), (order, order)).into_owned();
-    // A residual that is all but smooth leaves its moments singular to rounding.
-    let ridge = 1e-10 * (moment[(0, 0)] + f64::MIN_POSITIVE);
-    for i in 0..order {
-        normal[(i, i)] += ridge;
-    }
-    let right = moment.view((1, 0), (order, 1)).into_owned();
-    let ar = match normal.cholesky() {
-        Some(factor) => factor.solve(&right).column(0).iter().copied().collect(),
-        None => vec![0.0; order],
-    };
-    let coefficients = DVector::from_vec(ar);
-    let sub = moment.view((1, 1), (order, order));
-    let explained =
-        2.0 * right.column(0).dot(&coefficients) - (sub * &coefficients).dot(&coefficients);
-    let free = (n - order as f64).max(1.0);
-    let sigma = ((moment[(0, 0)] - explained).max(0.0) / free).sqrt();
-    ChannelNoise {
-        ar: coefficients.iter().copied().collect(),
-        sigma: sigma.max(floor),
-    }
-}
-
 /// What is known of a coefficient beforehand: `precision * (coefficient + offset)` is standard
 /// normal; precision 0 means nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -208,7 +220,7 @@ pub(super) fn fit_linear(
             let coefficients = solve(&target, &columns, priors);
             let mut left = residual.clone();
             for (x, b) in design.iter().zip(&coefficients) {
-                subtract(&mut left, x, *b);
+                add_columns(&mut left, x, -b);
             }
             noise = Noise::fit(&left, rows, orders, floor);
             let objective = noise.objective(rows) + penalty(&coefficients, priors);
@@ -223,12 +235,17 @@ pub(super) fn fit_linear(
     best.expect("two starts were made")
 }
 
-/// `left -= factor * column`, in every channel.
-pub(super) fn subtract(left: &mut Columns, column: &Columns, factor: f64) {
-    for (left, x) in left.iter_mut().zip(column) {
-        for (l, x) in left.iter_mut().zip(x) {
-            *l -= factor * x;
-        }
+/// `sum += factor * columns`, in every channel.
+pub(super) fn add_columns(sum: &mut Columns, columns: &Columns, factor: f64) {
+    for (sum, column) in sum.iter_mut().zip(columns) {
+        add_column(sum, column, factor);
+    }
+}
+
+/// `sum += factor * column`.
+pub(super) fn add_column(sum: &mut [f64], column: &[f64], factor: f64) {
+    for (sum, x) in sum.iter_mut().zip(column) {
+        *sum += factor * x;
     }
 }
 
@@ -255,6 +272,13 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Least squares with priors; columns that are nothing but rounding get zero.
 pub(super) fn solve(target: &[f64], columns: &[Vec<f64>], priors: &[Prior]) -> Vec<f64> {
     Moments::new(target, columns).solve(priors)
+}
+
+/// Sum of squares of the target that columns explain, of which nothing is known beforehand.
+pub(super) fn explained(target: &[f64], columns: &[Vec<f64>]) -> f64 {
+    let coefficients = solve(target, columns, &vec![Prior::default(); columns.len()]);
+    let parts = columns.iter().zip(&coefficients);
+    parts.map(|(x, b)| b * dot(x, target)).sum()
 }
 
 /// Inner products of columns with one another and with what they are to explain. Those of parts of

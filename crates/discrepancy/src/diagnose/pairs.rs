@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::fit::Fit;
-use super::noise::{Noise, Prior, dot, solve};
+use super::noise::{Noise, explained};
 use super::problem::Problem;
 use super::screen::{Ranked, critical, nuisance, projected};
 
@@ -41,16 +41,16 @@ fn best_pairs(
             whitened.map(|x| projected(&x, &columns, &priors)).collect()
         })
         .collect();
-    let single: Vec<f64> = pieces
-        .par_iter()
-        .map(|x| explained(&target, &[x]))
-        .collect();
+    let single: Vec<f64> = pieces.par_iter().map(|x| explained(&target, x)).collect();
     let indices: Vec<(usize, usize)> = (0..ranking.len())
         .flat_map(|i| (i + 1..ranking.len()).map(move |j| (i, j)))
         .collect();
     let gains: Vec<f64> = indices
         .par_iter()
-        .map(|&(i, j)| explained(&target, &[&pieces[i], &pieces[j]]) - single[i].max(single[j]))
+        .map(|&(i, j)| {
+            let both = [pieces[i].as_slice(), &pieces[j]].concat();
+            explained(&target, &both) - single[i].max(single[j])
+        })
         .collect();
     let best = single.iter().copied().fold(0.0, f64::max);
     let mut good: Vec<(f64, usize, usize)> = indices
@@ -83,16 +83,6 @@ fn best_pairs(
         )
     })
     .collect()
-}
-
-fn explained(target: &[f64], pieces: &[&Vec<Vec<f64>>]) -> f64 {
-    let columns: Vec<Vec<f64>> = pieces.iter().flat_map(|p| p.iter().cloned()).collect();
-    let coefficients = solve(target, &columns, &vec![Prior::default(); columns.len()]);
-    columns
-        .iter()
-        .zip(&coefficients)
-        .map(|(x, b)| b * dot(x, target))
-        .sum()
 }
 
 /// Alone it may have come out as nothing, so in a pair it starts from the size of its signature.

@@ -37,6 +37,11 @@ pub(super) struct Point {
 }
 
 impl Point {
+    /// The kinds of its effects, in their order.
+    pub fn candidates(&self) -> Vec<usize> {
+        self.effects.iter().map(|found| found.candidate).collect()
+    }
+
     /// Whether it has the effect.
     pub fn holds(&self, candidate: usize) -> bool {
         (self.effects.iter()).any(|found| found.candidate == candidate)
@@ -140,7 +145,7 @@ impl<'a> Problem<'a> {
     }
 
     fn predict_first(&self, samples: usize, point: &Point) -> Result<Columns, PredictError> {
-        let effects: Vec<Effect> = point.effects.iter().map(|f| self.effect(f)).collect();
+        let effects = self.effects(point);
         self.predictions.fetch_add(1, Ordering::Relaxed);
         let columns = if samples < self.data.time_s.len() {
             (self.model).predict_first(samples, &point.nominal, &effects)?
@@ -164,6 +169,25 @@ impl<'a> Problem<'a> {
             true => Ok(columns),
             false => Err(PredictError("the prediction is not finite".into())),
         }
+    }
+
+    /// Predicted outputs and known signals but angles, with their names.
+    pub fn signals<'b>(
+        &'b self,
+        predicted: &'b Columns,
+    ) -> impl Iterator<Item = (&'b str, &'b Vec<f64>)> {
+        let names = self.model.channels().iter().map(|spec| spec.name.as_str());
+        let known = self.data.regressors.iter().filter(|r| !r.is_angle);
+        (names.zip(predicted)).chain(known.map(|r| (r.name.as_str(), &r.values)))
+    }
+
+    /// The effects of a point.
+    pub fn effects(&self, point: &Point) -> Vec<Effect> {
+        point
+            .effects
+            .iter()
+            .map(|found| self.effect(found))
+            .collect()
     }
 
     pub fn effect(&self, found: &Found) -> Effect {

@@ -145,7 +145,7 @@ fn given_up(runners: &[Runner], race: Race, part: f64) -> Vec<Option<&'static st
         if twin {
             return Some("given up: it came to where another fit of the same effects is");
         }
-        (is_behind(own) && next_best != Some(kinds(own))).then_some(match race {
+        (is_behind(own) && next_best != Some(own.point().candidates())).then_some(match race {
             Race::ToBeat(_) => "given up: it does not come to more than the fit that it began from",
             _ => "given up: far behind the best of as many effects",
         })
@@ -165,18 +165,13 @@ fn next_best(runners: &[Runner]) -> Option<Vec<usize>> {
     let best_but = |not: &[usize]| {
         let others = on_the_way
             .iter()
-            .filter(|running| count(running) == fewest && kinds(running) != not);
+            .filter(|running| count(running) == fewest && running.point().candidates() != not);
         let best = others.min_by(|a, b| a.objective().total_cmp(&b.objective()))?;
-        Some(kinds(best))
+        Some(best.point().candidates())
     };
     best_but(&best_but(&[])?)
 }
 
 fn same(a: &Running, b: &Running) -> bool {
-    kinds(a) == kinds(b) && a.distance(b) < TOGETHER
-}
-
-fn kinds(running: &Running) -> Vec<usize> {
-    let effects = running.point().effects.iter();
-    effects.map(|found| found.candidate).collect()
+    a.point().candidates() == b.point().candidates() && a.distance(b) < TOGETHER
 }

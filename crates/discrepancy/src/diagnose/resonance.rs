@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::features::Group;
-use super::noise::{Prior, dot, solve};
+use super::noise::explained;
 use super::problem::Problem;
 use crate::model::Columns;
 
@@ -30,11 +30,7 @@ pub(super) fn resonance(
     let (interval, duration) = (time[1] - time[0], time[time.len() - 1] - time[0]);
     let (slowest, fastest) = (PERIODS / duration, 1.0 / (SAMPLES * interval));
     let count = (PER_OCTAVE * (fastest / slowest).log2()).max(0.0) as usize;
-    let names = problem.model.channels().iter().map(|spec| &spec.name);
-    let known = problem.data.regressors.iter().filter(|r| !r.is_angle);
-    let signals = names
-        .zip(predicted)
-        .chain(known.map(|r| (&r.name, &r.values)));
+    let signals = problem.signals(predicted);
     let target: Vec<f64> = rows.iter().map(|&t| residual[t]).collect();
     let tried: Vec<_> = signals
         .flat_map(|signal| (0..=count).map(move |step| (signal, step)))
@@ -46,8 +42,9 @@ pub(super) fn resonance(
         response(problem, values, TAU * hz(step) * interval, damping)
     };
     let gains = (0..tried.len()).into_par_iter().map(|index| {
-        let gain = explained(&target, &features(index), rows);
-        (gain, index)
+        let at_rows = |x: Vec<f64>| -> Vec<f64> { rows.iter().map(|&t| x[t]).collect() };
+        let picked = features(index).map(at_rows);
+        (explained(&target, &picked), index)
     });
     // Of equal gains the first one tried.
     let (_, best) = gains
@@ -56,21 +53,12 @@ pub(super) fn resonance(
     let ((name, _), step, _) = tried[best];
     let hz = truecut_recording::significant(hz(step), 2);
     Some(Group {
-        name: format!("a resonance near {hz} Hz, driven by {name}"),
-        by_signal: true,
         chosen: 2,
-        features: features(best).into(),
+        ..Group::of_signal(
+            format!("a resonance near {hz} Hz, driven by {name}"),
+            features(best).into(),
+        )
     })
-}
-
-fn explained(target: &[f64], features: &[Vec<f64>; 2], rows: &[usize]) -> f64 {
-    let picked: Vec<Vec<f64>> = features
-        .iter()
-        .map(|x| rows.iter().map(|&t| x[t]).collect())
-        .collect();
-    let share = solve(target, &picked, &[Prior::default(); 2]);
-    let parts = picked.iter().zip(&share);
-    parts.map(|(x, b)| b * dot(x, target)).sum()
 }
 
 /// Displacement and velocity of an oscillator of the angular frequency (per sample) whose base a

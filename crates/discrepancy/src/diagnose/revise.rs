@@ -9,7 +9,7 @@ use super::fit::{Fit, fit};
 use super::noise::Noise;
 use super::problem::Point;
 use super::race::Race;
-use super::screen::{rank, refine};
+use super::screen::rank;
 use super::search::{DECISIVE, Outcome, REFINED, Search, extended, settled, without};
 
 /// Sizes, in parts of those found, from which a fit is made again.
@@ -113,8 +113,8 @@ impl Search<'_, '_> {
             ) else {
                 continue;
             };
-            let ranking = rank(problem, &rest, &outcome.signatures, train, &outcome.orders);
-            let ranking = refine(problem, &rest, ranking, train, &outcome.orders, REFINED / 2);
+            let (signatures, orders) = (&outcome.signatures, &outcome.orders);
+            let ranking = rank(problem, &rest, signatures, orders, REFINED / 2);
             let others = ranking.iter().filter(|r| r.candidate() != removed).take(3);
             rivals.extend(self.fit_all(
                 others.map(|r| extended(&rest, &[r])).collect(),

@@ -3,10 +3,9 @@
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::data::Rows;
 use super::derivatives::difference;
 use super::fit::Fit;
-use super::noise::{LinearFit, Prior, dot, fit_linear, solve};
+use super::noise::{LinearFit, Prior, add_column, dot, fit_linear, solve};
 use super::problem::{Found, Problem};
 use super::signature::{Signature, with};
 use crate::model::Columns;
@@ -43,70 +42,83 @@ pub(super) fn nuisance<'a>(problem: &Problem, base: &'a Fit) -> (Vec<&'a Columns
     )
 }
 
-/// Those columns with what is known of them, and the fit of them alone.
-fn without_candidates<'a>(
-    problem: &Problem,
+/// A model, and what it can explain by itself of the training rows.
+struct Screening<'a> {
+    problem: &'a Problem<'a>,
     base: &'a Fit,
-    rows: &Rows,
-    orders: &[usize],
-) -> (Vec<&'a Columns>, Vec<Prior>, LinearFit) {
-    let (columns, priors) = nuisance(problem, base);
-    let zero = fit_linear(
-        &base.residual,
-        &columns,
-        &priors,
-        rows,
-        &base.noise,
-        orders,
-        &problem.floor,
-    );
-    (columns, priors, zero)
+    orders: &'a [usize],
+    nuisance: Vec<&'a Columns>,
+    priors: Vec<Prior>,
+    /// Minus twice its log-likelihood.
+    zero: f64,
 }
 
-/// What each signature would gain on the rows, the best of each candidate that the point does not
-/// hold, best first.
+/// What each signature would gain on the training rows, the best of each candidate that the point
+/// does not hold, best first; the signatures of the best taken anew at the sizes that were found:
+/// what is not linear looks different there.
 pub(super) fn rank(
     problem: &Problem,
     base: &Fit,
     signatures: &[Signature],
-    rows: &Rows,
     orders: &[usize],
+    refined: usize,
 ) -> Vec<Ranked> {
-    let (columns, priors, zero) = without_candidates(problem, base, rows, orders);
+    let screening = Screening::new(problem, base, orders);
     let ranked: Vec<Ranked> = signatures
         .par_iter()
         .filter(|signature| !base.point.holds(signature.candidate))
-        .map(|signature| {
-            let (gain, start) = gain(
-                problem,
-                base,
-                signature,
-                &columns,
-                &priors,
-                rows,
-                orders,
-                zero.objective,
-            );
-            Ranked {
-                signature: signature.clone(),
-                start,
-                others: Vec::new(),
-                gain,
-            }
-        })
+        .map(|signature| screening.ranked(signature))
         .collect();
-    let n = rows.len() as f64;
-    let mut best: Vec<Ranked> = Vec::new();
-    for candidate in 0..problem.candidates.len() {
-        let mut own: Vec<&Ranked> = ranked
-            .iter()
-            .filter(|r| r.candidate() == candidate)
-            .collect();
+    let mut best: Vec<Ranked> = (0..problem.candidates.len())
+        .filter_map(|candidate| screening.best_of(candidate, &ranked))
+        .collect();
+    let n = problem.split.train.len() as f64;
+    best.sort_by(|a, b| b.net(n).total_cmp(&a.net(n)));
+    let count = refined.min(best.len());
+    (best[..count].par_iter_mut()).for_each(|entry| screening.refine(entry));
+    best.sort_by(|a, b| b.net(n).total_cmp(&a.net(n)));
+    best
+}
+
+impl<'a> Screening<'a> {
+    fn new(problem: &'a Problem, base: &'a Fit, orders: &'a [usize]) -> Screening<'a> {
+        let (nuisance, priors) = nuisance(problem, base);
+        let mut screening = Screening {
+            problem,
+            base,
+            orders,
+            nuisance,
+            priors,
+            zero: 0.0,
+        };
+        screening.zero = screening.fit(&[]).objective;
+        screening
+    }
+
+    /// The residual by columns of which nothing is known beforehand and those of the model itself.
+    fn fit(&self, own: &[&Columns]) -> LinearFit {
+        let mut priors = vec![Prior::default(); own.len()];
+        priors.extend(&self.priors);
+        fit_linear(
+            &self.base.residual,
+            &[own, &self.nuisance].concat(),
+            &priors,
+            &self.problem.split.train,
+            &self.base.noise,
+            self.orders,
+            &self.problem.floor,
+        )
+    }
+
+    /// The best of a candidate, with starts of other shapes.
+    fn best_of(&self, candidate: usize, ranked: &[Ranked]) -> Option<Ranked> {
+        let own = ranked.iter().filter(|r| r.candidate() == candidate);
+        let mut own: Vec<&Ranked> = own.collect();
         own.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let Some(first) = own.first() else { continue };
+        let first = *own.first()?;
         // Where a fit starts matters for shapes, and for sizes whose kind says where to start.
         let shape = |r: &Ranked| -> Vec<f64> {
-            let all = r.signature.values.iter().zip(problem.infos(candidate));
+            let all = r.signature.values.iter().zip(self.problem.infos(candidate));
             all.filter(|(_, info)| !info.is_size || !info.starts.is_empty())
                 .map(|(x, _)| *x)
                 .collect()
@@ -114,87 +126,55 @@ pub(super) fn rank(
         let others = own
             .iter()
             .filter(|r| r.gain > 0.5 * first.gain && shape(r) != shape(first));
-        best.push(Ranked {
+        Some(Ranked {
             others: others.take(2).map(|r| r.start.clone()).collect(),
-            ..(*first).clone()
-        });
+            ..first.clone()
+        })
     }
-    best.sort_by(|a, b| b.net(n).total_cmp(&a.net(n)));
-    best
-}
 
-#[expect(clippy::too_many_arguments, reason = "the inner loop of `rank`")]
-fn gain(
-    problem: &Problem,
-    base: &Fit,
-    signature: &Signature,
-    nuisance: &[&Columns],
-    priors: &[Prior],
-    rows: &Rows,
-    orders: &[usize],
-    zero: f64,
-) -> (f64, Vec<f64>) {
-    let infos = problem.infos(signature.candidate);
-    let mut used: Vec<usize> = (0..signature.sizes.len()).collect();
-    let mut start = signature.values.clone();
-    for &i in &signature.sizes {
-        start[i] = infos[i].neutral;
-    }
-    // A size that comes out on the wrong side of its bound is not there; what is left is fitted
-    // again.
-    while !used.is_empty() {
-        let mut design: Vec<&Columns> = used.iter().map(|&j| &signature.columns[j]).collect();
-        design.extend(nuisance);
-        let mut all = vec![Prior::default(); used.len()];
-        all.extend(priors);
-        let LinearFit {
-            coefficients,
-            objective,
-            ..
-        } = fit_linear(
-            &base.residual,
-            &design,
-            &all,
-            rows,
-            &base.noise,
-            orders,
-            &problem.floor,
-        );
-        let size = |position: usize| {
-            let i = signature.sizes[used[position]];
-            let secant = signature.values[i] - infos[i].neutral;
-            (i, infos[i].neutral + coefficients[position] * secant)
+    /// A signature's gain, and the sizes at which it gains that.
+    fn ranked(&self, signature: &Signature) -> Ranked {
+        let infos = self.problem.infos(signature.candidate);
+        let mut used: Vec<usize> = (0..signature.sizes.len()).collect();
+        let mut found = Ranked {
+            signature: signature.clone(),
+            start: signature.values.clone(),
+            others: Vec::new(),
+            gain: 0.0,
         };
-        let outside = (0..used.len()).find(|&p| {
-            let (i, value) = size(p);
-            value <= infos[i].min && infos[i].neutral - infos[i].min <= 0.0
-        });
-        if let Some(position) = outside {
-            used.remove(position);
-            continue;
+        for &i in &signature.sizes {
+            found.start[i] = infos[i].neutral;
         }
-        for position in 0..used.len() {
-            let (i, value) = size(position);
-            start[i] = value.clamp(infos[i].min, infos[i].max);
+        // A size that comes out on the wrong side of its bound is not there; what is left is fitted
+        // again.
+        while !used.is_empty() {
+            let columns: Vec<&Columns> = used.iter().map(|&j| &signature.columns[j]).collect();
+            let fit = self.fit(&columns);
+            let size = |position: usize| {
+                let i = signature.sizes[used[position]];
+                let secant = signature.values[i] - infos[i].neutral;
+                (i, infos[i].neutral + fit.coefficients[position] * secant)
+            };
+            let outside = (0..used.len()).find(|&p| {
+                let (i, value) = size(p);
+                value <= infos[i].min && infos[i].neutral - infos[i].min <= 0.0
+            });
+            if let Some(position) = outside {
+                used.remove(position);
+                continue;
+            }
+            for (i, value) in (0..used.len()).map(size) {
+                found.start[i] = value.clamp(infos[i].min, infos[i].max);
+            }
+            found.gain = (self.zero - fit.objective).max(0.0);
+            break;
         }
-        return ((zero - objective).max(0.0), start);
+        found
     }
-    (0.0, start)
-}
 
-/// Takes the signatures of the best anew at the sizes that were found: what is not linear looks
-/// different there.
-pub(super) fn refine(
-    problem: &Problem,
-    base: &Fit,
-    mut ranked: Vec<Ranked>,
-    rows: &Rows,
-    orders: &[usize],
-    count: usize,
-) -> Vec<Ranked> {
-    let (columns, priors, zero) = without_candidates(problem, base, rows, orders);
-    let count = count.min(ranked.len());
-    ranked[..count].par_iter_mut().for_each(|entry| {
+    /// Takes the signature anew at the sizes that were found.
+    fn refine(&self, entry: &mut Ranked) {
+        let (problem, base) = (self.problem, self.base);
         let infos = problem.infos(entry.candidate());
         for _ in 0..2 {
             let (candidate, values) = (entry.candidate(), entry.start.clone());
@@ -202,22 +182,9 @@ pub(super) fn refine(
             let Ok(predicted) = problem.predict(&with(&base.point, found)) else {
                 return;
             };
-            let column = difference(&predicted, &base.predicted, 1.0);
-            let mut design = vec![&column];
-            design.extend(&columns);
-            let mut all = vec![Prior::default()];
-            all.extend(&priors);
-            let fit = fit_linear(
-                &base.residual,
-                &design,
-                &all,
-                rows,
-                &base.noise,
-                orders,
-                &problem.floor,
-            );
+            let fit = self.fit(&[&difference(&predicted, &base.predicted, 1.0)]);
             let factor = fit.coefficients[0].clamp(0.2, 5.0);
-            let gain = (zero.objective - fit.objective).max(0.0);
+            let gain = (self.zero - fit.objective).max(0.0);
             // At the size itself the change is no extrapolation, so it counts even where it is
             // less.
             let near = (fit.coefficients[0] - 1.0).abs() < 0.3;
@@ -232,10 +199,7 @@ pub(super) fn refine(
                 break;
             }
         }
-    });
-    let n = rows.len() as f64;
-    ranked.sort_by(|a, b| b.net(n).total_cmp(&a.net(n)));
-    ranked
+    }
 }
 
 /// The gain that pure noise exceeds with probability `alpha` in any of `tests` tests.
@@ -253,9 +217,7 @@ pub(super) fn projected(column: &[f64], nuisance: &[Vec<f64>], priors: &[Prior])
     let coefficients = solve(column, nuisance, &centred);
     let mut left = column.to_vec();
     for (x, b) in nuisance.iter().zip(&coefficients) {
-        for (l, x) in left.iter_mut().zip(x) {
-            *l -= b * x;
-        }
+        add_column(&mut left, x, -b);
     }
     left
 }

@@ -9,7 +9,7 @@ use super::noise::Noise;
 use super::pairs::pairs;
 use super::problem::{Found, Point, Problem};
 use super::race::{Race, run};
-use super::screen::{Ranked, critical, rank, refine};
+use super::screen::{Ranked, critical, rank};
 use super::signature::{Signature, signatures, tests};
 use super::{DiagnoseError, Stage};
 
@@ -233,13 +233,11 @@ impl Search<'_, '_> {
         orders: &[usize],
         tests: usize,
     ) -> (Vec<Ranked>, Vec<Point>) {
-        let (problem, train) = (self.problem, &self.problem.split.train);
-        let ranking = rank(problem, base, found, train, orders);
         let refined = match base.point.effects.is_empty() {
             true => REFINED,
             false => REFINED_BESIDE_EFFECTS,
         };
-        let ranking = refine(problem, base, ranking, train, orders, refined);
+        let ranking = rank(self.problem, base, found, orders, refined);
         let mut starts = self.promising(base, &ranking, tests);
         starts.extend(self.promising_in_white(base, found, &starts, tests));
         (ranking, starts)
@@ -280,10 +278,9 @@ impl Search<'_, '_> {
         starts: &[Point],
         tests: usize,
     ) -> Vec<Point> {
-        let (problem, train) = (self.problem, &self.problem.split.train);
+        let problem = self.problem;
         let orders = vec![0; base.residual.len()];
-        let ranking = rank(problem, base, found, train, &orders);
-        let ranking = refine(problem, base, ranking, train, &orders, 2 * WHITE);
+        let ranking = rank(problem, base, found, &orders, 2 * WHITE);
         let alpha = problem.options.family_wise_error;
         let beyond = ranking
             .iter()
@@ -312,21 +309,8 @@ impl Search<'_, '_> {
         starts.truncate((problem.left() / OF_A_FIT).max(1));
         let mut good = Vec::new();
         for trial in run(problem, starts, orders, race) {
-            let (effects, converged, iterations) = match &trial.end {
-                Ok(fit) => (&fit.point.effects, fit.converged, fit.iterations),
-                Err(_) => (&trial.start.effects, false, trial.iterations),
-            };
-            self.fits.push(FitRecord::new(
-                problem,
-                effects,
-                converged,
-                iterations,
-                trial.end.as_ref().err(),
-            ));
-            match trial.end {
-                Ok(fit) if fit.converged => good.push(fit),
-                _ => {}
-            }
+            self.fits.push(FitRecord::new(problem, &trial));
+            good.extend(trial.end.ok().filter(|fit| fit.converged));
         }
         good
     }

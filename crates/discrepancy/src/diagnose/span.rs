@@ -5,7 +5,7 @@
 use truecut_scenario::effect::{Signal, Target};
 
 use super::features::Group;
-use super::noise::dot;
+use super::noise::{add_column, dot};
 use super::problem::Problem;
 use super::signature::Signature;
 use crate::model::Candidate;
@@ -22,12 +22,7 @@ pub(super) fn spans(problem: &Problem, signatures: &[&Signature], channel: usize
         let columns = signature.columns.iter().map(|x| x[channel].clone());
         match groups.iter_mut().find(|g| g.name == name) {
             Some(group) => group.features.extend(columns),
-            None => groups.push(Group {
-                name,
-                by_signal: true,
-                chosen: 0,
-                features: columns.collect(),
-            }),
+            None => groups.push(Group::of_signal(name, columns.collect())),
         }
     }
     for group in &mut groups {
@@ -61,9 +56,7 @@ fn independent(features: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut left = feature.clone();
         for known in &basis {
             let share = dot(&left, known) / dot(known, known);
-            for (l, k) in left.iter_mut().zip(known) {
-                *l -= share * k;
-            }
+            add_column(&mut left, known, -share);
         }
         let square = dot(&left, &left);
         if square > NEW * whole && square > 0.0 {

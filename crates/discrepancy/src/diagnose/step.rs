@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::data::Rows;
 use super::derivatives::{difference, jacobian};
-use super::noise::{Noise, dot};
+use super::noise::{Noise, add_columns, dot};
 use super::problem::{Point, Problem, Variable};
 use crate::model::{Columns, PredictError};
 
@@ -183,24 +183,15 @@ fn corrected(
 ) -> f64 {
     let mut foreseen: Columns = change.iter().map(|c| vec![0.0; c.len()]).collect();
     for (column, step) in jacobian.iter().zip(moved) {
-        add(&mut foreseen, column, *step);
+        add_columns(&mut foreseen, column, *step);
     }
     let unforeseen = difference(&change, &foreseen, 1.0);
     let weights: Vec<f64> = whitened.iter().map(|x| dot(x, x)).collect();
     let whole: f64 = (weights.iter().zip(moved)).map(|(w, s)| w * s * s).sum();
     if whole > 0.0 {
         for ((column, weight), step) in jacobian.iter_mut().zip(weights).zip(moved) {
-            add(column, &unforeseen, weight * step / whole);
+            add_columns(column, &unforeseen, weight * step / whole);
         }
     }
     (square(&unforeseen) / square(&foreseen).max(f64::MIN_POSITIVE)).sqrt()
-}
-
-/// `to += factor * columns`.
-fn add(to: &mut Columns, columns: &Columns, factor: f64) {
-    for (to, column) in to.iter_mut().zip(columns) {
-        for (to, x) in to.iter_mut().zip(column) {
-            *to += factor * x;
-        }
-    }
 }

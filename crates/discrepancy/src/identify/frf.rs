@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use truecut_recording::measured::Table;
 use truecut_scenario::identification::{FrfSpec, FrfValues, HammerPoint, MotionKind};
 
-use super::{IdentifyError, place};
+use super::{IdentifyError, at_row};
 
 /// A frequency response function: motion per force.
 #[derive(Debug, Clone)]
@@ -65,8 +65,7 @@ pub fn frf(
         ),
     };
     let fail = |row: usize, part: &str, message: String| {
-        let message = format!("{}: {}: {message}", table.source, place(table, row));
-        IdentifyError::new(format!("{key}.{part}"), message)
+        at_row(table, row, format!("{key}.{part}"), message)
     };
     let mut found = Frf {
         source: table.source.clone(),

@@ -11,7 +11,8 @@ use truecut_recording::significant;
 use truecut_scenario::identification::{ImpactSpec, SampleTimes};
 
 use super::frf::{Frf, noise};
-use super::{IdentifyError, place};
+use super::{IdentifyError, at_row};
+use crate::stats::deviation;
 
 /// Allowed jitter, as a fraction of the sampling interval.
 const JITTER: f64 = 0.01;
@@ -111,12 +112,9 @@ fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<HammerSignals,
             .column(name)
             .map_err(|error| IdentifyError::new(at(), error))?;
         if let Some(row) = values.iter().position(|value| !value.is_finite()) {
-            let message = format!(
-                "{}: {}: column \"{name}\" holds no number; a spectrum needs every sample",
-                table.source,
-                place(table, row)
-            );
-            return Err(IdentifyError::new(at(), message));
+            let message =
+                format!("column \"{name}\" holds no number; a spectrum needs every sample");
+            return Err(at_row(table, row, at(), message));
         }
         Ok(values.iter().map(|value| value * factor).collect())
     };
@@ -134,15 +132,12 @@ fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<HammerSignals,
                 .position(|pair| (pair[1] - pair[0] - interval).abs() > JITTER * interval);
             if let Some(row) = uneven.or((span <= 0.0).then_some(0)) {
                 let message = format!(
-                    "{}: {}: the next sample follows after {} s, but the mean interval is {} s; a \
-                     spectrum needs \
-                     equal intervals",
-                    table.source,
-                    place(table, row),
+                    "the next sample follows after {} s, but the mean interval is {} s; a spectrum \
+                     needs equal intervals",
                     significant(times.get(row + 1).map_or(0.0, |next| next - times[row]), 6),
                     significant(interval, 6)
                 );
-                return Err(IdentifyError::new(format!("{key}.time"), message));
+                return Err(at_row(table, row, format!("{key}.time"), message));
             }
             1.0 / interval
         }
@@ -221,17 +216,13 @@ fn still_ringing(
     length: usize,
 ) -> Option<f64> {
     let tenth = (length / 10).max(1);
-    let rms = |part: &[f64]| {
-        let mean = part.iter().sum::<f64>() / part.len() as f64;
-        (part.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / part.len() as f64).sqrt()
-    };
     let decay =
         (spec.exponential_s).map_or(1.0, |tau| (-(length as f64) / signals.rate_hz / tau).exp());
     let worst = windows.iter().map(|&start| {
         let window = &signals.response[start..start + length];
         // Relative to the largest tenth: a window begins before its blow.
-        let first = window.chunks(tenth).map(rms).fold(0.0, f64::max);
-        decay * rms(&window[length - tenth..]) / first.max(f64::MIN_POSITIVE)
+        let first = window.chunks(tenth).map(deviation).fold(0.0, f64::max);
+        decay * deviation(&window[length - tenth..]) / first.max(f64::MIN_POSITIVE)
     });
     Some(worst.fold(0.0, f64::max)).filter(|left| *left > RUNG_DOWN)
 }

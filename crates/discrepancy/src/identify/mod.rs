@@ -20,6 +20,8 @@ pub mod stiffness;
 #[cfg(test)]
 mod tests;
 
+use truecut_recording::measured::Table;
+
 /// Coverage of the intervals of this module.
 pub const CONFIDENCE: f64 = 0.95;
 
@@ -43,8 +45,19 @@ impl IdentifyError {
     }
 }
 
+/// A fault in a row of a table, at a key.
+fn at_row(
+    table: &Table,
+    row: usize,
+    key: impl Into<String>,
+    message: impl std::fmt::Display,
+) -> IdentifyError {
+    let message = format!("{}: {}: {message}", table.source, place(table, row));
+    IdentifyError::new(key, message)
+}
+
 /// A row of a table, as named in messages.
-fn place(table: &truecut_recording::measured::Table, row: usize) -> String {
+fn place(table: &Table, row: usize) -> String {
     match table.lines.get(row) {
         Some(line) => format!("row {} (line {line})", row + 1),
         None => format!("row {}", row + 1),

@@ -6,7 +6,7 @@ use truecut_recording::measured::{LARGEST, Table};
 use truecut_scenario::identification::{StiffnessQuantity, StiffnessSpec};
 use truecut_sim::elastic::ElasticArm;
 
-use super::{IdentifyError, place};
+use super::{IdentifyError, at_row, place};
 
 /// One loading.
 #[derive(Debug, Clone)]
@@ -80,23 +80,18 @@ pub fn readings(
             let value = values[row] * column.scale * column.unit.si_factor;
             if !value.is_finite() && !column.quantity.is_answer() {
                 let message = format!(
-                    "{}: {}: column \"{}\" holds no number, but postures and loads must be known",
-                    table.source,
-                    place(table, row),
+                    "column \"{}\" holds no number, but postures and loads must be known",
                     column.column
                 );
-                return Err(IdentifyError::new(format!("{key}.column"), message));
+                return Err(at_row(table, row, format!("{key}.column"), message));
             }
             if value.abs() > LARGEST {
                 let message = format!(
-                    "{}: {}: column \"{}\" holds {:e}, which is no measurement: at most \
-                     {LARGEST:e} in SI units",
-                    table.source,
-                    place(table, row),
-                    column.column,
-                    values[row]
+                    "column \"{}\" holds {:e}, which is no measurement: at most {LARGEST:e} in SI \
+                     units",
+                    column.column, values[row]
                 );
-                return Err(IdentifyError::new(format!("{key}.column"), message));
+                return Err(at_row(table, row, format!("{key}.column"), message));
             }
             match column.quantity {
                 StiffnessQuantity::Joint(joint) => command[joint] = value,
@@ -135,10 +130,8 @@ impl Readings {
         arm: &ElasticArm,
         (command, load, answers): (Vec<f64>, [f64; 6], Vec<(usize, f64)>),
     ) -> Result<(), IdentifyError> {
-        arm.check_posture(&command).map_err(|error| {
-            let message = format!("{}: {}: {error}", table.source, place(table, row));
-            IdentifyError::new("stiffness.file", message)
-        })?;
+        (arm.check_posture(&command))
+            .map_err(|error| at_row(table, row, "stiffness.file", error))?;
         let near = |other: &&Loading| {
             let pairs = other.command.iter().zip(&command);
             pairs.fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs())) < SAME_POSTURE

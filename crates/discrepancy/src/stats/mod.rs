@@ -16,3 +16,30 @@ pub use blocks::contiguous_blocks;
 pub use spectrum::{Periodogram, welch};
 pub use sums::{SumCovariance, sum_covariance};
 pub(crate) use sums::{degrees, density_on_grid, unbiased};
+
+/// Mean of all values.
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Root of their mean square.
+pub(crate) fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// Values less their mean.
+pub(crate) fn centred(values: &[f64]) -> Vec<f64> {
+    let mean = mean(values);
+    values.iter().map(|x| x - mean).collect()
+}
+
+/// Standard deviation about their mean.
+pub(crate) fn deviation(values: &[f64]) -> f64 {
+    rms(&centred(values))
+}
+
+/// Values that are valid.
+pub(crate) fn counted(values: &[f64], valid: &[bool]) -> impl Iterator<Item = f64> {
+    let rows = values.iter().zip(valid);
+    rows.filter(|(_, valid)| **valid).map(|(value, _)| *value)
+}

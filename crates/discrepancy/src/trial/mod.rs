@@ -100,8 +100,6 @@ const EARLIEST_S: f64 = 0.05;
 enum Kind {
     Forward,
     Inverse {
-        /// Nominal parameters for which `model` was made.
-        nominal: Vec<f64>,
         model: Box<InverseModel>,
         /// Samples of the data for one that the search sees.
         every: usize,
@@ -128,17 +126,12 @@ impl Trial {
                 sigma: one.sigma,
             })
             .collect();
-        let values: Vec<f64> = nominal.iter().map(|one| one.value).collect();
         let (engine, recording, used) = match mode(scenario) {
             Some(ReplayMode::Inverse { .. }) => {
                 let model = Box::new(InverseModel::new(scenario, measured)?);
                 let every = parallel::spacing(scenario, measured.rate_hz());
                 let used = parallel::thinned(model.measured(), every);
-                let kind = Kind::Inverse {
-                    nominal: values,
-                    model,
-                    every,
-                };
+                let kind = Kind::Inverse { model, every };
                 (kind, None, used)
             }
             Some(ReplayMode::Observe) => {
@@ -284,6 +277,12 @@ fn mode(scenario: &Scenario) -> Option<ReplayMode> {
         ProcessSpec::Replay(replay) => Some(replay.mode),
         _ => None,
     }
+}
+
+/// A channel of a run.
+fn column<'a>(rows: &'a Rows, name: &str) -> Option<&'a Vec<f64>> {
+    let mut pairs = rows.channels.iter().zip(&rows.columns);
+    pairs.find_map(|(spec, column)| (spec.name == name).then_some(column))
 }
 
 /// The channels of the run that were measured, in the order of the data.

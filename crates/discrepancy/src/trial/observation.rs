@@ -7,7 +7,7 @@ use truecut_recording::measured::Measured;
 use truecut_scenario::Scenario;
 use truecut_sim::run::Rows;
 
-use super::sampling;
+use super::{column, sampling};
 use crate::diagnose::{Observation, Output, Regressor};
 
 /// A run that ends so many intervals before a sample says nothing of it.
@@ -36,17 +36,12 @@ pub(super) fn observation(
         })
         .collect();
     let mut regressors: Vec<Regressor> = (measured.inputs())
-        .map(|channel| Regressor {
-            name: channel.spec.name.clone(),
-            values: channel.values.clone(),
-            is_angle: false,
-        })
+        .map(|channel| Regressor::new(&channel.spec.name, channel.values.clone()))
         .collect();
     let rates: Vec<Regressor> = (regressors.iter())
-        .map(|input| Regressor {
-            name: format!("rate of {}", input.name),
-            values: rate(&input.values, measured.interval_s()),
-            is_angle: false,
+        .map(|input| {
+            let values = rate(&input.values, measured.interval_s());
+            Regressor::new(format!("rate of {}", input.name), values)
         })
         .collect();
     regressors.extend(rates);
@@ -62,19 +57,10 @@ pub(super) fn observation(
     if let Some(recording) = nominal {
         let stretches = measured.stretches_s();
         let known = scenario.process.facts().signals.iter().filter_map(|name| {
-            let index = recording
-                .channels
-                .iter()
-                .position(|spec| spec.name == **name)?;
-            Some(Regressor {
-                name: (*name).to_owned(),
-                values: (stretches.iter())
-                    .flat_map(|times| {
-                        sampling::at(&recording.time_s, &recording.columns[index], times)
-                    })
-                    .collect(),
-                is_angle: false,
-            })
+            let column = column(recording, name)?;
+            let at = |times: &Vec<f64>| sampling::at(&recording.time_s, column, times);
+            let values = stretches.iter().flat_map(at).collect();
+            Some(Regressor::new(*name, values))
         });
         regressors.extend(known);
     }

@@ -39,12 +39,8 @@ impl Trial {
         match &self.engine {
             Kind::Forward => self.extrapolated(nominal, effects, until_s),
             Kind::Steady(model) => model.predict(effects).map_err(failed),
-            Kind::Inverse {
-                nominal: made_for,
-                model,
-                every,
-            } => {
-                let columns = if made_for == nominal {
+            Kind::Inverse { model, every } => {
+                let columns = if self.changed(nominal).next().is_none() {
                     model.predict(effects)
                 } else {
                     let varied = self.varied(nominal, effects)?;

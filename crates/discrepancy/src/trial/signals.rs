@@ -5,6 +5,8 @@ use truecut_scenario::Scenario;
 use truecut_sim::facts::RobotFacts;
 use truecut_sim::run::Rows;
 
+use crate::stats;
+
 /// What moves in the nominal run, joint by joint and channel by channel.
 pub(super) struct Signals {
     pub joints: Vec<JointSignals>,
@@ -38,13 +40,7 @@ impl Signals {
         nominal: Option<&Rows>,
     ) -> Signals {
         let column = |name: &str| -> Option<Vec<f64>> {
-            let simulated = nominal.and_then(|recording| {
-                let index = recording
-                    .channels
-                    .iter()
-                    .position(|spec| spec.name == name)?;
-                Some(recording.columns[index].clone())
-            });
+            let simulated = nominal.and_then(|rows| super::column(rows, name)).cloned();
             simulated.or_else(|| measured.channel(name).ok().map(|one| one.values.clone()))
         };
         let first = |joint: usize, names: &[&str]| {
@@ -115,13 +111,16 @@ fn differences(values: &[f64]) -> Vec<f64> {
     values.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
+/// Root mean square of the values that are finite.
 fn rms(values: &[f64]) -> f64 {
-    let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    (finite.iter().map(|v| v * v).sum::<f64>() / finite.len() as f64).sqrt()
+    stats::rms(&finite(values))
 }
 
+/// Standard deviation of the values that are finite.
 fn deviation(values: &[f64]) -> f64 {
-    let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    let mean = finite.iter().sum::<f64>() / finite.len() as f64;
-    rms(&finite.iter().map(|v| v - mean).collect::<Vec<_>>())
+    stats::deviation(&finite(values))
+}
+
+fn finite(values: &[f64]) -> Vec<f64> {
+    values.iter().copied().filter(|v| v.is_finite()).collect()
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use rayon::prelude::*;
-use truecut_recording::fft;
+use truecut_recording::{fft, significant};
 
 use super::Target;
 use crate::diagnose::data::LAGS;
@@ -56,26 +56,16 @@ impl Target<'_> {
         let mut lines: Vec<Group> = Vec::new();
         while lines.len() < LINES {
             let found: Vec<&Group> = lines.iter().collect();
-            let left = self.without(
-                &found,
-                &ChannelNoise {
-                    ar: Vec::new(),
-                    sigma: 1.0,
-                },
-            );
+            let left = self.without(&found, &ChannelNoise::WHITE);
             let Some(frequency) = self.line(&left) else {
                 break;
             };
             let time = &self.problem.data.time_s;
             let wave = |f: fn(f64) -> f64| time.iter().map(|t| f(TAU * frequency * t)).collect();
+            let name = format!("a line at {} Hz", significant(frequency, 3));
             lines.push(Group {
-                by_signal: false,
                 chosen: 1,
-                name: format!(
-                    "a line at {} Hz",
-                    truecut_recording::significant(frequency, 3)
-                ),
-                features: vec![wave(f64::cos), wave(f64::sin)],
+                ..Group::of_time(name, vec![wave(f64::cos), wave(f64::sin)])
             });
         }
         lines

@@ -6,10 +6,11 @@ use crate::diagnose::answer::{ChannelErrors, Diagnosis, Verdict};
 use crate::diagnose::ceiling::Bound;
 use crate::diagnose::data::Rows;
 use crate::diagnose::fit::{Fit, fit};
-use crate::diagnose::noise::{Noise, dot};
+use crate::diagnose::noise::{ChannelNoise, dot};
 use crate::diagnose::problem::Problem;
 use crate::diagnose::validate::{batch_sums, compare, error_of_sum, rms};
 use crate::model::Columns;
+use crate::stats::centred;
 
 /// Scores on the test part. It changes the verdict only where the test part contradicts it.
 pub(super) fn open_test(
@@ -31,7 +32,7 @@ pub(super) fn open_test(
     // Before the test part is called different, what the part before leaves uncertain is settled by
     // both together.
     let all = problem.split.development.joined(test);
-    let orders: Vec<usize> = last.noise.channels.iter().map(|c| c.ar.len()).collect();
+    let orders = last.noise.own_orders();
     let refitted_to_all = fit(problem, last.point.clone(), &all, &orders, true);
     let settled = refitted_to_all.unwrap_or_else(|_| last.clone());
     let worse = !last.point.effects.is_empty() && paired.t() < -2.0;
@@ -59,29 +60,14 @@ fn first_of(rows: &Rows) -> usize {
 fn breaks_away(problem: &Problem, last: &Fit) -> bool {
     let (before, test) = (&problem.split.development, &problem.split.test);
     (0..last.residual.len()).any(|c| {
-        let single = Noise {
-            channels: vec![last.noise.channels[c].clone()],
-        };
-        let column = vec![last.residual[c].clone()];
-        let pick = |rows: &Rows| -> Rows {
-            Rows {
-                per_channel: vec![rows.per_channel[c].clone()],
-            }
-        };
-        let whitened = |rows: &Rows| single.whiten(&column, &pick(rows));
-        let plain = |rows: &Rows| -> Vec<f64> {
-            rows.per_channel[c].iter().map(|&t| column[0][t]).collect()
-        };
+        let (noise, column) = (&last.noise.channels[c], &last.residual[c]);
+        let whitened = |rows: &Rows| noise.whiten(column, &rows.per_channel[c]);
+        let plain = |rows: &Rows| ChannelNoise::WHITE.whiten(column, &rows.per_channel[c]);
         let (a, b) = (plain(before), plain(test));
         is_larger(&whitened(before), &whitened(test), 6.0, 1.25)
             || is_larger(&centred(&a), &centred(&b), 8.0, 4.0)
             || is_larger(&a, &b, 8.0, 12.0)
     })
-}
-
-fn centred(x: &[f64]) -> Vec<f64> {
-    let mean = x.iter().sum::<f64>() / x.len() as f64;
-    x.iter().map(|x| x - mean).collect()
 }
 
 /// A sample's square counts for at most so many times the mean square.
