@@ -97,7 +97,7 @@ fn what_an_override_may_not_be_is_refused_in_memory_too() {
     let scenario = scenario("");
     for (key, value) in [
         ("robot.inertia_scale", 0.0),
-        ("robot.inertia_scale", f64::NAN),
+        ("robot.inertia_scale", f64::INFINITY),
         ("robot.damping_scale", -0.1),
         ("robot.link.0.mass_factor", -1.0),
         ("robot.link.0.center_x_mm", 1e20),
