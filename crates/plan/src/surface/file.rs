@@ -8,7 +8,7 @@
 //! knots_v = [0, 0, 0, 0, 1, 1, 1, 1]
 //! control_points_mm = [[[0, 0, 0]]]  # a row for each u, a point for each v
 //! weights = [[1]]                  # optional, of the same shape
-//! boundary_mm = [[0, 0, 0]]        # optional closed line around the face, its first point repeated at its end
+//! boundary_mm = [[0, 0, 0]]        # optional closed line around the face, ends where it begins
 //! ```
 //!
 //! `kind = "plane"` takes `corner_mm`, `side_u_mm` and `side_v_mm` instead.

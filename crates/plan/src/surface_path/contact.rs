@@ -47,7 +47,8 @@ pub struct Contact {
     pub swath_m: f64,
     /// Length of the contact along the feed, W cos ψ + 2 b sin ψ, m.
     pub reach_m: f64,
-    /// |κ| W²/8 along the axis: gap under the wheel's edges where the surface is convex, depth that they cut where it is hollow, m.
+    /// |κ| W²/8 along the axis: gap under the wheel's edges where the surface is convex, depth that
+    /// they cut where it is hollow, m.
     pub edge_gap_m: f64,
     /// Normal curvature across the axis, 1/m.
     pub curvature_across_per_m: f64,

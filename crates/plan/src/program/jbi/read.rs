@@ -72,6 +72,10 @@ impl JbiJob {
     }
 }
 
+fn unexpected(found: &str, wanted: &str) -> ProgramErrorKind {
+    ProgramErrorKind::unexpected(found, wanted)
+}
+
 /// Comma-separated fields, as many as one of `counts`.
 fn fields<'a>(
     text: &'a str,
@@ -96,9 +100,7 @@ impl<'a> JobReader<'a> {
             JobSection::Job => self.marker(line, "/JOB", JobSection::Name),
             JobSection::Name => {
                 let name = line.strip_prefix("//NAME ");
-                let name = name
-                    .ok_or_else(|| ProgramErrorKind::unexpected(line, "//NAME"))?
-                    .trim();
+                let name = name.ok_or_else(|| unexpected(line, "//NAME"))?.trim();
                 check_name(name)?;
                 name.clone_into(&mut self.job.name);
                 self.section = JobSection::Pos;
@@ -108,10 +110,7 @@ impl<'a> JobReader<'a> {
             JobSection::Positions => self.in_positions(line),
             JobSection::Head => self.instruction_head(line),
             JobSection::Instructions => self.instruction(line),
-            JobSection::End => Err(ProgramErrorKind::unexpected(
-                line,
-                "the end of the file, after END,",
-            )),
+            JobSection::End => Err(unexpected(line, "the end of the file, after END,")),
         }
     }
 
@@ -122,7 +121,7 @@ impl<'a> JobReader<'a> {
         next: JobSection,
     ) -> Result<(), ProgramErrorKind> {
         if line != wanted {
-            return Err(ProgramErrorKind::unexpected(line, wanted));
+            return Err(unexpected(line, wanted));
         }
         self.section = next;
         Ok(())
@@ -150,15 +149,12 @@ impl<'a> JobReader<'a> {
             "///RECTAN" | "///PULSE" => {
                 let fits = self.kind == Some(if word == "///PULSE" { "PULSE" } else { "BASE" });
                 if !fits {
-                    return Err(ProgramErrorKind::unexpected(
-                        word,
-                        "the form that ///POSTYPE announces",
-                    ));
+                    return Err(unexpected(word, "the form that ///POSTYPE announces"));
                 }
             }
             "///RCONF" => self.rconf = Some(rconf(rest)?),
             _ if line.starts_with("EC") || line.starts_with('C') => self.position(line)?,
-            _ => return Err(ProgramErrorKind::unexpected(line, "a position or //INST")),
+            _ => return Err(unexpected(line, "a position or //INST")),
         }
         Ok(())
     }
@@ -166,10 +162,10 @@ impl<'a> JobReader<'a> {
     fn position(&mut self, line: &str) -> Result<(), ProgramErrorKind> {
         let (name, values) = line
             .split_once('=')
-            .ok_or_else(|| ProgramErrorKind::unexpected(line, "a position `C00000=...`"))?;
-        let kind = self.kind.ok_or_else(|| {
-            ProgramErrorKind::unexpected(line, "///POSTYPE, before any position,")
-        })?;
+            .ok_or_else(|| unexpected(line, "a position `C00000=...`"))?;
+        let kind = self
+            .kind
+            .ok_or_else(|| unexpected(line, "///POSTYPE, before any position,"))?;
         let station = name.starts_with("EC");
         let number: u32 = whole(name.trim_start_matches(['E', 'C']), "the position's number")?;
         let known = if station {
@@ -183,7 +179,7 @@ impl<'a> JobReader<'a> {
         }
         if station {
             if kind != "PULSE" {
-                return Err(ProgramErrorKind::unexpected(
+                return Err(unexpected(
                     name,
                     "///POSTYPE PULSE, before a station's position,",
                 ));
@@ -209,9 +205,7 @@ impl<'a> JobReader<'a> {
             JbiPositionValue::Rectangular {
                 xyz_mm: [x, y, z],
                 rxyz_deg: [rx, ry, rz],
-                rconf: rconf.ok_or_else(|| {
-                    ProgramErrorKind::unexpected(name, "///RCONF, before a pose,")
-                })?,
+                rconf: rconf.ok_or_else(|| unexpected(name, "///RCONF, before a pose,"))?,
             }
         };
         let line = self.line;
@@ -231,7 +225,7 @@ impl<'a> JobReader<'a> {
             }
             "///DATE" | "///ATTR" | "///GROUP1" | "///GROUP2" => {}
             _ => {
-                return Err(ProgramErrorKind::unexpected(
+                return Err(unexpected(
                     line,
                     "///DATE, ///COMM, ///ATTR, ///GROUP1, ///GROUP2 or NOP",
                 ));
@@ -260,16 +254,12 @@ impl<'a> JobReader<'a> {
         let words: Vec<&str> = line.split_whitespace().collect();
         let (main, beside) = words.split_at(words.len().min(3));
         let &[verb, position, speed] = main else {
-            return Err(ProgramErrorKind::unexpected(
-                line,
-                "MOVJ, MOVL, CALL or END",
-            ));
+            return Err(unexpected(line, "MOVJ, MOVL, CALL or END"));
         };
         let in_range =
             |text: &str, key: &str, (low, high): (f64, f64)| -> Result<f64, ProgramErrorKind> {
                 let value = text.strip_prefix(key).and_then(|t| t.strip_prefix('='));
-                let value =
-                    value.ok_or_else(|| ProgramErrorKind::unexpected(text, &format!("{key}=")))?;
+                let value = value.ok_or_else(|| unexpected(text, &format!("{key}=")))?;
                 let number = finite(value, key)?;
                 let rule = format!("from {low} to {high}");
                 ProgramErrorKind::unless((low..=high).contains(&number), key, value, rule)?;
@@ -283,10 +273,7 @@ impl<'a> JobReader<'a> {
                 share: in_range(speed, "VJ", VJ_PERCENT)? * 1e-2,
             },
             _ => {
-                return Err(ProgramErrorKind::unexpected(
-                    verb,
-                    "MOVJ, MOVL, CALL or END",
-                ));
+                return Err(unexpected(verb, "MOVJ, MOVL, CALL or END"));
             }
         };
         let station = match beside {
@@ -298,7 +285,7 @@ impl<'a> JobReader<'a> {
                 Some(known.then_some(number).ok_or_else(|| missing(station))?)
             }
             _ => {
-                return Err(ProgramErrorKind::unexpected(
+                return Err(unexpected(
                     &beside.join(" "),
                     "+MOVJ EC... VJ=... or nothing",
                 ));
@@ -377,8 +364,7 @@ fn missing(name: &str) -> ProgramErrorKind {
 
 fn numbered(text: &str, prefix: &str) -> Result<u32, ProgramErrorKind> {
     let number = text.strip_prefix(prefix);
-    let number = number
-        .ok_or_else(|| ProgramErrorKind::unexpected(text, &format!("a position {prefix}...")))?;
+    let number = number.ok_or_else(|| unexpected(text, &format!("a position {prefix}...")))?;
     whole(number, "the position's number")
 }
 
