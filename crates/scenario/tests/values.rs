@@ -104,7 +104,7 @@ fn what_an_override_may_not_be_is_refused_in_memory_too() {
         ("robot.link.1.mass_factor", 1.0),
         ("robot.stifness_scale", 1.0),
         ("robot.gravity", 1.0),
-        ("effect.0.mass_kg", -1.0),
+        ("effect.1.gap_rad", -1e-4),
         ("effect.1.gap_m", 1e-4),
         ("effect.2.gap_rad", 1e-4),
         ("process.chamfer.depth_mm", -1.0),
