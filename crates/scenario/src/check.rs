@@ -1,6 +1,7 @@
 //! Collects the faults that are found while tables are turned into their typed form.
 
-use crate::document::{Document, Fault};
+use crate::document::Document;
+use crate::fault::Fault;
 
 /// Faults found so far, and the document that they are about.
 pub(crate) struct Check<'a> {

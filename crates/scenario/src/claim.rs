@@ -7,7 +7,7 @@ use serde::Deserialize;
 use truecut_recording::{ClaimSpec, RunReference, UserUnit};
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::metric::{MetricTable, read_unit};
 
 /// What must hold of the run.

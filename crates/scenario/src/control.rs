@@ -5,7 +5,7 @@ use serde::Deserialize;
 use truecut_core::wheel::force_control::ForceControl;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::{from_mm, from_n_per_mm};
 
 /// Laws by name.

@@ -8,7 +8,7 @@ use truecut_recording::measured::{ChannelMapping, TimeBase};
 use truecut_recording::{Mapping, Role, Unit, UserUnit};
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::metric::read_unit;
 
 /// Measured data.

@@ -10,9 +10,11 @@ use std::sync::Arc;
 use serde_json::Value as Json;
 use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, Value};
 
-use crate::error::{Place, Problem};
+use crate::error::{Place, Problem, ScenarioError};
+use crate::fault::{At, Fault, split_path};
 use crate::overwrite::set_in_table;
-use crate::schema;
+use crate::schema::is_text;
+use crate::structure::leaf_schema;
 
 /// A parsed scenario text with overrides.
 #[derive(Debug, Clone)]
@@ -33,58 +35,6 @@ struct Override {
     value: String,
 }
 
-/// Whether an error is about a key's name or about its value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum At {
-    Key,
-    Value,
-}
-
-/// A broken rule before it has a place in the text.
-#[derive(Debug, Clone)]
-pub(crate) struct Fault {
-    pub path: Vec<String>,
-    pub at: At,
-    pub message: String,
-    pub label: String,
-    pub help: Option<String>,
-}
-
-impl Fault {
-    /// A fault in the value at `path` (dotted).
-    pub fn value(path: &str, message: String, label: impl Into<String>) -> Fault {
-        Fault {
-            path: split_path(path),
-            at: At::Value,
-            message,
-            label: label.into(),
-            help: None,
-        }
-    }
-
-    /// A fault in the presence of the key at `path` (dotted).
-    pub fn key(path: &str, message: String, label: impl Into<String>) -> Fault {
-        Fault {
-            at: At::Key,
-            ..Fault::value(path, message, label)
-        }
-    }
-
-    /// Adds advice.
-    pub fn with_help(mut self, help: impl Into<String>) -> Fault {
-        self.help = Some(help.into());
-        self
-    }
-}
-
-/// Splits a dotted key path.
-pub(crate) fn split_path(path: &str) -> Vec<String> {
-    path.split('.')
-        .filter(|part| !part.is_empty())
-        .map(str::to_owned)
-        .collect()
-}
-
 impl Document {
     /// Parses `text` and applies `overrides` in order; `schema` says what the file may hold.
     pub fn parse(
@@ -92,16 +42,12 @@ impl Document {
         text: &str,
         overrides: &[(String, String)],
         schema: &Arc<Json>,
-    ) -> Result<Document, Box<Problem>> {
+    ) -> Result<Document, ScenarioError> {
         let syntax = |error: toml_edit::TomlError| {
             let span = error.span().unwrap_or(0..0);
-            Box::new(Problem::new(
-                String::new(),
-                format!("not valid TOML: {}", error.message().trim()),
-                "here".into(),
-                None,
-                place_in_file(path, text, span),
-            ))
+            let message = format!("not valid TOML: {}", error.message().trim());
+            let fault = Fault::value("", message, "here");
+            Problem::new(fault, place_in_file(path, text, span))
         };
         let written = toml_edit::Document::parse(text.to_owned()).map_err(syntax)?;
         let effective = text.parse::<DocumentMut>().map_err(syntax)?;
@@ -117,12 +63,12 @@ impl Document {
     }
 
     /// Applies further overrides, in order.
-    pub fn override_with(&mut self, overrides: &[(String, String)]) -> Result<(), Box<Problem>> {
+    pub fn override_with(&mut self, overrides: &[(String, String)]) -> Result<(), ScenarioError> {
         (overrides.iter()).try_for_each(|(key, value)| self.apply(key.trim(), value.trim()))
     }
 
     /// Applies further overrides whose values are numbers, each in its key's own unit.
-    pub fn set_number(&mut self, key: &str, value: f64) -> Result<(), Box<Problem>> {
+    pub fn set_number(&mut self, key: &str, value: f64) -> Result<(), ScenarioError> {
         self.set(key, format!("{value:?}"), |_| Value::from(value))
     }
 
@@ -166,21 +112,12 @@ impl Document {
 
     /// Whether the effective document has something at the dotted `path`.
     pub fn has(&self, path: &str) -> bool {
-        split_path(path)
-            .iter()
-            .try_fold(Node::Table(self.effective.as_table()), |node, part| {
-                node.child(part).map(|(_, child)| child)
-            })
-            .is_some()
+        self.node(path).is_some()
     }
 
     /// The number at the dotted `path` of the effective document.
     pub fn number(&self, path: &str) -> Option<f64> {
-        let parts = split_path(path);
-        let table = Node::Table(self.effective.as_table());
-        let node = (parts.iter())
-            .try_fold(table, |node, part| node.child(part).map(|(_, child)| child))?;
-        let value = match node {
+        let value = match self.node(path)? {
             Node::Item(item) => item.as_value()?,
             Node::Value(value) => value,
             Node::Table(_) | Node::Inline(_) => return None,
@@ -188,26 +125,23 @@ impl Document {
         (value.as_float()).or_else(|| value.as_integer().map(|number| number as f64))
     }
 
+    fn node(&self, path: &str) -> Option<Node<'_>> {
+        let table = Node::Table(self.effective.as_table());
+        (split_path(path).iter())
+            .try_fold(table, |node, part| node.child(part).map(|(_, child)| child))
+    }
+
     /// Gives a fault its place in the file or in the override that caused it.
     pub fn locate(&self, fault: Fault) -> Problem {
         let place = self.place(&fault.path, fault.at);
         let message = match (place.line, self.partly_set(&fault.path)) {
             (None, _) => format!("{} (given by --set)", fault.message),
-            (Some(_), Some(set)) => {
-                format!(
-                    "{} (partly given by --set {}={})",
-                    fault.message, set.key, set.value
-                )
+            (Some(_), Some(Override { key, value, .. })) => {
+                format!("{} (partly given by --set {key}={value})", fault.message)
             }
             (Some(_), None) => fault.message,
         };
-        Problem::new(
-            fault.path.join("."),
-            message,
-            fault.label,
-            fault.help,
-            place,
-        )
+        Problem::new(Fault { message, ..fault }, place)
     }
 
     /// The last override of an entry of the list at `path`.
@@ -267,11 +201,11 @@ impl Document {
             .unwrap_or_else(|| 0..self.text().lines().next().map_or(0, str::len))
     }
 
-    fn apply(&mut self, key: &str, value: &str) -> Result<(), Box<Problem>> {
+    fn apply(&mut self, key: &str, value: &str) -> Result<(), ScenarioError> {
         self.set(key, value.to_owned(), |leaf| match value.parse::<Value>() {
             Ok(Value::String(text)) => Value::String(text),
             // `--set name=5` means the text "5"; a number is wanted everywhere else.
-            Ok(_) | Err(_) if schema::is_text(leaf) => Value::from(value),
+            Ok(_) | Err(_) if is_text(leaf) => Value::from(value),
             Ok(parsed) => parsed,
             Err(_) => Value::from(value),
         })
@@ -283,7 +217,7 @@ impl Document {
         key: &str,
         written: String,
         value: impl FnOnce(&Json) -> Value,
-    ) -> Result<(), Box<Problem>> {
+    ) -> Result<(), ScenarioError> {
         let one = Override {
             path: split_path(key),
             key: key.to_owned(),
@@ -292,15 +226,17 @@ impl Document {
         let fail = |fault: Fault| {
             let place = one.place(&self.path, fault.at);
             let message = format!("{} (given by --set)", fault.message);
-            Box::new(Problem::new(
-                key.to_owned(),
-                message,
-                fault.label,
-                fault.help,
+            let path = one.path.clone();
+            Problem::new(
+                Fault {
+                    path,
+                    message,
+                    ..fault
+                },
                 place,
-            ))
+            )
         };
-        let leaf = schema::leaf_schema(&self.schema, &one.path).map_err(fail)?;
+        let leaf = leaf_schema(&self.schema, &one.path).map_err(fail)?;
         let value = value(leaf);
         set_in_table(self.effective.as_table_mut(), &one.path, 0, value).map_err(fail)?;
         self.overrides.push(one);

@@ -6,7 +6,7 @@ use truecut_core::friction::{EquivalentViscous, FootFriction, FrictionLaw};
 use truecut_core::pressure_foot::Cylinders;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::{from_mm, from_mpa, from_n_per_um, from_um};
 
 /// The pressure foot and its friction on the workpiece.

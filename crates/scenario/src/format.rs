@@ -3,7 +3,7 @@
 use strum::VariantArray;
 use toml_edit::Table;
 
-use crate::document::Fault;
+use crate::fault::Fault;
 
 /// A format, told by a table that no other has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]

@@ -52,6 +52,8 @@ mod data;
 mod document;
 pub mod effect;
 mod error;
+mod fault;
+mod file;
 mod foot;
 mod format;
 pub mod identification;
@@ -59,6 +61,7 @@ mod metric;
 mod overwrite;
 pub mod path_job;
 mod process;
+mod processes;
 mod reach;
 mod relocate;
 mod robot;
@@ -86,13 +89,14 @@ pub use process::brush::{BrushSpec, EdgeSpec};
 pub use process::chamfer::{ChamferSpec, FeedDirection, Regeneration};
 pub use process::load::{ForceSweep, LoadFrame, LoadSpec, RotatingForce};
 pub use process::milling::{MillingPathSpec, MillingSpec, PathStart, PlannedPath, TurnKnot};
-pub use process::polish::{FaceSpec, PolishSpec, PrecessionSpec, RasterSpec};
+pub use process::polish::PolishSpec;
 pub use process::replay::{ReplayMode, ReplaySpec, Turning};
 pub use process::wheel::WheelSpec;
 pub use process::{
-    BrokenRule, CustomSpec, Definition, Facts, Knob, NameTaken, Parts, PostureFrom, ProcessSpec,
-    Processes, WheelHold, WheelPart,
+    BrokenRule, CustomSpec, Definition, Facts, Knob, Parts, PostureFrom, ProcessSpec, WheelHold,
+    WheelPart,
 };
+pub use processes::{NameTaken, Processes};
 pub use robot::{DriveKind, RobotSpec};
 pub use run::{LONGEST_S, RunSpec};
 pub use scenario::Scenario;

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use truecut_recording::{MetricSpec, Reducer, UserUnit, Window};
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 
 /// Reducers by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]

@@ -2,7 +2,7 @@
 
 use toml_edit::{Array, Item, Table, TableLike, Value};
 
-use crate::document::{At, Fault};
+use crate::fault::{At, Fault};
 
 /// Sets the value at `path[depth..]` below `table`, making tables on the way.
 pub(crate) fn set_in_table(

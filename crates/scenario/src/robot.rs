@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::adjust::{self, JointSpec, JointTable, LinkSpec, LinkTable};
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::{from_deg, from_mm};
 
 /// The arm that carries the tool.
@@ -58,6 +58,25 @@ impl RobotSpec {
         links: Vec::new(),
         joints: Vec::new(),
     };
+
+    /// The arm of these files (URDF, transmission data, tip) in a posture, driven by default.
+    pub(crate) fn read(
+        folder: &Path,
+        (urdf, config, tip): (String, Option<String>, Option<String>),
+        posture_deg: Option<Vec<f64>>,
+        posture_mm: Option<Vec<f64>>,
+    ) -> RobotSpec {
+        let radians = posture_deg.unwrap_or_default().into_iter().map(from_deg);
+        let metres = posture_mm.unwrap_or_default().into_iter().map(from_mm);
+        RobotSpec {
+            urdf: folder.join(urdf),
+            config: config.map(|file| folder.join(file)),
+            tip,
+            posture_rad: radians.collect(),
+            posture_m: metres.collect(),
+            ..RobotSpec::NONE
+        }
+    }
 }
 
 /// How the joints are driven.
@@ -176,18 +195,8 @@ impl RobotTable {
                 "without gravity nothing sags",
             );
         }
-        let radians = self
-            .posture_deg
-            .unwrap_or_default()
-            .into_iter()
-            .map(from_deg);
-        let metres = self.posture_mm.unwrap_or_default().into_iter().map(from_mm);
+        let files = (self.urdf, self.config, self.tip);
         RobotSpec {
-            urdf: folder.join(self.urdf),
-            config: self.config.map(|file| folder.join(file)),
-            tip: self.tip,
-            posture_rad: radians.collect(),
-            posture_m: metres.collect(),
             gravity,
             drive,
             inertia_scale: self.inertia_scale.unwrap_or(1.0),
@@ -196,6 +205,7 @@ impl RobotTable {
             hold_against_sag: self.hold_against_sag.unwrap_or(true),
             links: adjust::links(self.link, check),
             joints: adjust::joints(self.joint, check),
+            ..RobotSpec::read(folder, files, self.posture_deg, self.posture_mm)
         }
     }
 }

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use truecut_core::roughness::Polishing;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::from_um;
 
 /// How the surface smooths.

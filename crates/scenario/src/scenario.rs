@@ -1,33 +1,33 @@
 //! The scenario as a whole: from file and overrides to the typed form.
 
 mod channels;
+pub(crate) mod tables;
 mod values;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use schemars::JsonSchema;
-use serde::Deserialize;
+use serde_json::Value as Json;
+use toml_edit::DocumentMut;
 use truecut_recording::{ClaimSpec, UserUnit};
 
 use crate::check::Check;
-use crate::claim::ClaimTable;
-use crate::data::{DataSpec, DataTable};
-use crate::document::{Document, Fault};
-use crate::effect::table::{self, EffectTable};
-use crate::effect::{Effect, text};
-use crate::error::{Problem, ScenarioError, read_text};
+use crate::data::DataSpec;
+use crate::document::Document;
+use crate::effect::{Effect, table, text};
+use crate::error::{ScenarioError, read_text};
+use crate::fault::Fault;
 use crate::format::Format;
 use crate::process::milling::PlannedPath;
-use crate::process::{Definition, ProcessSpec, ProcessTable, Processes};
+use crate::process::{Definition, ProcessSpec};
+use crate::processes::Processes;
 use crate::relocate;
 use crate::robot::{RobotSpec, RobotTable};
-use crate::run::{RunSpec, RunTable};
-use crate::schema;
-use crate::structure;
-use crate::sweep::{SweepSpec, SweepTable};
-use crate::uncertain::{UncertainSpec, UncertainTable};
+use crate::run::RunSpec;
+use crate::sweep::SweepSpec;
+use crate::uncertain::UncertainSpec;
 use crate::windows;
+use tables::ScenarioTable;
 
 /// A plant, a process and claims: everything that a run needs, in SI.
 #[derive(Debug, Clone)]
@@ -62,33 +62,6 @@ pub struct Scenario {
     processes: Processes,
     /// Units of thresholds, by the path of the table that holds the threshold.
     thresholds: Vec<(String, UserUnit)>,
-}
-
-/// A truecut scenario: a robot, a process and claims.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(title = "truecut scenario")]
-pub(crate) struct FileTable {
-    /// Name of the scenario.
-    name: String,
-    /// What the scenario shows.
-    description: Option<String>,
-    /// The arm, its posture and its drive. Needed but for a replay in mode "observe".
-    robot: Option<RobotTable>,
-    /// Duration, step and recording interval.
-    run: Option<RunTable>,
-    /// Exactly one of the processes.
-    process: ProcessTable,
-    /// What must hold of the run.
-    claim: Option<Vec<ClaimTable>>,
-    /// What the nominal model leaves out.
-    effect: Option<Vec<EffectTable>>,
-    /// The same scenario at many values of its keys.
-    sweep: Option<SweepTable>,
-    /// Measured data that drives a replay or is compared with the run.
-    data: Option<DataTable>,
-    /// Nominal values that are not known exactly.
-    uncertain: Option<Vec<UncertainTable>>,
 }
 
 impl Scenario {
@@ -135,24 +108,15 @@ impl Scenario {
         text: &str,
         overrides: &[(String, String)],
     ) -> Result<Scenario, ScenarioError> {
-        let document = Document::parse(path, text, overrides, processes.schema())
-            .map_err(|problem| one_problem(*problem))?;
+        let document = Document::parse(path, text, overrides, processes.schema())?;
         Scenario::read(document, processes)
     }
 
     /// Checks a document and resolves its tables.
     fn read(document: Document, processes: &Processes) -> Result<Scenario, ScenarioError> {
-        let faults =
-            structure::check_file(document.schema(), Format::Scenario, document.effective());
-        if let Some(error) = located(&document, faults) {
-            return Err(error);
-        }
-        let mut json = structure::to_json(document.effective());
+        let mut json = document.checked(Format::Scenario)?;
         let own = processes.take(&mut json);
-        let table: FileTable = serde_json::from_value(json).map_err(|error| {
-            // What the schema lets pass, the tables read; a difference is reported, not hidden.
-            one_problem(document.locate(Fault::value("", error.to_string(), "here")))
-        })?;
+        let table: ScenarioTable = document.tables(json)?;
         table.resolve(own, processes, document)
     }
 
@@ -177,15 +141,12 @@ impl Scenario {
 
     /// The folder of the scenario file, against which its paths are resolved.
     pub fn folder(&self) -> PathBuf {
-        folder_of(self.path())
+        self.document.folder()
     }
 
     /// Name of the scenario file without folder and extension; outputs are named by it.
     pub fn stem(&self) -> String {
-        self.path().file_stem().map_or_else(
-            || "scenario".to_owned(),
-            |stem| stem.to_string_lossy().into_owned(),
-        )
+        self.document.stem("scenario")
     }
 
     /// The overrides that were applied, in order.
@@ -247,16 +208,18 @@ impl Scenario {
     /// The scenario as a TOML text for a file in `folder`, overrides written into it, its milling path with the postures of a
     /// plan; comments and all other keys stay.
     pub fn planned_text(&self, folder: &Path, planned: &PlannedPath) -> String {
-        let mut document = self.document.effective_document().clone();
-        planned.write(&mut document);
-        relocate::relocate(&mut document, &self.process.files(), &self.folder(), folder);
-        document.to_string()
+        self.moved(folder, |document| planned.write(document))
     }
 
     /// As [`Scenario::extended_text`], for a file in `folder`: relative paths lead from there to the same files.
     pub fn text_for_folder(&self, folder: &Path, effects: &[Effect], rotary: &[bool]) -> String {
+        self.moved(folder, |document| text::write(document, effects, rotary))
+    }
+
+    /// The scenario as a TOML text for a file in `folder`, with what `write` changes in it.
+    fn moved(&self, folder: &Path, write: impl FnOnce(&mut DocumentMut)) -> String {
         let mut document = self.document.effective_document().clone();
-        text::write(&mut document, effects, rotary);
+        write(&mut document);
         relocate::relocate(&mut document, &self.process.files(), &self.folder(), folder);
         document.to_string()
     }
@@ -269,29 +232,27 @@ impl Scenario {
     /// An error about the value of a dotted key that showed only later, e.g. a step too long for the arm.
     /// `message` quotes the value, the limit and the rule.
     pub fn problem(&self, key: &str, message: impl Into<String>) -> ScenarioError {
-        one_problem(
-            self.document
-                .locate(Fault::value(key, message.into(), "here")),
-        )
+        self.document.problem(key, message)
     }
 
     /// JSON Schema of the scenario file, for editors. `x-rule` beside a bound gives its reason.
-    pub fn json_schema() -> serde_json::Value {
-        schema::schema().as_ref().clone()
+    pub fn json_schema() -> Json {
+        Processes::shipped().json_schema().clone()
     }
 }
 
-impl FileTable {
+impl ScenarioTable {
     fn resolve(
         self,
-        own: Vec<(Arc<Definition>, serde_json::Value)>,
+        own: Vec<(Arc<Definition>, Json)>,
         processes: &Processes,
         document: Document,
     ) -> Result<Scenario, ScenarioError> {
         let mut check = Check::new(&document);
         let mut thresholds = Vec::new();
-        let folder = folder_of(document.path());
-        let process = self.process.resolve(own, processes, &folder, &mut check);
+        let folder = document.folder();
+        let known: Vec<&str> = processes.names().collect();
+        let process = self.process.resolve(own, &known, &folder, &mut check);
         let is_needed = (process.as_ref()).is_none_or(|process| process.facts().needs_robot);
         let mut robot = RobotTable::resolve_optional(self.robot, is_needed, &folder, &mut check);
         if let Some(process) = &process {
@@ -329,14 +290,9 @@ impl FileTable {
         windows::check_windows(&claims, sweep.as_ref(), run.as_ref(), &mut check);
         let effects = table::resolve(self.effect.unwrap_or_default(), &mut check);
         let faults = check.into_faults();
-        if let Some(error) = located(&document, faults) {
-            return Err(error);
-        }
+        document.refuse(faults)?;
         let (Some(process), Some(run)) = (process, run) else {
-            let message = "the scenario has no process".to_owned();
-            return Err(one_problem(
-                document.locate(Fault::key("process", message, "here")),
-            ));
+            return Err(document.problem("process", "the scenario has no process"));
         };
         Ok(Scenario {
             name: self.name,
@@ -374,22 +330,4 @@ fn check_replayed(check: &mut Check) {
             "has nothing to replay",
         ));
     }
-}
-
-pub(crate) fn folder_of(path: &Path) -> PathBuf {
-    path.parent().map_or_else(PathBuf::new, Path::to_owned)
-}
-
-pub(crate) fn one_problem(problem: Problem) -> ScenarioError {
-    ScenarioError::Invalid(Box::new(problem), Vec::new())
-}
-
-pub(crate) fn located(document: &Document, faults: Vec<Fault>) -> Option<ScenarioError> {
-    let mut problems: Vec<Problem> = faults
-        .into_iter()
-        .map(|fault| document.locate(fault))
-        .collect();
-    // Overrides first, then in the order of the file.
-    problems.sort_by_key(Problem::line);
-    ScenarioError::from_problems(problems)
 }

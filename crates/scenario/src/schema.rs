@@ -1,18 +1,7 @@
-//! The JSON Schema of the format, and finding one's way in it.
-
-use std::sync::{Arc, OnceLock};
+//! The JSON Schema of a format, and finding one's way in it.
 
 use serde_json::Value as Json;
 use toml_edit::{Item, TableLike};
-
-use crate::document::Fault;
-use crate::structure::unknown_key;
-
-/// JSON Schema of a scenario with the processes of this crate, without references.
-pub(crate) fn schema() -> &'static Arc<Json> {
-    static SCHEMA: OnceLock<Arc<Json>> = OnceLock::new();
-    SCHEMA.get_or_init(|| Arc::new(schema_of::<crate::scenario::FileTable>()))
-}
 
 /// JSON Schema of a file whose tables are of type `T`, without references.
 pub(crate) fn schema_of<T: schemars::JsonSchema>() -> Json {
@@ -22,34 +11,6 @@ pub(crate) fn schema_of<T: schemars::JsonSchema>() -> Json {
         .into_generator()
         .into_root_schema_for::<T>()
         .to_value()
-}
-
-/// The schema of the value at `path` of a file with this schema.
-///
-/// # Errors
-/// An unknown key on the way, or a path that ends at a table.
-pub(crate) fn leaf_schema<'a>(schema: &'a Json, path: &[String]) -> Result<&'a Json, Fault> {
-    let mut here = schema;
-    for (depth, part) in path.iter().enumerate() {
-        let here_unwrapped = without_null(here);
-        here = if let Some(items) = here_unwrapped.get("items") {
-            items
-        } else {
-            let known = property(here_unwrapped, part);
-            known.ok_or_else(|| unknown_key(here_unwrapped, &path[..depth], part))?
-        };
-    }
-    if path.is_empty() || is_table(here) {
-        let keys: Vec<&str> = property_names(without_null(here)).collect();
-        let name = path.join(".");
-        return Err(Fault::key(
-            &name,
-            format!("`{name}` is a table, not a value"),
-            "a table",
-        )
-        .with_help(format!("set one of its keys: {}", keys.join(", "))));
-    }
-    Ok(here)
 }
 
 /// Whether the schema wants a number.

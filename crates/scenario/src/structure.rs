@@ -5,11 +5,10 @@
 
 use serde_json::Value as Json;
 use toml_edit::{Item, Table, TableLike, Value};
-
-use crate::document::{At, Fault};
-use crate::format::Format;
 use truecut_recording::nearest;
 
+use crate::fault::{At, Fault};
+use crate::format::Format;
 use crate::schema::{
     choices, is_table, kinds, leaf_schema, of_tag, property, property_names, required, without_null,
 };
@@ -30,8 +29,36 @@ pub(crate) fn check_against(schema: &Json, table: &Table) -> Vec<Fault> {
     faults
 }
 
+/// The schema of the value at `path` of a file with this schema.
+///
+/// # Errors
+/// An unknown key on the way, or a path that ends at a table.
+pub(crate) fn leaf_schema<'a>(schema: &'a Json, path: &[String]) -> Result<&'a Json, Fault> {
+    let mut here = schema;
+    for (depth, part) in path.iter().enumerate() {
+        let here_unwrapped = without_null(here);
+        here = if let Some(items) = here_unwrapped.get("items") {
+            items
+        } else {
+            let known = property(here_unwrapped, part);
+            known.ok_or_else(|| unknown_key(here_unwrapped, &path[..depth], part))?
+        };
+    }
+    if path.is_empty() || is_table(here) {
+        let keys: Vec<&str> = property_names(without_null(here)).collect();
+        let name = path.join(".");
+        return Err(Fault::key(
+            &name,
+            format!("`{name}` is a table, not a value"),
+            "a table",
+        )
+        .with_help(format!("set one of its keys: {}", keys.join(", "))));
+    }
+    Ok(here)
+}
+
 /// An unknown key of the table `parent`, with what was most likely meant.
-pub(crate) fn unknown_key(schema: &Json, parent: &[String], key: &str) -> Fault {
+fn unknown_key(schema: &Json, parent: &[String], key: &str) -> Fault {
     let mut path = parent.to_vec();
     path.push(key.to_owned());
     let table = if parent.is_empty() {

@@ -6,7 +6,7 @@ use truecut_recording::{UserUnit, nearest};
 
 use crate::check::Check;
 use crate::claim::check_bounds;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::metric::{MetricTable, read_unit};
 use crate::sweep_check::{
     check_count, check_key, check_keys_differ, check_names_differ, check_rising,

@@ -1,8 +1,9 @@
 //! What must hold of the keys, the names and the size of a sweep.
 
 use crate::check::Check;
-use crate::document::{Fault, split_path};
-use crate::schema;
+use crate::fault::{Fault, split_path};
+use crate::schema::is_number;
+use crate::structure::leaf_schema;
 use crate::sweep_spec::{BisectSpec, SweepAxis, SweepColumn};
 
 /// Whether `key` is a number of the scenario that can be changed from outside; else a fault at `at`.
@@ -15,7 +16,7 @@ pub(crate) fn check_key(key: &str, at: &str, check: &mut Check) -> bool {
         check.refuse(Fault::value(at, message, "cannot be changed"));
         return false;
     }
-    match schema::leaf_schema(check.document().schema(), &path) {
+    match leaf_schema(check.document().schema(), &path) {
         Err(fault) => {
             let message = format!("`{at}` is \"{key}\": {}", fault.message);
             check.refuse(Fault {
@@ -24,7 +25,7 @@ pub(crate) fn check_key(key: &str, at: &str, check: &mut Check) -> bool {
             });
             false
         }
-        Ok(leaf) if !schema::is_number(leaf) => {
+        Ok(leaf) if !is_number(leaf) => {
             let message = format!("`{at}` is \"{key}\", which is not a number");
             check.refuse(Fault::value(at, message, "not a number"));
             false

@@ -3,7 +3,7 @@
 use truecut_recording::{ClaimSpec, MetricSpec};
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::run::RunSpec;
 use crate::sweep_spec::SweepSpec;
 

@@ -1,7 +1,9 @@
 //! The motion of a polishing wheel along a raster over a rectangular face, its spin axis
 //! precessing.
 
-use nalgebra::{Isometry3, Point3, SVector, Unit, Vector2, Vector3};
+use nalgebra::{
+    Isometry3, Matrix3, Point3, Rotation3, SVector, Unit, UnitQuaternion, Vector2, Vector3,
+};
 use thiserror::Error;
 use truecut_arm::{ArmError, BranchOptions, FrameId, IkSolver, PathOptions, Robot, tool_pose};
 use truecut_core::wheel::precession::{Boundary, EdgeRule, PrecessionWheel};
@@ -18,22 +20,56 @@ use crate::precession::{
 /// Time in which feed and turn come up to speed, s.
 const LEAD_IN: TimingLaw = TimingLaw::FromRest(LeadIn { duration_s: 0.5 });
 
-/// A raster over a face, and how the wheel's spin axis turns along it.
+/// A rectangular face in the world. Its own frame has the origin in a corner, x along the length,
+/// z along the outward normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RectangularFace {
+    /// Corner at which a raster begins, m.
+    pub origin_m: [f64; 3],
+    /// Unit vector along the length.
+    pub x_axis: [f64; 3],
+    /// Outward unit normal, square to `x_axis`.
+    pub normal: [f64; 3],
+    /// Length, along x, m.
+    pub length_m: f64,
+    /// Width, along y = normal × x, m.
+    pub width_m: f64,
+}
+
+impl RectangularFace {
+    /// Its frame in the world.
+    #[must_use]
+    pub fn world_from_face(&self) -> Isometry3<f64> {
+        let (x, z) = (Vector3::from(self.x_axis), Vector3::from(self.normal));
+        let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
+        Isometry3::from_parts(
+            Vector3::from(self.origin_m).into(),
+            UnitQuaternion::from_rotation_matrix(&axes),
+        )
+    }
+}
+
+/// How a wheel's spin axis turns about the normal of a face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Precession {
+    /// Rate of the steady turn, from the face's x axis towards its y axis, rad/s; negative: the
+    /// other way.
+    pub turn_rad_s: f64,
+    /// Angle towards which the axis leans at the start, rad.
+    pub start_rad: f64,
+    /// What the angle keeps at edges, and how fast angle and feed may change for it; `None`: it
+    /// turns steadily.
+    pub at_edges: Option<(EdgeRule, PrecessionLimits)>,
+}
+
+/// A raster over a face, and how the wheel's spin axis turns along it. The tool's x axis is along
+/// the face's length, made square to the tool axis.
 #[derive(Debug)]
 pub struct RasterTask<'a> {
     pub wheel: &'a PrecessionWheel,
-    /// The face's frame: x along its length, z its outward normal, a corner its origin.
-    pub world_from_face: Isometry3<f64>,
-    /// Direction of the tool's x axis, made square to the tool axis: along the face's length.
-    pub zero_direction: Vector3<f64>,
-    /// Length and width of the face, m.
-    pub face_m: [f64; 2],
+    pub face: RectangularFace,
     pub raster: Raster,
-    /// Precession angle at the start, rad, and its steady turn, rad/s.
-    pub start_rad: f64,
-    pub turn_rad_s: f64,
-    /// What the angle keeps at edges, and how fast it may turn; `None`: it turns steadily.
-    pub rule: Option<(EdgeRule, PrecessionLimits)>,
+    pub precession: Precession,
     /// Time between knots, s.
     pub interval_s: f64,
 }
@@ -75,9 +111,10 @@ impl RasterTask<'_> {
     /// # Errors
     /// If the angle cannot keep its rule, or the arm cannot be led along the raster.
     pub fn solve(&self, robot: &Robot, posture: &[f64]) -> Result<RasterMotion, RasterError> {
-        let vertices = vertices(self.face_m, &self.raster);
+        let face = &self.face;
+        let vertices = vertices([face.length_m, face.width_m], &self.raster);
         let solver = robot.ik_solver(&BranchOptions::default());
-        let (knots, plan) = match &self.rule {
+        let (knots, plan) = match &self.precession.at_edges {
             None => (self.steady(&vertices), None),
             Some((rule, limits)) => {
                 let plan = self.planned(&vertices, (robot, &solver), posture, (*rule, limits))?;
@@ -89,9 +126,10 @@ impl RasterTask<'_> {
             }
         };
         let trajectory = Trajectory::new(knots, LEAD_IN);
+        let world_from_face = face.world_from_face();
         let places = trajectory.sampled(self.interval_s);
         let poses: Vec<Isometry3<f64>> = (places.iter())
-            .map(|place| self.pose(place))
+            .map(|place| self.pose(&world_from_face, place))
             .collect::<Result<_, ArmError>>()?;
         let at_mm = |k: usize| places[k][0] * 1e3;
         let followed = solver.follow(&poses, FrameId::Tool, posture, &PathOptions::default());
@@ -109,10 +147,11 @@ impl RasterTask<'_> {
     /// The angle turns by the clock, the feed is that asked for.
     fn steady(&self, vertices: &[Vector2<f64>]) -> Vec<(f64, RasterPlace)> {
         let (mut along_m, mut knots) = (0.0, Vec::with_capacity(vertices.len()));
+        let turn = &self.precession;
         for (k, point_m) in vertices.iter().enumerate() {
             along_m += (point_m - vertices[k.saturating_sub(1)]).norm();
             let time_s = along_m / self.raster.feed_m_per_s;
-            let angle_rad = self.start_rad + self.turn_rad_s * time_s;
+            let angle_rad = turn.start_rad + turn.turn_rad_s * time_s;
             knots.push((time_s, place(along_m, point_m, angle_rad)));
         }
         knots
@@ -127,7 +166,7 @@ impl RasterTask<'_> {
         posture: &[f64],
         (rule, limits): (EdgeRule, &PrecessionLimits),
     ) -> Result<PrecessionPlan, RasterError> {
-        let boundary = Boundary::rectangle(self.face_m[0], self.face_m[1])
+        let boundary = Boundary::rectangle(self.face.length_m, self.face.width_m)
             .map_err(|error| RasterError::Face(error.to_string()))?;
         let task = PrecessionTask {
             wheel: self.wheel,
@@ -135,14 +174,14 @@ impl RasterTask<'_> {
             rule,
             path_m: vertices,
             feed_m_per_s: self.raster.feed_m_per_s,
-            turn_rad_s: self.turn_rad_s,
-            start_rad: self.start_rad,
+            turn_rad_s: self.precession.turn_rad_s,
+            start_rad: self.precession.start_rad,
         };
         let arm = ArmOnFace {
             robot,
             solver,
-            world_from_face: self.world_from_face,
-            zero_direction: self.zero_direction,
+            world_from_face: self.face.world_from_face(),
+            zero_direction: self.face.x_axis.into(),
             start: posture,
         };
         Ok(task
@@ -152,11 +191,15 @@ impl RasterTask<'_> {
 
     /// Pose of the tool: the wheel's centre above the point, the tool's z axis along the spin axis,
     /// towards the face.
-    fn pose(&self, place: &RasterPlace) -> Result<Isometry3<f64>, ArmError> {
+    fn pose(
+        &self,
+        world_from_face: &Isometry3<f64>,
+        place: &RasterPlace,
+    ) -> Result<Isometry3<f64>, ArmError> {
         let height_m = self.wheel.centre_height_m();
-        let centre = self.world_from_face * Point3::new(place[1], place[2], height_m);
-        let towards_face = -(self.world_from_face * self.wheel.axis(place[3]));
+        let centre = world_from_face * Point3::new(place[1], place[2], height_m);
+        let towards_face = -(world_from_face * self.wheel.axis(place[3]));
         let axis = Unit::new_normalize(towards_face);
-        tool_pose(&centre.coords, &axis, &self.zero_direction, 0.0)
+        tool_pose(&centre.coords, &axis, &self.face.x_axis.into(), 0.0)
     }
 }

@@ -9,7 +9,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::{Effect, EffectKind, ParameterInfo, Target, TargetKind};
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 

@@ -7,11 +7,12 @@ mod hammer;
 mod modes;
 mod stiffness;
 
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::path::Path;
+use std::sync::{Arc, LazyLock};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use serde_json::Value as Json;
 
 pub use truecut_arm::FrameId;
 
@@ -22,13 +23,13 @@ pub use hammer::{
 pub use stiffness::{Axes, StiffnessColumn, StiffnessQuantity, StiffnessSpec, Zero};
 
 use crate::check::Check;
-use crate::document::{Document, Fault};
+use crate::document::Document;
 use crate::error::{ScenarioError, read_text};
+use crate::fault::Fault;
+use crate::file;
 use crate::format::Format;
 use crate::robot::RobotSpec;
-use crate::scenario::{folder_of, located, one_problem};
-use crate::units::{from_deg, from_mm};
-use crate::{schema, structure};
+use crate::schema::schema_of;
 
 /// Measurements of an arm, in SI, and the arm that they are held against.
 #[derive(Debug, Clone)]
@@ -95,16 +96,8 @@ impl Identification {
     /// # Errors
     /// Every rule of the format that is broken, with its place.
     pub fn from_str(path: &Path, text: &str) -> Result<Identification, ScenarioError> {
-        let document =
-            Document::parse(path, text, &[], schema()).map_err(|problem| one_problem(*problem))?;
-        let faults = structure::check_file(schema(), Format::Identification, document.effective());
-        if let Some(error) = located(&document, faults) {
-            return Err(error);
-        }
-        let table: FileTable = serde_json::from_value(structure::to_json(document.effective()))
-            .map_err(|error| {
-                one_problem(document.locate(Fault::value("", error.to_string(), "here")))
-            })?;
+        let (table, document) =
+            file::read::<FileTable>(Format::Identification, path, text, &SCHEMA)?;
         table.resolve(document)
     }
 
@@ -115,16 +108,12 @@ impl Identification {
 
     /// Name of the file without folder and extension; outputs are named by it.
     pub fn stem(&self) -> String {
-        self.path().file_stem().map_or_else(
-            || "identification".to_owned(),
-            |stem| stem.to_string_lossy().into_owned(),
-        )
+        self.document.stem("identification")
     }
 
     /// An error about the value of a dotted key that showed only later, e.g. with the data.
     pub fn problem(&self, key: &str, message: impl Into<String>) -> ScenarioError {
-        let fault = Fault::value(key, message.into(), "here");
-        one_problem(self.document.locate(fault))
+        self.document.problem(key, message)
     }
 
     /// Whether the file gives a value for the dotted key.
@@ -133,20 +122,17 @@ impl Identification {
     }
 
     /// JSON Schema of the identification file, for editors. `x-rule` beside a bound gives its reason.
-    pub fn json_schema() -> serde_json::Value {
-        schema().as_ref().clone()
+    pub fn json_schema() -> Json {
+        SCHEMA.as_ref().clone()
     }
 }
 
-fn schema() -> &'static Arc<serde_json::Value> {
-    static SCHEMA: OnceLock<Arc<serde_json::Value>> = OnceLock::new();
-    SCHEMA.get_or_init(|| Arc::new(schema::schema_of::<FileTable>()))
-}
+static SCHEMA: LazyLock<Arc<Json>> = LazyLock::new(|| Arc::new(schema_of::<FileTable>()));
 
 impl FileTable {
     fn resolve(self, document: Document) -> Result<Identification, ScenarioError> {
         let mut check = Check::new(&document);
-        let folder = folder_of(document.path());
+        let folder = document.folder();
         if self.stiffness.is_none() && self.modes.is_none() {
             let message = "neither [stiffness] nor [modes]: nothing was measured".to_owned();
             check.refuse(Fault::key("name", message, "nothing to identify"));
@@ -154,9 +140,7 @@ impl FileTable {
         let stiffness = (self.stiffness).and_then(|table| table.resolve(&folder, &mut check));
         let modes = (self.modes).and_then(|table| table.resolve(&folder, &mut check));
         let faults = check.into_faults();
-        if let Some(error) = located(&document, faults) {
-            return Err(error);
-        }
+        document.refuse(faults)?;
         Ok(Identification {
             name: self.name,
             robot: self.robot.resolve(&folder),
@@ -169,18 +153,11 @@ impl FileTable {
 
 impl ArmTable {
     fn resolve(self, folder: &Path) -> RobotSpec {
-        let file = |name: String| -> PathBuf { folder.join(name) };
-        let radians = self.posture_deg.unwrap_or_default().into_iter();
-        let metres = self.posture_mm.unwrap_or_default().into_iter();
+        let files = (self.urdf, self.config, self.tip);
         RobotSpec {
-            urdf: file(self.urdf),
-            config: self.config.map(file),
-            tip: self.tip,
-            posture_rad: radians.map(from_deg).collect(),
-            posture_m: metres.map(from_mm).collect(),
             gravity: self.gravity.unwrap_or(true),
             inertia_scale: self.inertia_scale.unwrap_or(1.0),
-            ..RobotSpec::NONE
+            ..RobotSpec::read(folder, files, self.posture_deg, self.posture_mm)
         }
     }
 }

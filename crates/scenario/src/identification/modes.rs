@@ -13,7 +13,7 @@ use super::hammer::{
 use super::stiffness::Axes;
 use super::{check_scale, check_unit};
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::metric::read_unit;
 use crate::units::{from_mm, from_ms};
 

@@ -9,7 +9,7 @@ use truecut_recording::{Unit, UserUnit};
 
 use super::{check_scale, check_unit};
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::metric::read_unit;
 
 /// A table of load against deflection.

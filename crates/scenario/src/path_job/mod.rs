@@ -6,11 +6,12 @@
 mod motion;
 mod tables;
 
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::path::Path;
+use std::sync::{Arc, LazyLock};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use serde_json::Value as Json;
 use truecut_plan::program::ProgramSetup;
 use truecut_plan::surface_path::{ContactWheel, PathSetup, SurfaceSetup, Symmetry, TaughtFile};
 
@@ -18,20 +19,20 @@ use motion::SymmetryTable;
 pub(crate) use tables::place;
 
 use crate::check::Check;
-use crate::document::{Document, Fault};
+use crate::document::Document;
 use crate::error::{ScenarioError, read_text};
+use crate::file;
 use crate::format::Format;
-use crate::scenario::{folder_of, located, one_problem};
-use crate::units::{from_deg, from_mm};
-use crate::{schema, structure};
+use crate::robot::RobotSpec;
+use crate::schema::schema_of;
 
 /// A path job in SI.
 #[derive(Debug, Clone)]
 pub struct PathJob {
     /// Name of the job.
     pub name: String,
-    /// The arm.
-    pub robot: ArmSpec,
+    /// The arm, in the posture that it comes from.
+    pub robot: RobotSpec,
     /// The face.
     pub surface: SurfaceSetup,
     /// The wheel.
@@ -45,21 +46,6 @@ pub struct PathJob {
     /// The robot program.
     pub program: ProgramSetup,
     document: Document,
-}
-
-/// The arm that leads the wheel.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ArmSpec {
-    /// URDF file.
-    pub urdf: PathBuf,
-    /// Transmission data.
-    pub config: Option<PathBuf>,
-    /// Link whose frame is the flange.
-    pub tip: Option<String>,
-    /// Posture that the arm comes from, rotary joints, rad.
-    pub posture_rad: Vec<f64>,
-    /// Its prismatic joints, m.
-    pub posture_m: Vec<f64>,
 }
 
 /// A truecut path job: a face, a contact wheel, and the robot program that leads one over the other.
@@ -117,16 +103,7 @@ impl PathJob {
     /// # Errors
     /// Every rule of the format that is broken, with its place.
     pub fn from_str(path: &Path, text: &str) -> Result<PathJob, ScenarioError> {
-        let document =
-            Document::parse(path, text, &[], schema()).map_err(|problem| one_problem(*problem))?;
-        let faults = structure::check_file(schema(), Format::PathJob, document.effective());
-        if let Some(error) = located(&document, faults) {
-            return Err(error);
-        }
-        let table: FileTable = serde_json::from_value(structure::to_json(document.effective()))
-            .map_err(|error| {
-                one_problem(document.locate(Fault::value("", error.to_string(), "here")))
-            })?;
+        let (table, document) = file::read::<FileTable>(Format::PathJob, path, text, &SCHEMA)?;
         table.resolve(document)
     }
 
@@ -137,32 +114,25 @@ impl PathJob {
 
     /// Name of the file without folder and extension; outputs are named by it.
     pub fn stem(&self) -> String {
-        self.path().file_stem().map_or_else(
-            || "path".to_owned(),
-            |stem| stem.to_string_lossy().into_owned(),
-        )
+        self.document.stem("path")
     }
 
     /// An error about the value of a dotted key that showed only later, e.g. when the path was planned.
     pub fn problem(&self, key: &str, message: impl Into<String>) -> ScenarioError {
-        let fault = Fault::value(key, message.into(), "here");
-        one_problem(self.document.locate(fault))
+        self.document.problem(key, message)
     }
 
     /// JSON Schema of the path job, for editors. `x-rule` beside a bound gives its reason.
-    pub fn json_schema() -> serde_json::Value {
-        schema().as_ref().clone()
+    pub fn json_schema() -> Json {
+        SCHEMA.as_ref().clone()
     }
 }
 
-fn schema() -> &'static Arc<serde_json::Value> {
-    static SCHEMA: OnceLock<Arc<serde_json::Value>> = OnceLock::new();
-    SCHEMA.get_or_init(|| Arc::new(schema::schema_of::<FileTable>()))
-}
+static SCHEMA: LazyLock<Arc<Json>> = LazyLock::new(|| Arc::new(schema_of::<FileTable>()));
 
 impl FileTable {
     fn resolve(self, document: Document) -> Result<PathJob, ScenarioError> {
-        let folder = folder_of(document.path());
+        let folder = document.folder();
         let mut check = Check::new(&document);
         let wheel = self.wheel.resolve(&mut check);
         let path = self.path.resolve(wheel.indentation_m, &mut check);
@@ -174,43 +144,32 @@ impl FileTable {
         let taught = self.taught.unwrap_or_default().into_iter();
         let taught = taught.map(|table| table.resolve(&folder)).collect();
         let faults = check.into_faults();
-        match (located(&document, faults), path, program) {
-            (None, Some(path), Some(program)) => Ok(PathJob {
-                name: self.name,
-                robot,
-                surface,
-                wheel,
-                path,
-                symmetry,
-                taught,
-                program,
-                document,
-            }),
-            (Some(error), ..) => Err(error),
+        document.refuse(faults)?;
+        let (Some(path), Some(program)) = (path, program) else {
             // A table that does not resolve has recorded a fault.
-            (None, ..) => Err(one_problem(document.locate(Fault::value(
-                "name",
-                "the path job cannot be resolved".to_owned(),
-                "here",
-            )))),
-        }
+            return Err(document.problem("name", "the path job cannot be resolved"));
+        };
+        Ok(PathJob {
+            name: self.name,
+            robot,
+            surface,
+            wheel,
+            path,
+            symmetry,
+            taught,
+            program,
+            document,
+        })
     }
 }
 
 impl ArmTable {
-    fn resolve(self, folder: &Path, check: &mut Check) -> ArmSpec {
+    fn resolve(self, folder: &Path, check: &mut Check) -> RobotSpec {
         if self.posture_deg.is_none() && self.posture_mm.is_none() {
             let who = "the way from where the arm comes from (`posture_mm` if it has slides)";
             check.needed::<()>("robot", "posture_deg", None, who);
         }
-        let radians = self.posture_deg.unwrap_or_default().into_iter();
-        let metres = self.posture_mm.unwrap_or_default().into_iter();
-        ArmSpec {
-            urdf: folder.join(self.urdf),
-            config: self.config.map(|name| folder.join(name)),
-            tip: self.tip,
-            posture_rad: radians.map(from_deg).collect(),
-            posture_m: metres.map(from_mm).collect(),
-        }
+        let files = (self.urdf, self.config, self.tip);
+        RobotSpec::read(folder, files, self.posture_deg, self.posture_mm)
     }
 }

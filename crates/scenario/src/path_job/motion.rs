@@ -13,7 +13,7 @@ use truecut_plan::surface_path::{Symmetry, TaughtFile, TaughtWhen};
 
 use super::tables::{check_direction, place};
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::{from_deg, from_mm};
 
 /// What brings the copies to the wheel.

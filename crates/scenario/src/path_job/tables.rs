@@ -11,7 +11,7 @@ use truecut_plan::surface_path::{
 };
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm};
 
 /// The face to be finished.

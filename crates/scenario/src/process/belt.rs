@@ -11,9 +11,9 @@ use truecut_plan::surface_path::{ContactWheel, PathSetup, SurfaceSetup, Symmetry
 
 use crate::check::Check;
 use crate::control::{ControlTable, Pressed};
-use crate::document::Fault;
 use crate::error::ScenarioError;
-use crate::path_job::{ArmSpec, PathJob};
+use crate::fault::Fault;
+use crate::path_job::PathJob;
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room, WheelPart, hold};
 use crate::robot::RobotSpec;
 use crate::roughness::RoughnessTable;
@@ -45,7 +45,7 @@ pub struct BeltJob {
     /// The job's file.
     pub file: PathBuf,
     /// The arm, which is the scenario's, and the posture that it comes from.
-    pub robot: ArmSpec,
+    pub robot: RobotSpec,
     /// The face.
     pub surface: SurfaceSetup,
     /// The contact wheel.

@@ -9,7 +9,7 @@ use truecut_core::wheel::brush::Brush;
 use truecut_plan::surface::MeshFile;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::path_job::place;
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room, WheelHold, WheelPart};
 use crate::robot::RobotSpec;

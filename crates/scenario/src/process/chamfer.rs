@@ -7,7 +7,7 @@ use serde::Deserialize;
 use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients, FeedSchedule};
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::foot::{FootSpec, FootTable};
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
 use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm, from_rpm};

@@ -8,10 +8,10 @@ use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 
-use super::{Facts, ProcessSpec};
+use super::facts::Facts;
 use crate::check::Check;
-use crate::document::Fault;
-use crate::schema;
+use crate::fault::Fault;
+use crate::schema::schema_of;
 
 type Table = Arc<dyn Any + Send + Sync>;
 type Read = dyn Fn(Json) -> Result<Table, String> + Send + Sync;
@@ -24,7 +24,7 @@ type FactsOf = dyn Fn(&dyn Any) -> Facts + Send + Sync;
 #[derive(Clone)]
 pub struct Definition {
     name: String,
-    schema: Json,
+    pub(crate) schema: Json,
     read: Arc<Read>,
     check: Arc<CheckTable>,
     facts: Arc<FactsOf>,
@@ -54,7 +54,7 @@ impl Definition {
     {
         Definition {
             name: name.to_owned(),
-            schema: schema::schema_of::<T>(),
+            schema: schema_of::<T>(),
             read: Arc::new(|json| {
                 let table: T = serde_json::from_value(json).map_err(|error| error.to_string())?;
                 Ok(Arc::new(table))
@@ -80,85 +80,6 @@ fn known<T: 'static>(table: &dyn Any) -> &T {
 impl fmt::Debug for Definition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("Definition").field(&self.name).finish()
-    }
-}
-
-/// The processes that a scenario may have.
-#[derive(Debug, Clone)]
-pub struct Processes {
-    own: Vec<Arc<Definition>>,
-    schema: Arc<Json>,
-}
-
-/// Two processes of one name.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NameTaken(pub String);
-
-impl fmt::Display for NameTaken {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "there is a process `{}` already", self.0)
-    }
-}
-
-impl std::error::Error for NameTaken {}
-
-impl Processes {
-    /// Those of this crate.
-    #[must_use]
-    pub fn shipped() -> Processes {
-        Processes {
-            own: Vec::new(),
-            schema: schema::schema().clone(),
-        }
-    }
-
-    /// One more.
-    ///
-    /// # Errors
-    /// A name that another process has.
-    pub fn with(mut self, definition: Definition) -> Result<Processes, NameTaken> {
-        if self.names().any(|name| name == definition.name) {
-            return Err(NameTaken(definition.name));
-        }
-        let tables = Arc::make_mut(&mut self.schema).pointer_mut("/properties/process/properties");
-        if let Some(tables) = tables.and_then(Json::as_object_mut) {
-            tables.insert(definition.name.clone(), definition.schema.clone());
-        }
-        self.own.push(Arc::new(definition));
-        Ok(self)
-    }
-
-    /// Their names.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
-        let own = self.own.iter().map(|one| one.name.as_str());
-        ProcessSpec::NAMES.iter().copied().chain(own)
-    }
-
-    /// JSON Schema of a scenario with these processes.
-    #[must_use]
-    pub fn json_schema(&self) -> &Json {
-        &self.schema
-    }
-
-    pub(crate) fn schema(&self) -> &Arc<Json> {
-        &self.schema
-    }
-
-    /// Takes the tables of own processes out of a scenario as JSON.
-    pub(crate) fn take(&self, scenario: &mut Json) -> Vec<(Arc<Definition>, Json)> {
-        let tables = scenario.get_mut("process").and_then(Json::as_object_mut);
-        let Some(tables) = tables else {
-            return Vec::new();
-        };
-        (self.own.iter())
-            .filter_map(|one| Some((one.clone(), tables.remove(&one.name)?)))
-            .collect()
-    }
-}
-
-impl Default for Processes {
-    fn default() -> Self {
-        Processes::shipped()
     }
 }
 

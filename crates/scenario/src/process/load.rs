@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::foot::{FootSpec, FootTable};
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
 use crate::units::from_deg;

@@ -15,7 +15,7 @@ pub(crate) mod polish;
 pub(crate) mod replay;
 pub(crate) mod wheel;
 
-pub use custom::{BrokenRule, CustomSpec, Definition, NameTaken, Processes};
+pub use custom::{BrokenRule, CustomSpec, Definition};
 pub(crate) use facts::hold;
 pub use facts::{Facts, Knob, Parts, PostureFrom, WheelHold, WheelPart};
 
@@ -28,7 +28,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::robot::RobotSpec;
 use crate::run::RunSpec;
 
@@ -152,20 +152,19 @@ impl ProcessSpec {
 }
 
 impl ProcessTable {
-    /// `None` after recording a fault if there is not exactly one process, of these or of `own`. `folder` is that of the
-    /// scenario file.
+    /// `None` after recording a fault if there is not exactly one process, of these or of `own`.
+    /// `known` are the names of all; `folder` is that of the scenario file.
     pub(crate) fn resolve(
         self,
         own: Vec<(Arc<Definition>, Json)>,
-        processes: &Processes,
+        known: &[&str],
         folder: &Path,
         check: &mut Check,
     ) -> Option<ProcessSpec> {
         let mut given = self.given();
         given.extend(own.iter().map(|(definition, _)| definition.name()));
         if given.len() != 1 {
-            let names: Vec<&str> = processes.names().collect();
-            check.refuse(not_one(&given, &names));
+            check.refuse(not_one(&given, known));
             return None;
         }
         match own.into_iter().next() {

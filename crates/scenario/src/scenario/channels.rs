@@ -2,9 +2,9 @@
 
 use truecut_recording::{ClaimFault, Header, MetricSpec, UserUnit};
 
-use super::{Scenario, located};
-use crate::document::Fault;
+use super::Scenario;
 use crate::error::ScenarioError;
+use crate::fault::Fault;
 
 impl Scenario {
     /// Checks every metric against the channels of the run: known channels, fitting units.
@@ -37,7 +37,7 @@ impl Scenario {
         for (table, metric, unit) in columns {
             faults.extend(self.metric_fault(&table, metric, unit, header));
         }
-        located(&self.document, faults).map_or(Ok(()), Err)
+        self.document.refuse(faults)
     }
 
     fn metric_fault(

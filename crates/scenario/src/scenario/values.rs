@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{Scenario, one_problem};
-use crate::document::split_path;
+use super::Scenario;
 use crate::error::ScenarioError;
+use crate::fault::split_path;
 use crate::structure;
 use crate::units::key_unit;
 
@@ -50,8 +50,7 @@ impl Scenario {
         let mut document = (*self.document).clone();
         (self.set.iter())
             .try_for_each(|(key, value)| document.set_number(key, key_unit(key).from_si(*value)))
-            .and_then(|()| document.override_with(overrides))
-            .map_err(|problem| one_problem(*problem))?;
+            .and_then(|()| document.override_with(overrides))?;
         Scenario::read(document, &self.processes)?.with_effects(&self.added)
     }
 

@@ -2,29 +2,17 @@
 
 use super::{KNOT_INTERVAL_S, PlannedMotion, Target};
 use crate::error::SimError;
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use truecut_arm::Robot;
 use truecut_core::wheel::precession::{PatchLaw, PrecessionWheel};
 use truecut_plan::motion::follow::FollowError;
-use truecut_plan::motion::polish::{RasterError, RasterTask};
-use truecut_plan::motion::raster::Raster;
+use truecut_plan::motion::polish::{RasterError, RasterTask, RectangularFace};
 use truecut_plan::precession::{PrecessionPlan, PrecessionPlanError};
-use truecut_scenario::{FaceSpec, PolishSpec};
+use truecut_scenario::PolishSpec;
 
 const PATH: &str = "process.polish.path";
 const FEED: &str = "process.polish.path.feed_mm_per_s";
 const FACE: &str = "process.polish.face";
 const PRECESSION: &str = "process.polish.precession";
-
-/// The face's frame in the world: x along its length, z its outward normal.
-pub(crate) fn world_from_face(face: &FaceSpec) -> Isometry3<f64> {
-    let (x, z) = (Vector3::from(face.x_axis), Vector3::from(face.normal));
-    let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
-    Isometry3::from_parts(
-        Vector3::from(face.origin_m).into(),
-        UnitQuaternion::from_rotation_matrix(&axes),
-    )
-}
 
 /// How far the undeformed wheel reaches into the face along the path, m: as asked for, or what the force takes on a face
 /// without edges.
@@ -57,7 +45,7 @@ fn precession_wheel(spec: &PolishSpec, depth_m: f64) -> Result<PrecessionWheel, 
 }
 
 /// A patch that is wider than the face has no middle from which edges could be told.
-fn check_patch(wheel: &PrecessionWheel, face: &FaceSpec) -> Result<(), SimError> {
+fn check_patch(wheel: &PrecessionWheel, face: &RectangularFace) -> Result<(), SimError> {
     let patch_m = 2.0 * wheel.patch_radius_m();
     let sides = [("length_mm", face.length_m), ("width_mm", face.width_m)];
     match sides.into_iter().find(|(_, side_m)| *side_m < patch_m) {
@@ -84,18 +72,9 @@ pub(crate) fn solve(
     check_patch(&wheel, &spec.face)?;
     let task = RasterTask {
         wheel: &wheel,
-        world_from_face: world_from_face(&spec.face),
-        zero_direction: Vector3::from(spec.face.x_axis),
-        face_m: [spec.face.length_m, spec.face.width_m],
-        raster: Raster {
-            lines: spec.path.lines,
-            inset_m: spec.path.inset_m,
-            corner_radius_m: spec.path.corner_radius_m,
-            feed_m_per_s: spec.path.feed_m_per_s,
-        },
-        start_rad: spec.precession.start_rad,
-        turn_rad_s: spec.precession.turn_rad_s,
-        rule: spec.precession.at_edges,
+        face: spec.face,
+        raster: spec.path,
+        precession: spec.precession,
         interval_s: KNOT_INTERVAL_S,
     };
     let found = task.solve(robot, posture).map_err(refused)?;

@@ -5,10 +5,22 @@
 //! meaning, key, unit, neutral value and bounds.
 
 use super::define::effects;
-use super::entry::{Entry, described, factor, joint, same};
-use super::{Model, Signal, TargetKind};
+use super::parameter::{described, factor, joint, same};
+use super::{Model, ParameterInfo, Signal, TargetKind};
 use crate::effect::{Effect, Target};
 use truecut_recording::Unit;
+
+/// What is said of one kind of effect.
+pub(super) struct Entry {
+    pub name: &'static str,
+    pub family: Family,
+    pub target: TargetKind,
+    pub description: &'static str,
+    pub parameters: &'static [ParameterInfo],
+    pub models: &'static [Model],
+    pub limits: &'static [EffectKind],
+    pub follows: Option<Signal>,
+}
 
 effects! {
 /// The law of one joint.

@@ -1,8 +1,8 @@
 //! The catalogue: every kind of effect, its target, its parameters, their units and bounds.
 
 mod define;
-mod entry;
 mod list;
+mod parameter;
 
 pub use list::{
     BaseEffect, CuttingEffect, EffectKind, Family, FootEffect, JointEffect, RobotEffect,

@@ -6,7 +6,7 @@ use truecut_core::cutting::milling::cutter::{Cutter, Eccentricity};
 use truecut_core::cutting::milling::engagement::Engagement;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::{from_deg, from_mm, from_um};
 
 const TABLE: &str = "process.milling";

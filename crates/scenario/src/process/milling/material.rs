@@ -7,7 +7,7 @@ use serde::Deserialize;
 use truecut_core::cutting::chamfer::CuttingCoefficients;
 
 use crate::check::Check;
-use crate::document::{Fault, split_path};
+use crate::fault::{Fault, split_path};
 use crate::schema::schema_of;
 use crate::structure;
 use crate::units::{from_mpa, from_n_per_mm};

@@ -17,7 +17,7 @@ use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::nominal::NominalCut;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
 use crate::run::RunSpec;
 use crate::units::{from_deg, from_mm, from_rpm};

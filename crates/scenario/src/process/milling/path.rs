@@ -6,7 +6,7 @@ use truecut_arm::{Elbow, Shoulder, Wrist};
 use truecut_plan::motion::timing::smooth_between;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::{from_deg, from_mm};
 
 /// A straight line of the tool point in the world, which is the frame of the robot's base.

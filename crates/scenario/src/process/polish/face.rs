@@ -2,36 +2,11 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_plan::motion::polish::RectangularFace;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::from_mm;
-
-/// A rectangular face in the world, which is the frame of the robot's base. Its own frame has the origin in a corner, x along the
-/// length, z along the outward normal.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FaceSpec {
-    /// Corner at which the raster begins.
-    pub origin_m: [f64; 3],
-    /// Unit vector along the length.
-    pub x_axis: [f64; 3],
-    /// Outward unit normal, square to `x_axis`.
-    pub normal: [f64; 3],
-    /// Length, along x.
-    pub length_m: f64,
-    /// Width, along y = normal × x.
-    pub width_m: f64,
-    /// Size of the cells on which removal is kept, as asked for.
-    pub cell_m: f64,
-}
-
-impl FaceSpec {
-    /// Columns (along the length) and rows of cells: as few as are no larger than asked for.
-    pub fn cells(&self) -> [usize; 2] {
-        [self.length_m, self.width_m]
-            .map(|side| (side / self.cell_m - 1e-9).ceil().max(1.0) as usize)
-    }
-}
 
 /// A rectangular face in the world.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -66,8 +41,8 @@ const MOST_CELLS: f64 = 4e6;
 const LARGEST_COSINE: f64 = 1e-6;
 
 impl FaceTable {
-    /// `None` after recording a fault.
-    pub(super) fn resolve(self, check: &mut Check) -> Option<FaceSpec> {
+    /// The face, and the largest size of its cells (m). `None` after recording a fault.
+    pub(super) fn resolve(self, check: &mut Check) -> Option<(RectangularFace, f64)> {
         let Self {
             origin_mm,
             x_axis: given_x_axis,
@@ -106,13 +81,13 @@ impl FaceTable {
             check.refuse(Fault::value(&path, message, "too fine"));
             return None;
         }
-        Some(FaceSpec {
+        let face = RectangularFace {
             origin_m: origin_mm.map(from_mm),
             x_axis,
             normal,
             length_m: from_mm(length_mm),
             width_m: from_mm(width_mm),
-            cell_m: from_mm(cell_mm),
-        })
+        };
+        Some((face, from_mm(cell_mm)))
     }
 }

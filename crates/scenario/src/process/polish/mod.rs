@@ -5,10 +5,6 @@ mod path;
 mod precession;
 mod wheel;
 
-pub use face::FaceSpec;
-pub use path::RasterSpec;
-pub use precession::PrecessionSpec;
-
 use std::path::Path;
 
 use schemars::JsonSchema;
@@ -16,10 +12,12 @@ use serde::Deserialize;
 use truecut_core::wheel::abrasive::Abrasive;
 use truecut_core::wheel::force_control::ForceControl;
 use truecut_core::wheel::pneumatic::PneumaticWheel;
+use truecut_plan::motion::polish::{Precession, RectangularFace};
+use truecut_plan::motion::raster::Raster;
 
 use crate::check::Check;
 use crate::control::{ControlTable, Pressed};
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room, WheelPart, hold};
 use crate::roughness::RoughnessTable;
 use crate::units::{from_deg, from_rpm, from_um};
@@ -45,16 +43,26 @@ pub struct PolishSpec {
     /// Angle about the spin axis, from the tool's x axis towards its y axis, at which the middle stands at the start.
     pub eccentricity_angle_rad: f64,
     /// The face.
-    pub face: FaceSpec,
+    pub face: RectangularFace,
+    /// Size of the cells on which removal is kept, as asked for.
+    pub cell_m: f64,
     /// The path of the patch's middle.
-    pub path: RasterSpec,
+    pub path: Raster,
     /// How the spin axis turns about the normal.
-    pub precession: PrecessionSpec,
+    pub precession: Precession,
     /// What holds the normal force.
     pub control: ForceControl,
     /// How far the undeformed wheel reaches into the face along the path; `None`: as far as the
     /// force takes.
     pub indentation_m: Option<f64>,
+}
+
+impl PolishSpec {
+    /// Columns (along the length) and rows of cells: as few as are no larger than asked for.
+    pub fn cells(&self) -> [usize; 2] {
+        [self.face.length_m, self.face.width_m]
+            .map(|side| (side / self.cell_m - 1e-9).ceil().max(1.0) as usize)
+    }
 }
 
 /// Polishing of a rectangular face with a soft wheel in precession.
@@ -128,7 +136,7 @@ impl PolishTable {
         }
         let wheel = wheel.resolve(check);
         let face = face.resolve(check);
-        let path = face.as_ref().and_then(|face| path.resolve(face, check));
+        let path = (face.as_ref()).and_then(|(face, _)| path.resolve(face, check));
         let precession = precession.resolve(check);
         let pressed = Pressed::ByTable {
             radius_m: wheel.radius_m,
@@ -136,6 +144,7 @@ impl PolishTable {
         let control = control.resolve(&format!("{TABLE}.control"), &pressed, check);
         let polishing = roughness.resolve(TABLE, check);
         let (control, indentation_m) = control?;
+        let (face, cell_m) = face?;
         Some(PolishSpec {
             wheel,
             spin_rad_s: from_rpm(spin_rpm),
@@ -147,7 +156,8 @@ impl PolishTable {
             },
             eccentricity_m: from_um(eccentricity_um.unwrap_or(0.0)),
             eccentricity_angle_rad: from_deg(eccentricity_angle_deg.unwrap_or(0.0)),
-            face: face?,
+            face,
+            cell_m,
             path: path?,
             precession: precession?,
             control,

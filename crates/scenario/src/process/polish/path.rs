@@ -2,24 +2,12 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_plan::motion::polish::RectangularFace;
+use truecut_plan::motion::raster::Raster;
 
-use super::face::FaceSpec;
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::from_mm;
-
-/// Lines along the face's length, one after the other to and fro, joined along its width; corners are rounded.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RasterSpec {
-    /// Number of lines, at even distances.
-    pub lines: usize,
-    /// Distance of the outermost lines and of the lines' ends from the edges; negative: beyond them.
-    pub inset_m: f64,
-    /// Radius of the corners.
-    pub corner_radius_m: f64,
-    /// Speed along the path.
-    pub feed_m_per_s: f64,
-}
 
 /// Lines along the face's length, to and fro.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -43,7 +31,7 @@ const TABLE: &str = "process.polish.path";
 
 impl RasterTable {
     /// `None` after recording a fault.
-    pub(super) fn resolve(self, face: &FaceSpec, check: &mut Check) -> Option<RasterSpec> {
+    pub(super) fn resolve(self, face: &RectangularFace, check: &mut Check) -> Option<Raster> {
         let Self {
             line_spacing_mm,
             inset_mm,
@@ -78,7 +66,7 @@ impl RasterTable {
             check.refuse(Fault::value(&path, message, "corners overlap"));
             return None;
         }
-        Some(RasterSpec {
+        Some(Raster {
             lines: gaps as usize + 1,
             inset_m,
             corner_radius_m,

@@ -3,22 +3,11 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_core::wheel::precession::{ChordExtent, EdgeRule};
+use truecut_plan::motion::polish::Precession;
 use truecut_plan::precession::PrecessionLimits;
 
 use crate::check::Check;
 use crate::units::{from_deg, from_rpm};
-
-/// How the spin axis turns about the normal.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PrecessionSpec {
-    /// Rate of the steady turn, from the face's x axis towards its y axis; negative: the other way.
-    pub turn_rad_s: f64,
-    /// Angle towards which the axis leans at the start.
-    pub start_rad: f64,
-    /// What is asked for at edges, and how fast angle and feed may change for it; `None`: the angle
-    /// turns steadily.
-    pub at_edges: Option<(EdgeRule, PrecessionLimits)>,
-}
 
 /// Rules by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
@@ -60,7 +49,7 @@ const FEED_ACCELERATION_M_S2: f64 = 0.5;
 
 impl PrecessionTable {
     /// `None` after recording a fault.
-    pub(super) fn resolve(self, check: &mut Check) -> Option<PrecessionSpec> {
+    pub(super) fn resolve(self, check: &mut Check) -> Option<Precession> {
         let Self {
             turn_rpm,
             start_deg,
@@ -71,7 +60,7 @@ impl PrecessionTable {
         } = self;
         let limits = [largest_rate_deg_per_s, largest_acceleration_deg_per_s2];
         let at_edges = at_edges(rule, epsilon, limits, check);
-        Some(PrecessionSpec {
+        Some(Precession {
             turn_rad_s: from_rpm(turn_rpm),
             start_rad: from_deg(start_deg.unwrap_or(0.0)),
             at_edges: at_edges?,

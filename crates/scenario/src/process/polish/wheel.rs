@@ -5,7 +5,7 @@ use serde::Deserialize;
 use truecut_core::wheel::pneumatic::PneumaticWheel;
 
 use crate::check::Check;
-use crate::document::Fault;
+use crate::fault::Fault;
 use crate::units::{from_mm, from_mpa};
 
 /// An inflated rubber sphere.

@@ -343,7 +343,7 @@ impl Process for Polish {
             path: "removed_depth".into(),
             world_from_field: crate::scene::pose(&(p.world_from_face * ridge)),
             size_m: [p.spec.face.length_m, p.spec.face.width_m],
-            cells: p.spec.face.cells(),
+            cells: p.spec.cells(),
             full_scale: FULL_SCALE * p.expected_depth_m,
             vertices_m: Vec::new(),
         })

@@ -3,7 +3,7 @@
 use crate::effect::WheelEffects;
 use crate::error::SimError;
 use crate::loads::{Attachment, Wrench};
-use crate::motion::polish::{indentation_m, world_from_face};
+use crate::motion::polish::indentation_m;
 use crate::motion::{self};
 use crate::process::setup::Motion;
 use crate::process::{Polish, PolishSetup, Process, ProcessSetup, SetupContext, ToolState};
@@ -54,7 +54,7 @@ fn polish(
     let face = Face::rectangle(spec.face.length_m, spec.face.width_m)
         .map_err(|error| SimError::scenario("process.polish.face", error.to_string()))?;
     let mut setup = PolishSetup {
-        world_from_face: world_from_face(&spec.face),
+        world_from_face: spec.face.world_from_face(),
         process_from_world: world_from_process.rotation.inverse(),
         face,
         indentation_m: indentation_m(spec)?,

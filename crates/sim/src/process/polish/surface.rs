@@ -21,7 +21,7 @@ pub(super) struct Surface {
 impl Surface {
     pub fn new(setup: &PolishSetup) -> Self {
         let face = &setup.spec.face;
-        let [columns, rows] = face.cells();
+        let [columns, rows] = setup.spec.cells();
         Self {
             grid: SurfaceGrid::plane(columns, rows, face.length_m, face.width_m),
             cell_m: Vector2::new(face.length_m / columns as f64, face.width_m / rows as f64),

@@ -1,19 +1,7 @@
-//! Rows of the catalogue, written short.
+//! Parameters of the catalogue, written short.
 
-use super::{EffectKind, Family, Model, ParameterInfo, Signal, TargetKind};
+use super::ParameterInfo;
 use truecut_recording::Unit;
-
-/// One kind of effect.
-pub(super) struct Entry {
-    pub name: &'static str,
-    pub family: Family,
-    pub target: TargetKind,
-    pub description: &'static str,
-    pub parameters: &'static [ParameterInfo],
-    pub models: &'static [Model],
-    pub limits: &'static [EffectKind],
-    pub follows: Option<Signal>,
-}
 
 /// A size whose key does not depend on the kind of joint.
 pub(super) const fn same(
