@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use truecut_recording::SinkError;
+
 /// A file that cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {reason}", .path.display())]
@@ -68,4 +70,13 @@ impl FileError {
             reason: reason.into(),
         }
     }
+}
+
+/// What a writer says of a file where it could not do something.
+pub(crate) fn failed<E>(path: &Path, action: &'static str) -> impl Fn(E) -> SinkError + use<E>
+where
+    E: Into<Box<dyn std::error::Error + Send + Sync>>,
+{
+    let target = path.display().to_string();
+    move |error| SinkError::new(target.clone(), action, error)
 }

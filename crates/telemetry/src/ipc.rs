@@ -14,7 +14,7 @@ use arrow::ipc::reader::StreamReader;
 use arrow::ipc::writer::StreamWriter;
 use truecut_recording::{Chunk, ClaimResult, Header, Outcome, Recording, Sink, SinkError};
 
-use crate::error::{FileError, Reason};
+use crate::error::{FileError, Reason, failed};
 use crate::table;
 
 /// Streams rows into a file; every chunk is with the operating system when [`Sink::chunk`] returns,
@@ -37,16 +37,11 @@ impl IpcSink {
             open: None,
         }
     }
-
-    fn failed(&self, action: &'static str) -> impl Fn(Reason) -> SinkError + use<> {
-        let target = self.path.display().to_string();
-        move |reason| SinkError::new(target.clone(), action, reason)
-    }
 }
 
 impl Sink for IpcSink {
     fn begin(&mut self, header: &Header) -> Result<(), SinkError> {
-        let failed = self.failed("begin the stream");
+        let failed = failed::<Reason>(&self.path, "begin the stream");
         let schema = Arc::new(table::schema(header));
         let file = File::create(&self.path).map_err(|error| failed(error.into()))?;
         let writer = StreamWriter::try_new(BufWriter::new(file), &schema).and_then(|mut writer| {
@@ -61,7 +56,7 @@ impl Sink for IpcSink {
     }
 
     fn chunk(&mut self, chunk: &Chunk<'_>) -> Result<(), SinkError> {
-        let failed = self.failed("write rows");
+        let failed = failed::<Reason>(&self.path, "write rows");
         let Some(open) = &mut self.open else {
             return Ok(());
         };
@@ -77,7 +72,7 @@ impl Sink for IpcSink {
     }
 
     fn finish(&mut self, recording: &Recording, _: &[ClaimResult]) -> Result<(), SinkError> {
-        let failed = self.failed("end the stream");
+        let failed = failed::<Reason>(&self.path, "end the stream");
         let Some(OpenStream { mut writer, .. }) = self.open.take() else {
             return Ok(());
         };

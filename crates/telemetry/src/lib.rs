@@ -1,10 +1,11 @@
 //! Recordings to files and back.
 //!
-//! | file | written | holds | read by |
-//! | --- | --- | --- | --- |
-//! | `.rrd` | while the run is under way | what a person wants to see: the arm in 3-D, curves, states, spectra, claims | the rerun viewer, 0.36 |
-//! | `.arrows` | while the run is under way | every row, then the results | [`read_ipc_stream`], any Arrow reader |
-//! | `.parquet` | at the end | every row and the results, the same bytes for the same run | [`read_parquet`], any Parquet reader |
+//! - `.rrd`, written while the run is under way: what a person wants to see (the arm in 3-D, curves,
+//!   states, spectra, claims). Read by the rerun viewer, 0.36.
+//! - `.arrows`, written while the run is under way: every row, then the results. Read by
+//!   [`read_ipc_stream`] and any Arrow reader.
+//! - `.parquet`, written at the end: every row and the results, the same bytes for the same run. Read
+//!   by [`read_parquet`] and any Parquet reader.
 //!
 //! Measured data comes in as CSV or as any Parquet file of numbers: [`read_table`].
 //!
@@ -28,7 +29,11 @@
 //! ];
 //! let header = Header {
 //!     scenario_name: "A tool that is pushed aside".into(),
-//!     channels: vec![ChannelSpec::new("tool.displacement_y", Unit::Metre, "tool point, process frame")],
+//!     channels: vec![ChannelSpec::new(
+//!         "tool.displacement_y",
+//!         Unit::Metre,
+//!         "tool point, process frame",
+//!     )],
 //!     ..Header::default()
 //! };
 //! let mut recorder = Recorder::new(header, vec![Box::new(Background::new(sinks))])?;

@@ -12,7 +12,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
-use crate::error::{FileError, Reason};
+use crate::error::{FileError, Reason, failed};
 use crate::table;
 
 /// Rows of a row group. Fixed, so that the file does not depend on when rows arrived.
@@ -114,11 +114,6 @@ impl ParquetSink {
             open: None,
         }
     }
-
-    fn failed(&self, action: &'static str) -> impl Fn(Reason) -> SinkError + use<> {
-        let target = self.path.display().to_string();
-        move |reason| SinkError::new(target.clone(), action, reason)
-    }
 }
 
 impl OpenFile {
@@ -151,8 +146,8 @@ impl Sink for ParquetSink {
         let mut name = self.path.clone().into_os_string();
         name.push(".part");
         let part = PartialFile(name.into());
-        let writer =
-            RowWriter::create(&part.0, header).map_err(self.failed("begin the recording"))?;
+        let writer = RowWriter::create(&part.0, header)
+            .map_err(failed(&self.path, "begin the recording"))?;
         let waiting = vec![Vec::new(); header.channels.len() + 1];
         self.open = Some(OpenFile {
             writer,
@@ -163,7 +158,7 @@ impl Sink for ParquetSink {
     }
 
     fn chunk(&mut self, chunk: &Chunk<'_>) -> Result<(), SinkError> {
-        let failed = self.failed("write rows");
+        let failed = failed(&self.path, "write rows");
         let Some(open) = &mut self.open else {
             return Ok(());
         };
@@ -178,7 +173,7 @@ impl Sink for ParquetSink {
     }
 
     fn finish(&mut self, recording: &Recording, _: &[ClaimResult]) -> Result<(), SinkError> {
-        let failed = self.failed("end the recording");
+        let failed = failed(&self.path, "end the recording");
         self.open
             .take()
             .map_or(Ok(()), |open| open.end(&self.path, recording))

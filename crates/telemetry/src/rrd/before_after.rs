@@ -6,13 +6,14 @@ use rerun::blueprint::components::PlayState;
 use rerun::datatypes::{TimeInt, TimeRange, TimeRangeBoundary};
 use rerun::external::re_sdk_types::blueprint::archetypes::{PlotLegend, TimeAxis};
 use rerun::external::re_sdk_types::blueprint::components as kinds;
-use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
+use rerun::{AsComponents, RecordingStream, RecordingStreamResult};
 use truecut_recording::{SinkError, UserUnit};
 
 use super::blueprint::{Layout, Part};
 use super::results::SCENARIO;
-use super::{Failure, application, flush, log_text, nanoseconds, time_column};
+use super::{Failure, application, begin_file, flush, log_text, nanoseconds, time_column};
 use crate::decimate::rows_to_draw;
+use crate::error::failed;
 
 /// Where the verdict is logged.
 const VERDICT: &str = "/verdict";
@@ -66,16 +67,11 @@ pub struct ChannelBeforeAfter<'a> {
 /// # Errors
 /// Where the file cannot be written.
 pub fn write_before_after(path: &Path, shown: &BeforeAfter<'_>) -> Result<(), SinkError> {
-    write(path, shown)
-        .map_err(|error| SinkError::new(path.display().to_string(), "write the curves", error))
+    write(path, shown).map_err(failed(path, "write the curves"))
 }
 
 fn write(path: &Path, shown: &BeforeAfter<'_>) -> Result<(), Failure> {
-    let stream = RecordingStreamBuilder::new(application(shown.title))
-        .recording_name(shown.title)
-        // Whatever the environment says: the user asked for this file.
-        .enabled(true)
-        .save(path)?;
+    let stream = begin_file(path, shown.title)?;
     log_text(&stream, VERDICT, shown.verdict.to_owned())?;
     log_text(&stream, SCENARIO, super::results::scenario(shown.scenario))?;
     for (index, channel) in shown.channels.iter().enumerate() {
@@ -228,12 +224,9 @@ fn curves(
 
 fn layout(stream: &RecordingStream, shown: &BeforeAfter<'_>) -> RecordingStreamResult<()> {
     let layout = Layout::new(application(shown.title))?;
-    let text = |title: &str, entity: &str| {
-        layout.view("TextDocument", title, entity, &["$origin".to_owned()], &[])
-    };
     let texts = layout.tabs(&[
-        text("Verdict", VERDICT)?,
-        text("Extended scenario", SCENARIO)?,
+        layout.document("Verdict", VERDICT)?,
+        layout.document("Extended scenario", SCENARIO)?,
     ])?;
     let mut pages = Vec::new();
     for (page, channels) in shown.channels.chunks(ROWS).enumerate() {
@@ -246,11 +239,7 @@ fn layout(stream: &RecordingStream, shown: &BeforeAfter<'_>) -> RecordingStreamR
         let title = format!("Channels {first} to {}", first + channels.len() - 1);
         pages.push(layout.titled_stack(&title, rows?)?);
     }
-    let right = if pages.len() == 1 {
-        pages.remove(0)
-    } else {
-        layout.tabs(&pages)?
-    };
+    let right = layout.pages(pages)?;
     let root = layout.side_by_side(vec![(0.7, texts), (1.3, right)])?;
     layout.send(&root, PlayState::Paused, stream)
 }

@@ -58,6 +58,11 @@ impl Layout {
         Ok(Part(path))
     }
 
+    /// A text.
+    pub(super) fn document(&self, title: &str, entity: &str) -> RecordingStreamResult<Part> {
+        self.view("TextDocument", title, entity, &["$origin".to_owned()], &[])
+    }
+
     /// Parts side by side, with shares of the width.
     pub(super) fn side_by_side(&self, parts: Vec<(f32, Part)>) -> RecordingStreamResult<Part> {
         let (shares, parts): (Vec<f32>, Vec<Part>) = parts.into_iter().unzip();
@@ -100,6 +105,14 @@ impl Layout {
             container = container.with_active_tab(first.as_str());
         }
         self.container(container, parts)
+    }
+
+    /// Parts as tabs; one alone stands without.
+    pub(super) fn pages(&self, mut parts: Vec<Part>) -> RecordingStreamResult<Part> {
+        if parts.len() == 1 {
+            return Ok(parts.remove(0));
+        }
+        self.tabs(&parts)
     }
 
     fn container(

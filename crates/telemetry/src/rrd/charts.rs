@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use rerun::blueprint::components::PlayState;
-use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
+use rerun::{RecordingStream, RecordingStreamResult};
 use truecut_recording::SinkError;
 
 use super::blueprint::{Layout, Part};
 use super::chart::{Chart, Curve};
 use super::layout::chart_view;
 use super::results::Drawn;
-use super::{Failure, application, flush, log_text};
+use super::{Failure, application, begin_file, flush, log_text};
+use crate::error::failed;
 
 /// Where the text is logged.
 const TEXT: &str = "/text";
@@ -61,20 +62,16 @@ pub fn write_charts(
     pages: &[ChartPage],
 ) -> Result<(), SinkError> {
     let written = || -> Result<(), Failure> {
-        let stream = RecordingStreamBuilder::new(application(title))
-            .recording_name(title)
-            // Whatever the environment says: the user asked for this file.
-            .enabled(true)
-            .save(path)?;
+        let stream = begin_file(path, title)?;
         log_text(&stream, TEXT, format!("# {title}\n\n```\n{text}\n```\n"))?;
         let layout = Layout::new(application(title))?;
-        let words = layout.view("TextDocument", title, TEXT, &["$origin".to_owned()], &[])?;
+        let words = layout.document(title, TEXT)?;
         let right = log_pages(&stream, &layout, pages)?;
         let root = layout.side_by_side(vec![(0.6, words), (1.4, right)])?;
         layout.send(&root, PlayState::Paused, &stream)?;
         flush(&stream)
     };
-    written().map_err(|error| SinkError::new(path.display().to_string(), "write the charts", error))
+    written().map_err(failed(path, "write the charts"))
 }
 
 /// Logs pages of charts and gives the part of the layout that shows them.
@@ -94,10 +91,7 @@ pub(super) fn log_pages(
         }
         tabs.push(layout.titled_stack(&page.title, rows)?);
     }
-    if tabs.len() == 1 {
-        return Ok(tabs.remove(0));
-    }
-    layout.tabs(&tabs)
+    layout.pages(tabs)
 }
 
 fn drawn(chart: &ChartShown) -> Chart {

@@ -79,9 +79,7 @@ fn left_side(layout: &Layout, header: &Header) -> RecordingStreamResult<Part> {
         ("About this run", ABOUT),
         ("Scenario", SCENARIO),
     ];
-    let texts = texts.into_iter().map(|(title, entity)| {
-        layout.view("TextDocument", title, entity, &["$origin".to_owned()], &[])
-    });
+    let texts = (texts.into_iter()).map(|(title, entity)| layout.document(title, entity));
     let texts = layout.tabs(&texts.collect::<RecordingStreamResult<Vec<_>>>()?)?;
     if header.scene.bodies.is_empty() {
         return Ok(texts);

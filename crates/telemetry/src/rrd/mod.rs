@@ -13,13 +13,14 @@ mod scene;
 mod series;
 mod shapes;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use rerun::external::re_log_types::ApplicationId;
 use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, TimeColumn, Timeline};
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
 use crate::display::{Group, groups};
+use crate::error::failed;
 pub use before_after::{BeforeAfter, ChannelBeforeAfter, write_before_after};
 pub use charts::{ChartCurve, ChartPage, ChartShown, write_charts};
 use layout::AtEnd;
@@ -58,23 +59,19 @@ impl RrdSink {
             open: None,
         }
     }
-
-    fn failed(&self, action: &'static str) -> impl Fn(Failure) -> SinkError + use<> {
-        let target = self.path.display().to_string();
-        move |error| SinkError::new(target.clone(), action, error)
-    }
 }
 
 impl Sink for RrdSink {
     fn begin(&mut self, header: &Header) -> Result<(), SinkError> {
         self.open = Some(
-            OpenRecording::begin(&self.path, header).map_err(self.failed("begin the recording"))?,
+            OpenRecording::begin(&self.path, header)
+                .map_err(failed(&self.path, "begin the recording"))?,
         );
         Ok(())
     }
 
     fn chunk(&mut self, chunk: &Chunk<'_>) -> Result<(), SinkError> {
-        let failed = self.failed("write rows");
+        let failed = failed(&self.path, "write rows");
         self.open
             .as_mut()
             .map_or(Ok(()), |open| open.chunk(chunk))
@@ -82,7 +79,7 @@ impl Sink for RrdSink {
     }
 
     fn finish(&mut self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), SinkError> {
-        let failed = self.failed("end the recording");
+        let failed = failed(&self.path, "end the recording");
         self.open
             .take()
             .map_or(Ok(()), |open| open.finish(recording, claims))
@@ -91,12 +88,8 @@ impl Sink for RrdSink {
 }
 
 impl OpenRecording {
-    fn begin(path: &std::path::Path, header: &Header) -> Result<OpenRecording, Failure> {
-        let stream = RecordingStreamBuilder::new(application(&header.scenario_name))
-            .recording_name(header.scenario_name.as_str())
-            // Whatever the environment says: the user asked for this file.
-            .enabled(true)
-            .save(path)?;
+    fn begin(path: &Path, header: &Header) -> Result<OpenRecording, Failure> {
+        let stream = begin_file(path, &header.scenario_name)?;
         let groups = groups(&header.channels);
         series::begin(&stream, &groups)?;
         let scene = SceneLogger::begin(&stream, &header.scene)?;
@@ -157,6 +150,15 @@ impl OpenRecording {
         self.scene.finish(stream)?;
         flush(stream)
     }
+}
+
+fn begin_file(path: &Path, title: &str) -> Result<RecordingStream, Failure> {
+    let stream = RecordingStreamBuilder::new(application(title))
+        .recording_name(title)
+        // Whatever the environment says: the user asked for this file.
+        .enabled(true)
+        .save(path)?;
+    Ok(stream)
 }
 
 fn flush(stream: &RecordingStream) -> Result<(), Failure> {

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use rerun::blueprint::components::PlayState;
-use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
+use rerun::{RecordingStream, RecordingStreamResult};
 use truecut_recording::{Frame, Scene, SinkError};
 
 use super::blueprint::Layout;
@@ -12,7 +12,8 @@ use super::charts::{ChartPage, log_pages};
 use super::layout::scene_views;
 use super::results::SCENARIO;
 use super::scene::SceneLogger;
-use super::{Failure, SCENE, application, flush, log_text, time_column};
+use super::{Failure, SCENE, application, begin_file, flush, log_text, time_column};
+use crate::error::failed;
 
 const TEXT: &str = "/text";
 /// Half the length of the ellipsoid's longest axis along the whole path, m.
@@ -59,16 +60,11 @@ pub struct PlanStation {
 /// # Errors
 /// Where the file cannot be written.
 pub fn write_plan(path: &Path, shown: &PlanShown<'_>) -> Result<(), SinkError> {
-    write(path, shown)
-        .map_err(|error| SinkError::new(path.display().to_string(), "write the plan", error))
+    write(path, shown).map_err(failed(path, "write the plan"))
 }
 
 fn write(path: &Path, shown: &PlanShown<'_>) -> Result<(), Failure> {
-    let stream = RecordingStreamBuilder::new(application(shown.title))
-        .recording_name(shown.title)
-        // Whatever the environment says: the user asked for this file.
-        .enabled(true)
-        .save(path)?;
+    let stream = begin_file(path, shown.title)?;
     log_text(&stream, TEXT, format!("```\n{}\n```\n", shown.text))?;
     log_text(&stream, SCENARIO, super::results::scenario(shown.scenario))?;
     let mut scene = SceneLogger::begin(&stream, shown.scene)?;
@@ -78,14 +74,8 @@ fn write(path: &Path, shown: &PlanShown<'_>) -> Result<(), Failure> {
     log_ellipsoid(&stream, shown.stations)?;
     let layout = Layout::new(application(shown.title))?;
     let words = layout.tabs(&[
-        layout.view("TextDocument", "Plan", TEXT, &["$origin".to_owned()], &[])?,
-        layout.view(
-            "TextDocument",
-            "Scenario",
-            SCENARIO,
-            &["$origin".to_owned()],
-            &[],
-        )?,
+        layout.document("Plan", TEXT)?,
+        layout.document("Scenario", SCENARIO)?,
     ])?;
     let views = scene_views(&layout, shown.scene)?;
     let left = layout.stacked(vec![(5.0, views), (2.5, words)])?;
