@@ -15,8 +15,9 @@
 //! stiffness_nm_per_rad = 2.117e6           # a prismatic joint has stiffness_n_per_m,
 //! damping_nm_s_per_rad = 2011.15           #   damping_n_s_per_m,
 //! dry_friction_nm = 0.0                    #   dry_friction_n
-//! rotor_inertia_kg_m2 = 0.0                #   and rotor_mass_kg; all on the joint side of the gear
-//! pulses_per_deg = 1345.0                  # optional, pulses_per_mm: encoder counts of a controller that writes them
+//! rotor_inertia_kg_m2 = 0.0                #   and rotor_mass_kg; all on the gear's joint side
+//! pulses_per_deg = 1345.0                  # optional, pulses_per_mm: encoder counts of a
+//!                                          #   controller that writes them
 //! [joint.servo]                            # optional
 //! position_gain_per_s = 20.0
 //! velocity_gain_nm_s_per_rad = 1.0e4       #   velocity_gain_n_s_per_m
@@ -39,8 +40,6 @@ use toml::Spanned;
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{Chain, JointKind, Transmission};
-
-mod servo;
 
 type Number = Option<Spanned<f64>>;
 
@@ -180,6 +179,20 @@ struct Key<'a> {
     rule: Rule,
 }
 
+/// The key of two fields of a table, for revolute and prismatic joints, with its source and rule.
+macro_rules! key {
+    ($table:ident.$revolute:ident, $prismatic:ident, $source:literal, $rule:ident) => {
+        Key {
+            revolute: (stringify!($revolute), &$table.$revolute),
+            prismatic: (stringify!($prismatic), &$table.$prismatic),
+            source: $source,
+            rule: Rule::$rule,
+        }
+    };
+}
+
+mod servo;
+
 #[derive(Clone, Copy)]
 enum Rule {
     Positive,
@@ -232,48 +245,43 @@ impl ConfigReader<'_> {
         let source = &raw.source;
         let sources = &mut transmission.sources;
         let value = |key: Key, text: &Option<String>| self.value(name, kind, &key, text.as_deref());
-        let stiffness = Key {
-            revolute: ("stiffness_nm_per_rad", &raw.stiffness_nm_per_rad),
-            prismatic: ("stiffness_n_per_m", &raw.stiffness_n_per_m),
-            source: "stiffness",
-            rule: Rule::Positive,
-        };
+        let stiffness = key!(
+            raw.stiffness_nm_per_rad,
+            stiffness_n_per_m,
+            "stiffness",
+            Positive
+        );
         if let Some((value, text)) = value(stiffness, &source.stiffness)? {
             (transmission.stiffness, sources.stiffness) = (Some(value), text);
         }
-        let damping = Key {
-            revolute: ("damping_nm_s_per_rad", &raw.damping_nm_s_per_rad),
-            prismatic: ("damping_n_s_per_m", &raw.damping_n_s_per_m),
-            source: "damping",
-            rule: Rule::NotNegative,
-        };
+        let damping = key!(
+            raw.damping_nm_s_per_rad,
+            damping_n_s_per_m,
+            "damping",
+            NotNegative
+        );
         if let Some(found) = value(damping, &source.damping)? {
             (transmission.damping, sources.damping) = found;
         }
-        let friction = Key {
-            revolute: ("dry_friction_nm", &raw.dry_friction_nm),
-            prismatic: ("dry_friction_n", &raw.dry_friction_n),
-            source: "dry_friction",
-            rule: Rule::NotNegative,
-        };
+        let friction = key!(
+            raw.dry_friction_nm,
+            dry_friction_n,
+            "dry_friction",
+            NotNegative
+        );
         if let Some(found) = value(friction, &source.dry_friction)? {
             (transmission.dry_friction, sources.dry_friction) = found;
         }
-        let rotor = Key {
-            revolute: ("rotor_inertia_kg_m2", &raw.rotor_inertia_kg_m2),
-            prismatic: ("rotor_mass_kg", &raw.rotor_mass_kg),
-            source: "rotor_inertia",
-            rule: Rule::NotNegative,
-        };
+        let rotor = key!(
+            raw.rotor_inertia_kg_m2,
+            rotor_mass_kg,
+            "rotor_inertia",
+            NotNegative
+        );
         if let Some(found) = value(rotor, &source.rotor_inertia)? {
             (transmission.rotor_inertia, sources.rotor_inertia) = found;
         }
-        let pulses = Key {
-            revolute: ("pulses_per_deg", &raw.pulses_per_deg),
-            prismatic: ("pulses_per_mm", &raw.pulses_per_mm),
-            source: "pulses",
-            rule: Rule::Positive,
-        };
+        let pulses = key!(raw.pulses_per_deg, pulses_per_mm, "pulses", Positive);
         if let Some((value, text)) = value(pulses, &source.pulses)? {
             let per_unit = match kind {
                 JointKind::Revolute => value.to_degrees(),

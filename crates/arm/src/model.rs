@@ -181,7 +181,7 @@ pub struct Frames {
     pub flange_from_foot: Isometry3<f64>,
 }
 
-/// Names one of the frames of [`Frames`].
+/// A frame of the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FrameId {

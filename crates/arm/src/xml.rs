@@ -40,66 +40,49 @@ pub(crate) struct UrdfLines {
     pub(crate) joints: Vec<ElementLines>,
 }
 
-/// How many numbers an attribute holds and whether it must be there.
+/// How many numbers attributes of an element hold and whether they must be there.
 struct NumberRule {
     element: &'static str,
-    attribute: &'static str,
+    attributes: &'static [&'static str],
     count: usize,
     required: bool,
-    may_be_infinite: bool,
 }
 
 const fn rule(
     element: &'static str,
-    attribute: &'static str,
+    attributes: &'static [&'static str],
     count: usize,
     required: bool,
 ) -> NumberRule {
     NumberRule {
         element,
-        attribute,
+        attributes,
         count,
         required,
-        may_be_infinite: false,
     }
 }
 
-const fn bound(attribute: &'static str) -> NumberRule {
-    NumberRule {
-        element: "limit",
-        attribute,
-        count: 1,
-        required: false,
-        may_be_infinite: true,
-    }
-}
+/// The element whose numbers may be infinite.
+const BOUNDS: &str = "limit";
 
 const NUMBER_RULES: &[NumberRule] = &[
-    rule("mass", "value", 1, true),
-    rule("inertia", "ixx", 1, true),
-    rule("inertia", "ixy", 1, true),
-    rule("inertia", "ixz", 1, true),
-    rule("inertia", "iyy", 1, true),
-    rule("inertia", "iyz", 1, true),
-    rule("inertia", "izz", 1, true),
-    rule("origin", "xyz", 3, false),
-    rule("origin", "rpy", 3, false),
-    rule("axis", "xyz", 3, true),
-    rule("dynamics", "damping", 1, false),
-    rule("dynamics", "friction", 1, false),
-    rule("mimic", "multiplier", 1, false),
-    rule("mimic", "offset", 1, false),
-    rule("box", "size", 3, true),
-    rule("cylinder", "radius", 1, true),
-    rule("cylinder", "length", 1, true),
-    rule("capsule", "radius", 1, true),
-    rule("capsule", "length", 1, true),
-    rule("sphere", "radius", 1, true),
-    rule("color", "rgba", 4, true),
-    bound("lower"),
-    bound("upper"),
-    bound("velocity"),
-    bound("effort"),
+    rule("mass", &["value"], 1, true),
+    rule(
+        "inertia",
+        &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"],
+        1,
+        true,
+    ),
+    rule("origin", &["xyz", "rpy"], 3, false),
+    rule("axis", &["xyz"], 3, true),
+    rule("dynamics", &["damping", "friction"], 1, false),
+    rule("mimic", &["multiplier", "offset"], 1, false),
+    rule("box", &["size"], 3, true),
+    rule("cylinder", &["radius", "length"], 1, true),
+    rule("capsule", &["radius", "length"], 1, true),
+    rule("sphere", &["radius"], 1, true),
+    rule("color", &["rgba"], 4, true),
+    rule(BOUNDS, &["lower", "upper", "velocity", "effort"], 1, false),
 ];
 
 const JOINT_TYPES: [&str; 7] = [
@@ -272,24 +255,32 @@ impl Scanner<'_> {
         for node in below.filter(|node| !ignored(node)) {
             let element = node.tag_name().name();
             for rule in NUMBER_RULES.iter().filter(|rule| rule.element == element) {
-                self.check_number(owner, &node, rule)?;
+                for attribute in rule.attributes {
+                    self.check_number(owner, &node, rule, attribute)?;
+                }
             }
             lines.children.push((element.to_owned(), self.line(&node)));
         }
         Ok(lines)
     }
 
-    fn check_number(&self, owner: &Node, node: &Node, rule: &NumberRule) -> Result<(), ArmError> {
-        let Some(value) = node.attribute(rule.attribute) else {
+    fn check_number(
+        &self,
+        owner: &Node,
+        node: &Node,
+        rule: &NumberRule,
+        attribute: &str,
+    ) -> Result<(), ArmError> {
+        let Some(value) = node.attribute(attribute) else {
             if rule.required {
-                self.require(node, rule.attribute)?;
+                self.require(node, attribute)?;
             }
             return Ok(());
         };
         let good = |token: &str| {
             token
                 .parse::<f64>()
-                .is_ok_and(|v| v.is_finite() || (rule.may_be_infinite && v.is_infinite()))
+                .is_ok_and(|v| v.is_finite() || (rule.element == BOUNDS && v.is_infinite()))
         };
         let tokens: Vec<_> = value.split_whitespace().collect();
         if tokens.len() == rule.count && tokens.iter().all(|token| good(token)) {
@@ -302,7 +293,7 @@ impl Scanner<'_> {
                 owner.attribute("name").unwrap_or_default()
             ),
             element: rule.element.to_owned(),
-            attribute: rule.attribute.to_owned(),
+            attribute: attribute.to_owned(),
             value: value.to_owned(),
             expected: match rule.count {
                 1 => "one finite number",
