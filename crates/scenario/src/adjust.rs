@@ -1,4 +1,5 @@
-//! The `[[robot.link]]` and `[[robot.joint]]` tables: inertial values that differ from the robot's files.
+//! The `[[robot.link]]` and `[[robot.joint]]` tables: inertial values that differ from the robot's
+//! files.
 
 use schemars::JsonSchema;
 use serde::Deserialize;

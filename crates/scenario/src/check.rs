@@ -1,5 +1,7 @@
 //! Collects the faults that are found while tables are turned into their typed form.
 
+use std::fmt::Display;
+
 use crate::document::Document;
 use crate::fault::Fault;
 
@@ -24,6 +26,14 @@ impl<'a> Check<'a> {
     /// Records a fault.
     pub fn refuse(&mut self, fault: Fault) {
         self.faults.push(fault);
+    }
+
+    /// Records a fault in the value of `key` in `table`; the message goes on behind the key with
+    /// what the value `is` and what it must be.
+    pub fn wrong(&mut self, table: &str, key: &str, is: impl Display, label: impl Into<String>) {
+        let path = format!("{table}.{key}");
+        let message = format!("`{path}` {is}");
+        self.refuse(Fault::value(&path, message, label));
     }
 
     /// Records a fault for each of `keys` in `table` that is written although `because` makes it

@@ -7,8 +7,9 @@ use serde::Deserialize;
 use truecut_recording::{ClaimSpec, RunReference, UserUnit};
 
 use crate::check::Check;
+use crate::column::read_unit;
 use crate::fault::Fault;
-use crate::metric::{MetricTable, read_unit};
+use crate::metric::MetricTable;
 
 /// What must hold of the run.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -113,13 +114,8 @@ pub(crate) fn check_bounds(table: &str, min: Option<f64>, max: Option<f64>, chec
             check.refuse(Fault::key(&format!("{table}.min"), message, label));
         }
         (Some(min), Some(max)) if min > max => {
-            let path = format!("{table}.max");
-            let message = format!("`{path}` is {max}, but must be at least min = {min}");
-            check.refuse(Fault::value(
-                &path,
-                message,
-                "nothing lies between the bounds",
-            ));
+            let message = format!("is {max}, but must be at least min = {min}");
+            check.wrong(table, "max", message, "nothing lies between the bounds");
         }
         _ => {}
     }

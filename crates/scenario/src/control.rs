@@ -5,7 +5,6 @@ use serde::Deserialize;
 use truecut_core::wheel::force_control::ForceControl;
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::units::{from_mm, from_n_per_mm};
 
 /// Laws by name.
@@ -26,13 +25,15 @@ enum LawName {
 pub(crate) struct ControlTable {
     /// What holds the normal force.
     law: LawName,
-    /// How far the undeformed wheel would reach into the face (law "position" of process.polish; a belt's job says it).
+    /// How far the undeformed wheel would reach into the face (law "position" of process.polish; a
+    /// belt's job says it).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is pressed on"))]
     penetration_mm: Option<f64>,
     /// Normal force that is held (law "constant_force"), or preload (law "compliant").
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is pressed on"))]
     force_n: Option<f64>,
-    /// Missing force per speed of the carrier (law "constant_force"), or damping of the carrier (law "compliant").
+    /// Missing force per speed of the carrier (law "constant_force"), or damping of the carrier
+    /// (law "compliant").
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a carrier that nothing holds back would have no speed, or never come to rest"))]
     damping_n_s_per_mm: Option<f64>,
     /// Largest speed of the carrier (law "constant_force").
@@ -44,8 +45,8 @@ pub(crate) struct ControlTable {
     /// Stiffness of the carrier's spring (law "compliant").
     #[schemars(extend("minimum" = 0.0, "x-rule" = "0 is a preload alone"))]
     stiffness_n_per_mm: Option<f64>,
-    /// Stroke of the carrier to either side (law "compliant"; law "constant_force" of process.belt, whose wheel leaves the face between
-    /// lines; of process.polish default: none).
+    /// Stroke of the carrier to either side (law "compliant"; law "constant_force" of process.belt,
+    /// whose wheel leaves the face between lines; of process.polish default: none).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the carrier moves"))]
     stroke_mm: Option<f64>,
 }
@@ -75,22 +76,12 @@ impl ControlTable {
         pressed: &Pressed,
         check: &mut Check,
     ) -> Option<(ForceControl, Option<f64>)> {
-        let Self {
-            law,
-            penetration_mm,
-            force_n,
-            damping_n_s_per_mm,
-            fastest_mm_per_s,
-            mass_kg,
-            stiffness_n_per_mm,
-            stroke_mm,
-        } = self;
-        let (who, idle, because) = law.idle_keys();
+        let (who, idle, because) = self.law.idle_keys();
         check.ignored(table, idle, because);
-        if law == LawName::Position {
+        if self.law == LawName::Position {
             let indentation_m = match *pressed {
                 Pressed::ByTable { radius_m } => {
-                    let given = check.needed(table, "penetration_mm", penetration_mm, who)?;
+                    let given = check.needed(table, "penetration_mm", self.penetration_mm, who)?;
                     Some(indentation(table, given, radius_m, check)?)
                 }
                 Pressed::ByPath { .. } => {
@@ -103,12 +94,12 @@ impl ControlTable {
             return Some((ForceControl::Position, indentation_m));
         }
         let mut needed = |key, value| check.needed(table, key, value, who);
-        let force = needed("force_n", force_n);
-        let control = if law == LawName::Compliant {
-            let mass = needed("mass_kg", mass_kg);
-            let stiffness = needed("stiffness_n_per_mm", stiffness_n_per_mm);
-            let damping = needed("damping_n_s_per_mm", damping_n_s_per_mm);
-            let stroke = needed("stroke_mm", stroke_mm);
+        let force = needed("force_n", self.force_n);
+        let control = if self.law == LawName::Compliant {
+            let mass = needed("mass_kg", self.mass_kg);
+            let stiffness = needed("stiffness_n_per_mm", self.stiffness_n_per_mm);
+            let damping = needed("damping_n_s_per_mm", self.damping_n_s_per_mm);
+            let stroke = needed("stroke_mm", self.stroke_mm);
             ForceControl::Compliant {
                 preload_n: force?,
                 mass_kg: mass?,
@@ -118,11 +109,11 @@ impl ControlTable {
                 stiction_n: 0.0,
             }
         } else {
-            let damping = needed("damping_n_s_per_mm", damping_n_s_per_mm);
-            let fastest = needed("fastest_mm_per_s", fastest_mm_per_s);
+            let damping = needed("damping_n_s_per_mm", self.damping_n_s_per_mm);
+            let fastest = needed("fastest_mm_per_s", self.fastest_mm_per_s);
             let stroke = match pressed {
-                Pressed::ByTable { .. } => Some(stroke_mm.unwrap_or(f64::INFINITY)),
-                Pressed::ByPath { .. } => needed("stroke_mm", stroke_mm),
+                Pressed::ByTable { .. } => Some(self.stroke_mm.unwrap_or(f64::INFINITY)),
+                Pressed::ByPath { .. } => needed("stroke_mm", self.stroke_mm),
             };
             ForceControl::ConstantForce {
                 force_n: force?,
@@ -169,18 +160,18 @@ impl LawName {
 fn indentation(table: &str, penetration_mm: f64, radius_m: f64, check: &mut Check) -> Option<f64> {
     let indentation_m = from_mm(penetration_mm);
     if indentation_m >= radius_m {
-        let path = format!("{table}.penetration_mm");
         let message = format!(
-            "`{path}` is {penetration_mm}, but must be less than the wheel's radius of {} mm",
+            "is {penetration_mm}, but must be less than the wheel's radius of {} mm",
             radius_m * 1e3
         );
-        check.refuse(Fault::value(&path, message, "deeper than the wheel"));
+        check.wrong(table, "penetration_mm", message, "deeper than the wheel");
         return None;
     }
     Some(indentation_m)
 }
 
-/// Whether a carrier that stands out between lines is clear of the face there; a fault is recorded if not.
+/// Whether a carrier that stands out between lines is clear of the face there; a fault is recorded
+/// if not.
 fn leaves_the_face(
     control: &ForceControl,
     table: &str,
@@ -198,16 +189,15 @@ fn leaves_the_face(
     let Some(stroke_m) = control.stroke_m().filter(|stroke_m| *stroke_m >= clear_m) else {
         return true;
     };
-    let path = format!("{table}.stroke_mm");
     let message = format!(
-        "`{path}` is {}, but must be less than {}: between lines the path job lifts the wheel by {} mm, which reaches in by {} mm on them, and \
+        "is {}, but must be less than {}: between lines the path job lifts the wheel by {} mm, which reaches in by {} mm on them, and \
          there the carrier stands out",
         in_mm(stroke_m),
         in_mm(clear_m),
         in_mm(lift_m),
         in_mm(indentation_m)
     );
-    check.refuse(Fault::value(&path, message, "would stay on the face"));
+    check.wrong(table, "stroke_mm", message, "would stay on the face");
     false
 }
 

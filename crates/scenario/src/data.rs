@@ -4,18 +4,18 @@ use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use truecut_recording::measured::{ChannelMapping, TimeBase};
-use truecut_recording::{Mapping, Role, Unit, UserUnit};
+use truecut_recording::measured::ChannelMapping;
+use truecut_recording::{Mapping, Role, UserUnit};
 
 use crate::check::Check;
+use crate::column::{check_scale, read_unit, time_base};
 use crate::fault::Fault;
-use crate::metric::read_unit;
 
 /// Measured data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataSpec {
-    /// The file, `.csv` or `.parquet`; relative paths are resolved against the folder of the scenario file.
-    /// `None` if it is named only when the scenario is used.
+    /// The file, `.csv` or `.parquet`; relative paths are resolved against the folder of the
+    /// scenario file. `None` if it is named only when the scenario is used.
     pub file: Option<PathBuf>,
     /// Whether the first row of a CSV file names the columns. Without, they are called "1", "2", ….
     pub header: bool,
@@ -48,8 +48,9 @@ pub(crate) struct DataTable {
     /// Longest gap that is bridged by a straight line. Default: 0.05.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "a gap has a length"))]
     max_gap_s: Option<f64>,
-    /// Times of the file at which the process begins anew, each time as the scenario says: one for each hole, say. Whole
-    /// passes are then set aside for the last test. Default: once, with the first sample used.
+    /// Times of the file at which the process begins anew, each time as the scenario says: one for
+    /// each hole, say. Whole passes are then set aside for the last test. Default: once, with the
+    /// first sample used.
     #[schemars(length(min = 1))]
     starts_s: Option<Vec<f64>>,
     /// The columns that are used.
@@ -94,7 +95,8 @@ const DEFAULT_MAX_GAP_S: f64 = 0.05;
 impl DataTable {
     /// `None` after recording a fault.
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<DataSpec> {
-        let time = self.time_base(check);
+        let (time, unit) = (self.time.as_deref(), self.time_unit.as_deref());
+        let time = time_base(time, unit, self.rate_hz, "data", check);
         let window_s = [
             self.from_s.unwrap_or(f64::NEG_INFINITY),
             self.to_s.unwrap_or(f64::INFINITY),
@@ -112,12 +114,11 @@ impl DataTable {
             let table = format!("data.channel.{index}");
             let first = |one: &ChannelMapping| one.channel == channel.channel;
             if let Some(earlier) = channels.iter().position(first) {
-                let path = format!("{table}.channel");
                 let message = format!(
-                    "`{path}` is \"{}\", which `data.channel.{earlier}` is already",
+                    "is \"{}\", which `data.channel.{earlier}` is already",
                     channel.channel
                 );
-                check.refuse(Fault::value(&path, message, "mapped twice"));
+                check.wrong(&table, "channel", message, "mapped twice");
             }
             channels.extend(channel.resolve(&table, check));
         }
@@ -148,65 +149,17 @@ impl DataTable {
             }
         }
     }
-
-    fn time_base(&self, check: &mut Check) -> Option<TimeBase> {
-        let unit = self.time_unit.as_deref().unwrap_or("s");
-        let unit = read_unit(unit, "data", "time_unit", check)?;
-        match (&self.time, self.rate_hz) {
-            (Some(_), Some(_)) => {
-                let message =
-                    "`data.rate_hz` has no effect: `data.time` gives the times".to_owned();
-                check.refuse(Fault::key("data.rate_hz", message, "has no effect here"));
-                None
-            }
-            (None, None) => {
-                let message = "missing key `time` in [data]: the samples need times".to_owned();
-                let fault = Fault::key("data.time", message, "neither time nor rate_hz");
-                check.refuse(fault.with_help("name the column of the times, or give rate_hz"));
-                None
-            }
-            (None, Some(hz)) => {
-                check.ignored("data", &["time_unit"], "there is no column of times");
-                Some(TimeBase::Rate { hz })
-            }
-            (Some(column), None) if unit.unit == Unit::Second => Some(TimeBase::Column {
-                column: column.clone(),
-                unit,
-            }),
-            (Some(_), None) => {
-                let accepted: Vec<&str> = Unit::Second.accepted_symbols().collect();
-                let message = format!(
-                    "`data.time_unit` is \"{}\", but must be one of {}",
-                    unit.symbol,
-                    accepted.join(", ")
-                );
-                check.refuse(Fault::value(
-                    "data.time_unit",
-                    message,
-                    "not a unit of time",
-                ));
-                None
-            }
-        }
-    }
 }
 
 impl ChannelTable {
     /// `None` after recording a fault.
     fn resolve(self, table: &str, check: &mut Check) -> Option<ChannelMapping> {
         let scale = self.scale.unwrap_or(1.0);
-        if scale == 0.0 {
-            let path = format!("{table}.scale");
-            let message =
-                format!("`{path}` is 0, but must not be: nothing of the column would be left");
-            check.refuse(Fault::value(&path, message, "must not be 0"));
-        }
+        check_scale(table, "scale", scale, check);
         if let Some([low, high]) = self.saturation.filter(|[low, high]| low >= high) {
-            let path = format!("{table}.saturation");
-            let message = format!(
-                "`{path}` is [{low}, {high}], but the first reading must be below the second"
-            );
-            check.refuse(Fault::value(&path, message, "nothing lies between"));
+            let message =
+                format!("is [{low}, {high}], but the first reading must be below the second");
+            check.wrong(table, "saturation", message, "nothing lies between");
         }
         let unit: UserUnit = read_unit(&self.unit, table, "unit", check)?;
         Some(ChannelMapping {

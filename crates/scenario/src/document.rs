@@ -1,8 +1,10 @@
-//! The text of a scenario with its overrides, and the way back from a key path to a place in the text.
+//! The text of a scenario with its overrides, and the way back from a key path to a place in the
+//! text.
 //!
-//! Two parses are kept. The text as written knows where everything stands; the effective document has the
-//! overrides applied and is what is read. An error names a key path, and the path is looked up in the
-//! overrides first and in the text as written second, so line numbers are always those of the file.
+//! Two parses are kept. The text as written knows where everything stands; the effective document
+//! has the overrides applied and is what is read. An error names a key path, and the path is looked
+//! up in the overrides first and in the text as written second, so line numbers are always those of
+//! the file.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

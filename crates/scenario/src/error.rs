@@ -21,7 +21,8 @@ pub enum ScenarioError {
         /// What the operating system said.
         reason: String,
     },
-    /// The text breaks rules of the format; all of them are listed, the first is the one shown first.
+    /// The text breaks rules of the format; all of them are listed, the first is the one shown
+    /// first.
     #[error("{0}")]
     #[diagnostic(forward(0))]
     Invalid(Box<Problem>, #[related] Vec<Problem>),

@@ -6,7 +6,6 @@ use truecut_core::friction::{EquivalentViscous, FootFriction, FrictionLaw};
 use truecut_core::pressure_foot::Cylinders;
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::units::{from_mm, from_mpa, from_n_per_um, from_um};
 
 /// The pressure foot and its friction on the workpiece.
@@ -14,8 +13,8 @@ use crate::units::{from_mm, from_mpa, from_n_per_um, from_um};
 pub struct FootSpec {
     /// The cylinders; without gas spring where `axial_share` says how stiff they are.
     pub cylinders: Cylinders,
-    /// Share η = k/(k + k1) of an axial force that the foot carries, where k1 is the axial stiffness of the arm at the tool: the
-    /// foot has a spring of this k in place of the gas.
+    /// Share η = k/(k + k1) of an axial force that the foot carries, where k1 is the axial
+    /// stiffness of the arm at the tool: the foot has a spring of this k in place of the gas.
     pub axial_share: Option<f64>,
     /// Seal friction that holds the rods, summed over all cylinders.
     pub seal_stiction_n: f64,
@@ -47,7 +46,8 @@ pub(crate) struct FootTable {
         extend("x-rule" = "1 is isothermal, 1.67 a monatomic gas without heat exchange")
     )]
     polytropic_exponent: Option<f64>,
-    /// Share of an axial force that the foot's spring carries beside the arm; replaces the gas spring.
+    /// Share of an axial force that the foot's spring carries beside the arm; replaces the gas
+    /// spring.
     #[schemars(extend(
         "minimum" = 0.0,
         "exclusiveMaximum" = 1.0,
@@ -99,7 +99,8 @@ struct FrictionTable {
     amplitude_floor_um: Option<f64>,
 }
 
-// An oiled steel foot on steel, two common Ø32 cylinders with some 10 % of their force in the seals.
+// An oiled steel foot on steel, two common Ø32 cylinders with some 10 % of their force in the
+// seals.
 const DEFAULT_MU: f64 = 0.15;
 const DEFAULT_BORE_MM: f64 = 32.0;
 const DEFAULT_CYLINDERS: u32 = 2;
@@ -110,7 +111,8 @@ const DEFAULT_ROD_STIFFNESS_N_PER_UM: f64 = 50.0;
 const DEFAULT_AMPLITUDE_FLOOR_UM: f64 = 1.0;
 
 impl FootTable {
-    /// `table` is the dotted path of this table, `frequency_rad_s` that of the force that shakes the foot.
+    /// `table` is the dotted path of this table, `frequency_rad_s` that of the force that shakes
+    /// the foot.
     pub(crate) fn resolve(self, table: &str, frequency_rad_s: f64, check: &mut Check) -> FootSpec {
         if self.axial_share.is_some() {
             let because = "axial_share replaces the gas spring";
@@ -194,11 +196,10 @@ impl FrictionTable {
             who,
         );
         if let Some(mu_static) = mu_static.filter(|mu_static| *mu_static < mu) {
-            let path = format!("{table}.mu_static");
             let message = format!(
-                "`{path}` is {mu_static}, but must be at least mu = {mu}: friction falls once sliding starts"
+                "is {mu_static}, but must be at least mu = {mu}: friction falls once sliding starts"
             );
-            check.refuse(Fault::value(&path, message, format!("less than mu = {mu}")));
+            check.wrong(table, "mu_static", message, format!("less than mu = {mu}"));
         }
         FootFriction::Law(FrictionLaw::Stribeck {
             mu,

@@ -1,4 +1,5 @@
-//! The formats of files that this crate reads. A file of another format gets one error, not one for each of its keys.
+//! The formats of files that this crate reads. A file of another format gets one error, not one for
+//! each of its keys.
 
 use strum::VariantArray;
 use toml_edit::Table;

@@ -1,7 +1,7 @@
 //! The scenario file: schema, units, validation. No physics.
 //!
-//! A scenario says what arm does what to a workpiece, and what must hold of it. Keys carry their units
-//! (`feed_mm_per_rev`); the typed form is SI throughout and is converted here, once.
+//! A scenario says what arm does what to a workpiece, and what must hold of it. Keys carry their
+//! units (`feed_mm_per_rev`); the typed form is SI throughout and is converted here, once.
 //!
 //! # A tour
 //!
@@ -47,6 +47,7 @@
 mod adjust;
 mod check;
 mod claim;
+mod column;
 mod control;
 mod data;
 mod document;

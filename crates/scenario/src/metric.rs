@@ -5,6 +5,7 @@ use serde::Deserialize;
 use truecut_recording::{MetricSpec, Reducer, UserUnit, Window};
 
 use crate::check::Check;
+use crate::column::read_unit;
 use crate::fault::Fault;
 
 /// Reducers by name.
@@ -55,7 +56,8 @@ pub(crate) struct MetricTable {
     threshold: Option<f64>,
     /// Unit of the threshold; must fit the channel. Default: "1".
     threshold_unit: Option<String>,
-    /// How long the magnitude must stay above the threshold (metric "first_time_above"). Default: 0.
+    /// How long the magnitude must stay above the threshold (metric "first_time_above"). Default:
+    /// 0.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "time runs forward"))]
     hold_s: Option<f64>,
     /// Band in which the line is looked for (metrics "spectral_line" and "spectral_amplitude").
@@ -225,11 +227,9 @@ impl MetricTable {
     fn band_hz(&self, table: &str, check: &mut Check) -> Option<[f64; 2]> {
         let [low, high] = check.needed(table, "band_hz", self.band_hz, "this metric")?;
         if low < 0.0 || low >= high {
-            let path = format!("{table}.band_hz");
-            let message = format!(
-                "`{path}` is [{low}, {high}], but must be [low, high] with 0 <= low < high"
-            );
-            check.refuse(Fault::value(&path, message, "not a band"));
+            let message =
+                format!("is [{low}, {high}], but must be [low, high] with 0 <= low < high");
+            check.wrong(table, "band_hz", message, "not a band");
         }
         Some([low, high])
     }
@@ -254,10 +254,8 @@ impl MetricTable {
             if let (Some(from), Some(to)) = (from, to)
                 && from >= to
             {
-                let path = format!("{table}.{to_key}");
-                let message =
-                    format!("`{path}` is {to}, but must be greater than {from_key} = {from}");
-                check.refuse(Fault::value(&path, message, "the stretch is empty"));
+                let message = format!("is {to}, but must be greater than {from_key} = {from}");
+                check.wrong(table, to_key, message, "the stretch is empty");
             }
         }
         Window {
@@ -265,22 +263,6 @@ impl MetricTable {
             to_s: self.to_s,
             from_fraction: self.from_fraction,
             to_fraction: self.to_fraction,
-        }
-    }
-}
-
-/// Reads the unit written at `table.key`; `None` after recording a fault.
-pub(crate) fn read_unit(text: &str, table: &str, key: &str, check: &mut Check) -> Option<UserUnit> {
-    match UserUnit::parse(text) {
-        Ok(unit) => Some(unit),
-        Err(error) => {
-            let path = format!("{table}.{key}");
-            check.refuse(Fault::value(
-                &path,
-                format!("`{path}`: {error}"),
-                "unknown unit",
-            ));
-            None
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use toml_edit::{Array, Item, Table, TableLike, Value};
 
-use crate::fault::{At, Fault};
+use crate::fault::Fault;
 
 /// Sets the value at `path[depth..]` below `table`, making tables on the way.
 pub(crate) fn set_in_table(
@@ -82,27 +82,13 @@ fn set_in_array(
 
 fn no_such_entry(path: &[String], depth: usize, count: usize) -> Fault {
     let list = path[..depth].join(".");
-    Fault {
-        path: path.to_vec(),
-        at: At::Key,
-        message: format!(
-            "`{list}` has no entry {}: it has {count}, counted from 0",
-            path.get(depth).map_or("", String::as_str)
-        ),
-        label: "no such entry".into(),
-        help: None,
-    }
+    let entry = path.get(depth).map_or("", String::as_str);
+    let message = format!("`{list}` has no entry {entry}: it has {count}, counted from 0");
+    Fault::key(&path.join("."), message, "no such entry")
 }
 
 fn not_a_table(path: &[String], depth: usize) -> Fault {
-    Fault {
-        path: path.to_vec(),
-        at: At::Key,
-        message: format!(
-            "`{}` is not a table in this scenario",
-            path[..=depth].join(".")
-        ),
-        label: "cannot go further".into(),
-        help: None,
-    }
+    let table = path[..=depth].join(".");
+    let message = format!("`{table}` is not a table in this scenario");
+    Fault::key(&path.join("."), message, "cannot go further")
 }

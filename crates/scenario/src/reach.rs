@@ -7,7 +7,8 @@ use crate::scenario::Scenario;
 use crate::windows::metrics;
 
 impl Scenario {
-    /// Checks that every band of a spectral metric lies below half the rate at which rows are recorded.
+    /// Checks that every band of a spectral metric lies below half the rate at which rows are
+    /// recorded.
     ///
     /// # Errors
     /// The first band that does not.

@@ -7,8 +7,8 @@ use toml_edit::{DocumentMut, Item, Value};
 /// Keys of every scenario that hold the path of a file, relative to its folder.
 const PATHS: [&str; 3] = ["robot.urdf", "robot.config", "data.file"];
 
-/// Rewrites relative paths of a text from folder `from` so that they hold in folder `to`. `files` are the dotted keys of
-/// its process that hold paths.
+/// Rewrites relative paths of a text from folder `from` so that they hold in folder `to`. `files`
+/// are the dotted keys of its process that hold paths.
 pub(crate) fn relocate(document: &mut DocumentMut, files: &[String], from: &Path, to: &Path) {
     for key in PATHS.into_iter().chain(files.iter().map(String::as_str)) {
         let path: Vec<&str> = key.split('.').collect();

@@ -19,9 +19,11 @@ pub struct RobotSpec {
     pub config: Option<PathBuf>,
     /// Link whose frame is the flange; `None` means the end of the chain.
     pub tip: Option<String>,
-    /// Link-side coordinates of the rotary joints at the start, in chain order; empty means all zero.
+    /// Link-side coordinates of the rotary joints at the start, in chain order; empty means all
+    /// zero.
     pub posture_rad: Vec<f64>,
-    /// Link-side coordinates of the prismatic joints at the start, in chain order; empty means all zero.
+    /// Link-side coordinates of the prismatic joints at the start, in chain order; empty means all
+    /// zero.
     pub posture_m: Vec<f64>,
     /// Whether gravity acts (9.81 m/s² along −z of the world).
     pub gravity: bool,
@@ -33,7 +35,8 @@ pub struct RobotSpec {
     pub stiffness_scale: f64,
     /// Factor on all transmission dampings.
     pub damping_scale: f64,
-    /// Whether the command makes up for the sag under gravity, so that the links start at the posture.
+    /// Whether the command makes up for the sag under gravity, so that the links start at the
+    /// posture.
     pub hold_against_sag: bool,
     /// Links that differ from the URDF.
     pub links: Vec<LinkSpec>,

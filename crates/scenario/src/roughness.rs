@@ -5,7 +5,6 @@ use serde::Deserialize;
 use truecut_core::roughness::Polishing;
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::units::from_um;
 
 /// How the surface smooths.
@@ -26,22 +25,23 @@ pub(crate) struct RoughnessTable {
 impl RoughnessTable {
     /// `process` is the path of the table that this one stands in.
     pub(crate) fn resolve(self, process: &str, check: &mut Check) -> Polishing {
-        let Self {
-            start_um,
-            end_um,
-            dose_j_per_mm2,
-        } = self;
+        let start_um = self.start_um;
+        let end_um = self.end_um;
         if end_um > start_um {
-            let path = format!("{process}.roughness.end_um");
             let message = format!(
-                "`{path}` is {end_um}, but must be at most start_um = {start_um}: polishing smooths"
+                "is {end_um}, but must be at most start_um = {start_um}: polishing smooths"
             );
-            check.refuse(Fault::value(&path, message, "rougher than at the start"));
+            check.wrong(
+                process,
+                "roughness.end_um",
+                message,
+                "rougher than at the start",
+            );
         }
         Polishing {
             initial_m: from_um(start_um),
             final_m: from_um(end_um),
-            dose_j_per_m2: dose_j_per_mm2 * 1e6,
+            dose_j_per_m2: self.dose_j_per_mm2 * 1e6,
         }
     }
 }

@@ -10,7 +10,8 @@ use crate::units::from_ms;
 /// Duration, step and recording interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunSpec {
-    /// Simulated time; infinite for a replay that lasts as long as its data, and for polishing, belt finishing and brushing that last as long as their paths.
+    /// Simulated time; infinite for a replay that lasts as long as its data, and for polishing,
+    /// belt finishing and brushing that last as long as their paths.
     pub duration_s: f64,
     /// Time step; `None` leaves the choice to the simulator (see the README, "Numerics").
     pub time_step_s: Option<f64>,
@@ -24,12 +25,13 @@ pub struct RunSpec {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RunTable {
-    /// Simulated time. Default: what the process takes (chamfer: feed and dwell; wheel and
-    /// milling: one pass; polish: its raster; belt: its lines; brush: its taught postures; replay: its data).
+    /// Simulated time. Default: what the process takes (chamfer: feed and dwell; wheel and milling:
+    /// one pass; polish: its raster; belt: its lines; brush: its taught postures; replay: its
+    /// data).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
     duration_s: Option<f64>,
-    /// Time step. Default: the smallest of 0.25 ms, 1/60 of the fastest mode's period and 1/40 of the
-    /// tooth period.
+    /// Time step. Default: the smallest of 0.25 ms, 1/60 of the fastest mode's period and 1/40 of
+    /// the tooth period.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a time step runs forward"))]
     time_step_ms: Option<f64>,
     /// Time between recorded rows. Default: every step.

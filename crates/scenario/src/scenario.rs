@@ -48,7 +48,8 @@ pub struct Scenario {
     pub sweep: Option<SweepSpec>,
     /// What the nominal model leaves out, one of a kind for what it acts on.
     pub effects: Vec<Effect>,
-    /// Whether each effect was given with the keys of a rotary joint; `None` where that is not said.
+    /// Whether each effect was given with the keys of a rotary joint; `None` where that is not
+    /// said.
     effect_is_rotary: Vec<Option<bool>>,
     /// Measured data that drives the run or is compared with it.
     pub data: Option<DataSpec>,
@@ -65,7 +66,8 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// Reads a scenario file and applies overrides of its keys (`key` dotted, `value` as in TOML), in order.
+    /// Reads a scenario file and applies overrides of its keys (`key` dotted, `value` as in TOML),
+    /// in order.
     ///
     /// # Errors
     /// A file that cannot be read; every rule of the format that is broken, with its place.
@@ -86,7 +88,8 @@ impl Scenario {
         Scenario::from_str_with(processes, path, &text, overrides)
     }
 
-    /// Reads a scenario from a text. `path` names it in errors, and its folder resolves relative paths.
+    /// Reads a scenario from a text. `path` names it in errors, and its folder resolves relative
+    /// paths.
     ///
     /// # Errors
     /// Every rule of the format that is broken, with its place.
@@ -120,8 +123,8 @@ impl Scenario {
         table.resolve(own, processes, document)
     }
 
-    /// The same scenario with further overrides, applied after those it was loaded with; effects that were
-    /// added in memory stay, and so do values that were set there.
+    /// The same scenario with further overrides, applied after those it was loaded with; effects
+    /// that were added in memory stay, and so do values that were set there.
     ///
     /// # Errors
     /// As [`Scenario::load`].
@@ -159,9 +162,9 @@ impl Scenario {
         self.document.effective_text()
     }
 
-    /// The same scenario with further effects, in memory: an effect of the same kind and target is replaced,
-    /// others are appended. [`Scenario::effective_text`] stays as it was; [`Scenario::extended_text`] writes
-    /// effects out.
+    /// The same scenario with further effects, in memory: an effect of the same kind and target is
+    /// replaced, others are appended. [`Scenario::effective_text`] stays as it was;
+    /// [`Scenario::extended_text`] writes effects out.
     ///
     /// # Errors
     /// An effect that does not fit its kind.
@@ -184,8 +187,9 @@ impl Scenario {
         Ok(extended)
     }
 
-    /// The scenario as a TOML text with the overrides and `effects` written into it as `[[effect]]` entries:
-    /// one of the same kind and target takes the new values, others are appended; comments stay.
+    /// The scenario as a TOML text with the overrides and `effects` written into it as `[[effect]]`
+    /// entries: one of the same kind and target takes the new values, others are appended; comments
+    /// stay.
     ///
     /// `rotary` says of each joint of the chain whether it is rotary, which chooses the keys.
     pub fn extended_text(&self, effects: &[Effect], rotary: &[bool]) -> String {
@@ -194,24 +198,26 @@ impl Scenario {
         document.to_string()
     }
 
-    /// Whether `effects[index]` was given with the keys of a rotary joint; `None` if both kinds of joint share
-    /// its keys, or if it did not come from a file.
+    /// Whether `effects[index]` was given with the keys of a rotary joint; `None` if both kinds of
+    /// joint share its keys, or if it did not come from a file.
     pub fn effect_is_rotary(&self, index: usize) -> Option<bool> {
         self.effect_is_rotary.get(index).copied().flatten()
     }
 
-    /// The number that the scenario gives for a dotted key, in the key's own unit; `None` if it gives none.
+    /// The number that the scenario gives for a dotted key, in the key's own unit; `None` if it
+    /// gives none.
     pub fn number(&self, key: &str) -> Option<f64> {
         self.document.number(key)
     }
 
-    /// The scenario as a TOML text for a file in `folder`, overrides written into it, its milling path with the postures of a
-    /// plan; comments and all other keys stay.
+    /// The scenario as a TOML text for a file in `folder`, overrides written into it, its milling
+    /// path with the postures of a plan; comments and all other keys stay.
     pub fn planned_text(&self, folder: &Path, planned: &PlannedPath) -> String {
         self.moved(folder, |document| planned.write(document))
     }
 
-    /// As [`Scenario::extended_text`], for a file in `folder`: relative paths lead from there to the same files.
+    /// As [`Scenario::extended_text`], for a file in `folder`: relative paths lead from there to
+    /// the same files.
     pub fn text_for_folder(&self, folder: &Path, effects: &[Effect], rotary: &[bool]) -> String {
         self.moved(folder, |document| text::write(document, effects, rotary))
     }
@@ -224,13 +230,14 @@ impl Scenario {
         document.to_string()
     }
 
-    /// Whether the scenario gives a value for the dotted key, rather than leaving it to its default.
+    /// Whether the scenario gives a value for the dotted key, rather than leaving it to its
+    /// default.
     pub fn gives(&self, key: &str) -> bool {
         self.document.has(key)
     }
 
-    /// An error about the value of a dotted key that showed only later, e.g. a step too long for the arm.
-    /// `message` quotes the value, the limit and the rule.
+    /// An error about the value of a dotted key that showed only later, e.g. a step too long for
+    /// the arm. `message` quotes the value, the limit and the rule.
     pub fn problem(&self, key: &str, message: impl Into<String>) -> ScenarioError {
         self.document.problem(key, message)
     }

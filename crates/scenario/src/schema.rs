@@ -40,8 +40,8 @@ pub(crate) fn without_null(schema: &Json) -> &Json {
         .unwrap_or(schema)
 }
 
-/// The schema of a table whose keys depend on the value of one of them (named by `x-tag`): that of the
-/// table's own value, or the general one if the value is not known.
+/// The schema of a table whose keys depend on the value of one of them (named by `x-tag`): that of
+/// the table's own value, or the general one if the value is not known.
 pub(crate) fn of_tag<'a>(schema: &'a Json, table: &dyn TableLike) -> &'a Json {
     let variant = || {
         let tag = schema.get("x-tag")?.as_str()?;

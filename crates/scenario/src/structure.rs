@@ -1,20 +1,21 @@
 //! Checks a document against the schema of the format: keys, types, ranges.
 //!
-//! The schema is derived from the table types of this crate, so the published schema, this check and the
-//! types that are read cannot disagree. A range may carry its reason in `x-rule`.
+//! The schema is derived from the table types of this crate, so the published schema, this check
+//! and the types that are read cannot disagree. A range may carry its reason in `x-rule`.
 
 use serde_json::Value as Json;
 use toml_edit::{Item, Table, TableLike, Value};
 use truecut_recording::nearest;
 
-use crate::fault::{At, Fault};
+use crate::fault::Fault;
 use crate::format::Format;
 use crate::schema::{
     choices, is_table, kinds, leaf_schema, of_tag, property, property_names, required, without_null,
 };
 use crate::suggest::same_quantity;
 
-/// Every rule of a format's schema that the table breaks, in the order of the file where it has one.
+/// Every rule of a format's schema that the table breaks, in the order of the file where it has
+/// one.
 pub(crate) fn check_file(schema: &Json, format: Format, table: &Table) -> Vec<Fault> {
     match format.misread(table) {
         Some(fault) => vec![fault],
@@ -59,41 +60,31 @@ pub(crate) fn leaf_schema<'a>(schema: &'a Json, path: &[String]) -> Result<&'a J
 
 /// An unknown key of the table `parent`, with what was most likely meant.
 fn unknown_key(schema: &Json, parent: &[String], key: &str) -> Fault {
-    let mut path = parent.to_vec();
-    path.push(key.to_owned());
-    let table = if parent.is_empty() {
-        "the file".into()
-    } else {
-        format!("[{}]", parent.join("."))
-    };
+    let table = table_name(parent);
+    let unknown = format!("unknown key `{key}` in {table}");
     let meant = same_quantity(key, property_names(schema));
-    let (message, label, help) = if let [(candidate, unit), ..] = meant[..] {
-        let message =
-            format!("unknown key `{key}` in {table}: the unit key is missing, write `{candidate}`");
+    let fault = if let [(candidate, unit), ..] = meant[..] {
+        let message = format!("{unknown}: the unit key is missing, write `{candidate}`");
+        let label = format!("without a known unit; `{candidate}` is in {unit}");
         let help = format!("`{candidate}` takes the value in {unit}");
-        (
-            message,
-            format!("without a known unit; `{candidate}` is in {unit}"),
-            Some(help),
-        )
+        Fault::key(key, message, label).with_help(help)
     } else if let Some(candidate) = nearest(key, property_names(schema)) {
-        let message = format!("unknown key `{key}` in {table}; did you mean `{candidate}`?");
-        (message, format!("did you mean `{candidate}`?"), None)
+        let meant = format!("did you mean `{candidate}`?");
+        Fault::key(key, format!("{unknown}; {meant}"), meant)
     } else {
         let known: Vec<&str> = property_names(schema).collect();
         let help = format!("known keys are {}", known.join(", "));
-        (
-            format!("unknown key `{key}` in {table}"),
-            "unknown key".into(),
-            Some(help),
-        )
+        Fault::key(key, unknown, "unknown key").with_help(help)
     };
-    Fault {
-        path,
-        at: At::Key,
-        message,
-        label,
-        help,
+    let path = [parent, &[key.to_owned()]].concat();
+    Fault { path, ..fault }
+}
+
+fn table_name(path: &[String]) -> String {
+    if path.is_empty() {
+        "the file".into()
+    } else {
+        format!("[{}]", path.join("."))
     }
 }
 
@@ -127,7 +118,8 @@ fn check_table(
             }
         }
     }
-    // A misspelt key is one mistake, not two: what it was meant to be is not reported as missing as well.
+    // A misspelt key is one mistake, not two: what it was meant to be is not reported as missing as
+    // well.
     for key in required(schema).filter(|key| !table.contains_key(key) && !meant.contains(key)) {
         path.push(key.to_owned());
         faults.push(missing_key(schema, path, key));
@@ -152,22 +144,16 @@ fn other_key(parent: &[String], key: &str, instead: &str) -> Fault {
 }
 
 fn missing_key(schema: &Json, path: &[String], key: &str) -> Fault {
-    let parent = &path[..path.len() - 1];
-    let table = if parent.is_empty() {
-        "the file".into()
-    } else {
-        format!("[{}]", parent.join("."))
-    };
+    let table = table_name(&path[..path.len() - 1]);
     let description = property(schema, key)
         .and_then(|known| known.get("description"))
         .and_then(Json::as_str)
         .map(|text| format!("`{key}`: {}", text.replace('\n', " ")));
+    let message = format!("missing key `{key}` in {table}");
+    let label = format!("`{key}` is missing here");
     Fault {
-        path: path.to_vec(),
-        at: At::Key,
-        message: format!("missing key `{key}` in {table}"),
-        label: format!("`{key}` is missing here"),
         help: description,
+        ..Fault::key(&path.join("."), message, label)
     }
 }
 

@@ -6,8 +6,9 @@ use truecut_recording::{UserUnit, nearest};
 
 use crate::check::Check;
 use crate::claim::check_bounds;
+use crate::column::read_unit;
 use crate::fault::Fault;
-use crate::metric::{MetricTable, read_unit};
+use crate::metric::MetricTable;
 use crate::sweep_check::{
     check_count, check_key, check_keys_differ, check_names_differ, check_rising,
 };
@@ -37,7 +38,7 @@ pub(crate) struct SweepTable {
     /// What to tabulate for each row.
     column: Option<Vec<ColumnTable>>,
     /// What must hold of every row.
-    claim: Option<Vec<SweepClaimTable>>,
+    claim: Option<Vec<SweepClaim>>,
 }
 
 /// A key and its values: either `values`, or `from`, `to` and `steps`.
@@ -99,24 +100,6 @@ struct ColumnTable {
     unit: String,
 }
 
-/// A bound on a column in every row.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct SweepClaimTable {
-    /// A short sentence.
-    name: String,
-    /// The bounded column.
-    column: String,
-    /// The column by which it is divided. Default: none.
-    over: Option<String>,
-    /// Lower bound, in the column's unit; of the ratio if `over` is given.
-    min: Option<f64>,
-    /// Upper bound, in the column's unit; of the ratio if `over` is given.
-    max: Option<f64>,
-    /// Why it must hold.
-    reason: String,
-}
-
 /// A unit of a threshold, by the path of its table, to be checked once the channels are known.
 pub(crate) type ThresholdUnits = Vec<(String, UserUnit)>;
 
@@ -157,10 +140,10 @@ impl SweepTable {
             .map(|bisect| bisect.name.clone())
             .chain(columns.iter().map(|column| column.name.clone()))
             .collect();
-        let claims = self.claim.unwrap_or_default().into_iter().enumerate();
-        let claims = claims
-            .map(|(index, claim)| claim.resolve(index, &known, check))
-            .collect();
+        let claims = self.claim.unwrap_or_default();
+        for (index, claim) in claims.iter().enumerate() {
+            check_claim(claim, index, &known, check);
+        }
         SweepSpec {
             axes,
             bisect,
@@ -192,9 +175,8 @@ impl AxisTable {
         check_rising(&table, from, to, check);
         let spacing = self.spacing.unwrap_or_default();
         if spacing == Spacing::Log && from <= 0.0 {
-            let path = format!("{table}.from");
-            let message = format!("`{path}` is {from}, but must be greater than 0: equal ratios");
-            check.refuse(Fault::value(&path, message, "not positive"));
+            let message = format!("is {from}, but must be greater than 0: equal ratios");
+            check.wrong(&table, "from", message, "not positive");
         }
         let values = (0..steps).map(|step| {
             let share = f64::from(step) / f64::from(steps - 1);
@@ -259,30 +241,24 @@ impl ColumnTable {
     }
 }
 
-impl SweepClaimTable {
-    fn resolve(self, index: usize, known: &[String], check: &mut Check) -> SweepClaim {
-        let table = format!("sweep.claim.{index}");
-        check_bounds(&table, self.min, self.max, check);
-        let named = [("column", Some(&self.column)), ("over", self.over.as_ref())];
-        for (key, name) in named {
-            if let Some(name) = name.filter(|name| !known.contains(name)) {
-                let path = format!("{table}.{key}");
-                let near = nearest(name, known.iter().map(String::as_str));
-                let near = near.map(|near| format!("; did you mean \"{near}\"?"));
-                let message = format!(
-                    "`{path}` is \"{name}\", but no column of the sweep has that name{}",
-                    near.unwrap_or_default()
-                );
-                check.refuse(Fault::value(&path, message, "no such column"));
-            }
-        }
-        SweepClaim {
-            name: self.name,
-            column: self.column,
-            over: self.over,
-            min: self.min,
-            max: self.max,
-            reason: self.reason,
+/// A claim has bounds, on columns of the sweep.
+fn check_claim(claim: &SweepClaim, index: usize, known: &[String], check: &mut Check) {
+    let table = format!("sweep.claim.{index}");
+    check_bounds(&table, claim.min, claim.max, check);
+    let named = [
+        ("column", Some(&claim.column)),
+        ("over", claim.over.as_ref()),
+    ];
+    for (key, name) in named {
+        if let Some(name) = name.filter(|name| !known.contains(name)) {
+            let path = format!("{table}.{key}");
+            let near = nearest(name, known.iter().map(String::as_str));
+            let near = near.map(|near| format!("; did you mean \"{near}\"?"));
+            let message = format!(
+                "`{path}` is \"{name}\", but no column of the sweep has that name{}",
+                near.unwrap_or_default()
+            );
+            check.refuse(Fault::value(&path, message, "no such column"));
         }
     }
 }

@@ -6,7 +6,8 @@ use crate::schema::is_number;
 use crate::structure::leaf_schema;
 use crate::sweep_spec::{BisectSpec, SweepAxis, SweepColumn};
 
-/// Whether `key` is a number of the scenario that can be changed from outside; else a fault at `at`.
+/// Whether `key` is a number of the scenario that can be changed from outside; else a fault at
+/// `at`.
 pub(crate) fn check_key(key: &str, at: &str, check: &mut Check) -> bool {
     let path = split_path(key);
     let own = |part: &String| matches!(part.as_str(), "robot" | "run" | "process" | "effect");
@@ -93,8 +94,7 @@ pub(crate) fn check_names_differ(
 
 pub(crate) fn check_rising(table: &str, from: f64, to: f64, check: &mut Check) {
     if from >= to {
-        let path = format!("{table}.to");
-        let message = format!("`{path}` is {to}, but must be greater than from = {from}");
-        check.refuse(Fault::value(&path, message, "not above from"));
+        let message = format!("is {to}, but must be greater than from = {from}");
+        check.wrong(table, "to", message, "not above from");
     }
 }

@@ -1,5 +1,7 @@
 //! A sweep in SI.
 
+use schemars::JsonSchema;
+use serde::Deserialize;
 use truecut_recording::{MetricSpec, UserUnit};
 
 /// A sweep: rows for all combinations of the axes' values.
@@ -60,18 +62,19 @@ pub struct SweepColumn {
     pub unit: UserUnit,
 }
 
-/// A bound on a column, or on the ratio of two columns, in every row.
-#[derive(Debug, Clone, PartialEq)]
+/// A bound on a column in every row.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct SweepClaim {
     /// A short sentence.
     pub name: String,
     /// The bounded column.
     pub column: String,
-    /// The column by which it is divided.
+    /// The column by which it is divided. Default: none.
     pub over: Option<String>,
-    /// Not less than this, in the column's unit; a ratio if `over` is given.
+    /// Lower bound, in the column's unit; of the ratio if `over` is given.
     pub min: Option<f64>,
-    /// Not more than this, in the column's unit; a ratio if `over` is given.
+    /// Upper bound, in the column's unit; of the ratio if `over` is given.
     pub max: Option<f64>,
     /// Why it must hold.
     pub reason: String,

@@ -1,9 +1,10 @@
-//! Conversions from the units of scenario keys to SI. Every conversion in the project happens here, once.
+//! Conversions from the units of scenario keys to SI. Every conversion in the project happens here,
+//! once.
 //!
-//! Decimal prefixes below one divide rather than multiply: `0.05 / 1e3` is the double nearest to 5e-5,
-//! `0.05 * 1e-3` is not.
+//! Decimal prefixes below one divide rather than multiply: `0.05 / 1e3` is the double nearest to
+//! 5e-5, `0.05 * 1e-3` is not.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use truecut_recording::{Unit, UserUnit};
 
@@ -49,81 +50,40 @@ pub(crate) fn from_rpm(value: f64) -> f64 {
     value * (TAU / 60.0)
 }
 
-/// A unit suffix of scenario keys.
-struct Suffix {
-    suffix: &'static str,
-    /// The unit as a person says it.
-    words: &'static str,
-    symbol: &'static str,
-    unit: Unit,
-    si_factor: f64,
-}
+/// Unit suffixes of scenario keys with the unit as a person says it and its symbol. Longer suffixes
+/// stand before shorter ones that they end in.
+const SUFFIXES: [(&str, &str, &str); 23] = [
+    ("_deg_per_s2", "degrees/s²", "deg/s^2"),
+    ("_deg_per_s", "degrees/s", "deg/s"),
+    ("_pa_s_per_m", "Pa s/m", "Pa s/m"),
+    ("_j_per_mm2", "J/mm²", "J/mm^2"),
+    ("_mm_per_tooth", "mm per tooth", "mm"),
+    ("_mm_per_rev", "mm per revolution", "mm"),
+    ("_n_s_per_mm", "N s/mm", "N s/mm"),
+    ("_mm_per_s", "mm/s", "mm/s"),
+    ("_m_per_s", "m/s", "m/s"),
+    ("_n_per_mm", "N/mm", "N/mm"),
+    ("_n_per_um", "N/µm", "N/um"),
+    ("_fraction", "a fraction of the run", "1"),
+    ("_revolutions", "revolutions", "1"),
+    ("_per_pa", "1/Pa", "1/Pa"),
+    ("_mpa", "MPa", "MPa"),
+    ("_deg", "degrees", "deg"),
+    ("_rpm", "revolutions per minute", "rpm"),
+    ("_ms", "milliseconds", "ms"),
+    ("_um", "µm", "um"),
+    ("_mm", "mm", "mm"),
+    ("_hz", "Hz", "Hz"),
+    ("_n", "newtons", "N"),
+    ("_s", "seconds", "s"),
+];
 
-const fn suffix(
-    suffix: &'static str,
-    words: &'static str,
-    symbol: &'static str,
-    unit: Unit,
-    si_factor: f64,
-) -> Suffix {
-    Suffix {
-        suffix,
-        words,
-        symbol,
-        unit,
-        si_factor,
-    }
-}
-
-/// Longer suffixes stand before shorter ones that they end in.
-const SUFFIXES: [Suffix; 23] = [
-    suffix(
-        "_deg_per_s2",
-        "degrees/s²",
-        "deg/s^2",
-        Unit::RadianPerSecondSquared,
-        PI / 180.0,
-    ),
-    suffix(
-        "_deg_per_s",
-        "degrees/s",
-        "deg/s",
-        Unit::RadianPerSecond,
-        PI / 180.0,
-    ),
-    suffix("_pa_s_per_m", "Pa s/m", "Pa s/m", Unit::One, 1.0),
-    suffix("_j_per_mm2", "J/mm²", "J/mm^2", Unit::One, 1e6),
-    suffix("_mm_per_tooth", "mm per tooth", "mm", Unit::Metre, 1e-3),
-    suffix("_mm_per_rev", "mm per revolution", "mm", Unit::Metre, 1e-3),
-    suffix(
-        "_n_s_per_mm",
-        "N s/mm",
-        "N s/mm",
-        Unit::NewtonSecondPerMetre,
-        1e3,
-    ),
-    suffix("_mm_per_s", "mm/s", "mm/s", Unit::MetrePerSecond, 1e-3),
-    suffix("_m_per_s", "m/s", "m/s", Unit::MetrePerSecond, 1.0),
-    suffix("_n_per_mm", "N/mm", "N/mm", Unit::NewtonPerMetre, 1e3),
-    suffix("_n_per_um", "N/µm", "N/um", Unit::NewtonPerMetre, 1e6),
-    suffix("_fraction", "a fraction of the run", "1", Unit::One, 1.0),
-    suffix("_revolutions", "revolutions", "1", Unit::One, 1.0),
-    suffix("_per_pa", "1/Pa", "1/Pa", Unit::One, 1.0),
-    suffix("_mpa", "MPa", "MPa", Unit::Pascal, 1e6),
-    suffix("_deg", "degrees", "deg", Unit::Radian, PI / 180.0),
-    suffix(
-        "_rpm",
-        "revolutions per minute",
-        "rpm",
-        Unit::RadianPerSecond,
-        PI / 30.0,
-    ),
-    suffix("_ms", "milliseconds", "ms", Unit::Second, 1e-3),
-    suffix("_um", "µm", "um", Unit::Metre, 1e-6),
-    suffix("_mm", "mm", "mm", Unit::Metre, 1e-3),
-    suffix("_hz", "Hz", "Hz", Unit::Hertz, 1.0),
-    suffix("_n", "newtons", "N", Unit::Newton, 1.0),
-    suffix("_s", "seconds", "s", Unit::Second, 1.0),
+/// Symbols of units that only keys have, with their factors to SI.
+const OF_KEYS: [(&str, Unit, f64); 4] = [
+    ("Pa s/m", Unit::One, 1.0),
+    ("J/mm^2", Unit::One, 1e6),
+    ("N s/mm", Unit::NewtonSecondPerMetre, 1e3),
+    ("1/Pa", Unit::One, 1.0),
 ];
 
 /// What people write as units in keys although the format does not, to recognise the quantity.
@@ -135,7 +95,7 @@ const FOREIGN: [&str; 9] = [
 pub(crate) fn split_suffix(key: &str) -> Option<(&str, &'static str)> {
     SUFFIXES
         .iter()
-        .find_map(|one| Some((key.strip_suffix(one.suffix)?, one.words)))
+        .find_map(|(suffix, words, _)| Some((key.strip_suffix(suffix)?, *words)))
         .filter(|(stem, _)| !stem.is_empty())
 }
 
@@ -151,8 +111,8 @@ pub(crate) fn quantity(key: &str) -> &str {
         .unwrap_or(key)
 }
 
-/// The unit of the last part of a dotted key; dimensionless if it has no unit suffix. Keys of effects are SI
-/// and stand in the catalogue.
+/// The unit of the last part of a dotted key; dimensionless if it has no unit suffix. Keys of
+/// effects are SI and stand in the catalogue.
 pub fn key_unit(key: &str) -> UserUnit {
     if let Some((_, last)) = key
         .strip_prefix("effect.")
@@ -160,15 +120,18 @@ pub fn key_unit(key: &str) -> UserUnit {
     {
         return UserUnit::from(effect::unit_of_key(last));
     }
-    let found = SUFFIXES.iter().find(|one| key.ends_with(one.suffix));
-    found.map_or_else(
-        || UserUnit::from(Unit::One),
-        |one| UserUnit {
-            symbol: one.symbol.to_owned(),
-            unit: one.unit,
-            si_factor: one.si_factor,
-        },
-    )
+    let known = SUFFIXES.iter().find(|(suffix, ..)| key.ends_with(suffix));
+    let symbol = known.map_or("1", |(.., symbol)| symbol);
+    let of_keys = OF_KEYS.iter().find(|(of_keys, ..)| *of_keys == symbol);
+    let found = of_keys.map(|&(_, unit, si_factor)| (unit, si_factor));
+    let (unit, si_factor) = found
+        .or_else(|| Unit::parse_user(symbol).ok())
+        .unwrap_or((Unit::One, 1.0));
+    UserUnit {
+        symbol: symbol.to_owned(),
+        unit,
+        si_factor,
+    }
 }
 
 /// Symbol of the SI unit of a dotted key's value.

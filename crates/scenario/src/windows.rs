@@ -3,7 +3,6 @@
 use truecut_recording::{ClaimSpec, MetricSpec};
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::run::RunSpec;
 use crate::sweep_spec::SweepSpec;
 
@@ -44,11 +43,10 @@ pub(crate) fn check_windows(
         let ends = [("from_s", window.from_s), ("to_s", window.to_s)];
         for (key, time_s) in ends {
             if let Some(time_s) = time_s.filter(|time_s| *time_s > latest_s) {
-                let path = format!("{table}.{key}");
                 let message = format!(
-                    "`{path}` is {time_s} s, but the run ends at {end_s} s: there is nothing to evaluate"
+                    "is {time_s} s, but the run ends at {end_s} s: there is nothing to evaluate"
                 );
-                check.refuse(Fault::value(&path, message, "after the end of the run"));
+                check.wrong(&table, key, message, "after the end of the run");
             }
         }
     }

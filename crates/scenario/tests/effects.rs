@@ -286,7 +286,8 @@ fn ending(unit: Unit) -> String {
     letters.split_whitespace().collect::<Vec<_>>().join("_")
 }
 
-/// What is printed beside a number is what its key says; a key without unit is dimensionless, or of its channel.
+/// What is printed beside a number is what its key says; a key without unit is dimensionless, or of
+/// its channel.
 #[test]
 fn the_unit_of_a_parameter_is_that_of_its_key() {
     const PLAIN: [&str; 6] = ["share", "factor", "drop", "cycles", "offset", "amplitude"];

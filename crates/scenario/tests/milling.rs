@@ -59,8 +59,8 @@ fn every_quantity_arrives_in_si() {
     assert_eq!(spec.path.direction, [1.0, 0.0, 0.0]);
 }
 
-/// Four teeth at 2400 rpm: 6.25 ms from tooth to tooth, 0.1 mm of feed at 16 mm/s; 300 mm take 18.75 s. Half immersion in
-/// down-milling: 90 to 180 degrees.
+/// Four teeth at 2400 rpm: 6.25 ms from tooth to tooth, 0.1 mm of feed at 16 mm/s; 300 mm take
+/// 18.75 s. Half immersion in down-milling: 90 to 180 degrees.
 #[test]
 fn verify_times_and_angles_of_a_pass() {
     let spec = milling(TEXT);

@@ -90,7 +90,8 @@ fn what_is_not_said_has_its_documented_default() {
     );
 }
 
-/// The first cut is 0.05 mm deep; the other 0.95 mm take 19 revolutions, 3.8 s at 300 rpm; two more to dwell.
+/// The first cut is 0.05 mm deep; the other 0.95 mm take 19 revolutions, 3.8 s at 300 rpm; two more
+/// to dwell.
 #[test]
 fn verify_a_chamfering_run_lasts_for_ramp_and_dwell() {
     let scenario = read(&[]).unwrap();

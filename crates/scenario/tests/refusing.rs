@@ -17,8 +17,8 @@ fn problems(text: &str, set: &[(&str, &str)]) -> Vec<Problem> {
     }
 }
 
-/// The only problem of the text in which `from`, which stands alone on its line, is replaced by `to`.
-/// It must be reported on the line of `to`.
+/// The only problem of the text in which `from`, which stands alone on its line, is replaced by
+/// `to`. It must be reported on the line of `to`.
 fn fault(from: &str, to: &str) -> String {
     let text = TEXT.replacen(from, to, 1);
     assert_ne!(text, TEXT, "\"{from}\" is not in the scenario");

@@ -7,8 +7,9 @@
 use nalgebra::Complex;
 use truecut_recording::fft;
 use truecut_recording::measured::Table;
+use truecut_recording::measured::TimeBase;
 use truecut_recording::significant;
-use truecut_scenario::identification::{ImpactSpec, SampleTimes};
+use truecut_scenario::identification::ImpactSpec;
 
 use super::frf::{Frf, noise};
 use super::{IdentifyError, at_row};
@@ -121,8 +122,8 @@ fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<HammerSignals,
     let force = read(&spec.force.column, spec.force.factor, "force")?;
     let response = read(&spec.response.column, spec.response.factor, "motion")?;
     let rate_hz = match &spec.times {
-        SampleTimes::Rate(hz) => *hz,
-        SampleTimes::Column(name, unit) => {
+        TimeBase::Rate { hz } => *hz,
+        TimeBase::Column { column: name, unit } => {
             let times = read(name, unit.si_factor, "time")?;
             let steps = (times.len().max(2) - 1) as f64;
             let span = times.last().zip(times.first()).map_or(0.0, |(b, a)| b - a);

@@ -1,6 +1,8 @@
-//! Effects: physical things that the nominal model leaves out. Types only; the physics is in `core`.
+//! Effects: physical things that the nominal model leaves out. Types only; the physics is in
+//! `core`.
 //!
-//! An effect is a kind, what it acts on, and a size. At its neutral size it is exactly the nominal model.
+//! An effect is a kind, what it acts on, and a size. At its neutral size it is exactly the nominal
+//! model.
 
 mod catalogue;
 pub(crate) mod table;

@@ -1,7 +1,7 @@
 //! The `[[effect]]` tables of a scenario file.
 //!
-//! Each kind has keys of its own, so the schema of an entry is a choice among one schema per kind; the
-//! catalogue is where keys and bounds come from.
+//! Each kind has keys of its own, so the schema of an entry is a choice among one schema per kind;
+//! the catalogue is where keys and bounds come from.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -25,7 +25,8 @@ pub(crate) struct EffectTable(Map<String, Json>);
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ReadEffects {
     pub effects: Vec<Effect>,
-    /// Whether each was given with the keys of a rotary joint; `None` where both kinds of joint share them.
+    /// Whether each was given with the keys of a rotary joint; `None` where both kinds of joint
+    /// share them.
     pub rotary: Vec<Option<bool>>,
 }
 
@@ -190,7 +191,8 @@ pub(crate) fn resolve(tables: Vec<EffectTable>, check: &mut Check) -> ReadEffect
 }
 
 impl EffectTable {
-    /// The effect, and whether its keys were those of a rotary joint. `None` after recording a fault.
+    /// The effect, and whether its keys were those of a rotary joint. `None` after recording a
+    /// fault.
     fn resolve(&self, path: &str, check: &mut Check) -> Option<(Effect, Option<bool>)> {
         let kind = EffectKind::from_name(self.0.get("kind")?.as_str()?)?;
         let target = self.target(kind)?;

@@ -4,8 +4,8 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Tab
 
 use super::{Effect, ParameterInfo, Target};
 
-/// Writes `effects` into the document: an entry of the same kind and target takes the new values where they
-/// differ, others are appended. `rotary` says of each joint whether it is rotary.
+/// Writes `effects` into the document: an entry of the same kind and target takes the new values
+/// where they differ, others are appended. `rotary` says of each joint whether it is rotary.
 pub(crate) fn write(document: &mut DocumentMut, effects: &[Effect], rotary: &[bool]) {
     let entry = document
         .as_table_mut()

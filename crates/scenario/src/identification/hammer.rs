@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use truecut_arm::FrameId;
 use truecut_recording::UserUnit;
+use truecut_recording::measured::TimeBase;
 
 use super::stiffness::Axes;
 
@@ -89,7 +90,7 @@ pub struct ImpactSpec {
     /// Whether the first row of a CSV file names the columns.
     pub header: bool,
     /// Times of the rows.
-    pub times: SampleTimes,
+    pub times: TimeBase,
     /// The hammer's force.
     pub force: Signal,
     /// The response.
@@ -108,15 +109,6 @@ pub struct ImpactSpec {
     pub struck: HammerPoint,
     /// Where the response was measured.
     pub observed: HammerPoint,
-}
-
-/// Times of sampled signals.
-#[derive(Debug, Clone, PartialEq)]
-pub enum SampleTimes {
-    /// A column, with its unit.
-    Column(String, UserUnit),
-    /// Rows at this rate.
-    Rate(f64),
 }
 
 /// A column and the factor that turns it into SI.

@@ -1,7 +1,8 @@
-//! The identification file: measurements of the arm itself, load against deflection and hammer FRFs.
+//! The identification file: measurements of the arm itself, load against deflection and hammer
+//! FRFs.
 //!
-//! It is no scenario, since nothing is simulated in time, but follows the same rules: a schema derived from its
-//! tables, units said with every column, faults with their places.
+//! It is no scenario, since nothing is simulated in time, but follows the same rules: a schema
+//! derived from its tables, units said with every column, faults with their places.
 
 mod hammer;
 mod modes;
@@ -17,8 +18,7 @@ use serde_json::Value as Json;
 pub use truecut_arm::FrameId;
 
 pub use hammer::{
-    Direction, FrfSpec, FrfValues, HammerPoint, ImpactSpec, ModesSpec, MotionKind, SampleTimes,
-    Signal,
+    Direction, FrfSpec, FrfValues, HammerPoint, ImpactSpec, ModesSpec, MotionKind, Signal,
 };
 pub use stiffness::{Axes, StiffnessColumn, StiffnessQuantity, StiffnessSpec, Zero};
 
@@ -70,7 +70,8 @@ struct ArmTable {
     config: Option<String>,
     /// Link whose frame is the flange. Default: the end of the chain.
     tip: Option<String>,
-    /// Rotary joints, in chain order. Default: all zero; joints with a column in [stiffness] take it from there.
+    /// Rotary joints, in chain order. Default: all zero; joints with a column in [stiffness] take
+    /// it from there.
     posture_deg: Option<Vec<f64>>,
     /// Prismatic joints, in chain order. Default: all zero.
     posture_mm: Option<Vec<f64>>,
@@ -91,7 +92,8 @@ impl Identification {
         Identification::from_str(path, &text)
     }
 
-    /// Reads an identification from a text. `path` names it in errors, and its folder resolves relative paths.
+    /// Reads an identification from a text. `path` names it in errors, and its folder resolves
+    /// relative paths.
     ///
     /// # Errors
     /// Every rule of the format that is broken, with its place.
@@ -121,7 +123,8 @@ impl Identification {
         self.document.has(key)
     }
 
-    /// JSON Schema of the identification file, for editors. `x-rule` beside a bound gives its reason.
+    /// JSON Schema of the identification file, for editors. `x-rule` beside a bound gives its
+    /// reason.
     pub fn json_schema() -> Json {
         SCHEMA.as_ref().clone()
     }
@@ -160,35 +163,4 @@ impl ArmTable {
             ..RobotSpec::read(folder, files, self.posture_deg, self.posture_mm)
         }
     }
-}
-
-/// Refuses a `scale` of zero, at its key.
-fn check_scale(path: &str, scale: f64, check: &mut Check) {
-    if scale == 0.0 {
-        let message =
-            format!("`{path}` is 0, but must not be: nothing of the column would be left");
-        check.refuse(Fault::value(path, message, "must not be 0"));
-    }
-}
-
-/// Refuses a unit of another dimension, at its key.
-fn check_unit(
-    path: &str,
-    found: &truecut_recording::UserUnit,
-    wanted: &[truecut_recording::Unit],
-    check: &mut Check,
-) -> bool {
-    if wanted.contains(&found.unit) {
-        return true;
-    }
-    let accepted: Vec<&str> = (wanted.iter())
-        .flat_map(|unit| unit.accepted_symbols())
-        .collect();
-    let message = format!(
-        "`{path}` is \"{}\", but must be one of {}",
-        found.symbol,
-        accepted.join(", ")
-    );
-    check.refuse(Fault::value(path, message, "wrong dimension"));
-    false
 }

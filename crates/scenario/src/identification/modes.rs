@@ -5,16 +5,13 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_arm::FrameId;
-use truecut_recording::{Unit, UserUnit};
+use truecut_recording::Unit;
 
-use super::hammer::{
-    FrfSpec, FrfValues, HammerPoint, ImpactSpec, ModesSpec, MotionKind, SampleTimes, Signal,
-};
+use super::hammer::{FrfSpec, FrfValues, HammerPoint, ImpactSpec, ModesSpec, MotionKind, Signal};
 use super::stiffness::Axes;
-use super::{check_scale, check_unit};
 use crate::check::Check;
+use crate::column::{check_scale, read_unit_of, time_base};
 use crate::fault::Fault;
-use crate::metric::read_unit;
 use crate::units::{from_mm, from_ms};
 
 /// Hammer FRFs of one posture.
@@ -73,7 +70,8 @@ struct FrfTable {
     /// Number of averages behind the coherence. Default: 1.
     #[schemars(range(min = 1))]
     averages: Option<usize>,
-    /// Unit of the response: a length (compliance), velocity (mobility) or acceleration (accelerance).
+    /// Unit of the response: a length (compliance), velocity (mobility) or acceleration
+    /// (accelerance).
     response_unit: String,
     /// Unit of the force. Default: "N".
     force_unit: Option<String>,
@@ -118,7 +116,8 @@ struct ImpactTable {
     /// Time before a blow that belongs to its window. Default: 10.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "it lies before the blow"))]
     before_ms: Option<f64>,
-    /// Time from a blow to the end of its window. Default: to shortly before the next, or to the end.
+    /// Time from a blow to the end of its window. Default: to shortly before the next, or to the
+    /// end.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the window holds the response"))]
     window_s: Option<f64>,
     /// Time constant of an exponential window for responses that outlast `window_s`. Default: none.
@@ -175,9 +174,8 @@ impl PointTable {
     fn resolve(self, table: &str, check: &mut Check) -> Option<HammerPoint> {
         let length = self.direction.iter().map(|v| v * v).sum::<f64>().sqrt();
         if length == 0.0 {
-            let path = format!("{table}.direction");
-            let message = format!("`{path}` is [0, 0, 0], which is no direction");
-            check.refuse(Fault::value(&path, message, "no direction"));
+            let message = "is [0, 0, 0], which is no direction";
+            check.wrong(table, "direction", message, "no direction");
             return None;
         }
         Some(HammerPoint {
@@ -194,13 +192,10 @@ impl FrfTable {
         if self.coherence.is_none() {
             check.ignored(table, &["averages"], "there is no column of coherence");
         }
-        let frequency = unit_of(
-            self.frequency_unit.as_deref(),
-            "Hz",
-            (table, "frequency_unit"),
-            &[Unit::Hertz],
-            check,
-        );
+        let frequency = {
+            let unit = self.frequency_unit.as_deref().unwrap_or("Hz");
+            read_unit_of(&[Unit::Hertz], unit, table, "frequency_unit", check)
+        };
         let (factor, kind) = response(
             (&self.response_unit, "response_unit"),
             self.force_unit.as_deref(),
@@ -208,7 +203,7 @@ impl FrfTable {
             check,
         )?;
         let scale = self.scale.unwrap_or(1.0);
-        check_scale(&format!("{table}.scale"), scale, check);
+        check_scale(table, "scale", scale, check);
         let excitation = self
             .excitation
             .resolve(&format!("{table}.excitation"), check);
@@ -248,13 +243,10 @@ impl FrfTable {
                 name(&self.imaginary),
             ));
         }
-        let unit = unit_of(
-            self.phase_unit.as_deref(),
-            "deg",
-            (table, "phase_unit"),
-            &[Unit::Radian],
-            check,
-        )?;
+        let unit = {
+            let unit = self.phase_unit.as_deref().unwrap_or("deg");
+            read_unit_of(&[Unit::Radian], unit, table, "phase_unit", check)
+        }?;
         Some(FrfValues::Polar(
             name(&self.magnitude),
             name(&self.phase),
@@ -265,19 +257,24 @@ impl FrfTable {
 
 impl ImpactTable {
     fn resolve(self, table: &str, folder: &Path, check: &mut Check) -> Option<ImpactSpec> {
-        let times = self.times(table, check);
+        let (time, unit) = (self.time.as_deref(), self.time_unit.as_deref());
+        let times = if time.is_some() == self.rate_hz.is_some() {
+            let message =
+                format!("[{table}] must give either `time`, the column of the times, or `rate_hz`");
+            check.refuse(Fault::key(table, message, "not one time base"));
+            None
+        } else {
+            time_base(time, unit, self.rate_hz, table, check)
+        };
         let (motion, kind) = response((&self.motion_unit, "motion_unit"), None, table, check)?;
-        let force = unit_of(
-            self.force_unit.as_deref(),
-            "N",
-            (table, "force_unit"),
-            &[Unit::Newton],
-            check,
-        );
+        let force = {
+            let unit = self.force_unit.as_deref().unwrap_or("N");
+            read_unit_of(&[Unit::Newton], unit, table, "force_unit", check)
+        };
         let [force_scale, motion_scale] =
             [self.force_scale, self.motion_scale].map(|scale| scale.unwrap_or(1.0));
-        check_scale(&format!("{table}.force_scale"), force_scale, check);
-        check_scale(&format!("{table}.motion_scale"), motion_scale, check);
+        check_scale(table, "force_scale", force_scale, check);
+        check_scale(table, "motion_scale", motion_scale, check);
         let struck = self
             .excitation
             .resolve(&format!("{table}.excitation"), check);
@@ -303,45 +300,6 @@ impl ImpactTable {
             observed: observed?,
         })
     }
-
-    fn times(&self, table: &str, check: &mut Check) -> Option<SampleTimes> {
-        match (&self.time, self.rate_hz) {
-            (Some(column), None) => {
-                let place = (table, "time_unit");
-                let unit = unit_of(
-                    self.time_unit.as_deref(),
-                    "s",
-                    place,
-                    &[Unit::Second],
-                    check,
-                )?;
-                Some(SampleTimes::Column(column.clone(), unit))
-            }
-            (None, Some(hz)) => {
-                check.ignored(table, &["time_unit"], "there is no column of times");
-                Some(SampleTimes::Rate(hz))
-            }
-            _ => {
-                let message = format!(
-                    "[{table}] must give either `time`, the column of the times, or `rate_hz`"
-                );
-                check.refuse(Fault::key(table, message, "not one time base"));
-                None
-            }
-        }
-    }
-}
-
-/// A unit of one of the dimensions `wanted`.
-fn unit_of(
-    written: Option<&str>,
-    default: &str,
-    (table, key): (&str, &str),
-    wanted: &[Unit],
-    check: &mut Check,
-) -> Option<UserUnit> {
-    let unit = read_unit(written.unwrap_or(default), table, key, check)?;
-    check_unit(&format!("{table}.{key}"), &unit, wanted, check).then_some(unit)
 }
 
 /// Factor to SI and kind of a response per force.
@@ -356,8 +314,9 @@ fn response(
         Unit::MetrePerSecond,
         Unit::MetrePerSecondSquared,
     ];
-    let motion = unit_of(Some(written), "m", (table, key), &wanted, check);
-    let force = unit_of(force, "N", (table, "force_unit"), &[Unit::Newton], check);
+    let motion = read_unit_of(&wanted, written, table, key, check);
+    let force = force.unwrap_or("N");
+    let force = read_unit_of(&[Unit::Newton], force, table, "force_unit", check);
     let motion = motion?;
     let kind = match motion.unit {
         Unit::Metre => MotionKind::Displacement,

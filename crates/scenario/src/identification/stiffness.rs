@@ -7,10 +7,9 @@ use serde::Deserialize;
 use truecut_arm::FrameId;
 use truecut_recording::{Unit, UserUnit};
 
-use super::{check_scale, check_unit};
 use crate::check::Check;
+use crate::column::{check_scale, read_unit, read_unit_of};
 use crate::fault::Fault;
-use crate::metric::read_unit;
 
 /// A table of load against deflection.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,8 +98,8 @@ pub(super) struct StiffnessTable {
     observed: Option<FrameId>,
     /// Axes of loads and displacements. Default: "world".
     axes: Option<Axes>,
-    /// "unloaded": displacements count from the unloaded arm; "unknown": from a zero that is estimated for each
-    /// posture. Default: "unloaded".
+    /// "unloaded": displacements count from the unloaded arm; "unknown": from a zero that is
+    /// estimated for each posture. Default: "unloaded".
     zero: Option<Zero>,
     /// The columns that are used.
     #[schemars(length(min = 1))]
@@ -113,7 +112,8 @@ pub(super) struct StiffnessTable {
 struct ColumnTable {
     /// Name of the column, or its number from "1" on in a file without header.
     column: String,
-    /// What it holds: joint1.command, …, force_x, moment_x, displacement_x, rotation_x, and so for y and z.
+    /// What it holds: joint1.command, …, force_x, moment_x, displacement_x, rotation_x, and so for
+    /// y and z.
     channel: String,
     /// Unit of the column, after `scale`.
     unit: String,
@@ -135,9 +135,8 @@ impl StiffnessTable {
                 continue;
             };
             if columns.iter().any(|one| one.quantity == column.quantity) {
-                let path = format!("{key}.channel");
-                let message = format!("`{path}` is \"{channel}\", which another column is already");
-                check.refuse(Fault::value(&path, message, "mapped twice"));
+                let message = format!("is \"{channel}\", which another column is already");
+                check.wrong(&key, "channel", message, "mapped twice");
             }
             columns.push(column);
         }
@@ -188,23 +187,19 @@ fn check_complete(columns: &[StiffnessColumn], check: &mut Check) {
 
 impl ColumnTable {
     fn resolve(self, table: &str, check: &mut Check) -> Option<StiffnessColumn> {
-        let unit = read_unit(&self.unit, table, "unit", check);
         let scale = self.scale.unwrap_or(1.0);
-        check_scale(&format!("{table}.scale"), scale, check);
+        check_scale(table, "scale", scale, check);
         let Some(quantity) = StiffnessQuantity::parse(&self.channel) else {
-            let path = format!("{table}.channel");
             let message = format!(
-                "`{path}` is \"{}\", but must be joint1.command, joint2.command, …, or one of force_, moment_, \
+                "is \"{}\", but must be joint1.command, joint2.command, …, or one of force_, moment_, \
                  displacement_, rotation_ with x, y or z",
                 self.channel
             );
-            check.refuse(Fault::value(&path, message, "unknown channel"));
+            check.wrong(table, "channel", message, "unknown channel");
+            read_unit(&self.unit, table, "unit", check);
             return None;
         };
-        let unit = unit?;
-        if !check_unit(&format!("{table}.unit"), &unit, quantity.units(), check) {
-            return None;
-        }
+        let unit = read_unit_of(quantity.units(), &self.unit, table, "unit", check)?;
         if !quantity.is_answer() {
             check.ignored(
                 table,

@@ -1,7 +1,8 @@
-//! The path job: a face, a contact wheel, how lines are laid, and the robot program that comes of it.
+//! The path job: a face, a contact wheel, how lines are laid, and the robot program that comes of
+//! it.
 //!
-//! It is no scenario, since nothing is simulated in time, but follows the same rules: a schema derived from its
-//! tables, units in the keys, faults with their places.
+//! It is no scenario, since nothing is simulated in time, but follows the same rules: a schema
+//! derived from its tables, units in the keys, faults with their places.
 
 mod motion;
 mod tables;
@@ -48,14 +49,16 @@ pub struct PathJob {
     document: Document,
 }
 
-/// A truecut path job: a face, a contact wheel, and the robot program that leads one over the other.
+/// A truecut path job: a face, a contact wheel, and the robot program that leads one over the
+/// other.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "truecut path job")]
 struct FileTable {
     /// Name of the job.
     name: String,
-    /// The arm that leads the wheel. The wheel's centre is the tool frame's origin, its axis the frame's y.
+    /// The arm that leads the wheel. The wheel's centre is the tool frame's origin, its axis the
+    /// frame's y.
     robot: ArmTable,
     /// The face to be finished.
     surface: tables::SurfaceTable,
@@ -81,10 +84,12 @@ struct ArmTable {
     config: Option<String>,
     /// Link whose frame is the flange. Default: the end of the chain.
     tip: Option<String>,
-    /// Rotary joints of the posture that the arm comes from, in chain order: of equally short ways the one from here is taken.
-    /// Default: none; one of `posture_deg` and `posture_mm` must be there.
+    /// Rotary joints of the posture that the arm comes from, in chain order: of equally short ways
+    /// the one from here is taken. Default: none; one of `posture_deg` and `posture_mm` must be
+    /// there.
     posture_deg: Option<Vec<f64>>,
-    /// Prismatic joints of that posture, in chain order. Only for `process.belt`: robot programs are written for rotary arms.
+    /// Prismatic joints of that posture, in chain order. Only for `process.belt`: robot programs
+    /// are written for rotary arms.
     posture_mm: Option<Vec<f64>>,
 }
 
@@ -98,7 +103,8 @@ impl PathJob {
         PathJob::from_str(path, &text)
     }
 
-    /// Reads a path job from a text. `path` names it in errors, and its folder resolves relative paths.
+    /// Reads a path job from a text. `path` names it in errors, and its folder resolves relative
+    /// paths.
     ///
     /// # Errors
     /// Every rule of the format that is broken, with its place.
@@ -117,7 +123,8 @@ impl PathJob {
         self.document.stem("path")
     }
 
-    /// An error about the value of a dotted key that showed only later, e.g. when the path was planned.
+    /// An error about the value of a dotted key that showed only later, e.g. when the path was
+    /// planned.
     pub fn problem(&self, key: &str, message: impl Into<String>) -> ScenarioError {
         self.document.problem(key, message)
     }

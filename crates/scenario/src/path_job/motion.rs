@@ -11,7 +11,7 @@ use truecut_plan::program::{
 };
 use truecut_plan::surface_path::{Symmetry, TaughtFile, TaughtWhen};
 
-use super::tables::{check_direction, place};
+use super::tables::place;
 use crate::check::Check;
 use crate::fault::Fault;
 use crate::units::{from_deg, from_mm};
@@ -35,7 +35,8 @@ pub(super) struct SymmetryTable {
     count: usize,
     /// A point of the axis, world.
     centre_mm: [f64; 3],
-    /// Direction of the axis, world, of any length but zero. Copies follow one another right-handed about it. Default: [0, 0, 1].
+    /// Direction of the axis, world, of any length but zero. Copies follow one another right-handed
+    /// about it. Default: [0, 0, 1].
     axis: Option<[f64; 3]>,
     /// What brings the copies to the wheel.
     carried_by: CarriedBy,
@@ -48,7 +49,8 @@ pub(super) struct SymmetryTable {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TaughtTable {
-    /// CSV file with a column j1, j2, … for each joint (degrees; mm for prismatic joints), relative to this file.
+    /// CSV file with a column j1, j2, … for each joint (degrees; mm for prismatic joints), relative
+    /// to this file.
     file: String,
     /// Played before or after the lines of each copy.
     when: TaughtWhen,
@@ -109,7 +111,7 @@ fn properties(dialect: &dyn Dialect) -> Options {
 impl SymmetryTable {
     pub(super) fn resolve(&self, check: &mut Check) -> Symmetry {
         let axis = self.axis.unwrap_or([0.0, 0.0, 1.0]);
-        check_direction("symmetry.axis", axis, check);
+        check.direction("symmetry.axis", axis);
         if self.carried_by == CarriedBy::Arm {
             let because = "carried_by = \"arm\" needs no turntable";
             check.ignored("symmetry", &["pulses_per_deg"], because);
@@ -138,7 +140,8 @@ impl TaughtTable {
 }
 
 impl ProgramTable {
-    /// `None` after recording a fault. `turntable` holds the pulses of a turntable, if there is one.
+    /// `None` after recording a fault. `turntable` holds the pulses of a turntable, if there is
+    /// one.
     pub(super) fn resolve(
         self,
         turntable: Option<Option<f64>>,

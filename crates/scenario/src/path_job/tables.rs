@@ -20,8 +20,8 @@ use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm};
 pub(super) struct SurfaceTable {
     /// File of the patch, relative to this file.
     patch: String,
-    /// Closed mesh of the whole workpiece (.stl or .obj) in the patch's frame, relative to this file; the wheel must not gouge it
-    /// either.
+    /// Closed mesh of the whole workpiece (.stl or .obj) in the patch's frame, relative to this
+    /// file; the wheel must not gouge it either.
     body: Option<String>,
     /// Length of the mesh's unit. Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]
@@ -108,7 +108,8 @@ pub(super) struct PathTable {
     /// Speed of the wheel's centre on a line.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is fed along the line"))]
     feed_mm_per_s: f64,
-    /// How deep the undeformed wheel may lie in the face or the body anywhere. Default: the indentation and the edge gap limit together.
+    /// How deep the undeformed wheel may lie in the face or the body anywhere. Default: the
+    /// indentation and the edge gap limit together.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "a depth"))]
     gouge_limit_mm: Option<f64>,
 }
@@ -131,8 +132,8 @@ impl SurfaceTable {
     }
 }
 
-/// Where something stands in the world, by default at its origin. Rotations are about the world's x,
-/// then y, then z axis.
+/// Where something stands in the world, by default at its origin. Rotations are about the world's
+/// x, then y, then z axis.
 pub(crate) fn place(xyz_mm: Option<[f64; 3]>, rpy_deg: Option<[f64; 3]>) -> Isometry3<f64> {
     let [roll, pitch, yaw] = rpy_deg.unwrap_or_default().map(from_deg);
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
@@ -218,18 +219,10 @@ impl PathTable {
                 idle(&["scallop_mm", "feed_along"], "parallel_plane", check);
                 let who = "strategy = \"parallel_plane\"";
                 let normal = check.needed("path", "plane_normal", self.plane_normal, who)?;
-                check_direction("path.plane_normal", normal, check);
+                check.direction("path.plane_normal", normal)?;
                 let normal = Unit::new_normalize(Vector3::from(normal));
                 Some(Strategy::ParallelPlane { normal })
             }
         }
-    }
-}
-
-/// Refuses a direction without length, at its key.
-pub(super) fn check_direction(key: &str, direction: [f64; 3], check: &mut Check) {
-    if direction == [0.0; 3] {
-        let message = format!("`{key}` is [0, 0, 0], but must have a length: it is a direction");
-        check.refuse(Fault::value(key, message, "no direction"));
     }
 }

@@ -1,4 +1,5 @@
-//! The `[process.belt]` table: a belt over a contact wheel finishes the face of a path job, simulated along the job's lines.
+//! The `[process.belt]` table: a belt over a contact wheel finishes the face of a path job,
+//! simulated along the job's lines.
 
 use std::path::{Path, PathBuf};
 
@@ -19,8 +20,8 @@ use crate::robot::RobotSpec;
 use crate::roughness::RoughnessTable;
 use crate::units::from_mm;
 
-/// Belt finishing of a face. The wheel's centre is the tool frame's origin, its axis the frame's y; z points into the face, as in
-/// path jobs.
+/// Belt finishing of a face. The wheel's centre is the tool frame's origin, its axis the frame's y;
+/// z points into the face, as in path jobs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BeltSpec {
     /// Face, wheel and lines.
@@ -64,13 +65,14 @@ pub struct BeltJob {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BeltTable {
-    /// Path job (`truecut path`) that gives face, wheel, lines, feed, symmetry and the posture that the arm comes from, relative to
-    /// this file. Its robot is the scenario's.
+    /// Path job (`truecut path`) that gives face, wheel, lines, feed, symmetry and the posture that
+    /// the arm comes from, relative to this file. Its robot is the scenario's.
     job: String,
     /// How many of the job's copies are finished, one after another. Default: 1.
     #[schemars(range(min = 1), extend("x-rule" = "one copy at least is finished"))]
     copies: Option<usize>,
-    /// Speed of the belt over the face, positive along the tool's x axis (the wheel's axis times the direction into the face).
+    /// Speed of the belt over the face, positive along the tool's x axis (the wheel's axis times
+    /// the direction into the face).
     belt_m_per_s: f64,
     /// Tension of the belt.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "a belt pulls and cannot push"))]
@@ -93,8 +95,8 @@ pub(crate) struct BeltTable {
     /// Largest size of the cells on which removal is kept. Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cell has a size"))]
     cell_mm: Option<f64>,
-    /// What holds the normal force: nothing but the path, or a carrier between tool and wheel that moves along the tool's z axis. Default:
-    /// law = "position".
+    /// What holds the normal force: nothing but the path, or a carrier between tool and wheel that
+    /// moves along the tool's z axis. Default: law = "position".
     control: Option<ControlTable>,
     /// How the surface smooths.
     roughness: RoughnessTable,
@@ -111,31 +113,14 @@ const DEFAULT_CELL_MM: f64 = 1.0;
 impl BeltTable {
     /// `None` after recording a fault. `folder` is that of the scenario file.
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<BeltSpec> {
-        let Self {
-            job: written,
-            copies: asked,
-            belt_m_per_s,
-            tension_n,
-            rubber_mm,
-            poisson,
-            damping_pa_s_per_m,
-            mu,
-            preston_per_pa,
-            cell_mm,
-            control,
-            roughness,
-        } = self;
-        if belt_m_per_s == 0.0 {
-            let path = format!("{TABLE}.belt_m_per_s");
-            let message = format!(
-                "`{path}` is 0, but must not be: a belt that stands still only rubs by the feed"
-            );
-            check.refuse(Fault::value(&path, message, "does not run"));
+        if self.belt_m_per_s == 0.0 {
+            let message = "is 0, but must not be: a belt that stands still only rubs by the feed";
+            check.wrong(TABLE, "belt_m_per_s", message, "does not run");
         }
-        let polishing = roughness.resolve(TABLE, check);
-        let job = read_job(&written, folder, check)?;
-        check_rubber(rubber_mm, &written, &job.wheel, check);
-        let control = match control {
+        let polishing = self.roughness.resolve(TABLE, check);
+        let job = read_job(&self.job, folder, check)?;
+        check_rubber(self.rubber_mm, &self.job, &job.wheel, check);
+        let control = match self.control {
             None => Some(ForceControl::Position),
             Some(table) => {
                 let pressed = Pressed::ByPath {
@@ -148,23 +133,23 @@ impl BeltTable {
         };
         Some(BeltSpec {
             control: control?,
-            copies: copies(asked, &written, &job, check)?,
-            belt_m_per_s,
+            copies: copies(self.copies, &self.job, &job, check)?,
+            belt_m_per_s: self.belt_m_per_s,
             wheel: BeltWheel {
                 radius_m: job.wheel.radius_m,
                 width_m: job.wheel.width_m,
                 contact_modulus_pa: job.wheel.modulus_pa,
-                poisson: poisson.unwrap_or(DEFAULT_POISSON),
-                rubber_m: from_mm(rubber_mm),
-                tension_n,
-                damping_pa_s_per_m: damping_pa_s_per_m.unwrap_or(0.0),
+                poisson: self.poisson.unwrap_or(DEFAULT_POISSON),
+                rubber_m: from_mm(self.rubber_mm),
+                tension_n: self.tension_n,
+                damping_pa_s_per_m: self.damping_pa_s_per_m.unwrap_or(0.0),
             },
             abrasive: Abrasive {
-                mu,
-                preston_per_pa,
+                mu: self.mu,
+                preston_per_pa: self.preston_per_pa,
                 polishing,
             },
-            cell_m: from_mm(cell_mm.unwrap_or(DEFAULT_CELL_MM)),
+            cell_m: from_mm(self.cell_mm.unwrap_or(DEFAULT_CELL_MM)),
             job,
         })
     }
@@ -182,12 +167,11 @@ fn check_rubber(rubber_mm: f64, written: &str, wheel: &ContactWheel, check: &mut
     } else {
         return;
     };
-    let path = format!("{TABLE}.rubber_mm");
     let message = format!(
-        "`{path}` is {rubber_mm}, but must be {bound} of {} mm, which {written} gives: {why}",
-        limit_m * 1e3,
+        "is {rubber_mm}, but must be {bound} of {} mm, which {written} gives: {why}",
+        limit_m * 1e3
     );
-    check.refuse(Fault::value(&path, message, "does not fit the wheel"));
+    check.wrong(TABLE, "rubber_mm", message, "does not fit the wheel");
 }
 
 /// Copies that are finished: no more than the job has.

@@ -55,8 +55,9 @@ pub struct EdgeSpec {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BrushTable {
-    /// CSV file of taught postures with a column j1, j2, … for each joint (degrees; mm for prismatic joints), relative to this file. The arm
-    /// starts in the first one and ends in the last one.
+    /// CSV file of taught postures with a column j1, j2, … for each joint (degrees; mm for
+    /// prismatic joints), relative to this file. The arm starts in the first one and ends in the
+    /// last one.
     taught: String,
     /// Speed of the tool from posture to posture.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the brush is fed along the edge"))]
@@ -149,44 +150,27 @@ impl BrushTable {
         ];
         let is_sound = faults.iter().all(Option::is_none);
         (faults.into_iter().flatten()).for_each(|fault| check.refuse(fault));
-        let Self {
-            taught,
-            feed_mm_per_s,
-            joint_speed,
-            radius_mm,
-            width_mm,
-            speed_rpm,
-            bristles,
-            bristle_diameter_mm,
-            free_length_mm,
-            youngs_modulus_mpa,
-            mu,
-            preston_per_pa,
-            station_mm,
-            workpiece,
-            edge,
-        } = self;
-        let edges: Vec<Option<EdgeSpec>> = (edge.into_iter().enumerate())
+        let edges: Vec<Option<EdgeSpec>> = (self.edge.into_iter().enumerate())
             .map(|(index, edge)| edge.resolve(index, check))
             .collect();
         is_sound.then_some(())?;
-        let (workpiece, world_from_mesh) = workpiece.resolve(folder);
+        let (workpiece, world_from_mesh) = self.workpiece.resolve(folder);
         Some(BrushSpec {
-            taught: folder.join(taught),
-            feed_m_per_s: from_mm(feed_mm_per_s),
-            joint_share: joint_speed.unwrap_or(DEFAULT_JOINT_SHARE),
+            taught: folder.join(self.taught),
+            feed_m_per_s: from_mm(self.feed_mm_per_s),
+            joint_share: self.joint_speed.unwrap_or(DEFAULT_JOINT_SHARE),
             brush: Brush {
-                radius_m: from_mm(radius_mm),
-                width_m: from_mm(width_mm),
-                bristles: f64::from(bristles),
-                bristle_diameter_m: from_mm(bristle_diameter_mm),
-                free_length_m: from_mm(free_length_mm),
-                youngs_modulus_pa: from_mpa(youngs_modulus_mpa),
-                mu,
+                radius_m: from_mm(self.radius_mm),
+                width_m: from_mm(self.width_mm),
+                bristles: f64::from(self.bristles),
+                bristle_diameter_m: from_mm(self.bristle_diameter_mm),
+                free_length_m: from_mm(self.free_length_mm),
+                youngs_modulus_pa: from_mpa(self.youngs_modulus_mpa),
+                mu: self.mu,
             },
-            spin_rad_s: from_rpm(speed_rpm),
-            preston_per_pa,
-            station_m: from_mm(station_mm.unwrap_or(DEFAULT_STATION_MM)),
+            spin_rad_s: from_rpm(self.speed_rpm),
+            preston_per_pa: self.preston_per_pa,
+            station_m: from_mm(self.station_mm.unwrap_or(DEFAULT_STATION_MM)),
             world_from_mesh,
             workpiece,
             edges: edges.into_iter().collect::<Option<_>>()?,
@@ -244,51 +228,52 @@ impl BrushTable {
 impl WorkpieceTable {
     /// The mesh, and where its frame stands.
     fn resolve(self, folder: &Path) -> (MeshFile, Isometry3<f64>) {
-        let Self {
-            mesh,
-            unit_mm,
-            xyz_mm,
-            rpy_deg,
-        } = self;
         let body = MeshFile {
-            file: folder.join(mesh),
-            unit_m: from_mm(unit_mm.unwrap_or(1.0)),
+            file: folder.join(self.mesh),
+            unit_m: from_mm(self.unit_mm.unwrap_or(1.0)),
         };
-        (body, place(xyz_mm, rpy_deg))
+        (body, place(self.xyz_mm, self.rpy_deg))
     }
 }
 
 impl EdgeTable {
     /// `None` after recording a fault.
     fn resolve(self, index: usize, check: &mut Check) -> Option<EdgeSpec> {
-        let Self {
-            points_mm,
-            burr_height_mm,
-            burr_thickness_mm,
-        } = self;
         let table = format!("{TABLE}.edge.{index}");
-        let same = points_mm.windows(2).position(|pair| pair[0] == pair[1]);
+        let same = self
+            .points_mm
+            .windows(2)
+            .position(|pair| pair[0] == pair[1]);
         if let Some(k) = same {
             let path = format!("{table}.points_mm");
             let message = format!(
                 "points {} and {} of `{path}` are the same, {:?}: an edge gets on from point to point",
                 k + 1,
                 k + 2,
-                points_mm[k]
+                self.points_mm[k]
             );
             check.refuse(Fault::value(&path, message, "stands still"));
             return None;
         }
-        let height_mm = burr_height_mm.unwrap_or(0.0);
+        let height_mm = self.burr_height_mm.unwrap_or(0.0);
         let thickness_mm = if height_mm == 0.0 {
             let because = "without `burr_height_mm` there is no burr";
             check.ignored(&table, &["burr_thickness_mm"], because);
             0.0
         } else {
-            check.needed(&table, "burr_thickness_mm", burr_thickness_mm, "a burr")?
+            check.needed(
+                &table,
+                "burr_thickness_mm",
+                self.burr_thickness_mm,
+                "a burr",
+            )?
         };
         Some(EdgeSpec {
-            points_m: points_mm.iter().map(|point| point.map(from_mm)).collect(),
+            points_m: self
+                .points_mm
+                .iter()
+                .map(|point| point.map(from_mm))
+                .collect(),
             burr_height_m: from_mm(height_mm),
             burr_thickness_m: from_mm(thickness_mm),
         })

@@ -1,4 +1,5 @@
-//! Processes of a user's own crate: their tables are read, checked, overridden and swept like those of this crate.
+//! Processes of a user's own crate: their tables are read, checked, overridden and swept like those
+//! of this crate.
 
 use std::any::Any;
 use std::fmt;
@@ -41,8 +42,8 @@ pub struct BrokenRule {
 }
 
 impl Definition {
-    /// A process with the table `[process.<name>]` of type `T`. `check` holds what involves several keys; ranges of single keys
-    /// stand in the schema of `T`, with their reason in `x-rule`.
+    /// A process with the table `[process.<name>]` of type `T`. `check` holds what involves several
+    /// keys; ranges of single keys stand in the schema of `T`, with their reason in `x-rule`.
     pub fn new<T>(
         name: &str,
         check: fn(&T) -> Result<(), BrokenRule>,

@@ -9,20 +9,22 @@ use crate::foot::FootSpec;
 /// Facts of a process with its parameters. There is no default: a new fact asks every process.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
-    /// Angular speed of what turns (spindle, wheel, workpiece), rad/s, above 0; `None` if nothing turns.
+    /// Angular speed of what turns (spindle, wheel, workpiece), rad/s, above 0; `None` if nothing
+    /// turns.
     pub rate_rad_s: Option<f64>,
-    /// How long the process takes by itself, s; infinite if its data or the plan of its path says; `None`
-    /// if it does not end by itself.
+    /// How long the process takes by itself, s; infinite if its data or the plan of its path says;
+    /// `None` if it does not end by itself.
     pub natural_duration_s: Option<f64>,
-    /// Channels of its recording that say where the machine was and how hard it pressed: what a comparison
-    /// leaves unexplained may follow them. Only those that a run has are looked at.
+    /// Channels of its recording that say where the machine was and how hard it pressed: what a
+    /// comparison leaves unexplained may follow them. Only those that a run has are looked at.
     pub signals: &'static [&'static str],
     /// Numbers that a person could change at the machine for another experiment.
     pub knobs: &'static [Knob],
-    /// Dotted keys below the process's table that hold the path of a file, relative to the scenario's folder.
+    /// Dotted keys below the process's table that hold the path of a file, relative to the
+    /// scenario's folder.
     pub files: &'static [&'static str],
-    /// What presses on the workpiece and so needs a driven arm, as a dotted key below `process`; `None` if the
-    /// joints may be free.
+    /// What presses on the workpiece and so needs a driven arm, as a dotted key below `process`;
+    /// `None` if the joints may be free.
     pub needs_drive: Option<&'static str>,
     /// Whether there is an arm at all.
     pub needs_robot: bool,

@@ -1,7 +1,8 @@
 //! The `[process]` table: exactly one of the processes.
 //!
-//! A process is one room: a file or folder here with its table, its parameters and its [`Facts`], and one in `sim`
-//! with what it does. [`processes!`] makes the enum, the reading and the lists from one line each.
+//! A process is one room: a file or folder here with its table, its parameters and its [`Facts`],
+//! and one in `sim` with what it does. [`processes!`] makes the enum, the reading and the lists
+//! from one line each.
 
 mod custom;
 mod facts;
@@ -37,7 +38,8 @@ pub(crate) trait Room: Sized {
     /// Its table, in the user's units.
     type Table: DeserializeOwned + JsonSchema;
 
-    /// The parameters in SI, or `None` after recording a fault. `folder` is that of the scenario file.
+    /// The parameters in SI, or `None` after recording a fault. `folder` is that of the scenario
+    /// file.
     fn resolve(table: Self::Table, folder: &Path, check: &mut Check) -> Option<Self>;
 
     /// What others may ask of it.

@@ -38,7 +38,8 @@ pub enum ReplayMode {
     Forward,
     /// Measured motion in, drive forces out.
     Inverse {
-        /// Cutoff of the filter through which the measured coordinates go before they are differentiated.
+        /// Cutoff of the filter through which the measured coordinates go before they are
+        /// differentiated.
         differentiate_cutoff_hz: f64,
         /// Cutoff of the filter through which measured and predicted drive forces go.
         compare_cutoff_hz: f64,
@@ -69,13 +70,16 @@ pub(crate) struct ReplayTable {
     /// Cutoff of the zero-phase filter before differentiation (mode "inverse"). Default: 20.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a filter passes something"))]
     differentiate_cutoff_hz: Option<f64>,
-    /// Cutoff of the zero-phase filter on measured and predicted drive forces (mode "inverse"). Default: 10.
+    /// Cutoff of the zero-phase filter on measured and predicted drive forces (mode "inverse").
+    /// Default: 10.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a filter passes something"))]
     compare_cutoff_hz: Option<f64>,
-    /// Factor on the inputs, about their first values: to plan another experiment (mode "forward"). Default: 1.
+    /// Factor on the inputs, about their first values: to plan another experiment (mode "forward").
+    /// Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "an experiment moves"))]
     amplitude_factor: Option<f64>,
-    /// Factor on the speed at which the inputs are played: to plan another experiment (mode "forward"). Default: 1.
+    /// Factor on the speed at which the inputs are played: to plan another experiment (mode
+    /// "forward"). Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
     speed_factor: Option<f64>,
     /// Speed of the workpiece of a turning cut that is observed (mode "observe", with depth_mm).
@@ -86,8 +90,8 @@ pub(crate) struct ReplayTable {
     depth_mm: Option<f64>,
 }
 
-// Ten times and five times the motion's own bandwidth of some 2 Hz, as identification of robots takes it
-// (`gautier1997`).
+// Ten times and five times the motion's own bandwidth of some 2 Hz, as identification of robots
+// takes it (`gautier1997`).
 const DEFAULT_DIFFERENTIATE_CUTOFF_HZ: f64 = 20.0;
 const DEFAULT_COMPARE_CUTOFF_HZ: f64 = 10.0;
 

@@ -35,7 +35,8 @@ pub struct WheelSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 enum Spin {
-    /// Against the feed, as the plate passes under the advancing wheel: friction pulls the tool along.
+    /// Against the feed, as the plate passes under the advancing wheel: friction pulls the tool
+    /// along.
     Climb,
     /// With the feed, against the passing plate: friction holds the tool back.
     Against,
@@ -61,9 +62,10 @@ pub(crate) struct WheelTable {
     /// Speed of rotation; `spin` gives its sense.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel turns; spin gives the sense"))]
     speed_rpm: f64,
-    /// Which way the surface moves where it touches the plate. Climb: against the feed, as the plate passes
-    /// under the advancing wheel; it rubs at surface speed less feed, and friction pulls the tool along.
-    /// Against: with the feed; it rubs at surface speed plus feed, and friction holds the tool back.
+    /// Which way the surface moves where it touches the plate. Climb: against the feed, as the
+    /// plate passes under the advancing wheel; it rubs at surface speed less feed, and friction
+    /// pulls the tool along. Against: with the feed; it rubs at surface speed plus feed, and
+    /// friction holds the tool back.
     spin: Spin,
     /// Stiffness of the contact.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is elastic"))]

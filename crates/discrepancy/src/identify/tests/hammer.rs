@@ -3,10 +3,8 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
-use truecut_recording::measured::{Column, Table};
-use truecut_scenario::identification::{
-    FrameId, HammerPoint, ImpactSpec, MotionKind, SampleTimes, Signal,
-};
+use truecut_recording::measured::{Column, Table, TimeBase};
+use truecut_scenario::identification::{FrameId, HammerPoint, ImpactSpec, MotionKind, Signal};
 
 use super::normal;
 use crate::identify::frf::Frf;
@@ -216,7 +214,7 @@ fn hammer(window_s: f64, exponential_s: Option<f64>) -> ImpactSpec {
     ImpactSpec {
         file: "blows.csv".into(),
         header: true,
-        times: SampleTimes::Rate(400.0),
+        times: TimeBase::Rate { hz: 400.0 },
         force: signal("f"),
         response: signal("x"),
         kind: MotionKind::Displacement,

@@ -6,7 +6,6 @@ use truecut_core::cutting::milling::cutter::{Cutter, Eccentricity};
 use truecut_core::cutting::milling::engagement::Engagement;
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::units::{from_deg, from_mm, from_um};
 
 const TABLE: &str = "process.milling";
@@ -35,7 +34,8 @@ pub(super) struct CutterTable {
     /// Number of equally spaced teeth.
     #[schemars(range(min = 1, max = 64), extend("x-rule" = "a cutter has 1 to 64 teeth"))]
     teeth: u32,
-    /// Angle between cutting edge and tool axis; positive if the edge lags behind with height. Default: 0.
+    /// Angle between cutting edge and tool axis; positive if the edge lags behind with height.
+    /// Default: 0.
     #[schemars(range(min = -75.0, max = 75.0), extend("x-rule" = "an edge runs along the cutter"))]
     helix_deg: Option<f64>,
     /// Offset of the cutter's axis from the spindle's. Default: 0.
@@ -47,36 +47,28 @@ pub(super) struct CutterTable {
 
 impl CutterTable {
     pub(super) fn resolve(self, check: &mut Check) -> Cutter {
-        let Self {
-            diameter_mm,
-            teeth,
-            helix_deg,
-            runout_um,
-            runout_angle_deg,
-        } = self;
         let table = "process.milling.cutter";
-        let diameter_m = from_mm(diameter_mm);
-        let runout_m = from_um(runout_um.unwrap_or(0.0));
+        let diameter_m = from_mm(self.diameter_mm);
+        let runout_m = from_um(self.runout_um.unwrap_or(0.0));
         if runout_m == 0.0 {
             check.ignored(table, &["runout_angle_deg"], "the cutter has no runout");
         }
         if runout_m >= 0.25 * diameter_m {
-            let path = format!("{table}.runout_um");
             let message = format!(
-                "`{path}` is {}, but must be less than half the cutter's radius of {} mm: every \
+                "is {}, but must be less than half the cutter's radius of {} mm: every \
                  tooth has a radius",
                 runout_m * 1e6,
                 diameter_m * 5e2
             );
-            check.refuse(Fault::value(&path, message, "too much for the cutter"));
+            check.wrong(table, "runout_um", message, "too much for the cutter");
         }
         Cutter {
             radius_m: 0.5 * diameter_m,
-            teeth: teeth as usize,
-            helix_angle_rad: from_deg(helix_deg.unwrap_or(0.0)),
+            teeth: self.teeth as usize,
+            helix_angle_rad: from_deg(self.helix_deg.unwrap_or(0.0)),
             eccentricity: Eccentricity {
                 offset_m: runout_m,
-                angle_rad: from_deg(runout_angle_deg.unwrap_or(0.0)),
+                angle_rad: from_deg(self.runout_angle_deg.unwrap_or(0.0)),
             },
         }
     }
@@ -115,12 +107,11 @@ pub(super) fn engaged(
             let entry = check.needed(TABLE, "entry_deg", entry_deg, who)?;
             let exit = check.needed(TABLE, "exit_deg", exit_deg, who)?;
             if entry >= exit {
-                let path = format!("{TABLE}.exit_deg");
                 let message = format!(
-                    "`{path}` is {exit}, but must be greater than entry_deg = {entry}: teeth \
+                    "is {exit}, but must be greater than entry_deg = {entry}: teeth \
                      leave after they enter"
                 );
-                check.refuse(Fault::value(&path, message, "not behind the entry"));
+                check.wrong(TABLE, "exit_deg", message, "not behind the entry");
             }
             Some(Engagement {
                 entry_rad: from_deg(entry),
@@ -135,13 +126,12 @@ fn radial_depth_m(depth_mm: Option<f64>, diameter_m: f64, check: &mut Check) -> 
     let depth_mm = check.needed(TABLE, "radial_depth_mm", depth_mm, "this engagement")?;
     let depth_m = from_mm(depth_mm);
     if depth_m > diameter_m {
-        let path = format!("{TABLE}.radial_depth_mm");
         let message = format!(
-            "`{path}` is {depth_mm}, but must be at most the cutter's diameter of {} mm: it cuts \
+            "is {depth_mm}, but must be at most the cutter's diameter of {} mm: it cuts \
              no wider",
             diameter_m * 1e3
         );
-        check.refuse(Fault::value(&path, message, "wider than the cutter"));
+        check.wrong(TABLE, "radial_depth_mm", message, "wider than the cutter");
     }
     // What else is wrong is told with the widest cut.
     Some(depth_m.min(diameter_m))

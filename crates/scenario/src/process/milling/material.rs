@@ -7,7 +7,7 @@ use serde::Deserialize;
 use truecut_core::cutting::chamfer::CuttingCoefficients;
 
 use crate::check::Check;
-use crate::fault::{Fault, split_path};
+use crate::fault::Fault;
 use crate::schema::schema_of;
 use crate::structure;
 use crate::units::{from_mpa, from_n_per_mm};
@@ -56,25 +56,12 @@ struct MaterialFile {
 
 /// One publication's coefficients.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 struct SetTable {
     /// Name of the set.
     id: String,
-    /// Tangential force per chip area.
-    #[schemars(extend("minimum" = 0.0, "x-rule" = "cutting resists the rotation"))]
-    tangential_mpa: f64,
-    /// Radial force per chip area.
-    radial_mpa: f64,
-    /// Axial force per chip area.
-    axial_mpa: Option<f64>,
-    /// Tangential edge force.
-    #[schemars(extend("minimum" = 0.0, "x-rule" = "cutting resists the rotation"))]
-    edge_tangential_n_per_mm: Option<f64>,
-    /// Radial edge force.
-    #[schemars(extend("minimum" = 0.0, "x-rule" = "an edge is pushed off, never drawn in"))]
-    edge_radial_n_per_mm: Option<f64>,
-    /// Axial edge force.
-    edge_axial_n_per_mm: Option<f64>,
+    #[serde(flatten)]
+    numbers: CuttingTable,
     /// "published", "recalled" or "estimated".
     #[serde(rename = "status")]
     _status: String,
@@ -124,22 +111,14 @@ pub(super) fn resolve(
 
 impl CuttingTable {
     fn resolve(self) -> CuttingCoefficients {
-        let Self {
-            tangential_mpa,
-            radial_mpa,
-            axial_mpa,
-            edge_tangential_n_per_mm,
-            edge_radial_n_per_mm,
-            edge_axial_n_per_mm,
-        } = self;
         let edge = |value: Option<f64>| from_n_per_mm(value.unwrap_or(0.0));
         CuttingCoefficients {
-            tangential_pa: from_mpa(tangential_mpa),
-            radial_pa: from_mpa(radial_mpa),
-            axial_pa: from_mpa(axial_mpa.unwrap_or(0.0)),
-            edge_tangential_n_per_m: edge(edge_tangential_n_per_mm),
-            edge_radial_n_per_m: edge(edge_radial_n_per_mm),
-            edge_axial_n_per_m: edge(edge_axial_n_per_mm),
+            tangential_pa: from_mpa(self.tangential_mpa),
+            radial_pa: from_mpa(self.radial_mpa),
+            axial_pa: from_mpa(self.axial_mpa.unwrap_or(0.0)),
+            edge_tangential_n_per_m: edge(self.edge_tangential_n_per_mm),
+            edge_radial_n_per_m: edge(self.edge_radial_n_per_mm),
+            edge_axial_n_per_m: edge(self.edge_axial_n_per_mm),
         }
     }
 }
@@ -192,15 +171,7 @@ impl MaterialTable {
             return None;
         };
         let set = material.set.into_iter().nth(index)?;
-        let numbers = CuttingTable {
-            tangential_mpa: set.tangential_mpa,
-            radial_mpa: set.radial_mpa,
-            axial_mpa: set.axial_mpa,
-            edge_tangential_n_per_mm: set.edge_tangential_n_per_mm,
-            edge_radial_n_per_mm: set.edge_radial_n_per_mm,
-            edge_axial_n_per_mm: set.edge_axial_n_per_mm,
-        };
-        Some(numbers.resolve())
+        Some(set.numbers.resolve())
     }
 }
 
@@ -229,10 +200,7 @@ fn not_found(written: &str, file: &Path, error: &std::io::Error) -> Fault {
         .collect();
     names.sort();
     let message = format!("`{FILE}`: cannot read material {written}: {error}");
-    let fault = Fault {
-        path: split_path(FILE),
-        ..Fault::value(FILE, message, "no such material")
-    };
+    let fault = Fault::value(FILE, message, "no such material");
     if names.is_empty() {
         fault.with_help(format!("{} holds no material file", beside.display()))
     } else {

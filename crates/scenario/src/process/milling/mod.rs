@@ -109,16 +109,17 @@ pub(crate) struct MillingTable {
         "x-rule" = "teeth cut on the side of the feed, from 0 to 180"
     ))]
     exit_deg: Option<f64>,
-    /// Whether teeth meet the surface that earlier teeth left; else that of a tool which does not vibrate. Default:
-    /// true.
+    /// Whether teeth meet the surface that earlier teeth left; else that of a tool which does not
+    /// vibrate. Default: true.
     regeneration: Option<bool>,
     /// Angle of the first tooth at the start, from +y towards the feed. Default: 0.
     start_angle_deg: Option<f64>,
-    /// Way from the cutter's rim to the face of the stock at the start. Default: the cut is under way at the start, the arm
-    /// deflected by its mean force.
+    /// Way from the cutter's rim to the face of the stock at the start. Default: the cut is under
+    /// way at the start, the arm deflected by its mean force.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "the cutter starts outside the stock"))]
     lead_in_mm: Option<f64>,
-    /// Way along which the depth of cut rises from zero to the full one, behind the lead-in: the stock begins as a wedge. Default:
+    /// Way along which the depth of cut rises from zero to the full one, behind the lead-in: the
+    /// stock begins as a wedge. Default:
     /// 0.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "the depth rises along the feed"))]
     ramp_mm: Option<f64>,
@@ -132,7 +133,8 @@ pub(crate) struct MillingTable {
     path: PathTable,
 }
 
-/// Largest feed per tooth as a part of the cutter's diameter: chips are far thinner than the cutter.
+/// Largest feed per tooth as a part of the cutter's diameter: chips are far thinner than the
+/// cutter.
 const LARGEST_FEED: f64 = 0.1;
 
 const TABLE: &str = "process.milling";
@@ -140,40 +142,31 @@ const TABLE: &str = "process.milling";
 impl MillingTable {
     /// `None` after recording a fault.
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<MillingSpec> {
-        let Self {
-            spindle_rpm,
-            feed_mm_per_s,
-            feed_mm_per_tooth,
-            axial_depth_mm,
-            engagement,
-            radial_depth_mm,
-            entry_deg,
-            exit_deg,
-            regeneration,
-            start_angle_deg,
-            lead_in_mm,
-            ramp_mm,
-            cutter,
-            material,
-            cutting,
-            path,
-        } = self;
-        let cutter = cutter.resolve(check);
-        let angles_deg = [entry_deg, exit_deg];
+        let cutter = self.cutter.resolve(check);
+        let angles_deg = [self.entry_deg, self.exit_deg];
         let diameter_m = 2.0 * cutter.radius_m;
-        let engagement = engaged(engagement, radial_depth_mm, angles_deg, diameter_m, check);
-        let spindle_rad_s = from_rpm(spindle_rpm);
+        let engagement = engaged(
+            self.engagement,
+            self.radial_depth_mm,
+            angles_deg,
+            diameter_m,
+            check,
+        );
+        let spindle_rad_s = from_rpm(self.spindle_rpm);
         let period_s = tooth_period_s(spindle_rad_s, &cutter);
         let feed_m_per_s = feed(
-            feed_mm_per_s,
-            feed_mm_per_tooth,
+            self.feed_mm_per_s,
+            self.feed_mm_per_tooth,
             period_s,
             diameter_m,
             check,
         );
-        let coefficients = material::resolve(material, cutting, folder, check);
-        let path = path.resolve(check);
-        let (lead_in_m, ramp_m) = (lead_in_mm.map(from_mm), from_mm(ramp_mm.unwrap_or(0.0)));
+        let coefficients = material::resolve(self.material, self.cutting, folder, check);
+        let path = self.path.resolve(check);
+        let (lead_in_m, ramp_m) = (
+            self.lead_in_mm.map(from_mm),
+            from_mm(self.ramp_mm.unwrap_or(0.0)),
+        );
         if let Some(path) = &path {
             check_entry(lead_in_m, ramp_m, path.length_m, check);
         }
@@ -183,13 +176,13 @@ impl MillingTable {
                 cutter,
                 coefficients: coefficients?,
                 engagement: engagement?,
-                axial_depth_m: from_mm(axial_depth_mm),
+                axial_depth_m: from_mm(self.axial_depth_mm),
                 feed_per_tooth_m: feed_m_per_s * period_s,
             },
             spindle_rad_s,
-            start_angle_rad: from_deg(start_angle_deg.unwrap_or(0.0)),
+            start_angle_rad: from_deg(self.start_angle_deg.unwrap_or(0.0)),
             feed_m_per_s,
-            regeneration: regeneration.unwrap_or(true),
+            regeneration: self.regeneration.unwrap_or(true),
             lead_in_m,
             ramp_m,
             path: path?,
@@ -229,14 +222,13 @@ fn feed(
     };
     let chip_m = feed_m_per_s * tooth_period_s;
     if chip_m > LARGEST_FEED * diameter_m {
-        let path = format!("{TABLE}.{key}");
         let message = format!(
-            "`{path}` gives a feed per tooth of {:.4} mm, but must give at most {} mm, a tenth of \
+            "gives a feed per tooth of {:.4} mm, but must give at most {} mm, a tenth of \
              the diameter: chips are far thinner than the cutter",
             chip_m * 1e3,
             LARGEST_FEED * diameter_m * 1e3
         );
-        check.refuse(Fault::value(&path, message, "too much for the cutter"));
+        check.wrong(TABLE, key, message, "too much for the cutter");
     }
     Some(feed_m_per_s)
 }

@@ -12,7 +12,8 @@ use crate::units::{from_deg, from_mm};
 /// A straight line of the tool point in the world, which is the frame of the robot's base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MillingPathSpec {
-    /// Where the line begins and how the tool stands; `None`: at the robot's posture, whose attitude is kept.
+    /// Where the line begins and how the tool stands; `None`: at the robot's posture, whose
+    /// attitude is kept.
     pub start: Option<PathStart>,
     /// Unit vector along the line.
     pub direction: [f64; 3],
@@ -20,8 +21,8 @@ pub struct MillingPathSpec {
     pub length_m: f64,
 }
 
-/// A path that is given in the world. Of the postures that reach its first pose the one nearest to the robot's posture is
-/// taken, among those of the branch asked for.
+/// A path that is given in the world. Of the postures that reach its first pose the one nearest to
+/// the robot's posture is taken, among those of the branch asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathStart {
     /// First tool point.
@@ -50,8 +51,8 @@ pub struct TurnKnot {
 }
 
 impl PathStart {
-    /// Redundancy angle at a distance from the start of the path: it comes to rest at each knot and goes from one to the
-    /// next as 3u² − 2u³, so that joint speeds have no jumps.
+    /// Redundancy angle at a distance from the start of the path: it comes to rest at each knot and
+    /// goes from one to the next as 3u² − 2u³, so that joint speeds have no jumps.
     pub fn redundancy_rad(&self, at_m: f64) -> f64 {
         let after = self.turn.partition_point(|knot| knot.at_m <= at_m);
         let knot = |index: usize| self.turn[index.min(self.turn.len() - 1)];
@@ -81,8 +82,8 @@ pub(super) struct PathTable {
     tool_axis: Option<[f64; 3]>,
     /// Direction of the tool's x axis at redundancy angle 0 (with start_mm). Default: [1, 0, 0].
     zero_direction: Option<[f64; 3]>,
-    /// Redundancy angle: the tool turned about its axis, counted from above, anticlockwise, with the tool down (with
-    /// start_mm).
+    /// Redundancy angle: the tool turned about its axis, counted from above, anticlockwise, with
+    /// the tool down (with start_mm).
     redundancy_deg: Option<f64>,
     /// Redundancy angles along the path, instead of one (with start_mm).
     #[schemars(extend("minItems" = 2))]
@@ -182,9 +183,8 @@ impl PathTable {
         let along: [f64; 3] = std::array::from_fn(|i| from_mm(end[i] - start[i]));
         let length_m = norm(&along);
         if length_m == 0.0 {
-            let path = format!("{TABLE}.end_mm");
-            let message = format!("`{path}` is where the path starts: it has no length");
-            check.refuse(Fault::value(&path, message, "no path"));
+            let message = "is where the path starts: it has no length";
+            check.wrong(TABLE, "end_mm", message, "no path");
             return None;
         }
         Some((along.map(|x| x / length_m), length_m))
@@ -204,21 +204,18 @@ impl PathTable {
             } else {
                 "direction"
             };
-            let path = format!("{TABLE}.{key}");
             let message = format!(
-                "`{path}` leads {:.4} degrees out of the plane across the tool axis, but must lie in it: an end mill is \
+                "leads {:.4} degrees out of the plane across the tool axis, but must lie in it: an end mill is \
                  fed sideways",
                 cosine.asin().to_degrees().abs()
             );
-            check.refuse(Fault::value(&path, message, "along the tool axis"));
+            check.wrong(TABLE, key, message, "along the tool axis");
             return None;
         }
         if dot(zero_direction, tool_axis).abs() > 1.0 - 1e-9 {
-            let path = format!("{TABLE}.zero_direction");
-            let message = format!(
-                "`{path}` is along the tool axis, but must lie across it: redundancy angles count from it"
-            );
-            check.refuse(Fault::value(&path, message, "along the tool axis"));
+            let message =
+                "is along the tool axis, but must lie across it: redundancy angles count from it";
+            check.wrong(TABLE, "zero_direction", message, "along the tool axis");
             return None;
         }
         Some(())

@@ -19,7 +19,8 @@ pub struct PlannedPath {
 }
 
 impl PlannedPath {
-    /// Writes the path into a scenario: what says where it starts and how the tool stands is replaced.
+    /// Writes the path into a scenario: what says where it starts and how the tool stands is
+    /// replaced.
     pub(crate) fn write(&self, document: &mut DocumentMut) {
         let posture = self.posture_rad.iter().map(|q| rounded(q.to_degrees(), 9));
         let robot = find_mut(document, &["robot"]).and_then(Item::as_table_like_mut);

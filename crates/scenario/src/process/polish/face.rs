@@ -5,7 +5,6 @@ use serde::Deserialize;
 use truecut_plan::motion::polish::RectangularFace;
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::units::from_mm;
 
 /// A rectangular face in the world.
@@ -43,50 +42,40 @@ const LARGEST_COSINE: f64 = 1e-6;
 impl FaceTable {
     /// The face, and the largest size of its cells (m). `None` after recording a fault.
     pub(super) fn resolve(self, check: &mut Check) -> Option<(RectangularFace, f64)> {
-        let Self {
-            origin_mm,
-            x_axis: given_x_axis,
-            normal,
-            length_mm,
-            width_mm,
-            cell_mm,
-        } = self;
         let mut unit = |key, given| check.direction(&format!("{TABLE}.{key}"), given);
-        let x_axis = unit("x_axis", given_x_axis.unwrap_or([1.0, 0.0, 0.0]));
-        let normal = unit("normal", normal.unwrap_or([0.0, 0.0, 1.0]));
+        let x_axis = unit("x_axis", self.x_axis.unwrap_or([1.0, 0.0, 0.0]));
+        let normal = unit("normal", self.normal.unwrap_or([0.0, 0.0, 1.0]));
         let (x_axis, normal) = (x_axis?, normal?);
         let cosine: f64 = x_axis.iter().zip(&normal).map(|(a, b)| a * b).sum();
         if cosine.abs() > LARGEST_COSINE {
-            let key = match given_x_axis {
+            let key = match self.x_axis {
                 Some(_) => "x_axis",
                 None => "normal",
             };
-            let path = format!("{TABLE}.{key}");
             let message = format!(
-                "`{path}` stands {:.4} degrees off a right angle to the other direction of the face, \
+                "stands {:.4} degrees off a right angle to the other direction of the face, \
                  but length and normal must be square",
                 cosine.clamp(-1.0, 1.0).asin().to_degrees().abs()
             );
-            check.refuse(Fault::value(&path, message, "not square"));
+            check.wrong(TABLE, key, message, "not square");
             return None;
         }
-        let cell_mm = cell_mm.unwrap_or(DEFAULT_CELL_MM);
-        let cells = (length_mm / cell_mm).ceil() * (width_mm / cell_mm).ceil();
+        let cell_mm = self.cell_mm.unwrap_or(DEFAULT_CELL_MM);
+        let cells = (self.length_mm / cell_mm).ceil() * (self.width_mm / cell_mm).ceil();
         if cells > MOST_CELLS {
-            let path = format!("{TABLE}.cell_mm");
             let message = format!(
-                "`{path}` is {cell_mm}, which makes {cells:.2e} cells, but a face has at most \
+                "is {cell_mm}, which makes {cells:.2e} cells, but a face has at most \
                  {MOST_CELLS:.0e}: their map fits into memory"
             );
-            check.refuse(Fault::value(&path, message, "too fine"));
+            check.wrong(TABLE, "cell_mm", message, "too fine");
             return None;
         }
         let face = RectangularFace {
-            origin_m: origin_mm.map(from_mm),
+            origin_m: self.origin_mm.map(from_mm),
             x_axis,
             normal,
-            length_m: from_mm(length_mm),
-            width_m: from_mm(width_mm),
+            length_m: from_mm(self.length_mm),
+            width_m: from_mm(self.width_mm),
         };
         Some((face, from_mm(cell_mm)))
     }

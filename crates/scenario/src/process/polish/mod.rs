@@ -1,4 +1,5 @@
-//! The `[process.polish]` table: a soft wheel in precession polishes a rectangular face along a raster.
+//! The `[process.polish]` table: a soft wheel in precession polishes a rectangular face along a
+//! raster.
 
 mod face;
 mod path;
@@ -17,7 +18,6 @@ use truecut_plan::motion::raster::Raster;
 
 use crate::check::Check;
 use crate::control::{ControlTable, Pressed};
-use crate::fault::Fault;
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room, WheelPart, hold};
 use crate::roughness::RoughnessTable;
 use crate::units::{from_deg, from_rpm, from_um};
@@ -26,8 +26,8 @@ use path::RasterTable;
 use precession::PrecessionTable;
 use wheel::PneumaticTable;
 
-/// Polishing of a rectangular face. The robot's tool frame stands in the wheel's centre, its z axis is the spin axis and
-/// points towards the face.
+/// Polishing of a rectangular face. The robot's tool frame stands in the wheel's centre, its z axis
+/// is the spin axis and points towards the face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolishSpec {
     /// The wheel.
@@ -40,7 +40,8 @@ pub struct PolishSpec {
     pub abrasive: Abrasive,
     /// Distance of the wheel's middle from the spin axis.
     pub eccentricity_m: f64,
-    /// Angle about the spin axis, from the tool's x axis towards its y axis, at which the middle stands at the start.
+    /// Angle about the spin axis, from the tool's x axis towards its y axis, at which the middle
+    /// stands at the start.
     pub eccentricity_angle_rad: f64,
     /// The face.
     pub face: RectangularFace,
@@ -69,7 +70,8 @@ impl PolishSpec {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PolishTable {
-    /// Speed of the wheel about the axis that points away from the face; negative: about its opposite.
+    /// Speed of the wheel about the axis that points away from the face; negative: about its
+    /// opposite.
     spin_rpm: f64,
     /// Angle between spin axis and normal of the face.
     #[schemars(extend(
@@ -84,8 +86,8 @@ pub(crate) struct PolishTable {
     /// Distance of the wheel's middle from the spin axis. Default: 0.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "an eccentricity is a distance"))]
     eccentricity_um: Option<f64>,
-    /// Angle at which the wheel's middle stands at the start, from the tool's x axis towards its y axis (with
-    /// eccentricity_um). Default: 0.
+    /// Angle at which the wheel's middle stands at the start, from the tool's x axis towards its y
+    /// axis (with eccentricity_um). Default: 0.
     eccentricity_angle_deg: Option<f64>,
     /// Preston coefficient.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "polishing removes material"))]
@@ -109,53 +111,38 @@ const TABLE: &str = "process.polish";
 impl PolishTable {
     /// `None` after recording a fault.
     pub(crate) fn resolve(self, check: &mut Check) -> Option<PolishSpec> {
-        let Self {
-            spin_rpm,
-            tilt_deg,
-            mu,
-            eccentricity_um,
-            eccentricity_angle_deg,
-            preston_per_pa,
-            wheel,
-            face,
-            path,
-            precession,
-            control,
-            roughness,
-        } = self;
-        if spin_rpm == 0.0 {
-            let path = format!("{TABLE}.spin_rpm");
-            let message = format!(
-                "`{path}` is 0, but must not be: a wheel that stands still only rubs by its feed"
-            );
-            check.refuse(Fault::value(&path, message, "does not spin"));
+        if self.spin_rpm == 0.0 {
+            let message = "is 0, but must not be: a wheel that stands still only rubs by its feed";
+            check.wrong(TABLE, "spin_rpm", message, "does not spin");
         }
-        if eccentricity_um.unwrap_or(0.0) == 0.0 {
+        if self.eccentricity_um.unwrap_or(0.0) == 0.0 {
             let because = "the wheel runs true, eccentricity_um is 0 or not given";
             check.ignored(TABLE, &["eccentricity_angle_deg"], because);
         }
-        let wheel = wheel.resolve(check);
-        let face = face.resolve(check);
-        let path = (face.as_ref()).and_then(|(face, _)| path.resolve(face, check));
-        let precession = precession.resolve(check);
+        let wheel = self.wheel.resolve(check);
+        let face = self.face.resolve(check);
+        let path = (face.as_ref()).and_then(|(face, _)| self.path.resolve(face, check));
+        let precession = self.precession.resolve(check);
         let pressed = Pressed::ByTable {
             radius_m: wheel.radius_m,
         };
-        let control = control.resolve(&format!("{TABLE}.control"), &pressed, check);
-        let polishing = roughness.resolve(TABLE, check);
+        let control = self
+            .control
+            .resolve(&format!("{TABLE}.control"), &pressed, check);
+        let polishing = self.roughness.resolve(TABLE, check);
         let (control, indentation_m) = control?;
         let (face, cell_m) = face?;
         Some(PolishSpec {
             wheel,
-            spin_rad_s: from_rpm(spin_rpm),
-            tilt_rad: from_deg(tilt_deg),
+            spin_rad_s: from_rpm(self.spin_rpm),
+            tilt_rad: from_deg(self.tilt_deg),
             abrasive: Abrasive {
-                mu,
-                preston_per_pa,
+                mu: self.mu,
+                preston_per_pa: self.preston_per_pa,
                 polishing,
             },
-            eccentricity_m: from_um(eccentricity_um.unwrap_or(0.0)),
-            eccentricity_angle_rad: from_deg(eccentricity_angle_deg.unwrap_or(0.0)),
+            eccentricity_m: from_um(self.eccentricity_um.unwrap_or(0.0)),
+            eccentricity_angle_rad: from_deg(self.eccentricity_angle_deg.unwrap_or(0.0)),
             face,
             cell_m,
             path: path?,
@@ -166,7 +153,8 @@ impl PolishTable {
     }
 }
 
-/// How far a polishing wheel is typically pressed in, as a part of its radius: a patch that is small beside the wheel.
+/// How far a polishing wheel is typically pressed in, as a part of its radius: a patch that is
+/// small beside the wheel.
 const TYPICAL_INDENTATION: f64 = 0.03;
 
 /// What a person could change at the machine.

@@ -27,11 +27,13 @@ enum RuleName {
 pub(super) struct PrecessionTable {
     /// Rate of the steady turn, from the face's x axis towards its y axis; negative: the other way.
     turn_rpm: f64,
-    /// Angle towards which the spin axis leans at the start, from the face's x axis towards its y axis. Default: 0.
+    /// Angle towards which the spin axis leans at the start, from the face's x axis towards its y
+    /// axis. Default: 0.
     start_deg: Option<f64>,
     /// What is asked for at edges.
     rule: RuleName,
-    /// Least cosine between the velocity in the middle of the patch and an edge's outward normal (rule "cosine").
+    /// Least cosine between the velocity in the middle of the patch and an edge's outward normal
+    /// (rule "cosine").
     #[schemars(extend("minimum" = 0.0, "exclusiveMaximum" = 1.0, "x-rule" = "a cosine; 0 lets the middle of the patch move along the edge"))]
     epsilon: Option<f64>,
     /// Largest rate of the angle (rules "cosine" and "exact").
@@ -50,19 +52,14 @@ const FEED_ACCELERATION_M_S2: f64 = 0.5;
 impl PrecessionTable {
     /// `None` after recording a fault.
     pub(super) fn resolve(self, check: &mut Check) -> Option<Precession> {
-        let Self {
-            turn_rpm,
-            start_deg,
-            rule,
-            epsilon,
-            largest_rate_deg_per_s,
-            largest_acceleration_deg_per_s2,
-        } = self;
-        let limits = [largest_rate_deg_per_s, largest_acceleration_deg_per_s2];
-        let at_edges = at_edges(rule, epsilon, limits, check);
+        let limits = [
+            self.largest_rate_deg_per_s,
+            self.largest_acceleration_deg_per_s2,
+        ];
+        let at_edges = at_edges(self.rule, self.epsilon, limits, check);
         Some(Precession {
-            turn_rad_s: from_rpm(turn_rpm),
-            start_rad: from_deg(start_deg.unwrap_or(0.0)),
+            turn_rad_s: from_rpm(self.turn_rpm),
+            start_rad: from_deg(self.start_deg.unwrap_or(0.0)),
             at_edges: at_edges?,
         })
     }

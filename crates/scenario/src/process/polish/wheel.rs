@@ -37,14 +37,8 @@ const DEFAULT_POISSON: f64 = 0.49;
 
 impl PneumaticTable {
     pub(super) fn resolve(self, check: &mut Check) -> PneumaticWheel {
-        let Self {
-            radius_mm,
-            pressure_mpa,
-            shell_thickness_mm,
-            youngs_modulus_mpa,
-            poisson,
-            damping_pa_s_per_m,
-        } = self;
+        let radius_mm = self.radius_mm;
+        let shell_thickness_mm = self.shell_thickness_mm;
         if shell_thickness_mm > radius_mm {
             let path = "process.polish.wheel.shell_thickness_mm";
             let message = format!(
@@ -55,11 +49,11 @@ impl PneumaticTable {
         }
         PneumaticWheel {
             radius_m: from_mm(radius_mm),
-            pressure_pa: from_mpa(pressure_mpa),
+            pressure_pa: from_mpa(self.pressure_mpa),
             shell_thickness_m: from_mm(shell_thickness_mm),
-            youngs_modulus_pa: from_mpa(youngs_modulus_mpa),
-            poisson: poisson.unwrap_or(DEFAULT_POISSON),
-            damping_pa_s_per_m: damping_pa_s_per_m.unwrap_or(0.0),
+            youngs_modulus_pa: from_mpa(self.youngs_modulus_mpa),
+            poisson: self.poisson.unwrap_or(DEFAULT_POISSON),
+            damping_pa_s_per_m: self.damping_pa_s_per_m.unwrap_or(0.0),
         }
     }
 }

@@ -1,0 +1,87 @@
+//! What tables about columns of measured files share: units, factors and times.
+
+use truecut_recording::measured::TimeBase;
+use truecut_recording::{Unit, UserUnit};
+
+use crate::check::Check;
+use crate::fault::Fault;
+
+/// Reads the unit written at `table.key`; `None` after recording a fault.
+pub(crate) fn read_unit(text: &str, table: &str, key: &str, check: &mut Check) -> Option<UserUnit> {
+    match UserUnit::parse(text) {
+        Ok(unit) => Some(unit),
+        Err(error) => {
+            let path = format!("{table}.{key}");
+            let message = format!("`{path}`: {error}");
+            check.refuse(Fault::value(&path, message, "unknown unit"));
+            None
+        }
+    }
+}
+
+/// Reads a unit of one of the dimensions `wanted`; `None` after recording a fault.
+pub(crate) fn read_unit_of(
+    wanted: &[Unit],
+    text: &str,
+    table: &str,
+    key: &str,
+    check: &mut Check,
+) -> Option<UserUnit> {
+    let unit = read_unit(text, table, key, check)?;
+    if wanted.contains(&unit.unit) {
+        return Some(unit);
+    }
+    let accepted: Vec<&str> = (wanted.iter())
+        .flat_map(|unit| unit.accepted_symbols())
+        .collect();
+    let message = format!(
+        "is \"{}\", but must be one of {}",
+        unit.symbol,
+        accepted.join(", ")
+    );
+    check.wrong(table, key, message, "wrong dimension");
+    None
+}
+
+/// Refuses a factor of zero on a column, at its key.
+pub(crate) fn check_scale(table: &str, key: &str, scale: f64, check: &mut Check) {
+    if scale == 0.0 {
+        let message = "is 0, but must not be: nothing of the column would be left";
+        check.wrong(table, key, message, "must not be 0");
+    }
+}
+
+/// The times of the rows by the keys `time`, `time_unit` and `rate_hz` of a table; `None` after
+/// recording a fault.
+pub(crate) fn time_base(
+    time: Option<&str>,
+    time_unit: Option<&str>,
+    rate_hz: Option<f64>,
+    table: &str,
+    check: &mut Check,
+) -> Option<TimeBase> {
+    match (time, rate_hz) {
+        (Some(column), None) => {
+            let unit = time_unit.unwrap_or("s");
+            let unit = read_unit_of(&[Unit::Second], unit, table, "time_unit", check)?;
+            let column = column.to_owned();
+            Some(TimeBase::Column { column, unit })
+        }
+        (None, Some(hz)) => {
+            check.ignored(table, &["time_unit"], "there is no column of times");
+            Some(TimeBase::Rate { hz })
+        }
+        (Some(_), Some(_)) => {
+            let because = format!("`{table}.time` gives the times");
+            check.ignored(table, &["rate_hz"], &because);
+            None
+        }
+        (None, None) => {
+            let message = format!("missing key `time` in [{table}]: the samples need times");
+            let path = format!("{table}.time");
+            let fault = Fault::key(&path, message, "neither time nor rate_hz");
+            check.refuse(fault.with_help("name the column of the times, or give rate_hz"));
+            None
+        }
+    }
+}
