@@ -59,7 +59,11 @@ pub fn extended_text(scenario: &Scenario, answer: &Answer) -> String {
     let refitted = (scenario.with_overrides(&overrides)).unwrap_or_else(|e| panic!("{e}"));
     let drives = scenario.robot != truecut_scenario::RobotSpec::NONE;
     let rotary = match drives {
-        true => truecut_sim::rotary_joints(scenario).unwrap_or_else(|e| panic!("{e}")),
+        true => {
+            let facts = truecut_sim::facts::robot_facts(scenario);
+            let joints = facts.unwrap_or_else(|e| panic!("{e}")).joints;
+            joints.iter().map(|joint| joint.rotary).collect()
+        }
         false => Vec::new(),
     };
     refitted.extended_text(&answer.effects, &rotary)

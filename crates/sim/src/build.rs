@@ -8,11 +8,11 @@ use crate::plant::{Drive, JointLaw};
 use crate::posture::check_limits;
 use crate::process::{self, Process, SetupContext, Start};
 use crate::robots::Robots;
-use crate::scene::Workpiece;
+use crate::scene::DrawWorkpiece;
 use crate::step_size::{self, Scheme};
 use nalgebra::{Isometry3, Vector3, Vector6};
 use std::sync::Arc;
-use truecut_arm::{FrameId, JointKind, Load, Robot};
+use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::joint_law::{LinkFriction, beyond_gap};
 use truecut_core::sensor::ChannelModel;
 use truecut_recording::{Measured, Scalar, Unit};
@@ -36,7 +36,7 @@ pub(crate) struct Prepared {
     pub world_from_process: Isometry3<f64>,
     pub command: JointCommand,
     pub process: Box<dyn Process>,
-    pub workpiece: Workpiece,
+    pub workpiece: DrawWorkpiece,
     pub duration_s: f64,
     pub dt_s: f64,
     pub notes: Vec<String>,
@@ -227,18 +227,6 @@ fn stiffest(robot: &Robot, laws: &[JointLaw], start: &[f64], command: &JointComm
 pub(crate) fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
     let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
     crate::adjust::adjusted(&robot, spec)
-}
-
-/// Of each joint of the scenario's robot whether it is rotary; chooses the keys of
-/// [`Scenario::extended_text`].
-///
-/// # Errors
-/// Whatever is wrong with the robot's files.
-pub fn rotary_joints(scenario: &Scenario) -> Result<Vec<bool>, SimError> {
-    let robot = load_robot(&scenario.robot)?;
-    Ok((robot.chain.joints.iter())
-        .map(|joint| joint.kind == JointKind::Revolute)
-        .collect())
 }
 
 fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {

@@ -1,12 +1,12 @@
 //! Commanded joint coordinates over time.
 
 use crate::error::SimError;
-use crate::motion::straight::SolvedPath;
 use crate::process::ForceSamples;
 use nalgebra::{Isometry3, Translation3, Vector3};
 use truecut_arm::{FrameId, IkOptions, Load, Robot};
 use truecut_plan::motion::LeadIn;
 use truecut_plan::motion::interpolation::{hermite, lagrange, slope};
+use truecut_plan::motion::straight::SolvedPath;
 
 /// In which a commanded feed comes up to speed.
 const LEAD_IN: LeadIn = LeadIn { duration_s: 0.1 };
@@ -19,13 +19,13 @@ pub(crate) enum JointCommand {
     /// One posture for the whole run.
     Hold(Vec<f64>),
     /// A straight path of the tool.
-    Along(StraightPath),
+    Along(StraightCommand),
     /// Measured commands and drive forces.
     Replay(Samples),
 }
 
 /// Knots of a straight path and the speed along it.
-pub(crate) struct StraightPath {
+pub(crate) struct StraightCommand {
     speed_m_per_s: f64,
     start_m: f64,
     spacing_m: f64,
@@ -130,7 +130,7 @@ impl Samples {
     }
 }
 
-impl StraightPath {
+impl StraightCommand {
     /// Solves the knots by inverse kinematics from `q0`, and adds the sag that the command makes up
     /// for.
     pub(crate) fn solve(
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn verify_velocity_is_the_derivative_of_the_command() {
-        let path = StraightPath {
+        let path = StraightCommand {
             speed_m_per_s: 0.05,
             start_m: -2.0 * KNOT_SPACING_M,
             spacing_m: KNOT_SPACING_M,

@@ -50,7 +50,6 @@ pub mod sweep;
 mod theory;
 mod torque_use;
 
-pub use build::rotary_joints;
 pub use effect::misfit;
 pub use error::SimError;
 pub use mjcf::export_mjcf;

@@ -1,62 +1,30 @@
 //! What can be seen of a cell: the arm as it is and with its deflection enlarged, workpiece, foot, forces.
 
-mod shapes;
+pub(crate) mod shapes;
 
 pub(crate) use shapes::arm_bodies;
-use shapes::{add_drum, foot_shape, workpiece_shapes};
+use shapes::{add_drum, foot_shape};
 
 use crate::loads::Attachment;
 use crate::plant::Plant;
 use crate::process::Process;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion};
 use std::sync::Arc;
 use truecut_arm::Robot;
-use truecut_plan::surface::Mesh;
-use truecut_recording::{Arrow, Body, Frame, Pose, Scene};
+use truecut_recording::{Arrow, Body, Frame, Pose, Scene, Shape};
 
 /// Length of a force arrow, m/N.
 const ARROW_M_PER_N: f64 = 1.5e-3;
 
-/// What the workpiece looks like.
-#[derive(Debug, Clone)]
-pub(crate) enum Workpiece {
-    /// A plate with a hole of this radius, m.
-    Hole(f64),
-    /// A strip of this length along process Y, m.
-    Strip(f64),
-    /// A slab under a milling path of this length along `feed` (process axes), and its depth of cut, m.
-    Slab {
-        feed: Vector3<f64>,
-        length_m: f64,
-        width_m: f64,
-        depth_m: f64,
-    },
-    /// A block under a rectangular face, whose frame has the origin in a corner and z along the normal.
-    Block {
-        process_from_face: Isometry3<f64>,
-        length_m: f64,
-        width_m: f64,
-    },
-    /// A line around a face, in the frame of its patch.
-    Outline {
-        process_from_patch: Isometry3<f64>,
-        points_m: Vec<[f64; 3]>,
-    },
-    /// A body as it is.
-    Mesh {
-        process_from_mesh: Isometry3<f64>,
-        mesh: Arc<Mesh>,
-    },
-    /// Nothing.
-    None,
-}
+/// Draws the workpiece in process axes, when a scene is asked for.
+pub(crate) type DrawWorkpiece = Box<dyn Fn() -> Vec<Shape> + Send>;
 
 /// What the scene is made from, when one is asked for.
 pub(crate) struct Setting {
     pub robot: Arc<Robot>,
     pub start: Vec<f64>,
     pub world_from_process: Isometry3<f64>,
-    pub workpiece: Workpiece,
+    pub workpiece: DrawWorkpiece,
     pub deflection_scale: f64,
 }
 
@@ -101,7 +69,7 @@ impl Stage {
         reference: &[f64],
         world_from_process: Isometry3<f64>,
         scale: f64,
-        workpiece: &Workpiece,
+        workpiece: &DrawWorkpiece,
         process: &dyn Process,
     ) -> (Self, Scene) {
         let has_foot = process
@@ -115,7 +83,7 @@ impl Stage {
         }
         let origin = pose(&world_from_process);
         let mut fixed = Vec::new();
-        let shapes = workpiece_shapes(workpiece);
+        let shapes = workpiece();
         if !shapes.is_empty() {
             fixed.push(origin);
             bodies.push(Body {

@@ -9,7 +9,8 @@
 //!
 //! [`interpolation`] holds the cubics between even knots, [`branch`] finds postures along poses,
 //! [`follow`] says what an arm cannot do. The motions of the processes are made of these: [`lines`]
-//! over a face, a raster with a precessing wheel ([`polish`]), postures that were [`taught`].
+//! over a face, a raster with a precessing wheel ([`polish`]), a [`straight`] path, postures that were
+//! [`taught`].
 
 pub mod branch;
 pub mod follow;
@@ -18,6 +19,7 @@ pub mod joints;
 pub mod lines;
 pub mod polish;
 pub mod raster;
+pub mod straight;
 pub mod taught;
 pub mod timing;
 pub mod trajectory;

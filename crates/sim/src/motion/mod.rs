@@ -61,11 +61,6 @@ pub(crate) struct BrushWork {
 }
 
 impl PlannedMotion {
-    /// Where the arm stands before the first step, without load.
-    pub(crate) fn start(&self) -> &[f64] {
-        &self.knots[0]
-    }
-
     /// The command that leads a nominal arm along, with the sag that it makes up for.
     pub(crate) fn command(&self, robot: &Robot, sag: Option<&Load>) -> Result<Samples, SimError> {
         let postures = match sag {

@@ -69,6 +69,12 @@ pub struct ContactStiffness {
     pub stiffness_n_per_m: f64,
 }
 
+/// Slope of a force over a depth about `depth_m`, N/m.
+fn slope_n_per_m(depth_m: f64, force_n: impl Fn(f64) -> f64) -> f64 {
+    let step_m = 1e-3 * depth_m;
+    (force_n(depth_m + step_m) - force_n(depth_m - step_m)) / (2.0 * step_m)
+}
+
 /// What a process found out by the end of the run.
 #[derive(Debug, Clone, Default)]
 pub struct Findings {

@@ -2,20 +2,20 @@
 //! it gives.
 
 use super::Process;
-use crate::command::{JointCommand, StraightPath};
+use crate::command::{JointCommand, StraightCommand};
 use crate::effect::Effects;
 use crate::error::SimError;
 use crate::motion::PlannedMotion;
 use crate::motion::solve::solved;
-use crate::motion::straight::SolvedPath;
 use crate::posture;
 use crate::replay::forward::ForwardInputs;
 use crate::robots::Robots;
-use crate::scene::Workpiece;
-use nalgebra::{Isometry3, Matrix3};
+use crate::scene::DrawWorkpiece;
+use nalgebra::{Isometry3, Matrix3, UnitQuaternion};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
-use truecut_recording::Measured;
+use truecut_plan::motion::straight::SolvedPath;
+use truecut_recording::{Measured, Shape};
 use truecut_scenario::{DriveKind, PostureFrom, ProcessSpec, Scenario};
 
 /// What a process is set up from.
@@ -70,16 +70,36 @@ impl<'a> SetupContext<'a> {
         solved(self.scenario, self.robots, posture, is_same, solve)
     }
 
-    /// Length of a run with this motion, s.
-    pub(crate) fn duration_along_s(&self, path: &PlannedMotion) -> f64 {
-        path.duration_s.min(self.scenario.run.duration_s)
+    /// Where a planned motion sets out, and how long its run takes.
+    pub(crate) fn departure(&self, path: &PlannedMotion) -> Departure {
+        let posture = path.knots[0].clone();
+        Departure {
+            world_from_process: self.robot.world_from_process(&posture),
+            posture,
+            duration_s: path.duration_s.min(self.scenario.run.duration_s),
+        }
+    }
+}
+
+/// The first posture of a planned motion, without load.
+pub(crate) struct Departure {
+    pub posture: Vec<f64>,
+    pub world_from_process: Isometry3<f64>,
+    /// Length of the run, s.
+    pub duration_s: f64,
+}
+
+impl Departure {
+    /// World axes to process axes.
+    pub fn process_from_world(&self) -> UnitQuaternion<f64> {
+        self.world_from_process.rotation.inverse()
     }
 }
 
 /// A process that is ready to run, and how the arm moves with it.
 pub struct ProcessSetup {
     pub(crate) process: Box<dyn Process>,
-    pub(crate) workpiece: Workpiece,
+    pub(crate) workpiece: DrawWorkpiece,
     /// Posture without load in which the arm starts.
     pub(crate) posture: Vec<f64>,
     pub(crate) motion: Motion,
@@ -104,15 +124,18 @@ impl ProcessSetup {
     pub fn new(process: impl Process + 'static, posture: Vec<f64>) -> Self {
         Self {
             process: Box::new(process),
-            workpiece: Workpiece::None,
+            workpiece: Box::new(Vec::new),
             posture,
             motion: Motion::Feed,
         }
     }
 
     /// The same with a workpiece to be drawn.
-    pub(crate) fn on(self, workpiece: Workpiece) -> Self {
-        Self { workpiece, ..self }
+    pub(crate) fn on(self, workpiece: impl Fn() -> Vec<Shape> + Send + 'static) -> Self {
+        Self {
+            workpiece: Box::new(workpiece),
+            ..self
+        }
     }
 
     /// The same along a path.
@@ -163,7 +186,7 @@ impl ProcessSetup {
                         None => posture.clone(),
                     })
                 } else {
-                    JointCommand::Along(StraightPath::solve(
+                    JointCommand::Along(StraightCommand::solve(
                         robot,
                         posture,
                         world_from_process,
@@ -173,9 +196,12 @@ impl ProcessSetup {
                     )?)
                 }
             }
-            Motion::Straight(path, speed_m_per_s) => {
-                JointCommand::Along(StraightPath::of(robot, path.clone(), *speed_m_per_s, sag)?)
-            }
+            Motion::Straight(path, speed_m_per_s) => JointCommand::Along(StraightCommand::of(
+                robot,
+                path.clone(),
+                *speed_m_per_s,
+                sag,
+            )?),
             Motion::Planned(path) => JointCommand::Replay(path.command(robot, sag)?),
             Motion::Replay(inputs) => inputs.command(posture),
         })

@@ -1,15 +1,18 @@
 //! Bodies that a scene shows.
 
-use super::{Workpiece, pose};
+use super::pose;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 use truecut_arm::{FrameId, Link, Robot, Shape as ArmShape};
+use truecut_plan::surface::Mesh;
 use truecut_recording::{Body, Geometry, Pose, Shape};
 
 /// Colour of the true arm, behind the enlarged one.
 const GHOST_RGBA: [u8; 4] = [150, 155, 160, 90];
 /// Colour of a brush or a contact wheel.
 const DRUM_RGBA: [u8; 4] = [205, 150, 60, 255];
+/// Colour of a workpiece.
+const STEEL_RGBA: [u8; 4] = [120, 128, 138, 255];
 /// Side of the workpiece, m.
 const WORKPIECE_M: f64 = 0.4;
 /// Thickness of the workpiece, m.
@@ -59,116 +62,92 @@ pub(crate) fn arm_bodies(robot: &Robot, q: &[f64], kind: &str, ghost: bool) -> V
         .collect()
 }
 
-/// Four bars around the hole, and the rim.
-fn plate_with_hole(radius_m: f64) -> Vec<Shape> {
+/// A part of a workpiece.
+pub(crate) fn steel(geometry: Geometry, body_from_shape: Pose) -> Shape {
+    Shape {
+        geometry,
+        color_rgba: STEEL_RGBA,
+        body_from_shape,
+    }
+}
+
+/// A line around process X, drawn `line_m` thick to either side.
+fn ring(at_x_m: f64, ring_m: f64, line_m: f64, corners: u32) -> Geometry {
+    let corner = |i: u32| {
+        let (s, c) = (TAU * f64::from(i) / f64::from(corners)).sin_cos();
+        [at_x_m, ring_m * c, ring_m * s]
+    };
+    Geometry::Line {
+        points_m: (0..=corners).map(corner).collect(),
+        radius_m: line_m,
+    }
+}
+
+/// A plate with a hole of this radius: four bars around it, and its rim.
+pub(crate) fn plate_with_hole(radius_m: f64) -> Vec<Shape> {
     let half = WORKPIECE_M / 2.0;
     let bar = (half - radius_m) / 2.0;
-    let steel = [120, 128, 138, 255];
     let along_x = THICKNESS_M / 2.0;
-    let mut shapes: Vec<Shape> = [-1.0, 1.0]
-        .iter()
-        .flat_map(|side: &f64| {
-            let offset = side * (radius_m + bar);
-            [
-                ([along_x, bar, half], [along_x, offset, 0.0]),
-                ([along_x, radius_m, bar], [along_x, 0.0, offset]),
-            ]
-        })
-        .map(|(half_extents_m, at)| Shape {
-            geometry: Geometry::Box { half_extents_m },
-            color_rgba: steel,
-            body_from_shape: Pose::translation(at),
-        })
-        .collect();
-    let points_m = (0..=96)
-        .map(|i| {
-            let (s, c) = (std::f64::consts::TAU * f64::from(i) / 96.0).sin_cos();
-            [-1e-3, radius_m * c, radius_m * s]
-        })
-        .collect();
-    shapes.push(Shape {
-        geometry: Geometry::Line {
-            points_m,
-            radius_m: 2e-3,
-        },
+    let bars = [-1.0, 1.0].iter().flat_map(|side: &f64| {
+        let offset = side * (radius_m + bar);
+        [
+            ([along_x, bar, half], [along_x, offset, 0.0]),
+            ([along_x, radius_m, bar], [along_x, 0.0, offset]),
+        ]
+    });
+    let bars = bars
+        .map(|(half_extents_m, at)| steel(Geometry::Box { half_extents_m }, Pose::translation(at)));
+    let rim = Shape {
+        geometry: ring(-1e-3, radius_m, 2e-3, 96),
         color_rgba: [255, 200, 60, 255],
         body_from_shape: Pose::IDENTITY,
-    });
-    shapes
+    };
+    bars.chain([rim]).collect()
 }
 
-pub(super) fn workpiece_shapes(workpiece: &Workpiece) -> Vec<Shape> {
-    match workpiece {
-        Workpiece::None => Vec::new(),
-        Workpiece::Slab {
-            feed,
-            length_m,
-            width_m,
-            depth_m,
-        } => vec![slab(*feed, *length_m, *width_m, *depth_m)],
-        Workpiece::Block {
-            process_from_face,
-            length_m,
-            width_m,
-        } => vec![block(process_from_face, *length_m, *width_m)],
-        Workpiece::Outline {
-            process_from_patch,
-            points_m,
-        } => vec![Shape {
-            geometry: Geometry::Line {
-                points_m: points_m.clone(),
-                radius_m: OUTLINE_M,
-            },
-            color_rgba: [120, 128, 138, 255],
-            body_from_shape: pose(process_from_patch),
-        }],
-        Workpiece::Mesh {
-            process_from_mesh,
-            mesh,
-        } => vec![Shape {
-            geometry: Geometry::Mesh {
-                vertices_m: mesh.vertices_m().iter().map(|p| (*p).into()).collect(),
-                triangles: (mesh.triangles().iter())
-                    .map(|corners| corners.map(|i| i as u32))
-                    .collect(),
-            },
-            color_rgba: [120, 128, 138, 255],
-            body_from_shape: pose(process_from_mesh),
-        }],
-        Workpiece::Hole(radius_m) => plate_with_hole(*radius_m),
-        Workpiece::Strip(length_m) => vec![Shape {
-            geometry: Geometry::Box {
-                half_extents_m: [THICKNESS_M / 2.0, length_m / 2.0 + 0.03, 0.08],
-            },
-            color_rgba: [120, 128, 138, 255],
-            body_from_shape: Pose::translation([THICKNESS_M / 2.0, length_m / 2.0, 0.0]),
-        }],
-    }
+/// A strip of this length along process Y.
+pub(crate) fn strip(length_m: f64) -> Vec<Shape> {
+    let half_extents_m = [THICKNESS_M / 2.0, length_m / 2.0 + 0.03, 0.08];
+    let at = Pose::translation([THICKNESS_M / 2.0, length_m / 2.0, 0.0]);
+    vec![steel(Geometry::Box { half_extents_m }, at)]
 }
 
-/// The stock under a straight path that begins at the origin: its upper face is the depth of cut above the tip.
-fn slab(feed: Vector3<f64>, length_m: f64, width_m: f64, depth_m: f64) -> Shape {
+/// A line around a face, in the frame of its patch.
+pub(crate) fn outline(process_from_patch: &Isometry3<f64>, points_m: &[[f64; 3]]) -> Vec<Shape> {
+    let line = Geometry::Line {
+        points_m: points_m.to_vec(),
+        radius_m: OUTLINE_M,
+    };
+    vec![steel(line, pose(process_from_patch))]
+}
+
+/// A body as it is.
+pub(crate) fn body(process_from_mesh: &Isometry3<f64>, mesh: &Mesh) -> Vec<Shape> {
+    let triangles = mesh.triangles().iter();
+    let geometry = Geometry::Mesh {
+        vertices_m: mesh.vertices_m().iter().map(|p| (*p).into()).collect(),
+        triangles: triangles.map(|corners| corners.map(|i| i as u32)).collect(),
+    };
+    vec![steel(geometry, pose(process_from_mesh))]
+}
+
+/// The stock under a straight path of this length along `feed` (process axes) that begins at the
+/// origin: its upper face is the depth of cut above the tip.
+pub(crate) fn slab(feed: Vector3<f64>, length_m: f64, width_m: f64, depth_m: f64) -> Vec<Shape> {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), feed.z.atan2(feed.y));
     let centre = feed * (0.5 * length_m) + Vector3::x() * (0.5 * THICKNESS_M - depth_m);
-    Shape {
-        geometry: Geometry::Box {
-            half_extents_m: [0.5 * THICKNESS_M, 0.5 * length_m + width_m, width_m],
-        },
-        color_rgba: [120, 128, 138, 255],
-        body_from_shape: pose(&Isometry3::from_parts(centre.into(), turn)),
-    }
+    let half_extents_m = [0.5 * THICKNESS_M, 0.5 * length_m + width_m, width_m];
+    let at = pose(&Isometry3::from_parts(centre.into(), turn));
+    vec![steel(Geometry::Box { half_extents_m }, at)]
 }
 
-/// The block under a face.
-fn block(process_from_face: &Isometry3<f64>, length_m: f64, width_m: f64) -> Shape {
+/// The block under a rectangular face, whose frame has the origin in a corner and z along the
+/// normal.
+pub(crate) fn block(process_from_face: &Isometry3<f64>, length_m: f64, width_m: f64) -> Vec<Shape> {
     let centre = Isometry3::translation(0.5 * length_m, 0.5 * width_m, -0.5 * BLOCK_M);
-    Shape {
-        geometry: Geometry::Box {
-            half_extents_m: [0.5 * length_m, 0.5 * width_m, 0.5 * BLOCK_M],
-        },
-        color_rgba: [120, 128, 138, 255],
-        body_from_shape: pose(&(process_from_face * centre)),
-    }
+    let half_extents_m = [0.5 * length_m, 0.5 * width_m, 0.5 * BLOCK_M];
+    let at = pose(&(process_from_face * centre));
+    vec![steel(Geometry::Box { half_extents_m }, at)]
 }
 
 /// The drum on the last link of the arm as it is and of the enlarged one.
@@ -198,17 +177,8 @@ pub(super) fn add_drum(
 }
 
 pub(super) fn foot_shape() -> Shape {
-    let ring = (0..=64)
-        .map(|i| {
-            let (s, c) = (std::f64::consts::TAU * f64::from(i) / 64.0).sin_cos();
-            [-6e-3, 0.055 * c, 0.055 * s]
-        })
-        .collect();
     Shape {
-        geometry: Geometry::Line {
-            points_m: ring,
-            radius_m: 6e-3,
-        },
+        geometry: ring(-6e-3, 0.055, 6e-3, 64),
         color_rgba: [70, 160, 230, 255],
         body_from_shape: Pose::IDENTITY,
     }

@@ -16,7 +16,7 @@ use truecut_plan::{Cut, Family, Plan, PlanError, ToolPath, modes_in_cut};
 use truecut_scenario::{MillingSpec, PathStart, PlannedPath, ProcessSpec, Scenario, TurnKnot};
 
 use crate::error::SimError;
-use crate::motion::straight::SolvedPath;
+use crate::motion::straight;
 use crate::posture::posture;
 use crate::process::linear_share;
 use crate::robots::Robots;
@@ -98,7 +98,7 @@ impl MillingStudy {
     /// # Errors
     /// If the arm cannot follow it.
     pub fn postures(&self) -> Result<(f64, Vec<Vec<f64>>), SimError> {
-        let solved = SolvedPath::solve(&self.milling.path, &self.robot, &self.posture)?;
+        let solved = straight::solve(&self.milling.path, &self.robot, &self.posture)?;
         Ok((solved.spacing_m, solved.knots))
     }
 

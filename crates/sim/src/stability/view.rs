@@ -2,9 +2,10 @@
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use truecut_plan::Plan;
-use truecut_recording::{Body, Frame, Geometry, Pose, Scene, Shape};
+use truecut_recording::{Body, Frame, Geometry, Pose, Scene};
 
 use super::MillingStudy;
+use crate::scene::shapes::steel;
 use crate::scene::{arm_bodies, pose};
 
 /// Size of the block of stock across the path and down, m.
@@ -50,15 +51,12 @@ impl MillingStudy {
         let ends = [0, plan.points.len() - 1].map(|i| plan.points[i].point_m);
         let length_m: f64 = (ends[1] - ends[0]).norm();
         let half = Vector3::new(0.5 * length_m + 0.03, 0.5 * STOCK_M[0], 0.5 * STOCK_M[1]);
+        let stock = Geometry::Box {
+            half_extents_m: half.into(),
+        };
         Body {
             path: "workpiece".into(),
-            shapes: vec![Shape {
-                geometry: Geometry::Box {
-                    half_extents_m: half.into(),
-                },
-                color_rgba: [120, 128, 138, 255],
-                body_from_shape: Pose::IDENTITY,
-            }],
+            shapes: vec![steel(stock, Pose::IDENTITY)],
             initial_pose: pose(&at),
         }
     }

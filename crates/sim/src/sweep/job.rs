@@ -112,14 +112,14 @@ fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
     }
     let recording = match &job.sweep.bisect {
         Some(bisect) => {
-            let found = search(job, bisect, progress)?;
+            let (value, last) = search(job, bisect, progress)?;
             row.values.push(Entry {
                 name: bisect.name.clone(),
-                value: found.value,
+                value,
                 unit: None,
             });
-            row.diverged = found.diverged;
-            found.recording
+            row.diverged = last.diverged;
+            last.recording
         }
         None => {
             let recording = record(&job.scenario, &job.overrides, progress)?;
@@ -143,18 +143,16 @@ fn diverged(recording: &Recording) -> Option<String> {
     (recording.outcome != Outcome::Completed).then(|| recording.outcome.to_string())
 }
 
-/// What a search ended with: the threshold, and the run there or that which stopped the search.
-struct Found {
-    value: f64,
-    recording: Recording,
-    diverged: Option<String>,
-}
-
-/// Bisects for the smallest value at which the metric meets its limit, and gives the run there. The metric
+/// Bisects for the smallest value at which the metric meets its limit, and gives the run there, or that
+/// which stopped the search. The metric
 /// is taken to fall as the key rises. If even the upper end does not meet the limit the value is NaN; if
 /// the lower end does, it is the lower end. A trial that diverges ends the search without a threshold: nothing
 /// is known of the metric there.
-fn search(job: &Job, bisect: &BisectSpec, progress: &dyn Fn(f64)) -> Result<Found, SimError> {
+fn search(
+    job: &Job,
+    bisect: &BisectSpec,
+    progress: &dyn Fn(f64),
+) -> Result<(f64, SearchRun), SimError> {
     let halvings = ((bisect.to - bisect.from) / (bisect.tolerance * bisect.to.abs())).log2();
     let most = halvings.max(0.0).ceil() + 2.0;
     let made = std::cell::Cell::new(0.0);
@@ -168,20 +166,20 @@ fn search(job: &Job, bisect: &BisectSpec, progress: &dyn Fn(f64)) -> Result<Foun
     let (mut low, mut high) = (bisect.from, bisect.to);
     let mut best = run_at(high)?;
     if best.diverged.is_some() || !best.meets_limit {
-        return Ok(best.found(f64::NAN));
+        return Ok((f64::NAN, best));
     }
     let lowest = run_at(low)?;
     if lowest.diverged.is_some() {
-        return Ok(lowest.found(f64::NAN));
+        return Ok((f64::NAN, lowest));
     }
     if lowest.meets_limit {
-        return Ok(lowest.found(low));
+        return Ok((low, lowest));
     }
     while high - low > bisect.tolerance * high.abs() {
         let middle = 0.5 * (low + high);
         let tried = run_at(middle)?;
         if tried.diverged.is_some() {
-            return Ok(tried.found(f64::NAN));
+            return Ok((f64::NAN, tried));
         }
         if tried.meets_limit {
             high = middle;
@@ -190,7 +188,7 @@ fn search(job: &Job, bisect: &BisectSpec, progress: &dyn Fn(f64)) -> Result<Foun
             low = middle;
         }
     }
-    Ok(best.found(high))
+    Ok((high, best))
 }
 
 /// One run of a search.
@@ -198,16 +196,6 @@ struct SearchRun {
     meets_limit: bool,
     recording: Recording,
     diverged: Option<String>,
-}
-
-impl SearchRun {
-    fn found(self, value: f64) -> Found {
-        Found {
-            value,
-            recording: self.recording,
-            diverged: self.diverged,
-        }
-    }
 }
 
 fn search_run(

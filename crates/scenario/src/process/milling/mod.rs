@@ -5,7 +5,6 @@ mod material;
 mod path;
 mod planned;
 
-pub use path::{MillingPathSpec, PathStart, TurnKnot};
 pub use planned::PlannedPath;
 
 use std::f64::consts::TAU;
@@ -15,6 +14,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::nominal::NominalCut;
+use truecut_plan::motion::straight::StraightPath;
 
 use crate::check::Check;
 use crate::fault::Fault;
@@ -46,7 +46,7 @@ pub struct MillingSpec {
     /// stock begins as a wedge.
     pub ramp_m: f64,
     /// Where the tool goes.
-    pub path: MillingPathSpec,
+    pub path: StraightPath,
 }
 
 impl MillingSpec {

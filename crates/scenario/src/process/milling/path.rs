@@ -3,67 +3,11 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_arm::{Elbow, Shoulder, Wrist};
-use truecut_plan::motion::timing::smooth_between;
+use truecut_plan::motion::straight::{PathStart, StraightPath, TurnKnot};
 
 use crate::check::Check;
 use crate::fault::Fault;
 use crate::units::{from_deg, from_mm};
-
-/// A straight line of the tool point in the world, which is the frame of the robot's base.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MillingPathSpec {
-    /// Where the line begins and how the tool stands; `None`: at the robot's posture, whose
-    /// attitude is kept.
-    pub start: Option<PathStart>,
-    /// Unit vector along the line.
-    pub direction: [f64; 3],
-    /// Length of the line.
-    pub length_m: f64,
-}
-
-/// A path that is given in the world. Of the postures that reach its first pose the one nearest to
-/// the robot's posture is taken, among those of the branch asked for.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PathStart {
-    /// First tool point.
-    pub point_m: [f64; 3],
-    /// Unit vector of the tool's z axis, from the spindle into the workpiece.
-    pub tool_axis: [f64; 3],
-    /// Direction of the tool's x axis at redundancy angle 0, made square to the tool axis.
-    pub zero_direction: [f64; 3],
-    /// Redundancy angle along the path: one knot at least, in rising order.
-    pub turn: Vec<TurnKnot>,
-    /// Side of the shoulder; `None`: either.
-    pub shoulder: Option<Shoulder>,
-    /// Side of the elbow; `None`: either.
-    pub elbow: Option<Elbow>,
-    /// Sense of the wrist; `None`: either.
-    pub wrist: Option<Wrist>,
-}
-
-/// Redundancy angle at a distance from the start of the path.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TurnKnot {
-    /// Distance from the start of the path.
-    pub at_m: f64,
-    /// Redundancy angle.
-    pub redundancy_rad: f64,
-}
-
-impl PathStart {
-    /// Redundancy angle at a distance from the start of the path: it comes to rest at each knot and
-    /// goes from one to the next as 3u² − 2u³, so that joint speeds have no jumps.
-    pub fn redundancy_rad(&self, at_m: f64) -> f64 {
-        let after = self.turn.partition_point(|knot| knot.at_m <= at_m);
-        let knot = |index: usize| self.turn[index.min(self.turn.len() - 1)];
-        if after == 0 || after == self.turn.len() {
-            return knot(after.saturating_sub(1)).redundancy_rad;
-        }
-        let (a, b) = (knot(after - 1), knot(after));
-        let u = (at_m - a.at_m) / (b.at_m - a.at_m);
-        smooth_between(a.redundancy_rad, b.redundancy_rad, u)
-    }
-}
 
 /// A straight line, and how the tool stands along it.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -114,7 +58,7 @@ const LARGEST_COSINE: f64 = 1e-6;
 
 impl PathTable {
     /// `None` after recording a fault.
-    pub(super) fn resolve(self, check: &mut Check) -> Option<MillingPathSpec> {
+    pub(super) fn resolve(self, check: &mut Check) -> Option<StraightPath> {
         let (direction, length_m) = self.line(check)?;
         if self.start_mm.is_none() {
             let because = "the path starts at the robot's posture, and start_mm is not given";
@@ -128,7 +72,7 @@ impl PathTable {
                 "wrist",
             ];
             check.ignored(TABLE, &keys, because);
-            return Some(MillingPathSpec {
+            return Some(StraightPath {
                 start: None,
                 direction,
                 length_m,
@@ -153,7 +97,7 @@ impl PathTable {
             elbow,
             wrist,
         } = self;
-        Some(MillingPathSpec {
+        Some(StraightPath {
             start: Some(PathStart {
                 point_m: start_mm?.map(from_mm),
                 tool_axis,

@@ -2,10 +2,9 @@
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
 use truecut_arm::{Elbow, Shoulder, Wrist};
+use truecut_plan::motion::straight::PathStart;
 
 use crate::relocate::find_mut;
-
-use super::path::PathStart;
 
 /// Postures along a straight path, as a plan chose them.
 #[derive(Debug, Clone, PartialEq)]

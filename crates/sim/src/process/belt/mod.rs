@@ -24,7 +24,7 @@ pub use surface::{Cells, cells_within};
 
 use super::quantity::{self, Quantity};
 use super::step_cache::StepCache;
-use super::{ContactStiffness, Findings, Process, ToolState};
+use super::{ContactStiffness, Findings, Process, ToolState, slope_n_per_m};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use contact::{BeltContact, Motion, Strip};
 use geometry::FaceGeometry;
@@ -212,10 +212,10 @@ impl Belt {
 
     /// Slope of the force over the indentation on a flat face, at the indentation of the path, N/m.
     fn stiffness_n_per_m(&self) -> f64 {
-        let p = &self.setup;
-        let (d, h) = (p.indentation_m, 1e-3 * p.indentation_m);
-        let force = |d: f64| p.wheel.normal_force_n(d, p.wheel.radius_m);
-        (force(d + h) - force(d - h)) / (2.0 * h)
+        let wheel = &self.setup.wheel;
+        slope_n_per_m(self.setup.indentation_m, |d| {
+            wheel.normal_force_n(d, wheel.radius_m)
+        })
     }
 }
 

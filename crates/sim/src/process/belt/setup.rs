@@ -3,10 +3,9 @@
 use crate::effect::WheelEffects;
 use crate::error::SimError;
 use crate::motion::{self, BeltLines, Target};
-use crate::process::setup::Motion;
+use crate::process::setup::{Departure, Motion};
 use crate::process::{Belt, BeltSetup, Cells, ProcessSetup, SetupContext, cells_within};
-use crate::scene::Workpiece;
-use nalgebra::Isometry3;
+use crate::scene::shapes;
 use std::sync::Arc;
 use truecut_core::wheel::belt::BeltWheel;
 use truecut_plan::surface_path::Contact;
@@ -31,29 +30,22 @@ pub(crate) fn setup(spec: &BeltSpec, context: &SetupContext<'_>) -> Result<Proce
             "the lines are not solved",
         ));
     };
-    let posture = path.start().to_vec();
-    let world_from_process = robot.world_from_process(&posture);
-    let duration_s = context.duration_along_s(&path);
-    let (process, workpiece) = belt(
-        spec,
-        &context.effects.wheel,
-        lines,
-        &world_from_process,
-        duration_s,
-    )?;
-    Ok(ProcessSetup::new(process, posture)
-        .on(workpiece)
+    let from = context.departure(&path);
+    let setup = belt(spec, &context.effects.wheel, lines, &from)?;
+    let process_from_patch = from.world_from_process.inverse() * setup.copies[0].world_from_patch;
+    let border_m = outline(lines);
+    Ok(ProcessSetup::new(Belt::new(setup), from.posture)
+        .on(move || shapes::outline(&process_from_patch, &border_m))
         .led_by(Motion::Planned(path)))
 }
 
-/// The process along a solved path, and its workpiece.
+/// The process along a solved path.
 fn belt(
     spec: &BeltSpec,
     effects: &WheelEffects,
     path: &BeltLines,
-    world_from_process: &Isometry3<f64>,
-    duration_s: f64,
-) -> Result<(Belt, Workpiece), SimError> {
+    from: &Departure,
+) -> Result<BeltSetup, SimError> {
     let cells = Cells::of(&path.patch, spec.cell_m);
     check_cells(spec, &cells)?;
     let area_m2 = cells.areas_m2(&path.patch);
@@ -68,7 +60,7 @@ fn belt(
         ));
     };
     let copies = path.copies.clone();
-    let setup = BeltSetup {
+    Ok(BeltSetup {
         // A stiffer wheel has stiffer rubber; the belt's tension is another matter.
         wheel: BeltWheel {
             contact_modulus_pa: spec.wheel.contact_modulus_pa * effects.stiffness_factor,
@@ -79,22 +71,17 @@ fn belt(
         eccentricity: effects.eccentricity(),
         belt_m_per_s: spec.belt_m_per_s,
         patch: path.patch.clone(),
-        process_from_world: world_from_process.rotation.inverse(),
+        process_from_world: from.process_from_world(),
         swept: swept(path),
         indentation_m: spec.job.wheel.indentation_m,
         first_normal: copies[0].world_from_patch.rotation * first.normal.into_inner(),
-        duration_s,
+        duration_s: from.duration_s,
         expected_depth_m: expected_depth_m(spec, path, face_m2),
         area_m2: Arc::new(area_m2),
         is_face: Arc::new(is_face),
         cells,
         copies,
-    };
-    let workpiece = Workpiece::Outline {
-        process_from_patch: world_from_process.inverse() * setup.copies[0].world_from_patch,
-        points_m: outline(path),
-    };
-    Ok((Belt::new(setup), workpiece))
+    })
 }
 
 fn check_cells(spec: &BeltSpec, cells: &Cells) -> Result<(), SimError> {

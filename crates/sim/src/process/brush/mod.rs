@@ -14,7 +14,7 @@ pub(crate) mod setup;
 
 use super::quantity::{self, Quantity};
 use super::step_cache::StepCache;
-use super::{ContactStiffness, Findings, Process, ToolState};
+use super::{ContactStiffness, Findings, Process, ToolState, slope_n_per_m};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use contact::BrushContact;
 use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
@@ -209,13 +209,12 @@ impl Process for BrushProcess {
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         let p = &self.setup;
         let depth_m = 0.05 * p.brush.free_length_m;
-        let step_m = 1e-3 * depth_m;
         let reach_m = p.brush.radius_m;
         let force = |d: f64| p.brush.normal_force_n(d, -reach_m, reach_m, &RULES);
         vec![ContactStiffness {
             frame: Attachment::Tool,
             direction: p.process_from_world * p.approach,
-            stiffness_n_per_m: (force(depth_m + step_m) - force(depth_m - step_m)) / (2.0 * step_m),
+            stiffness_n_per_m: slope_n_per_m(depth_m, force),
         }]
     }
 

@@ -3,10 +3,10 @@
 use crate::effect::WheelEffects;
 use crate::error::SimError;
 use crate::motion::{self, BrushWork, Target};
-use crate::process::setup::Motion;
+use crate::process::setup::{Departure, Motion};
 use crate::process::{BrushProcess, BrushSetup, ProcessSetup, SetupContext};
-use crate::scene::Workpiece;
-use nalgebra::{Isometry3, Vector3};
+use crate::scene::shapes;
+use nalgebra::Vector3;
 use truecut_arm::{FrameId, Robot};
 use truecut_core::wheel::brush::Brush;
 use truecut_scenario::{BrushSpec, ProcessSpec};
@@ -26,42 +26,29 @@ pub(crate) fn setup(
             "the motion is not solved",
         ));
     };
-    let posture = path.start().to_vec();
-    let world_from_process = robot.world_from_process(&posture);
-    let (process, workpiece) = brush(
-        spec,
-        &context.effects.wheel,
-        work,
-        robot,
-        &posture,
-        &world_from_process,
-        context.duration_along_s(&path),
-    );
-    Ok(ProcessSetup::new(process, posture)
-        .on(workpiece)
+    let from = context.departure(&path);
+    let process = BrushProcess::new(brush(spec, &context.effects.wheel, work, robot, &from));
+    let process_from_mesh = from.world_from_process.inverse() * work.world_from_mesh;
+    let mesh = work.mesh.clone();
+    Ok(ProcessSetup::new(process, from.posture)
+        .on(move || shapes::body(&process_from_mesh, &mesh))
         .led_by(Motion::Planned(path)))
 }
 
-/// The process along a solved way, and its workpiece.
+/// The process along a solved way.
 fn brush(
     spec: &BrushSpec,
     effects: &WheelEffects,
     work: &BrushWork,
     robot: &Robot,
-    posture: &[f64],
-    world_from_process: &Isometry3<f64>,
-    duration_s: f64,
-) -> (BrushProcess, Workpiece) {
+    from: &Departure,
+) -> BrushSetup {
     let mut stations = work.stations.clone();
     for station in &mut stations {
         station.wear.preston_per_pa *= effects.removal_factor;
     }
-    let world_from_tool = robot.world_from_frame(posture, FrameId::Tool);
-    let workpiece = Workpiece::Mesh {
-        process_from_mesh: world_from_process.inverse() * work.world_from_mesh,
-        mesh: work.mesh.clone(),
-    };
-    let setup = BrushSetup {
+    let world_from_tool = robot.world_from_frame(&from.posture, FrameId::Tool);
+    BrushSetup {
         brush: Brush {
             youngs_modulus_pa: spec.brush.youngs_modulus_pa * effects.stiffness_factor,
             mu: spec.brush.mu * effects.friction_factor,
@@ -72,9 +59,8 @@ fn brush(
         mesh: work.mesh.clone(),
         world_from_mesh: work.world_from_mesh,
         stations,
-        process_from_world: world_from_process.rotation.inverse(),
+        process_from_world: from.process_from_world(),
         approach: world_from_tool.rotation * Vector3::z(),
-        duration_s,
-    };
-    (BrushProcess::new(setup), workpiece)
+        duration_s: from.duration_s,
+    }
 }

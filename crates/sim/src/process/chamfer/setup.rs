@@ -5,7 +5,7 @@ use crate::effect::{CuttingEffects, Effects};
 use crate::error::SimError;
 use crate::process::foot::setup::{foot, foot_spring};
 use crate::process::{ProcessSetup, SetupContext};
-use crate::scene::Workpiece;
+use crate::scene::shapes;
 use crate::theory;
 use nalgebra::{Matrix3, Vector2};
 use truecut_arm::axial_lateral_coupling;
@@ -29,8 +29,9 @@ pub(crate) fn setup(
         _ => None,
     };
     let parameters = chamfer_parameters(spec, &compliance, context.effects);
-    let workpiece = Workpiece::Hole(spec.hole_radius_m);
-    Ok(ProcessSetup::new(Chamfer::new(parameters, theory), posture).on(workpiece))
+    let hole_m = spec.hole_radius_m;
+    let process = Chamfer::new(parameters, theory);
+    Ok(ProcessSetup::new(process, posture).on(move || shapes::plate_with_hole(hole_m)))
 }
 
 fn chamfer_parameters(

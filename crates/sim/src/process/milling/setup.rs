@@ -1,10 +1,10 @@
 //! From the milling table to the process that runs.
 
 use crate::error::SimError;
-use crate::motion::straight::SolvedPath;
+use crate::motion::straight;
 use crate::process::setup::Motion;
 use crate::process::{Milling, MillingSetup, MillingTheory, ProcessSetup, SetupContext};
-use crate::scene::Workpiece;
+use crate::scene::shapes;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3, Vector6};
 use std::f64::consts::PI;
 use truecut_arm::{FrameId, Load, Robot};
@@ -29,22 +29,25 @@ pub(crate) fn setup(
     context: &SetupContext<'_>,
 ) -> Result<ProcessSetup, SimError> {
     let robot = context.robot;
-    let path = SolvedPath::solve(&spec.path, robot, &context.posture()?)?;
+    let path = straight::solve(&spec.path, robot, &context.posture()?)?;
     let posture = path.knots[0].clone();
     let world_from_process = robot.world_from_process(&posture);
-    let (setup, workpiece) = milling(spec, robot, &posture, &world_from_process)?;
+    let setup = milling(spec, robot, &posture, &world_from_process)?;
+    let feed = setup.process_from_milling * Vector3::x();
+    let (length_m, cut) = (spec.path.length_m, spec.cut);
+    let width_m = 4.0 * cut.cutter.radius_m;
     Ok(ProcessSetup::new(Milling::new(setup), posture)
-        .on(workpiece)
+        .on(move || shapes::slab(feed, length_m, width_m, cut.axial_depth_m))
         .led_by(Motion::Straight(path, spec.feed_m_per_s)))
 }
 
-/// The pass of a scenario by an arm at the first posture of its path, and its workpiece.
+/// The pass of a scenario by an arm at the first posture of its path.
 fn milling(
     spec: &MillingSpec,
     robot: &Robot,
     posture: &[f64],
     world_from_process: &Isometry3<f64>,
-) -> Result<(MillingSetup, Workpiece), SimError> {
+) -> Result<MillingSetup, SimError> {
     let process_from_milling = process_from_milling(spec, world_from_process)?;
     let cut = &spec.cut;
     cut.cutter
@@ -65,13 +68,7 @@ fn milling(
     let deflection = world_from_milling.inverse() * deflection;
     // A tool that sinks by z under the force F cuts deeper: F (b - z)/b, of which z is the deflection.
     let deeper = 1.0 / (1.0 + deflection.z / cut.axial_depth_m).max(0.1);
-    let workpiece = Workpiece::Slab {
-        feed: process_from_milling * Vector3::x(),
-        length_m: spec.path.length_m,
-        width_m: 4.0 * cut.cutter.radius_m,
-        depth_m: cut.axial_depth_m,
-    };
-    let setup = MillingSetup {
+    Ok(MillingSetup {
         parameters: parameters(spec),
         process_from_milling,
         nominal_force_n: mean_load.0,
@@ -86,8 +83,7 @@ fn milling(
             spec.tooth_period_s(),
         )?,
         spec: spec.clone(),
-    };
-    Ok((setup, workpiece))
+    })
 }
 
 /// Axes of the milling frame in the process frame: x the feed, z against process X.

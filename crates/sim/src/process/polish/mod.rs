@@ -16,7 +16,7 @@ mod surface;
 
 use super::quantity::{self, Quantity};
 use super::step_cache::StepCache;
-use super::{ContactStiffness, Findings, Process, ToolState};
+use super::{ContactStiffness, Findings, Process, ToolState, slope_n_per_m};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::{Isometry2, Isometry3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
@@ -226,10 +226,8 @@ impl Polish {
 
     /// Slope of the force over the indentation on a face without edges, N/m.
     fn stiffness_n_per_m(&self) -> f64 {
-        let p = &self.setup;
-        let (d, h) = (p.indentation_m, 1e-3 * p.indentation_m);
-        let force = |d: f64| p.spec.wheel.normal_force_n(d);
-        (force(d + h) - force(d - h)) / (2.0 * h)
+        let wheel = &self.setup.spec.wheel;
+        slope_n_per_m(self.setup.indentation_m, |d| wheel.normal_force_n(d))
     }
 
     /// What is recorded of the step last committed.

@@ -3,12 +3,12 @@
 use crate::effect::WheelEffects;
 use crate::error::SimError;
 use crate::loads::{Attachment, Wrench};
+use crate::motion;
 use crate::motion::polish::indentation_m;
-use crate::motion::{self};
-use crate::process::setup::Motion;
+use crate::process::setup::{Departure, Motion};
 use crate::process::{Polish, PolishSetup, Process, ProcessSetup, SetupContext, ToolState};
-use crate::scene::Workpiece;
-use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
+use crate::scene::shapes;
+use nalgebra::{Translation3, Vector3, Vector6};
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::wheel::face::Face;
 use truecut_core::wheel::pneumatic::PneumaticWheel;
@@ -27,49 +27,36 @@ pub(crate) fn setup(
     let near = context.posture()?;
     let is_same = |other: &ProcessSpec| *other == context.scenario.process;
     let path = context.planned(&near, is_same, || motion::polish::solve(spec, robot, &near))?;
-    let posture = path.start().to_vec();
-    let world_from_process = robot.world_from_process(&posture);
-    let (process, workpiece) = polish(
-        spec,
-        &context.effects.wheel,
-        robot,
-        &posture,
-        &world_from_process,
-        context.duration_along_s(&path),
-    )?;
-    Ok(ProcessSetup::new(process, posture)
-        .on(workpiece)
+    let from = context.departure(&path);
+    let setup = polish(spec, &context.effects.wheel, robot, &from)?;
+    let process_from_face = from.world_from_process.inverse() * setup.world_from_face;
+    let (length_m, width_m) = (spec.face.length_m, spec.face.width_m);
+    Ok(ProcessSetup::new(Polish::new(setup), from.posture)
+        .on(move || shapes::block(&process_from_face, length_m, width_m))
         .led_by(Motion::Planned(path)))
 }
 
-/// The process of a scenario on an arm at the first posture of its path, and its workpiece.
+/// The process of a scenario on an arm at the first posture of its path.
 fn polish(
     spec: &PolishSpec,
     effects: &WheelEffects,
     robot: &Robot,
-    posture: &[f64],
-    world_from_process: &Isometry3<f64>,
-    duration_s: f64,
-) -> Result<(Polish, Workpiece), SimError> {
+    from: &Departure,
+) -> Result<PolishSetup, SimError> {
     let face = Face::rectangle(spec.face.length_m, spec.face.width_m)
         .map_err(|error| SimError::scenario("process.polish.face", error.to_string()))?;
     let mut setup = PolishSetup {
         world_from_face: spec.face.world_from_face(),
-        process_from_world: world_from_process.rotation.inverse(),
+        process_from_world: from.process_from_world(),
         face,
         indentation_m: indentation_m(spec)?,
-        duration_s,
+        duration_s: from.duration_s,
         expected_depth_m: expected_depth_m(spec)?,
         resting: Wrench::force(Attachment::Tool, Vector3::zeros()),
         spec: altered(spec, effects),
     };
-    setup.resting = resting(&setup, robot, posture, world_from_process)?;
-    let workpiece = Workpiece::Block {
-        process_from_face: world_from_process.inverse() * setup.world_from_face,
-        length_m: spec.face.length_m,
-        width_m: spec.face.width_m,
-    };
-    Ok((Polish::new(setup), workpiece))
+    setup.resting = resting(&setup, robot, from)?;
+    Ok(setup)
 }
 
 /// Preston's law for lines at their spacing: `k_p F v / (v_f s)`, v the sliding in the middle of the patch.
@@ -116,16 +103,12 @@ fn eccentricity(spec: &PolishSpec, effects: &WheelEffects) -> (f64, f64) {
 }
 
 /// The wrench on a tool at rest at the start, deflected by it, the wheel spinning.
-fn resting(
-    setup: &PolishSetup,
-    robot: &Robot,
-    posture: &[f64],
-    world_from_process: &Isometry3<f64>,
-) -> Result<Wrench, SimError> {
+fn resting(setup: &PolishSetup, robot: &Robot, from: &Departure) -> Result<Wrench, SimError> {
+    let posture = &from.posture;
     let compliance = robot.cartesian_compliance(posture, FrameId::Tool, &Load::none())?;
     let process = Polish::new(setup.clone());
     let undeflected = robot.world_from_frame(posture, FrameId::Tool);
-    let turn = world_from_process.rotation;
+    let turn = from.world_from_process.rotation;
     let mut wrench = setup.resting;
     for _ in 0..ROUNDS {
         let mut load = Vector6::zeros();

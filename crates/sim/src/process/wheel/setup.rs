@@ -4,7 +4,7 @@ use super::Wheel;
 use crate::effect::WheelEffects;
 use crate::error::SimError;
 use crate::process::{ProcessSetup, SetupContext};
-use crate::scene::Workpiece;
+use crate::scene::shapes;
 use truecut_core::wheel::WheelContact;
 use truecut_scenario::WheelSpec;
 
@@ -14,8 +14,8 @@ pub(crate) fn setup(
     context: &SetupContext<'_>,
 ) -> Result<ProcessSetup, SimError> {
     let process = Wheel::new(wheel(spec, &context.effects.wheel));
-    let workpiece = Workpiece::Strip(spec.strip_length_m);
-    Ok(ProcessSetup::new(process, context.posture()?).on(workpiece))
+    let length_m = spec.strip_length_m;
+    Ok(ProcessSetup::new(process, context.posture()?).on(move || shapes::strip(length_m)))
 }
 
 fn wheel(spec: &WheelSpec, effects: &WheelEffects) -> WheelSpec {
