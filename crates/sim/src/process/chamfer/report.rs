@@ -105,7 +105,7 @@ fn predictions(t: &SlipTheory) -> [Quantity; 6] {
     let pascal = |name, value| Quantity::new(name, Unit::Pascal, value);
     [
         pascal("theory.paper_threshold_pressure", t.paper_threshold_pa)
-            .text("Foot pressure that source A's eq. (27) asks for at the last tooth (backward feed only; 0: none needed)"),
+            .text("Foot pressure that eq. (27) of Dong et al. 2018 asks for at the last tooth (backward feed only; 0: none needed)"),
         pascal("theory.exact_threshold_pressure", t.exact_threshold_pa)
             .text("Foot pressure at which friction balances the rotating force at the last tooth, in the plane; no regeneration"),
         pascal("theory.general_threshold_pressure", t.general_threshold_pa)
