@@ -1,9 +1,10 @@
 //! The friction tables of `docs/physics/vibration.md`, run through the whole simulator on the
-//! planar rig: rapier, the contact solver and the foot, with the numbers of an independent integration.
+//! planar rig: rapier, the contact solver and the foot, with the numbers of an independent
+//! integration.
 //!
-//! What breaks if this is wrong: a friction that creeps or is split by axes gives the paper's amplitudes
-//! (62 % too small near the threshold) or none; see `crates/core/tests/planar_oscillator.rs` for
-//! the same tables on two bare oscillators.
+//! What breaks if this is wrong: a friction that creeps or is split by axes gives the paper's
+//! amplitudes (62 % too small near the threshold) or none; see
+//! `crates/core/tests/planar_oscillator.rs` for the same tables on two bare oscillators.
 
 #[path = "../../crates/core/tests/vibration_tables/mod.rs"]
 mod vibration_tables;
@@ -76,7 +77,8 @@ mu = {MU}
     } else {
         String::new()
     };
-    // The table's ramp runs until 1 mm has been cut *behind* the edge, which then stands at 1.05 mm.
+    // The table's ramp runs until 1 mm has been cut *behind* the edge, which then stands at 1.05
+    // mm.
     let recording = run_text(&format!(
         r#"
 name = "ramp"

@@ -31,11 +31,13 @@ pub fn run_text(text: &str) -> Recording {
     recording(Engine::Rapier, &scenario, &[])
 }
 
-/// The recording of a scenario with overrides, its claims left alone.
+/// The recording of a scenario with overrides, and with the data that it replays; its claims are left
+/// alone.
 pub fn recording(engine: Engine, scenario: &Scenario, overrides: &[(String, String)]) -> Recording {
     let run = Run {
         overrides: overrides.to_vec(),
         engine,
+        read_data: Some(truecut::data::replayed),
         claims: Claims::Ignore,
         ..Run::of(scenario)
     };
