@@ -1,8 +1,8 @@
 //! Accuracy and cost of the forced arm over the time step, as JSON, for `benches/versus_mujoco.py`.
 //!
-//! The arm takes a step of 1 kN at its tool for two seconds. The error of a step is the root mean square
-//! of the tool's distance from the reference at 0.02 ms, over the range of the reference. With `--test`
-//! each run is made once.
+//! The arm takes a step of 1 kN at its tool for two seconds. The error of a step is the root mean
+//! square of the tool's distance from the reference at 0.02 ms, over the range of the reference.
+//! With `--test` each run is made once.
 
 use std::path::Path;
 use truecut_recording::Recording;

@@ -1,10 +1,10 @@
 //! The reduced plant beside rapier, in one run: cost of a step, of building, speed-up, distance.
 //!
-//! Every shipped scenario that is not a sweep, and rigs of one and three joints. A run is timed from its first
-//! step to its last, guard and recorder included, the shortest of several; building with the robot's files read
-//! before, and anew. The distance is the normalised root mean square error against rapier at its
-//! default step: of the tool's displacement, and of the force on the dynamometer or under the wheel. With
-//! `--test` every run is timed once.
+//! Every shipped scenario that is not a sweep, and rigs of one and three joints. A run is timed
+//! from its first step to its last, guard and recorder included, the shortest of several; building
+//! with the robot's files read before, and anew. The distance is the normalised root mean square
+//! error against rapier at its default step: of the tool's displacement, and of the force on the
+//! dynamometer or under the wheel. With `--test` every run is timed once.
 
 use std::path::{Path, PathBuf};
 use truecut_recording::{Window, compare};

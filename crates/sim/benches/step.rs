@@ -1,4 +1,5 @@
-//! Cost of a second of simulation: the arm under a given force, and under chamfering with its contact.
+//! Cost of a second of simulation: the arm under a given force, and under chamfering with its
+//! contact.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::path::Path;

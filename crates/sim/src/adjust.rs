@@ -1,4 +1,5 @@
-//! A robot as its scenario has it: scales, links and rotors that differ from the files, rigid servos.
+//! A robot as its scenario has it: scales, links and rotors that differ from the files, rigid
+//! servos.
 
 use nalgebra::Vector3;
 use truecut_arm::Robot;

@@ -10,7 +10,7 @@ use crate::process::{self, Process, SetupContext, Start};
 use crate::robots::Robots;
 use crate::scene::DrawWorkpiece;
 use crate::step_size::{self, Scheme};
-use nalgebra::{Isometry3, Vector3, Vector6};
+use nalgebra::{Isometry3, Vector3, Vector6, stack};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::joint_law::{LinkFriction, beyond_gap};
@@ -43,8 +43,8 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    /// `measured` drives a replay; other processes make no use of it. Robots that have been read are not read
-    /// again; the step is chosen for the scheme.
+    /// `measured` drives a replay; other processes make no use of it. Robots that have been read
+    /// are not read again; the step is chosen for the scheme.
     pub(crate) fn new(
         scenario: &Scenario,
         measured: Option<&Measured>,
@@ -152,7 +152,7 @@ fn with_duration(run: &RunSpec, duration_s: f64) -> RunSpec {
     RunSpec { duration_s, ..*run }
 }
 
-fn gravity_m_s2(spec: &RobotSpec) -> Vector3<f64> {
+pub(crate) fn gravity_m_s2(spec: &RobotSpec) -> Vector3<f64> {
     if spec.gravity {
         truecut_arm::standard_gravity_m_s2()
     } else {
@@ -166,7 +166,8 @@ fn first_of(command: &JointCommand, dof: usize) -> Vec<f64> {
     position
 }
 
-/// Friction of every joint: `robot.toml`'s dry friction, which belongs to the drive, and the effects'.
+/// Friction of every joint: `robot.toml`'s dry friction, which belongs to the drive, and the
+/// effects'.
 fn friction(altered: &Altered, kind: DriveKind) -> Vec<LinkFriction> {
     (altered.robot.chain.joints.iter().zip(&altered.friction))
         .map(|(joint, effect)| {
@@ -304,10 +305,7 @@ fn combine(
         let force = world_from_process.rotation * wrench.force_n;
         let lever = at(wrench.frame) - at(target);
         let moment = world_from_process.rotation * wrench.moment_n_m + lever.cross(&force);
-        let mut rows = total.fixed_rows_mut::<3>(0);
-        rows += force;
-        let mut rows = total.fixed_rows_mut::<3>(3);
-        rows += moment;
+        total += stack![force; moment];
     }
     (target, total)
 }

@@ -12,6 +12,7 @@ use crate::process::Process;
 use crate::scene::{Setting, Stage};
 use crate::torque_use::TorqueUse;
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 use truecut_core::sensor::Sensor;
 use truecut_recording::{ChannelSpec, Header, Outcome, Recorder, Scalar, UnknownName};
 use truecut_scenario::Scenario;
@@ -33,7 +34,7 @@ pub(crate) struct Cell {
     contacts: ContactSolver,
     command: JointCommand,
     guard: Guard,
-    setting: Setting,
+    setting: Arc<Setting>,
     axes: Matrix3<f64>,
     tool_start_m: Vector3<f64>,
     foot_start_m: Vector3<f64>,
@@ -68,7 +69,7 @@ impl Cell {
             // With all its effects, also those that were added in memory.
             scenario_text: (self.scenario).extended_text(&self.scenario.effects, &self.rotary),
             channels: self.channels.clone(),
-            scene: self.setting.stage(self.process.as_ref()).1,
+            scene: Stage::new(self.setting.clone(), self.process.as_ref()).1,
             notes: self.notes.clone(),
         }
     }
@@ -127,8 +128,8 @@ impl Cell {
         self.steps_per_row as f64 * self.time_step_s()
     }
 
-    /// Runs to the end, or until the run diverges. Rows go to the recorder as they come; `progress` is told
-    /// the part done, from 0 to 1.
+    /// Runs to the end, or until the run diverges. Rows go to the recorder as they come; `progress`
+    /// is told the part done, from 0 to 1.
     ///
     /// # Errors
     /// Only what cannot be written; a diverged run is an outcome.
@@ -142,8 +143,9 @@ impl Cell {
                 recorder.push_row(time_s, row)?;
             }
             if recorder.frame_is_due(time_s) {
-                let stage =
-                    stage.get_or_insert_with(|| cell.setting.stage(cell.process.as_ref()).0);
+                let stage = stage.get_or_insert_with(|| {
+                    Stage::new(cell.setting.clone(), cell.process.as_ref()).0
+                });
                 let shows = step >= next_shown || step + shown_every / 10 >= cell.steps;
                 if shows {
                     next_shown = step + shown_every;
@@ -157,8 +159,8 @@ impl Cell {
         })
     }
 
-    /// As [`Cell::run`], without a recorder: each row (values in the order of [`Cell::channels`]) is given
-    /// to `row` together with its time, and nothing else is kept.
+    /// As [`Cell::run`], without a recorder: each row (values in the order of [`Cell::channels`])
+    /// is given to `row` together with its time, and nothing else is kept.
     pub fn run_rows(self, mut row: impl FnMut(f64, &[f64])) -> RunEnd {
         let end = self.each_step(|_, _, time_s, values| {
             if let Some(values) = values {

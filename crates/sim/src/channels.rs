@@ -6,31 +6,23 @@ use nalgebra::Vector3;
 use truecut_arm::{Joint, JointKind, Robot};
 use truecut_recording::{ChannelSpec, Unit};
 
-/// Channels of the robot, in the order of [`record`]. The first `base_joints` are tilts of the base; the joints
-/// of the arm are counted from 1 behind them.
+/// Channels of the robot, in the order of [`record`]. The first `base_joints` are tilts of the
+/// base; the joints of the arm are counted from 1 behind them.
 pub(crate) fn specs(robot: &Robot, base_joints: usize) -> Vec<ChannelSpec> {
     let mut specs = Vec::new();
-    for (axis, text) in [("x", "X (tool axis)"), ("y", "Y (horizontal)"), ("z", "Z")] {
-        specs.push(ChannelSpec::new(
-            format!("tool.displacement_{axis}"),
-            Unit::Metre,
-            format!("Displacement of the tool since touch-down, process {text}"),
-        ));
-    }
-    for axis in ["x", "y", "z"] {
-        specs.push(ChannelSpec::new(
-            format!("tool.velocity_{axis}"),
-            Unit::MetrePerSecond,
-            format!("Velocity of the tool, process {}", axis.to_uppercase()),
-        ));
-    }
-    for axis in ["x", "y", "z"] {
-        specs.push(ChannelSpec::new(
-            format!("tool.position_{axis}"),
-            Unit::Metre,
-            format!("Position of the tool, world {axis}"),
-        ));
-    }
+    let mut vector = |quantity: &str, unit, text: &str, axes: [&str; 3]| {
+        specs.extend(["x", "y", "z"].iter().zip(axes).map(|(axis, called)| {
+            let text = format!("{text} {called}");
+            ChannelSpec::new(format!("tool.{quantity}_{axis}"), unit, text)
+        }));
+    };
+    let displaced = "Displacement of the tool since touch-down, process";
+    let axes = ["X (tool axis)", "Y (horizontal)", "Z"];
+    vector("displacement", Unit::Metre, displaced, axes);
+    let speed = "Velocity of the tool, process";
+    vector("velocity", Unit::MetrePerSecond, speed, ["X", "Y", "Z"]);
+    let place = "Position of the tool, world";
+    vector("position", Unit::Metre, place, ["x", "y", "z"]);
     let (base, arm) = robot.chain.joints.split_at(base_joints);
     for joint in base {
         let largest = joint.axis.iamax();

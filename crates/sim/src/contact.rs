@@ -1,13 +1,14 @@
 //! Frictional contacts and joint friction, solved together for one step.
 //!
-//! Every contact sees the plant through `W = J M⁻¹ Jᵀ` and the free velocity. Several of them couple
-//! through the plant, so they are swept in order (Gauss–Seidel) until no impulse changes any more; one
-//! contact alone is solved in one pass. Where a contact slides over a joint that friction holds, each waits for the
-//! other, and hundreds of sweeps may not do: there the contact is solved with the joint held.
+//! Every contact sees the plant through `W = J M⁻¹ Jᵀ` and the free velocity. Several of them
+//! couple through the plant, so they are swept in order (Gauss–Seidel) until no impulse changes any
+//! more; one contact alone is solved in one pass. Where a contact slides over a joint that friction
+//! holds, each waits for the other, and hundreds of sweeps may not do: there the contact is solved
+//! with the joint held.
 
 use crate::loads::{ContactOutcome, ContactOutcomes, ContactRequest};
 use crate::plant::{Plant, WorldWrench};
-use nalgebra::{DVector, Matrix2, Matrix3, Vector2, Vector3, Vector6};
+use nalgebra::{DVector, Matrix2, Matrix3, Vector2, Vector3, stack};
 use truecut_core::friction::{Approach, PlanarContact, solve_planar};
 use truecut_core::joint_law::{LinkFriction, solve_link_friction};
 
@@ -15,8 +16,8 @@ use truecut_core::joint_law::{LinkFriction, solve_link_friction};
 const MAX_SWEEPS: usize = 200;
 /// Sweeps end when the velocities change by less than this part of the largest.
 const TOLERANCE: f64 = 1e-13;
-/// Part of its mobility that a held joint keeps while a contact is solved: where both move the same way, nothing would be left
-/// to solve with. It does not change what the sweeps converge to.
+/// Part of its mobility that a held joint keeps while a contact is solved: where both move the same
+/// way, nothing would be left to solve with. It does not change what the sweeps converge to.
 const LEFT_TO_HELD: f64 = 1e-3;
 
 /// Solves contacts and joint friction, keeping its buffers between steps.
@@ -109,7 +110,8 @@ impl ContactSolver {
         self.publish(&tangents, dt);
     }
 
-    /// Contacts and joints of this step, before any impulse. What a linear plant answers is asked for once.
+    /// Contacts and joints of this step, before any impulse. What a linear plant answers is asked
+    /// for once.
     fn gather(
         &mut self,
         plant: &mut dyn Plant,
@@ -152,8 +154,7 @@ impl ContactSolver {
         for plane in &self.planes {
             let outcome = ContactOutcome::from_contact(&plane.contact, dt);
             let force = tangents[0] * outcome.friction_n.x + tangents[1] * outcome.friction_n.y;
-            let mut wrench = Vector6::zeros();
-            wrench.fixed_rows_mut::<3>(0).copy_from(&force);
+            let wrench = stack![force; Vector3::zeros()];
             self.wrenches.push((plane.request.frame, wrench));
             self.outcomes.push(outcome);
         }
@@ -189,7 +190,8 @@ fn plane(plant: &mut dyn Plant, request: &ContactRequest, tangents: &[Vector3<f6
     }
 }
 
-/// The load is that of the last instant: what the transmission passes on now is known when the step is done.
+/// The load is that of the last instant: what the transmission passes on now is known when the step
+/// is done.
 fn line(plant: &mut dyn Plant, joint: usize, law: &LinkFriction) -> Line {
     let mut unit = DVector::zeros(plant.dof());
     unit[joint] = 1.0;
@@ -205,8 +207,9 @@ fn line(plant: &mut dyn Plant, joint: usize, law: &LinkFriction) -> Line {
     }
 }
 
-/// Solves one contact with the others' impulses held; returns how far its velocity row has moved. If it has slid so far, of the
-/// joints that friction holds the one that it moves most is kept at rest, and its impulse follows.
+/// Solves one contact with the others' impulses held; returns how far its velocity row has moved.
+/// If it has slid so far, of the joints that friction holds the one that it moves most is kept at
+/// rest, and its impulse follows.
 fn update_plane(
     plane: &mut Plane,
     lines: &mut [Line],
@@ -246,8 +249,8 @@ fn update_plane(
     (plane.largest[0] * change.x.abs()).max(plane.largest[1] * change.y.abs())
 }
 
-/// Of the joints that friction holds the one that an impulse on the contact would move most, with the contact's velocity per impulse
-/// on that joint.
+/// Of the joints that friction holds the one that an impulse on the contact would move most, with
+/// the contact's velocity per impulse on that joint.
 fn held_most<'a>(
     rows: &[DVector<f64>; 2],
     lines: &'a mut [Line],

@@ -1,4 +1,5 @@
-//! The arm as an elastic structure, for identification: how it gives under a load, and how it rings.
+//! The arm as an elastic structure, for identification: how it gives under a load, and how it
+//! rings.
 
 use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix6xX, Point3, Vector3, Vector6};
 use truecut_arm::{ArmError, FrameId, JointKind, Load, Robot, standard_gravity_m_s2};
@@ -31,7 +32,8 @@ pub struct ElasticJoint {
 /// What a load does to an arm.
 #[derive(Debug, Clone)]
 pub struct Deflection {
-    /// Displacement and small rotation of the observed frame, world axes (m, rad), from the arm without the load.
+    /// Displacement and small rotation of the observed frame, world axes (m, rad), from the arm
+    /// without the load.
     pub motion: Vector6<f64>,
     /// Derivatives of `motion` by the compliances of the joints, 6×n.
     pub by_compliance: Matrix6xX<f64>,
@@ -107,8 +109,8 @@ impl ElasticArm {
         }
     }
 
-    /// What a wrench (N, N m; world axes) on the frame `loaded` does to the frame `observed`. The controller holds
-    /// the motors at `command`; gravity acts before and after.
+    /// What a wrench (N, N m; world axes) on the frame `loaded` does to the frame `observed`. The
+    /// controller holds the motors at `command`; gravity acts before and after.
     ///
     /// # Errors
     /// If the arm finds no rest.
@@ -164,7 +166,8 @@ impl ElasticArm {
             .collect())
     }
 
-    /// Motion of a hammer point along its direction per unit of joint motion, in the posture of the file.
+    /// Motion of a hammer point along its direction per unit of joint motion, in the posture of the
+    /// file.
     pub fn along(&self, at: &HammerPoint, axes: Axes) -> Vec<f64> {
         let robot = &self.robot;
         let pose = robot.world_from_frame(&self.posture, at.frame);

@@ -4,15 +4,15 @@ use truecut_arm::ArmError;
 use truecut_recording::{MetricError, SinkError};
 use truecut_scenario::ScenarioError;
 
-/// An error of the simulator. A run that diverges is not one of them: it ends with a recording whose
-/// outcome says so.
+/// An error of the simulator. A run that diverges is not one of them: it ends with a recording
+/// whose outcome says so.
 #[derive(Debug, thiserror::Error)]
 pub enum SimError {
     /// The robot's files or what was asked of the robot.
     #[error("{0}")]
     Arm(#[from] ArmError),
-    /// A value of the scenario that only shows as wrong together with the robot; `key` is its path in the
-    /// file.
+    /// A value of the scenario that only shows as wrong together with the robot; `key` is its path
+    /// in the file.
     #[error("`{key}`: {message}")]
     Scenario { key: String, message: String },
     /// A scenario that overrides have made invalid.

@@ -1,9 +1,9 @@
 //! The simulator: a robot in rapier, a process that loads it, and the recorder.
 //!
 //! [`run`] is the one call that runs a scenario. One step of it: read tool and joint state →
-//! [`process::Process::evaluate`] (changes nothing) → contacts are solved from the plant's free velocity →
-//! everything is injected and the plant steps → [`process::Process::commit`] advances the process's memory,
-//! once → one row is recorded.
+//! [`process::Process::evaluate`] (changes nothing) → contacts are solved from the plant's free
+//! velocity → everything is injected and the plant steps → [`process::Process::commit`] advances
+//! the process's memory, once → one row is recorded.
 //!
 //! | module | what it holds |
 //! | --- | --- |

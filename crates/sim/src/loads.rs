@@ -1,7 +1,7 @@
 //! What a process asks of the plant in one step.
 //!
-//! Everything is expressed in the process frame: X along the tool axis into the workpiece, Y horizontal,
-//! Z = X × Y, fixed in space, with its origin at the tool point after touch-down.
+//! Everything is expressed in the process frame: X along the tool axis into the workpiece, Y
+//! horizontal, Z = X × Y, fixed in space, with its origin at the tool point after touch-down.
 
 use arrayvec::ArrayVec;
 use nalgebra::{Vector2, Vector3};
@@ -49,8 +49,8 @@ impl Wrench {
 }
 
 /// A frictional contact in the process Y–Z plane. The normal law is a spring that the process has
-/// evaluated; how much of the friction acts depends on the free velocity and the effective mass, which
-/// only the step loop knows.
+/// evaluated; how much of the friction acts depends on the free velocity and the effective mass,
+/// which only the step loop knows.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactRequest {
     pub frame: Attachment,

@@ -10,8 +10,8 @@ use truecut_scenario::DriveKind;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::Effect;
 
-/// MJCF of the scenario's arm at the posture of touch-down, driven as the scenario says. The process is not
-/// part of it: it is applied from outside, as it is here.
+/// MJCF of the scenario's arm at the posture of touch-down, driven as the scenario says. The
+/// process is not part of it: it is applied from outside, as it is here.
 ///
 /// # Errors
 /// What a run would refuse about the robot; a servo drive, which MJCF joints cannot hold.

@@ -14,11 +14,13 @@ type Files = (PathBuf, Option<PathBuf>, Option<String>);
 /// What a motion depends on: the arm's geometry, the posture that chooses its branch, the process.
 type MotionOf = (Files, Vec<f64>, ProcessSpec);
 
-/// Motions in the cache: a diagnosis comes back to those of a few values of each uncertain parameter.
+/// Motions in the cache: a diagnosis comes back to those of a few values of each uncertain
+/// parameter.
 const MOTIONS_KEPT: usize = 16;
 
 /// Robots by their files and tip, as read when they were first asked for. Give one to
-/// [`Run`](crate::run::Run) where the same robot runs again and again; files that change meanwhile are not read again. Threads may share it.
+/// [`Run`](crate::run::Run) where the same robot runs again and again; files that change meanwhile
+/// are not read again. Threads may share it.
 #[derive(Debug, Default)]
 pub struct Robots {
     read: Mutex<BTreeMap<Files, Arc<Robot>>>,
@@ -41,7 +43,8 @@ impl Robots {
         Ok(Arc::new(adjusted(&robot, spec)?))
     }
 
-    /// The motion of a scenario's process, solved unless that of a process which `is_same` is in the cache.
+    /// The motion of a scenario's process, solved unless that of a process which `is_same` is in
+    /// the cache.
     pub(crate) fn motion(
         &self,
         scenario: &Scenario,

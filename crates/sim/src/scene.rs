@@ -1,4 +1,5 @@
-//! What can be seen of a cell: the arm as it is and with its deflection enlarged, workpiece, foot, forces.
+//! What can be seen of a cell: the arm as it is and with its deflection enlarged, workpiece, foot,
+//! forces.
 
 pub(crate) mod shapes;
 
@@ -17,7 +18,7 @@ use truecut_recording::{Arrow, Body, Frame, Pose, Scene, Shape};
 const ARROW_M_PER_N: f64 = 1.5e-3;
 
 /// Draws the workpiece in process axes, when a scene is asked for.
-pub(crate) type DrawWorkpiece = Box<dyn Fn() -> Vec<Shape> + Send>;
+pub(crate) type DrawWorkpiece = Box<dyn Fn() -> Vec<Shape> + Send + Sync>;
 
 /// What the scene is made from, when one is asked for.
 pub(crate) struct Setting {
@@ -28,26 +29,9 @@ pub(crate) struct Setting {
     pub deflection_scale: f64,
 }
 
-impl Setting {
-    /// The scene, and the means to fill its frames.
-    pub(crate) fn stage(&self, process: &dyn Process) -> (Stage, Scene) {
-        Stage::new(
-            &self.robot,
-            &self.start,
-            self.world_from_process,
-            self.deflection_scale,
-            &self.workpiece,
-            process,
-        )
-    }
-}
-
 /// Builds frames of the scene.
 pub(crate) struct Stage {
-    robot: Robot,
-    reference: Vec<f64>,
-    scale: f64,
-    world_from_process: Isometry3<f64>,
+    setting: Arc<Setting>,
     fixed: Vec<Pose>,
     has_foot: bool,
     /// How many fields there are.
@@ -64,26 +48,20 @@ pub(crate) fn pose(p: &Isometry3<f64>) -> Pose {
 
 impl Stage {
     /// The scene of a cell and the means to fill its frames.
-    pub(crate) fn new(
-        robot: &Robot,
-        reference: &[f64],
-        world_from_process: Isometry3<f64>,
-        scale: f64,
-        workpiece: &DrawWorkpiece,
-        process: &dyn Process,
-    ) -> (Self, Scene) {
+    pub(crate) fn new(setting: Arc<Setting>, process: &dyn Process) -> (Self, Scene) {
+        let (robot, start) = (&setting.robot, &setting.start);
         let has_foot = process
             .contact_stiffness()
             .iter()
             .any(|spring| spring.frame == Attachment::Foot);
-        let mut bodies = arm_bodies(robot, reference, "exaggerated", false);
-        bodies.extend(arm_bodies(robot, reference, "true", true));
+        let mut bodies = arm_bodies(robot, start, "exaggerated", false);
+        bodies.extend(arm_bodies(robot, start, "true", true));
         if let Some(size_m) = process.drum_m() {
-            add_drum(&mut bodies, robot, reference, size_m);
+            add_drum(&mut bodies, robot, start, size_m);
         }
-        let origin = pose(&world_from_process);
+        let origin = pose(&setting.world_from_process);
         let mut fixed = Vec::new();
-        let shapes = workpiece();
+        let shapes = (setting.workpiece)();
         if !shapes.is_empty() {
             fixed.push(origin);
             bodies.push(Body {
@@ -115,15 +93,12 @@ impl Stage {
             bodies,
             arrows,
             fields: process.field().into_iter().collect(),
-            deflection_scale: scale,
+            deflection_scale: setting.deflection_scale,
             // The viewer's own frames the whole arm.
             camera: None,
         };
         let stage = Self {
-            robot: robot.clone(),
-            reference: reference.to_vec(),
-            scale,
-            world_from_process,
+            setting,
             fixed,
             has_foot,
             fields: scene.fields.len(),
@@ -131,8 +106,9 @@ impl Stage {
         (stage, scene)
     }
 
-    /// The scene at the plant's present instant. `rigid` is where the arm would stand without deflection
-    /// (the command, shifted to the posture of touch-down). Values of fields are many: they are left out where not asked for.
+    /// The scene at the plant's present instant. `rigid` is where the arm would stand without
+    /// deflection (the command, shifted to the posture of touch-down). Values of fields are many:
+    /// they are left out where not asked for.
     pub(crate) fn frame(
         &self,
         time_s: f64,
@@ -141,30 +117,31 @@ impl Stage {
         commanded_shift: &[f64],
         with_fields: bool,
     ) -> Frame {
-        let joints = plant.joints();
-        let rigid = self.reference.iter().zip(commanded_shift);
+        let (joints, setting) = (plant.joints(), &self.setting);
+        let rigid = setting.start.iter().zip(commanded_shift);
         let enlarged: Vec<f64> = rigid
             .zip(&joints.position)
             .map(|((reference, shift), q)| {
                 let still = reference + shift;
-                still + self.scale * (q - still)
+                still + setting.deflection_scale * (q - still)
             })
             .collect();
         let mut poses = vec![Pose::IDENTITY];
-        poses.extend(self.robot.world_from_links(&enlarged).iter().map(pose));
+        poses.extend(setting.robot.world_from_links(&enlarged).iter().map(pose));
         poses.push(Pose::IDENTITY);
         poses.extend(plant.link_poses().iter().map(pose));
         poses.extend(&self.fixed);
-        let at =
-            |q: &[f64], attachment: Attachment| self.robot.world_from_frame(q, attachment.into());
+        let at = |q: &[f64], attachment: Attachment| {
+            setting.robot.world_from_frame(q, attachment.into())
+        };
         if self.has_foot {
             let foot = at(&enlarged, Attachment::Foot);
             poses.push(pose(&Isometry3::from_parts(
                 foot.translation,
-                self.world_from_process.rotation,
+                setting.world_from_process.rotation,
             )));
         }
-        let turn: UnitQuaternion<f64> = self.world_from_process.rotation;
+        let turn: UnitQuaternion<f64> = setting.world_from_process.rotation;
         let arrows = process
             .arrows()
             .iter()

@@ -10,8 +10,8 @@ use truecut_scenario::RunSpec;
 
 /// Default steps between two cutting edges.
 const STEPS_PER_TOOTH: f64 = 40.0;
-/// Default steps in one period of the fastest given force; the exact scheme meets a force of frequency w to
-/// (w dt)²/12: 0.2 %.
+/// Default steps in one period of the fastest given force; the exact scheme meets a force of
+/// frequency w to (w dt)²/12: 0.2 %.
 const STEPS_PER_FORCE_PERIOD: f64 = 40.0;
 
 /// Default steps in the shortest time in which a carrier follows its contact.
@@ -44,8 +44,9 @@ impl Scheme {
         self != Self::Leapfrog
     }
 
-    /// No default step is longer than this, s. Sticking and slipping is met to a step only: with 1 ms clear data show it, and a diagnosis
-    /// takes an effect that shortens the step (a base that gives, play) for a cause.
+    /// No default step is longer than this, s. Sticking and slipping is met to a step only: with 1
+    /// ms clear data show it, and a diagnosis takes an effect that shortens the step (a base that
+    /// gives, play) for a cause.
     fn longest_s(self) -> f64 {
         match self {
             Self::Leapfrog => 0.25e-3,
@@ -53,8 +54,9 @@ impl Scheme {
         }
     }
 
-    /// Default steps in one period of the fastest mode. The exact scheme keeps every mode in tune at any
-    /// step; what it needs are enough samples of the motion for contacts, records and friction.
+    /// Default steps in one period of the fastest mode. The exact scheme keeps every mode in tune
+    /// at any step; what it needs are enough samples of the motion for contacts, records and
+    /// friction.
     fn steps_per_period(self) -> f64 {
         match self {
             Self::Leapfrog => 60.0,
@@ -63,7 +65,8 @@ impl Scheme {
         }
     }
 
-    /// Default steps in one period of a mode that only a base which gives has: nothing acts within the base, and nothing is read there.
+    /// Default steps in one period of a mode that only a base which gives has: nothing acts within
+    /// the base, and nothing is read there.
     fn steps_per_base_period(self) -> f64 {
         match self {
             Self::Leapfrog => self.steps_per_period(),
@@ -77,9 +80,10 @@ impl Scheme {
         of_base.min(1.0 / (fastest.base_held_hz * self.steps_per_period()))
     }
 
-    /// Fewest steps in one period of the fastest mode that are accepted. The leapfrog scheme would be stable
-    /// down to π; at eight the fastest mode is out of tune by (2π/8)²/24 = 2.6 %, slower ones by far less.
-    /// The exact scheme reads velocities off two positions, for which two steps in a period are too few.
+    /// Fewest steps in one period of the fastest mode that are accepted. The leapfrog scheme would
+    /// be stable down to π; at eight the fastest mode is out of tune by (2π/8)²/24 = 2.6 %, slower
+    /// ones by far less. The exact scheme reads velocities off two positions, for which two steps
+    /// in a period are too few.
     fn fewest_steps_per_period(self) -> f64 {
         match self {
             Self::Leapfrog => 8.0,
@@ -126,7 +130,8 @@ impl Cause {
     }
 }
 
-/// Refuses a run of more steps than anyone waits for; `from` is the key that the step comes from, and why it is so short.
+/// Refuses a run of more steps than anyone waits for; `from` is the key that the step comes from,
+/// and why it is so short.
 fn check_count(step_s: f64, duration_s: f64, (key, why): (&str, &str)) -> Result<(), SimError> {
     let count = duration_s / step_s;
     if count <= MOST_STEPS {
@@ -184,13 +189,14 @@ fn check_carrier(asked_s: f64, process: &dyn Process) -> Result<(), SimError> {
 
 /// The step of a run, s: the smallest of
 /// - the scheme's longest (0.25 ms; exact: 0.8 ms),
-/// - its part (1/60; exact: 1/20, with play 1/40; 1/5 of a mode that only a base that gives has) of the fastest mode's period, contact
-///   springs and rotors included,
+/// - its part (1/60; exact: 1/20, with play 1/40; 1/5 of a mode that only a base that gives has) of
+///   the fastest mode's period, contact springs and rotors included,
 /// - a fifth of the time in which a wheel's carrier follows its contact,
-/// - 1/40 of the tooth period and, for the exact scheme, 1/40 of the period of the fastest given force,
+/// - 1/40 of the tooth period and, for the exact scheme, 1/40 of the period of the fastest given
+///   force,
 ///
-/// shortened so that the run is a whole number of steps (exact scheme with a recording interval: the interval is; milling: the tooth
-/// period); or the one asked for, if it is short enough.
+/// shortened so that the run is a whole number of steps (exact scheme with a recording interval:
+/// the interval is; milling: the tooth period); or the one asked for, if it is short enough.
 pub(crate) fn choose(
     scheme: Scheme,
     run: &RunSpec,
@@ -232,8 +238,8 @@ pub(crate) fn choose(
     Ok(whole_part(whole, step))
 }
 
-/// The longest whole part of `whole` that is no longer than `step`. An interval read off times in decimals misses its round value by rounding;
-/// that asks for no part more.
+/// The longest whole part of `whole` that is no longer than `step`. An interval read off times in
+/// decimals misses its round value by rounding; that asks for no part more.
 fn whole_part(whole: f64, step: f64) -> f64 {
     whole / (whole / step * (1.0 - ROUNDING)).ceil()
 }
@@ -256,8 +262,8 @@ fn check(scheme: Scheme, asked_s: f64, fastest_mode_hz: Option<f64>) -> Result<f
     Ok(asked_s)
 }
 
-/// Frequency of the fastest mode of the arm with the process's springs attached, Hz. `None` for an arm
-/// whose joints are free.
+/// Frequency of the fastest mode of the arm with the process's springs attached, Hz. `None` for an
+/// arm whose joints are free.
 pub(crate) fn fastest_mode(
     robot: &Robot,
     q: &[f64],

@@ -34,7 +34,8 @@ pub(crate) fn predict(
     let (carried, _) = foot.share_of_axial_force(axial, arm.axial_stiffness_n_per_m);
     let axial_share = carried / axial;
     Some(SlipTheory {
-        // The rule is about an axial force that presses the foot on; it says nothing of forward feed.
+        // The rule is about an axial force that presses the foot on; it says nothing of forward
+        // feed.
         paper_threshold_pa: if cut.axial_sign > 0.0 {
             cut.paper_threshold_pa(depth_m, mu, area).max(0.0)
         } else {

@@ -54,8 +54,9 @@ fn verify_coulomb_takes_four_f_over_k_a_cycle() {
     assert!(tail[0].abs() <= friction / 1e6);
 }
 
-/// Friction that grows with the load makes the spring weaker by `1 - s` on the way in and stiffer by `1 + s` on the way out: a swing
-/// ends at `√((1 - s)/(1 + s))` of its beginning and lasts `π/2ω (1/√(1 - s) + 1/√(1 + s))`.
+/// Friction that grows with the load makes the spring weaker by `1 - s` on the way in and stiffer
+/// by `1 + s` on the way out: a swing ends at `√((1 - s)/(1 + s))` of its beginning and lasts
+/// `π/2ω (1/√(1 - s) + 1/√(1 + s))`.
 #[test]
 fn verify_load_friction_takes_its_part_of_every_swing() {
     let share = 0.05;
@@ -75,7 +76,8 @@ fn verify_load_friction_takes_its_part_of_every_swing() {
     assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
 }
 
-/// Across the play the carriage flies at `ω A`: `T = 2π/ω + 2 gap / (ω A)`, and it starts half the gap out.
+/// Across the play the carriage flies at `ω A`: `T = 2π/ω + 2 gap / (ω A)`, and it starts half the
+/// gap out.
 #[test]
 fn verify_backlash_is_free_play() {
     let gap = 4e-4;
@@ -167,7 +169,8 @@ fn verify_viscous_friction_is_of_second_order() {
     }
 }
 
-/// With free joints the link's friction still acts: it holds below its level and takes it off above.
+/// With free joints the link's friction still acts: it holds below its level and takes it off
+/// above.
 #[test]
 fn verify_link_friction_acts_without_a_drive() {
     for (effects, level) in [
@@ -294,7 +297,8 @@ fn verify_counterbalance_relieves_the_transmission() {
     assert!(drift < 1e-9, "it starts at rest: {drift}");
 }
 
-/// The servo's rotor starts at rest with effects as without, and follows the motor side of the ripple.
+/// The servo's rotor starts at rest with effects as without, and follows the motor side of the
+/// ripple.
 #[test]
 fn verify_a_servo_starts_at_rest_with_effects() {
     let settings = format!("{ARM_POSTURE}\ndrive = \"servo\"");

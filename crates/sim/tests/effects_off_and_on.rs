@@ -1,4 +1,5 @@
-//! Every kind of effect: at its neutral size it is the nominal run to the last bit, at another size it shows.
+//! Every kind of effect: at its neutral size it is the nominal run to the last bit, at another size
+//! it shows.
 
 mod support;
 

@@ -172,7 +172,8 @@ fn verify_foot_presses_less_as_its_pressure_sinks() {
     assert!(normal[last] < 0.85 * normal[0]);
 }
 
-/// While it slides the foot's friction lies on `mu N (1 - drop (1 - exp(-v / v_d)))`, times its factor.
+/// While it slides the foot's friction lies on `mu N (1 - drop (1 - exp(-v / v_d)))`, times its
+/// factor.
 #[test]
 fn verify_foot_friction_lies_on_its_curve() {
     let scenario = chamfer(1, 0.5);
@@ -245,7 +246,8 @@ fn verify_wheel_runs_out_and_presses_by_its_stiffness() {
     }
 }
 
-/// The wheel's law with modulus and pressure times the factor, Coulomb's friction with its own; Preston's depth is in proportion.
+/// The wheel's law with modulus and pressure times the factor, Coulomb's friction with its own;
+/// Preston's depth is in proportion.
 #[test]
 fn the_run_applies_the_factors_of_a_polishing_wheel() {
     let scenario = polish();
@@ -310,7 +312,8 @@ fn verify_an_eccentric_polishing_wheel_is_the_sum_of_two_places() {
     }
 }
 
-/// The preload is shifted; dry friction of the carrier's guide lets the force differ by up to its level from what the spring asks for.
+/// The preload is shifted; dry friction of the carrier's guide lets the force differ by up to its
+/// level from what the spring asks for.
 #[test]
 fn verify_force_control_is_off_and_sticks() {
     let scenario = polish();

@@ -34,7 +34,8 @@ fn tilt(compliance: f64) -> Effect {
     }
 }
 
-/// A carriage of mass m at x tilts its base by `C m g X cosθ`, and slides down the slope by `m g sinθ / k`.
+/// A carriage of mass m at x tilts its base by `C m g X cosθ`, and slides down the slope by
+/// `m g sinθ / k`.
 #[test]
 fn verify_base_tilts_under_the_arm() {
     let compliance = 2e-5;

@@ -1,8 +1,8 @@
 //! The step scheme: frequency, damping, energy and order, on systems whose answer is known.
 //!
-//! If the leapfrog reading of rapier's step were broken (first kick not halved, damping not centred,
-//! Coriolis terms left as rapier takes them), the order would fall to one and the energy would drift; these
-//! tests would see it long before a chamfer did.
+//! If the leapfrog reading of rapier's step were broken (first kick not halved, damping not
+//! centred, Coriolis terms left as rapier takes them), the order would fall to one and the energy
+//! would drift; these tests would see it long before a chamfer did.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -40,7 +40,8 @@ release_n = [1000.0, 0.0, 0.0]
     ))
 }
 
-/// Frequency and damping ratio of a decay, from all upward zero crossings and the peaks between them.
+/// Frequency and damping ratio of a decay, from all upward zero crossings and the peaks between
+/// them.
 fn frequency_and_damping(time: &[f64], x: &[f64]) -> (f64, f64) {
     let mean = 0.0;
     let mut crossings = Vec::new();
@@ -136,8 +137,8 @@ fn verify_undamped_arm_on_its_springs_keeps_its_energy_for_ten_seconds() {
     ));
     let drift = energy_drift(&recording);
     println!("energy drift on springs {drift:.2e}");
-    // The leapfrog's energy swings by about (ω dt)²/4 of a mode's share, at most 3e-3 for the fastest
-    // mode at the default step; the mean over a second must not drift.
+    // The leapfrog's energy swings by about (ω dt)²/4 of a mode's share, at most 3e-3 for the
+    // fastest mode at the default step; the mean over a second must not drift.
     let kinetic = column(&recording, "energy.kinetic");
     let potential = column(&recording, "energy.potential");
     let n = kinetic.len();
@@ -249,8 +250,8 @@ fn two_runs_are_identical_to_the_bit() {
     assert_eq!(a.columns, b.columns);
 }
 
-/// A servo without integral action gives way by `F / (k_v k_p)`, behind it the transmission by `F / K`; and
-/// a force beyond its limit is not held at all.
+/// A servo without integral action gives way by `F / (k_v k_p)`, behind it the transmission by
+/// `F / K`; and a force beyond its limit is not held at all.
 #[test]
 fn verify_servo_droops_and_saturates() {
     let servo = |force_n: f64, duration_s: f64| {

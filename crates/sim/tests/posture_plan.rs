@@ -1,9 +1,11 @@
-//! The planner's word against the simulator: the published path of 0.3 m in 45 steel at 600 rpm, each segment milled in rapier
-//! at the planned angle and at a constant 120 degrees.
+//! The planner's word against the simulator: the published path of 0.3 m in 45 steel at 600 rpm,
+//! each segment milled in rapier at the planned angle and at a constant 120 degrees.
 //!
-//! A run is 5 s about the midpoint of a segment. What the planner calls stable must die away, what it calls unstable must grow,
-//! and each at the rate of semi-discretisation with the floor. At the scenario's feed 120 degrees chatter in the first half of the path
-//! and are marginal in the second; at a tenth of it the floor, which grows with the feed, hardly matters, and they chatter all along.
+//! A run is 5 s about the midpoint of a segment. What the planner calls stable must die away, what
+//! it calls unstable must grow, and each at the rate of semi-discretisation with the floor. At the
+//! scenario's feed 120 degrees chatter in the first half of the path and are marginal in the
+//! second; at a tenth of it the floor, which grows with the feed, hardly matters, and they chatter
+//! all along.
 
 use std::path::{Path, PathBuf};
 
@@ -81,7 +83,8 @@ fn about(scenario: &Scenario, study: &MillingStudy, plan: &Plan, along_m: f64) -
     read(&scenario.planned_text(&folder(), &part))
 }
 
-/// Growth rate by semi-discretisation at the plan's posture and the scenario's depth, 1/s, without and with the floor's feedback.
+/// Growth rate by semi-discretisation at the plan's posture and the scenario's depth, 1/s, without
+/// and with the floor's feedback.
 fn theory(study: &MillingStudy, plan: &Plan, along_m: f64) -> [f64; 2] {
     let posture = &point(plan, along_m).posture;
     let modes = study.modes(posture).unwrap_or_else(|e| panic!("{e}"));
@@ -108,8 +111,8 @@ fn milled(scenario: &Scenario) -> f64 {
     found.expect("a growth rate").value
 }
 
-/// Mills every segment at the planned angle and at 120 degrees and holds each run against the planner and the theory. Gives what the
-/// planner says of the segments at 120 degrees.
+/// Mills every segment at the planned angle and at 120 degrees and holds each run against the
+/// planner and the theory. Gives what the planner says of the segments at 120 degrees.
 fn hold_segments_against_theory(feed_mm_per_tooth: f64) -> Vec<Stability> {
     let scenario = shipped(feed_mm_per_tooth);
     let study = MillingStudy::of(&scenario).unwrap_or_else(|e| panic!("{e}"));
@@ -162,7 +165,8 @@ fn verify_every_segment_at_a_tenth_of_the_feed() {
     );
 }
 
-/// The plan as a scenario: read back, it asks for the plan's postures, whole turns included, and starts there.
+/// The plan as a scenario: read back, it asks for the plan's postures, whole turns included, and
+/// starts there.
 #[test]
 fn a_written_plan_is_the_plan() {
     let scenario = shipped(SLOW_MM_PER_TOOTH);

@@ -82,8 +82,8 @@ fn command(t: f64) -> f64 {
     0.02 * (1.0 - (TAU * 1.5 * t).cos())
 }
 
-/// Motion of the mass under the servo: both feed-forward shares, exact from the transfer function in the
-/// steady state. `m q'' + k_v q' + k_v k_p q = k_v (k_p c + f c')`.
+/// Motion of the mass under the servo: both feed-forward shares, exact from the transfer function
+/// in the steady state. `m q'' + k_v q' + k_v k_p q = k_v (k_p c + f c')`.
 fn steady_state(t: f64, feed_forward: f64) -> f64 {
     let w = TAU * 1.5;
     let k = GAIN_N_S_PER_M * POSITION_GAIN_PER_S;
@@ -187,8 +187,8 @@ fn inverse_dynamics_give_back_the_force_of_a_forward_run() {
         values: values.to_vec(),
     };
     gives_back(&[], 0.1);
-    // The instant of a reversal is known to a sample: dry friction F that turns there leaves an impulse of up to F ms, which the
-    // filter of 30 Hz spreads.
+    // The instant of a reversal is known to a sample: dry friction F that turns there leaves an
+    // impulse of up to F ms, which the filter of 30 Hz spreads.
     let pressed = on_joint(EffectKind::JointLoadFriction, &[0.1]);
     gives_back(std::slice::from_ref(&pressed), 1.0);
     gives_back(
@@ -430,8 +430,8 @@ fn the_robots_of_the_replays_load() {
     }
 }
 
-/// A channel of a recording at other times, by cubic interpolation between its rows; NaN outside the
-/// recording, as after a run that diverged.
+/// A channel of a recording at other times, by cubic interpolation between its rows; NaN outside
+/// the recording, as after a run that diverged.
 fn sample_at(
     recording: &Recording,
     channel: &str,

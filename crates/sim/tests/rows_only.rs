@@ -1,4 +1,5 @@
-//! A run that keeps rows alone: it does less, and its rows are those of the recording to the last bit.
+//! A run that keeps rows alone: it does less, and its rows are those of the recording to the last
+//! bit.
 
 mod support;
 
@@ -24,7 +25,8 @@ fn rows_are_those_of_the_recording() {
     }
 }
 
-/// A run that ends early is the beginning of the whole one, to the bit, and goes a little further than asked.
+/// A run that ends early is the beginning of the whole one, to the bit, and goes a little further
+/// than asked.
 #[test]
 fn a_run_that_ends_early_is_the_beginning_of_the_whole() {
     for scenario in [chamfer(2, 0.3), wheel(), polish()] {

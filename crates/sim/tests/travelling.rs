@@ -1,5 +1,5 @@
-//! The reduced plant of an arm that travels, beside rapier at a fiftieth of its step: what it errs by, and that it errs by less in
-//! shorter steps.
+//! The reduced plant of an arm that travels, beside rapier at a fiftieth of its step: what it errs
+//! by, and that it errs by less in shorter steps.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -82,7 +82,8 @@ fn apart(ours: &Rows, theirs: &Rows) -> f64 {
     difference / rms(&|c, i| theirs.columns[c][i])
 }
 
-/// Parts of the torque by which the reduced plant errs at steps of 0.8 and 0.4 ms, and at its own default step.
+/// Parts of the torque by which the reduced plant errs at steps of 0.8 and 0.4 ms, and at its own
+/// default step.
 fn errors(effects: &[Effect]) -> [f64; 3] {
     let scenario = scenario().with_effects(effects).unwrap();
     let theirs = run(&scenario, Engine::Rapier, Some(0.02));
@@ -110,8 +111,8 @@ fn regress_play_of_a_travelling_arm_is_met_to_second_order() {
     };
     let [coarse, fine, own] = errors(std::slice::from_ref(&play));
     assert!(coarse < 2e-3 && fine < 0.4 * coarse);
-    // Steps are a whole part of the 4 ms from record to record. Without play there are five, of 0.8 ms, the longest; play asks for forty
-    // in a period of the faster mode, which takes seven.
+    // Steps are a whole part of the 4 ms from record to record. Without play there are five, of 0.8
+    // ms, the longest; play asks for forty in a period of the faster mode, which takes seven.
     let steps = |effects: &[Effect]| {
         let scenario = scenario().with_effects(effects).unwrap();
         let run = Run {

@@ -221,7 +221,8 @@ mod tests {
         assert!((area / ((1e-3 + 0.025e-3) * 0.05e-3) - K).abs() < 1e-12);
     }
 
-    /// The force turns with the spindle, in its sense: F_Yq = -M sin(φ-β), F_Zq = M cos(φ-β) at α = 0.
+    /// The force turns with the spindle, in its sense: F_Yq = -M sin(φ-β), F_Zq = M cos(φ-β) at α =
+    /// 0.
     #[test]
     fn verify_rotating_force_turns_with_the_spindle() {
         let (chip, k) = source_a();

@@ -14,6 +14,7 @@ use crate::robots::Robots;
 use crate::scene::Setting;
 use crate::step_size::Scheme;
 use crate::torque_use::{TorqueUse, servo_note};
+use std::sync::Arc;
 use truecut_arm::JointKind;
 use truecut_core::sensor::Sensor;
 use truecut_recording::{ChannelSpec, Measured, UnknownName};
@@ -24,12 +25,12 @@ use truecut_scenario::effect::Target;
 const LARGEST_RECORDING_BYTES: f64 = 2e9;
 
 impl Cell {
-    /// Loads the robot, finds the posture at touch-down, chooses the step and builds the world. `measured` drives a
-    /// replay.
+    /// Loads the robot, finds the posture at touch-down, chooses the step and builds the world.
+    /// `measured` drives a replay.
     ///
     /// # Errors
-    /// Whatever is wrong with the robot's files, or with a value of the scenario for this robot; a replay without
-    /// data, or with data that does not fit.
+    /// Whatever is wrong with the robot's files, or with a value of the scenario for this robot; a
+    /// replay without data, or with data that does not fit.
     pub(crate) fn build(
         scenario: &Scenario,
         measured: Option<&Measured>,
@@ -105,13 +106,13 @@ impl Cell {
             command: prepared.command,
             base_joints: prepared.base_joints,
             sensors,
-            setting: Setting {
+            setting: Arc::new(Setting {
                 robot: prepared.robot,
                 start: prepared.start,
                 world_from_process: prepared.world_from_process,
                 workpiece: prepared.workpiece,
                 deflection_scale: scenario.run.deflection_scale,
-            },
+            }),
             plant,
         })
     }

@@ -3,15 +3,16 @@
 use super::Cell;
 use crate::channels;
 use crate::guard::{Balance, Watch};
-use crate::loads::{Attachment, Loads, MAX_LOADS};
+use crate::loads::{Attachment, Loads, MAX_LOADS, Wrench};
 use crate::plant::{Command, WorldWrench, combined};
 use crate::process::{FrameMotion, ToolState};
-use nalgebra::{Vector3, Vector6};
+use nalgebra::{Vector3, stack};
 use truecut_recording::Outcome;
 
 impl Cell {
-    /// One step at `time_s`, up to the moment when it could be recorded: the state then, or how it diverged. Where rows are all that is
-    /// asked for, energy is looked at in those alone, and not at all where the arm is stepped exactly.
+    /// One step at `time_s`, up to the moment when it could be recorded: the state then, or how it
+    /// diverged. Where rows are all that is asked for, energy is looked at in those alone, and not
+    /// at all where the arm is stepped exactly.
     pub(super) fn step(&mut self, time_s: f64, due: bool) -> Result<ToolState, Outcome> {
         let n = self.plant.dof();
         let mut position = [0.0; truecut_arm::MAX_JOINTS];
@@ -50,20 +51,11 @@ impl Cell {
     }
 
     fn to_world(&self, loads: &Loads) -> arrayvec::ArrayVec<WorldWrench, MAX_LOADS> {
-        loads
-            .wrenches
-            .iter()
-            .map(|w| {
-                let mut wrench = Vector6::zeros();
-                wrench
-                    .fixed_rows_mut::<3>(0)
-                    .copy_from(&(self.axes * w.force_n));
-                wrench
-                    .fixed_rows_mut::<3>(3)
-                    .copy_from(&(self.axes * w.moment_n_m));
-                (w.frame, wrench)
-            })
-            .collect()
+        let to_world = |w: &Wrench| {
+            let (force_n, moment_n_m) = (self.axes * w.force_n, self.axes * w.moment_n_m);
+            (w.frame, stack![force_n; moment_n_m])
+        };
+        loads.wrenches.iter().map(to_world).collect()
     }
 
     fn motion(&self, attachment: Attachment, start_m: &Vector3<f64>) -> FrameMotion {
@@ -103,8 +95,8 @@ impl Cell {
         if looked_at {
             self.energy_j = self.plant.energy_j();
         }
-        // An arm about one posture is stepped exactly, without energy of its own; of thousands of such runs in a search the balance
-        // would take a tenth.
+        // An arm about one posture is stepped exactly, without energy of its own; of thousands of
+        // such runs in a search the balance would take a tenth.
         let balanced = !(self.rows_only && self.plant.is_linear());
         let balance = balanced.then(|| Balance {
             dt_s: self.plant.time_step_s(),

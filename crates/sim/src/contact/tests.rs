@@ -75,8 +75,9 @@ impl Plant for Slides {
     }
 }
 
-/// The contact creeps along z while the joint along y is held, and both push against what drives y. Swept one by one, each gives way to the
-/// other by less the slower the contact slides: two hundred sweeps do not do.
+/// The contact creeps along z while the joint along y is held, and both push against what drives y.
+/// Swept one by one, each gives way to the other by less the slower the contact slides: two hundred
+/// sweeps do not do.
 fn creeping(mu: f64, dry_n: f64) -> (Slides, ContactSolver, ContactRequest) {
     let inverse_mass = DMatrix::from_row_slice(
         3,
@@ -87,7 +88,8 @@ fn creeping(mu: f64, dry_n: f64) -> (Slides, ContactSolver, ContactRequest) {
             0.0, -2e-3, 1.5e-2,
         ],
     );
-    // A tenth of a micrometre a second more than what contact and held joint together bring to rest.
+    // A tenth of a micrometre a second more than what contact and held joint together bring to
+    // rest.
     let stopping = 20.0 * mu * DT_S * (1.5e-2 - 2e-3 * 0.2) - 3e-5 * 0.2;
     let plant = Slides::new(inverse_mass, [0.0, 0.0, 3e-8], [0.0, 3e-5, stopping + 1e-7]);
     let friction = [0.0, dry_n, 0.0].map(LinkFriction::coulomb);
@@ -129,7 +131,8 @@ fn verify_a_contact_that_slides_over_a_held_joint_meets_both_laws() {
     }
 }
 
-/// Joint and contact move the same way and nothing else can: however the two share it, the body is held.
+/// Joint and contact move the same way and nothing else can: however the two share it, the body is
+/// held.
 #[test]
 fn verify_a_contact_and_a_joint_that_hold_the_same_way_hold() {
     let inverse_mass = DMatrix::from_diagonal(&DVector::from_column_slice(&[1e-2, 1e-2, 1e-9]));

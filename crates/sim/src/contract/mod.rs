@@ -1,8 +1,8 @@
 //! Contract tests: what every plant and every process keeps, one `#[test]` a law and a subject.
 //!
-//! [`plant_contract!`](crate::plant_contract) and [`process_contract!`](crate::process_contract) make
-//! a module of tests from a closure that captures nothing and gives the subject, in this crate and
-//! in others (feature `contract`; names in the closure are seen from within the module):
+//! [`plant_contract!`](crate::plant_contract) and [`process_contract!`](crate::process_contract)
+//! make a module of tests from a closure that captures nothing and gives the subject, in this crate
+//! and in others (feature `contract`; names in the closure are seen from within the module):
 //!
 //! ```ignore
 //! truecut_sim::process_contract!(drilling, || {

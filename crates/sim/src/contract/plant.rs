@@ -21,8 +21,8 @@ const MOST_JOINTS: usize = 7;
 /// Short beside the fastest mode of these arms, s.
 const TIME_STEP_S: f64 = 1e-4;
 
-/// What a plant is to be made of: an arm at rest, its links at `q`, its motors at `command`, driven in
-/// position.
+/// What a plant is to be made of: an arm at rest, its links at `q`, its motors at `command`, driven
+/// in position.
 pub struct Case {
     pub robot: Robot,
     /// rad or m.

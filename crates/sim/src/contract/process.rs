@@ -168,8 +168,8 @@ fn findings(process: &mut dyn Process, subject: &Subject) -> Findings {
     process.finish()
 }
 
-/// Scalars and profiles are named once. A run as short as this may have none to tell of some things,
-/// which is not a number; infinite it is not.
+/// Scalars and profiles are named once. A run as short as this may have none to tell of some
+/// things, which is not a number; infinite it is not.
 pub fn findings_are_finite_and_named_once(make: Make) {
     let (mut process, subject) = split(make());
     let Findings { scalars, profiles } = findings(process.as_mut(), &subject);

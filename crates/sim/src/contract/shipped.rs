@@ -84,8 +84,8 @@ fn cell(scenario: &Scenario) -> Result<Cell, crate::SimError> {
     Cell::build(scenario, data.as_ref(), &ROBOTS, Engine::REDUCED)
 }
 
-/// The process of a shipped scenario, the states that it meets on the linearised arm, and itself with
-/// each neutral effect that acts on it.
+/// The process of a shipped scenario, the states that it meets on the linearised arm, and itself
+/// with each neutral effect that acts on it.
 fn subject(name: &str, overrides: &[(&str, &str)]) -> Subject {
     let scenario = scenario(name, overrides);
     let built = || cell(&scenario).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -113,8 +113,8 @@ fn process(mut cell: Cell) -> Box<dyn Process> {
     taken.expect("it was given")
 }
 
-/// The process with each effect that acts on it, at its neutral size. Effects of arm and sensors are
-/// not its own, those of other processes are refused.
+/// The process with each effect that acts on it, at its neutral size. Effects of arm and sensors
+/// are not its own, those of other processes are refused.
 fn neutral(scenario: &Scenario) -> Vec<(String, Box<dyn Process>)> {
     let own = [Family::Cutting, Family::Foot, Family::Wheel];
     let kinds = EffectKind::ALL

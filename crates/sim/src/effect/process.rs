@@ -110,8 +110,8 @@ impl FootEffects {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelEffects {
     pub stiffness_factor: f64,
-    /// Eccentricity at the contact when the wheel starts, and a quarter of a turn later, m; of a wheel in
-    /// precession the place of its middle when it starts, along the tool's x and y axes.
+    /// Eccentricity at the contact when the wheel starts, and a quarter of a turn later, m; of a
+    /// wheel in precession the place of its middle when it starts, along the tool's x and y axes.
     pub eccentricity_m: [f64; 2],
     pub friction_factor: f64,
     pub removal_factor: f64,

@@ -74,7 +74,8 @@ fn taught(spec: &BrushSpec, robot: &Robot) -> Result<TaughtPoints, SimError> {
         .map_err(|error| SimError::scenario(TAUGHT, error.to_string()))
 }
 
-/// How far the unbent brush reaches into the workpiece along the commanded way, m; an error where its hub would strike.
+/// How far the unbent brush reaches into the workpiece along the commanded way, m; an error where
+/// its hub would strike.
 fn deepest_m(
     spec: &BrushSpec,
     robot: &Robot,

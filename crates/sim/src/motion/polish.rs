@@ -14,8 +14,8 @@ const FEED: &str = "process.polish.path.feed_mm_per_s";
 const FACE: &str = "process.polish.face";
 const PRECESSION: &str = "process.polish.precession";
 
-/// How far the undeformed wheel reaches into the face along the path, m: as asked for, or what the force takes on a face
-/// without edges.
+/// How far the undeformed wheel reaches into the face along the path, m: as asked for, or what the
+/// force takes on a face without edges.
 pub(crate) fn indentation_m(spec: &PolishSpec) -> Result<f64, SimError> {
     let force_n = match (spec.indentation_m, spec.control.force_n()) {
         (Some(indentation_m), _) => return Ok(indentation_m),

@@ -6,8 +6,9 @@ use crate::robots::Robots;
 use std::sync::Arc;
 use truecut_scenario::{ProcessSpec, Scenario};
 
-/// The motion of a scenario's process; `posture` is where the arm comes from, or what the first posture is to be near. `is_same`
-/// says of another process whether it asks for the same motion, which is solved if none of those known does.
+/// The motion of a scenario's process; `posture` is where the arm comes from, or what the first
+/// posture is to be near. `is_same` says of another process whether it asks for the same motion,
+/// which is solved if none of those known does.
 pub(crate) fn solved(
     scenario: &Scenario,
     robots: &Robots,

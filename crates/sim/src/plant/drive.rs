@@ -1,8 +1,9 @@
 //! Joint drives: command, motor coordinate, transmission.
 //!
-//! A joint is a motor coordinate θ, a transmission (stiffness K, damping D) and the link coordinate q. The
-//! torque on the link is `K (θ - q) + D (θ' - q')`, and what the effects make of it ([`JointLaw`]). The damping
-//! of the link's own velocity is *not* in the explicit torque: the plant takes half of it implicitly.
+//! A joint is a motor coordinate θ, a transmission (stiffness K, damping D) and the link coordinate
+//! q. The torque on the link is `K (θ - q) + D (θ' - q')`, and what the effects make of it
+//! ([`JointLaw`]). The damping of the link's own velocity is *not* in the explicit torque: the
+//! plant takes half of it implicitly.
 
 use super::law::{JointDrive, JointMotion};
 use super::play::Play;
@@ -12,9 +13,10 @@ use truecut_scenario::DriveKind;
 
 /// The drives of all joints.
 ///
-/// A servo is P–P and turns a rotor: `M_r θ'' = sat(k_v (k_p (c - θ) + f c' - θ')) - τ_transmission`.
-/// Where the transmission is rigid it acts on the link, `sat(k_v (k_p (c - q) + f c' - q'))`: a spring
-/// `k_v k_p` to the command and a damper `k_v`, which the plant takes half implicitly like any other.
+/// A servo is P–P and turns a rotor:
+/// `M_r θ'' = sat(k_v (k_p (c - θ) + f c' - θ')) - τ_transmission`. Where the transmission is rigid
+/// it acts on the link, `sat(k_v (k_p (c - q) + f c' - q'))`: a spring `k_v k_p` to the command and
+/// a damper `k_v`, which the plant takes half implicitly like any other.
 #[derive(Debug, Clone)]
 pub struct Drive {
     kind: DriveKind,
@@ -30,8 +32,9 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Drives of `robot`, with the laws of its joints; every joint must have what the kind needs (checked when
-    /// the cell is built). The first `base_joints` have no motor: they are springs to the ground.
+    /// Drives of `robot`, with the laws of its joints; every joint must have what the kind needs
+    /// (checked when the cell is built). The first `base_joints` have no motor: they are springs to
+    /// the ground.
     pub fn new(
         kind: DriveKind,
         robot: &Robot,
@@ -61,8 +64,8 @@ impl Drive {
         }
     }
 
-    /// The same with the servos feeding forward what holds motors at `command` and links at `start` at rest:
-    /// a servo carries the static load of the start, and its loops see only what changes.
+    /// The same with the servos feeding forward what holds motors at `command` and links at `start`
+    /// at rest: a servo carries the static load of the start, and its loops see only what changes.
     pub fn holding(mut self, command: &[f64], start: &[f64]) -> Self {
         for (i, joint) in self.joints.iter().enumerate() {
             let at = JointMotion {
@@ -97,7 +100,8 @@ impl Drive {
         }
     }
 
-    /// Joints whose motors follow their commands, whatever the links do, with the stiffness between.
+    /// Joints whose motors follow their commands, whatever the links do, with the stiffness
+    /// between.
     pub(super) fn prescribed(&self) -> Vec<(usize, f64)> {
         let joints = self.joints.iter().enumerate();
         let prescribed = joints.filter(|(_, drive)| drive.kind == DriveKind::Position);
@@ -117,8 +121,9 @@ impl Drive {
         loose.map(|(i, _)| Play::new(i)).collect()
     }
 
-    /// Sets motor state and the explicit part of the joint torque (`K (θ - q) + D θ'` of a nominal joint) from
-    /// the command and the state at this instant; `explicit` receives one value per joint.
+    /// Sets motor state and the explicit part of the joint torque (`K (θ - q) + D θ'` of a nominal
+    /// joint) from the command and the state at this instant; `explicit` receives one value per
+    /// joint.
     pub fn evaluate(&mut self, command: Command<'_>, state: &mut JointState, explicit: &mut [f64]) {
         state.command.copy_from_slice(command.position);
         self.command_velocity.copy_from_slice(command.velocity);
@@ -152,9 +157,9 @@ impl Drive {
         }
     }
 
-    /// Steps the rotors over one step by the same leapfrog as the arm: torques at this instant, velocity
-    /// from half step to half step. Velocity-dependent torques take the mean of both half steps, so they
-    /// neither lag nor damp falsely; a saturated drive is a constant torque.
+    /// Steps the rotors over one step by the same leapfrog as the arm: torques at this instant,
+    /// velocity from half step to half step. Velocity-dependent torques take the mean of both half
+    /// steps, so they neither lag nor damp falsely; a saturated drive is a constant torque.
     pub fn advance(&mut self, state: &mut JointState) {
         if self.kind != DriveKind::Servo {
             return;
@@ -165,7 +170,8 @@ impl Drive {
             };
             let v = self.half[i];
             let now = state.motion(i);
-            // The rotor carries the transmission's torque times the gear's true ratio (virtual work).
+            // The rotor carries the transmission's torque times the gear's true ratio (virtual
+            // work).
             let gear = joint.law.gear(now.motor);
             let damping = joint.damping_now(&now);
             let transmission = gear * (joint.static_torque(&now) - damping * now.velocity);
@@ -231,8 +237,8 @@ impl Drive {
         (elastic, rotors)
     }
 
-    /// Power that the motors put into the transmissions (position drive) or the drives' torques into the
-    /// rotors (servo), W.
+    /// Power that the motors put into the transmissions (position drive) or the drives' torques
+    /// into the rotors (servo), W.
     pub fn power_w(&self, state: &JointState) -> f64 {
         (self.joints.iter().enumerate())
             .map(|(i, joint)| match joint.kind {
@@ -247,8 +253,8 @@ impl Drive {
             .sum()
     }
 
-    /// Torque of a joint's drive, N m or N: what the servo gives, or what the transmission asks of a motor that
-    /// follows its command exactly.
+    /// Torque of a joint's drive, N m or N: what the servo gives, or what the transmission asks of
+    /// a motor that follows its command exactly.
     pub fn torque(&self, joint: usize, state: &JointState) -> f64 {
         match self.kind {
             DriveKind::Position => state.transmission[joint],

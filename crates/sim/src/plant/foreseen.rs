@@ -16,7 +16,8 @@ impl Foreseen {
         }
     }
 
-    /// Takes note of the mean velocities after and before an instant; what is foreseen is of the next one.
+    /// Takes note of the mean velocities after and before an instant; what is foreseen is of the
+    /// next one.
     pub fn follow(&mut self, after: &DVector<f64>, before: &DVector<f64>, dt_s: f64) {
         for i in 0..after.len() {
             let now = (after[i] - before[i]) / dt_s;

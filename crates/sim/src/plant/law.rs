@@ -15,7 +15,8 @@ pub(super) struct JointDrive {
     elastic: Elastic,
     damping: f64,
     pub law: JointLaw,
-    /// State of the hysteresis and the wind-up at which it was reached; `None` before the first step.
+    /// State of the hysteresis and the wind-up at which it was reached; `None` before the first
+    /// step.
     hysteresis: Option<(f64, f64)>,
 }
 
@@ -75,7 +76,8 @@ impl JointDrive {
         }
     }
 
-    /// Torque on the link that depends on positions only: spring and hysteresis of the transmission.
+    /// Torque on the link that depends on positions only: spring and hysteresis of the
+    /// transmission.
     pub fn static_torque(&self, at: &JointMotion) -> f64 {
         let spring = self.elastic.torque(self.windup(at));
         spring + self.hysteresis_torque().unwrap_or(0.0)
@@ -121,8 +123,9 @@ impl JointDrive {
         torque.clamp(-servo.torque_limit, servo.torque_limit)
     }
 
-    /// The same with the torques on the link, without the part that is proportional to the link's velocity,
-    /// which the plant adds. A drive at its limit takes that part back, at the velocity foreseen.
+    /// The same with the torques on the link, without the part that is proportional to the link's
+    /// velocity, which the plant adds. A drive at its limit takes that part back, at the velocity
+    /// foreseen.
     pub fn rigid_explicit(&self, servo: Servo, at: &JointMotion) -> f64 {
         let drive = self.rigid_torque(servo, at) + self.damping * at.velocity;
         if self.law.loads_link() {
@@ -178,7 +181,8 @@ impl JointDrive {
         self.elastic.stiffness * windup + self.damping * rate - self.flank_torque(windup, rate)
     }
 
-    /// Whether flanks may meet, part, or press less than their damping pulls, within `span` of this wind-up.
+    /// Whether flanks may meet, part, or press less than their damping pulls, within `span` of this
+    /// wind-up.
     pub fn meets_flank(&self, windup: f64, span: f64, rate: f64) -> bool {
         let pulls = self.damping * rate.abs() / self.elastic.stiffness;
         (windup.abs() - 0.5 * self.law.gap).abs() <= span + pulls
@@ -199,7 +203,8 @@ impl JointDrive {
         }
     }
 
-    /// Power lost, W: damping, viscous friction, and what the hysteresis takes (and in part gives back).
+    /// Power lost, W: damping, viscous friction, and what the hysteresis takes (and in part gives
+    /// back).
     pub fn dissipation_w(&self, at: &JointMotion) -> f64 {
         let rate = at.velocity - at.motor_velocity * self.law.gear(at.motor);
         let mut lost = if self.rigid {

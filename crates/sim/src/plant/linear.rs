@@ -52,8 +52,8 @@ impl Arm {
         }
     }
 
-    /// The arm about posture `q`; `None` if its mass matrix is singular there, or the step a whole number of
-    /// half periods of one of its modes.
+    /// The arm about posture `q`; `None` if its mass matrix is singular there, or the step a whole
+    /// number of half periods of one of its modes.
     pub(super) fn about(&mut self, q: &[f64]) -> Option<Linear> {
         let n = q.len();
         let mut mass = DMatrix::zeros(n, n);

@@ -1,9 +1,10 @@
 //! Plants: what the loads act on.
 //!
-//! A plant is stepped in parts, so that contacts can be solved between the smooth motion and the step:
-//! [`Plant::begin`] gathers all that is known, [`Plant::free_velocity`] predicts the velocity that the plant
-//! would have without further impulses, [`Plant::mobility`] says what an impulse would change,
-//! [`Plant::finish`] applies the contacts' impulses and steps the velocities, [`Plant::drift`] the positions.
+//! A plant is stepped in parts, so that contacts can be solved between the smooth motion and the
+//! step: [`Plant::begin`] gathers all that is known, [`Plant::free_velocity`] predicts the velocity
+//! that the plant would have without further impulses, [`Plant::mobility`] says what an impulse
+//! would change, [`Plant::finish`] applies the contacts' impulses and steps the velocities,
+//! [`Plant::drift`] the positions.
 
 mod drive;
 mod foreseen;
@@ -32,8 +33,8 @@ pub struct FrameState {
     pub jacobian: Matrix6xX<f64>,
 }
 
-/// What joint rates add up to in three rows of a Jacobian, from `row` on. Matrices this small are read as they lie: views of them would
-/// cost more than the sums.
+/// What joint rates add up to in three rows of a Jacobian, from `row` on. Matrices this small are
+/// read as they lie: views of them would cost more than the sums.
 pub(crate) fn combined(jacobian: &Matrix6xX<f64>, row: usize, rates: &[f64]) -> Vector3<f64> {
     let (columns, _) = jacobian.as_slice().as_chunks::<6>();
     let mut sum = Vector3::zeros();
@@ -104,8 +105,8 @@ pub type WorldWrench = (Attachment, Vector6<f64>);
 
 /// A mechanical system that can be stepped under loads.
 ///
-/// Times are those of the leapfrog scheme: positions live at whole steps, velocities at half steps. The
-/// velocity of a [`JointState`] belongs to the same instant as its position: extrapolated
+/// Times are those of the leapfrog scheme: positions live at whole steps, velocities at half steps.
+/// The velocity of a [`JointState`] belongs to the same instant as its position: extrapolated
 /// (`3/2 v⁻ - 1/2 v⁻⁻`) before the step, the mean of both half steps after it.
 pub trait Plant: Send {
     /// Number of joints.
@@ -137,9 +138,9 @@ pub trait Plant: Send {
         false
     }
 
-    /// Adds contact wrenches (averages over the step) and joint torques, and steps the velocities. The
-    /// joint state still belongs to the instant of the step, its velocity now being the mean of both half
-    /// steps.
+    /// Adds contact wrenches (averages over the step) and joint torques, and steps the velocities.
+    /// The joint state still belongs to the instant of the step, its velocity now being the mean of
+    /// both half steps.
     fn finish(&mut self, contacts: &[WorldWrench], joint_torques: &DVector<f64>);
 
     /// Moves positions, frames and velocities to the next instant.
@@ -151,14 +152,14 @@ pub trait Plant: Send {
     /// Power of the drives at the last instant, W: what the moving command feeds in.
     fn drive_power_w(&self) -> f64;
 
-    /// Torque (force) that the drive of a joint exerts at the last instant, N m or N: where the motor follows
-    /// its command exactly, what the transmission asks for.
+    /// Torque (force) that the drive of a joint exerts at the last instant, N m or N: where the
+    /// motor follows its command exactly, what the transmission asks for.
     fn drive_torque(&self, joint: usize) -> f64 {
         self.joints().transmission[joint]
     }
 
-    /// Power lost in the transmissions and in viscous friction at the last instant, W. Negative only while a
-    /// hysteresis gives back what it stores.
+    /// Power lost in the transmissions and in viscous friction at the last instant, W. Negative
+    /// only while a hysteresis gives back what it stores.
     fn dissipation_w(&self) -> f64;
 
     /// Poses of all links, base first.

@@ -1,9 +1,10 @@
 //! Play between motor and link, met within a step.
 //!
-//! A recurrence that is exact for springs needs of every other torque its mean under a hat of two steps (as in
-//! [`smoothed`](super::smoothed)). What play takes away from spring and damper has kinks where the flanks meet; over them the value at
-//! the instant is no such mean, and the impact would come up to a step too early or too late. So the mean is taken along the path of
-//! the wind-up: as it came, and as it goes on without the correction.
+//! A recurrence that is exact for springs needs of every other torque its mean under a hat of two
+//! steps (as in [`smoothed`](super::smoothed)). What play takes away from spring and damper has
+//! kinks where the flanks meet; over them the value at the instant is no such mean, and the impact
+//! would come up to a step too early or too late. So the mean is taken along the path of the
+//! wind-up: as it came, and as it goes on without the correction.
 
 use super::law::JointDrive;
 
@@ -25,8 +26,8 @@ impl Play {
         }
     }
 
-    /// What is to be added to the torque at the instant so that it is the mean about the instant. `windup`, `rate`: at the instant;
-    /// `ahead`: the wind-up one step of `dt_s` later.
+    /// What is to be added to the torque at the instant so that it is the mean about the instant.
+    /// `windup`, `rate`: at the instant; `ahead`: the wind-up one step of `dt_s` later.
     pub fn correction(
         &self,
         drive: &JointDrive,

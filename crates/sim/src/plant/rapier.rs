@@ -1,14 +1,15 @@
 //! The arm as a rapier multibody, stepped to second order.
 //!
-//! rapier's multibody step is symplectic Euler, `v⁺ = v⁻ + dt a(q, v⁻)`, `q⁺ = q + dt v⁺`. Read with
-//! velocities at half steps it is the leapfrog scheme and of second order, provided that
+//! rapier's multibody step is symplectic Euler, `v⁺ = v⁻ + dt a(q, v⁻)`, `q⁺ = q + dt v⁺`. Read
+//! with velocities at half steps it is the leapfrog scheme and of second order, provided that
 //!
 //! 1. the first velocity is that of half a step before the start,
-//! 2. torques that depend on velocity use the velocity at the whole step: the joint damping is taken half
-//!    explicitly at v⁻, half implicitly at v⁺ (trapezoid), other laws see an extrapolated velocity,
-//! 3. the Coriolis and gyroscopic terms, which rapier evaluates at v⁻ and damps, are put right: after each
-//!    step our own inverse dynamics at `(q, (v⁻+v⁺)/2, (v⁺-v⁻)/dt)` gives the torque that the step *should*
-//!    have had, and the defect is returned in the next step.
+//! 2. torques that depend on velocity use the velocity at the whole step: the joint damping is
+//!    taken half explicitly at v⁻, half implicitly at v⁺ (trapezoid), other laws see an
+//!    extrapolated velocity,
+//! 3. the Coriolis and gyroscopic terms, which rapier evaluates at v⁻ and damps, are put right:
+//!    after each step our own inverse dynamics at `(q, (v⁻+v⁺)/2, (v⁺-v⁻)/dt)` gives the torque
+//!    that the step *should* have had, and the defect is returned in the next step.
 //!
 //! The scheme has no numerical damping; its frequency error is `(ω dt)²/24`.
 
@@ -115,14 +116,14 @@ impl RapierPlant {
         }
     }
 
-    /// Damping torque of the half of the link's own damping that is explicit, and of the whole for the
-    /// prediction.
+    /// Damping torque of the half of the link's own damping that is explicit, and of the whole for
+    /// the prediction.
     fn damping_torque(&self, joint: usize, share: f64) -> f64 {
         -share * self.drive.damping(joint) * self.half[joint]
     }
 
-    /// Starts the scheme half a step before t = 0: with the step's own change of velocity Δv, the first
-    /// velocity is `v0 - Δv/2`.
+    /// Starts the scheme half a step before t = 0: with the step's own change of velocity Δv, the
+    /// first velocity is `v0 - Δv/2`.
     fn start(&mut self, contacts: &DVector<f64>) {
         self.free_velocity();
         let change = self.free.clone() + self.mobility(&(contacts * self.dt_s)) - &self.half;
@@ -219,7 +220,8 @@ impl Plant for RapierPlant {
             &mut self.scratch,
         );
         let torque = DVector::from_fn(n, |i, _| {
-            // `applied` holds half of the damping at v⁻ and the defect, which is rapier's, not ours.
+            // `applied` holds half of the damping at v⁻ and the defect, which is rapier's, not
+            // ours.
             self.applied[i] + self.defect[i] + self.damping_torque(i, 0.5) - self.scratch[i]
         });
         let change = self.mobility(&(torque * self.dt_s));
@@ -340,7 +342,8 @@ mod tests {
         plant.begin(command, &[]);
     }
 
-    /// rapier integrates its own joint coordinates; ours run beside them. They must be the same arm.
+    /// rapier integrates its own joint coordinates; ours run beside them. They must be the same
+    /// arm.
     #[test]
     fn verify_rapiers_links_stand_where_our_kinematics_puts_them() {
         let mut plant = falling_arm(2.5e-4);

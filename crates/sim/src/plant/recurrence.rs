@@ -1,19 +1,22 @@
 //! The exact recurrence of a linear mechanical system from step to step.
 //!
-//! For `M x'' + D x' = r`, `r = f - K x`, with `f` held, the solution over one step `h` forwards and
-//! backwards is known through the matrix exponential. Eliminating the velocity between both leaves a
-//! recurrence in positions alone, here written with `u = (x⁺ - x)/h`, the mean velocity over a step:
+//! For `M x'' + D x' = r`, `r = f - K x`, with `f` held, the solution over one step `h` forwards
+//! and backwards is known through the matrix exponential. Eliminating the velocity between both
+//! leaves a recurrence in positions alone, here written with `u = (x⁺ - x)/h`, the mean velocity
+//! over a step:
 //!
 //! `u⁺ = Q u⁻ + G r`, `x⁺ = x + h u⁺`.
 //!
 //! It has the form of the leapfrog scheme, and is the leapfrog scheme in the limit of small steps
-//! (`Q → 1`, `G → h M⁻¹`). For an oscillator without damping `G = h sinc²(ωh/2)/m`. Free motion, and
-//! motion under a constant force, are met exactly whatever the step and whatever modes the damping couples;
-//! modes without stiffness need no case of their own. A force of frequency `w` is met to `(w h)²/12`. This is
-//! Gautschi's method (`gautschi1961`; `hairer2006`, XIII.1), carried over to damped systems.
+//! (`Q → 1`, `G → h M⁻¹`). For an oscillator without damping `G = h sinc²(ωh/2)/m`. Free motion,
+//! and motion under a constant force, are met exactly whatever the step and whatever modes the
+//! damping couples; modes without stiffness need no case of their own. A force of frequency `w` is
+//! met to `(w h)²/12`. This is Gautschi's method (`gautschi1961`; `hairer2006`, XIII.1), carried
+//! over to damped systems.
 //!
-//! Velocities at the instant follow from the same elimination; it is singular where a step is a whole
-//! number of half periods of a mode, since positions then say nothing about that mode's velocity.
+//! Velocities at the instant follow from the same elimination; it is singular where a step is a
+//! whole number of half periods of a mode, since positions then say nothing about that mode's
+//! velocity.
 
 use nalgebra::{DMatrix, DVector, Dyn, SMatrix, linalg::LU};
 
@@ -43,8 +46,9 @@ struct Flow {
 }
 
 impl Flow {
-    /// `stiffness` is `h² M⁻¹ K`, `damping` is `± h M⁻¹ D`. Steps are short beside all periods as a rule, and a power series then takes a
-    /// fifth of the exponential's time; a travelling arm needs thousands of them.
+    /// `stiffness` is `h² M⁻¹ K`, `damping` is `± h M⁻¹ D`. Steps are short beside all periods as a
+    /// rule, and a power series then takes a fifth of the exponential's time; a travelling arm
+    /// needs thousands of them.
     fn new(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Self {
         if one_norm(stiffness) + one_norm(damping) > MOST_FOR_SERIES {
             return Self::exponential(stiffness, damping);
@@ -79,7 +83,8 @@ impl Flow {
         }
     }
 
-    /// `x(s) = Σ cₖ sᵏ` over the step, from `cₖ₊₂ (k+2)(k+1) = -K cₖ - (k+1) D cₖ₊₁ (+ r for k = 0)`.
+    /// `x(s) = Σ cₖ sᵏ` over the step, from
+    /// `cₖ₊₂ (k+2)(k+1) = -K cₖ - (k+1) D cₖ₊₁ (+ r for k = 0)`.
     fn series<const N: usize>(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Self {
         let stiffness = SMatrix::<f64, N, N>::from_column_slice(stiffness.as_slice());
         let damping = SMatrix::<f64, N, N>::from_column_slice(damping.as_slice());
@@ -115,7 +120,8 @@ impl Flow {
     }
 }
 
-/// Up to this size of `h² M⁻¹ K` and `h M⁻¹ D` together (largest column sums) terms of the series fall from the start.
+/// Up to this size of `h² M⁻¹ K` and `h M⁻¹ D` together (largest column sums) terms of the series
+/// fall from the start.
 const MOST_FOR_SERIES: f64 = 2.0;
 /// More than are needed at that size.
 const MOST_TERMS: usize = 40;
@@ -130,8 +136,8 @@ fn solve(lu: &LU<f64, Dyn, Dyn>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 }
 
 impl Recurrence {
-    /// The recurrence of step `step_s` for symmetric positive definite `mass`; `None` if the mass matrix is
-    /// singular or a step is a whole number of half periods of a mode.
+    /// The recurrence of step `step_s` for symmetric positive definite `mass`; `None` if the mass
+    /// matrix is singular or a step is a whole number of half periods of a mode.
     pub(super) fn new(
         mass: &DMatrix<f64>,
         damping: &DMatrix<f64>,
@@ -181,7 +187,8 @@ impl Recurrence {
         out
     }
 
-    /// Velocity at the instant from the mean velocity of the step ahead and the force at the instant.
+    /// Velocity at the instant from the mean velocity of the step ahead and the force at the
+    /// instant.
     pub(super) fn velocity(&self, u: &DVector<f64>, r: &DVector<f64>, out: &mut DVector<f64>) {
         product(&self.velocity_from_mean, u, out);
         add_product(&self.velocity_from_force, r, out);
@@ -209,8 +216,9 @@ fn product(m: &DMatrix<f64>, x: &DVector<f64>, out: &mut DVector<f64>) {
     add_product(m, x, out);
 }
 
-/// `out += m x`, column by column: for matrices this small a general routine's overhead would double the
-/// cost. Usual sizes are known to the compiler; all give the same sums in the same order.
+/// `out += m x`, column by column: for matrices this small a general routine's overhead would
+/// double the cost. Usual sizes are known to the compiler; all give the same sums in the same
+/// order.
 pub(super) fn add_product(m: &DMatrix<f64>, x: &DVector<f64>, out: &mut DVector<f64>) {
     let (m, x, out) = (m.as_slice(), x.as_slice(), out.as_mut_slice());
     match out.len() {
@@ -247,8 +255,8 @@ fn add_fixed<const N: usize>(m: &[f64], x: &[f64], out: &mut [f64]) {
 mod tests {
     use super::*;
 
-    /// A damped oscillator, released: position and velocity at every instant, at steps up to several
-    /// periods.
+    /// A damped oscillator, released: position and velocity at every instant, at steps up to
+    /// several periods.
     #[test]
     fn verify_free_decay_is_exact_at_any_step() {
         let (m, omega, zeta, x0) = (100.0, 100.0f64, 0.02f64, 1e-3);
@@ -289,8 +297,8 @@ mod tests {
         }
     }
 
-    /// Two masses with damping that is not proportional, against the exponential of the state matrix taken
-    /// over the whole time at once.
+    /// Two masses with damping that is not proportional, against the exponential of the state
+    /// matrix taken over the whole time at once.
     #[test]
     fn verify_coupled_damping_is_exact() {
         let mass = DMatrix::from_row_slice(2, 2, &[3.0, 0.4, 0.4, 1.5]);

@@ -1,25 +1,27 @@
 //! The arm as a linear system about a posture, stepped exactly.
 //!
-//! `M x'' + D x' = r`, `x = q - q₀`, with the transmissions' stiffness and the gravity stiffness in `r`:
+//! `M x'' + D x' = r`, `x = q - q₀`, with the transmissions' stiffness and the gravity stiffness in
+//! `r`:
 //!
 //! `r = torque of the drives - g₀ - G x + Jᵀ w`.
 //!
-//! The drives' torque is taken as the [`Drive`] gives it, nonlinear parts included; only its linear part
-//! enters the [`Recurrence`], which is exact for it. `M`, `J` and the gravity stiffness `G` are those of the
-//! posture `q₀`, poses are of first order in `x`. That is what an arm does that vibrates about one posture
-//! (0.5 mm at 2 m reach: 0.06 µm of second order).
+//! The drives' torque is taken as the [`Drive`] gives it, nonlinear parts included; only its linear
+//! part enters the [`Recurrence`], which is exact for it. `M`, `J` and the gravity stiffness `G`
+//! are those of the posture `q₀`, poses are of first order in `x`. That is what an arm does that
+//! vibrates about one posture (0.5 mm at 2 m reach: 0.06 µm of second order).
 //!
-//! The recurrence sees the arm from axes that move on with the motors' velocity of the instant, so that a
-//! steady feed, too, is met exactly.
+//! The recurrence sees the arm from axes that move on with the motors' velocity of the instant, so
+//! that a steady feed, too, is met exactly.
 //!
-//! The recurrence holds `r` over the steps before and after an instant; what is not constant over them enters with
-//! its mean under their hat. A motor on a curved path adds `K θ'' dt²/12`, processes are [`Smoothed`], the kinks of
-//! [`Play`] are averaged along the wind-up's path.
+//! The recurrence holds `r` over the steps before and after an instant; what is not constant over
+//! them enters with its mean under their hat. A motor on a curved path adds `K θ'' dt²/12`,
+//! processes are [`Smoothed`], the kinks of [`Play`] are averaged along the wind-up's path.
 //!
-//! An arm that *travels* (a commanded path, or free revolute joints) has poses, Jacobians and velocity
-//! products computed anew in every step; mass and recurrence are renewed when a revolute joint has turned
-//! by [`RENEWAL_RAD`]. In between, `(M(q) - M) a` is one torque more, with the acceleration `a` [`Foreseen`] from the
-//! two instants before: a correction of a percent or two of the torque, and itself good to a percent or so.
+//! An arm that *travels* (a commanded path, or free revolute joints) has poses, Jacobians and
+//! velocity products computed anew in every step; mass and recurrence are renewed when a revolute
+//! joint has turned by [`RENEWAL_RAD`]. In between, `(M(q) - M) a` is one torque more, with the
+//! acceleration `a` [`Foreseen`] from the two instants before: a correction of a percent or two of
+//! the torque, and itself good to a percent or so.
 
 mod frames;
 
@@ -51,9 +53,11 @@ pub struct ReducedPlant {
     foot: FrameState,
     /// Mean velocities over the step ahead (after `finish`) and over the step before.
     mean: DVector<f64>,
-    /// All torques at this instant but the damping between link and motor: `r`, seen from the carried axes.
+    /// All torques at this instant but the damping between link and motor: `r`, seen from the
+    /// carried axes.
     force: DVector<f64>,
-    /// Velocities of the motors at this instant, with which the recurrence's axes are carried along.
+    /// Velocities of the motors at this instant, with which the recurrence's axes are carried
+    /// along.
     carried: DVector<f64>,
     /// With which the mass at hand is told from that of the linearisation.
     acceleration: Foreseen,
@@ -78,8 +82,9 @@ pub struct ReducedPlant {
 }
 
 impl ReducedPlant {
-    /// The arm at rest at posture `q`, with its drives. `path` says that the command moves. `None` if the
-    /// arm's mass matrix is singular, or the step a whole number of half periods of one of its modes.
+    /// The arm at rest at posture `q`, with its drives. `path` says that the command moves. `None`
+    /// if the arm's mass matrix is singular, or the step a whole number of half periods of one of
+    /// its modes.
     pub fn new(
         robot: Arc<Robot>,
         q: &[f64],
@@ -154,8 +159,8 @@ impl ReducedPlant {
         )
     }
 
-    /// Torques of gravity and, for a travelling arm, of velocity products and of what its mass differs by from that of the
-    /// linearisation, under the acceleration foreseen.
+    /// Torques of gravity and, for a travelling arm, of velocity products and of what its mass
+    /// differs by from that of the linearisation, under the acceleration foreseen.
     fn update_bias(&mut self) {
         if self.travels {
             let acceleration = self.acceleration.acceleration();
@@ -208,7 +213,8 @@ impl ReducedPlant {
         }
     }
 
-    /// Sets both mean velocities about the start, at which the arm has its first velocity under `force`.
+    /// Sets both mean velocities about the start, at which the arm has its first velocity under
+    /// `force`.
     fn start(&mut self) {
         let recurrence = &self.linear.recurrence;
         self.scratch.copy_from_slice(&self.joints.velocity);

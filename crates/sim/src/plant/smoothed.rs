@@ -1,9 +1,10 @@
 //! Forces that are known at the instants only, to a higher order.
 //!
-//! The recurrence holds a force over the step about its instant. What a smooth force does to the positions is its mean under a hat of
-//! two steps, `f + (dt²/12) f''`; with the second difference taken backwards to second order this is Störmer's explicit rule of
-//! fourth order, `(14 f₀ - 5 f₁ + 4 f₂ - f₃) / 12` (`hairer1993`, III.10).
-//! Without it a cutting process's stiffness is out of tune by (w dt)²/24. After a jump the corrections add up to nothing.
+//! The recurrence holds a force over the step about its instant. What a smooth force does to the
+//! positions is its mean under a hat of two steps, `f + (dt²/12) f''`; with the second difference
+//! taken backwards to second order this is Störmer's explicit rule of fourth order,
+//! `(14 f₀ - 5 f₁ + 4 f₂ - f₃) / 12` (`hairer1993`, III.10). Without it a cutting process's
+//! stiffness is out of tune by (w dt)²/24. After a jump the corrections add up to nothing.
 
 use nalgebra::DVector;
 

@@ -98,8 +98,8 @@ impl World {
             gravity: to_vec(gravity_m_s2),
             parameters: IntegrationParameters {
                 dt: dt_s,
-                // One substep: with more, the injected spring torques would act on positions that have
-                // moved on, and the scheme would gain energy.
+                // One substep: with more, the injected spring torques would act on positions that
+                // have moved on, and the scheme would gain energy.
                 num_solver_iterations: 1,
                 ..IntegrationParameters::default()
             },
@@ -158,7 +158,8 @@ impl World {
             .get_mut(self.tip)
             .expect("the arm is there");
         multibody.generalized_velocity_mut().copy_from(velocity);
-        // The bodies' velocities, from which rapier takes its gyroscopic terms, follow in the first step.
+        // The bodies' velocities, from which rapier takes its gyroscopic terms, follow in the first
+        // step.
     }
 
     /// Pose of a link as rapier has it.
@@ -186,7 +187,8 @@ impl World {
                     }
                 }
                 JointKind::Prismatic => {
-                    // Both halves of the pair act along one line, through the link's centre of mass.
+                    // Both halves of the pair act along one line, through the link's centre of
+                    // mass.
                     let point = self.bodies[link].center_of_mass();
                     self.bodies[link].add_force(load, true);
                     if i > 0 {

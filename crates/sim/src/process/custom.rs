@@ -10,7 +10,8 @@ use truecut_scenario::{BrokenRule, CustomSpec, Definition, Facts};
 
 /// The table of a process of one's own, which is read from `[process.<name>]`, and what it says.
 ///
-/// Field names carry the unit; schemars' attributes give ranges, and `x-rule` beside a range its reason.
+/// Field names carry the unit; schemars' attributes give ranges, and `x-rule` beside a range its
+/// reason.
 pub trait OwnProcess: DeserializeOwned + JsonSchema + Send + Sync + 'static {
     /// The process's name, which is also the name of its table.
     const NAME: &'static str;

@@ -5,7 +5,8 @@ use super::{belt, brush, chamfer, custom, load, milling, polish, replay, wheel};
 use crate::error::SimError;
 use truecut_scenario::ProcessSpec;
 
-/// The process of a scenario, ready to run. The one place where the simulator tells processes apart.
+/// The process of a scenario, ready to run. The one place where the simulator tells processes
+/// apart.
 pub(crate) fn set_up(context: &SetupContext<'_>) -> Result<ProcessSetup, SimError> {
     setup::check_drive(&context.scenario.process, context.kind)?;
     match &context.scenario.process {

@@ -1,8 +1,8 @@
 //! Processes: what the tool does to the workpiece.
 //!
-//! A process sees the motion of tool and foot in the process frame and answers with [`Loads`]. It is a
-//! state machine whose memory moves on once per step, in [`Process::commit`]; [`Process::evaluate`] changes
-//! nothing, so a step may be tried as often as the solver likes.
+//! A process sees the motion of tool and foot in the process frame and answers with [`Loads`]. It
+//! is a state machine whose memory moves on once per step, in [`Process::commit`];
+//! [`Process::evaluate`] changes nothing, so a step may be tried as often as the solver likes.
 
 mod belt;
 mod brush;
@@ -102,33 +102,41 @@ pub trait Process: Send {
     /// Loads on the robot at this state. Changes nothing.
     fn evaluate(&self, state: &ToolState) -> Loads;
 
-    /// Advances the memory past this step. `state` and `loads` are those of [`Process::evaluate`] (with the
-    /// velocity now known at the same instant), `contacts` what the step loop made of the requests.
+    /// Advances the memory past this step. `state` and `loads` are those of [`Process::evaluate`]
+    /// (with the velocity now known at the same instant), `contacts` what the step loop made of the
+    /// requests.
     fn commit(&mut self, state: &ToolState, loads: &Loads, contacts: &ContactOutcomes, dt_s: f64);
 
     /// Appends one value per channel for the step last committed.
     fn record(&self, row: &mut Vec<f64>);
 
-    /// Drops the memory that only [`Process::finish`] reads; forces and channels stay as they are, and there are no findings then.
+    /// Drops the memory that only [`Process::finish`] reads; forces and channels stay as they are,
+    /// and there are no findings then.
     fn keep_rows_only(&mut self) {}
 
-    /// Ends the run.
-    fn finish(&mut self) -> Findings;
+    /// Ends the run; by default nothing is found out.
+    fn finish(&mut self) -> Findings {
+        Findings::default()
+    }
 
-    /// Forces that act on the robot before the start and through touch-down, for the static equilibrium; none where it starts lifted.
+    /// Forces that act on the robot before the start and through touch-down, for the static
+    /// equilibrium; none where it starts lifted.
     fn static_loads(&self) -> Loads {
         Loads::default()
     }
 
     /// Natural length of the process, s, if it has one.
-    fn duration_s(&self) -> Option<f64>;
+    fn duration_s(&self) -> Option<f64> {
+        None
+    }
 
     /// Time between two cutting edges, s, if the process has edges.
     fn tooth_period_s(&self) -> Option<f64> {
         None
     }
 
-    /// Whether the default step is to be a whole part of the tooth period, so that every tooth meets the same instants.
+    /// Whether the default step is to be a whole part of the tooth period, so that every tooth
+    /// meets the same instants.
     fn steps_with_teeth(&self) -> bool {
         false
     }
@@ -138,7 +146,8 @@ pub trait Process: Send {
         None
     }
 
-    /// Shortest time, s, in which something moves that the process itself carries along, if it does: a step must resolve it.
+    /// Shortest time, s, in which something moves that the process itself carries along, if it
+    /// does: a step must resolve it.
     fn quickest_s(&self) -> Option<f64> {
         None
     }
@@ -161,11 +170,13 @@ pub trait Process: Send {
         Vec::new()
     }
 
-    /// Radius and width of the drum to be drawn that turns about the tool's y axis, m, if there is one.
+    /// Radius and width of the drum to be drawn that turns about the tool's y axis, m, if there is
+    /// one.
     fn drum_m(&self) -> Option<[f64; 2]> {
         None
     }
 
-    /// Forces on the robot to be drawn, in the process frame: (name, frame, force of the last step).
+    /// Forces on the robot to be drawn, in the process frame: (name, frame, force of the last
+    /// step).
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)>;
 }

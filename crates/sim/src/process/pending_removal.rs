@@ -3,8 +3,8 @@
 
 use nalgebra::Vector2;
 
-/// Distance after which a dose is spread, in cells: the total is exact, its place is blurred by that
-/// much.
+/// Distance after which a dose is spread, in cells: the total is exact, its place is blurred by
+/// that much.
 const SPREAD_EVERY_CELLS: f64 = 0.1;
 /// Most steps whose dose is pending.
 const MOST_STEPS: usize = 40;

@@ -1,5 +1,5 @@
-//! From the process of a scenario to what runs. Each process has a `setup` in its folder; here is what it is given, and what
-//! it gives.
+//! From the process of a scenario to what runs. Each process has a `setup` in its folder; here is
+//! what it is given, and what it gives.
 
 use super::Process;
 use crate::command::{JointCommand, StraightCommand};
@@ -60,7 +60,8 @@ impl<'a> SetupContext<'a> {
         Ok(self.robot.process_compliance(posture, FrameId::Foot)?)
     }
 
-    /// The motion of the arm, solved unless it is known. `is_same` says of another process whether it asks for the same one.
+    /// The motion of the arm, solved unless it is known. `is_same` says of another process whether
+    /// it asks for the same one.
     pub(crate) fn planned(
         &self,
         posture: &[f64],
@@ -118,8 +119,8 @@ pub(crate) enum Motion {
 }
 
 impl ProcessSetup {
-    /// A process on an arm that starts in `posture` and holds it, or feeds the tool along the process's y axis if
-    /// [`Process::feed_along_y_m_per_s`] says so.
+    /// A process on an arm that starts in `posture` and holds it, or feeds the tool along the
+    /// process's y axis if [`Process::feed_along_y_m_per_s`] says so.
     #[must_use]
     pub fn new(process: impl Process + 'static, posture: Vec<f64>) -> Self {
         Self {
@@ -131,7 +132,7 @@ impl ProcessSetup {
     }
 
     /// The same with a workpiece to be drawn.
-    pub(crate) fn on(self, workpiece: impl Fn() -> Vec<Shape> + Send + 'static) -> Self {
+    pub(crate) fn on(self, workpiece: impl Fn() -> Vec<Shape> + Send + Sync + 'static) -> Self {
         Self {
             workpiece: Box::new(workpiece),
             ..self

@@ -33,8 +33,8 @@ impl ForwardInputs {
     /// The inputs of a scenario's replay.
     ///
     /// # Errors
-    /// A mode without plant; no data; an input that does not fit the drive, is incomplete, in a wrong unit or
-    /// beyond the joint's limits; a run that is longer than its data.
+    /// A mode without plant; no data; an input that does not fit the drive, is incomplete, in a
+    /// wrong unit or beyond the joint's limits; a run that is longer than its data.
     pub fn of(
         replay: &ReplaySpec,
         scenario: &Scenario,
@@ -98,7 +98,8 @@ impl ForwardInputs {
         self.duration_s
     }
 
-    /// The posture that commands and measurements begin with; the scenario's where they say nothing.
+    /// The posture that commands and measurements begin with; the scenario's where they say
+    /// nothing.
     pub fn posture(&self, given: &[f64]) -> Vec<f64> {
         let commanded = |joint: usize| self.commands[joint].as_ref().map(|samples| samples[0]);
         (given.iter().enumerate())
@@ -109,7 +110,8 @@ impl ForwardInputs {
             .collect()
     }
 
-    /// Refuses data that begin in another posture than the scenario gives: one of them is not what the other is about.
+    /// Refuses data that begin in another posture than the scenario gives: one of them is not what
+    /// the other is about.
     ///
     /// # Errors
     /// A joint that begins further from `given` than a posture is rounded.
@@ -141,8 +143,9 @@ impl ForwardInputs {
         Ok(())
     }
 
-    /// The start of the run: at rest under the first command; joints that nothing commands start where they were
-    /// measured. (A measured start of a joint on its spring would strike the spring with the noise of one sample.)
+    /// The start of the run: at rest under the first command; joints that nothing commands start
+    /// where they were measured. (A measured start of a joint on its spring would strike the spring
+    /// with the noise of one sample.)
     pub fn start(&self, rest: &[f64]) -> Vec<f64> {
         (rest.iter().enumerate())
             .map(|(joint, rest)| match &self.commands[joint] {

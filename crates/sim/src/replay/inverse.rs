@@ -9,9 +9,9 @@
 use super::inputs::{JointQuantity, Source, joint_channel};
 use super::motion::Motion;
 use super::regressors::BodyRegressors;
-use super::{in_force, place, unfit};
+use super::{check_part, in_force, refused, sense};
 use crate::channels::drive_spec;
-use crate::effect::{Effects, JointEffects, Payload, misfit};
+use crate::effect::{Effects, JointEffects, Payload};
 use crate::error::SimError;
 use crate::robots::Robots;
 use nalgebra::{Point3, Vector3};
@@ -172,23 +172,14 @@ impl InverseModel {
             }
         }
         // Sensors see the sum of all torques, so they come last.
-        for (spec, column) in self.specs.iter().zip(&mut columns) {
-            if let Some((_, model)) = sum.sensors.iter().find(|(name, _)| *name == spec.name) {
-                model.apply(&self.measured.time_s, column);
-            }
-        }
+        sense(&sum, &self.specs, &self.measured.time_s, &mut columns);
         Ok(columns)
     }
 
     /// Refuses an effect that plays no part in inverse dynamics, or is on what is not predicted.
     fn check(&self, effect: &Effect) -> Result<(), SimError> {
-        let refuse = |key: &str, message: String| {
-            let place = place(&self.scenario.effects, effect, key);
-            Err(SimError::scenario(place, message))
-        };
-        if let Some(message) = misfit(&self.scenario, effect).or_else(|| unfit(effect)) {
-            return refuse("kind", message);
-        }
+        check_part(&self.scenario, effect)?;
+        let refuse = |key, message| Err(refused(&self.scenario, effect, key, message));
         let name = effect.kind.name();
         match &effect.target {
             Target::Joint(joint) if *joint >= self.robot.dof() => {

@@ -17,6 +17,10 @@ pub(crate) mod predict;
 mod regressors;
 pub mod steady;
 
+use crate::effect::{Effects, misfit};
+use crate::error::SimError;
+use truecut_recording::ChannelSpec;
+use truecut_scenario::Scenario;
 use truecut_scenario::effect::Effect;
 
 /// The scenario's `own` effects and further `effects`, which replace those of the same kind and
@@ -30,7 +34,30 @@ fn in_force<'a>(own: &'a [Effect], effects: &'a [Effect]) -> Vec<&'a Effect> {
     kept.chain(effects).collect()
 }
 
-/// Why the effect has not the target and the number of values of its kind. Its bounds are for files.
+/// Refuses an effect, at a key of its entry.
+fn refused(scenario: &Scenario, effect: &Effect, key: &str, message: String) -> SimError {
+    SimError::scenario(place(&scenario.effects, effect, key), message)
+}
+
+/// Refuses an effect that plays no part in the model of the scenario.
+fn check_part(scenario: &Scenario, effect: &Effect) -> Result<(), SimError> {
+    match misfit(scenario, effect).or_else(|| unfit(effect)) {
+        Some(message) => Err(refused(scenario, effect, "kind", message)),
+        None => Ok(()),
+    }
+}
+
+/// What the sensors make of predicted columns.
+fn sense(effects: &Effects, specs: &[ChannelSpec], time_s: &[f64], columns: &mut [Vec<f64>]) {
+    for (spec, column) in specs.iter().zip(columns) {
+        if let Some((_, model)) = (effects.sensors.iter()).find(|(name, _)| *name == spec.name) {
+            model.apply(time_s, column);
+        }
+    }
+}
+
+/// Why the effect has not the target and the number of values of its kind. Its bounds are for
+/// files.
 fn unfit(effect: &Effect) -> Option<String> {
     let fits = effect.typed().is_some();
     (!fits).then(|| effect.check().err()).flatten()

@@ -1,6 +1,7 @@
 //! Measured motion of all joints, smoothed and differentiated.
 
 use super::inputs::{JointQuantity, Source, joint_channel};
+use crate::build::gravity_m_s2;
 use crate::error::SimError;
 use nalgebra::Vector3;
 use truecut_arm::{Dynamics, Robot};
@@ -37,11 +38,7 @@ impl Motion {
             acceleration: slopes(&velocity),
             velocity,
             position,
-            gravity_m_s2: if source.scenario.robot.gravity {
-                truecut_arm::standard_gravity_m_s2()
-            } else {
-                Vector3::zeros()
-            },
+            gravity_m_s2: gravity_m_s2(&source.scenario.robot),
         })
     }
 

@@ -17,8 +17,8 @@ pub(crate) struct Prediction {
     pub measured: Measured,
 }
 
-/// Predicts the outputs of `measured` without running a plant: by inverse dynamics, or (mode "observe") every
-/// channel by its mean. `None` for a scenario that has a plant to run.
+/// Predicts the outputs of `measured` without running a plant: by inverse dynamics, or (mode
+/// "observe") every channel by its mean. `None` for a scenario that has a plant to run.
 ///
 /// # Errors
 /// As [`InverseModel::new`] and [`SteadyModel::new`].

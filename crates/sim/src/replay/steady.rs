@@ -7,8 +7,8 @@ use truecut_recording::{ChannelSpec, Measured};
 use truecut_scenario::effect::{Effect, Target};
 use truecut_scenario::{ProcessSpec, Scenario, Turning};
 
-use super::{in_force, place, unfit};
-use crate::effect::{Effects, misfit};
+use super::{check_part, in_force, refused, sense};
+use crate::effect::Effects;
 use crate::error::SimError;
 
 /// Predicts what a steady machine's channels are, without integrating anything.
@@ -73,28 +73,18 @@ impl SteadyModel {
         if let Some(turning) = self.turning {
             self.turn(turning, sum.cutting.runout_m, &mut columns);
         }
-        for (spec, column) in self.specs.iter().zip(&mut columns) {
-            if let Some((_, model)) = sum.sensors.iter().find(|(name, _)| *name == spec.name) {
-                model.apply(times, column);
-            }
-        }
+        sense(&sum, &self.specs, times, &mut columns);
         Ok(columns)
     }
 
     /// Refuses an effect that plays no part here, or is on a channel that was not measured.
     fn check(&self, effect: &Effect) -> Result<(), SimError> {
-        let refuse = |key: &str, message: String| {
-            let place = place(&self.scenario.effects, effect, key);
-            Err(SimError::scenario(place, message))
-        };
-        if let Some(message) = misfit(&self.scenario, effect).or_else(|| unfit(effect)) {
-            return refuse("kind", message);
-        }
+        check_part(&self.scenario, effect)?;
         if let Target::Channel(name) = &effect.target
             && self.specs.iter().all(|spec| spec.name != *name)
         {
             let message = format!("channel \"{name}\" is not among the outputs");
-            return refuse("channel", message);
+            return Err(refused(&self.scenario, effect, "channel", message));
         }
         Ok(())
     }

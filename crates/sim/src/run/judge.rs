@@ -81,8 +81,8 @@ impl Run<'_> {
         .kept_in(runs)
     }
 
-    /// The recording among those of `runs`, made now if it has not been. Its claims are checked unless they are
-    /// ignored, and not judged; its sinks take nothing.
+    /// The recording among those of `runs`, made now if it has not been. Its claims are checked
+    /// unless they are ignored, and not judged; its sinks take nothing.
     ///
     /// # Errors
     /// As [`Run::execute`].

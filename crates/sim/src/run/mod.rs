@@ -1,7 +1,8 @@
-//! A run in one call: a scenario, its measured data and an engine in; the recording and the claims judged out.
+//! A run in one call: a scenario, its measured data and an engine in; the recording and the claims
+//! judged out.
 //!
-//! Everything that simulates goes through [`Run`]: [`Run::execute`] keeps the whole recording and judges the
-//! claims, [`Run::rows`] gives a few channels as fast as they can be had.
+//! Everything that simulates goes through [`Run`]: [`Run::execute`] keeps the whole recording and
+//! judges the claims, [`Run::rows`] gives a few channels as fast as they can be had.
 //!
 //! ```
 //! use std::path::Path;

@@ -15,7 +15,8 @@ use crate::robots::Robots;
 /// What becomes of a scenario's claims.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Claims {
-    /// Checked against the channels before the run, so that a slip in a claim does not cost it; judged after it.
+    /// Checked against the channels before the run, so that a slip in a claim does not cost it;
+    /// judged after it.
     Judge,
     /// Checked only.
     Check,
@@ -34,8 +35,8 @@ pub struct Run<'a> {
     pub overrides: Vec<(String, String)>,
     /// The measured data that a replay is driven by; other processes make no use of it.
     pub measured: Option<&'a Measured>,
-    /// Reads data that nobody has read yet: this scenario's if `measured` is none, and that of the scenarios
-    /// that claims refer to. Without it those that replay data cannot run.
+    /// Reads data that nobody has read yet: this scenario's if `measured` is none, and that of the
+    /// scenarios that claims refer to. Without it those that replay data cannot run.
     pub read_data: Option<ReadData>,
     /// What integrates the arm.
     pub engine: Engine,
@@ -47,7 +48,8 @@ pub struct Run<'a> {
     pub references: Option<&'a Runs>,
     /// What takes the rows while the run goes on.
     pub sinks: Vec<Box<dyn Sink + Send>>,
-    /// Is told the part done, from 0 to 1; more than once from the start if claims refer to other runs.
+    /// Is told the part done, from 0 to 1; more than once from the start if claims refer to other
+    /// runs.
     pub progress: &'a dyn Fn(f64),
 }
 
@@ -64,8 +66,8 @@ pub struct Finished {
     pub build_s: f64,
     /// Time by the clock on the wall of the run itself, without what sinks do after its end, s.
     pub run_s: f64,
-    /// The measured data in the form that the recording is to be compared with, where no plant ran: filtered as
-    /// the prediction is.
+    /// The measured data in the form that the recording is to be compared with, where no plant ran:
+    /// filtered as the prediction is.
     pub compared: Option<Measured>,
 }
 
@@ -93,12 +95,12 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Runs to the end, or until the run diverges; judges the claims; closes the sinks. The table of a sweep is
-    /// left alone: see [`crate::sweep`].
+    /// Runs to the end, or until the run diverges; judges the claims; closes the sinks. The table
+    /// of a sweep is left alone: see [`crate::sweep`].
     ///
     /// # Errors
-    /// Whatever makes the scenario unfit to run, at its place in the file; data that cannot be read; a claim
-    /// that cannot be judged; what cannot be written.
+    /// Whatever makes the scenario unfit to run, at its place in the file; data that cannot be
+    /// read; a claim that cannot be judged; what cannot be written.
     pub fn execute(mut self) -> Result<Finished, RunError> {
         let scenario = self.resolved()?;
         let sinks = std::mem::take(&mut self.sinks);

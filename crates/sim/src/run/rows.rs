@@ -22,14 +22,15 @@ pub struct Rows {
 }
 
 impl Run<'_> {
-    /// Runs with nothing kept but the rows of the channels named (all if none is named): no energy balance, no
-    /// findings, no claims, no sinks. With measured data, whatever the process, rows come at the data's times as nearly as
-    /// the steps allow. With `until_s` the run ends there, but for a few rows more, so that whoever reads
-    /// between rows finds neighbours.
+    /// Runs with nothing kept but the rows of the channels named (all if none is named): no energy
+    /// balance, no findings, no claims, no sinks. With measured data, whatever the process, rows
+    /// come at the data's times as nearly as the steps allow. With `until_s` the run ends there,
+    /// but for a few rows more, so that whoever reads between rows finds neighbours.
     ///
     /// # Errors
-    /// Whatever makes the scenario unfit to run; a step shorter than the engine may take; a channel that it
-    /// does not have. The fault of a key is not yet at its place in the file: see [`super::RunError::of`].
+    /// Whatever makes the scenario unfit to run; a step shorter than the engine may take; a channel
+    /// that it does not have. The fault of a key is not yet at its place in the file: see
+    /// [`super::RunError::of`].
     pub fn rows(&self, channels: &[&str], until_s: Option<f64>) -> Result<Rows, SimError> {
         let mut cell = self.cell_at_the_times()?;
         self.check_step(&cell)?;

@@ -1,6 +1,8 @@
-//! What stability tools need of a milling scenario: its arm, path and cut, and what they answer in its terms.
+//! What stability tools need of a milling scenario: its arm, path and cut, and what they answer in
+//! its terms.
 //!
-//! The arm is the nominal one with its transmissions, motors standing still; effects of the scenario act in runs only.
+//! The arm is the nominal one with its transmissions, motors standing still; effects of the
+//! scenario act in runs only.
 
 mod runs;
 mod view;
@@ -88,7 +90,8 @@ impl MillingStudy {
         self.milling.regeneration
     }
 
-    /// Motion from tooth to tooth, as a part of the feed per tooth, beyond which a run has no growth rate.
+    /// Motion from tooth to tooth, as a part of the feed per tooth, beyond which a run has no
+    /// growth rate.
     pub fn linear_share(&self) -> f64 {
         linear_share(self.milling.regeneration)
     }
@@ -117,7 +120,8 @@ impl MillingStudy {
         })
     }
 
-    /// The robot's posture in the scenario, to which a plan shall start near; zeros for an arm that is not of six joints.
+    /// The robot's posture in the scenario, to which a plan shall start near; zeros for an arm that
+    /// is not of six joints.
     pub fn near(&self) -> [f64; 6] {
         self.posture[..].try_into().unwrap_or([0.0; 6])
     }

@@ -34,8 +34,8 @@ pub struct StabilityRun {
     pub predicted: bool,
 }
 
-/// Runs a scenario at up to `count` places just below and just above the limit of its diagram, spread over the speeds
-/// that have one. `progress` is told the part done, from 0 to 1.
+/// Runs a scenario at up to `count` places just below and just above the limit of its diagram,
+/// spread over the speeds that have one. `progress` is told the part done, from 0 to 1.
 ///
 /// # Errors
 /// Whatever makes the scenario unfit to run at one of the places.
@@ -57,7 +57,8 @@ pub fn stability_runs(
     runs.collect()
 }
 
-/// Speeds and depths, and whether the theory says that they chatter: spread over the speeds that have a limit in the diagram.
+/// Speeds and depths, and whether the theory says that they chatter: spread over the speeds that
+/// have a limit in the diagram.
 fn places(study: &MillingStudy, lobes: &Lobes, count: usize) -> Vec<(f64, f64, bool)> {
     let coupling = vec![lobes.mode_coupling; lobes.limit.len()];
     let limits = if study.regeneration() {

@@ -12,8 +12,8 @@ use crate::scene::{arm_bodies, pose};
 const STOCK_M: [f64; 2] = [0.2, 0.05];
 
 impl MillingStudy {
-    /// The arm at the first station, a block of stock below the path, and a frame for each station, at the times at which the tool
-    /// is there.
+    /// The arm at the first station, a block of stock below the path, and a frame for each station,
+    /// at the times at which the tool is there.
     pub fn view(&self, plan: &Plan) -> (Scene, Vec<Frame>) {
         let mut bodies = arm_bodies(&self.robot, &plan.points[0].posture, "true", false);
         let stock = self.stock(plan);

@@ -29,8 +29,8 @@ pub struct Entry {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SweepRow {
     pub values: Vec<Entry>,
-    /// Which run did not come to its end, and why; then the threshold and every column are NaN, since a
-    /// metric over a part of a run is no result.
+    /// Which run did not come to its end, and why; then the threshold and every column are NaN,
+    /// since a metric over a part of a run is no result.
     pub diverged: Option<String>,
 }
 
@@ -81,12 +81,14 @@ fn number(value: f64) -> String {
 /// Runs one job. `progress` is told the part done, from 0 to 1; it never falls.
 ///
 /// # Errors
-/// What makes a scenario unfit to run at these values, or a column that its recording does not have.
+/// What makes a scenario unfit to run at these values, or a column that its recording does not
+/// have.
 pub fn run_job(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
     row(job, progress).map_err(|error| of_row(job, error))
 }
 
-/// An error that says in which of many rows it came; what overrides have made invalid names the key already.
+/// An error that says in which of many rows it came; what overrides have made invalid names the key
+/// already.
 fn of_row(job: &Job, error: SimError) -> SimError {
     let SimError::Scenario { key, message } = error else {
         return error;
@@ -143,11 +145,10 @@ fn diverged(recording: &Recording) -> Option<String> {
     (recording.outcome != Outcome::Completed).then(|| recording.outcome.to_string())
 }
 
-/// Bisects for the smallest value at which the metric meets its limit, and gives the run there, or that
-/// which stopped the search. The metric
-/// is taken to fall as the key rises. If even the upper end does not meet the limit the value is NaN; if
-/// the lower end does, it is the lower end. A trial that diverges ends the search without a threshold: nothing
-/// is known of the metric there.
+/// Bisects for the smallest value at which the metric meets its limit, and gives the run there, or
+/// that which stopped the search. The metric is taken to fall as the key rises. If even the upper
+/// end does not meet the limit the value is NaN; if the lower end does, it is the lower end. A
+/// trial that diverges ends the search without a threshold: nothing is known of the metric there.
 fn search(
     job: &Job,
     bisect: &BisectSpec,

@@ -1,8 +1,8 @@
 //! Sweeps: one scenario at many values of one or two of its keys.
 //!
-//! [`sweep`] runs all of it, in parallel, and gives a [`SweepTable`], on which the sweep's claims are judged. Its
-//! [`jobs`] can also be run one by one, here or on a cluster: a [`Job`] holds all that it needs, runs alone
-//! ([`run_job`]) and gives one [`SweepRow`].
+//! [`sweep`] runs all of it, in parallel, and gives a [`SweepTable`], on which the sweep's claims
+//! are judged. Its [`jobs`] can also be run one by one, here or on a cluster: a [`Job`] holds all
+//! that it needs, runs alone ([`run_job`]) and gives one [`SweepRow`].
 
 mod job;
 mod judge;

@@ -54,7 +54,8 @@ impl Column {
 /// Runs every job of a scenario's sweep. `progress` is told the part done, from 0 to 1.
 ///
 /// # Errors
-/// Whatever makes the scenario unfit to run, as it is or in one of the rows; metrics that its runs do not have.
+/// Whatever makes the scenario unfit to run, as it is or in one of the rows; metrics that its runs
+/// do not have.
 pub fn sweep(scenario: &Scenario, progress: &(dyn Fn(f64) + Sync)) -> Result<SweepTable, RunError> {
     // Mistakes in the metrics are to be found before the first run.
     Run::of(scenario).check()?;
@@ -135,7 +136,8 @@ impl SweepTable {
         self.diverged.iter().flatten().count()
     }
 
-    /// The row by the values of its axes: `mu = 0.1, bore_mm = 32`; its number where there are no axes.
+    /// The row by the values of its axes: `mu = 0.1, bore_mm = 32`; its number where there are no
+    /// axes.
     pub fn row_name(&self, row: usize) -> String {
         let axes = self.columns.iter().zip(&self.rows[row]);
         let axes: Vec<String> = axes

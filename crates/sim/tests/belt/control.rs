@@ -33,8 +33,8 @@ fn on_line(recording: &Recording) -> Vec<f64> {
         .collect()
 }
 
-/// Half as stiff an arm takes a good part of the force that the path gives, and nothing of the one that is held; what the carrier makes up for
-/// is what the arm gives way.
+/// Half as stiff an arm takes a good part of the force that the path gives, and nothing of the one
+/// that is held; what the carrier makes up for is what the arm gives way.
 #[test]
 fn verify_a_held_force_does_not_depend_on_the_arm() {
     let soft = ("robot.stiffness_scale", "0.5");
@@ -58,7 +58,8 @@ fn verify_a_held_force_does_not_depend_on_the_arm() {
     }
 }
 
-/// A control that holds another force than it is told holds that; one whose guide rubs leaves no more than its stiction as an error.
+/// A control that holds another force than it is told holds that; one whose guide rubs leaves no
+/// more than its stiction as an error.
 #[test]
 fn verify_offset_and_stiction_act_on_the_held_force() {
     let begun = [("run.duration_s", "1.2")].into_iter().chain(HELD);

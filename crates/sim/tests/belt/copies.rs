@@ -3,8 +3,8 @@
 use super::shared::scalar;
 use super::support::run;
 
-/// Two copies to which the arm goes take twice the removal of one; that they stand elsewhere changes the arm's compliance, and so the
-/// depth, by little.
+/// Two copies to which the arm goes take twice the removal of one; that they stand elsewhere
+/// changes the arm's compliance, and so the depth, by little.
 #[test]
 fn copies_are_finished_one_after_another() {
     let one = run(&[]);

@@ -26,8 +26,9 @@ fn taken_m3(recording: &Recording) -> f64 {
         .expect("rows")
 }
 
-/// The wheel's law with rubber of the modulus times the factor and the belt's tension as it was, Coulomb's friction with its own; Preston's volume is
-/// in proportion, and what is removed does not act back.
+/// The wheel's law with rubber of the modulus times the factor and the belt's tension as it was,
+/// Coulomb's friction with its own; Preston's volume is in proportion, and what is removed does not
+/// act back.
 #[test]
 fn the_run_applies_the_factors_of_a_belt() {
     let pressing = [
@@ -59,7 +60,8 @@ fn the_run_applies_the_factors_of_a_belt() {
     assert!((taken_m3(&less) / taken_m3(&nominal) - 0.8).abs() < 1e-12);
 }
 
-/// A wheel that runs out reaches in by `C cos φ + S sin φ` more, φ by belt speed over radius, less what the arm gives way.
+/// A wheel that runs out reaches in by `C cos φ + S sin φ` more, φ by belt speed over radius, less
+/// what the arm gives way.
 #[test]
 fn verify_an_eccentric_wheel_reaches_in_once_per_revolution() {
     let [c, s] = [2e-5, -3e-5];

@@ -4,8 +4,9 @@ use super::shared::belt;
 use truecut_recording::Outcome;
 use truecut_sim::run::{Engine, Run};
 
-/// Down onto the first line and along half of it: force and removal of the reduced arm, whose mass and compliance are renewed on the way, are those of
-/// rapier's. What is kept for the end of a run is dropped, channels stay.
+/// Down onto the first line and along half of it: force and removal of the reduced arm, whose mass
+/// and compliance are renewed on the way, are those of rapier's. What is kept for the end of a run
+/// is dropped, channels stay.
 #[test]
 fn reduced_arm_feels_the_same_belt() {
     let short = [("run.duration_s".to_owned(), "1.2".to_owned())];

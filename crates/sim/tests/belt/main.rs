@@ -1,4 +1,5 @@
-//! A belt over a contact wheel on the face of a path job, on the HP20 in rapier: forces, removal, copies.
+//! A belt over a contact wheel on the face of a path job, on the HP20 in rapier: forces, removal,
+//! copies.
 
 mod control;
 mod copies;

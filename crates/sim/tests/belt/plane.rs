@@ -9,8 +9,9 @@ const BELT: f64 = 15.0;
 const FEED: f64 = 0.04;
 const SPACING: f64 = 5e-3;
 
-/// Along the lines the force is that of the wheel's law at the penetration that the arm leaves, friction is Coulomb's against the belt's run, and
-/// the wheel touches over its whole width. Lifted, nothing acts.
+/// Along the lines the force is that of the wheel's law at the penetration that the arm leaves,
+/// friction is Coulomb's against the belt's run, and the wheel touches over its whole width.
+/// Lifted, nothing acts.
 #[test]
 fn the_run_applies_the_line_contact_s_law_and_coulomb_s() {
     let recording = run(&[("mu", "0.4")]);
@@ -47,7 +48,8 @@ fn the_run_applies_the_line_contact_s_law_and_coulomb_s() {
     assert!((1.0..1.02).contains(&(told / deepest)), "{told} {deepest}");
 }
 
-/// The volume on the grid is Preston's integral, which is `k_p v ∫ F dt` with v the belt's speed give or take the feed.
+/// The volume on the grid is Preston's integral, which is `k_p v ∫ F dt` with v the belt's speed
+/// give or take the feed.
 #[test]
 fn verify_removed_volume_is_prestons_integral_on_two_grids() {
     let volumes = ["0.5", "1.0"].map(|cell| {
@@ -63,7 +65,8 @@ fn verify_removed_volume_is_prestons_integral_on_two_grids() {
     assert!((volumes[0] / volumes[1] - 1.0).abs() < 1e-9);
 }
 
-/// Lines that overlap by half leave every place between the outer two with two passes: depth `k_p F v / (v_f s)`, evenly.
+/// Lines that overlap by half leave every place between the outer two with two passes: depth
+/// `k_p F v / (v_f s)`, evenly.
 #[test]
 fn verify_depth_between_lines_is_even_and_prestons() {
     let recording = run(&[]);
@@ -91,8 +94,8 @@ fn verify_depth_between_lines_is_even_and_prestons() {
     assert!(scalar(&recording, "belt.unevenness") < 0.05);
 }
 
-/// A belt that runs the other way pulls the other way. Friction bends the arm into the face or off it; without friction both ways remove alike, give or
-/// take the feed.
+/// A belt that runs the other way pulls the other way. Friction bends the arm into the face or off
+/// it; without friction both ways remove alike, give or take the feed.
 #[test]
 fn belt_direction_turns_the_friction() {
     let both = |mu: &str| ["15", "-15"].map(|speed| run(&[("belt_m_per_s", speed), ("mu", mu)]));
@@ -107,7 +110,8 @@ fn belt_direction_turns_the_friction() {
         (one / other - 1.0).abs() < 2.0 * FEED / BELT,
         "{one} {other}"
     );
-    // Pressed by the normal force alone the arm yields: the wheel reaches in by less than the 0.3 mm that the job asks for.
+    // Pressed by the normal force alone the arm yields: the wheel reaches in by less than the 0.3
+    // mm that the job asks for.
     let u = column(&smooth[0], "belt.position_u");
     let on_lines = column(&smooth[0], "belt.penetration").iter().zip(u);
     let on_lines = on_lines.filter(|(depth, u)| **depth > 0.0 && (0.25..0.75).contains(*u));

@@ -1,4 +1,5 @@
-//! A wheel brush on the mould block, on the rig of three slides in rapier: force of the bristles, friction, burr and radius of an edge.
+//! A wheel brush on the mould block, on the rig of three slides in rapier: force of the bristles,
+//! friction, burr and radius of an edge.
 
 #[path = "../support/mod.rs"]
 mod shared;
@@ -34,8 +35,8 @@ fn whole(kind: EffectKind, values: &[f64]) -> Effect {
     }
 }
 
-/// Bristles of a brush whose axis stands `height` over the face, one after another all around, those that meet the face between the angles
-/// from the perpendicular.
+/// Bristles of a brush whose axis stands `height` over the face, one after another all around,
+/// those that meet the face between the angles from the perpendicular.
 fn bristle_by_bristle(brush: &Brush, height: f64, from: f64, to: f64) -> f64 {
     let count = 300_000;
     let each = brush.bristles / f64::from(count);
@@ -103,7 +104,8 @@ fn verify_half_of_the_bristles_press_over_an_edge() {
     }
 }
 
-/// Every place of the edge is passed by the width of the brush at the feed: burr and radius are those of the closed form for that dose.
+/// Every place of the edge is passed by the width of the brush at the feed: burr and radius are
+/// those of the closed form for that dose.
 #[test]
 fn the_run_applies_edge_wear_to_its_dose() {
     let recording = run_with(&brush("over_edge.csv", &[]), &[]);
@@ -129,7 +131,8 @@ fn the_run_applies_edge_wear_to_its_dose() {
     };
     let expected = wear.radius_m(dose);
     assert!(expected > 0.05e-3);
-    // Where the whole brush passed: 10 mm within the way of 30 mm; the edge is 60 mm long, its middle at 0.
+    // Where the whole brush passed: 10 mm within the way of 30 mm; the edge is 60 mm long, its
+    // middle at 0.
     let passed = radii.axis.iter().zip(&radii.values);
     let passed: Vec<f64> = passed
         .filter(|(along, _)| (**along - 30e-3).abs() < 8e-3)
@@ -148,7 +151,8 @@ fn the_run_applies_edge_wear_to_its_dose() {
     assert!((burred - 20e-3).abs() < 4e-3, "{burred}");
 }
 
-/// An eccentric brush reaches further by C cos + S sin of its turning: its force is that of a brush of this radius.
+/// An eccentric brush reaches further by C cos + S sin of its turning: its force is that of a brush
+/// of this radius.
 #[test]
 fn the_run_applies_the_bristles_law_on_the_long_side() {
     let [c, s] = [0.2e-3, -0.1e-3];
@@ -199,7 +203,8 @@ fn verify_removal_goes_with_its_factor_until_the_burr_is_gone() {
     assert!((volume(&more) / volume(&nominal) - 1.25).abs() < 1e-9);
 }
 
-/// Half the step changes the mean radius by less than a thousandth, a quarter by less than a quarter of that more.
+/// Half the step changes the mean radius by less than a thousandth, a quarter by less than a
+/// quarter of that more.
 #[test]
 fn regress_the_time_step_hardly_shows() {
     let radius = |step_ms: &str| {
@@ -214,7 +219,8 @@ fn regress_the_time_step_hardly_shows() {
     assert!((middle - fine).abs() < 0.6 * (coarse - fine).abs() + 1e-9 * fine);
 }
 
-/// Three moves at the feed, on a clock with its ramps and the filter's window; it ends where it was taught.
+/// Three moves at the feed, on a clock with its ramps and the filter's window; it ends where it was
+/// taught.
 #[test]
 fn verify_the_way_is_that_of_the_taught_postures() {
     let recording = run_with(&brush("over_face.csv", &[]), &[]);
@@ -229,8 +235,8 @@ fn verify_the_way_is_that_of_the_taught_postures() {
     }
 }
 
-/// Under a plate of 2 mm bristles that are pressed in by 3 mm would reach its lower edge; its face holds them. The last posture is the one before, as
-/// rounding may leave it.
+/// Under a plate of 2 mm bristles that are pressed in by 3 mm would reach its lower edge; its face
+/// holds them. The last posture is the one before, as rounding may leave it.
 #[test]
 fn verify_a_hidden_edge_keeps_its_burr() {
     let over_plate = |place: &str, edge: &str| {

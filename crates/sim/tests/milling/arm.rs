@@ -1,9 +1,11 @@
-//! The milling arm in rapier at five redundancy angles, with the damping of its joints: teeth that meet the nominal surface
-//! against mode coupling, teeth that meet their own against semi-discretisation, stable at 0.9 of either limit and unstable
-//! at 1.1 of it. The two limits differ by a factor of six to thirty.
+//! The milling arm in rapier at five redundancy angles, with the damping of its joints: teeth that
+//! meet the nominal surface against mode coupling, teeth that meet their own against
+//! semi-discretisation, stable at 0.9 of either limit and unstable at 1.1 of it. The two limits
+//! differ by a factor of six to thirty.
 //!
-//! The feed is a tenth of a usual one: the floor's feedback, which grows with the feed and which the theories leave out, is
-//! then a tenth of mode coupling's at the limit, and the posture changes little while the tool travels.
+//! The feed is a tenth of a usual one: the floor's feedback, which grows with the feed and which
+//! the theories leave out, is then a tenth of mode coupling's at the limit, and the posture changes
+//! little while the tool travels.
 
 use crate::support::{grows, scenario};
 use nalgebra::Vector3;
@@ -46,8 +48,8 @@ elbow = "upper"
 const PERIOD_S: f64 = 60.0 / (2400.0 * 4.0);
 const ANGLES_DEG: [f64; 5] = [20.0, 60.0, 120.0, 160.0, 220.0];
 
-/// Teeth that meet their own surface begin on a wedge: at depths that are large beside the feed a cut that is at full depth from
-/// the start swings too far to be linear.
+/// Teeth that meet their own surface begin on a wedge: at depths that are large beside the feed a
+/// cut that is at full depth from the start swings too far to be linear.
 pub fn slot(angle_deg: f64, depth_m: f64, regeneration: bool, duration_s: f64) -> Scenario {
     let ramp_mm = if regeneration { 2.0 } else { 0.0 };
     scenario(
@@ -72,8 +74,8 @@ fn process() -> DirectionalMatrix {
     DirectionalMatrix::planar(4, 2e9, 0.3, Engagement::SLOT)
 }
 
-/// Modes at the start of the path, in the milling frame: the feed is along world x, the tool points down. Solved anew from the
-/// robot's files.
+/// Modes at the start of the path, in the milling frame: the feed is along world x, the tool points
+/// down. Solved anew from the robot's files.
 fn modes(angle_deg: f64) -> Vec<TipMode> {
     let scenario = slot(angle_deg, 0.3e-3, true, 1.0);
     let spec = &scenario.robot;

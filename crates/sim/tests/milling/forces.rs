@@ -1,6 +1,7 @@
 //! Mean cutting forces of a run against the closed form.
 //!
-//! Chips are measured between true arcs, the closed form's are linear in the feed: they differ by about c/2r, here 0.1 %.
+//! Chips are measured between true arcs, the closed form's are linear in the feed: they differ by
+//! about c/2r, here 0.1 %.
 
 use crate::support::{RIG, run, scalar, scenario};
 
@@ -21,8 +22,8 @@ fn set(key: &'static str, value: &str) -> (&'static str, String) {
     (key, value.to_owned())
 }
 
-/// Runout moves chips from one tooth to the next, and takes none away; edge forces it would: a tooth that stands back is out
-/// of the cut for longer.
+/// Runout moves chips from one tooth to the next, and takes none away; edge forces it would: a
+/// tooth that stands back is out of the cut for longer.
 #[test]
 fn verify_mean_forces_with_runout() {
     check("runout", &[set("process.milling.cutter.runout_um", "3")]);

@@ -37,8 +37,8 @@ fn benchmark(immersion: f64, rpm: f64, depth_m: f64) -> Scenario {
     )
 }
 
-/// Benchmark 1 in rapier: an end mill of two teeth on one spring, five speeds, flips among them. Bisection on the growth rate of
-/// the recording to 1 %.
+/// Benchmark 1 in rapier: an end mill of two teeth on one spring, five speeds, flips among them.
+/// Bisection on the growth rate of the recording to 1 %.
 #[test]
 fn verify_limits_of_the_benchmark_in_rapier() {
     let omega = TAU * 922.0;

@@ -15,8 +15,8 @@ fn apart(scenario: &Scenario, names: &[&str]) -> f64 {
     names.iter().map(of).fold(0.0, f64::max)
 }
 
-/// Forces, surface and deflection of a cut on its own surface; growth of one on the nominal surface, whose rate is a small
-/// difference of large ones: 0.1 % of frequency is 0.06 /s.
+/// Forces, surface and deflection of a cut on its own surface; growth of one on the nominal
+/// surface, whose rate is a small difference of large ones: 0.1 % of frequency is 0.06 /s.
 #[test]
 fn regress_linearised_arm_mills_like_rapier() {
     let own = slot(120.0, 0.3e-3, true, 2.5);

@@ -75,7 +75,8 @@ pub fn scalar(recording: &Recording, name: &str) -> f64 {
     found.unwrap_or_else(|e| panic!("{e}")).value
 }
 
-/// Whether vibration grows: its rate is positive, or at the end it is beyond what counts as small, a twentieth of the feed per tooth.
+/// Whether vibration grows: its rate is positive, or at the end it is beyond what counts as small,
+/// a twentieth of the feed per tooth.
 pub fn grows(scenario: &Scenario) -> bool {
     let end = run(scenario);
     let rate = scalar(&end, "milling.growth_rate");

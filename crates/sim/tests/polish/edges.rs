@@ -11,7 +11,8 @@ const AT_EDGES: [(&str, &str); 4] = [
     ("path.line_spacing_mm", "10"),
 ];
 
-/// The layer bends round the edge and presses along it; an edge force is there only where an edge is in the patch.
+/// The layer bends round the edge and presses along it; an edge force is there only where an edge
+/// is in the patch.
 #[test]
 fn edges_press_where_they_are_in_the_patch() {
     let recording = run(&AT_EDGES);
@@ -32,8 +33,8 @@ fn edges_press_where_they_are_in_the_patch() {
     assert!(on_and_off.0 > 500 && on_and_off.1 > 300, "{on_and_off:?}");
 }
 
-/// What the exact rule is for, on the arm as it moves in the run, deflected and filtered: nothing moves inward over an edge. A steady turn
-/// does so about half of the time.
+/// What the exact rule is for, on the arm as it moves in the run, deflected and filtered: nothing
+/// moves inward over an edge. A steady turn does so about half of the time.
 #[test]
 fn exact_rule_leaves_no_inward_edge_on_the_moving_arm() {
     let free = run(&AT_EDGES);

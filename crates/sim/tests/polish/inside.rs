@@ -3,8 +3,8 @@
 use super::shared::{SPRUNG, column, mean, scalar};
 use super::support::{WHEEL, run, run_under};
 
-/// What is pressed is the wheel's law at the penetration that the arm leaves; friction is Coulomb's and turns with the precession;
-/// the arm yields by what the commanded penetration lacks.
+/// What is pressed is the wheel's law at the penetration that the arm leaves; friction is Coulomb's
+/// and turns with the precession; the arm yields by what the commanded penetration lacks.
 #[test]
 fn the_run_applies_the_wheel_s_law_and_coulomb_s() {
     let recording = run(&[]);
@@ -37,7 +37,8 @@ fn the_run_applies_the_wheel_s_law_and_coulomb_s() {
     assert!(lacking > 2e-6 && lacking < 60e-6, "{lacking}");
 }
 
-/// The arm starts at rest in contact: the force begins without a jump and follows what the lead-in asks of the arm.
+/// The arm starts at rest in contact: the force begins without a jump and follows what the lead-in
+/// asks of the arm.
 #[test]
 fn the_start_is_at_rest() {
     let recording = run(&[("precession.turn_rpm", "1")]);
@@ -50,8 +51,8 @@ fn the_start_is_at_rest() {
     assert!(change(0..100) < 2e-2, "{}", change(0..100));
 }
 
-/// Preston: the volume on the grid is the integral of the patch, on any grid; the volume is `k_p ∫ F v dt`, v the mean sliding over
-/// the patch, between that of the middle and 1.2 times it.
+/// Preston: the volume on the grid is the integral of the patch, on any grid; the volume is
+/// `k_p ∫ F v dt`, v the mean sliding over the patch, between that of the middle and 1.2 times it.
 #[test]
 fn verify_removed_volume_is_prestons_integral_on_two_grids() {
     let volumes = ["0.5", "1.0"].map(|cell| {
@@ -71,8 +72,9 @@ fn verify_removed_volume_is_prestons_integral_on_two_grids() {
     assert!((volumes[0] / volumes[1] - 1.0).abs() < 1e-6);
 }
 
-/// The middle of the wheel runs around the spin axis: the part along the normal is `e sin θ` at spin frequency. At 40 Hz, between modes at 28
-/// and 62 Hz, the arm, some fifty times as stiff as the wheel, answers by a few percent of it.
+/// The middle of the wheel runs around the spin axis: the part along the normal is `e sin θ` at
+/// spin frequency. At 40 Hz, between modes at 28 and 62 Hz, the arm, some fifty times as stiff as
+/// the wheel, answers by a few percent of it.
 #[test]
 fn verify_eccentric_wheel_swings_the_penetration() {
     let hz = 40.0;

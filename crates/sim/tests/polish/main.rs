@@ -1,4 +1,5 @@
-//! Polishing a face with a wheel in precession, on the HP20 in rapier: forces, removal, edges, force control.
+//! Polishing a face with a wheel in precession, on the HP20 in rapier: forces, removal, edges,
+//! force control.
 
 mod edges;
 mod inside;

@@ -124,7 +124,8 @@ preston_per_pa = 4e-11
     )
 }
 
-/// The wheel of polishing scenarios, its raster's margins, and how the face smooths; the path's other keys go before it.
+/// The wheel of polishing scenarios, its raster's margins, and how the face smooths; the path's
+/// other keys go before it.
 pub const SOFT_WHEEL: &str = r#"
 inset_mm = 9
 corner_radius_mm = 2
@@ -149,7 +150,8 @@ damping_n_s_per_mm = 0.05
 stroke_mm = 2
 "#;
 
-/// A soft wheel, its axis leaning steadily and its force held by a sprung carrier, on the planar rig; it begins to follow a line.
+/// A soft wheel, its axis leaning steadily and its force held by a sprung carrier, on the planar
+/// rig; it begins to follow a line.
 pub fn polish() -> Scenario {
     scenario(&format!(
         r#"
@@ -210,7 +212,8 @@ dose_j_per_mm2 = 0.5
     Scenario::from_str(&at, text, overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A brush on the mould block, led along a file of taught postures, in rapier; with overrides of whole keys.
+/// A brush on the mould block, led along a file of taught postures, in rapier; with overrides of
+/// whole keys.
 pub fn brush(taught: &str, overrides: &[(String, String)]) -> Scenario {
     let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/brush/scenario.toml");
     let text = format!(

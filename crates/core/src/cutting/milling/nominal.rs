@@ -141,8 +141,8 @@ mod tests {
     }
 
     /// The average as printed: F̄x = N b c/8π [K_tc cos 2φ − K_rc (2φ − sin 2φ)] + N b/2π [−K_te
-    /// sin φ + K_re cos φ], F̄y = N b c/8π [K_tc (2φ − sin 2φ) + K_rc cos 2φ] − N b/2π [K_te cos φ +
-    /// K_re sin φ], F̄z = N b/2π [−K_ac c cos φ + K_ae φ].
+    /// sin φ + K_re cos φ], F̄y = N b c/8π [K_tc (2φ − sin 2φ) + K_rc cos 2φ] − N b/2π [K_te cos φ
+    /// + K_re sin φ], F̄z = N b/2π [−K_ac c cos φ + K_ae φ].
     fn printed(cut: &NominalCut) -> Vector3<f64> {
         let k = &cut.coefficients;
         let (b, c, n) = (

@@ -51,8 +51,8 @@ fn verify_damped_end_effector_comes_to_rest_at_the_balance_of_forces() {
     assert_eq!(s.offset_m, 15e-3);
 }
 
-/// Between its own spring and a contact's nothing damps it, and no step drives it, up to 1/ω: after thirty swings it comes as far as at
-/// first.
+/// Between its own spring and a contact's nothing damps it, and no step drives it, up to 1/ω: after
+/// thirty swings it comes as far as at first.
 #[test]
 fn verify_a_mass_on_a_contact_keeps_its_swing() {
     let contact = 2e5;
@@ -131,7 +131,8 @@ fn verify_a_lifted_carrier_rests_where_it_is_left_alone() {
     assert!(soft(0.0, 0.0).lifted_m().is_finite());
 }
 
-/// A mass on a spring under dry friction loses `2 F/k` of its amplitude in every half swing and stops within `F/k` of rest.
+/// A mass on a spring under dry friction loses `2 F/k` of its amplitude in every half swing and
+/// stops within `F/k` of rest.
 #[test]
 fn verify_a_rubbing_carrier_loses_the_same_amplitude_in_every_half_swing() {
     let (k, friction) = (5e3, 4.0);
@@ -166,7 +167,8 @@ fn verify_a_rubbing_carrier_loses_the_same_amplitude_in_every_half_swing() {
     assert!((s.friction_n - k * s.offset_m).abs() < 1e-9);
 }
 
-/// What lacks less than the stiction is not made up for; beyond it the error that stays is the stiction.
+/// What lacks less than the stiction is not made up for; beyond it the error that stays is the
+/// stiction.
 #[test]
 fn verify_a_sticking_control_leaves_its_stiction_as_an_error() {
     let law = ForceControl::ConstantForce {

@@ -5,8 +5,8 @@ use crate::plant::combined;
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 use truecut_arm::{FrameId, JointKind};
 
-/// Part of that by which the new linearisation lies ahead; short of one, so that a vibrating joint does not
-/// call for the next one at once.
+/// Part of that by which the new linearisation lies ahead; short of one, so that a vibrating joint
+/// does not call for the next one at once.
 const LEAD: f64 = 0.8;
 
 impl ReducedPlant {
@@ -47,8 +47,9 @@ impl ReducedPlant {
         }
     }
 
-    /// Linearises a travelling arm anew where it has turned too far from its linearisation: about a posture
-    /// ahead, so that what mass and recurrence err by before it makes up for what they err by behind it.
+    /// Linearises a travelling arm anew where it has turned too far from its linearisation: about a
+    /// posture ahead, so that what mass and recurrence err by before it makes up for what they err
+    /// by behind it.
     pub(super) fn renew(&mut self) {
         let (mut turned, mut fastest) = (0.0f64, 0.0f64);
         for (i, joint) in self.arm.robot.chain.joints.iter().enumerate() {
@@ -63,7 +64,8 @@ impl ReducedPlant {
         let ahead_s = LEAD * RENEWAL_RAD / fastest.max(f64::MIN_POSITIVE);
         let joints = self.joints.position.iter().zip(&self.joints.velocity);
         let posture: Vec<f64> = joints.map(|(q, v)| q + v * ahead_s).collect();
-        // Only a state that has already left the numbers has no linearisation; the guard will say so.
+        // Only a state that has already left the numbers has no linearisation; the guard will say
+        // so.
         if let Some(linear) = self.arm.about(&posture) {
             self.linear = linear;
         }

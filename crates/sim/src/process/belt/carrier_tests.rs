@@ -25,8 +25,8 @@ fn compliant(preload_n: f64, damping_n_s_per_m: f64) -> ForceControl {
     }
 }
 
-/// The process with a carrier, run over a plane with the tool so deep in it, m, and so fast towards it, m/s. `see` is given the loads on the
-/// tool and the process after each step.
+/// The process with a carrier, run over a plane with the tool so deep in it, m, and so fast towards
+/// it, m/s. `see` is given the loads on the tool and the process after each step.
 fn run_pressed(
     control: ForceControl,
     steps: usize,
@@ -54,8 +54,9 @@ fn run_pressed(
     }
 }
 
-/// Whatever the path's depth, the force comes to what is asked; a face that comes closer at a steady speed w presses by `c w` more, which is what drives
-/// the carrier back. The tool is pushed by all of it.
+/// Whatever the path's depth, the force comes to what is asked; a face that comes closer at a
+/// steady speed w presses by `c w` more, which is what drives the carrier back. The tool is pushed
+/// by all of it.
 #[test]
 fn verify_a_held_force_does_not_depend_on_the_path() {
     for depth_m in [-0.4e-3, 0.0, DEPTH_M, 0.9e-3] {
@@ -65,7 +66,7 @@ fn verify_a_held_force_does_not_depend_on_the_path() {
             4000,
             |_| (depth_m, 0.0),
             |_, on_tool, belt| {
-                last = (belt.last.normal_n, on_tool.force_n.z);
+                last = (belt.last.contact.normal_n, on_tool.force_n.z);
             },
         );
         assert!((last.0 - 30.0).abs() < 1e-6, "{depth_m}: {}", last.0);
@@ -77,7 +78,7 @@ fn verify_a_held_force_does_not_depend_on_the_path() {
         CONSTANT,
         8000,
         |t| (w * t - 0.5e-3, w),
-        |_, _, belt| last = belt.last.normal_n,
+        |_, _, belt| last = belt.last.contact.normal_n,
     );
     // The slope of the force grows a little with what the carrier has not yet made up for.
     assert!((last - 30.0 - 2000.0 * w).abs() < 0.01, "{last}");
@@ -91,8 +92,9 @@ fn verify_a_compliant_carrier_swings_on_both_springs() {
     let h = 1e-3 * DEPTH_M;
     let contact = (force(DEPTH_M + h) - force(DEPTH_M - h)) / (2.0 * h);
     let expected_hz = ((2e3 + contact) / 1.5).sqrt() / TAU;
-    // A little less than what the path alone presses with: it begins a little off its balance, and nothing damps it. The contact is softer
-    // where it presses less, which takes 2e-3 off the frequency.
+    // A little less than what the path alone presses with: it begins a little off its balance, and
+    // nothing damps it. The contact is softer where it presses less, which takes 2e-3 off the
+    // frequency.
     let preload_n = 0.99 * force(DEPTH_M);
     let rest_m = (preload_n - force(DEPTH_M)) / (2e3 + contact);
     let (mut crossings, mut before) = (Vec::new(), 0.0);
@@ -111,7 +113,8 @@ fn verify_a_compliant_carrier_swings_on_both_springs() {
         (found_hz / expected_hz - 1.0).abs() < 4e-3,
         "{found_hz} {expected_hz}"
     );
-    // Damped it comes to rest, and its spring gives the tool what the contact gives the wheel; friction passes across the carrier.
+    // Damped it comes to rest, and its spring gives the tool what the contact gives the wheel;
+    // friction passes across the carrier.
     let (mut end, mut on_tool) = (0.0, Vector3::zeros());
     let damped = compliant(preload_n, 60.0);
     run_pressed(damped, 8000, still, |_, wrench, belt| {
@@ -128,7 +131,8 @@ fn verify_a_compliant_carrier_swings_on_both_springs() {
     );
 }
 
-/// Lifted, a carrier goes to the end of its stroke; pressed beyond the other end it is a rigid wheel.
+/// Lifted, a carrier goes to the end of its stroke; pressed beyond the other end it is a rigid
+/// wheel.
 #[test]
 fn verify_stops_end_the_stroke() {
     for control in [CONSTANT, compliant(30.0, 0.0)] {

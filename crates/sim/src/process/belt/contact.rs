@@ -1,9 +1,10 @@
 //! Wheel and face at one instant: narrow line patches side by side along the wheel's axis.
 //!
-//! A straight wheel does not touch a curved face over its whole width. It is cut into strips, each a line patch of its own with the
-//! indentation and the curvature of its section; they are as wide on the face as the face leans along the axis. A strip's force stands along
-//! the normal of the face, so that the sum is the derivative of the strips' energies: no work is gained on a closed way.
-//! Strips do not hold one another: the rubber's stiffness along the axis is left out.
+//! A straight wheel does not touch a curved face over its whole width. It is cut into strips, each
+//! a line patch of its own with the indentation and the curvature of its section; they are as wide
+//! on the face as the face leans along the axis. A strip's force stands along the normal of the
+//! face, so that the sum is the derivative of the strips' energies: no work is gained on a closed
+//! way. Strips do not hold one another: the rubber's stiffness along the axis is left out.
 
 use super::geometry::{FaceGeometry, Section};
 use super::{BeltSetup, RULES};
@@ -17,14 +18,15 @@ use truecut_core::wheel::patch::{EdgePoint, Patch, PatchLoads, Sliding};
 /// Strips of a wheel.
 pub(super) const STRIPS: usize = 9;
 const MIDDLE: usize = STRIPS / 2;
-/// Largest relative radius of wheel and section, wheel radii: where a section is as hollow as the wheel is round, or more, the
-/// patch would have no end. The planner refuses lines there.
+/// Largest relative radius of wheel and section, wheel radii: where a section is as hollow as the
+/// wheel is round, or more, the patch would have no end. The planner refuses lines there.
 const LARGEST_RELATIVE_RADIUS: f64 = 100.0;
 
 /// What a strip may overhang by as if it did not, of its size.
 const FLUSH: f64 = 1e-9;
 
-/// A strip that touches, in the patch's frame. Its own frame: x across the wheel's axis, y along it, z the normal of the face.
+/// A strip that touches, in the patch's frame. Its own frame: x across the wheel's axis, y along
+/// it, z the normal of the face.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Strip {
     /// Which one of [`STRIPS`].
@@ -52,13 +54,13 @@ pub(super) struct Motion {
 }
 
 /// Wheel and face at one instant.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct BeltContact {
     /// Which copy of the face.
     pub copy: usize,
     pub strips: Vec<Strip>,
-    /// Nearest point under the wheel's middle, and how far the undeformed wheel reaches in there (negative: how far it is off); none
-    /// far from the face.
+    /// Nearest point under the wheel's middle, and how far the undeformed wheel reaches in there
+    /// (negative: how far it is off); none far from the face.
     pub middle: Option<([f64; 2], f64)>,
     pub normal_n: f64,
     pub edge_n: f64,
@@ -76,8 +78,9 @@ pub(super) struct BeltContact {
 }
 
 impl BeltContact {
-    /// `seed` is a copy and the parameters under the wheel's middle a little before; without it the face's samples are searched.
-    /// `edges` is given the reactions along borders of the face, with the strip that they belong to.
+    /// `seed` is a copy and the parameters under the wheel's middle a little before; without it the
+    /// face's samples are searched. `edges` is given the reactions along borders of the face, with
+    /// the strip that they belong to.
     pub fn of(
         setup: &BeltSetup,
         face: &FaceGeometry,
@@ -130,14 +133,7 @@ impl BeltContact {
             copy,
             forward,
             strips: Vec::with_capacity(STRIPS),
-            middle: None,
-            normal_n: 0.0,
-            edge_n: 0.0,
-            friction_n: Vector2::zeros(),
-            sliding_w: 0.0,
-            width_m: 0.0,
-            force_n: Vector3::zeros(),
-            moment_n_m: Vector3::zeros(),
+            ..Self::default()
         }
     }
 
@@ -167,8 +163,8 @@ impl BeltContact {
     }
 }
 
-/// Where the strips' sections are nearest to the face, from the middle outwards, each sought where the ones before point to; failing that
-/// anew among the face's samples.
+/// Where the strips' sections are nearest to the face, from the middle outwards, each sought where
+/// the ones before point to; failing that anew among the face's samples.
 fn sections(
     face: &FaceGeometry,
     centre: &Point3<f64>,
@@ -268,7 +264,8 @@ impl Press<'_> {
         Some(strip)
     }
 
-    /// Motion of the belt over the face: it runs along the tool's x axis, against x of the strip, and goes with the tool.
+    /// Motion of the belt over the face: it runs along the tool's x axis, against x of the strip,
+    /// and goes with the tool.
     fn sliding(&self, section: &Section, x: &Vector3<f64>, y: &Vector3<f64>, lean: f64) -> Sliding {
         let motion = self.motion;
         let lever = section.point_m.coords - motion.patch_from_wheel.translation.vector;
@@ -285,8 +282,8 @@ impl Press<'_> {
         }
     }
 
-    /// The face's borders as the strip sees them, parameters straightened out about its nearest point: without borders if none is in reach,
-    /// `None` if the strip is beyond one.
+    /// The face's borders as the strip sees them, parameters straightened out about its nearest
+    /// point: without borders if none is in reach, `None` if the strip is beyond one.
     fn borders(&self, strip: &Strip) -> Option<Face> {
         let domain = self.face.domain();
         let window_m = strip.patch.window_m();

@@ -1,9 +1,10 @@
 //! Where a wheel's sections meet the face: nearest points of a patch, found anew in every step.
 //!
-//! A strip of the wheel lies in the plane across its axis through the strip's middle. The face's section with that plane is nearest to the
-//! axis where `(r - c)·a = 0` and `(r - c)·(N × a) = 0`, N = r_u × r_v, c on the axis a. Newton's iteration with the patch's own
-//! derivatives takes two or three steps. Beyond the patch's borders the surface goes on as its Taylor polynomial of second order, so that a wheel
-//! that overhangs has a nearest point, too, and the border a place.
+//! A strip of the wheel lies in the plane across its axis through the strip's middle. The face's
+//! section with that plane is nearest to the axis where `(r - c)·a = 0` and `(r - c)·(N × a) = 0`,
+//! N = r_u × r_v, c on the axis a. Newton's iteration with the patch's own derivatives takes two or
+//! three steps. Beyond the patch's borders the surface goes on as its Taylor polynomial of second
+//! order, so that a wheel that overhangs has a nearest point, too, and the border a place.
 
 use nalgebra::{Matrix2, Point3, Unit, Vector2, Vector3};
 use std::sync::Arc;
@@ -118,7 +119,8 @@ impl FaceGeometry {
         jet
     }
 
-    /// The section through `centre_m` across `axis`, sought from `seed`; none if there is no nearest point in reach.
+    /// The section through `centre_m` across `axis`, sought from `seed`; none if there is no
+    /// nearest point in reach.
     pub fn section(
         &self,
         centre_m: &Point3<f64>,
@@ -222,8 +224,9 @@ mod tests {
         FaceGeometry::new(Arc::new(PatchFile::load(&folder.join(name)).unwrap()))
     }
 
-    /// A wheel set over a place of the bumpy spoke along the normal finds that place, its curvature and its distance again; tilted and
-    /// shifted it finds a point that is square to section and axis.
+    /// A wheel set over a place of the bumpy spoke along the normal finds that place, its curvature
+    /// and its distance again; tilted and shifted it finds a point that is square to section and
+    /// axis.
     #[test]
     fn verify_nearest_points_on_the_spoke() {
         let face = asset("hub_spoke.toml");
@@ -247,7 +250,8 @@ mod tests {
         }
     }
 
-    /// Beyond the border the nearest point has parameters outside the domain; far above there is none to look at.
+    /// Beyond the border the nearest point has parameters outside the domain; far above there is
+    /// none to look at.
     #[test]
     fn a_wheel_beside_the_face_or_far_above_is_told() {
         let face = asset("mould_top.toml");

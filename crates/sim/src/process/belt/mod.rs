@@ -1,14 +1,18 @@
 //! A belt over a contact wheel finishes a freeform face.
 //!
-//! The tool frame stands in the wheel's centre, its y axis is the wheel's, z points into the face. Every step takes the pose and the
-//! motion of the tool as they are, deflection and rotation of the arm included. The wheel is cut into strips along its axis; each is nearest to
-//! the patch in its own section ([`geometry`]) and presses there as a line patch ([`contact`]): rubber on a hub under a belt of this tension
-//! ([`truecut_core::wheel::belt`]). Where no face is, beyond the patch's borders or its boundary, nothing presses; along borders across
-//! the belt's run the belt bends round the edge.
+//! The tool frame stands in the wheel's centre, its y axis is the wheel's, z points into the face.
+//! Every step takes the pose and the motion of the tool as they are, deflection and rotation of the
+//! arm included. The wheel is cut into strips along its axis; each is nearest to the patch in its
+//! own section ([`geometry`]) and presses there as a line patch ([`contact`]): rubber on a hub
+//! under a belt of this tension ([`truecut_core::wheel::belt`]). Where no face is, beyond the
+//! patch's borders or its boundary, nothing presses; along borders across the belt's run the belt
+//! bends round the edge.
 //!
-//! The belt slides over the face at its own speed, along the tool's x axis, and with the tool. Force and moment of all strips act on
-//! the tool: wheel, belt and its drive hang on the arm. A force control has a carrier between tool and wheel, which moves along the tool's z
-//! axis; what of the force lies along it reaches the tool through the carrier. Its mass counts as part of the tool.
+//! The belt slides over the face at its own speed, along the tool's x axis, and with the tool.
+//! Force and moment of all strips act on the tool: wheel, belt and its drive hang on the arm. A
+//! force control has a carrier between tool and wheel, which moves along the tool's z axis; what of
+//! the force lies along it reaches the tool through the carrier. Its mass counts as part of the
+//! tool.
 
 #[cfg(test)]
 mod carrier_tests;
@@ -28,7 +32,7 @@ use super::{ContactStiffness, Findings, Process, ToolState, slope_n_per_m};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use contact::{BeltContact, Motion, Strip};
 use geometry::FaceGeometry;
-use nalgebra::{Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use report::Watch;
 use std::f64::consts::TAU;
 use std::sync::{Arc, LazyLock};
@@ -66,7 +70,8 @@ pub struct BeltSetup {
     pub area_m2: Arc<Vec<f64>>,
     /// Which cells belong to the face.
     pub is_face: Arc<Vec<bool>>,
-    /// Least and greatest u, and v, between the outermost lines and short of their ends, where every pass is whole.
+    /// Least and greatest u, and v, between the outermost lines and short of their ends, where
+    /// every pass is whole.
     pub swept: [[f64; 2]; 2],
     /// How far the path reaches into the face.
     pub indentation_m: f64,
@@ -89,7 +94,8 @@ impl BeltSetup {
         self.belt_m_per_s / self.wheel.radius_m
     }
 
-    /// Motion of the wheel, which a carrier moves along the tool's z axis, in the frame of a copy's patch.
+    /// Motion of the wheel, which a carrier moves along the tool's z axis, in the frame of a copy's
+    /// patch.
     fn motion(&self, copy: usize, state: &ToolState, carrier: &Offset) -> Motion {
         let patch_from_world = self.copies[copy].world_from_patch.inverse();
         let turn = patch_from_world.rotation;
@@ -132,16 +138,13 @@ pub struct Belt {
 /// Reactions along borders, with the strip that they belong to.
 type Edges = Vec<(Strip, EdgePoint)>;
 
-/// Values of the last committed step.
-#[derive(Debug, Clone, Copy, Default)]
+/// The last committed step.
+#[derive(Debug, Clone, Default)]
 struct BeltStep {
-    copy: usize,
+    contact: BeltContact,
+    /// Place under the wheel's middle; far from the face that of the last one.
     uv: [f64; 2],
     indentation_m: f64,
-    normal_n: f64,
-    edge_n: f64,
-    friction_n: Vector2<f64>,
-    width_m: f64,
     carrier_m: f64,
     /// Process axes.
     force_on_tool_n: Vector3<f64>,
@@ -184,20 +187,20 @@ impl Belt {
 
     /// What is recorded of the step last committed.
     fn quantities(&self) -> [Quantity; 10] {
-        let (last, [u, v]) = (&self.last, self.last.uv);
+        let (last, contact, [u, v]) = (&self.last, &self.last.contact, self.last.uv);
         let removed_m3 = self.watch.preston_m3(&self.setup);
         [
-            Quantity::new("belt.normal_force", Unit::Newton, last.normal_n)
+            Quantity::new("belt.normal_force", Unit::Newton, contact.normal_n)
                 .text("Force with which the belt presses on the face, along its normals"),
-            Quantity::new("belt.edge_force", Unit::Newton, last.edge_n)
+            Quantity::new("belt.edge_force", Unit::Newton, contact.edge_n)
                 .text("Part of the normal force that acts along borders of the face"),
-            Quantity::new("belt.friction_run", Unit::Newton, last.friction_n.x)
+            Quantity::new("belt.friction_run", Unit::Newton, contact.friction_n.x)
                 .text("Friction on the face along the tool's x axis, the belt's run"),
-            Quantity::new("belt.friction_axis", Unit::Newton, last.friction_n.y)
+            Quantity::new("belt.friction_axis", Unit::Newton, contact.friction_n.y)
                 .text("Friction on the face along the wheel's axis"),
             Quantity::new("belt.penetration", Unit::Metre, last.indentation_m)
                 .text("How far the undeformed wheel reaches into the face in its middle; 0 when lifted"),
-            Quantity::new("belt.contact_width", Unit::Metre, last.width_m)
+            Quantity::new("belt.contact_width", Unit::Metre, contact.width_m)
                 .text("Width over which the wheel touches the face"),
             Quantity::new("belt.carrier_offset", Unit::Metre, last.carrier_m)
                 .text("How far the carrier of a force control stands out towards the face; 0 without one"),
@@ -246,21 +249,19 @@ impl Process for Belt {
         self.watch
             .step(&contact, control.is_at_stop(&self.carrier), dt_s);
         let (uv, indentation_m) = contact.middle.unwrap_or((self.last.uv, 0.0));
-        // Between steps a contact moves by less than any bump is wide; in the air the nearest place may be another one.
+        // Between steps a contact moves by less than any bump is wide; in the air the nearest place
+        // may be another one.
         let touched = contact.middle.is_some() && !contact.strips.is_empty();
         self.seed = touched.then_some((contact.copy, uv));
+        let carrier_m = self.carrier.offset_m;
+        self.carrier = control.step(&self.carrier, contact.pushed_n(), dt_s);
         self.last = BeltStep {
-            copy: contact.copy,
+            contact,
             uv,
             indentation_m: indentation_m.max(0.0),
-            normal_n: contact.normal_n,
-            edge_n: contact.edge_n,
-            friction_n: contact.friction_n,
-            width_m: contact.width_m,
-            carrier_m: self.carrier.offset_m,
+            carrier_m,
             force_on_tool_n: loads.wrenches[0].force_n,
         };
-        self.carrier = control.step(&self.carrier, contact.pushed_n(), dt_s);
     }
 
     fn record(&self, row: &mut Vec<f64>) {
@@ -301,7 +302,8 @@ impl Process for Belt {
         }]
     }
 
-    /// Of copies that the arm goes to, the first one's is drawn; a turntable brings all to where that is.
+    /// Of copies that the arm goes to, the first one's is drawn; a turntable brings all to where
+    /// that is.
     fn field(&self) -> Option<Field> {
         Some(report::field(&self.setup))
     }
@@ -311,7 +313,7 @@ impl Process for Belt {
         let brought = (p.copies)
             .iter()
             .all(|copy| copy.world_from_patch == p.copies[0].world_from_patch);
-        let drawn = if brought { self.last.copy } else { 0 };
+        let drawn = if brought { self.last.contact.copy } else { 0 };
         let depths = self.worn.get(drawn).map(|worn| worn.grid.removed_m());
         (depths.unwrap_or_default().iter())
             .map(|depth| *depth as f32)

@@ -1,4 +1,5 @@
-//! What a belt run ends with: force, removal and its evenness, roughness; and how the face is drawn.
+//! What a belt run ends with: force, removal and its evenness, roughness; and how the face is
+//! drawn.
 
 use super::BeltSetup;
 use super::contact::BeltContact;
@@ -203,7 +204,8 @@ fn roughness(swept: &Sums) -> [Quantity; 2] {
     ]
 }
 
-/// Mean depth of each row over the middle half of the first copy's columns, over the distance along v in the middle of u.
+/// Mean depth of each row over the middle half of the first copy's columns, over the distance along
+/// v in the middle of u.
 fn across(setup: &BeltSetup, worn: &Worn) -> Profile {
     let [columns, rows] = setup.cells.count;
     let place = |row: usize| {
@@ -226,7 +228,8 @@ fn across(setup: &BeltSetup, worn: &Worn) -> Profile {
     }
 }
 
-/// The face of the first copy as it is drawn: cells at their middles, in a frame that looks onto the middle of the face.
+/// The face of the first copy as it is drawn: cells at their middles, in a frame that looks onto
+/// the middle of the face.
 pub(super) fn field(setup: &BeltSetup) -> Field {
     let domain = setup.patch.surface.domain();
     let jet = (setup.patch.surface).jet(

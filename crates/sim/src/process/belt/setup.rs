@@ -101,7 +101,8 @@ fn check_cells(spec: &BeltSpec, cells: &Cells) -> Result<(), SimError> {
     ))
 }
 
-/// Preston's law for the job's line load over all lines, spread over the face: `k_p v F L / (v_f A)`.
+/// Preston's law for the job's line load over all lines, spread over the face:
+/// `k_p v F L / (v_f A)`.
 fn expected_depth_m(spec: &BeltSpec, path: &BeltLines, face_m2: f64) -> f64 {
     let length_m: f64 = (path.lines.lines.iter())
         .flat_map(|line| line.windows(2))
@@ -112,7 +113,8 @@ fn expected_depth_m(spec: &BeltSpec, path: &BeltLines, face_m2: f64) -> f64 {
     spec.abrasive.preston_per_pa * spec.belt_m_per_s.abs() * force_n * time_s / face_m2
 }
 
-/// Parameters between the outermost lines and their ends, twice the half-width of the contact line short of these: there a pass is whole.
+/// Parameters between the outermost lines and their ends, twice the half-width of the contact line
+/// short of these: there a pass is whole.
 fn swept(path: &BeltLines) -> [[f64; 2]; 2] {
     let inner = path.lines.lines.iter().flat_map(|line| {
         let ends = [line.first(), line.last()];

@@ -94,8 +94,8 @@ impl Worn {
         }
     }
 
-    /// Gives a step's dose of the strips that touch: that of borders at once, the rest when a strip has moved far enough or left the
-    /// face.
+    /// Gives a step's dose of the strips that touch: that of borders at once, the rest when a strip
+    /// has moved far enough or left the face.
     pub fn grind(
         &mut self,
         setup: &BeltSetup,
@@ -134,8 +134,8 @@ impl Worn {
         }
     }
 
-    /// Spreads the pending removal of a strip. A cell that the strip covers in part along the wheel's axis takes that part: strips meet within
-    /// cells, and the depth must not show where.
+    /// Spreads the pending removal of a strip. A cell that the strip covers in part along the
+    /// wheel's axis takes that part: strips meet within cells, and the depth must not show where.
     fn settle(&mut self, setup: &BeltSetup, index: usize) {
         let Some(dose) = self.pending[index].take() else {
             return;

@@ -54,7 +54,8 @@ fn setup(surface: Box<dyn Surface + Send>, wheel: BeltWheel) -> BeltSetup {
     }
 }
 
-/// Where the tool stands with the wheel's axis along `axis` (tangent) and its centre at this height over (u, v), shifted.
+/// Where the tool stands with the wheel's axis along `axis` (tangent) and its centre at this height
+/// over (u, v), shifted.
 pub(super) fn held(
     setup: &BeltSetup,
     uv: [f64; 2],
@@ -88,8 +89,8 @@ pub(super) fn plane(wheel: BeltWheel) -> BeltSetup {
     )
 }
 
-/// Strips on a plane are one wheel: force, friction along the run, and a moment about the wheel's centre that the friction makes at the
-/// lever of the radius less the indentation.
+/// Strips on a plane are one wheel: force, friction along the run, and a moment about the wheel's
+/// centre that the friction makes at the lever of the radius less the indentation.
 #[test]
 fn verify_strips_on_a_plane_are_one_wheel() {
     let taut = BeltWheel {
@@ -109,7 +110,8 @@ fn verify_strips_on_a_plane_are_one_wheel() {
             found.normal_n
         );
         assert!((found.force_n.z - found.normal_n).abs() < 1e-12);
-        // y along the axis, z into the face: the tool's x, along which the belt runs, is -x of the plane
+        // y along the axis, z into the face: the tool's x, along which the belt runs, is -x of the
+        // plane
         assert!((found.friction_n.x / (0.3 * expected) - 1.0).abs() < 1e-4);
         assert!((found.force_n.x / (0.3 * expected) - 1.0).abs() < 1e-4);
         assert!((found.moment_n_m.y / (-0.3 * expected * (wheel.radius_m - d)) - 1.0).abs() < 1e-3);
@@ -118,7 +120,8 @@ fn verify_strips_on_a_plane_are_one_wheel() {
     }
 }
 
-/// Half beyond a border along the run, and half beyond one across it: a slack belt presses with half of its force.
+/// Half beyond a border along the run, and half beyond one across it: a slack belt presses with
+/// half of its force.
 #[test]
 fn verify_half_a_wheel_presses_with_half_of_its_force() {
     let setup = plane(WHEEL);
@@ -143,8 +146,8 @@ fn verify_half_a_wheel_presses_with_half_of_its_force() {
     assert_eq!(contact(&setup, &lifted).normal_n, 0.0);
 }
 
-/// A wheel across a round bar touches over the part of its width in which the bar rises to it: the force is the line load at each
-/// section's indentation, summed over the width.
+/// A wheel across a round bar touches over the part of its width in which the bar rises to it: the
+/// force is the line load at each section's indentation, summed over the width.
 #[test]
 fn verify_edge_gap_leaves_the_wheel_s_edges_off_a_round_bar() {
     let bar = 60e-3;
@@ -180,8 +183,8 @@ fn verify_edge_gap_leaves_the_wheel_s_edges_off_a_round_bar() {
     }
 }
 
-/// The slack contact is a spring: what it does on a closed way of the wheel over a bar is nothing. The way leads down, along the wheel's own
-/// axis, up and back.
+/// The slack contact is a spring: what it does on a closed way of the wheel over a bar is nothing.
+/// The way leads down, along the wheel's own axis, up and back.
 #[test]
 fn verify_no_work_on_a_closed_way() {
     let (axis, zero) = (
@@ -231,8 +234,8 @@ fn verify_areas_of_cells() {
     assert!((round / (2.0 * 60e-3 * 0.2) - 1.0).abs() < 1e-12);
 }
 
-/// A pass of the wheel straight over a plane leaves `k_p v F'/v_f` under its whole width, also where strips meet, whatever the size of the cells
-/// beside that of a strip.
+/// A pass of the wheel straight over a plane leaves `k_p v F'/v_f` under its whole width, also
+/// where strips meet, whatever the size of the cells beside that of a strip.
 #[test]
 fn verify_a_pass_leaves_an_even_depth() {
     for cell_m in [1e-3, 0.7e-3] {
@@ -272,7 +275,8 @@ fn verify_a_pass_leaves_an_even_depth() {
     }
 }
 
-/// In the frame of a copy that stands elsewhere the contact is the same; the force is turned with the face.
+/// In the frame of a copy that stands elsewhere the contact is the same; the force is turned with
+/// the face.
 #[test]
 fn a_copy_elsewhere_is_the_same_contact() {
     let mut setup = plane(WHEEL);

@@ -1,9 +1,11 @@
 //! Brush and workpiece at one instant, bristle by bristle.
 //!
-//! The brush is looked at in rows along its axis ([`super::rows`]). In each, the workpiece is a polygon ([`super::section`]); a bristle that would reach to the radius is
-//! held at the first side that it meets, and presses along itself with the force of its law ([`truecut_core::wheel::brush`]). Friction acts
-//! square to it, against the sliding of its tip. So a bristle is taken also where a face stands askew to it, at an edge: its law is one of a
-//! tip that is pressed back along the bristle.
+//! The brush is looked at in rows along its axis ([`super::rows`]). In each, the workpiece is a
+//! polygon ([`super::section`]); a bristle that would reach to the radius is held at the first side
+//! that it meets, and presses along itself with the force of its law
+//! ([`truecut_core::wheel::brush`]). Friction acts square to it, against the sliding of its tip. So
+//! a bristle is taken also where a face stands askew to it, at an edge: its law is one of a tip
+//! that is pressed back along the bristle.
 
 use super::rows::{BristleRow, Corners, SLICES, Sections, is_in_reach};
 use super::section::Side;
@@ -13,7 +15,8 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use std::f64::consts::TAU;
 use truecut_core::wheel::brush::Brush;
 
-/// An edge is reached over a face that stands by this sine at least to the bristles: along a face that runs with them no tip slides.
+/// An edge is reached over a face that stands by this sine at least to the bristles: along a face
+/// that runs with them no tip slides.
 const LEAST_FACING: f64 = 0.1;
 /// A tip that slides more slowly has no direction, m/s.
 const LEAST_SPEED_M_PER_S: f64 = 1e-9;

@@ -1,10 +1,13 @@
 //! A wheel brush deburrs edges of a mesh.
 //!
-//! The tool frame stands in the brush's centre, its y axis is the brush's, about which it turns right-handed. Every step takes pose and motion of the
-//! tool as they are, deflection and rotation of the arm included; bristles press where they meet the workpiece ([`contact`]), and what they
-//! do to its edges follows from the dose that each place of them has had ([`truecut_core::wheel::edge_wear`]).
+//! The tool frame stands in the brush's centre, its y axis is the brush's, about which it turns
+//! right-handed. Every step takes pose and motion of the tool as they are, deflection and rotation
+//! of the arm included; bristles press where they meet the workpiece ([`contact`]), and what they
+//! do to its edges follows from the dose that each place of them has had
+//! ([`truecut_core::wheel::edge_wear`]).
 //!
-//! Burr and radius are small beside the bristles and do not act back on their forces. What brushing takes off the faces is not counted.
+//! Burr and radius are small beside the bristles and do not act back on their forces. What brushing
+//! takes off the faces is not counted.
 
 mod contact;
 mod report;
@@ -83,21 +86,10 @@ pub struct BrushProcess {
     /// `∫ ρ n v dt` of each station, J/m².
     dose_j_per_m2: Vec<f64>,
     watch: Watch,
-    last: BrushStep,
+    /// The contact of the last committed step, and its force on the tool in process axes, N.
+    last: (BrushContact, Vector3<f64>),
     /// The contact state that the loads of this step were computed from.
     contact_state: StepCache<BrushContact>,
-}
-
-/// Values of the last committed step.
-#[derive(Debug, Clone, Copy, Default)]
-struct BrushStep {
-    bristle_n: f64,
-    friction_n: f64,
-    power_w: f64,
-    shortening_m: f64,
-    edge_m: f64,
-    /// Process axes.
-    force_on_tool_n: Vector3<f64>,
 }
 
 impl BrushProcess {
@@ -105,7 +97,7 @@ impl BrushProcess {
         Self {
             dose_j_per_m2: vec![0.0; setup.stations.len()],
             watch: Watch::default(),
-            last: BrushStep::default(),
+            last: Default::default(),
             contact_state: StepCache::default(),
             setup,
         }
@@ -115,30 +107,17 @@ impl BrushProcess {
         self.setup.process_from_world * (state.world_from_tool.rotation * in_tool)
     }
 
-    /// Section taken off the edges so far, all of them, m³.
-    fn removed_m3(&self) -> f64 {
-        let stations = self.setup.stations.iter().zip(&self.dose_j_per_m2);
-        stations
-            .map(|(station, dose)| station.length_m * station.wear.removed_m2(*dose))
-            .sum()
-    }
-
-    /// Length of the edges on which a burr is left, m.
-    fn burred_m(&self) -> f64 {
-        let stations = self.setup.stations.iter().zip(&self.dose_j_per_m2);
-        let burred = stations.filter(|(station, dose)| station.wear.burr_left_m(**dose) > 0.0);
-        // A sum of nothing would be -0.
-        burred.fold(0.0, |sum, (station, _)| sum + station.length_m)
-    }
-
     /// What is recorded of the step last committed.
     fn quantities(&self) -> [Quantity; 7] {
-        let last = &self.last;
-        let (burred_m, removed_m3) = (self.burred_m(), self.removed_m3());
+        let last = &self.last.0;
+        let friction_n = last.friction_n.norm();
+        let (stations, dose) = (&self.setup.stations[..], &self.dose_j_per_m2[..]);
+        let burred_m = report::burred_m(stations, dose);
+        let removed_m3 = report::removed_m3(stations, dose);
         [
             Quantity::new("brush.bristle_force", Unit::Newton, last.bristle_n)
                 .text("Sum of the forces with which the bristles press, each along itself"),
-            Quantity::new("brush.friction_force", Unit::Newton, last.friction_n)
+            Quantity::new("brush.friction_force", Unit::Newton, friction_n)
                 .text("Friction of all tips together"),
             Quantity::new("brush.power", Unit::Watt, last.power_w)
                 .text("Power that friction takes"),
@@ -178,14 +157,8 @@ impl Process for BrushProcess {
             self.dose_j_per_m2[*station] += dose_w_per_m2 * dt_s;
         }
         self.watch.step(&contact, dt_s);
-        self.last = BrushStep {
-            bristle_n: contact.bristle_n,
-            friction_n: contact.friction_n.norm(),
-            power_w: contact.power_w,
-            shortening_m: contact.shortening_m,
-            edge_m: contact.edge_m,
-            force_on_tool_n: self.to_process(state, &contact.force_n),
-        };
+        let force_on_tool_n = self.to_process(state, &contact.force_n);
+        self.last = (contact, force_on_tool_n);
     }
 
     fn record(&self, row: &mut Vec<f64>) {
@@ -205,7 +178,8 @@ impl Process for BrushProcess {
         (!p.eccentricity.is_none()).then(|| p.spin_rad_s.abs() / TAU)
     }
 
-    /// Slope of the force over the depth on a flat face, where bristles are shortened by a twentieth.
+    /// Slope of the force over the depth on a flat face, where bristles are shortened by a
+    /// twentieth.
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         let p = &self.setup;
         let depth_m = 0.05 * p.brush.free_length_m;
@@ -231,6 +205,6 @@ impl Process for BrushProcess {
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
-        vec![("brush contact", Attachment::Tool, self.last.force_on_tool_n)]
+        vec![("brush contact", Attachment::Tool, self.last.1)]
     }
 }

@@ -39,6 +39,22 @@ impl Watch {
     }
 }
 
+/// Volume taken off the edges so far, m³.
+pub(super) fn removed_m3(stations: &[Station], dose_j_per_m2: &[f64]) -> f64 {
+    let stations = stations.iter().zip(dose_j_per_m2);
+    stations
+        .map(|(station, dose)| station.length_m * station.wear.removed_m2(*dose))
+        .sum()
+}
+
+/// Length of the edges on which a burr is left, m.
+pub(super) fn burred_m(stations: &[Station], dose_j_per_m2: &[f64]) -> f64 {
+    let stations = stations.iter().zip(dose_j_per_m2);
+    let burred = stations.filter(|(station, dose)| station.wear.burr_left_m(**dose) > 0.0);
+    // A sum of nothing would be -0.
+    burred.fold(0.0, |sum, (station, _)| sum + station.length_m)
+}
+
 /// What is left of an edge, weighed by length.
 #[derive(Debug, Clone, Copy)]
 struct Edges {
@@ -54,14 +70,13 @@ struct Edges {
 
 impl Edges {
     fn of(stations: &[Station], dose_j_per_m2: &[f64]) -> Self {
-        let each: Vec<[f64; 4]> = (stations.iter().zip(dose_j_per_m2))
+        let each: Vec<[f64; 3]> = (stations.iter().zip(dose_j_per_m2))
             .map(|(station, dose)| {
                 let wear = &station.wear;
                 [
                     station.length_m,
                     wear.burr_left_m(*dose),
                     wear.radius_m(*dose),
-                    wear.removed_m2(*dose),
                 ]
             })
             .collect();
@@ -69,17 +84,15 @@ impl Edges {
         let sum = |k: usize| each.iter().map(|one| one[0] * one[k]).sum::<f64>();
         let largest = |k: usize| each.iter().map(|one| one[k]).fold(0.0, f64::max);
         let least = |k: usize| each.iter().map(|one| one[k]).fold(f64::INFINITY, f64::min);
-        let burred = each.iter().filter(|[_, burr, ..]| *burr > 0.0);
         Self {
             length_m,
-            // A sum of nothing would be -0.
-            burred_m: burred.fold(0.0, |sum, [length, ..]| sum + length),
+            burred_m: burred_m(stations, dose_j_per_m2),
             burr_mean_m: sum(1) / length_m,
             burr_largest_m: largest(1),
             radius_mean_m: sum(2) / length_m,
             radius_least_m: least(2),
             radius_largest_m: largest(2),
-            removed_m3: sum(3),
+            removed_m3: removed_m3(stations, dose_j_per_m2),
         }
     }
 }

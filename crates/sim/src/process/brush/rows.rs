@@ -1,7 +1,9 @@
 //! Rows along a brush's axis in which the workpiece's section is looked at.
 //!
-//! Between corners of the workpiece its section changes smoothly along the axis. Where the same sides are met at both ends of such a stretch and in
-//! its middle, or where it is short, a few rows by Gauss's rule stand for it, two if they hardly change; elsewhere rows stand as close as slices of the brush.
+//! Between corners of the workpiece its section changes smoothly along the axis. Where the same
+//! sides are met at both ends of such a stretch and in its middle, or where it is short, a few rows
+//! by Gauss's rule stand for it, two if they hardly change; elsewhere rows stand as close as slices
+//! of the brush.
 
 use super::section::{Side, nearest_sides};
 use nalgebra::{Vector2, Vector3};
@@ -9,9 +11,11 @@ use truecut_core::wheel::quadrature::Quadrature;
 
 /// Slices of a brush.
 pub(super) const SLICES: usize = 128;
-/// How far within a stretch its ends are looked at, slices: the corners themselves are on the border. Corners nearer to each other are one.
+/// How far within a stretch its ends are looked at, slices: the corners themselves are on the
+/// border. Corners nearer to each other are one.
 const WITHIN: f64 = 1e-3;
-/// Stretches whose sides change by less are even enough for two rows: their sums are right to the third power of that.
+/// Stretches whose sides change by less are even enough for two rows: their sums are right to the
+/// third power of that.
 const EVEN: f64 = 0.01;
 /// A mesh with more corners under the brush is looked at slice by slice.
 const MOST_CORNERS: usize = SLICES / 8;
@@ -108,7 +112,8 @@ impl<'a> Sections<'a> {
         rows
     }
 
-    /// Where corners are between the brush's ends, in order; those nearer to each other or to an end than `apart_m` are one.
+    /// Where corners are between the brush's ends, in order; those nearer to each other or to an
+    /// end than `apart_m` are one.
     fn corners(&self, end_m: f64, apart_m: f64) -> Vec<f64> {
         let all = self.triangles.iter().flatten().map(|corner| corner.y);
         let mut corners: Vec<f64> = all.filter(|y| y.abs() < end_m - apart_m).collect();
@@ -209,7 +214,8 @@ mod tests {
     const RADIUS_M: f64 = 60e-3;
     const WIDTH_M: f64 = 20e-3;
 
-    /// A block of 100 x 60 x 20 mm whose long upper edge runs along y through the origin, faces down to +x and up to +z of it away.
+    /// A block of 100 x 60 x 20 mm whose long upper edge runs along y through the origin, faces
+    /// down to +x and up to +z of it away.
     fn block(tool_from_block: &Isometry3<f64>) -> Vec<Corners> {
         let corner = |i: usize| {
             let part = |bit: usize| ((i >> bit) & 1) as f64;
@@ -232,7 +238,8 @@ mod tests {
             .collect()
     }
 
-    /// Sum over all bristles of how much they are shortened, by rows and by 64 times as many slices.
+    /// Sum over all bristles of how much they are shortened, by rows and by 64 times as many
+    /// slices.
     fn sums(triangles: &[Corners]) -> [f64; 2] {
         let rule = Quadrature::new(8);
         let mut sections = Sections::new(triangles, RADIUS_M);
@@ -318,7 +325,8 @@ mod tests {
         assert!(count(&leaning) >= 8);
     }
 
-    /// A plate with a groove, meshed finely: its section is the same at the brush's ends and in its middle, not between.
+    /// A plate with a groove, meshed finely: its section is the same at the brush's ends and in its
+    /// middle, not between.
     #[test]
     fn a_fine_mesh_is_looked_at_slice_by_slice() {
         let height = |k: i32| RADIUS_M - if (10..14).contains(&k) { 1e-3 } else { 3e-3 };

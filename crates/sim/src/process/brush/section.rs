@@ -1,16 +1,18 @@
 //! The workpiece in a plane across the brush's axis, as the bristles see it: what each meets first.
 //!
-//! Angles turn from z to x, as the brush does that turns right-handed about y: `r = (sin φ, cos φ)` in (x, z).
+//! Angles turn from z to x, as the brush does that turns right-handed about y: `r = (sin φ, cos φ)`
+//! in (x, z).
 
 use std::f64::consts::{PI, TAU};
 
 /// Angles no further apart are one, but for rounding.
 const SAME_ANGLE_RAD: f64 = 1e-12;
-/// Lines whose distances differ by no more of themselves, and whose feet by no larger angle, are one.
+/// Lines whose distances differ by no more of themselves, and whose feet by no larger angle, are
+/// one.
 const SAME_LINE: f64 = 1e-9;
 
-/// A side of the section that faces the axis, over the angles at which it is within the brush's reach. Its distance along a bristle is
-/// `distance / cos(φ - foot)`.
+/// A side of the section that faces the axis, over the angles at which it is within the brush's
+/// reach. Its distance along a bristle is `distance / cos(φ - foot)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Side {
     pub from_rad: f64,
@@ -24,7 +26,8 @@ pub(super) struct Side {
 }
 
 impl Side {
-    /// A straight side of a triangle between two points (x, z), as far as it is within `reach_m` of the axis.
+    /// A straight side of a triangle between two points (x, z), as far as it is within `reach_m` of
+    /// the axis.
     pub fn new(triangle: usize, ends_m: [[f64; 2]; 2], reach_m: f64) -> Option<Side> {
         let [[px, pz], [qx, qz]] = ends_m;
         let (dx, dz) = (qx - px, qz - pz);
@@ -150,7 +153,8 @@ mod tests {
         assert!(half_face.from_rad.abs() < 1e-15);
     }
 
-    /// A step of 0.02 hides what lies behind it: the side behind begins where the bristle over the step's corner meets it.
+    /// A step of 0.02 hides what lies behind it: the side behind begins where the bristle over the
+    /// step's corner meets it.
     #[test]
     fn verify_what_is_nearer_hides_what_is_behind() {
         let near = Side::new(0, [[-1.0, 0.9], [0.1, 0.9]], 1.0).unwrap();

@@ -60,8 +60,9 @@ impl ChamferParameters {
         depth + e.depth_offset_m - recess + (hole + runout) / self.cut.chip.tan()
     }
 
-    /// Depth that the edges before it have left at this angle on a rigid arm, m. The edge ahead came by one
-    /// tooth period ago, but one that stands back may have left the surface of an earlier one.
+    /// Depth that the edges before it have left at this angle on a rigid arm, m. The edge ahead
+    /// came by one tooth period ago, but one that stands back may have left the surface of an
+    /// earlier one.
     fn previous_depth_m(&self, edge: usize, time_s: f64, towards: (f64, f64)) -> f64 {
         let schedule = &self.cut.schedule;
         let before = |count: usize| {
@@ -189,7 +190,8 @@ impl Chamfer {
         let angle_rad = p.edge_angle_rad(index, state.time_s);
         let (sin, cos) = angle_rad.sin_cos();
         let nominal = p.depth_m(index, state.time_s, (sin, cos));
-        // Backward the tool cuts the far rim while it is drawn back, so moving on along X takes it out.
+        // Backward the tool cuts the far rim while it is drawn back, so moving on along X takes it
+        // out.
         let axial = -p.cut.direction.axial_sign() * state.tool.displacement_m.x;
         let outward = state.tool.displacement_m.y * cos + state.tool.displacement_m.z * sin;
         let radial = outward / p.cut.chip.tan();

@@ -45,8 +45,8 @@ impl Chamfer {
             .chain(foot.into_iter().flat_map(Foot::quantities))
     }
 
-    /// Volume of the chamfer: at each angle a triangle of legs `d` and `d tanθ` that is swept along the rim
-    /// at the radius of its centroid, m³.
+    /// Volume of the chamfer: at each angle a triangle of legs `d` and `d tanθ` that is swept along
+    /// the rim at the radius of its centroid, m³.
     fn removed_volume_m3(&self, surface: &Rim) -> f64 {
         let p = &self.parameters;
         let tan = p.cut.chip.tan();

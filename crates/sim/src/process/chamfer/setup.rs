@@ -43,7 +43,8 @@ fn chamfer_parameters(
     ChamferParameters {
         effects: *cut,
         cut: ChamferSpec {
-            // A spindle that is off turns under a feed that is not: the feed per revolution changes.
+            // A spindle that is off turns under a feed that is not: the feed per revolution
+            // changes.
             schedule: FeedSchedule {
                 spindle_rad_s: spec.schedule.spindle_rad_s * cut.spindle_factor,
                 feed_m_per_rev: spec.schedule.feed_m_per_rev / cut.spindle_factor,

@@ -11,8 +11,9 @@ use truecut_core::friction::{EquivalentViscous, FootFriction, FrictionLaw};
 use truecut_core::pressure_foot::{FootForce, FootMemory, PressureFoot};
 use truecut_recording::Unit;
 
-/// The same friction times a factor, or falling with the speed. A law without friction stays without; the
-/// equivalent viscous law has no speed to fall with (both are refused where effects are read).
+/// The same friction times a factor, or falling with the speed. A law without friction stays
+/// without; the equivalent viscous law has no speed to fall with (both are refused where effects
+/// are read).
 pub(crate) fn with_effects(friction: FootFriction, effects: &FootEffects) -> FootFriction {
     let by = |mu: f64| mu * effects.friction_factor;
     let law = match friction {

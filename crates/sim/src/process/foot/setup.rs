@@ -9,7 +9,8 @@ use truecut_core::pressure_foot::{
 };
 use truecut_scenario::FootSpec;
 
-/// The foot at a pressure; `axial_n_per_m` is the arm's axial stiffness, for a foot given by its share.
+/// The foot at a pressure; `axial_n_per_m` is the arm's axial stiffness, for a foot given by its
+/// share.
 pub(crate) fn foot_spring(spec: &FootSpec, pressure_pa: f64, axial_n_per_m: f64) -> PressureFoot {
     let cylinders = Cylinders {
         pressure_pa,

@@ -3,7 +3,7 @@
 pub(crate) mod setup;
 
 use super::quantity::{self, Quantity};
-use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState};
+use super::{ContactStiffness, Foot, FootParameters, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
@@ -89,19 +89,11 @@ impl Process for Load {
         quantity::record(self.quantities(), row);
     }
 
-    fn finish(&mut self) -> Findings {
-        Findings::default()
-    }
-
     fn static_loads(&self) -> Loads {
         let mut loads = Loads::from(Wrench::force(Attachment::Tool, self.forces.release_n));
         let preload = self.foot.iter().map(Foot::touch_down_wrench);
         loads.wrenches.extend(preload);
         loads
-    }
-
-    fn duration_s(&self) -> Option<f64> {
-        None
     }
 
     fn highest_frequency_hz(&self) -> Option<f64> {

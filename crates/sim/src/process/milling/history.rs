@@ -29,8 +29,8 @@ pub(super) struct ForceSums {
     pub whole: (Vector3<f64>, Vector3<f64>, u64),
 }
 
-/// Steps between two samples, of so many in a tooth period: a whole part of them where they are a whole number, so that
-/// motions one tooth apart are compared sample by sample.
+/// Steps between two samples, of so many in a tooth period: a whole part of them where they are a
+/// whole number, so that motions one tooth apart are compared sample by sample.
 pub(super) fn stride(per_tooth: f64) -> usize {
     let longest = ((per_tooth / KEPT_PER_TOOTH) as usize).max(1);
     let whole = per_tooth.round();

@@ -1,9 +1,10 @@
 //! Peripheral milling along a straight line.
 //!
-//! The cut itself is [`MillingCut`]; this process moves it: it turns process axes into the milling frame, takes the feed
-//! off the motion so that what is left is the tool's deflection from its path, averages the force over each step (a
-//! tooth that enters in the middle of a step cuts for half of it), lets the cut begin (under way, through the face of the
-//! stock, or on a wedge) and keeps what is reported at the end.
+//! The cut itself is [`MillingCut`]; this process moves it: it turns process axes into the milling
+//! frame, takes the feed off the motion so that what is left is the tool's deflection from its
+//! path, averages the force over each step (a tooth that enters in the middle of a step cuts for
+//! half of it), lets the cut begin (under way, through the face of the stock, or on a wedge) and
+//! keeps what is reported at the end.
 
 mod history;
 mod report;
@@ -40,7 +41,8 @@ pub struct MillingSetup {
     pub process_from_milling: Rotation3<f64>,
     /// Force on the tool of the nominal cut, averaged over a revolution, milling frame, N.
     pub nominal_force_n: Vector3<f64>,
-    /// Force (N) and moment (N m) on a tool that rests in the cut, sunk or lifted by them, milling frame.
+    /// Force (N) and moment (N m) on a tool that rests in the cut, sunk or lifted by them, milling
+    /// frame.
     pub mean_load: (Vector3<f64>, Vector3<f64>),
     /// Deflection of the arm under it, milling frame, m.
     pub mean_deflection_m: Vector3<f64>,
@@ -49,8 +51,8 @@ pub struct MillingSetup {
     pub theory: MillingTheory,
 }
 
-/// What the averaged theories predict at the posture of the start; published beside the result. Depths in m, infinite if no
-/// depth is unstable; frequencies in Hz.
+/// What the averaged theories predict at the posture of the start; published beside the result.
+/// Depths in m, infinite if no depth is unstable; frequencies in Hz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MillingTheory {
     /// Teeth that meet the nominal surface.
@@ -65,6 +67,12 @@ impl MillingSetup {
     /// The wall that is looked at while the run goes on.
     fn wall(&self) -> Option<Wall> {
         self.finished_walls.first().copied()
+    }
+
+    /// A vector of the process frame in the milling frame.
+    fn in_milling(&self, in_process: &Vector3<f64>) -> Vector3<f64> {
+        self.process_from_milling
+            .inverse_transform_vector(in_process)
     }
 
     /// Distance along the path at a time, m.
@@ -165,12 +173,8 @@ impl Milling {
     fn deflection(&self, state: &ToolState) -> (Vector3<f64>, Vector3<f64>) {
         let s = &self.setup;
         let feed = Vector3::x() * s.spec.feed_m_per_s;
-        let moved = s
-            .process_from_milling
-            .inverse_transform_vector(&state.tool.displacement_m);
-        let rate = s
-            .process_from_milling
-            .inverse_transform_vector(&state.tool.velocity_m_per_s);
+        let moved = s.in_milling(&state.tool.displacement_m);
+        let rate = s.in_milling(&state.tool.velocity_m_per_s);
         (
             self.start_offset_m + moved - feed * state.time_s,
             rate - feed,
@@ -184,7 +188,8 @@ impl Milling {
         let time_s = state.time_s + ahead_s;
         let share = s.depth_share(s.distance_m(time_s));
         let mut displacement_m = deflection_m + rate * ahead_s;
-        // On the wedge the stock's face is lower, which for the edge is the same as a tool that stands higher.
+        // On the wedge the stock's face is lower, which for the edge is the same as a tool that
+        // stands higher.
         displacement_m.z += s.parameters.stock.top_m * (1.0 - share);
         if !s.parameters.regeneration {
             // The steady tool is deflected by its share of the force only.
@@ -246,9 +251,7 @@ impl Process for Milling {
     fn begin(&mut self, start: &Start) {
         self.step_s = start.time_step_s;
         let s = &self.setup;
-        self.start_offset_m = s
-            .process_from_milling
-            .inverse_transform_vector(&start.tool_offset_m);
+        self.start_offset_m = s.in_milling(&start.tool_offset_m);
         let mut parameters = s.parameters;
         parameters.steady_displacement_m = self.start_offset_m;
         if !s.starts_in_cut() && !parameters.regeneration {
@@ -287,10 +290,9 @@ impl Process for Milling {
 
     fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, _dt_s: f64) {
         let wrench = &loads.wrenches[0];
-        let axes = &self.setup.process_from_milling;
         let loads = MillingLoads {
-            force_on_tool_n: axes.inverse_transform_vector(&wrench.force_n),
-            moment_on_tool_n_m: axes.inverse_transform_vector(&wrench.moment_n_m),
+            force_on_tool_n: self.setup.in_milling(&wrench.force_n),
+            moment_on_tool_n_m: self.setup.in_milling(&wrench.moment_n_m),
             ..self.cut_at(state, 0.0)
         };
         let (deflection_m, rate) = self.deflection(state);

@@ -16,16 +16,17 @@ const AXES: [(&str, &str); 3] = [
     ("y", "across it"),
     ("z", "into the spindle"),
 ];
-/// Change of the deflection from one tooth to the next that still counts as small, as a part of the feed per tooth. It is what
-/// the chip sees of vibration where teeth meet their own surface; where they meet the nominal one the chip sees the deflection, and slow
-/// flutter is small for longer.
+/// Change of the deflection from one tooth to the next that still counts as small, as a part of the
+/// feed per tooth. It is what the chip sees of vibration where teeth meet their own surface; where
+/// they meet the nominal one the chip sees the deflection, and slow flutter is small for longer.
 pub(crate) fn linear_share(regeneration: bool) -> f64 {
     if regeneration { 0.05 } else { 0.15 }
 }
 
 /// Spectra reach to so many times the tooth-passing frequency.
 const SPECTRUM_TEETH: f64 = 3.0;
-/// Feed per revolution by which rays at the ends of a surface are left out: their neighbours are not all cut.
+/// Feed per revolution by which rays at the ends of a surface are left out: their neighbours are
+/// not all cut.
 const MARGIN_REVOLUTIONS: f64 = 2.0;
 
 /// What is recorded of a step: the cut, and of a pass that finishes a wall what is left on that.
@@ -202,7 +203,8 @@ fn forced_period_s(setup: &MillingSetup) -> f64 {
     setup.tooth_period_s() * teeth as f64
 }
 
-/// The highest line along x or y that stands apart from the harmonics of what is forced: frequency, Hz, and amplitude, m.
+/// The highest line along x or y that stands apart from the harmonics of what is forced: frequency,
+/// Hz, and amplitude, m.
 fn dominant_line(samples: &Samples<'_>, forced_hz: f64, highest_hz: f64) -> Option<(f64, f64)> {
     let mut best: Option<(f64, f64)> = None;
     for axis in 0..2 {

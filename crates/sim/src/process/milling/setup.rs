@@ -5,7 +5,7 @@ use crate::motion::straight;
 use crate::process::setup::Motion;
 use crate::process::{Milling, MillingSetup, MillingTheory, ProcessSetup, SetupContext};
 use crate::scene::shapes;
-use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3, stack};
 use std::f64::consts::PI;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
@@ -18,7 +18,8 @@ use truecut_scenario::MillingSpec;
 
 /// Edges with a helix are cut into slices that lag by no more than this, rad.
 const SLICE_LAG_RAD: f64 = 0.02;
-/// Revolutions that the surface is remembered for: a tooth that misses its cut for longer finds the oldest.
+/// Revolutions that the surface is remembered for: a tooth that misses its cut for longer finds the
+/// oldest.
 const REMEMBERED_REVOLUTIONS: usize = 2;
 /// Largest cosine between feed and tool axis.
 const LARGEST_COSINE: f64 = 1e-6;
@@ -57,16 +58,15 @@ fn milling(
         world_from_process.rotation.to_rotation_matrix() * process_from_milling;
     let mean_load = (cut.average_force_n(), cut.average_moment_n_m());
     let compliance = robot.cartesian_compliance(posture, FrameId::Tool, &Load::none())?;
-    let mut wrench = Vector6::zeros();
-    wrench
-        .fixed_rows_mut::<3>(0)
-        .copy_from(&(world_from_milling * mean_load.0));
-    wrench
-        .fixed_rows_mut::<3>(3)
-        .copy_from(&(world_from_milling * mean_load.1));
+    let (force_n, moment_n_m) = (
+        world_from_milling * mean_load.0,
+        world_from_milling * mean_load.1,
+    );
+    let wrench = stack![force_n; moment_n_m];
     let deflection: Vector3<f64> = (compliance * wrench).fixed_rows::<3>(0).into();
     let deflection = world_from_milling.inverse() * deflection;
-    // A tool that sinks by z under the force F cuts deeper: F (b - z)/b, of which z is the deflection.
+    // A tool that sinks by z under the force F cuts deeper: F (b - z)/b, of which z is the
+    // deflection.
     let deeper = 1.0 / (1.0 + deflection.z / cut.axial_depth_m).max(0.1);
     Ok(MillingSetup {
         parameters: parameters(spec),

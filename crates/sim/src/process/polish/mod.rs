@@ -1,13 +1,16 @@
 //! A soft wheel in precession polishes a rectangular face.
 //!
-//! The tool frame stands in the wheel's centre, its z axis is the spin axis and points towards the face. Every step takes the pose and
-//! the motion of the tool as they are, deflection and rotation of the arm included. The wheel is an inflated sphere about the tool
-//! point, shifted by its eccentricity, which turns with the spin, and by the carrier of a force control, which moves along the
-//! normal. How far it reaches into the plane of the face gives the patch ([`truecut_core::wheel::patch`]); what of it lies on the
-//! face presses, edges by their line reactions. The surface slides by `v_centre + Ω × r`, Ω the spin and the tool's own turning.
+//! The tool frame stands in the wheel's centre, its z axis is the spin axis and points towards the
+//! face. Every step takes the pose and the motion of the tool as they are, deflection and rotation
+//! of the arm included. The wheel is an inflated sphere about the tool point, shifted by its
+//! eccentricity, which turns with the spin, and by the carrier of a force control, which moves
+//! along the normal. How far it reaches into the plane of the face gives the patch
+//! ([`truecut_core::wheel::patch`]); what of it lies on the face presses, edges by their line
+//! reactions. The surface slides by `v_centre + Ω × r`, Ω the spin and the tool's own turning.
 //!
-//! Force and moment of patch, edges and friction act on the tool; the drive of the spindle holds its speed, so that the moment
-//! about the spin axis reaches the arm. The carrier's mass counts as part of the tool.
+//! Force and moment of patch, edges and friction act on the tool; the drive of the spindle holds
+//! its speed, so that the moment about the spin axis reaches the arm. The carrier's mass counts as
+//! part of the tool.
 
 mod channels;
 mod report;
@@ -119,7 +122,8 @@ impl Polish {
         (contact, edges)
     }
 
-    /// Place (m) and velocity (m/s) of the wheel's middle, face axes; the second place is the tool point.
+    /// Place (m) and velocity (m/s) of the wheel's middle, face axes; the second place is the tool
+    /// point.
     fn middle(&self, state: &ToolState) -> (Point3<f64>, Vector3<f64>, Point3<f64>) {
         let p = &self.setup;
         let into_face = p.world_from_face.inverse();
@@ -128,7 +132,8 @@ impl Polish {
         let mut velocity = into_face.rotation * velocity_in_world;
         let mut middle = tool;
         if p.spec.eccentricity_m > 0.0 {
-            // The tool's z axis points towards the face: a positive spin turns from its y axis to its x axis.
+            // The tool's z axis points towards the face: a positive spin turns from its y axis to
+            // its x axis.
             let angle = p.spec.eccentricity_angle_rad - p.spec.spin_rad_s * state.time_s;
             let (sine, cosine) = angle.sin_cos();
             let axes = into_face.rotation * state.world_from_tool.rotation;

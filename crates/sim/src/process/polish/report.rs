@@ -1,4 +1,5 @@
-//! What a polishing run ends with: vibration at edges and inside, removal at edges and inside, roughness.
+//! What a polishing run ends with: vibration at edges and inside, removal at edges and inside,
+//! roughness.
 
 use super::surface::Surface;
 use super::{PolishSetup, PolishStep};
@@ -11,13 +12,14 @@ use truecut_recording::{Profile, Unit};
 const WINDOW_S: f64 = 0.25;
 /// Windows that begin earlier belong to the lead-in, s.
 const SETTLED_S: f64 = 1.0;
-/// Windows in which the wheel leaves its line by more belong to the raster's corners, which shake the arm by themselves, m.
+/// Windows in which the wheel leaves its line by more belong to the raster's corners, which shake
+/// the arm by themselves, m.
 const STRAIGHT_M: f64 = 0.2e-3;
 /// Width of the band along edges whose depth is compared with the middle's, m.
 const BAND_M: f64 = 1e-3;
 
 /// What is watched while the run goes on.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Watch {
     /// Largest reach of the patch.
     reach_m: f64,
@@ -71,13 +73,7 @@ impl Watch {
         let d = setup.indentation_m;
         Self {
             reach_m: (d * (2.0 * setup.spec.wheel.radius_m - d)).sqrt(),
-            velocity_m_per_s: None,
-            time_s: 0.0,
-            window: Window::default(),
-            at_edges: Deviations::default(),
-            in_middle: Deviations::default(),
-            edge_n_s: 0.0,
-            inward_n_s: 0.0,
+            ..Self::default()
         }
     }
 

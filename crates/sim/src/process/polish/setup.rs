@@ -8,14 +8,14 @@ use crate::motion::polish::indentation_m;
 use crate::process::setup::{Departure, Motion};
 use crate::process::{Polish, PolishSetup, Process, ProcessSetup, SetupContext, ToolState};
 use crate::scene::shapes;
-use nalgebra::{Translation3, Vector3, Vector6};
+use nalgebra::{Translation3, Vector3, stack};
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::wheel::face::Face;
 use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_scenario::{PolishSpec, ProcessSpec};
 
-/// Rounds in which the force at rest and the arm's deflection under it are found; each gains the ratio of their stiffnesses,
-/// two digits or so.
+/// Rounds in which the force at rest and the arm's deflection under it are found; each gains the
+/// ratio of their stiffnesses, two digits or so.
 const ROUNDS: usize = 12;
 
 /// The process of a scenario along its path, and its workpiece.
@@ -59,7 +59,8 @@ fn polish(
     Ok(setup)
 }
 
-/// Preston's law for lines at their spacing: `k_p F v / (v_f s)`, v the sliding in the middle of the patch.
+/// Preston's law for lines at their spacing: `k_p F v / (v_f s)`, v the sliding in the middle of
+/// the patch.
 fn expected_depth_m(spec: &PolishSpec) -> Result<f64, SimError> {
     let depth_m = indentation_m(spec)?;
     let lever_m = (spec.wheel.radius_m - depth_m) * spec.tilt_rad.sin();
@@ -88,7 +89,8 @@ fn altered(spec: &PolishSpec, effects: &WheelEffects) -> PolishSpec {
     }
 }
 
-/// Distance of the wheel's middle from the spin axis, and its angle at the start from the tool's x axis towards its y axis.
+/// Distance of the wheel's middle from the spin axis, and its angle at the start from the tool's x
+/// axis towards its y axis.
 fn eccentricity(spec: &PolishSpec, effects: &WheelEffects) -> (f64, f64) {
     let [x, y] = effects.eccentricity_m;
     if [x, y] == [0.0; 2] {
@@ -111,9 +113,8 @@ fn resting(setup: &PolishSetup, robot: &Robot, from: &Departure) -> Result<Wrenc
     let turn = from.world_from_process.rotation;
     let mut wrench = setup.resting;
     for _ in 0..ROUNDS {
-        let mut load = Vector6::zeros();
-        (load.fixed_rows_mut::<3>(0)).copy_from(&(turn * wrench.force_n));
-        (load.fixed_rows_mut::<3>(3)).copy_from(&(turn * wrench.moment_n_m));
+        let (force_n, moment_n_m) = (turn * wrench.force_n, turn * wrench.moment_n_m);
+        let load = stack![force_n; moment_n_m];
         let deflection: Vector3<f64> = (compliance * load).fixed_rows::<3>(0).into();
         let state = ToolState {
             world_from_tool: Translation3::from(deflection) * undeflected,

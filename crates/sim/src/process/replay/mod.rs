@@ -3,7 +3,7 @@
 pub(crate) mod setup;
 
 use super::quantity::{self, Quantity};
-use super::{ContactStiffness, Findings, Process, ToolState};
+use super::{ContactStiffness, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::Vector3;
 use truecut_recording::{ChannelSpec, Unit};
@@ -93,16 +93,8 @@ impl Process for Replay {
         quantity::record(self.quantities(), row);
     }
 
-    fn finish(&mut self) -> Findings {
-        Findings::default()
-    }
-
     fn static_loads(&self) -> Loads {
         self.loads(0.0)
-    }
-
-    fn duration_s(&self) -> Option<f64> {
-        None
     }
 
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {

@@ -100,8 +100,8 @@ impl Process for Wheel {
     fn evaluate(&self, state: &ToolState) -> Loads {
         let contact = self.contact(state);
         let friction = self.friction_on_wheel_n(&contact);
-        // The tool frame sits at the contact; what the friction turns about the wheel's axis is borne by
-        // the spindle's drive and reaches the arm through the same frame.
+        // The tool frame sits at the contact; what the friction turns about the wheel's axis is
+        // borne by the spindle's drive and reaches the arm through the same frame.
         let force = Vector3::new(-contact.normal_n, friction, 0.0);
         Loads::from(Wrench::force(Attachment::Tool, force))
     }
