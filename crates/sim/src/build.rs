@@ -3,14 +3,14 @@
 use crate::command::JointCommand;
 use crate::effect::{self, Altered, Effects};
 use crate::error::SimError;
-use crate::loads::{Attachment, Wrench};
+use crate::loads::{Attachment, Wrench, stacked};
 use crate::plant::{Drive, JointLaw};
 use crate::posture::check_limits;
 use crate::process::{self, Process, SetupContext, Start};
 use crate::robots::Robots;
 use crate::scene::DrawWorkpiece;
 use crate::step_size::{self, Scheme};
-use nalgebra::{Isometry3, Vector3, Vector6, stack};
+use nalgebra::{Isometry3, Vector3, Vector6};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::joint_law::{LinkFriction, beyond_gap};
@@ -305,7 +305,7 @@ fn combine(
         let force = world_from_process.rotation * wrench.force_n;
         let lever = at(wrench.frame) - at(target);
         let moment = world_from_process.rotation * wrench.moment_n_m + lever.cross(&force);
-        total += stack![force; moment];
+        total += stacked(&force, &moment);
     }
     (target, total)
 }

@@ -6,9 +6,9 @@
 //! holds, each waits for the other, and hundreds of sweeps may not do: there the contact is solved
 //! with the joint held.
 
-use crate::loads::{ContactOutcome, ContactOutcomes, ContactRequest};
+use crate::loads::{ContactOutcome, ContactOutcomes, ContactRequest, stacked};
 use crate::plant::{Plant, WorldWrench};
-use nalgebra::{DVector, Matrix2, Matrix3, Vector2, Vector3, stack};
+use nalgebra::{DVector, Matrix2, Matrix3, Vector2, Vector3};
 use truecut_core::friction::{Approach, PlanarContact, solve_planar};
 use truecut_core::joint_law::{LinkFriction, solve_link_friction};
 
@@ -154,7 +154,7 @@ impl ContactSolver {
         for plane in &self.planes {
             let outcome = ContactOutcome::from_contact(&plane.contact, dt);
             let force = tangents[0] * outcome.friction_n.x + tangents[1] * outcome.friction_n.y;
-            let wrench = stack![force; Vector3::zeros()];
+            let wrench = stacked(&force, &Vector3::zeros());
             self.wrenches.push((plane.request.frame, wrench));
             self.outcomes.push(outcome);
         }

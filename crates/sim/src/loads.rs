@@ -4,7 +4,7 @@
 //! horizontal, Z = X × Y, fixed in space, with its origin at the tool point after touch-down.
 
 use arrayvec::ArrayVec;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Vector2, Vector3, Vector6};
 use truecut_arm::FrameId;
 use truecut_core::friction::{FrictionLaw, PlanarContact};
 
@@ -46,6 +46,11 @@ impl Wrench {
             moment_n_m: Vector3::zeros(),
         }
     }
+}
+
+/// A force over a moment, as one vector.
+pub(crate) fn stacked(force: &Vector3<f64>, moment: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::from_iterator(force.iter().chain(moment).copied())
 }
 
 /// A frictional contact in the process Y–Z plane. The normal law is a spring that the process has

@@ -3,10 +3,10 @@
 use super::Cell;
 use crate::channels;
 use crate::guard::{Balance, Watch};
-use crate::loads::{Attachment, Loads, MAX_LOADS, Wrench};
+use crate::loads::{Attachment, Loads, MAX_LOADS, Wrench, stacked};
 use crate::plant::{Command, WorldWrench, combined};
 use crate::process::{FrameMotion, ToolState};
-use nalgebra::{Vector3, stack};
+use nalgebra::Vector3;
 use truecut_recording::Outcome;
 
 impl Cell {
@@ -53,7 +53,7 @@ impl Cell {
     fn to_world(&self, loads: &Loads) -> arrayvec::ArrayVec<WorldWrench, MAX_LOADS> {
         let to_world = |w: &Wrench| {
             let (force_n, moment_n_m) = (self.axes * w.force_n, self.axes * w.moment_n_m);
-            (w.frame, stack![force_n; moment_n_m])
+            (w.frame, stacked(&force_n, &moment_n_m))
         };
         loads.wrenches.iter().map(to_world).collect()
     }

@@ -1,11 +1,12 @@
 //! From the milling table to the process that runs.
 
 use crate::error::SimError;
+use crate::loads::stacked;
 use crate::motion::straight;
 use crate::process::setup::Motion;
 use crate::process::{Milling, MillingSetup, MillingTheory, ProcessSetup, SetupContext};
 use crate::scene::shapes;
-use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3, stack};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 use std::f64::consts::PI;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
@@ -62,7 +63,7 @@ fn milling(
         world_from_milling * mean_load.0,
         world_from_milling * mean_load.1,
     );
-    let wrench = stack![force_n; moment_n_m];
+    let wrench = stacked(&force_n, &moment_n_m);
     let deflection: Vector3<f64> = (compliance * wrench).fixed_rows::<3>(0).into();
     let deflection = world_from_milling.inverse() * deflection;
     // A tool that sinks by z under the force F cuts deeper: F (b - z)/b, of which z is the

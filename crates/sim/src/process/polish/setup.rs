@@ -2,13 +2,13 @@
 
 use crate::effect::WheelEffects;
 use crate::error::SimError;
-use crate::loads::{Attachment, Wrench};
+use crate::loads::{Attachment, Wrench, stacked};
 use crate::motion;
 use crate::motion::polish::indentation_m;
 use crate::process::setup::{Departure, Motion};
 use crate::process::{Polish, PolishSetup, Process, ProcessSetup, SetupContext, ToolState};
 use crate::scene::shapes;
-use nalgebra::{Translation3, Vector3, stack};
+use nalgebra::{Translation3, Vector3};
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::wheel::face::Face;
 use truecut_core::wheel::pneumatic::PneumaticWheel;
@@ -114,7 +114,7 @@ fn resting(setup: &PolishSetup, robot: &Robot, from: &Departure) -> Result<Wrenc
     let mut wrench = setup.resting;
     for _ in 0..ROUNDS {
         let (force_n, moment_n_m) = (turn * wrench.force_n, turn * wrench.moment_n_m);
-        let load = stack![force_n; moment_n_m];
+        let load = stacked(&force_n, &moment_n_m);
         let deflection: Vector3<f64> = (compliance * load).fixed_rows::<3>(0).into();
         let state = ToolState {
             world_from_tool: Translation3::from(deflection) * undeflected,
