@@ -10,7 +10,7 @@ use truecut_recording::nearest;
 use crate::fault::Fault;
 use crate::format::Format;
 use crate::schema::{
-    choices, is_table, kinds, leaf_schema, of_tag, property, property_names, required, without_null,
+    choices, is_table, kinds, of_tag, property, property_names, required, without_null,
 };
 use crate::suggest::same_quantity;
 
