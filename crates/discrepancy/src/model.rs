@@ -2,21 +2,11 @@
 
 use thiserror::Error;
 use truecut_recording::ChannelSpec;
+use truecut_scenario::UncertainSpec;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
 /// One value per sample, for each channel.
 pub type Columns = Vec<Vec<f64>>;
-
-/// A parameter of the nominal model that is known with a stated uncertainty.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NominalParameter {
-    /// Its key in the scenario.
-    pub key: String,
-    /// Its value in the scenario, SI.
-    pub value: f64,
-    /// One standard deviation, SI, positive.
-    pub sigma: f64,
-}
 
 /// An effect that the model could have.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +44,7 @@ pub trait Model: Sync {
     fn channels(&self) -> &[ChannelSpec];
 
     /// Nominal parameters that may be refitted before structure is blamed.
-    fn nominal(&self) -> &[NominalParameter];
+    fn nominal(&self) -> &[UncertainSpec];
 
     /// The effects that may be looked for.
     fn candidates(&self) -> Vec<Candidate>;

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::series::Pair;
+use crate::stats::ratio;
 use crate::stats::spectrum::cross_welch;
 
 /// Coherence in one band.
@@ -41,21 +42,15 @@ pub fn coherence(pair: &Pair<'_>, interval_s: f64) -> Vec<Band> {
         .filter(|(first, end)| first < end)
         .map(|(first, end)| {
             let power: f64 = measured.density[first..end].iter().sum();
-            let common = (first..end).map(|bin| {
-                let own = simulated.density[bin];
-                if own > 0.0 {
-                    cross[bin].norm_sqr() / own
-                } else {
-                    0.0
-                }
-            });
+            let common =
+                (first..end).map(|bin| ratio(cross[bin].norm_sqr(), simulated.density[bin]));
             let common: f64 = common.sum();
             Band {
                 from_hz: hertz(first),
                 to_hz: hertz(end.min(last)),
-                coherence: if power > 0.0 { common / power } else { 0.0 },
+                coherence: ratio(common, power),
                 chance: 2.0 / measured.degrees,
-                power_share: if total > 0.0 { power / total } else { 0.0 },
+                power_share: ratio(power, total),
             }
         })
         .collect()

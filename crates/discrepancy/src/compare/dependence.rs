@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::series::{Explanatory, Kind};
 use crate::stats::distributions::f_tail;
-use crate::stats::{Background, counted, sum_covariance};
+use crate::stats::{Background, counted, ratio, sum_covariance};
 
 /// The residual's mean over an explanatory signal.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -116,7 +116,7 @@ fn share_between(residual: &[f64], places: &[Option<usize>], bins: &[Bin]) -> f6
         .zip(places)
         .filter(|(_, place)| place.is_some());
     let all: f64 = counted.map(|(r, _)| (r - mean).powi(2)).sum();
-    if all > 0.0 { between / all } else { 0.0 }
+    ratio(between, all)
 }
 
 /// The signal as binned: an angle modulo one turn.

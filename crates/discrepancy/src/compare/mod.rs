@@ -18,11 +18,19 @@
 //! let mut measured = simulated.clone();
 //! let mut state = 1_u32;
 //! for (value, t) in measured.iter_mut().zip(&time_s) {
-//!     state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223); // noise: Knuth's generator
-//!     *value += 2.0 * (std::f64::consts::TAU * 5.0 * t).sin() + f64::from(state >> 8) / 16_777_216.0;
+//!     // Noise by Knuth's generator.
+//!     state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+//!     let line = 2.0 * (std::f64::consts::TAU * 5.0 * t).sin();
+//!     *value += line + f64::from(state >> 8) / 16_777_216.0;
 //! }
 //! let spec = ChannelSpec::new("tool.force_y", Unit::Newton, "Force on the tool");
-//! let pair = Pair { spec: &spec, measured: &measured, valid: &[true; 4000], simulated: &simulated, noise: None };
+//! let pair = Pair {
+//!     spec: &spec,
+//!     measured: &measured,
+//!     valid: &[true; 4000],
+//!     simulated: &simulated,
+//!     noise: None,
+//! };
 //! let setting = Setting { interval_s: 1e-3, explanatory: &[], spindle_hz: Some(5.0) };
 //! let found = compare_channel(&pair, &setting)?;
 //! let line = &found.lines[0];

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::stats::distributions::chi_squared_tail;
-use crate::stats::{Ar, Background, Criterion, default_order_cap};
+use crate::stats::{Ar, Background, Criterion, default_order_cap, ratio};
 
 /// The residual's colour, and tests of whiteness before and after whitening.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -67,11 +67,7 @@ fn ljung_box(values: &[f64], valid: &[bool], lags: usize, fitted: usize) -> f64 
     let samples = valid.iter().filter(|one| **one).count() as f64;
     let term = |lag: usize| {
         let (correlation, pairs) = autocorrelation(values, valid, lag);
-        if pairs > 0.0 {
-            correlation * correlation / pairs
-        } else {
-            0.0
-        }
+        ratio(correlation * correlation, pairs)
     };
     let sum: f64 = (1..=lags).map(term).sum();
     chi_squared_tail(samples * (samples + 2.0) * sum, (lags - fitted) as f64)

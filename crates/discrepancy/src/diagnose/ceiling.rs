@@ -16,6 +16,7 @@ use super::signature::Signature;
 use super::span::spans;
 use super::validate::{differences, rms};
 use crate::model::Columns;
+use crate::stats::ratio;
 
 /// Result of the predictor: what it explains, and its residual.
 pub(super) struct Bound {
@@ -131,12 +132,8 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
     correlated_signals.sort_by(|a, b| b.fraction.total_cmp(&a.fraction));
     let error = dot(&sums, &sums).sqrt();
     let ceiling = Ceiling {
-        fraction: if total > 0.0 {
-            (gain / total).max(0.0)
-        } else {
-            0.0
-        },
-        t: if error > 0.0 { gain / error } else { 0.0 },
+        fraction: ratio(gain, total).max(0.0),
+        t: ratio(gain, error),
         correlated_signals,
     };
     Bound {

@@ -16,6 +16,7 @@ use super::uncertainty::standard_errors;
 use super::validate::{compare, rms};
 use super::{Answer, DiagnoseError, Stage};
 use crate::model::{Columns, PredictError};
+use crate::stats::ratio;
 
 /// Where the noise is known: least significant ratio of the residual's variance to it.
 const EXCESS: f64 = 1.25;
@@ -272,9 +273,5 @@ fn unexplained(problem: &Problem, base: &Fit, last: &Fit, bound: &Bound) -> f64 
     let named = compare(&base.residual, &last.residual, &noise, rows)
         .gain
         .max(0.0);
-    if bound.gain <= 0.0 {
-        0.0
-    } else {
-        bound.gain / (named + bound.gain)
-    }
+    ratio(bound.gain, named + bound.gain)
 }

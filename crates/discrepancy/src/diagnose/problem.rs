@@ -2,19 +2,20 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use truecut_scenario::UncertainSpec;
 use truecut_scenario::effect::{Effect, ParameterInfo};
 
 use super::data::{Observation, Rows, Split};
 use super::noise::Prior;
 use super::{Options, Progress, Stage};
-use crate::model::{Candidate, Columns, Model, NominalParameter, PredictError};
+use crate::model::{Candidate, Columns, Model, PredictError};
 
 pub(super) struct Problem<'a> {
     pub model: &'a dyn Model,
     pub data: &'a Observation,
     pub options: &'a Options,
     pub candidates: Vec<Candidate>,
-    pub nominal: &'a [NominalParameter],
+    pub nominal: &'a [UncertainSpec],
     pub split: Split,
     /// Least innovation that noise can have, for each channel: data have finitely many digits.
     pub floor: Vec<f64>,

@@ -42,8 +42,8 @@ pub(super) fn nuisance<'a>(problem: &Problem, base: &'a Fit) -> (Vec<&'a Columns
     )
 }
 
-/// A model, and what it can explain by itself of the training rows.
-struct Screening<'a> {
+/// A model that one more effect may extend, and what it explains by itself of the training rows.
+struct Extension<'a> {
     problem: &'a Problem<'a>,
     base: &'a Fit,
     orders: &'a [usize],
@@ -63,27 +63,27 @@ pub(super) fn rank(
     orders: &[usize],
     refined: usize,
 ) -> Vec<Ranked> {
-    let screening = Screening::new(problem, base, orders);
+    let extension = Extension::new(problem, base, orders);
     let ranked: Vec<Ranked> = signatures
         .par_iter()
         .filter(|signature| !base.point.holds(signature.candidate))
-        .map(|signature| screening.ranked(signature))
+        .map(|signature| extension.ranked(signature))
         .collect();
     let mut best: Vec<Ranked> = (0..problem.candidates.len())
-        .filter_map(|candidate| screening.best_of(candidate, &ranked))
+        .filter_map(|candidate| extension.best_of(candidate, &ranked))
         .collect();
     let n = problem.split.train.len() as f64;
     best.sort_by(|a, b| b.net(n).total_cmp(&a.net(n)));
     let count = refined.min(best.len());
-    (best[..count].par_iter_mut()).for_each(|entry| screening.refine(entry));
+    (best[..count].par_iter_mut()).for_each(|entry| extension.refine(entry));
     best.sort_by(|a, b| b.net(n).total_cmp(&a.net(n)));
     best
 }
 
-impl<'a> Screening<'a> {
-    fn new(problem: &'a Problem, base: &'a Fit, orders: &'a [usize]) -> Screening<'a> {
+impl<'a> Extension<'a> {
+    fn new(problem: &'a Problem, base: &'a Fit, orders: &'a [usize]) -> Extension<'a> {
         let (nuisance, priors) = nuisance(problem, base);
-        let mut screening = Screening {
+        let mut extension = Extension {
             problem,
             base,
             orders,
@@ -91,8 +91,8 @@ impl<'a> Screening<'a> {
             priors,
             zero: 0.0,
         };
-        screening.zero = screening.fit(&[]).objective;
-        screening
+        extension.zero = extension.fit(&[]).objective;
+        extension
     }
 
     /// The residual by columns of which nothing is known beforehand and those of the model itself.

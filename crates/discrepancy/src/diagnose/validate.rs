@@ -4,6 +4,7 @@ use super::data::Rows;
 use super::noise::{Noise, dot};
 use super::problem::Problem;
 use crate::model::Columns;
+use crate::stats::ratio;
 
 /// How much the second model's error is below the first's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,11 +20,7 @@ pub(super) struct Paired {
 
 impl Paired {
     pub fn t(&self) -> f64 {
-        if self.error > 0.0 {
-            self.gain / self.error
-        } else {
-            0.0
-        }
+        ratio(self.gain, self.error)
     }
 }
 

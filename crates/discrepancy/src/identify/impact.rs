@@ -40,9 +40,11 @@ pub fn impact(
     key: &str,
 ) -> Result<Frf, IdentifyError> {
     let signals = signals(table, spec, key)?;
-    let fail = |part: &str, message: String| {
-        let message = format!("{}: {message}", table.source);
-        Err(IdentifyError::new(format!("{key}.{part}"), message))
+    let fail = |at: String, message: &str| {
+        Err(IdentifyError::new(
+            at,
+            format!("{}: {message}", table.source),
+        ))
     };
     if band_hz[1] > 0.5 * signals.rate_hz {
         let message = format!(
@@ -50,17 +52,12 @@ pub fn impact(
             band_hz[1],
             significant(signals.rate_hz, 4)
         );
-        return Err(IdentifyError::new(
-            "modes.band_hz",
-            format!("{}: {message}", table.source),
-        ));
+        return fail("modes.band_hz".to_owned(), &message);
     }
     let blows = blows(&signals, spec);
+    let force = format!("{key}.force");
     let Some(length) = window(&signals, spec, &blows) else {
-        return fail(
-            "force",
-            "no blow is found that its window fits behind".into(),
-        );
+        return fail(force, "no blow is found that its window fits behind");
     };
     let mut notes = Vec::new();
     let before = (spec.before_s * signals.rate_hz).round() as usize;
@@ -77,10 +74,8 @@ pub fn impact(
         ));
     }
     if windows.is_empty() {
-        return fail(
-            "force",
-            "every blow is double or cut by an end of the record".into(),
-        );
+        let message = "every blow is double or cut by an end of the record";
+        return fail(force, message);
     }
     if let Some(left) = still_ringing(&signals, spec, &windows, length) {
         notes.push(format!(

@@ -53,7 +53,7 @@ pub struct StiffnessReport {
 }
 
 /// A joint, identified or not.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct JointStiffness {
     /// Name in the URDF.
     pub name: String,
@@ -78,7 +78,7 @@ pub struct JointStiffness {
 }
 
 /// Identifiability of a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// A stiffness with an interval.
@@ -86,6 +86,7 @@ pub enum Status {
     /// Stiffer than `low`; noise hides an upper bound.
     LowerBound,
     /// No load acts on it.
+    #[default]
     NotLoaded,
     /// Its effect is a combination of those of others.
     NotSeparable,
@@ -272,14 +273,8 @@ impl Solution {
         let mut found = JointStiffness {
             name: joint.name.clone(),
             unit: if joint.rotary { "N m/rad" } else { "N/m" },
-            status: Status::NotLoaded,
-            value: None,
-            low: None,
-            high: None,
-            compliance: None,
             nominal: joint.stiffness,
-            agrees: None,
-            confused_with: Vec::new(),
+            ..JointStiffness::default()
         };
         if !self.loaded[k] {
             return found;

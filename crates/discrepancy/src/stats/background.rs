@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::function::gamma::digamma;
 
 use super::distributions::f_tail;
+use super::ratio;
 use super::spectrum::{Periodogram, SHARE_VALID, welch};
 
 /// Power density as a smooth function of frequency.
@@ -39,12 +40,7 @@ impl LocalLine {
     /// Variance of the line at x over that of one bin.
     fn leverage(&self, x: f64) -> f64 {
         let arm = x - self.middle;
-        let of_slope = if self.spread > 0.0 {
-            arm * arm / self.spread
-        } else {
-            0.0
-        };
-        1.0 / self.count.max(1.0) + of_slope
+        1.0 / self.count.max(1.0) + ratio(arm * arm, self.spread)
     }
 }
 

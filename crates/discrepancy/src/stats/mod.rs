@@ -43,3 +43,8 @@ pub(crate) fn counted(values: &[f64], valid: &[bool]) -> impl Iterator<Item = f6
     let rows = values.iter().zip(valid);
     rows.filter(|(_, valid)| **valid).map(|(value, _)| *value)
 }
+
+/// `a / b`; 0 where `b` is nothing to measure by.
+pub(crate) fn ratio(a: f64, b: f64) -> f64 {
+    if b > 0.0 { a / b } else { 0.0 }
+}

@@ -2,6 +2,8 @@
 
 use truecut_recording::fft::{Complex64, forward};
 
+use super::ratio;
+
 /// A fast transform length of at least twice the series, so that nothing wraps around.
 pub(crate) fn padded_length(samples: usize) -> usize {
     (2 * samples).next_power_of_two()
@@ -138,11 +140,7 @@ pub(crate) fn line(values: &[f64], valid: &[bool]) -> (f64, f64, f64) {
         moment += arm * (value - mean);
         spread += arm * arm;
     }
-    (
-        mean,
-        if spread > 0.0 { moment / spread } else { 0.0 },
-        middle,
-    )
+    (mean, ratio(moment, spread), middle)
 }
 
 #[cfg(test)]

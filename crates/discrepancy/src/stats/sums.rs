@@ -5,6 +5,7 @@ use statrs::function::gamma::digamma;
 use truecut_recording::fft::{Complex64, forward};
 
 use super::background::Background;
+use super::ratio;
 use super::spectrum::padded_length;
 
 /// Covariance of sums `Σ column[t] · noise[t]`.
@@ -44,14 +45,7 @@ pub fn sum_covariance(columns: &[Vec<f64>], background: &Background) -> SumCovar
     }
     let power: Vec<f64> = (0..density.len())
         .map(|bin| {
-            let share = |i: usize| {
-                let own = matrix[(i, i)];
-                if own > 0.0 {
-                    transforms[i][bin].norm_sqr() / own
-                } else {
-                    0.0
-                }
-            };
+            let share = |i: usize| ratio(transforms[i][bin].norm_sqr(), matrix[(i, i)]);
             (0..count).map(share).sum::<f64>() * density[bin]
         })
         .collect();

@@ -27,7 +27,7 @@ use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel};
 
 use self::cache::{Cache, RunKey};
 use crate::diagnose::Observation;
-use crate::model::{Candidate, Columns, Experiment, Model, NominalParameter, PredictError};
+use crate::model::{Candidate, Columns, Experiment, Model, PredictError};
 
 /// A scenario with the data that it is held against.
 pub struct Trial {
@@ -37,7 +37,6 @@ pub struct Trial {
     stretches_s: Vec<Vec<f64>>,
     facts: RobotFacts,
     channels: Vec<ChannelSpec>,
-    nominal: Vec<NominalParameter>,
     candidates: Vec<Candidate>,
     engine: Kind,
     robots: Robots,
@@ -119,37 +118,25 @@ impl Trial {
             _ => robot_facts(scenario)?,
         };
         let robots = Robots::new();
-        let nominal: Vec<NominalParameter> = (scenario.uncertain.iter())
-            .map(|one| NominalParameter {
-                key: one.key.clone(),
-                value: one.value,
-                sigma: one.sigma,
-            })
-            .collect();
-        let (engine, recording, used) = match mode(scenario) {
+        let (engine, recording, used, channels) = match mode(scenario) {
             Some(ReplayMode::Inverse { .. }) => {
                 let model = Box::new(InverseModel::new(scenario, measured)?);
                 let every = parallel::spacing(scenario, measured.rate_hz());
                 let used = parallel::thinned(model.measured(), every);
-                let kind = Kind::Inverse { model, every };
-                (kind, None, used)
+                let channels = model.channels().to_vec();
+                (Kind::Inverse { model, every }, None, used, channels)
             }
             Some(ReplayMode::Observe) => {
-                let model = SteadyModel::new(scenario, measured)?;
-                let used = model.measured().clone();
-                (Kind::Steady(Box::new(model)), None, used)
+                let model = Box::new(SteadyModel::new(scenario, measured)?);
+                let (used, channels) = (model.measured().clone(), model.channels().to_vec());
+                (Kind::Steady(model), None, used, channels)
             }
             _ => {
                 check_length(scenario, measured, &robots)?;
                 let rows = reduced(scenario, measured, &robots).rows(&[], None)?;
-                (Kind::Forward, Some(rows), measured.clone())
+                let channels = outputs(scenario, measured, &rows)?;
+                (Kind::Forward, Some(rows), measured.clone(), channels)
             }
-        };
-        let channels = match (&engine, &recording) {
-            (Kind::Inverse { model, .. }, _) => model.channels().to_vec(),
-            (Kind::Steady(model), _) => model.channels().to_vec(),
-            (_, Some(recording)) => outputs(scenario, measured, recording)?,
-            _ => Vec::new(),
         };
         let observation = observation::observation(scenario, &used, &channels, recording.as_ref());
         let signals = signals::Signals::new(scenario, measured, &facts, recording.as_ref());
@@ -164,7 +151,6 @@ impl Trial {
             stretches_s: measured.stretches_s(),
             facts,
             channels,
-            nominal,
             engine,
             robots,
             rigid: Cache::default(),
@@ -227,8 +213,8 @@ impl Model for Trial {
         &self.channels
     }
 
-    fn nominal(&self) -> &[NominalParameter] {
-        &self.nominal
+    fn nominal(&self) -> &[UncertainSpec] {
+        &self.scenario.uncertain
     }
 
     fn candidates(&self) -> Vec<Candidate> {

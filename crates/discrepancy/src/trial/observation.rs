@@ -9,6 +9,7 @@ use truecut_sim::run::Rows;
 
 use super::{column, sampling};
 use crate::diagnose::{Observation, Output, Regressor};
+use crate::stats::ratio;
 
 /// A run that ends so many intervals before a sample says nothing of it.
 const BEYOND: f64 = 1.5;
@@ -88,11 +89,7 @@ fn rate(values: &[f64], interval_s: f64) -> Vec<f64> {
         .map(|i| {
             let (before, after) = (i.saturating_sub(1), (i + 1).min(last));
             let span = (after - before) as f64 * interval_s;
-            if span > 0.0 {
-                (values[after] - values[before]) / span
-            } else {
-                0.0
-            }
+            ratio(values[after] - values[before], span)
         })
         .collect()
 }

@@ -2,9 +2,10 @@
 //! diagnoses.
 
 use truecut_recording::{ChannelSpec, Unit};
+use truecut_scenario::UncertainSpec;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
-use crate::model::{Candidate, Columns, Model, NominalParameter, PredictError};
+use crate::model::{Candidate, Columns, Model, PredictError};
 
 pub const INTERVAL_S: f64 = 0.01;
 pub const MASS_KG: f64 = 20.0;
@@ -12,7 +13,7 @@ pub const MASS_KG: f64 = 20.0;
 /// Force of a slide of uncertain mass that moves along `position`.
 pub struct Force {
     channels: Vec<ChannelSpec>,
-    nominal: Vec<NominalParameter>,
+    nominal: Vec<UncertainSpec>,
     candidates: Vec<Candidate>,
     pub position: Vec<f64>,
     pub velocity: Vec<f64>,
@@ -71,7 +72,7 @@ impl Force {
                 Unit::Newton,
                 "of the slide",
             )],
-            nominal: vec![NominalParameter {
+            nominal: vec![UncertainSpec {
                 key: "robot.mass_kg".into(),
                 value: MASS_KG,
                 sigma: 0.05 * MASS_KG,
@@ -117,7 +118,7 @@ impl Model for Force {
         &self.channels
     }
 
-    fn nominal(&self) -> &[NominalParameter] {
+    fn nominal(&self) -> &[UncertainSpec] {
         &self.nominal
     }
 

@@ -2,9 +2,10 @@
 //! a known force on the link. Runge-Kutta of fourth order.
 
 use truecut_recording::{ChannelSpec, Unit};
+use truecut_scenario::UncertainSpec;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
-use crate::model::{Candidate, Columns, Experiment, Model, NominalParameter, PredictError};
+use crate::model::{Candidate, Columns, Experiment, Model, PredictError};
 
 pub const INTERVAL_S: f64 = 0.004;
 pub const SUBSTEPS: usize = 4;
@@ -15,7 +16,7 @@ const DAMPING_N_S_PER_M: f64 = 60.0;
 /// Link position and force of the transmission.
 pub struct Slide {
     channels: Vec<ChannelSpec>,
-    nominal: Vec<NominalParameter>,
+    nominal: Vec<UncertainSpec>,
     candidates: Vec<Candidate>,
     samples: usize,
     substeps: usize,
@@ -107,7 +108,7 @@ impl Slide {
         Slide {
             candidates: joint.chain(sensors).collect(),
             channels,
-            nominal: vec![NominalParameter {
+            nominal: vec![UncertainSpec {
                 key: "robot.mass_kg".into(),
                 value: MASS_KG,
                 sigma: 0.02 * MASS_KG,
@@ -266,7 +267,7 @@ impl Model for Slide {
         &self.channels
     }
 
-    fn nominal(&self) -> &[NominalParameter] {
+    fn nominal(&self) -> &[UncertainSpec] {
         &self.nominal
     }
 

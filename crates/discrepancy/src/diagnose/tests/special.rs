@@ -1,13 +1,14 @@
 //! Pairs, causes unknown or inseparable, and experiments that cannot tell.
 
 use truecut_recording::ChannelSpec;
+use truecut_scenario::UncertainSpec;
 use truecut_scenario::effect::{Effect, EffectKind};
 
 use super::force::{Force, INTERVAL_S, MASS_KG, effect};
 use super::single::{diagnosed, joint};
 use super::*;
 use crate::diagnose::Regressor;
-use crate::model::{Candidate, NominalParameter, PredictError};
+use crate::model::{Candidate, PredictError};
 
 fn nothing(_: f64, _: f64, _: f64) -> f64 {
     0.0
@@ -231,7 +232,7 @@ impl Model for Brittle {
         self.0.channels()
     }
 
-    fn nominal(&self) -> &[NominalParameter] {
+    fn nominal(&self) -> &[UncertainSpec] {
         self.0.nominal()
     }
 
