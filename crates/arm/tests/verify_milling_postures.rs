@@ -22,7 +22,7 @@ use truecut_core::chatter::averaged::{
 };
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
 use truecut_core::chatter::planar::coalescence_limit_m;
-use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
+use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_core::chatter::{DirectionalMatrix, TipMode};
 use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::engagement::Engagement;
@@ -320,8 +320,7 @@ fn verify_zero_order_is_exact_for_four_teeth_in_a_slot() {
         let modes = modes(&robot, &postures[&angle]);
         let period_s = 15.0 / rpm;
         let zero = zero_order_limit(&modes, &process.average_pa(), period_s).expect("a limit");
-        let steps = recommended_steps(&modes, period_s);
-        let sdm = SemiDiscretisation::new(&modes, &process, steps);
+        let sdm = SpectralElements::new(&modes, &process);
         let search = LimitSearch::to_depth(2.0 * zero.depth_m);
         let limit = first_limit(&sdm, period_s, &search).expect("a limit");
         assert_close(

@@ -15,7 +15,7 @@ use nalgebra::{DVector, Vector3};
 use truecut_arm::{BranchOptions, Elbow, FrameId, Shoulder, tool_pose};
 use truecut_core::chatter::averaged::mode_coupling_limit;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
-use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
+use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_core::chatter::{DirectionalMatrix, TipMode};
 use truecut_core::cutting::milling::cut::{MillingCut, MillingParameters, ToolState};
 use truecut_core::cutting::milling::cutter::Cutter;
@@ -190,8 +190,7 @@ fn verify_arm_without_regeneration_has_the_limit_of_mode_coupling() {
 fn verify_arm_with_regeneration_has_the_limit_of_semi_discretisation() {
     for angle_deg in [20.0, 60.0, 120.0, 160.0, 220.0] {
         let modes = modes(angle_deg);
-        let steps = recommended_steps(&modes, PERIOD_S);
-        let sdm = SemiDiscretisation::new(&modes, &process(), steps);
+        let sdm = SpectralElements::new(&modes, &process());
         let search = LimitSearch::to_depth(5e-3);
         let theory = first_limit(&sdm, PERIOD_S, &search).expect("a limit");
         let coupling = mode_coupling_limit(&modes, &process().average_pa()).expect("a limit");

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use truecut_core::chatter::averaged::{mode_coupling_limit, zero_order_limit};
-use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
+use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_core::chatter::{DirectionalMatrix, TipMode};
 use truecut_core::cutting::milling::engagement::Engagement;
 
@@ -26,13 +26,13 @@ fn arm() -> Vec<TipMode> {
 }
 
 /// Sum of |μ| over a diagram of `side` speeds by `side` depths.
-fn diagram(sdm: &SemiDiscretisation, side: usize, slowest_s: f64, deepest_m: f64) -> f64 {
+fn diagram(elements: &SpectralElements, side: usize, slowest_s: f64, deepest_m: f64) -> f64 {
     let mut sum = 0.0;
     for i in 0..side {
-        let period = slowest_s / (1.0 + 4.0 * i as f64 / side as f64);
+        let at = elements.at(slowest_s / (1.0 + 4.0 * i as f64 / side as f64));
         for j in 0..side {
             let depth = deepest_m * (j + 1) as f64 / side as f64;
-            sum += sdm.multiplier(period, depth).magnitude();
+            sum += at.multiplier(depth).magnitude();
         }
     }
     sum
@@ -43,23 +43,23 @@ fn lobes(c: &mut Criterion) {
     group.sample_size(10);
     let one = [TipMode::of_mass(TAU * 922.0, 0.011, 0.03993, &Vector3::x())];
     let slot = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, Engagement::SLOT);
-    let sdm = SemiDiscretisation::new(&one, &slot, 40);
+    let elements = SpectralElements::new(&one, &slot);
     group.bench_function("one mode, 100 x 100, one thread", |b| {
-        b.iter(|| diagram(black_box(&sdm), 100, 6e-3, 4e-3));
+        b.iter(|| diagram(black_box(&elements), 100, 6e-3, 4e-3));
     });
     let two = [
         TipMode::of_stiffness(TAU * 603.0, 0.039, 5.59e6, &Vector3::x()),
         TipMode::of_stiffness(TAU * 666.0, 0.035, 5.715e6, &Vector3::y()),
     ];
-    let sdm = SemiDiscretisation::new(&two, &slot, 40);
+    let elements = SpectralElements::new(&two, &slot);
     group.bench_function("two modes, 100 x 100, one thread", |b| {
-        b.iter(|| diagram(black_box(&sdm), 100, 6e-3, 4e-3));
+        b.iter(|| diagram(black_box(&elements), 100, 6e-3, 4e-3));
     });
     let six = arm();
     let steel = DirectionalMatrix::planar(4, 2e9, 0.3, Engagement::SLOT);
-    let sdm = SemiDiscretisation::new(&six, &steel, recommended_steps(&six, 0.02));
+    let elements = SpectralElements::new(&six, &steel);
     group.bench_function("six modes, 100 x 100, one thread", |b| {
-        b.iter(|| diagram(black_box(&sdm), 100, 20e-3, 4e-3));
+        b.iter(|| diagram(black_box(&elements), 100, 20e-3, 4e-3));
     });
     group.finish();
 }

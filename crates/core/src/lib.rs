@@ -32,6 +32,7 @@ pub mod chatter;
 pub mod cutting;
 pub mod friction;
 pub mod joint_law;
+mod legendre;
 pub mod pressure_foot;
 pub mod roots;
 pub mod roughness;

@@ -5,7 +5,7 @@ use truecut_arm::{FrameId, Load, Robot, translational};
 use truecut_core::chatter::averaged::mode_coupling_limit;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
 use truecut_core::chatter::planar::coalescence_limit_m;
-use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
+use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_core::chatter::{TipMode, in_axes};
 
 use crate::assessment::{Assessment, Decay};
@@ -108,18 +108,11 @@ fn planar_limit_m(
     limit.unwrap_or(f64::INFINITY)
 }
 
-/// Steps of a tooth period for limits to a per cent: twelve to a cycle of the fastest mode, forty
-/// at least. The modes that chatter are slower than the fastest.
-pub(crate) fn diagram_steps(modes: &[TipMode], tooth_period_s: f64) -> usize {
-    recommended_steps(modes, 0.5 * tooth_period_s)
-}
-
 /// First depth that regeneration makes unstable, and the growth rate at the cut's own depth, 1/s;
 /// both with the floor.
 fn regenerative(modes: &[TipMode], cut: &Cut) -> (Option<f64>, f64) {
     let (depth_m, period_s) = (cut.nominal.axial_depth_m, cut.tooth_period_s());
-    let steps = diagram_steps(modes, period_s);
-    let prepared = SemiDiscretisation::new(modes, &cut.directional(), steps);
+    let prepared = SpectralElements::new(modes, &cut.directional());
     let prepared = prepared.with_floor(&cut.nominal);
     let growth_per_s = prepared
         .multiplier(period_s, depth_m)

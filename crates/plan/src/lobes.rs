@@ -87,8 +87,7 @@ impl SpeedColumn {
     fn at(modes: &[TipMode], cut: &Cut, spindle_rad_s: f64, depth_m: &[f64]) -> Self {
         let directional = cut.directional();
         let period_s = cut.nominal.cutter.tooth_period_s(spindle_rad_s);
-        let steps = diagram_steps(modes, period_s);
-        let prepared = SemiDiscretisation::new(modes, &directional, steps);
+        let prepared = SpectralElements::new(modes, &directional);
         let found: Vec<Multiplier> = depth_m
             .iter()
             .map(|depth| prepared.multiplier(period_s, *depth))

@@ -10,7 +10,7 @@
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
+use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_plan::{Criterion, Plan, PlanPoint, Planner, PlannerOptions, Stability};
 use truecut_recording::Outcome;
 use truecut_scenario::{PathStart, PlannedPath, Scenario, TurnKnot};
@@ -89,8 +89,7 @@ fn theory(study: &MillingStudy, plan: &Plan, along_m: f64) -> [f64; 2] {
     let posture = &point(plan, along_m).posture;
     let modes = study.modes(posture).unwrap_or_else(|e| panic!("{e}"));
     let period_s = study.cut.tooth_period_s();
-    let steps = recommended_steps(&modes, period_s);
-    let without = SemiDiscretisation::new(&modes, &study.cut.directional(), steps);
+    let without = SpectralElements::new(&modes, &study.cut.directional());
     let with = without.clone().with_floor(&study.cut.nominal);
     let depth_m = study.cut.nominal.axial_depth_m;
     [without, with].map(|prepared| {

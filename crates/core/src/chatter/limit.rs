@@ -2,13 +2,18 @@
 
 use std::convert::Infallible;
 
-use super::semi_discretisation::{Multiplier, SemiDiscretisation};
-use crate::roots::try_bisect_while;
+use super::multiplier::Multiplier;
+use super::spectral_elements::{AtSpeed, SpectralElements};
+use crate::roots::{bisect, try_bisect_while};
 
 /// Where stability is first lost as the depth grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstLimit {
     pub depth_m: f64,
+    /// By how much the discretisation in time puts the limit wrong, m: estimated from a finer one,
+    /// which finds the limit at about `depth_m` less this. What the search leaves
+    /// ([`LimitSearch::relative_width`]) is not in it.
+    pub error_m: f64,
     /// The multiplier just above the limit.
     pub multiplier: Multiplier,
 }
@@ -40,27 +45,84 @@ impl LimitSearch {
 /// Smallest depth at which the dominant multiplier leaves the unit circle at a tooth period, m: a
 /// scan upwards, then bisection. `None` if all depths up to the deepest are stable.
 pub fn first_limit(
-    of: &SemiDiscretisation,
+    of: &SpectralElements,
     tooth_period_s: f64,
     search: &LimitSearch,
 ) -> Option<FirstLimit> {
-    let at = |depth_m: f64| of.multiplier(tooth_period_s, depth_m);
+    let at = of.at(tooth_period_s);
     let depth = |i: usize| search.deepest_m * i as f64 / search.scan_steps as f64;
-    let (step, mut multiplier) = (1..=search.scan_steps)
-        .map(|i| (i, at(depth(i))))
+    let (step, multiplier) = (1..=search.scan_steps)
+        .map(|i| (i, at.multiplier(depth(i))))
         .find(|(_, multiplier)| !multiplier.is_stable())?;
-    let wide = |[low, high]: [f64; 2]| {
-        high - low > search.relative_width * high && high > 1e-6 * search.deepest_m
+    let unstable = FirstLimit {
+        depth_m: depth(step),
+        error_m: 0.0,
+        multiplier,
     };
-    let Ok([_, depth_m]) = try_bisect_while([depth(step - 1), depth(step)], wide, |depth_m| {
-        let found = at(depth_m);
+    let least_m = 1e-6 * search.deepest_m;
+    Some(narrowed(
+        &at,
+        depth(step - 1),
+        unstable,
+        search.relative_width,
+        least_m,
+    ))
+}
+
+/// The limit between a stable depth and an unstable one, to a relative width or, where it is less,
+/// to `least_m`.
+pub fn narrowed(
+    at: &AtSpeed<'_>,
+    stable_m: f64,
+    unstable: FirstLimit,
+    relative_width: f64,
+    least_m: f64,
+) -> FirstLimit {
+    let mut multiplier = unstable.multiplier;
+    let wide = |[low, high]: [f64; 2]| high - low > relative_width * high && high > least_m;
+    let Ok([_, depth_m]) = try_bisect_while([stable_m, unstable.depth_m], wide, |depth_m| {
+        let found = at.multiplier(depth_m);
         if !found.is_stable() {
             multiplier = found;
         }
         Ok::<_, Infallible>(!found.is_stable())
     });
-    Some(FirstLimit {
+    FirstLimit {
         depth_m,
+        error_m: error_m(at, depth_m, &multiplier),
         multiplier,
-    })
+    }
+}
+
+/// Part of a depth over which the change of ln |μ| is taken.
+const APART: f64 = 1e-3;
+/// From this part of the depth on an error is found by looking for the finer limit, in brackets of
+/// so many times the first estimate: the growth need not be straight so far.
+const LARGE: f64 = 1e-4;
+const BRACKETS: [f64; 3] = [2.0, 8.0, 32.0];
+/// Relative width to which an error is then found.
+const ERROR_WIDTH: f64 = 1e-2;
+
+/// Distance to the limit at a finer resolution: what ln |μ| changes by, over its slope.
+fn error_m(at: &AtSpeed<'_>, depth_m: f64, multiplier: &Multiplier) -> f64 {
+    let finer = at.finer();
+    let growth = |at: &AtSpeed<'_>, depth_m| at.multiplier(depth_m).magnitude().ln();
+    let here = multiplier.magnitude().ln();
+    let apart_m = APART * depth_m;
+    let slope_per_m = (growth(at, depth_m + apart_m) - here) / apart_m;
+    let first_m = ((growth(&finer, depth_m) - here) / slope_per_m).abs();
+    if first_m < LARGE * depth_m {
+        return first_m;
+    }
+    let unstable = |depth_m: f64| growth(&finer, depth_m) > 0.0;
+    let bracket = BRACKETS.iter().find_map(|wide| {
+        let [low, high] = [-wide, *wide].map(|side| (depth_m + side * first_m).max(0.0));
+        (!unstable(low) && unstable(high)).then_some([low, high])
+    });
+    let Some(bracket) = bracket else {
+        return first_m;
+    };
+    let halvings = (bracket[1] - bracket[0]) / (ERROR_WIDTH * first_m);
+    let [_, limit_m] = bisect(bracket, halvings.log2().ceil() as usize, unstable);
+    (limit_m - depth_m).abs()
 }

@@ -10,7 +10,7 @@
 //! | --- | --- |
 //! | [`planar`] | two directions, equal masses, isotropic damping: does a skew stiffness make them flutter? |
 //! | [`averaged`] | n modes under the averaged B: depth limit of mode coupling, and of regeneration (zero-order) |
-//! | [`semi_discretisation`] | n modes under the periodic B: Floquet multipliers |
+//! | [`spectral_elements`] | n modes under the periodic B: Floquet multipliers |
 //! | [`growth`] | how fast a motion in the time domain grows |
 //! | [`limit`] | the depth at which a stable cut first becomes unstable |
 //!
@@ -23,8 +23,10 @@ pub mod growth;
 mod krylov;
 pub mod limit;
 mod modes;
+mod multiplier;
 pub mod planar;
-pub mod semi_discretisation;
+pub mod spectral_elements;
 
 pub use directional::DirectionalMatrix;
 pub use modes::{TipMode, in_axes};
+pub use multiplier::{Bifurcation, Multiplier};

@@ -1,7 +1,9 @@
 //! Gauss–Legendre rules, computed once and kept.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
+
+use crate::legendre::legendre;
 
 /// Rows of a disc, and nodes in each: smooth pressures and a sliding that turns about a point
 /// outside are met to 1e-5.
@@ -147,34 +149,10 @@ fn disc(rule: &[(f64, f64)]) -> Disc {
     disc
 }
 
-/// Nodes and weights by Newton's iteration on the Legendre polynomial (Abramowitz and Stegun
-/// 25.4.29).
-fn legendre(n: usize) -> Vec<(f64, f64)> {
-    (0..n)
-        .map(|i| {
-            let mut x = (PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
-            let mut derivative = 1.0;
-            for _ in 0..50 {
-                let (mut p, mut before) = (1.0, 0.0);
-                for k in 0..n {
-                    let k = k as f64;
-                    (p, before) = (((2.0 * k + 1.0) * x * p - k * before) / (k + 1.0), p);
-                }
-                derivative = n as f64 * (x * p - before) / (x * x - 1.0);
-                let step = p / derivative;
-                x -= step;
-                if step.abs() < 1e-15 {
-                    break;
-                }
-            }
-            (x, 2.0 / ((1.0 - x * x) * derivative * derivative))
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     /// Area, polar moment, and a hemisphere, whose height falls like a root at the rim.
     #[test]

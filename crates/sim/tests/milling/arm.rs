@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 use truecut_arm::{BranchOptions, Elbow, FrameId, Robot, Shoulder, tool_pose};
 use truecut_core::chatter::averaged::mode_coupling_limit;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
-use truecut_core::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
+use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_core::chatter::{DirectionalMatrix, TipMode};
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_scenario::Scenario;
@@ -117,8 +117,7 @@ fn verify_arm_on_the_nominal_surface_has_the_limit_of_mode_coupling() {
 fn verify_arm_on_its_own_surface_has_the_limit_of_semi_discretisation() {
     for angle_deg in ANGLES_DEG {
         let modes = modes(angle_deg);
-        let steps = recommended_steps(&modes, PERIOD_S);
-        let sdm = SemiDiscretisation::new(&modes, &process(), steps);
+        let sdm = SpectralElements::new(&modes, &process());
         let search = LimitSearch::to_depth(6e-3);
         let theory = first_limit(&sdm, PERIOD_S, &search).expect("a limit");
         let coupling = mode_coupling_limit(&modes, &process().average_pa()).expect("a limit");

@@ -4,7 +4,7 @@ use crate::support::{RIG, grows, scenario};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
-use truecut_core::chatter::semi_discretisation::SemiDiscretisation;
+use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_core::chatter::{DirectionalMatrix, TipMode};
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_scenario::Scenario;
@@ -52,7 +52,7 @@ fn verify_limits_of_the_benchmark_in_rapier() {
     ] {
         let down = Engagement::down(immersion, 1.0).expect("partial");
         let process = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, down);
-        let sdm = SemiDiscretisation::new(&[mode], &process, 200);
+        let sdm = SpectralElements::new(&[mode], &process);
         let search = LimitSearch::to_depth(5e-3);
         let theory_m = first_limit(&sdm, 30.0 / rpm, &search)
             .expect("a limit")

@@ -2,7 +2,7 @@ use super::*;
 use crate::chatter::DirectionalMatrix;
 use crate::chatter::limit::{LimitSearch, first_limit};
 use crate::chatter::planar::tests::PlanarSplit;
-use crate::chatter::semi_discretisation::{SemiDiscretisation, recommended_steps};
+use crate::chatter::spectral_elements::SpectralElements;
 use crate::cutting::milling::engagement::Engagement;
 use nalgebra::Vector3;
 use std::f64::consts::FRAC_PI_2;
@@ -149,29 +149,30 @@ fn verify_slow_regeneration_against_semi_discretisation() {
     ];
     let process = DirectionalMatrix::planar(4, 2e9, 0.3, Engagement::SLOT);
     let period = 1e-3;
-    let sdm = SemiDiscretisation::new(&modes, &process, 40);
+    let elements = SpectralElements::new(&modes, &process);
     for depth in [0.1e-3, 0.3e-3] {
-        let growth = sdm.multiplier(period, depth).growth_per_s(period);
+        let growth = elements.multiplier(period, depth).growth_per_s(period);
         let slow = rightmost(&modes, &process.average_pa(), 0.0, depth * period).expect("modes");
         assert!((growth / slow.re - 1.0).abs() < 0.02, "{growth} {slow}");
     }
 }
 
 /// Four teeth in a slot have a constant directional matrix: zero order is exact, and
-/// semi-discretisation with many steps must find the same first limit for any modes.
+/// spectral elements must find the same first limit for any modes.
 #[test]
-fn verify_zero_order_against_semi_discretisation_where_it_is_exact() {
+fn verify_zero_order_against_spectral_elements_where_it_is_exact() {
     let process = DirectionalMatrix::planar(4, 2e9, 0.3, Engagement::SLOT);
     for seed in 0..60 {
         let modes = scattered(1 + seed % 6, seed);
         for period in [0.004, 0.011, 0.03] {
             let zero = zero_order_limit(&modes, &process.average_pa(), period).expect("a limit");
-            let steps = 2 * recommended_steps(&modes, period);
-            let sdm = SemiDiscretisation::new(&modes, &process, steps);
+            let elements = SpectralElements::new(&modes, &process);
             let search = LimitSearch::to_depth(2.0 * zero.depth_m);
-            let limit = first_limit(&sdm, period, &search).expect("a limit").depth_m;
+            let limit = first_limit(&elements, period, &search)
+                .expect("a limit")
+                .depth_m;
             assert!(
-                (limit / zero.depth_m - 1.0).abs() < 0.01,
+                (limit / zero.depth_m - 1.0).abs() < 2e-4,
                 "seed {seed}, {period} s: {limit} {zero:?}"
             );
         }

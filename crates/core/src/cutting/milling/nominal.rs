@@ -64,16 +64,14 @@ impl NominalCut {
         Matrix3::from_columns(&[Vector3::zeros(), Vector3::zeros(), -per_depth])
     }
 
-    /// Force on the tool per axial depth, averaged while tooth 0 turns from φ = `from_rad` to
-    /// `to_rad`, all teeth together, N/m. Straight edges.
-    pub fn force_per_depth_between(&self, from_rad: f64, to_rad: f64) -> Vector3<f64> {
-        let mut sweep = Sweep::default();
-        for tooth in 0..self.cutter.teeth {
-            let behind = self.cutter.pitch_rad() * tooth as f64;
-            let cutting = (self.engagement).overlaps(from_rad - behind, to_rad - behind);
-            cutting.for_each(|(from, to)| sweep += Sweep::between(from, to));
+    /// Force on the tool per axial depth while tooth 0 stands at φ = `angle_rad`, of the teeth in
+    /// the cut that stand `behind_rad` behind it, N/m. Straight edges.
+    pub fn force_per_depth_at(&self, angle_rad: f64, behind_rad: &[f64]) -> Vector3<f64> {
+        let mut sum = Sweep::default();
+        for behind in behind_rad {
+            sum += Sweep::at(angle_rad - behind);
         }
-        self.force_of(&sweep) / (to_rad - from_rad)
+        self.force_of(&sum)
     }
 
     fn tooth_force_n(&self, tip_rad: f64) -> Vector3<f64> {

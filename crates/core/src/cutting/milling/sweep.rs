@@ -28,6 +28,18 @@ impl Sweep {
         }
     }
 
+    /// The integrands themselves, per rad.
+    pub fn at(angle_rad: f64) -> Self {
+        let (s, c) = angle_rad.sin_cos();
+        Self {
+            one: 1.0,
+            sin: s,
+            cos: c,
+            sin_sin: s * s,
+            sin_cos: s * c,
+        }
+    }
+
     fn cos_cos(&self) -> f64 {
         self.one - self.sin_sin
     }

@@ -4,7 +4,7 @@ use super::tests::parameters;
 use super::*;
 use crate::chatter::limit::{LimitSearch, first_limit};
 use crate::chatter::planar::tests::PlanarSplit;
-use crate::chatter::semi_discretisation::SemiDiscretisation;
+use crate::chatter::spectral_elements::SpectralElements;
 use crate::chatter::{DirectionalMatrix, TipMode};
 use crate::cutting::chamfer::CuttingCoefficients;
 use crate::cutting::milling::cutter::Cutter;
@@ -107,7 +107,7 @@ fn verify_time_domain_limits_agree_with_semi_discretisation() {
         let down = Engagement::down(immersion * 20e-3, 20e-3).expect("partial");
         let process = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, down);
         let period_s = 30.0 / rpm;
-        let sdm = SemiDiscretisation::new(&[mode], &process, 200);
+        let sdm = SpectralElements::new(&[mode], &process);
         let search = LimitSearch::to_depth(5e-3);
         let theory_m = first_limit(&sdm, period_s, &search)
             .expect("a limit")

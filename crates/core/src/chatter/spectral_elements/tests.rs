@@ -1,4 +1,5 @@
 use super::*;
+use crate::chatter::Bifurcation;
 use crate::chatter::averaged::zero_order_limit;
 use crate::chatter::limit::{LimitSearch, first_limit};
 use crate::cutting::milling::cutter::Cutter;
@@ -12,38 +13,20 @@ fn seconds_per_tooth(rpm: f64, teeth: usize) -> f64 {
 
 /// Benchmark 1 (Insperger): one direction of 0.03993 kg, 922 Hz, ζ = 0.011, two teeth, K_t = 6e8,
 /// K_n = 2e8 Pa.
-fn benchmark_1(immersion: f64, steps: usize) -> SemiDiscretisation {
+fn benchmark_1(immersion: f64) -> SpectralElements {
     let mode = TipMode::of_mass(TAU * 922.0, 0.011, 0.03993, &Vector3::x());
     let down = Engagement::down(immersion, 1.0).expect("partial");
     let process = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, down);
-    SemiDiscretisation::new(&[mode], &process, steps)
+    SpectralElements::new(&[mode], &process)
 }
 
-/// `docs/physics/stability.md`, benchmark 1: |μ| at a/D = 1, 5000 rpm, k = 200, to 0.1 %; the
-/// values agree to all five digits.
+/// `docs/physics/stability.md`, benchmark 1: |μ| at a/D = 1, 5000 rpm, k → ∞.
 #[test]
 fn verify_benchmark_1_multipliers() {
-    let sdm = benchmark_1(1.0, 200);
-    let period = seconds_per_tooth(5000.0, 2);
-    for (depth_mm, expected) in [(0.2, 0.81929), (0.5, 1.07273), (1.0, 1.40417)] {
-        let found = sdm.multiplier(period, depth_mm * 1e-3).magnitude();
-        assert!(
-            (found / expected - 1.0).abs() < 1e-5,
-            "{depth_mm} mm: {found}"
-        );
-    }
-    let narrow = benchmark_1(0.05, 200).multiplier(period, 1e-3).magnitude();
-    assert!((narrow - 0.7494).abs() < 1e-4, "{narrow}");
-}
-
-/// The limit k → ∞ of the same numbers.
-#[test]
-fn verify_benchmark_1_converges() {
     let period = seconds_per_tooth(5000.0, 2);
     for (depth_mm, expected) in [(0.2, 0.8197), (0.5, 1.0740), (1.0, 1.4065)] {
-        let found = benchmark_1(1.0, 4000)
-            .multiplier(period, depth_mm * 1e-3)
-            .magnitude();
+        let found = benchmark_1(1.0).multiplier(period, depth_mm * 1e-3);
+        let found = found.magnitude();
         assert!((found - expected).abs() < 1.5e-4, "{depth_mm} mm: {found}");
     }
 }
@@ -96,10 +79,11 @@ fn verify_benchmark_1_first_limits() {
         ),
     ];
     for (immersion, row) in table {
-        let sdm = benchmark_1(immersion, 100);
+        let elements = benchmark_1(immersion);
         for (rpm, (expected_mm, kind)) in speeds.into_iter().zip(row) {
             let period = seconds_per_tooth(rpm, 2);
-            let limit = first_limit(&sdm, period, &LimitSearch::to_depth(7e-3)).expect("a limit");
+            let limit =
+                first_limit(&elements, period, &LimitSearch::to_depth(7e-3)).expect("a limit");
             let found_mm = limit.depth_m * 1e3;
             assert!(
                 (found_mm / expected_mm - 1.0).abs() < 0.02,
@@ -111,6 +95,34 @@ fn verify_benchmark_1_first_limits() {
                 "a/D {immersion}, {rpm} rpm"
             );
         }
+    }
+}
+
+/// `docs/physics/stability.md`, benchmark 1: limits in mm extrapolated from 120 and 240 steps of
+/// first-order semi-discretisation.
+#[test]
+fn verify_benchmark_1_converged_limits() {
+    let table = [
+        (7e3, 0.3, true, 1.0718),
+        (4e3, 0.3, true, 0.6840),
+        (5e3, 0.3, true, 0.3652),
+        (9e3, 0.5, true, 1.6020),
+        (3e3, 0.3, true, 0.5882),
+        (6e3, 0.5, false, 1.1389),
+    ];
+    let mode = TipMode::of_mass(TAU * 922.0, 0.011, 0.03993, &Vector3::x());
+    for (rpm, immersion, up, expected_mm) in table {
+        let way = if up { Engagement::up } else { Engagement::down };
+        let engagement = way(immersion, 1.0).expect("partial");
+        let process = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, engagement);
+        let elements = SpectralElements::new(&[mode], &process);
+        let period = seconds_per_tooth(rpm, 2);
+        let limit = first_limit(&elements, period, &LimitSearch::to_depth(3e-3)).expect("a limit");
+        let found_mm = limit.depth_m * 1e3;
+        assert!(
+            (found_mm / expected_mm - 1.0).abs() < 1e-3,
+            "{rpm} rpm: {found_mm} mm"
+        );
     }
 }
 
@@ -145,7 +157,7 @@ fn verify_benchmark_2_zero_order_and_semi_discretisation() {
     ];
     for (engagement, rows) in [(quarter, half), (Engagement::SLOT, slot)] {
         let (modes, process) = benchmark_2(engagement);
-        let sdm = SemiDiscretisation::new(&modes, &process, 80);
+        let elements = SpectralElements::new(&modes, &process);
         for (rpm, zero_mm, sdm_mm) in rows {
             let period = seconds_per_tooth(rpm, 3);
             let zero = zero_order_limit(&modes, &process.average_pa(), period).expect("a limit");
@@ -154,7 +166,8 @@ fn verify_benchmark_2_zero_order_and_semi_discretisation() {
                 "{rpm} rpm: zero order {} mm instead of {zero_mm} mm",
                 zero.depth_m * 1e3
             );
-            let limit = first_limit(&sdm, period, &LimitSearch::to_depth(6e-3)).expect("a limit");
+            let limit =
+                first_limit(&elements, period, &LimitSearch::to_depth(6e-3)).expect("a limit");
             assert!(
                 (limit.depth_m * 1e3 / sdm_mm - 1.0).abs() < 0.02,
                 "{rpm} rpm: {} mm instead of {sdm_mm} mm",
@@ -164,8 +177,7 @@ fn verify_benchmark_2_zero_order_and_semi_discretisation() {
     }
 }
 
-/// The period map against the dense matrices of the textbook, multiplied out: same dominant
-/// multiplier.
+/// The dominant multiplier found by iteration, against all eigenvalues of the map's matrix.
 #[test]
 fn verify_krylov_against_dense_monodromy() {
     let down = Engagement::down(0.4, 1.0).expect("partial");
@@ -181,29 +193,26 @@ fn verify_krylov_against_dense_monodromy() {
             ),
         })
         .collect();
-    let sdm = SemiDiscretisation::new(&modes, &process, 40);
-    let length = 12 + 80;
+    let elements = SpectralElements::new(&modes, &process);
     for i in 0..24 {
         let (period, depth) = (
             0.003 + 0.0025 * f64::from(i),
             0.37e-3 * f64::from(1 + i * 7 % 24),
         );
-        let map = period_map::PeriodMap::<6, 2>::new(&sdm, period, depth);
-        assert_eq!(map.length(), length);
-        let dense = DMatrix::from_columns(
-            &(0..length)
-                .map(|i| {
-                    let mut unit = vec![0.0; length];
-                    let mut image = vec![0.0; length];
-                    unit[i] = 1.0;
-                    map.apply(&unit, &mut image);
-                    nalgebra::DVector::from_vec(image)
-                })
-                .collect::<Vec<_>>(),
-        );
-        let eigenvalues = dense.complex_eigenvalues();
+        let at = elements.at(period);
+        let map = at.period_map(depth);
+        let length = map.length();
+        let images: Vec<DVector<f64>> = (0..length)
+            .map(|i| {
+                let (mut unit, mut image) = (vec![0.0; length], vec![0.0; length]);
+                unit[i] = 1.0;
+                map.apply(&unit, &mut image);
+                DVector::from_vec(image)
+            })
+            .collect();
+        let eigenvalues = DMatrix::from_columns(&images).complex_eigenvalues();
         let expected = eigenvalues.iter().map(|e| e.norm()).fold(0.0, f64::max);
-        let found = sdm.multiplier(period, depth).magnitude();
+        let found = at.multiplier(depth).magnitude();
         assert!((found / expected - 1.0).abs() < 1e-7, "{found} {expected}");
     }
 }
@@ -211,10 +220,10 @@ fn verify_krylov_against_dense_monodromy() {
 /// Without depth, multipliers are those of the free modes: e^{−ζωT}.
 #[test]
 fn verify_zero_depth_is_free_decay() {
-    let sdm = benchmark_1(1.0, 40);
+    let elements = benchmark_1(1.0);
     let period = seconds_per_tooth(9000.0, 2);
     let expected = (-0.011 * TAU * 922.0 * period).exp();
-    let found = sdm.multiplier(period, 0.0);
+    let found = elements.multiplier(period, 0.0);
     assert!((found.magnitude() / expected - 1.0).abs() < 1e-9);
     assert!(found.is_stable() && found.growth_per_s(period) < 0.0);
     let own = found.base_frequency_rad_s(period);
@@ -225,27 +234,6 @@ fn verify_zero_depth_is_free_decay() {
     let all = found.frequencies_rad_s(period, 2.0 * damped);
     assert!(all.iter().any(|f| (f / damped - 1.0).abs() < 1e-6));
     assert!(all.windows(2).all(|w| w[0] < w[1]));
-}
-
-/// Both diagrams of `benches/lobes_numpy.py`, which multiplies dense matrices out: sums of |μ| over
-/// 20 × 20 points. Its directional factors are sums over 50 samples a step, good for some 1e-5.
-#[test]
-fn verify_diagrams_agree_with_dense_numpy() {
-    let slot = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, Engagement::SLOT);
-    let one = vec![TipMode::of_mass(TAU * 922.0, 0.011, 0.03993, &Vector3::x())];
-    let two = benchmark_2(Engagement::SLOT).0;
-    for (modes, expected) in [(one, 442.183579), (two, 462.977473)] {
-        let sdm = SemiDiscretisation::new(&modes, &slot, 40);
-        let mut sum = 0.0;
-        for i in 0..20 {
-            let period = 6e-3 / (1.0 + 4.0 * f64::from(i * 5) / 100.0);
-            for j in 0..20 {
-                let depth = 4e-3 * f64::from(j * 5 + 1) / 100.0;
-                sum += sdm.multiplier(period, depth).magnitude();
-            }
-        }
-        assert!((sum / expected - 1.0).abs() < 1e-4, "{sum} {expected}");
-    }
 }
 
 /// The floor alone (no depth): a slot with four teeth pushes with a constant force per
@@ -288,7 +276,7 @@ fn verify_floor_feedback_is_that_of_the_state_matrix() {
         .map(|z| z.re)
         .fold(f64::NEG_INFINITY, f64::max);
     let period_s = 0.025;
-    let plain = SemiDiscretisation::new(&modes, &process, 40);
+    let plain = SpectralElements::new(&modes, &process);
     let without = plain.multiplier(period_s, 0.0).growth_per_s(period_s);
     let found = plain
         .with_floor(&cut)
