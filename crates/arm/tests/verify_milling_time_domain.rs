@@ -187,12 +187,12 @@ fn verify_arm_without_regeneration_has_the_limit_of_mode_coupling() {
 }
 
 #[test]
-fn verify_arm_with_regeneration_has_the_limit_of_semi_discretisation() {
+fn verify_arm_with_regeneration_has_the_limit_of_spectral_elements() {
     for angle_deg in [20.0, 60.0, 120.0, 160.0, 220.0] {
         let modes = modes(angle_deg);
-        let sdm = SpectralElements::new(&modes, &process());
+        let elements = SpectralElements::new(&modes, &process());
         let search = LimitSearch::to_depth(5e-3);
-        let theory = first_limit(&sdm, PERIOD_S, &search).expect("a limit");
+        let theory = first_limit(&elements, PERIOD_S, &search).expect("a limit");
         let coupling = mode_coupling_limit(&modes, &process().average_pa()).expect("a limit");
         assert!(theory.depth_m > 4.0 * coupling.depth_m, "{angle_deg} deg");
         let growth = |share: f64| growth_per_s(&modes, share * theory.depth_m, true);

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix3};
 use truecut_arm::{FrameId, Load, Robot, translational};
 use truecut_core::chatter::averaged::mode_coupling_limit;
-use truecut_core::chatter::limit::{LimitSearch, first_limit};
+use truecut_core::chatter::limit::{FirstLimit, LimitSearch, first_limit};
 use truecut_core::chatter::planar::coalescence_limit_m;
 use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_core::chatter::{TipMode, in_axes};
@@ -47,7 +47,7 @@ pub fn assess(
     cut: &Cut,
     least_decay: f64,
 ) -> Result<Assessment, PlanError> {
-    let mut decay = None;
+    let (mut decay, mut error_m) = (None, None);
     let value = match criterion {
         Criterion::Anisotropy => {
             let compliance = tool_compliance(robot, posture)?;
@@ -64,18 +64,20 @@ pub fn assess(
         }
         Criterion::Regenerative => {
             let modes = modes_in_cut(robot, posture, world_from_milling)?;
-            let (limit_m, growth_per_s) = regenerative(&modes, cut);
+            let (limit, growth_per_s) = regenerative(&modes, cut);
             decay = Some(Decay {
                 growth_per_s,
                 least_per_s: least_decay * slowest_decay_per_s(&modes),
             });
-            limit_m.unwrap_or(f64::INFINITY)
+            error_m = limit.map(|limit| limit.error_m);
+            limit.map_or(f64::INFINITY, |limit| limit.depth_m)
         }
     };
     Ok(Assessment {
         value,
         margin: value / criterion.needed(cut) - 1.0,
         decay,
+        error_m,
     })
 }
 
@@ -110,11 +112,10 @@ fn planar_limit_m(
 
 /// First depth that regeneration makes unstable, and the growth rate at the cut's own depth, 1/s;
 /// both with the floor.
-fn regenerative(modes: &[TipMode], cut: &Cut) -> (Option<f64>, f64) {
+fn regenerative(modes: &[TipMode], cut: &Cut) -> (Option<FirstLimit>, f64) {
     let (depth_m, period_s) = (cut.nominal.axial_depth_m, cut.tooth_period_s());
-    let prepared = SpectralElements::new(modes, &cut.directional());
-    let prepared = prepared.with_floor(&cut.nominal);
-    let growth_per_s = prepared
+    let elements = SpectralElements::new(modes, &cut.directional()).with_floor(&cut.nominal);
+    let growth_per_s = elements
         .multiplier(period_s, depth_m)
         .growth_per_s(period_s);
     let search = LimitSearch {
@@ -122,6 +123,5 @@ fn regenerative(modes: &[TipMode], cut: &Cut) -> (Option<f64>, f64) {
         scan_steps: SCAN_STEPS,
         relative_width: NARROWED,
     };
-    let limit = first_limit(&prepared, period_s, &search);
-    (limit.map(|limit| limit.depth_m), growth_per_s)
+    (first_limit(&elements, period_s, &search), growth_per_s)
 }

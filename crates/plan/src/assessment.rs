@@ -37,6 +37,8 @@ pub struct Assessment {
     pub margin: f64,
     /// Of [`crate::Criterion::Regenerative`] only.
     pub decay: Option<Decay>,
+    /// Of its limit, where there is one: by how much the discretisation in time puts it wrong, m.
+    pub error_m: Option<f64>,
 }
 
 impl Assessment {
@@ -81,6 +83,7 @@ mod tests {
                 growth_per_s,
                 least_per_s: 0.4,
             }),
+            error_m: None,
         }
     }
 

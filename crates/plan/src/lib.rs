@@ -11,7 +11,7 @@
 //! | `Anisotropy` | r = (k_max − k_min)/k_max in the cutting plane is at least 0.1: a published rule, no stability bound |
 //! | `Flutter` | the depth is below the undamped planar limit of mode coupling |
 //! | `ModeCoupling` | the depth is below the limit of all modes under the averaged cut, teeth meeting the nominal surface |
-//! | `Regenerative` | the depth is below the limit by semi-discretisation, teeth meeting the surface that earlier ones left, with the floor; and vibration at that depth dies away at least half as fast as the arm's slowest mode does on its own ([`LEAST_DECAY`]) |
+//! | `Regenerative` | the depth is below the limit by spectral elements, teeth meeting the surface that earlier ones left, with the floor; and vibration at that depth dies away at least half as fast as the arm's slowest mode does on its own ([`LEAST_DECAY`]) |
 //!
 //! Only the last describes real teeth (`docs/milling.md`); the others are there to be compared with
 //! it.

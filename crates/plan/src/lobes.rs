@@ -3,15 +3,15 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use truecut_core::chatter::TipMode;
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
-use truecut_core::chatter::semi_discretisation::{Multiplier, SemiDiscretisation};
+use truecut_core::chatter::limit::{FirstLimit, narrowed};
+use truecut_core::chatter::spectral_elements::SpectralElements;
+use truecut_core::chatter::{Multiplier, TipMode};
 
-use crate::assess::diagram_steps;
 use crate::criterion::Cut;
 
 /// Relative width to which a limit is narrowed.
-const NARROWED: f64 = 1e-3;
+const NARROWED: f64 = 1e-4;
 
 /// The part of the plane that is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,9 +34,11 @@ pub struct Lobes {
     pub depth_m: Vec<f64>,
     /// Magnitude of the dominant multiplier over a tooth period, by speed, then depth; stable below 1.
     pub multiplier: Vec<Vec<f64>>,
-    /// First depth at each speed at which the cut is unstable, by semi-discretisation; none down to
+    /// First depth at each speed at which the cut is unstable, by spectral elements; none down to
     /// the deepest. An unstable island thinner than a step of the depths may be missed.
     pub limit: Vec<Option<Crossing>>,
+    /// By how much the discretisation in time puts each limit wrong, m, estimated from a finer one.
+    pub limit_error_m: Vec<Option<f64>>,
     /// The same to zero order, whatever its depth.
     pub zero_order: Vec<Option<Crossing>>,
     /// Mode coupling, teeth meeting the nominal surface: the same at all speeds.
@@ -68,7 +70,8 @@ pub fn lobes(
         .collect();
     Lobes {
         multiplier: columns.iter().map(|c| c.multiplier.clone()).collect(),
-        limit: columns.iter().map(|c| c.limit).collect(),
+        limit: columns.iter().map(|c| c.limit.map(|l| l.0)).collect(),
+        limit_error_m: columns.iter().map(|c| c.limit.map(|l| l.1)).collect(),
         zero_order: columns.iter().map(|c| c.zero_order).collect(),
         mode_coupling: mode_coupling_limit(modes, &cut.directional().average_pa()),
         spindle_rad_s,
@@ -76,10 +79,21 @@ pub fn lobes(
     }
 }
 
+impl Lobes {
+    /// The largest estimated error of a limit, as a part of it; 0 without limits.
+    pub fn largest_error(&self) -> f64 {
+        let parts = (self.limit.iter().flatten())
+            .zip(self.limit_error_m.iter().flatten())
+            .map(|(limit, error_m)| error_m / limit.depth_m);
+        parts.fold(0.0, f64::max)
+    }
+}
+
 /// One speed of a diagram.
 struct SpeedColumn {
     multiplier: Vec<f64>,
-    limit: Option<Crossing>,
+    /// With its estimated error in m.
+    limit: Option<(Crossing, f64)>,
     zero_order: Option<Crossing>,
 }
 
@@ -87,21 +101,23 @@ impl SpeedColumn {
     fn at(modes: &[TipMode], cut: &Cut, spindle_rad_s: f64, depth_m: &[f64]) -> Self {
         let directional = cut.directional();
         let period_s = cut.nominal.cutter.tooth_period_s(spindle_rad_s);
-        let prepared = SpectralElements::new(modes, &directional);
-        let found: Vec<Multiplier> = depth_m
-            .iter()
-            .map(|depth| prepared.multiplier(period_s, *depth))
-            .collect();
+        let elements = SpectralElements::new(modes, &directional);
+        let at = elements.at(period_s);
+        let found: Vec<Multiplier> = depth_m.iter().map(|depth| at.multiplier(*depth)).collect();
         let unstable = found.iter().position(|m| !m.is_stable());
         let limit = unstable.map(|j| {
-            let shallower = j.checked_sub(1).map_or(0.0, |before| depth_m[before]);
-            narrowed(
-                &prepared,
-                modes,
-                period_s,
-                (shallower, depth_m[j]),
-                found[j],
-            )
+            let stable_m = j.checked_sub(1).map_or(0.0, |before| depth_m[before]);
+            let unstable = FirstLimit {
+                depth_m: depth_m[j],
+                error_m: 0.0,
+                multiplier: found[j],
+            };
+            let limit = narrowed(&at, stable_m, unstable, NARROWED, 0.0);
+            let crossing = Crossing {
+                depth_m: limit.depth_m,
+                frequency_hz: limit.multiplier.chatter_hz(modes, period_s),
+            };
+            (crossing, limit.error_m)
         });
         Self {
             multiplier: found.iter().map(Multiplier::magnitude).collect(),
@@ -109,46 +125,4 @@ impl SpeedColumn {
             zero_order: zero_order_limit(modes, &directional.average_pa(), period_s),
         }
     }
-}
-
-/// The limit between a stable and an unstable depth.
-fn narrowed(
-    prepared: &SemiDiscretisation,
-    modes: &[TipMode],
-    period_s: f64,
-    (mut low, mut high): (f64, f64),
-    mut multiplier: Multiplier,
-) -> Crossing {
-    while high - low > NARROWED * high {
-        let middle = 0.5 * (low + high);
-        let found = prepared.multiplier(period_s, middle);
-        if found.is_stable() {
-            low = middle;
-        } else {
-            (high, multiplier) = (middle, found);
-        }
-    }
-    Crossing {
-        depth_m: high,
-        frequency_hz: chatter_hz(&multiplier, modes, period_s),
-    }
-}
-
-/// Of the frequencies of a multiplier the one that the tool answers most, Hz.
-fn chatter_hz(multiplier: &Multiplier, modes: &[TipMode], period_s: f64) -> f64 {
-    let natural = modes.iter().map(|m| m.natural_frequency_rad_s);
-    let highest = natural.fold(0.0, f64::max) * 1.5;
-    let answer = |f: f64| -> f64 {
-        let of_mode = |m: &TipMode| {
-            let own = m.natural_frequency_rad_s;
-            let rest = (own * own - f * f).hypot(2.0 * m.damping_ratio * own * f);
-            m.shape_per_sqrt_kg.norm_squared() / rest
-        };
-        modes.iter().map(of_mode).sum()
-    };
-    let frequencies = multiplier.frequencies_rad_s(period_s, highest);
-    let strongest = frequencies
-        .into_iter()
-        .max_by(|a, b| answer(*a).total_cmp(&answer(*b)));
-    strongest.unwrap_or(0.0) / std::f64::consts::TAU
 }

@@ -2,6 +2,7 @@
 
 use truecut_core::chatter::averaged::Crossing;
 use truecut_plan::lobes::Lobes;
+use truecut_recording::significant;
 
 use super::{Diagram, rpm};
 use crate::figure::{BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, PINK, Panel, Style};
@@ -45,7 +46,10 @@ fn depths(diagram: &Diagram<'_>) -> Panel {
         PINK,
     ));
     Panel::new(
-        "Limit depth (shaded: unstable)",
+        format!(
+            "Limit depth (shaded: unstable; error of the limit at most {} %)",
+            significant(lobes.largest_error() * 1e2, 2)
+        ),
         "spindle speed [rpm]",
         "axial depth [mm]",
         layers,
@@ -61,7 +65,7 @@ fn theories(lobes: &Lobes, value: impl Fn(Crossing) -> f64) -> [Layer; 2] {
             .collect()
     };
     [
-        Layer::line("semi-discretisation", curve(&lobes.limit), BLACK),
+        Layer::line("spectral elements", curve(&lobes.limit), BLACK),
         Layer::dashed("zero order", curve(&lobes.zero_order), GREEN),
     ]
 }

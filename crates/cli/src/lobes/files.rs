@@ -77,6 +77,13 @@ fn limit_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
             lobes.spindle_rad_s.iter().map(|s| rpm(*s)).collect(),
         ),
         Column::numbers("limit_depth", "mm", depth(&lobes.limit)),
+        Column::numbers(
+            "limit_error",
+            "mm",
+            (lobes.limit_error_m.iter())
+                .map(|error_m| error_m.map_or(f64::NAN, |error_m| error_m * 1e3))
+                .collect(),
+        ),
         Column::numbers("chatter_frequency", "Hz", hz(&lobes.limit)),
         Column::numbers("zero_order_depth", "mm", depth(&lobes.zero_order)),
         Column::numbers("zero_order_frequency", "Hz", hz(&lobes.zero_order)),

@@ -45,11 +45,17 @@ pub fn summary(diagram: &Diagram<'_>) -> String {
         None => format!("none down to {}", text::show(Unit::Metre, deepest)),
     };
     text.push_str(&format!(
-        "  limits near {} rpm: semi-discretisation {}, zero order {}\n",
+        "  limits near {} rpm: spectral elements {}, zero order {}\n",
         significant(rpm(cut.spindle_rad_s), 4),
         shown(at_speed(&lobes.limit)),
         shown(at_speed(&lobes.zero_order)),
     ));
+    if lobes.limit.iter().any(Option::is_some) {
+        text.push_str(&format!(
+            "  error of the limits by discretisation in time: at most {} % (estimated)\n",
+            significant(lobes.largest_error() * 1e2, 2)
+        ));
+    }
     text.push_str(&match lobes.mode_coupling {
         Some(limit) => format!(
             "  mode coupling, were there no regeneration: {}\n",

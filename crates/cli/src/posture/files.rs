@@ -115,6 +115,12 @@ fn station_columns(answer: &PostureAnswer<'_>) -> Vec<Column<'static>> {
         "1/s",
         found.clone().map(of).collect(),
     ));
+    let error = |a: &Assessment| a.error_m.map_or(f64::NAN, |error_m| error_m * 1e3);
+    columns.push(Column::numbers(
+        "regenerative_limit_error",
+        "mm",
+        found.clone().map(error).collect(),
+    ));
     let least = |a: &Assessment| a.decay.map_or(f64::NAN, |decay| decay.least_per_s);
     columns.push(Column::numbers(
         "least_decay",

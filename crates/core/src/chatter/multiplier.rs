@@ -3,6 +3,8 @@
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
+use super::TipMode;
+
 /// How a solution behaves from one tooth period to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bifurcation {
@@ -65,5 +67,21 @@ impl Multiplier {
         found.sort_by(f64::total_cmp);
         found.dedup();
         found
+    }
+
+    /// Of the frequencies of such a vibration the one that the tool answers most, Hz.
+    pub fn chatter_hz(&self, modes: &[TipMode], tooth_period_s: f64) -> f64 {
+        let natural = modes.iter().map(|m| m.natural_frequency_rad_s);
+        let highest = natural.fold(0.0, f64::max) * 1.5;
+        let answer = |omega: f64| -> f64 {
+            let of_mode =
+                |m: &TipMode| m.shape_per_sqrt_kg.norm_squared() * m.receptance_s2(omega).norm();
+            modes.iter().map(of_mode).sum()
+        };
+        let frequencies = self.frequencies_rad_s(tooth_period_s, highest);
+        let strongest = frequencies
+            .into_iter()
+            .max_by(|a, b| answer(*a).total_cmp(&answer(*b)));
+        strongest.unwrap_or(0.0) / TAU
     }
 }

@@ -114,12 +114,12 @@ fn verify_arm_on_the_nominal_surface_has_the_limit_of_mode_coupling() {
 }
 
 #[test]
-fn verify_arm_on_its_own_surface_has_the_limit_of_semi_discretisation() {
+fn verify_arm_on_its_own_surface_has_the_limit_of_spectral_elements() {
     for angle_deg in ANGLES_DEG {
         let modes = modes(angle_deg);
-        let sdm = SpectralElements::new(&modes, &process());
+        let elements = SpectralElements::new(&modes, &process());
         let search = LimitSearch::to_depth(6e-3);
-        let theory = first_limit(&sdm, PERIOD_S, &search).expect("a limit");
+        let theory = first_limit(&elements, PERIOD_S, &search).expect("a limit");
         let coupling = mode_coupling_limit(&modes, &process().average_pa()).expect("a limit");
         assert!(theory.depth_m > 5.0 * coupling.depth_m, "{angle_deg} deg");
         let found = about(angle_deg, theory.depth_m, true, 3.5);

@@ -61,6 +61,11 @@ pub struct MillingTheory {
     /// Teeth that meet their own surface, to zero order.
     pub regenerative_depth_m: f64,
     pub regenerative_hz: f64,
+    /// First limit by spectral elements, the first up to twice that to zero order.
+    pub stability_depth_m: f64,
+    pub stability_hz: f64,
+    /// Its estimated error by discretisation in time.
+    pub stability_error_m: f64,
 }
 
 impl MillingSetup {

@@ -332,5 +332,11 @@ fn predictions(theory: &MillingTheory, findings: &mut Findings) {
             .text("Depth limit to zero order for teeth that meet their own surface, at the start"),
         Quantity::new("theory.regenerative_frequency", Unit::Hertz, theory.regenerative_hz)
             .text("Chatter frequency there"),
+        Quantity::new("theory.stability_depth", Unit::Metre, theory.stability_depth_m)
+            .text("Depth limit by spectral elements for teeth that meet their own surface, at the start; looked for up to twice that to zero order"),
+        Quantity::new("theory.stability_frequency", Unit::Hertz, theory.stability_hz)
+            .text("Chatter frequency there"),
+        Quantity::new("theory.stability_depth_error", Unit::Metre, theory.stability_error_m)
+            .text("Error of that limit by discretisation in time, estimated"),
     ]));
 }

@@ -10,6 +10,8 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 use std::f64::consts::PI;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
+use truecut_core::chatter::limit::{FirstLimit, LimitSearch, first_limit};
+use truecut_core::chatter::spectral_elements::{MOST_MODES, SpectralElements};
 use truecut_core::chatter::{DirectionalMatrix, in_axes};
 use truecut_core::cutting::milling::cut::MillingParameters;
 use truecut_core::cutting::milling::dexel::Wall;
@@ -164,7 +166,21 @@ fn theory(
     let regenerative = zero_order_limit(&modes, &average, tooth_period_s);
     let depth = |c: Option<Crossing>| c.map_or(f64::INFINITY, |c| c.depth_m);
     let hz = |c: Option<Crossing>| c.map_or(f64::NAN, |c| c.frequency_hz);
+    let limit = regenerative
+        .filter(|_| modes.len() <= MOST_MODES)
+        .and_then(|zero_order| {
+            let search = LimitSearch::to_depth(2.0 * zero_order.depth_m);
+            first_limit(
+                &SpectralElements::new(&modes, &matrix),
+                tooth_period_s,
+                &search,
+            )
+        });
+    let of_limit = |value: &dyn Fn(FirstLimit) -> f64| limit.map_or(f64::NAN, value);
     Ok(MillingTheory {
+        stability_depth_m: limit.map_or(f64::INFINITY, |limit| limit.depth_m),
+        stability_hz: of_limit(&|limit| limit.multiplier.chatter_hz(&modes, tooth_period_s)),
+        stability_error_m: of_limit(&|limit| limit.error_m),
         coupling_depth_m: depth(coupling),
         coupling_hz: hz(coupling),
         regenerative_depth_m: depth(regenerative),

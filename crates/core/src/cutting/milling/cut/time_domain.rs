@@ -86,10 +86,10 @@ impl Oscillator {
 }
 
 /// Benchmark 1 in the time domain at five speeds: depth limits by bisection on the growth rate
-/// agree with semi-discretisation within 5 %, flips among them. Both sides are good for 1 %: the
+/// agree with spectral elements within 5 %, flips among them. Both sides are good for 1 %: the
 /// bisection stops at 1 %.
 #[test]
-fn verify_time_domain_limits_agree_with_semi_discretisation() {
+fn verify_time_domain_limits_agree_with_spectral_elements() {
     let tool = Oscillator {
         omega_rad_s: TAU * 922.0,
         zeta: 0.011,
