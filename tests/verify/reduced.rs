@@ -103,8 +103,8 @@ const BOUNDS: [Bound; 16] = [
     (
         "finishing/block_edge_brush.toml",
         None,
-        [1e-5, 1e-3],
-        [1e-5, 1e-3],
+        [1e-5, 1e-4],
+        [1e-5, 1e-4],
     ),
     (
         "finishing/hub_spoke_belt.toml",
@@ -156,7 +156,8 @@ fn regress_reduced_against_rapier_in_every_process() {
         ] {
             let [tool, force] = apart(&theirs, &ours);
             println!("{name}, {label} step: tool {tool:.5} %, force {force:.5} %");
-            if tool > most[0] || force > most[1] {
+            // What is no number is too far, too.
+            if !(tool <= most[0] && force <= most[1]) {
                 far.push(format!("{name} ({label} step): {tool} {force}"));
             }
         }
