@@ -200,7 +200,7 @@
 //! truecut = { path = "../truecut/crates/truecut", features = ["contract"] }
 //! ```
 //!
-//! ```ignore
+//! ```text
 //! #[cfg(test)]
 //! mod tests {
 //!     use truecut::contract::{process::Subject, process_contract};

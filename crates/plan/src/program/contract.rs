@@ -2,7 +2,7 @@
 //!
 //! [`dialect_contract!`](crate::dialect_contract) makes a `#[test]` of each:
 //!
-//! ```ignore
+//! ```text
 //! truecut_plan::dialect_contract!(mine, Subject { dialect: &Mine, robot: robot(), options });
 //! ```
 //!

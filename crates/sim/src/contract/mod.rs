@@ -4,7 +4,7 @@
 //! make a module of tests from a closure that captures nothing and gives the subject, in this crate
 //! and in others (feature `contract`; names in the closure are seen from within the module):
 //!
-//! ```ignore
+//! ```text
 //! truecut_sim::process_contract!(drilling, || {
 //!     Subject::new(Box::new(Drilling::new()), 1e-4, states_along_x())
 //! });
