@@ -76,11 +76,9 @@ pub fn growth(
 /// Samples through which a motion is interpolated: the place between the third and the fourth.
 const POINTS: usize = 6;
 
-/// x(t) − x(t − T), T in samples: what repeats with T is gone, a vibration at f is
-/// [`change_of_a_vibration`] times as large. Where T is no whole number of samples, x is interpolated
-/// to fifth degree (Lagrange). `None` if the motion lasts for less than four periods, or is not
-/// finite.
-pub fn changes(motion: &[Vector3<f64>], period: f64) -> Option<Vec<Vector3<f64>>> {
+/// x(t) − x(t − T), T in samples. Where T is no whole number of them, x is interpolated to fifth
+/// degree (Lagrange).
+fn changes(motion: &[Vector3<f64>], period: f64) -> Option<Vec<Vector3<f64>>> {
     let whole = period.ceil() as usize;
     let first = whole + 2;
     let finite = |x: &Vector3<f64>| x.iter().all(|x| x.is_finite());
@@ -100,11 +98,6 @@ pub fn changes(motion: &[Vector3<f64>], period: f64) -> Option<Vec<Vector3<f64>>
         motion[i] - then
     };
     Some((first..motion.len()).map(change).collect())
-}
-
-/// |1 − e^{−iωT}| = 2 |sin πfT|.
-pub fn change_of_a_vibration(frequency_hz: f64, period_s: f64) -> f64 {
-    2.0 * (std::f64::consts::PI * frequency_hz * period_s).sin().abs()
 }
 
 /// Root mean square under a Hann window, which is blind to where in its period a vibration stands.

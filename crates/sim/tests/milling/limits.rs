@@ -1,6 +1,6 @@
 //! Depth limits in the time domain against stability theory.
 
-use crate::support::{RIG, grows, run, scalar, scenario};
+use crate::support::{RIG, grows, scenario};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
@@ -77,40 +77,6 @@ fn verify_limits_of_the_benchmark_in_rapier() {
         assert!(
             (found_m / theory_m - 1.0).abs() <= 0.05,
             "a/D {immersion}, {rpm} rpm: {found_m} m instead of {theory_m} m"
-        );
-    }
-}
-
-/// At a lobe's best speed the vibration stands beside a harmonic of the teeth, 10 Hz from 933 Hz at
-/// 7000 rpm, and the forced vibration is far larger. The line that is found is that of theory.
-#[test]
-fn verify_chatter_line_beside_a_harmonic_is_that_of_theory() {
-    let mode = TipMode::of_mass(TAU * 922.0, 0.011, 0.03993, &Vector3::x());
-    for (immersion, rpm) in [(0.3, 7e3), (0.5, 9.3e3), (0.3, 14e3)] {
-        let up = Engagement::up(immersion, 1.0).expect("partial");
-        let process = DirectionalMatrix::planar(2, 6e8, 1.0 / 3.0, up);
-        let elements = SpectralElements::new(&[mode], &process);
-        let period_s = 30.0 / rpm;
-        let search = LimitSearch::to_depth(5e-3);
-        let limit = first_limit(&elements, period_s, &search).expect("a limit");
-        let theory_hz = limit.multiplier.chatter_hz(&[mode], period_s);
-        let settled = [
-            ("process.milling.engagement", "up".to_owned()),
-            ("process.milling.path.length_mm", "6.0".to_owned()),
-        ];
-        let mut cut = benchmark(immersion, rpm, 1.03 * limit.depth_m);
-        cut = cut
-            .with_overrides(&settled.map(|(k, v)| (k.to_owned(), v)))
-            .expect("a cut");
-        let recording = run(&cut);
-        let found_hz = scalar(&recording, "milling.chatter_frequency");
-        let amplitude_um = scalar(&recording, "milling.chatter_amplitude") * 1e6;
-        println!(
-            "a/D {immersion}, {rpm} rpm: {found_hz:.2} of {theory_hz:.2} Hz, {amplitude_um} um"
-        );
-        assert!(
-            (found_hz / theory_hz - 1.0).abs() < 5e-3,
-            "a/D {immersion}, {rpm} rpm: {found_hz} Hz instead of {theory_hz} Hz"
         );
     }
 }

@@ -66,8 +66,6 @@ pub struct MillingTheory {
     pub stability_hz: f64,
     /// Its estimated error by discretisation in time.
     pub stability_error_m: f64,
-    /// Natural frequency of the arm's fastest mode.
-    pub fastest_mode_hz: f64,
 }
 
 impl MillingSetup {

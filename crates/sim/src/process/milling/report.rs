@@ -5,7 +5,7 @@ use crate::process::Findings;
 use crate::process::quantity::{self, Quantity};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
-use truecut_core::chatter::growth::{GrowthOptions, change_of_a_vibration, changes, growth};
+use truecut_core::chatter::growth::{GrowthOptions, growth};
 use truecut_core::cutting::milling::dexel::{DexelRow, RayGrid, Wall};
 use truecut_core::cutting::milling::finish;
 use truecut_recording::spectrum::{Spectrum, amplitude_spectrum_up_to};
@@ -25,8 +25,6 @@ pub(crate) fn linear_share(regeneration: bool) -> f64 {
 
 /// Spectra reach to so many times the tooth-passing frequency.
 const SPECTRUM_TEETH: f64 = 3.0;
-/// Chatter is looked for there, and up to so many times the fastest mode.
-const BEYOND_MODES: f64 = 1.5;
 /// Feed per revolution by which rays at the ends of a surface are left out: their neighbours are
 /// not all cut.
 const MARGIN_REVOLUTIONS: f64 = 2.0;
@@ -159,9 +157,7 @@ fn vibration(milling: &Milling, findings: &mut Findings) {
     };
     let grown = growth(samples.deflection_m, samples.interval_s, &options);
     let highest_hz = SPECTRUM_TEETH / setup.tooth_period_s();
-    let of_modes_hz = BEYOND_MODES * setup.theory.fastest_mode_hz;
-    let line_hz = highest_hz.max(of_modes_hz.min(0.5 / samples.interval_s));
-    let line = dominant_line(&samples, forced_s, line_hz);
+    let line = dominant_line(&samples, 1.0 / forced_s, highest_hz);
     let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let rate_per_s = or_nan(grown.and_then(|g| g.rate_per_s));
     let level_m = or_nan(grown.map(|g| g.last_level_m));
@@ -207,23 +203,29 @@ fn forced_period_s(setup: &MillingSetup) -> f64 {
     setup.tooth_period_s() * teeth as f64
 }
 
-/// The highest line along x or y of what does not repeat with the forced vibration: frequency, Hz,
-/// and amplitude, m. It is looked for in the change over a period, in which harmonics are gone and
-/// what is left of a slowly changing forced vibration is small; lines of one vibration stand equally
-/// far from harmonics and keep their order. The amplitude is that of the motion.
-fn dominant_line(samples: &Samples<'_>, forced_s: f64, highest_hz: f64) -> Option<(f64, f64)> {
-    let apart = changes(samples.deflection_m, forced_s / samples.interval_s)?;
-    let spectra = (0..2).filter_map(|axis| samples.spectrum(&apart, axis, highest_hz));
-    let lines = spectra.filter_map(|spectrum| {
-        let band_hz = [spectrum.resolution_hz, highest_hz];
-        let line = spectrum.lines(band_hz, 1, 0.0).first().copied()?;
-        // A line on a harmonic is rounding.
-        let least = change_of_a_vibration(0.1 * spectrum.resolution_hz, forced_s);
-        Some((line, least))
-    });
-    let (line, least) = lines.max_by(|a, b| a.0.amplitude.total_cmp(&b.0.amplitude))?;
-    let change = change_of_a_vibration(line.frequency_hz, forced_s).max(least);
-    Some((line.frequency_hz, line.amplitude / change))
+/// The highest line along x or y that stands apart from the harmonics of what is forced: frequency,
+/// Hz, and amplitude, m.
+fn dominant_line(samples: &Samples<'_>, forced_hz: f64, highest_hz: f64) -> Option<(f64, f64)> {
+    let mut best: Option<(f64, f64)> = None;
+    for axis in 0..2 {
+        let spectrum = samples.spectrum(samples.deflection_m, axis, highest_hz)?;
+        let clear_hz = 0.5 * spectrum.resolution_hz;
+        let mut low_hz = clear_hz;
+        while low_hz < highest_hz {
+            let harmonic_hz = ((low_hz / forced_hz).floor() + 1.0) * forced_hz;
+            let band_hz = [low_hz, (harmonic_hz - clear_hz).min(highest_hz)];
+            low_hz = harmonic_hz + clear_hz;
+            if band_hz[1] <= band_hz[0] {
+                continue;
+            }
+            if let Some(line) = spectrum.highest_line(band_hz)
+                && best.is_none_or(|(_, amplitude)| line.amplitude > amplitude)
+            {
+                best = Some((line.frequency_hz, line.amplitude));
+            }
+        }
+    }
+    best
 }
 
 fn surfaces(milling: &Milling, findings: &mut Findings) {

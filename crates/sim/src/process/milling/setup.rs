@@ -7,7 +7,7 @@ use crate::process::setup::Motion;
 use crate::process::{Milling, MillingSetup, MillingTheory, ProcessSetup, SetupContext};
 use crate::scene::shapes;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
 use truecut_core::chatter::limit::{FirstLimit, LimitSearch, first_limit};
@@ -176,13 +176,11 @@ fn theory(
                 &search,
             )
         });
-    let natural = modes.iter().map(|mode| mode.natural_frequency_rad_s);
     let of_limit = |value: &dyn Fn(FirstLimit) -> f64| limit.map_or(f64::NAN, value);
     Ok(MillingTheory {
         stability_depth_m: limit.map_or(f64::INFINITY, |limit| limit.depth_m),
         stability_hz: of_limit(&|limit| limit.multiplier.chatter_hz(&modes, tooth_period_s)),
         stability_error_m: of_limit(&|limit| limit.error_m),
-        fastest_mode_hz: natural.fold(0.0, f64::max) / TAU,
         coupling_depth_m: depth(coupling),
         coupling_hz: hz(coupling),
         regenerative_depth_m: depth(regenerative),
