@@ -15,6 +15,8 @@ use truecut_arm::{Elbow, Shoulder};
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_plan::lobes::{LobeRequest, lobes};
+use truecut_plan::motion::branch::BranchWish;
+use truecut_plan::motion::branch::BranchWish;
 use truecut_plan::{Criterion, Cut, Family, Planner, PlannerOptions, ToolPath, modes_in_cut};
 
 fn cut() -> Cut {
@@ -36,7 +38,11 @@ fn postures(bench: &mut Bench) {
     let options = PlannerOptions {
         segment_m: 0.15,
         halvings: 2,
-        family: Some(FAMILY),
+        branch: BranchWish {
+            shoulder: Some(FAMILY.shoulder),
+            elbow: Some(FAMILY.elbow),
+            wrist: None,
+        },
         ..PlannerOptions::default()
     };
     let mut group = bench.benchmark_group("a thousand postures");

@@ -1,7 +1,8 @@
 //! How a plan of postures is looked for.
 
 use crate::assessment::LEAST_DECAY;
-use crate::reach::{Family, SingularityLimits};
+use crate::motion::branch::BranchWish;
+use crate::reach::SingularityLimits;
 
 /// How a plan is looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,8 +19,8 @@ pub struct PlannerOptions {
     /// decaying mode; from 0 to less than 1. See [`LEAST_DECAY`].
     pub least_decay: f64,
     pub singularity: SingularityLimits,
-    /// Shoulder and elbow that are allowed; any if none is given.
-    pub family: Option<Family>,
+    /// Branches that are allowed.
+    pub branch: BranchWish,
     /// Of equal joint paths (wrists, whole turns) the one that starts nearest to this posture is
     /// taken.
     pub near: [f64; 6],
@@ -34,7 +35,7 @@ impl Default for PlannerOptions {
             end_shift_rad: 10_f64.to_radians(),
             least_decay: LEAST_DECAY,
             singularity: SingularityLimits::default(),
-            family: None,
+            branch: BranchWish::default(),
             near: [0.0; 6],
         }
     }

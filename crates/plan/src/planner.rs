@@ -15,7 +15,7 @@ use crate::intervals::{Interval, Standing, assessments, standing};
 use crate::options::PlannerOptions;
 use crate::parts::{Part, between, first_parts, halved, shifted, stations, unstable};
 use crate::plan::{MarginMap, Plan, Segment};
-use crate::reach::{Candidate, Family, Reach, Surveyor, largest_motion_rad};
+use crate::reach::{Candidate, Column, Family, Reach, Surveyor};
 use crate::tool_path::ToolPath;
 use crate::tube::steadied;
 
@@ -52,7 +52,7 @@ impl<'a> Planner<'a> {
             geometry,
             path,
             limits: options.singularity,
-            family: options.family,
+            wish: options.branch,
         };
         let count = (std::f64::consts::TAU / options.angle_step_rad).ceil() as usize;
         let reach = surveyor.survey(&stations(path, options), count.max(8))?;
@@ -127,41 +127,26 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// The joint path at redundancy angles given by place (m; rad), stable or not: the one that
-    /// turns the joints least.
+    /// A joint path that is given by place, stable or not, with its redundancy angle (m; rad).
     ///
     /// # Errors
-    /// If the arm cannot follow the path at these angles.
-    pub fn at_angles(
+    /// If the arm has no modes somewhere.
+    pub fn at_postures(
         &self,
         criterion: Criterion,
         angle: &(dyn Fn(f64) -> f64 + Sync),
+        posture: &dyn Fn(f64) -> Vec<f64>,
     ) -> Result<Plan, PlanError> {
-        let starts = self.surveyor.candidates(0.0, angle(0.0))?;
-        let mut furthest: Option<PlanError> = None;
-        let mut best: Option<(f64, Vec<Candidate>)> = None;
-        for start in starts {
-            match self.follow(&start, angle) {
-                Ok(found) => {
-                    let steps = found.windows(2);
-                    let steps = steps.map(|w| largest_motion_rad(&w[0].posture, &w[1].posture));
-                    let travel: f64 = steps.sum();
-                    if best.as_ref().is_none_or(|(least, _)| travel < *least) {
-                        best = Some((travel, found));
-                    }
-                }
-                Err(error) => {
-                    let place = |e: &PlanError| e.along_m().unwrap_or(0.0);
-                    if furthest.as_ref().is_none_or(|f| place(f) < place(&error)) {
-                        furthest = Some(error);
-                    }
-                }
+        let candidate = |column: &Column| {
+            let posture = posture(column.along_m);
+            Candidate {
+                branch: self.surveyor.geometry.branch(&posture),
+                posture,
+                sheet: 0,
             }
-        }
-        let Some((_, found)) = best else {
-            return Err(furthest.unwrap_or_else(|| self.broken(0.0)));
         };
-        self.assessed(criterion, &found, angle, Vec::new())
+        let along: Vec<Candidate> = self.reach.columns.iter().map(candidate).collect();
+        self.assessed(criterion, &along, angle, Vec::new())
     }
 
     /// What another criterion says of the stations of a plan.

@@ -8,6 +8,7 @@ use truecut_arm::{
 };
 
 use crate::error::PlanError;
+use crate::motion::branch::BranchWish;
 use crate::sheets::Sheets;
 use crate::tool_path::ToolPath;
 
@@ -137,7 +138,7 @@ pub(crate) struct Surveyor<'a> {
     pub geometry: OpwGeometry,
     pub path: &'a ToolPath,
     pub limits: SingularityLimits,
-    pub family: Option<Family>,
+    pub wish: BranchWish,
 }
 
 impl Surveyor<'_> {
@@ -147,7 +148,7 @@ impl Surveyor<'_> {
         let postures = self.solver.within_limits(&pose, FrameId::Tool);
         let candidates = postures.into_iter().filter_map(|posture| {
             let branch = self.geometry.branch(&posture);
-            let wanted = self.family.is_none_or(|family| family == branch.into());
+            let wanted = self.wish.allows(branch);
             let clear = self
                 .limits
                 .allow(&self.geometry.singularity_distance(&posture));
@@ -221,10 +222,7 @@ impl Surveyor<'_> {
         let mut least: Option<(f64, PlanError)> = None;
         for angle in angles_rad {
             let pose = self.path.pose(along_m, *angle)?;
-            let wanted = |q: &Vec<f64>| {
-                let family = self.geometry.branch(q).into();
-                self.family.is_none_or(|one| one == family)
-            };
+            let wanted = |q: &Vec<f64>| self.wish.allows(self.geometry.branch(q));
             for q in self
                 .solver
                 .within_limits(&pose, FrameId::Tool)

@@ -11,6 +11,8 @@ use support::slot;
 use truecut_arm::{BranchOptions, Elbow, FrameId, Robot, Shoulder};
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;
+use truecut_plan::motion::branch::BranchWish;
+use truecut_plan::motion::straight::{PathStart, StraightPath, TurnKnot};
 use truecut_plan::{
     Criterion, Cut, Family, LEAST_DECAY, Plan, PlanError, Planner, PlannerOptions, ToolPath, assess,
 };
@@ -28,12 +30,19 @@ fn steel(axial_depth_m: f64, rpm: f64) -> Cut {
     slot(&steel, axial_depth_m, rpm)
 }
 
+const FAMILY: Family = Family {
+    shoulder: Shoulder::Front,
+    elbow: Elbow::Upper,
+};
+const FRONT_UPPER: BranchWish = BranchWish {
+    shoulder: Some(FAMILY.shoulder),
+    elbow: Some(FAMILY.elbow),
+    wrist: None,
+};
+
 fn front_upper() -> PlannerOptions {
     PlannerOptions {
-        family: Some(Family {
-            shoulder: Shoulder::Front,
-            elbow: Elbow::Upper,
-        }),
+        branch: FRONT_UPPER,
         ..PlannerOptions::default()
     }
 }
@@ -44,9 +53,8 @@ fn station_count(planner: &Planner<'_>) -> usize {
 
 /// Margins of mode coupling at a station by angle, degrees.
 fn margins(planner: &Planner<'_>, station: usize) -> Vec<(i32, f64)> {
-    let family = front_upper().family.expect("one family");
     let map = planner
-        .map(Criterion::ModeCoupling, family, station_count(planner))
+        .map(Criterion::ModeCoupling, FAMILY, station_count(planner))
         .expect("modes");
     let row = map.angles_rad.iter().zip(&map.assessments[station]);
     let found = row.filter_map(|(angle, found)| Some((angle, found.as_ref()?.margin)));
@@ -137,7 +145,27 @@ fn a_plan_is_stable_continuous_and_in_the_middle() {
         assert!((a.to_rad - b.to_rad).abs() < 10_f64.to_radians());
     }
 
-    let constant = |criterion| planner.at_angles(criterion, &|_| 120_f64.to_radians());
+    let constant = StraightPath {
+        start: Some(PathStart {
+            point_m: P1_M,
+            tool_axis: [0.0, 0.0, -1.0],
+            zero_direction: [1.0, 0.0, 0.0],
+            turn: vec![TurnKnot {
+                at_m: 0.0,
+                redundancy_rad: 120_f64.to_radians(),
+            }],
+            shoulder: Some(Shoulder::Front),
+            elbow: Some(Elbow::Upper),
+            wrist: None,
+        }),
+        direction: [1.0, 0.0, 0.0],
+        length_m: 0.3,
+    };
+    let solved = constant.solve(&robot, &[0.0; 6]).expect("in reach");
+    let constant = |criterion| {
+        let posture = |at_m| solved.posture(at_m);
+        planner.at_postures(criterion, &|_| 120_f64.to_radians(), &posture)
+    };
     let chatters = constant(Criterion::ModeCoupling).expect("in reach");
     assert_follows(&robot, &path, &chatters);
     assert!(chatters.points.iter().all(|p| p.assessment.margin < -0.4));
@@ -212,9 +240,8 @@ fn a_plan_does_not_jump_where_intervals_grow_together() {
             assert!(shift.abs() < 10.001_f64.to_radians(), "{shift}");
         }
     }
-    let family = front_upper().family.expect("one family");
     let map = planner
-        .map(Criterion::Regenerative, family, station_count(&planner))
+        .map(Criterion::Regenerative, FAMILY, station_count(&planner))
         .expect("modes");
     for segment in &plan.segments {
         let station = planner.reach().nearest_column(segment.midpoint_m());
@@ -289,8 +316,7 @@ fn verify_a_spindle_along_axis_6_makes_the_angle_irrelevant() {
         Criterion::Flutter,
         Criterion::ModeCoupling,
     ] {
-        let family = front_upper().family.expect("one family");
-        let map = planner.map(criterion, family, 5).expect("modes");
+        let map = planner.map(criterion, FAMILY, 5).expect("modes");
         for row in &map.assessments {
             let values: Vec<f64> = row.iter().flatten().map(|a| a.value).collect();
             assert_eq!(

@@ -9,7 +9,8 @@ use support::slot;
 use truecut_arm::{Elbow, FrameId, Robot, Shoulder};
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;
-use truecut_plan::{Criterion, Cut, Family, PlanError, Planner, PlannerOptions, ToolPath};
+use truecut_plan::motion::branch::BranchWish;
+use truecut_plan::{Criterion, Cut, PlanError, Planner, PlannerOptions, ToolPath};
 
 /// The asset as it is: spindle along axis 6, tip 0.3 m beyond the flange.
 fn robot() -> Robot {
@@ -32,10 +33,11 @@ fn line(from: [f64; 3], to: [f64; 3]) -> ToolPath {
 fn refusal(path: &ToolPath) -> PlanError {
     let options = PlannerOptions {
         angle_step_rad: 0.2,
-        family: Some(Family {
-            shoulder: Shoulder::Front,
-            elbow: Elbow::Upper,
-        }),
+        branch: BranchWish {
+            shoulder: Some(Shoulder::Front),
+            elbow: Some(Elbow::Upper),
+            wrist: None,
+        },
         ..PlannerOptions::default()
     };
     let robot = robot();

@@ -10,6 +10,7 @@
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
+use truecut_arm::{ArmBranch, OpwGeometry};
 use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_plan::{Criterion, Plan, PlanPoint, Planner, PlannerOptions, Stability};
 use truecut_recording::Outcome;
@@ -48,17 +49,19 @@ fn point(plan: &Plan, along_m: f64) -> &PlanPoint {
     nearest.expect("points")
 }
 
-/// The plan by regeneration, and the constant angle of 120 degrees.
+/// The plan by regeneration, and the scenario's own path at a constant 120 degrees.
 fn plans(study: &MillingStudy) -> [Plan; 2] {
     let options = PlannerOptions {
-        family: study.family(),
+        branch: study.branch(),
         ..PlannerOptions::default()
     };
     let planner = Planner::new(&study.robot, &study.path, &study.cut, &options).expect("in reach");
     let plan = planner.plan(Criterion::Regenerative).expect("a plan");
+    let own = study.postures().unwrap_or_else(|e| panic!("{e}"));
+    let angle = |at_m| study.angle_rad(at_m);
     let constant = planner
-        .at_angles(Criterion::Regenerative, &|_| 120_f64.to_radians())
-        .expect("in reach");
+        .at_postures(Criterion::Regenerative, &angle, &|at_m| own.posture(at_m))
+        .expect("modes");
     [plan, constant]
 }
 
@@ -171,7 +174,7 @@ fn a_written_plan_is_the_plan() {
     let scenario = shipped(SLOW_MM_PER_TOOTH);
     let study = MillingStudy::of(&scenario).unwrap_or_else(|e| panic!("{e}"));
     let options = PlannerOptions {
-        family: study.family(),
+        branch: study.branch(),
         near: study.near(),
         ..PlannerOptions::default()
     };
@@ -180,8 +183,10 @@ fn a_written_plan_is_the_plan() {
     let text = scenario.planned_text(&folder(), &study.planned(&plan));
     let planned = read(&text);
     let again = MillingStudy::of(&planned).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(again.family(), Some(plan.family));
-    let (spacing_m, postures) = again.postures().unwrap_or_else(|e| panic!("{e}"));
+    let asked = again.branch();
+    assert_eq!(asked.shoulder, Some(plan.family.shoulder));
+    assert_eq!(asked.elbow, Some(plan.family.elbow));
+    let path = again.postures().unwrap_or_else(|e| panic!("{e}"));
     for point in &plan.points {
         let angle = again.angle_rad(point.along_m);
         assert!(
@@ -189,14 +194,60 @@ fn a_written_plan_is_the_plan() {
             "{angle} {}",
             point.angle_rad
         );
-        let k = (point.along_m / spacing_m).round();
-        if (k * spacing_m - point.along_m).abs() < 1e-9 {
-            let found = postures[k as usize].iter().zip(&point.posture);
-            let off = found.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(off < 1e-6, "{off} rad at {} m", point.along_m);
-        }
+        let found = path.posture(point.along_m);
+        let found = found.iter().zip(&point.posture);
+        let off = found.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-6, "{off} rad at {} m", point.along_m);
     }
     // All else is as it was, comments too.
     assert!(text.starts_with("# The published path") && text.contains("spindle_rpm = 600"));
     assert!(!text.contains("redundancy_deg = 120") && !text.contains("data ="));
+}
+
+/// Each word for a branch acts without the others: candidates are those that it allows, all of
+/// them, and the scenario's own path takes it.
+#[test]
+fn each_word_for_a_branch_acts_alone() {
+    let text = std::fs::read_to_string(folder().join("path_600.toml")).expect("shipped");
+    let bare = text.replace("shoulder = \"front\"\nelbow = \"upper\"\n", "");
+    assert_ne!(bare, text);
+    let study = |words: &str| {
+        let angle = "redundancy_deg = 120\n";
+        let scenario = read(&bare.replace(angle, &format!("{angle}{words}")));
+        MillingStudy::of(&scenario).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let candidates = |study: &MillingStudy| -> Vec<ArmBranch> {
+        let options = PlannerOptions {
+            branch: study.branch(),
+            angle_step_rad: 0.2,
+            ..PlannerOptions::default()
+        };
+        let planner = Planner::new(&study.robot, &study.path, &study.cut, &options);
+        let planner = planner.unwrap_or_else(|e| panic!("{e}"));
+        let cells = planner.reach().columns.iter().flat_map(|c| &c.cells);
+        cells.flatten().map(|c| c.branch).collect()
+    };
+    let free = study("");
+    let any = candidates(&free);
+    let mut chosen = 0;
+    for words in [
+        "elbow = \"upper\"\n",
+        "elbow = \"lower\"\n",
+        "shoulder = \"front\"\n",
+        "wrist = \"positive\"\n",
+        "wrist = \"negative\"\n",
+    ] {
+        let wish = study(words).branch();
+        let allowed: Vec<_> = any.iter().copied().filter(|b| wish.allows(*b)).collect();
+        if allowed.is_empty() {
+            continue;
+        }
+        chosen += usize::from(allowed.len() < any.len());
+        let asked = study(words);
+        assert_eq!(candidates(&asked), allowed, "{words}");
+        let own = asked.postures().unwrap_or_else(|e| panic!("{words}: {e}"));
+        let geometry = OpwGeometry::of(&asked.robot).expect("a spherical wrist");
+        assert!(own.knots.iter().all(|q| wish.allows(geometry.branch(q))));
+    }
+    assert!(chosen >= 2, "{chosen} words choose");
 }

@@ -79,10 +79,8 @@ fn posture_at(plan: &LobesPlan, study: &MillingStudy) -> Result<Vec<f64>, Failur
             length_m * 1e3
         )));
     }
-    let (spacing_m, knots) =
-        (study.postures()).map_err(|error| Failure::sim(&plan.scenario, error))?;
-    let nearest = ((plan.at_m / spacing_m).round() as usize).min(knots.len() - 1);
-    Ok(knots[nearest].clone())
+    let path = (study.postures()).map_err(|error| Failure::sim(&plan.scenario, error))?;
+    Ok(path.posture(plan.at_m))
 }
 
 fn request(

@@ -124,7 +124,7 @@ fn over_angle(answer: &PostureAnswer<'_>) -> Panel {
     .logarithmic()
 }
 
-/// Margins of the plan, and of the scenario's own angles dashed.
+/// Margins of the plan, and of the scenario's own postures dashed.
 fn along_path(answer: &PostureAnswer<'_>) -> Panel {
     let curve = |plan: &truecut_plan::Plan, found: &[Assessment]| -> Vec<(f64, f64)> {
         let points = plan.points.iter().zip(found);
@@ -200,7 +200,7 @@ fn decay_over_angle(answer: &PostureAnswer<'_>) -> Panel {
     )
 }
 
-/// Decay of the plan, and at the scenario's own angles dashed.
+/// Decay of the plan, and at the scenario's own postures dashed.
 fn decay(answer: &PostureAnswer<'_>) -> Panel {
     let along = |plan: &truecut_plan::Plan, found: &[Assessment], style, label| {
         let points = plan.points.iter().zip(found);

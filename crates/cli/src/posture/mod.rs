@@ -33,11 +33,11 @@ struct PostureAnswer<'a> {
     /// By criterion, in the order of [`Criterion::ALL`].
     maps: Vec<MarginMap>,
     plan_assessed: Vec<Vec<Assessment>>,
-    /// Plan with the scenario's own angles; none where the arm cannot follow them.
+    /// The scenario's own postures; none where the arm cannot follow its path.
     own: Option<Own>,
 }
 
-/// The path with the scenario's own redundancy angles.
+/// The path in the scenario's own postures.
 struct Own {
     plan: Plan,
     assessed: Vec<Vec<Assessment>>,
@@ -66,7 +66,7 @@ fn answer<'a>(
     let stages = 2 + 2 * Criterion::ALL.len();
     let progress = Progress::new(stages, "posture plan");
     let options = PlannerOptions {
-        family: study.family(),
+        branch: study.branch(),
         near: study.near(),
         least_decay: request.least_decay,
         ..PlannerOptions::default()
@@ -90,12 +90,15 @@ fn answer<'a>(
         let _told = progress.run();
         reassessed(&planner, &plan, criterion)
     })?;
-    let own = planner.at_angles(request.criterion, &|at_m| study.angle_rad(at_m));
-    let own = match own {
-        Ok(own) => Some(Own {
-            assessed: of_each(&|criterion| reassessed(&planner, &own, criterion))?,
-            plan: own,
-        }),
+    let own = match study.postures() {
+        Ok(path) => {
+            let angle = |at_m| study.angle_rad(at_m);
+            let own = planner.at_postures(request.criterion, &angle, &|at_m| path.posture(at_m))?;
+            Some(Own {
+                assessed: of_each(&|criterion| reassessed(&planner, &own, criterion))?,
+                plan: own,
+            })
+        }
         Err(_) => None,
     };
     Ok(PostureAnswer {
@@ -121,7 +124,7 @@ fn reassessed(
 }
 
 impl PostureAnswer<'_> {
-    /// Assessment by regeneration of the plan, and of the scenario's own angles.
+    /// Assessment by regeneration of the plan, and of the scenario's own postures.
     fn regenerative<'a>(&self, assessed: &'a [Vec<Assessment>]) -> &'a [Assessment] {
         let all = Criterion::ALL.iter().zip(assessed);
         let mut found = all.filter(|(criterion, _)| **criterion == Criterion::Regenerative);

@@ -22,7 +22,7 @@ pub fn printed(answer: &PostureAnswer<'_>, written: &[PathBuf]) -> String {
     text
 }
 
-/// Segments, criteria, and the scenario's own angles.
+/// Segments, criteria, and the scenario's own postures.
 pub fn summary(answer: &PostureAnswer<'_>) -> String {
     let plan = &answer.plan;
     let weakest = plan.weakest();
@@ -151,7 +151,7 @@ fn least_decay(found: &[Assessment]) -> String {
     format!("{mark}{}", significant(least, 3))
 }
 
-/// Assessment of the scenario's own angles by regeneration.
+/// Assessment of the scenario's own postures by regeneration.
 fn own_angles(found: &[Assessment]) -> String {
     let found = found.iter().map(Assessment::stability);
     let found: Vec<Stability> = found.collect();
@@ -160,14 +160,14 @@ fn own_angles(found: &[Assessment]) -> String {
         format!("{:.0} %", 100.0 * count as f64 / found.len().max(1) as f64)
     };
     format!(
-        "\n  by regeneration {} of the path chatter at the scenario's own angles, {} are stable; \
+        "\n  by regeneration {} of the path chatter at the scenario's own postures, {} are stable; \
          on the rest vibration dies away, too slowly to rely on\n",
         share(Stability::Unstable),
         share(Stability::Stable),
     )
 }
 
-/// Worst ratios of the plan and of the scenario's own angles by each criterion.
+/// Worst ratios of the plan and of the scenario's own postures by each criterion.
 fn comparison(answer: &PostureAnswer<'_>) -> String {
     let least = |found: &[Assessment]| {
         let worst = found
@@ -181,7 +181,7 @@ fn comparison(answer: &PostureAnswer<'_>) -> String {
             format!("{mark}{}", significant(worst, 3))
         }
     };
-    let head = ["criterion", "plan", "scenario's own angles"];
+    let head = ["criterion", "plan", "scenario's own postures"];
     let rows = Criterion::ALL.iter().enumerate().map(|(k, criterion)| {
         let own = answer.own.as_ref().map(|own| least(&own.assessed[k]));
         let mark = if k == answer.chosen() {

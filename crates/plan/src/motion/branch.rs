@@ -2,7 +2,9 @@
 //! posture.
 
 use nalgebra::Isometry3;
-use truecut_arm::{Elbow, FrameId, IkOptions, IkSolver, PathOptions, Robot, Shoulder, Wrist};
+use truecut_arm::{
+    ArmBranch, Elbow, FrameId, IkOptions, IkSolver, PathOptions, Robot, Shoulder, Wrist,
+};
 
 use super::follow::{AtMm, FollowError, leaves};
 
@@ -15,13 +17,17 @@ pub struct BranchWish {
 }
 
 impl BranchWish {
-    fn is_of(&self, solver: &IkSolver<'_>, q: &[f64]) -> bool {
-        let Some(branch) = solver.geometry().map(|geometry| geometry.branch(q)) else {
-            return false;
-        };
+    /// Whether a branch is one of those wished for.
+    #[must_use]
+    pub fn allows(&self, branch: ArmBranch) -> bool {
         self.shoulder.is_none_or(|side| side == branch.shoulder)
             && self.elbow.is_none_or(|side| side == branch.elbow)
             && self.wrist.is_none_or(|sense| sense == branch.wrist)
+    }
+
+    fn is_of(&self, solver: &IkSolver<'_>, q: &[f64]) -> bool {
+        let geometry = solver.geometry();
+        geometry.is_some_and(|geometry| self.allows(geometry.branch(q)))
     }
 }
 

@@ -6,6 +6,7 @@ use truecut_arm::{ArmError, BranchOptions, Elbow, FrameId, Robot, Shoulder, Wris
 
 use super::branch::{BranchWish, from_posture_to_posture, on_a_branch, on_the_branch_of};
 use super::follow::{FollowError, check_singularities};
+use super::interpolation::lagrange;
 use super::timing::smooth_between;
 
 /// Knots of a path lie at most this far apart, m. Cubic interpolation between them errs by less than
@@ -62,7 +63,8 @@ impl PathStart {
     }
 
     /// The branch that the path asks for.
-    fn wish(&self) -> BranchWish {
+    #[must_use]
+    pub fn wish(&self) -> BranchWish {
         BranchWish {
             shoulder: self.shoulder,
             elbow: self.elbow,
@@ -101,6 +103,21 @@ impl PathStart {
 pub struct SolvedPath {
     pub spacing_m: f64,
     pub knots: Vec<Vec<f64>>,
+}
+
+impl SolvedPath {
+    /// The posture at a distance from the path's start, m, by Lagrange's cubic through four knots.
+    #[must_use]
+    pub fn posture(&self, at_m: f64) -> Vec<f64> {
+        let x = at_m / self.spacing_m;
+        let k = (x.floor() as usize).clamp(1, self.knots.len() - 3);
+        let joints = 0..self.knots[0].len();
+        let value = |joint: usize| {
+            let knots = [0, 1, 2, 3].map(|i| self.knots[k + i - 1][joint]);
+            lagrange(knots, x - k as f64)[0]
+        };
+        joints.map(value).collect()
+    }
 }
 
 /// Why an arm cannot follow a straight path.

@@ -14,7 +14,9 @@ use std::sync::Arc;
 use nalgebra::{Unit, Vector3};
 use truecut_arm::{FrameId, OpwGeometry, Robot, Wrist};
 use truecut_core::chatter::TipMode;
-use truecut_plan::{Cut, Family, Plan, PlanError, ToolPath, modes_in_cut};
+use truecut_plan::motion::branch::BranchWish;
+use truecut_plan::motion::straight::SolvedPath;
+use truecut_plan::{Cut, Plan, PlanError, ToolPath, modes_in_cut};
 use truecut_scenario::{MillingSpec, PathStart, PlannedPath, ProcessSpec, Scenario, TurnKnot};
 
 use crate::error::SimError;
@@ -96,13 +98,12 @@ impl MillingStudy {
         linear_share(self.milling.regeneration)
     }
 
-    /// Postures of the scenario's own path and their distance along it, m.
+    /// Postures along the scenario's own path.
     ///
     /// # Errors
     /// If the arm cannot follow it.
-    pub fn postures(&self) -> Result<(f64, Vec<Vec<f64>>), SimError> {
-        let solved = straight::solve(&self.milling.path, &self.robot, &self.posture)?;
-        Ok((solved.spacing_m, solved.knots))
+    pub fn postures(&self) -> Result<SolvedPath, SimError> {
+        straight::solve(&self.milling.path, &self.robot, &self.posture)
     }
 
     /// Redundancy angle of the scenario's own path at a place, rad.
@@ -111,13 +112,10 @@ impl MillingStudy {
         start.map_or(0.0, |start| start.redundancy_rad(along_m))
     }
 
-    /// Shoulder and elbow that the scenario asks for; `None` if it leaves one of them open.
-    pub fn family(&self) -> Option<Family> {
-        let start = self.milling.path.start.as_ref()?;
-        Some(Family {
-            shoulder: start.shoulder?,
-            elbow: start.elbow?,
-        })
+    /// The branch that the scenario asks for, as far as it does.
+    pub fn branch(&self) -> BranchWish {
+        let start = self.milling.path.start.as_ref();
+        start.map_or_else(BranchWish::default, PathStart::wish)
     }
 
     /// The robot's posture in the scenario, to which a plan shall start near; zeros for an arm that
