@@ -44,6 +44,7 @@ fn lobes_draws_tabulates_and_runs() {
         "lobes.parquet",
         "lobes_limits.parquet",
         "lobes_runs.parquet",
+        "lobes.json",
     ];
     for name in names {
         assert!(folder.join(name).is_file(), "{name}");
@@ -55,6 +56,20 @@ fn lobes_draws_tabulates_and_runs() {
             .values
             .clone()
     };
+    let json = std::fs::read_to_string(folder.join("lobes.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let speeds = json["speeds"].as_array().unwrap();
+    let [depths, errors] = ["limit_depth", "limit_error"].map(column);
+    for (i, at) in speeds.iter().enumerate() {
+        let same = |json: &serde_json::Value, mm: f64| match json.as_f64() {
+            Some(m) => (m * 1e3 - mm).abs() <= 1e-12 * mm,
+            None => mm.is_nan(),
+        };
+        assert!(same(&at["limit"]["depth_m"], depths[i]), "{at}");
+        assert!(same(&at["limit_error_m"], errors[i]), "{at}");
+    }
+    assert_eq!(speeds.len(), depths.len());
+    assert_eq!(json["runs"].as_array().unwrap().len(), 2);
     // Four teeth in a slot: zero order is exact.
     let pairs = column("limit_depth")
         .into_iter()

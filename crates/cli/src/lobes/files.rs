@@ -6,7 +6,7 @@ use truecut::outputs::write_file;
 use truecut_core::chatter::averaged::Crossing;
 use truecut_telemetry::{Column, write_charts, write_columns};
 
-use super::{Diagram, figure, rpm, text};
+use super::{Diagram, figure, json, rpm, text};
 use crate::failure::Failure;
 use crate::figure::charts_of;
 
@@ -24,7 +24,11 @@ pub fn write(diagram: &Diagram<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure>
     let text = diagram.scenario.effective_text();
     write_columns(&field, &field_columns(diagram), &text)?;
     write_columns(&limits, &limit_columns(diagram), &text)?;
-    let mut written = vec![svg, field, limits];
+    let report = at("lobes.json");
+    let json = json::json(diagram)
+        .map_err(|error| Failure::message(format!("cannot write the diagram: {error}")))?;
+    write_file(&report, format!("{json}\n").as_bytes())?;
+    let mut written = vec![svg, field, limits, report];
     if !diagram.runs.is_empty() {
         let runs = at("lobes_runs.parquet");
         write_columns(&runs, &run_columns(diagram), &text)?;

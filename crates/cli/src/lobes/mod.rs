@@ -2,6 +2,7 @@
 
 mod figure;
 mod files;
+mod json;
 mod text;
 
 use std::f64::consts::TAU;
