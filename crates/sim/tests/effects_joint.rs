@@ -321,3 +321,42 @@ fn verify_a_servo_starts_at_rest_with_effects() {
         assert!(fastest < 1e-8, "joint {number}: {fastest}");
     }
 }
+
+/// The same swing point by point: `m x'' = -k (1 -+ s) x` on the way in and out. The error falls
+/// with the square of the step.
+#[test]
+fn verify_load_friction_converges_to_second_order() {
+    let share: f64 = 0.2;
+    let [inward, outward] = [1.0 - share, 1.0 + share].map(|part| 100.0 * part.sqrt());
+    let [quarter_in, quarter_out] = [inward, outward].map(|omega| PI / 2.0 / omega);
+    let exact = |mut t: f64| {
+        let mut amplitude = 1e-3;
+        while t > quarter_in + quarter_out {
+            t -= quarter_in + quarter_out;
+            amplitude *= -inward / outward;
+        }
+        match t - quarter_in {
+            after if after > 0.0 => -amplitude * inward / outward * (outward * after).sin(),
+            _ => amplitude * (inward * t).cos(),
+        }
+    };
+    let worst = |step_ms: f64| {
+        let scenario = load(
+            "rig_1dof",
+            "damping_scale = 0.0\ngravity = false",
+            &format!("duration_s = 0.3\ntime_step_ms = {step_ms}"),
+            "release_n = [1000.0, 0.0, 0.0]",
+        );
+        let effect = joint(EffectKind::JointLoadFriction, 0, &[share]);
+        let recording = run(&scenario, &[effect]);
+        let x = column(&recording, "joint1.position");
+        let off = recording.time_s.iter().zip(x);
+        let off = off.map(|(t, x)| (x - exact(*t)).abs());
+        off.fold(0.0, f64::max) / 1e-3
+    };
+    let errors = [0.4, 0.2, 0.1, 0.05].map(worst);
+    println!("{errors:?}");
+    for pair in errors.windows(2) {
+        assert!(pair[0] / pair[1] > 3.0, "{errors:?}");
+    }
+}

@@ -121,9 +121,9 @@ impl Drive {
         loose.map(|(i, _)| Play::new(i)).collect()
     }
 
-    /// Sets motor state and the explicit part of the joint torque (`K (θ - q) + D θ'` of a nominal
-    /// joint) from the command and the state at this instant; `explicit` receives one value per
-    /// joint.
+    /// Sets motor state, what the transmissions pass on (friction of this step grows with it) and
+    /// the explicit part of the joint torque (`K (θ - q) + D θ'` of a nominal joint) from the
+    /// command and the state at this instant; `explicit` receives one value per joint.
     pub fn evaluate(&mut self, command: Command<'_>, state: &mut JointState, explicit: &mut [f64]) {
         state.command.copy_from_slice(command.position);
         self.command_velocity.copy_from_slice(command.velocity);
@@ -144,11 +144,14 @@ impl Drive {
             if let Some(servo) = joint.rigid_servo() {
                 state.motor[i] = command.position[i];
                 state.motor_velocity[i] = servo.velocity_feed_forward * command.velocity[i];
-                explicit[i] = joint.rigid_explicit(servo, &state.motion(i));
+                let at = state.motion(i);
+                state.transmission[i] = joint.rigid_torque(servo, &at);
+                explicit[i] = joint.rigid_explicit(servo, &at);
                 continue;
             }
             let at = state.motion(i);
             joint.remember(&at);
+            state.transmission[i] = joint.transmission(&at);
             explicit[i] = joint.explicit_torque(&at);
             if joint.kind == DriveKind::Force {
                 explicit[i] += command.force[i];
