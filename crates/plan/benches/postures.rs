@@ -16,7 +16,6 @@ use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_plan::lobes::{LobeRequest, lobes};
 use truecut_plan::motion::branch::BranchWish;
-use truecut_plan::motion::branch::BranchWish;
 use truecut_plan::{Criterion, Cut, Family, Planner, PlannerOptions, ToolPath, modes_in_cut};
 
 fn cut() -> Cut {
