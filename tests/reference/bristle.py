@@ -10,8 +10,8 @@ from scipy.special import ellipe, ellipk
 
 
 def law(shortening, friction=0.0):
-    """The program's closed form, 5/2 / (1 + 5μ/(6Y)), Y = √(5δ/3)."""
-    return 2.5 / (1 + 5 * friction / (6 * np.sqrt(5 * shortening / 3)))
+    """Slight bending, N / (1 + Nμ/(3Y)), Y = √(5δ/3), N Euler's load."""
+    return np.pi**2 / 4 / (1 + np.pi**2 / 12 * friction / np.sqrt(5 * shortening / 3))
 
 
 def frictionless(shortening):

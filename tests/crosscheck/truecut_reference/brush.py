@@ -1,16 +1,19 @@
 """A wheel brush on a block, written a second time: ray by ray against the block's six planes.
 
 Every ray stands for the bristles of a small sector of a thin slice. It leaves the axis square to it and enters the block behind the last
-of the planes that it comes through; held there, a bristle of free length L is bent by Y = sqrt(5 L d / 3), d what it lacks to its length,
-and pushes back with 5EI/2L^2 / (1 + 5 mu L / 6Y), its tip dragged by mu times that.
+of the planes that it comes through. Held there, a bristle is an elastica, EI theta'' = -n (sin theta + mu cos theta), clamped in the hub: it is
+integrated from its tip, where it does not bend, as long as it takes to come to the hub's direction, and so for many tips.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.interpolate import PchipInterpolator
 
 from .led_run import LedRun
 from .plant import Plant
@@ -18,6 +21,30 @@ from .wheel import Command
 
 # the block is convex: a bristle that meets it stands within acos(1 - depth/R) of the way to its nearest point; enough for R/14
 WITHIN_RAD = 0.38
+
+
+@functools.cache
+def bent(mu: float) -> PchipInterpolator:
+    """Force of a bristle in EI/L^2 over the square root of what it lacks, in L, for a coefficient of friction.
+
+    With phi = theta + atan mu the curve is phi'' = -sin phi in lengths of sqrt(EI/P), P the force on the tip.
+    """
+    lean = math.atan(mu)
+    lacks, forces = [0.0], [math.pi**2 / 4.0 if mu == 0.0 else 0.0]
+
+    def hub(_, y):
+        return y[0] - lean
+
+    hub.terminal = True
+    for inclined in np.geomspace(1e-3, 1.4, 120):
+        def rates(_, y):
+            return [y[1], -math.sin(y[0]), 1.0 - math.cos(y[0] - lean)]
+
+        curve = solve_ivp(rates, [0.0, 10.0], [lean + inclined, 0.0, 0.0], events=hub, rtol=1e-9, atol=1e-13)
+        length = curve.t_events[0][0]
+        lacks.append(math.sqrt(curve.y_events[0][0][2] / length))
+        forces.append(length**2 * math.cos(lean))
+    return PchipInterpolator(lacks, forces)
 
 
 @dataclass(frozen=True)
@@ -28,7 +55,7 @@ class Tool:
     width: float
     bristles: float
     length: float
-    buckling: float
+    bending: float
     mu: float
     spin: float
     corner: np.ndarray
@@ -48,7 +75,7 @@ class Tool:
             width=t["width_mm"] * 1e-3,
             bristles=float(t["bristles"]),
             length=length,
-            buckling=2.5 * bending / length**2,
+            bending=bending,
             mu=t["mu"],
             spin=t["speed_rpm"] * 2.0 * math.pi / 60.0,
             corner=np.array(t["workpiece"]["xyz_mm"], dtype=float) * 1e-3,
@@ -57,8 +84,9 @@ class Tool:
 
     def bristle(self, lacking: np.ndarray | float) -> np.ndarray:
         """Force of a bristle that lacks so much to its length."""
-        bent = np.sqrt(5.0 / 3.0 * self.length * lacking)
-        return self.buckling / (1.0 + 5.0 * self.mu * self.length / (6.0 * bent))
+        lacking = np.asarray(lacking) / self.length
+        assert np.all(lacking < bent(self.mu).x[-1] ** 2)
+        return self.bending / self.length**2 * bent(self.mu)(np.sqrt(lacking))
 
     def loads(self, centre: np.ndarray, axes: np.ndarray, velocity: np.ndarray, turning: np.ndarray) -> np.ndarray:
         """Force and moment on the tool about the centre, world axes; then the sum of the bristles' forces and the friction of all tips

@@ -1,22 +1,14 @@
 //! A wheel brush of nylon wires.
 //!
-//! **One bristle.** A cantilever of free length L and bending stiffness EI whose tip is held on the
-//! workpiece: pressed in by δ it must shorten, so it bends. With the deflection of an end-loaded
-//! cantilever, `y = Y (3s² - s³)/2`, the shortening is `∫½y'² = (3/5) Y²/L`, so `Y = √(5Lδ/3)`.
-//! Virtual work of the tip, normal force n and friction μn along its drag:
-//! `3EI Y/L³ = n (6/5) Y/L + μ n`, hence
-//!
-//! `n(δ) = (5EI / 2L²) / (1 + 5μL/(6Y))`.
-//!
-//! Without friction that is the buckling load of a cantilever (2.5 EI/L²; Euler's is π²/4 = 2.467),
-//! constant in δ: a brush is soft. Friction bends the bristle before it buckles, and then `n ∝ √δ`
-//! at first. Holds for δ up to about a fifth of L. Bristles do not touch each other, and their
-//! inertia is left out.
+//! Each is an elastica ([`bristle`](super::bristle)). Without friction it buckles: its force hardly
+//! changes with the depth, a brush is soft. Friction bends it before it buckles, and then n ∝ √δ at
+//! first. Bristles do not touch each other, and their inertia is left out.
 //!
 //! **The brush.** Bristles stand evenly over the running surface `2πR W`; over a flat face they
 //! indent it by `δ(x) = d - x²/2R`. Its contact is as long as the chord, many times a rubber
 //! wheel's.
 
+use super::bristle::Bristle;
 use super::quadrature::Quadrature;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -38,20 +30,11 @@ pub struct Brush {
 }
 
 impl Brush {
-    /// Normal force of one bristle shortened by `shortening_m`, N.
-    pub fn bristle_n(&self, shortening_m: f64) -> f64 {
-        if shortening_m <= 0.0 {
-            return 0.0;
-        }
-        let length = self.free_length_m;
-        let tip = (5.0 / 3.0 * length * shortening_m).sqrt();
-        self.buckling_n() / (1.0 + 5.0 * self.mu * length / (6.0 * tip))
-    }
-
-    /// Force of a bristle without friction, `5EI/2L²`, N.
-    pub fn buckling_n(&self) -> f64 {
-        let bending = self.youngs_modulus_pa * PI / 64.0 * self.bristle_diameter_m.powi(4);
-        2.5 * bending / (self.free_length_m * self.free_length_m)
+    /// The law of its bristles.
+    #[must_use]
+    pub fn bristle(&self) -> Bristle {
+        let bending_n_m2 = self.youngs_modulus_pa * PI / 64.0 * self.bristle_diameter_m.powi(4);
+        Bristle::new(self.free_length_m, bending_n_m2, self.mu)
     }
 
     /// Half the length of the contact, `√(2Rd)`, m.
@@ -60,9 +43,9 @@ impl Brush {
     }
 
     /// Mean pressure at a distance from the middle along the run, Pa.
-    pub fn pressure_pa(&self, indentation_m: f64, x: f64) -> f64 {
+    fn pressure_pa(&self, bristle: &Bristle, indentation_m: f64, x: f64) -> f64 {
         let per_area = self.bristles / (2.0 * PI * self.radius_m * self.width_m);
-        per_area * self.bristle_n(indentation_m - x * x / (2.0 * self.radius_m))
+        per_area * bristle.force_n(indentation_m - x * x / (2.0 * self.radius_m))
     }
 
     /// Normal force on a flat face, N, of the part of the contact between `from` and `to` (m from
@@ -79,12 +62,13 @@ impl Brush {
         if half <= 0.0 {
             return 0.0;
         }
+        let bristle = self.bristle();
         let angle = |x: f64| (x / half).clamp(-1.0, 1.0).asin();
         let (from, to) = (angle(from_m), angle(to_m));
         debug_assert!((-FRAC_PI_2..=FRAC_PI_2).contains(&from));
         self.width_m
             * quadrature.integrate(from, to, |phi| {
-                self.pressure_pa(indentation_m, half * phi.sin()) * half * phi.cos()
+                self.pressure_pa(&bristle, indentation_m, half * phi.sin()) * half * phi.cos()
             })
     }
 }
@@ -106,36 +90,9 @@ mod tests {
     }
 
     #[test]
-    fn verify_frictionless_bristle_buckles_within_two_percent_of_euler() {
-        let b = Brush { mu: 0.0, ..brush() };
-        let bending = b.youngs_modulus_pa * PI / 64.0 * b.bristle_diameter_m.powi(4);
-        let euler = PI * PI / 4.0 * bending / b.free_length_m.powi(2);
-        for d in [1e-5, 1e-3] {
-            assert!((b.bristle_n(d) / euler - 1.0).abs() < 0.02);
-        }
-        assert_eq!(b.bristle_n(-1e-3), 0.0);
-    }
-
-    /// The force is the slope of the bristle's energy plus what friction takes,
-    /// `n dδ = dU - μ n dY`.
-    #[test]
-    fn verify_work_of_the_tip_is_bending_energy_less_friction() {
-        let b = brush();
-        let bending = b.youngs_modulus_pa * PI / 64.0 * b.bristle_diameter_m.powi(4);
-        let tip = |d: f64| (5.0 / 3.0 * b.free_length_m * d).sqrt();
-        let energy = |d: f64| 1.5 * bending * tip(d).powi(2) / b.free_length_m.powi(3);
-        for d in [1e-4, 1e-3, 4e-3] {
-            let h = 1e-4 * d;
-            let du = (energy(d + h) - energy(d - h)) / (2.0 * h);
-            let dy = (tip(d + h) - tip(d - h)) / (2.0 * h);
-            let n = b.bristle_n(d);
-            assert!(((n + b.mu * n * dy) / du - 1.0).abs() < 1e-6);
-        }
-    }
-
-    #[test]
     fn verify_brush_carries_the_sum_of_its_bristles() {
         let (b, q) = (brush(), Quadrature::new(24));
+        let bristle = b.bristle();
         let d = 2e-3;
         let half = b.half_length_m(d);
         let whole = b.normal_force_n(d, -1.0, 1.0, &q);
@@ -143,7 +100,7 @@ mod tests {
         let spacing = 2.0 * PI * b.radius_m / b.bristles;
         let n = (half / spacing) as i32 + 1;
         let sum: f64 = (-n..=n)
-            .map(|i| b.bristle_n(d - (f64::from(i) * spacing).powi(2) / (2.0 * b.radius_m)))
+            .map(|i| bristle.force_n(d - (f64::from(i) * spacing).powi(2) / (2.0 * b.radius_m)))
             .sum();
         assert!((whole / sum - 1.0).abs() < 1e-3, "{whole} {sum}");
         let left = b.normal_force_n(d, -1.0, 0.3 * half, &q);

@@ -24,8 +24,6 @@ const MOST_STATIONS: f64 = 100_000.0;
 const SAME_PLACE_M: f64 = 1e-6;
 /// Of the knots of the way one in so many is looked at for the depth of brush and hub.
 const LOOKED_AT: usize = 4;
-/// Bristles that are pressed in by more, over their free length, are beyond their law.
-const WITHIN_LAW: f64 = 0.2;
 
 /// The motion along the taught postures.
 pub(crate) fn solve(spec: &BrushSpec, robot: &Robot) -> Result<PlannedMotion, SimError> {
@@ -116,11 +114,11 @@ fn told(
     let length_m: f64 = work.stations.iter().map(|station| station.length_m).sum();
     let pressed = if depth_m == 0.0 {
         "the way never brings the brush to the workpiece".to_owned()
-    } else if depth_m > WITHIN_LAW * spec.brush.free_length_m {
+    } else if depth_m > spec.brush.bristle().lying_m() {
         format!(
-            "pressed in by up to {:.2} mm, which is more than the fifth of {:.2} mm up to which the law of a bristle holds",
+            "pressed in by up to {:.2} mm, but from {:.2} mm on the tip of a bristle lies along the face, and its law ends",
             depth_m * 1e3,
-            spec.brush.free_length_m * 1e3
+            spec.brush.bristle().lying_m() * 1e3
         )
     } else {
         format!("pressed in by up to {:.2} mm", depth_m * 1e3)

@@ -41,9 +41,10 @@ fn bristle_by_bristle(brush: &Brush, height: f64, from: f64, to: f64) -> f64 {
     let count = 300_000;
     let each = brush.bristles / f64::from(count);
     let angles = (0..count).map(|k| TAU * (f64::from(k) + 0.5) / f64::from(count) - PI);
+    let bristle = brush.bristle();
     angles
         .filter(|angle| (from..to).contains(angle) && angle.cos() > 0.0)
-        .map(|angle| each * brush.bristle_n(brush.radius_m - height / angle.cos()))
+        .map(|angle| each * bristle.force_n(brush.radius_m - height / angle.cos()))
         .sum()
 }
 
@@ -121,7 +122,7 @@ fn the_run_applies_edge_wear_to_its_dose() {
     let per_m2 = BRUSH.bristles / (TAU * along_m * BRUSH.width_m);
     let speed = (SPIN_RAD_S * along_m).hypot(FEED_M_PER_S);
     let time_s = BRUSH.width_m / FEED_M_PER_S;
-    let dose = per_m2 * BRUSH.bristle_n(BRUSH.radius_m - along_m) * speed * time_s;
+    let dose = per_m2 * BRUSH.bristle().force_n(BRUSH.radius_m - along_m) * speed * time_s;
     let wear = EdgeWear {
         burr_height_m: 0.03e-3,
         burr_thickness_m: 0.04e-3,

@@ -13,6 +13,7 @@ use super::{BrushSetup, RULES, Station};
 use crate::process::ToolState;
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::f64::consts::TAU;
+use truecut_core::wheel::bristle::Bristle;
 use truecut_core::wheel::brush::Brush;
 
 /// An edge is reached over a face that stands by this sine at least to the bristles: along a face
@@ -83,14 +84,20 @@ impl BrushContact {
         for row in sections.rows(brush.width_m, &RULES) {
             sections.nearest(row.y_m, &mut nearest);
             for side in &nearest {
-                contact.press(&brush, &motion, RULES.by_sine(), &row, side);
+                contact.press(
+                    (&brush, &setup.bristle),
+                    &motion,
+                    RULES.by_sine(),
+                    &row,
+                    side,
+                );
             }
         }
         for place in under(&brush, &motion, &setup.stations) {
             // A station may lie beside the mesh's edge by what is rounded in its file.
             let nearer_m = brush.width_m / SLICES as f64;
             if !sections.hide(&place.point_m, nearer_m) {
-                contact.pass_over(&brush, &motion, &setup.stations[place.station], &place);
+                contact.pass_over(setup, &brush, &motion, &place);
             }
         }
         contact
@@ -99,7 +106,7 @@ impl BrushContact {
     /// Adds the bristles of a row over a side, at nodes of `[-1, 1]` with their weights.
     fn press(
         &mut self,
-        brush: &Brush,
+        (brush, law): (&Brush, &Bristle),
         motion: &Motion,
         nodes: &[(f64, f64)],
         row: &BristleRow,
@@ -116,7 +123,7 @@ impl BrushContact {
             let along_m = side.distance_m / bristle.dot(&foot);
             let point_m = bristle * along_m + Vector3::y() * row.y_m;
             let shortening_m = brush.radius_m - along_m;
-            let force_n = count * brush.bristle_n(shortening_m);
+            let force_n = count * law.force_n(shortening_m);
             let sliding = motion.sliding_m_per_s(&point_m, &bristle);
             let speed = sliding.norm();
             let friction_n = match speed > LEAST_SPEED_M_PER_S {
@@ -134,12 +141,12 @@ impl BrushContact {
     }
 
     /// Adds the dose of a station.
-    fn pass_over(&mut self, brush: &Brush, motion: &Motion, station: &Station, place: &Place) {
+    fn pass_over(&mut self, setup: &BrushSetup, brush: &Brush, motion: &Motion, place: &Place) {
         let bristle = Vector3::new(place.point_m.x, 0.0, place.point_m.z) / place.along_m;
         let per_m2 = brush.bristles / (TAU * place.along_m * brush.width_m);
         let speed = motion.sliding_m_per_s(&place.point_m, &bristle).norm();
-        let force_n = brush.bristle_n(brush.radius_m - place.along_m);
-        self.edge_m += station.length_m;
+        let force_n = setup.bristle.force_n(brush.radius_m - place.along_m);
+        self.edge_m += setup.stations[place.station].length_m;
         self.doses_w_per_m2
             .push((place.station, per_m2 * force_n * speed));
     }

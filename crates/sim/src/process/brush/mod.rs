@@ -24,6 +24,7 @@ use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
 use report::Watch;
 use std::f64::consts::TAU;
 use std::sync::{Arc, LazyLock};
+use truecut_core::wheel::bristle::Bristle;
 use truecut_core::wheel::brush::Brush;
 use truecut_core::wheel::eccentricity::Eccentricity;
 use truecut_core::wheel::edge_wear::EdgeWear;
@@ -51,6 +52,7 @@ pub struct Station {
 #[derive(Debug, Clone)]
 pub struct BrushSetup {
     pub brush: Brush,
+    pub bristle: Bristle,
     /// Of the brush, along the tool's z axis.
     pub eccentricity: Eccentricity,
     /// Right-handed about the tool's y axis.

@@ -121,7 +121,7 @@ fn pressing(setup: &BrushSetup, watch: &Watch) -> [Quantity; 5] {
         Quantity::new("brush.friction_work", Unit::Joule, watch.work_j)
             .text("Work of the friction of the tips"),
         Quantity::new("brush.largest_shortening", Unit::One, shortening)
-            .text("Largest shortening of a bristle over its free length; the law of a bristle holds up to about a fifth"),
+            .text("Largest shortening of a bristle over its free length; from about 0.54 on its tip would lie along the face"),
         Quantity::new("brush.mean_force", Unit::Newton, mean_n)
             .text("Mean sum of the forces of the bristles while the brush touches"),
     ]

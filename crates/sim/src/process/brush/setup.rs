@@ -48,12 +48,14 @@ fn brush(
         station.wear.preston_per_pa *= effects.removal_factor;
     }
     let world_from_tool = robot.world_from_frame(&from.posture, FrameId::Tool);
+    let brush = Brush {
+        youngs_modulus_pa: spec.brush.youngs_modulus_pa * effects.stiffness_factor,
+        mu: spec.brush.mu * effects.friction_factor,
+        ..spec.brush
+    };
     BrushSetup {
-        brush: Brush {
-            youngs_modulus_pa: spec.brush.youngs_modulus_pa * effects.stiffness_factor,
-            mu: spec.brush.mu * effects.friction_factor,
-            ..spec.brush
-        },
+        bristle: brush.bristle(),
+        brush,
         eccentricity: effects.eccentricity(),
         spin_rad_s: spec.spin_rad_s,
         mesh: work.mesh.clone(),
