@@ -99,6 +99,16 @@ axial_mpa = 200
 edge_tangential_n_per_mm = 5.0
 edge_radial_n_per_mm = 5.0
 edge_axial_n_per_mm = 1.0
+[[process.milling.cutter.mode]]
+frequency_hz = 900
+damping_ratio = 0.03
+stiffness_n_per_um = 8
+direction = [1, 0.5, 0.2]
+[[process.milling.workpiece.mode]]
+frequency_hz = 700
+damping_ratio = 0.02
+stiffness_n_per_um = 20
+direction = [0.2, 1, 0.3]
 [process.milling.path]
 start_mm = [1050, -1450, 870]
 direction = [1, 0.5, 0]
@@ -412,7 +422,7 @@ fn every_key_of_the_wheel_counts() {
 
 #[test]
 fn every_key_of_milling_counts() {
-    check(MILLING, 25);
+    check(MILLING, 33);
     check(MILLING_FROM_THE_POSTURE, 9);
 }
 

@@ -82,9 +82,7 @@ impl ExactStep {
         let pull = drive - self.square_per_s2 * state.position;
         let velocity = match state.mean {
             // z⁻ = z + S₋ z' + F₋ (r − ω² z), and z⁻ = z − h u⁻.
-            Some(mean) => {
-                -(h * mean + before.from_acceleration_s2 * pull) / before.from_velocity_s
-            }
+            Some(mean) => -(h * mean + before.from_acceleration_s2 * pull) / before.from_velocity_s,
             None => state.velocity,
         };
         let shift = ahead.from_velocity_s * velocity + ahead.from_acceleration_s2 * pull;

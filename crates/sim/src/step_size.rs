@@ -255,7 +255,12 @@ pub(crate) fn choose(
     {
         step = step.min(1.0 / (f * STEPS_PER_FORCE_PERIOD));
     }
-    let (key, why) = cause(step, scheme, fastest, (quickest_s, process.fastest_mode_hz()));
+    let (key, why) = cause(
+        step,
+        scheme,
+        fastest,
+        (quickest_s, process.fastest_mode_hz()),
+    );
     check_count(step, run.duration_s, (key, &why))?;
     if let Some(period) = process
         .tooth_period_s()

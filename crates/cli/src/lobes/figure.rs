@@ -37,6 +37,14 @@ fn depths(diagram: &Diagram<'_>) -> Panel {
             ));
         }
     }
+    if let Some((known_to, _)) = diagram.known {
+        let x = rpm(known_to);
+        layers.push(Layer::dashed(
+            "above: modes of tool, holder and spindle are missing",
+            [(x, 0.0), (x, deepest_mm)],
+            BLACK,
+        ));
+    }
     layers.extend(dots(diagram));
     let cut = &diagram.study.cut;
     layers.push(Layer::new(

@@ -4,6 +4,7 @@
 //! The arm is the nominal one with its transmissions, motors standing still; effects of the
 //! scenario act in runs only.
 
+mod known;
 mod runs;
 mod view;
 

@@ -48,11 +48,7 @@ impl MilledWorkpieceTable {
 }
 
 /// The modes of a list without those that are refused.
-pub(super) fn resolve(
-    modes: Vec<ModeTable>,
-    table: &str,
-    check: &mut Check,
-) -> Vec<AttachedMode> {
+pub(super) fn resolve(modes: Vec<ModeTable>, table: &str, check: &mut Check) -> Vec<AttachedMode> {
     let modes = modes.into_iter().enumerate();
     let resolved = modes.filter_map(|(index, mode)| {
         let key = format!("{table}.{index}.direction");

@@ -346,7 +346,9 @@ impl Process for Milling {
         }
         let mut loads = Loads::from(self.wrench(&force, &moment));
         if let Some(differs) = self.modes.on_arm_n(&self.arm_motion(state), &force) {
-            loads.wrenches.push(self.wrench(&differs, &Vector3::zeros()));
+            loads
+                .wrenches
+                .push(self.wrench(&differs, &Vector3::zeros()));
         }
         loads
     }

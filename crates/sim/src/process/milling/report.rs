@@ -5,8 +5,8 @@ use crate::process::Findings;
 use crate::process::quantity::{self, Quantity};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
-use truecut_core::chatter::{AttachedMode, AttachedModes};
 use truecut_core::chatter::growth::{GrowthOptions, growth};
+use truecut_core::chatter::{AttachedMode, AttachedModes};
 use truecut_core::cutting::milling::dexel::{DexelRow, RayGrid, Wall};
 use truecut_core::cutting::milling::finish;
 use truecut_recording::spectrum::{Spectrum, amplitude_spectrum_up_to};
@@ -84,13 +84,19 @@ pub(super) fn mode_channels(attached: &AttachedModes) -> impl Iterator<Item = Ch
             ChannelSpec::new(
                 format!("milling.{whose}_mode{number}_deflection"),
                 Unit::Metre,
-                format!("Deflection of mode {number} of the {whose} against {foot}, along its direction"),
+                format!(
+                    "Deflection of mode {number} of the {whose} against {foot}, along its direction"
+                ),
             )
         })
     };
     let tool = of("tool", "the arm's tool point", &attached.tool);
     // A workpiece that gives way is a tool that gets deeper into it.
-    tool.chain(of("workpiece", "the ground, seen from it", &attached.workpiece))
+    tool.chain(of(
+        "workpiece",
+        "the ground, seen from it",
+        &attached.workpiece,
+    ))
 }
 
 /// Scalars and profiles at the end of the run.
