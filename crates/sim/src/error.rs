@@ -30,7 +30,8 @@ impl From<ArmError> for SimError {
     fn from(error: ArmError) -> Self {
         match error.kind() {
             ArmErrorKind::ToolTooHeavy { .. } => {
-                Self::scenario("process.milling.cutter.mode", error.to_string())
+                let key = "process.milling.cutter.mode";
+                Self::scenario(key, format!("`{key}`: {error}"))
             }
             _ => Self::Arm(error),
         }
