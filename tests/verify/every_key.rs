@@ -122,6 +122,7 @@ name = "every key"
 [robot]
 urdf = "../../assets/robots/irb6600_175_255/robot.urdf"
 posture_deg = [10, 20, -15, 0, 85, 0]
+damping_ratio = [0.02, 0.03, 0.025, 0.02, 0.04, 0.05]
 [process.milling]
 spindle_rpm = 2400
 feed_mm_per_tooth = 0.1
@@ -423,7 +424,7 @@ fn every_key_of_the_wheel_counts() {
 #[test]
 fn every_key_of_milling_counts() {
     check(MILLING, 33);
-    check(MILLING_FROM_THE_POSTURE, 9);
+    check(MILLING_FROM_THE_POSTURE, 10);
 }
 
 #[test]

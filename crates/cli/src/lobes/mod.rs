@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use truecut_core::chatter::averaged::zero_order_limit;
 use truecut_plan::lobes::{LobeRequest, Lobes};
 use truecut_scenario::Scenario;
-use truecut_sim::stability::{MillingStudy, StabilityRun, stability_runs};
+use truecut_sim::stability::{MillingStudy, StabilityRun, damping_notes, stability_runs};
 
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
@@ -38,6 +38,10 @@ struct Diagram<'a> {
     runs: Vec<StabilityRun>,
     /// Fastest speed up to which limits are known, rad/s, and what is missing beyond it.
     known: Option<(f64, String)>,
+    /// The diagram with the arm's other damping, and what that is.
+    other: Option<(String, Lobes)>,
+    /// Sentences on the damping.
+    notes: Vec<String>,
 }
 
 /// Default range of speeds, as fractions of the scenario's.
@@ -61,12 +65,23 @@ pub fn lobes(plan: &LobesPlan) -> Result<ExitStatus, Failure> {
     if let Some(known_to_rad_s) = known {
         lobes = lobes.known_to(known_to_rad_s);
     }
+    let other = study.other_damping(&posture).map_err(failed)?.map(|other| {
+        let mut found = Progress::of_one("the other damping", |progress| {
+            truecut_plan::lobes::lobes(&other.modes, &study.cut, &request, progress)
+        });
+        if let Some(known_to_rad_s) = known {
+            found = found.known_to(known_to_rad_s);
+        }
+        (other.name, found)
+    });
     let beyond = known.filter(|known| request.spindle_rad_s[1] > *known);
     let runs = Progress::of_one("runs", |progress| {
         stability_runs(scenario, &study, &lobes, plan.runs, progress)
     })?;
     let diagram = Diagram {
         scenario,
+        other,
+        notes: damping_notes(&modes),
         known: beyond.map(|known| (known, study.beyond_modes(&modes, known))),
         study,
         posture,

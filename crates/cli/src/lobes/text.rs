@@ -55,6 +55,13 @@ pub fn summary(diagram: &Diagram<'_>) -> String {
     } else {
         format!("  limits near {near} rpm: not known\n")
     });
+    if let Some((name, other)) = diagram.other.as_ref().filter(|_| is_known) {
+        let limit = shown(at_speed(&other.limit));
+        text.push_str(&format!("  with {name}: spectral elements {limit}\n"));
+    }
+    for note in &diagram.notes {
+        text.push_str(&format!("  note: {note}\n"));
+    }
     if let Some((_, missing)) = &diagram.known {
         text.push_str(&format!("  note: {missing}\n"));
     }

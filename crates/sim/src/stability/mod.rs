@@ -4,10 +4,12 @@
 //! The arm is the nominal one with its transmissions, motors standing still; effects of the
 //! scenario act in runs only.
 
+mod damping;
 mod known;
 mod runs;
 mod view;
 
+pub use damping::{OtherDamping, damping_notes};
 pub use runs::{StabilityRun, stability_runs};
 
 use std::sync::Arc;
