@@ -64,6 +64,9 @@ impl LinearArm {
     /// # Errors
     /// Masses that the arm has not got at its tip.
     pub fn with_tool(&self, modes: &[AttachedMode]) -> Result<LinearArm, ArmError> {
+        if modes.is_empty() {
+            return Ok(self.clone());
+        }
         let (n, all) = (self.mass.nrows(), self.mass.nrows() + modes.len());
         let grown = |own: &DMatrix<f64>, rows: usize| {
             let mut grown = DMatrix::zeros(rows, all);

@@ -121,7 +121,8 @@ mod tests {
         }
     }
 
-    /// Under a force of a fifth of its own frequency: to (w h)²/12 of the answer.
+    /// Under a force of a fifth of its own frequency, what the start has excited having died away: to
+    /// (w h)²/12 of the answer.
     #[test]
     fn verify_a_slow_force_is_met_to_second_order() {
         let (omega, zeta) = (200.0_f64, 0.05_f64);
@@ -135,7 +136,9 @@ mod tests {
         let mut worst = 0.0_f64;
         for i in 0..2000 {
             let t = f64::from(i) * step_s;
-            worst = worst.max((state.position - exact(t)).abs());
+            if i > 1000 {
+                worst = worst.max((state.position - exact(t)).abs());
+            }
             state = step.next(&state, (w * t).cos());
         }
         let bound = (w * step_s).powi(2) / 12.0 * gain.sqrt();

@@ -17,7 +17,7 @@ use super::quantity;
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use history::{History, stride};
-use modes::{Modes, TipMotion};
+use modes::Modes;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::f64::consts::TAU;
 use truecut_core::cutting::milling::cut::{
@@ -186,18 +186,6 @@ impl Milling {
         self.setup.spec.start_angle_rad + self.setup.spec.spindle_rad_s * time_s
     }
 
-    /// Deflection of the arm's tool point from its path and its rate, milling frame.
-    fn arm_motion(&self, state: &ToolState) -> TipMotion {
-        let s = &self.setup;
-        let feed = Vector3::x() * s.spec.feed_m_per_s;
-        let moved = s.in_milling(&state.tool.displacement_m);
-        let rate = s.in_milling(&state.tool.velocity_m_per_s);
-        TipMotion {
-            deflection_m: self.start_offset_m + moved - feed * state.time_s,
-            rate_m_per_s: rate - feed,
-        }
-    }
-
     /// Deflection of the tip from its path on the workpiece and its rate, milling frame.
     fn deflection(&self, state: &ToolState) -> (Vector3<f64>, Vector3<f64>) {
         let arm = self.arm_motion(state);
@@ -256,33 +244,6 @@ impl Milling {
         let share = (at - self.last.rotation_rad) / (rotation_rad - self.last.rotation_rad);
         let y_m = self.last.deflection_m.y + (deflection_m.y - self.last.deflection_m.y) * share;
         self.last.wall_error_m = cutter.radius_m - cutter.tooth_radius_m(tooth) - side * y_m;
-    }
-
-    /// Modes as they start: at rest under the mean force where the cut is under way.
-    fn place_modes(&mut self, step_s: f64) {
-        let s = &self.setup;
-        let axes = [&s.milling_from_tool, &s.milling_from_world];
-        self.modes = Modes::new(&s.spec.attached, axes, step_s);
-        let force_n = if s.starts_in_cut() {
-            s.mean_load.0
-        } else {
-            Vector3::zeros()
-        };
-        let foot = TipMotion {
-            deflection_m: self.start_offset_m,
-            ..TipMotion::default()
-        };
-        self.modes.rest(&foot, &force_n);
-    }
-
-    /// Modes over a step under the force of the cut.
-    fn move_modes(&mut self, state: &ToolState, force_n: &Vector3<f64>) {
-        let arm = self.arm_motion(state);
-        let axes = state.world_from_tool.rotation.to_rotation_matrix();
-        (self.modes).turn(&(self.setup.milling_from_world * axes.matrix()));
-        self.modes_m.clear();
-        self.modes_m.extend(self.modes.each_m(&arm));
-        self.modes.advance(&arm, force_n);
     }
 
     fn keep(&mut self, time_s: f64, rate: &Vector3<f64>, loads: &MillingLoads) {

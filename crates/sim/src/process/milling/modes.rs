@@ -16,6 +16,9 @@ use nalgebra::{Matrix3, Vector3};
 use truecut_core::chatter::{AttachedMode, AttachedModes};
 use truecut_core::oscillator::{ExactStep, OscillatorState};
 
+use super::Milling;
+use crate::process::ToolState;
+
 /// A force, and where the arm's tool point stands off the path with its rate; milling frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TipMotion {
@@ -172,5 +175,181 @@ impl Modes {
         let [first, second, _] = self.places_m;
         self.places_m = [foot.deflection_m, first, second];
         self.known = (self.known + 1).min(self.places_m.len());
+    }
+}
+
+impl Milling {
+    /// Deflection of the arm's tool point from its path and its rate, milling frame.
+    pub(super) fn arm_motion(&self, state: &ToolState) -> TipMotion {
+        let s = &self.setup;
+        let feed = Vector3::x() * s.spec.feed_m_per_s;
+        let moved = s.in_milling(&state.tool.displacement_m);
+        let rate = s.in_milling(&state.tool.velocity_m_per_s);
+        TipMotion {
+            deflection_m: self.start_offset_m + moved - feed * state.time_s,
+            rate_m_per_s: rate - feed,
+        }
+    }
+
+    /// Modes as they start: at rest under the mean force where the cut is under way.
+    pub(super) fn place_modes(&mut self, step_s: f64) {
+        let s = &self.setup;
+        let axes = [&s.milling_from_tool, &s.milling_from_world];
+        self.modes = Modes::new(&s.spec.attached, axes, step_s);
+        let force_n = if s.starts_in_cut() {
+            s.mean_load.0
+        } else {
+            Vector3::zeros()
+        };
+        let foot = TipMotion {
+            deflection_m: self.start_offset_m,
+            ..TipMotion::default()
+        };
+        self.modes.rest(&foot, &force_n);
+    }
+
+    /// Modes over a step under the force of the cut.
+    pub(super) fn move_modes(&mut self, state: &ToolState, force_n: &Vector3<f64>) {
+        let arm = self.arm_motion(state);
+        let axes = state.world_from_tool.rotation.to_rotation_matrix();
+        (self.modes).turn(&(self.setup.milling_from_world * axes.matrix()));
+        self.modes_m.clear();
+        self.modes_m.extend(self.modes.each_m(&arm));
+        self.modes.advance(&arm, force_n);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use std::f64::consts::TAU;
+
+    /// The arm's mass at its tool point, and its spring.
+    const ARM_KG: f64 = 20.0;
+    const ARM_HZ: f64 = 30.0;
+    const STEP_S: f64 = 25e-6;
+    const STEPS: usize = 8000;
+
+    fn mode(damping_ratio: f64) -> AttachedMode {
+        AttachedMode {
+            natural_frequency_rad_s: TAU * 1e3,
+            damping_ratio,
+            stiffness_n_per_m: 1e7,
+            direction: Vector3::y(),
+        }
+    }
+
+    fn modes(mode: AttachedMode) -> Modes {
+        let attached = AttachedModes {
+            tool: vec![mode],
+            workpiece: Vec::new(),
+        };
+        let unit = Matrix3::identity();
+        Modes::new(&attached, [&unit, &unit], STEP_S)
+    }
+
+    /// Place and velocity of the arm, deflection and rate of the mode.
+    type Row = [f64; 4];
+
+    /// An arm of one spring, stepped as a leapfrog, and a mode on it, released from rest under 100 N.
+    fn released(mode: AttachedMode) -> Vec<Row> {
+        let mut modes = modes(mode);
+        let stiffness = ARM_KG * (TAU * ARM_HZ).powi(2);
+        let at = |place: f64, rate: f64| TipMotion {
+            deflection_m: Vector3::y() * place,
+            rate_m_per_s: Vector3::y() * rate,
+        };
+        let mut place = 100.0 / stiffness;
+        modes.rest(&at(place, 0.0), &(Vector3::y() * 100.0));
+        let (mut half, mut before) = (0.0, 0.0);
+        let still = Vector3::zeros();
+        let mut rows = Vec::new();
+        for step in 0..STEPS {
+            let foreseen = at(place, 1.5 * half - 0.5 * before);
+            let force = modes.on_arm_n(&foreseen, &still).map_or(0.0, |f| f.y) - stiffness * place;
+            let kick = force / ARM_KG * STEP_S;
+            if step == 0 {
+                half = -0.5 * kick;
+            }
+            let after = half + kick;
+            let now = at(place, 0.5 * (half + after));
+            let relative = modes.deflection(&foreseen);
+            rows.push([
+                place,
+                now.rate_m_per_s.y,
+                relative.deflection_m.y,
+                modes.tool[0].state.velocity - now.rate_m_per_s.y,
+            ]);
+            modes.advance(&now, &still);
+            (before, half) = (half, after);
+            place += after * STEP_S;
+        }
+        rows
+    }
+
+    /// The same by the exponential of the state matrix of M', D', K'.
+    fn exact(mode: &AttachedMode) -> Vec<Row> {
+        let (m, c, k) = (
+            mode.mass_kg(),
+            mode.damping_n_s_per_m(),
+            mode.stiffness_n_per_m,
+        );
+        let arm = ARM_KG * (TAU * ARM_HZ).powi(2);
+        let mass = DMatrix::from_row_slice(2, 2, &[ARM_KG, m, m, m]);
+        let inverse = mass.try_inverse().expect("the arm is heavier");
+        let diagonal = |a: f64, b: f64| DMatrix::from_diagonal(&DVector::from_vec(vec![a, b]));
+        let mut state = DMatrix::zeros(4, 4);
+        state.view_mut((0, 2), (2, 2)).fill_with_identity();
+        (state.view_mut((2, 0), (2, 2))).copy_from(&(-&inverse * diagonal(arm, k)));
+        (state.view_mut((2, 2), (2, 2))).copy_from(&(-&inverse * diagonal(0.0, c)));
+        let step = (state * STEP_S).exp();
+        let mut at = DVector::from_vec(vec![100.0 / arm, 100.0 / k, 0.0, 0.0]);
+        let mut rows = Vec::new();
+        for _ in 0..STEPS {
+            rows.push([at[0], at[2], at[1], at[3]]);
+            at = &step * at;
+        }
+        rows
+    }
+
+    /// Arm and mode are the assembled system: 200 periods of the mode, six of the arm.
+    #[test]
+    fn verify_arm_and_mode_move_as_the_assembled_system() {
+        let mode = mode(0.01);
+        let (found, expected) = (released(mode), exact(&mode));
+        for part in [0, 2] {
+            let largest = expected
+                .iter()
+                .fold(0.0_f64, |most, row| most.max(row[part].abs()));
+            let apart = found
+                .iter()
+                .zip(&expected)
+                .map(|(a, b)| (a[part] - b[part]).abs());
+            let worst = apart.fold(0.0, f64::max);
+            println!("{part}: {:.2e}", worst / largest);
+            assert!(worst < 5e-3 * largest, "{part}: {}", worst / largest);
+        }
+    }
+
+    /// Nothing is gained or lost without damping: kinetic energy of the assembled masses and both
+    /// springs.
+    #[test]
+    fn verify_energy_of_arm_and_mode_is_kept() {
+        let mode = mode(0.0);
+        let (m, k) = (mode.mass_kg(), mode.stiffness_n_per_m);
+        let arm = ARM_KG * (TAU * ARM_HZ).powi(2);
+        let energy = |[x, v, s, w]: &Row| {
+            0.5 * ARM_KG * v * v + m * v * w + 0.5 * m * w * w + 0.5 * arm * x * x + 0.5 * k * s * s
+        };
+        let rows = released(mode);
+        let start = energy(&rows[0]);
+        let worst = rows
+            .iter()
+            .map(|row| (energy(row) / start - 1.0).abs())
+            .fold(0.0, f64::max);
+        let end = energy(&rows[STEPS - 1]) / start - 1.0;
+        println!("at most {worst:.2e}, at the end {end:.2e}");
+        assert!(worst < 5e-3, "{worst}");
     }
 }
