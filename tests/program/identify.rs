@@ -47,6 +47,29 @@ fn identify_tells_stiffness_and_modes_and_its_entries_serve_as_robot_toml() {
     assert!(told.contains("identified from loads.csv"), "{told}");
 }
 
+/// Modes from FRFs at the tool tip are entries of a milling scenario.
+#[test]
+fn modes_of_the_tool_serve_in_a_milling_scenario() {
+    let desk = Desk::new();
+    let example = repository().join("scenarios/identification/tool_tip.toml");
+    let output = desk.truecut(&["identify", example.to_str().unwrap()]);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{told}");
+    assert_eq!(told.matches("tool mode at").count(), 2, "{told}");
+    let entries = std::fs::read_to_string(desk.path("out/tool_tip/tool_modes.toml")).unwrap();
+    let milling = repository().join("scenarios/milling/own_surface.toml");
+    let text = std::fs::read_to_string(milling).unwrap();
+    let assets = repository().join("assets");
+    let text = text.replace("../../assets", assets.to_str().unwrap());
+    std::fs::write(desk.path("with_tool.toml"), format!("{text}\n{entries}")).unwrap();
+    let size = ["--size", "6", "--runs", "0", "--rpm", "9000,12000"];
+    let output = desk.truecut(&[&["lobes", "with_tool.toml"][..], &size].concat());
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let report = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{told}{report}");
+    assert!(!told.contains("gives no modes of theirs"), "{told}");
+}
+
 #[test]
 fn the_schema_of_the_identification_file_is_printed() {
     let output = Desk::new().truecut(&["schema", "--identification"]);

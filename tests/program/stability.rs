@@ -128,3 +128,43 @@ fn posture_writes_a_scenario_that_runs() {
         "{printed}"
     );
 }
+
+/// Without modes of the tool a diagram ends where those of the arm do; both dampings are told.
+#[test]
+fn lobes_say_what_is_missing_above_the_modes_of_the_arm() {
+    let desk = Desk::new();
+    let own_surface = repository().join("scenarios/milling/own_surface.toml");
+    let arguments = [
+        "lobes",
+        own_surface.to_str().unwrap(),
+        "--rpm",
+        "1500,12000",
+        "--size",
+        "8",
+        "--runs",
+        "0",
+    ];
+    let printed = told(&desk, &[&arguments[..], &["--set", SLOW]].concat());
+    for wanted in [
+        "limits near 1500 rpm: spectral",
+        "% in every mode of the arm",
+    ] {
+        assert!(printed.contains(wanted), "{wanted}:\n{printed}");
+    }
+    let fast = [
+        "--set",
+        "process.milling.spindle_rpm=12000",
+        "--set",
+        "robot.damping_ratio=[0.02]",
+    ];
+    let printed = told(&desk, &[&arguments[..], &fast].concat());
+    for wanted in [
+        "limits near 12000 rpm: not known",
+        "above 2569 rpm teeth pass at more than twice the frequency of the fastest mode, 85.6 Hz",
+        "[[process.milling.cutter.mode]]",
+    ] {
+        assert!(printed.contains(wanted), "{wanted}:\n{printed}");
+    }
+}
+
+const SLOW: &str = "process.milling.spindle_rpm=1500";

@@ -99,6 +99,16 @@ axial_mpa = 200
 edge_tangential_n_per_mm = 5.0
 edge_radial_n_per_mm = 5.0
 edge_axial_n_per_mm = 1.0
+[[process.milling.cutter.mode]]
+frequency_hz = 900
+damping_ratio = 0.03
+stiffness_n_per_um = 8
+direction = [1, 0.5, 0.2]
+[[process.milling.workpiece.mode]]
+frequency_hz = 700
+damping_ratio = 0.02
+stiffness_n_per_um = 20
+direction = [0.2, 1, 0.3]
 [process.milling.path]
 start_mm = [1050, -1450, 870]
 direction = [1, 0.5, 0]
@@ -112,6 +122,7 @@ name = "every key"
 [robot]
 urdf = "../../assets/robots/irb6600_175_255/robot.urdf"
 posture_deg = [10, 20, -15, 0, 85, 0]
+damping_ratio = [0.02, 0.03, 0.025, 0.02, 0.04, 0.05]
 [process.milling]
 spindle_rpm = 2400
 feed_mm_per_tooth = 0.1
@@ -412,8 +423,8 @@ fn every_key_of_the_wheel_counts() {
 
 #[test]
 fn every_key_of_milling_counts() {
-    check(MILLING, 25);
-    check(MILLING_FROM_THE_POSTURE, 9);
+    check(MILLING, 33);
+    check(MILLING_FROM_THE_POSTURE, 10);
 }
 
 #[test]

@@ -7,3 +7,4 @@ mod passes;
 mod reduced;
 mod support;
 mod threshold;
+mod tool_frf;

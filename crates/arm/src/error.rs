@@ -212,6 +212,10 @@ pub enum ArmErrorKind {
     )]
     UnstableEquilibrium { stiffness: f64 },
     #[error(
+        "the tool's modes weigh {mass_kg:.4} kg together (stiffness over the square of the angular frequency), but must weigh less than the arm gives at its tool point: their masses are part of its own"
+    )]
+    ToolTooHeavy { mass_kg: f64 },
+    #[error(
         "the mass matrix is not positive definite at this posture; a link has no inertia about its joint's axis"
     )]
     SingularMassMatrix,

@@ -71,6 +71,7 @@ impl Robot {
             chain,
             urdf_path: urdf.1.to_owned(),
             config_path,
+            damping_ratios: Vec::new(),
         })
     }
 }

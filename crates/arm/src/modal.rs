@@ -46,12 +46,16 @@ impl Robot {
     ) -> Result<LinearArm, ArmError> {
         let stiffness = self.tangent_stiffness(q, load)?;
         let jacobian = self.jacobian(q, frame);
-        Ok(LinearArm {
+        let arm = LinearArm {
             mass: self.mass_matrix(q),
             damping: self.transmission_damping(),
             stiffness,
             tip_jacobian: DMatrix::from_fn(3, self.dof(), |r, c| jacobian[(r, c)]),
-        })
+        };
+        if self.damping_ratios.is_empty() {
+            return Ok(arm);
+        }
+        arm.with_damping_ratios(&self.damping_ratios)
     }
 
     /// Modes at posture `q`; `gravity_m_s2` adds ∂g/∂q to the transmission stiffness.
@@ -116,6 +120,30 @@ impl LinearArm {
             modes.shapes.set_column(column, &shape);
         }
         Ok(modes)
+    }
+
+    /// The same with a damping that gives each mode a damping ratio of its own and couples none:
+    /// D = M Φ diag(2ζω) Φᵀ M with the mass-normalised shapes Φ. One ratio is that of all modes;
+    /// several are in the order of [`LinearArm::modes`].
+    ///
+    /// # Errors
+    /// As [`LinearArm::modes`].
+    ///
+    /// # Panics
+    /// If there are several ratios, but not one for each mode.
+    pub fn with_damping_ratios(mut self, ratios: &[f64]) -> Result<LinearArm, ArmError> {
+        let modes = self.modes()?;
+        let n = self.mass.nrows();
+        assert!(
+            [1, n].contains(&ratios.len()),
+            "one ratio, or one for each mode"
+        );
+        let momenta = &self.mass * &modes.shapes;
+        let rates = DVector::from_fn(n, |k, _| {
+            2.0 * ratios[k.min(ratios.len() - 1)] * TAU * modes.frequency_hz[k]
+        });
+        self.damping = &momenta * DMatrix::from_diagonal(&rates) * momenta.transpose();
+        Ok(self)
     }
 
     /// Displacement of the frame per force on it (m/N) at `frequency_hz`, 3×3 complex, world axes:

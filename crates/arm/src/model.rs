@@ -204,6 +204,9 @@ pub struct Robot {
     pub urdf_path: PathBuf,
     /// The `robot.toml` that was read, if any.
     pub config_path: Option<PathBuf>,
+    /// Damping ratios of the modes in place of the transmissions' damping: one for all, or one for
+    /// each, slowest first. Empty: the transmissions'.
+    pub damping_ratios: Vec<f64>,
 }
 
 impl Robot {

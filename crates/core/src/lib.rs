@@ -12,6 +12,7 @@
 //! | [`pressure_foot`] | gas spring, seal stiction, lift-off |
 //! | [`cutting`] | chip area, cutting forces, milling, and the surface that cutting leaves |
 //! | [`chatter`] | stability: mode coupling, regeneration, lobes |
+//! | [`oscillator`] | one damped oscillator, stepped exactly |
 //! | [`wheel`] | contact and removal of wheels, belts and brushes, also over edges |
 //! | [`sensor`] | what a sensor makes of a channel |
 //! | [`stiffness`] | the stiffness ellipsoid and its sections |
@@ -33,6 +34,7 @@ pub mod cutting;
 pub mod friction;
 pub mod joint_law;
 mod legendre;
+pub mod oscillator;
 pub mod pressure_foot;
 pub mod roots;
 pub mod roughness;

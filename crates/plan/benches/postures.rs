@@ -64,7 +64,8 @@ fn diagram(bench: &mut Bench) {
     let (robot, cut) = (robot(), cut());
     let degrees: [f64; 6] = [-52.5034, 9.8275, 38.4479, -170.0007, 48.7107, 173.3639];
     let axes = Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()]);
-    let modes = modes_in_cut(&robot, &degrees.map(f64::to_radians), &axes).expect("stiffness");
+    let posture = degrees.map(f64::to_radians);
+    let modes = modes_in_cut(&robot, &posture, &axes, &cut.attached).expect("stiffness");
     let mut group = bench.benchmark_group("diagram of an arm, 100 x 100");
     group.sample_size(10);
     for (name, range_rpm) in [

@@ -6,7 +6,7 @@ use truecut_core::chatter::averaged::mode_coupling_limit;
 use truecut_core::chatter::limit::{FirstLimit, LimitSearch, first_limit};
 use truecut_core::chatter::planar::coalescence_limit_m;
 use truecut_core::chatter::spectral_elements::SpectralElements;
-use truecut_core::chatter::{TipMode, in_axes};
+use truecut_core::chatter::{AttachedModes, TipMode, in_axes};
 
 use crate::assessment::{Assessment, Decay};
 use crate::criterion::{Criterion, Cut};
@@ -19,17 +19,18 @@ const DEEPEST: f64 = 3.0;
 const SCAN_STEPS: usize = 6;
 const NARROWED: f64 = 4e-3;
 
-/// Modes of the arm at its tool point in the axes of the cut, slowest first; motors stand still,
-/// without gravity.
+/// Modes between tool and workpiece in the axes of the cut: those of the arm with its tool's, slowest
+/// first, then the workpiece's; motors stand still, without gravity.
 ///
 /// # Errors
-/// If a joint has no stiffness, or the arm is singular there.
+/// If a joint has no stiffness, the arm is singular there, or the tool's modes weigh more than it.
 pub fn modes_in_cut(
     robot: &Robot,
     posture: &[f64],
     world_from_milling: &Matrix3<f64>,
+    attached: &AttachedModes,
 ) -> Result<Vec<TipMode>, PlanError> {
-    let modes = robot.tip_modes(posture, FrameId::Tool, None)?;
+    let modes = robot.cutting_modes(posture, attached)?;
     Ok(in_axes(&modes, world_from_milling))
 }
 
@@ -50,20 +51,20 @@ pub fn assess(
     let (mut decay, mut error_m) = (None, None);
     let value = match criterion {
         Criterion::Anisotropy => {
-            let compliance = tool_compliance(robot, posture)?;
+            let compliance = tool_compliance(robot, posture, &cut.attached)?;
             free_anisotropy(&compliance, world_from_milling)
         }
         Criterion::Flutter => {
-            let compliance = tool_compliance(robot, posture)?;
+            let compliance = tool_compliance(robot, posture, &cut.attached)?;
             planar_limit_m(&compliance, world_from_milling, cut)
         }
         Criterion::ModeCoupling => {
-            let modes = modes_in_cut(robot, posture, world_from_milling)?;
+            let modes = modes_in_cut(robot, posture, world_from_milling, &cut.attached)?;
             let limit = mode_coupling_limit(&modes, &cut.directional().average_pa());
             limit.map_or(f64::INFINITY, |limit| limit.depth_m)
         }
         Criterion::Regenerative => {
-            let modes = modes_in_cut(robot, posture, world_from_milling)?;
+            let modes = modes_in_cut(robot, posture, world_from_milling, &cut.attached)?;
             let (limit, growth_per_s) = regenerative(&modes, cut);
             decay = Some(Decay {
                 growth_per_s,
@@ -89,10 +90,15 @@ fn slowest_decay_per_s(modes: &[TipMode]) -> f64 {
     own.fold(f64::INFINITY, f64::min)
 }
 
-/// Translational compliance at the tool point, world axes, rotation free, m/N.
-fn tool_compliance(robot: &Robot, posture: &[f64]) -> Result<Matrix3<f64>, PlanError> {
+/// Translational compliance between tool and workpiece, world axes, rotation free, m/N.
+fn tool_compliance(
+    robot: &Robot,
+    posture: &[f64],
+    attached: &AttachedModes,
+) -> Result<Matrix3<f64>, PlanError> {
     let compliance = robot.cartesian_compliance(posture, FrameId::Tool, &Load::none())?;
-    Ok(translational(&compliance))
+    let axes = robot.tool_axes(posture);
+    Ok(translational(&compliance) + attached.compliance_m_per_n(&axes))
 }
 
 /// Undamped limit of the cutting plane alone, m; infinite if no depth makes its two frequencies

@@ -1,17 +1,19 @@
 //! By what a posture counts as stable.
 
 use strum::{Display, VariantArray};
-use truecut_core::chatter::DirectionalMatrix;
+use truecut_core::chatter::{AttachedModes, DirectionalMatrix};
 use truecut_core::cutting::milling::nominal::NominalCut;
 
 /// Least anisotropy of the published rule.
 pub const LEAST_ANISOTROPY: f64 = 0.1;
 
 /// What is cut, and how fast.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Cut {
     pub nominal: NominalCut,
     pub spindle_rad_s: f64,
+    /// What bends beside the arm.
+    pub attached: AttachedModes,
 }
 
 impl Cut {

@@ -33,6 +33,7 @@ pub struct Lobes {
     /// Even steps up to the deepest; the first is one step deep.
     pub depth_m: Vec<f64>,
     /// Magnitude of the dominant multiplier over a tooth period, by speed, then depth; stable below 1.
+    /// NaN where it is not known ([`Self::known_to`]).
     pub multiplier: Vec<Vec<f64>>,
     /// First depth at each speed at which the cut is unstable, by spectral elements; none down to
     /// the deepest. An unstable island thinner than a step of the depths may be missed.
@@ -80,6 +81,20 @@ pub fn lobes(
 }
 
 impl Lobes {
+    /// The diagram without limits at speeds above one, rad/s: none are known there.
+    #[must_use]
+    pub fn known_to(mut self, spindle_rad_s: f64) -> Self {
+        let known = |speed: &f64| *speed <= spindle_rad_s;
+        let first = self.spindle_rad_s.iter().position(|speed| !known(speed));
+        for i in first.unwrap_or(self.spindle_rad_s.len())..self.spindle_rad_s.len() {
+            self.multiplier[i].fill(f64::NAN);
+            self.limit[i] = None;
+            self.limit_error_m[i] = None;
+            self.zero_order[i] = None;
+        }
+        self
+    }
+
     /// The largest estimated error of a limit, as a part of it; 0 without limits.
     pub fn largest_error(&self) -> f64 {
         let parts = (self.limit.iter().flatten())

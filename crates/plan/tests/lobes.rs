@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Mutex;
 
 use nalgebra::Vector3;
-use truecut_core::chatter::{DirectionalMatrix, TipMode};
+use truecut_core::chatter::{AttachedModes, DirectionalMatrix, TipMode};
 use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_core::cutting::milling::nominal::NominalCut;
@@ -26,6 +26,7 @@ fn cut(teeth: usize, tangential_pa: f64, ratio: f64, engagement: Engagement) -> 
             feed_per_tooth_m: 0.1e-3,
         },
         spindle_rad_s: rpm(10_000.0),
+        attached: AttachedModes::default(),
     }
 }
 

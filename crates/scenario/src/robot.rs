@@ -35,6 +35,9 @@ pub struct RobotSpec {
     pub stiffness_scale: f64,
     /// Factor on all transmission dampings.
     pub damping_scale: f64,
+    /// Damping ratios of the arm's modes in place of the transmissions' damping: one for all, or one
+    /// for each, slowest first; empty: the transmissions'.
+    pub damping_ratios: Vec<f64>,
     /// Whether the command makes up for the sag under gravity, so that the links start at the
     /// posture.
     pub hold_against_sag: bool,
@@ -57,6 +60,7 @@ impl RobotSpec {
         inertia_scale: 1.0,
         stiffness_scale: 1.0,
         damping_scale: 1.0,
+        damping_ratios: Vec::new(),
         hold_against_sag: true,
         links: Vec::new(),
         joints: Vec::new(),
@@ -151,6 +155,10 @@ pub(crate) struct RobotTable {
     /// Factor on all transmission dampings. Default: 1.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "negative damping would create energy"))]
     damping_scale: Option<f64>,
+    /// Damping ratios of the arm's modes at its start, in place of the transmissions' damping: one for
+    /// all modes, or one for each, slowest first (drive "position"). Default: the transmissions'.
+    #[schemars(extend("minItems" = 1, "maxItems" = 12))]
+    damping_ratio: Option<Vec<f64>>,
     /// Whether the command makes up for the sag under gravity. Default: true.
     hold_against_sag: Option<bool>,
     /// Links whose inertial values differ from the URDF.
@@ -198,8 +206,10 @@ impl RobotTable {
                 "without gravity nothing sags",
             );
         }
+        let damping_ratios = damping_ratios(self.damping_ratio, drive, check);
         let files = (self.urdf, self.config, self.tip);
         RobotSpec {
+            damping_ratios,
             gravity,
             drive,
             inertia_scale: self.inertia_scale.unwrap_or(1.0),
@@ -211,4 +221,22 @@ impl RobotTable {
             ..RobotSpec::read(folder, files, self.posture_deg, self.posture_mm)
         }
     }
+}
+
+/// Damping ratios of modes, each from 0 to below 1.
+fn damping_ratios(given: Option<Vec<f64>>, drive: DriveKind, check: &mut Check) -> Vec<f64> {
+    if drive != DriveKind::Position {
+        let because = "only drive = \"position\" takes the damping of modes";
+        check.ignored("robot", &["damping_ratio"], because);
+    } else if given.is_some() {
+        let because = "robot.damping_ratio takes the place of the damping that it scales";
+        check.ignored("robot", &["damping_scale"], because);
+    }
+    let ratios = given.unwrap_or_default();
+    let vibrates = |ratio: &f64| (0.0..1.0).contains(ratio);
+    if let Some(wrong) = ratios.iter().find(|ratio| !vibrates(ratio)) {
+        let is = format!("has {wrong}, but must have values from 0 to below 1: modes vibrate");
+        check.wrong("robot", "damping_ratio", is, "no damping ratio");
+    }
+    ratios
 }

@@ -13,6 +13,7 @@ pub(crate) fn leaves_as_is(spec: &RobotSpec) -> bool {
     let scales = (spec.inertia_scale, spec.stiffness_scale, spec.damping_scale);
     spec.drive != DriveKind::Servo
         && scales == (1.0, 1.0, 1.0)
+        && spec.damping_ratios.is_empty()
         && spec.links.is_empty()
         && spec.joints.is_empty()
 }
@@ -39,6 +40,16 @@ pub(crate) fn adjusted(robot: &Robot, spec: &RobotSpec) -> Result<Robot, SimErro
     if spec.drive == DriveKind::Servo {
         robot.close_rigid_servos();
     }
+    let (count, modes) = (spec.damping_ratios.len(), robot.dof());
+    if count > 1 && count != modes {
+        return Err(SimError::scenario(
+            "robot.damping_ratio",
+            format!(
+                "`robot.damping_ratio` has {count} values, but must have one, or one for each of the arm's {modes} modes"
+            ),
+        ));
+    }
+    robot.damping_ratios.clone_from(&spec.damping_ratios);
     Ok(robot)
 }
 

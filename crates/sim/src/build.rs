@@ -10,7 +10,7 @@ use crate::process::{self, Process, SetupContext, Start};
 use crate::robots::Robots;
 use crate::scene::DrawWorkpiece;
 use crate::step_size::{self, Scheme};
-use nalgebra::{Isometry3, Vector3, Vector6};
+use nalgebra::{DMatrix, Isometry3, Vector3, Vector6};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::joint_law::{LinkFriction, beyond_gap};
@@ -25,6 +25,8 @@ pub(crate) struct Prepared {
     /// How many joints of the base there are.
     pub base_joints: usize,
     pub laws: Vec<JointLaw>,
+    /// Damping between all motors and links, if the scenario gives that of modes.
+    pub coupled_damping: Option<DMatrix<f64>>,
     /// Friction of every joint.
     pub friction: Vec<LinkFriction>,
     /// Channels that are not recorded as they are.
@@ -71,7 +73,8 @@ impl Prepared {
         // The controller knows the nominal robot only; what it does not know shows in the run.
         let command = made.command(&nominal, &world_from_process, duration_s, sag)?;
         check_limits(&nominal, &command)?;
-        let altered = effect::alter(&nominal, &effects)?;
+        let mut altered = effect::alter(&nominal, &effects)?;
+        let coupled_damping = coupled_damping(&nominal, &mut altered, &made.posture)?;
         let command = command.behind(altered.base_joints);
         let start = match kind {
             DriveKind::Force => {
@@ -112,6 +115,7 @@ impl Prepared {
             robot: Arc::new(altered.robot),
             base_joints: altered.base_joints,
             laws: altered.laws,
+            coupled_damping,
             sensors: effects.sensors,
             kind,
             gravity_m_s2,
@@ -144,8 +148,38 @@ impl Prepared {
             &self.laws,
             self.dt_s,
         )
+        .with_coupled_damping(self.coupled_damping.clone())
         .holding(&self.first_command(), &self.start)
     }
+}
+
+/// Damping matrix of the modes that the scenario gives damping ratios, at a posture of the arm, in
+/// place of the transmissions' damping; joints of the base keep theirs. Effects on the damping of
+/// joints scale it from both sides.
+fn coupled_damping(
+    nominal: &Robot,
+    altered: &mut Altered,
+    posture: &[f64],
+) -> Result<Option<DMatrix<f64>>, SimError> {
+    if nominal.damping_ratios.is_empty() {
+        return Ok(None);
+    }
+    let linear = nominal.linearised(posture, FrameId::Tool, &Load::none())?;
+    let (n, base) = (altered.robot.dof(), altered.base_joints);
+    altered.robot.damping_ratios.clear();
+    let mut factors = Vec::with_capacity(nominal.dof());
+    for (own, joint) in (nominal.chain.joints.iter()).zip(&mut altered.robot.chain.joints[base..]) {
+        let before = own.transmission.damping;
+        let now = std::mem::take(&mut joint.transmission.damping);
+        let factor = if before > 0.0 { now / before } else { 1.0 };
+        factors.push(factor.sqrt());
+    }
+    Ok(Some(DMatrix::from_fn(n, n, |r, c| {
+        match (r.checked_sub(base), c.checked_sub(base)) {
+            (Some(r), Some(c)) => factors[r] * factors[c] * linear.damping[(r, c)],
+            _ => 0.0,
+        }
+    })))
 }
 
 fn with_duration(run: &RunSpec, duration_s: f64) -> RunSpec {

@@ -166,6 +166,24 @@ impl ElasticArm {
             .collect())
     }
 
+    /// Mass of the arm at its tool point along a direction of length 1 in the tool frame, rotation
+    /// and the other directions free, in the posture of the file: 1/(nᵀJM⁻¹Jᵀn), kg.
+    ///
+    /// # Errors
+    /// If the mass matrix is singular.
+    pub fn mass_at_tool_kg(&self, direction: &Vector3<f64>) -> Result<f64, SimError> {
+        let (robot, q) = (&self.robot, &self.posture);
+        let direction = robot.tool_axes(q) * direction;
+        let row = robot
+            .jacobian(q, FrameId::Tool)
+            .fixed_rows::<3>(0)
+            .tr_mul(&direction);
+        let factor = robot.mass_matrix(q).cholesky();
+        let factor = factor.ok_or(truecut_arm::ArmErrorKind::SingularMassMatrix);
+        let moved = factor.map_err(ArmError::from)?.solve(&row);
+        Ok(1.0 / row.dot(&moved))
+    }
+
     /// Motion of a hammer point along its direction per unit of joint motion, in the posture of the
     /// file.
     pub fn along(&self, at: &HammerPoint, axes: Axes) -> Vec<f64> {

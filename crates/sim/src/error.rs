@@ -1,6 +1,6 @@
 //! What can go wrong before and during a run.
 
-use truecut_arm::ArmError;
+use truecut_arm::{ArmError, ArmErrorKind};
 use truecut_recording::{MetricError, SinkError};
 use truecut_scenario::ScenarioError;
 
@@ -10,7 +10,7 @@ use truecut_scenario::ScenarioError;
 pub enum SimError {
     /// The robot's files or what was asked of the robot.
     #[error("{0}")]
-    Arm(#[from] ArmError),
+    Arm(ArmError),
     /// A value of the scenario that only shows as wrong together with the robot; `key` is its path
     /// in the file.
     #[error("`{key}`: {message}")]
@@ -24,6 +24,18 @@ pub enum SimError {
     /// The recording cannot be written.
     #[error("{0}")]
     Sink(#[from] SinkError),
+}
+
+impl From<ArmError> for SimError {
+    fn from(error: ArmError) -> Self {
+        match error.kind() {
+            ArmErrorKind::ToolTooHeavy { .. } => {
+                let key = "process.milling.cutter.mode";
+                Self::scenario(key, format!("`{key}`: {error}"))
+            }
+            _ => Self::Arm(error),
+        }
+    }
 }
 
 impl From<ScenarioError> for SimError {

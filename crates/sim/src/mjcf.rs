@@ -33,6 +33,12 @@ pub fn export_mjcf(scenario: &Scenario) -> Result<String, SimError> {
             ),
         ));
     }
+    if prepared.coupled_damping.is_some() {
+        return Err(SimError::scenario(
+            "robot.damping_ratio",
+            "`robot.damping_ratio` cannot be exported: joints of MJCF have no damping between them; leave it out",
+        ));
+    }
     let drive = match prepared.kind {
         DriveKind::Position => MjcfDrive::Position,
         DriveKind::Force => MjcfDrive::Free,

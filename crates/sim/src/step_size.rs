@@ -14,6 +14,11 @@ const STEPS_PER_TOOTH: f64 = 40.0;
 /// frequency w to (w dt)²/12: 0.2 %.
 const STEPS_PER_FORCE_PERIOD: f64 = 40.0;
 
+/// Default and fewest steps in one period of the fastest mode that a process steps itself: exactly,
+/// but the force on it is known at the instants only.
+const STEPS_PER_OWN_PERIOD: f64 = 40.0;
+const FEWEST_PER_OWN_PERIOD: f64 = 8.0;
+
 /// Default steps in the shortest time in which a carrier follows its contact.
 const STEPS_PER_QUICKEST: f64 = 5.0;
 
@@ -151,11 +156,15 @@ fn cause(
     step_s: f64,
     scheme: Scheme,
     fastest: Option<Fastest>,
-    quickest_s: Option<f64>,
+    (quickest_s, own_hz): (Option<f64>, Option<f64>),
 ) -> (&'static str, String) {
     let is_set_by = |limit_s: f64| step_s >= 0.99 * limit_s;
     if quickest_s.is_some_and(|t| is_set_by(t / STEPS_PER_QUICKEST)) {
         let why = "it is a fifth of the time in which the carrier of the force control follows its contact";
+        return ("process", why.into());
+    }
+    if own_hz.is_some_and(|hz| is_set_by(1.0 / (hz * STEPS_PER_OWN_PERIOD))) {
+        let why = "it is 1/40 of the period of the fastest mode of tool and workpiece";
         return ("process", why.into());
     }
     let Some(fastest) = fastest.filter(|f| is_set_by(scheme.step_of_modes_s(*f))) else {
@@ -187,11 +196,32 @@ fn check_carrier(asked_s: f64, process: &dyn Process) -> Result<(), SimError> {
     ))
 }
 
+/// Refuses a step that is too long for the modes of tool and workpiece.
+fn check_own_modes(asked_s: f64, process: &dyn Process) -> Result<(), SimError> {
+    let Some(hz) = process.fastest_mode_hz() else {
+        return Ok(());
+    };
+    let longest_s = 1.0 / (hz * FEWEST_PER_OWN_PERIOD);
+    if asked_s <= longest_s {
+        return Ok(());
+    }
+    Err(SimError::scenario(
+        "run.time_step_ms",
+        format!(
+            "`run.time_step_ms` is {}, but must be at most {}: the fastest mode of tool and workpiece, at {hz:.1} Hz, needs at \
+             least {FEWEST_PER_OWN_PERIOD} steps in a period",
+            significant(asked_s * 1e3, 4),
+            significant(longest_s * 1e3, 4)
+        ),
+    ))
+}
+
 /// The step of a run, s: the smallest of
 /// - the scheme's longest (0.25 ms; exact: 0.8 ms),
 /// - its part (1/60; exact: 1/20, with play 1/40; 1/5 of a mode that only a base that gives has) of
 ///   the fastest mode's period, contact springs and rotors included,
 /// - a fifth of the time in which a wheel's carrier follows its contact,
+/// - 1/40 of the period of the fastest mode of tool and workpiece,
 /// - 1/40 of the tooth period and, for the exact scheme, 1/40 of the period of the fastest given
 ///   force,
 ///
@@ -208,6 +238,7 @@ pub(crate) fn choose(
         let from = ("run.time_step_ms", "it is the step asked for");
         check_count(asked, run.duration_s, from)?;
         check_carrier(asked, process)?;
+        check_own_modes(asked, process)?;
         return check(scheme, asked, fastest_mode_hz);
     }
     let longest = scheme.longest_s();
@@ -217,13 +248,19 @@ pub(crate) fn choose(
     let tooth = process
         .tooth_period_s()
         .map_or(longest, |t| t / STEPS_PER_TOOTH);
-    let mut step = longest.min(mode).min(tooth).min(carried);
+    let own = (process.fastest_mode_hz()).map_or(longest, |hz| 1.0 / (hz * STEPS_PER_OWN_PERIOD));
+    let mut step = longest.min(mode).min(tooth).min(carried).min(own);
     if scheme.is_exact()
         && let Some(f) = process.highest_frequency_hz()
     {
         step = step.min(1.0 / (f * STEPS_PER_FORCE_PERIOD));
     }
-    let (key, why) = cause(step, scheme, fastest, quickest_s);
+    let (key, why) = cause(
+        step,
+        scheme,
+        fastest,
+        (quickest_s, process.fastest_mode_hz()),
+    );
     check_count(step, run.duration_s, (key, &why))?;
     if let Some(period) = process
         .tooth_period_s()

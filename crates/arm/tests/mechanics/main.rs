@@ -9,3 +9,4 @@ mod ortho_parallel;
 mod random_chain;
 mod statics;
 mod tangents;
+mod tool_modes;

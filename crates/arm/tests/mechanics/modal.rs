@@ -52,6 +52,33 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// Damping ratios of modes come back from the matrix that they give, and leave modes uncoupled:
+    /// the full inverse is the sum over modes.
+    #[test]
+    fn verify_given_damping_ratios_are_those_of_the_modes(case in case(), frequency_hz in 0.1..50.0_f64) {
+        let n = case.robot.dof();
+        let ratios: Vec<f64> = (0..n).map(|k| 0.01 + 0.013 * k as f64).collect();
+        let own = case.robot.linearised(&case.q, FrameId::Tool, &Load::none()).expect("stiff");
+        for given in [ratios, vec![0.04]] {
+            let mut robot = case.robot.clone();
+            robot.damping_ratios = given.clone();
+            let arm = robot.linearised(&case.q, FrameId::Tool, &Load::none()).expect("stiff");
+            prop_assert_eq!(&arm.mass, &own.mass);
+            let modes = arm.modes().expect("stable");
+            for (k, found) in modes.damping_ratio.iter().enumerate() {
+                prop_assert!((found - given[k.min(given.len() - 1)]).abs() <= 1e-8);
+            }
+            let full = arm.frequency_response(frequency_hz).expect("damped");
+            let sum = modes.frequency_response(&arm.tip_jacobian, frequency_hz);
+            let size = full.map(|c| c.norm()).amax();
+            prop_assert!((full - sum).map(|c| c.norm()).amax() <= 1e-6 * size);
+        }
+    }
+}
+
 /// A mass on a spring: 1/(k − mω² + icω), natural frequency √(k/m)/2π, damping ratio c/(2√(km)).
 #[test]
 fn verify_one_degree_of_freedom() {

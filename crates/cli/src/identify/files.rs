@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use truecut_discrepancy::identify::modes::ModesReport;
 use truecut_discrepancy::identify::stiffness::{JointStiffness, StiffnessReport};
+use truecut_discrepancy::identify::tool;
 use truecut_recording::significant;
 
 use super::figures;
@@ -26,10 +27,11 @@ pub fn stiffness(folder: &Path, report: &StiffnessReport) -> Result<Vec<PathBuf>
 /// The report and the figure.
 pub fn modes(folder: &Path, report: &ModesReport) -> Result<Vec<PathBuf>, Failure> {
     let figure = figures::modes(report).to_svg();
-    write(
-        folder,
-        &[("modes.json", json(report)?), ("modes.svg", figure)],
-    )
+    let mut files = vec![("modes.json", json(report)?), ("modes.svg", figure)];
+    if !report.tool.is_empty() {
+        files.push(("tool_modes.toml", tool::entries(&report.tool)));
+    }
+    write(folder, &files)
 }
 
 fn json(report: &impl Serialize) -> Result<String, Failure> {

@@ -11,6 +11,7 @@ use truecut_discrepancy::identify::impact::impact;
 use truecut_discrepancy::identify::modes::{ModesReport, against_model};
 use truecut_discrepancy::identify::readings::readings;
 use truecut_discrepancy::identify::stiffness::{self, StiffnessReport};
+use truecut_discrepancy::identify::tool::{ToolError, tool_modes};
 use truecut_discrepancy::identify::{IdentifyError, modal};
 use truecut_recording::measured::Table;
 use truecut_scenario::Identification;
@@ -78,10 +79,24 @@ fn of_modes(
             .map_err(|error| Failure::identified_arm(file, error))
     };
     let mut report = report_of(arm)?;
+    if spec.tool_modes {
+        let found = tool_modes(&frfs, &keys(spec), &fit, arm, spec.axes);
+        report.tool = found.map_err(|error| match error {
+            ToolError::Data(error) => refused(file, &error),
+            ToolError::Arm(error) => Failure::identified_arm(file, error),
+        })?;
+    }
     if let Some(updated) = stiffness.and_then(StiffnessReport::updated) {
         report.add_identified(&report_of(&arm.with_stiffness(&updated))?);
     }
     Ok(report)
+}
+
+/// Keys of the FRFs, in their order.
+fn keys(spec: &ModesSpec) -> Vec<String> {
+    let ready = (0..spec.frfs.len()).map(|index| format!("modes.frf.{index}"));
+    let struck = (0..spec.impacts.len()).map(|index| format!("modes.impact.{index}"));
+    ready.chain(struck).collect()
 }
 
 /// All FRFs, and the decay rate that an exponential window has added to them, 1/s.

@@ -128,6 +128,16 @@ pub fn modes(report: &ModesReport, written: &[PathBuf]) -> String {
             "  {unseen} of the model's modes lie outside the band or do not show in these FRFs\n"
         ));
     }
+    for mode in &report.tool {
+        let [x, y, z] = mode.direction;
+        text.push_str(&format!(
+            "  tool mode at {} Hz: with its foot held {} Hz, {}, {} N/µm along [{x:.2}, {y:.2}, {z:.2}] in the tool frame\n",
+            significant(mode.measured_hz, 5),
+            significant(mode.frequency_hz, 5),
+            percent(mode.damping_ratio),
+            significant(mode.stiffness_n_per_m * 1e-6, 4),
+        ));
+    }
     text.push('\n');
     for frf in &report.frfs {
         text.push_str(&format!(

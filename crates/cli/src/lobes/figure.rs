@@ -37,6 +37,23 @@ fn depths(diagram: &Diagram<'_>) -> Panel {
             ));
         }
     }
+    if let Some((name, other)) = &diagram.other {
+        let points = other.spindle_rad_s.iter().zip(&other.limit);
+        let points = points.map(|(speed, limit)| {
+            let mm = limit.map_or(f64::NAN, |limit| limit.depth_m * 1e3);
+            (rpm(*speed), if mm <= deepest_mm { mm } else { f64::NAN })
+        });
+        let points: Vec<(f64, f64)> = points.collect();
+        layers.push(Layer::dashed(format!("with {name}"), points, BLUE));
+    }
+    if let Some((known_to, _)) = diagram.known {
+        let x = rpm(known_to);
+        layers.push(Layer::dashed(
+            "above: modes of tool, holder and spindle are missing",
+            [(x, 0.0), (x, deepest_mm)],
+            BLACK,
+        ));
+    }
     layers.extend(dots(diagram));
     let cut = &diagram.study.cut;
     layers.push(Layer::new(

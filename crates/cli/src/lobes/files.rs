@@ -74,7 +74,11 @@ fn limit_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
         hz.collect()
     };
     let coupling = vec![lobes.mode_coupling; lobes.spindle_rad_s.len()];
-    vec![
+    let other = diagram
+        .other
+        .as_ref()
+        .map(|(_, other)| Column::numbers("other_damping_depth", "mm", depth(&other.limit)));
+    let mut columns = vec![
         Column::numbers(
             "spindle_speed",
             "rpm",
@@ -92,7 +96,9 @@ fn limit_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
         Column::numbers("zero_order_depth", "mm", depth(&lobes.zero_order)),
         Column::numbers("zero_order_frequency", "Hz", hz(&lobes.zero_order)),
         Column::numbers("mode_coupling_depth", "mm", depth(&coupling)),
-    ]
+    ];
+    columns.extend(other);
+    columns
 }
 
 fn run_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {

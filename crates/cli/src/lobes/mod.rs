@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use truecut_core::chatter::averaged::zero_order_limit;
 use truecut_plan::lobes::{LobeRequest, Lobes};
 use truecut_scenario::Scenario;
-use truecut_sim::stability::{MillingStudy, StabilityRun, stability_runs};
+use truecut_sim::stability::{MillingStudy, StabilityRun, damping_notes, stability_runs};
 
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
@@ -37,6 +37,12 @@ struct Diagram<'a> {
     posture: Vec<f64>,
     lobes: Lobes,
     runs: Vec<StabilityRun>,
+    /// Fastest speed up to which limits are known, rad/s, and what is missing beyond it.
+    known: Option<(f64, String)>,
+    /// The diagram with the arm's other damping, and what that is.
+    other: Option<(String, Lobes)>,
+    /// Sentences on the damping.
+    notes: Vec<String>,
 }
 
 /// Default range of speeds, as fractions of the scenario's.
@@ -52,15 +58,32 @@ pub fn lobes(plan: &LobesPlan) -> Result<ExitStatus, Failure> {
     let study = MillingStudy::of(scenario).map_err(failed)?;
     let posture = posture_at(plan, &study)?;
     let modes = study.modes(&posture).map_err(failed)?;
-    let request = request(plan, &study, &modes);
-    let lobes = Progress::of_one("stability diagram", |progress| {
+    let known = study.known_to_rad_s(&modes);
+    let request = request(plan, &study, &modes, known);
+    let mut lobes = Progress::of_one("stability diagram", |progress| {
         truecut_plan::lobes::lobes(&modes, &study.cut, &request, progress)
     });
+    if let Some(known_to_rad_s) = known {
+        lobes = lobes.known_to(known_to_rad_s);
+    }
+    let other = study.other_damping(&posture).map_err(failed)?.map(|other| {
+        let mut found = Progress::of_one("the other damping", |progress| {
+            truecut_plan::lobes::lobes(&other.modes, &study.cut, &request, progress)
+        });
+        if let Some(known_to_rad_s) = known {
+            found = found.known_to(known_to_rad_s);
+        }
+        (other.name, found)
+    });
+    let beyond = known.filter(|known| request.spindle_rad_s[1] > *known);
     let runs = Progress::of_one("runs", |progress| {
         stability_runs(scenario, &study, &lobes, plan.runs, progress)
     })?;
     let diagram = Diagram {
         scenario,
+        other,
+        notes: damping_notes(&modes),
+        known: beyond.map(|known| (known, study.beyond_modes(&modes, known))),
         study,
         posture,
         lobes,
@@ -88,12 +111,16 @@ fn request(
     plan: &LobesPlan,
     study: &MillingStudy,
     modes: &[truecut_core::chatter::TipMode],
+    known_to_rad_s: Option<f64>,
 ) -> LobeRequest {
     let cut = &study.cut;
     let speed = cut.spindle_rad_s;
     let deepest = || {
         let average = cut.directional().average_pa();
-        let limit = zero_order_limit(modes, &average, cut.tooth_period_s());
+        // Where limits are not known, that of the fastest speed at which they are.
+        let at = known_to_rad_s.map_or(speed, |known| known.min(speed));
+        let period_s = cut.nominal.cutter.tooth_period_s(at);
+        let limit = zero_order_limit(modes, &average, period_s);
         let beyond = limit.map_or(0.0, |limit| BEYOND_LIMIT * limit.depth_m);
         beyond.max(BEYOND_DEPTH * cut.nominal.axial_depth_m)
     };

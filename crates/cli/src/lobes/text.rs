@@ -44,12 +44,27 @@ pub fn summary(diagram: &Diagram<'_>) -> String {
         ),
         None => format!("none down to {}", text::show(Unit::Metre, deepest)),
     };
-    text.push_str(&format!(
-        "  limits near {} rpm: spectral elements {}, zero order {}\n",
-        significant(rpm(cut.spindle_rad_s), 4),
-        shown(at_speed(&lobes.limit)),
-        shown(at_speed(&lobes.zero_order)),
-    ));
+    let near = significant(rpm(cut.spindle_rad_s), 4);
+    let is_known = (diagram.known.as_ref()).is_none_or(|(to, _)| cut.spindle_rad_s <= *to);
+    text.push_str(&if is_known {
+        format!(
+            "  limits near {near} rpm: spectral elements {}, zero order {}\n",
+            shown(at_speed(&lobes.limit)),
+            shown(at_speed(&lobes.zero_order)),
+        )
+    } else {
+        format!("  limits near {near} rpm: not known\n")
+    });
+    if let Some((name, other)) = diagram.other.as_ref().filter(|_| is_known) {
+        let limit = shown(at_speed(&other.limit));
+        text.push_str(&format!("  with {name}: spectral elements {limit}\n"));
+    }
+    for note in &diagram.notes {
+        text.push_str(&format!("  note: {note}\n"));
+    }
+    if let Some((_, missing)) = &diagram.known {
+        text.push_str(&format!("  note: {missing}\n"));
+    }
     if lobes.limit.iter().any(Option::is_some) {
         text.push_str(&format!(
             "  error of the limits by discretisation in time: at most {} % (estimated)\n",

@@ -7,7 +7,9 @@ mod text;
 
 use std::path::PathBuf;
 
-use truecut_plan::{Assessment, Criterion, MarginMap, Plan, PlanError, Planner, PlannerOptions};
+use truecut_plan::{
+    Assessment, Criterion, MarginMap, Plan, PlanError, Planner, PlannerOptions, modes_in_cut,
+};
 use truecut_scenario::Scenario;
 use truecut_sim::stability::{MillingStudy, in_scenario};
 
@@ -35,6 +37,8 @@ struct PostureAnswer<'a> {
     plan_assessed: Vec<Vec<Assessment>>,
     /// The scenario's own postures; none where the arm cannot follow its path.
     own: Option<Own>,
+    /// What is missing where the cut is faster than the modes that are given.
+    missing: Option<String>,
 }
 
 /// The path in the scenario's own postures.
@@ -102,6 +106,7 @@ fn answer<'a>(
         Err(_) => None,
     };
     Ok(PostureAnswer {
+        missing: missing(study, &plan)?,
         scenario: &request.scenario,
         study,
         maps,
@@ -109,6 +114,16 @@ fn answer<'a>(
         own,
         plan,
     })
+}
+
+/// What is to be said of a cut that is too fast for the arm's modes at the start of the plan.
+fn missing(study: &MillingStudy, plan: &Plan) -> Result<Option<String>, PlanError> {
+    let axes = study.path.world_from_milling(0);
+    let first = &plan.points[0].posture;
+    let modes = modes_in_cut(&study.robot, first, &axes, &study.cut.attached)?;
+    let known = study.known_to_rad_s(&modes);
+    let beyond = known.filter(|known| study.cut.spindle_rad_s > *known);
+    Ok(beyond.map(|known| study.beyond_modes(&modes, known)))
 }
 
 /// Assessment of a plan by a criterion; that by its own is known already.

@@ -17,6 +17,7 @@
 //! Each function answers for one point (one speed, one depth, one posture); whoever wants a diagram
 //! calls it from as many threads as there are.
 
+mod attached;
 pub mod averaged;
 mod directional;
 pub mod growth;
@@ -27,6 +28,7 @@ mod multiplier;
 pub mod planar;
 pub mod spectral_elements;
 
+pub use attached::{AttachedMode, AttachedModes};
 pub use directional::DirectionalMatrix;
 pub use modes::{TipMode, in_axes};
 pub use multiplier::{Bifurcation, Multiplier};

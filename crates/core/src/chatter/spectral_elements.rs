@@ -38,7 +38,7 @@ use element::Element;
 use response::{ModalResponse, Nodes};
 
 /// Most modes that are taken.
-pub const MOST_MODES: usize = 12;
+pub const MOST_MODES: usize = 24;
 
 /// Nodes of an element, and elements to a cycle of the fastest mode (and to a half turn of the
 /// tool, over which the directional matrix has a cycle).

@@ -9,6 +9,7 @@
 //! | [`impact`] | FRFs from the signals of hammer and sensor: H1 and coherence |
 //! | [`modal`] | poles and residues common to FRFs |
 //! | [`modes`] | measured modes paired with those of the model |
+//! | [`tool`] | modes of what the arm holds, from FRFs at its tip |
 
 pub mod frf;
 pub mod impact;
@@ -16,6 +17,7 @@ pub mod modal;
 pub mod modes;
 pub mod readings;
 pub mod stiffness;
+pub mod tool;
 
 #[cfg(test)]
 mod tests;

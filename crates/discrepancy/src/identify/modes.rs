@@ -11,6 +11,7 @@ use truecut_sim::elastic::ElasticArm;
 
 use super::frf::Frf;
 use super::modal::{MeasuredMode, ModalFit};
+use super::tool::ToolMode;
 use truecut_scenario::identification::Axes;
 
 /// Frequency ratio with the same distance as orthogonal shapes.
@@ -32,6 +33,9 @@ pub struct ModesReport {
     pub measured: Vec<Measured>,
     /// All modes of the model.
     pub model: Vec<Modelled>,
+    /// Modes of the tool, where they were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tool: Vec<ToolMode>,
     /// Factor by which intervals were widened because residuals of neighbouring frequencies are
     /// correlated.
     pub widened: f64,
@@ -155,6 +159,7 @@ pub fn against_model(
             .collect(),
         measured,
         model,
+        tool: Vec::new(),
         widened: fit.widened,
         notes,
     })

@@ -1,6 +1,6 @@
 //! The cut of the posture study.
 
-use truecut_core::chatter::DirectionalMatrix;
+use truecut_core::chatter::{AttachedModes, DirectionalMatrix};
 use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_core::cutting::milling::nominal::NominalCut;
@@ -17,5 +17,6 @@ pub fn slot(process: &DirectionalMatrix, axial_depth_m: f64, rpm: f64) -> Cut {
             feed_per_tooth_m: 0.1e-3,
         },
         spindle_rad_s: rpm * std::f64::consts::TAU / 60.0,
+        attached: AttachedModes::default(),
     }
 }

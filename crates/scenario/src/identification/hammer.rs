@@ -17,6 +17,8 @@ pub struct ModesSpec {
     pub band_hz: [f64; 2],
     /// Number of modes; `None` if the data are to say.
     pub count: Option<usize>,
+    /// Whether modes of the tool are asked for.
+    pub tool_modes: bool,
     /// Ready-made FRFs.
     pub frfs: Vec<FrfSpec>,
     /// Signals from which FRFs are to be made; they stand behind the others.

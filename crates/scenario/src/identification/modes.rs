@@ -25,6 +25,9 @@ pub(super) struct ModesTable {
     /// Number of modes in the band. Default: as many as the data show.
     #[schemars(range(min = 1, max = 40))]
     count: Option<usize>,
+    /// Whether modes above the arm's are written as [[process.milling.cutter.mode]]; all FRFs are then
+    /// at the tool point. Default: false.
+    tool_modes: Option<bool>,
     /// FRFs in files.
     frf: Option<Vec<FrfTable>>,
     /// Signals of hammer and sensor.
@@ -153,6 +156,7 @@ impl ModesTable {
             axes: self.axes.unwrap_or_default(),
             band_hz: self.band_hz,
             count: self.count,
+            tool_modes: self.tool_modes.unwrap_or(false),
             frfs: Vec::new(),
             impacts: Vec::new(),
         };

@@ -8,6 +8,7 @@
 use super::law::{JointDrive, JointMotion};
 use super::play::Play;
 use super::{Command, JointLaw, JointState};
+use nalgebra::DMatrix;
 use truecut_arm::Robot;
 use truecut_scenario::DriveKind;
 
@@ -29,6 +30,8 @@ pub struct Drive {
     dt_s: f64,
     /// Torque that the static load of the start asks of the motor, fed forward by the servo.
     feed_forward: Vec<f64>,
+    /// Damping between all motors and links, in place of the transmissions' own: n×n.
+    coupled: Option<DMatrix<f64>>,
 }
 
 impl Drive {
@@ -61,6 +64,7 @@ impl Drive {
             half_before: zeros.clone(),
             dt_s,
             feed_forward: zeros,
+            coupled: None,
         }
     }
 
@@ -77,6 +81,29 @@ impl Drive {
             self.feed_forward[i] = joint.law.gear(command[i]) * joint.static_torque(&at);
         }
         self
+    }
+
+    /// The same with a damping matrix D on what the links move against their motors, torque
+    /// −D (q' − θ'); for motors that follow their commands.
+    pub fn with_coupled_damping(mut self, damping: Option<DMatrix<f64>>) -> Self {
+        self.coupled = damping;
+        self
+    }
+
+    /// That matrix.
+    pub(super) fn coupled_damping(&self) -> Option<&DMatrix<f64>> {
+        self.coupled.as_ref()
+    }
+
+    /// What it exerts on a link at this instant.
+    pub(super) fn coupled_torque(&self, joint: usize, state: &JointState) -> f64 {
+        let Some(damping) = &self.coupled else {
+            return 0.0;
+        };
+        let against = state.motor_velocity.iter().zip(&state.velocity);
+        let row = damping.row(joint);
+        let torques = row.iter().zip(against);
+        torques.map(|(d, (motor, link))| d * (motor - link)).sum()
     }
 
     /// Motors move with their links at the start.
@@ -205,7 +232,7 @@ impl Drive {
         let (drive, at) = (&self.joints[joint], state.motion(joint));
         match drive.rigid_servo() {
             Some(servo) => drive.rigid_torque(servo, &at),
-            None => drive.transmission(&at),
+            None => drive.transmission(&at) + self.coupled_torque(joint, state),
         }
     }
 
@@ -279,7 +306,10 @@ impl Drive {
     /// Power lost in the transmissions' damping and in the joints' effects, W.
     pub fn dissipation_w(&self, state: &JointState) -> f64 {
         (self.joints.iter().enumerate())
-            .map(|(i, joint)| joint.dissipation_w(&state.motion(i)))
+            .map(|(i, joint)| {
+                let against = state.motor_velocity[i] - state.velocity[i];
+                joint.dissipation_w(&state.motion(i)) + self.coupled_torque(i, state) * against
+            })
             .sum()
     }
 }

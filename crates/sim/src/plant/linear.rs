@@ -45,7 +45,10 @@ impl Arm {
         Self {
             dynamics: Dynamics::new(&robot),
             stiffness: DMatrix::from_diagonal(&stiffness),
-            damping: DMatrix::from_diagonal(&damping),
+            damping: match drive.coupled_damping() {
+                Some(coupled) => DMatrix::from_diagonal(&damping) + coupled,
+                None => DMatrix::from_diagonal(&damping),
+            },
             robot,
             gravity_m_s2,
             step_s,

@@ -192,7 +192,8 @@ impl Plant for RapierPlant {
         self.drive
             .evaluate(command, &mut self.joints, &mut self.scratch);
         for i in 0..self.dof() {
-            self.at_joints[i] = self.scratch[i] + self.damping_torque(i, 0.5) - self.defect[i];
+            self.at_joints[i] = self.scratch[i] + self.damping_torque(i, 0.5) - self.defect[i]
+                + self.drive.coupled_torque(i, &self.joints);
         }
         self.applied.copy_from(&self.at_joints);
         self.wrenches.clear();

@@ -152,6 +152,11 @@ pub trait Process: Send {
         None
     }
 
+    /// Fastest mode that the process steps beside the robot, Hz, if it has modes of its own.
+    fn fastest_mode_hz(&self) -> Option<f64> {
+        None
+    }
+
     /// Springs that stiffen the robot while in contact.
     fn contact_stiffness(&self) -> Vec<ContactStiffness>;
 

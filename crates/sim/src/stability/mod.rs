@@ -4,9 +4,12 @@
 //! The arm is the nominal one with its transmissions, motors standing still; effects of the
 //! scenario act in runs only.
 
+mod damping;
+mod known;
 mod runs;
 mod view;
 
+pub use damping::{OtherDamping, damping_notes};
 pub use runs::{StabilityRun, stability_runs};
 
 use std::sync::Arc;
@@ -78,6 +81,7 @@ impl MillingStudy {
             cut: Cut {
                 nominal: milling.cut,
                 spindle_rad_s: milling.spindle_rad_s,
+                attached: milling.attached.clone(),
             },
             robot,
             path,
@@ -124,12 +128,13 @@ impl MillingStudy {
         self.posture[..].try_into().unwrap_or([0.0; 6])
     }
 
-    /// Modes of the arm at a posture in the milling frame.
+    /// Modes between tool and workpiece at a posture in the milling frame.
     ///
     /// # Errors
-    /// If a joint has no stiffness.
+    /// If a joint has no stiffness, or the tool's modes weigh more than the arm at its tool point.
     pub fn modes(&self, posture: &[f64]) -> Result<Vec<TipMode>, SimError> {
-        modes_in_cut(&self.robot, posture, &self.path.world_from_milling(0)).map_err(in_scenario)
+        let axes = self.path.world_from_milling(0);
+        modes_in_cut(&self.robot, posture, &axes, &self.cut.attached).map_err(in_scenario)
     }
 
     /// A plan in the terms of a scenario file.

@@ -5,3 +5,4 @@ mod forces;
 mod limits;
 mod reduced;
 mod support;
+mod tool_modes;

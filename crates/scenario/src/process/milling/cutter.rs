@@ -2,11 +2,14 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_core::chatter::AttachedMode;
 use truecut_core::cutting::milling::cutter::{Cutter, Eccentricity};
 use truecut_core::cutting::milling::engagement::Engagement;
 
 use crate::check::Check;
 use crate::units::{from_deg, from_mm, from_um};
+
+use super::modes::{self, ModeTable};
 
 const TABLE: &str = "process.milling";
 
@@ -43,10 +46,13 @@ pub(super) struct CutterTable {
     runout_um: Option<f64>,
     /// Angle of that offset from the first tooth, in the sense of rotation. Default: 0.
     runout_angle_deg: Option<f64>,
+    /// Modes of cutter, holder and spindle at the tip, the flange held. Default: they are rigid.
+    #[schemars(extend("maxItems" = 6, "x-rule" = "a tool has at most 6 modes here"))]
+    mode: Option<Vec<ModeTable>>,
 }
 
 impl CutterTable {
-    pub(super) fn resolve(self, check: &mut Check) -> Cutter {
+    pub(super) fn resolve(self, check: &mut Check) -> (Cutter, Vec<AttachedMode>) {
         let table = "process.milling.cutter";
         let diameter_m = from_mm(self.diameter_mm);
         let runout_m = from_um(self.runout_um.unwrap_or(0.0));
@@ -62,7 +68,7 @@ impl CutterTable {
             );
             check.wrong(table, "runout_um", message, "too much for the cutter");
         }
-        Cutter {
+        let cutter = Cutter {
             radius_m: 0.5 * diameter_m,
             teeth: self.teeth as usize,
             helix_angle_rad: from_deg(self.helix_deg.unwrap_or(0.0)),
@@ -70,7 +76,10 @@ impl CutterTable {
                 offset_m: runout_m,
                 angle_rad: from_deg(self.runout_angle_deg.unwrap_or(0.0)),
             },
-        }
+        };
+        let list = format!("{table}.mode");
+        let modes = modes::resolve(self.mode.unwrap_or_default(), &list, check);
+        (cutter, modes)
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod cutter;
 mod material;
+mod modes;
 mod path;
 mod planned;
 
@@ -12,6 +13,7 @@ use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_core::chatter::AttachedModes;
 use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::nominal::NominalCut;
 use truecut_plan::motion::straight::StraightPath;
@@ -23,6 +25,7 @@ use crate::run::RunSpec;
 use crate::units::{from_deg, from_mm, from_rpm};
 use cutter::{CutterTable, EngagementName, engaged};
 use material::{CuttingTable, MaterialTable};
+use modes::MilledWorkpieceTable;
 use path::PathTable;
 
 /// Peripheral milling along a straight line. The cutter turns clockwise seen from the spindle.
@@ -47,6 +50,8 @@ pub struct MillingSpec {
     pub ramp_m: f64,
     /// Where the tool goes.
     pub path: StraightPath,
+    /// Modes of tool and workpiece beside the arm's.
+    pub attached: AttachedModes,
 }
 
 impl MillingSpec {
@@ -131,6 +136,8 @@ pub(crate) struct MillingTable {
     cutting: Option<CuttingTable>,
     /// Where the tool goes.
     path: PathTable,
+    /// What is cut. Default: it is rigid.
+    workpiece: Option<MilledWorkpieceTable>,
 }
 
 /// Largest feed per tooth as a part of the cutter's diameter: chips are far thinner than the
@@ -142,7 +149,11 @@ const TABLE: &str = "process.milling";
 impl MillingTable {
     /// `None` after recording a fault.
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<MillingSpec> {
-        let cutter = self.cutter.resolve(check);
+        let (cutter, tool_modes) = self.cutter.resolve(check);
+        let attached = AttachedModes {
+            tool: tool_modes,
+            workpiece: (self.workpiece).map_or_else(Vec::new, |piece| piece.resolve(check)),
+        };
         let angles_deg = [self.entry_deg, self.exit_deg];
         let diameter_m = 2.0 * cutter.radius_m;
         let engagement = engaged(
@@ -186,6 +197,7 @@ impl MillingTable {
             lead_in_m,
             ramp_m,
             path: path?,
+            attached,
         })
     }
 }

@@ -7,6 +7,7 @@
 //! keeps what is reported at the end.
 
 mod history;
+mod modes;
 mod report;
 pub(crate) mod setup;
 
@@ -16,7 +17,9 @@ use super::quantity;
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use history::{History, stride};
-use nalgebra::{Rotation3, Vector3};
+use modes::Modes;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::f64::consts::TAU;
 use truecut_core::cutting::milling::cut::{
     MillingCut, MillingLoads, MillingParameters, ToolState as CutState,
 };
@@ -44,7 +47,11 @@ pub struct MillingSetup {
     /// Force (N) and moment (N m) on a tool that rests in the cut, sunk or lifted by them, milling
     /// frame.
     pub mean_load: (Vector3<f64>, Vector3<f64>),
-    /// Deflection of the arm under it, milling frame, m.
+    /// Axes of the world in the milling frame, as columns.
+    pub milling_from_world: Matrix3<f64>,
+    /// Axes of the tool at the start in the milling frame, as columns.
+    pub milling_from_tool: Matrix3<f64>,
+    /// Deflection of arm, tool and workpiece under it, milling frame, m.
     pub mean_deflection_m: Vector3<f64>,
     /// The walls that the pass finishes, the one of down-milling first.
     pub finished_walls: Vec<Wall>,
@@ -129,6 +136,9 @@ pub struct Milling {
     start_offset_m: Vector3<f64>,
     last: MillingStep,
     history: History,
+    modes: Modes,
+    /// Deflections of the modes at the step last committed.
+    modes_m: Vec<f64>,
 }
 
 /// Values of the last committed step.
@@ -149,6 +159,8 @@ impl Milling {
             start_offset_m: Vector3::zeros(),
             last: MillingStep::default(),
             history: History::default(),
+            modes: Modes::default(),
+            modes_m: Vec::new(),
         }
     }
 
@@ -174,15 +186,13 @@ impl Milling {
         self.setup.spec.start_angle_rad + self.setup.spec.spindle_rad_s * time_s
     }
 
-    /// Deflection of the tool from its path and its rate, milling frame.
+    /// Deflection of the tip from its path on the workpiece and its rate, milling frame.
     fn deflection(&self, state: &ToolState) -> (Vector3<f64>, Vector3<f64>) {
-        let s = &self.setup;
-        let feed = Vector3::x() * s.spec.feed_m_per_s;
-        let moved = s.in_milling(&state.tool.displacement_m);
-        let rate = s.in_milling(&state.tool.velocity_m_per_s);
+        let arm = self.arm_motion(state);
+        let modes = self.modes.deflection(&arm);
         (
-            self.start_offset_m + moved - feed * state.time_s,
-            rate - feed,
+            arm.deflection_m + modes.deflection_m,
+            arm.rate_m_per_s + modes.rate_m_per_s,
         )
     }
 
@@ -257,8 +267,11 @@ impl Process for Milling {
         self.step_s = start.time_step_s;
         let s = &self.setup;
         self.start_offset_m = s.in_milling(&start.tool_offset_m);
+        self.place_modes(start.time_step_s);
+        let s = &self.setup;
         let mut parameters = s.parameters;
-        parameters.steady_displacement_m = self.start_offset_m;
+        let start_m = self.deflection(&ToolState::default()).0;
+        parameters.steady_displacement_m = start_m;
         if !s.starts_in_cut() && !parameters.regeneration {
             parameters.steady_displacement_m += s.mean_deflection_m;
         }
@@ -266,7 +279,7 @@ impl Process for Milling {
         let per_tooth = self.setup.tooth_period_s() / start.time_step_s;
         self.history.stride = stride(per_tooth);
         self.last = MillingStep {
-            deflection_m: self.start_offset_m,
+            deflection_m: start_m,
             rotation_rad: self.rotation_rad(0.0),
             ..MillingStep::default()
         };
@@ -275,11 +288,13 @@ impl Process for Milling {
         } else {
             -1.0
         };
-        self.last.wall_error_m = -side * self.start_offset_m.y;
+        self.last.wall_error_m = -side * start_m.y;
     }
 
     fn channels(&self) -> Vec<ChannelSpec> {
-        quantity::channels(report::quantities(&self.setup, &self.last))
+        let mut channels = quantity::channels(report::quantities(&self.setup, &self.last));
+        channels.extend(report::mode_channels(&self.setup.spec.attached));
+        channels
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
@@ -290,7 +305,13 @@ impl Process for Milling {
             force += cut.force_on_tool_n / PARTS as f64;
             moment += cut.moment_on_tool_n_m / PARTS as f64;
         }
-        Loads::from(self.wrench(&force, &moment))
+        let mut loads = Loads::from(self.wrench(&force, &moment));
+        if let Some(differs) = self.modes.on_arm_n(&self.arm_motion(state), &force) {
+            loads
+                .wrenches
+                .push(self.wrench(&differs, &Vector3::zeros()));
+        }
+        loads
     }
 
     fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, _dt_s: f64) {
@@ -314,10 +335,12 @@ impl Process for Milling {
             ..self.last
         };
         self.keep(state.time_s, &rate, &loads);
+        self.move_modes(state, &loads.force_on_tool_n);
     }
 
     fn record(&self, row: &mut Vec<f64>) {
         quantity::record(report::quantities(&self.setup, &self.last), row);
+        row.extend(&self.modes_m);
     }
 
     fn finish(&mut self) -> Findings {
@@ -342,6 +365,13 @@ impl Process for Milling {
 
     fn steps_with_teeth(&self) -> bool {
         true
+    }
+
+    fn fastest_mode_hz(&self) -> Option<f64> {
+        let attached = &self.setup.spec.attached;
+        let modes = attached.tool.iter().chain(&attached.workpiece);
+        let hz = modes.map(|mode| mode.natural_frequency_rad_s / TAU);
+        hz.max_by(f64::total_cmp)
     }
 
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {

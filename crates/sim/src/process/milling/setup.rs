@@ -12,7 +12,7 @@ use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
 use truecut_core::chatter::limit::{FirstLimit, LimitSearch, first_limit};
 use truecut_core::chatter::spectral_elements::{MOST_MODES, SpectralElements};
-use truecut_core::chatter::{DirectionalMatrix, in_axes};
+use truecut_core::chatter::{AttachedModes, DirectionalMatrix, in_axes};
 use truecut_core::cutting::milling::cut::MillingParameters;
 use truecut_core::cutting::milling::dexel::Wall;
 use truecut_core::cutting::milling::engagement::{Engagement, Stock};
@@ -67,7 +67,9 @@ fn milling(
     );
     let wrench = stacked(&force_n, &moment_n_m);
     let deflection: Vector3<f64> = (compliance * wrench).fixed_rows::<3>(0).into();
-    let deflection = world_from_milling.inverse() * deflection;
+    let tool_axes = robot.tool_axes(posture);
+    let of_modes = spec.attached.compliance_m_per_n(&tool_axes) * force_n;
+    let deflection = world_from_milling.inverse() * (deflection + of_modes);
     // A tool that sinks by z under the force F cuts deeper: F (b - z)/b, of which z is the
     // deflection.
     let deeper = 1.0 / (1.0 + deflection.z / cut.axial_depth_m).max(0.1);
@@ -84,7 +86,10 @@ fn milling(
             &world_from_milling,
             cut,
             spec.tooth_period_s(),
+            &spec.attached,
         )?,
+        milling_from_world: *world_from_milling.inverse().matrix(),
+        milling_from_tool: world_from_milling.inverse().matrix() * tool_axes,
         spec: spec.clone(),
     })
 }
@@ -146,15 +151,16 @@ fn parameters(spec: &MillingSpec) -> MillingParameters {
     parameters
 }
 
-/// Limits of the averaged theories with the arm's modes, gravity aside.
+/// Limits with the modes of arm, tool and workpiece, gravity aside.
 fn theory(
     robot: &Robot,
     posture: &[f64],
     world_from_milling: &Rotation3<f64>,
     cut: &NominalCut,
     tooth_period_s: f64,
+    attached: &AttachedModes,
 ) -> Result<MillingTheory, SimError> {
-    let modes = robot.tip_modes(posture, FrameId::Tool, None)?;
+    let modes = robot.cutting_modes(posture, attached)?;
     let modes = in_axes(&modes, world_from_milling.matrix());
     let matrix = DirectionalMatrix {
         teeth: cut.cutter.teeth,

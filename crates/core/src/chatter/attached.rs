@@ -1,0 +1,117 @@
+//! Modes of what the arm holds, and of what it cuts.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::TipMode;
+
+/// A mass `m = k/ω²` on a spring k and a damper `2ζωm` that moves along a direction
+/// (`docs/physics/tool_modes.md`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AttachedMode {
+    /// ω, undamped, with the foot of the spring held, rad/s.
+    pub natural_frequency_rad_s: f64,
+    /// ζ, below 1.
+    pub damping_ratio: f64,
+    /// k, as the force at the tip meets it.
+    pub stiffness_n_per_m: f64,
+    /// Of length 1, in the axes of the list that the mode stands in.
+    pub direction: Vector3<f64>,
+}
+
+impl AttachedMode {
+    /// m = k/ω².
+    pub fn mass_kg(&self) -> f64 {
+        self.stiffness_n_per_m / self.natural_frequency_rad_s.powi(2)
+    }
+
+    /// 2ζωm = 2ζk/ω, N s/m.
+    pub fn damping_n_s_per_m(&self) -> f64 {
+        2.0 * self.damping_ratio * self.stiffness_n_per_m / self.natural_frequency_rad_s
+    }
+
+    /// The same mode in other axes.
+    #[must_use]
+    pub fn turned(&self, axes: &Matrix3<f64>) -> Self {
+        Self {
+            direction: axes * self.direction,
+            ..*self
+        }
+    }
+
+    /// What the mode alone, its foot held, adds to the compliance at the tip, m/N.
+    pub fn compliance_m_per_n(&self) -> Matrix3<f64> {
+        self.direction * self.direction.transpose() / self.stiffness_n_per_m
+    }
+
+    /// The mode as the tip feels it with the foot of its spring held.
+    pub fn held(&self) -> TipMode {
+        TipMode::of_stiffness(
+            self.natural_frequency_rad_s,
+            self.damping_ratio,
+            self.stiffness_n_per_m,
+            &self.direction,
+        )
+    }
+}
+
+/// The modes beside the arm's own in a cut.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct AttachedModes {
+    /// Of tool, holder and spindle; the arm's tool frame is their foot, and gives their axes. Their
+    /// masses are part of the arm's.
+    pub tool: Vec<AttachedMode>,
+    /// Of the workpiece, on the ground; world axes.
+    pub workpiece: Vec<AttachedMode>,
+}
+
+impl AttachedModes {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.tool.is_empty() && self.workpiece.is_empty()
+    }
+
+    /// All of them in world axes, the tool's first.
+    pub fn in_world<'a>(
+        &'a self,
+        world_from_tool: &'a Matrix3<f64>,
+    ) -> impl Iterator<Item = AttachedMode> + 'a {
+        let tool = self.tool.iter().map(|mode| mode.turned(world_from_tool));
+        tool.chain(self.workpiece.iter().copied())
+    }
+
+    /// What they add to the compliance between tool and workpiece, world axes, m/N.
+    pub fn compliance_m_per_n(&self, world_from_tool: &Matrix3<f64>) -> Matrix3<f64> {
+        let modes = self.in_world(world_from_tool);
+        modes.fold(Matrix3::zeros(), |sum, mode| {
+            sum + mode.compliance_m_per_n()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verify_mass_and_damper_of_a_mode() {
+        // 10 N/µm at 1 kHz: 0.2533 kg.
+        let mode = AttachedMode {
+            natural_frequency_rad_s: std::f64::consts::TAU * 1e3,
+            damping_ratio: 0.03,
+            stiffness_n_per_m: 1e7,
+            direction: Vector3::x(),
+        };
+        assert!((mode.mass_kg() - 0.253_302_959).abs() < 1e-9);
+        let critical = 2.0 * (mode.stiffness_n_per_m * mode.mass_kg()).sqrt();
+        assert!((mode.damping_n_s_per_m() / critical - 0.03).abs() < 1e-12);
+        let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 0.5);
+        let both = AttachedModes {
+            tool: vec![mode],
+            workpiece: vec![mode],
+        };
+        let sum = both.compliance_m_per_n(turn.matrix());
+        let (c, s) = (0.5_f64.cos(), 0.5_f64.sin());
+        assert!((sum[(0, 0)] * 1e7 - (1.0 + c * c)).abs() < 1e-12);
+        assert!((sum[(0, 1)] * 1e7 - c * s).abs() < 1e-12);
+    }
+}
