@@ -142,7 +142,7 @@ fn regress_engines_agree_with_tool_modes() {
 fn verify_the_end_mill_is_limited_by_its_modes() {
     let scenario = scenario(END_MILL, &[]);
     let study = MillingStudy::of(&scenario).expect("milling");
-    let posture = &study.postures().expect("in reach").1[0];
+    let posture = &study.postures().expect("in reach").knots[0];
     let modes = study.modes(posture).expect("stiff");
     assert_eq!(modes.len(), 8);
     assert_eq!(study.known_to_rad_s(&modes), None);
