@@ -360,3 +360,29 @@ fn verify_load_friction_converges_to_second_order() {
         assert!(pair[0] / pair[1] > 3.0, "{errors:?}");
     }
 }
+
+/// One mode's damping ratio is the joint's damping said otherwise: what the transmission passes on,
+/// and so the friction that grows with it, is the same.
+#[test]
+fn verify_load_friction_knows_the_damping_of_modes() {
+    // 100 kg on 1e6 N/m.
+    let ratio: f64 = 0.05;
+    let damping = 2.0 * ratio * (1e6_f64 * 100.0).sqrt();
+    let own = truecut_arm::Robot::load(&decay(0.0, 0.1).robot.urdf, None, None);
+    let own = own.expect("the rig loads").chain.joints[0].transmission.damping;
+    let swing = |settings: String| {
+        let scenario = load(
+            "rig_1dof",
+            &format!("{settings}\ngravity = false"),
+            "duration_s = 0.3\ntime_step_ms = 0.05",
+            "release_n = [1000.0, 0.0, 0.0]",
+        );
+        let effect = joint(EffectKind::JointLoadFriction, 0, &[0.3]);
+        column(&run(&scenario, &[effect]), "joint1.position").to_vec()
+    };
+    let of_joint = swing(format!("damping_scale = {}", damping / own));
+    let of_mode = swing(format!("damping_ratio = [{ratio}]"));
+    let apart = of_joint.iter().zip(&of_mode).map(|(a, b)| (a - b).abs());
+    let worst = apart.fold(0.0, f64::max) / 1e-3;
+    assert!(worst < 2e-4, "{worst}");
+}

@@ -171,19 +171,20 @@ impl Drive {
             if let Some(servo) = joint.rigid_servo() {
                 state.motor[i] = command.position[i];
                 state.motor_velocity[i] = servo.velocity_feed_forward * command.velocity[i];
-                let at = state.motion(i);
-                state.transmission[i] = joint.rigid_torque(servo, &at);
-                explicit[i] = joint.rigid_explicit(servo, &at);
+                explicit[i] = joint.rigid_explicit(servo, &state.motion(i));
                 continue;
             }
             let at = state.motion(i);
             joint.remember(&at);
-            state.transmission[i] = joint.transmission(&at);
             explicit[i] = joint.explicit_torque(&at);
             if joint.kind == DriveKind::Force {
                 explicit[i] += command.force[i];
                 state.drive[i] = command.force[i];
             }
+        }
+        // Only now are all motors known, which damping between joints couples.
+        for i in 0..self.joints.len() {
+            state.transmission[i] = self.transmission(i, state);
         }
     }
 
