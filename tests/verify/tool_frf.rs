@@ -39,12 +39,7 @@ fn robot() -> Robot {
 }
 
 fn mode(hz: f64, ratio: f64, n_per_um: f64, direction: [f64; 3]) -> AttachedMode {
-    AttachedMode {
-        natural_frequency_rad_s: TAU * hz,
-        damping_ratio: ratio,
-        stiffness_n_per_m: n_per_um * 1e6,
-        direction: Vector3::from(direction).normalize(),
-    }
+    AttachedMode::new(hz, ratio, 1e6 * n_per_um, direction)
 }
 
 /// In the tool frame; the last one lies above the band.

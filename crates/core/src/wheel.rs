@@ -1,9 +1,9 @@
 //! A compliant wheel pressed onto a flat plate: normal spring, sliding friction, Preston removal.
 //!
 //! The submodules hold the tools of finishing: what their surfaces rest on ([`bed`]), how they
-//! press ([`pneumatic`], [`belt`], [`brush`] with its [`bristle`]s), the patch over a face with edges ([`patch`],
-//! [`face`]), what they remove ([`removal`], [`edge_wear`]), and how they are held
-//! ([`force_control`]).
+//! press ([`pneumatic`], [`belt`], [`brush`] with its [`bristle`]s), the patch over a face with
+//! edges ([`patch`], [`face`]), what they remove ([`removal`], [`edge_wear`]), and how they are
+//! held ([`force_control`]).
 
 pub mod abrasive;
 pub mod bed;

@@ -3,11 +3,11 @@
 mod support;
 
 use nalgebra::Vector3;
-use support::{ARM_POSTURE, column, load};
+use support::{ARM_POSTURE, column, finished, load};
 use truecut_arm::{FrameId, Robot};
-use truecut_recording::{Outcome, Recording};
+use truecut_recording::Recording;
 use truecut_scenario::Scenario;
-use truecut_sim::run::{Claims, Engine, Run};
+use truecut_sim::run::{Engine, Run};
 
 const RATIOS: [f64; 6] = [0.02, 0.05, 0.01, 0.03, 0.015, 0.04];
 const RELEASED_N: [f64; 3] = [12.0, 20.0, -7.0];
@@ -19,14 +19,10 @@ fn released(ratios: &[f64]) -> Scenario {
 }
 
 fn run(scenario: &Scenario, engine: Engine) -> Recording {
-    let run = Run {
+    finished(Run {
         engine,
-        claims: Claims::Ignore,
         ..Run::of(scenario)
-    };
-    let recording = run.execute().unwrap_or_else(|e| panic!("{e}")).recording;
-    assert_eq!(recording.outcome, Outcome::Completed);
-    recording
+    })
 }
 
 /// Displacement since the release, process axes.

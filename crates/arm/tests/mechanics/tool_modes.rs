@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use nalgebra::{Complex, DMatrix, DVector, Vector3};
+use nalgebra::{Complex, DMatrix, DVector};
 use truecut_arm::{FrameId, LinearArm, Load, Robot};
 use truecut_core::chatter::{AttachedMode, AttachedModes};
 
@@ -20,12 +20,7 @@ fn robot() -> Robot {
 }
 
 fn mode(hz: f64, ratio: f64, n_per_um: f64, direction: [f64; 3]) -> AttachedMode {
-    AttachedMode {
-        natural_frequency_rad_s: TAU * hz,
-        damping_ratio: ratio,
-        stiffness_n_per_m: n_per_um * 1e6,
-        direction: Vector3::from(direction).normalize(),
-    }
+    AttachedMode::new(hz, ratio, 1e6 * n_per_um, direction)
 }
 
 /// Two modes in one direction and a skew one, in the axes of the tip Jacobian.

@@ -47,7 +47,7 @@ pub fn summary(answer: &PostureAnswer<'_>) -> String {
     text.push_str("\n  least value along the path over what is needed\n");
     text.push_str(&comparison(answer));
     if let Some(own) = &answer.own {
-        text.push_str(&own_angles(answer.regenerative(&own.assessed)));
+        text.push_str(&own_postures(answer.regenerative(&own.assessed)));
     }
     if let Some(missing) = &answer.missing {
         text.push_str(&format!("  note: {missing}\n"));
@@ -155,7 +155,7 @@ fn least_decay(found: &[Assessment]) -> String {
 }
 
 /// Assessment of the scenario's own postures by regeneration.
-fn own_angles(found: &[Assessment]) -> String {
+fn own_postures(found: &[Assessment]) -> String {
     let found = found.iter().map(Assessment::stability);
     let found: Vec<Stability> = found.collect();
     let share = |of: Stability| {

@@ -1,5 +1,7 @@
 //! Modes of what the arm holds, and of what it cuts.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{Matrix3, Vector3};
 
 use super::TipMode;
@@ -19,6 +21,22 @@ pub struct AttachedMode {
 }
 
 impl AttachedMode {
+    /// Of a natural frequency (Hz), a damping ratio, a stiffness (N/m) and a direction of any length
+    /// but zero.
+    pub fn new(
+        frequency_hz: f64,
+        damping_ratio: f64,
+        stiffness_n_per_m: f64,
+        direction: [f64; 3],
+    ) -> Self {
+        Self {
+            natural_frequency_rad_s: TAU * frequency_hz,
+            damping_ratio,
+            stiffness_n_per_m,
+            direction: Vector3::from(direction).normalize(),
+        }
+    }
+
     /// m = k/ω².
     pub fn mass_kg(&self) -> f64 {
         self.stiffness_n_per_m / self.natural_frequency_rad_s.powi(2)
@@ -95,12 +113,7 @@ mod tests {
     #[test]
     fn verify_mass_and_damper_of_a_mode() {
         // 10 N/µm at 1 kHz: 0.2533 kg.
-        let mode = AttachedMode {
-            natural_frequency_rad_s: std::f64::consts::TAU * 1e3,
-            damping_ratio: 0.03,
-            stiffness_n_per_m: 1e7,
-            direction: Vector3::x(),
-        };
+        let mode = AttachedMode::new(1e3, 0.03, 1e7, [2.0, 0.0, 0.0]);
         assert!((mode.mass_kg() - 0.253_302_959).abs() < 1e-9);
         let critical = 2.0 * (mode.stiffness_n_per_m * mode.mass_kg()).sqrt();
         assert!((mode.damping_n_s_per_m() / critical - 0.03).abs() < 1e-12);

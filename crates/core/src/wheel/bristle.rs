@@ -59,8 +59,7 @@ impl Bristle {
     }
 
     /// Force with which the bristle presses along itself when it is shortened, N. One that is
-    /// shortened further than where its tip lies along the face (some 0.55 of its length) presses no
-    /// harder than the law for slight bending has it beyond.
+    /// shortened further than [`Self::lying_m`] keeps the ratio to slight bending that it has there.
     #[must_use]
     pub fn force_n(&self, shortening_m: f64) -> f64 {
         if shortening_m <= 0.0 {

@@ -56,19 +56,18 @@ impl Brush {
         indentation_m: f64,
         from_m: f64,
         to_m: f64,
-        quadrature: &Quadrature,
+        (bristle, quadrature): (&Bristle, &Quadrature),
     ) -> f64 {
         let half = self.half_length_m(indentation_m);
         if half <= 0.0 {
             return 0.0;
         }
-        let bristle = self.bristle();
         let angle = |x: f64| (x / half).clamp(-1.0, 1.0).asin();
         let (from, to) = (angle(from_m), angle(to_m));
         debug_assert!((-FRAC_PI_2..=FRAC_PI_2).contains(&from));
         self.width_m
             * quadrature.integrate(from, to, |phi| {
-                self.pressure_pa(&bristle, indentation_m, half * phi.sin()) * half * phi.cos()
+                self.pressure_pa(bristle, indentation_m, half * phi.sin()) * half * phi.cos()
             })
     }
 }
@@ -95,7 +94,7 @@ mod tests {
         let bristle = b.bristle();
         let d = 2e-3;
         let half = b.half_length_m(d);
-        let whole = b.normal_force_n(d, -1.0, 1.0, &q);
+        let whole = b.normal_force_n(d, -1.0, 1.0, (&bristle, &q));
         // one bristle after another around the circumference
         let spacing = 2.0 * PI * b.radius_m / b.bristles;
         let n = (half / spacing) as i32 + 1;
@@ -103,11 +102,11 @@ mod tests {
             .map(|i| bristle.force_n(d - (f64::from(i) * spacing).powi(2) / (2.0 * b.radius_m)))
             .sum();
         assert!((whole / sum - 1.0).abs() < 1e-3, "{whole} {sum}");
-        let left = b.normal_force_n(d, -1.0, 0.3 * half, &q);
-        let right = b.normal_force_n(d, 0.3 * half, 1.0, &q);
+        let left = b.normal_force_n(d, -1.0, 0.3 * half, (&bristle, &q));
+        let right = b.normal_force_n(d, 0.3 * half, 1.0, (&bristle, &q));
         assert!(((left + right) / whole - 1.0).abs() < 1e-4);
         // softer than a spring: twice the depth gives less than twice the force per contact length
-        let deep = b.normal_force_n(2.0 * d, -1.0, 1.0, &q);
+        let deep = b.normal_force_n(2.0 * d, -1.0, 1.0, (&bristle, &q));
         assert!(deep / whole < 2.0 && deep / whole > 2f64.sqrt());
     }
 }

@@ -112,13 +112,14 @@ fn told(
     depth_m: f64,
 ) -> String {
     let length_m: f64 = work.stations.iter().map(|station| station.length_m).sum();
+    let lying_m = spec.brush.bristle().lying_m();
     let pressed = if depth_m == 0.0 {
         "the way never brings the brush to the workpiece".to_owned()
-    } else if depth_m > spec.brush.bristle().lying_m() {
+    } else if depth_m > lying_m {
         format!(
             "pressed in by up to {:.2} mm, but from {:.2} mm on the tip of a bristle lies along the face, and its law ends",
             depth_m * 1e3,
-            spec.brush.bristle().lying_m() * 1e3
+            lying_m * 1e3
         )
     } else {
         format!("pressed in by up to {:.2} mm", depth_m * 1e3)

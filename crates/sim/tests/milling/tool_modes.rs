@@ -1,6 +1,6 @@
 //! Modes of tool and workpiece: limits of one alone, runs about them, and both engines.
 
-use crate::support::{run, run_reduced, scalar, scenario};
+use crate::support::{RIG, run, run_reduced, scalar, scenario};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
@@ -10,43 +10,30 @@ use truecut_recording::Recording;
 use truecut_scenario::Scenario;
 use truecut_sim::stability::MillingStudy;
 
-/// Benchmark 1 (`insperger2011`) with its mode on a rig that hardly moves: 400 kg on a spring of a
-/// million times the mode's.
-const RIG: &str = r#"
-name = "benchmark"
-[robot]
-urdf = "../../assets/robots/rig_milling/robot.urdf"
-gravity = false
-stiffness_scale = 1e6
-inertia_scale = 1e4
-[process.milling]
-spindle_rpm = 5000
-feed_mm_per_tooth = 0.02
-axial_depth_mm = 0.2
-engagement = "down"
-radial_depth_mm = 10
-start_angle_deg = 1
-ramp_mm = 1.2
-[process.milling.cutter]
-diameter_mm = 20
-teeth = 2
-[process.milling.cutting]
-tangential_mpa = 600
-radial_mpa = 200
-[process.milling.path]
-direction = [1, 0, 0]
-length_mm = 3.6
-[[process.milling.MODE_OF.mode]]
+/// The mode of benchmark 1 (`insperger2011`).
+const MODE: &str = "
 frequency_hz = 922
 damping_ratio = 0.011
 stiffness_n_per_um = 1.34004965
 direction = [2, 0, 0]
-"#;
+";
+/// The rig of the benchmark hardly moves: 400 kg on a spring of a million times the mode's.
+const STILL: [(&str, &str); 5] = [
+    ("robot.stiffness_scale", "1e6"),
+    ("robot.inertia_scale", "1e4"),
+    ("process.milling.spindle_rpm", "5000"),
+    ("process.milling.ramp_mm", "1.2"),
+    ("process.milling.path.length_mm", "3.6"),
+];
 
 const END_MILL: &str = include_str!("../../../../scenarios/milling/end_mill_12.toml");
 
 fn rig(whose: &str, overrides: &[(&str, String)]) -> Scenario {
-    scenario(&RIG.replace("MODE_OF", whose), overrides)
+    let text = format!("{RIG}[[process.milling.{whose}.mode]]{MODE}");
+    let is_own = |key: &str| overrides.iter().any(|(own, _)| *own == key);
+    let still = STILL.into_iter().filter(|(key, _)| !is_own(key));
+    let still = still.map(|(key, value)| (key, value.to_owned()));
+    scenario(&text, &still.chain(overrides.to_vec()).collect::<Vec<_>>())
 }
 
 /// Limits of one mode, on the tool or on the workpiece, are those of the oscillator alone.

@@ -43,10 +43,17 @@ pub fn below(table: &str, overrides: &[(&str, &str)]) -> Vec<(String, String)> {
 
 /// A finished run of a scenario with overrides.
 pub fn run_with(scenario: &Scenario, overrides: &[(String, String)]) -> Recording {
-    let run = Run {
+    finished(Run {
         overrides: overrides.to_vec(),
-        claims: Claims::Ignore,
         ..Run::of(scenario)
+    })
+}
+
+/// A finished run, whatever its scenario claims.
+pub fn finished(run: Run<'_>) -> Recording {
+    let run = Run {
+        claims: Claims::Ignore,
+        ..run
     };
     let recording = run.execute().unwrap_or_else(|e| panic!("{e}")).recording;
     assert_eq!(recording.outcome, Outcome::Completed);

@@ -1,8 +1,5 @@
 //! `[[process.milling.cutter.mode]]` and `[[process.milling.workpiece.mode]]`.
 
-use std::f64::consts::TAU;
-
-use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_core::chatter::AttachedMode;
@@ -52,12 +49,12 @@ pub(super) fn resolve(modes: Vec<ModeTable>, table: &str, check: &mut Check) -> 
     let modes = modes.into_iter().enumerate();
     let resolved = modes.filter_map(|(index, mode)| {
         let key = format!("{table}.{index}.direction");
-        Some(AttachedMode {
-            natural_frequency_rad_s: TAU * mode.frequency_hz,
-            damping_ratio: mode.damping_ratio,
-            stiffness_n_per_m: from_n_per_um(mode.stiffness_n_per_um),
-            direction: Vector3::from(check.direction(&key, mode.direction)?),
-        })
+        Some(AttachedMode::new(
+            mode.frequency_hz,
+            mode.damping_ratio,
+            from_n_per_um(mode.stiffness_n_per_um),
+            check.direction(&key, mode.direction)?,
+        ))
     });
     resolved.collect()
 }

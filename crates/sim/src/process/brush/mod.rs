@@ -52,6 +52,7 @@ pub struct Station {
 #[derive(Debug, Clone)]
 pub struct BrushSetup {
     pub brush: Brush,
+    /// Law of its bristles.
     pub bristle: Bristle,
     /// Of the brush, along the tool's z axis.
     pub eccentricity: Eccentricity,
@@ -186,7 +187,10 @@ impl Process for BrushProcess {
         let p = &self.setup;
         let depth_m = 0.05 * p.brush.free_length_m;
         let reach_m = p.brush.radius_m;
-        let force = |d: f64| p.brush.normal_force_n(d, -reach_m, reach_m, &RULES);
+        let force = |d: f64| {
+            p.brush
+                .normal_force_n(d, -reach_m, reach_m, (&p.bristle, &RULES))
+        };
         vec![ContactStiffness {
             frame: Attachment::Tool,
             direction: p.process_from_world * p.approach,

@@ -19,7 +19,7 @@ use truecut_core::oscillator::{ExactStep, OscillatorState};
 use super::Milling;
 use crate::process::ToolState;
 
-/// A force, and where the arm's tool point stands off the path with its rate; milling frame.
+/// Where a tip or the arm's tool point stands off the path, and the rate of that; milling frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TipMotion {
     pub deflection_m: Vector3<f64>,
@@ -232,12 +232,7 @@ mod tests {
     const STEPS: usize = 8000;
 
     fn mode(damping_ratio: f64) -> AttachedMode {
-        AttachedMode {
-            natural_frequency_rad_s: TAU * 1e3,
-            damping_ratio,
-            stiffness_n_per_m: 1e7,
-            direction: Vector3::y(),
-        }
+        AttachedMode::new(1e3, damping_ratio, 1e7, [0.0, 1.0, 0.0])
     }
 
     fn modes(mode: AttachedMode) -> Modes {
