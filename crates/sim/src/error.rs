@@ -31,7 +31,8 @@ impl From<ArmError> for SimError {
         match error.kind() {
             ArmErrorKind::ToolTooHeavy { .. } => {
                 let key = "process.milling.cutter.mode";
-                Self::scenario(key, format!("`{key}`: {error}"))
+                let lacks = "a spindle that the robot's file lacks is given with [[robot.link]]";
+                Self::scenario(key, format!("`{key}`: {error}; {lacks}"))
             }
             _ => Self::Arm(error),
         }

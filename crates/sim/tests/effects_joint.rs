@@ -369,7 +369,9 @@ fn verify_load_friction_knows_the_damping_of_modes() {
     let ratio: f64 = 0.05;
     let damping = 2.0 * ratio * (1e6_f64 * 100.0).sqrt();
     let own = truecut_arm::Robot::load(&decay(0.0, 0.1).robot.urdf, None, None);
-    let own = own.expect("the rig loads").chain.joints[0].transmission.damping;
+    let own = own.expect("the rig loads").chain.joints[0]
+        .transmission
+        .damping;
     let swing = |settings: String| {
         let scenario = load(
             "rig_1dof",
