@@ -11,11 +11,12 @@
 //! What the end teeth cut while the tool sinks, on its flat end, is not part of the model.
 
 use super::dexel::FinishedSurface;
-use super::memory::{Passed, Trace};
+use super::earlier::{Axis, EarlierPass, Ray};
+use super::memory::Trace;
 pub use super::parameters::{MillingParameters, ToolState};
 use super::sweep::on_tool_n;
 use nalgebra::{Vector2, Vector3};
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// What the cut does to the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,14 +39,6 @@ pub struct MillingCut {
     parameters: MillingParameters,
     trace: Trace,
     finished: Option<FinishedSurface>,
-}
-
-/// An earlier pass as the teeth of now see it: the axis then minus the axis now, and its change
-/// with rotation.
-#[derive(Debug, Clone, Copy)]
-struct EarlierPass {
-    offset_m: Vector2<f64>,
-    offset_m_per_rad: Vector2<f64>,
 }
 
 impl MillingCut {
@@ -124,64 +117,58 @@ impl MillingCut {
         self.trace.commit(state.rotation_rad, state.displacement_m);
     }
 
-    fn earlier_passes(&self, state: &ToolState) -> Vec<EarlierPass> {
+    fn earlier_passes(&self, state: &ToolState) -> Vec<EarlierPass<'_>> {
         let p = &self.parameters;
-        let count = if p.regeneration {
-            p.passes.max(1)
+        let (count, axis) = if p.regeneration {
+            (p.passes.max(1), Axis::Moved(&self.trace))
         } else {
-            p.cutter.teeth
+            let steady_m = p.steady_displacement_m.xy();
+            (p.cutter.teeth, Axis::Steady(steady_m))
         };
-        let feed_per_rad = p.feed_per_revolution_m() / TAU;
-        let pass = |m: usize| {
-            let passed = if p.regeneration {
-                let then = state.rotation_rad - p.cutter.pitch_rad() * m as f64;
-                self.trace.at(then)
-            } else {
-                Passed {
-                    displacement_m: p.steady_displacement_m,
-                    displacement_m_per_rad: Vector3::zeros(),
-                }
-            };
-            let moved = passed.displacement_m.xy() - state.displacement_m.xy();
-            let rate = passed.displacement_m_per_rad;
-            EarlierPass {
-                offset_m: moved - Vector2::new(p.feed_per_tooth_m * m as f64, 0.0),
-                offset_m_per_rad: Vector2::new(feed_per_rad + rate.x, rate.y),
-            }
+        let pitch_rad = p.cutter.pitch_rad();
+        let pass = |m: usize| EarlierPass {
+            axis,
+            then_rad: state.rotation_rad - pitch_rad * m as f64,
+            now_m: state.displacement_m.xy(),
+            fed_m: p.feed_per_tooth_m * m as f64,
+            feed_m_per_rad: p.feed_per_revolution_m() / TAU,
+            reach_rad: pitch_rad.min(FRAC_PI_2),
         };
         (1..=count).map(pass).collect()
     }
 
-    /// Chip thickness of a tooth at φ, m.
+    /// Chip thickness of a tooth at φ, m. No chip reaches further back than the axis.
     fn chip_m(
         &self,
         tooth: usize,
         angle_rad: f64,
         centre_m: Vector2<f64>,
-        passes: &[EarlierPass],
+        passes: &[EarlierPass<'_>],
     ) -> f64 {
         let p = &self.parameters;
         let teeth = p.cutter.teeth;
         let (sin, cos) = angle_rad.sin_cos();
-        let (outward, along) = (Vector2::new(sin, cos), Vector2::new(cos, -sin));
+        let ray = Ray {
+            outward: Vector2::new(sin, cos),
+            along: Vector2::new(cos, -sin),
+        };
         let reach_m = p.cutter.tooth_radius_m(tooth);
-        let mut surface_m = f64::NEG_INFINITY;
+        let tip_m = centre_m + ray.outward * reach_m;
+        if p.stock.inside_m(centre_m, tip_m) == 0.0 {
+            return 0.0;
+        }
+        let mut surface_m = 0.0_f64;
         for (i, pass) in passes.iter().enumerate() {
             let before = (tooth + teeth - (i + 1) % teeth) % teeth;
             let radius_m = p.cutter.tooth_radius_m(before);
-            // The earlier tooth left this ray's point when it stood at φ + δ.
-            let first = -pass.offset_m.dot(&along) / radius_m;
-            let shifted = pass.offset_m + pass.offset_m_per_rad * first;
-            let shift = -shifted.dot(&along) / radius_m;
-            let offset = pass.offset_m + pass.offset_m_per_rad * shift;
-            let left_m = offset.dot(&outward) + radius_m * (1.0 - 0.5 * shift * shift);
-            surface_m = surface_m.max(left_m);
+            if let Some(left_m) = pass.left_m(radius_m, &ray) {
+                surface_m = surface_m.max(left_m);
+            }
+            if surface_m >= reach_m {
+                return 0.0;
+            }
         }
-        if surface_m >= reach_m {
-            return 0.0;
-        }
-        let stock = &p.stock;
-        stock.inside_m(centre_m + outward * surface_m, centre_m + outward * reach_m)
+        p.stock.inside_m(centre_m + ray.outward * surface_m, tip_m)
     }
 
     fn add_slice(

@@ -32,6 +32,7 @@
 pub mod cut;
 pub mod cutter;
 pub mod dexel;
+mod earlier;
 pub mod engagement;
 pub mod finish;
 pub mod memory;

@@ -1,0 +1,129 @@
+//! Where an earlier tooth left the ray on which a tooth now stands.
+//!
+//! With the axis of now as the origin, the earlier tooth's tip ran on
+//! `P(δ) = o(δ) + r n(φ + δ)`: o is where its axis stood, n the direction of a tooth, δ how much
+//! further than φ it had turned. It crossed the ray along n(φ) where `o·t + r sin δ = 0`, t being
+//! the direction of motion there, and left material beyond `o·n + r cos δ`. While the tip never
+//! moves backwards, `r + o'·t > 0`, there is one crossing and Newton's method finds it to rounding.
+//! A path that loops is searched for all its crossings, of which the outermost counts.
+
+use super::memory::{Passed, Trace};
+use nalgebra::Vector2;
+
+/// An earlier pass as the teeth of now see it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EarlierPass<'a> {
+    pub axis: Axis<'a>,
+    /// Rotation at which the earlier tooth had the angle of now, rad.
+    pub then_rad: f64,
+    /// Displacement of the axis now, m.
+    pub now_m: Vector2<f64>,
+    /// Way of the nominal axis since then, along x, m.
+    pub fed_m: f64,
+    pub feed_m_per_rad: f64,
+    /// How far to either side of φ crossings are looked for, rad.
+    pub reach_rad: f64,
+}
+
+/// How the earlier axis was displaced.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Axis<'a> {
+    Moved(&'a Trace),
+    Steady(Vector2<f64>),
+}
+
+/// A direction from the axis and the one in which a tooth there moves.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ray {
+    pub outward: Vector2<f64>,
+    pub along: Vector2<f64>,
+}
+
+/// Newton's method stops at shifts of this size; it doubles the digits that hold.
+const CONVERGED_RAD: f64 = 1e-9;
+const MOST_STEPS: usize = 12;
+/// Part of its undisturbed speed below which a tip counts as nearly turning back.
+const SLOW: f64 = 0.1;
+/// Intervals in which the crossings of a path that loops are looked for.
+const INTERVALS: usize = 256;
+
+impl EarlierPass<'_> {
+    /// The axis then minus the axis now, and its change with rotation.
+    fn offset(&self, shift_rad: f64) -> (Vector2<f64>, Vector2<f64>) {
+        let (displacement_m, rate) = match self.axis {
+            Axis::Steady(displacement_m) => (displacement_m, Vector2::zeros()),
+            Axis::Moved(trace) => {
+                let Passed {
+                    displacement_m,
+                    displacement_m_per_rad,
+                } = trace.at(self.then_rad + shift_rad);
+                (displacement_m.xy(), displacement_m_per_rad.xy())
+            }
+        };
+        let fed_m = self.feed_m_per_rad * shift_rad - self.fed_m;
+        (
+            displacement_m - self.now_m + Vector2::new(fed_m, 0.0),
+            rate + Vector2::new(self.feed_m_per_rad, 0.0),
+        )
+    }
+
+    /// Distance from the axis of now beyond which a tooth at `radius_m` left material on a ray;
+    /// `None` if it did not cross it.
+    pub fn left_m(&self, radius_m: f64, ray: &Ray) -> Option<f64> {
+        let mut shift = 0.0_f64;
+        for _ in 0..MOST_STEPS {
+            let (offset_m, rate) = self.offset(shift);
+            let (sin, cos) = shift.sin_cos();
+            let speed = radius_m * cos + rate.dot(&ray.along);
+            if speed < SLOW * radius_m {
+                break;
+            }
+            let step = -(offset_m.dot(&ray.along) + radius_m * sin) / speed;
+            shift += step;
+            if shift.abs() > self.reach_rad {
+                break;
+            }
+            if step.abs() < CONVERGED_RAD {
+                return Some(self.distance_m(shift, radius_m, ray));
+            }
+        }
+        self.outermost_m(radius_m, ray)
+    }
+
+    fn distance_m(&self, shift: f64, radius_m: f64, ray: &Ray) -> f64 {
+        self.offset(shift).0.dot(&ray.outward) + radius_m * shift.cos()
+    }
+
+    /// The outermost of all crossings.
+    fn outermost_m(&self, radius_m: f64, ray: &Ray) -> Option<f64> {
+        let beside_m = |shift: f64| self.offset(shift).0.dot(&ray.along) + radius_m * shift.sin();
+        let at = |i: usize| self.reach_rad * (2.0 * i as f64 / INTERVALS as f64 - 1.0);
+        let mut outermost: Option<f64> = None;
+        let mut low = (at(0), beside_m(at(0)));
+        for i in 1..=INTERVALS {
+            let high = (at(i), beside_m(at(i)));
+            if (low.1 <= 0.0) != (high.1 <= 0.0) {
+                let shift = bisect(beside_m, low, high.0);
+                let left_m = self.distance_m(shift, radius_m, ray);
+                outermost = Some(outermost.map_or(left_m, |known| known.max(left_m)));
+            }
+            low = high;
+        }
+        outermost
+    }
+}
+
+/// Where a function changes sign, to rounding.
+fn bisect(of: impl Fn(f64) -> f64, (mut low, at_low): (f64, f64), mut high: f64) -> f64 {
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return middle;
+        }
+        if (of(middle) <= 0.0) == (at_low <= 0.0) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+}
