@@ -195,6 +195,8 @@ impl MillingCut {
 }
 
 #[cfg(test)]
+mod exact;
+#[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod time_domain;
