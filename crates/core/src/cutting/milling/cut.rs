@@ -126,13 +126,18 @@ impl MillingCut {
             (p.cutter.teeth, Axis::Steady(steady_m))
         };
         let pitch_rad = p.cutter.pitch_rad();
-        let pass = |m: usize| EarlierPass {
-            axis,
-            then_rad: state.rotation_rad - pitch_rad * m as f64,
-            now_m: state.displacement_m.xy(),
-            fed_m: p.feed_per_tooth_m * m as f64,
-            feed_m_per_rad: p.feed_per_revolution_m() / TAU,
-            reach_rad: pitch_rad.min(FRAC_PI_2),
+        let none = Vector2::zeros();
+        let pass = |m: usize| {
+            let pass = EarlierPass {
+                axis,
+                then_rad: state.rotation_rad - pitch_rad * m as f64,
+                now_m: state.displacement_m.xy(),
+                fed_m: p.feed_per_tooth_m * m as f64,
+                feed_m_per_rad: p.feed_per_revolution_m() / TAU,
+                reach_rad: pitch_rad.min(FRAC_PI_2),
+                unshifted: (none, none),
+            };
+            pass.placed()
         };
         (1..=count).map(pass).collect()
     }

@@ -23,6 +23,8 @@ pub(super) struct EarlierPass<'a> {
     pub feed_m_per_rad: f64,
     /// How far to either side of φ crossings are looked for, rad.
     pub reach_rad: f64,
+    /// The axis then minus the axis now at no shift, and its change with rotation.
+    pub unshifted: (Vector2<f64>, Vector2<f64>),
 }
 
 /// How the earlier axis was displaced.
@@ -39,8 +41,8 @@ pub(super) struct Ray {
     pub along: Vector2<f64>,
 }
 
-/// Newton's method stops at shifts of this size; it doubles the digits that hold.
-const CONVERGED_RAD: f64 = 1e-9;
+/// The step of Newton's method that is the last: it leaves an error of the order of its square.
+const LAST_STEP_RAD: f64 = 1e-6;
 const MOST_STEPS: usize = 12;
 /// Part of its undisturbed speed below which a tip counts as nearly turning back.
 const SLOW: f64 = 0.1;
@@ -48,6 +50,12 @@ const SLOW: f64 = 0.1;
 const INTERVALS: usize = 256;
 
 impl EarlierPass<'_> {
+    /// The pass with its place at no shift, which all teeth share.
+    pub fn placed(mut self) -> Self {
+        self.unshifted = self.offset(0.0);
+        self
+    }
+
     /// The axis then minus the axis now, and its change with rotation.
     fn offset(&self, shift_rad: f64) -> (Vector2<f64>, Vector2<f64>) {
         let (displacement_m, rate) = match self.axis {
@@ -70,22 +78,24 @@ impl EarlierPass<'_> {
     /// Distance from the axis of now beyond which a tooth at `radius_m` left material on a ray;
     /// `None` if it did not cross it.
     pub fn left_m(&self, radius_m: f64, ray: &Ray) -> Option<f64> {
-        let mut shift = 0.0_f64;
+        let (mut shift, mut offset) = (0.0_f64, self.unshifted);
         for _ in 0..MOST_STEPS {
-            let (offset_m, rate) = self.offset(shift);
+            let (offset_m, rate) = offset;
             let (sin, cos) = shift.sin_cos();
             let speed = radius_m * cos + rate.dot(&ray.along);
             if speed < SLOW * radius_m {
                 break;
             }
             let step = -(offset_m.dot(&ray.along) + radius_m * sin) / speed;
+            if step.abs() < LAST_STEP_RAD {
+                let outward = rate.dot(&ray.outward) - radius_m * sin;
+                return Some(offset_m.dot(&ray.outward) + radius_m * cos + outward * step);
+            }
             shift += step;
             if shift.abs() > self.reach_rad {
                 break;
             }
-            if step.abs() < CONVERGED_RAD {
-                return Some(self.distance_m(shift, radius_m, ray));
-            }
+            offset = self.offset(shift);
         }
         self.outermost_m(radius_m, ray)
     }
