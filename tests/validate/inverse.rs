@@ -108,7 +108,7 @@ impl Identification {
                 columns.push(change.collect());
             }
             let mut rotor = vec![vec![0.0; nominal[0].len()]; joints];
-            rotor[joint] = model.rotor_column(joint);
+            rotor[joint] = model.filtered(model.acceleration(joint));
             columns.push(rotor);
         }
         Identification { columns, scale }

@@ -15,7 +15,7 @@ use crate::failure::Failure;
 pub use finishing::{PathArguments, ProgramArguments};
 pub use runs::{
     CheckArguments, CheckPlan, CompareArguments, ComparePlan, CrosscheckArguments,
-    DiagnoseArguments, RunArguments, RunPlan,
+    DiagnoseArguments, FitArguments, FitPlan, RunArguments, RunPlan,
 };
 pub use stability::{LobesArguments, PostureArguments};
 
@@ -46,6 +46,8 @@ pub enum Command {
     Compare(CompareArguments),
     /// Look for what the simulation lacks against measured data, name it, and extend the scenario
     Diagnose(DiagnoseArguments),
+    /// Fit links, rotors and friction of all joints to measured motion and drive forces at once
+    Fit(FitArguments),
     /// Stability diagram of a milling scenario: limit depth over spindle speed, with simulated runs
     Lobes(LobesArguments),
     /// Choose the arm's postures along the path of a milling scenario so that the cut is stable

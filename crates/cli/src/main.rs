@@ -9,6 +9,7 @@ mod exit_status;
 mod failure;
 mod figure;
 mod find;
+mod fit;
 mod identify;
 mod lobes;
 mod mjcf;
@@ -52,6 +53,7 @@ fn dispatch(command: Command) -> Result<ExitStatus, Failure> {
         Command::Crosscheck(arguments) => crosscheck::crosscheck(&arguments.resolve()?),
         Command::Compare(arguments) => compare::compare(&arguments.resolve()?),
         Command::Diagnose(arguments) => diagnose::diagnose(&arguments.resolve()?),
+        Command::Fit(arguments) => fit::fit(&arguments.resolve()?),
         Command::Lobes(arguments) => lobes::lobes(&arguments.resolve()?),
         Command::Posture(arguments) => posture::posture(&arguments.resolve()?),
         Command::Path(arguments) => path::path(&arguments),

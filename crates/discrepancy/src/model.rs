@@ -49,6 +49,12 @@ pub trait Model: Sync {
     /// The effects that may be looked for.
     fn candidates(&self) -> Vec<Candidate>;
 
+    /// Candidates, by their number, that each add to the outputs in proportion to their sizes, and
+    /// of which all may be there at once.
+    fn additive(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
     /// One column for each channel, at the samples of the data.
     ///
     /// # Errors

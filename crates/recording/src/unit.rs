@@ -89,6 +89,7 @@ const SYMBOLS: &[(&str, Unit, f64)] = &[
     ("s", Unit::Second, 1.0),
     ("ms", Unit::Second, 1e-3),
     ("us", Unit::Second, 1e-6),
+    ("ns", Unit::Second, 1e-9),
     ("min", Unit::Second, 60.0),
     ("kg", Unit::Kilogram, 1.0),
     ("g", Unit::Kilogram, 1e-3),

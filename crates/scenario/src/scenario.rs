@@ -17,6 +17,7 @@ use crate::document::Document;
 use crate::effect::{Effect, table, text};
 use crate::error::{ScenarioError, read_text};
 use crate::fault::Fault;
+use crate::fit::FitSpec;
 use crate::format::Format;
 use crate::process::milling::PlannedPath;
 use crate::process::{Definition, ProcessSpec};
@@ -55,6 +56,8 @@ pub struct Scenario {
     pub data: Option<DataSpec>,
     /// Nominal values that are not known exactly.
     pub uncertain: Vec<UncertainSpec>,
+    /// Unknowns of a fit of drive forces, if the scenario says them.
+    pub fit: Option<FitSpec>,
     /// Effects that were added in memory.
     added: Vec<Effect>,
     /// Values that were set in memory, SI, by key.
@@ -269,6 +272,7 @@ impl ScenarioTable {
         let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
             .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
             .collect();
+        let fit = (self.fit).map(|fit| fit.resolve(process.as_ref(), &mut check));
         let facts = process.as_ref().map(ProcessSpec::facts);
         if facts.as_ref().is_some_and(|facts| facts.replays) {
             let because = "a replay takes the damping of the joints";
@@ -315,6 +319,7 @@ impl ScenarioTable {
             effect_is_rotary: effects.rotary,
             data,
             uncertain,
+            fit,
             added: Vec::new(),
             set: Vec::new(),
             document: Arc::new(document),

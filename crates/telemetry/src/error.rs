@@ -33,7 +33,7 @@ pub enum Reason {
     #[error(transparent)]
     Csv(#[from] csv::Error),
     /// A cell of a table.
-    #[error("line {line}, column \"{column}\": \"{value}\" is not a number{hint}")]
+    #[error("line {line}, column \"{column}\": \"{value}\" is not a number")]
     Cell {
         /// Counted from 1.
         line: usize,
@@ -41,8 +41,6 @@ pub enum Reason {
         column: String,
         /// As in the file.
         value: String,
-        /// What may have been meant; empty or begins with a semicolon.
-        hint: &'static str,
     },
     /// A line of a table.
     #[error("line {line}: {message}")]

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use arrow::array::{Array, Float64Array};
 use arrow::compute::cast;
-use arrow::datatypes::DataType;
+use arrow::compute::kernels::cast_utils::string_to_timestamp_nanos;
+use arrow::datatypes::{DataType, TimeUnit};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use truecut_recording::measured::{Column, Table};
 
@@ -13,10 +14,11 @@ use crate::error::{FileError, Reason};
 
 /// Reads a table of numbers, by the ending of its name: `.csv` (also `.txt`, `.tsv`) or `.parquet`.
 ///
-/// A CSV file may be delimited by semicolons, tabs, commas or blanks; lines that begin with `#` are
-/// comments. With `header` its first row names the columns, else they are called "1", "2", …. Empty
-/// cells, `nan` and `NA` are NaN, as are nulls in a Parquet file, whose columns may be of any type
-/// of number.
+/// A CSV file may be delimited by semicolons, tabs, commas or blanks, and decimals written with a
+/// comma where that does not delimit; lines that begin with `#` are comments. With `header` its
+/// first row names the columns, else they are called "1", "2", …. Empty cells, `nan` and `NA` are
+/// NaN, as are nulls in a Parquet file, whose columns may be of any type of number. Stamps
+/// (2026-05-04T09:30:00.125Z; in Parquet the type for them) are seconds since the beginning of 1970.
 ///
 /// # Errors
 /// A file that cannot be read; a cell that is not a number, with its line and column.
@@ -47,7 +49,8 @@ fn csv_table(path: &Path, header: bool) -> Result<Table, Reason> {
     }
     let text = String::from_utf8_lossy(&bytes);
     let text = text.trim_start_matches('\u{feff}');
-    let mut rows = rows(text)?.into_iter().peekable();
+    let (rows, decimal_comma) = rows(text)?;
+    let mut rows = rows.into_iter().peekable();
     let Some(first) = rows.peek() else {
         return Err(Reason::NotATable("there is no row".into()));
     };
@@ -78,12 +81,13 @@ fn csv_table(path: &Path, header: bool) -> Result<Table, Reason> {
             });
         }
         for (column, cell) in table.columns.iter_mut().zip(&row.cells) {
-            column.values.push(number(cell).ok_or_else(|| Reason::Cell {
-                line: row.line,
-                column: column.name.clone(),
-                value: cell.clone(),
-                hint: hint(cell),
-            })?);
+            column
+                .values
+                .push(number(cell, decimal_comma).ok_or_else(|| Reason::Cell {
+                    line: row.line,
+                    column: column.name.clone(),
+                    value: cell.clone(),
+                })?);
         }
         table.lines.push(row.line);
     }
@@ -103,8 +107,9 @@ fn not_utf8(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// The rows of a text, without comments and empty lines. A row is a line.
-fn rows(text: &str) -> Result<Vec<CsvRow>, Reason> {
+/// The rows of a text, without comments and empty lines, and whether a comma in a cell is decimal:
+/// where commas delimit, it is not. A row is a line.
+fn rows(text: &str) -> Result<(Vec<CsvRow>, bool), Reason> {
     let lines: Vec<(usize, &str)> = (text.lines().enumerate())
         .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
         .map(|(index, line)| (index + 1, line))
@@ -115,7 +120,7 @@ fn rows(text: &str) -> Result<Vec<CsvRow>, Reason> {
             line,
             cells: text.split_whitespace().map(str::to_owned).collect(),
         };
-        return Ok(lines.iter().map(row).collect());
+        return Ok((lines.iter().map(row).collect(), true));
     };
     let kept: Vec<&str> = lines.iter().map(|(_, text)| *text).collect();
     let kept = kept.join("\n");
@@ -136,7 +141,7 @@ fn rows(text: &str) -> Result<Vec<CsvRow>, Reason> {
         let message = "a quoted cell goes on over several lines".to_owned();
         return Err(Reason::Line { line, message });
     }
-    Ok(rows)
+    Ok((rows, delimiter != b','))
 }
 
 /// What stands between the cells of a line; `None` for blanks. A semicolon comes first: where it
@@ -154,7 +159,7 @@ fn names(first: &CsvRow, header: bool) -> Result<Vec<String>, Reason> {
             .collect());
     }
     let line = first.line;
-    if first.cells.iter().all(|cell| number(cell).is_some()) {
+    if first.cells.iter().all(|cell| number(cell, true).is_some()) {
         let message = "the first row should name the columns, but holds numbers; \
                        set `header = false` in [data]";
         return Err(Reason::Line {
@@ -182,26 +187,40 @@ fn names(first: &CsvRow, header: bool) -> Result<Vec<String>, Reason> {
     Ok(first.cells.clone())
 }
 
-fn number(cell: &str) -> Option<f64> {
+fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
     match cell {
         "" | "NA" | "na" | "N/A" | "null" => Some(f64::NAN),
-        other => other.parse().ok(),
+        other if decimal_comma => {
+            (other.replacen(',', ".", 1).parse().ok()).or_else(|| stamp(other))
+        }
+        other => other.parse().ok().or_else(|| stamp(other)),
     }
 }
 
-fn hint(cell: &str) -> &'static str {
-    let with_point = cell.replace(',', ".");
-    if cell.contains(',') && with_point.parse::<f64>().is_ok() {
-        "; write decimals with a point"
-    } else {
-        ""
+/// Seconds of a date with a time of day.
+fn stamp(cell: &str) -> Option<f64> {
+    let nanoseconds = string_to_timestamp_nanos(cell).ok()?;
+    Some(nanoseconds as f64 * 1e-9)
+}
+
+/// Numbers of a column of stamps are in its own unit.
+fn in_seconds(unit: TimeUnit) -> f64 {
+    match unit {
+        TimeUnit::Second => 1.0,
+        TimeUnit::Millisecond => 1e-3,
+        TimeUnit::Microsecond => 1e-6,
+        TimeUnit::Nanosecond => 1e-9,
     }
 }
 
 fn parquet_table(path: &Path) -> Result<Table, Reason> {
     let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(path)?)?;
     let fields = builder.schema().fields().clone();
-    if let Some(other) = fields.iter().find(|field| !field.data_type().is_numeric()) {
+    let factor = |kind: &DataType| match kind {
+        DataType::Timestamp(unit, _) => Some(in_seconds(*unit)),
+        kind => kind.is_numeric().then_some(1.0),
+    };
+    if let Some(other) = (fields.iter()).find(|field| factor(field.data_type()).is_none()) {
         let text = format!(
             "column \"{}\" is of type {}",
             other.name(),
@@ -219,12 +238,16 @@ fn parquet_table(path: &Path) -> Result<Table, Reason> {
     for batch in builder.with_batch_size(65_536).build()? {
         let batch = batch?;
         for (column, array) in table.columns.iter_mut().zip(batch.columns()) {
+            let factor = factor(array.data_type()).unwrap_or(f64::NAN);
+            let array = match array.data_type() {
+                DataType::Timestamp(..) => &cast(array, &DataType::Int64)?,
+                _ => array,
+            };
             let array = cast(array, &DataType::Float64)?;
             let array = array.as_any().downcast_ref::<Float64Array>();
             let array = array.ok_or_else(|| Reason::NotATable("no numbers".into()))?;
-            column
-                .values
-                .extend(array.iter().map(|value| value.unwrap_or(f64::NAN)));
+            let values = array.iter().map(|value| value.unwrap_or(f64::NAN));
+            column.values.extend(values.map(|value| factor * value));
         }
     }
     Ok(table)
@@ -233,7 +256,9 @@ fn parquet_table(path: &Path) -> Result<Table, Reason> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arrow::array::{ArrayRef, Float32Array, Int16Array, RecordBatch, StringArray};
+    use arrow::array::{
+        ArrayRef, Float32Array, Int16Array, RecordBatch, StringArray, TimestampNanosecondArray,
+    };
     use parquet::arrow::ArrowWriter;
     use std::sync::Arc;
 
@@ -269,6 +294,31 @@ mod tests {
             assert_eq!(table.column("q").unwrap(), [1.5, -2e3], "{delimiter:?}");
             assert_eq!(table.lines, [3, 6], "{delimiter:?}");
         }
+    }
+
+    #[test]
+    fn decimals_with_a_comma_and_stamps_are_read() {
+        for delimiter in ["; ", "\t", " "] {
+            let text = "t|q\n0,5|-1,25e-3\n1,0|2".replace('|', delimiter);
+            let table = csv(&text, true).unwrap();
+            assert_eq!(table.column("t").unwrap(), [0.5, 1.0], "{delimiter:?}");
+            assert_eq!(table.column("q").unwrap(), [-1.25e-3, 2.0], "{delimiter:?}");
+        }
+        let text = "t,q\n1970-01-02T00:00:00.250Z,1\n1970-01-02 02:00:01.5+02:00,2\n";
+        assert_eq!(
+            csv(text, true).unwrap().column("t").unwrap(),
+            [86_400.25, 86_401.5]
+        );
+        for thousands in ["t;q\n0,5,1;2\n", "t,q\n\"1,500\",2\n"] {
+            assert!(csv(thousands, true).is_err(), "{thousands}");
+        }
+    }
+
+    #[test]
+    fn a_parquet_column_of_stamps_is_in_seconds() {
+        let stamps = TimestampNanosecondArray::from(vec![1_000_000, 2_500_000_000]);
+        let table = parquet(vec![("t", Arc::new(stamps) as ArrayRef)]).unwrap();
+        assert_eq!(table.column("t").unwrap(), [1e-3, 2.5]);
     }
 
     #[test]

@@ -92,6 +92,27 @@ pub struct DiagnoseArguments {
     common: Common,
 }
 
+#[derive(Debug, Args)]
+pub struct FitArguments {
+    /// Scenario file with a [fit] table
+    scenario: PathBuf,
+    /// Measured data (.csv or .parquet) [default: the file that the scenario names]
+    #[arg(long, value_name = "FILE")]
+    data: Option<PathBuf>,
+    /// Folder for outputs; the scenario gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// `fit`, resolved.
+pub struct FitPlan {
+    pub scenario: Scenario,
+    pub data: Option<PathBuf>,
+    pub out: PathBuf,
+}
+
 /// `run`, resolved.
 pub struct RunPlan {
     pub scenarios: Vec<Scenario>,
@@ -143,6 +164,17 @@ impl DiagnoseArguments {
             data: self.data,
             out: self.out,
             options,
+        })
+    }
+}
+
+impl FitArguments {
+    /// Loads the scenario.
+    pub fn resolve(self) -> Result<FitPlan, Failure> {
+        Ok(FitPlan {
+            scenario: self.common.load(&self.scenario)?,
+            data: self.data,
+            out: self.out,
         })
     }
 }

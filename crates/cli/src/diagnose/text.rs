@@ -36,6 +36,9 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
     let verdict = verdict(diagnosis.verdict).to_uppercase();
     match diagnosis.verdict {
         Verdict::Named => format!("{verdict}: {}", names.join(" and ")),
+        Verdict::UnknownCause if !names.is_empty() => {
+            format!("CAUSE NAMED, BUT NOT ALL OF IT: {}", names.join(" and "))
+        }
         Verdict::Ambiguous => {
             let all: Vec<String> = std::iter::once(names.join(" and ")).chain(rivals).collect();
             format!("{verdict}: {}", all.join(" or "))

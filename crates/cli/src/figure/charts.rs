@@ -1,6 +1,6 @@
 //! A figure's panels as charts of the viewer.
 
-use truecut_telemetry::{ChartCurve, ChartPage, ChartShown};
+use truecut_telemetry::{Chart, ChartPage, Curve};
 
 use super::{Figure, Layer, Panel, Scale, Style};
 
@@ -23,16 +23,17 @@ pub fn charts_of(figure: &Figure) -> ChartPage {
     }
 }
 
-fn chart(panel: &Panel) -> ChartShown {
+fn chart(panel: &Panel) -> Chart {
     let shown = |layer: &&Layer| !matches!(layer.style, Style::Cells { .. });
     // The viewer's charts are linear: a logarithmic axis shows logarithms.
     let logarithmic = panel.y_scale == Scale::Logarithmic;
-    let curve = |layer: &Layer| ChartCurve {
+    let curve = |layer: &Layer| Curve {
         name: layer.label.clone(),
         color: COLOURS[layer.colour % COLOURS.len()],
         points: (layer.points.iter())
             .map(|(x, y)| (*x, if logarithmic { y.log10() } else { *y }))
             .collect(),
+        marks: Vec::new(),
         dots: matches!(layer.style, Style::Marks(_)),
     };
     let y_label = if logarithmic {
@@ -40,10 +41,11 @@ fn chart(panel: &Panel) -> ChartShown {
     } else {
         panel.y_label.clone()
     };
-    ChartShown {
+    Chart {
         title: panel.title.clone(),
         x_label: panel.x_label.clone(),
         y_label,
+        least_y: f64::NAN,
         curves: panel.layers.iter().filter(shown).map(curve).collect(),
     }
 }

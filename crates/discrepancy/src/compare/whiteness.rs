@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::stats::distributions::chi_squared_tail;
-use crate::stats::{Ar, Background, Criterion, default_order_cap, ratio};
+use crate::stats::{Ar, Background, default_order_cap, ratio};
 
 /// The residual's colour, and tests of whiteness before and after whitening.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -28,12 +28,7 @@ const LAGS: usize = 20;
 /// `None` where no autoregressive model can be fitted.
 pub fn whiteness(residual: &[f64], valid: &[bool], background: &Background) -> Option<Whiteness> {
     let samples = valid.iter().filter(|one| **one).count();
-    let model = Ar::fit(
-        residual,
-        valid,
-        default_order_cap(samples),
-        Criterion::Akaike,
-    )?;
+    let model = Ar::fit(residual, valid, default_order_cap(samples))?;
     let raw: Vec<f64> = residual.iter().map(|r| r - model.mean).collect();
     let (white, exists) = model.whiten(residual, valid);
     Some(Whiteness {

@@ -16,7 +16,7 @@ use super::uncertainty::standard_errors;
 use super::validate::{compare, rms};
 use super::{Answer, DiagnoseError, Stage};
 use crate::model::{Columns, PredictError};
-use crate::stats::ratio;
+use crate::stats::{deviation, ratio};
 
 /// Where the noise is known: least significant ratio of the residual's variance to it.
 const EXCESS: f64 = 1.25;
@@ -173,7 +173,7 @@ fn judge(
         let reason = "There is a discrepancy, and no fit of an effect to it converged.";
         (Verdict::FitFailed, reason.into())
     } else if diagnosis.causes.is_empty() {
-        without_cause(problem, followed, diagnosis)
+        without_cause(problem, last, followed, diagnosis)
     } else if diagnosis.unexplained_fraction > problem.options.unknown_above {
         let followed = followed.unwrap_or_else(|| "a pattern is left".into());
         let reason = format!(
@@ -195,8 +195,20 @@ fn judge(
             "Several causes explain the discrepancy alike.".into(),
         )
     };
-    if outcome.stopped && !diagnosis.causes.is_empty() {
-        diagnosis.reason = format!("{} {stopped}", diagnosis.reason);
+    // A budget that ended the search is told first.
+    let ended = match (
+        outcome.stopped && !diagnosis.causes.is_empty(),
+        outcome.limited,
+    ) {
+        (true, _) => Some(stopped),
+        (_, true) => Some(format!(
+            "The search ended at the limit of {} causes, and more is there.",
+            diagnosis.causes.len()
+        )),
+        _ => None,
+    };
+    if let Some(ended) = ended {
+        diagnosis.reason = format!("{ended} {}", diagnosis.reason);
     }
     if !matches!(diagnosis.verdict, Verdict::Ambiguous) {
         diagnosis.alternatives.clear();
@@ -207,6 +219,7 @@ fn judge(
 /// The verdict where no cause was found; `followed` names what the residual correlates with.
 fn without_cause(
     problem: &Problem,
+    last: &Fit,
     followed: Option<String>,
     diagnosis: &mut Diagnosis,
 ) -> (Verdict, String) {
@@ -220,8 +233,29 @@ fn without_cause(
         let reason = "The experiment shows next to none of the effects at their typical size.";
         return (Verdict::NotIdentifiable, reason.into());
     }
-    let reason = "The model explains the data up to noise.";
-    (Verdict::NothingBeyondNoise, reason.into())
+    (Verdict::NothingBeyondNoise, up_to_noise(problem, last))
+}
+
+/// What nothing beyond noise means: noise that is stated is a fact, noise read off what is left is at
+/// most all of it.
+fn up_to_noise(problem: &Problem, last: &Fit) -> String {
+    let rows = &problem.split.development;
+    let left = rms(&last.residual, rows);
+    let channels = (problem.data.outputs.iter().enumerate())
+        .filter(|(_, output)| output.noise.is_none())
+        .map(|(c, output)| {
+            let measured = rows.per_channel[c].iter().map(|&t| output.values[t]);
+            (ratio(left[c], deviation(&measured.collect::<Vec<_>>())), c)
+        });
+    let Some((share, c)) = channels.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return "The model explains the data up to the noise stated.".into();
+    };
+    format!(
+        "The model explains the data up to noise, if what is left is noise: {} % of `{}`. How much of it is, these data do not \
+         say; `noise` of a channel would.",
+        truecut_recording::significant(100.0 * share, 2),
+        problem.model.channels()[c].name
+    )
 }
 
 /// Where the noise is known and the residual is clearly above it: that fraction of the discrepancy,

@@ -37,6 +37,7 @@ mod search;
 mod signature;
 mod span;
 mod step;
+mod together;
 mod uncertainty;
 mod validate;
 

@@ -38,6 +38,8 @@ pub(super) struct Outcome {
     pub failed: bool,
     /// The simulations allowed were used up while something was left to be fitted.
     pub stopped: bool,
+    /// As many causes as may be named together were found, and more is there.
+    pub limited: bool,
     /// All fits.
     pub fits: Vec<FitRecord>,
 }
@@ -95,15 +97,30 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         signatures: Vec::new(),
         failed: false,
         stopped: false,
+        limited: false,
         fits: Vec::new(),
     };
+    let most = problem.options.max_effects;
     while search.forward(&mut outcome)? {
         search.backward(&mut outcome)?;
-        if outcome.chosen.point.effects.len() >= problem.options.max_effects {
+        if outcome.chosen.point.effects.len() >= most {
+            outcome.limited = search.sees_more(&outcome);
             break;
         }
     }
-    if outcome.chosen.point.effects.len() > 1 {
+    let count = |outcome: &Outcome| outcome.chosen.point.effects.len();
+    if (outcome.limited || count(&outcome) == 0) && search.together(&mut outcome)? {
+        let most = count(&outcome) + most;
+        outcome.limited = false;
+        while search.forward(&mut outcome)? {
+            search.thin(&mut outcome)?;
+            if count(&outcome) >= most {
+                outcome.limited = search.sees_more(&outcome);
+                break;
+            }
+        }
+    }
+    if (2..=most).contains(&count(&outcome)) {
         problem.report(Stage::Alternatives);
         for _ in 0..REPLACEMENTS {
             if !search.replace(&mut outcome)? {
@@ -223,6 +240,14 @@ impl Search<'_, '_> {
             .collect();
         (outcome.chosen, outcome.orders) = settled(problem, trials[best].clone())?;
         Ok(true)
+    }
+
+    /// Whether candidates beyond chance are left.
+    fn sees_more(&self, outcome: &Outcome) -> bool {
+        let (base, found) = (&outcome.chosen, &outcome.signatures);
+        let tests = tests(self.problem, &base.point);
+        let (_, starts) = self.screened(base, found, &outcome.orders, tests);
+        !starts.is_empty()
     }
 
     /// The ranking of all candidates by their signatures, and what is to be fitted.

@@ -2,16 +2,6 @@
 
 use super::blocks::contiguous_blocks;
 
-/// Criterion for the order of a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Criterion {
-    /// Akaike's, corrected for few samples: best prediction, never too short for whitening.
-    #[default]
-    Akaike,
-    /// Schwarz's: consistent if there is a true order.
-    Bayes,
-}
-
 /// `x[t] − mean = Σ a[k] (x[t−1−k] − mean) + e[t]`, with e white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ar {
@@ -39,12 +29,12 @@ struct Errors {
 
 impl Ar {
     /// Fits by Burg's method, jointly over all runs of valid samples (`dewaele2000`), with the
-    /// order from 0 to `highest` that the criterion prefers. Runs no longer than an order do not
-    /// take part in it.
+    /// order from 0 to `highest` that predicts best by Akaike's corrected criterion: never too short
+    /// for whitening. Runs no longer than an order do not take part in it.
     ///
     /// `None` for fewer than eight samples, or a valid one that is not finite. A constant
     /// series gives order 0 and variance 0.
-    pub fn fit(values: &[f64], valid: &[bool], highest: usize, criterion: Criterion) -> Option<Ar> {
+    pub fn fit(values: &[f64], valid: &[bool], highest: usize) -> Option<Ar> {
         let runs = contiguous_blocks(valid, 1);
         let samples: usize = runs.iter().map(ExactSizeIterator::len).sum();
         let counted = || runs.iter().flat_map(|run| &values[run.clone()]);
@@ -70,7 +60,7 @@ impl Ar {
             samples,
         };
         let mut current = best.clone();
-        let mut best_score = criterion.score(&best);
+        let mut best_score = best.score();
         // A constant up to rounding has no noise.
         if variance <= (8.0 * f64::EPSILON * mean.abs()).powi(2) {
             best.innovation_variance = 0.0;
@@ -81,7 +71,7 @@ impl Ar {
                 break;
             };
             current.lengthen(reflection);
-            let score = criterion.score(&current);
+            let score = current.score();
             if score < best_score {
                 best_score = score;
                 best = current.clone();
@@ -127,17 +117,12 @@ impl Ar {
         (filtered, exists)
     }
 
-    /// Two-sided power density at `frequency` cycles per sample: its integral from −½ to ½ is the
-    /// variance.
-    pub fn density(&self, frequency: f64) -> f64 {
-        let turn = std::f64::consts::TAU * frequency;
-        let (mut real, mut imaginary) = (1.0, 0.0);
-        for (lag, a) in self.coefficients.iter().enumerate() {
-            let angle = turn * (lag + 1) as f64;
-            real -= a * angle.cos();
-            imaginary += a * angle.sin();
-        }
-        self.innovation_variance / (real * real + imaginary * imaginary)
+    /// Akaike's corrected criterion.
+    fn score(&self) -> f64 {
+        let samples = self.samples as f64;
+        let parameters = self.order() as f64 + 2.0; // with mean and variance
+        let room = (samples - parameters - 1.0).max(1.0);
+        samples * self.innovation_variance.ln() + 2.0 * parameters * samples / room
     }
 }
 
@@ -165,21 +150,6 @@ fn reflect(errors: &mut [Errors], order: usize) -> Option<f64> {
         }
     }
     (reflection.abs() < 1.0).then_some(reflection)
-}
-
-impl Criterion {
-    fn score(self, model: &Ar) -> f64 {
-        let samples = model.samples as f64;
-        let parameters = model.order() as f64 + 2.0; // with mean and variance
-        let misfit = samples * model.innovation_variance.ln();
-        match self {
-            Criterion::Akaike => {
-                let room = (samples - parameters - 1.0).max(1.0);
-                misfit + 2.0 * parameters * samples / room
-            }
-            Criterion::Bayes => misfit + parameters * samples.ln(),
-        }
-    }
 }
 
 #[cfg(test)]

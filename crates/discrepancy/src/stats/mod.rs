@@ -10,7 +10,7 @@ pub mod distributions;
 pub(crate) mod spectrum;
 mod sums;
 
-pub use ar::{Ar, Criterion, default_order_cap};
+pub use ar::{Ar, default_order_cap};
 pub use background::Background;
 pub use blocks::contiguous_blocks;
 pub use spectrum::{Periodogram, welch};

@@ -8,7 +8,7 @@ mod cache;
 mod candidates;
 mod experiments;
 mod observation;
-mod parallel;
+pub(crate) mod parallel;
 mod predict;
 mod sampling;
 mod signals;
@@ -19,7 +19,7 @@ mod tests;
 
 use truecut_recording::measured::Measured;
 use truecut_recording::{ChannelSpec, UnknownName};
-use truecut_scenario::effect::{Effect, Target};
+use truecut_scenario::effect::{Effect, EffectKind, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::run::{self, Engine, Rows};
@@ -219,6 +219,17 @@ impl Model for Trial {
 
     fn candidates(&self) -> Vec<Candidate> {
         self.candidates.clone()
+    }
+
+    fn additive(&self) -> Vec<usize> {
+        use EffectKind::{JointCoulomb, JointOffset, JointViscous};
+        if !matches!(self.engine, Kind::Inverse { .. }) {
+            return Vec::new();
+        }
+        let adds = |one: &Candidate| [JointCoulomb, JointOffset, JointViscous].contains(&one.kind);
+        (0..self.candidates.len())
+            .filter(|&i| adds(&self.candidates[i]))
+            .collect()
     }
 
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {

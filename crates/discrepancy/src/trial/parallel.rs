@@ -12,7 +12,7 @@ use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 const PER_PERIOD: f64 = 2.0;
 
 /// Samples of the data for one that is kept.
-pub(super) fn spacing(scenario: &Scenario, rate_hz: f64) -> usize {
+pub(crate) fn spacing(scenario: &Scenario, rate_hz: f64) -> usize {
     let ProcessSpec::Replay(replay) = &scenario.process else {
         return 1;
     };
@@ -36,6 +36,6 @@ pub(super) fn thinned(measured: &Measured, every: usize) -> Measured {
 }
 
 /// Every so many-th value.
-pub(super) fn picked<T: Copy>(values: &[T], every: usize) -> Vec<T> {
+pub(crate) fn picked<T: Copy>(values: &[T], every: usize) -> Vec<T> {
     values.iter().step_by(every).copied().collect()
 }

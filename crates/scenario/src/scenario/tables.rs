@@ -6,6 +6,7 @@ use serde::Deserialize;
 use crate::claim::ClaimTable;
 use crate::data::DataTable;
 use crate::effect::table::EffectTable;
+use crate::fit::FitTable;
 use crate::process::ProcessTable;
 use crate::robot::RobotTable;
 use crate::run::RunTable;
@@ -37,4 +38,6 @@ pub(crate) struct ScenarioTable {
     pub data: Option<DataTable>,
     /// Nominal values that are not known exactly.
     pub uncertain: Option<Vec<UncertainTable>>,
+    /// Unknowns of a least-squares fit of drive forces (`truecut fit`).
+    pub fit: Option<FitTable>,
 }

@@ -124,14 +124,52 @@ impl InverseModel {
         BodyRegressors::new(&self.robot, &self.motion, &self.joints, &self.filter, link).columns
     }
 
-    /// Acceleration of a predicted joint through the filter: the drive force per rotor inertia, one
-    /// value for each sample.
+    /// Joints whose drive forces are predicted, counted from 0, in the order of
+    /// [`InverseModel::channels`].
+    pub fn joints(&self) -> &[usize] {
+        &self.joints
+    }
+
+    /// Velocity of a joint at every sample.
     ///
     /// # Panics
-    /// If there is no such channel.
-    pub fn rotor_column(&self, channel: usize) -> Vec<f64> {
-        let joint = self.joints[channel];
-        self.filter.zero_phase(&self.motion.acceleration[joint])
+    /// If there is no such joint.
+    pub fn velocity(&self, joint: usize) -> &[f64] {
+        &self.motion.velocity[joint]
+    }
+
+    /// Acceleration of a joint at every sample.
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    pub fn acceleration(&self, joint: usize) -> &[f64] {
+        &self.motion.acceleration[joint]
+    }
+
+    /// A drive force through the filter that measured and predicted ones have gone through.
+    pub fn filtered(&self, drive: &[f64]) -> Vec<f64> {
+        self.filter.zero_phase(drive)
+    }
+
+    /// The same arm in states that have nothing to do with one another, unfiltered: what its drive
+    /// forces cannot tell apart there, no motion tells apart.
+    pub fn in_any_state(&self, states: usize) -> InverseModel {
+        let rate_hz = self.measured.rate_hz();
+        let filter = Butterworth::low_pass(FILTER_ORDER, rate_hz, rate_hz);
+        let motion = self.motion.of_any_states(states);
+        InverseModel {
+            nominal: nominal(&self.robot, &motion, &self.joints, &filter),
+            body: BodyRegressors::new(
+                &self.robot,
+                &motion,
+                &self.joints,
+                &filter,
+                self.robot.dof() - 1,
+            ),
+            motion,
+            filter,
+            ..self.clone()
+        }
     }
 
     /// Drive forces with the scenario's effects and further `effects`, which replace those of the

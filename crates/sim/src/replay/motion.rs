@@ -42,6 +42,31 @@ impl Motion {
         })
     }
 
+    /// Unrelated states of all joints: coordinates, speeds and accelerations even between -pi and
+    /// pi, SI. The same in every call.
+    pub fn of_any_states(&self, states: usize) -> Motion {
+        let mut seed = 0_u64;
+        // SplitMix64 (`steele2014`).
+        let mut draw = || {
+            seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = seed;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            let part = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
+            std::f64::consts::PI * (2.0 * part - 1.0)
+        };
+        let mut columns = || -> Vec<Vec<f64>> {
+            let joints = 0..self.position.len();
+            (joints.map(|_| (0..states).map(|_| draw()).collect())).collect()
+        };
+        Motion {
+            position: columns(),
+            velocity: columns(),
+            acceleration: columns(),
+            gravity_m_s2: self.gravity_m_s2,
+        }
+    }
+
     /// Inverse dynamics at every sample: `[joint][sample]` for the joints asked for.
     pub fn inverse_dynamics(&self, dynamics: &mut Dynamics, joints: &[usize]) -> Vec<Vec<f64>> {
         let n = self.position.len();

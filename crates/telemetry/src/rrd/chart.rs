@@ -17,23 +17,34 @@ const GREY: [u8; 3] = [170, 170, 170];
 const DARK: [u8; 3] = [70, 70, 70];
 const WHITE: [u8; 3] = [235, 235, 235];
 
-/// A curve with its name and its marked points.
-pub(super) struct Curve {
-    pub(super) name: String,
-    pub(super) color: [u8; 3],
-    pub(super) points: Vec<(f64, f64)>,
+/// A curve, or dots.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// In the legend; none if empty.
+    pub name: String,
+    /// Red, green, blue.
+    pub color: [u8; 3],
+    /// NaN breaks the curve.
+    pub points: Vec<(f64, f64)>,
     /// Places that are labelled, e.g. the peaks.
-    pub(super) marks: Vec<(f64, f64, String)>,
-    /// Only marks are drawn: points are not joined.
-    pub(super) dots: bool,
+    pub marks: Vec<(f64, f64, String)>,
+    /// Points are not joined.
+    pub dots: bool,
 }
 
-pub(super) struct Chart {
-    pub(super) x_label: String,
-    pub(super) y_label: String,
+/// A chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// Above it.
+    pub title: String,
+    /// Below it, with a unit.
+    pub x_label: String,
+    /// With a unit.
+    pub y_label: String,
     /// The vertical axis goes at least so far; NaN for as far as the curves do.
-    pub(super) least_y: f64,
-    pub(super) curves: Vec<Curve>,
+    pub least_y: f64,
+    /// Drawn in this order.
+    pub curves: Vec<Curve>,
 }
 
 /// The chart in lines and texts: two entities, however much there is to see.
@@ -115,10 +126,16 @@ impl Drawing {
             }
         }
         self.lines.extend(lines);
-        for (x, y, text) in &curve.marks {
-            if let Some(at) = self.place(*x, *y) {
+        let dots = curve.points.iter().filter(|_| curve.dots);
+        let dots = dots.map(|(x, y)| (*x, *y, ""));
+        let marks = curve
+            .marks
+            .iter()
+            .map(|(x, y, text)| (*x, *y, text.as_str()));
+        for (x, y, text) in dots.chain(marks) {
+            if let Some(at) = self.place(x, y) {
                 self.texts
-                    .push((at, text.clone(), color, Radius::new_ui_points(4.0)));
+                    .push((at, text.to_owned(), color, Radius::new_ui_points(4.0)));
             }
         }
         self.text(

@@ -7,7 +7,7 @@ use rerun::{RecordingStream, RecordingStreamResult};
 use truecut_recording::SinkError;
 
 use super::blueprint::{Layout, Part};
-use super::chart::{Chart, Curve};
+use super::chart::Chart;
 use super::layout::chart_view;
 use super::results::Drawn;
 use super::{Failure, application, begin_file, flush, log_text};
@@ -22,33 +22,7 @@ pub struct ChartPage {
     /// Title of its tab.
     pub title: String,
     /// From the top.
-    pub charts: Vec<ChartShown>,
-}
-
-/// A chart.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChartShown {
-    /// Above it.
-    pub title: String,
-    /// Below it, with a unit.
-    pub x_label: String,
-    /// With a unit.
-    pub y_label: String,
-    /// Drawn in this order.
-    pub curves: Vec<ChartCurve>,
-}
-
-/// A curve, or dots.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChartCurve {
-    /// In the legend; none if empty.
-    pub name: String,
-    /// Red, green, blue.
-    pub color: [u8; 3],
-    /// NaN breaks the curve.
-    pub points: Vec<(f64, f64)>,
-    /// Points are not joined.
-    pub dots: bool,
+    pub charts: Vec<Chart>,
 }
 
 /// Writes the file: at the left the text, at the right the pages as tabs.
@@ -85,35 +59,10 @@ pub(super) fn log_pages(
         let mut rows = Vec::new();
         for (c, chart) in page.charts.iter().enumerate() {
             let entity = format!("/charts/{p}/{c}");
-            drawn(chart).log(stream, &entity)?;
-            let title = chart.title.clone();
-            rows.push((1.0, chart_view(layout, &Drawn { entity, title })?));
+            let drawn = Drawn::of(chart.clone(), stream, entity)?;
+            rows.push((1.0, chart_view(layout, &drawn)?));
         }
         tabs.push(layout.titled_stack(&page.title, rows)?);
     }
     layout.pages(tabs)
-}
-
-fn drawn(chart: &ChartShown) -> Chart {
-    let curve = |curve: &ChartCurve| {
-        let marks = if curve.dots {
-            let points = curve.points.iter().filter(|(_, y)| y.is_finite());
-            points.map(|(x, y)| (*x, *y, String::new())).collect()
-        } else {
-            Vec::new()
-        };
-        Curve {
-            name: curve.name.clone(),
-            color: curve.color,
-            points: curve.points.clone(),
-            dots: curve.dots,
-            marks,
-        }
-    };
-    Chart {
-        x_label: chart.x_label.clone(),
-        y_label: chart.y_label.clone(),
-        least_y: f64::NAN,
-        curves: chart.curves.iter().map(curve).collect(),
-    }
 }

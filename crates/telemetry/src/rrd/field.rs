@@ -1,5 +1,6 @@
 //! A field on a surface in the viewer's terms: a grid of triangles with colours at its corners.
 
+use nalgebra::Vector3;
 use rerun::{RecordingStream, RecordingStreamResult, TimeColumn};
 use truecut_recording::Field;
 
@@ -42,9 +43,8 @@ fn positions(field: &Field) -> Vec<[f32; 3]> {
 
 /// Normals at the corners, square to the lines between their neighbours.
 fn normals(positions: &[[f32; 3]], [columns, rows]: [usize; 2]) -> Vec<[f32; 3]> {
-    let between = |from: usize, to: usize| -> [f32; 3] {
-        std::array::from_fn(|i| positions[to][i] - positions[from][i])
-    };
+    let between =
+        |from: usize, to: usize| Vector3::from(positions[to]) - Vector3::from(positions[from]);
     let normal = |corner: usize| {
         let (column, row) = (corner % columns, corner / columns);
         let at = |column: usize, row: usize| row * columns + column;
@@ -56,17 +56,8 @@ fn normals(positions: &[[f32; 3]], [columns, rows]: [usize; 2]) -> Vec<[f32; 3]>
             at(column, row.saturating_sub(1)),
             at(column, (row + 1).min(rows - 1)),
         );
-        let cross = [
-            x[1] * y[2] - x[2] * y[1],
-            x[2] * y[0] - x[0] * y[2],
-            x[0] * y[1] - x[1] * y[0],
-        ];
-        let length = cross.iter().map(|value| value * value).sum::<f32>().sqrt();
-        if length > 0.0 {
-            cross.map(|value| value / length)
-        } else {
-            [0.0, 0.0, 1.0]
-        }
+        let normal = x.cross(&y).try_normalize(0.0);
+        normal.unwrap_or(Vector3::z()).into()
     };
     (0..positions.len()).map(normal).collect()
 }

@@ -36,6 +36,19 @@ pub(super) struct Drawn {
     pub(super) title: String,
 }
 
+impl Drawn {
+    /// Logs a chart.
+    pub(super) fn of(
+        chart: Chart,
+        stream: &RecordingStream,
+        entity: String,
+    ) -> RecordingStreamResult<Drawn> {
+        chart.log(stream, &entity)?;
+        let title = chart.title;
+        Ok(Drawn { entity, title })
+    }
+}
+
 /// Draws the spectra of the main plots: one chart each, with the highest lines named.
 pub(super) fn log_spectra(
     stream: &RecordingStream,
@@ -70,16 +83,13 @@ pub(super) fn log_spectra(
             .trim();
         let unit = &group.series[0].unit.symbol;
         let chart = Chart {
+            title: format!("Spectrum: {name}"),
             x_label: "frequency [Hz]".to_owned(),
             y_label: format!("{name}: amplitude [{unit}]"),
             least_y: group.series[0].unit.from_si(LEAST_SHARE * group.least),
             curves,
         };
-        chart.log(stream, &entity)?;
-        drawn.push(Drawn {
-            entity,
-            title: format!("Spectrum: {name}"),
-        });
+        drawn.push(Drawn::of(chart, stream, entity)?);
     }
     Ok(drawn)
 }
@@ -151,6 +161,7 @@ pub(super) fn log_profiles(
         let chart = Chart {
             x_label: format!("{} [{}]", words(&profile.axis_name), x_unit.symbol),
             y_label: format!("{title}: {}", profile.description),
+            title,
             least_y: f64::NAN,
             curves: vec![Curve {
                 name: spread(profile, &y_unit),
@@ -163,8 +174,7 @@ pub(super) fn log_profiles(
             }],
         };
         let entity = format!("{PROFILES}/{index}");
-        chart.log(stream, &entity)?;
-        drawn.push(Drawn { entity, title });
+        drawn.push(Drawn::of(chart, stream, entity)?);
     }
     Ok(drawn)
 }

@@ -1,8 +1,15 @@
 //! Shapes in the viewer's terms.
 
+use nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use rerun::components::FillMode;
 use rerun::{AsComponents, RecordingStream, RecordingStreamResult};
 use truecut_recording::{Geometry, Pose, Shape};
+
+/// A pose to calculate with.
+pub(super) fn isometry(pose: &Pose) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_quaternion(Quaternion::from(pose.rotation_xyzw));
+    Isometry3::from_parts(pose.translation_m.into(), turn)
+}
 
 pub(super) fn translation(pose: &Pose) -> [f32; 3] {
     single(&pose.translation_m)
@@ -174,13 +181,8 @@ fn log_round_bars(
 
 /// The point at a distance along the pose's own −z axis.
 fn down_z(pose: &Pose, distance_m: f32) -> [f32; 3] {
-    let [x, y, z, w] = pose.rotation_xyzw;
-    let axis = [
-        2.0 * (x * z + w * y),
-        2.0 * (y * z - w * x),
-        1.0 - 2.0 * (x * x + y * y),
-    ];
-    std::array::from_fn(|i| (pose.translation_m[i] - f64::from(distance_m) * axis[i]) as f32)
+    let point = isometry(pose) * Point3::new(0.0, 0.0, -f64::from(distance_m));
+    single(&point.coords.into())
 }
 
 /// A shape with points of its own; any other has been logged with its kind.
@@ -221,13 +223,10 @@ fn flat_triangles(
         else {
             continue;
         };
-        let side = |to: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|i| to[i] - a[i]) };
-        let ([u0, u1, u2], [v0, v1, v2]) = (side(b), side(c));
-        let cross = [u1 * v2 - u2 * v1, u2 * v0 - u0 * v2, u0 * v1 - u1 * v0];
-        let length = cross.iter().map(|value| value * value).sum::<f64>().sqrt();
-        if length > 0.0 {
+        let side = |to: &[f64; 3]| Vector3::from(*to) - Vector3::from(*a);
+        if let Some(normal) = side(b).cross(&side(c)).try_normalize(0.0) {
             corners.extend([a, b, c].map(single));
-            normals.extend([cross.map(|value| (value / length) as f32); 3]);
+            normals.extend([single(&normal.into()); 3]);
         }
     }
     (corners, normals)

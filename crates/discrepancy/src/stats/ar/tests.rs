@@ -29,7 +29,7 @@ fn verify_known_model_is_found_with_and_without_gaps() {
                 values[start..start + 100].fill(f64::NAN);
             }
         }
-        let model = Ar::fit(&values, &valid, 20, Criterion::Bayes).unwrap();
+        let model = Ar::fit(&values, &valid, 2).unwrap();
         assert_eq!(model.order(), 2, "{model:?}");
         assert!((model.coefficients[0] - 1.5).abs() < 0.024, "{model:?}");
         assert!((model.coefficients[1] + 0.8).abs() < 0.024, "{model:?}");
@@ -48,28 +48,11 @@ fn verify_known_model_is_found_with_and_without_gaps() {
 }
 
 #[test]
-fn verify_density_integrates_to_the_variance() {
-    let model = Ar {
-        mean: 0.0,
-        coefficients: vec![0.9],
-        innovation_variance: 1.0,
-        samples: 100,
-    };
-    let cells = 20_000;
-    let sum: f64 = (0..cells)
-        .map(|i| model.density(-0.5 + (i as f64 + 0.5) / f64::from(cells)))
-        .sum();
-    let integral = sum / f64::from(cells);
-    assert!((integral * (1.0 - 0.81) - 1.0).abs() < 1e-9, "{integral}");
-    assert!((model.density(0.0) - 100.0).abs() < 1e-9);
-}
-
-#[test]
 fn nothing_to_fit_is_said() {
-    assert_eq!(Ar::fit(&[1.0; 7], &all(7), 3, Criterion::Akaike), None);
-    let flat = Ar::fit(&[0.1; 50], &all(50), 3, Criterion::Akaike).unwrap();
+    assert_eq!(Ar::fit(&[1.0; 7], &all(7), 3), None);
+    let flat = Ar::fit(&[0.1; 50], &all(50), 3).unwrap();
     assert_eq!((flat.order(), flat.innovation_variance), (0, 0.0));
     let mut values = vec![1.0; 50];
     values[3] = f64::NAN;
-    assert_eq!(Ar::fit(&values, &all(50), 3, Criterion::Akaike), None);
+    assert_eq!(Ar::fit(&values, &all(50), 3), None);
 }

@@ -1,0 +1,102 @@
+//! `truecut fit`: links, rotors and friction of all joints by one least-squares fit.
+
+use truecut::data;
+use truecut::outputs::write_file;
+use truecut_discrepancy::fit::{self, ChannelFit, FitReport};
+use truecut_recording::significant;
+
+use crate::args::FitPlan;
+use crate::exit_status::ExitStatus;
+use crate::failure::Failure;
+use crate::text::{Align, headed, table};
+
+/// Fits, writes `fit.json`, prints what was found.
+pub fn fit(plan: &FitPlan) -> Result<ExitStatus, Failure> {
+    let scenario = &plan.scenario;
+    let Some(spec) = &scenario.fit else {
+        return Err(Failure::with_help(
+            format!("{}: there is no [fit] table", scenario.path().display()),
+            "add [fit] with the unknowns, e.g. unknowns = [\"viscous\", \"coulomb\", \"offset\"]",
+        ));
+    };
+    let measured = data::measured(scenario, plan.data.as_deref())?;
+    let report = fit::fit(scenario, &measured, spec).map_err(|e| Failure::sim(scenario, e))?;
+    let path = plan.out.join(scenario.stem()).join("fit.json");
+    let json = serde_json::to_string_pretty(&report)
+        .map_err(|error| Failure::message(format!("cannot write the report: {error}")))?;
+    write_file(&path, format!("{json}\n").as_bytes())?;
+    crate::print(&format!(
+        "{}\n{}  {}\n",
+        scenario.name,
+        text(&report),
+        path.display()
+    ))
+}
+
+fn text(report: &FitReport) -> String {
+    let four = |value: f64| significant(value, 4);
+    let interval = |[low, high]: [f64; 2]| format!("{} to {}", four(low), four(high));
+    let mut text = format!(
+        "  {}: {} rows a second, each of {} blocks left out in turn\n\n",
+        report.source,
+        significant(report.rate_hz, 4),
+        report.blocks
+    );
+    let rows = report.parameters.iter().map(|one| {
+        vec![
+            four(one.value),
+            interval(one.interval),
+            one.unit.clone(),
+            four(one.nominal),
+            one.name.clone(),
+        ]
+    });
+    let head = ["found", "95 % interval", "unit", "scenario's", ""];
+    use Align::{Left, Right};
+    let aligns = [Right, Left, Left, Right, Left];
+    text += &table(&aligns, &headed(&head, rows));
+    for one in &report.combinations {
+        text += &format!(
+            "  not separable (correlation {}): {} = {}, {}\n",
+            significant(one.correlation, 3),
+            one.name,
+            four(one.value),
+            interval(one.interval)
+        );
+    }
+    let head = [
+        "drive force, rms",
+        "measured",
+        "scenario leaves",
+        "fit leaves",
+        "on blocks left out",
+        "unit",
+        "at rest",
+        "within dry friction",
+    ];
+    text += "\n";
+    let aligns = [Left, Right, Right, Right, Right, Left, Right, Right];
+    text += &table(&aligns, &headed(&head, report.channels.iter().map(channel)));
+    for note in &report.notes {
+        text += &format!("  note: {note}\n");
+    }
+    text
+}
+
+fn channel(one: &ChannelFit) -> Vec<String> {
+    let three = |value: f64| significant(value, 3);
+    let within = match one.standing {
+        0 => "–".to_owned(),
+        _ => format!("{:.0} %", 100.0 * one.standing_within_friction),
+    };
+    vec![
+        one.channel.clone(),
+        three(one.measured),
+        three(one.nominal),
+        three(one.fitted),
+        three(one.held_out),
+        one.unit.clone(),
+        one.standing.to_string(),
+        within,
+    ]
+}
