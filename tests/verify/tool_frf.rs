@@ -64,9 +64,15 @@ fn frf(arm: &LinearArm, axes: &[Vector3<f64>; 2], [from, to]: [usize; 2]) -> Frf
     };
     let frequency_hz: Vec<f64> = (0..651).map(|i| BAND_HZ[0] + 2.0 * f64::from(i)).collect();
     let exact = frequency_hz.iter().map(|hz| {
-        let response = arm.frequency_response(*hz).expect("damped");
-        let complex = |v: f64| Complex::new(v, 0.0);
-        (axes[to].map(complex).transpose() * response * axes[from].map(complex))[0]
+        let omega = TAU * hz;
+        let dynamic = (arm.stiffness).zip_zip_map(&arm.mass, &arm.damping, |k, m, d| {
+            Complex::new(k - omega * omega * m, omega * d)
+        });
+        let [forced, seen] = [from, to].map(|axis| {
+            let along = arm.tip_jacobian.transpose() * axes[axis];
+            along.map(|v| Complex::new(v, 0.0))
+        });
+        seen.dot(&dynamic.lu().solve(&forced).expect("damped"))
     });
     let mut value: Vec<Complex<f64>> = exact.collect();
     let size = value.iter().fold(0.0_f64, |most, h| most.max(h.norm()));

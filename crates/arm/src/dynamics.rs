@@ -4,7 +4,7 @@
 //! sections 5.3 and 6.2, written with 3-vectors. Transmissions are not part of it: no stiffness,
 //! damping, friction or rotor inertia.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Vector3};
+use nalgebra::{DMatrix, Isometry3, Matrix3, Vector3};
 
 use crate::model::{FrameId, JointKind, Robot};
 
@@ -310,34 +310,6 @@ impl State {
 }
 
 impl Robot {
-    /// Joint torques M(q) a + h(q, v) + g(q); see [`Dynamics::inverse_dynamics_into`].
-    ///
-    /// # Panics
-    /// If a slice does not have one value per joint.
-    #[must_use]
-    pub fn inverse_dynamics(
-        &self,
-        q: &[f64],
-        v: &[f64],
-        a: &[f64],
-        gravity_m_s2: &Vector3<f64>,
-    ) -> DVector<f64> {
-        let mut tau = DVector::zeros(self.dof());
-        Dynamics::new(self).inverse_dynamics_into(q, v, a, gravity_m_s2, tau.as_mut_slice());
-        tau
-    }
-
-    /// Torques that hold the arm still against gravity, g(q).
-    ///
-    /// # Panics
-    /// If `q` does not have one value per joint.
-    #[must_use]
-    pub fn gravity_torques(&self, q: &[f64], gravity_m_s2: &Vector3<f64>) -> DVector<f64> {
-        let mut tau = DVector::zeros(self.dof());
-        Dynamics::new(self).gravity_torques_into(q, gravity_m_s2, tau.as_mut_slice());
-        tau
-    }
-
     /// Mass matrix M(q), n×n.
     ///
     /// # Panics
@@ -347,14 +319,5 @@ impl Robot {
         let mut mass = DMatrix::zeros(self.dof(), self.dof());
         Dynamics::new(self).mass_matrix_into(q, &mut mass);
         mass
-    }
-
-    /// Kinetic and potential energy; see [`Dynamics::energy`].
-    ///
-    /// # Panics
-    /// If a slice does not have one value per joint.
-    #[must_use]
-    pub fn energy(&self, q: &[f64], v: &[f64], gravity_m_s2: &Vector3<f64>) -> Energy {
-        Dynamics::new(self).energy(q, v, gravity_m_s2)
     }
 }

@@ -1,9 +1,9 @@
-//! Natural modes and frequency response of the arm linearised at a posture,
+//! Natural modes of the arm linearised at a posture,
 //! M δq̈ + D δq̇ + K δq = Jᵀ F.
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Complex, DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
+use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{FrameId, Robot};
@@ -144,60 +144,5 @@ impl LinearArm {
         });
         self.damping = &momenta * DMatrix::from_diagonal(&rates) * momenta.transpose();
         Ok(self)
-    }
-
-    /// Displacement of the frame per force on it (m/N) at `frequency_hz`, 3×3 complex, world axes:
-    /// J_v (K − ω²M + iωD)⁻¹ J_vᵀ. Damping is taken in full, not mode by mode.
-    ///
-    /// # Errors
-    /// If the dynamic stiffness is singular (undamped, exactly at a natural frequency).
-    pub fn frequency_response(&self, frequency_hz: f64) -> Result<Matrix3<Complex<f64>>, ArmError> {
-        let omega = TAU * frequency_hz;
-        let dynamic = self
-            .stiffness
-            .zip_zip_map(&self.mass, &self.damping, |k, m, d| {
-                Complex::new(k - omega * omega * m, omega * d)
-            });
-        let tip = self.tip_jacobian.map(|v| Complex::new(v, 0.0));
-        let flexibility = dynamic
-            .lu()
-            .solve(&tip.transpose())
-            .ok_or(ArmErrorKind::SingularCompliance)?;
-        let response = tip * flexibility;
-        Ok(Matrix3::from_iterator(response.iter().copied()))
-    }
-}
-
-impl Modes {
-    /// Frequency response (m/N) as the sum over modes, Σ u_j/(ω_j² − ω² + 2iζ_jω_jω) with
-    /// u_j = (J_vφ_j)(J_vφ_j)ᵀ and `tip_jacobian` = J_v (3×n). Equal to
-    /// [`LinearArm::frequency_response`] if damping is proportional.
-    ///
-    /// # Panics
-    /// If `tip_jacobian` does not have 3 rows and one column per joint.
-    #[must_use]
-    pub fn frequency_response(
-        &self,
-        tip_jacobian: &DMatrix<f64>,
-        frequency_hz: f64,
-    ) -> Matrix3<Complex<f64>> {
-        let omega = TAU * frequency_hz;
-        let mut sum = Matrix3::zeros();
-        for (j, (&f, &zeta)) in self
-            .frequency_hz
-            .iter()
-            .zip(&self.damping_ratio)
-            .enumerate()
-        {
-            let omega_j = TAU * f;
-            let at_tip = tip_jacobian * self.shapes.column(j);
-            let at_tip = Vector3::new(at_tip[0], at_tip[1], at_tip[2]);
-            let denominator = Complex::new(
-                omega_j * omega_j - omega * omega,
-                2.0 * zeta * omega_j * omega,
-            );
-            sum += (at_tip * at_tip.transpose()).map(|u| Complex::new(u, 0.0) / denominator);
-        }
-        sum
     }
 }

@@ -14,8 +14,8 @@ use crate::failure::Failure;
 
 pub use finishing::{PathArguments, ProgramArguments};
 pub use runs::{
-    CheckArguments, CheckPlan, CompareArguments, ComparePlan, CrosscheckArguments,
-    DiagnoseArguments, FitArguments, FitPlan, RunArguments, RunPlan,
+    CheckArguments, CompareArguments, CrosscheckArguments, DiagnoseArguments, FitArguments,
+    RunArguments,
 };
 pub use stability::{LobesArguments, PostureArguments};
 
@@ -154,12 +154,12 @@ pub struct RobotArguments {
 
 impl Common {
     /// The scenario of a file, changed.
-    fn load(&self, path: &Path) -> Result<Scenario, Failure> {
+    pub fn load(&self, path: &Path) -> Result<Scenario, Failure> {
         self.use_jobs()?;
         Ok(Scenario::load(path, &self.set)?)
     }
 
-    fn use_jobs(&self) -> Result<(), Failure> {
+    pub fn use_jobs(&self) -> Result<(), Failure> {
         let asked = self.jobs.map_or(0, std::num::NonZeroUsize::get);
         if asked > MOST_JOBS {
             return Err(Failure::message(format!(

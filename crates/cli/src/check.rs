@@ -13,9 +13,10 @@ use truecut_scenario::Scenario;
 use truecut_sim::run::{Run, Runs};
 use truecut_sim::sweep::sweep;
 
-use crate::args::CheckPlan;
+use crate::args::CheckArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
+use crate::find::find_scenarios;
 use crate::progress::{Progress, RunProgress};
 use crate::text::{self, Align};
 
@@ -34,24 +35,25 @@ struct Judged {
     claims: Vec<ClaimResult>,
 }
 
-/// Checks every file of the plan; a scenario with bad input does not keep the others from running.
-pub fn check(plan: &CheckPlan) -> Result<ExitStatus, Failure> {
+/// Checks every file found; a scenario with bad input does not keep the others from running.
+pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
+    arguments.common.use_jobs()?;
+    let files = find_scenarios(&arguments.paths)?;
     let runs = Runs::default();
-    let progress = Progress::new(plan.files.len(), "checking");
-    let checked: Vec<Checked> = plan
-        .files
+    let progress = Progress::new(files.len(), "checking");
+    let checked: Vec<Checked> = files
         .par_iter()
-        .map(|file| check_one(file, &plan.set, &runs, &progress.run()))
+        .map(|file| check_one(file, &arguments.common.set, &runs, &progress.run()))
         .collect();
     drop(progress);
-    write_junit(&checked, plan)?;
+    write_junit(&checked, &arguments.junit)?;
     crate::print(&table(&checked))?;
     for one in &checked {
         if let Err(report) = &one.result {
             crate::complain(report);
         }
     }
-    crate::print(&format!("  {}\n", summary(&checked, plan)))?;
+    crate::print(&format!("  {}\n", summary(&checked, &arguments.junit)))?;
     Ok(checked
         .iter()
         .map(status_of)
@@ -169,7 +171,7 @@ fn table(checked: &[Checked]) -> String {
     )
 }
 
-fn summary(checked: &[Checked], plan: &CheckPlan) -> String {
+fn summary(checked: &[Checked], junit: &Path) -> String {
     let good = checked
         .iter()
         .filter(|one| status_of(one) == ExitStatus::Good)
@@ -177,11 +179,11 @@ fn summary(checked: &[Checked], plan: &CheckPlan) -> String {
     format!(
         "{good} of {} scenarios hold; JUnit XML in {}",
         checked.len(),
-        plan.junit.display()
+        junit.display()
     )
 }
 
-fn write_junit(checked: &[Checked], plan: &CheckPlan) -> Result<(), Failure> {
+fn write_junit(checked: &[Checked], junit: &Path) -> Result<(), Failure> {
     let mut report = Report::new("truecut");
     for one in checked {
         let mut suite = TestSuite::new(one.file.display().to_string());
@@ -195,8 +197,8 @@ fn write_junit(checked: &[Checked], plan: &CheckPlan) -> Result<(), Failure> {
     }
     let xml = report
         .to_string()
-        .map_err(|error| Failure::at(&plan.junit, error))?;
-    Ok(write_file(&plan.junit, xml.as_bytes())?)
+        .map_err(|error| Failure::at(junit, error))?;
+    Ok(write_file(junit, xml.as_bytes())?)
 }
 
 /// The run itself is a test case: failed if the run diverges, an error if it cannot start.

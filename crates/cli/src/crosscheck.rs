@@ -9,7 +9,7 @@ use truecut_recording::Outcome;
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Claims, Run};
 
-use crate::args::RunPlan;
+use crate::args::CrosscheckArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -22,9 +22,9 @@ const SCRIPT: &str = "tests/crosscheck/truecut_reference/run.py";
 const DISAGREES: i32 = 4;
 
 /// Runs every scenario here, then in MuJoCo, one after the other. Sweeps are skipped and listed.
-pub fn crosscheck(plan: &RunPlan) -> Result<ExitStatus, Failure> {
-    let (sweeps, single): (Vec<_>, Vec<_>) =
-        (plan.scenarios.iter()).partition(|s| s.sweep.is_some());
+pub fn crosscheck(arguments: &CrosscheckArguments) -> Result<ExitStatus, Failure> {
+    let scenarios = arguments.load()?;
+    let (sweeps, single): (Vec<_>, Vec<_>) = scenarios.iter().partition(|s| s.sweep.is_some());
     if let ([first, ..], []) = (sweeps.as_slice(), single.as_slice()) {
         let text = "a sweep cannot be cross-checked: only single runs can";
         return Err(first.problem("sweep", text).into());
@@ -37,7 +37,7 @@ pub fn crosscheck(plan: &RunPlan) -> Result<ExitStatus, Failure> {
     }
     let mut all = ExitStatus::Good;
     for scenario in single {
-        all = all.and(crosscheck_one(scenario, &plan.out)?);
+        all = all.and(crosscheck_one(scenario, &arguments.out)?);
     }
     Ok(all)
 }

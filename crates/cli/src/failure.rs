@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use miette::{Diagnostic, NamedSource, SourceSpan};
+use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use truecut_arm::ArmError;
 use truecut_scenario::{Identification, Scenario, ScenarioError};
 use truecut_sim::SimError;
@@ -11,11 +11,11 @@ use truecut_telemetry::FileError;
 
 /// Why a command failed.
 #[derive(Debug)]
-pub struct Failure(Box<dyn Diagnostic + Send + Sync>);
+pub struct Failure(Report);
 
-impl From<Failure> for miette::Report {
-    fn from(failure: Failure) -> miette::Report {
-        miette::Report::new_boxed(failure.0)
+impl From<Failure> for Report {
+    fn from(failure: Failure) -> Report {
+        failure.0
     }
 }
 
@@ -27,7 +27,7 @@ impl std::fmt::Display for Failure {
 
 impl From<ScenarioError> for Failure {
     fn from(error: ScenarioError) -> Failure {
-        Failure(Box::new(error))
+        Failure(error.into())
     }
 }
 
@@ -39,10 +39,7 @@ impl From<RunError> for Failure {
                 let help = format!("it is the robot of {}", scenario.display());
                 Failure::arm_with(&error, Some(help))
             }
-            RunError::Data { message, help } => Failure(Box::new(Message {
-                text: message,
-                help,
-            })),
+            RunError::Data { message, help } => Failure::advised(message, help),
             RunError::Metric { .. } | RunError::Sink(_) => Failure::message(error.to_string()),
         }
     }
@@ -54,70 +51,10 @@ impl From<FileError> for Failure {
     }
 }
 
-/// A failure in one sentence, with advice.
-#[derive(Debug)]
-struct Message {
-    text: String,
-    help: Option<String>,
-}
-
-impl std::fmt::Display for Message {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.text)
-    }
-}
-
-impl std::error::Error for Message {}
-
-impl Diagnostic for Message {
-    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
-        self.help
-            .as_ref()
-            .map(|help| Box::new(help) as Box<dyn std::fmt::Display>)
-    }
-}
-
-/// A failure in a line of a file.
-#[derive(Debug)]
-struct InLine {
-    text: String,
-    help: Option<String>,
-    source: NamedSource<String>,
-    span: SourceSpan,
-}
-
-impl std::fmt::Display for InLine {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.text)
-    }
-}
-
-impl std::error::Error for InLine {}
-
-impl Diagnostic for InLine {
-    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
-        self.help
-            .as_ref()
-            .map(|help| Box::new(help) as Box<dyn std::fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn miette::SourceCode> {
-        Some(&self.source)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = miette::LabeledSpan> + '_>> {
-        let label = miette::LabeledSpan::new_primary_with_span(Some("here".into()), self.span);
-        Some(Box::new(std::iter::once(label)))
-    }
-}
-
 impl Failure {
     /// A failure that is not at a place in a file.
     pub fn message(text: impl Into<String>) -> Failure {
-        Failure(Box::new(Message {
-            text: text.into(),
-            help: None,
-        }))
+        Failure::advised(text, None)
     }
 
     /// A failure about a file or a folder.
@@ -127,10 +64,11 @@ impl Failure {
 
     /// A failure that is not at a place in a file, with advice.
     pub fn with_help(text: impl Into<String>, help: impl Into<String>) -> Failure {
-        Failure(Box::new(Message {
-            text: text.into(),
-            help: Some(help.into()),
-        }))
+        Failure::advised(text, Some(help.into()))
+    }
+
+    fn advised(text: impl Into<String>, help: Option<String>) -> Failure {
+        Failure(described(text, help).into())
     }
 
     /// An error in a file that another file names; at its line if known.
@@ -143,13 +81,10 @@ impl Failure {
         let place = path.zip(line);
         let shown =
             place.and_then(|(path, line)| in_line(path, line, text.clone(), Some(help.clone())));
-        shown.map_or_else(
-            || {
-                let file = path.map_or_else(String::new, |path| format!("{}: ", path.display()));
-                Failure::with_help(format!("{file}{text}"), help)
-            },
-            |in_line| Failure(Box::new(in_line)),
-        )
+        shown.unwrap_or_else(|| {
+            let file = path.map_or_else(String::new, |path| format!("{}: ", path.display()));
+            Failure::with_help(format!("{file}{text}"), help)
+        })
     }
 
     /// A robot that cannot be used, at the line of the error if known.
@@ -159,11 +94,8 @@ impl Failure {
 
     fn arm_with(error: &ArmError, help: Option<String>) -> Failure {
         let place = error.path().zip(error.line());
-        let text = place.and_then(|(path, line)| in_line(path, line, error.message(), help));
-        text.map_or_else(
-            || Failure::message(error.to_string()),
-            |in_line| Failure(Box::new(in_line)),
-        )
+        let shown = place.and_then(|(path, line)| in_line(path, line, error.message(), help));
+        shown.unwrap_or_else(|| Failure::message(error.to_string()))
     }
 
     /// An error of the simulator, at the key of the scenario that caused it.
@@ -186,7 +118,14 @@ impl Failure {
     }
 }
 
-fn in_line(path: &Path, line: usize, text: String, help: Option<String>) -> Option<InLine> {
+fn described(text: impl Into<String>, help: Option<String>) -> MietteDiagnostic {
+    MietteDiagnostic {
+        help,
+        ..MietteDiagnostic::new(text)
+    }
+}
+
+fn in_line(path: &Path, line: usize, text: String, help: Option<String>) -> Option<Failure> {
     let source = std::fs::read_to_string(path).ok()?;
     let start: usize = source
         .split_inclusive('\n')
@@ -194,12 +133,12 @@ fn in_line(path: &Path, line: usize, text: String, help: Option<String>) -> Opti
         .map(str::len)
         .sum();
     let rest = source.get(start..)?.lines().next().unwrap_or_default();
-    let indent = rest.len() - rest.trim_start().len();
-    let span = (start + indent, rest.trim().len()).into();
-    Some(InLine {
-        text,
-        help,
-        source: NamedSource::new(path.display().to_string(), source),
-        span,
-    })
+    let span = (
+        start + rest.len() - rest.trim_start().len(),
+        rest.trim().len(),
+    );
+    let label = LabeledSpan::new_primary_with_span(Some("here".to_owned()), span);
+    let report = Report::new(described(text, help).with_label(label));
+    let source = NamedSource::new(path.display().to_string(), source);
+    Some(Failure(report.with_source_code(source)))
 }

@@ -5,26 +5,24 @@ use truecut::outputs::write_file;
 use truecut_discrepancy::fit::{self, ChannelFit, FitReport};
 use truecut_recording::significant;
 
-use crate::args::FitPlan;
+use crate::args::FitArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::text::{Align, headed, table};
+use crate::text::{Align, headed, json, table};
 
 /// Fits, writes `fit.json`, prints what was found.
-pub fn fit(plan: &FitPlan) -> Result<ExitStatus, Failure> {
-    let scenario = &plan.scenario;
+pub fn fit(arguments: &FitArguments) -> Result<ExitStatus, Failure> {
+    let scenario = &arguments.common.load(&arguments.scenario)?;
     let Some(spec) = &scenario.fit else {
         return Err(Failure::with_help(
             format!("{}: there is no [fit] table", scenario.path().display()),
             "add [fit] with the unknowns, e.g. unknowns = [\"viscous\", \"coulomb\", \"offset\"]",
         ));
     };
-    let measured = data::measured(scenario, plan.data.as_deref())?;
+    let measured = data::measured(scenario, arguments.data.as_deref())?;
     let report = fit::fit(scenario, &measured, spec).map_err(|e| Failure::sim(scenario, e))?;
-    let path = plan.out.join(scenario.stem()).join("fit.json");
-    let json = serde_json::to_string_pretty(&report)
-        .map_err(|error| Failure::message(format!("cannot write the report: {error}")))?;
-    write_file(&path, format!("{json}\n").as_bytes())?;
+    let path = arguments.out.join(scenario.stem()).join("fit.json");
+    write_file(&path, json(&report)?.as_bytes())?;
     crate::print(&format!(
         "{}\n{}  {}\n",
         scenario.name,

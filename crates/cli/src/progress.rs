@@ -12,12 +12,43 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Divisions of the bar per run.
 const PARTS: f64 = 1000.0;
 
-/// Progress over a number of runs, updated from any thread.
-pub struct Progress {
+/// A bar on standard error that appears once the work takes more than two seconds.
+pub struct PatientBar {
     bar: ProgressBar,
     started: Instant,
     shown: AtomicBool,
 }
+
+impl PatientBar {
+    pub fn new(length: u64, template: &str) -> PatientBar {
+        let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden());
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        PatientBar {
+            bar,
+            started: Instant::now(),
+            shown: AtomicBool::new(false),
+        }
+    }
+
+    /// Changes the bar, from any thread.
+    pub fn tell(&self, change: impl FnOnce(&ProgressBar)) {
+        if self.started.elapsed() > PATIENCE && !self.shown.swap(true, Ordering::Relaxed) {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        change(&self.bar);
+    }
+}
+
+impl Drop for PatientBar {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Progress over a number of runs, updated from any thread.
+pub struct Progress(PatientBar);
 
 /// Progress of one of the runs.
 pub struct RunProgress<'a> {
@@ -27,20 +58,10 @@ pub struct RunProgress<'a> {
 
 impl Progress {
     pub fn new(runs: usize, what: &str) -> Progress {
-        let bar = ProgressBar::with_draw_target(
-            Some(runs as u64 * PARTS as u64),
-            ProgressDrawTarget::hidden(),
-        );
-        let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %  {eta} left");
-        if let Ok(style) = style {
-            bar.set_style(style);
-        }
-        bar.set_message(what.to_owned());
-        Progress {
-            bar,
-            started: Instant::now(),
-            shown: AtomicBool::new(false),
-        }
+        let template = "{msg} {wide_bar} {percent:>3} %  {eta} left";
+        let bar = PatientBar::new(runs as u64 * PARTS as u64, template);
+        bar.bar.set_message(what.to_owned());
+        Progress(bar)
     }
 
     /// Does work that tells of its progress, 0 to 1.
@@ -57,13 +78,6 @@ impl Progress {
             done: Mutex::new(0),
         }
     }
-
-    fn advance(&self, parts: u64) {
-        if self.started.elapsed() > PATIENCE && !self.shown.swap(true, Ordering::Relaxed) {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
-        self.bar.inc(parts);
-    }
 }
 
 impl RunProgress<'_> {
@@ -73,7 +87,7 @@ impl RunProgress<'_> {
         if let Ok(mut done) = self.done.lock()
             && parts > *done
         {
-            self.all.advance(parts - *done);
+            self.all.0.tell(|bar| bar.inc(parts - *done));
             *done = parts;
         }
     }
@@ -82,11 +96,5 @@ impl RunProgress<'_> {
 impl Drop for RunProgress<'_> {
     fn drop(&mut self) {
         self.set(1.0);
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
     }
 }

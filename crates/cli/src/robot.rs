@@ -5,6 +5,7 @@ use truecut_arm::{JointKind, Robot, report::fk_table};
 use crate::args::RobotArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
+use crate::text;
 
 /// Prints the report, as text or JSON, or a table of flange poses.
 pub fn describe(arguments: &RobotArguments) -> Result<ExitStatus, Failure> {
@@ -23,9 +24,7 @@ pub fn describe(arguments: &RobotArguments) -> Result<ExitStatus, Failure> {
         .report(&posture)
         .map_err(|error| Failure::arm(&error))?;
     if arguments.json {
-        let json = serde_json::to_string_pretty(&report)
-            .map_err(|error| Failure::message(format!("cannot write the report: {error}")))?;
-        return crate::print(&format!("{json}\n"));
+        return crate::print(&text::json(&report)?);
     }
     crate::print(&report.to_text())
 }

@@ -7,53 +7,47 @@ use truecut_recording::Unit;
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Finished, Run, Runs};
 
-use crate::args::RunPlan;
+use crate::args::RunArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::{Progress, RunProgress};
 use crate::sweep;
 use crate::text;
 
-/// Printed text and exit status of a scenario that has run.
-struct Report {
-    text: String,
-    status: ExitStatus,
-}
-
-/// Runs every scenario of the plan; sweeps after the single runs, since each of them fills all
+/// Runs every scenario given; sweeps after the single runs, since each of them fills all
 /// cores.
-pub fn run(plan: RunPlan) -> Result<ExitStatus, Failure> {
-    let (sweeps, singles): (Vec<&Scenario>, Vec<&Scenario>) = plan
-        .scenarios
+pub fn run(arguments: &RunArguments) -> Result<ExitStatus, Failure> {
+    let scenarios = arguments.load()?;
+    let (sweeps, singles): (Vec<_>, Vec<_>) = scenarios
         .iter()
         .partition(|scenario| scenario.sweep.is_some());
     let runs = Runs::default();
     let progress = Progress::new(singles.len(), "running");
-    let reports: Vec<Result<Report, Failure>> = singles
+    let reports: Vec<Result<(String, ExitStatus), Failure>> = singles
         .par_iter()
-        .map(|scenario| run_one(scenario, &plan, &runs, &progress.run()))
+        .map(|scenario| run_one(scenario, arguments, &runs, &progress.run()))
         .collect();
     drop(progress);
     let mut all = ExitStatus::Good;
     for report in reports {
-        let report = report?;
-        crate::print(&report.text)?;
-        all = all.and(report.status);
+        let (text, status) = report?;
+        crate::print(&text)?;
+        all = all.and(status);
     }
     for scenario in sweeps {
-        all = all.and(sweep::run_and_write(scenario, &plan.out)?);
+        all = all.and(sweep::run_and_write(scenario, &arguments.out)?);
     }
     Ok(all)
 }
 
 fn run_one(
     scenario: &Scenario,
-    plan: &RunPlan,
+    arguments: &RunArguments,
     runs: &Runs,
     progress: &RunProgress,
-) -> Result<Report, Failure> {
-    let outputs = Outputs::prepare(&plan.out, scenario, plan.rrd)?;
-    let measured = data::replayed_from(scenario, plan.data.as_deref())?;
+) -> Result<(String, ExitStatus), Failure> {
+    let outputs = Outputs::prepare(&arguments.out, scenario, !arguments.no_rrd)?;
+    let measured = data::replayed_from(scenario, arguments.data.as_deref())?;
     let finished = Run {
         measured: measured.as_ref(),
         read_data: Some(data::replayed),
@@ -64,10 +58,8 @@ fn run_one(
     }
     .execute()?;
     outputs.write_summary(&finished.recording, &finished.claims)?;
-    Ok(Report {
-        text: printed(scenario, &finished, &outputs),
-        status: ExitStatus::of_run(&finished.recording.outcome, &finished.claims),
-    })
+    let status = ExitStatus::of_run(&finished.recording.outcome, &finished.claims);
+    Ok((printed(scenario, &finished, &outputs), status))
 }
 
 fn printed(scenario: &Scenario, finished: &Finished, outputs: &Outputs) -> String {
@@ -84,9 +76,7 @@ fn printed(scenario: &Scenario, finished: &Finished, outputs: &Outputs) -> Strin
         text::show(Unit::Second, finished.time_step_s),
         recording.time_s.len()
     );
-    for note in &recording.header.notes {
-        text.push_str(&format!("  note: {note}\n"));
-    }
+    text.push_str(&text::notes(&recording.header.notes));
     if !claims.is_empty() {
         let held = claims.iter().filter(|claim| claim.holds).count();
         text.push_str(&format!(

@@ -1,11 +1,15 @@
 //! Numbers and tables as printed.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 pub use comfy_table::CellAlignment as Align;
 use comfy_table::presets;
+use serde::Serialize;
 use truecut_recording::{ClaimResult, Outcome, Scalar, Unit, UserUnit, significant};
 use truecut_sim::sweep::SweepTable;
+
+use crate::failure::Failure;
 
 /// The customary unit of a quantity of this size.
 pub fn reading_unit(unit: Unit, size: f64) -> UserUnit {
@@ -186,6 +190,20 @@ pub fn table(aligns: &[Align], rows: &[Vec<String>]) -> String {
         .lines()
         .map(|line| format!("{}\n", line.trim_end()))
         .collect()
+}
+
+/// Notes, one a line.
+pub fn notes<T: Display>(notes: impl IntoIterator<Item = T>) -> String {
+    (notes.into_iter())
+        .map(|note| format!("  note: {note}\n"))
+        .collect()
+}
+
+/// A report as JSON, indented, with a line end.
+pub fn json(report: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(report)
+        .map(|json| format!("{json}\n"))
+        .map_err(|error| Failure::message(format!("cannot write the report: {error}")))
 }
 
 #[cfg(test)]

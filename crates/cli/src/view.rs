@@ -1,6 +1,6 @@
 //! `truecut view`: opens the viewer, or lists the channels of a recording.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use truecut_recording::{Chunk, Recording, Sink, Unit, reduce, significant};
@@ -33,33 +33,25 @@ pub fn view(arguments: &ViewArguments) -> Result<ExitStatus, Failure> {
 }
 
 fn open(file: &Path) -> Result<ExitStatus, Failure> {
-    let Some(viewer) = on_path("rerun") else {
-        let text = format!("{}: the viewer `rerun` is not on the PATH", file.display());
-        return Err(Failure::with_help(
-            text,
-            format!("get it with `{GET_VIEWER}`"),
-        ));
+    let status = match Command::new("rerun").arg(file).status() {
+        Ok(status) => status,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            let text = format!("{}: the viewer `rerun` is not on the PATH", file.display());
+            return Err(Failure::with_help(
+                text,
+                format!("get it with `{GET_VIEWER}`"),
+            ));
+        }
+        Err(error) => return Err(Failure::message(format!("the viewer `rerun`: {error}"))),
     };
-    let status = Command::new(&viewer)
-        .arg(file)
-        .status()
-        .map_err(|error| Failure::at(&viewer, error))?;
     if status.success() {
         return Ok(ExitStatus::Good);
     }
-    let text = format!("{} ended with {status}", viewer.display());
+    let help = format!("recordings need the viewer of `{GET_VIEWER}`");
     Err(Failure::with_help(
-        text,
-        format!("recordings need the viewer of `{GET_VIEWER}`"),
+        format!("`rerun` ended with {status}"),
+        help,
     ))
-}
-
-fn on_path(program: &str) -> Option<PathBuf> {
-    let name = format!("{program}{}", std::env::consts::EXE_SUFFIX);
-    let path = std::env::var_os("PATH")?;
-    std::env::split_paths(&path)
-        .map(|folder| folder.join(&name))
-        .find(|file| file.is_file())
 }
 
 /// Writes a `.rrd` with the curves of a recording; the 3-D scene is only in the `.rrd` of the run
@@ -90,9 +82,7 @@ fn list(file: &Path, recording: &Recording) -> String {
         text::outcome(&recording.outcome),
         recording.time_s.len()
     );
-    for note in &header.notes {
-        text.push_str(&format!("  note: {note}\n"));
-    }
+    text.push_str(&text::notes(&header.notes));
     let head = ["channel", "unit", "min", "max", "rms", "what"];
     let channels = header
         .channels

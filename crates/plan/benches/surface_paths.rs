@@ -8,7 +8,8 @@ use truecut_arm::Robot;
 use truecut_plan::program::TravelOptions;
 use truecut_plan::surface::PatchFile;
 use truecut_plan::surface_path::{
-    AxisRule, ContactWheel, PathOptions, Segment, SurfacePath, plan_iso_parametric, solve,
+    AxisRule, ContactWheel, FeedAlong, PathOptions, Segment, Strategy, SurfacePath, plan_path,
+    solve,
 };
 
 const WHEEL: ContactWheel = ContactWheel {
@@ -31,7 +32,8 @@ fn laid(patch: &PatchFile) -> SurfacePath {
         step_m: 0.035e-3,
         margin_m: 0.0,
     };
-    plan_iso_parametric(patch.surface.as_ref(), &WHEEL, &options).expect("a path")
+    let (surface, strategy) = (patch.surface.as_ref(), Strategy::IsoParametric);
+    plan_path(surface, None, &WHEEL, strategy, FeedAlong::U, &options).expect("a path")
 }
 
 /// The spoke lies 1 m before the arm.

@@ -39,6 +39,7 @@
 
 mod assess;
 mod assessment;
+mod bounds;
 mod chain;
 mod criterion;
 mod error;
@@ -63,6 +64,7 @@ mod walk;
 
 pub use assess::{assess, modes_in_cut};
 pub use assessment::{Assessment, Decay, LEAST_DECAY, Stability};
+pub use bounds::OutOfBounds;
 pub use criterion::{Criterion, Cut, LEAST_ANISOTROPY};
 pub use error::PlanError;
 pub use intervals::Interval;

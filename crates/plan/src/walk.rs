@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::criterion::Criterion;
 use crate::error::PlanError;
+use crate::motion::joints::{JointSpeed, joint_speeds};
 use crate::plan::{Plan, PlanPoint, Segment};
 use crate::planner::Planner;
 use crate::reach::{Candidate, Family, are_joined, largest_motion_rad};
@@ -88,19 +89,15 @@ impl Planner<'_> {
         let feed_m_per_s = self.cut.feed_m_per_s();
         for pair in plan.points.windows(2) {
             let seconds = (pair[1].along_m - pair[0].along_m) / feed_m_per_s;
-            let moved = pair[0].posture.iter().zip(&pair[1].posture);
-            for (joint, (a, b)) in self.robot.chain.joints.iter().zip(moved) {
-                let speed = (a - b).abs() / seconds;
-                let limit = joint.limits.map_or(f64::INFINITY, |limits| limits.velocity);
-                if limit > 0.0 && speed > limit {
-                    return Err(PlanError::TooFast {
-                        along_m: pair[0].along_m,
-                        point_m: pair[0].point_m,
-                        joint: joint.name.clone(),
-                        speed_deg_s: speed.to_degrees(),
-                        limit_deg_s: limit.to_degrees(),
-                    });
-                }
+            let mut speeds = joint_speeds(self.robot, &pair[0].posture, &pair[1].posture, seconds);
+            if let Some(fast) = speeds.find(JointSpeed::is_too_fast) {
+                return Err(PlanError::TooFast {
+                    along_m: pair[0].along_m,
+                    point_m: pair[0].point_m,
+                    joint: self.robot.chain.joints[fast.joint].name.clone(),
+                    speed_deg_s: fast.speed.to_degrees(),
+                    limit_deg_s: fast.limit.to_degrees(),
+                });
             }
         }
         Ok(())

@@ -5,7 +5,6 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::units::from_mm;
 
 /// How a link differs from the URDF.
@@ -82,9 +81,8 @@ fn refuse_twice<'a>(list: &str, names: impl Iterator<Item = &'a String>, check: 
     let mut seen: Vec<&String> = Vec::new();
     for (index, name) in names.enumerate() {
         if let Some(earlier) = seen.iter().position(|known| *known == name) {
-            let path = format!("{list}.{index}.name");
-            let message = format!("`{path}` is \"{name}\", which `{list}.{earlier}` is already");
-            check.refuse(Fault::value(&path, message, "given twice"));
+            let message = format!("is \"{name}\", which `{list}.{earlier}` is already");
+            check.wrong(&format!("{list}.{index}"), "name", message, "given twice");
         }
         seen.push(name);
     }

@@ -2,6 +2,8 @@
 
 use std::fmt::Display;
 
+use truecut_recording::UserUnit;
+
 use crate::document::Document;
 use crate::fault::Fault;
 
@@ -9,6 +11,9 @@ use crate::fault::Fault;
 pub(crate) struct Check<'a> {
     document: &'a Document,
     faults: Vec<Fault>,
+    /// Units of thresholds, by the path of the table that holds the threshold: whether they fit is
+    /// seen once the channels are known.
+    pub thresholds: Vec<(String, UserUnit)>,
 }
 
 impl<'a> Check<'a> {
@@ -16,6 +21,7 @@ impl<'a> Check<'a> {
         Check {
             document,
             faults: Vec::new(),
+            thresholds: Vec::new(),
         }
     }
 

@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use truecut_recording::{ClaimSpec, RunReference, UserUnit};
+use truecut_recording::{ClaimSpec, RunReference};
 
 use crate::check::Check;
-use crate::column::read_unit;
 use crate::fault::Fault;
 use crate::metric::MetricTable;
 
@@ -72,35 +71,23 @@ impl SetValue {
     }
 }
 
-/// A claim that was read, and what must be checked once the channels are known.
-pub(crate) struct ReadClaim {
-    pub spec: ClaimSpec,
-    pub threshold: Option<UserUnit>,
-}
-
 impl ClaimTable {
     /// `table` is the dotted path of this table. `None` after recording a fault.
-    pub(crate) fn resolve(self, table: &str, check: &mut Check) -> Option<ReadClaim> {
+    pub(crate) fn resolve(self, table: &str, check: &mut Check) -> Option<ClaimSpec> {
         check_bounds(table, self.min, self.max, check);
         let relative_to = self
             .relative_to
             .map(|reference| reference.resolve(table, check));
-        let unit = read_unit(&self.unit, table, "unit", check);
-        let metric = self.metric.resolve(table, check);
-        let (unit, metric) = (unit?, metric?);
+        let (metric, unit) = self.metric.with_unit(&self.unit, table, check)?;
         let si = |bound: Option<f64>| bound.map(|bound| bound * unit.si_factor);
-        let spec = ClaimSpec {
+        Some(ClaimSpec {
             name: self.name,
-            metric: metric.spec,
+            metric,
             min: si(self.min),
             max: si(self.max),
             unit,
             reason: self.reason,
             relative_to,
-        };
-        Some(ReadClaim {
-            spec,
-            threshold: metric.threshold,
         })
     }
 }

@@ -9,7 +9,6 @@ use truecut_recording::{Mapping, Role, UserUnit};
 
 use crate::check::Check;
 use crate::column::{check_scale, read_unit, time_base};
-use crate::fault::Fault;
 
 /// Measured data.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,11 +101,9 @@ impl DataTable {
             self.to_s.unwrap_or(f64::INFINITY),
         ];
         if window_s[0] >= window_s[1] {
-            let message = format!(
-                "`data.to_s` is {}, but must be greater than from_s = {}",
-                window_s[1], window_s[0]
-            );
-            check.refuse(Fault::value("data.to_s", message, "nothing lies between"));
+            let [from, to] = window_s;
+            let message = format!("is {to}, but must be greater than from_s = {from}");
+            check.wrong("data", "to_s", message, "nothing lies between");
         }
         self.check_starts(check);
         let mut channels = Vec::new();
@@ -140,12 +137,12 @@ impl DataTable {
         let starts = self.starts_s.as_deref().unwrap_or_default();
         for (index, pair) in starts.windows(2).enumerate() {
             if pair[0] >= pair[1] {
-                let path = format!("data.starts_s.{}", index + 1);
                 let message = format!(
-                    "`{path}` is {}, but must be greater than the start before it, {}",
+                    "is {}, but must be greater than the start before it, {}",
                     pair[1], pair[0]
                 );
-                check.refuse(Fault::value(&path, message, "starts must rise"));
+                let key = (index + 1).to_string();
+                check.wrong("data.starts_s", &key, message, "starts must rise");
             }
         }
     }

@@ -76,18 +76,24 @@ pub(crate) struct MetricTable {
     to_fraction: Option<f64>,
 }
 
-/// A metric that was read, and what must be checked once the channels are known.
-pub(crate) struct ReadMetric {
-    pub spec: MetricSpec,
-    pub threshold: Option<UserUnit>,
-}
-
 const WITH_THRESHOLD: &str =
     "only the metrics \"first_time_above\" and \"duration_above\" have a threshold";
 
 impl MetricTable {
+    /// The metric, and the unit that is given for its value.
+    pub(crate) fn with_unit(
+        self,
+        unit: &str,
+        table: &str,
+        check: &mut Check,
+    ) -> Option<(MetricSpec, UserUnit)> {
+        let unit = read_unit(unit, table, "unit", check);
+        let metric = self.resolve(table, check);
+        Some((metric?, unit?))
+    }
+
     /// `table` is the dotted path of the table that holds the keys. `None` after recording a fault.
-    pub(crate) fn resolve(self, table: &str, check: &mut Check) -> Option<ReadMetric> {
+    fn resolve(self, table: &str, check: &mut Check) -> Option<MetricSpec> {
         if let Some(name) = self.scalar {
             let others = [
                 "metric",
@@ -103,10 +109,7 @@ impl MetricTable {
                 "to_fraction",
             ];
             check.ignored(table, &others, "the run computes the scalar by itself");
-            return Some(ReadMetric {
-                spec: MetricSpec::Scalar { name },
-                threshold: None,
-            });
+            return Some(MetricSpec::Scalar { name });
         }
         let Some(name) = self.metric else {
             let message =
@@ -119,14 +122,11 @@ impl MetricTable {
         let si_factor = unit.as_ref().map_or(1.0, |unit| unit.si_factor);
         let channels = self.take_channels(name, table, check);
         let reducer = self.reducer(name, si_factor, table, check);
-        let spec = MetricSpec::Reduced {
+        (check.thresholds).extend(unit.map(|unit| (table.to_owned(), unit)));
+        Some(MetricSpec::Reduced {
             reducer: reducer?,
             channels: channels?,
             window,
-        };
-        Some(ReadMetric {
-            spec,
-            threshold: unit,
         })
     }
 

@@ -124,25 +124,24 @@ impl RunSpec {
             ("record_interval_ms", self.record_interval_s),
         ] {
             if let Some(length_s) = length_s.filter(|length_s| *length_s > duration_s) {
-                let path = format!("run.{key}");
                 let message = format!(
-                    "`{path}` is {} ms, but the run takes {duration_s} s: it must fit into the run",
+                    "is {} ms, but the run takes {duration_s} s: it must fit into the run",
                     length_s * 1e3
                 );
-                check.refuse(Fault::value(&path, message, "longer than the run"));
+                check.wrong("run", key, message, "longer than the run");
             }
         }
         if let (Some(step_s), Some(interval_s)) = (self.time_step_s, self.record_interval_s)
             && interval_s < step_s
         {
             let message = format!(
-                "`run.record_interval_ms` is {} ms, but must be at least the time step of {} ms: \
+                "is {} ms, but must be at least the time step of {} ms: \
                  there is one row per step at most",
                 interval_s * 1e3,
                 step_s * 1e3
             );
-            let path = "run.record_interval_ms";
-            check.refuse(Fault::value(path, message, "shorter than the time step"));
+            let label = "shorter than the time step";
+            check.wrong("run", "record_interval_ms", message, label);
         }
     }
 }

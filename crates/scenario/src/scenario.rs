@@ -259,7 +259,6 @@ impl ScenarioTable {
         document: Document,
     ) -> Result<Scenario, ScenarioError> {
         let mut check = Check::new(&document);
-        let mut thresholds = Vec::new();
         let folder = document.folder();
         let known: Vec<&str> = processes.names().collect();
         let process = self.process.resolve(own, &known, &folder, &mut check);
@@ -285,23 +284,18 @@ impl ScenarioTable {
         if let (Some(process), Some(run)) = (&process, &run) {
             process.check_run(run, &mut check);
         }
-        let mut claims = Vec::new();
-        for (index, claim) in self.claim.unwrap_or_default().into_iter().enumerate() {
-            let table = format!("claim.{index}");
-            if let Some(read) = claim.resolve(&table, &mut check) {
-                thresholds.extend(read.threshold.map(|unit| (table, unit)));
-                claims.push(read.spec);
-            }
-        }
-        let sweep = self
-            .sweep
-            .map(|sweep| sweep.resolve(&mut thresholds, &mut check));
+        let claims = self.claim.unwrap_or_default().into_iter().enumerate();
+        let claims: Vec<ClaimSpec> = claims
+            .filter_map(|(index, claim)| claim.resolve(&format!("claim.{index}"), &mut check))
+            .collect();
+        let sweep = self.sweep.map(|sweep| sweep.resolve(&mut check));
         if sweep.is_some() && !claims.is_empty() {
             let message = "a sweep has no [[claim]]: its claims are [[sweep.claim]]".to_owned();
             check.refuse(Fault::key("claim.0", message, "never judged"));
         }
         windows::check_windows(&claims, sweep.as_ref(), run.as_ref(), &mut check);
         let effects = table::resolve(self.effect.unwrap_or_default(), &mut check);
+        let thresholds = std::mem::take(&mut check.thresholds);
         let faults = check.into_faults();
         document.refuse(faults)?;
         let (Some(process), Some(run)) = (process, run) else {

@@ -2,11 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use truecut_recording::{UserUnit, nearest};
+use truecut_recording::nearest;
 
 use crate::check::Check;
 use crate::claim::check_bounds;
-use crate::column::read_unit;
 use crate::fault::Fault;
 use crate::metric::MetricTable;
 use crate::sweep_check::{
@@ -100,24 +99,19 @@ struct ColumnTable {
     unit: String,
 }
 
-/// A unit of a threshold, by the path of its table, to be checked once the channels are known.
-pub(crate) type ThresholdUnits = Vec<(String, UserUnit)>;
-
 /// Relative width at which the search for a threshold ends where a scenario does not give it.
 const DEFAULT_TOLERANCE: f64 = 0.002;
 
 impl SweepTable {
-    pub(crate) fn resolve(self, thresholds: &mut ThresholdUnits, check: &mut Check) -> SweepSpec {
+    pub(crate) fn resolve(self, check: &mut Check) -> SweepSpec {
         let axes = self.axis.unwrap_or_default().into_iter().enumerate();
         let axes: Vec<SweepAxis> = axes
             .filter_map(|(index, axis)| axis.resolve(index, check))
             .collect();
-        let bisect = self
-            .bisect
-            .and_then(|bisect| bisect.resolve(thresholds, check));
+        let bisect = self.bisect.and_then(|bisect| bisect.resolve(check));
         let columns = self.column.unwrap_or_default().into_iter().enumerate();
         let columns: Vec<SweepColumn> = columns
-            .filter_map(|(index, column)| column.resolve(index, thresholds, check))
+            .filter_map(|(index, column)| column.resolve(index, check))
             .collect();
         if !check.document().has("sweep.axis") && !check.document().has("sweep.bisect") {
             let message = "[sweep] has neither [[sweep.axis]] nor [sweep.bisect]".to_owned();
@@ -195,18 +189,11 @@ impl AxisTable {
 }
 
 impl BisectTable {
-    fn resolve(self, thresholds: &mut ThresholdUnits, check: &mut Check) -> Option<BisectSpec> {
+    fn resolve(self, check: &mut Check) -> Option<BisectSpec> {
         let table = "sweep.bisect";
         check_key(&self.key, &format!("{table}.key"), check);
         check_rising(table, self.from, self.to, check);
-        let unit = read_unit(&self.unit, table, "unit", check);
-        let metric = self.metric.resolve(table, check);
-        let (unit, metric) = (unit?, metric?);
-        thresholds.extend(
-            metric
-                .threshold
-                .map(|threshold| (table.to_owned(), threshold)),
-        );
+        let (metric, unit) = self.metric.with_unit(&self.unit, table, check)?;
         Some(BisectSpec {
             name: self.name.unwrap_or_else(|| "threshold".into()),
             key_unit: key_unit(&self.key),
@@ -214,7 +201,7 @@ impl BisectTable {
             from: self.from,
             to: self.to,
             tolerance: self.tolerance.unwrap_or(DEFAULT_TOLERANCE),
-            metric: metric.spec,
+            metric,
             limit: self.limit * unit.si_factor,
             unit,
         })
@@ -222,20 +209,12 @@ impl BisectTable {
 }
 
 impl ColumnTable {
-    fn resolve(
-        self,
-        index: usize,
-        thresholds: &mut ThresholdUnits,
-        check: &mut Check,
-    ) -> Option<SweepColumn> {
+    fn resolve(self, index: usize, check: &mut Check) -> Option<SweepColumn> {
         let table = format!("sweep.column.{index}");
-        let unit = read_unit(&self.unit, &table, "unit", check);
-        let metric = self.metric.resolve(&table, check);
-        let (unit, metric) = (unit?, metric?);
-        thresholds.extend(metric.threshold.map(|threshold| (table, threshold)));
+        let (metric, unit) = self.metric.with_unit(&self.unit, &table, check)?;
         Some(SweepColumn {
             name: self.name,
-            metric: metric.spec,
+            metric,
             unit,
         })
     }
@@ -251,14 +230,13 @@ fn check_claim(claim: &SweepClaim, index: usize, known: &[String], check: &mut C
     ];
     for (key, name) in named {
         if let Some(name) = name.filter(|name| !known.contains(name)) {
-            let path = format!("{table}.{key}");
             let near = nearest(name, known.iter().map(String::as_str));
             let near = near.map(|near| format!("; did you mean \"{near}\"?"));
             let message = format!(
-                "`{path}` is \"{name}\", but no column of the sweep has that name{}",
+                "is \"{name}\", but no column of the sweep has that name{}",
                 near.unwrap_or_default()
             );
-            check.refuse(Fault::value(&path, message, "no such column"));
+            check.wrong(&table, key, message, "no such column");
         }
     }
 }

@@ -17,6 +17,17 @@ pub struct SweepSpec {
     pub claims: Vec<SweepClaim>,
 }
 
+impl SweepSpec {
+    /// Metrics of the columns and of the search, with their units and the paths of their tables.
+    pub(crate) fn metrics(&self) -> impl Iterator<Item = (String, &MetricSpec, &UserUnit)> {
+        let columns = self.columns.iter().enumerate();
+        let columns =
+            columns.map(|(index, one)| (format!("sweep.column.{index}"), &one.metric, &one.unit));
+        let bisect = self.bisect.iter();
+        columns.chain(bisect.map(|one| ("sweep.bisect".to_owned(), &one.metric, &one.unit)))
+    }
+}
+
 /// A key and the values that it takes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepAxis {

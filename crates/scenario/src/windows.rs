@@ -16,13 +16,8 @@ pub(crate) fn metrics<'a>(
 ) -> impl Iterator<Item = (String, &'a MetricSpec)> {
     let claims = claims.iter().enumerate();
     let claims = claims.map(|(index, claim)| (format!("claim.{index}"), &claim.metric));
-    let columns = sweep.into_iter().flat_map(|sweep| {
-        let columns = sweep.columns.iter().enumerate();
-        let columns = columns.map(|(index, one)| (format!("sweep.column.{index}"), &one.metric));
-        let bisect = sweep.bisect.iter();
-        columns.chain(bisect.map(|one| ("sweep.bisect".to_owned(), &one.metric)))
-    });
-    claims.chain(columns)
+    let columns = sweep.into_iter().flat_map(SweepSpec::metrics);
+    claims.chain(columns.map(|(table, metric, _)| (table, metric)))
 }
 
 /// Refuses stretches that end after the run does.

@@ -7,6 +7,7 @@ mod inverse_kinematics;
 mod modal;
 mod ortho_parallel;
 mod random_chain;
+mod response;
 mod statics;
 mod tangents;
 mod tool_modes;

@@ -31,7 +31,7 @@ proptest! {
         let tangent = case.robot.gravity_stiffness(&case.q, &GRAVITY);
         let scale = tangent.amax().max(1.0);
         for i in 0..case.robot.dof() {
-            let column = difference(&case.q, i, |q| case.robot.gravity_torques(q, &GRAVITY));
+            let column = difference(&case.q, i, |q| case.robot.load_torques(q, &Load::gravity(GRAVITY)));
             prop_assert!((tangent.column(i) - column).amax() <= 1e-6 * scale);
         }
     }

@@ -7,55 +7,53 @@ use truecut_plan::{Criterion, LEAST_DECAY};
 
 use super::Common;
 use super::number::{above_zero, number};
-use crate::failure::Failure;
-use crate::{lobes, posture};
 
 #[derive(Debug, Args)]
 pub struct LobesArguments {
     /// Scenario file, with [process.milling]
-    scenario: PathBuf,
+    pub scenario: PathBuf,
     /// Slowest and fastest spindle speed [default: a tenth of the scenario's, and one and a quarter
     /// of it]
     #[arg(long, value_name = "FROM,TO", value_parser = parse_range)]
-    rpm: Option<[f64; 2]>,
+    pub rpm: Option<[f64; 2]>,
     /// Deepest cut [default: three times the scenario's, or a fifth more than its limit]
     #[arg(long, value_name = "MM", value_parser = above_zero)]
-    deepest: Option<f64>,
+    pub deepest: Option<f64>,
     /// How many speeds and depths the diagram has
     #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u16).range(2..=1000))]
-    size: u16,
+    pub size: u16,
     /// How many runs are simulated, just below and just above the limit in turns; 0 for none
     #[arg(long, value_name = "N", default_value = "12", value_parser = clap::value_parser!(u16).range(0..=1000))]
-    runs: u16,
+    pub runs: u16,
     /// Where on the path the arm stands, from its start [default: 0]
     #[arg(long, value_name = "MM", value_parser = parse_distance)]
-    at: Option<f64>,
+    pub at: Option<f64>,
     /// Folder for outputs; the scenario gets a folder of its own in it
     #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
+    pub out: PathBuf,
     #[command(flatten)]
-    common: Common,
+    pub common: Common,
 }
 
 #[derive(Debug, Args)]
 pub struct PostureArguments {
     /// Scenario file, with [process.milling]
-    scenario: PathBuf,
+    pub scenario: PathBuf,
     /// By what a posture counts as stable
     #[arg(long, value_enum, default_value_t = CriterionName::Regenerative)]
-    criterion: CriterionName,
+    pub criterion: CriterionName,
     /// Least decay of vibration in the cut, as a part of that of the arm's slowest mode when
     /// nothing is cut; from 0 to less than 1
     #[arg(long, value_name = "PART", default_value_t = LEAST_DECAY, value_parser = parse_part)]
-    least_decay: f64,
+    pub least_decay: f64,
     /// Draw the maps of stiffness and limit over joints 2 and 3 too
     #[arg(long)]
-    maps: bool,
+    pub maps: bool,
     /// Folder for outputs; the scenario gets a folder of its own in it
     #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
+    pub out: PathBuf,
     #[command(flatten)]
-    common: Common,
+    pub common: Common,
 }
 
 /// By what a posture counts as stable.
@@ -69,34 +67,6 @@ pub enum CriterionName {
     ModeCoupling,
     /// Regeneration of all modes, teeth meeting the surface that earlier ones left, with the floor
     Regenerative,
-}
-
-impl LobesArguments {
-    /// Loads the scenario.
-    pub fn resolve(self) -> Result<lobes::LobesPlan, Failure> {
-        Ok(lobes::LobesPlan {
-            scenario: self.common.load(&self.scenario)?,
-            rpm: self.rpm,
-            deepest_m: self.deepest.map(|mm| mm * 1e-3),
-            size: self.size.into(),
-            runs: self.runs.into(),
-            at_m: self.at.unwrap_or(0.0) * 1e-3,
-            out: self.out,
-        })
-    }
-}
-
-impl PostureArguments {
-    /// Loads the scenario.
-    pub fn resolve(self) -> Result<posture::Request, Failure> {
-        Ok(posture::Request {
-            scenario: self.common.load(&self.scenario)?,
-            criterion: self.criterion.into(),
-            least_decay: self.least_decay,
-            maps: self.maps,
-            out: self.out,
-        })
-    }
 }
 
 impl From<CriterionName> for Criterion {

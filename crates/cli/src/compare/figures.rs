@@ -6,7 +6,7 @@ use truecut_discrepancy::compare::{
 use truecut_recording::{Measured, Recording, Unit, UserUnit, short_number, significant};
 
 use crate::figure::{
-    BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, Scale, Style, thinned,
+    BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, Scale, Style, largest, thinned,
 };
 use crate::text::reading_unit;
 
@@ -77,12 +77,6 @@ fn columns(
         measured: values,
         time_s,
     }
-}
-
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values
-        .filter(|value| value.is_finite())
-        .fold(0.0, |largest: f64, value| largest.max(value.abs()))
 }
 
 /// `force [N]`; nothing in brackets without a unit.

@@ -12,7 +12,7 @@ use truecut_recording::{Measured, Outcome, Recording};
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Claims, Run};
 
-use crate::args::ComparePlan;
+use crate::args::CompareArguments;
 use crate::failure::Failure;
 use crate::progress::Progress;
 
@@ -23,13 +23,13 @@ const FOLDER: &str = "compare";
 const REPORT: &str = "compare.json";
 
 /// Runs the scenario, compares it with its data, prints the table, writes report and figures.
-pub fn compare(plan: &ComparePlan) -> Result<ExitStatus, Failure> {
-    let scenario = &plan.scenario;
+pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
+    let scenario = &arguments.common.load(&arguments.scenario)?;
     if scenario.sweep.is_some() {
         let text = "a sweep cannot be compared with data: only single runs can";
         return Err(scenario.problem("sweep", text).into());
     }
-    let measured = data::measured(scenario, plan.data.as_deref())?;
+    let measured = data::measured(scenario, arguments.data.as_deref())?;
     let finished = Progress::of_one("running", |progress| {
         let run = Run {
             measured: Some(&measured),
@@ -46,10 +46,11 @@ pub fn compare(plan: &ComparePlan) -> Result<ExitStatus, Failure> {
         return Ok(ExitStatus::Diverged);
     }
     let turning = scenario.process.facts().rate_rad_s;
-    let spindle_hz = (plan.spindle_hz).or(turning.map(|rad_s| rad_s / std::f64::consts::TAU));
+    let turning = turning.map(|rad_s| rad_s / std::f64::consts::TAU);
+    let spindle_hz = arguments.rpm.map(|rpm| rpm / 60.0).or(turning);
     let comparison = compare_recordings(&simulated, &measured, spindle_hz)
         .map_err(|error| refused(scenario, &measured, &error))?;
-    let folder = plan.out.join(scenario.stem()).join(FOLDER);
+    let folder = arguments.out.join(scenario.stem()).join(FOLDER);
     let written = write(&folder, &comparison, &simulated, &measured)?;
     crate::print(&text::printed(&scenario.name, &comparison, &written))?;
     Ok(ExitStatus::Good)
@@ -87,9 +88,7 @@ fn write(
         _ => {}
     }
     let report = folder.join(REPORT);
-    let json = serde_json::to_string_pretty(comparison)
-        .map_err(|error| Failure::message(format!("{REPORT}: {error}")))?;
-    write_file(&report, format!("{json}\n").as_bytes())?;
+    write_file(&report, crate::text::json(comparison)?.as_bytes())?;
     let mut written = vec![report];
     for channel in &comparison.channels {
         let path = folder.join(format!("{}.svg", channel.channel));

@@ -19,9 +19,7 @@ pub fn printed(name: &str, comparison: &Comparison, written: &[PathBuf]) -> Stri
         comparison.source,
         significant(comparison.rate_hz, 4)
     );
-    for note in &comparison.notes {
-        text.push_str(&format!("  note: {note}\n"));
-    }
+    text.push_str(&text::notes(&comparison.notes));
     text.push_str(&format!("\n{}", table(comparison)));
     for channel in &comparison.channels {
         let findings = findings(channel);

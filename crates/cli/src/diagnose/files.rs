@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use truecut_discrepancy::diagnose::Diagnosis;
 use truecut_discrepancy::trial::Trial;
 use truecut_scenario::Scenario;
 
-use super::{Confirmed, DiagnosePlan, Written, report, viewer};
+use super::{Confirmed, Written, report, viewer};
 use crate::failure::Failure;
+use crate::text;
 use truecut::outputs::write_file;
 
 const ANSWER: &str = "diagnosis.json";
@@ -21,10 +21,9 @@ const VIEWER: &str = "diagnosis.rrd";
 ///
 /// # Errors
 /// A folder that cannot be written to, or in which an answer would replace what is being diagnosed.
-pub fn prepare(plan: &DiagnosePlan, data: &str) -> Result<(), Failure> {
-    let folder = plan.out.join(plan.scenario.stem());
-    spare_inputs(plan, data, &folder)?;
-    std::fs::create_dir_all(&folder).map_err(|error| Failure::at(&folder, error))?;
+pub fn prepare(scenario: &Scenario, folder: &Path, data: &str) -> Result<(), Failure> {
+    spare_inputs([scenario.path(), Path::new(data)], folder)?;
+    std::fs::create_dir_all(folder).map_err(|error| Failure::at(folder, error))?;
     for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
         let path = folder.join(name);
         if path.is_dir() {
@@ -33,12 +32,11 @@ pub fn prepare(plan: &DiagnosePlan, data: &str) -> Result<(), Failure> {
         }
     }
     let probe = folder.join(format!(".{}", std::process::id()));
-    std::fs::write(&probe, b"").map_err(|error| Failure::at(&folder, error))?;
+    std::fs::write(&probe, b"").map_err(|error| Failure::at(folder, error))?;
     std::fs::remove_file(&probe).map_err(|error| Failure::at(&probe, error))
 }
 
-fn spare_inputs(plan: &DiagnosePlan, data: &str, folder: &Path) -> Result<(), Failure> {
-    let inputs = [plan.scenario.path(), Path::new(data)];
+fn spare_inputs(inputs: [&Path; 2], folder: &Path) -> Result<(), Failure> {
     for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
         let Ok(there) = folder.join(name).canonicalize() else {
             continue;
@@ -49,10 +47,7 @@ fn spare_inputs(plan: &DiagnosePlan, data: &str, folder: &Path) -> Result<(), Fa
                     "the answer would replace {}, which it is about",
                     input.display()
                 );
-                return Err(Failure::with_help(
-                    text,
-                    "choose another folder with --out".to_owned(),
-                ));
+                return Err(Failure::with_help(text, "choose another folder with --out"));
             }
         }
     }
@@ -61,12 +56,11 @@ fn spare_inputs(plan: &DiagnosePlan, data: &str, folder: &Path) -> Result<(), Fa
 
 /// Writes the answer, the extended scenario, the experiment proposed, the report and the curves.
 pub fn write(
-    plan: &DiagnosePlan,
+    scenario: &Scenario,
+    folder: &Path,
     trial: &Trial,
     confirmed: &Confirmed,
 ) -> Result<Written, Failure> {
-    let folder = plan.out.join(plan.scenario.stem());
-    let scenario = &plan.scenario;
     for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
         match std::fs::remove_file(folder.join(name)) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
@@ -81,7 +75,7 @@ pub fn write(
         viewer: folder.join(VIEWER),
         extended: None,
     };
-    let text = extended(scenario, trial, confirmed, &folder)?;
+    let text = extended(scenario, trial, confirmed, folder)?;
     if !answer.effects.is_empty() {
         let path = folder.join(EXTENDED);
         write_file(&path, text.as_bytes())?;
@@ -89,7 +83,7 @@ pub fn write(
     }
     if let Some(best) = answer.diagnosis.experiments.first() {
         let varied = scenario.with_overrides(&best.overrides)?;
-        let text = varied.text_for_folder(&folder, &[], &trial.rotary());
+        let text = varied.text_for_folder(folder, &[], &trial.rotary());
         write_file(&folder.join(EXPERIMENT), text.as_bytes())?;
     }
     write_file(
@@ -98,15 +92,9 @@ pub fn write(
     )?;
     viewer::write(trial, confirmed, &text, &written.viewer)?;
     // Written last: where it exists, the others do, too.
-    write_file(&folder.join(ANSWER), &json(&answer.diagnosis)?)?;
+    let json = text::json(&answer.diagnosis)?;
+    write_file(&folder.join(ANSWER), json.as_bytes())?;
     Ok(written)
-}
-
-fn json(diagnosis: &Diagnosis) -> Result<Vec<u8>, Failure> {
-    let mut text = serde_json::to_string_pretty(diagnosis)
-        .map_err(|error| Failure::message(format!("{ANSWER}: {error}")))?;
-    text.push('\n');
-    Ok(text.into_bytes())
 }
 
 /// The user's file with refitted values and effects; relative paths lead from the new folder to the

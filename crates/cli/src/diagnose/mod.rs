@@ -8,26 +8,17 @@ mod viewer;
 
 use std::path::PathBuf;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use truecut::data;
 use truecut_discrepancy::confirmed::Confirmed;
-use truecut_discrepancy::diagnose::{self, DiagnoseError, Options, Progress, Stage};
+use truecut_discrepancy::diagnose::{self, DiagnoseError, Progress, Stage};
 use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::Trial;
 use truecut_scenario::Scenario;
 
+use crate::args::DiagnoseArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-
-/// `diagnose`, resolved.
-pub struct DiagnosePlan {
-    pub scenario: Scenario,
-    /// Instead of the file that the scenario names.
-    pub data: Option<PathBuf>,
-    /// Where the answer goes.
-    pub out: PathBuf,
-    pub options: Options,
-}
+use crate::progress::PatientBar;
 
 /// The files that were written and are worth naming.
 pub struct Written {
@@ -37,19 +28,26 @@ pub struct Written {
 }
 
 /// Diagnoses, writes the files, prints the answer.
-pub fn diagnose(plan: &DiagnosePlan) -> Result<ExitStatus, Failure> {
-    let scenario = &plan.scenario;
-    let data = data::measured(scenario, plan.data.as_deref())?;
-    files::prepare(plan, &data.source)?;
+pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitStatus, Failure> {
+    let scenario = &arguments.common.load(&arguments.scenario)?;
+    let options = arguments.options();
+    let data = data::measured(scenario, arguments.data.as_deref())?;
+    let folder = arguments.out.join(scenario.stem());
+    files::prepare(scenario, &folder, &data.source)?;
     let trial = Trial::new(scenario, &data).map_err(|error| Failure::sim(scenario, error))?;
-    let bar = Bar::new(plan.options.max_predictions);
-    let answer = diagnose::diagnose(&trial, &trial.observation, &plan.options, &|now| {
-        bar.show(now)
-    })
-    .map_err(|error| refused(&trial, scenario, &data.source, &error))?;
-    bar.end();
+    let runs = options.max_predictions as u64;
+    let bar = PatientBar::new(runs, "{msg:32} {wide_bar} {pos} runs  {elapsed}");
+    let show = |now: Progress| {
+        bar.tell(|bar| {
+            bar.set_message(words(now.stage));
+            bar.set_position(now.predictions as u64);
+        });
+    };
+    let answer = diagnose::diagnose(&trial, &trial.observation, &options, &show)
+        .map_err(|error| refused(&trial, scenario, &data.source, &error))?;
+    drop(bar);
     let confirmed = Confirmed::of(&trial, answer);
-    let written = files::write(plan, &trial, &confirmed)?;
+    let written = files::write(scenario, &folder, &trial, &confirmed)?;
     crate::print(&text::printed(&trial, &confirmed, &written))?;
     Ok(ExitStatus::Good)
 }
@@ -78,39 +76,6 @@ fn refused(trial: &Trial, scenario: &Scenario, source: &str, error: &DiagnoseErr
         text,
         format!("for the scenario {}", scenario.path().display()),
     )
-}
-
-/// Progress on standard error, once the work takes more than two seconds.
-struct Bar {
-    bar: ProgressBar,
-    begun: std::time::Instant,
-}
-
-impl Bar {
-    fn new(predictions: usize) -> Bar {
-        let bar =
-            ProgressBar::with_draw_target(Some(predictions as u64), ProgressDrawTarget::hidden());
-        if let Ok(style) = ProgressStyle::with_template("{msg:32} {wide_bar} {pos} runs  {elapsed}")
-        {
-            bar.set_style(style);
-        }
-        Bar {
-            bar,
-            begun: std::time::Instant::now(),
-        }
-    }
-
-    fn show(&self, now: Progress) {
-        if self.begun.elapsed().as_secs() >= 2 && self.bar.is_hidden() {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
-        self.bar.set_message(words(now.stage));
-        self.bar.set_position(now.predictions as u64);
-    }
-
-    fn end(&self) {
-        self.bar.finish_and_clear();
-    }
 }
 
 fn words(stage: Stage) -> String {

@@ -8,7 +8,7 @@ use truecut_recording::{UserUnit, significant};
 
 use super::Confirmed;
 use super::text;
-use crate::figure::{BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, thinned};
+use crate::figure::{BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, largest, thinned};
 use crate::text::reading_unit;
 
 /// Points of a curve that a page can show.
@@ -162,10 +162,7 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
     let spec = &trial.channels()[index];
     let output = &trial.observation.outputs[index];
     let time_s = &trial.observation.time_s;
-    let size = output
-        .values
-        .iter()
-        .fold(0.0_f64, |size, value| size.max(value.abs()));
+    let size = largest(output.values.iter().copied());
     let unit = reading_unit(spec.unit, size);
     let (nominal, extended) = (&confirmed.nominal[index], &confirmed.extended[index]);
     let curve = |label: &str, colour, value: &dyn Fn(usize) -> f64, unit: &UserUnit| {
@@ -174,11 +171,8 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
         Layer::line(label, thinned(points, POINTS), colour)
     };
     let measured = |row: usize| output.values[row];
-    let worst = (0..time_s.len())
-        .filter(|row| output.valid[*row])
-        .fold(0.0_f64, |worst, row| {
-            worst.max((measured(row) - nominal[row]).abs())
-        });
+    let seen = (0..time_s.len()).filter(|row| output.valid[*row]);
+    let worst = largest(seen.map(|row| measured(row) - nominal[row]));
     let small = reading_unit(spec.unit, worst);
     let panel = |title: &str, label: &str, unit: &UserUnit, layers| {
         let label = format!("{label} [{}]", unit.symbol);

@@ -9,6 +9,7 @@ use truecut_telemetry::{BeforeAfter, ChannelBeforeAfter, write_before_after};
 
 use super::{Confirmed, text};
 use crate::failure::Failure;
+use crate::figure::largest;
 use crate::text::reading_unit;
 
 const LEGEND: &str = "**Reading the curves.** Grey and wide: measured. Orange: the nominal model. Blue: the extended model. \
@@ -51,12 +52,8 @@ fn channel<'a>(
     let measured: Vec<f64> = (output.values.iter().zip(&output.valid))
         .map(|(value, valid)| if *valid { *value } else { f64::NAN })
         .collect();
-    let largest = |values: &mut dyn Iterator<Item = f64>| {
-        let finite = values.filter(|value| value.is_finite());
-        finite.fold(0.0_f64, |largest, value| largest.max(value.abs()))
-    };
-    let size = largest(&mut measured.iter().copied());
-    let error = largest(&mut measured.iter().zip(nominal).map(|(a, b)| a - b));
+    let size = largest(measured.iter().copied());
+    let error = largest(measured.iter().zip(nominal).map(|(a, b)| a - b));
     let errors = confirmed.answer.diagnosis.channels.get(&spec.name);
     let noise = errors.map_or(0.0, |errors| errors.noise_floor);
     let beyond = errors.map_or(0.0, |errors| errors.before / noise.max(f64::MIN_POSITIVE));

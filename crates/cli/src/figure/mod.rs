@@ -192,6 +192,13 @@ pub fn thinned(points: impl Points, count: usize) -> Vec<(f64, f64)> {
     all.chunks(stretch).flat_map(ends).collect()
 }
 
+/// Largest size of the values that are finite, 0 without any.
+pub fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values
+        .filter(|value| value.is_finite())
+        .fold(0.0, |largest: f64, value| largest.max(value.abs()))
+}
+
 impl fmt::Debug for Figure {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(

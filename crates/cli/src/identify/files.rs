@@ -3,7 +3,6 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
 use truecut_discrepancy::identify::modes::ModesReport;
 use truecut_discrepancy::identify::stiffness::{JointStiffness, StiffnessReport};
 use truecut_discrepancy::identify::tool;
@@ -11,6 +10,7 @@ use truecut_recording::significant;
 
 use super::figures;
 use crate::failure::Failure;
+use crate::text::json;
 use truecut::outputs::write_file;
 
 /// The report, the figure, and the stiffnesses as entries of robot.toml.
@@ -32,12 +32,6 @@ pub fn modes(folder: &Path, report: &ModesReport) -> Result<Vec<PathBuf>, Failur
         files.push(("tool_modes.toml", tool::entries(&report.tool)));
     }
     write(folder, &files)
-}
-
-fn json(report: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string_pretty(report)
-        .map(|json| format!("{json}\n"))
-        .map_err(|error| Failure::message(format!("cannot write the report: {error}")))
 }
 
 fn write(folder: &Path, files: &[(&str, String)]) -> Result<Vec<PathBuf>, Failure> {

@@ -6,7 +6,7 @@ use truecut_discrepancy::identify::modes::{Interval, Measured, ModesReport};
 use truecut_discrepancy::identify::stiffness::{JointStiffness, Status, StiffnessReport};
 use truecut_recording::{Unit, significant};
 
-use crate::text::{Align, headed, show, table, written as written_files};
+use crate::text::{Align, headed, notes, show, table, written as written_files};
 
 pub fn stiffness(report: &StiffnessReport, written: &[PathBuf]) -> String {
     let mut text = format!(
@@ -37,9 +37,7 @@ pub fn stiffness(report: &StiffnessReport, written: &[PathBuf]) -> String {
             show(unit, one.residual_rms)
         ));
     }
-    for note in &report.notes {
-        text.push_str(&format!("  note: {note}\n"));
-    }
+    text.push_str(&notes(&report.notes));
     finish(text, written)
 }
 
@@ -147,9 +145,7 @@ pub fn modes(report: &ModesReport, written: &[PathBuf]) -> String {
             significant(100.0 * frf.model_error, 2)
         ));
     }
-    for note in &report.notes {
-        text.push_str(&format!("  note: {note}\n"));
-    }
+    text.push_str(&notes(&report.notes));
     finish(text, written)
 }
 

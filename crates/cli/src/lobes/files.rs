@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use truecut::outputs::write_file;
 use truecut_core::chatter::averaged::Crossing;
+use truecut_sim::stability::StabilityRun;
 use truecut_telemetry::{Column, write_charts, write_columns};
 
 use super::{Diagram, figure, json, rpm, text};
@@ -25,9 +26,7 @@ pub fn write(diagram: &Diagram<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure>
     write_columns(&field, &field_columns(diagram), &text)?;
     write_columns(&limits, &limit_columns(diagram), &text)?;
     let report = at("lobes.json");
-    let json = json::json(diagram)
-        .map_err(|error| Failure::message(format!("cannot write the diagram: {error}")))?;
-    write_file(&report, format!("{json}\n").as_bytes())?;
+    write_file(&report, json::json(diagram)?.as_bytes())?;
     let mut written = vec![svg, field, limits, report];
     if !diagram.runs.is_empty() {
         let runs = at("lobes_runs.parquet");
@@ -61,37 +60,24 @@ fn field_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
 
 fn limit_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
     let lobes = &diagram.lobes;
-    let depth = |limits: &[Option<Crossing>]| -> Vec<f64> {
-        let mm = limits
-            .iter()
-            .map(|l| l.map_or(f64::NAN, |l| l.depth_m * 1e3));
-        mm.collect()
+    let of = |limits: &[Option<Crossing>], value: fn(Crossing) -> f64| -> Vec<f64> {
+        let values = limits.iter().map(|limit| limit.map_or(f64::NAN, value));
+        values.collect()
     };
-    let hz = |limits: &[Option<Crossing>]| -> Vec<f64> {
-        let hz = limits
-            .iter()
-            .map(|l| l.map_or(f64::NAN, |l| l.frequency_hz));
-        hz.collect()
-    };
+    let depth = |limits: &[Option<Crossing>]| of(limits, |limit| limit.depth_m * 1e3);
+    let hz = |limits: &[Option<Crossing>]| of(limits, |limit| limit.frequency_hz);
+    let speeds = lobes.spindle_rad_s.iter().map(|speed| rpm(*speed));
+    let errors = lobes.limit_error_m.iter();
+    let errors = errors.map(|error_m| error_m.map_or(f64::NAN, |error_m| error_m * 1e3));
     let coupling = vec![lobes.mode_coupling; lobes.spindle_rad_s.len()];
     let other = diagram
         .other
         .as_ref()
         .map(|(_, other)| Column::numbers("other_damping_depth", "mm", depth(&other.limit)));
     let mut columns = vec![
-        Column::numbers(
-            "spindle_speed",
-            "rpm",
-            lobes.spindle_rad_s.iter().map(|s| rpm(*s)).collect(),
-        ),
+        Column::numbers("spindle_speed", "rpm", speeds.collect()),
         Column::numbers("limit_depth", "mm", depth(&lobes.limit)),
-        Column::numbers(
-            "limit_error",
-            "mm",
-            (lobes.limit_error_m.iter())
-                .map(|error_m| error_m.map_or(f64::NAN, |error_m| error_m * 1e3))
-                .collect(),
-        ),
+        Column::numbers("limit_error", "mm", errors.collect()),
         Column::numbers("chatter_frequency", "Hz", hz(&lobes.limit)),
         Column::numbers("zero_order_depth", "mm", depth(&lobes.zero_order)),
         Column::numbers("zero_order_frequency", "Hz", hz(&lobes.zero_order)),
@@ -102,32 +88,16 @@ fn limit_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
 }
 
 fn run_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
-    let runs = &diagram.runs;
-    let chatters = |run: &truecut_sim::stability::StabilityRun| match run.chatters {
+    let of = |value: fn(&StabilityRun) -> f64| diagram.runs.iter().map(value).collect();
+    let chatters = |run: &StabilityRun| match run.chatters {
         Some(chatters) => f64::from(u8::from(chatters)),
         None => f64::NAN,
     };
     vec![
-        Column::numbers(
-            "spindle_speed",
-            "rpm",
-            runs.iter().map(|r| rpm(r.spindle_rad_s)).collect(),
-        ),
-        Column::numbers(
-            "axial_depth",
-            "mm",
-            runs.iter().map(|r| r.depth_m * 1e3).collect(),
-        ),
-        Column::numbers("chatters", "1", runs.iter().map(chatters).collect()),
-        Column::numbers(
-            "growth_rate",
-            "1/s",
-            runs.iter().map(|r| r.growth_per_s).collect(),
-        ),
-        Column::numbers(
-            "chatter_frequency",
-            "Hz",
-            runs.iter().map(|r| r.chatter_hz).collect(),
-        ),
+        Column::numbers("spindle_speed", "rpm", of(|run| rpm(run.spindle_rad_s))),
+        Column::numbers("axial_depth", "mm", of(|run| run.depth_m * 1e3)),
+        Column::numbers("chatters", "1", of(chatters)),
+        Column::numbers("growth_rate", "1/s", of(|run| run.growth_per_s)),
+        Column::numbers("chatter_frequency", "Hz", of(|run| run.chatter_hz)),
     ]
 }

@@ -6,29 +6,17 @@ mod json;
 mod text;
 
 use std::f64::consts::TAU;
-use std::path::PathBuf;
 
+use truecut_core::chatter::TipMode;
 use truecut_core::chatter::averaged::zero_order_limit;
 use truecut_plan::lobes::{LobeRequest, Lobes};
 use truecut_scenario::Scenario;
 use truecut_sim::stability::{MillingStudy, StabilityRun, damping_notes, stability_runs};
 
+use crate::args::LobesArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::Progress;
-
-/// `lobes`, resolved.
-pub struct LobesPlan {
-    pub scenario: Scenario,
-    pub rpm: Option<[f64; 2]>,
-    pub deepest_m: Option<f64>,
-    /// Numbers of speeds and of depths.
-    pub size: usize,
-    pub runs: usize,
-    /// Position of the tool along the path.
-    pub at_m: f64,
-    pub out: PathBuf,
-}
 
 /// The diagram of a scenario.
 struct Diagram<'a> {
@@ -52,32 +40,28 @@ const BEYOND_LIMIT: f64 = 1.2;
 const BEYOND_DEPTH: f64 = 3.0;
 
 /// Computes the diagram, simulates the runs, prints and writes.
-pub fn lobes(plan: &LobesPlan) -> Result<ExitStatus, Failure> {
-    let scenario = &plan.scenario;
+pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
+    let scenario = &arguments.common.load(&arguments.scenario)?;
     let failed = |error| Failure::sim(scenario, error);
     let study = MillingStudy::of(scenario).map_err(failed)?;
-    let posture = posture_at(plan, &study)?;
+    let posture = posture_at(scenario, arguments.at, &study)?;
     let modes = study.modes(&posture).map_err(failed)?;
     let known = study.known_to_rad_s(&modes);
-    let request = request(plan, &study, &modes, known);
-    let mut lobes = Progress::of_one("stability diagram", |progress| {
-        truecut_plan::lobes::lobes(&modes, &study.cut, &request, progress)
-    });
-    if let Some(known_to_rad_s) = known {
-        lobes = lobes.known_to(known_to_rad_s);
-    }
-    let other = study.other_damping(&posture).map_err(failed)?.map(|other| {
-        let mut found = Progress::of_one("the other damping", |progress| {
-            truecut_plan::lobes::lobes(&other.modes, &study.cut, &request, progress)
+    let request = request(arguments, &study, &modes, known);
+    let computed = |what: &str, modes: &[TipMode]| {
+        let lobes = Progress::of_one(what, |progress| {
+            truecut_plan::lobes::lobes(modes, &study.cut, &request, progress)
         });
-        if let Some(known_to_rad_s) = known {
-            found = found.known_to(known_to_rad_s);
-        }
+        lobes.known_to(known.unwrap_or(f64::INFINITY))
+    };
+    let lobes = computed("stability diagram", &modes);
+    let other = study.other_damping(&posture).map_err(failed)?.map(|other| {
+        let found = computed("the other damping", &other.modes);
         (other.name, found)
     });
     let beyond = known.filter(|known| request.spindle_rad_s[1] > *known);
     let runs = Progress::of_one("runs", |progress| {
-        stability_runs(scenario, &study, &lobes, plan.runs, progress)
+        stability_runs(scenario, &study, &lobes, arguments.runs.into(), progress)
     })?;
     let diagram = Diagram {
         scenario,
@@ -89,28 +73,32 @@ pub fn lobes(plan: &LobesPlan) -> Result<ExitStatus, Failure> {
         lobes,
         runs,
     };
-    let written = files::write(&diagram, &plan.out)?;
+    let written = files::write(&diagram, &arguments.out)?;
     crate::print(&text::printed(&diagram, &written))
 }
 
 /// The posture at the requested position.
-fn posture_at(plan: &LobesPlan, study: &MillingStudy) -> Result<Vec<f64>, Failure> {
-    let length_m = study.path.length_m();
-    if plan.at_m > length_m {
+fn posture_at(
+    scenario: &Scenario,
+    at_mm: Option<f64>,
+    study: &MillingStudy,
+) -> Result<Vec<f64>, Failure> {
+    let (at_m, length_m) = (at_mm.unwrap_or(0.0) * 1e-3, study.path.length_m());
+    if at_m > length_m {
         return Err(Failure::message(format!(
             "--at is {} mm, but must be at most the path's length of {} mm",
-            plan.at_m * 1e3,
+            at_m * 1e3,
             length_m * 1e3
         )));
     }
-    let path = (study.postures()).map_err(|error| Failure::sim(&plan.scenario, error))?;
-    Ok(path.posture(plan.at_m))
+    let path = (study.postures()).map_err(|error| Failure::sim(scenario, error))?;
+    Ok(path.posture(at_m))
 }
 
 fn request(
-    plan: &LobesPlan,
+    arguments: &LobesArguments,
     study: &MillingStudy,
-    modes: &[truecut_core::chatter::TipMode],
+    modes: &[TipMode],
     known_to_rad_s: Option<f64>,
 ) -> LobeRequest {
     let cut = &study.cut;
@@ -125,12 +113,14 @@ fn request(
         beyond.max(BEYOND_DEPTH * cut.nominal.axial_depth_m)
     };
     LobeRequest {
-        spindle_rad_s: plan.rpm.map_or(RANGE.map(|part| part * speed), |range| {
-            range.map(|rpm| rpm * TAU / 60.0)
-        }),
-        deepest_m: plan.deepest_m.unwrap_or_else(deepest),
-        speeds: plan.size,
-        depths: plan.size,
+        spindle_rad_s: arguments
+            .rpm
+            .map_or(RANGE.map(|part| part * speed), |range| {
+                range.map(|rpm| rpm * TAU / 60.0)
+            }),
+        deepest_m: (arguments.deepest).map_or_else(deepest, |mm| mm * 1e-3),
+        speeds: arguments.size.into(),
+        depths: arguments.size.into(),
     }
 }
 

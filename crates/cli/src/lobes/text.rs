@@ -59,12 +59,9 @@ pub fn summary(diagram: &Diagram<'_>) -> String {
         let limit = shown(at_speed(&other.limit));
         text.push_str(&format!("  with {name}: spectral elements {limit}\n"));
     }
-    for note in &diagram.notes {
-        text.push_str(&format!("  note: {note}\n"));
-    }
-    if let Some((_, missing)) = &diagram.known {
-        text.push_str(&format!("  note: {missing}\n"));
-    }
+    text.push_str(&text::notes(&diagram.notes));
+    let missing = diagram.known.iter().map(|(_, missing)| missing);
+    text.push_str(&text::notes(missing));
     if lobes.limit.iter().any(Option::is_some) {
         text.push_str(&format!(
             "  error of the limits by discretisation in time: at most {} % (estimated)\n",

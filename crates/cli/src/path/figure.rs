@@ -1,6 +1,8 @@
 //! Figures of a path: lines on the face, wheel contact, joints.
 
 use nalgebra::Vector3;
+use truecut_plan::motion::joints::joint_speeds;
+use truecut_plan::surface::outline;
 use truecut_plan::surface_path::Contact;
 
 use super::{PlannedPath, durations_s};
@@ -8,8 +10,6 @@ use crate::figure::{BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, th
 
 /// Most points of a curve.
 const POINTS: usize = 1500;
-/// Points of the face's outline per border.
-const OUTLINE: usize = 60;
 
 /// Four panels: lines on the face, widths and depths along them, joint angles, joint speeds.
 pub fn figure(answer: &PlannedPath<'_>) -> Figure {
@@ -39,7 +39,7 @@ fn on_face(answer: &PlannedPath<'_>) -> Panel {
         .normalize();
     let y = normal.cross(&x);
     let seen = |p: &Vector3<f64>| (p.dot(&x) * 1e3, p.dot(&y) * 1e3);
-    let outline = outline(answer);
+    let border = border(answer);
     let mut lines = Vec::new();
     let mut edges = [Vec::new(), Vec::new()];
     for line in &answer.path.lines {
@@ -59,7 +59,7 @@ fn on_face(answer: &PlannedPath<'_>) -> Panel {
         "patch, across the view [mm]",
         "patch, up the view [mm]",
         vec![
-            Layer::line("face", outline.iter().map(seen), BLACK),
+            Layer::line("face", border.iter().map(seen), BLACK),
             Layer::dashed("swath", one, ORANGE),
             Layer::dashed("", other, ORANGE),
             Layer::line("line", lines, BLUE),
@@ -68,26 +68,13 @@ fn on_face(answer: &PlannedPath<'_>) -> Panel {
 }
 
 /// The face's boundary, or the borders of its patch.
-fn outline(answer: &PlannedPath<'_>) -> Vec<Vector3<f64>> {
-    let surface = answer.inputs.patch.surface.as_ref();
+fn border(answer: &PlannedPath<'_>) -> Vec<Vector3<f64>> {
     match &answer.inputs.patch.boundary {
         Some(boundary) => {
             let corners = boundary.corners_m();
             corners.iter().chain(corners.first()).copied().collect()
         }
-        None => {
-            let domain = surface.domain();
-            let at = |range: [f64; 2], k: usize| {
-                range[0] + (range[1] - range[0]) * k as f64 / OUTLINE as f64
-            };
-            let (u, v) = (domain.u, domain.v);
-            let sides = (0..=OUTLINE)
-                .map(|k| [at(u, k), v[0]])
-                .chain((0..=OUTLINE).map(|k| [u[1], at(v, k)]))
-                .chain((0..=OUTLINE).rev().map(|k| [at(u, k), v[1]]))
-                .chain((0..=OUTLINE).rev().map(|k| [u[0], at(v, k)]));
-            sides.map(|[u, v]| surface.point_m(u, v)).collect()
-        }
+        None => outline(answer.inputs.patch.surface.as_ref()),
     }
 }
 
@@ -147,19 +134,23 @@ fn joints(answer: &PlannedPath<'_>) -> Panel {
 
 /// Joint speeds on lines, relative to their limits.
 fn speeds(answer: &PlannedPath<'_>) -> Panel {
-    let durations = durations_s(answer);
-    let chain = &answer.inputs.robot.chain.joints;
-    let layers = chain.iter().enumerate().map(|(joint, one)| {
-        let limit = one.limits.map_or(f64::NAN, |l| l.velocity);
-        let mut time_s = 0.0;
-        let steps = answer.program.moves.windows(2).zip(&durations[1..]);
-        let curve = steps.map(|(pair, duration)| {
-            time_s += duration;
-            let turned = (pair[1].posture[joint] - pair[0].posture[joint]).abs();
-            (time_s, turned / duration.max(1e-9) / limit)
-        });
-        of_joint(joint, curve)
-    });
+    let robot = &answer.inputs.robot;
+    let mut curves = vec![Vec::new(); robot.dof()];
+    let mut time_s = 0.0;
+    let steps = answer
+        .program
+        .moves
+        .windows(2)
+        .zip(durations_s(answer).into_iter().skip(1));
+    for (pair, duration_s) in steps {
+        time_s += duration_s;
+        let [from, to] = [0, 1].map(|end| pair[end].posture.as_slice());
+        for one in joint_speeds(robot, from, to, duration_s.max(1e-9)) {
+            curves[one.joint].push((time_s, one.share()));
+        }
+    }
+    let layers = curves.into_iter().enumerate();
+    let layers = layers.map(|(joint, curve)| of_joint(joint, curve.into_iter()));
     Panel::new(
         "Joint speeds",
         "time [s]",

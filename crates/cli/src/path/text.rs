@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use truecut_plan::motion::joints::joint_speeds;
 use truecut_plan::program::{FindingKind, Motion};
 use truecut_plan::surface_path::{Contact, Segment};
 use truecut_recording::{Unit, significant};
@@ -120,17 +121,19 @@ fn depths(answer: &PlannedPath<'_>) -> [f64; 2] {
 
 /// The joint closest to its speed limit on a line.
 fn hardest(answer: &PlannedPath<'_>, durations_s: &[f64]) -> Option<(f64, String, usize)> {
-    let joints = &answer.inputs.robot.chain.joints;
+    let robot = &answer.inputs.robot;
     let steps = answer.program.moves.windows(2).zip(&durations_s[1..]);
     let lines = steps.filter(|(pair, _)| matches!(pair[1].motion, Motion::Linear { .. }));
     let each = lines.flat_map(|(pair, duration)| {
-        joints.iter().enumerate().filter_map(move |(j, joint)| {
-            let turned = (pair[1].posture[j] - pair[0].posture[j]).abs();
-            let share = turned / duration.max(1e-9) / joint.limits?.velocity;
-            Some((share, joint.name.clone(), pair[1].path_point))
-        })
+        let (from, to) = (&pair[0].posture, &pair[1].posture);
+        let speeds = joint_speeds(robot, from, to, duration.max(1e-9));
+        speeds.map(|one| (one, pair[1].path_point))
     });
-    each.max_by(|a, b| a.0.total_cmp(&b.0))
+    let hardest = each.max_by(|a, b| a.0.share().total_cmp(&b.0.share()));
+    hardest.map(|(one, point)| {
+        let joint = robot.chain.joints[one.joint].name.clone();
+        (one.share(), joint, point)
+    })
 }
 
 /// Notes for the reader.

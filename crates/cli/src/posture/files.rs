@@ -108,25 +108,18 @@ fn station_columns(answer: &PostureAnswer<'_>) -> Vec<Column<'static>> {
         let values = found.iter().map(|a| a.value * scale);
         columns.push(Column::numbers(name, unit, values.collect()));
     }
-    let found = answer.regenerative(&answer.plan_assessed).iter();
-    let of = |a: &Assessment| a.decay_per_s().unwrap_or(f64::NAN);
-    columns.push(Column::numbers(
-        "regenerative_decay",
-        "1/s",
-        found.clone().map(of).collect(),
-    ));
-    let error = |a: &Assessment| a.error_m.map_or(f64::NAN, |error_m| error_m * 1e3);
-    columns.push(Column::numbers(
-        "regenerative_limit_error",
-        "mm",
-        found.clone().map(error).collect(),
-    ));
-    let least = |a: &Assessment| a.decay.map_or(f64::NAN, |decay| decay.least_per_s);
-    columns.push(Column::numbers(
-        "least_decay",
-        "1/s",
-        found.map(least).collect(),
-    ));
+    let found = answer.regenerative(&answer.plan_assessed);
+    let of = |value: fn(&Assessment) -> Option<f64>| {
+        let values = found.iter().map(value);
+        values.map(|value| value.unwrap_or(f64::NAN)).collect()
+    };
+    let error = |a: &Assessment| Some(a.error_m? * 1e3);
+    let least = |a: &Assessment| Some(a.decay?.least_per_s);
+    columns.extend([
+        Column::numbers("regenerative_decay", "1/s", of(Assessment::decay_per_s)),
+        Column::numbers("regenerative_limit_error", "mm", of(error)),
+        Column::numbers("least_decay", "1/s", of(least)),
+    ]);
     columns
 }
 

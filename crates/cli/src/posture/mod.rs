@@ -5,27 +5,16 @@ mod files;
 mod maps;
 mod text;
 
-use std::path::PathBuf;
-
 use truecut_plan::{
     Assessment, Criterion, MarginMap, Plan, PlanError, Planner, PlannerOptions, modes_in_cut,
 };
 use truecut_scenario::Scenario;
 use truecut_sim::stability::{MillingStudy, in_scenario};
 
+use crate::args::PostureArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::Progress;
-
-/// `posture`, resolved.
-pub struct Request {
-    pub scenario: Scenario,
-    pub criterion: Criterion,
-    /// Required decay rate, as a fraction of that of the arm's slowest mode.
-    pub least_decay: f64,
-    pub maps: bool,
-    pub out: PathBuf,
-}
 
 /// The plan, and its assessment by each criterion.
 struct PostureAnswer<'a> {
@@ -51,35 +40,37 @@ struct Own {
 const MAP_COLUMNS: usize = 17;
 
 /// Plans, prints and writes.
-pub fn posture(request: &Request) -> Result<ExitStatus, Failure> {
-    let scenario = &request.scenario;
+pub fn posture(arguments: &PostureArguments) -> Result<ExitStatus, Failure> {
+    let scenario = &arguments.common.load(&arguments.scenario)?;
     let study = MillingStudy::of(scenario).map_err(|error| Failure::sim(scenario, error))?;
-    let answer =
-        answer(request, &study).map_err(|error| Failure::sim(scenario, in_scenario(error)))?;
-    let mut written = files::write(&answer, &request.out)?;
-    if request.maps {
-        written.push(maps::write(&answer, &request.out)?);
+    let answer = answer(scenario, arguments, &study)
+        .map_err(|error| Failure::sim(scenario, in_scenario(error)))?;
+    let mut written = files::write(&answer, &arguments.out)?;
+    if arguments.maps {
+        written.push(maps::write(&answer, &arguments.out)?);
     }
     crate::print(&text::printed(&answer, &written))
 }
 
 fn answer<'a>(
-    request: &'a Request,
+    scenario: &'a Scenario,
+    arguments: &PostureArguments,
     study: &'a MillingStudy,
 ) -> Result<PostureAnswer<'a>, PlanError> {
+    let criterion = arguments.criterion.into();
     let stages = 2 + 2 * Criterion::ALL.len();
     let progress = Progress::new(stages, "posture plan");
     let options = PlannerOptions {
         branch: study.branch(),
         near: study.near(),
-        least_decay: request.least_decay,
+        least_decay: arguments.least_decay,
         ..PlannerOptions::default()
     };
     let run = progress.run();
     let planner = Planner::new(&study.robot, &study.path, &study.cut, &options)?;
     drop(run);
     let run = progress.run();
-    let plan = planner.plan(request.criterion)?;
+    let plan = planner.plan(criterion)?;
     drop(run);
     let of_each = |of: &dyn Fn(Criterion) -> Result<Vec<Assessment>, PlanError>| {
         let all = Criterion::ALL.iter().copied();
@@ -97,7 +88,7 @@ fn answer<'a>(
     let own = match study.postures() {
         Ok(path) => {
             let angle = |at_m| study.angle_rad(at_m);
-            let own = planner.at_postures(request.criterion, &angle, &|at_m| path.posture(at_m))?;
+            let own = planner.at_postures(criterion, &angle, &|at_m| path.posture(at_m))?;
             Some(Own {
                 assessed: of_each(&|criterion| reassessed(&planner, &own, criterion))?,
                 plan: own,
@@ -107,7 +98,7 @@ fn answer<'a>(
     };
     Ok(PostureAnswer {
         missing: missing(study, &plan)?,
-        scenario: &request.scenario,
+        scenario,
         study,
         maps,
         plan_assessed,

@@ -49,9 +49,7 @@ pub fn summary(answer: &PostureAnswer<'_>) -> String {
     if let Some(own) = &answer.own {
         text.push_str(&own_postures(answer.regenerative(&own.assessed)));
     }
-    if let Some(missing) = &answer.missing {
-        text.push_str(&format!("  note: {missing}\n"));
-    }
+    text.push_str(&text::notes(&answer.missing));
     if !answer.scenario.effects.is_empty() {
         text.push_str("  note: the plan is for the nominal arm; effects act in runs only\n");
     }

@@ -3,11 +3,18 @@
 use thiserror::Error;
 use truecut_arm::{ArmErrorKind, IkSolver, Robot};
 
-/// Nearest to a wrist or elbow singularity that a path may come, rad: joint speeds are some sixty
-/// times as high there.
+use super::joints::{JointSpeed, joint_speeds};
+use crate::reach::SingularityLimits;
+
+/// Nearest to a singularity that a path may come: joint speeds are some sixty times as high a degree
+/// from that of wrist or elbow.
+const LEAST: SingularityLimits = SingularityLimits {
+    wrist_rad: LEAST_ANGLE_RAD,
+    elbow_rad: LEAST_ANGLE_RAD,
+    shoulder_m: 5e-3,
+};
+/// A degree.
 const LEAST_ANGLE_RAD: f64 = 0.017_453_292_519_943_295;
-/// Nearest that the wrist may come to the first axis, m.
-const LEAST_SHOULDER_M: f64 = 5e-3;
 /// What is nearer to the start than is printed, mm.
 const START_MM: f64 = 0.05;
 
@@ -130,52 +137,24 @@ pub fn check_singularities(
     let Some(geometry) = solver.geometry() else {
         return Ok(());
     };
-    let nearest = |of: &dyn Fn(usize) -> f64| {
-        let all = (0..knots.len()).map(|k| (k, of(k)));
-        all.min_by(|a, b| a.1.total_cmp(&b.1))
+    let distances = knots.iter().map(|q| geometry.singularity_distance(q));
+    let within = distances
+        .enumerate()
+        .filter(|(_, distance)| !LEAST.allow(distance));
+    let near = within.map(|(k, distance)| (k, LEAST.nearest(&distance)));
+    let Some((k, near)) = near.min_by(|a, b| a.1.share.total_cmp(&b.1.share)) else {
+        return Ok(());
     };
-    let distance = |k: usize| geometry.singularity_distance(&knots[k]);
-    let deg = |rad: f64| format!("{:.3} degrees", rad.to_degrees());
-    let millimetres = |m: f64| format!("{:.3} mm", m * 1e3);
-    type Distance<'a> = (
-        &'static str,
-        &'a dyn Fn(usize) -> f64,
-        f64,
-        &'a dyn Fn(f64) -> String,
-    );
-    let kinds: [Distance<'_>; 3] = [
-        (
-            "wrist singularity (axes 4 and 6 in line)",
-            &|k| distance(k).wrist_rad,
-            LEAST_ANGLE_RAD,
-            &deg,
-        ),
-        (
-            "elbow singularity (arm stretched or folded)",
-            &|k| distance(k).elbow_rad,
-            LEAST_ANGLE_RAD,
-            &deg,
-        ),
-        (
-            "shoulder singularity (wrist over the first axis)",
-            &|k| distance(k).shoulder_m,
-            LEAST_SHOULDER_M,
-            &millimetres,
-        ),
-    ];
-    for (kind, of, least, show) in kinds {
-        if let Some((k, near)) = nearest(of)
-            && near < least
-        {
-            return Err(FollowError::Singular {
-                kind,
-                at_mm: at_mm(k),
-                near: show(near),
-                least: show(least),
-            });
-        }
-    }
-    Ok(())
+    Err(FollowError::Singular {
+        kind: match near.kind {
+            "wrist" => "wrist singularity (axes 4 and 6 in line)",
+            "elbow" => "elbow singularity (arm stretched or folded)",
+            _ => "shoulder singularity (wrist over the first axis)",
+        },
+        at_mm: at_mm(k),
+        near: near.distance,
+        least: near.least,
+    })
 }
 
 /// Refuses a motion that takes longer than a run may. `advice` says what helps.
@@ -211,19 +190,16 @@ pub fn check_speeds(
     advice: &'static str,
 ) -> Result<(), FollowError> {
     for (k, pair) in knots.windows(2).enumerate() {
-        for (index, joint) in robot.chain.joints.iter().enumerate() {
-            let Some(limits) = joint.limits else { continue };
-            let speed = (pair[1][index] - pair[0][index]).abs() / interval_s;
-            if speed > limits.velocity {
-                return Err(FollowError::TooFast {
-                    joint: joint.name.clone(),
-                    speed_deg_s: speed.to_degrees(),
-                    limit_deg_s: limits.velocity.to_degrees(),
-                    at_mm: at_mm(k),
-                    from,
-                    advice,
-                });
-            }
+        let mut speeds = joint_speeds(robot, &pair[0], &pair[1], interval_s);
+        if let Some(fast) = speeds.find(JointSpeed::is_too_fast) {
+            return Err(FollowError::TooFast {
+                joint: robot.chain.joints[fast.joint].name.clone(),
+                speed_deg_s: fast.speed.to_degrees(),
+                limit_deg_s: fast.limit.to_degrees(),
+                at_mm: at_mm(k),
+                from,
+                advice,
+            });
         }
     }
     Ok(())

@@ -4,6 +4,45 @@ use truecut_arm::Robot;
 
 use super::timing::{LEAST_JERK_PEAK, least_jerk};
 
+/// Speed of a joint over a step; rad/s or m/s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointSpeed {
+    /// Index in the chain.
+    pub joint: usize,
+    pub speed: f64,
+    pub limit: f64,
+}
+
+impl JointSpeed {
+    /// Speed over its limit.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.speed / self.limit
+    }
+
+    #[must_use]
+    pub fn is_too_fast(&self) -> bool {
+        self.speed > self.limit
+    }
+}
+
+/// Speeds at which joints go from posture to posture in `time_s`, those without limits left out.
+pub fn joint_speeds<'a>(
+    robot: &'a Robot,
+    from: &'a [f64],
+    to: &'a [f64],
+    time_s: f64,
+) -> impl Iterator<Item = JointSpeed> + 'a {
+    let each = robot.chain.joints.iter().zip(from.iter().zip(to));
+    each.enumerate().filter_map(move |(joint, (one, (a, b)))| {
+        Some(JointSpeed {
+            joint,
+            speed: (b - a).abs() / time_s,
+            limit: one.limits?.velocity,
+        })
+    })
+}
+
 /// Time that the slowest joint takes from posture to posture at a share of its top speed, s; joints
 /// without a speed are not looked at.
 #[must_use]

@@ -102,7 +102,7 @@ impl LinesTask<'_> {
             task: self,
         };
         let mut motion = Growing::default();
-        for (part, planned) in parts.iter().zip(&solved.segments) {
+        for (part, planned) in parts.iter().zip(&solved) {
             let trajectory = self.trajectory(guide.surface, &lines.lines[part.index]);
             let advice = "raise the job's path.feed_mm_per_s";
             check_duration(trajectory.duration_s(), self.longest_s, advice)?;

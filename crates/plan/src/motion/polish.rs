@@ -1,11 +1,9 @@
 //! The motion of a polishing wheel along a raster over a rectangular face, its spin axis
 //! precessing.
 
-use nalgebra::{
-    Isometry3, Matrix3, Point3, Rotation3, SVector, Unit, UnitQuaternion, Vector2, Vector3,
-};
+use nalgebra::{Isometry3, Matrix3, Rotation3, SVector, UnitQuaternion, Vector2, Vector3};
 use thiserror::Error;
-use truecut_arm::{ArmError, BranchOptions, FrameId, IkSolver, PathOptions, Robot, tool_pose};
+use truecut_arm::{ArmError, BranchOptions, FrameId, PathOptions, Robot};
 use truecut_core::wheel::precession::{Boundary, EdgeRule, PrecessionWheel};
 
 use super::follow::{FollowError, check_singularities, check_speeds, leaves};
@@ -114,10 +112,17 @@ impl RasterTask<'_> {
         let face = &self.face;
         let vertices = vertices([face.length_m, face.width_m], &self.raster);
         let solver = robot.ik_solver(&BranchOptions::default());
+        let arm = ArmOnFace {
+            robot,
+            solver: &solver,
+            world_from_face: face.world_from_face(),
+            zero_direction: face.x_axis.into(),
+            start: posture,
+        };
         let (knots, plan) = match &self.precession.at_edges {
             None => (self.steady(&vertices), None),
             Some((rule, limits)) => {
-                let plan = self.planned(&vertices, (robot, &solver), posture, (*rule, limits))?;
+                let plan = self.planned(&vertices, &arm, (*rule, limits))?;
                 let knot = |point: &PrecessionPoint| {
                     let place = place(point.along_m, &point.point_m, point.angle_rad);
                     (point.time_s, place)
@@ -126,10 +131,9 @@ impl RasterTask<'_> {
             }
         };
         let trajectory = Trajectory::new(knots, LEAD_IN);
-        let world_from_face = face.world_from_face();
         let places = trajectory.sampled(self.interval_s);
         let poses: Vec<Isometry3<f64>> = (places.iter())
-            .map(|place| self.pose(&world_from_face, place))
+            .map(|place| arm.pose(self.wheel, &Vector2::new(place[1], place[2]), place[3]))
             .collect::<Result<_, ArmError>>()?;
         let at_mm = |k: usize| places[k][0] * 1e3;
         let followed = solver.follow(&poses, FrameId::Tool, posture, &PathOptions::default());
@@ -162,8 +166,7 @@ impl RasterTask<'_> {
     fn planned(
         &self,
         vertices: &[Vector2<f64>],
-        (robot, solver): (&Robot, &IkSolver<'_>),
-        posture: &[f64],
+        arm: &ArmOnFace<'_>,
         (rule, limits): (EdgeRule, &PrecessionLimits),
     ) -> Result<PrecessionPlan, RasterError> {
         let boundary = Boundary::rectangle(self.face.length_m, self.face.width_m)
@@ -177,29 +180,7 @@ impl RasterTask<'_> {
             turn_rad_s: self.precession.turn_rad_s,
             start_rad: self.precession.start_rad,
         };
-        let arm = ArmOnFace {
-            robot,
-            solver,
-            world_from_face: self.face.world_from_face(),
-            zero_direction: self.face.x_axis.into(),
-            start: posture,
-        };
-        Ok(task
-            .plan_for_arm(&arm, limits, &PrecessionOptions::default())?
-            .plan)
-    }
-
-    /// Pose of the tool: the wheel's centre above the point, the tool's z axis along the spin axis,
-    /// towards the face.
-    fn pose(
-        &self,
-        world_from_face: &Isometry3<f64>,
-        place: &RasterPlace,
-    ) -> Result<Isometry3<f64>, ArmError> {
-        let height_m = self.wheel.centre_height_m();
-        let centre = world_from_face * Point3::new(place[1], place[2], height_m);
-        let towards_face = -(world_from_face * self.wheel.axis(place[3]));
-        let axis = Unit::new_normalize(towards_face);
-        tool_pose(&centre.coords, &axis, &self.face.x_axis.into(), 0.0)
+        let options = PrecessionOptions::default();
+        Ok(task.plan_for_arm(arm, limits, &options)?.plan)
     }
 }

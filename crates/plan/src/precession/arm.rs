@@ -1,13 +1,15 @@
 //! The arm that leads the wheel: postures along the plan, and the feed at which its joints keep up.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Unit, Vector3};
-use truecut_arm::{FrameId, IkSolver, PathOptions, Robot, tool_pose};
+use nalgebra::{DMatrix, DVector, Isometry3, Point3, Unit, Vector2, Vector3};
+use truecut_arm::{ArmError, FrameId, IkSolver, PathOptions, Robot, tool_pose};
 use truecut_core::wheel::precession::PrecessionWheel;
 
 use super::feed::FeedPace;
 use super::{
-    PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError, PrecessionTask,
+    PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError, PrecessionPoint,
+    PrecessionTask,
 };
+use crate::motion::joints::{JointSpeed, joint_speeds};
 
 /// A joint that is too fast is brought to this share of its limit, so that rounding does not ask
 /// for another pass.
@@ -37,37 +39,33 @@ pub struct ArmPlan {
     pub plan: PrecessionPlan,
     /// One for each point of the plan.
     pub postures: Vec<Vec<f64>>,
-    /// Largest speed of each joint over its limit.
-    pub speed_shares: Vec<f64>,
 }
 
 impl ArmOnFace<'_> {
-    /// Poses of the tool along a plan.
-    fn poses(
+    /// Pose of the tool that carries the wheel over a point of the face, the spin axis leaning
+    /// towards an angle.
+    pub(crate) fn pose(
         &self,
         wheel: &PrecessionWheel,
-        plan: &PrecessionPlan,
-    ) -> Result<Vec<Isometry3<f64>>, PrecessionPlanError> {
-        let pose = |p: &super::PrecessionPoint| {
-            let centre = Vector3::new(p.point_m.x, p.point_m.y, wheel.centre_height_m());
-            let centre = self.world_from_face * nalgebra::Point3::from(centre);
-            let towards_face = -(self.world_from_face * wheel.axis(p.angle_rad));
-            let axis = Unit::new_normalize(towards_face);
-            Ok(tool_pose(&centre.coords, &axis, &self.zero_direction, 0.0)?)
-        };
-        plan.points.iter().map(pose).collect()
+        point_m: &Vector2<f64>,
+        angle_rad: f64,
+    ) -> Result<Isometry3<f64>, ArmError> {
+        let centre = Point3::new(point_m.x, point_m.y, wheel.centre_height_m());
+        let towards_face = -(self.world_from_face * wheel.axis(angle_rad));
+        let axis = Unit::new_normalize(towards_face);
+        let centre = self.world_from_face * centre;
+        tool_pose(&centre.coords, &axis, &self.zero_direction, 0.0)
     }
 
-    /// Speed of each joint over its limit in the interval after point `k`.
-    fn shares(&self, plan: &PrecessionPlan, postures: &[Vec<f64>], k: usize) -> Vec<f64> {
+    /// Speeds of the joints in the interval after point `k`.
+    fn speeds<'p>(
+        &'p self,
+        plan: &PrecessionPlan,
+        postures: &'p [Vec<f64>],
+        k: usize,
+    ) -> impl Iterator<Item = JointSpeed> + 'p {
         let taken_s = plan.points[k + 1].time_s - plan.points[k].time_s;
-        let joints = self.robot.chain.joints.iter();
-        let moved = postures[k].iter().zip(&postures[k + 1]);
-        let share = |(joint, (a, b)): (&truecut_arm::Joint, (&f64, &f64))| {
-            let limit = joint.limits.map_or(f64::INFINITY, |limits| limits.velocity);
-            (b - a).abs() / taken_s / limit
-        };
-        joints.zip(moved).map(share).collect()
+        joint_speeds(self.robot, &postures[k], &postures[k + 1], taken_s)
     }
 
     /// Slows angle or feed wherever a joint is too fast; whether it had to.
@@ -81,18 +79,19 @@ impl ArmOnFace<'_> {
         let times: Vec<f64> = plan.points.iter().map(|p| p.time_s).collect();
         let mut held = false;
         for k in 0..plan.points.len() - 1 {
-            let shares = self.shares(plan, postures, k).into_iter().enumerate();
-            let fastest = shares.max_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((joint, share)) = fastest.filter(|(_, share)| *share > 1.0) else {
+            let speeds = self.speeds(plan, postures, k);
+            let fastest = speeds.max_by(|a, b| a.share().total_cmp(&b.share()));
+            let Some(fastest) = fastest.filter(|fastest| fastest.share() > 1.0) else {
                 continue;
             };
+            let share = fastest.share();
             held = true;
             let too_fast = |least_m_per_s| PrecessionPlanError::JointTooFast {
                 along_m: plan.points[k].along_m,
-                joint: self.robot.chain.joints[joint].name.clone(),
+                joint: self.robot.chain.joints[fastest.joint].name.clone(),
                 least_m_per_s,
             };
-            let by_feed = self.share_by_feed(plan, &postures[k], k, joint);
+            let by_feed = self.share_by_feed(plan, &postures[k], k, &fastest);
             if by_feed > MOST_BY_FEED {
                 let share = AIM * MOST_BY_FEED / by_feed;
                 pace.slow_to(k, share).map_err(too_fast)?;
@@ -116,17 +115,15 @@ impl ArmOnFace<'_> {
 
     /// Speed over its limit that the feed alone asks of a joint, the spin axis kept: J q̇ = (feed,
     /// 0). Infinite where the arm is singular.
-    fn share_by_feed(&self, plan: &PrecessionPlan, q: &[f64], k: usize, joint: usize) -> f64 {
+    fn share_by_feed(&self, plan: &PrecessionPlan, q: &[f64], k: usize, of: &JointSpeed) -> f64 {
         let (from, to) = (&plan.points[k], &plan.points[k + 1]);
         let moved = (to.point_m - from.point_m) / (to.time_s - from.time_s);
         let feed = self.world_from_face * Vector3::new(moved.x, moved.y, 0.0);
         let jacobian = self.robot.jacobian(q, FrameId::Tool);
         let square = DMatrix::from_fn(6, jacobian.ncols(), |r, c| jacobian[(r, c)]);
         let twist = DVector::from_column_slice(&[feed.x, feed.y, feed.z, 0.0, 0.0, 0.0]);
-        let limits = self.robot.chain.joints[joint].limits;
-        let limit = limits.map_or(f64::INFINITY, |limits| limits.velocity);
         let speeds = square.lu().solve(&twist);
-        speeds.map_or(f64::INFINITY, |speeds| speeds[joint].abs() / limit)
+        speeds.map_or(f64::INFINITY, |speeds| speeds[of.joint].abs() / of.limit)
     }
 }
 
@@ -145,24 +142,15 @@ impl PrecessionTask<'_> {
         let (intervals, mut pace) = self.prepared(limits, options)?;
         loop {
             let plan = self.planned(&intervals, &mut pace, limits, options)?;
-            let poses = arm.poses(self.wheel, &plan)?;
+            let pose = |p: &PrecessionPoint| arm.pose(self.wheel, &p.point_m, p.angle_rad);
+            let poses: Vec<_> = plan.points.iter().map(pose).collect::<Result<_, _>>()?;
             let steps = PathOptions::default();
             let postures = (arm.solver).follow(&poses, FrameId::Tool, arm.start, &steps)?;
             if arm.hold_back(&plan, &postures, &mut pace, limits.window_s())? {
                 pace.settle();
                 continue;
             }
-            let mut speed_shares = vec![0.0; arm.robot.chain.joints.len()];
-            for k in 0..plan.points.len() - 1 {
-                for (most, share) in speed_shares.iter_mut().zip(arm.shares(&plan, &postures, k)) {
-                    *most = f64::max(*most, share);
-                }
-            }
-            return Ok(ArmPlan {
-                plan,
-                postures,
-                speed_shares,
-            });
+            return Ok(ArmPlan { plan, postures });
         }
     }
 }

@@ -7,6 +7,8 @@ use truecut_core::wheel::precession::PrecessionError;
 
 use super::task::{PrecessionLimits, PrecessionOptions, PrecessionTask};
 
+use crate::bounds::OutOfBounds;
+
 /// Why there is no trajectory of the precession angle. `along_m` is the distance from the path's
 /// start.
 #[derive(Debug, Error)]
@@ -16,12 +18,8 @@ pub enum PrecessionPlanError {
         "the path has {count} points; it needs two at least, all finite and no two that follow each other the same"
     )]
     Path { count: usize },
-    #[error("{quantity} is {value}; it must be {rule}")]
-    Value {
-        quantity: &'static str,
-        value: f64,
-        rule: &'static str,
-    },
+    #[error(transparent)]
+    OutOfBounds(#[from] OutOfBounds),
     #[error("{:.2} mm from the path's start {source}", along_m * 1e3)]
     Place {
         along_m: f64,
@@ -92,13 +90,7 @@ pub(super) fn check(
         ),
     ];
     for (quantity, value, good, rule) in rules {
-        if !good {
-            return Err(PrecessionPlanError::Value {
-                quantity,
-                value,
-                rule,
-            });
-        }
+        OutOfBounds::unless(good, quantity, value, rule)?;
     }
     Ok(())
 }

@@ -5,6 +5,8 @@ use std::fmt::Display;
 use thiserror::Error;
 use truecut_arm::Placed;
 
+use crate::bounds::OutOfBounds;
+
 /// A fault with the place it was found at.
 pub type ProgramError = Placed<ProgramErrorKind>;
 
@@ -41,12 +43,8 @@ pub enum ProgramErrorKind {
         found: usize,
         wanted: String,
     },
-    #[error("{what} is {value}; it must be {rule}")]
-    Value {
-        what: String,
-        value: String,
-        rule: String,
-    },
+    #[error(transparent)]
+    OutOfBounds(#[from] OutOfBounds),
     #[error(
         "position type {found} is unknown; the dialect has PULSE, BASE, ROBOT, TOOL, USER and MTOOL"
     )]
@@ -141,11 +139,7 @@ pub enum ProgramErrorKind {
 
 impl ProgramErrorKind {
     pub(crate) fn value(what: impl Display, value: impl Display, rule: impl Display) -> Self {
-        Self::Value {
-            what: what.to_string(),
-            value: value.to_string(),
-            rule: rule.to_string(),
-        }
+        OutOfBounds::new(what, value, rule).into()
     }
 
     /// Refuses a value that does not hold to a rule.
@@ -155,10 +149,7 @@ impl ProgramErrorKind {
         value: impl Display,
         rule: impl Display,
     ) -> Result<(), Self> {
-        if holds {
-            return Ok(());
-        }
-        Err(Self::value(what, value, rule))
+        Ok(OutOfBounds::unless(holds, what, value, rule)?)
     }
 
     pub(crate) fn unexpected(found: &str, wanted: &str) -> Self {

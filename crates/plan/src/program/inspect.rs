@@ -3,6 +3,7 @@
 use truecut_arm::{OpwGeometry, Robot};
 
 use super::moves::{Motion, Move, Program};
+use crate::motion::joints::{JointSpeed, joint_speeds};
 use crate::reach::SingularityLimits;
 
 /// By how much a joint may stand beyond its limits, rad: what printed decimals move it by.
@@ -38,6 +39,16 @@ pub enum FindingKind {
         speed_rad_per_s: f64,
         limit_rad_per_s: f64,
     },
+}
+
+impl FindingKind {
+    /// A joint that is too fast.
+    pub(super) fn of_speed(one: &JointSpeed) -> Self {
+        Self::TooFast {
+            speed_rad_per_s: one.speed,
+            limit_rad_per_s: one.limit,
+        }
+    }
 }
 
 impl std::fmt::Display for Finding {
@@ -116,12 +127,8 @@ impl Program {
                 found(joint, kind);
             }
             if let Some(before) = before {
-                for (joint, speed_rad_per_s, limit_rad_per_s) in too_fast(robot, before, step) {
-                    let kind = FindingKind::TooFast {
-                        speed_rad_per_s,
-                        limit_rad_per_s,
-                    };
-                    found(joint, kind);
+                for one in too_fast(robot, before, step) {
+                    found(one.joint, FindingKind::of_speed(&one));
                 }
             }
             before = Some(step);
@@ -145,8 +152,8 @@ pub(super) fn too_near(
     (near.share < 1.0).then_some((near.joint, kind))
 }
 
-/// Joints that a linear move asks too much of: joint, speed, limit.
-fn too_fast(robot: &Robot, before: &Move, step: &Move) -> Vec<(usize, f64, f64)> {
+/// Joints of which a linear move asks too much.
+fn too_fast(robot: &Robot, before: &Move, step: &Move) -> Vec<JointSpeed> {
     let Motion::Linear { speed_m_per_s } = step.motion else {
         return Vec::new();
     };
@@ -155,14 +162,6 @@ fn too_fast(robot: &Robot, before: &Move, step: &Move) -> Vec<(usize, f64, f64)>
     if time_s < 1e-9 {
         return Vec::new();
     }
-    let joints = robot.chain.joints.iter().enumerate();
-    let turned = before.posture.iter().zip(&step.posture);
-    joints
-        .zip(turned)
-        .filter_map(|((i, joint), (a, b))| {
-            let limit = joint.limits.map(|l| l.velocity)?;
-            let speed = (a - b).abs() / time_s;
-            (speed > limit && limit > 0.0).then_some((i, speed, limit))
-        })
-        .collect()
+    let speeds = joint_speeds(robot, &before.posture, &step.posture, time_s);
+    speeds.filter(JointSpeed::is_too_fast).collect()
 }

@@ -6,7 +6,7 @@ use truecut_arm::{BranchOptions, FrameId, OpwGeometry, Robot};
 
 use super::inspect::{Finding, FindingKind, too_near};
 use super::moves::{Motion, Move, Program};
-use crate::motion::joints::slowest_joint_s;
+use crate::motion::joints::{joint_speeds, slowest_joint_s};
 use crate::reach::{SingularityLimits, largest_motion_rad};
 
 /// How a program is run through.
@@ -226,24 +226,13 @@ impl Leg {
         if time_s < 1e-9 {
             return;
         }
-        for (joint, (a, b)) in from.iter().zip(to).enumerate() {
-            let Some(limit) = robot.chain.joints[joint].limits.map(|l| l.velocity) else {
-                continue;
-            };
-            let speed_rad_per_s = (a - b).abs() / time_s;
-            if limit <= 0.0 {
-                continue;
-            }
-            let share = speed_rad_per_s / limit;
+        for one in joint_speeds(robot, from, to, time_s) {
+            let share = one.share();
             if self.fastest.is_none_or(|(most, ..)| share > most) {
-                self.fastest = Some((share, joint, step.path_point));
+                self.fastest = Some((share, one.joint, step.path_point));
             }
-            if share > 1.0 {
-                let kind = FindingKind::TooFast {
-                    speed_rad_per_s,
-                    limit_rad_per_s: limit,
-                };
-                self.find(robot, step, joint, kind);
+            if one.is_too_fast() {
+                self.find(robot, step, one.joint, FindingKind::of_speed(&one));
             }
         }
     }

@@ -115,7 +115,8 @@ fn to_parry(pose: &Isometry3<f64>) -> Pose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{CylinderPatch, PlanePatch};
+    use crate::surface::PlanePatch;
+    use crate::surface::cylinder::CylinderPatch;
     use nalgebra::{Translation3, Unit, UnitQuaternion};
 
     const RADIUS_M: f64 = 0.04;
@@ -178,8 +179,7 @@ mod tests {
             -0.05,
             [-1.2, 1.2],
             0.1,
-        )
-        .expect("a bore");
+        );
         let mesh = Mesh::of_patch(&bore).expect("a mesh");
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
         // The lowest line of the wheel touches the bottom of the bore.

@@ -3,6 +3,8 @@
 use thiserror::Error;
 use truecut_arm::Placed;
 
+use crate::bounds::OutOfBounds;
+
 /// A fault with its place.
 pub type SurfaceError = Placed<SurfaceFault>;
 
@@ -24,12 +26,8 @@ pub enum SurfaceFault {
         key: &'static str,
         kind: &'static str,
     },
-    #[error("{quantity} is {value}; it must be {rule}")]
-    OutOfBounds {
-        quantity: String,
-        value: String,
-        rule: &'static str,
-    },
+    #[error(transparent)]
+    OutOfBounds(#[from] OutOfBounds),
     #[error(
         "{direction}: {found} knots; {points} control points of degree {degree} have {expected}"
     )]

@@ -22,6 +22,8 @@ use toml::Spanned;
 use super::error::{SurfaceError, SurfaceFault};
 use super::{Boundary, Forms, NurbsPatch, PlanePatch, Surface};
 
+use crate::bounds::OutOfBounds;
+
 /// Normals are checked at this many places along each parameter.
 const CHECKED: usize = 25;
 
@@ -115,19 +117,19 @@ impl RawPatch {
             }
             "plane" => {
                 idle("plane", &of_nurbs)?;
-                let need =
-                    |value: &Option<Spanned<[f64; 3]>>, key| Ok(metres(*get(value, key, "plane")?));
+                let need = |value: &Option<Spanned<[f64; 3]>>, key| {
+                    get(value, key, "plane").map(|mm| metres(*mm))
+                };
                 Ok(Box::new(PlanePatch::new(
                     need(&self.corner_mm, "corner_mm")?,
                     need(&self.side_u_mm, "side_u_mm")?,
                     need(&self.side_v_mm, "side_v_mm")?,
                 )?))
             }
-            other => Err(SurfaceFault::OutOfBounds {
-                quantity: "\"kind\"".to_owned(),
-                value: format!("\"{other}\""),
-                rule: "\"nurbs\" or \"plane\"",
-            }),
+            other => {
+                let (found, rule) = (format!("\"{other}\""), "\"nurbs\" or \"plane\"");
+                Err(OutOfBounds::new("\"kind\"", found, rule).into())
+            }
         }
     }
 
@@ -178,15 +180,12 @@ impl RawPatch {
                 ..
             } => points_at(&self.control_points_mm),
             SurfaceFault::Ragged { .. } => points_at(&self.weights),
-            SurfaceFault::OutOfBounds { quantity, .. } if quantity.contains("weight") => {
-                points_at(&self.weights)
-            }
-            SurfaceFault::OutOfBounds { quantity, .. } if quantity.contains("degree") => {
-                points_at(&self.degree)
-            }
-            SurfaceFault::OutOfBounds { quantity, .. } if quantity.contains("outside") => {
-                self.outside.span().start
-            }
+            SurfaceFault::OutOfBounds(number) => match &number.quantity {
+                quantity if quantity.contains("weight") => points_at(&self.weights),
+                quantity if quantity.contains("degree") => points_at(&self.degree),
+                quantity if quantity.contains("outside") => self.outside.span().start,
+                _ => kind,
+            },
             SurfaceFault::InvertedNormal { .. } => self.outside.span().start,
             _ => kind,
         }
@@ -221,11 +220,8 @@ fn metres(mm: [f64; 3]) -> Vector3<f64> {
 fn check_normals(surface: &dyn Surface, outside: [f64; 3]) -> Result<(), SurfaceFault> {
     let Some(outward) = Unit::try_new(Vector3::from(outside), 1e-9).filter(|u| u.x.is_finite())
     else {
-        return Err(SurfaceFault::OutOfBounds {
-            quantity: "\"outside\"".to_owned(),
-            value: format!("{outside:?}"),
-            rule: "a direction: finite and not 0",
-        });
+        let (given, rule) = (format!("{outside:?}"), "a direction: finite and not 0");
+        return Err(OutOfBounds::new("\"outside\"", given, rule).into());
     };
     let domain = surface.domain();
     for i in 0..CHECKED * CHECKED {

@@ -141,8 +141,9 @@ pub fn continue_line(before: &Unit<Vector3<f64>>, line: Unit<Vector3<f64>>) -> U
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::cylinder::CylinderPatch;
     use crate::surface::spoke::Spoke;
-    use crate::surface::{CylinderPatch, PlanePatch, Surface};
+    use crate::surface::{PlanePatch, Surface};
 
     /// One row of the table in `docs/physics/surfaces.md`: parameters, point and normal, principal
     /// curvatures, axis.
@@ -262,8 +263,7 @@ mod tests {
             0.05,
             [-1.0, 1.0],
             0.2,
-        )
-        .expect("a cylinder");
+        );
         let k = Forms::of(&cylinder.jet(0.3, 0.7))
             .expect("regular")
             .curvatures();

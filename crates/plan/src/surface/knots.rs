@@ -3,6 +3,8 @@
 
 use super::error::SurfaceFault;
 
+use crate::bounds::OutOfBounds;
+
 /// Highest degree that is read.
 pub(super) const MAX_DEGREE: usize = 7;
 
@@ -31,13 +33,13 @@ impl Knots {
         knots: Vec<f64>,
         points: usize,
     ) -> Result<Self, SurfaceFault> {
-        if !(1..=MAX_DEGREE).contains(&degree) {
-            return Err(SurfaceFault::OutOfBounds {
-                quantity: format!("the degree in {direction}"),
-                value: degree.to_string(),
-                rule: "from 1 to 7",
-            });
-        }
+        let what = format!("the degree in {direction}");
+        OutOfBounds::unless(
+            (1..=MAX_DEGREE).contains(&degree),
+            what,
+            degree,
+            "from 1 to 7",
+        )?;
         if points <= degree {
             return Err(SurfaceFault::TooFewPoints {
                 direction,

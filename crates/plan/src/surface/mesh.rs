@@ -91,8 +91,7 @@ impl Mesh {
             .project_local_point_and_get_location(to_parry(point_m), false);
         let nearest = Vector3::new(found.point.x, found.point.y, found.point.z);
         let triangle = triangle.0 as usize;
-        let [a, b, c] = self.triangles[triangle].map(|i| self.vertices_m[i]);
-        let normal = Unit::new_normalize((b - a).cross(&(c - a)));
+        let normal = self.normal(triangle);
         let away_m = (point_m - nearest).norm();
         let inside = self.is_body && self.winding(point_m) > 0.5;
         NearestPoint {

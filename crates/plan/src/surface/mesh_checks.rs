@@ -1,10 +1,12 @@
 //! What a mesh must be before anything is asked of it.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::Vector3;
 
 use super::error::{SurfaceFault, place};
+
+use crate::bounds::OutOfBounds;
 
 /// What a mesh is needed for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,14 +36,11 @@ pub(super) fn check_numbers(
             value: place(&vertices_m[index]),
         });
     }
-    match triangles.iter().flatten().find(|i| **i >= vertices_m.len()) {
-        Some(index) => Err(SurfaceFault::OutOfBounds {
-            quantity: "a vertex index (from 0)".to_owned(),
-            value: index.to_string(),
-            rule: "below the number of vertices",
-        }),
-        None => Ok(()),
+    for index in triangles.iter().flatten() {
+        let (known, what) = (*index < vertices_m.len(), "a vertex index (from 0)");
+        OutOfBounds::unless(known, what, index, "below the number of vertices")?;
     }
+    Ok(())
 }
 
 /// Vertices at the same place made one.
@@ -84,6 +83,19 @@ pub(super) fn check_triangles(
     Ok(())
 }
 
+/// Every edge, as the smaller of its vertices and the larger, with the triangles that have it and
+/// whether they go round it in that order; sorted.
+pub(super) fn edges(triangles: &[[usize; 3]]) -> BTreeMap<[usize; 2], Vec<(usize, bool)>> {
+    let mut edges: BTreeMap<[usize; 2], Vec<(usize, bool)>> = BTreeMap::new();
+    for (index, [a, b, c]) in triangles.iter().enumerate() {
+        for (from, to) in [(*a, *b), (*b, *c), (*c, *a)] {
+            let key = [from.min(to), from.max(to)];
+            edges.entry(key).or_default().push((index, from < to));
+        }
+    }
+    edges
+}
+
 /// Edges shared by one or two triangles that run through them in opposite directions; for a body
 /// all by two.
 pub(super) fn check_edges(
@@ -91,16 +103,7 @@ pub(super) fn check_edges(
     triangles: &[[usize; 3]],
     mesh_use: MeshUse,
 ) -> Result<(), SurfaceFault> {
-    let mut edges: HashMap<[usize; 2], Vec<(usize, bool)>> = HashMap::new();
-    for (index, [a, b, c]) in triangles.iter().enumerate() {
-        for (from, to) in [(*a, *b), (*b, *c), (*c, *a)] {
-            let key = [from.min(to), from.max(to)];
-            edges.entry(key).or_default().push((index + 1, from < to));
-        }
-    }
-    // Of several faults the one at the lowest vertices is told, whatever the order of the map.
-    let mut sorted: Vec<_> = edges.iter().collect();
-    sorted.sort_unstable_by_key(|(key, _)| **key);
+    let sorted = edges(triangles);
     let ends = |key: &[usize; 2]| key.map(|i| place(&vertices_m[i]));
     for (key, users) in &sorted {
         let [from, to] = ends(key);
@@ -109,8 +112,8 @@ pub(super) fn check_edges(
             [one, other] if one.1 != other.1 => {}
             [one, other] => {
                 return Err(SurfaceFault::MixedWinding {
-                    first: one.0,
-                    second: other.0,
+                    first: one.0 + 1,
+                    second: other.0 + 1,
                     from,
                 });
             }

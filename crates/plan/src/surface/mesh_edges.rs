@@ -3,10 +3,10 @@
 use nalgebra::{Unit, Vector3};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector as ParryVector;
-use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use super::mesh::Mesh;
+use super::mesh_checks::edges;
 
 /// Faces that turn by less meet in no edge: a curved face cut into triangles turns from one to the
 /// next.
@@ -42,29 +42,21 @@ impl Mesh {
     #[must_use]
     pub fn sharp_edges(&self) -> Vec<SharpEdge> {
         let vertices = self.vertices_m();
-        let mut sides: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
-        for (index, [a, b, c]) in self.triangles().iter().enumerate() {
-            for (from, to) in [(*a, *b), (*b, *c), (*c, *a)] {
-                sides
-                    .entry([from.min(to), from.max(to)])
-                    .or_default()
-                    .push(index);
-            }
-        }
-        let mut sides: Vec<_> = sides.into_iter().collect();
-        sides.sort_unstable_by_key(|(ends, _)| *ends);
-        let sharp = sides.into_iter().filter_map(|(ends, users)| {
-            let [one, other] = users.as_slice() else {
-                return None;
-            };
-            let normals = [*one, *other].map(|triangle| self.normal(triangle));
-            let ends_m = ends.map(|i| vertices[i]);
-            // The far corner of the other face lies below the first where the edge stands out.
-            let far = (self.triangles()[*other].iter()).find(|corner| !ends.contains(corner))?;
-            let stands_out = (vertices[*far] - ends_m[0]).dot(&normals[0]) < 0.0;
-            let edge = SharpEdge { ends_m, normals };
-            (stands_out && PI - edge.wedge_rad() >= LEAST_TURN_RAD).then_some(edge)
-        });
+        let sharp = edges(self.triangles())
+            .into_iter()
+            .filter_map(|(ends, users)| {
+                let [one, other] = users.as_slice() else {
+                    return None;
+                };
+                let (one, other) = (one.0, other.0);
+                let normals = [one, other].map(|triangle| self.normal(triangle));
+                let ends_m = ends.map(|i| vertices[i]);
+                // The far corner of the other face lies below the first where the edge stands out.
+                let far = (self.triangles()[other].iter()).find(|corner| !ends.contains(corner))?;
+                let stands_out = (vertices[*far] - ends_m[0]).dot(&normals[0]) < 0.0;
+                let edge = SharpEdge { ends_m, normals };
+                (stands_out && PI - edge.wedge_rad() >= LEAST_TURN_RAD).then_some(edge)
+            });
         sharp.collect()
     }
 

@@ -9,6 +9,8 @@ use super::error::{SurfaceError, SurfaceFault, place};
 use super::mesh::Mesh;
 use super::mesh_checks::MeshUse;
 
+use crate::bounds::OutOfBounds;
+
 /// Vertices and triangles as a file gives them.
 type Triangles = (Vec<Vector3<f64>>, Vec<[usize; 3]>);
 
@@ -40,13 +42,10 @@ impl Mesh {
             }),
         };
         let (mut vertices, triangles) = raw.map_err(error)?;
-        if !(unit_m.is_finite() && unit_m > 0.0) {
-            return Err(error(SurfaceFault::OutOfBounds {
-                quantity: "the length of the mesh's unit (m)".to_owned(),
-                value: unit_m.to_string(),
-                rule: "finite and above 0",
-            }));
-        }
+        let has_length = unit_m.is_finite() && unit_m > 0.0;
+        let unit = "the length of the mesh's unit (m)";
+        OutOfBounds::unless(has_length, unit, unit_m, "finite and above 0")
+            .map_err(|fault| error(fault.into()))?;
         vertices.iter_mut().for_each(|v| *v *= unit_m);
         Self::new(&vertices, &triangles, mesh_use).map_err(error)
     }

@@ -9,6 +9,8 @@
 //! Meshes ([`Mesh`]) have no curvature; they serve for sections, nearest points and depths.
 
 mod boundary;
+#[cfg(test)]
+pub(crate) mod cylinder;
 mod depth;
 mod error;
 mod file;
@@ -32,7 +34,7 @@ pub use mesh_checks::MeshUse;
 pub use mesh_edges::{LEAST_TURN_RAD, SharpEdge};
 pub use mesh_files::MeshFile;
 pub use nurbs::NurbsPatch;
-pub use primitives::{CylinderPatch, PlanePatch};
+pub use primitives::PlanePatch;
 
 use nalgebra::Vector3;
 
@@ -71,4 +73,30 @@ pub trait Surface: Sync {
     fn point_m(&self, u: f64, v: f64) -> Vector3<f64> {
         self.jet(u, v).point_m
     }
+}
+
+/// Sides of the patch's outline, along each border.
+const OUTLINE: usize = 64;
+
+/// The borders of a patch as a closed polyline, once round.
+#[must_use]
+pub fn outline(surface: &dyn Surface) -> Vec<Vector3<f64>> {
+    let Domain { u, v } = surface.domain();
+    let share = |k: usize| k as f64 / OUTLINE as f64;
+    let at = |range: [f64; 2], t: f64| range[0] + (range[1] - range[0]) * t;
+    let mut points = Vec::with_capacity(4 * OUTLINE + 1);
+    for side in 0..4 {
+        for k in 0..OUTLINE {
+            let t = share(k);
+            let (s, w) = match side {
+                0 => (t, 0.0),
+                1 => (1.0, t),
+                2 => (1.0 - t, 1.0),
+                _ => (0.0, 1.0 - t),
+            };
+            points.push(surface.point_m(at(u, s), at(v, w)));
+        }
+    }
+    points.push(points[0]);
+    points
 }

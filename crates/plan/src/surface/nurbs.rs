@@ -10,6 +10,8 @@ use super::error::{SurfaceFault, place};
 use super::knots::Knots;
 use super::{Domain, Jet, Surface};
 
+use crate::bounds::OutOfBounds;
+
 /// A NURBS patch.
 ///
 /// At a knot of multiplicity above degree − 2 second derivatives jump; those of the span that
@@ -49,13 +51,9 @@ impl NurbsPatch {
         };
         lengths("control points", points_m.iter().map(Vec::len).collect())?;
         lengths("weights", weights.iter().map(Vec::len).collect())?;
-        if weights.len() != points_m.len() {
-            return Err(SurfaceFault::OutOfBounds {
-                quantity: "the number of rows of weights".to_owned(),
-                value: weights.len().to_string(),
-                rule: "that of the control points",
-            });
-        }
+        let (rows, rule) = (weights.len(), "that of the control points");
+        let what = "the number of rows of weights";
+        OutOfBounds::unless(rows == points_m.len(), what, rows, rule)?;
         let mut weighted = Vec::with_capacity(points_m.len() * columns);
         for (point, weight) in points_m.iter().flatten().zip(weights.iter().flatten()) {
             let index = weighted.len() + 1;
@@ -66,13 +64,11 @@ impl NurbsPatch {
                     value: place(point),
                 });
             }
-            if !(weight.is_finite() && *weight > 0.0) {
-                return Err(SurfaceFault::OutOfBounds {
-                    quantity: format!("weight {index}"),
-                    value: weight.to_string(),
-                    rule: "finite and above 0",
-                });
-            }
+            let (weighs, what) = (
+                weight.is_finite() && *weight > 0.0,
+                format!("weight {index}"),
+            );
+            OutOfBounds::unless(weighs, what, weight, "finite and above 0")?;
             weighted.push(Vector4::new(point.x, point.y, point.z, 1.0) * *weight);
         }
         let [knots_u, knots_v] = knots;

@@ -270,8 +270,9 @@ fn widest(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::PlanePatch;
+    use crate::surface::cylinder::CylinderPatch;
     use crate::surface::spoke::Spoke;
-    use crate::surface::{CylinderPatch, PlanePatch};
     use crate::surface_path::wheel::tests::PUBLISHED;
 
     fn at(rule: AxisRule, u: f64, v: f64) -> Contact {
@@ -364,7 +365,6 @@ mod tests {
                 [-0.5, 0.5],
                 0.1,
             )
-            .expect("a bore")
         };
         let lay = |radius_m| {
             let (rule, feed) = (AxisRule::LeastCurvature, [1.0, 0.0]);

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use thiserror::Error;
 
+use crate::bounds::OutOfBounds;
 use crate::program::ProgramError;
 use crate::surface::SurfaceFault;
 
@@ -10,12 +11,8 @@ use crate::surface::SurfaceFault;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SurfacePathError {
-    #[error("{quantity} is {value}; it must be {rule}")]
-    OutOfBounds {
-        quantity: &'static str,
-        value: f64,
-        rule: &'static str,
-    },
+    #[error(transparent)]
+    OutOfBounds(#[from] OutOfBounds),
     #[error(
         "the wheel gouges at u = {u:.4}, v = {v:.4}, {at}: its radius is {radius_mm:.3} mm, the surface's concave radius across its axis {concave_mm:.3} mm; the wheel must be smaller",
         at = point(point_m)

@@ -9,6 +9,7 @@ use super::layout::{Layout, STATIONS, check_distance, narrow};
 use super::options::{FeedAlong, PathOptions, Strategy};
 use super::wheel::ContactWheel;
 use super::{planes, scallop};
+use crate::bounds::OutOfBounds;
 use crate::surface::{Boundary, Surface};
 
 /// Lines of contacts, fed to and fro.
@@ -82,24 +83,6 @@ pub fn plan_path(
     Ok(SurfacePath { lines })
 }
 
-/// Lines v = const, fed along u and back in turn.
-///
-/// Two neighbours stand as far apart as half the swath of each covers, less the overlap, at the
-/// place where that is least; the distance is measured across the feed, √(EG − F²)/√E for a step of
-/// v, which is |r_v| only where r_u and r_v are square. The first and last line keep half their
-/// swath and the margin from the borders, and each line half its reach from its ends.
-///
-/// # Errors
-/// As [`plan_path`].
-pub fn plan_iso_parametric(
-    surface: &dyn Surface,
-    wheel: &ContactWheel,
-    options: &PathOptions,
-) -> Result<SurfacePath, SurfacePathError> {
-    let (strategy, along) = (Strategy::IsoParametric, FeedAlong::U);
-    plan_path(surface, None, wheel, strategy, along, options)
-}
-
 fn check(
     wheel: &ContactWheel,
     strategy: Strategy,
@@ -137,17 +120,17 @@ fn check(
         ),
     ];
     for (quantity, value, good, rule) in rules {
-        if !good || !value.is_finite() {
-            return Err(SurfacePathError::OutOfBounds {
-                quantity,
-                value,
-                rule,
-            });
-        }
+        OutOfBounds::unless(good && value.is_finite(), quantity, value, rule)?;
     }
     Ok(())
 }
 
+/// Lines v = const, fed along u and back in turn.
+///
+/// Two neighbours stand as far apart as half the swath of each covers, less the overlap, at the
+/// place where that is least; the distance is measured across the feed, √(EG − F²)/√E for a step of
+/// v, which is |r_v| only where r_u and r_v are square. The first and last line keep half their
+/// swath and the margin from the borders, and each line half its reach from its ends.
 fn iso_parametric(layout: &Layout<'_>) -> Result<Vec<Vec<Contact>>, SurfacePathError> {
     let [low, high] = layout.surface.domain().v;
     let [first, last] = layout.outermost()?;
@@ -213,11 +196,19 @@ mod tests {
         margin_m: 0.0,
     };
 
+    fn planned(
+        surface: &dyn Surface,
+        options: &PathOptions,
+    ) -> Result<SurfacePath, SurfacePathError> {
+        let strategy = Strategy::IsoParametric;
+        plan_path(surface, None, &PUBLISHED, strategy, FeedAlong::U, options)
+    }
+
     /// Every place between two lines is covered by one of them, with no line nearer than it need be
     /// at its tightest place.
     #[test]
     fn verify_lines_on_the_spoke_leave_no_gap_and_waste_none() {
-        let path = plan_iso_parametric(&Spoke, &PUBLISHED, &OPTIONS).expect("a path");
+        let path = planned(&Spoke, &OPTIONS).expect("a path");
         let plan = Layout {
             surface: &Spoke,
             boundary: None,
@@ -270,7 +261,7 @@ mod tests {
             overlap: 0.0,
             ..OPTIONS
         };
-        let path = plan_iso_parametric(&plane, &PUBLISHED, &options).expect("a path");
+        let path = planned(&plane, &options).expect("a path");
         let y: Vec<f64> = path
             .lines
             .iter()
@@ -284,7 +275,7 @@ mod tests {
         );
         let narrow = PlanePatch::new(Vector3::zeros(), Vector3::x() * 0.1, Vector3::y() * 0.024)
             .expect("a plane");
-        let told = plan_iso_parametric(&narrow, &PUBLISHED, &options).expect_err("narrow");
+        let told = planned(&narrow, &options).expect_err("narrow");
         assert!(told.to_string().contains("25.000 mm wide"), "{told}");
     }
 }

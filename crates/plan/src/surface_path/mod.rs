@@ -2,9 +2,9 @@
 //!
 //! A [`ContactWheel`] lies on the surface with its axis tangent to it; its centre stands at O = P +
 //! (R − k h) n (`yang2016hub`, eq. 1). [`AxisRule`] says where the axis points, [`Contact`] what
-//! follows from that at one place, and [`plan_iso_parametric`] leads the wheel along lines v =
-//! const. [`copies`] turns a path about a turntable's axis, [`TaughtPoints`] are postures recorded
-//! on the arm, and [`solve`] finds the arm's postures along all of them.
+//! follows from that at one place, and [`plan_path`] leads the wheel along lines over the face.
+//! [`copies`] turns a path about a turntable's axis, [`TaughtPoints`] are postures recorded on the
+//! arm, and [`solve`] finds the arm's postures along all of them.
 
 mod contact;
 mod error;
@@ -22,10 +22,10 @@ mod wheel;
 
 pub use contact::{AxisRule, Contact, wheel_pose};
 pub use error::SurfacePathError;
-pub use lines::{SurfacePath, plan_iso_parametric, plan_path};
+pub use lines::{SurfacePath, plan_path};
 pub use options::{FeedAlong, PathOptions, Strategy};
 pub use sequence::{Part, Speeds, Symmetry, parts_of, program_of};
 pub use setup::{PathSetup, SurfaceSetup, TaughtFile, TaughtWhen};
-pub use solve::{Segment, Solved, copies, solve};
+pub use solve::{Segment, copies, solve};
 pub use taught::TaughtPoints;
 pub use wheel::ContactWheel;

@@ -7,13 +7,10 @@ use super::contact::Contact;
 use super::error::SurfacePathError;
 use super::graph::GraphLine;
 use super::layout::{Layout, STATIONS, check_distance, narrow};
-use crate::surface::{Boundary, Domain, Forms, Surface};
+use crate::surface::{Boundary, Domain, Forms, Surface, outline};
 
 /// Bisections by which a section is found: to 1e-12 of the range.
 const BISECTIONS: usize = 40;
-
-/// Sides of the patch's outline, along each border.
-const OUTLINE: usize = 64;
 
 /// Places, along each parameter, at which the planes are checked to cross the patch.
 const CHECKED: usize = 33;
@@ -36,7 +33,7 @@ pub(super) fn lines(
     // angle.
     let outline = match layout.boundary {
         Some(_) => None,
-        None => Some(outline(layout.surface)?),
+        None => Some(Boundary::new(&outline(layout.surface))?),
     };
     let layout = Layout {
         boundary: layout.boundary.or(outline.as_ref()),
@@ -174,33 +171,12 @@ impl<'a> Sections<'a> {
     }
 }
 
-/// The borders of a patch as a polyline.
-fn outline(surface: &dyn Surface) -> Result<Boundary, SurfacePathError> {
-    let Domain { u, v } = surface.domain();
-    let share = |k: usize| k as f64 / OUTLINE as f64;
-    let at = |range: [f64; 2], t: f64| range[0] + (range[1] - range[0]) * t;
-    let mut points = Vec::with_capacity(4 * OUTLINE + 1);
-    for side in 0..4 {
-        for k in 0..OUTLINE {
-            let t = share(k);
-            let (s, w) = match side {
-                0 => (t, 0.0),
-                1 => (1.0, t),
-                2 => (1.0 - t, 1.0),
-                _ => (0.0, 1.0 - t),
-            };
-            points.push(surface.point_m(at(u, s), at(v, w)));
-        }
-    }
-    points.push(points[0]);
-    Ok(Boundary::new(&points)?)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::PlanePatch;
+    use crate::surface::cylinder::CylinderPatch;
     use crate::surface::spoke::Spoke;
-    use crate::surface::{CylinderPatch, PlanePatch};
     use crate::surface_path::wheel::tests::PUBLISHED;
     use crate::surface_path::{AxisRule, FeedAlong, PathOptions, Strategy, plan_path};
 
@@ -265,8 +241,7 @@ mod tests {
             0.1,
             [-0.9, 0.9],
             0.15,
-        )
-        .expect("a bar");
+        );
         let lines = planned(&bar, Vector3::y(), None);
         let places: Vec<[f64; 2]> = lines
             .iter()

@@ -131,7 +131,8 @@ fn smoothed(steps: &[f64]) -> Vec<f64> {
 mod tests {
     use nalgebra::{Unit, Vector3};
 
-    use crate::surface::{CylinderPatch, PlanePatch, Surface};
+    use crate::surface::cylinder::CylinderPatch;
+    use crate::surface::{PlanePatch, Surface};
     use crate::surface_path::wheel::tests::PUBLISHED;
     use crate::surface_path::{AxisRule, FeedAlong, PathOptions, Strategy, SurfacePath, plan_path};
 
@@ -160,8 +161,7 @@ mod tests {
             radius_m,
             [-0.6, 0.6],
             0.15,
-        )
-        .expect("a bar");
+        );
         // u turns, v runs along the bar: lines are fed along v.
         let options = PathOptions {
             rule: AxisRule::WidestSwath {

@@ -106,7 +106,7 @@ pub fn program_of(
         speed_m_per_s: speeds.feed_m_per_s,
     };
     let mut moves = Vec::new();
-    for (part, postures) in parts.iter().zip(solved.segments) {
+    for (part, postures) in parts.iter().zip(solved) {
         for (k, posture) in postures.into_iter().enumerate() {
             let (world_from_tool, motion) = match &part.segment {
                 Segment::Planned(poses) => (poses[k], if k == 0 { by_joints } else { on_line }),

@@ -6,7 +6,6 @@ use truecut_arm::Robot;
 use super::error::SurfacePathError;
 use super::taught::TaughtPoints;
 use crate::program::{Motion, PathPoint, ProgramError, TravelOptions, shortest_travel};
-use crate::reach::largest_motion_rad;
 
 /// Part of a program.
 #[derive(Debug, Clone)]
@@ -15,15 +14,6 @@ pub enum Segment {
     Planned(Vec<Isometry3<f64>>),
     /// Postures as they were taught; the arm moves freely to the first.
     Taught(TaughtPoints),
-}
-
-/// Postures of every segment.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Solved {
-    /// `[segment][point]`, rad or m.
-    pub segments: Vec<Vec<Vec<f64>>>,
-    /// Greatest motion of one joint from the end of each segment to the start of the next.
-    pub between: Vec<f64>,
 }
 
 /// Copies of a path for a part of `count`-fold symmetry, turned about a turntable's axis: the k-th
@@ -46,8 +36,8 @@ pub fn copies(
     (0..count).map(turned).collect()
 }
 
-/// Postures along segments, each planned one by [`shortest_travel`] from where the one before ends,
-/// the first from `start`.
+/// Postures along segments, `[segment][point]`, rad or m: each planned one by [`shortest_travel`]
+/// from where the one before ends, the first from `start`.
 ///
 /// # Errors
 /// At the first point that is out of reach or limits, too near a singularity, or to which a joint
@@ -57,11 +47,8 @@ pub fn solve(
     segments: &[Segment],
     start: &[f64],
     options: &TravelOptions,
-) -> Result<Solved, SurfacePathError> {
-    let mut solved = Solved {
-        segments: Vec::new(),
-        between: Vec::new(),
-    };
+) -> Result<Vec<Vec<Vec<f64>>>, SurfacePathError> {
+    let mut solved = Vec::with_capacity(segments.len());
     let mut before = start.to_vec();
     for (number, segment) in segments.iter().enumerate() {
         let postures = match segment {
@@ -75,13 +62,10 @@ pub fn solve(
             }
             Segment::Taught(points) => points.postures.clone(),
         };
-        if let Some(first) = postures.first().filter(|_| number > 0) {
-            solved.between.push(largest_motion_rad(&before, first));
-        }
         if let Some(last) = postures.last() {
             before.clone_from(last);
         }
-        solved.segments.push(postures);
+        solved.push(postures);
     }
     Ok(solved)
 }

@@ -4,6 +4,8 @@ use truecut_core::wheel::belt::{line_half_width_m, relative_radius_m};
 
 use super::error::SurfacePathError;
 
+use crate::bounds::OutOfBounds;
+
 /// A cylindrical contact wheel, pressed on with a force per width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactWheel {
@@ -32,22 +34,12 @@ impl ContactWheel {
             ("the wheel's modulus (Pa)", self.modulus_pa),
         ];
         for (quantity, value) in above_zero {
-            if !(value.is_finite() && value > 0.0) {
-                let rule = "finite and above 0";
-                return Err(SurfacePathError::OutOfBounds {
-                    quantity,
-                    value,
-                    rule,
-                });
-            }
+            let good = value.is_finite() && value > 0.0;
+            OutOfBounds::unless(good, quantity, value, "finite and above 0")?;
         }
-        if !(0.0..self.radius_m).contains(&self.indentation_m) {
-            return Err(SurfacePathError::OutOfBounds {
-                quantity: "the wheel's indentation (m)",
-                value: self.indentation_m,
-                rule: "from 0 to below the wheel's radius",
-            });
-        }
+        let (indentation_m, rule) = (self.indentation_m, "from 0 to below the wheel's radius");
+        let good = (0.0..self.radius_m).contains(&indentation_m);
+        OutOfBounds::unless(good, "the wheel's indentation (m)", indentation_m, rule)?;
         Ok(())
     }
 

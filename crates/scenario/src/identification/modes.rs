@@ -137,14 +137,9 @@ impl ModesTable {
     pub(super) fn resolve(self, folder: &Path, check: &mut Check) -> Option<ModesSpec> {
         let [low, high] = self.band_hz;
         if !(low >= 0.0 && low < high) {
-            let message = format!(
-                "`modes.band_hz` is [{low}, {high}], but must rise from a frequency of at least 0"
-            );
-            check.refuse(Fault::value(
-                "modes.band_hz",
-                message,
-                "nothing lies between",
-            ));
+            let message =
+                format!("is [{low}, {high}], but must rise from a frequency of at least 0");
+            check.wrong("modes", "band_hz", message, "nothing lies between");
         }
         let frfs = self.frf.unwrap_or_default();
         let impacts = self.impact.unwrap_or_default();
@@ -176,16 +171,11 @@ impl ModesTable {
 
 impl PointTable {
     fn resolve(self, table: &str, check: &mut Check) -> Option<HammerPoint> {
-        let length = self.direction.iter().map(|v| v * v).sum::<f64>().sqrt();
-        if length == 0.0 {
-            let message = "is [0, 0, 0], which is no direction";
-            check.wrong(table, "direction", message, "no direction");
-            return None;
-        }
+        let direction = check.direction(&format!("{table}.direction"), self.direction)?;
         Some(HammerPoint {
             frame: self.point.unwrap_or(FrameId::Tool),
             offset_m: self.offset_mm.unwrap_or_default().map(from_mm),
-            direction: self.direction.map(|v| v / length),
+            direction,
         })
     }
 }

@@ -11,7 +11,6 @@ use truecut_plan::surface_path::{
 };
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm};
 
 /// The face to be finished.
@@ -146,10 +145,10 @@ impl WheelTable {
         let indentation_mm = self.indentation_mm.unwrap_or(0.0);
         if indentation_mm >= self.radius_mm {
             let message = format!(
-                "`wheel.indentation_mm` is {indentation_mm}, but must be below the radius {}: the wheel's centre stays outside",
+                "is {indentation_mm}, but must be below the radius {}: the wheel's centre stays outside",
                 self.radius_mm
             );
-            check.refuse(Fault::value("wheel.indentation_mm", message, "too deep"));
+            check.wrong("wheel", "indentation_mm", message, "too deep");
         }
         ContactWheel {
             radius_m: from_mm(self.radius_mm),

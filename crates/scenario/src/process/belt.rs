@@ -181,14 +181,12 @@ fn copies(asked: Option<usize>, written: &str, job: &BeltJob, check: &mut Check)
     if copies <= most {
         return Some(copies);
     }
-    let path = format!("{TABLE}.copies");
-    let message = match job.symmetry {
-        Some(_) => format!(
-            "`{path}` is {copies}, but must be at most {most}: {written} has no more copies"
-        ),
-        None => format!("`{path}` is {copies}, but must be at most 1: {written} has no [symmetry]"),
+    let why = match job.symmetry {
+        Some(_) => "has no more copies",
+        None => "has no [symmetry]",
     };
-    check.refuse(Fault::value(&path, message, "too many"));
+    let message = format!("is {copies}, but must be at most {most}: {written} {why}");
+    check.wrong(TABLE, "copies", message, "too many");
     None
 }
 

@@ -7,7 +7,6 @@ use serde::Deserialize;
 use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients, FeedSchedule};
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::foot::{FootSpec, FootTable};
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
 use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm, from_rpm};
@@ -173,13 +172,13 @@ impl ChamferTable {
         let edges = self.edges.unwrap_or(1);
         let feed_per_tooth_mm = self.feed_mm_per_rev / f64::from(edges);
         if self.depth_mm <= feed_per_tooth_mm {
-            let path = "process.chamfer.depth_mm";
             let message = format!(
-                "`{path}` is {}, but must be greater than the feed per tooth of {feed_per_tooth_mm} mm: \
+                "is {}, but must be greater than the feed per tooth of {feed_per_tooth_mm} mm: \
                  the first edge already cuts that deep",
                 self.depth_mm
             );
-            check.refuse(Fault::value(path, message, "reached at the first touch"));
+            let label = "reached at the first touch";
+            check.wrong("process.chamfer", "depth_mm", message, label);
         }
         let spindle_rad_s = from_rpm(self.spindle_rpm);
         ChamferSpec {

@@ -8,7 +8,6 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::foot::{FootSpec, FootTable};
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
 use crate::units::from_deg;
@@ -120,12 +119,11 @@ impl LoadTable {
             .as_ref()
             .filter(|sweep| sweep.from_hz >= sweep.to_hz)
         {
-            let path = "process.load.sweep.to_hz";
             let message = format!(
-                "`{path}` is {}, but must be greater than from_hz = {}: the frequency rises over the run",
+                "is {}, but must be greater than from_hz = {}: the frequency rises over the run",
                 sweep.to_hz, sweep.from_hz
             );
-            check.refuse(Fault::value(path, message, "not above from_hz"));
+            check.wrong("process.load.sweep", "to_hz", message, "not above from_hz");
         }
         let rotating = self.rotating.map(|force| RotatingForce {
             amplitude_n: force.amplitude_n,

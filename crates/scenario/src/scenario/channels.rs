@@ -5,6 +5,7 @@ use truecut_recording::{ClaimFault, Header, MetricSpec, UserUnit};
 use super::Scenario;
 use crate::error::ScenarioError;
 use crate::fault::Fault;
+use crate::sweep::SweepSpec;
 
 impl Scenario {
     /// Checks every metric against the channels of the run: known channels, fitting units.
@@ -26,14 +27,7 @@ impl Scenario {
                 }
             }
         }
-        let sweep = self.sweep.as_ref();
-        let columns = sweep.into_iter().flat_map(|sweep| {
-            let columns = sweep.columns.iter().enumerate();
-            let columns = columns
-                .map(|(index, one)| (format!("sweep.column.{index}"), &one.metric, &one.unit));
-            let bisect = sweep.bisect.iter();
-            columns.chain(bisect.map(|one| ("sweep.bisect".to_owned(), &one.metric, &one.unit)))
-        });
+        let columns = self.sweep.iter().flat_map(SweepSpec::metrics);
         for (table, metric, unit) in columns {
             faults.extend(self.metric_fault(&table, metric, unit, header));
         }

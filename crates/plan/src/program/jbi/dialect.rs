@@ -126,12 +126,7 @@ impl Dialect for Jbi {
         let options = table::<JobTable>(&settings.options)
             .and_then(|table| table.resolve(settings))
             .map_err(ProgramErrorKind::from)?;
-        let jobs = super::write(program, robot, &options)?;
-        let files = jobs.into_iter().map(|job| ProgramFile {
-            name: format!("{}.JBI", job.name),
-            text: job.text,
-        });
-        Ok(files.collect())
+        super::write(program, robot, &options)
     }
 
     /// A job, or those that it calls one after another. Jobs that call call nothing else.

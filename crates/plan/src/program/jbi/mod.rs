@@ -20,7 +20,7 @@ use super::{ProgramError, ProgramErrorKind};
 pub(super) use dialect::sample_options;
 pub use dialect::{DIALECT, Jbi};
 pub use job::{JbiJob, JbiMove, JbiPosition, JbiPositionValue};
-pub use write::{JbiFile, write};
+pub use write::write;
 
 /// Longest job name and comment, characters.
 const NAME_CHARS: usize = 8;

@@ -332,28 +332,34 @@ impl<'a> JobReader<'a> {
                 return Err((Some(line), ProgramErrorKind::Count { what, said, found }));
             }
         }
-        let used: BTreeSet<u32> = job.moves.iter().map(|step| step.position).collect();
-        let idle = job
-            .positions
-            .iter()
-            .find(|(number, _)| !used.contains(number));
-        if let Some((number, position)) = idle {
-            let name = format!("C{number:05}");
-            return Err((
-                Some(position.line),
-                ProgramErrorKind::UnusedPosition { name },
-            ));
-        }
-        let used: BTreeSet<u32> = job.moves.iter().filter_map(|step| step.station).collect();
-        let idle = job
-            .stations
-            .iter()
-            .find(|(number, _)| !used.contains(number));
-        idle.map_or(Ok(()), |(number, (_, line))| {
-            let name = format!("EC{number:05}");
-            Err((Some(*line), ProgramErrorKind::UnusedPosition { name }))
-        })
+        let used = job.moves.iter().map(|step| step.position).collect();
+        let positions = job.positions.iter();
+        unused(
+            "C",
+            &used,
+            positions.map(|(number, position)| (*number, position.line)),
+        )?;
+        let used = job.moves.iter().filter_map(|step| step.station).collect();
+        let stations = job.stations.iter();
+        unused(
+            "EC",
+            &used,
+            stations.map(|(number, (_, line))| (*number, *line)),
+        )
     }
+}
+
+/// Refuses positions to which no move goes: number and line of each.
+fn unused(
+    prefix: &str,
+    used: &BTreeSet<u32>,
+    mut known: impl Iterator<Item = (u32, usize)>,
+) -> Result<(), (Option<usize>, ProgramErrorKind)> {
+    let idle = known.find(|(number, _)| !used.contains(number));
+    idle.map_or(Ok(()), |(number, line)| {
+        let name = format!("{prefix}{number:05}");
+        Err((Some(line), ProgramErrorKind::UnusedPosition { name }))
+    })
 }
 
 fn missing(name: &str) -> ProgramErrorKind {

@@ -8,14 +8,7 @@ use super::{
     check_comment, check_name, pulses_per_unit, rconf_text,
 };
 use crate::program::number::fixed;
-use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind};
-
-/// A job: its name, which the file has too, and its text with CR LF line ends.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct JbiFile {
-    pub name: String,
-    pub text: String,
-}
+use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind, ProgramFile};
 
 /// Writes a program as one job; as several and one that calls them in turn if it has more
 /// instruction lines than fit.
@@ -28,7 +21,7 @@ pub fn write(
     program: &Program,
     robot: &Robot,
     options: &JbiOptions,
-) -> Result<Vec<JbiFile>, ProgramError> {
+) -> Result<Vec<ProgramFile>, ProgramError> {
     check_name(&program.name)?;
     check_comment(&program.comment)?;
     let (tool, lines) = (program.tool.number, options.lines_per_job);
@@ -148,13 +141,18 @@ impl<'a> JobWriter<'a> {
         lines
     }
 
-    fn caller(&self, names: &[String]) -> JbiFile {
+    fn caller(&self, names: &[String]) -> ProgramFile {
         let mut lines = self.head(&self.program.name, 0);
         lines.extend(self.foot(names.iter().map(|name| format!("CALL JOB:{name}"))));
         file(&self.program.name, &lines)
     }
 
-    fn job(&self, name: &str, moves: &[Move], first: usize) -> Result<JbiFile, ProgramErrorKind> {
+    fn job(
+        &self,
+        name: &str,
+        moves: &[Move],
+        first: usize,
+    ) -> Result<ProgramFile, ProgramErrorKind> {
         let mut lines = self.head(name, moves.len());
         lines.push(format!("///TOOL {}", self.program.tool.number));
         match &self.geometry {
@@ -286,9 +284,9 @@ fn pose_text(pose: &Isometry3<f64>) -> String {
     format!("{},{},{},{}", mm[0], mm[1], mm[2], deg.join(","))
 }
 
-fn file(name: &str, lines: &[String]) -> JbiFile {
-    JbiFile {
-        name: name.to_owned(),
+fn file(name: &str, lines: &[String]) -> ProgramFile {
+    ProgramFile {
+        name: format!("{name}.JBI"),
         text: lines.join("\r\n") + "\r\n",
     }
 }

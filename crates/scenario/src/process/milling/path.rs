@@ -6,7 +6,6 @@ use truecut_arm::{Elbow, Shoulder, Wrist};
 use truecut_plan::motion::straight::{PathStart, StraightPath, TurnKnot};
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::units::{from_deg, from_mm};
 
 /// A straight line, and how the tool stands along it.
@@ -84,28 +83,15 @@ impl PathTable {
         let zero_direction = unit("zero_direction", zero)?;
         self.check_square(&direction, &tool_axis, &zero_direction, check)?;
         let turn = self.turn(length_m, check)?;
-        let Self {
-            start_mm,
-            end_mm: _,
-            direction: _,
-            length_mm: _,
-            tool_axis: _,
-            zero_direction: _,
-            redundancy_deg: _,
-            turn: _,
-            shoulder,
-            elbow,
-            wrist,
-        } = self;
         Some(StraightPath {
             start: Some(PathStart {
-                point_m: start_mm?.map(from_mm),
+                point_m: self.start_mm?.map(from_mm),
                 tool_axis,
                 zero_direction,
                 turn,
-                shoulder,
-                elbow,
-                wrist,
+                shoulder: self.shoulder,
+                elbow: self.elbow,
+                wrist: self.wrist,
             }),
             direction,
             length_m,
@@ -184,13 +170,13 @@ impl PathTable {
             .collect();
         for (index, pair) in knots.windows(2).enumerate() {
             if pair[0].at_m >= pair[1].at_m {
-                let path = format!("{TABLE}.turn.{}.at_mm", index + 1);
                 let message = format!(
-                    "`{path}` is {}, but must be greater than the one before it, {}",
+                    "is {}, but must be greater than the one before it, {}",
                     pair[1].at_m * 1e3,
                     pair[0].at_m * 1e3
                 );
-                check.refuse(Fault::value(&path, message, "distances must rise"));
+                let table = format!("{TABLE}.turn.{}", index + 1);
+                check.wrong(&table, "at_mm", message, "distances must rise");
                 return None;
             }
         }
@@ -198,13 +184,13 @@ impl PathTable {
             .iter()
             .position(|knot| knot.at_m > length_m * (1.0 + 1e-9));
         if let Some(index) = beyond {
-            let path = format!("{TABLE}.turn.{index}.at_mm");
             let message = format!(
-                "`{path}` is {}, but must be at most the path's length of {} mm",
+                "is {}, but must be at most the path's length of {} mm",
                 knots[index].at_m * 1e3,
                 length_m * 1e3
             );
-            check.refuse(Fault::value(&path, message, "behind the path's end"));
+            let table = format!("{TABLE}.turn.{index}");
+            check.wrong(&table, "at_mm", message, "behind the path's end");
             return None;
         }
         Some(knots)

@@ -1,7 +1,7 @@
 //! A planned path, written into the text of a scenario.
 
+use serde_json::Value as Json;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
-use truecut_arm::{Elbow, Shoulder, Wrist};
 use truecut_plan::motion::straight::PathStart;
 
 use crate::relocate::find_mut;
@@ -50,20 +50,13 @@ impl PlannedPath {
         set(path, "end_mm", millimetres(&self.end_m));
         set(path, "tool_axis", point(tool_axis));
         set(path, "zero_direction", point(zero_direction));
-        let shoulder = shoulder.map(|side| match side {
-            Shoulder::Front => "front",
-            Shoulder::Rear => "rear",
-        });
-        let elbow = elbow.map(|side| match side {
-            Elbow::Upper => "upper",
-            Elbow::Lower => "lower",
-        });
-        let wrist = wrist.map(|sense| match sense {
-            Wrist::Positive => "positive",
-            Wrist::Negative => "negative",
-        });
-        for (key, name) in [("shoulder", shoulder), ("elbow", elbow), ("wrist", wrist)] {
-            if let Some(name) = name {
+        let names = [
+            ("shoulder", serde_json::to_value(shoulder)),
+            ("elbow", serde_json::to_value(elbow)),
+            ("wrist", serde_json::to_value(wrist)),
+        ];
+        for (key, name) in names {
+            if let Ok(Json::String(name)) = name {
                 set(path, key, Value::from(name));
             }
         }

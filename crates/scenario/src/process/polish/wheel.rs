@@ -5,7 +5,6 @@ use serde::Deserialize;
 use truecut_core::wheel::pneumatic::PneumaticWheel;
 
 use crate::check::Check;
-use crate::fault::Fault;
 use crate::units::{from_mm, from_mpa};
 
 /// An inflated rubber sphere.
@@ -40,12 +39,12 @@ impl PneumaticTable {
         let radius_mm = self.radius_mm;
         let shell_thickness_mm = self.shell_thickness_mm;
         if shell_thickness_mm > radius_mm {
-            let path = "process.polish.wheel.shell_thickness_mm";
             let message = format!(
-                "`{path}` is {shell_thickness_mm}, but must be at most radius_mm = {radius_mm}: the \
+                "is {shell_thickness_mm}, but must be at most radius_mm = {radius_mm}: the \
                  shell fits into the wheel"
             );
-            check.refuse(Fault::value(path, message, "thicker than the wheel"));
+            let (table, label) = ("process.polish.wheel", "thicker than the wheel");
+            check.wrong(table, "shell_thickness_mm", message, label);
         }
         PneumaticWheel {
             radius_m: from_mm(radius_mm),
