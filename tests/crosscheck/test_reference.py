@@ -214,7 +214,7 @@ def test_verify_foot_is_a_gas_spring_with_a_seal_that_breaks_away():
 
 @pytest.mark.parametrize(("spin", "friction_sign"), [("climb", 1.0), ("against", -1.0)])
 def test_verify_wheel_removes_prestons_depth_and_yields_to_friction(spin, friction_sign):
-    """Steady pass over the planar rig: N = N0 without runout, depth k_p v_s N / (w v_f), deflection mu N / k2.
+    """Steady pass over the planar rig: N = N0 without eccentricity, depth k_p v_s N / (w v_f), deflection mu N / k2.
 
     "climb" moves the rim against the travel over the plate, so friction pushes the wheel on.
     """

@@ -214,7 +214,7 @@ def test_crosscheck_mujoco_chamfer_laws(truecut, name):
 def test_crosscheck_mujoco_wheel_scenarios(truecut, path, spin):
     """One pass of the compliant wheel: how the arm yields, normal force, friction, what is left of the strip."""
     report = check(truecut, f"wheel/{path.stem} {spin}", path, {"process.wheel.spin": spin})
-    for name in ("wheel.normal_force", "wheel.friction_force", "wheel.penetration"):
+    for name in ("wheel.normal_force", "wheel.friction_force", "wheel.indentation"):
         assert report["quantities"][name]["nrmse"] <= 0.01
     for name in ("wheel.removed_volume", "wheel.preston_volume"):
         volume = report["scalars"][name]

@@ -24,6 +24,7 @@ use crate::text::{self, Align};
 struct Checked {
     file: PathBuf,
     name: String,
+    notes: Vec<String>,
     /// ExitStatus, or the report of why it cannot run.
     result: Result<Judged, String>,
     took: Duration,
@@ -48,6 +49,11 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
     drop(progress);
     write_junit(&checked, &arguments.junit)?;
     crate::print(&table(&checked))?;
+    let notes = checked.iter().flat_map(|one| {
+        let file = one.file.display();
+        one.notes.iter().map(move |note| format!("{file}: {note}"))
+    });
+    crate::print(&text::notes(notes))?;
     for one in &checked {
         if let Err(report) = &one.result {
             crate::complain(report);
@@ -68,15 +74,18 @@ fn check_one(
 ) -> Checked {
     let started = Instant::now();
     let mut name = file.display().to_string();
+    let mut notes = Vec::new();
     let result = Scenario::load(file, set)
         .map_err(Failure::from)
         .and_then(|scenario| {
             name.clone_from(&scenario.name);
+            notes = scenario.notes();
             judge_scenario(&scenario, runs, progress)
         });
     Checked {
         file: file.to_owned(),
         name,
+        notes,
         result: result.map_err(|failure| format!("{:?}", miette::Report::from(failure))),
         took: started.elapsed(),
     }

@@ -50,9 +50,10 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
     let mut aligns = vec![Align::Right; table.columns.len()];
     aligns.push(Align::Left);
     let mut text = format!(
-        "{}\n  {}\n\n{}",
+        "{}\n  {}\n{}\n{}",
         scenario.name,
         text::count_rows(table),
+        text::notes(scenario.notes()),
         text::table(&aligns, &rows)
     );
     for (row, why) in table.diverged.iter().enumerate() {

@@ -83,7 +83,7 @@ pub fn headline(all: &[Scalar]) -> String {
 fn belt_faults(all: &[Scalar]) -> String {
     let value = |name: &str| (all.iter().find(|one| one.name == name)).map_or(0.0, |one| one.value);
     let (pressed_in, stopped) = (
-        value("belt.largest_penetration"),
+        value("belt.largest_indentation"),
         value("belt.carrier_at_stop"),
     );
     let mut text = String::new();
@@ -226,7 +226,7 @@ mod tests {
         let hints = |pressed_in, stopped| {
             let scalar = |name: &str, value| Scalar::new(name, Unit::One, value, "what it is");
             belt_faults(&[
-                scalar("belt.largest_penetration", pressed_in),
+                scalar("belt.largest_indentation", pressed_in),
                 scalar("belt.carrier_at_stop", stopped),
             ])
         };

@@ -28,7 +28,7 @@ pub(crate) struct ControlTable {
     /// How far the undeformed wheel would reach into the face (law "position" of process.polish; a
     /// belt's job says it).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is pressed on"))]
-    penetration_mm: Option<f64>,
+    indentation_mm: Option<f64>,
     /// Normal force that is held (law "constant_force"), or preload (law "compliant").
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is pressed on"))]
     force_n: Option<f64>,
@@ -81,13 +81,13 @@ impl ControlTable {
         if self.law == LawName::Position {
             let indentation_m = match *pressed {
                 Pressed::ByTable { radius_m } => {
-                    let given = check.needed(table, "penetration_mm", self.penetration_mm, who)?;
+                    let given = check.needed(table, "indentation_mm", self.indentation_mm, who)?;
                     Some(indentation(table, given, radius_m, check)?)
                 }
                 Pressed::ByPath { .. } => {
                     let because =
                         "the path job's wheel.indentation_mm says how far the wheel is led in";
-                    check.ignored(table, &["penetration_mm"], because);
+                    check.ignored(table, &["indentation_mm"], because);
                     None
                 }
             };
@@ -145,26 +145,26 @@ impl LawName {
             ),
             Self::ConstantForce => (
                 "law = \"constant_force\"",
-                &["penetration_mm", "mass_kg", "stiffness_n_per_mm"],
+                &["indentation_mm", "mass_kg", "stiffness_n_per_mm"],
                 "law = \"constant_force\" holds a force without mass",
             ),
             Self::Compliant => (
                 "law = \"compliant\"",
-                &["penetration_mm", "fastest_mm_per_s"],
+                &["indentation_mm", "fastest_mm_per_s"],
                 "law = \"compliant\" presses by its preload",
             ),
         }
     }
 }
 
-fn indentation(table: &str, penetration_mm: f64, radius_m: f64, check: &mut Check) -> Option<f64> {
-    let indentation_m = from_mm(penetration_mm);
+fn indentation(table: &str, indentation_mm: f64, radius_m: f64, check: &mut Check) -> Option<f64> {
+    let indentation_m = from_mm(indentation_mm);
     if indentation_m >= radius_m {
         let message = format!(
-            "is {penetration_mm}, but must be less than the wheel's radius of {} mm",
+            "is {indentation_mm}, but must be less than the wheel's radius of {} mm",
             radius_m * 1e3
         );
-        check.wrong(table, "penetration_mm", message, "deeper than the wheel");
+        check.wrong(table, "indentation_mm", message, "deeper than the wheel");
         return None;
     }
     Some(indentation_m)

@@ -6,6 +6,7 @@
 //! up in the overrides first and in the text as written second, so line numbers are always those of
 //! the file.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,6 +16,7 @@ use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, Value};
 use crate::error::{Place, Problem, ScenarioError};
 use crate::fault::{At, Fault, split_path};
 use crate::overwrite::set_in_table;
+use crate::renamed::{self, Renamed};
 use crate::schema::is_text;
 use crate::structure::leaf_schema;
 
@@ -25,6 +27,8 @@ pub(crate) struct Document {
     written: Arc<toml_edit::Document<String>>,
     effective: DocumentMut,
     overrides: Vec<Override>,
+    /// Names of before that the text and the overrides have.
+    renamed: Vec<Renamed>,
     /// What the file may hold.
     schema: Arc<Json>,
 }
@@ -52,12 +56,14 @@ impl Document {
             Problem::new(fault, place_in_file(path, text, span))
         };
         let written = toml_edit::Document::parse(text.to_owned()).map_err(syntax)?;
-        let effective = text.parse::<DocumentMut>().map_err(syntax)?;
+        let mut effective = text.parse::<DocumentMut>().map_err(syntax)?;
+        let renamed = renamed::rename(effective.as_table_mut());
         let mut document = Document {
             path: path.to_owned(),
             written: Arc::new(written),
             effective,
             overrides: Vec::new(),
+            renamed,
             schema: schema.clone(),
         };
         document.override_with(overrides)?;
@@ -112,6 +118,12 @@ impl Document {
             .collect()
     }
 
+    /// Names of before that the text and the overrides have, each with its present one.
+    pub fn notes(&self) -> Vec<String> {
+        let unique: BTreeSet<Renamed> = self.renamed.iter().copied().collect();
+        unique.into_iter().map(renamed::note).collect()
+    }
+
     /// Whether the effective document has something at the dotted `path`.
     pub fn has(&self, path: &str) -> bool {
         self.node(path).is_some()
@@ -143,7 +155,20 @@ impl Document {
             }
             (Some(_), None) => fault.message,
         };
-        Problem::new(Fault { message, ..fault }, place)
+        let renamed = self.renamed_at(&fault.path);
+        let help = fault.help.or_else(|| renamed.map(renamed::note));
+        let told = Fault {
+            message,
+            help,
+            ..fault
+        };
+        Problem::new(told, place)
+    }
+
+    /// The name of before of the key at `path`.
+    fn renamed_at(&self, path: &[String]) -> Option<Renamed> {
+        let path = path.join(".");
+        self.renamed.iter().copied().find(|one| one.1 == path)
     }
 
     /// The last override of an entry of the list at `path`.
@@ -168,7 +193,9 @@ impl Document {
         }
         // A key that is missing from a table which exists only because an override made it.
         let created = |one: &&Override| !path.is_empty() && one.path.starts_with(path);
+        let before = self.renamed_at(path).map(|(before, _)| split_path(before));
         let written = self.written_span(path, at);
+        let written = written.or_else(|| self.written_span(&before?, at));
         match (written, self.overrides.iter().rev().find(created)) {
             (None, Some(set)) => set.place(&self.path, At::Key),
             (None, None) => self.in_file(self.enclosing_span(path)),
@@ -220,8 +247,9 @@ impl Document {
         written: String,
         value: impl FnOnce(&Json) -> Value,
     ) -> Result<(), ScenarioError> {
+        let renamed = renamed::of(key);
         let one = Override {
-            path: split_path(key),
+            path: split_path(renamed.map_or(key, |(_, now)| now)),
             key: key.to_owned(),
             value: written,
         };
@@ -242,6 +270,7 @@ impl Document {
         let value = value(leaf);
         set_in_table(self.effective.as_table_mut(), &one.path, 0, value).map_err(fail)?;
         self.overrides.push(one);
+        self.renamed.extend(renamed);
         Ok(())
     }
 }

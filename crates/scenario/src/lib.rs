@@ -66,6 +66,7 @@ mod process;
 mod processes;
 mod reach;
 mod relocate;
+mod renamed;
 mod robot;
 mod roughness;
 mod run;

@@ -6,6 +6,7 @@ use serde_json::Value as Json;
 use thiserror::Error;
 
 use crate::process::{Definition, ProcessSpec};
+use crate::renamed;
 use crate::scenario::tables::ScenarioTable;
 use crate::schema::schema_of;
 
@@ -25,8 +26,11 @@ impl Processes {
     /// Those of this crate.
     #[must_use]
     pub fn shipped() -> Processes {
-        static SCHEMA: LazyLock<Arc<Json>> =
-            LazyLock::new(|| Arc::new(schema_of::<ScenarioTable>()));
+        static SCHEMA: LazyLock<Arc<Json>> = LazyLock::new(|| {
+            let mut schema = schema_of::<ScenarioTable>();
+            renamed::deprecate(&mut schema);
+            Arc::new(schema)
+        });
         Processes {
             own: Vec::new(),
             schema: SCHEMA.clone(),

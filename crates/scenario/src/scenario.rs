@@ -160,7 +160,12 @@ impl Scenario {
         self.document.overrides()
     }
 
-    /// The scenario as a TOML text with the overrides written into it.
+    /// What was read by another name than it is written with: a key or channel that was renamed.
+    pub fn notes(&self) -> Vec<String> {
+        self.document.notes()
+    }
+
+    /// The scenario as a TOML text with the overrides written into it, all names those of now.
     pub fn effective_text(&self) -> String {
         self.document.effective_text()
     }

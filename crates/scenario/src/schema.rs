@@ -96,7 +96,8 @@ pub(crate) fn choices(schema: &Json) -> Vec<&str> {
 pub(crate) fn property<'a>(schema: &'a Json, key: &str) -> Option<&'a Json> {
     let named = schema
         .get("properties")
-        .and_then(|properties| properties.get(key));
+        .and_then(|properties| properties.get(key))
+        .filter(|key| !is_deprecated(key));
     named.or_else(|| {
         schema
             .get("additionalProperties")
@@ -107,9 +108,13 @@ pub(crate) fn property<'a>(schema: &'a Json, key: &str) -> Option<&'a Json> {
 /// The keys of a table.
 pub(crate) fn property_names(schema: &Json) -> impl Iterator<Item = &str> {
     let properties = schema.get("properties").and_then(Json::as_object);
-    properties
-        .into_iter()
-        .flat_map(|map| map.keys().map(String::as_str))
+    let present = (properties.into_iter().flatten()).filter(|(_, key)| !is_deprecated(key));
+    present.map(|(name, _)| name.as_str())
+}
+
+/// Whether a key is there for editors only: a file that has it is read with the present one.
+fn is_deprecated(key: &Json) -> bool {
+    key.get("deprecated").is_some()
 }
 
 /// The keys that a table must have.

@@ -109,6 +109,7 @@ impl Prepared {
                 * (touched.translation.vector - unloaded.vector),
         });
         let mut notes = altered.robot.chain.notes.clone();
+        notes.extend(scenario.notes());
         notes.extend(path_note);
         Ok(Self {
             friction: friction(&altered, kind),

@@ -230,7 +230,7 @@ fn verify_wheel_runs_out_and_presses_by_its_stiffness() {
         column(&recording, "tool.velocity_x"),
     );
     let (delta, normal) = (
-        column(&recording, "wheel.penetration"),
+        column(&recording, "wheel.indentation"),
         column(&recording, "wheel.normal_force"),
     );
     let spin = 1200.0 * TAU / 60.0;
@@ -266,7 +266,7 @@ fn the_run_applies_the_factors_of_a_polishing_wheel() {
         damping_pa_s_per_m: 0.0,
     };
     let normal = column(&with, "polish.normal_force");
-    let depth = column(&with, "polish.penetration");
+    let depth = column(&with, "polish.indentation");
     let friction = ["polish.friction_x", "polish.friction_y"].map(|name| column(&with, name));
     for row in 0..normal.len() {
         let expected = stiffer.normal_force_n(depth[row]);

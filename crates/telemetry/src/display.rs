@@ -141,9 +141,9 @@ const TEMPLATES: &[Template] = &[
         &[
             "cutting.depth",
             "cutting.engaged_depth",
-            "wheel.penetration",
-            "polish.penetration",
-            "belt.penetration",
+            "wheel.indentation",
+            "polish.indentation",
+            "belt.indentation",
             "brush.shortening",
         ],
     ),
@@ -236,7 +236,7 @@ fn in_path(title: &str) -> String {
 
 /// The unit in which a person expects a channel.
 pub(crate) fn shown_in(channel: &ChannelSpec) -> UserUnit {
-    let small = channel.name.contains("displacement") || channel.name.contains("penetration");
+    let small = channel.name.contains("displacement") || channel.name.contains("indentation");
     shown_unit(channel.unit, small)
 }
 

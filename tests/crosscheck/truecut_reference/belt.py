@@ -82,7 +82,7 @@ class Tool:
             return 2.0 * math.log(2.0 * rubber / b) - poisson / (1.0 - poisson)
 
         def row(depth: float) -> tuple[float, float, float]:
-            """Overlap in the middle, its rate per penetration, half width of the patch."""
+            """Overlap in the middle, its rate per indentation, half width of the patch."""
             b = scipy.optimize.brentq(
                 lambda b: b * b / (4.0 * radius) * factor(b) - depth, 1e-9, 0.5 * rubber, xtol=1e-15
             )
@@ -121,10 +121,10 @@ class Tool:
         axes: np.ndarray,
         velocity: np.ndarray,
         turning: np.ndarray,
-        runout: tuple[float, float] = (0.0, 0.0),
+        eccentricity: tuple[float, float] = (0.0, 0.0),
     ) -> np.ndarray:
         """Force and moment on the wheel about its centre, world axes; then the sum of normal forces, friction on the plane along the tool's
-        x axis, and the power of sliding over mu. `runout`: how much further the wheel reaches, and the rate of that."""
+        x axis, and the power of sliding over mu. `eccentricity`: how much further the wheel reaches, and the rate of that."""
         axis, normal = axes[:, 1], self.normal
         lean = math.sqrt(1.0 - float(axis @ normal) ** 2)
         to_axis = (normal - float(axis @ normal) * axis) / lean
@@ -132,7 +132,7 @@ class Tool:
         along = self.width * ((np.arange(SLICES) + 0.5) / SLICES - 0.5)
         middle = centre + along[:, None] * axis
         distance = (middle @ normal - self.height) / lean
-        depth = self.radius + runout[0] - distance
+        depth = self.radius + eccentricity[0] - distance
         touches = depth > 1e-6 * self.radius
         if not touches.any():
             return np.zeros(9)
@@ -147,7 +147,7 @@ class Tool:
         slide = velocity + np.cross(turning, arm) - self.speed * run
         slide -= (slide @ normal)[..., None] * normal
         reach = velocity + np.cross(turning, foot - centre)
-        approach = runout[1] - (reach @ normal) / lean
+        approach = eccentricity[1] - (reach @ normal) / lean
         inwards = rate[:, None] * approach[:, None] - (slide @ run) * x / self.radius
         u = np.maximum(u0[:, None] - x * x / (2.0 * self.radius), 0.0)
         rubber = self.modulus * np.sqrt(u / (2.0 * self.radius))
@@ -174,11 +174,11 @@ class BeltRun(LedRun):
         place, axes, velocity, turning = self.tool_at(q, v)
         out = self.out * axes[:, 2]
         velocity = velocity + np.cross(turning, out) + self.rate * axes[:, 2]
-        found = self.tool.loads(place + out, axes, velocity, turning, self.runout(t))
+        found = self.tool.loads(place + out, axes, velocity, turning, self.eccentricity(t))
         self.pushed = -float(found[:3] @ axes[:, 2])
         return found[:3], found[3:6] + np.cross(out, found[:3]), found[6:]
 
-    def runout(self, _t: float) -> tuple[float, float]:
+    def eccentricity(self, _t: float) -> tuple[float, float]:
         """How much further than its radius the wheel reaches, and the rate of that."""
         return 0.0, 0.0
 

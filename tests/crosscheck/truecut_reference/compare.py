@@ -43,7 +43,7 @@ SCALARS = (
     "cutting.torque",
     "wheel.normal_force",
     "wheel.friction_force",
-    "wheel.penetration",
+    "wheel.indentation",
     "wheel.position",
 )
 

@@ -91,7 +91,7 @@ class Tool:
     # -- the patch ---------------------------------------------------------------------------------------------
 
     def patch(self, depth: float) -> tuple[float, float, float]:
-        """Overlap in the middle, its rate per penetration, radius of the patch."""
+        """Overlap in the middle, its rate per indentation, radius of the patch."""
         c1, c2 = self.shell, self.tread
         q = (math.sqrt(c1 * c1 + 8.0 * c2 * depth) - c1) / (4.0 * c2)
         u0, rate = c1 * q + c2 * q * q, (c1 + 2.0 * c2 * q) / (c1 + 4.0 * c2 * q)
@@ -104,12 +104,12 @@ class Tool:
         return u0, rate, scipy.optimize.brentq(kink, 1e-6 * whole, (1.0 - 1e-9) * whole, xtol=1e-12)
 
     def _patches(self, depth: float) -> scipy.interpolate.CubicSpline:
-        """The patch over the penetrations that a run meets, made once."""
+        """The patch over the indentations that a run meets, made once."""
         if not self.table:
             depths = np.linspace(0.02, 0.1, 321) * self.radius
             self.table.append(scipy.interpolate.CubicSpline(depths, [self.patch(d) for d in depths]))
         if not 0.02 * self.radius <= depth <= 0.1 * self.radius:
-            raise ValueError(f"a penetration of {depth} m is outside the table")
+            raise ValueError(f"an indentation of {depth} m is outside the table")
         return self.table[0]
 
     def loads(self, middle: np.ndarray, velocity: np.ndarray, turning: np.ndarray) -> np.ndarray:

@@ -161,7 +161,7 @@ class Wheel:
     damping_n_s_per_m: float
     normal_force_n: float
     mu: float
-    runout_m: float
+    eccentricity_m: float
     feed_m_per_s: float
     strip_length_m: float
     strip_cells: int
@@ -377,7 +377,7 @@ def _wheel(t: dict) -> Wheel:
         damping_n_s_per_m=t.get("damping_n_s_per_mm", 0.0) / MM,
         normal_force_n=t["normal_force_n"],
         mu=t["mu"],
-        runout_m=t.get("runout_um", 0.0) * 1e-6,
+        eccentricity_m=t.get("eccentricity_um", 0.0) * 1e-6,
         feed_m_per_s=t["feed_mm_per_s"] * MM,
         strip_length_m=t["strip_length_mm"] * MM,
         strip_cells=t.get("strip_cells", 400),

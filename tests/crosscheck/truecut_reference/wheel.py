@@ -71,7 +71,7 @@ class CommandedPath:
 class WheelProcess:
     """One pass of the wheel."""
 
-    channels = ("wheel.normal_force", "wheel.friction_force", "wheel.penetration", "wheel.position")
+    channels = ("wheel.normal_force", "wheel.friction_force", "wheel.indentation", "wheel.position")
     foot = None
 
     def __init__(self, spec: Wheel, duration_s: float, longest_step_s: float, plant: Plant, command: Command | None):
@@ -100,8 +100,8 @@ class WheelProcess:
         """Force of the plate on the wheel (N, process frame) at mid-step; removes material."""
         s = self.spec
         angle = s.speed_rad_per_s * t
-        pen = self.pen0_m + x[0] + s.runout_m * math.sin(angle)
-        rate = v[0] + s.runout_m * s.speed_rad_per_s * math.cos(angle)
+        pen = self.pen0_m + x[0] + s.eccentricity_m * math.sin(angle)
+        rate = v[0] + s.eccentricity_m * s.speed_rad_per_s * math.cos(angle)
         normal = max(0.0, s.stiffness_n_per_m * pen + s.damping_n_s_per_m * rate) if pen > 0.0 else 0.0
         slip = self.surface_m_per_s + v[1]
         friction = -math.copysign(s.mu * normal, slip)

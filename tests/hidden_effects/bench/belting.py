@@ -45,7 +45,7 @@ def hidden_tool(table: dict, job: dict, outside: tuple[float, float, float], val
 
 
 class HiddenBelt(BeltRun):
-    """The belt with what a nominal one does not have: runout, and a carrier that sticks."""
+    """The belt with what a nominal one does not have: eccentricity, and a carrier that sticks."""
 
     def __init__(self, tool: Tool, plant: Plant, command: Command, values: dict[str, dict[str, float]]) -> None:
         super().__init__(tool, plant, command)
@@ -55,7 +55,7 @@ class HiddenBelt(BeltRun):
         if tool.control is not None:
             self.out = tool.control[3]  # it comes from the air
 
-    def runout(self, t: float) -> tuple[float, float]:
+    def eccentricity(self, t: float) -> tuple[float, float]:
         """The wheel's, by the way of the belt."""
         spin = self.tool.speed / self.tool.radius
         cos, sin = math.cos(spin * t), math.sin(spin * t)

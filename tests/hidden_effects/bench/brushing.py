@@ -36,17 +36,17 @@ ANGLES = 4 * 3840
 
 
 class HiddenBrush(BrushRun):
-    """The brush with what a nominal one does not have: runout; and the edge under it."""
+    """The brush with what a nominal one does not have: eccentricity; and the edge under it."""
 
-    def __init__(self, tool: Tool, plant: Plant, command: Command, edge: np.ndarray, runout: tuple[float, float]) -> None:
+    def __init__(self, tool: Tool, plant: Plant, command: Command, edge: np.ndarray, eccentricity: tuple[float, float]) -> None:
         super().__init__(tool, plant, command)
-        self.edge, self.runout = edge, runout
+        self.edge, self.eccentricity = edge, eccentricity
 
     def wrench(self, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Told: the sum of the bristles' forces, friction, and rho n v on the edge."""
         place, axes, velocity, turning = self.tool_at(q, v)
         tool, phi = self.tool, self.tool.spin * t
-        tool = dataclasses.replace(tool, radius=tool.radius + self.runout[0] * math.cos(phi) + self.runout[1] * math.sin(phi))
+        tool = dataclasses.replace(tool, radius=tool.radius + self.eccentricity[0] * math.cos(phi) + self.eccentricity[1] * math.sin(phi))
         way = self.edge[0] - place
         way -= way @ axes[:, 1] * axes[:, 1]
         held = float(np.linalg.norm(way))

@@ -8,7 +8,7 @@ Cutting, for edge e at the angle phi, over the feed depth d and with the hole's 
 
 The robot feeds as commanded whatever the spindle does; with another speed the feed per tooth is another.
 Foot: friction times factor (1 - drop (1 - exp(-v / speed))); gauge pressure times exp(-rate t), and with it preload and
-gas spring; wider stiction of the seals. Wheel: set down to the commanded force at the mean of its runout, whatever its
+gas spring; wider stiction of the seals. Wheel: set down to the commanded force at the mean of its eccentricity, whatever its
 stiffness; the arm rests at the angle at which the wheel starts to turn.
 """
 

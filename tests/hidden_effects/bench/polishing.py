@@ -35,7 +35,7 @@ RUN_UP_S = 0.5
 WINDOW_S = 0.1
 WINDOW_SAMPLES = 20
 COMMAND_EVERY_S = 1e-3
-# The longest penetration that is looked for, as a part of the radius.
+# The longest indentation that is looked for, as a part of the radius.
 DEEPEST = 0.2
 
 
@@ -60,7 +60,7 @@ def hidden_tool(table: dict, values: dict[str, dict[str, float]]) -> Tool:
 
 
 def pressed_force_n(tool: Tool, depth_m: float) -> float:
-    """Force at rest at a penetration, far from edges: 2 pi R times the bed's energy down to the rim, and the layer's share."""
+    """Force at rest at an indentation, far from edges: 2 pi R times the bed's energy down to the rim, and the layer's share."""
     u0, _, c = tool.patch(depth_m)
     u = np.array([u0, u0 - c * c / (2.0 * tool.radius)])
     q = tool.bed(u)
@@ -73,7 +73,7 @@ def commanded_depth_m(table: dict) -> float:
     """How far the path reaches into the face: as asked for, or what the nominal wheel needs for the force."""
     control = table["control"]
     if control["law"] == "position":
-        return control["penetration_mm"] * 1e-3
+        return control["indentation_mm"] * 1e-3
     nominal = hidden_tool(table, {})
     low, high = 0.0, DEEPEST * nominal.radius
     for _ in range(60):

@@ -323,7 +323,7 @@ impl Room for BeltSpec {
             natural_duration_s: Some(f64::INFINITY),
             signals: &[
                 "belt.normal_force",
-                "belt.penetration",
+                "belt.indentation",
                 "belt.contact_width",
                 "belt.position_u",
                 "belt.position_v",

@@ -81,7 +81,7 @@ pub(crate) struct WheelTable {
     mu: f64,
     /// Eccentricity of the wheel. Default: 0.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "an eccentricity is a distance"))]
-    runout_um: Option<f64>,
+    eccentricity_um: Option<f64>,
     /// Feed speed.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is fed along the strip"))]
     feed_mm_per_s: f64,
@@ -107,7 +107,7 @@ impl WheelTable {
                 stiffness_n_per_m: from_n_per_mm(self.stiffness_n_per_mm),
                 damping_n_s_per_m: from_n_per_mm(self.damping_n_s_per_mm.unwrap_or(0.0)),
                 mu: self.mu,
-                eccentricity_m: from_um(self.runout_um.unwrap_or(0.0)),
+                eccentricity_m: from_um(self.eccentricity_um.unwrap_or(0.0)),
                 eccentricity_at_start_m: 0.0,
             },
             spin_rad_s: from_rpm(self.speed_rpm),

@@ -50,6 +50,7 @@ pub(crate) fn predict(
     };
     let mut notes = measured.notes.clone();
     notes.push(note);
+    notes.extend(scenario.notes());
     let header = Header {
         scenario_name: scenario.name.clone(),
         scenario_text: scenario.effective_text(),

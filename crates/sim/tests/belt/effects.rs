@@ -43,7 +43,7 @@ fn the_run_applies_the_factors_of_a_belt() {
         ..WHEEL
     };
     let normal = column(&with, "belt.normal_force");
-    let depth = column(&with, "belt.penetration");
+    let depth = column(&with, "belt.indentation");
     let friction = column(&with, "belt.friction_run");
     let u = column(&with, "belt.position_u");
     let on_line = (0..normal.len()).filter(|i| depth[*i] > 0.0 && (0.2..0.8).contains(&u[*i]));
@@ -69,16 +69,16 @@ fn verify_an_eccentric_wheel_reaches_in_once_per_revolution() {
     let (nominal, with) = (run(&scenario(), &[]), run(&scenario(), &effects));
     // Process X points into the face.
     let given = |recording| column(recording, "tool.displacement_x");
-    let depth = |recording| column(recording, "belt.penetration");
+    let depth = |recording| column(recording, "belt.indentation");
     let pairs = depth(&nominal).iter().zip(depth(&with));
     let mut looked_at = 0;
-    for (i, (without, with_runout)) in pairs.enumerate() {
-        if *without < 5e-5 || *with_runout < 5e-5 {
+    for (i, (without, eccentric)) in pairs.enumerate() {
+        if *without < 5e-5 || *eccentric < 5e-5 {
             continue;
         }
         let phase = 15.0 / WHEEL.radius_m * nominal.time_s[i];
-        let runout = c * phase.cos() + s * phase.sin();
-        let off = with_runout - without - (runout + given(&with)[i] - given(&nominal)[i]);
+        let beyond = c * phase.cos() + s * phase.sin();
+        let off = eccentric - without - (beyond + given(&with)[i] - given(&nominal)[i]);
         assert!(off.abs() < 1e-9, "{i}: {off:.2e}");
         looked_at += 1;
     }

@@ -9,14 +9,14 @@ const BELT: f64 = 15.0;
 const FEED: f64 = 0.04;
 const SPACING: f64 = 5e-3;
 
-/// Along the lines the force is that of the wheel's law at the penetration that the arm leaves,
+/// Along the lines the force is that of the wheel's law at the indentation that the arm leaves,
 /// friction is Coulomb's against the belt's run, and the wheel touches over its whole width.
 /// Lifted, nothing acts.
 #[test]
 fn the_run_applies_the_line_contact_s_law_and_coulomb_s() {
     let recording = run(&[("mu", "0.4")]);
     let normal = column(&recording, "belt.normal_force");
-    let depth = column(&recording, "belt.penetration");
+    let depth = column(&recording, "belt.indentation");
     let width = column(&recording, "belt.contact_width");
     let friction = column(&recording, "belt.friction_run");
     let u = column(&recording, "belt.position_u");
@@ -44,7 +44,7 @@ fn the_run_applies_the_line_contact_s_law_and_coulomb_s() {
     assert!(looked_at.0 > 150 && looked_at.1 > 150, "{looked_at:?}");
     // The deepest strip is a little deeper than the middle.
     let deepest = depth.iter().copied().fold(0.0, f64::max) / WHEEL.rubber_m;
-    let told = scalar(&recording, "belt.largest_penetration");
+    let told = scalar(&recording, "belt.largest_indentation");
     assert!((1.0..1.02).contains(&(told / deepest)), "{told} {deepest}");
 }
 
@@ -113,7 +113,7 @@ fn belt_direction_turns_the_friction() {
     // Pressed by the normal force alone the arm yields: the wheel reaches in by less than the 0.3
     // mm that the job asks for.
     let u = column(&smooth[0], "belt.position_u");
-    let on_lines = column(&smooth[0], "belt.penetration").iter().zip(u);
+    let on_lines = column(&smooth[0], "belt.indentation").iter().zip(u);
     let on_lines = on_lines.filter(|(depth, u)| **depth > 0.0 && (0.25..0.75).contains(*u));
     let deepest = on_lines.map(|(depth, _)| *depth).fold(0.0, f64::max);
     assert!(deepest < 0.3e-3 && deepest > 0.15e-3, "{deepest}");

@@ -3,13 +3,13 @@
 use super::shared::{SPRUNG, column, mean, scalar};
 use super::support::{WHEEL, run, run_under};
 
-/// What is pressed is the wheel's law at the penetration that the arm leaves; friction is Coulomb's
-/// and turns with the precession; the arm yields by what the commanded penetration lacks.
+/// What is pressed is the wheel's law at the indentation that the arm leaves; friction is Coulomb's
+/// and turns with the precession; the arm yields by what the commanded indentation lacks.
 #[test]
 fn the_run_applies_the_wheel_s_law_and_coulomb_s() {
     let recording = run(&[]);
     let normal = column(&recording, "polish.normal_force");
-    let depth = column(&recording, "polish.penetration");
+    let depth = column(&recording, "polish.indentation");
     let friction = ["polish.friction_x", "polish.friction_y"].map(|name| column(&recording, name));
     let lean = column(&recording, "polish.precession_angle");
     assert!(normal.len() > 3000);
@@ -76,11 +76,11 @@ fn verify_removed_volume_is_prestons_integral_on_two_grids() {
 /// spin frequency. At 40 Hz, between modes at 28 and 62 Hz, the arm, some fifty times as stiff as
 /// the wheel, answers by a few percent of it.
 #[test]
-fn verify_eccentric_wheel_swings_the_penetration() {
+fn verify_eccentric_wheel_swings_the_indentation() {
     let hz = 40.0;
     let swing = |eccentricity: &str| {
         let recording = run(&[("spin_rpm", "2400"), ("eccentricity_um", eccentricity)]);
-        let depth = column(&recording, "polish.penetration");
+        let depth = column(&recording, "polish.indentation");
         // Whole turns in the middle of the last line.
         let rows = depth.len() - 901..depth.len() - 301;
         let level = mean(&depth[rows.clone()]);

@@ -5,7 +5,7 @@ use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_recording::Recording;
 
 /// By the path alone.
-const BY_POSITION: &str = "law = \"position\"\npenetration_mm = 0.6\n";
+const BY_POSITION: &str = "law = \"position\"\nindentation_mm = 0.6\n";
 
 /// Three lines in the middle of a face, 9 mm and more from its edges: no edge comes into the patch.
 fn inside(control: &str) -> String {

@@ -161,8 +161,8 @@ const TYPICAL_INDENTATION: f64 = 0.03;
 const KNOBS: &[Knob] = &[
     Knob::new("process.polish.spin_rpm", "spin", &[0.5, 2.0]),
     Knob::new(
-        "process.polish.control.penetration_mm",
-        "penetration",
+        "process.polish.control.indentation_mm",
+        "indentation",
         &[0.6, 1.6],
     ),
     Knob::new("process.polish.control.force_n", "force", &[0.5, 2.0]),
@@ -181,7 +181,7 @@ impl Room for PolishSpec {
             natural_duration_s: Some(f64::INFINITY),
             signals: &[
                 "polish.normal_force",
-                "polish.penetration",
+                "polish.indentation",
                 "polish.position_x",
                 "polish.position_y",
                 "polish.precession_angle",

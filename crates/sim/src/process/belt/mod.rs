@@ -198,7 +198,7 @@ impl Belt {
                 .text("Friction on the face along the tool's x axis, the belt's run"),
             Quantity::new("belt.friction_axis", Unit::Newton, contact.friction_n.y)
                 .text("Friction on the face along the wheel's axis"),
-            Quantity::new("belt.penetration", Unit::Metre, last.indentation_m)
+            Quantity::new("belt.indentation", Unit::Metre, last.indentation_m)
                 .text("How far the undeformed wheel reaches into the face in its middle; 0 when lifted"),
             Quantity::new("belt.contact_width", Unit::Metre, contact.width_m)
                 .text("Width over which the wheel touches the face"),

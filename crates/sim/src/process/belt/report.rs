@@ -155,8 +155,8 @@ fn pressing(setup: &BeltSetup, watch: &Watch) -> Vec<Quantity> {
             .text("Largest normal force"),
         Quantity::new("belt.contact_time", Unit::Second, watch.contact_s)
             .text("Time that the belt is on the face"),
-        Quantity::new("belt.largest_penetration", Unit::One, indentation)
-            .text("Largest penetration of the wheel over the thickness of its rubber; from 1 on the hub would be on the face"),
+        Quantity::new("belt.largest_indentation", Unit::One, indentation)
+            .text("Largest indentation of the wheel over the thickness of its rubber; from 1 on the hub would be on the face"),
     ];
     if setup.control != ForceControl::Position {
         quantities.push(Quantity::new("belt.carrier_at_stop", Unit::One, stopped)

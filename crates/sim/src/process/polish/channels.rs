@@ -20,7 +20,7 @@ impl PolishStep {
                 .text("Friction on the face, along its length"),
             Quantity::new("polish.friction_y", Unit::Newton, self.friction_n.y)
                 .text("Friction on the face, along its width"),
-            Quantity::new("polish.penetration", Unit::Metre, self.indentation_m)
+            Quantity::new("polish.indentation", Unit::Metre, self.indentation_m)
                 .text("How far the undeformed wheel reaches into the face"),
             Quantity::new("polish.position_x", Unit::Metre, self.at_m.x)
                 .text("Middle of the patch, along the face's length"),

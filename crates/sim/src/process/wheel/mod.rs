@@ -84,8 +84,8 @@ impl Wheel {
                 last.friction_on_wheel_n,
             )
             .text("Friction on the wheel, process Y"),
-            Quantity::new("wheel.penetration", Unit::Metre, last.indentation_m)
-                .text("Flattening of the wheel, runout included"),
+            Quantity::new("wheel.indentation", Unit::Metre, last.indentation_m)
+                .text("Flattening of the wheel, eccentricity included"),
             Quantity::new("wheel.position", Unit::Metre, last.position_m)
                 .text("Position along the strip"),
         ]
