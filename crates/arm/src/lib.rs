@@ -23,7 +23,8 @@
 //! use truecut_arm::{FrameId, Load, Robot, directional_stiffness, planar_principal};
 //!
 //! # fn main() -> Result<(), truecut_arm::ArmError> {
-//! # let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/robots/irb6600_175_255/robot.urdf");
+//! # let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/robots");
+//! # let urdf = format!("{assets}/irb6600_175_255/robot.urdf");
 //! let robot = Robot::load(urdf.as_ref(), None, None)?;
 //! let q = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95].map(f64::to_radians);
 //! robot.check_posture(&q)?;

@@ -8,7 +8,7 @@ use truecut_recording::significant;
 use crate::args::FitArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::text::{Align, headed, json, table};
+use crate::text::{Align, headed, json, notes, table};
 
 /// Fits, writes `fit.json`, prints what was found.
 pub fn fit(arguments: &FitArguments) -> Result<ExitStatus, Failure> {
@@ -75,10 +75,7 @@ fn text(report: &FitReport) -> String {
     text += "\n";
     let aligns = [Left, Right, Right, Right, Right, Left, Right, Right];
     text += &table(&aligns, &headed(&head, report.channels.iter().map(channel)));
-    for note in &report.notes {
-        text += &format!("  note: {note}\n");
-    }
-    text
+    text + &notes(&report.notes)
 }
 
 fn channel(one: &ChannelFit) -> Vec<String> {

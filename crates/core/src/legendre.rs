@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-/// Nodes on `[-1, 1]`, falling, and weights, by Newton's iteration on the Legendre polynomial (Abramowitz and Stegun
-/// 25.4.29).
+/// Nodes on `[-1, 1]`, falling, and weights, by Newton's iteration on the Legendre polynomial
+/// (Abramowitz and Stegun 25.4.29).
 pub(crate) fn legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {

@@ -1,14 +1,14 @@
 //! One damped oscillator, stepped exactly.
 //!
-//! `z'' + 2ζω z' + ω² z = r`. With r held over the steps before and after an instant the motion over
-//! one step h forwards and backwards is known in closed form; eliminating the velocity between both
-//! leaves, with the mean velocity over a step `u = (z⁺ − z)/h`,
+//! `z'' + 2ζω z' + ω² z = r`. With r held over the steps before and after an instant the motion
+//! over one step h forwards and backwards is known in closed form; eliminating the velocity between
+//! both leaves, with the mean velocity over a step `u = (z⁺ − z)/h`,
 //!
 //! `u⁺ = Q u⁻ + G (r − ω² z)`, `z⁺ = z + h u⁺`,
 //!
 //! the method of `gautschi1961` (`hairer2006`, XIII.1) for a damped oscillator. Free motion and
-//! motion under a constant r are met exactly at any step but whole half periods; an r of frequency w
-//! to (w h)²/12.
+//! motion under a constant r are met exactly at any step but whole half periods; an r of frequency
+//! w to (w h)²/12.
 
 /// Coefficients of the recurrence at one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,8 +121,8 @@ mod tests {
         }
     }
 
-    /// Under a force of a fifth of its own frequency, what the start has excited having died away: to
-    /// (w h)²/12 of the answer.
+    /// Under a force of a fifth of its own frequency, what the start has excited having died away:
+    /// to (w h)²/12 of the answer.
     #[test]
     fn verify_a_slow_force_is_met_to_second_order() {
         let (omega, zeta) = (200.0_f64, 0.05_f64);

@@ -19,8 +19,8 @@ const DEEPEST: f64 = 3.0;
 const SCAN_STEPS: usize = 6;
 const NARROWED: f64 = 4e-3;
 
-/// Modes between tool and workpiece in the axes of the cut: those of the arm with its tool's, slowest
-/// first, then the workpiece's; motors stand still, without gravity.
+/// Modes between tool and workpiece in the axes of the cut: those of the arm with its tool's,
+/// slowest first, then the workpiece's; motors stand still, without gravity.
 ///
 /// # Errors
 /// If a joint has no stiffness, the arm is singular there, or the tool's modes weigh more than it.

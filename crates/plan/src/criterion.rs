@@ -50,8 +50,8 @@ pub enum Criterion {
     /// Mode coupling of all damped modes under the averaged cut, teeth meeting the nominal surface.
     #[strum(to_string = "6-DoF mode coupling")]
     ModeCoupling,
-    /// Regeneration with all damped modes and the floor, by spectral elements. It asks for the depth,
-    /// and for vibration that dies away fast enough at that depth.
+    /// Regeneration with all damped modes and the floor, by spectral elements. It asks for the
+    /// depth, and for vibration that dies away fast enough at that depth.
     #[strum(to_string = "regeneration")]
     Regenerative,
 }

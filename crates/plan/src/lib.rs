@@ -6,12 +6,14 @@
 //! modes and the stability of the cut change. [`Planner::plan`] chooses that angle along a path, so
 //! that the arm stands where the cut is stable by a criterion:
 //!
-//! | [`Criterion`] | stable if |
-//! | --- | --- |
-//! | `Anisotropy` | r = (k_max − k_min)/k_max in the cutting plane is at least 0.1: a published rule, no stability bound |
-//! | `Flutter` | the depth is below the undamped planar limit of mode coupling |
-//! | `ModeCoupling` | the depth is below the limit of all modes under the averaged cut, teeth meeting the nominal surface |
-//! | `Regenerative` | the depth is below the limit by spectral elements, teeth meeting the surface that earlier ones left, with the floor; and vibration at that depth dies away at least half as fast as the arm's slowest mode does on its own ([`LEAST_DECAY`]) |
+//! - [`Criterion::Anisotropy`]: r = (k_max − k_min)/k_max in the cutting plane is at least 0.1: a
+//!   published rule, no stability bound.
+//! - [`Criterion::Flutter`]: the depth is below the undamped planar limit of mode coupling.
+//! - [`Criterion::ModeCoupling`]: the depth is below the limit of all modes under the averaged cut,
+//!   teeth meeting the nominal surface.
+//! - [`Criterion::Regenerative`]: the depth is below the limit by spectral elements, teeth meeting
+//!   the surface that earlier ones left, with the floor; and vibration at that depth dies away at
+//!   least half as fast as the arm's slowest mode does on its own ([`LEAST_DECAY`]).
 //!
 //! Only the last describes real teeth (`docs/milling.md`); the others are there to be compared with
 //! it.

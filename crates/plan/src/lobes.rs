@@ -32,8 +32,8 @@ pub struct Lobes {
     pub spindle_rad_s: Vec<f64>,
     /// Even steps up to the deepest; the first is one step deep.
     pub depth_m: Vec<f64>,
-    /// Magnitude of the dominant multiplier over a tooth period, by speed, then depth; stable below 1.
-    /// NaN where it is not known ([`Self::known_to`]).
+    /// Magnitude of the dominant multiplier over a tooth period, by speed, then depth; stable below
+    /// 1. NaN where it is not known ([`Self::known_to`]).
     pub multiplier: Vec<Vec<f64>>,
     /// First depth at each speed at which the cut is unstable, by spectral elements; none down to
     /// the deepest. An unstable island thinner than a step of the depths may be missed.

@@ -125,8 +125,9 @@ fn keys(table: &mut Json) -> Option<&mut Map<String, Json>> {
     table.get_mut("properties")?.as_object_mut()
 }
 
-/// The table of a key, its last part before and its last part now.
+/// The table of a key, its last part before and its last part now; `None` of a channel.
 fn parts((before, now): Renamed) -> Option<(&'static str, &'static str, &'static str)> {
+    before.starts_with("process.").then_some(())?;
     let (parents, before) = before.rsplit_once('.')?;
     Some((parents, before, now.rsplit_once('.')?.1))
 }

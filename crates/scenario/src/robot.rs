@@ -35,8 +35,8 @@ pub struct RobotSpec {
     pub stiffness_scale: f64,
     /// Factor on all transmission dampings.
     pub damping_scale: f64,
-    /// Damping ratios of the arm's modes in place of the transmissions' damping: one for all, or one
-    /// for each, slowest first; empty: the transmissions'.
+    /// Damping ratios of the arm's modes in place of the transmissions' damping: one for all, or
+    /// one for each, slowest first; empty: the transmissions'.
     pub damping_ratios: Vec<f64>,
     /// Whether the command makes up for the sag under gravity, so that the links start at the
     /// posture.
@@ -100,8 +100,8 @@ pub enum DriveKind {
 }
 
 impl RobotSpec {
-    /// Sets a number that nothing else is resolved from, by its key below `robot` and in SI. Whether
-    /// there is one.
+    /// Sets a number that nothing else is resolved from, by its key below `robot` and in SI.
+    /// Whether there is one.
     pub(crate) fn set(&mut self, key: &[&str], value: f64) -> bool {
         let has_transmissions = self.drive != DriveKind::Force;
         let slot = match *key {
@@ -155,8 +155,9 @@ pub(crate) struct RobotTable {
     /// Factor on all transmission dampings. Default: 1.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "negative damping would create energy"))]
     damping_scale: Option<f64>,
-    /// Damping ratios of the arm's modes at its start, in place of the transmissions' damping: one for
-    /// all modes, or one for each, slowest first (drive "position"). Default: the transmissions'.
+    /// Damping ratios of the arm's modes at its start, in place of the transmissions' damping: one
+    /// for all modes, or one for each, slowest first (drive "position"). Default: the
+    /// transmissions'.
     #[schemars(extend("minItems" = 1, "maxItems" = 12))]
     damping_ratio: Option<Vec<f64>>,
     /// Whether the command makes up for the sag under gravity. Default: true.

@@ -81,10 +81,10 @@ fn overrides_and_values_may_have_names_of_before() {
     );
     assert_eq!(set.number("process.wheel.eccentricity_um"), Some(10.0));
     assert_eq!(set.notes(), NOTES[..1]);
-    let further = read(NOW, &[]).unwrap().with_values(&[(key, 1e-5)]).unwrap();
-    assert_eq!(further.process, set.process);
-    // The last one counts, whatever its name.
     let now = "process.wheel.eccentricity_um";
+    let with = |key| read(NOW, &[]).unwrap().with_values(&[(key, 1e-5)]).unwrap();
+    assert_eq!(with(key).process, with(now).process);
+    // The last one counts, whatever its name.
     let both = read(&before(), &[(key, "10"), (now, "20")]).unwrap();
     assert_eq!(both.number(now), Some(20.0));
 }

@@ -5,18 +5,19 @@
 //! velocity → everything is injected and the plant steps → [`process::Process::commit`] advances
 //! the process's memory, once → one row is recorded.
 //!
-//! | module | what it holds |
-//! | --- | --- |
-//! | [`plant`] | what the loads act on: the arm in rapier, or linearised and exactly stepped; its drives |
-//! | [`process`] | what the tool does: chamfering, milling, a wheel on a plate, polishing a face, a belt over a face, given forces |
-//! | `contract` | laws that every plant and every process keeps, as tests (feature `contract`) |
-//! | [`elastic`] | the arm as an elastic structure: deflection under a load, modes; what identification needs |
-//! | [`loads`] | what a process may ask for |
-//! | [`measurement`] | what a sensor makes of a channel |
-//! | [`run`] | one scenario, its data and an engine in; recording and claims judged out |
-//! | [`replay`] | measured inputs that drive a model, forward or inverse |
-//! | [`stability`] | what stability tools need of a milling scenario: arm, path, cut |
-//! | [`sweep`] | a scenario over one or two parameters, as independent jobs |
+//! - [`plant`]: what the loads act on: the arm in rapier, or linearised and exactly stepped; its
+//!   drives.
+//! - [`process`]: what the tool does: chamfering, milling, a wheel on a plate, polishing a face, a
+//!   belt over a face, a brush along edges, given forces.
+//! - `contract`: laws that every plant and every process keeps, as tests (feature `contract`).
+//! - [`elastic`]: the arm as an elastic structure: deflection under a load, modes; what
+//!   identification needs.
+//! - [`loads`]: what a process may ask for.
+//! - [`measurement`]: what a sensor makes of a channel.
+//! - [`run`]: one scenario, its data and an engine in; recording and claims judged out.
+//! - [`replay`]: measured inputs that drive a model, forward or inverse.
+//! - [`stability`]: what stability tools need of a milling scenario: arm, path, cut.
+//! - [`sweep`]: a scenario over one or two parameters, as independent jobs.
 
 mod adjust;
 mod build;

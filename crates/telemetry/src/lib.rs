@@ -1,11 +1,11 @@
 //! Recordings to files and back.
 //!
-//! - `.rrd`, written while the run is under way: what a person wants to see (the arm in 3-D, curves,
-//!   states, spectra, claims). Read by the rerun viewer, 0.36.
+//! - `.rrd`, written while the run is under way: what a person wants to see (the arm in 3-D,
+//!   curves, states, spectra, claims). Read by the rerun viewer, 0.36.
 //! - `.arrows`, written while the run is under way: every row, then the results. Read by
 //!   [`read_ipc_stream`] and any Arrow reader.
-//! - `.parquet`, written at the end: every row and the results, the same bytes for the same run. Read
-//!   by [`read_parquet`] and any Parquet reader.
+//! - `.parquet`, written at the end: every row and the results, the same bytes for the same run.
+//!   Read by [`read_parquet`] and any Parquet reader.
 //!
 //! Measured data comes in as CSV or as any Parquet file of numbers: [`read_table`].
 //!

@@ -139,7 +139,8 @@
 //! // The scenario says which column of the data is which channel, and which of them drive the
 //! // model.
 //! let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis/elbow.toml");
-//! let scenario = Scenario::load(&file, &[("data.to_s".into(), "1".into())])?; // one second is enough
+//! // One second is enough.
+//! let scenario = Scenario::load(&file, &[("data.to_s".into(), "1".into())])?;
 //! let measured = data::measured(&scenario, None)?;
 //!
 //! let nominal = Run { measured: Some(&measured), claims: Claims::Ignore, ..Run::of(&scenario) };
@@ -188,12 +189,12 @@
 //! 3. [`sim::process::Process`] for the process: channels, `evaluate` (state of the tool to loads,
 //!    changes nothing), `commit` (advances its memory, once a step), `record`.
 //!
-//! [`scenario::Processes::with`] registers it, and [`Scenario::load_with`] reads scenarios that have
-//! it. The derives of the table need serde and schemars among your dependencies, in the major
+//! [`scenario::Processes::with`] registers it, and [`Scenario::load_with`] reads scenarios that
+//! have it. The derives of the table need serde and schemars among your dependencies, in the major
 //! versions of [`external`].
 //!
-//! The rules that every process keeps are tests in the feature `contract`; a macro makes a `#[test]`
-//! of each:
+//! The rules that every process keeps are tests in the feature `contract`; a macro makes a
+//! `#[test]` of each:
 //!
 //! ```toml
 //! [dev-dependencies]

@@ -6,8 +6,8 @@ use truecut_core::chatter::averaged::Crossing;
 use super::Diagram;
 use crate::failure::Failure;
 
-/// The file. All numbers are SI; one that does not exist is `null`. `limit` is by spectral elements,
-/// `limit_error_m` by how much the discretisation in time puts it wrong, estimated;
+/// The file. All numbers are SI; one that does not exist is `null`. `limit` is by spectral
+/// elements, `limit_error_m` by how much the discretisation in time puts it wrong, estimated;
 /// `other_damping_limit` is with the damping of the arm that the scenario did not choose.
 pub fn json(diagram: &Diagram<'_>) -> Result<String, Failure> {
     let lobes = &diagram.lobes;

@@ -21,8 +21,8 @@ pub struct AttachedMode {
 }
 
 impl AttachedMode {
-    /// Of a natural frequency (Hz), a damping ratio, a stiffness (N/m) and a direction of any length
-    /// but zero.
+    /// Of a natural frequency (Hz), a damping ratio, a stiffness (N/m) and a direction of any
+    /// length but zero.
     pub fn new(
         frequency_hz: f64,
         damping_ratio: f64,

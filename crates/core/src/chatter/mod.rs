@@ -8,8 +8,8 @@
 //!
 //! | module | question |
 //! | --- | --- |
-//! | [`planar`] | two directions, equal masses, isotropic damping: does a skew stiffness make them flutter? |
-//! | [`averaged`] | n modes under the averaged B: depth limit of mode coupling, and of regeneration (zero-order) |
+//! | [`planar`] | two directions of equal mass and damping: does a skew stiffness make them flutter? |
+//! | [`averaged`] | n modes under the averaged B: limits of mode coupling, of regeneration (zero-order) |
 //! | [`spectral_elements`] | n modes under the periodic B: Floquet multipliers |
 //! | [`growth`] | how fast a motion in the time domain grows |
 //! | [`limit`] | the depth at which a stable cut first becomes unstable |

@@ -1,15 +1,16 @@
 //! One bristle: an elastica that is clamped in the hub and held at its tip.
 //!
 //! Pressed in by δ under the normal force n along itself and friction μn across, it bends by
-//! `EI θ'' = -n (sin θ + μ cos θ)`, θ = 0 in the hub, θ' = 0 at the tip. With φ = θ + ψ, ψ = atan μ,
-//! this is a pendulum, `EI φ'' = -P sin φ`, `n = P cos ψ`, which swings from ψ to its rest at α:
+//! `EI θ'' = -n (sin θ + μ cos θ)`, θ = 0 in the hub, θ' = 0 at the tip. With φ = θ + ψ, ψ = atan
+//! μ, this is a pendulum, `EI φ'' = -P sin φ`, `n = P cos ψ`, which swings from ψ to its rest at α:
 //! with `k = sin(α/2)`, `sin(φ/2) = k sin u`, `sin u₀ = sin(ψ/2)/k`
 //!
 //! `L √(P/EI) = ∫ du/√(1 - k² sin² u)`, `δ = ∫ (1 - cos θ) ds`, from u₀ to π/2 (Love, A Treatise on
 //! the Mathematical Theory of Elasticity, 4th ed., art. 262).
 //!
 //! As δ → 0 this is the end-loaded cantilever and Euler's load beside each other,
-//! `n = N/(1 + N μL²/(3EI Y))`, `N = π²EI/4L²`, `Y = √(5Lδ/3)`; the force is kept as a ratio to that.
+//! `n = N/(1 + N μL²/(3EI Y))`, `N = π²EI/4L²`, `Y = √(5Lδ/3)`; the force is kept as a ratio to
+//! that.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::{Arc, LazyLock};
@@ -59,7 +60,8 @@ impl Bristle {
     }
 
     /// Force with which the bristle presses along itself when it is shortened, N. One that is
-    /// shortened further than [`Self::lying_m`] keeps the ratio to slight bending that it has there.
+    /// shortened further than [`Self::lying_m`] keeps the ratio to slight bending that it has
+    /// there.
     #[must_use]
     pub fn force_n(&self, shortening_m: f64) -> f64 {
         if shortening_m <= 0.0 {

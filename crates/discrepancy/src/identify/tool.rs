@@ -1,10 +1,10 @@
 //! Modes of tool, holder and spindle from FRFs at the tool tip.
 //!
-//! A mode that lies above all of the arm's is one of what the arm holds. Its participation in an FRF
-//! from direction e to direction r is (eᵀφ)(rᵀφ), φ being the mass-normalised shape at the tip; the
-//! symmetric matrix φφᵀ follows from all FRFs by least squares, and φ as its largest eigenvector.
-//! What was measured swings against the arm's mass M along φ; with its foot held (as a scenario says
-//! it, `docs/physics/tool_modes.md`) the mode has, for n = φ/|φ| and 1/M = nᵀJM⁻¹Jᵀn,
+//! A mode that lies above all of the arm's is one of what the arm holds. Its participation in an
+//! FRF from direction e to direction r is (eᵀφ)(rᵀφ), φ being the mass-normalised shape at the tip;
+//! the symmetric matrix φφᵀ follows from all FRFs by least squares, and φ as its largest
+//! eigenvector. What was measured swings against the arm's mass M along φ; with its foot held (as a
+//! scenario says it, `docs/physics/tool_modes.md`) the mode has, for n = φ/|φ| and 1/M = nᵀJM⁻¹Jᵀn,
 //!
 //! m = M/(1 + φ²M), ω = ω' √(1 − m/M), ζ = ζ' √(1 − m/M), k = ω² m.
 
@@ -38,8 +38,8 @@ pub struct ToolMode {
     pub direction: [f64; 3],
     /// As it was measured on the arm, Hz.
     pub measured_hz: f64,
-    /// Second largest eigenvalue of the matrix of participations over the largest: 0 for a mode that
-    /// moves along a line.
+    /// Second largest eigenvalue of the matrix of participations over the largest: 0 for a mode
+    /// that moves along a line.
     pub off_its_line: f64,
 }
 
@@ -175,7 +175,8 @@ fn design(lines: &[[Vector3<f64>; 2]], basis: &DMatrix<f64>) -> DMatrix<f64> {
     })
 }
 
-/// Shape at the tip, kg^-½, in the axes of the lines, and how far the participations are off a line.
+/// Shape at the tip, kg^-½, in the axes of the lines, and how far the participations are off a
+/// line.
 fn shape(
     mode: &MeasuredMode,
     lines: &[[Vector3<f64>; 2]],

@@ -6,8 +6,8 @@ use truecut_arm::{ArmErrorKind, IkSolver, Robot};
 use super::joints::{JointSpeed, joint_speeds};
 use crate::reach::SingularityLimits;
 
-/// Nearest to a singularity that a path may come: joint speeds are some sixty times as high a degree
-/// from that of wrist or elbow.
+/// Nearest to a singularity that a path may come: joint speeds are some sixty times as high a
+/// degree from that of wrist or elbow.
 const LEAST: SingularityLimits = SingularityLimits {
     wrist_rad: LEAST_ANGLE_RAD,
     elbow_rad: LEAST_ANGLE_RAD,

@@ -9,8 +9,8 @@
 //!
 //! [`interpolation`] holds the cubics between even knots, [`branch`] finds postures along poses,
 //! [`follow`] says what an arm cannot do. The motions of the processes are made of these: [`lines`]
-//! over a face, a raster with a precessing wheel ([`polish`]), a [`straight`] path, postures that were
-//! [`taught`].
+//! over a face, a raster with a precessing wheel ([`polish`]), a [`straight`] path, postures that
+//! were [`taught`].
 
 pub mod branch;
 pub mod follow;

@@ -1,5 +1,5 @@
-//! A straight path of the tool: its poses, and the postures along it on one branch, within reach and
-//! limits, clear of singularities.
+//! A straight path of the tool: its poses, and the postures along it on one branch, within reach
+//! and limits, clear of singularities.
 
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};
 use truecut_arm::{ArmError, BranchOptions, Elbow, FrameId, Robot, Shoulder, Wrist, tool_pose};
@@ -9,14 +9,15 @@ use super::follow::{FollowError, check_singularities};
 use super::interpolation::lagrange;
 use super::timing::smooth_between;
 
-/// Knots of a path lie at most this far apart, m. Cubic interpolation between them errs by less than
-/// 1e-9 m on the posture changes of a machining path.
+/// Knots of a path lie at most this far apart, m. Cubic interpolation between them errs by less
+/// than 1e-9 m on the posture changes of a machining path.
 const KNOT_SPACING_M: f64 = 2e-3;
 
 /// A straight line of the tool point in the world, which is the frame of the robot's base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StraightPath {
-    /// Where the line begins and how the tool stands; `None`: at the robot's posture, whose attitude is kept.
+    /// Where the line begins and how the tool stands; `None`: at the robot's posture, whose
+    /// attitude is kept.
     pub start: Option<PathStart>,
     /// Unit vector along the line.
     pub direction: [f64; 3],
@@ -24,8 +25,8 @@ pub struct StraightPath {
     pub length_m: f64,
 }
 
-/// A path that is given in the world. Of the postures that reach its first pose the one nearest to the robot's posture is
-/// taken, among those of the branch asked for.
+/// A path that is given in the world. Of the postures that reach its first pose the one nearest to
+/// the robot's posture is taken, among those of the branch asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathStart {
     /// First tool point.
@@ -84,8 +85,8 @@ impl PathStart {
             .find_map(|(word, given)| given.then_some(word))
     }
 
-    /// Redundancy angle at a distance from the start of the path: it comes to rest at each knot and goes from one to the
-    /// next as 3u² − 2u³, so that joint speeds have no jumps.
+    /// Redundancy angle at a distance from the start of the path: it comes to rest at each knot and
+    /// goes from one to the next as 3u² − 2u³, so that joint speeds have no jumps.
     pub fn redundancy_rad(&self, at_m: f64) -> f64 {
         let after = self.turn.partition_point(|knot| knot.at_m <= at_m);
         let knot = |index: usize| self.turn[index.min(self.turn.len() - 1)];

@@ -12,18 +12,21 @@
 //! use truecut_plan::program::{Motion, PathPoint, Program, Tool, TravelOptions, jbi};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/robots/irb6600_175_255/robot.urdf");
+//! # let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/robots");
+//! # let urdf = format!("{assets}/irb6600_175_255/robot.urdf");
 //! let robot = Robot::load(urdf.as_ref(), None, None)?;
 //! let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
 //! let points: Vec<PathPoint> = (0..5)
-//!     .map(|i| PathPoint {
-//!         base_from_tool: Isometry3::from_parts(Translation3::new(1.5, 0.02 * f64::from(i), 0.8), down),
+//!     .map(|i| Translation3::new(1.5, 0.02 * f64::from(i), 0.8))
+//!     .map(|place| PathPoint {
+//!         base_from_tool: Isometry3::from_parts(place, down),
 //!         motion: Motion::Linear { speed_m_per_s: 0.02 },
 //!         turntable_rad: None,
 //!     })
 //!     .collect();
 //! let tool = Tool::of(&robot, "wheel", 1);
-//! let program = Program::along(&robot, "DEMO", tool, Isometry3::identity(), &points, &TravelOptions::default())?;
+//! let (world_from_base, options) = (Isometry3::identity(), TravelOptions::default());
+//! let program = Program::along(&robot, "DEMO", tool, world_from_base, &points, &options)?;
 //! let date = jbi::JobDate::new(2026, 1, 31, 12, 0)?;
 //! let options = jbi::JbiOptions::new(date);
 //! let jobs = jbi::write(&program, &robot, &options)?;

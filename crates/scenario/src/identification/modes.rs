@@ -25,8 +25,8 @@ pub(super) struct ModesTable {
     /// Number of modes in the band. Default: as many as the data show.
     #[schemars(range(min = 1, max = 40))]
     count: Option<usize>,
-    /// Whether modes above the arm's are written as [[process.milling.cutter.mode]]; all FRFs are then
-    /// at the tool point. Default: false.
+    /// Whether modes above the arm's are written as [[process.milling.cutter.mode]]; all FRFs are
+    /// then at the tool point. Default: false.
     tool_modes: Option<bool>,
     /// FRFs in files.
     frf: Option<Vec<FrfTable>>,

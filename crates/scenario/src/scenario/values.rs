@@ -10,10 +10,10 @@ use crate::units::key_unit;
 
 impl Scenario {
     /// The same scenario with other numbers at dotted keys, in SI, by the rules of
-    /// [`Scenario::with_overrides`] but without its text. Numbers of the robot and of effects are set
-    /// where they were resolved to. More depends on those of other tables: with one of these the
-    /// parsed document is resolved anew. [`Scenario::effective_text`] and [`Scenario::overrides`]
-    /// stay as they were.
+    /// [`Scenario::with_overrides`] but without its text. Numbers of the robot and of effects are
+    /// set where they were resolved to. More depends on those of other tables: with one of these
+    /// the parsed document is resolved anew. [`Scenario::effective_text`] and
+    /// [`Scenario::overrides`] stay as they were.
     ///
     /// # Errors
     /// As [`Scenario::with_overrides`].
@@ -54,7 +54,8 @@ impl Scenario {
         Scenario::read(document, &self.processes)?.with_effects(&self.added)
     }
 
-    /// Whether the key's number stands somewhere by itself and may be so large; then it is set there.
+    /// Whether the key's number stands somewhere by itself and may be so large; then it is set
+    /// there.
     fn set_number(&mut self, key: &str, value: f64) -> bool {
         let path = split_path(key);
         let written = key_unit(key).from_si(value);

@@ -17,9 +17,9 @@ pub struct OtherDamping {
 }
 
 impl MillingStudy {
-    /// The modes at a posture with the other damping of the arm: one ratio in all its modes, that of
-    /// the slowest, where the scenario takes the transmissions' damping; the transmissions' where it
-    /// gives ratios. `None` for an arm that has the same by both.
+    /// The modes at a posture with the other damping of the arm: one ratio in all its modes, that
+    /// of the slowest, where the scenario takes the transmissions' damping; the transmissions'
+    /// where it gives ratios. `None` for an arm that has the same by both.
     ///
     /// # Errors
     /// As [`Self::modes`].

@@ -6,15 +6,15 @@ use truecut_core::chatter::TipMode;
 
 use super::MillingStudy;
 
-/// Regeneration has its fastest lobe where teeth pass at twice a mode's frequency, by doubling of the
-/// period; above that for the fastest mode, all that is left of the modes is their mass.
+/// Regeneration has its fastest lobe where teeth pass at twice a mode's frequency, by doubling of
+/// the period; above that for the fastest mode, all that is left of the modes is their mass.
 const FASTEST_LOBE: f64 = 2.0;
 
 impl MillingStudy {
-    /// Fastest spindle speed, rad/s, up to which `modes` have lobes of their own, where the scenario
-    /// gives no modes of tool, holder and spindle. Above it these limit the cut, and limits with the
-    /// arm alone would be far too deep. `None` where they are given, or teeth do not meet their own
-    /// surface.
+    /// Fastest spindle speed, rad/s, up to which `modes` have lobes of their own, where the
+    /// scenario gives no modes of tool, holder and spindle. Above it these limit the cut, and
+    /// limits with the arm alone would be far too deep. `None` where they are given, or teeth do
+    /// not meet their own surface.
     pub fn known_to_rad_s(&self, modes: &[TipMode]) -> Option<f64> {
         if !self.cut.attached.tool.is_empty() || !self.regeneration() {
             return None;

@@ -332,34 +332,22 @@ impl<'a> JobReader<'a> {
                 return Err((Some(line), ProgramErrorKind::Count { what, said, found }));
             }
         }
-        let used = job.moves.iter().map(|step| step.position).collect();
-        let positions = job.positions.iter();
-        unused(
-            "C",
-            &used,
-            positions.map(|(number, position)| (*number, position.line)),
-        )?;
-        let used = job.moves.iter().filter_map(|step| step.station).collect();
-        let stations = job.stations.iter();
-        unused(
-            "EC",
-            &used,
-            stations.map(|(number, (_, line))| (*number, *line)),
-        )
+        let used: BTreeSet<u32> = job.moves.iter().map(|step| step.position).collect();
+        let idle = job
+            .positions
+            .iter()
+            .find(|(number, _)| !used.contains(number));
+        let idle = idle.map(|(number, position)| (format!("C{number:05}"), position.line));
+        let used: BTreeSet<u32> = job.moves.iter().filter_map(|step| step.station).collect();
+        let still = job
+            .stations
+            .iter()
+            .find(|(number, _)| !used.contains(number));
+        let still = still.map(|(number, (_, line))| (format!("EC{number:05}"), *line));
+        idle.or(still).map_or(Ok(()), |(name, line)| {
+            Err((Some(line), ProgramErrorKind::UnusedPosition { name }))
+        })
     }
-}
-
-/// Refuses positions to which no move goes: number and line of each.
-fn unused(
-    prefix: &str,
-    used: &BTreeSet<u32>,
-    mut known: impl Iterator<Item = (u32, usize)>,
-) -> Result<(), (Option<usize>, ProgramErrorKind)> {
-    let idle = known.find(|(number, _)| !used.contains(number));
-    idle.map_or(Ok(()), |(number, line)| {
-        let name = format!("{prefix}{number:05}");
-        Err((Some(line), ProgramErrorKind::UnusedPosition { name }))
-    })
 }
 
 fn missing(name: &str) -> ProgramErrorKind {

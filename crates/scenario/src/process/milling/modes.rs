@@ -24,8 +24,8 @@ pub(super) struct ModeTable {
     /// Stiffness that a force at the tool tip meets along the direction.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a mode has a spring"))]
     stiffness_n_per_um: f64,
-    /// Direction in which the mode moves, of any length: in the tool frame (it does not turn with the
-    /// spindle) for a mode of the cutter, in the world for one of the workpiece.
+    /// Direction in which the mode moves, of any length: in the tool frame (it does not turn with
+    /// the spindle) for a mode of the cutter, in the world for one of the workpiece.
     direction: [f64; 3],
 }
 

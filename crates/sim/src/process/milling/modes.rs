@@ -8,9 +8,9 @@
 //!
 //! The arm then feels, in place of nᵀF, spring and damper and what it no longer accelerates itself
 //! (m is a part of its mass): `k s + c s' + m x''`. The acceleration of the tool point is foreseen
-//! from its last four places, which leaves an error of second order in the step on a part m/M of the
-//! force, M being the arm's mass at its tool point. A workpiece mode is the same with x = 0 and no
-//! part in what the arm feels; its deflection is that of the tool relative to it.
+//! from its last four places, which leaves an error of second order in the step on a part m/M of
+//! the force, M being the arm's mass at its tool point. A workpiece mode is the same with x = 0 and
+//! no part in what the arm feels; its deflection is that of the tool relative to it.
 
 use nalgebra::{Matrix3, Vector3};
 use truecut_core::chatter::{AttachedMode, AttachedModes};
@@ -247,7 +247,8 @@ mod tests {
     /// Place and velocity of the arm, deflection and rate of the mode.
     type Row = [f64; 4];
 
-    /// An arm of one spring, stepped as a leapfrog, and a mode on it, released from rest under 100 N.
+    /// An arm of one spring, stepped as a leapfrog, and a mode on it, released from rest under 100
+    /// N.
     fn released(mode: AttachedMode) -> Vec<Row> {
         let mut modes = modes(mode);
         let stiffness = ARM_KG * (TAU * ARM_HZ).powi(2);
