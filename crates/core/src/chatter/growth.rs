@@ -6,16 +6,20 @@
 //! `d(t) − d(t − T)`, grows alike and does not see that. Its level is taken in windows of two of
 //! its own periods, and σ is the slope of the levels' logarithm. What saturates is left out: once d
 //! is no longer small beside the feed per tooth, teeth leave the cut and nothing is linear any
-//! more.
+//! more. A motion that never is small has the slope of its levels as they are, from the quietest to
+//! the loudest after it.
 
 use nalgebra::Vector3;
 
 /// What a motion does in the long run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Growth {
-    /// σ, 1/s; negative where vibration dies away. `None` if too little of the motion is in the
-    /// linear range.
+    /// σ, 1/s; negative where vibration dies away. `None` if there is too little of the motion, or
+    /// nothing but rounding.
     pub rate_per_s: Option<f64>,
+    /// Largest d in the windows from which σ comes, m: beyond the linear range where the motion
+    /// never is within it for long.
+    pub largest_m: f64,
     /// Level of d in the last window, root mean square, m.
     pub last_level_m: f64,
 }
@@ -61,14 +65,20 @@ pub fn growth(
         })
         .collect();
     let last_level_m = level(&first[first.len() - window..]);
-    let stretch = longest_linear(&levels, options.linear_m);
-    let late = late_part(&levels, stretch, options.linear_m);
-    let rate_per_s = (late.len() >= FEWEST_WINDOWS).then(|| {
-        let logarithms: Vec<f64> = levels[late].iter().map(|level| level.0.ln()).collect();
+    let floor_m = FLOOR * options.linear_m;
+    let stretch = longest_within(&levels, floor_m, options.linear_m);
+    let mut late = late_part(&levels, stretch, options.linear_m);
+    if late.len() < FEWEST_WINDOWS {
+        late = as_it_is(&levels, floor_m);
+    }
+    let taken = &levels[late];
+    let rate_per_s = (taken.len() >= FEWEST_WINDOWS).then(|| {
+        let logarithms: Vec<f64> = taken.iter().map(|level| level.0.ln()).collect();
         slope(&logarithms) / (hop as f64 * interval_s)
     });
     Some(Growth {
         rate_per_s,
+        largest_m: taken.iter().map(|level| level.1).fold(0.0, f64::max),
         last_level_m,
     })
 }
@@ -128,9 +138,9 @@ fn window_samples(change: &[Vector3<f64>], period: f64) -> usize {
     ((2.0 * own_period.max(period)).ceil() as usize).clamp(1, most.max(1))
 }
 
-/// The longest stretch of windows that stay in the linear range and above rounding.
-fn longest_linear(levels: &[(f64, f64)], linear_m: f64) -> std::ops::Range<usize> {
-    let good = |level: &(f64, f64)| level.1 <= linear_m && level.0 > FLOOR * linear_m;
+/// The longest stretch of windows that stay below what is linear and above rounding.
+fn longest_within(levels: &[(f64, f64)], floor_m: f64, most_m: f64) -> std::ops::Range<usize> {
+    let good = |level: &(f64, f64)| level.1 <= most_m && level.0 > floor_m;
     let mut best = 0..0;
     let mut start = 0;
     for (i, level) in levels.iter().enumerate() {
@@ -162,6 +172,20 @@ fn late_part(
         _ if late.len() < FEWEST_WINDOWS => stretch,
         _ => late,
     }
+}
+
+/// The part over which a motion is judged that is not small for long: from its quietest window to
+/// the loudest after it, and where that is next to nothing, since it dies away or does neither, its
+/// end.
+fn as_it_is(levels: &[(f64, f64)], floor_m: f64) -> std::ops::Range<usize> {
+    let all = longest_within(levels, floor_m, f64::INFINITY);
+    let by_level = |a: &usize, b: &usize| levels[*a].0.total_cmp(&levels[*b].0);
+    let quietest = all.clone().min_by(by_level).unwrap_or(all.start);
+    let loudest = (quietest..all.end).max_by(by_level).unwrap_or(quietest);
+    if loudest - quietest >= FEWEST_WINDOWS {
+        return quietest..loudest + 1;
+    }
+    all.end - (all.len() as f64 * LATE) as usize..all.end
 }
 
 /// Slope of evenly spaced values, per step.
@@ -240,7 +264,8 @@ mod tests {
         assert!(found.rate_per_s.is_none_or(|rate| rate > 0.0), "{found:?}");
     }
 
-    /// What has saturated does not count, and what is saturated from the beginning has no rate.
+    /// What has saturated does not count. A motion that is beyond the linear range from the
+    /// beginning has the rate at which it grows, and how large it was says so.
     #[test]
     fn growth_ends_where_the_motion_is_no_longer_linear() {
         let options = GrowthOptions {
@@ -252,16 +277,20 @@ mod tests {
         let found = growth(&motion, STEP_S, &options).expect("long enough");
         assert!((found.rate_per_s.expect("linear") - 3.0).abs() < 0.1);
         assert!(found.last_level_m > options.linear_m);
+        assert!(found.largest_m <= options.linear_m);
         let narrow = GrowthOptions {
             linear_m: 1e-9,
             ..options
         };
-        assert_eq!(
-            growth(&motion, STEP_S, &narrow)
-                .expect("long enough")
-                .rate_per_s,
-            None
+        let grown = growth(&motion[..6_000], STEP_S, &narrow).expect("long enough");
+        assert!(
+            (grown.rate_per_s.expect("a rate") - 3.0).abs() < 0.1,
+            "{grown:?}"
         );
+        assert!(grown.largest_m > narrow.linear_m);
+        let still = vec![Vector3::repeat(1e-3); 6_000];
+        let none = growth(&still, STEP_S, &options).expect("long enough");
+        assert_eq!(none.rate_per_s, None);
         assert_eq!(growth(&motion[..100], STEP_S, &options), None);
     }
 }

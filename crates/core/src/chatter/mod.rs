@@ -12,6 +12,7 @@
 //! | [`averaged`] | n modes under the averaged B: limits of mode coupling, of regeneration (zero-order) |
 //! | [`spectral_elements`] | n modes under the periodic B: Floquet multipliers |
 //! | [`growth`] | how fast a motion in the time domain grows |
+//! | [`forced`] | what a motion is apart from what repeats with the teeth |
 //! | [`limit`] | the depth at which a stable cut first becomes unstable |
 //!
 //! Each function answers for one point (one speed, one depth, one posture); whoever wants a diagram
@@ -20,6 +21,7 @@
 mod attached;
 pub mod averaged;
 mod directional;
+pub mod forced;
 pub mod growth;
 mod krylov;
 pub mod limit;

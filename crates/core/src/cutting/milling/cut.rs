@@ -45,8 +45,9 @@ impl MillingCut {
     /// A pass before which the tool ran steadily displaced. `finished` collects walls and floor, if
     /// wanted.
     pub fn new(parameters: MillingParameters, finished: Option<FinishedSurface>) -> Self {
-        // A pass and a half more than is read, for the shift along the arc.
-        let span = parameters.cutter.pitch_rad() * (parameters.passes as f64 + 1.5);
+        let pitch_rad = parameters.cutter.pitch_rad();
+        // More than is read by half a pitch and the shift along the arc.
+        let span = pitch_rad * (parameters.passes as f64 + 0.5) + FRAC_PI_2.max(pitch_rad);
         Self {
             parameters,
             trace: Trace::new(span, parameters.steady_displacement_m),
@@ -78,13 +79,10 @@ impl MillingCut {
             return loads;
         }
         let lag = p.cutter.lag_rad_per_m();
-        let slices = ((lag.abs() * engaged_m / p.slice_lag_rad).ceil() as usize).max(1);
+        let slices = self.slices(engaged_m);
         let slice_m = engaged_m / slices as f64;
         let passes = self.earlier_passes(state);
-        let centre = Vector2::new(
-            p.nominal_x_m(state.rotation_rad) + state.displacement_m.x,
-            state.displacement_m.y,
-        );
+        let centre = self.centre_m(state);
         for tooth in 0..p.cutter.teeth {
             let tip_rad = p.cutter.tooth_angle_rad(tooth, state.rotation_rad);
             let mut cuts = false;
@@ -117,15 +115,72 @@ impl MillingCut {
         self.trace.commit(state.rotation_rad, state.displacement_m);
     }
 
+    /// Whether a tooth's tip in the stock has come no further on its way since the last committed
+    /// state: its path loops. The tool then vibrates faster than its teeth cut, and the law of
+    /// forces knows nothing of edges that move back first.
+    pub fn turns_back(&self, state: &ToolState) -> bool {
+        let p = &self.parameters;
+        let engaged_m = p.stock.top_m - state.displacement_m.z;
+        let Some((before_rad, before_m)) = self.trace.last().filter(|_| engaged_m > 0.0) else {
+            return false;
+        };
+        let turned_rad = state.rotation_rad - before_rad;
+        let fed_m = p.nominal_x_m(state.rotation_rad) - p.nominal_x_m(before_rad);
+        let moved_m = (state.displacement_m - before_m).xy() + Vector2::new(fed_m, 0.0);
+        let advance_m = |tooth| 2.0 * p.cutter.tooth_radius_m(tooth) * (0.5 * turned_rad).sin();
+        let mut fast_teeth =
+            (0..p.cutter.teeth).filter(|tooth| moved_m.norm() >= advance_m(*tooth));
+        let slices = self.slices(engaged_m);
+        let lag_rad = p.cutter.lag_rad_per_m() * engaged_m / slices as f64;
+        fast_teeth.any(|tooth| {
+            (0..slices).any(|slice| {
+                let tip_rad = p.cutter.tooth_angle_rad(tooth, state.rotation_rad);
+                let angle_rad = tip_rad - lag_rad * (slice as f64 + 0.5);
+                let (sin, cos) = (angle_rad - 0.5 * turned_rad).sin_cos();
+                let on_m = moved_m.dot(&Vector2::new(cos, -sin)) + advance_m(tooth);
+                let (sin, cos) = angle_rad.sin_cos();
+                let arm_m = p.cutter.tooth_radius_m(tooth) * Vector2::new(sin, cos);
+                on_m <= 0.0 && p.stock.contains(self.centre_m(state) + arm_m)
+            })
+        })
+    }
+
+    /// Whether the tool has left the nominal surface, if its teeth meet that, by more than its radius:
+    /// rays to its teeth then begin in stock that is not there any more.
+    pub fn is_off_the_surface(&self, state: &ToolState) -> bool {
+        let p = &self.parameters;
+        let off_m = (state.displacement_m - p.steady_displacement_m).xy();
+        !p.regeneration && off_m.norm() > p.cutter.radius_m
+    }
+
+    /// Half of the way between the extremes of the tool's motion in the memory, m.
+    pub fn amplitude_m(&self) -> f64 {
+        self.trace.amplitude_m()
+    }
+
+    /// Slices into which the edge is cut.
+    fn slices(&self, engaged_m: f64) -> usize {
+        let p = &self.parameters;
+        let lag_rad = p.cutter.lag_rad_per_m().abs() * engaged_m;
+        ((lag_rad / p.slice_lag_rad).ceil() as usize).max(1)
+    }
+
+    /// The axis on the plane across it, m.
+    fn centre_m(&self, state: &ToolState) -> Vector2<f64> {
+        let nominal_m = self.parameters.nominal_x_m(state.rotation_rad);
+        Vector2::new(nominal_m, 0.0) + state.displacement_m.xy()
+    }
+
     fn earlier_passes(&self, state: &ToolState) -> Vec<EarlierPass<'_>> {
         let p = &self.parameters;
-        let (count, axis) = if p.regeneration {
-            (p.passes.max(1), Axis::Moved(&self.trace))
+        let pitch_rad = p.cutter.pitch_rad();
+        // What a tooth that moves has ahead of now it has not left yet.
+        let (count, axis, ahead_rad) = if p.regeneration {
+            (p.passes.max(1), Axis::Moved(&self.trace), pitch_rad)
         } else {
             let steady_m = p.steady_displacement_m.xy();
-            (p.cutter.teeth, Axis::Steady(steady_m))
+            (p.cutter.teeth, Axis::Steady(steady_m), FRAC_PI_2)
         };
-        let pitch_rad = p.cutter.pitch_rad();
         let none = Vector2::zeros();
         let pass = |m: usize| {
             let pass = EarlierPass {
@@ -134,7 +189,7 @@ impl MillingCut {
                 now_m: state.displacement_m.xy(),
                 fed_m: p.feed_per_tooth_m * m as f64,
                 feed_m_per_rad: p.feed_per_revolution_m() / TAU,
-                reach_rad: pitch_rad.min(FRAC_PI_2),
+                reach_rad: (ahead_rad * m as f64).min(FRAC_PI_2),
                 unshifted: (none, none),
             };
             pass.placed()
@@ -201,6 +256,8 @@ impl MillingCut {
 
 #[cfg(test)]
 mod exact;
+#[cfg(test)]
+mod looping;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

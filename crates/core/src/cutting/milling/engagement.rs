@@ -113,6 +113,12 @@ pub struct Stock {
 }
 
 impl Stock {
+    /// Whether a point (x, y) lies within the faces.
+    pub fn contains(&self, point_m: Vector2<f64>) -> bool {
+        (self.x_min_m..=self.x_max_m).contains(&point_m.x)
+            && (self.y_min_m..=self.y_max_m).contains(&point_m.y)
+    }
+
     /// Length of the segment between two points (x, y) that lies within the stock, m.
     pub fn inside_m(&self, from_m: Vector2<f64>, to_m: Vector2<f64>) -> f64 {
         let along = to_m - from_m;
@@ -198,5 +204,7 @@ mod tests {
         assert!((length([1.0, 0.0], [4.0, 4.0]) - 1.25).abs() < 1e-15);
         assert_eq!(length([1.0, 2.0], [4.0, 2.0]), 0.0);
         assert_eq!(length([-3.0, 0.0], [-1.0, 0.0]), 0.0);
+        assert!(stock.contains([0.5, -7.0].into()) && !stock.contains([0.5, 1.5].into()));
+        assert!(!stock.contains([-0.5, 0.0].into()));
     }
 }

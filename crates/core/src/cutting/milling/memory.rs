@@ -50,6 +50,23 @@ impl Trace {
         self.points.back().copied()
     }
 
+    /// Half of the way between the extremes of what is remembered, in the direction of the plane
+    /// across the tool in which that is longest (of sixteen: to 0.5 %), m.
+    pub fn amplitude_m(&self) -> f64 {
+        let along = |k: usize| {
+            let (y, x) = (std::f64::consts::PI * k as f64 / 16.0).sin_cos();
+            let places = self
+                .points
+                .iter()
+                .map(|point| x * point.1.x + y * point.1.y);
+            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+                (low.min(at), high.max(at))
+            });
+            0.5 * (high - low).max(0.0)
+        };
+        (0..16).map(along).fold(0.0, f64::max)
+    }
+
     /// Where the tool was at `rotation_rad`: cubic through the two points on either side
     /// (Lagrange), straight at the ends; what was before the first point, the last point after it.
     pub fn at(&self, rotation_rad: f64) -> Passed {
@@ -133,6 +150,20 @@ mod tests {
         assert_eq!(trace.at(1.5).displacement_m, Vector3::x());
         trace.commit(2.0, Vector3::zeros());
         assert_eq!(trace.at(1.5).displacement_m, Vector3::x() * 0.5);
+    }
+
+    #[test]
+    fn amplitude_is_half_the_way_between_extremes() {
+        let mut trace = Trace::new(7.0, Vector3::repeat(1.0));
+        assert_eq!(trace.amplitude_m(), 0.0);
+        for i in 0..200 {
+            let angle = f64::from(i) * 0.1;
+            trace.commit(
+                angle,
+                Vector3::new(2.0, 1.0, 0.0) + 0.3 * angle.sin() * Vector3::y(),
+            );
+        }
+        assert!((trace.amplitude_m() - 0.3).abs() < 1e-3);
     }
 
     #[test]

@@ -134,7 +134,7 @@ fn rms(motion: &Motion) -> f64 {
     (motion.iter().map(|x| x * x).sum::<f64>() / motion.len() as f64).sqrt()
 }
 
-/// Beyond the limit (1.076 mm) and below it, teeth in and out of the cut: the first five windows
+/// Beyond the limit (1.072 mm) and below it, teeth in and out of the cut: the first five windows
 /// and the root mean square over 0.4 s.
 #[test]
 fn verify_chatter_of_one_mode_against_paths_in_the_workpiece() {
