@@ -22,7 +22,7 @@ pub use stability::{LobesArguments, PostureArguments};
 /// Physics-backed simulation of robotic machining.
 ///
 /// Exit codes: 0 good, 1 a claim failed or a robot program cannot be run as written, 2 bad input,
-/// 3 a run diverged, 4 the cross-check disagrees.
+/// 3 a run diverged, 4 the cross-check disagrees, 5 a run ended in chatter.
 #[derive(Debug, Parser)]
 #[command(name = "truecut", version)]
 pub struct Arguments {

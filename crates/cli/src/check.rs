@@ -210,11 +210,12 @@ fn write_junit(checked: &[Checked], junit: &Path) -> Result<(), Failure> {
     Ok(write_file(junit, xml.as_bytes())?)
 }
 
-/// The run itself is a test case: failed if the run diverges, an error if it cannot start.
+/// The run itself is a test case: failed if the run diverges or ends in chatter, an error if it
+/// cannot start.
 fn run_case(one: &Checked) -> TestCase {
     let status = match &one.result {
         Ok(Judged {
-            status: ExitStatus::Diverged,
+            status: ExitStatus::Diverged | ExitStatus::Chatter,
             outcome,
             ..
         }) => non_success(NonSuccessKind::Failure, outcome),

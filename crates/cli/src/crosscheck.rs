@@ -67,7 +67,7 @@ fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Failure
     if recording.outcome != Outcome::Completed {
         let outcome = text::outcome(&recording.outcome);
         crate::print(&format!("{}\n  {outcome}\n", scenario.name))?;
-        return Ok(ExitStatus::Diverged);
+        return Ok(ExitStatus::of_outcome(&recording.outcome));
     }
     let mjcf = truecut_sim::export_mjcf(scenario).map_err(|error| Failure::sim(scenario, error))?;
     write_file(&outputs.path(MODEL), mjcf.as_bytes())?;

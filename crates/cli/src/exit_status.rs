@@ -19,26 +19,31 @@ pub enum ExitStatus {
     Diverged = 3,
     /// The two engines disagree.
     Disagrees = 4,
+    /// A run ended in chatter.
+    Chatter = 5,
 }
 
 impl ExitStatus {
     /// ExitStatus of a run and its claims.
     pub fn of_run(outcome: &Outcome, claims: &[ClaimResult]) -> ExitStatus {
-        let of_run = match outcome {
+        ExitStatus::of_outcome(outcome).and(ExitStatus::of_claims(claims))
+    }
+
+    /// ExitStatus of a run, claims aside.
+    pub fn of_outcome(outcome: &Outcome) -> ExitStatus {
+        match outcome {
             Outcome::Completed => ExitStatus::Good,
             Outcome::Diverged { .. } | Outcome::Interrupted => ExitStatus::Diverged,
-        };
-        of_run.and(ExitStatus::of_claims(claims))
+            Outcome::Chatter { .. } => ExitStatus::Chatter,
+        }
     }
 
     /// ExitStatus of a sweep and its claims.
     pub fn of_sweep(table: &SweepTable, claims: &[ClaimResult]) -> ExitStatus {
-        let of_runs = if table.count_diverged() == 0 {
-            ExitStatus::Good
-        } else {
-            ExitStatus::Diverged
-        };
-        of_runs.and(ExitStatus::of_claims(claims))
+        let ended = table.unfinished.iter().flatten();
+        ended
+            .map(|run| ExitStatus::of_outcome(&run.outcome))
+            .fold(ExitStatus::of_claims(claims), ExitStatus::and)
     }
 
     fn of_claims(claims: &[ClaimResult]) -> ExitStatus {
@@ -49,14 +54,16 @@ impl ExitStatus {
         }
     }
 
-    /// The more severe of two: bad input before divergence, disagreement and a failed claim.
+    /// The more severe of two: bad input before divergence, chatter, disagreement and a failed
+    /// claim.
     pub fn and(self, other: ExitStatus) -> ExitStatus {
         let gravity = |status| match status {
             ExitStatus::Good => 0,
             ExitStatus::ClaimFailed => 1,
             ExitStatus::Disagrees => 2,
-            ExitStatus::Diverged => 3,
-            ExitStatus::BadInput => 4,
+            ExitStatus::Chatter => 3,
+            ExitStatus::Diverged => 4,
+            ExitStatus::BadInput => 5,
         };
         if gravity(other) > gravity(self) {
             other
@@ -78,8 +85,8 @@ mod tests {
 
     #[test]
     fn the_gravest_status_wins_whatever_the_order() {
-        use ExitStatus::{BadInput, ClaimFailed, Disagrees, Diverged, Good};
-        let by_gravity = [Good, ClaimFailed, Disagrees, Diverged, BadInput];
+        use ExitStatus::{BadInput, Chatter, ClaimFailed, Disagrees, Diverged, Good};
+        let by_gravity = [Good, ClaimFailed, Disagrees, Chatter, Diverged, BadInput];
         for (index, lesser) in by_gravity.iter().enumerate() {
             for greater in &by_gravity[index..] {
                 assert_eq!(lesser.and(*greater), *greater);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use truecut::outputs::{SWEEP_OUTCOME, write_file, write_sweep};
-use truecut_recording::{ClaimResult, short_number, significant};
+use truecut_recording::{ClaimResult, Outcome, short_number, significant};
 use truecut_scenario::Scenario;
 use truecut_sim::sweep::{Column, SweepTable, sweep};
 
@@ -32,20 +32,15 @@ pub fn run_and_write(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Fail
 fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg: &Path) -> String {
     let headings = table.columns.iter().map(heading);
     let head = headings.chain([SWEEP_OUTCOME.to_owned()]).collect();
-    let rows = table
-        .rows
-        .iter()
-        .zip(&table.diverged)
-        .map(|(row, diverged)| {
-            let cells = table.columns.iter().zip(row);
-            let cells = cells.map(|(column, value)| cell(column, *value));
-            let outcome = if diverged.is_some() {
-                "✗ diverged"
-            } else {
-                "completed"
-            };
-            cells.chain([outcome.to_owned()]).collect()
+    let rows = table.rows.iter().zip(&table.unfinished).map(|(row, run)| {
+        let cells = table.columns.iter().zip(row);
+        let cells = cells.map(|(column, value)| cell(column, *value));
+        let outcome = run.as_ref().map_or("completed", |run| match run.outcome {
+            Outcome::Chatter { .. } => "✗ chatter",
+            _ => "✗ diverged",
         });
+        cells.chain([outcome.to_owned()]).collect()
+    });
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
     let mut aligns = vec![Align::Right; table.columns.len()];
     aligns.push(Align::Left);
@@ -56,9 +51,9 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
         text::notes(scenario.notes()),
         text::table(&aligns, &rows)
     );
-    for (row, why) in table.diverged.iter().enumerate() {
-        if let Some(why) = why {
-            text.push_str(&format!("\n  ✗ {}: {why}\n", table.row_name(row)));
+    for (row, run) in table.unfinished.iter().enumerate() {
+        if let Some(run) = run {
+            text.push_str(&format!("\n  ✗ {}: {}\n", table.row_name(row), run.why));
         }
     }
     if !claims.is_empty() {

@@ -107,12 +107,21 @@ fn belt_faults(all: &[Scalar]) -> String {
 /// Fraction of the time on the face that a carrier may need to leave its stop at touch-down.
 const LEAST_STOPPED: f64 = 0.05;
 
-/// How many rows a sweep has, and in how many of them a run diverged.
+/// How many rows a sweep has, and in how many of them a run diverged or ended in chatter.
 pub fn count_rows(table: &SweepTable) -> String {
-    match (table.rows.len(), table.count_diverged()) {
-        (rows, 0) => format!("{rows} rows"),
-        (rows, diverged) => format!("{rows} rows, ✗ {diverged} diverged"),
+    let ended = table.unfinished.iter().flatten();
+    let chatter = ended.filter(|run| matches!(run.outcome, Outcome::Chatter { .. }));
+    let chatter = chatter.count();
+    let mut text = format!("{} rows", table.rows.len());
+    for (count, how) in [
+        (table.count_unfinished() - chatter, "diverged"),
+        (chatter, "ended in chatter"),
+    ] {
+        if count > 0 {
+            text += &format!(", ✗ {count} {how}");
+        }
     }
+    text
 }
 
 /// The claims, one per line: whether it holds, its value and bounds, and why it must hold.

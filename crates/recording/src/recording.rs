@@ -147,6 +147,17 @@ pub enum Outcome {
         /// The rule that was broken.
         rule: String,
     },
+    /// It was stopped, since the tool vibrates so strongly that the cut's law ends; what was
+    /// recorded until then is there.
+    Chatter {
+        /// When.
+        time_s: f64,
+        /// Half of the way between the extremes of the tool's motion, m.
+        #[serde(with = "crate::any_float::one")]
+        amplitude_m: f64,
+        /// The rule of the cut that was broken.
+        rule: String,
+    },
 }
 
 impl std::fmt::Display for Outcome {
@@ -164,6 +175,17 @@ impl std::fmt::Display for Outcome {
                 write!(
                     formatter,
                     "diverged at {time_s:.4} s: {quantity} = {value:.6}, limit {limit:.6} ({rule})"
+                )
+            }
+            Outcome::Chatter {
+                time_s,
+                amplitude_m,
+                rule,
+            } => {
+                write!(
+                    formatter,
+                    "ended in chatter at {time_s:.4} s: amplitude {:.3} mm ({rule})",
+                    1e3 * amplitude_m
                 )
             }
         }

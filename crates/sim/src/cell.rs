@@ -128,11 +128,11 @@ impl Cell {
         self.steps_per_row as f64 * self.time_step_s()
     }
 
-    /// Runs to the end, or until the run diverges. Rows go to the recorder as they come; `progress`
+    /// Runs to the end, or until the run diverges or its process cannot go on. Rows go to the recorder as they come; `progress`
     /// is told the part done, from 0 to 1.
     ///
     /// # Errors
-    /// Only what cannot be written; a diverged run is an outcome.
+    /// Only what cannot be written; a run that ends early is an outcome.
     pub fn run(self, recorder: &mut Recorder, progress: &dyn Fn(f64)) -> Result<RunEnd, SimError> {
         recorder.reserve(self.rows());
         let mut stage = None;
@@ -186,8 +186,8 @@ impl Cell {
             let due = step % self.steps_per_row == 0;
             let state = match self.step(time_s, due) {
                 Ok(state) => state,
-                Err(diverged) => {
-                    outcome = diverged;
+                Err(ended) => {
+                    outcome = ended;
                     break;
                 }
             };

@@ -117,8 +117,8 @@ impl Outputs {
     }
 }
 
-/// Name of the column of a sweep's table that says how a row's runs ended: `completed`, or what
-/// diverged.
+/// Name of the column of a sweep's table that says how a row's runs ended: `completed`, or which
+/// did not come to its end, and why.
 pub const SWEEP_OUTCOME: &str = "outcome";
 
 /// Writes a sweep's table as `sweep.parquet`, into a folder below `out` that is named like the
@@ -138,8 +138,8 @@ pub fn write_sweep(
         let values = table.rows.iter().map(|row| row[index]).collect();
         Column::numbers(&column.name, &column.unit.symbol, values)
     });
-    let outcomes = table.diverged.iter();
-    let outcomes = outcomes.map(|why| why.as_deref().unwrap_or("completed"));
+    let outcomes = table.unfinished.iter();
+    let outcomes = outcomes.map(|run| run.as_ref().map_or("completed", |run| run.why.as_str()));
     let outcome = Column {
         name: SWEEP_OUTCOME,
         values: Values::Words(outcomes.collect()),

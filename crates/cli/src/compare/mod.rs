@@ -43,7 +43,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
     if simulated.outcome != Outcome::Completed {
         let outcome = crate::text::outcome(&simulated.outcome);
         crate::print(&format!("{}\n  {outcome}\n", scenario.name))?;
-        return Ok(ExitStatus::Diverged);
+        return Ok(ExitStatus::of_outcome(&simulated.outcome));
     }
     let turning = scenario.process.facts().rate_rad_s;
     let turning = turning.map(|rad_s| rad_s / std::f64::consts::TAU);

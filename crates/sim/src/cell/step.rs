@@ -11,7 +11,7 @@ use truecut_recording::Outcome;
 
 impl Cell {
     /// One step at `time_s`, up to the moment when it could be recorded: the state then, or how it
-    /// diverged. Where rows are all that is asked for, energy is looked at in those alone, and not
+    /// ended the run. Where rows are all that is asked for, energy is looked at in those alone, and not
     /// at all where the arm is stepped exactly.
     pub(super) fn step(&mut self, time_s: f64, due: bool) -> Result<ToolState, Outcome> {
         let n = self.plant.dof();
@@ -47,7 +47,7 @@ impl Cell {
         let dt_s = self.plant.time_step_s();
         self.process
             .commit(&state, &loads, &self.contacts.outcomes, dt_s);
-        Ok(state)
+        self.process.ended().map_or(Ok(state), Err)
     }
 
     fn to_world(&self, loads: &Loads) -> arrayvec::ArrayVec<WorldWrench, MAX_LOADS> {

@@ -11,7 +11,7 @@ use crate::run::Engine;
 use nalgebra::Vector3;
 use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex};
-use truecut_recording::{ChannelSpec, Field, Measured, MeasuredChannel, Role, Unit};
+use truecut_recording::{ChannelSpec, Field, Measured, MeasuredChannel, Outcome, Role, Unit};
 use truecut_scenario::DriveKind;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Family, Target, TargetKind};
@@ -172,6 +172,10 @@ impl Process for Spy {
     fn commit(&mut self, state: &ToolState, loads: &Loads, contacts: &ContactOutcomes, dt_s: f64) {
         self.log.lock().expect("no panic").push(*state);
         self.inner.commit(state, loads, contacts, dt_s);
+    }
+
+    fn ended(&self) -> Option<Outcome> {
+        self.inner.ended()
     }
 
     fn record(&self, row: &mut Vec<f64>) {

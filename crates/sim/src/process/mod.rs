@@ -37,7 +37,7 @@ pub use wheel::Wheel;
 
 use crate::loads::{Attachment, ContactOutcomes, Loads};
 use nalgebra::{Isometry3, Vector3};
-use truecut_recording::{ChannelSpec, Field, Profile, Scalar};
+use truecut_recording::{ChannelSpec, Field, Outcome, Profile, Scalar};
 
 /// Motion of one frame of the robot, in process axes, relative to where it stood after touch-down.
 #[derive(Debug, Clone, Copy, Default)]
@@ -106,6 +106,11 @@ pub trait Process: Send {
     /// (with the velocity now known at the same instant), `contacts` what the step loop made of the
     /// requests.
     fn commit(&mut self, state: &ToolState, loads: &Loads, contacts: &ContactOutcomes, dt_s: f64);
+
+    /// How the run ends with the step last committed, if the process itself cannot go on.
+    fn ended(&self) -> Option<Outcome> {
+        None
+    }
 
     /// Appends one value per channel for the step last committed.
     fn record(&self, row: &mut Vec<f64>);

@@ -14,6 +14,8 @@ use crate::run::{Run, RunError};
 
 /// Depths as parts of the limit, in turns.
 const SHARES: [f64; 2] = [0.8, 1.25];
+/// Part of itself to which vibration beyond the linear range falls in a run if it dies away.
+const FALLEN: f64 = 0.5;
 /// Longest run, s.
 const LONGEST_S: f64 = 6.0;
 
@@ -91,18 +93,19 @@ fn one(
 ) -> Result<StabilityRun, SimError> {
     let changed = at(scenario, study, spindle_rad_s, depth_m)?;
     let end = Run::of(&changed).end()?;
+    let duration_s = changed.run.duration_s;
     let value = |name: &str| {
         let found = end.scalars.iter().find(|one: &&Scalar| one.name == name);
         found.map_or(f64::NAN, |one| one.value)
     };
     let growth_per_s = value("milling.growth_rate");
-    // Vibration that outgrows the linear range at once has no rate, but a level beyond it.
+    // Vibration that outgrows the linear range and stays there neither grows nor dies away.
     let level = value("milling.vibration_level") / study.cut.nominal.feed_per_tooth_m;
+    let fallen = (growth_per_s * duration_s).exp() < FALLEN;
     let chatters = match &end.outcome {
-        Outcome::Completed if growth_per_s.is_finite() => Some(growth_per_s > 0.0),
-        Outcome::Completed if level > study.linear_share() => Some(true),
-        Outcome::Completed => None,
-        _ => Some(true),
+        Outcome::Completed if level > study.linear_share() && !fallen => Some(true),
+        Outcome::Completed => growth_per_s.is_finite().then_some(growth_per_s > 0.0),
+        Outcome::Chatter { .. } | Outcome::Diverged { .. } | Outcome::Interrupted => Some(true),
     };
     Ok(StabilityRun {
         spindle_rad_s,

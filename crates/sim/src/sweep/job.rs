@@ -29,9 +29,17 @@ pub struct Entry {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SweepRow {
     pub values: Vec<Entry>,
-    /// Which run did not come to its end, and why; then the threshold and every column are NaN,
-    /// since a metric over a part of a run is no result.
-    pub diverged: Option<String>,
+    /// A run that did not come to its end; then the threshold and every column are NaN, since a
+    /// metric over a part of a run is no result.
+    pub unfinished: Option<Unfinished>,
+}
+
+/// A run that did not come to its end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unfinished {
+    pub outcome: Outcome,
+    /// Which run it was, and why it ended.
+    pub why: String,
 }
 
 impl SweepRow {
@@ -120,12 +128,12 @@ fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
                 value,
                 unit: None,
             });
-            row.diverged = last.diverged;
+            row.unfinished = last.unfinished;
             last.recording
         }
         None => {
             let recording = record(&job.scenario, &job.overrides, progress)?;
-            row.diverged = diverged(&recording);
+            row.unfinished = unfinished(&recording, "");
             recording
         }
     };
@@ -133,22 +141,26 @@ fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
         let metric = column.metric.evaluate(&recording)?;
         row.values.push(Entry {
             name: column.name.clone(),
-            value: row.diverged.as_ref().map_or(metric.value, |_| f64::NAN),
+            value: row.unfinished.as_ref().map_or(metric.value, |_| f64::NAN),
             unit: Some(metric.unit),
         });
     }
     Ok(row)
 }
 
-/// How a run ended if it did not come to its end.
-fn diverged(recording: &Recording) -> Option<String> {
-    (recording.outcome != Outcome::Completed).then(|| recording.outcome.to_string())
+/// How a run ended if it did not come to its end; `which` stands before that.
+fn unfinished(recording: &Recording, which: &str) -> Option<Unfinished> {
+    let outcome = &recording.outcome;
+    (*outcome != Outcome::Completed).then(|| Unfinished {
+        outcome: outcome.clone(),
+        why: format!("{which}{outcome}"),
+    })
 }
 
 /// Bisects for the smallest value at which the metric meets its limit, and gives the run there, or
 /// that which stopped the search. The metric is taken to fall as the key rises. If even the upper
 /// end does not meet the limit the value is NaN; if the lower end does, it is the lower end. A
-/// trial that diverges ends the search without a threshold: nothing is known of the metric there.
+/// trial that ends early ends the search without a threshold: nothing is known of the metric there.
 fn search(
     job: &Job,
     bisect: &BisectSpec,
@@ -166,11 +178,11 @@ fn search(
     };
     let (mut low, mut high) = (bisect.from, bisect.to);
     let mut best = run_at(high)?;
-    if best.diverged.is_some() || !best.meets_limit {
+    if best.unfinished.is_some() || !best.meets_limit {
         return Ok((f64::NAN, best));
     }
     let lowest = run_at(low)?;
-    if lowest.diverged.is_some() {
+    if lowest.unfinished.is_some() {
         return Ok((f64::NAN, lowest));
     }
     if lowest.meets_limit {
@@ -179,7 +191,7 @@ fn search(
     while high - low > bisect.tolerance * high.abs() {
         let middle = 0.5 * (low + high);
         let tried = run_at(middle)?;
-        if tried.diverged.is_some() {
+        if tried.unfinished.is_some() {
             return Ok((f64::NAN, tried));
         }
         if tried.meets_limit {
@@ -196,7 +208,7 @@ fn search(
 struct SearchRun {
     meets_limit: bool,
     recording: Recording,
-    diverged: Option<String>,
+    unfinished: Option<Unfinished>,
 }
 
 fn search_run(
@@ -211,8 +223,10 @@ fn search_run(
     let metric = bisect.metric.evaluate(&recording)?;
     Ok(SearchRun {
         meets_limit: metric.value <= bisect.limit,
-        diverged: diverged(&recording)
-            .map(|outcome| format!("the trial at {} = {value} {outcome}", bisect.key)),
+        unfinished: unfinished(
+            &recording,
+            &format!("the trial at {} = {value} ", bisect.key),
+        ),
         recording,
     })
 }

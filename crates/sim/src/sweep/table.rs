@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use truecut_recording::{UserUnit, short_number};
 use truecut_scenario::Scenario;
 
-use super::job::{SweepRow, jobs, run_job};
+use super::job::{SweepRow, Unfinished, jobs, run_job};
 use crate::run::{Run, RunError};
 
 /// The results of a sweep: a row for each job, the last axis running fastest.
@@ -16,8 +16,8 @@ pub struct SweepTable {
     pub columns: Vec<Column>,
     /// Values in the unit of their column.
     pub rows: Vec<Vec<f64>>,
-    /// For each row, which of its runs did not come to its end, and why.
-    pub diverged: Vec<Option<String>>,
+    /// For each row, that of its runs which did not come to its end.
+    pub unfinished: Vec<Option<Unfinished>>,
 }
 
 /// A column of a sweep's results.
@@ -75,14 +75,14 @@ pub fn sweep(scenario: &Scenario, progress: &(dyn Fn(f64) + Sync)) -> Result<Swe
             };
             let row = run_job(job, &advance).map_err(|error| RunError::of(scenario, error))?;
             advance(1.0);
-            Ok((values(&columns, &row), row.diverged))
+            Ok((values(&columns, &row), row.unfinished))
         })
-        .collect::<Result<Vec<(Vec<f64>, Option<String>)>, RunError>>()?;
-    let (rows, diverged) = rows.into_iter().unzip();
+        .collect::<Result<Vec<(Vec<f64>, Option<Unfinished>)>, RunError>>()?;
+    let (rows, unfinished) = rows.into_iter().unzip();
     Ok(SweepTable {
         columns,
         rows,
-        diverged,
+        unfinished,
     })
 }
 
@@ -131,9 +131,9 @@ impl SweepTable {
             .position(|column| column.name == name && !column.is_axis)
     }
 
-    /// In how many rows a run diverged.
-    pub fn count_diverged(&self) -> usize {
-        self.diverged.iter().flatten().count()
+    /// In how many rows a run did not come to its end.
+    pub fn count_unfinished(&self) -> usize {
+        self.unfinished.iter().flatten().count()
     }
 
     /// The row by the values of its axes: `mu = 0.1, bore_mm = 32`; its number where there are no

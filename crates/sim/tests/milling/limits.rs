@@ -13,7 +13,7 @@ use truecut_scenario::Scenario;
 const RAMP: f64 = 60.0;
 const SETTLED: f64 = 120.0;
 
-fn benchmark(immersion: f64, rpm: f64, depth_m: f64) -> Scenario {
+pub fn benchmark(immersion: f64, rpm: f64, depth_m: f64) -> Scenario {
     let feed_mm = 0.02;
     scenario(
         RIG,

@@ -1,6 +1,7 @@
 //! Milling runs against closed forms and stability theory.
 
 mod arm;
+mod chatter;
 mod forces;
 mod limits;
 mod reduced;

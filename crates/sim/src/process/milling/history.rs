@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 
 /// Samples of the motion that are kept per tooth period, at least.
 const KEPT_PER_TOOTH: f64 = 100.0;
+/// Samples per period of the fastest mode, at least.
+const KEPT_PER_CYCLE: f64 = 20.0;
 
 /// What is kept for the report.
 #[derive(Debug, Clone, Default)]
@@ -29,10 +31,12 @@ pub(super) struct ForceSums {
     pub whole: (Vector3<f64>, Vector3<f64>, u64),
 }
 
-/// Steps between two samples, of so many in a tooth period: a whole part of them where they are a
-/// whole number, so that motions one tooth apart are compared sample by sample.
-pub(super) fn stride(per_tooth: f64) -> usize {
-    let longest = ((per_tooth / KEPT_PER_TOOTH) as usize).max(1);
+/// Steps between two samples, of so many in a tooth period in which the fastest mode makes so many
+/// cycles: a whole part of them where they are a whole number, so that motions one tooth apart are
+/// compared sample by sample.
+pub(super) fn stride(per_tooth: f64, cycles: f64) -> usize {
+    let kept = KEPT_PER_TOOTH.max(KEPT_PER_CYCLE * cycles);
+    let longest = ((per_tooth / kept) as usize).max(1);
     let whole = per_tooth.round();
     if (per_tooth - whole).abs() > 1e-6 {
         return longest;

@@ -12,6 +12,7 @@ mod report;
 pub(crate) mod setup;
 
 pub(crate) use report::linear_share;
+pub use setup::MillingTheory;
 
 use super::quantity;
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
@@ -24,7 +25,7 @@ use truecut_core::cutting::milling::cut::{
     MillingCut, MillingLoads, MillingParameters, ToolState as CutState,
 };
 use truecut_core::cutting::milling::dexel::{FinishedSurface, RayGrid, Wall};
-use truecut_recording::ChannelSpec;
+use truecut_recording::{ChannelSpec, Outcome};
 use truecut_scenario::MillingSpec;
 
 /// Parts of a step at whose middles the force is taken.
@@ -56,23 +57,8 @@ pub struct MillingSetup {
     /// The walls that the pass finishes, the one of down-milling first.
     pub finished_walls: Vec<Wall>,
     pub theory: MillingTheory,
-}
-
-/// What the averaged theories predict at the posture of the start; published beside the result.
-/// Depths in m, infinite if no depth is unstable; frequencies in Hz.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MillingTheory {
-    /// Teeth that meet the nominal surface.
-    pub coupling_depth_m: f64,
-    pub coupling_hz: f64,
-    /// Teeth that meet their own surface, to zero order.
-    pub regenerative_depth_m: f64,
-    pub regenerative_hz: f64,
-    /// First limit by spectral elements, the first up to twice that to zero order.
-    pub stability_depth_m: f64,
-    pub stability_hz: f64,
-    /// Its estimated error by discretisation in time.
-    pub stability_error_m: f64,
+    /// Natural frequency of the fastest mode of arm, tool and workpiece.
+    pub fastest_mode_hz: f64,
 }
 
 impl MillingSetup {
@@ -139,6 +125,8 @@ pub struct Milling {
     modes: Modes,
     /// Deflections of the modes at the step last committed.
     modes_m: Vec<f64>,
+    /// When the cut's law ended, s, and the rule that was broken.
+    broken: Option<(f64, &'static str)>,
 }
 
 /// Values of the last committed step.
@@ -161,6 +149,7 @@ impl Milling {
             history: History::default(),
             modes: Modes::default(),
             modes_m: Vec::new(),
+            broken: None,
         }
     }
 
@@ -262,6 +251,14 @@ impl Milling {
     }
 }
 
+/// A rule of the cut that vibration breaks.
+fn broken_rule(cut: &MillingCut, at: &CutState) -> Option<&'static str> {
+    if cut.turns_back(at) {
+        return Some("a tooth in the stock moves forwards; here paths of teeth loop");
+    }
+    (cut.is_off_the_surface(at)).then_some("a tool stays within its radius of the nominal surface")
+}
+
 impl Process for Milling {
     fn begin(&mut self, start: &Start) {
         self.step_s = start.time_step_s;
@@ -276,19 +273,18 @@ impl Process for Milling {
             parameters.steady_displacement_m += s.mean_deflection_m;
         }
         self.cut = MillingCut::new(parameters, Some(self.surface()));
-        let per_tooth = self.setup.tooth_period_s() / start.time_step_s;
-        self.history.stride = stride(per_tooth);
+        let period_s = self.setup.tooth_period_s();
+        let cycles = self.setup.fastest_mode_hz * period_s;
+        self.history.stride = stride(period_s / start.time_step_s, cycles);
         self.last = MillingStep {
             deflection_m: start_m,
             rotation_rad: self.rotation_rad(0.0),
             ..MillingStep::default()
         };
-        let side = if self.setup.wall() == Some(Wall::Entry) {
-            1.0
-        } else {
-            -1.0
+        self.last.wall_error_m = match self.setup.wall() {
+            Some(Wall::Entry) => -start_m.y,
+            _ => start_m.y,
         };
-        self.last.wall_error_m = -side * start_m.y;
     }
 
     fn channels(&self) -> Vec<ChannelSpec> {
@@ -324,10 +320,12 @@ impl Process for Milling {
         let (deflection_m, rate) = self.deflection(state);
         let rotation_rad = self.rotation_rad(state.time_s);
         self.note_wall(rotation_rad, &deflection_m);
-        self.cut.commit(&CutState {
+        let at = CutState {
             rotation_rad,
             displacement_m: deflection_m,
-        });
+        };
+        self.broken = broken_rule(&self.cut, &at).map(|rule| (state.time_s, rule));
+        self.cut.commit(&at);
         self.last = MillingStep {
             loads: Some(loads),
             deflection_m,
@@ -336,6 +334,14 @@ impl Process for Milling {
         };
         self.keep(state.time_s, &rate, &loads);
         self.move_modes(state, &loads.force_on_tool_n);
+    }
+
+    fn ended(&self) -> Option<Outcome> {
+        self.broken.map(|(time_s, rule)| Outcome::Chatter {
+            time_s,
+            amplitude_m: self.cut.amplitude_m(),
+            rule: rule.to_owned(),
+        })
     }
 
     fn record(&self, row: &mut Vec<f64>) {

@@ -5,6 +5,7 @@ use crate::process::Findings;
 use crate::process::quantity::{self, Quantity};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
+use truecut_core::chatter::forced::unforced;
 use truecut_core::chatter::growth::{GrowthOptions, growth};
 use truecut_core::chatter::{AttachedMode, AttachedModes};
 use truecut_core::cutting::milling::dexel::{DexelRow, RayGrid, Wall};
@@ -24,8 +25,9 @@ pub(crate) fn linear_share(regeneration: bool) -> f64 {
     if regeneration { 0.05 } else { 0.15 }
 }
 
-/// Spectra reach to so many times the tooth-passing frequency.
+/// Spectra reach to so many times the tooth-passing frequency, or so many times the fastest mode.
 const SPECTRUM_TEETH: f64 = 3.0;
+const SPECTRUM_MODES: f64 = 1.5;
 /// Feed per revolution by which rays at the ends of a surface are left out: their neighbours are
 /// not all cut.
 const MARGIN_REVOLUTIONS: f64 = 2.0;
@@ -157,12 +159,14 @@ struct Samples<'a> {
 
 impl Samples<'_> {
     fn spectrum(&self, values: &[Vector3<f64>], axis: usize, highest_hz: f64) -> Option<Spectrum> {
-        let times: Vec<f64> = (0..values.len())
-            .map(|i| i as f64 * self.interval_s)
-            .collect();
         let values: Vec<f64> = values.iter().map(|v| v[axis]).collect();
-        amplitude_spectrum_up_to(&times, &values, highest_hz)
+        spectrum(&values, self.interval_s, highest_hz)
     }
+}
+
+fn spectrum(values: &[f64], interval_s: f64, highest_hz: f64) -> Option<Spectrum> {
+    let times: Vec<f64> = (0..values.len()).map(|i| i as f64 * interval_s).collect();
+    amplitude_spectrum_up_to(&times, values, highest_hz)
 }
 
 fn vibration(milling: &Milling, findings: &mut Findings) {
@@ -179,16 +183,17 @@ fn vibration(milling: &Milling, findings: &mut Findings) {
         linear_m: share * setup.parameters.feed_per_tooth_m,
     };
     let grown = growth(samples.deflection_m, samples.interval_s, &options);
-    let highest_hz = SPECTRUM_TEETH / setup.tooth_period_s();
-    let line = dominant_line(&samples, 1.0 / forced_s, highest_hz);
+    let of_modes_hz = SPECTRUM_MODES * setup.fastest_mode_hz;
+    let highest_hz = (SPECTRUM_TEETH / setup.tooth_period_s()).max(of_modes_hz);
+    let line = dominant_line(&samples, forced_s, highest_hz);
     let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let rate_per_s = or_nan(grown.and_then(|g| g.rate_per_s));
     let level_m = or_nan(grown.map(|g| g.last_level_m));
     let (line_hz, line_m) = line.unwrap_or((f64::NAN, f64::NAN));
     findings.scalars.extend(quantity::scalars([
         Quantity::new("milling.growth_rate", Unit::PerSecond, rate_per_s)
-            .text("Growth of vibration that does not repeat with the teeth, while it is small beside the feed per tooth; negative: \
-             it dies away"),
+            .text("Growth of vibration that does not repeat with the teeth, while it is small beside the feed per tooth (if it \
+             never is: as it is); negative: it dies away"),
         Quantity::new("milling.vibration_level", Unit::Metre, level_m)
             .text("Change of the deflection from one tooth to the next (with runout: one revolution), root mean square at the end"),
         Quantity::new("milling.chatter_frequency", Unit::Hertz, line_hz)
@@ -226,29 +231,17 @@ fn forced_period_s(setup: &MillingSetup) -> f64 {
     setup.tooth_period_s() * teeth as f64
 }
 
-/// The highest line along x or y that stands apart from the harmonics of what is forced: frequency,
-/// Hz, and amplitude, m.
-fn dominant_line(samples: &Samples<'_>, forced_hz: f64, highest_hz: f64) -> Option<(f64, f64)> {
-    let mut best: Option<(f64, f64)> = None;
-    for axis in 0..2 {
-        let spectrum = samples.spectrum(samples.deflection_m, axis, highest_hz)?;
-        let clear_hz = 0.5 * spectrum.resolution_hz;
-        let mut low_hz = clear_hz;
-        while low_hz < highest_hz {
-            let harmonic_hz = ((low_hz / forced_hz).floor() + 1.0) * forced_hz;
-            let band_hz = [low_hz, (harmonic_hz - clear_hz).min(highest_hz)];
-            low_hz = harmonic_hz + clear_hz;
-            if band_hz[1] <= band_hz[0] {
-                continue;
-            }
-            if let Some(line) = spectrum.highest_line(band_hz)
-                && best.is_none_or(|(_, amplitude)| line.amplitude > amplitude)
-            {
-                best = Some((line.frequency_hz, line.amplitude));
-            }
-        }
-    }
-    best
+/// The highest line along x or y of what does not repeat with the forced vibration: frequency, Hz,
+/// and amplitude, m.
+fn dominant_line(samples: &Samples<'_>, forced_s: f64, highest_hz: f64) -> Option<(f64, f64)> {
+    let lines = (0..2).filter_map(|axis| {
+        let motion: Vec<f64> = samples.deflection_m.iter().map(|x| x[axis]).collect();
+        let rest = unforced(&motion, forced_s / samples.interval_s)?;
+        let spectrum = spectrum(&rest.values, rest.interval * samples.interval_s, highest_hz)?;
+        spectrum.highest_line([0.5 * spectrum.resolution_hz, highest_hz])
+    });
+    let highest = lines.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))?;
+    Some((highest.frequency_hz, highest.amplitude))
 }
 
 fn surfaces(milling: &Milling, findings: &mut Findings) {

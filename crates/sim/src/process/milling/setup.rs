@@ -4,15 +4,15 @@ use crate::error::SimError;
 use crate::loads::stacked;
 use crate::motion::straight;
 use crate::process::setup::Motion;
-use crate::process::{Milling, MillingSetup, MillingTheory, ProcessSetup, SetupContext};
+use crate::process::{Milling, MillingSetup, ProcessSetup, SetupContext};
 use crate::scene::shapes;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
 use truecut_core::chatter::limit::{FirstLimit, LimitSearch, first_limit};
 use truecut_core::chatter::spectral_elements::{MOST_MODES, SpectralElements};
-use truecut_core::chatter::{AttachedModes, DirectionalMatrix, in_axes};
+use truecut_core::chatter::{DirectionalMatrix, TipMode, in_axes};
 use truecut_core::cutting::milling::cut::MillingParameters;
 use truecut_core::cutting::milling::dexel::Wall;
 use truecut_core::cutting::milling::engagement::{Engagement, Stock};
@@ -26,6 +26,23 @@ const SLICE_LAG_RAD: f64 = 0.02;
 const REMEMBERED_REVOLUTIONS: usize = 2;
 /// Largest cosine between feed and tool axis.
 const LARGEST_COSINE: f64 = 1e-6;
+
+/// What the averaged theories predict at the posture of the start; published beside the result.
+/// Depths in m, infinite if no depth is unstable; frequencies in Hz.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MillingTheory {
+    /// Teeth that meet the nominal surface.
+    pub coupling_depth_m: f64,
+    pub coupling_hz: f64,
+    /// Teeth that meet their own surface, to zero order.
+    pub regenerative_depth_m: f64,
+    pub regenerative_hz: f64,
+    /// First limit by spectral elements, the first up to twice that to zero order.
+    pub stability_depth_m: f64,
+    pub stability_hz: f64,
+    /// Its estimated error by discretisation in time.
+    pub stability_error_m: f64,
+}
 
 /// The process of a scenario along its path, and its workpiece.
 pub(crate) fn setup(
@@ -73,6 +90,8 @@ fn milling(
     // A tool that sinks by z under the force F cuts deeper: F (b - z)/b, of which z is the
     // deflection.
     let deeper = 1.0 / (1.0 + deflection.z / cut.axial_depth_m).max(0.1);
+    let modes = robot.cutting_modes(posture, &spec.attached)?;
+    let modes = in_axes(&modes, world_from_milling.matrix());
     Ok(MillingSetup {
         parameters: parameters(spec),
         process_from_milling,
@@ -80,14 +99,11 @@ fn milling(
         mean_load: (mean_load.0 * deeper, mean_load.1 * deeper),
         mean_deflection_m: deflection * deeper,
         finished_walls: finished_walls(&cut.engagement),
-        theory: theory(
-            robot,
-            posture,
-            &world_from_milling,
-            cut,
-            spec.tooth_period_s(),
-            &spec.attached,
-        )?,
+        theory: theory(&modes, cut, spec.tooth_period_s()),
+        fastest_mode_hz: modes
+            .iter()
+            .map(|mode| mode.natural_frequency_rad_s / TAU)
+            .fold(0.0, f64::max),
         milling_from_world: *world_from_milling.inverse().matrix(),
         milling_from_tool: world_from_milling.inverse().matrix() * tool_axes,
         spec: spec.clone(),
@@ -152,24 +168,15 @@ fn parameters(spec: &MillingSpec) -> MillingParameters {
 }
 
 /// Limits with the modes of arm, tool and workpiece, gravity aside.
-fn theory(
-    robot: &Robot,
-    posture: &[f64],
-    world_from_milling: &Rotation3<f64>,
-    cut: &NominalCut,
-    tooth_period_s: f64,
-    attached: &AttachedModes,
-) -> Result<MillingTheory, SimError> {
-    let modes = robot.cutting_modes(posture, attached)?;
-    let modes = in_axes(&modes, world_from_milling.matrix());
+fn theory(modes: &[TipMode], cut: &NominalCut, tooth_period_s: f64) -> MillingTheory {
     let matrix = DirectionalMatrix {
         teeth: cut.cutter.teeth,
         coefficients: cut.coefficients,
         engagement: cut.engagement,
     };
     let average = matrix.average_pa();
-    let coupling = mode_coupling_limit(&modes, &average);
-    let regenerative = zero_order_limit(&modes, &average, tooth_period_s);
+    let coupling = mode_coupling_limit(modes, &average);
+    let regenerative = zero_order_limit(modes, &average, tooth_period_s);
     let depth = |c: Option<Crossing>| c.map_or(f64::INFINITY, |c| c.depth_m);
     let hz = |c: Option<Crossing>| c.map_or(f64::NAN, |c| c.frequency_hz);
     let limit = regenerative
@@ -177,19 +184,19 @@ fn theory(
         .and_then(|zero_order| {
             let search = LimitSearch::to_depth(2.0 * zero_order.depth_m);
             first_limit(
-                &SpectralElements::new(&modes, &matrix),
+                &SpectralElements::new(modes, &matrix),
                 tooth_period_s,
                 &search,
             )
         });
     let of_limit = |value: &dyn Fn(FirstLimit) -> f64| limit.map_or(f64::NAN, value);
-    Ok(MillingTheory {
+    MillingTheory {
         stability_depth_m: limit.map_or(f64::INFINITY, |limit| limit.depth_m),
-        stability_hz: of_limit(&|limit| limit.multiplier.chatter_hz(&modes, tooth_period_s)),
+        stability_hz: of_limit(&|limit| limit.multiplier.chatter_hz(modes, tooth_period_s)),
         stability_error_m: of_limit(&|limit| limit.error_m),
         coupling_depth_m: depth(coupling),
         coupling_hz: hz(coupling),
         regenerative_depth_m: depth(regenerative),
         regenerative_hz: hz(regenerative),
-    })
+    }
 }
