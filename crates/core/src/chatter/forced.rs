@@ -25,7 +25,8 @@ const WHOLE: f64 = 1e-6;
 /// the motion is interpolated to fifth degree (Lagrange) at the next denser steps of which a whole
 /// number makes a period. `None` if it lasts for less than four periods, or is not finite.
 pub fn unforced(motion: &[f64], period: f64) -> Option<Unforced> {
-    if !motion.iter().all(|x| x.is_finite()) || !(period >= POINTS as f64) {
+    let short = period.is_nan() || period < POINTS as f64;
+    if short || !motion.iter().all(|x| x.is_finite()) {
         return None;
     }
     let whole = (period - WHOLE).ceil();
