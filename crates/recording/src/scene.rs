@@ -76,38 +76,6 @@ pub enum Geometry {
     },
 }
 
-impl Geometry {
-    /// The body that an outline sweeps as it turns about z: a tube, a cone, a plate with a hole.
-    /// The outline is a closed polygon of (radius, z) in metres, counter-clockwise with the radius
-    /// to the right and z up; it is turned in so many steps, at least three.
-    pub fn revolved(outline_m: &[(f64, f64)], segments: u32) -> Geometry {
-        let segments = segments.max(3);
-        let corners = outline_m.len() as u32;
-        let angle = |segment: u32| std::f64::consts::TAU * f64::from(segment) / f64::from(segments);
-        let vertices_m = (0..segments)
-            .flat_map(|segment| {
-                let (sin, cos) = angle(segment).sin_cos();
-                outline_m
-                    .iter()
-                    .map(move |(radius, z)| [radius * cos, radius * sin, *z])
-            })
-            .collect();
-        let mut triangles = Vec::new();
-        for segment in 0..segments {
-            let (here, there) = (segment * corners, (segment + 1) % segments * corners);
-            for corner in 0..corners {
-                let next = (corner + 1) % corners;
-                triangles.push([here + corner, there + corner, there + next]);
-                triangles.push([here + corner, there + next, here + next]);
-            }
-        }
-        Geometry::Mesh {
-            vertices_m,
-            triangles,
-        }
-    }
-}
-
 /// A form with its colour and its place on a body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
@@ -211,45 +179,4 @@ pub struct Frame {
     pub arrows: Vec<([f64; 3], [f64; 3])>,
     /// Values of each of [`Scene::fields`], x first; empty while a field keeps its last ones.
     pub fields: Vec<Vec<f32>>,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Volume by the divergence theorem: right, and positive, only if every triangle faces outward.
-    #[test]
-    fn verify_volume_of_a_tube() {
-        let (inner, outer, length) = (0.021, 0.06, 0.02);
-        let outline = [(inner, 0.0), (outer, 0.0), (outer, length), (inner, length)];
-        let segments = 96;
-        let Geometry::Mesh {
-            vertices_m,
-            triangles,
-        } = Geometry::revolved(&outline, segments)
-        else {
-            panic!("a body of revolution is a mesh");
-        };
-        let corner = |index: u32| vertices_m[index as usize];
-        let volume: f64 = triangles
-            .iter()
-            .map(|triangle| {
-                let [a, b, c] = triangle.map(corner);
-                let cross = [
-                    b[1] * c[2] - b[2] * c[1],
-                    b[2] * c[0] - b[0] * c[2],
-                    b[0] * c[1] - b[1] * c[0],
-                ];
-                (a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]) / 6.0
-            })
-            .sum();
-        // A polygon of n sides in a circle of radius r has the area ½ n r² sin(2π/n).
-        let n = f64::from(segments);
-        let polygon = 0.5 * n * (std::f64::consts::TAU / n).sin();
-        let expected = polygon * (outer * outer - inner * inner) * length;
-        assert!(
-            (volume / expected - 1.0).abs() < 1e-12,
-            "{volume} against {expected}"
-        );
-    }
 }

@@ -54,7 +54,19 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitStatus, Failure> {
 
 /// The fault, at the key of the scenario that it is about.
 fn refused(trial: &Trial, scenario: &Scenario, source: &str, error: &DiagnoseError) -> Failure {
-    let text = format!("{source}: {error}");
+    let few = matches!(
+        error,
+        DiagnoseError::TooFewSamples { .. } | DiagnoseError::TooFewRows { .. }
+    );
+    let thinned = trial.observation.time_s.len() < trial.measured().time_s.len();
+    let text = match few && thinned {
+        false => format!("{source}: {error}"),
+        true => format!(
+            "{source}: {error}; of {} samples as many are kept as twice process.replay.compare_cutoff_hz: raise that, or \
+             take a longer record",
+            trial.measured().time_s.len()
+        ),
+    };
     let (channel, key) = match error {
         DiagnoseError::Unit { channel, .. } => (Some(channel), "unit"),
         DiagnoseError::TooFewSamples { output, .. }

@@ -96,6 +96,16 @@ fn thinned(problem: &Problem, fit: &Fit, tests: usize) -> Option<Point> {
     Some(local.point(problem, fit))
 }
 
+/// What it takes to do without an effect.
+struct WayToNothing {
+    /// Loss of minus twice the log-likelihood.
+    gain: f64,
+    /// How far the variables move.
+    change: DVector<f64>,
+    /// By how much their covariance falls.
+    certainty: DMatrix<f64>,
+}
+
 /// A fit and its linear model.
 struct Local<'a> {
     jacobian: &'a [Columns],
@@ -148,44 +158,29 @@ impl<'a> Local<'a> {
         })
     }
 
-    fn sizes(&self, effect: usize) -> Vec<usize> {
-        let own = self.effects[effect].iter().flatten();
-        own.map(|(variable, _)| *variable).collect()
-    }
-
-    /// Distances of an effect's sizes from nothing, and the change of all variables that takes them
-    /// there at the least cost.
-    fn way_to_nothing(&self, effect: usize) -> Option<(DVector<f64>, DVector<f64>)> {
-        let own = self.sizes(effect);
-        let first = self.effects[effect].as_ref()?;
-        let distance =
-            DVector::from_iterator(own.len(), first.iter().map(|(_, distance)| *distance));
-        let block = DMatrix::from_fn(own.len(), own.len(), |a, b| {
-            self.covariance[(own[a], own[b])]
-        });
-        let pull = block.cholesky()?.solve(&distance);
+    /// What it takes to do without an effect. `None` where it is gone.
+    fn way_to_nothing(&self, effect: usize) -> Option<WayToNothing> {
+        let (own, distance): (Vec<usize>, Vec<f64>) =
+            self.effects[effect].as_ref()?.iter().copied().unzip();
         let columns = self.covariance.select_columns(&own);
-        Some((distance, columns * pull))
+        let factor = columns.select_rows(&own).cholesky()?;
+        let distance = DVector::from_vec(distance);
+        let pull = factor.solve(&distance);
+        Some(WayToNothing {
+            gain: distance.dot(&pull),
+            change: &columns * pull,
+            certainty: &columns * factor.solve(&columns.transpose()),
+        })
     }
 
-    /// Loss of likelihood without an effect.
     fn gain(&self, effect: usize) -> f64 {
-        let own = self.sizes(effect);
-        let block = DMatrix::from_fn(own.len(), own.len(), |a, b| {
-            self.covariance[(own[a], own[b])]
-        });
-        let Some((distance, _)) = self.way_to_nothing(effect) else {
-            return 0.0;
-        };
-        block
-            .cholesky()
-            .map_or(0.0, |factor| distance.dot(&factor.solve(&distance)))
+        self.way_to_nothing(effect).map_or(0.0, |way| way.gain)
     }
 
     fn residual_without(&self, effect: usize) -> Columns {
         let mut residual = self.residual.clone();
-        if let Some((_, way)) = self.way_to_nothing(effect) {
-            for (column, step) in self.jacobian.iter().zip(way.iter()) {
+        if let Some(way) = self.way_to_nothing(effect) {
+            for (column, step) in self.jacobian.iter().zip(way.change.iter()) {
                 add_columns(&mut residual, column, *step);
             }
         }
@@ -193,20 +188,13 @@ impl<'a> Local<'a> {
     }
 
     fn remove(&mut self, effect: usize) {
-        let own = self.sizes(effect);
-        if let Some((_, way)) = self.way_to_nothing(effect) {
+        if let Some(way) = self.way_to_nothing(effect) {
             self.residual = self.residual_without(effect);
-            self.values -= &way;
-            for one in self.effects.iter_mut().flatten().flatten() {
-                one.1 -= way[one.0];
+            self.values -= &way.change;
+            for (variable, distance) in self.effects.iter_mut().flatten().flatten() {
+                *distance -= way.change[*variable];
             }
-            let block = DMatrix::from_fn(own.len(), own.len(), |a, b| {
-                self.covariance[(own[a], own[b])]
-            });
-            if let Some(factor) = block.cholesky() {
-                let columns = self.covariance.select_columns(&own);
-                self.covariance -= &columns * factor.solve(&columns.transpose());
-            }
+            self.covariance -= way.certainty;
         }
         self.effects[effect] = None;
     }

@@ -101,7 +101,7 @@ impl Builder<'_> {
             Some(joint) => {
                 let known: Vec<String> = known.iter().map(|one| (one + 1).to_string()).collect();
                 let message = format!(
-                    "holds joint {}, but drive forces were measured of {}",
+                    "`{key}` holds joint {}, but drive forces were measured of {}",
                     joint + 1,
                     known.join(", ")
                 );

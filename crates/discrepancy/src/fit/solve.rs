@@ -207,26 +207,19 @@ impl Moments {
             true => 1.0 / square.sqrt(),
             false => 0.0,
         });
-        let mut unit = self.columns.clone();
-        for i in 0..unit.nrows() {
-            for j in 0..unit.ncols() {
-                unit[(i, j)] *= scale[i] * scale[j];
-            }
-        }
-        let eigen = unit.symmetric_eigen();
+        let scaled = |matrix: &DMatrix<f64>| {
+            let (rows, columns) = matrix.shape();
+            DMatrix::from_fn(rows, columns, |i, j| matrix[(i, j)] * scale[i] * scale[j])
+        };
+        let eigen = scaled(&self.columns).symmetric_eigen();
         let least = DARK * eigen.eigenvalues.max();
         let shown = eigen
             .eigenvalues
             .map(|value| if value > least { 1.0 / value } else { 0.0 });
         let dark = shown.iter().filter(|value| **value == 0.0).count();
-        let mut inverse =
+        let inverse =
             &eigen.eigenvectors * DMatrix::from_diagonal(&shown) * eigen.eigenvectors.transpose();
-        for i in 0..inverse.nrows() {
-            for j in 0..inverse.ncols() {
-                inverse[(i, j)] *= scale[i] * scale[j];
-            }
-        }
-        (inverse, dark)
+        (scaled(&inverse), dark)
     }
 }
 

@@ -5,6 +5,7 @@
 //! wind-up.
 #![deny(clippy::wildcard_enum_match_arm)]
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use truecut_recording::ChannelSpec;
@@ -21,13 +22,15 @@ use crate::model::Candidate;
 /// Part of a signal that a typical effect changes.
 const SHARE: f64 = 0.1;
 
-/// Every effect that applies to the scenario, would tell and is not in it already.
+/// Every effect that applies to the scenario, would tell and is not in it already; and a sentence on
+/// those that apply and would not tell.
 pub(super) fn candidates(
     scenario: &Scenario,
     signals: &Signals,
     channels: &[ChannelSpec],
-) -> Vec<Candidate> {
+) -> (Vec<Candidate>, Vec<String>) {
     let mut all = Vec::new();
+    let mut untold: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for kind in EffectKind::ALL.iter().copied() {
         for target in targets(kind, signals, channels) {
             let effect = Effect::neutral(kind, target);
@@ -35,8 +38,12 @@ pub(super) fn candidates(
             if misfit(scenario, &effect).is_some() || scenario.effects.iter().any(known) {
                 continue;
             }
-            if let Some(scale) = scale(scenario, signals, &effect) {
-                all.push(Candidate {
+            match scale(scenario, signals, &effect) {
+                None => {
+                    let of_the_reason = untold.entry(why_untold(kind)).or_default();
+                    of_the_reason.push(effect.to_string());
+                }
+                Some(scale) => all.push(Candidate {
                     kind,
                     rotary: match effect.target {
                         Target::Joint(joint) => signals.joints[joint].rotary,
@@ -44,11 +51,25 @@ pub(super) fn candidates(
                     },
                     target: effect.target,
                     scale,
-                });
+                }),
             }
         }
     }
-    all
+    let told = |(why, effects): (&str, Vec<String>)| {
+        format!("not looked for, since {why}: {}", effects.join(", "))
+    };
+    (all, untold.into_iter().map(told).collect())
+}
+
+fn why_untold(kind: EffectKind) -> &'static str {
+    match kind.name() {
+        "joint_load_friction" => "under so even a load it is dry friction",
+        "joint_ripple" => "the joint turns too little for a ripple",
+        "cutting_runout" | "cutting_worn_tooth" => "with a single edge it is a depth offset",
+        "wheel_eccentricity" => "the wheel does not turn",
+        "wheel_removal" => "what is removed is not measured",
+        _ => "nothing in the nominal run gives it a size",
+    }
 }
 
 fn targets(kind: EffectKind, signals: &Signals, channels: &[ChannelSpec]) -> Vec<Target> {

@@ -144,11 +144,14 @@ impl Trial {
             Kind::Inverse { .. } | Kind::Steady(_) => 0.0,
             Kind::Forward => reduced(scenario, measured, &robots).time_step_s()? / FINEST,
         };
+        let (candidates, untold) = candidates::candidates(scenario, &signals, &channels);
+        let mut measured = measured.clone();
+        measured.notes.extend(untold);
         let mut trial = Trial {
-            candidates: candidates::candidates(scenario, &signals, &channels),
+            candidates,
             scenario: scenario.clone(),
-            measured: measured.clone(),
             stretches_s: measured.stretches_s(),
+            measured,
             facts,
             channels,
             engine,

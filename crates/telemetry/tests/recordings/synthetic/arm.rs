@@ -138,7 +138,7 @@ pub(super) fn scene() -> Scene {
     bodies.push(Body {
         path: "workpiece".into(),
         shapes: vec![shape(
-            Geometry::revolved(&plate, 64),
+            revolved(&plate, 64),
             [120, 150, 190, 255],
             Rigid::new([0.0; 3], x, 0.0),
         )],
@@ -231,12 +231,12 @@ fn link_shapes(main: [u8; 4], dark: [u8; 4]) -> Vec<Vec<Shape>> {
         vec![
             shape(cylinder(0.07, 0.18), main, at([0.0, 0.0, 0.09])),
             shape(
-                Geometry::revolved(&cutter, 32),
+                revolved(&cutter, 32),
                 [200, 200, 210, main[3]],
                 at([0.0, 0.0, TOOL_M]),
             ),
             shape(
-                Geometry::revolved(&foot, 32),
+                revolved(&foot, 32),
                 [90, 200, 230, main[3]],
                 at([0.0, 0.0, TOOL_M - 0.12]),
             ),
@@ -261,4 +261,70 @@ pub(super) fn frame(t: f64) -> Frame {
         arrows: vec![(tip, cutting), (tip, friction)],
         fields: Vec::new(),
     }
+}
+
+/// The body that an outline sweeps as it turns about z: a tube, a cone, a plate with a hole.
+/// The outline is a closed polygon of (radius, z) in metres, counter-clockwise with the radius
+/// to the right and z up; it is turned in so many steps, at least three.
+fn revolved(outline_m: &[(f64, f64)], segments: u32) -> Geometry {
+    let segments = segments.max(3);
+    let corners = outline_m.len() as u32;
+    let angle = |segment: u32| std::f64::consts::TAU * f64::from(segment) / f64::from(segments);
+    let vertices_m = (0..segments)
+        .flat_map(|segment| {
+            let (sin, cos) = angle(segment).sin_cos();
+            outline_m
+                .iter()
+                .map(move |(radius, z)| [radius * cos, radius * sin, *z])
+        })
+        .collect();
+    let mut triangles = Vec::new();
+    for segment in 0..segments {
+        let (here, there) = (segment * corners, (segment + 1) % segments * corners);
+        for corner in 0..corners {
+            let next = (corner + 1) % corners;
+            triangles.push([here + corner, there + corner, there + next]);
+            triangles.push([here + corner, there + next, here + next]);
+        }
+    }
+    Geometry::Mesh {
+        vertices_m,
+        triangles,
+    }
+}
+
+/// Volume by the divergence theorem: right, and positive, only if every triangle faces outward.
+#[test]
+fn verify_volume_of_a_tube() {
+    let (inner, outer, length) = (0.021, 0.06, 0.02);
+    let outline = [(inner, 0.0), (outer, 0.0), (outer, length), (inner, length)];
+    let segments = 96;
+    let Geometry::Mesh {
+        vertices_m,
+        triangles,
+    } = revolved(&outline, segments)
+    else {
+        panic!("a body of revolution is a mesh");
+    };
+    let corner = |index: u32| vertices_m[index as usize];
+    let volume: f64 = triangles
+        .iter()
+        .map(|triangle| {
+            let [a, b, c] = triangle.map(corner);
+            let cross = [
+                b[1] * c[2] - b[2] * c[1],
+                b[2] * c[0] - b[0] * c[2],
+                b[0] * c[1] - b[1] * c[0],
+            ];
+            (a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]) / 6.0
+        })
+        .sum();
+    // A polygon of n sides in a circle of radius r has the area ½ n r² sin(2π/n).
+    let n = f64::from(segments);
+    let polygon = 0.5 * n * (std::f64::consts::TAU / n).sin();
+    let expected = polygon * (outer * outer - inner * inner) * length;
+    assert!(
+        (volume / expected - 1.0).abs() < 1e-12,
+        "{volume} against {expected}"
+    );
 }
