@@ -58,12 +58,16 @@ class Arm:
         self.urdf = "".join(text) + "</robot>"
         time = np.arange(0, DURATION_S, 1 / RATE_HZ)
         self.time, turn = time, 2 * np.pi * 0.125 * time[:, None]
-        q = np.zeros((len(time), self.joints))
+        rate = 2 * np.pi * 0.125
+        reach = np.where(self.slides, 0.3, 1.0)
+        self.q, self.v, self.a = (np.zeros((len(time), self.joints)) for _ in range(3))
         for harmonic in range(1, 6):
-            q += draw.normal(0, 0.5 / harmonic, self.joints) * np.sin(harmonic * turn)
-            q += draw.normal(0, 0.5 / harmonic, self.joints) * np.cos(harmonic * turn)
-        self.q = q * np.where(self.slides, 0.3, 1.0)
-        self.noise = np.zeros_like(q)
+            sine, cosine = (draw.normal(0, 0.5 / harmonic, self.joints) * reach for _ in range(2))
+            wave, other = np.sin(harmonic * turn), np.cos(harmonic * turn)
+            self.q += sine * wave + cosine * other
+            self.v += (harmonic * rate) * (sine * other - cosine * wave)
+            self.a -= (harmonic * rate) ** 2 * (sine * wave + cosine * other)
+        self.noise = np.zeros_like(self.q)
         size, colour = draw.uniform(0.3, 1.5), draw.uniform(0, 0.9)
         for k in range(1, len(time)):
             self.noise[k] = colour * self.noise[k - 1] + size * draw.normal(size=self.joints)
@@ -71,8 +75,7 @@ class Arm:
     def drive_forces(self) -> np.ndarray:
         model = mujoco.MjModel.from_xml_string(self.urdf)
         data = mujoco.MjData(model)
-        v = np.gradient(self.q, 1 / RATE_HZ, axis=0)
-        a = np.gradient(v, 1 / RATE_HZ, axis=0)
+        v, a = self.v, self.a
         forces = np.empty_like(self.q)
         for k in range(len(self.time)):
             data.qpos[:], data.qvel[:], data.qacc[:] = self.q[k], v[k], a[k]
