@@ -53,7 +53,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
 ];
 
 /// What the analytic core may use besides the standard library: mathematics, and a macro for errors.
-const CORE_MAY_USE: &[&str] = &["nalgebra", "thiserror"];
+const CORE_MAY_USE: &[&str] = &["nalgebra", "statrs", "thiserror"];
 
 /// Names of the packages in a manifest's dependency tables of these names, also below `target`.
 fn dependencies(manifest: &toml::Table, tables: &[&str]) -> BTreeSet<String> {

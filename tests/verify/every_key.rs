@@ -251,6 +251,21 @@ feed_mm_per_s = 60
 turn_rpm = 15
 start_deg = 20
 rule = "none"
+[process.polish.texture]
+rms_um = 10
+length_mm = 3
+seed = 4
+[process.polish.grains]
+radius_um = 40
+protrusion_um = 30
+protrusion_spread_um = 8
+number_per_mm2 = 8
+strength_n = 0.04
+shed_share = 0.01
+edge_radius_um = 5
+ploughing_um = 20
+specific_energy_j_per_mm3 = 10
+seed = 2
 [process.polish.control]
 law = "constant_force"
 force_n = 4
@@ -387,6 +402,7 @@ fn changed(key: &str, value: &str) -> Option<String> {
         "teeth",
         "copies",
         "bristles",
+        "seed",
     ];
     if counts.contains(&key) {
         return Some((value.parse::<i64>().ok()? + 1).to_string());
@@ -430,7 +446,7 @@ fn every_key_of_milling_counts() {
 #[test]
 fn every_key_of_polishing_counts() {
     check(POLISH, 34);
-    check(POLISH_HELD, 24);
+    check(POLISH_HELD, 38);
 }
 
 #[test]

@@ -2,8 +2,9 @@
 //!
 //! The submodules hold the tools of finishing: what their surfaces rest on ([`bed`]), how they
 //! press ([`pneumatic`], [`belt`], [`brush`] with its [`bristle`]s), the patch over a face with
-//! edges ([`patch`], [`face`]), what they remove ([`removal`], [`edge_wear`]), and how they are
-//! held ([`force_control`]).
+//! edges ([`patch`], [`face`]), what they remove ([`removal`], [`edge_wear`]), how they are held
+//! ([`force_control`]), how uneven they are ([`eccentricity`], [`texture`]) and what their grains
+//! do to a corner ([`edge_grains`]).
 
 pub mod abrasive;
 pub mod bed;
@@ -11,6 +12,7 @@ pub mod belt;
 pub mod bristle;
 pub mod brush;
 pub mod eccentricity;
+pub mod edge_grains;
 pub mod edge_wear;
 pub mod face;
 pub mod force_control;
@@ -18,6 +20,7 @@ pub mod patch;
 pub mod pneumatic;
 pub mod quadrature;
 pub mod removal;
+pub mod texture;
 
 pub mod precession;
 

@@ -52,11 +52,13 @@ pub(crate) fn from_rpm(value: f64) -> f64 {
 
 /// Unit suffixes of scenario keys with the unit as a person says it and its symbol. Longer suffixes
 /// stand before shorter ones that they end in.
-const SUFFIXES: [(&str, &str, &str); 23] = [
+const SUFFIXES: [(&str, &str, &str); 25] = [
     ("_deg_per_s2", "degrees/s²", "deg/s^2"),
     ("_deg_per_s", "degrees/s", "deg/s"),
     ("_pa_s_per_m", "Pa s/m", "Pa s/m"),
     ("_j_per_mm2", "J/mm²", "J/mm^2"),
+    ("_j_per_mm3", "J/mm³", "J/mm^3"),
+    ("_per_mm2", "1/mm²", "1/mm^2"),
     ("_mm_per_tooth", "mm per tooth", "mm"),
     ("_mm_per_rev", "mm per revolution", "mm"),
     ("_n_s_per_mm", "N s/mm", "N s/mm"),
@@ -79,9 +81,11 @@ const SUFFIXES: [(&str, &str, &str); 23] = [
 ];
 
 /// Symbols of units that only keys have, with their factors to SI.
-const OF_KEYS: [(&str, Unit, f64); 4] = [
+const OF_KEYS: [(&str, Unit, f64); 6] = [
     ("Pa s/m", Unit::One, 1.0),
     ("J/mm^2", Unit::One, 1e6),
+    ("J/mm^3", Unit::One, 1e9),
+    ("1/mm^2", Unit::One, 1e6),
     ("N s/mm", Unit::NewtonSecondPerMetre, 1e3),
     ("1/Pa", Unit::One, 1.0),
 ];

@@ -66,6 +66,7 @@ fn size(kind: EffectKind) -> Vec<f64> {
         K::JointStiffness | K::CuttingCoefficient | K::FootFriction => vec![1.1],
         K::WheelStiffness | K::WheelFriction | K::WheelRemoval => vec![1.1],
         K::WheelForceOffset | K::WheelForceStiction => vec![0.4],
+        K::WheelEdgeGrains => vec![0.1],
         K::JointDamping | K::SensorGain => vec![1.5],
         K::JointViscous => vec![300.0],
         K::JointCoulomb => vec![50.0],

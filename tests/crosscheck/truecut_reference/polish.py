@@ -39,6 +39,8 @@ class Tool:
     origin: np.ndarray
     axes: np.ndarray
     size: tuple[float, float]
+    # mean force with which grains hold an edge that is run over inward, square on, per its normal force
+    jamming: float = 0.0
     table: list = field(default_factory=list)
 
     @staticmethod
@@ -120,11 +122,19 @@ class Tool:
         u0, rate, c = (float(part) for part in self._patches(depth)(depth))
         slide = np.array([velocity[0] - turning[1] * middle[2], velocity[1] + turning[0] * middle[2]])
         x, y, pressed = self._inside(middle, u0, rate, c, slide, turning[2], -velocity[2])
-        ex, ey, along = self._edges(middle, u0, slide, turning[2])
+        ex, ey, along, tilt, ox, oy = self._edges(middle, u0, slide, turning[2])
+        inside = np.zeros(len(x))
+        tilt, ox, oy = (np.concatenate([inside, part]) for part in (tilt, ox, oy))
         x, y, force = np.concatenate([x, ex]), np.concatenate([y, ey]), np.concatenate([pressed, along])
         vx, vy = slide[0] - turning[2] * y, slide[1] + turning[2] * x
         speed = np.hypot(vx, vy)
-        fx, fy = -self.mu * force * vx / speed, -self.mu * force * vy / speed
+        # what presses stands square to a plane turned by the tilt about the edge, friction runs in that plane
+        across = (vx * ox + vy * oy) / speed
+        pressing = force / (np.cos(tilt) + self.mu * across * np.sin(tilt))
+        outwards = pressing * (self.mu * across * (np.cos(tilt) - 1.0) - np.sin(tilt))
+        held = self.jamming * force * np.maximum(-(vx * ox + vy * oy) / speed, 0.0)
+        fx = -(self.mu * pressing + held) * vx / speed - outwards * ox
+        fy = -(self.mu * pressing + held) * vy / speed - outwards * oy
         on_wheel = [fx.sum(), fy.sum(), force.sum()]
         moment = [(y * force).sum(), -(x * force).sum(), (x * fy - y * fx).sum()]
         return np.array([*on_wheel, *moment, along.sum(), (force * speed).sum()])
@@ -152,7 +162,7 @@ class Tool:
         return x.ravel(), y.ravel(), (np.maximum(pressure, 0.0) * area).ravel()
 
     def _edges(self, middle, u0, slide, spin):
-        """Points along edges under the overlap and the reactions there."""
+        """Points along edges under the overlap, the reactions there, half of what the layer falls in all, the outward normals."""
         nodes, weights = RULE
         whole = math.sqrt(2.0 * self.radius * u0)
         length, width = self.size
@@ -162,7 +172,7 @@ class Tool:
             (np.array([-1.0, 0.0]), middle[0], -middle[1], width - middle[1]),
             (np.array([1.0, 0.0]), length - middle[0], -middle[1], width - middle[1]),
         ]
-        found = [np.zeros((0, 3))]
+        found = [np.zeros((0, 6))]
         for outward, distance, begin, end in sides:
             if abs(distance) >= whole:
                 continue
@@ -177,11 +187,15 @@ class Tool:
             u = u0 - (distance**2 + t * t) / (2.0 * self.radius)
             inward = -((slide[0] - spin * at[:, 1]) * outward[0] + (slide[1] + spin * at[:, 0]) * outward[1])
             overhang = self.leaving(u, 1.0 / self.radius, 0.0, inward)
-            on_face = np.full_like(t, -self.tension * distance / self.radius)
-            if on_face[0] > 0.0:
-                on_face = np.minimum(on_face, self.leaving(u, 1.0 / self.radius, 0.0, -inward))
+            rising = np.full_like(t, -self.tension * distance / self.radius)
+            on_face = rising
+            if rising[0] > 0.0:
+                on_face = np.minimum(rising, self.leaving(u, 1.0 / self.radius, 0.0, -inward))
             reaction = np.maximum(overhang + on_face, 0.0)
-            found.append(np.column_stack([at, reaction * piece]))
+            # outside it falls by overhang + rising, inside by what the face does not hold of the rise
+            tilt = 0.5 * (overhang + rising + (rising - on_face)) / self.tension
+            normals = np.broadcast_to(outward, at.shape)
+            found.append(np.column_stack([at, reaction * piece, tilt, normals]))
         return np.concatenate(found).T
 
 

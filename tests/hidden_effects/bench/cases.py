@@ -22,6 +22,7 @@ from .library import (
     INSEPARABLE,
     PAIRS,
     POLISHING,
+    POLISHING_EDGE,
     POLISHING_PAIR,
     SINGLES,
     STRANGERS,
@@ -89,7 +90,7 @@ def all_cases(seeds: str) -> list[Case]:
     """Every case of the bench."""
     draw = _Draw(seeds)
     makers = (_clean, _singles, _pairs, _strangers, _inseparable, _excitation, _late, _damaged, _units)
-    makers += (_polishing, _belt, _brush)
+    makers += (_polishing, _belt, _brush, _edge)
     return [case for maker in makers for case in maker(draw)]
 
 
@@ -213,8 +214,11 @@ def _brush(draw: _Draw) -> list[Case]:
     return _led(draw, "brush", BRUSH, BRUSH_PAIR, 90)
 
 
-def _led(draw: _Draw, name: str, templates: tuple, pair: tuple, key: int) -> list[Case]:
-    """A process whose tool is led over a face: single effects, a pair of them, and clean sets."""
+def _edge(draw: _Draw) -> list[Case]:
+    return _led_singles(draw, "edge", POLISHING_EDGE, 100)
+
+
+def _led_singles(draw: _Draw, name: str, templates: tuple, key: int) -> list[Case]:
     found = []
     for n, template in enumerate(templates):
         for s, (around, levels) in enumerate(((0.6, ("middle", "weak")), (1.2, ("strong", "middle", "middle")))):
@@ -223,6 +227,12 @@ def _led(draw: _Draw, name: str, templates: tuple, pair: tuple, key: int) -> lis
                 more = {"level": LEVELS[level], "size": size}
                 truth = (template.at(size),)
                 found.append(draw.case(f"{name} {level}", template.experiment, truth, "named", n + s, **more))
+    return found
+
+
+def _led(draw: _Draw, name: str, templates: tuple, pair: tuple, key: int) -> list[Case]:
+    """A process whose tool is led over a face: single effects, a pair of them, and clean sets."""
+    found = _led_singles(draw, name, templates, key)
     size = draw.size(1.0, key + 1, 0)
     truth = tuple(template.at(size) for template in pair)
     one = pair[0].experiment

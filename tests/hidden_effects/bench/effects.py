@@ -39,6 +39,7 @@ KINDS: dict[str, tuple[dict[str, float], tuple[str, ...]]] = {
     "wheel_eccentricity": ({"cosine_m": 0.0, "sine_m": 0.0}, ()),
     "wheel_friction": ({"factor": 1.0}, ()),
     "wheel_removal": ({"factor": 1.0}, ()),
+    "wheel_edge_grains": ({"share": 0.0}, ()),
     "wheel_force_offset": ({"force_n": 0.0}, ()),
     "wheel_force_stiction": ({"force_n": 0.0}, ()),
     "sensor_delay": ({"delay_s": 0.0}, ()),

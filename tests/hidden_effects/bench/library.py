@@ -102,6 +102,8 @@ POLISHING = (
     Template("polish_force", "wheel_force_offset", None, {"force_n": 0.6}),
     Template("polish_force", "wheel_force_stiction", None, {"force_n": 0.15}),
 )
+# the same line nearer to an edge, which the wheel runs over inward
+POLISHING_EDGE = (Template("polish_edge", "wheel_edge_grains", None, {"share": 0.7}),)
 # friction and removal are also what a sensor's gain would be
 POLISHING_PAIR = (POLISHING[0], POLISHING[1])
 

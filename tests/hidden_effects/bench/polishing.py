@@ -10,6 +10,7 @@ Effects:
     eccentricity  the middle stands at e + (C, S) in the tool's axes at the start
     friction      mu times the factor
     removal       Preston's coefficient times the factor
+    edge grains   edges that are run over inward are held along the sliding, by that share of its force times the sine of the angle to it
     offset        the control holds that much more
     stiction      what is missing of the force is made up for beyond that much only
 """
@@ -52,6 +53,7 @@ def hidden_tool(table: dict, values: dict[str, dict[str, float]]) -> Tool:
         tension=tool.tension * factor,
         shell=tool.shell / factor,
         tread=tool.tread / factor**2,
+        jamming=values.get("wheel_edge_grains", {"share": 0.0})["share"],
         mu=tool.mu * values.get("wheel_friction", {"factor": 1.0})["factor"],
         eccentricity=abs(middle),
         start_angle=cmath.phase(middle),

@@ -12,7 +12,7 @@ from .cases import LEVELS, Case
 from .score import Score
 
 # Families of single effects; each has its levels.
-SINGLE_FAMILIES = ("single", "polishing", "belt", "brush")
+SINGLE_FAMILIES = ("single", "polishing", "belt", "brush", "edge")
 
 Judged = list[tuple[str, Case, Score, float]]
 """Name of the set, what it was, the judgement, seconds."""

@@ -30,6 +30,7 @@ use nalgebra::{Isometry2, Point2, Vector2};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
+mod corner;
 mod integrals;
 
 /// The patch reaches at least so far out, as a part of the undeformed half length: where its
@@ -132,22 +133,40 @@ impl PatchLoads {
     fn add(&mut self, at: Point2<f64>, force_n: f64, sliding: &Sliding) -> f64 {
         let v = sliding.at_m_per_s(at.x, at.y);
         let speed = v.norm();
+        let rubbed = if speed > 0.0 {
+            v * (sliding.mu * force_n / speed)
+        } else {
+            Vector2::zeros()
+        };
+        self.add_rubbed(at, force_n, speed, rubbed)
+    }
+
+    /// A force at a place over which the wheel's surface slides at a speed, and the force in the
+    /// plane that goes with it.
+    fn add_rubbed(
+        &mut self,
+        at: Point2<f64>,
+        force_n: f64,
+        speed_m_per_s: f64,
+        in_plane_n: Vector2<f64>,
+    ) -> f64 {
         self.normal_n += force_n;
         self.first_moment_n_m += force_n * at.coords;
-        self.sliding_w += force_n * speed;
-        if speed > 0.0 {
-            let friction = v * (sliding.mu * force_n / speed);
-            self.friction_n += friction;
-            self.spin_moment_n_m += at.coords.perp(&friction);
-        }
-        force_n * speed
+        self.sliding_w += force_n * speed_m_per_s;
+        self.friction_n += in_plane_n;
+        self.spin_moment_n_m += at.coords.perp(&in_plane_n);
+        force_n * speed_m_per_s
     }
 }
 
-/// A piece of edge reaction: where, and what it contributes to Preston's integral.
+/// A piece of edge with its reaction: where, and what it contributes to Preston's integral.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgePoint {
     pub at_m: Point2<f64>,
+    /// Length of the piece.
+    pub length_m: f64,
+    /// Normal of the edge out of the face.
+    pub outward: Vector2<f64>,
     pub force_n: f64,
     pub sliding_w: f64,
 }
@@ -247,6 +266,13 @@ impl Patch {
         self.bed_indentation_m - off / (2.0 * self.shape.radius_m())
     }
 
+    /// Slope of the bed's pressure over its indentation at a point of the patch, Pa/m.
+    pub fn bed_stiffness_pa_per_m(&self, x: f64, y: f64) -> f64 {
+        let u = self.bed_indentation_at_m(x, y);
+        let h = 1e-4 * u;
+        (self.bed.pressure_pa(u + h) - self.bed.pressure_pa(u - h)) / (2.0 * h)
+    }
+
     /// Pressure that the layer's tension gives the face within the patch, Pa: `-N ∇²u`.
     fn layer_pressure_pa(&self) -> f64 {
         let directions = match (self.layer, self.shape) {
@@ -342,15 +368,14 @@ impl Patch {
         let sides = face.within(patch_from_face, self.window_m());
         self.add_patch(face, &sides, sliding, quadrature, &mut loads);
         for side in &sides {
-            self.add_edge(side, sliding, quadrature, &mut |at, force_n| {
-                let sliding_w = loads.add(at, force_n, sliding);
-                loads.edge_n += force_n;
-                loads.edge_sliding_w += sliding_w;
-                edge(EdgePoint {
-                    at_m: at,
-                    force_n,
-                    sliding_w,
-                });
+            self.add_edge(side, sliding, quadrature, &mut |mut point, tilt_rad| {
+                let v = sliding.at_m_per_s(point.at_m.x, point.at_m.y);
+                let rubbed = corner::friction(&side.outward, tilt_rad, sliding.mu, v);
+                point.sliding_w =
+                    loads.add_rubbed(point.at_m, point.force_n, v.norm(), rubbed * point.force_n);
+                loads.edge_n += point.force_n;
+                loads.edge_sliding_w += point.sliding_w;
+                edge(point);
             });
         }
         loads

@@ -298,6 +298,10 @@ fn foot_scale(foot: &FootSpec, effect: FootEffect, duration_s: f64) -> FootEffec
     }
 }
 
+/// `n P F²/2k_t` of a tenth of the grains of a soft wheel (16 per mm², 40 mN, 200 N/m), 6 N/m,
+/// beside some 300 N/m along an edge.
+const TYPICAL_JAMMING: f64 = 0.02;
+
 fn wheel_scale(wheel: &WheelPart, effect: WheelEffect) -> Option<WheelEffect> {
     use WheelEffect as E;
     let held_n = match wheel.hold {
@@ -312,6 +316,9 @@ fn wheel_scale(wheel: &WheelPart, effect: WheelEffect) -> Option<WheelEffect> {
         E::Eccentricity { .. } => wheel.turns.then_some(E::Eccentricity {
             cosine_m: SHARE * wheel.indentation_m,
             sine_m: SHARE * wheel.indentation_m,
+        })?,
+        E::EdgeGrains { .. } => wheel.over_edges.then_some(E::EdgeGrains {
+            share: TYPICAL_JAMMING,
         })?,
         E::ForceOffset { .. } => E::ForceOffset {
             force_n: SHARE * held_n?,

@@ -340,6 +340,7 @@ impl Room for BeltSpec {
                     hold: hold(&self.control),
                     shows_removal: true,
                     turns: true,
+                    over_edges: false,
                     indentation_m: self.job.wheel.indentation_m,
                 }),
                 ..Parts::NONE

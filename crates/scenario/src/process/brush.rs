@@ -317,6 +317,7 @@ impl Room for BrushSpec {
                     hold: WheelHold::Path,
                     shows_removal: true,
                     turns: true,
+                    over_edges: false,
                     indentation_m: TYPICAL_INDENTATION * self.brush.free_length_m,
                 }),
                 ..Parts::NONE

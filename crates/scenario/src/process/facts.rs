@@ -102,6 +102,8 @@ pub struct WheelPart {
     pub shows_removal: bool,
     /// Whether it turns, so that an eccentricity comes back with each turn.
     pub turns: bool,
+    /// Whether it runs over edges at which grains can jam.
+    pub over_edges: bool,
     /// By how much it is typically pressed in, m.
     pub indentation_m: f64,
 }

@@ -158,6 +158,7 @@ impl Room for WheelSpec {
                     hold: WheelHold::Path,
                     shows_removal: false,
                     turns: true,
+                    over_edges: false,
                     indentation_m: self.normal_force_n / self.contact.stiffness_n_per_m,
                 }),
                 ..Parts::NONE

@@ -140,6 +140,9 @@ fn wheel_misfit(effect: WheelEffect, parts: &Parts) -> Option<&'static str> {
         );
     };
     match effect {
+        WheelEffect::EdgeGrains { .. } => {
+            (!wheel.over_edges).then_some("it acts on edges of a face, which process.polish has")
+        }
         WheelEffect::ForceOffset { .. } | WheelEffect::ForceStiction { .. } => match wheel.hold {
             WheelHold::Force(_) => None,
             WheelHold::Position => {

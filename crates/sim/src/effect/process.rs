@@ -115,6 +115,8 @@ pub struct WheelEffects {
     pub eccentricity_m: [f64; 2],
     pub friction_factor: f64,
     pub removal_factor: f64,
+    /// Mean force of jammed grains per normal force of an edge that is run over inward.
+    pub jamming_share: f64,
     /// Beyond the force that the control is told to hold, N.
     pub force_offset_n: f64,
     /// Dry friction of the control's carrier, N.
@@ -128,6 +130,7 @@ impl Default for WheelEffects {
             eccentricity_m: [0.0; 2],
             friction_factor: 1.0,
             removal_factor: 1.0,
+            jamming_share: 0.0,
             force_offset_n: 0.0,
             force_stiction_n: 0.0,
         }
@@ -166,6 +169,7 @@ impl WheelEffects {
             }
             WheelEffect::Friction { factor } => self.friction_factor = factor,
             WheelEffect::Removal { factor } => self.removal_factor = factor,
+            WheelEffect::EdgeGrains { share } => self.jamming_share = share,
             WheelEffect::ForceOffset { force_n } => self.force_offset_n = force_n,
             WheelEffect::ForceStiction { force_n } => self.force_stiction_n = force_n,
         }

@@ -2,6 +2,7 @@
 //! force control.
 
 mod edges;
+mod grains;
 mod inside;
 #[path = "../support/mod.rs"]
 mod shared;

@@ -58,3 +58,15 @@ pub fn run(overrides: &[(&str, &str)]) -> Recording {
 pub fn run_under(control: &str) -> Recording {
     run_with(&scenario(&inside(control)), &[])
 }
+
+/// The same by the path, with further tables.
+pub fn run_with_tables(tables: &str, overrides: &[(&str, &str)]) -> Recording {
+    let scenario = scenario(&format!("{}{tables}", inside(BY_POSITION)));
+    run_with(&scenario, &below("process.polish", overrides))
+}
+
+/// The text of it with tables and another step.
+pub fn with_step(tables: &str, step_ms: &str) -> String {
+    let text = format!("{}{tables}", inside(BY_POSITION));
+    text.replace("[run]\n", &format!("[run]\ntime_step_ms = {step_ms}\n"))
+}

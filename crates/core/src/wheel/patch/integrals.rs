@@ -1,6 +1,6 @@
 //! Quadrature of a patch over the face, and of the line reactions along its edges.
 
-use super::{Layer, Patch, PatchLoads, Shape, Sliding};
+use super::{EdgePoint, Layer, Patch, PatchLoads, Shape, Sliding};
 use crate::wheel::face::{Face, Side};
 use crate::wheel::quadrature::{ACROSS_NODES, Across, DISC_NODES, Disc, Quadrature};
 use nalgebra::{Point2, Vector2};
@@ -252,8 +252,14 @@ impl Patch {
         breaks
     }
 
-    /// Line reaction per length at a point of an edge, N/m.
-    fn reaction_n_per_m(&self, at: Point2<f64>, outward: &Vector2<f64>, v: Vector2<f64>) -> f64 {
+    /// Line reaction per length at a point of an edge, N/m, and by how much the bisector of the
+    /// layer's two directions there is turned from the face about the edge, rad.
+    fn reaction_n_per_m(
+        &self,
+        at: Point2<f64>,
+        outward: &Vector2<f64>,
+        v: Vector2<f64>,
+    ) -> (f64, f64) {
         let u = self.bed_indentation_at_m(at.x, at.y);
         let (share, normal) = match self.layer {
             Layer::Isotropic => (1.0, *outward),
@@ -279,7 +285,15 @@ impl Patch {
         } else {
             0.0
         };
-        share * (overhang + on_face.min(knife)).max(0.0)
+        let reaction = share * (overhang + on_face.min(knife)).max(0.0);
+        let tilt_rad = match self.layer {
+            Layer::Isotropic if reaction > 0.0 => {
+                let falls = overhang + on_face + (on_face - knife).max(0.0);
+                0.5 * falls / self.bed.tension_n_per_m
+            }
+            _ => 0.0,
+        };
+        (reaction, tilt_rad)
     }
 
     pub(super) fn add_edge(
@@ -287,7 +301,7 @@ impl Patch {
         side: &Side,
         sliding: &Sliding,
         quadrature: &Quadrature,
-        add: &mut impl FnMut(Point2<f64>, f64),
+        add: &mut impl FnMut(EdgePoint, f64),
     ) {
         let b = self.undeformed_half_length_m();
         let along = side.to_m - side.from_m;
@@ -316,9 +330,16 @@ impl Patch {
             let at = side.from_m + (near + half * sin) * along;
             let piece = weight * spread * half * cos * length;
             let v = sliding.at_m_per_s(at.x, at.y);
-            let reaction = self.reaction_n_per_m(at, &side.outward, v);
+            let (reaction, tilt_rad) = self.reaction_n_per_m(at, &side.outward, v);
             if reaction > 0.0 {
-                add(at, reaction * piece);
+                let point = EdgePoint {
+                    at_m: at,
+                    length_m: piece,
+                    outward: side.outward,
+                    force_n: reaction * piece,
+                    sliding_w: 0.0,
+                };
+                add(point, tilt_rad);
             }
         }
     }

@@ -243,6 +243,11 @@ Wheel: WheelEffect on Whole {
         factor: "Times the nominal Preston coefficient"
             = factor(0.0, 100.0).starts(&[0.7, 1.4]),
     }
+    WheelEdgeGrains "wheel_edge_grains" is EdgeGrains in [Driven, Free]:
+        "Grains jam at edges over which the wheel runs inward: their mean force against it." {
+        share: "Part of the edge's force along the normal, met square on"
+            = same("share", Unit::One, 0.0, 0.0, 10.0),
+    }
     WheelForceOffset "wheel_force_offset" is ForceOffset in [Driven, Free]:
         "The force control holds another force than it is told to." {
         force_n: "Beyond the force that it is told"

@@ -2,8 +2,10 @@
 //! raster.
 
 mod face;
+mod grains;
 mod path;
 mod precession;
+mod texture;
 mod wheel;
 
 use std::path::Path;
@@ -22,9 +24,14 @@ use crate::process::{Facts, Knob, Parts, PostureFrom, Room, WheelPart, hold};
 use crate::roughness::RoughnessTable;
 use crate::units::{from_deg, from_rpm, from_um};
 use face::FaceTable;
+use grains::GrainTable;
 use path::RasterTable;
 use precession::PrecessionTable;
+use texture::TextureTable;
 use wheel::PneumaticTable;
+
+pub use grains::GrainSpec;
+pub use texture::TextureSpec;
 
 /// Polishing of a rectangular face. The robot's tool frame stands in the wheel's centre, its z axis
 /// is the spin axis and points towards the face.
@@ -56,6 +63,10 @@ pub struct PolishSpec {
     /// How far the undeformed wheel reaches into the face along the path; `None`: as far as the
     /// force takes.
     pub indentation_m: Option<f64>,
+    /// Unevenness of the wheel's surface.
+    pub texture: Option<TextureSpec>,
+    /// Grains that run over edges.
+    pub grains: Option<GrainSpec>,
 }
 
 impl PolishSpec {
@@ -64,6 +75,22 @@ impl PolishSpec {
         [self.face.length_m, self.face.width_m]
             .map(|side| (side / self.cell_m - 1e-9).ceil().max(1.0) as usize)
     }
+
+    /// Circumference of the circle on the wheel that touches the face, m.
+    pub fn touching_circumference_m(&self) -> f64 {
+        circumference_m(&self.wheel, self.tilt_rad)
+    }
+}
+
+/// Radius of the patch that is asked for, m.
+fn reach_m(wheel: &PneumaticWheel, control: &ForceControl, indentation_m: Option<f64>) -> f64 {
+    let force_n = control.force_n().unwrap_or(0.0);
+    let pressed_m = indentation_m.unwrap_or_else(|| wheel.indentation_m(force_n));
+    wheel.patch(pressed_m).contact_m()
+}
+
+fn circumference_m(wheel: &PneumaticWheel, tilt_rad: f64) -> f64 {
+    std::f64::consts::TAU * wheel.radius_m * tilt_rad.sin()
 }
 
 /// Polishing of a rectangular face with a soft wheel in precession.
@@ -104,6 +131,10 @@ pub(crate) struct PolishTable {
     control: ControlTable,
     /// How the surface smooths.
     roughness: RoughnessTable,
+    /// Unevenness of the wheel's surface. Default: it is even.
+    texture: Option<TextureTable>,
+    /// Grains that run over the edges of the face. Default: none do anything there.
+    grains: Option<GrainTable>,
 }
 
 const TABLE: &str = "process.polish";
@@ -132,10 +163,15 @@ impl PolishTable {
         let polishing = self.roughness.resolve(TABLE, check);
         let (control, indentation_m) = control?;
         let (face, cell_m) = face?;
+        let tilt_rad = from_deg(self.tilt_deg);
+        let texture =
+            (self.texture).map(|table| table.resolve(circumference_m(&wheel, tilt_rad), check));
+        let reach_m = reach_m(&wheel, &control, indentation_m);
+        let grains = (self.grains).map(|table| table.resolve(&wheel, reach_m, check));
         Some(PolishSpec {
             wheel,
             spin_rad_s: from_rpm(self.spin_rpm),
-            tilt_rad: from_deg(self.tilt_deg),
+            tilt_rad,
             abrasive: Abrasive {
                 mu: self.mu,
                 preston_per_pa: self.preston_per_pa,
@@ -149,6 +185,8 @@ impl PolishTable {
             precession: precession?,
             control,
             indentation_m,
+            texture,
+            grains,
         })
     }
 }
@@ -176,6 +214,7 @@ impl Room for PolishSpec {
     }
 
     fn facts(&self) -> Facts {
+        let reach_m = reach_m(&self.wheel, &self.control, self.indentation_m);
         Facts {
             rate_rad_s: Some(self.spin_rad_s.abs()).filter(|rate| *rate > 0.0),
             natural_duration_s: Some(f64::INFINITY),
@@ -198,6 +237,7 @@ impl Room for PolishSpec {
                     hold: hold(&self.control),
                     shows_removal: true,
                     turns: self.spin_rad_s != 0.0,
+                    over_edges: self.path.inset_m < reach_m,
                     indentation_m: TYPICAL_INDENTATION * self.wheel.radius_m,
                 }),
                 ..Parts::NONE

@@ -10,17 +10,21 @@
 //!
 //! Force and moment of patch, edges and friction act on the tool; the drive of the spindle holds
 //! its speed, so that the moment about the spin axis reaches the arm. The carrier's mass counts as
-//! part of the tool.
+//! part of the tool. Where the scenario says so the wheel's surface is uneven ([`texture`]) and its
+//! grains strike edges ([`edge_grains`]).
 
 mod channels;
+mod edge_grains;
 mod report;
 pub(crate) mod setup;
 mod surface;
+mod texture;
 
 use super::quantity::{self, Quantity};
 use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Process, ToolState, slope_n_per_m};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use edge_grains::{EdgeGrains, GrainLoad};
 use nalgebra::{Isometry2, Isometry3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
 use surface::Surface;
@@ -28,6 +32,7 @@ use truecut_core::wheel::face::Face;
 use truecut_core::wheel::force_control::Offset;
 use truecut_core::wheel::patch::{EdgePoint, Patch, PatchLoads, Sliding};
 use truecut_core::wheel::quadrature::Quadrature;
+use truecut_core::wheel::texture::PatchTexture;
 use truecut_recording::{ChannelSpec, Field};
 use truecut_scenario::PolishSpec;
 
@@ -52,6 +57,8 @@ pub struct PolishSetup {
     pub expected_depth_m: f64,
     /// Force and moment on the tool of an arm that rests at the start, process axes.
     pub resting: Wrench,
+    /// Mean force of jammed grains per normal force of an edge that is run over inward.
+    pub jamming_share: f64,
 }
 
 /// The process.
@@ -62,6 +69,8 @@ pub struct Polish {
     /// Offset of the carrier towards the face.
     carrier: Offset,
     surface: Surface,
+    texture: Option<PatchTexture>,
+    grains: Option<EdgeGrains>,
     watch: Watch,
     last: PolishStep,
     /// Whether nobody asks for the findings.
@@ -81,6 +90,8 @@ struct PolishStep {
     inward_n: f64,
     carrier_m: f64,
     acceleration_m_s2: Vector3<f64>,
+    /// Part of it along the outward normal of the nearest edge.
+    outward_m_s2: f64,
     force_on_tool_n: Vector3<f64>,
     lean_rad: f64,
 }
@@ -107,6 +118,8 @@ impl Polish {
             quadrature: Quadrature::default(),
             carrier: Offset::default(),
             surface: Surface::new(&setup),
+            texture: texture::under_patch(&setup),
+            grains: EdgeGrains::new(&setup),
             watch: Watch::new(&setup),
             last: PolishStep::default(),
             rows_only: false,
@@ -159,7 +172,9 @@ impl Polish {
         let (middle, velocity, tool) = self.middle(state);
         let turning = self.turning_rad_s(state);
         let (height_m, at_m) = (middle.z, middle.xy());
-        let indentation_m = p.spec.wheel.radius_m - height_m;
+        let [higher_m, rising_m_per_s] =
+            (self.texture.as_ref()).map_or([0.0; 2], |texture| texture::at(texture, p, state));
+        let indentation_m = p.spec.wheel.radius_m - height_m + higher_m;
         let patch = p.spec.wheel.patch(indentation_m);
         let sliding = Sliding {
             velocity_m_per_s: Vector2::new(
@@ -167,24 +182,35 @@ impl Polish {
                 velocity.y + turning.x * height_m,
             ),
             spin_rad_s: turning.z,
-            approach_m_per_s: -velocity.z,
+            approach_m_per_s: rising_m_per_s - velocity.z,
             mu: p.spec.abrasive.mu,
         };
         let patch_from_face = Isometry2::translation(-at_m.x, -at_m.y);
-        let mut inward_n = 0.0;
+        let (mut inward_n, mut jamming) = (0.0, GrainLoad::default());
         let edge = |point: EdgePoint| {
-            let outward = self.outward(at_m + point.at_m.coords);
-            if sliding.at_m_per_s(point.at_m.x, point.at_m.y).dot(&outward) < 0.0 {
+            let outward = p.outward(at_m + point.at_m.coords);
+            let v = sliding.at_m_per_s(point.at_m.x, point.at_m.y);
+            let across = v.dot(&outward);
+            if across < 0.0 {
                 inward_n += point.force_n;
+                let held = p.jamming_share * point.force_n * across / v.norm_squared();
+                jamming.add(point.at_m, -v.push(0.0) * held);
             }
             edges(&point);
         };
-        let loads = patch.loads(&p.face, &patch_from_face, &sliding, &self.quadrature, edge);
+        let mut loads = patch.loads(&p.face, &patch_from_face, &sliding, &self.quadrature, edge);
+        if p.jamming_share > 0.0 {
+            loads.friction_n += jamming.force_n.xy();
+            loads.spin_moment_n_m += jamming.moment_about_n_m(&Vector3::zeros()).z;
+        }
         let friction = loads.friction_n;
-        let on_wheel = Vector3::new(-friction.x, -friction.y, loads.normal_n);
+        let grains = self.grain_load();
+        let on_wheel = Vector3::new(-friction.x, -friction.y, loads.normal_n) - grains.force_n;
         let first = loads.first_moment_n_m;
-        let moment = Vector3::new(first.y, -first.x, -loads.spin_moment_n_m);
-        let lever = Vector3::new(at_m.x, at_m.y, 0.0) - tool.coords;
+        let middle = Vector3::new(at_m.x, at_m.y, 0.0);
+        let moment = Vector3::new(first.y, -first.x, -loads.spin_moment_n_m)
+            - grains.moment_about_n_m(&middle);
+        let lever = middle - tool.coords;
         let force_on_tool_n = self.through_carrier(on_wheel);
         PolishContact {
             at_m,
@@ -198,6 +224,11 @@ impl Polish {
         }
     }
 
+    /// What grains do to the face in this step.
+    fn grain_load(&self) -> GrainLoad {
+        (self.grains.as_ref()).map_or_else(GrainLoad::default, |grains| grains.load)
+    }
+
     /// What a carrier lets pass of the force on the wheel: across the normal all of it.
     fn through_carrier(&self, on_wheel_n: Vector3<f64>) -> Vector3<f64> {
         let carried_n = self
@@ -208,27 +239,6 @@ impl Polish {
         Vector3::new(on_wheel_n.x, on_wheel_n.y, carried_n)
     }
 
-    /// Outward normal of the edge nearest to a point of the boundary.
-    fn outward(&self, at: Point2<f64>) -> Vector2<f64> {
-        let face = &self.setup.spec.face;
-        let (length, width) = (face.length_m, face.width_m);
-        let sides = [
-            (at.x.abs(), -Vector2::x()),
-            ((length - at.x).abs(), Vector2::x()),
-            (at.y.abs(), -Vector2::y()),
-            ((width - at.y).abs(), Vector2::y()),
-        ];
-        let nearest = sides.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.map_or_else(Vector2::zeros, |(_, outward)| outward)
-    }
-
-    /// Distance from a point of the face's plane to the nearest edge, positive inside, m.
-    fn inside_m(&self, at: Point2<f64>) -> f64 {
-        let face = &self.setup.spec.face;
-        let (length, width) = (face.length_m, face.width_m);
-        at.x.min(length - at.x).min(at.y).min(width - at.y)
-    }
-
     /// Slope of the force over the indentation on a face without edges, N/m.
     fn stiffness_n_per_m(&self) -> f64 {
         let wheel = &self.setup.spec.wheel;
@@ -236,8 +246,10 @@ impl Polish {
     }
 
     /// What is recorded of the step last committed.
-    fn quantities(&self) -> [Quantity; 14] {
-        self.last.quantities(self.surface.preston_m3(&self.setup))
+    fn quantities(&self) -> Vec<Quantity> {
+        let mut quantities = self.last.quantities(self.surface.preston_m3(&self.setup));
+        quantities.extend(self.grains.iter().flat_map(channels::of_grains));
+        quantities
     }
 
     fn to_process(&self, in_face: Vector3<f64>) -> Vector3<f64> {
@@ -283,12 +295,16 @@ impl Process for Polish {
             inward_n: contact.inward_n,
             carrier_m: self.carrier.offset_m,
             acceleration_m_s2,
+            outward_m_s2: acceleration_m_s2.xy().dot(&p.outward(contact.at_m)),
             force_on_tool_n: self.to_process(contact.force_on_tool_n),
             lean_rad: lean.y.atan2(lean.x),
         };
         if !self.rows_only {
-            let inside_m = self.inside_m(contact.at_m);
+            let inside_m = p.inside_m(contact.at_m);
             self.watch.step(&self.last, inside_m, dt_s);
+        }
+        if let Some(grains) = &mut self.grains {
+            grains.step(&contact, &edges, dt_s);
         }
         self.carrier = p
             .spec
@@ -309,7 +325,14 @@ impl Process for Polish {
             return Findings::default();
         }
         self.surface.settle(&self.setup);
-        report::findings(&self.setup, &self.surface, &self.watch)
+        let mut findings = report::findings(&self.setup, &self.surface, &self.watch);
+        if let Some(grains) = &self.grains {
+            findings
+                .scalars
+                .extend(quantity::scalars(grains.quantities()));
+            findings.profiles.push(grains.profile());
+        }
+        findings
     }
 
     fn static_loads(&self) -> Loads {
@@ -320,10 +343,13 @@ impl Process for Polish {
         Some(self.setup.duration_s)
     }
 
-    /// Where an eccentric wheel turns, its frequency.
+    /// Where an eccentric or uneven wheel turns, its frequency, or that of its shortest waves.
     fn highest_frequency_hz(&self) -> Option<f64> {
         let p = &self.setup;
-        (p.spec.eccentricity_m > 0.0).then(|| p.spec.spin_rad_s.abs() / std::f64::consts::TAU)
+        let eccentric = usize::from(p.spec.eccentricity_m > 0.0);
+        let uneven = (self.texture.as_ref()).map_or(0, PatchTexture::highest_harmonic);
+        let order = eccentric.max(uneven);
+        (order > 0).then(|| order as f64 * p.spec.spin_rad_s.abs() / std::f64::consts::TAU)
     }
 
     fn quickest_s(&self) -> Option<f64> {

@@ -37,34 +37,44 @@ pub(super) struct Watch {
 struct Window {
     begin_s: f64,
     samples: f64,
-    sum: f64,
-    squares: f64,
+    /// Sums and squares of the acceleration along the face's length, width and normal, and along
+    /// the outward normal of the nearest edge.
+    sums: [[f64; 2]; 4],
     touched_an_edge: bool,
     turned: bool,
     from_y_m: Option<f64>,
     left_the_middle: bool,
 }
 
-/// Squares of the standard deviations of many windows.
+/// Squares of the standard deviations of many windows: along the normal, in the plane, along the
+/// outward normal of the nearest edge.
 #[derive(Debug, Clone, Copy, Default)]
 struct Deviations {
     windows: f64,
-    squares: f64,
-    largest: f64,
+    squares: [f64; 3],
+    largest: [f64; 3],
 }
+
+const NORMAL: usize = 0;
+const IN_PLANE: usize = 1;
+const OUTWARD: usize = 2;
 
 impl Deviations {
     fn add(&mut self, window: &Window) {
-        let mean = window.sum / window.samples;
-        let variance = (window.squares / window.samples - mean * mean).max(0.0);
+        let [x, y, normal, outward] = window.sums.map(|[sum, squares]| {
+            let mean = sum / window.samples;
+            (squares / window.samples - mean * mean).max(0.0)
+        });
         self.windows += 1.0;
-        self.squares += variance;
-        self.largest = self.largest.max(variance.sqrt());
+        for (k, variance) in [normal, x + y, outward].into_iter().enumerate() {
+            self.squares[k] += variance;
+            self.largest[k] = self.largest[k].max(variance.sqrt());
+        }
     }
 
     /// Root of the mean square; NaN without windows.
-    fn rms(&self) -> f64 {
-        (self.squares / self.windows).sqrt()
+    fn rms(&self, direction: usize) -> f64 {
+        (self.squares[direction] / self.windows).sqrt()
     }
 }
 
@@ -87,11 +97,13 @@ impl Watch {
     pub fn step(&mut self, last: &PolishStep, inside_m: f64, dt_s: f64) {
         self.edge_n_s += last.edge_n * dt_s;
         self.inward_n_s += last.inward_n * dt_s;
-        let normal = last.acceleration_m_s2.z;
+        let [x, y, normal] = last.acceleration_m_s2.into();
         let window = &mut self.window;
         window.samples += 1.0;
-        window.sum += normal;
-        window.squares += normal * normal;
+        for (sum, value) in (window.sums.iter_mut()).zip([x, y, normal, last.outward_m_s2]) {
+            sum[0] += value;
+            sum[1] += value * value;
+        }
         let from_y_m = *window.from_y_m.get_or_insert(last.at_m.y);
         window.turned |= (last.at_m.y - from_y_m).abs() > STRAIGHT_M;
         window.touched_an_edge |= last.edge_n > 0.0;
@@ -140,7 +152,12 @@ fn depths(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> (f64, f64) {
 pub(super) fn findings(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> Findings {
     let removed = removal(setup, surface, watch);
     Findings {
-        scalars: quantity::scalars(removed.into_iter().chain(pressing(watch))),
+        scalars: quantity::scalars(
+            removed
+                .into_iter()
+                .chain(pressing(watch))
+                .chain(plane(watch)),
+        ),
         profiles: vec![across(setup, surface)],
     }
 }
@@ -173,9 +190,9 @@ fn removal(setup: &PolishSetup, surface: &Surface, watch: &Watch) -> [Quantity; 
 
 /// How the wheel ran.
 fn pressing(watch: &Watch) -> [Quantity; 5] {
-    let (edge, middle) = (watch.at_edges.rms(), watch.in_middle.rms());
+    let (edge, middle) = (watch.at_edges.rms(NORMAL), watch.in_middle.rms(NORMAL));
     let inward = watch.inward_n_s / watch.edge_n_s;
-    let burst = watch.at_edges.largest / middle;
+    let burst = watch.at_edges.largest[NORMAL] / middle;
     let acceleration = |name, value| Quantity::new(name, Unit::MetrePerSecondSquared, value);
     [
         acceleration("polish.acceleration_edge", edge).text(
@@ -190,6 +207,32 @@ fn pressing(watch: &Watch) -> [Quantity; 5] {
             .text("Largest window with an edge in the patch over the middle's"),
         Quantity::new("polish.inward_share", Unit::One, inward)
             .text("Share of the edge force, over time, on edges over which the wheel moves inward"),
+    ]
+}
+
+/// Vibration in the plane of the face, as along its normal.
+fn plane(watch: &Watch) -> [Quantity; 7] {
+    let rms = |direction| [&watch.at_edges, &watch.in_middle].map(|of| of.rms(direction));
+    let [edge, middle] = rms(IN_PLANE);
+    let [out_edge, out_middle] = rms(OUTWARD);
+    let burst = watch.at_edges.largest[IN_PLANE] / middle;
+    let acceleration = |name, value| Quantity::new(name, Unit::MetrePerSecondSquared, value);
+    [
+        acceleration("polish.in_plane_edge", edge).text(
+            "Standard deviation of the acceleration in the plane, rms over windows of 0.25 s on \
+             straight lines with an edge in the patch",
+        ),
+        acceleration("polish.in_plane_middle", middle)
+            .text("The same over windows whose patch stays a patch's width inside"),
+        Quantity::new("polish.in_plane_ratio", Unit::One, edge / middle).text("Edge over middle"),
+        Quantity::new("polish.in_plane_burst", Unit::One, burst)
+            .text("Largest window with an edge in the patch over the middle's"),
+        acceleration("polish.outward_edge", out_edge)
+            .text("Of in_plane_edge the part along the outward normal of the nearest edge"),
+        acceleration("polish.outward_middle", out_middle)
+            .text("Of in_plane_middle the part along the outward normal of the nearest edge"),
+        Quantity::new("polish.outward_ratio", Unit::One, out_edge / out_middle)
+            .text("Edge over middle"),
     ]
 }
 

@@ -8,7 +8,7 @@ use crate::motion::polish::indentation_m;
 use crate::process::setup::{Departure, Motion};
 use crate::process::{Polish, PolishSetup, Process, ProcessSetup, SetupContext, ToolState};
 use crate::scene::shapes;
-use nalgebra::{Translation3, Vector3};
+use nalgebra::{Point2, Translation3, Vector2, Vector3};
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::wheel::face::Face;
 use truecut_core::wheel::pneumatic::PneumaticWheel;
@@ -17,6 +17,29 @@ use truecut_scenario::{PolishSpec, ProcessSpec};
 /// Rounds in which the force at rest and the arm's deflection under it are found; each gains the
 /// ratio of their stiffnesses, two digits or so.
 const ROUNDS: usize = 12;
+
+impl PolishSetup {
+    /// Outward normal of the edge nearest to a point of the boundary.
+    pub(super) fn outward(&self, at: Point2<f64>) -> Vector2<f64> {
+        let face = &self.spec.face;
+        let (length, width) = (face.length_m, face.width_m);
+        let sides = [
+            (at.x.abs(), -Vector2::x()),
+            ((length - at.x).abs(), Vector2::x()),
+            (at.y.abs(), -Vector2::y()),
+            ((width - at.y).abs(), Vector2::y()),
+        ];
+        let nearest = sides.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map_or_else(Vector2::zeros, |(_, outward)| outward)
+    }
+
+    /// Distance from a point of the face's plane to the nearest edge, positive inside, m.
+    pub(super) fn inside_m(&self, at: Point2<f64>) -> f64 {
+        let face = &self.spec.face;
+        let (length, width) = (face.length_m, face.width_m);
+        at.x.min(length - at.x).min(at.y).min(width - at.y)
+    }
+}
 
 /// The process of a scenario along its path, and its workpiece.
 pub(crate) fn setup(
@@ -53,6 +76,7 @@ fn polish(
         duration_s: from.duration_s,
         expected_depth_m: expected_depth_m(spec)?,
         resting: Wrench::force(Attachment::Tool, Vector3::zeros()),
+        jamming_share: effects.jamming_share,
         spec: altered(spec, effects),
     };
     setup.resting = resting(&setup, robot, from)?;
