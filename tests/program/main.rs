@@ -19,6 +19,8 @@ use truecut_telemetry::{read_ipc_stream, read_parquet};
 const CLAIM_FAILED: i32 = 1;
 const BAD_INPUT: i32 = 2;
 const DIVERGED: i32 = 3;
+/// A run ended in chatter.
+const CHATTER: i32 = 5;
 
 /// A folder with scenarios, and the program run in it.
 struct Desk {

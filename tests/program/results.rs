@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{CLAIM_FAILED, DIVERGED, Desk};
+use super::{CHATTER, CLAIM_FAILED, DIVERGED, Desk};
 
 #[test]
 fn a_sweep_gives_a_table_a_drawing_and_claims_about_its_rows() {
@@ -81,6 +81,61 @@ fn a_diverged_run_in_a_sweep_is_no_result() {
     let out = desk.ends(DIVERGED, &["run", "search.toml"]);
     assert!(
         out.contains("the trial at process.load.constant_n.0 = 1000000 diverged at"),
+        "{out}"
+    );
+}
+
+/// Chatter that makes paths of teeth loop is an end of its own: for a run, its claims and files, for the rows of a
+/// sweep and for a check.
+#[test]
+fn a_run_that_ends_in_chatter_says_so_everywhere() {
+    let desk = Desk::new();
+    let rig = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let rig = rig
+        .join("../../assets/robots/rig_milling/robot.urdf")
+        .canonicalize()
+        .unwrap();
+    let cut = format!(
+        "name = 'Deep'\n[robot]\nurdf = '{}'\ngravity = false\n[process.milling]\nspindle_rpm = 7000\n\
+         feed_mm_per_tooth = 0.1\naxial_depth_mm = 4\nengagement = 'up'\nradial_depth_mm = 6\nstart_angle_deg = 1\n\
+         [process.milling.cutter]\ndiameter_mm = 20\nteeth = 2\n\
+         [process.milling.cutting]\ntangential_mpa = 600\nradial_mpa = 200\n\
+         [process.milling.path]\ndirection = [1, 0, 0]\nlength_mm = 9\n",
+        rig.display()
+    );
+    let claim = "[[claim]]\nname = 'any growth'\nscalar = 'milling.growth_rate'\nunit = '1/s'\nmin = -1e9\n\
+                 reason = 'a run that ends early holds nothing'\n";
+    std::fs::write(desk.path("deep.toml"), format!("{cut}{claim}")).unwrap();
+    let out = desk.ends(CHATTER, &["run", "deep.toml", "--no-rrd"]);
+    assert!(
+        out.contains("✗ ended in chatter at 0.") && out.contains("paths of teeth loop"),
+        "{out}"
+    );
+    assert!(
+        out.contains("✗ any growth") && out.contains("the run ended in chatter at"),
+        "{out}"
+    );
+    let summary = std::fs::read_to_string(desk.path("out/deep/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let amplitude_m = summary["outcome"]["chatter"]["amplitude_m"].as_f64();
+    assert!(
+        amplitude_m.is_some_and(|a| (0.8e-3..3e-3).contains(&a)),
+        "{summary}"
+    );
+    desk.ends(CHATTER, &["check", "deep.toml"]);
+    let junit = std::fs::read_to_string(desk.path("out/junit.xml")).unwrap();
+    assert!(junit.contains("message=\"ended in chatter at"), "{junit}");
+
+    let sweep = "[[sweep.axis]]\nkey = 'process.milling.axial_depth_mm'\nvalues = [0.2, 4]\n\
+                 [[sweep.column]]\nname = 'growth'\nscalar = 'milling.growth_rate'\nunit = '1/s'\n";
+    std::fs::write(desk.path("depths.toml"), format!("{cut}{sweep}")).unwrap();
+    let out = desk.ends(CHATTER, &["run", "depths.toml"]);
+    assert!(
+        out.contains("2 rows, ✗ 1 ended in chatter") && out.contains("✗ chatter"),
+        "{out}"
+    );
+    assert!(
+        out.contains("✗ axial_depth_mm = 4: ended in chatter at"),
         "{out}"
     );
 }
