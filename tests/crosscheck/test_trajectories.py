@@ -139,10 +139,11 @@ def test_crosscheck_mujoco_smooth_forces(truecut, tmp_path, name, robot):
             "constant_n = [0.0, 500.0, 0.0]",
         ),
         (
-            "adjusted_links_and_rotors",
+            "adjusted_links_and_drives",
             '[[robot.link]]\nname = "link_2"\nmass_factor = 1.4\ncenter_x_mm = -80.0\n'
             '[[robot.link]]\nname = "link_6"\nmass_factor = 0.6\ncenter_z_mm = 120.0\n'
-            '[[robot.joint]]\nname = "joint_2"\nrotor_inertia_factor = 3.0',
+            '[[robot.joint]]\nname = "joint_2"\nrotor_inertia_factor = 3.0\nstiffness_factor = 0.6\n'
+            '[[robot.joint]]\nname = "joint_3"\nstiffness_factor = 1.5\ndamping_factor = 2.5',
             "release_n = [300.0, 500.0, 0.0]",
         ),
     ],

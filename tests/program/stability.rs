@@ -167,4 +167,66 @@ fn lobes_say_what_is_missing_above_the_modes_of_the_arm() {
     }
 }
 
+/// The shipped path with the stiffness of two joints uncertain.
+fn uncertain(desk: &Desk) -> std::path::PathBuf {
+    let assets = repository().join("assets");
+    let text = std::fs::read_to_string(repository().join(PATH_600)).unwrap();
+    let mut text = text.replace("../../assets", assets.to_str().unwrap());
+    for (index, joint) in ["joint_1", "joint_2"].iter().enumerate() {
+        text += &format!(
+            "\n[[robot.joint]]\nname = \"{joint}\"\nstiffness_factor = 1.0\n\
+             [[uncertain]]\nkey = \"robot.joint.{index}.stiffness_factor\"\nrelative = 0.2\n"
+        );
+    }
+    let at = desk.path("uncertain.toml");
+    std::fs::write(&at, text).unwrap();
+    at
+}
+
+#[test]
+fn what_is_uncertain_is_drawn() {
+    let desk = Desk::new();
+    let scenario = uncertain(&desk);
+    let name = scenario.to_str().unwrap();
+    let lobes = [
+        "lobes", name, "--rpm", "500,600", "--size", "2", "--runs", "0",
+    ];
+    let printed = told(&desk, &lobes);
+    let report = |file: &str| -> serde_json::Value {
+        let text = std::fs::read_to_string(desk.path("out/uncertain").join(file)).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    let json = report("lobes.json");
+    let own = &json["uncertain"]["own"];
+    let ordered = |spread: &serde_json::Value| {
+        let values = ["low", "median", "high"].map(|key| spread[key].as_f64().unwrap());
+        assert!(values.is_sorted() && values[0] < values[2], "{spread}");
+    };
+    ordered(own);
+    let percent = 100.0 * own["probability_stable"].as_f64().unwrap();
+    let wanted = truecut_recording::significant(percent, 3);
+    for wanted in [
+        &format!("stable with a probability of {wanted} %"),
+        "uncertain: robot.joint.0.stiffness_factor, robot.joint.1.stiffness_factor (",
+    ] {
+        assert!(printed.contains(wanted), "{wanted}:\n{printed}");
+    }
+    json["uncertain"]["speeds"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .for_each(ordered);
+    let plan = ["posture", name, "--criterion", "mode-coupling"];
+    let printed = told(&desk, &plan);
+    let json = report("posture_uncertain.json");
+    for list in ["plan", "own", "angles_at_mid_path"] {
+        let list = json[list].as_array().unwrap();
+        assert!(list.len() > 10, "{json}");
+    }
+    assert!(
+        printed.contains("angles at mid-path that are stable"),
+        "{printed}"
+    );
+}
+
 const SLOW: &str = "process.milling.spindle_rpm=1500";

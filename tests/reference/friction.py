@@ -98,3 +98,46 @@ def den_hartog_in_time(r, ratios, periods=400, per_period=2000):
         force, FORCE_N * np.asarray(ratios, float), k, 0.0, steps, dt, steps - 2 * per_period
     )
     return found[0] * K2 / FORCE_N
+
+
+def decaying_swing(start, velocity, steps, parted=False, span=25.0, dry=0.03, rows=128):
+    """Positions of 1 kg on 1 N/m under a dry friction of `dry` N in the plane, `rows` of them.
+
+    Time steps by the rule with the velocity at mid-step. `parted`: a step in which the motion along its
+    first direction comes to rest is parted there, all other forces taken as constant.
+    """
+    x, v, h = np.array(start, float), np.array(velocity, float), span / steps
+    found = []
+    for k in range(steps):
+        dt = 0.5 * h if k == 0 else h  # velocities live at half steps
+        free, most = v - x * dt, dry * dt
+        v = parted_step(v, free, most) if parted else step(v, free, most)
+        x = x + h * v
+        if (k + 1) % (steps // rows) == 0:
+            found.append(x)
+    return np.array(found)
+
+
+def step(before, free, most):
+    """Velocity after a step: at rest if friction can bring it there, else against the mean velocity."""
+    if np.linalg.norm(free) <= most:
+        return np.zeros(2)
+    middle = 0.5 * (before + free)
+    against = middle if np.linalg.norm(middle) > 0.5 * most else free
+    return free - most * against / np.linalg.norm(against)
+
+
+def parted_step(before, free, most):
+    speed, middle = np.linalg.norm(before), 0.5 * (before + free)
+    if speed > 0.0:
+        if np.linalg.norm(middle) > 0.5 * most:
+            after = free - most * middle / np.linalg.norm(middle)
+            if after @ before > 0.0:
+                return after
+        change = free - before - most * before / speed
+        braking = -change @ before / speed
+        if braking > speed:
+            part = speed / braking
+            here = before + part * change
+            return step(here, here + (1.0 - part) * (free - before), (1.0 - part) * most)
+    return step(before, free, most)

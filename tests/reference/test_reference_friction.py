@@ -52,3 +52,20 @@ def test_den_hartog():
     found = f.den_hartog_in_time(r, [0.25, 0.5, 0.7, 0.85])
     assert found[:3] == approx(expected, rel=5e-3)
     assert found[3] == approx(1.10, abs=0.01)
+
+
+def test_order_along_a_line_and_round():
+    """A motion that turns round along a line costs an order; one that goes round does not."""
+    line, round_ = ((1.0, 0.0), (0.0, 0.0)), ((1.0, 0.3), (0.0, 0.4))
+    errors = {}
+    for name, start, parted in [
+        ("line", line, False),
+        ("line, parted", line, True),
+        ("round", round_, False),
+    ]:
+        exact = f.decaying_swing(*start, 32768, parted=True)
+        runs = [f.decaying_swing(*start, steps, parted) for steps in (256, 512, 1024)]
+        errors[name] = [1e3 * np.abs(run - exact).max() for run in runs]
+    assert errors["line"] == approx([6.1, 3.0, 1.5], rel=0.03)
+    assert errors["line, parted"] == approx([5.1, 1.29, 0.32], rel=0.03)
+    assert errors["round"] == approx([5.5, 1.38, 0.346], rel=0.03)

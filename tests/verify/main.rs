@@ -8,3 +8,4 @@ mod reduced;
 mod support;
 mod threshold;
 mod tool_frf;
+mod uncertain;

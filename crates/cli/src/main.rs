@@ -19,6 +19,7 @@ mod program;
 mod progress;
 mod robot;
 mod run;
+mod spread;
 mod sweep;
 mod text;
 mod view;

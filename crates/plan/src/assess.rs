@@ -3,15 +3,16 @@
 use nalgebra::{Matrix2, Matrix3};
 use truecut_arm::{FrameId, Load, Robot, translational};
 use truecut_core::chatter::averaged::mode_coupling_limit;
-use truecut_core::chatter::limit::{FirstLimit, LimitSearch, first_limit};
+use truecut_core::chatter::limit::{LimitSearch, first_depth_m, first_limit};
 use truecut_core::chatter::planar::coalescence_limit_m;
-use truecut_core::chatter::spectral_elements::SpectralElements;
+use truecut_core::chatter::spectral_elements::{AtSpeed, SpectralElements};
 use truecut_core::chatter::{AttachedModes, TipMode, in_axes};
 
 use crate::assessment::{Assessment, Decay};
 use crate::criterion::{Criterion, Cut};
 use crate::error::PlanError;
 use crate::section::free_anisotropy;
+use crate::spread::{Drawn, Variant};
 
 /// Depths up to this many times the cut's are looked at for a regenerative limit.
 const DEEPEST: f64 = 3.0;
@@ -48,6 +49,55 @@ pub fn assess(
     cut: &Cut,
     least_decay: f64,
 ) -> Result<Assessment, PlanError> {
+    let frame = world_from_milling;
+    assess_by(
+        regenerative,
+        criterion,
+        (robot, posture, frame),
+        cut,
+        least_decay,
+    )
+}
+
+/// The same of an arm and a cut as they may be, without an error of the limit.
+pub(crate) fn assess_drawn(
+    criterion: Criterion,
+    drawn: &Variant,
+    posture: &[f64],
+    world_from_milling: &Matrix3<f64>,
+    least_decay: f64,
+) -> Result<Drawn, PlanError> {
+    let place = (&*drawn.robot, posture, world_from_milling);
+    let found = assess_by(
+        regenerative_alone,
+        criterion,
+        place,
+        &drawn.cut,
+        least_decay,
+    )?;
+    Ok(Drawn {
+        value: found.value,
+        stability: found.stability(),
+    })
+}
+
+/// What regeneration says of modes in a cut.
+struct Regenerative {
+    /// First depth that it makes unstable, infinite if none is, and by how much the discretisation in
+    /// time puts it wrong, m.
+    limit_m: f64,
+    error_m: Option<f64>,
+    /// Growth rate at the cut's own depth, 1/s.
+    growth_per_s: f64,
+}
+
+fn assess_by(
+    regenerative: fn(&[TipMode], &Cut) -> Regenerative,
+    criterion: Criterion,
+    (robot, posture, world_from_milling): (&Robot, &[f64], &Matrix3<f64>),
+    cut: &Cut,
+    least_decay: f64,
+) -> Result<Assessment, PlanError> {
     let (mut decay, mut error_m) = (None, None);
     let value = match criterion {
         Criterion::Anisotropy => {
@@ -65,13 +115,13 @@ pub fn assess(
         }
         Criterion::Regenerative => {
             let modes = modes_in_cut(robot, posture, world_from_milling, &cut.attached)?;
-            let (limit, growth_per_s) = regenerative(&modes, cut);
+            let found = regenerative(&modes, cut);
             decay = Some(Decay {
-                growth_per_s,
+                growth_per_s: found.growth_per_s,
                 least_per_s: least_decay * slowest_decay_per_s(&modes),
             });
-            error_m = limit.map(|limit| limit.error_m);
-            limit.map_or(f64::INFINITY, |limit| limit.depth_m)
+            error_m = found.error_m;
+            found.limit_m
         }
     };
     Ok(Assessment {
@@ -116,18 +166,40 @@ fn planar_limit_m(
     limit.unwrap_or(f64::INFINITY)
 }
 
-/// First depth that regeneration makes unstable, and the growth rate at the cut's own depth, 1/s;
-/// both with the floor.
-fn regenerative(modes: &[TipMode], cut: &Cut) -> (Option<FirstLimit>, f64) {
-    let (depth_m, period_s) = (cut.nominal.axial_depth_m, cut.tooth_period_s());
-    let elements = SpectralElements::new(modes, &cut.directional()).with_floor(&cut.nominal);
-    let growth_per_s = elements
-        .multiplier(period_s, depth_m)
-        .growth_per_s(period_s);
+/// Regeneration with the floor.
+fn regenerative(modes: &[TipMode], cut: &Cut) -> Regenerative {
+    let (period_s, elements) = (cut.tooth_period_s(), with_floor(modes, cut));
     let search = LimitSearch {
-        deepest_m: DEEPEST * depth_m,
+        deepest_m: DEEPEST * cut.nominal.axial_depth_m,
         scan_steps: SCAN_STEPS,
         relative_width: NARROWED,
     };
-    (first_limit(&elements, period_s, &search), growth_per_s)
+    let limit = first_limit(&elements, period_s, &search);
+    Regenerative {
+        limit_m: limit.map_or(f64::INFINITY, |limit| limit.depth_m),
+        error_m: limit.map(|limit| limit.error_m),
+        growth_per_s: growth_per_s(&elements.at(period_s), cut),
+    }
+}
+
+/// The same without the limit's error.
+fn regenerative_alone(modes: &[TipMode], cut: &Cut) -> Regenerative {
+    let elements = with_floor(modes, cut);
+    let at = elements.at(cut.tooth_period_s());
+    let step_m = DEEPEST * cut.nominal.axial_depth_m / SCAN_STEPS as f64;
+    let depths_m = (1..=SCAN_STEPS).map(|i| step_m * i as f64);
+    Regenerative {
+        limit_m: first_depth_m(&at, depths_m, NARROWED).unwrap_or(f64::INFINITY),
+        error_m: None,
+        growth_per_s: growth_per_s(&at, cut),
+    }
+}
+
+fn with_floor(modes: &[TipMode], cut: &Cut) -> SpectralElements {
+    SpectralElements::new(modes, &cut.directional()).with_floor(&cut.nominal)
+}
+
+fn growth_per_s(at: &AtSpeed<'_>, cut: &Cut) -> f64 {
+    let multiplier = at.multiplier(cut.nominal.axial_depth_m);
+    multiplier.growth_per_s(at.tooth_period_s())
 }

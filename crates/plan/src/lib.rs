@@ -58,6 +58,7 @@ pub mod program;
 mod reach;
 pub mod section;
 mod sheets;
+pub mod spread;
 pub mod surface;
 pub mod surface_path;
 mod tool_path;

@@ -1,5 +1,4 @@
-//! The `[[robot.link]]` and `[[robot.joint]]` tables: inertial values that differ from the robot's
-//! files.
+//! The `[[robot.link]]` and `[[robot.joint]]` tables: values that differ from the robot's files.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -25,6 +24,10 @@ pub struct JointSpec {
     pub name: String,
     /// Factor on the rotor inertia.
     pub rotor_inertia_factor: f64,
+    /// Factor on the stiffness of its transmission.
+    pub stiffness_factor: f64,
+    /// Factor on the damping of its transmission.
+    pub damping_factor: f64,
 }
 
 /// Inertial values of a link that differ from the URDF. Links are rarely weighed.
@@ -44,7 +47,7 @@ pub(crate) struct LinkTable {
     center_z_mm: Option<f64>,
 }
 
-/// Inertial values of a drive that differ from robot.toml.
+/// Values of a drive that differ from robot.toml.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct JointTable {
@@ -53,6 +56,12 @@ pub(crate) struct JointTable {
     /// Factor on the inertia of its rotor. Default: 1.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "inertias are not negative"))]
     rotor_inertia_factor: Option<f64>,
+    /// Factor on the stiffness of its transmission. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "stiffnesses are positive"))]
+    stiffness_factor: Option<f64>,
+    /// Factor on the damping of its transmission. Default: 1.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "negative damping would create energy"))]
+    damping_factor: Option<f64>,
 }
 
 pub(crate) fn links(tables: Option<Vec<LinkTable>>, check: &mut Check) -> Vec<LinkSpec> {
@@ -67,12 +76,22 @@ pub(crate) fn links(tables: Option<Vec<LinkTable>>, check: &mut Check) -> Vec<Li
     tables.into_iter().map(resolve).collect()
 }
 
-pub(crate) fn joints(tables: Option<Vec<JointTable>>, check: &mut Check) -> Vec<JointSpec> {
+/// `ignored` are factors that have no effect in this robot, and why.
+pub(crate) fn joints(
+    tables: Option<Vec<JointTable>>,
+    (ignored, because): (&[&str], &str),
+    check: &mut Check,
+) -> Vec<JointSpec> {
     let tables = tables.unwrap_or_default();
+    for index in 0..tables.len() {
+        check.ignored(&format!("robot.joint.{index}"), ignored, because);
+    }
     refuse_twice("robot.joint", tables.iter().map(|one| &one.name), check);
     let resolve = |table: JointTable| JointSpec {
         name: table.name,
         rotor_inertia_factor: table.rotor_inertia_factor.unwrap_or(1.0),
+        stiffness_factor: table.stiffness_factor.unwrap_or(1.0),
+        damping_factor: table.damping_factor.unwrap_or(1.0),
     };
     tables.into_iter().map(resolve).collect()
 }

@@ -43,7 +43,7 @@ pub struct RobotSpec {
     pub hold_against_sag: bool,
     /// Links that differ from the URDF.
     pub links: Vec<LinkSpec>,
-    /// Joints that differ from robot.toml.
+    /// Joints whose drive differs from robot.toml.
     pub joints: Vec<JointSpec>,
 }
 
@@ -104,10 +104,11 @@ impl RobotSpec {
     /// Whether there is one.
     pub(crate) fn set(&mut self, key: &[&str], value: f64) -> bool {
         let has_transmissions = self.drive != DriveKind::Force;
+        let of_modes = !self.damping_ratios.is_empty();
         let slot = match *key {
             ["inertia_scale"] => Some(&mut self.inertia_scale),
             ["stiffness_scale"] if has_transmissions => Some(&mut self.stiffness_scale),
-            ["damping_scale"] if has_transmissions => Some(&mut self.damping_scale),
+            ["damping_scale"] if has_transmissions && !of_modes => Some(&mut self.damping_scale),
             ["link", index, own] => entry(&mut self.links, index).and_then(|link| match own {
                 "mass_factor" => Some(&mut link.mass_factor),
                 "center_x_mm" => Some(&mut link.center_m[0]),
@@ -115,9 +116,14 @@ impl RobotSpec {
                 "center_z_mm" => Some(&mut link.center_m[2]),
                 _ => None,
             }),
-            ["joint", index, "rotor_inertia_factor"] => {
-                entry(&mut self.joints, index).map(|joint| &mut joint.rotor_inertia_factor)
-            }
+            ["joint", index, own] => entry(&mut self.joints, index).and_then(|joint| match own {
+                "rotor_inertia_factor" => Some(&mut joint.rotor_inertia_factor),
+                "stiffness_factor" if has_transmissions => Some(&mut joint.stiffness_factor),
+                "damping_factor" if has_transmissions && !of_modes => {
+                    Some(&mut joint.damping_factor)
+                }
+                _ => None,
+            }),
             _ => None,
         };
         slot.map(|slot| *slot = value).is_some()
@@ -164,7 +170,7 @@ pub(crate) struct RobotTable {
     hold_against_sag: Option<bool>,
     /// Links whose inertial values differ from the URDF.
     link: Option<Vec<LinkTable>>,
-    /// Joints whose rotor differs from robot.toml.
+    /// Joints whose drive differs from robot.toml.
     joint: Option<Vec<JointTable>>,
 }
 
@@ -208,6 +214,14 @@ impl RobotTable {
             );
         }
         let damping_ratios = damping_ratios(self.damping_ratio, drive, check);
+        let ignored: (&[&str], &str) = match drive {
+            DriveKind::Force => (
+                &["stiffness_factor", "damping_factor"],
+                "with drive = \"force\" the joints are free",
+            ),
+            _ if !damping_ratios.is_empty() => (&["damping_factor"], MODAL_DAMPING),
+            _ => (&[], ""),
+        };
         let files = (self.urdf, self.config, self.tip);
         RobotSpec {
             damping_ratios,
@@ -218,11 +232,14 @@ impl RobotTable {
             damping_scale: self.damping_scale.unwrap_or(1.0),
             hold_against_sag: self.hold_against_sag.unwrap_or(true),
             links: adjust::links(self.link, check),
-            joints: adjust::joints(self.joint, check),
+            joints: adjust::joints(self.joint, ignored, check),
             ..RobotSpec::read(folder, files, self.posture_deg, self.posture_mm)
         }
     }
 }
+
+/// Why nothing scales the damping of transmissions.
+const MODAL_DAMPING: &str = "robot.damping_ratio takes the place of the damping that it scales";
 
 /// Damping ratios of modes, each from 0 to below 1.
 fn damping_ratios(given: Option<Vec<f64>>, drive: DriveKind, check: &mut Check) -> Vec<f64> {
@@ -230,8 +247,7 @@ fn damping_ratios(given: Option<Vec<f64>>, drive: DriveKind, check: &mut Check) 
         let because = "only drive = \"position\" takes the damping of modes";
         check.ignored("robot", &["damping_ratio"], because);
     } else if given.is_some() {
-        let because = "robot.damping_ratio takes the place of the damping that it scales";
-        check.ignored("robot", &["damping_scale"], because);
+        check.ignored("robot", &["damping_scale"], MODAL_DAMPING);
     }
     let ratios = given.unwrap_or_default();
     let vibrates = |ratio: &f64| (0.0..1.0).contains(ratio);

@@ -318,6 +318,19 @@ pub(crate) fn may_be(schema: &Json, path: &[String], value: f64) -> bool {
         .is_ok_and(|leaf| out_of_range(without_null(leaf), value, path).is_none())
 }
 
+/// Least and largest number that may stand at `path`, as far as that does not depend on others.
+pub(crate) fn range(schema: &Json, path: &[String]) -> [f64; 2] {
+    let leaf = leaf_schema(schema, path).map(without_null);
+    let bound = |[open, closed]: [&str; 2]| {
+        let leaf = leaf.as_ref().ok()?;
+        (leaf.get(open).or_else(|| leaf.get(closed))).and_then(Json::as_f64)
+    };
+    [
+        bound(["exclusiveMinimum", "minimum"]).unwrap_or(-LARGEST),
+        bound(["exclusiveMaximum", "maximum"]).unwrap_or(LARGEST),
+    ]
+}
+
 fn out_of_range(schema: &Json, value: f64, path: &[String]) -> Option<Fault> {
     let key = path.join(".");
     if !value.is_finite() {

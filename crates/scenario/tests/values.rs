@@ -43,13 +43,15 @@ fn assert_same(a: &Scenario, b: &Scenario, about: &str) {
 }
 
 /// Keys of each kind, with values that are as good in the key's unit as in SI.
-const GOOD: [(&str, f64); 12] = [
+const GOOD: [(&str, f64); 14] = [
     ("robot.inertia_scale", 1.05),
     ("robot.stiffness_scale", 0.93),
     ("robot.damping_scale", 0.0),
     ("robot.link.0.mass_factor", 1.25),
     ("robot.link.0.center_y_mm", 0.25),
     ("robot.joint.0.rotor_inertia_factor", 0.75),
+    ("robot.joint.0.stiffness_factor", 1.5),
+    ("robot.joint.0.damping_factor", 0.0),
     ("effect.0.mass_kg", 2.5),
     ("effect.0.center_z_m", 0.125),
     ("effect.1.gap_rad", 3e-4),
@@ -130,4 +132,14 @@ fn free_joints_have_no_stiffness_to_set() {
         assert!(error.is_some_and(|e| e.contains("has no effect")), "{key}");
     }
     assert!(free.with_values(&[("robot.inertia_scale", 1.5)]).is_ok());
+}
+
+#[test]
+fn the_range_of_a_key_is_in_si() {
+    let scenario = scenario("");
+    assert_eq!(scenario.range("robot.joint.0.stiffness_factor")[0], 0.0);
+    let [least, most] = scenario.range("process.chamfer.depth_mm");
+    assert!(least == 0.0 && most.is_finite());
+    let [least, most] = scenario.range("robot.link.0.center_x_mm");
+    assert!(least < -1e9 && most > 1e9);
 }

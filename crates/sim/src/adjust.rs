@@ -1,4 +1,4 @@
-//! A robot as its scenario has it: scales, links and rotors that differ from the files, rigid
+//! A robot as its scenario has it: scales, links and drives that differ from the files, rigid
 //! servos.
 
 use nalgebra::Vector3;
@@ -35,7 +35,10 @@ pub(crate) fn adjusted(robot: &Robot, spec: &RobotSpec) -> Result<Robot, SimErro
     for (index, own) in spec.joints.iter().enumerate() {
         let known = robot.chain.joints.iter().map(|joint| joint.name.as_str());
         let at = find("joint", index, &own.name, known)?;
-        robot.chain.joints[at].transmission.rotor_inertia *= own.rotor_inertia_factor;
+        let transmission = &mut robot.chain.joints[at].transmission;
+        transmission.rotor_inertia *= own.rotor_inertia_factor;
+        transmission.stiffness = (transmission.stiffness).map(|k| k * own.stiffness_factor);
+        transmission.damping *= own.damping_factor;
     }
     if spec.drive == DriveKind::Servo {
         robot.close_rigid_servos();

@@ -63,6 +63,27 @@ fn each_of_them_changes_the_run() {
 }
 
 #[test]
+fn factors_of_one_joint_are_those_of_all_where_there_is_one() {
+    let tables = |stiffness: f64, damping: f64| {
+        let joints = ["shoulder", "elbow"].map(|joint| {
+            format!(
+                "[[robot.joint]]\nname = \"{joint}\"\nstiffness_factor = {stiffness:?}\n\
+                 damping_factor = {damping:?}\n"
+            )
+        });
+        run(&scenario(&joints.concat())).unwrap().recording.columns
+    };
+    let scales = "stiffness_scale = 0.5\ndamping_scale = 3.0\n";
+    assert_eq!(
+        tables(0.5, 3.0),
+        run(&scenario(scales)).unwrap().recording.columns
+    );
+    for (stiffness, damping) in [(0.5, 1.0), (1.0, 3.0)] {
+        assert_ne!(tables(stiffness, damping), tables(1.0, 1.0));
+    }
+}
+
+#[test]
 fn verify_the_moving_mass_follows_the_factor_of_a_link() {
     let mass = |tables: &str| robot_facts(&scenario(tables)).unwrap().moving_mass_kg;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/arm_2r/robot.urdf");

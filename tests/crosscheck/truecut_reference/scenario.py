@@ -50,6 +50,8 @@ class Robot:
     hold_against_sag: bool
     links: dict[str, LinkAdjustment] = field(default_factory=dict)
     rotor_factors: dict[str, float] = field(default_factory=dict)
+    stiffness_factors: dict[str, float] = field(default_factory=dict)
+    damping_factors: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -310,8 +312,14 @@ def _robot(t: dict, folder: Path) -> Robot:
         damping_scale=t.get("damping_scale", 1.0),
         hold_against_sag=t.get("hold_against_sag", True),
         links={row["name"]: _link(row) for row in t.get("link", [])},
-        rotor_factors={row["name"]: row.get("rotor_inertia_factor", 1.0) for row in t.get("joint", [])},
+        rotor_factors=_joint_factors(t, "rotor_inertia_factor"),
+        stiffness_factors=_joint_factors(t, "stiffness_factor"),
+        damping_factors=_joint_factors(t, "damping_factor"),
     )
+
+
+def _joint_factors(t: dict, key: str) -> dict[str, float]:
+    return {row["name"]: row.get(key, 1.0) for row in t.get("joint", [])}
 
 
 def _link(t: dict) -> LinkAdjustment:

@@ -35,8 +35,10 @@ def specification(robot: Robot, urdf: str, config: dict) -> mujoco.MjSpec:
         linear = joint.type == PRISMATIC
         stiffness = entry["stiffness_n_per_m" if linear else "stiffness_nm_per_rad"]
         damping = entry["damping_n_s_per_m" if linear else "damping_nm_s_per_rad"]
-        joint.stiffness = [stiffness * robot.stiffness_scale, 0.0, 0.0]  # linear term of a polynomial
-        joint.damping = [damping * robot.damping_scale, 0.0, 0.0]
+        stiffness *= robot.stiffness_scale * robot.stiffness_factors.get(joint.name, 1.0)
+        damping *= robot.damping_scale * robot.damping_factors.get(joint.name, 1.0)
+        joint.stiffness = [stiffness, 0.0, 0.0]  # linear term of a polynomial
+        joint.damping = [damping, 0.0, 0.0]
         joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
         joint.frictionloss = 0.0
     for body in spec.bodies[1:]:

@@ -36,6 +36,19 @@ fn chart(panel: &Panel) -> Chart {
         marks: Vec::new(),
         dots: matches!(layer.style, Style::Marks(_)),
     };
+    let curves = |layer: &Layer| match &layer.style {
+        // The viewer draws no areas: both edges.
+        Style::Band(lower) => {
+            let points = layer.points.iter().zip(lower);
+            let points = points.map(|((x, _), low)| (*x, *low)).collect();
+            let lower = Layer {
+                points,
+                ..layer.clone()
+            };
+            vec![curve(&lower), curve(layer)]
+        }
+        _ => vec![curve(layer)],
+    };
     let y_label = if logarithmic {
         format!("log10 of {}", panel.y_label)
     } else {
@@ -46,6 +59,6 @@ fn chart(panel: &Panel) -> Chart {
         x_label: panel.x_label.clone(),
         y_label,
         least_y: f64::NAN,
-        curves: panel.layers.iter().filter(shown).map(curve).collect(),
+        curves: panel.layers.iter().filter(shown).flat_map(curves).collect(),
     }
 }

@@ -121,7 +121,7 @@ fn draw_panel(panel: &Panel, area: &Area<'_>, legend: Legend) -> Drawn {
     }
 }
 
-/// The ends of error bars, which must fit into the panel too.
+/// The ends of error bars and the lower edge of a band, which must fit into the panel too.
 fn bar_ends(layer: &Layer) -> Vec<f64> {
     match &layer.style {
         Style::Bars(halves) => {
@@ -129,6 +129,7 @@ fn bar_ends(layer: &Layer) -> Vec<f64> {
             ends.flat_map(|((_, y), half)| [y - half, y + half])
                 .collect()
         }
+        Style::Band(lower) => lower.clone(),
         _ => Vec::new(),
     }
 }
@@ -178,6 +179,18 @@ fn draw_layer(layer: &Layer, chart: &mut Chart<'_, '_>, x: &Axis, y: &Axis) -> D
             });
             chart.draw_series(bars)?;
             chart.draw_series(dots(4, colour.filled()))?;
+        }
+        Style::Band(lower) => {
+            let edges = layer.points.iter().zip(lower);
+            let edges: Vec<_> = edges
+                .map(|(point, low)| Some([place(point)?, place(&(point.0, *low))?]))
+                .collect();
+            for strip in edges.split(Option::is_none).filter(|strip| strip.len() > 1) {
+                let side = |k: usize| strip.iter().flatten().map(move |pair| pair[k]);
+                let outline = side(0).chain(side(1).rev()).collect::<Vec<_>>();
+                let fill = colour.mix(0.25).filled();
+                chart.draw_series([Polygon::new(outline, fill)])?;
+            }
         }
         Style::Marks(texts) => {
             chart.draw_series(dots(5, colour.stroke_width(2)))?;
@@ -302,7 +315,7 @@ fn draw_sample(layer: &Layer, area: &Area<'_>, (x, y): (i32, i32)) -> Drawn {
             area.draw(&Circle::new((x + 11, y), 4, colour.filled()))?;
         }
         Style::Marks(_) => area.draw(&Circle::new((x + 11, y), 5, colour.stroke_width(2)))?,
-        Style::Cells { .. } => {
+        Style::Cells { .. } | Style::Band(_) => {
             let ends = [(x + 3, y - 6), (x + 19, y + 6)];
             area.draw(&Rectangle::new(ends, colour.mix(0.6).filled()))?;
         }

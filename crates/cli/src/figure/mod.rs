@@ -70,6 +70,8 @@ pub enum Style {
     Cloud,
     /// Dots with bars of this half-length, joined by a thin line.
     Bars(Vec<f64>),
+    /// The area between the points and these lower values.
+    Band(Vec<f64>),
     /// Circles, each with a label.
     Marks(Vec<String>),
     /// Rectangles around the points, from −1 (orange) over 0 (white) to 1 (blue); NaN is not drawn.

@@ -4,14 +4,19 @@ use truecut_core::chatter::averaged::Crossing;
 use truecut_plan::lobes::Lobes;
 use truecut_recording::significant;
 
-use super::{Diagram, rpm};
+use super::{Diagram, rpm, uncertain};
 use crate::figure::{BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, PINK, Panel, Style};
 
 /// Limit depth and chatter frequency over spindle speed.
 pub fn figure(diagram: &Diagram<'_>) -> Figure {
+    let mut panels = vec![depths(diagram), frequencies(diagram)];
+    if let Some(uncertain) = &diagram.uncertain {
+        let depth_mm = diagram.study.cut.nominal.axial_depth_m * 1e3;
+        panels.insert(1, uncertain::probability(uncertain, depth_mm));
+    }
     Figure {
         title: format!("{}: stability", diagram.scenario.name),
-        panels: vec![depths(diagram), frequencies(diagram)],
+        panels,
         columns: 1,
         legend: Legend::Right,
     }
@@ -22,6 +27,9 @@ fn depths(diagram: &Diagram<'_>) -> Panel {
     let deepest_mm = lobes.depth_m.last().copied().unwrap_or(0.0) * 1e3;
     let ends = [0, lobes.spindle_rad_s.len() - 1].map(|i| rpm(lobes.spindle_rad_s[i]));
     let mut layers = vec![shading(diagram)];
+    if let Some(uncertain) = &diagram.uncertain {
+        layers.push(uncertain::band(uncertain, deepest_mm));
+    }
     layers.extend(theories(lobes, |limit| {
         let mm = limit.depth_m * 1e3;
         // Limits beyond the deepest cut are not drawn.

@@ -10,6 +10,7 @@ use truecut_telemetry::{Column, write_charts, write_columns};
 use super::{Diagram, figure, json, rpm, text};
 use crate::failure::Failure;
 use crate::figure::charts_of;
+use crate::spread::{self, COLUMNS};
 
 /// Writes the figure first, then the other files.
 pub fn write(diagram: &Diagram<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
@@ -84,6 +85,13 @@ fn limit_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
         Column::numbers("mode_coupling_depth", "mm", depth(&coupling)),
     ];
     columns.extend(other);
+    if let Some(uncertain) = &diagram.uncertain {
+        let units = ["mm", "mm", "mm", "1"];
+        columns.extend(COLUMNS.into_iter().enumerate().map(|(k, name)| {
+            let values = spread::column(k, &lobes.spindle_rad_s, &uncertain.over_speed, 1e3);
+            Column::numbers(name, units[k], values)
+        }));
+    }
     columns
 }
 

@@ -4,6 +4,7 @@ use serde_json::json;
 use truecut_core::chatter::averaged::Crossing;
 
 use super::Diagram;
+use super::uncertain::UncertainJson;
 use crate::failure::Failure;
 
 /// The file. All numbers are SI; one that does not exist is `null`. `limit` is by spectral
@@ -45,5 +46,7 @@ pub fn json(diagram: &Diagram<'_>) -> Result<String, Failure> {
         // The same at all speeds.
         "mode_coupling": limit(lobes.mode_coupling),
         "runs": runs.collect::<Vec<_>>(),
+        // What the scenario says is uncertain, drawn; none if it says nothing of it.
+        "uncertain": diagram.uncertain.as_ref().map(UncertainJson::from),
     }))
 }

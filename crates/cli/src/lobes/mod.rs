@@ -4,6 +4,7 @@ mod figure;
 mod files;
 mod json;
 mod text;
+mod uncertain;
 
 use std::f64::consts::TAU;
 
@@ -29,6 +30,7 @@ struct Diagram<'a> {
     known: Option<(f64, String)>,
     /// The diagram with the arm's other damping, and what that is.
     other: Option<(String, Lobes)>,
+    uncertain: Option<uncertain::Uncertain>,
     /// Sentences on the damping.
     notes: Vec<String>,
 }
@@ -59,6 +61,7 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
         let found = computed("the other damping", &other.modes);
         (other.name, found)
     });
+    let uncertain = uncertain::uncertain(scenario, &study, &posture, &lobes, known)?;
     let beyond = known.filter(|known| request.spindle_rad_s[1] > *known);
     let runs = Progress::of_one("runs", |progress| {
         stability_runs(scenario, &study, &lobes, arguments.runs.into(), progress)
@@ -66,6 +69,7 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
     let diagram = Diagram {
         scenario,
         other,
+        uncertain,
         notes: damping_notes(&modes),
         known: beyond.map(|known| (known, study.beyond_modes(&modes, known))),
         study,

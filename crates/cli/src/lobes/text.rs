@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use truecut_core::chatter::averaged::Crossing;
 use truecut_recording::{Unit, significant};
 
-use super::{Diagram, rpm};
+use super::{Diagram, rpm, uncertain};
 use crate::text::{self, Align};
 
 /// The printed text.
@@ -58,6 +58,9 @@ pub fn summary(diagram: &Diagram<'_>) -> String {
     if let Some((name, other)) = diagram.other.as_ref().filter(|_| is_known) {
         let limit = shown(at_speed(&other.limit));
         text.push_str(&format!("  with {name}: spectral elements {limit}\n"));
+    }
+    if let Some(uncertain) = &diagram.uncertain {
+        text.push_str(&uncertain::told(uncertain, diagram));
     }
     text.push_str(&text::notes(&diagram.notes));
     let missing = diagram.known.iter().map(|(_, missing)| missing);

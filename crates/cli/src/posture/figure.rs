@@ -17,6 +17,9 @@ pub fn figure(answer: &PostureAnswer<'_>) -> Figure {
     panels.push(along_path(answer));
     panels.push(decay_over_angle(answer));
     panels.push(decay(answer));
+    if let Some(uncertain) = &answer.uncertain {
+        panels.extend(uncertain.panels(answer));
+    }
     Figure {
         title: format!(
             "{}: stable redundancy angles by four criteria",

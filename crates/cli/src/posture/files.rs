@@ -11,6 +11,7 @@ use truecut_telemetry::{Column, PlanShown, PlanStation, write_columns, write_pla
 use super::{PostureAnswer, figure, text};
 use crate::failure::Failure;
 use crate::figure::{Figure, charts_of};
+use crate::spread::{self, COLUMNS};
 
 /// Writes the figure first, then the scenario with the plan, then the other files.
 pub fn write(answer: &PostureAnswer<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
@@ -31,7 +32,13 @@ pub fn write(answer: &PostureAnswer<'_>, out: &Path) -> Result<Vec<PathBuf>, Fai
     write_columns(&stations, &station_columns(answer), &text)?;
     write_columns(&map, &map_columns(answer), &text)?;
     show(answer, &rrd, &text, &drawn)?;
-    Ok(vec![svg, planned, stations, map, rrd])
+    let mut written = vec![svg, planned, stations, map, rrd];
+    if let Some(uncertain) = &answer.uncertain {
+        let report = at("posture_uncertain.json");
+        write_file(&report, uncertain.json(answer)?.as_bytes())?;
+        written.push(report);
+    }
+    Ok(written)
 }
 
 fn show(answer: &PostureAnswer<'_>, rrd: &Path, text: &str, drawn: &Figure) -> Result<(), Failure> {
@@ -120,6 +127,15 @@ fn station_columns(answer: &PostureAnswer<'_>) -> Vec<Column<'static>> {
         Column::numbers("regenerative_limit_error", "mm", of(error)),
         Column::numbers("least_decay", "1/s", of(least)),
     ]);
+    if let Some(uncertain) = &answer.uncertain {
+        let places: Vec<f64> = points.iter().map(|p| p.along_m).collect();
+        let (_, unit, scale) = value_column(answer.plan.criterion);
+        let units = [unit, unit, unit, "1"];
+        columns.extend(COLUMNS.into_iter().enumerate().map(|(k, name)| {
+            let values = spread::column(k, &places, &uncertain.plan, scale);
+            Column::numbers(name, units[k], values)
+        }));
+    }
     columns
 }
 

@@ -4,12 +4,15 @@ mod figure;
 mod files;
 mod maps;
 mod text;
+mod uncertain;
+
+use std::time::Instant;
 
 use truecut_plan::{
     Assessment, Criterion, MarginMap, Plan, PlanError, Planner, PlannerOptions, modes_in_cut,
 };
 use truecut_scenario::Scenario;
-use truecut_sim::stability::{MillingStudy, in_scenario};
+use truecut_sim::stability::{Draws, MillingStudy, in_scenario};
 
 use crate::args::PostureArguments;
 use crate::exit_status::ExitStatus;
@@ -26,6 +29,7 @@ struct PostureAnswer<'a> {
     plan_assessed: Vec<Vec<Assessment>>,
     /// The scenario's own postures; none where the arm cannot follow its path.
     own: Option<Own>,
+    uncertain: Option<uncertain::Uncertain>,
     /// What is missing where the cut is faster than the modes that are given.
     missing: Option<String>,
 }
@@ -42,9 +46,17 @@ const MAP_COLUMNS: usize = 17;
 /// Plans, prints and writes.
 pub fn posture(arguments: &PostureArguments) -> Result<ExitStatus, Failure> {
     let scenario = &arguments.common.load(&arguments.scenario)?;
-    let study = MillingStudy::of(scenario).map_err(|error| Failure::sim(scenario, error))?;
-    let answer = answer(scenario, arguments, &study)
-        .map_err(|error| Failure::sim(scenario, in_scenario(error)))?;
+    let failed = |error| Failure::sim(scenario, error);
+    let study = MillingStudy::of(scenario).map_err(failed)?;
+    let since = Instant::now();
+    let draws = Draws::of(scenario).map_err(failed)?;
+    let answer = answer(
+        scenario,
+        arguments,
+        &study,
+        draws.map(|draws| (draws, since)),
+    )
+    .map_err(|error| failed(in_scenario(error)))?;
     let mut written = files::write(&answer, &arguments.out)?;
     if arguments.maps {
         written.push(maps::write(&answer, &arguments.out)?);
@@ -56,6 +68,7 @@ fn answer<'a>(
     scenario: &'a Scenario,
     arguments: &PostureArguments,
     study: &'a MillingStudy,
+    draws: Option<(Draws, Instant)>,
 ) -> Result<PostureAnswer<'a>, PlanError> {
     let criterion = arguments.criterion.into();
     let stages = 2 + 2 * Criterion::ALL.len();
@@ -96,7 +109,10 @@ fn answer<'a>(
         }
         Err(_) => None,
     };
+    drop(progress);
+    let of_draws = |draws| uncertain::uncertain(draws, &planner, &plan, own.as_ref());
     Ok(PostureAnswer {
+        uncertain: draws.map(of_draws).transpose()?,
         missing: missing(study, &plan)?,
         scenario,
         study,

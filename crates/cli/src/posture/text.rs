@@ -49,6 +49,9 @@ pub fn summary(answer: &PostureAnswer<'_>) -> String {
     if let Some(own) = &answer.own {
         text.push_str(&own_postures(answer.regenerative(&own.assessed)));
     }
+    if let Some(uncertain) = &answer.uncertain {
+        text.push_str(&uncertain.told(answer));
+    }
     text.push_str(&text::notes(&answer.missing));
     if !answer.scenario.effects.is_empty() {
         text.push_str("  note: the plan is for the nominal arm; effects act in runs only\n");
@@ -122,16 +125,20 @@ fn intervals(answer: &PostureAnswer<'_>) -> String {
 fn ranges(map: &MarginMap, column: usize) -> String {
     let stable = |found: &Option<Assessment>| found.is_some_and(|a| a.is_stable());
     let cells = map.angles_rad.iter().zip(&map.assessments[column]);
+    runs(cells.map(|(angle, found)| (angle.to_degrees(), stable(found))))
+}
+
+/// Runs of angles, degrees, that are taken.
+pub fn runs(angles: impl Iterator<Item = (f64, bool)>) -> String {
     let mut runs: Vec<(f64, f64)> = Vec::new();
     let mut open = false;
-    for (angle, found) in cells {
-        let degrees = angle.to_degrees();
-        match (stable(found), runs.last_mut()) {
+    for (degrees, taken) in angles {
+        match (taken, runs.last_mut()) {
             (true, Some(run)) if open => run.1 = degrees,
             (true, _) => runs.push((degrees, degrees)),
             _ => {}
         }
-        open = stable(found);
+        open = taken;
     }
     if runs.is_empty() {
         return "none".to_owned();

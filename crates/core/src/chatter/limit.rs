@@ -4,7 +4,7 @@ use std::convert::Infallible;
 
 use super::multiplier::Multiplier;
 use super::spectral_elements::{AtSpeed, SpectralElements};
-use crate::roots::{bisect, try_bisect_while};
+use crate::roots::{bisect, illinois, try_bisect_while};
 
 /// Where stability is first lost as the depth grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,22 +51,53 @@ pub fn first_limit(
 ) -> Option<FirstLimit> {
     let at = of.at(tooth_period_s);
     let depth = |i: usize| search.deepest_m * i as f64 / search.scan_steps as f64;
-    let (step, multiplier) = (1..=search.scan_steps)
-        .map(|i| (i, at.multiplier(depth(i))))
-        .find(|(_, multiplier)| !multiplier.is_stable())?;
-    let unstable = FirstLimit {
-        depth_m: depth(step),
-        error_m: 0.0,
-        multiplier,
-    };
+    let (stable_m, unstable) = scanned(&at, (1..=search.scan_steps).map(depth))?;
     let least_m = 1e-6 * search.deepest_m;
     Some(narrowed(
         &at,
-        depth(step - 1),
+        stable_m,
         unstable,
         search.relative_width,
         least_m,
     ))
+}
+
+/// Smallest depth at which the cut becomes unstable, m, as seen from rising depths that are looked
+/// at, narrowed to a relative width: with fewer multipliers than [`first_limit`], since ln |μ| is
+/// followed to its root, and without an error.
+pub fn first_depth_m(
+    at: &AtSpeed<'_>,
+    depths_m: impl IntoIterator<Item = f64>,
+    relative_width: f64,
+) -> Option<f64> {
+    let (stable_m, unstable) = scanned(at, depths_m)?;
+    let growth = |multiplier: &Multiplier| multiplier.magnitude().ln();
+    let mut depth_m = unstable.depth_m;
+    let below = growth(&at.multiplier(stable_m));
+    let values = [-below, -growth(&unstable.multiplier)];
+    illinois([stable_m, depth_m], values, relative_width, |x| {
+        depth_m = x;
+        -growth(&at.multiplier(x))
+    });
+    Some(depth_m)
+}
+
+/// The first unstable one of rising depths, and the one before it; 0 before the first.
+fn scanned(at: &AtSpeed<'_>, depths_m: impl IntoIterator<Item = f64>) -> Option<(f64, FirstLimit)> {
+    let mut stable_m = 0.0;
+    for depth_m in depths_m {
+        let multiplier = at.multiplier(depth_m);
+        if !multiplier.is_stable() {
+            let unstable = FirstLimit {
+                depth_m,
+                error_m: 0.0,
+                multiplier,
+            };
+            return Some((stable_m, unstable));
+        }
+        stable_m = depth_m;
+    }
+    None
 }
 
 /// The limit between a stable depth and an unstable one, to a relative width or, where it is less,

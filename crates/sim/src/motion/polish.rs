@@ -87,17 +87,16 @@ pub(crate) fn solve(
 }
 
 fn note(plan: &PrecessionPlan) -> String {
-    let lost_s = plan.duration_s() - plan.asked_s;
+    let feed = if plan.reductions.is_empty() {
+        "at its feed all along".to_owned()
+    } else {
+        let lost_s = plan.duration_s() - plan.asked_s;
+        format!("{lost_s:.2} s more than at its feed")
+    };
     format!(
-        "precession: the angle keeps its rule with {:.1} degrees rms off the steady turn; the path takes {:.2} s, {} its feed \
-         for {lost_s:.2} s",
+        "precession: the angle keeps its rule with {:.1} degrees rms off the steady turn; the path takes {:.2} s, {feed}",
         plan.deviation_rms_rad().to_degrees(),
         plan.duration_s(),
-        if plan.reductions.is_empty() {
-            "keeps"
-        } else {
-            "gives up"
-        }
     )
 }
 

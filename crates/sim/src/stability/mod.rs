@@ -5,11 +5,13 @@
 //! scenario act in runs only.
 
 mod damping;
+mod draws;
 mod known;
 mod runs;
 mod view;
 
 pub use damping::{OtherDamping, damping_notes};
+pub use draws::Draws;
 pub use runs::{StabilityRun, stability_runs};
 
 use std::sync::Arc;
@@ -48,6 +50,10 @@ impl MillingStudy {
     /// # Errors
     /// If the scenario is not one of milling, or something is wrong with its robot or path.
     pub fn of(scenario: &Scenario) -> Result<Self, SimError> {
+        Self::read(scenario, &Robots::new())
+    }
+
+    fn read(scenario: &Scenario, robots: &Robots) -> Result<Self, SimError> {
         let ProcessSpec::Milling(milling) = &scenario.process else {
             return Err(SimError::scenario(
                 "process",
@@ -58,7 +64,7 @@ impl MillingStudy {
                 ),
             ));
         };
-        let robot = Robots::new().robot(&scenario.robot)?;
+        let robot = robots.robot(&scenario.robot)?;
         let posture = posture(&scenario.robot, &robot)?;
         let here = robot.world_from_frame(&posture, FrameId::Tool);
         let (start_m, axis, zero_direction) = match &milling.path.start {
