@@ -1,14 +1,15 @@
 //! A compliant wheel pressed onto a flat plate: normal spring, sliding friction, Preston removal.
 //!
 //! The submodules hold the tools of finishing: what their surfaces rest on ([`bed`]), how they
-//! press ([`pneumatic`], [`belt`], [`brush`] with its [`bristle`]s), the patch over a face with
-//! edges ([`patch`], [`face`]), what they remove ([`removal`], [`edge_wear`]), how they are held
-//! ([`force_control`]), how uneven they are ([`eccentricity`], [`texture`]) and what their grains
-//! do to a corner ([`edge_grains`]).
+//! press ([`pneumatic`], [`belt`] on rubber that is [`bonded`], [`brush`] with its
+//! [`bristle`]s), the patch over a face with edges ([`patch`], [`face`]), what they remove
+//! ([`removal`], [`edge_wear`]), how they are held ([`force_control`]), how uneven they are
+//! ([`eccentricity`], [`texture`]) and what their grains do to a corner ([`edge_grains`]).
 
 pub mod abrasive;
 pub mod bed;
 pub mod belt;
+pub mod bonded;
 pub mod bristle;
 pub mod brush;
 pub mod eccentricity;

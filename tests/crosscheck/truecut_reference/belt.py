@@ -1,7 +1,7 @@
 """A belt over a contact wheel on a plane, written a second time: the wheel in many thin slices, each summed point by point.
 
-A slice that reaches in by d touches over the half width b of Hertz's line contact, for which Johnson's layer (Contact Mechanics, eq. 5.57) gives
-d = b^2/4R (2 ln(2h/b) - nu/(1 - nu)). Above the rim of that the wheel overlaps by u = (b^2 - x^2)/2R and presses with E*/sqrt(2R) sqrt(u), the
+A slice that reaches in by d touches over the half width b of rubber bonded to a hub, whose force is a_0 times that of Hertz's line contact
+(`bonded.py`). Above the rim the wheel overlaps by u = (b^2 - x^2)/2R and presses with a_0 E*/sqrt(2R) sqrt(u), the
 belt of tension N per width beside it with N/R; the belt lifts off where it leaves without a kink, (N c/R)^2 = 2N integral of that pressure. The bed's damping
 answers the rate at which the surface is pressed in. A carrier without mass may move the wheel along the tool's z axis.
 """
@@ -15,34 +15,14 @@ import numpy as np
 import scipy.interpolate
 import scipy.optimize
 
+from .bonded import Layer
 from .led_run import LedRun
 from .plant import Plant
 from .wheel import Command
 
 SLICES, POINTS = 24, 48
-# of the rubber: the half width up to which depths are tabled; at half of it the layer's law ends
-WIDEST = 0.499
-
-
-def line_load(
-    depth: float, radius: float, modulus: float, rubber: float, poisson: float, tension: float
-) -> float:
-    """Force per width of wheel and belt at a depth on a surface of relative radius `radius`, N/m: the same law in closed form."""
-
-    def approach(b: float) -> float:
-        return b * b / (4.0 * radius) * (2.0 * math.log(2.0 * rubber / b) - poisson / (1.0 - poisson)) - depth
-
-    b = scipy.optimize.brentq(approach, 1e-9, 0.5 * rubber, xtol=1e-15)
-    stiffness = modulus / math.sqrt(2.0 * radius)
-
-    def kink(c: float) -> float:
-        u = max((b * b - c * c) / (2.0 * radius), 0.0)
-        return 4.0 / 3.0 * tension * stiffness * u**1.5 - (tension * c / radius) ** 2
-
-    c = scipy.optimize.brentq(kink, 1e-9, b, xtol=1e-15)
-    # the integral of sqrt(b^2 - x^2) from -c to c
-    area = c * math.sqrt(max(b * b - c * c, 0.0)) + b * b * math.asin(min(c / b, 1.0))
-    return modulus / (2.0 * radius) * area + 2.0 * c * tension / radius
+# of the rubber: the half width up to which depths are tabled
+WIDEST = 2.5
 
 
 @dataclass(frozen=True)
@@ -78,26 +58,23 @@ class Tool:
             force, damping, fastest, stroke = (float(control[key]) for key in keys)
             control = (force, damping * 1e3, fastest * 1e-3, stroke * 1e-3)
 
-        def factor(b: float) -> float:
-            return 2.0 * math.log(2.0 * rubber / b) - poisson / (1.0 - poisson)
+        layer = Layer(poisson)
 
-        def row(depth: float) -> tuple[float, float, float]:
-            """Overlap in the middle, its rate per indentation, half width of the patch."""
-            b = scipy.optimize.brentq(
-                lambda b: b * b / (4.0 * radius) * factor(b) - depth, 1e-9, 0.5 * rubber, xtol=1e-15
-            )
+        def row(depth: float) -> tuple[float, float, float, float]:
+            """Overlap in the middle, its rate per indentation, force over Hertz's, half width of the patch."""
+            wide, factor, rate = layer.at(2.0 * radius * depth / rubber**2)
+            b = wide * rubber
             u0 = b * b / (2.0 * radius)
-            energy = modulus / math.sqrt(2.0 * radius) * 2.0 / 3.0
+            energy = factor * modulus / math.sqrt(2.0 * radius) * 2.0 / 3.0
 
             def kink(c: float) -> float:
                 u = max(u0 - c * c / (2.0 * radius), 0.0)
                 return 2.0 * tension * energy * u**1.5 - (tension * c / radius) ** 2
 
-            return u0, 2.0 / (factor(b) - 1.0), scipy.optimize.brentq(kink, 1e-9, b, xtol=1e-15)
+            return u0, rate, factor, scipy.optimize.brentq(kink, 1e-9, b, xtol=1e-15)
 
-        # over the root of the depth, in which all three are smooth down to nothing
-        b = WIDEST * rubber
-        deepest = b * b / (4.0 * radius) * factor(b)
+        # over the root of the depth, in which all four are smooth down to nothing
+        deepest = layer.patch(WIDEST)[1] * (WIDEST * rubber) ** 2 / (2.0 * radius)
         roots = np.linspace(1e-3, math.sqrt(deepest / radius), 800)
         rows = np.array([row(root * root * radius) for root in roots])
         return Tool(
@@ -138,7 +115,7 @@ class Tool:
             return np.zeros(9)
         middle, distance, depth = middle[touches], distance[touches], depth[touches]
         assert depth.max() < self.deepest
-        u0, rate, c = self.table(np.sqrt(depth / self.radius)).T
+        u0, rate, factor, c = self.table(np.sqrt(depth / self.radius)).T
         # by the sine of an angle, in which pressures that fall to zero like a root are smooth
         angle = math.pi * ((np.arange(POINTS) + 0.5) / POINTS - 0.5)
         x, dx = c[:, None] * np.sin(angle), c[:, None] * np.cos(angle) * math.pi / POINTS
@@ -150,7 +127,7 @@ class Tool:
         approach = eccentricity[1] - (reach @ normal) / lean
         inwards = rate[:, None] * approach[:, None] - (slide @ run) * x / self.radius
         u = np.maximum(u0[:, None] - x * x / (2.0 * self.radius), 0.0)
-        rubber = self.modulus * np.sqrt(u / (2.0 * self.radius))
+        rubber = self.modulus * factor[:, None] * np.sqrt(u / (2.0 * self.radius))
         pressure = rubber + self.tension / self.radius + self.damping * inwards
         pressed = np.maximum(pressure, 0.0) * dx * self.width / SLICES / lean
         speed = np.linalg.norm(slide, axis=2)

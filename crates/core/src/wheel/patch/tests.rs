@@ -48,7 +48,7 @@ fn assert_close(found: &PatchLoads, expected: &PatchLoads, reach_m: f64, share: 
 fn verify_far_from_edges_it_is_the_free_law() {
     let face = Face::rectangle(0.1, 0.06).unwrap();
     let r = belt().relative_radius_m(0.0).unwrap();
-    for patch in [ball().patch(0.8e-3), belt().patch(0.4e-3, r)] {
+    for patch in [ball().patch(0.8e-3), belt().patch(&belt().layer(), 0.4e-3, r)] {
         for face in [&face, &Face::unbounded()] {
             let l = loads(&patch, face, at(0.05, 0.03, 0.4), &Sliding::default(), 16);
             assert!(
@@ -108,7 +108,7 @@ fn verify_a_narrow_patch_is_any_patch() {
         (0.4e-3, 0.99),
         (0.8e-3, -0.99),
     ] {
-        let patch = wheel.patch(depth_m, r);
+        let patch = wheel.patch(&wheel.layer(), depth_m, r);
         let velocity_m_per_s = Vector2::new(-4.0, 1.5);
         let reach_m = patch.contact_m().hypot(0.5 * wheel.width_m);
         let sliding = Sliding {
@@ -135,7 +135,7 @@ fn verify_a_belt_leaves_without_a_kink() {
                 tension_n,
                 ..belt()
             }
-            .patch(depth_m, r);
+            .patch(&belt().layer(), depth_m, r);
             let c = patch.contact_m();
             let left = patch.bed_indentation_at_m(c, 0.0);
             assert!(left > 0.0 && c > 0.0, "{tension_n} {depth_m}");
@@ -181,7 +181,7 @@ fn verify_mirrored_edges_give_mirrored_loads() {
 fn verify_force_passes_an_edge_without_a_jump() {
     let face = Face::rectangle(0.1, 0.06).unwrap();
     let r = belt().relative_radius_m(0.0).unwrap();
-    for patch in [ball().patch(0.8e-3), belt().patch(0.4e-3, r)] {
+    for patch in [ball().patch(0.8e-3), belt().patch(&belt().layer(), 0.4e-3, r)] {
         let whole = patch.free_force_n();
         let reach = patch.undeformed_half_length_m();
         let n = 2000;
@@ -233,7 +233,7 @@ fn verify_edge_presses_harder_the_more_the_layer_is_stretched() {
 #[test]
 fn verify_line_patch_over_an_edge_solves_the_obstacle_problem() {
     let r = 40e-3;
-    let patch = belt().patch(0.4e-3, r);
+    let patch = belt().patch(&belt().layer(), 0.4e-3, r);
     let (n, h) = (601, 14e-3 / 600.0);
     let x = |i: usize| (i as f64 - 300.0) * h;
     let face = Face::rectangle(0.1, 0.06).unwrap();

@@ -248,7 +248,7 @@ impl Press<'_> {
             first_m: section.first_m,
             half_width_m,
             indentation_m,
-            patch: narrow.patch(indentation_m, radius_m),
+            patch: narrow.patch(&self.setup.layer, indentation_m, radius_m),
             sliding: self.sliding(section, &x, &y, lean),
             loads: PatchLoads::default(),
         };

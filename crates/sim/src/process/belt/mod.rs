@@ -39,6 +39,7 @@ use std::sync::{Arc, LazyLock};
 use surface::Worn;
 use truecut_core::wheel::abrasive::Abrasive;
 use truecut_core::wheel::belt::BeltWheel;
+use truecut_core::wheel::bonded::BondedLayer;
 use truecut_core::wheel::eccentricity::Eccentricity;
 use truecut_core::wheel::force_control::{ForceControl, Offset};
 use truecut_core::wheel::patch::EdgePoint;
@@ -54,6 +55,8 @@ static RULES: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::new(8));
 #[derive(Debug, Clone)]
 pub struct BeltSetup {
     pub wheel: BeltWheel,
+    /// The wheel's rubber.
+    pub layer: Arc<BondedLayer>,
     pub control: ForceControl,
     /// Of the contact wheel's running surface.
     pub eccentricity: Eccentricity,

@@ -66,6 +66,7 @@ fn belt(
             contact_modulus_pa: spec.wheel.contact_modulus_pa * effects.stiffness_factor,
             ..spec.wheel
         },
+        layer: Arc::new(spec.wheel.layer()),
         control: effects.on_control(spec.control),
         abrasive: effects.on_abrasive(spec.abrasive),
         eccentricity: effects.eccentricity(),

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Rotation3};
 use truecut_core::roughness::Polishing;
 use truecut_plan::surface::{Domain, Forms, Jet, PlanePatch, Surface};
 
-/// A slack belt; its law is Hertz's line contact.
+/// A slack belt.
 pub(super) const WHEEL: BeltWheel = BeltWheel {
     radius_m: 40e-3,
     width_m: 25e-3,
@@ -55,6 +55,7 @@ fn setup(surface: Box<dyn Surface + Send>, wheel: BeltWheel) -> BeltSetup {
     let cells = Cells::of(&patch, 1e-3);
     BeltSetup {
         eccentricity: Eccentricity::default(),
+        layer: Arc::new(wheel.layer()),
         wheel,
         control: ForceControl::Position,
         belt_m_per_s: 20.0,
@@ -189,7 +190,8 @@ fn verify_edge_gap_leaves_the_wheel_s_edges_off_a_round_bar() {
         let found = contact(&setup, &state);
         let line = |y: f64| {
             let indentation_m = d - (bar - (bar * bar - y * y).sqrt());
-            WHEEL.normal_force_n(indentation_m, WHEEL.radius_m) / WHEEL.width_m
+            let patch = WHEEL.patch(&setup.layer, indentation_m, WHEEL.radius_m);
+            patch.free_force_n() / WHEEL.width_m
         };
         let n = 2000;
         let dy = WHEEL.width_m / f64::from(n);
