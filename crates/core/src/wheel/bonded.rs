@@ -209,7 +209,7 @@ impl Kernel {
         for (n, value) in approach.iter_mut().enumerate().skip(1) {
             *value = 1.0 / (4 * n * (n + 1)) as f64;
         }
-        let signed = |n: usize| if n % 2 == 0 { 1.0 } else { -1.0 };
+        let signed = |n: usize| if n.is_multiple_of(2) { 1.0 } else { -1.0 };
         let order = |n: usize| (2 * n + 1) as f64;
         for [s, weight, rest] in &self.nodes {
             let j = odd_bessel(s * ratio);
@@ -242,7 +242,7 @@ fn odd_bessel(x: f64) -> [f64; TERMS] {
     let mut odd = [0.0; TERMS];
     for order in (1..=top).rev() {
         // `here` is of this order
-        if order % 2 == 0 {
+        if order.is_multiple_of(2) {
             sum += 2.0 * here;
         } else if order / 2 < TERMS {
             odd[order / 2] = here;
@@ -270,7 +270,7 @@ mod tests {
     }
 
     /// Force in N/mm and half width in mm at an indentation (mm), relative radius (mm), contact
-    /// modulus (MPa) and thickness (mm), by finite elements (`tests/reference/bonded.py`).
+    /// modulus (MPa) and thickness (mm), by other solutions (`tests/crosscheck/truecut_reference/bonded.py`).
     #[test]
     fn verify_force_and_half_width_of_a_bonded_layer() {
         for (poisson, case, force, half_width) in [

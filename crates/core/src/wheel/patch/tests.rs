@@ -48,7 +48,10 @@ fn assert_close(found: &PatchLoads, expected: &PatchLoads, reach_m: f64, share: 
 fn verify_far_from_edges_it_is_the_free_law() {
     let face = Face::rectangle(0.1, 0.06).unwrap();
     let r = belt().relative_radius_m(0.0).unwrap();
-    for patch in [ball().patch(0.8e-3), belt().patch(&belt().layer(), 0.4e-3, r)] {
+    for patch in [
+        ball().patch(0.8e-3),
+        belt().patch(&belt().layer(), 0.4e-3, r),
+    ] {
         for face in [&face, &Face::unbounded()] {
             let l = loads(&patch, face, at(0.05, 0.03, 0.4), &Sliding::default(), 16);
             assert!(
@@ -181,7 +184,10 @@ fn verify_mirrored_edges_give_mirrored_loads() {
 fn verify_force_passes_an_edge_without_a_jump() {
     let face = Face::rectangle(0.1, 0.06).unwrap();
     let r = belt().relative_radius_m(0.0).unwrap();
-    for patch in [ball().patch(0.8e-3), belt().patch(&belt().layer(), 0.4e-3, r)] {
+    for patch in [
+        ball().patch(0.8e-3),
+        belt().patch(&belt().layer(), 0.4e-3, r),
+    ] {
         let whole = patch.free_force_n();
         let reach = patch.undeformed_half_length_m();
         let n = 2000;
