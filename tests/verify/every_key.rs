@@ -92,6 +92,7 @@ teeth = 4
 helix_deg = 30
 runout_um = 5
 runout_angle_deg = 20
+wear_land_mm = 0.08
 [process.milling.cutting]
 tangential_mpa = 2000
 radial_mpa = 600
@@ -99,6 +100,8 @@ axial_mpa = 200
 edge_tangential_n_per_mm = 5.0
 edge_radial_n_per_mm = 5.0
 edge_axial_n_per_mm = 1.0
+indentation_n_per_mm3 = 40000
+flank_friction = 0.3
 [[process.milling.cutter.mode]]
 frequency_hz = 900
 damping_ratio = 0.03
@@ -135,6 +138,8 @@ teeth = 2
 [process.milling.cutting]
 tangential_mpa = 600
 radial_mpa = 200
+indentation_n_per_mm3 = 40000
+wear_land_mm = 0.05
 [process.milling.path]
 direction = [0.3, 1, 0]
 length_mm = 1
@@ -439,8 +444,8 @@ fn every_key_of_the_wheel_counts() {
 
 #[test]
 fn every_key_of_milling_counts() {
-    check(MILLING, 33);
-    check(MILLING_FROM_THE_POSTURE, 10);
+    check(MILLING, 36);
+    check(MILLING_FROM_THE_POSTURE, 12);
 }
 
 #[test]

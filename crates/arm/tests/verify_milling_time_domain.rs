@@ -101,6 +101,7 @@ impl<'a> Run<'a> {
             // A fifth of a step off, so that entry and exit are not a matter of rounding.
             rotation_rad: TAU / TEETH as f64 * (t / PERIOD_S + 0.21 / STEPS as f64),
             displacement_m,
+            ..ToolState::default()
         }
     }
 

@@ -86,6 +86,7 @@ fn milling(c: &mut Criterion) {
                 let state = ToolState {
                     rotation_rad,
                     displacement_m: Vector3::new(1e-6, -2e-6, black_box(1e-7)),
+                    ..ToolState::default()
                 };
                 let loads = cut.evaluate(&state);
                 cut.commit(&state);

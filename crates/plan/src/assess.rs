@@ -110,7 +110,7 @@ fn assess_by(
         }
         Criterion::ModeCoupling => {
             let modes = modes_in_cut(robot, posture, world_from_milling, &cut.attached)?;
-            let limit = mode_coupling_limit(&modes, &cut.directional().average_pa());
+            let limit = mode_coupling_limit(&modes, cut.averaged());
             limit.map_or(f64::INFINITY, |limit| limit.depth_m)
         }
         Criterion::Regenerative => {

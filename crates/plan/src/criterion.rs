@@ -1,7 +1,7 @@
 //! By what a posture counts as stable.
 
 use strum::{Display, VariantArray};
-use truecut_core::chatter::{AttachedModes, DirectionalMatrix};
+use truecut_core::chatter::{AttachedModes, AveragedCut, DirectionalMatrix};
 use truecut_core::cutting::milling::nominal::NominalCut;
 
 /// Least anisotropy of the published rule.
@@ -27,13 +27,14 @@ impl Cut {
         self.nominal.feed_per_tooth_m / self.tooth_period_s()
     }
 
+    /// The cut averaged over a revolution at its own spindle speed.
+    pub fn averaged(&self) -> AveragedCut {
+        self.directional().averaged(self.tooth_period_s())
+    }
+
     /// The directional matrix in the milling frame.
     pub fn directional(&self) -> DirectionalMatrix {
-        DirectionalMatrix {
-            teeth: self.nominal.cutter.teeth,
-            coefficients: self.nominal.coefficients,
-            engagement: self.nominal.engagement,
-        }
+        DirectionalMatrix::from(&self.nominal)
     }
 }
 

@@ -42,7 +42,8 @@ pub struct Lobes {
     pub limit_error_m: Vec<Option<f64>>,
     /// The same to zero order, whatever its depth.
     pub zero_order: Vec<Option<Crossing>>,
-    /// Mode coupling, teeth meeting the nominal surface: the same at all speeds.
+    /// Mode coupling, teeth meeting the nominal surface: the same at all speeds, but with worn flanks
+    /// that of the cut's own.
     pub mode_coupling: Option<Crossing>,
 }
 
@@ -74,7 +75,7 @@ pub fn lobes(
         limit: columns.iter().map(|c| c.limit.map(|l| l.0)).collect(),
         limit_error_m: columns.iter().map(|c| c.limit.map(|l| l.1)).collect(),
         zero_order: columns.iter().map(|c| c.zero_order).collect(),
-        mode_coupling: mode_coupling_limit(modes, &cut.directional().average_pa()),
+        mode_coupling: mode_coupling_limit(modes, cut.averaged()),
         spindle_rad_s,
         depth_m,
     }
@@ -137,7 +138,7 @@ impl SpeedColumn {
         Self {
             multiplier: found.iter().map(Multiplier::magnitude).collect(),
             limit,
-            zero_order: zero_order_limit(modes, &directional.average_pa(), period_s),
+            zero_order: zero_order_limit(modes, directional.averaged(period_s), period_s),
         }
     }
 }

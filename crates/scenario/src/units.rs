@@ -35,6 +35,11 @@ pub(crate) fn from_n_per_mm(value: f64) -> f64 {
     value * 1e3
 }
 
+/// N/mm³ to N/m³.
+pub(crate) fn from_n_per_mm3(value: f64) -> f64 {
+    value * 1e9
+}
+
 /// N/µm to N/m.
 pub(crate) fn from_n_per_um(value: f64) -> f64 {
     value * 1e6
@@ -52,7 +57,7 @@ pub(crate) fn from_rpm(value: f64) -> f64 {
 
 /// Unit suffixes of scenario keys with the unit as a person says it and its symbol. Longer suffixes
 /// stand before shorter ones that they end in.
-const SUFFIXES: [(&str, &str, &str); 25] = [
+const SUFFIXES: [(&str, &str, &str); 26] = [
     ("_deg_per_s2", "degrees/s²", "deg/s^2"),
     ("_deg_per_s", "degrees/s", "deg/s"),
     ("_pa_s_per_m", "Pa s/m", "Pa s/m"),
@@ -64,6 +69,7 @@ const SUFFIXES: [(&str, &str, &str); 25] = [
     ("_n_s_per_mm", "N s/mm", "N s/mm"),
     ("_mm_per_s", "mm/s", "mm/s"),
     ("_m_per_s", "m/s", "m/s"),
+    ("_n_per_mm3", "N/mm³", "N/mm^3"),
     ("_n_per_mm", "N/mm", "N/mm"),
     ("_n_per_um", "N/µm", "N/um"),
     ("_fraction", "a fraction of the run", "1"),
@@ -81,13 +87,14 @@ const SUFFIXES: [(&str, &str, &str); 25] = [
 ];
 
 /// Symbols of units that only keys have, with their factors to SI.
-const OF_KEYS: [(&str, Unit, f64); 6] = [
+const OF_KEYS: [(&str, Unit, f64); 7] = [
     ("Pa s/m", Unit::One, 1.0),
     ("J/mm^2", Unit::One, 1e6),
     ("J/mm^3", Unit::One, 1e9),
     ("1/mm^2", Unit::One, 1e6),
     ("N s/mm", Unit::NewtonSecondPerMetre, 1e3),
     ("1/Pa", Unit::One, 1.0),
+    ("N/mm^3", Unit::One, 1e9),
 ];
 
 /// What people write as units in keys although the format does not, to recognise the quantity.

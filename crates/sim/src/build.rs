@@ -111,6 +111,7 @@ impl Prepared {
         let mut notes = altered.robot.chain.notes.clone();
         notes.extend(scenario.notes());
         notes.extend(path_note);
+        notes.extend(process.notes());
         Ok(Self {
             friction: friction(&altered, kind),
             robot: Arc::new(altered.robot),

@@ -24,6 +24,9 @@ from .wheel import Command
 REMEMBERED = 3
 # A tooth whose edge would have to cut through so many feeds to reach stock is out of it.
 OUT_OF_STOCK = 20.0
+# Places of a wear land and their weights, both as parts of its width: Gauss's rule.
+_GAUSS = np.polynomial.legendre.leggauss(6)
+LAND = [(0.5 * (x + 1.0), 0.5 * w) for x, w in zip(*_GAUSS)]
 # Points of the cut at which a step's force is taken.
 PARTS = 2
 STEPS_PER_TOOTH = 80
@@ -130,6 +133,10 @@ class MillingProcess:
             tangential = (s.tangential_pa * chip + s.edge_tangential_n_per_m) * depth
             radial = (s.radial_pa * chip + s.edge_radial_n_per_m) * depth
             axial = (s.axial_pa * chip + s.edge_axial_n_per_m) * depth
+            if s.wear_land_m:
+                push = s.indentation_n_per_m3 * self._overlap(t, here, phi) * depth
+                radial += push
+                tangential += s.flank_friction * push
             f = (-tangential * cos - radial * sin, tangential * sin - radial * cos, axial)
             arm = (radius * sin, radius * cos, 0.5 * depth)
             for i in range(3):
@@ -137,6 +144,21 @@ class MillingProcess:
                 j, k = (i + 1) % 3, (i + 2) % 3
                 moment[i] += arm[j] * f[k] - arm[k] * f[j]
         return force, moment
+
+    def _overlap(self, t: float, here, phi: float) -> float:
+        """Area (m^2) by which the wear land behind a tooth's edge overlaps what the edge left: the land stands where
+        the edge is now, and the edge passed the places behind it earlier. The land is ground along the nominal path,
+        so that the feed is no overlap."""
+        s = self.spec
+        speed = 0.5 * s.diameter_m * s.spindle_rad_per_s
+        area = 0.0
+        for node, weight in LAND:
+            ago = node * s.wear_land_m / speed
+            x, y, _, _ = self._axis(t - ago)
+            behind = phi - s.spindle_rad_per_s * ago
+            dx, dy = here[0] - s.feed_m_per_s * ago - x, here[1] - y
+            area += max(0.0, dx * math.sin(behind) + dy * math.cos(behind)) * weight * s.wear_land_m
+        return area
 
     def _arc(self, t: float, here, phi: float, sin: float, cos: float, m: int) -> float:
         """Distance from the axis at which the tooth that came m pitches earlier cut the ray at phi."""

@@ -192,6 +192,9 @@ class Milling:
     edge_tangential_n_per_m: float
     edge_radial_n_per_m: float
     edge_axial_n_per_m: float
+    indentation_n_per_m3: float
+    flank_friction: float
+    wear_land_m: float
     direction: tuple[float, float, float]
     length_m: float
 
@@ -266,12 +269,12 @@ def from_table(table: dict, path: Path | None = None) -> Scenario:
     if len(processes) != 1:
         raise ScenarioError(f"{path}: exactly one process table is needed, found {sorted(processes)}")
     ((kind, body),) = processes.items()
-    readers = {"chamfer": _chamfer, "wheel": _wheel, "load": _load, "replay": _replay}
     folder = path.parent if path else Path()
-    if kind != "milling" and kind not in readers:
-        known = ", ".join(sorted([*readers, "milling"]))
+    readers = {"chamfer": _chamfer, "milling": _milling, "wheel": _wheel, "load": _load, "replay": _replay}
+    if kind not in readers:
+        known = ", ".join(sorted(readers))
         raise ScenarioError(f"{path}: this command knows no [process.{kind}], only {known}; tests/crosscheck checks others")
-    process = _milling(body, folder) if kind == "milling" else readers[kind](body)
+    process = readers[kind](body, folder)
     run = table.get("run", {})
     default_s = {
         Chamfer: lambda: process.duration_s,
@@ -350,8 +353,25 @@ def _foot(t: dict | None) -> Foot | None:
     )
 
 
-def _chamfer(t: dict) -> Chamfer:
-    c = t["cutting"]
+def _of_milling(material: dict, half_angle_rad: float) -> dict:
+    """Keys of [process.chamfer.cutting] from those of an end mill's edge, turned towards the spindle."""
+    out, up = math.cos(half_angle_rad), math.sin(half_angle_rad)
+    tangential, across = material["tangential_mpa"], material["radial_mpa"]
+    return {
+        "axial_mpa": up * across,
+        "in_plane_mpa": math.hypot(tangential, out * across),
+        "in_plane_angle_deg": math.degrees(math.atan2(out * across, tangential)),
+        "edge_axial_n_per_mm": up * material.get("edge_radial_n_per_mm", 0.0),
+        "edge_radial_n_per_mm": out * material.get("edge_radial_n_per_mm", 0.0),
+        "edge_tangential_n_per_mm": material.get("edge_tangential_n_per_mm", 0.0),
+    }
+
+
+def _chamfer(t: dict, folder: Path) -> Chamfer:
+    if "cutting" in t:
+        c = t["cutting"]
+    else:
+        c = _of_milling(_material(t["material"], folder), math.radians(t["half_angle_deg"]))
     return Chamfer(
         direction=t["direction"],
         spindle_rad_per_s=t["spindle_rpm"] * RPM,
@@ -375,7 +395,7 @@ def _chamfer(t: dict) -> Chamfer:
     )
 
 
-def _wheel(t: dict) -> Wheel:
+def _wheel(t: dict, _folder: Path) -> Wheel:
     return Wheel(
         radius_m=t["radius_mm"] * MM,
         width_m=t["width_mm"] * MM,
@@ -431,6 +451,9 @@ def _milling(t: dict, folder: Path) -> Milling:
         edge_tangential_n_per_m=cutting.get("edge_tangential_n_per_mm", 0.0) / MM,
         edge_radial_n_per_m=cutting.get("edge_radial_n_per_mm", 0.0) / MM,
         edge_axial_n_per_m=cutting.get("edge_axial_n_per_mm", 0.0) / MM,
+        indentation_n_per_m3=cutting.get("indentation_n_per_mm3", 0.0) / MM**3,
+        flank_friction=cutting.get("flank_friction", 0.0),
+        wear_land_m=cutter.get("wear_land_mm", cutting.get("wear_land_mm", 0.0)) * MM,
         direction=tuple(a / length for a in along),
         length_m=length * MM if "end_mm" in path else path["length_mm"] * MM,
     )
@@ -445,7 +468,7 @@ def _material(t: dict, folder: Path) -> dict:
     return chosen[0]
 
 
-def _load(t: dict) -> Load:
+def _load(t: dict, _folder: Path) -> Load:
     sweep = t.get("sweep", {})
     rotating = t.get("rotating", {})
     return Load(
@@ -462,5 +485,5 @@ def _load(t: dict) -> Load:
     )
 
 
-def _replay(t: dict) -> Replay:
+def _replay(t: dict, _folder: Path) -> Replay:
     return Replay(mode=t.get("mode", "forward"))

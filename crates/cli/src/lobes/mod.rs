@@ -12,7 +12,7 @@ use truecut_core::chatter::TipMode;
 use truecut_core::chatter::averaged::zero_order_limit;
 use truecut_plan::lobes::{LobeRequest, Lobes};
 use truecut_scenario::Scenario;
-use truecut_sim::stability::{MillingStudy, StabilityRun, damping_notes, stability_runs};
+use truecut_sim::stability::{MillingStudy, StabilityRun, stability_runs};
 
 use crate::args::LobesArguments;
 use crate::exit_status::ExitStatus;
@@ -70,7 +70,7 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
         scenario,
         other,
         uncertain,
-        notes: damping_notes(&modes),
+        notes: study.notes(&modes),
         known: beyond.map(|known| (known, study.beyond_modes(&modes, known))),
         study,
         posture,
@@ -108,11 +108,11 @@ fn request(
     let cut = &study.cut;
     let speed = cut.spindle_rad_s;
     let deepest = || {
-        let average = cut.directional().average_pa();
         // Where limits are not known, that of the fastest speed at which they are.
         let at = known_to_rad_s.map_or(speed, |known| known.min(speed));
         let period_s = cut.nominal.cutter.tooth_period_s(at);
-        let limit = zero_order_limit(modes, &average, period_s);
+        let average = cut.directional().averaged(period_s);
+        let limit = zero_order_limit(modes, average, period_s);
         let beyond = limit.map_or(0.0, |limit| BEYOND_LIMIT * limit.depth_m);
         beyond.max(BEYOND_DEPTH * cut.nominal.axial_depth_m)
     };

@@ -2,14 +2,14 @@
 //! to zero order.
 //!
 //! With G(ω) the 3×3 receptance of the tool point and B the averaged matrix (Pa), the loop closes
-//! where `det(I − a κ G(ω) B) = 0`, κ = 1 for teeth that meet the nominal surface and κ = 1 −
-//! e^{−iωT} for teeth that meet the surface left one tooth period earlier (`altintas1995`). Chips
-//! have no axial part, so the third column of B is zero and the determinant is that of a 2×2 block:
-//! `1 − a κt + a² κ²d`, t its trace and d its determinant. Its imaginary part gives a =
-//! Im(κt)/Im(κ²d), and what is left is one smooth real function of ω, whose roots are the
-//! crossings. Nothing is assumed about proportional shapes, orthogonal modes or light damping.
+//! where `det(I − a G(ω) (κ B + iω D)) = 0`, D what worn flanks add (Pa s), κ = 1 for teeth that
+//! meet the nominal surface and κ = 1 − e^{−iωT} for teeth that meet the surface left one tooth
+//! period earlier (`altintas1995`). Chips have no axial part, so the third columns of B and D are
+//! zero and the determinant is that of a 2×2 block: `1 − a t + a² d`, t its trace and d its
+//! determinant. Its imaginary part gives a = Im t/Im d, and what is left is one smooth real
+//! function of ω, whose roots are the crossings. Nothing is assumed about proportional shapes, orthogonal modes or light damping.
 
-use super::TipMode;
+use super::{AveragedCut, TipMode};
 use crate::roots::bisect;
 use nalgebra::{Complex, DMatrix, Matrix2, Matrix3};
 use std::f64::consts::TAU;
@@ -24,17 +24,12 @@ pub struct Crossing {
 }
 
 /// Lowest depth at which mode coupling makes n damped modes unstable under the averaged matrix
-/// `average_pa` (axes of the shapes), teeth meeting the nominal surface. `None` if no depth does.
-pub fn mode_coupling_limit(modes: &[TipMode], average_pa: &Matrix3<f64>) -> Option<Crossing> {
+/// `average` (axes of the shapes), teeth meeting the nominal surface. `None` if no depth does.
+pub fn mode_coupling_limit(modes: &[TipMode], average: impl Into<AveragedCut>) -> Option<Crossing> {
     let fastest = fastest_rad_s(modes)?;
-    let scan = Scan::new(
-        modes,
-        average_pa,
-        slowest_rad_s(modes) * 0.02,
-        fastest * 4.0,
-        0.0,
-    );
-    let hopf = scan.lowest_crossing(0.0);
+    let range = (slowest_rad_s(modes) * 0.02, fastest * 4.0);
+    let scan = Scan::new(modes, &average.into(), range, 0.0);
+    let hopf = scan.lowest_crossing();
     let divergence = scan.divergence_m().map(|depth_m| Crossing {
         depth_m,
         frequency_hz: 0.0,
@@ -48,48 +43,32 @@ pub fn mode_coupling_limit(modes: &[TipMode], average_pa: &Matrix3<f64>) -> Opti
 /// whichever is more; `None` if no depth is unstable there.
 pub fn zero_order_limit(
     modes: &[TipMode],
-    average_pa: &Matrix3<f64>,
+    average: impl Into<AveragedCut>,
     tooth_period_s: f64,
 ) -> Option<Crossing> {
     let highest = (fastest_rad_s(modes)? * 4.0).max(1.5 * TAU / tooth_period_s);
     let range = (slowest_rad_s(modes) * 0.02, highest);
-    zero_order_limit_within(modes, average_pa, tooth_period_s, range)
+    zero_order_limit_within(modes, average, tooth_period_s, range)
 }
 
 /// As [`zero_order_limit`], with chatter frequencies from a range in rad/s.
 pub fn zero_order_limit_within(
     modes: &[TipMode],
-    average_pa: &Matrix3<f64>,
+    average: impl Into<AveragedCut>,
     tooth_period_s: f64,
     range_rad_s: (f64, f64),
 ) -> Option<Crossing> {
-    let scan = Scan::new(
-        modes,
-        average_pa,
-        range_rad_s.0,
-        range_rad_s.1,
-        tooth_period_s,
-    );
-    scan.lowest_crossing(tooth_period_s)
+    Scan::new(modes, &average.into(), range_rad_s, tooth_period_s).lowest_crossing()
 }
 
-/// Rightmost eigenvalue (1/s, imaginary part ≥ 0) of n damped modes under `a B`, teeth meeting the
-/// nominal surface: q̈ + 2ζω q̇ + (ω² − a UᵀBU) q = 0. `None` without modes.
+/// Rightmost eigenvalue (1/s, imaginary part ≥ 0) of n damped modes under a cut of a depth, teeth
+/// meeting the nominal surface: q̈ + 2ζω q̇ + ω² q = b Uᵀ(B U q + D U q̇). `None` without modes.
 pub fn rightmost_per_s(
     modes: &[TipMode],
-    average_pa: &Matrix3<f64>,
+    average: impl Into<AveragedCut>,
     depth_m: f64,
 ) -> Option<Complex<f64>> {
-    rightmost(modes, average_pa, depth_m, 0.0)
-}
-
-/// Of q̈ + 2ζω q̇ + ω² q = UᵀBU (`on_position` q + `on_rate` q̇).
-fn rightmost(
-    modes: &[TipMode],
-    average_pa: &Matrix3<f64>,
-    on_position: f64,
-    on_rate: f64,
-) -> Option<Complex<f64>> {
+    let average = average.into();
     let n = modes.len();
     let mut state = DMatrix::zeros(2 * n, 2 * n);
     for (i, row) in modes.iter().enumerate() {
@@ -98,11 +77,14 @@ fn rightmost(
         state[(n + i, i)] -= omega * omega;
         state[(n + i, n + i)] -= 2.0 * row.damping_ratio * omega;
         for (j, column) in modes.iter().enumerate() {
-            let force = row
-                .shape_per_sqrt_kg
-                .dot(&(average_pa * column.shape_per_sqrt_kg));
-            state[(n + i, j)] += force * on_position;
-            state[(n + i, n + j)] += force * on_rate;
+            let force = |matrix: &Matrix3<f64>| {
+                depth_m
+                    * row
+                        .shape_per_sqrt_kg
+                        .dot(&(matrix * column.shape_per_sqrt_kg))
+            };
+            state[(n + i, j)] += force(&average.on_position_pa);
+            state[(n + i, n + j)] += force(&average.on_rate_pa_s);
         }
     }
     let eigenvalues = state.complex_eigenvalues();
@@ -125,7 +107,7 @@ fn lower(a: Option<Crossing>, b: Option<Crossing>) -> Option<Crossing> {
     found.min_by(|a, b| a.depth_m.total_cmp(&b.depth_m))
 }
 
-/// Trace and determinant of the loop's 2×2 block at one frequency.
+/// Trace and determinant of the loop's 2×2 block at one frequency, per depth and its square.
 #[derive(Debug, Clone, Copy)]
 struct Loop {
     trace: Complex<f64>,
@@ -135,9 +117,10 @@ struct Loop {
 /// The loop on a grid of frequencies, dense about each mode.
 struct Scan<'a> {
     modes: &'a [TipMode],
-    /// uᵀ-weighted rows: for mode j, (u u ᵀ B) cut to 2×2, Pa/kg.
-    residues: Vec<Matrix2<f64>>,
+    /// For mode j, (u uᵀ B) cut to 2×2, Pa/kg, and the same of what depends on velocities, Pa s/kg.
+    residues: Vec<[Matrix2<f64>; 2]>,
     grid_rad_s: Vec<f64>,
+    delay_s: f64,
     /// The determinant vanishes: one direction only.
     one_direction: bool,
 }
@@ -145,23 +128,27 @@ struct Scan<'a> {
 impl<'a> Scan<'a> {
     fn new(
         modes: &'a [TipMode],
-        average_pa: &Matrix3<f64>,
-        from_rad_s: f64,
-        to_rad_s: f64,
+        average: &AveragedCut,
+        (from_rad_s, to_rad_s): (f64, f64),
         delay_s: f64,
     ) -> Self {
-        let residues: Vec<_> = modes
-            .iter()
-            .map(|mode| {
-                let u = mode.shape_per_sqrt_kg;
-                let row = u.transpose() * average_pa;
-                (u * row).fixed_view::<2, 2>(0, 0).into_owned()
-            })
-            .collect();
+        let residue = |mode: &TipMode, matrix: &Matrix3<f64>| -> Matrix2<f64> {
+            let u = mode.shape_per_sqrt_kg;
+            (u * (u.transpose() * matrix))
+                .fixed_view::<2, 2>(0, 0)
+                .into_owned()
+        };
+        let residues = modes.iter().map(|mode| {
+            [
+                residue(mode, &average.on_position_pa),
+                residue(mode, &average.on_rate_pa_s),
+            ]
+        });
         let mut scan = Self {
             modes,
-            residues,
+            residues: residues.collect(),
             grid_rad_s: grid(modes, from_rad_s, to_rad_s, delay_s),
+            delay_s,
             one_direction: false,
         };
         let mut largest = (0.0_f64, 0.0_f64);
@@ -174,11 +161,18 @@ impl<'a> Scan<'a> {
         scan
     }
 
+    /// Σ g_j (κ R_j + iω S_j), R_j of positions and S_j of velocities.
     fn at(&self, omega_rad_s: f64) -> Loop {
+        let kappa = if self.delay_s > 0.0 {
+            Complex::new(1.0, 0.0) - Complex::from_polar(1.0, -omega_rad_s * self.delay_s)
+        } else {
+            Complex::new(1.0, 0.0)
+        };
         let mut sum = Matrix2::<Complex<f64>>::zeros();
-        for (mode, residue) in self.modes.iter().zip(&self.residues) {
+        for (mode, [position, rate]) in self.modes.iter().zip(&self.residues) {
             let g = mode.receptance_s2(omega_rad_s);
-            sum += residue.map(|r| g * r);
+            let rate = rate * omega_rad_s;
+            sum += position.zip_map(&rate, |p, r| g * (kappa * p + Complex::new(0.0, r)));
         }
         Loop {
             trace: sum.m11 + sum.m22,
@@ -188,30 +182,26 @@ impl<'a> Scan<'a> {
 
     /// The real function whose roots are the crossings (scaled to the size
     /// of its terms), and the depth there (m) if it is a root.
-    fn resultant(&self, omega_rad_s: f64, delay_s: f64) -> (f64, f64) {
-        let at = self.at(omega_rad_s);
-        let kappa = if delay_s > 0.0 {
-            Complex::new(1.0, 0.0) - Complex::from_polar(1.0, -omega_rad_s * delay_s)
-        } else {
-            Complex::new(1.0, 0.0)
-        };
-        let t = kappa * at.trace;
+    fn resultant(&self, omega_rad_s: f64) -> (f64, f64) {
+        let Loop {
+            trace: t,
+            determinant: d,
+        } = self.at(omega_rad_s);
         if self.one_direction {
             return (t.im, 1.0 / t.re);
         }
-        let d = kappa * kappa * at.determinant;
         let value = d.im * d.im - t.im * t.re * d.im + t.im * t.im * d.re;
         let size = d.norm_sqr() + t.norm_sqr() * d.norm();
         (value / size, t.im / d.im)
     }
 
-    fn lowest_crossing(&self, delay_s: f64) -> Option<Crossing> {
-        let value = |omega: f64| self.resultant(omega, delay_s).0;
+    fn lowest_crossing(&self) -> Option<Crossing> {
+        let value = |omega: f64| self.resultant(omega).0;
         let values: Vec<f64> = self.grid_rad_s.iter().map(|w| value(*w)).collect();
         let mut lowest = None;
         let mut bracket = |from: f64, to: f64, from_positive: bool| {
-            let root = self.refine(from, to, from_positive, delay_s);
-            lowest = lower(lowest, self.crossing(root, delay_s));
+            let root = self.refine(from, to, from_positive);
+            lowest = lower(lowest, self.crossing(root));
         };
         for (w, v) in self.grid_rad_s.windows(2).zip(values.windows(2)) {
             if (v[0] > 0.0) != (v[1] > 0.0) {
@@ -235,33 +225,28 @@ impl<'a> Scan<'a> {
         lowest
     }
 
-    fn crossing(&self, omega_rad_s: f64, delay_s: f64) -> Option<Crossing> {
-        let depth_m = self.resultant(omega_rad_s, delay_s).1;
+    fn crossing(&self, omega_rad_s: f64) -> Option<Crossing> {
+        let depth_m = self.resultant(omega_rad_s).1;
         let real = depth_m > 0.0 && depth_m.is_finite();
-        (real && self.closes(omega_rad_s, depth_m, delay_s)).then_some(Crossing {
+        (real && self.closes(omega_rad_s, depth_m)).then_some(Crossing {
             depth_m,
             frequency_hz: omega_rad_s / TAU,
         })
     }
 
-    fn refine(&self, low: f64, high: f64, low_positive: bool, delay_s: f64) -> f64 {
+    fn refine(&self, low: f64, high: f64, low_positive: bool) -> f64 {
         let [low, high] = bisect([low, high], 48, |omega| {
-            (self.resultant(omega, delay_s).0 > 0.0) != low_positive
+            (self.resultant(omega).0 > 0.0) != low_positive
         });
         0.5 * (low + high)
     }
 
     /// Whether the determinant is zero there, and not only its resultant (which also vanishes with
     /// κ or with both imaginary parts).
-    fn closes(&self, omega_rad_s: f64, depth_m: f64, delay_s: f64) -> bool {
+    fn closes(&self, omega_rad_s: f64, depth_m: f64) -> bool {
         let at = self.at(omega_rad_s);
-        let kappa = if delay_s > 0.0 {
-            Complex::new(1.0, 0.0) - Complex::from_polar(1.0, -omega_rad_s * delay_s)
-        } else {
-            Complex::new(1.0, 0.0)
-        };
-        let first = kappa * at.trace * depth_m;
-        let second = kappa * kappa * at.determinant * depth_m * depth_m;
+        let first = at.trace * depth_m;
+        let second = at.determinant * depth_m * depth_m;
         let rest = Complex::new(1.0, 0.0) - first + second;
         rest.norm() <= 1e-6 * (1.0 + first.norm() + second.norm())
     }

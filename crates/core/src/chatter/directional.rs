@@ -4,20 +4,57 @@ use nalgebra::Matrix3;
 use std::f64::consts::TAU;
 
 use crate::cutting::chamfer::CuttingCoefficients;
+use crate::cutting::milling::cutter::spindle_rad_s;
 use crate::cutting::milling::engagement::Engagement;
+use crate::cutting::milling::flank::Flank;
+use crate::cutting::milling::nominal::NominalCut;
 use crate::cutting::milling::sweep::Sweep;
 
-/// What the directional matrix is made of: teeth, coefficients, engagement. Straight edges; edge
-/// forces have no part.
+/// A cut averaged over a revolution: force on the tool per axial depth, milling frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AveragedCut {
+    /// By columns of displacement, Pa: the directional matrix.
+    pub on_position_pa: Matrix3<f64>,
+    /// By columns of velocity, Pa s: worn flanks.
+    pub on_rate_pa_s: Matrix3<f64>,
+}
+
+impl From<&Matrix3<f64>> for AveragedCut {
+    /// Sharp flanks.
+    fn from(on_position_pa: &Matrix3<f64>) -> Self {
+        Self {
+            on_position_pa: *on_position_pa,
+            on_rate_pa_s: Matrix3::zeros(),
+        }
+    }
+}
+
+/// What the directional matrix is made of: teeth, coefficients, engagement, worn flanks. Straight
+/// edges; edge forces have no part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionalMatrix {
     pub teeth: usize,
     pub coefficients: CuttingCoefficients,
     pub engagement: Engagement,
+    pub flank: Flank,
+    /// Of the cutter, m; asked for with a worn flank only.
+    pub radius_m: f64,
+}
+
+impl From<&NominalCut> for DirectionalMatrix {
+    fn from(cut: &NominalCut) -> Self {
+        Self {
+            teeth: cut.cutter.teeth,
+            coefficients: cut.coefficients,
+            engagement: cut.engagement,
+            flank: cut.cutter.flank,
+            radius_m: cut.cutter.radius_m,
+        }
+    }
 }
 
 impl DirectionalMatrix {
-    /// From K_t (Pa) and the ratio K_r = K_rc/K_tc, without an axial part.
+    /// From K_t (Pa) and the ratio K_r = K_rc/K_tc, without an axial part; flanks are sharp.
     pub fn planar(
         teeth: usize,
         tangential_pa: f64,
@@ -36,7 +73,29 @@ impl DirectionalMatrix {
             teeth,
             coefficients,
             engagement,
+            flank: Flank::default(),
+            radius_m: f64::NAN,
         }
+    }
+
+    /// The cut averaged over a revolution at a tooth period, for small motions.
+    pub fn averaged(&self, tooth_period_s: f64) -> AveragedCut {
+        let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
+        let share = self.teeth as f64 / TAU;
+        AveragedCut {
+            on_position_pa: self.average_pa(),
+            on_rate_pa_s: self.on_rate_pa_s(&sweep, tooth_period_s) * share,
+        }
+    }
+
+    /// Force per depth and velocity that worn flanks add, Pa s: the slope of a tooth's path is its
+    /// velocity outwards over the cutting speed.
+    fn on_rate_pa_s(&self, sweep: &Sweep, tooth_period_s: f64) -> Matrix3<f64> {
+        if self.flank.is_sharp() {
+            return Matrix3::zeros();
+        }
+        let speed_m_per_s = spindle_rad_s(self.teeth, tooth_period_s) * self.radius_m;
+        sweep.chip_force_pa(&self.flank.per_slope()) / speed_m_per_s
     }
 
     /// Averaged over a revolution, Pa (N/m per m of axial depth): `½ K_t A0` with A0 = N/2π (α_ij)
@@ -50,11 +109,18 @@ impl DirectionalMatrix {
     /// While tooth 0 stands at φ = `angle_rad`, of the teeth in the cut that stand `behind_rad`
     /// behind it, Pa.
     pub fn at_pa(&self, angle_rad: f64, behind_rad: &[f64]) -> Matrix3<f64> {
-        let mut sum = Sweep::default();
-        for behind in behind_rad {
-            sum += Sweep::at(angle_rad - behind);
-        }
-        sum.chip_force_pa(&self.coefficients)
+        Sweep::at_teeth(angle_rad, behind_rad).chip_force_pa(&self.coefficients)
+    }
+
+    /// The part of worn flanks, as [`Self::at_pa`], per velocity, Pa s; `None` if they are sharp.
+    pub fn flank_at_pa_s(
+        &self,
+        angle_rad: f64,
+        behind_rad: &[f64],
+        tooth_period_s: f64,
+    ) -> Option<Matrix3<f64>> {
+        let sweep = Sweep::at_teeth(angle_rad, behind_rad);
+        (!self.flank.is_sharp()).then(|| self.on_rate_pa_s(&sweep, tooth_period_s))
     }
 
     /// B turned by `angle_rad` about z: the matrix of a cut whose feed stands at this angle from

@@ -31,6 +31,6 @@ pub mod planar;
 pub mod spectral_elements;
 
 pub use attached::{AttachedMode, AttachedModes};
-pub use directional::DirectionalMatrix;
+pub use directional::{AveragedCut, DirectionalMatrix};
 pub use modes::{TipMode, in_axes};
 pub use multiplier::{Bifurcation, Multiplier};

@@ -1,5 +1,5 @@
 //! Spectral elements in time (`khasawneh2011`): Floquet multipliers of n modes under a periodic
-//! regenerative cut.
+//! regenerative cut, worn flanks included.
 //!
 //! A tooth period T is split where teeth enter and leave. Without a tooth in the cut the modes move
 //! freely, which is known in closed form. With teeth in the cut the period is split further into
@@ -28,7 +28,7 @@ use super::krylov::dominant_eigenvalue;
 use super::multiplier::Multiplier;
 use super::{DirectionalMatrix, TipMode};
 use crate::cutting::milling::nominal::NominalCut;
-use nalgebra::{DMatrix, DVector, DVectorView, Vector3};
+use nalgebra::{DMatrix, DVector, DVectorView, Matrix3, Vector3};
 use std::f64::consts::TAU;
 
 mod element;
@@ -67,12 +67,21 @@ impl Resolution {
 pub struct SpectralElements {
     modes: Vec<TipMode>,
     process: DirectionalMatrix,
-    /// C, outputs × modes: what is remembered of the modal coordinates; with a floor, and last, the
-    /// displacement along the tool's axis, which is not remembered.
-    outputs: DMatrix<f64>,
+    outputs: Outputs,
     /// Displacement of the tool point in the cutting plane by columns of remembered output.
     scale: f64,
     floor: Option<Floor>,
+}
+
+/// What forces follow from, outputs × modes.
+#[derive(Debug, Clone, PartialEq)]
+struct Outputs {
+    /// What is remembered of the modal coordinates; with a floor, and last, the displacement along
+    /// the tool's axis, which is not remembered.
+    positions: DMatrix<f64>,
+    /// With worn flanks the velocities of what is remembered, by columns of velocities over ω; not
+    /// remembered.
+    rates: DMatrix<f64>,
 }
 
 /// What the floor adds: the edge is engaged deeper at once where the tool sinks.
@@ -95,14 +104,22 @@ impl SpectralElements {
         );
         let planar = DMatrix::from_fn(2, modes.len(), |r, c| modes[c].shape_per_sqrt_kg[r]);
         let scale = planar.norm().max(f64::MIN_POSITIVE);
-        let outputs = match modes {
+        let positions = match modes {
             [_] => DMatrix::identity(1, 1),
             _ => planar / scale,
         };
+        let worn = if process.flank.is_sharp() {
+            0
+        } else {
+            positions.nrows()
+        };
+        let rates = DMatrix::from_fn(worn, modes.len(), |r, c| {
+            positions[(r, c)] * modes[c].natural_frequency_rad_s
+        });
         Self {
             modes: modes.to_vec(),
             process: *process,
-            outputs,
+            outputs: Outputs { positions, rates },
             scale,
             floor: None,
         }
@@ -123,10 +140,11 @@ impl SpectralElements {
             cut: *cut,
             lift: lifts.sum(),
         });
-        let height = self.outputs.nrows();
-        self.outputs = self.outputs.insert_row(height, 0.0);
+        let positions = self.outputs.positions;
+        let height = positions.nrows();
+        self.outputs.positions = positions.insert_row(height, 0.0);
         for (j, mode) in self.modes.iter().enumerate() {
-            self.outputs[(height, j)] = mode.shape_per_sqrt_kg.z;
+            self.outputs.positions[(height, j)] = mode.shape_per_sqrt_kg.z;
         }
         self
     }
@@ -140,6 +158,7 @@ impl SpectralElements {
     pub fn resolved(&self, tooth_period_s: f64, resolution: Resolution) -> AtSpeed<'_> {
         let nodes = Nodes::new(resolution.nodes);
         let pitch = TAU / self.process.teeth as f64;
+        let worn = self.outputs.rates.nrows() > 0;
         let mut elements = Vec::new();
         for [from, to] in self.segments() {
             let length_s = tooth_period_s * (to - from) / pitch;
@@ -150,12 +169,12 @@ impl SpectralElements {
             }
             let cycles = self.fastest_hz() * length_s + 2.0 * (to - from) / TAU;
             let count = (resolution.elements_per_cycle * cycles).ceil().max(1.0);
-            let response = ModalResponse::new(&self.modes, &nodes, length_s / count);
+            let response = ModalResponse::new(&self.modes, &nodes, length_s / count, worn);
             let step = (to - from) / count;
             elements.extend((0..count as usize).map(|i| {
                 let angle = |part: f64| from + step * (i as f64 + part);
                 let forces: Vec<NodeForces> = (nodes.at.iter())
-                    .map(|part| self.forces_at(angle(*part), &teeth))
+                    .map(|part| self.forces_at(angle(*part), &teeth, tooth_period_s))
                     .collect();
                 Element::cutting(&response, &self.outputs, &forces)
             }));
@@ -202,20 +221,27 @@ impl SpectralElements {
     }
 
     /// Modal forces of the teeth in the cut.
-    fn forces_at(&self, angle_rad: f64, teeth: &[f64]) -> NodeForces {
+    fn forces_at(&self, angle_rad: f64, teeth: &[f64], tooth_period_s: f64) -> NodeForces {
         let n = self.modes.len();
         let matrix = self.process.at_pa(angle_rad, teeth);
         let shape = |j: usize| self.modes[j].shape_per_sqrt_kg;
-        let remembered = if n == 1 {
-            DMatrix::from_element(1, 1, shape(0).dot(&(matrix * shape(0))))
-        } else {
-            DMatrix::from_fn(n, 2, |j, d| shape(j).dot(&matrix.column(d)) * self.scale)
+        let modal = |matrix: &Matrix3<f64>| {
+            if n == 1 {
+                DMatrix::from_element(1, 1, shape(0).dot(&(matrix * shape(0))))
+            } else {
+                DMatrix::from_fn(n, 2, |j, d| shape(j).dot(&matrix.column(d)) * self.scale)
+            }
         };
+        let flank = (self.process).flank_at_pa_s(angle_rad, teeth, tooth_period_s);
         let floor = self.floor.as_ref().map(|floor| {
             let per_depth: Vector3<f64> = floor.cut.force_per_depth_at(angle_rad, teeth);
             DVector::from_fn(n, |j, _| -shape(j).dot(&per_depth))
         });
-        NodeForces { remembered, floor }
+        NodeForces {
+            remembered: modal(&matrix),
+            floor,
+            flank: flank.as_ref().map(modal),
+        }
     }
 }
 
@@ -226,6 +252,8 @@ struct NodeForces {
     remembered: DMatrix<f64>,
     /// Force per displacement along the tool's axis, N/m in modal scaling.
     floor: Option<DVector<f64>>,
+    /// Modes × remembered outputs: force per depth and velocity of the output.
+    flank: Option<DMatrix<f64>>,
 }
 
 /// Modes and a cut at a speed, prepared for any depth.

@@ -82,6 +82,22 @@ impl CuttingCoefficients {
         }
     }
 
+    /// Of a straight edge at the angle θ to the spindle, from those of the edge of an end mill: the
+    /// tangential force stays, the one across edge and motion, radial at an end mill, is turned
+    /// towards the spindle by θ. Forces along the edge, which a helix brings, are left out.
+    #[must_use]
+    pub fn of_straight_edge(&self, half_angle_rad: f64) -> Self {
+        let (sin, cos) = half_angle_rad.sin_cos();
+        Self {
+            axial_pa: self.radial_pa * sin,
+            radial_pa: self.radial_pa * cos,
+            tangential_pa: self.tangential_pa,
+            edge_axial_n_per_m: self.edge_radial_n_per_m * sin,
+            edge_radial_n_per_m: self.edge_radial_n_per_m * cos,
+            edge_tangential_n_per_m: self.edge_tangential_n_per_m,
+        }
+    }
+
     /// K_rt, Pa.
     pub fn in_plane_pa(&self) -> f64 {
         self.radial_pa.hypot(self.tangential_pa)
@@ -199,6 +215,7 @@ impl FeedSchedule {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_4;
 
     const K: f64 = 1.0;
 
@@ -291,6 +308,34 @@ mod tests {
         assert!((s.edge_depth_m(10.0) - 1e-3).abs() < 1e-18);
         assert!((s.depth_cut_m(1.0) - 0.25e-3).abs() < 1e-18);
         assert!((s.depth_cut_m(-0.1) + 0.025e-3).abs() < 1e-18);
+    }
+
+    /// `docs/physics/chamfering.md`, Coefficients of milling: 45 steel at 45°; and at any angle the
+    /// force across the edge stays square to it, and as large.
+    #[test]
+    fn verify_coefficients_of_a_turned_edge() {
+        let edge = CuttingCoefficients {
+            radial_pa: 1065e6,
+            tangential_pa: 3550e6,
+            axial_pa: 300e6,
+            edge_axial_n_per_m: 1e3,
+            edge_radial_n_per_m: 2e4,
+            edge_tangential_n_per_m: 3e4,
+        };
+        let turned = edge.of_straight_edge(FRAC_PI_4);
+        assert!((turned.axial_pa / 753.1e6 - 1.0).abs() < 1e-4);
+        assert!((turned.in_plane_pa() / 3629.0e6 - 1.0).abs() < 1e-4);
+        for degrees in [1.0_f64, 20.0, 60.0, 89.0] {
+            let half_angle_rad = degrees.to_radians();
+            let k = edge.of_straight_edge(half_angle_rad);
+            let (sin, cos) = half_angle_rad.sin_cos();
+            // From the tip towards the spindle an edge gains cos θ in height and sin θ in radius;
+            // radial forces point inwards.
+            assert!((k.axial_pa * cos - k.radial_pa * sin).abs() < 1.0);
+            assert!((k.axial_pa.hypot(k.radial_pa) - edge.radial_pa).abs() < 1.0);
+            let across = k.edge_axial_n_per_m.hypot(k.edge_radial_n_per_m);
+            assert!((across - edge.edge_radial_n_per_m).abs() < 1e-9);
+        }
     }
 
     #[test]

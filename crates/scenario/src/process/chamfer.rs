@@ -8,6 +8,7 @@ use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients, FeedSchedule
 
 use crate::check::Check;
 use crate::foot::{FootSpec, FootTable};
+use crate::process::material::{Given, MaterialTable, one_of};
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
 use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm, from_rpm};
 
@@ -111,8 +112,11 @@ pub(crate) struct ChamferTable {
     dwell_revolutions: Option<f64>,
     /// Which vibrations change the chip. Default: "axial".
     regeneration: Option<Regeneration>,
-    /// Cutting force coefficients.
-    cutting: CuttingTable,
+    /// Cutting force coefficients of milling, turned to the edge, from a file; or give
+    /// [process.chamfer.cutting].
+    material: Option<MaterialTable>,
+    /// Cutting force coefficients; or give [process.chamfer.material].
+    cutting: Option<CuttingTable>,
     /// Pressure foot. Default: no foot.
     foot: Option<FootTable>,
 }
@@ -160,11 +164,14 @@ impl CuttingTable {
     }
 }
 
+const TABLE: &str = "process.chamfer";
+
 /// Revolutions at full depth where a scenario does not give them: one to finish, one to measure.
 const DEFAULT_DWELL_REVOLUTIONS: f64 = 2.0;
 
 impl ChamferTable {
-    pub(crate) fn resolve(self, check: &mut Check) -> ChamferSpec {
+    /// `None` after recording a fault.
+    pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<ChamferSpec> {
         if check.document().has("run.duration_s") {
             let because = "run.duration_s already says when the run ends";
             check.ignored("process.chamfer", &["dwell_revolutions"], because);
@@ -181,7 +188,15 @@ impl ChamferTable {
             check.wrong("process.chamfer", "depth_mm", message, label);
         }
         let spindle_rad_s = from_rpm(self.spindle_rpm);
-        ChamferSpec {
+        let half_angle_rad = from_deg(self.half_angle_deg);
+        let coefficients = match one_of(TABLE, self.material, self.cutting, check)? {
+            Given::Material(material) => {
+                let numbers = material.read(TABLE, folder, check)?;
+                numbers.coefficients().of_straight_edge(half_angle_rad)
+            }
+            Given::Cutting(cutting) => cutting.resolve(),
+        };
+        Some(ChamferSpec {
             direction: self.direction,
             schedule: FeedSchedule {
                 spindle_rad_s,
@@ -190,15 +205,15 @@ impl ChamferTable {
                 depth_m: from_mm(self.depth_mm),
                 dwell_revolutions: self.dwell_revolutions.unwrap_or(DEFAULT_DWELL_REVOLUTIONS),
             },
-            chip: ChipArea::new(from_deg(self.half_angle_deg)),
+            chip: ChipArea::new(half_angle_rad),
             hole_radius_m: from_mm(self.hole_diameter_mm) / 2.0,
             start_angle_rad: from_deg(self.start_angle_deg.unwrap_or(0.0)),
             regeneration: self.regeneration.unwrap_or_default(),
-            coefficients: self.cutting.resolve(),
+            coefficients,
             foot: self
                 .foot
                 .map(|foot| foot.resolve("process.chamfer.foot", spindle_rad_s, check)),
-        }
+        })
     }
 }
 
@@ -221,8 +236,8 @@ const KNOBS: &[Knob] = &[
 impl Room for ChamferSpec {
     type Table = ChamferTable;
 
-    fn resolve(table: ChamferTable, _folder: &Path, check: &mut Check) -> Option<Self> {
-        Some(table.resolve(check))
+    fn resolve(table: ChamferTable, folder: &Path, check: &mut Check) -> Option<Self> {
+        table.resolve(folder, check)
     }
 
     fn facts(&self) -> Facts {
@@ -231,7 +246,7 @@ impl Room for ChamferSpec {
             natural_duration_s: Some(self.cycle_s()),
             signals: &["cutting.depth", "foot.normal_force", "tool.displacement_x"],
             knobs: KNOBS,
-            files: &[],
+            files: &["material.file"],
             needs_drive: Some("chamfer"),
             needs_robot: true,
             replays: false,

@@ -6,6 +6,7 @@
 
 mod custom;
 mod facts;
+mod material;
 
 pub(crate) mod belt;
 pub(crate) mod brush;

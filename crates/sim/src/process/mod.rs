@@ -27,8 +27,8 @@ pub use custom::OwnProcess;
 pub(crate) use dispatch::set_up;
 pub use foot::{Foot, FootParameters};
 pub use load::Load;
-pub(crate) use milling::linear_share;
 pub use milling::{Milling, MillingSetup, MillingTheory};
+pub(crate) use milling::{linear_share, notes as milling_notes};
 pub use polish::{Polish, PolishSetup};
 pub use quantity::Quantity;
 pub use replay::{ForceSamples, Replay};
@@ -155,6 +155,11 @@ pub trait Process: Send {
     /// does: a step must resolve it.
     fn quickest_s(&self) -> Option<f64> {
         None
+    }
+
+    /// What a reader of the recording should know.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
     }
 
     /// Fastest mode that the process steps beside the robot, Hz, if it has modes of its own.

@@ -49,7 +49,7 @@ impl MillingStudy {
 }
 
 /// Sentences on modes whose damping a reader should know of.
-pub fn damping_notes(modes: &[TipMode]) -> Vec<String> {
+pub(super) fn damping_notes(modes: &[TipMode]) -> Vec<String> {
     let beyond = modes.iter().filter(|mode| mode.damping_ratio >= 1.0);
     let mut notes: Vec<String> = beyond
         .map(|mode| {

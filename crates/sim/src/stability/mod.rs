@@ -10,7 +10,7 @@ mod known;
 mod runs;
 mod view;
 
-pub use damping::{OtherDamping, damping_notes};
+pub use damping::OtherDamping;
 pub use draws::Draws;
 pub use runs::{StabilityRun, stability_runs};
 
@@ -27,7 +27,7 @@ use truecut_scenario::{MillingSpec, PathStart, PlannedPath, ProcessSpec, Scenari
 use crate::error::SimError;
 use crate::motion::straight;
 use crate::posture::posture;
-use crate::process::linear_share;
+use crate::process::{linear_share, milling_notes};
 use crate::robots::Robots;
 
 const PATH: &str = "process.milling.path";
@@ -141,6 +141,13 @@ impl MillingStudy {
     pub fn modes(&self, posture: &[f64]) -> Result<Vec<TipMode>, SimError> {
         let axes = self.path.world_from_milling(0);
         modes_in_cut(&self.robot, posture, &axes, &self.cut.attached).map_err(in_scenario)
+    }
+
+    /// What a reader of limits should know of the cut and of its modes.
+    pub fn notes(&self, modes: &[TipMode]) -> Vec<String> {
+        let mut notes = milling_notes(&self.cut.nominal);
+        notes.extend(damping::damping_notes(modes));
+        notes
     }
 
     /// A plan in the terms of a scenario file.

@@ -1,7 +1,7 @@
 //! One element: what no depth changes of it, and its map at a depth.
 
 use super::response::{ModalResponse, free_motion};
-use super::{NodeForces, TipMode};
+use super::{NodeForces, Outputs, TipMode};
 use nalgebra::DMatrix;
 
 /// A part of the tooth period.
@@ -12,9 +12,9 @@ pub(super) enum Element {
     Cutting(Box<CuttingElement>),
 }
 
-/// With remembered positions w at the nodes (outputs of a node beside one another), positions Z
-/// there, the state x at the start: Z = P x + (b D + G) Z − b D w, and x at the end is E x +
-/// (b D' + G') Z − b D' w.
+/// With remembered positions w at the nodes (outputs of a node beside one another), outputs Z
+/// there, the state x at the start: Z = P x + (b D + G + b V) Z − b D w, and x at the end is E x +
+/// (b D' + G' + b V') Z − b D' w.
 #[derive(Debug, Clone)]
 pub(super) struct CuttingElement {
     /// P.
@@ -26,6 +26,8 @@ pub(super) struct CuttingElement {
     delayed_end: DMatrix<f64>,
     /// G and G', by columns of the displacement along the tool's axis at each node.
     floor: Option<[DMatrix<f64>; 2]>,
+    /// V and V', by columns of the velocities of what is remembered.
+    flank: Option<[DMatrix<f64>; 2]>,
     /// Outputs of a node, and how many of them are remembered.
     outputs: usize,
     remembered: usize,
@@ -40,11 +42,7 @@ impl Element {
         Self::Free(motion)
     }
 
-    pub fn cutting(
-        response: &ModalResponse,
-        outputs: &DMatrix<f64>,
-        forces: &[NodeForces],
-    ) -> Self {
+    pub fn cutting(response: &ModalResponse, outputs: &Outputs, forces: &[NodeForces]) -> Self {
         Self::Cutting(Box::new(CuttingElement::new(response, outputs, forces)))
     }
 
@@ -67,17 +65,22 @@ fn set_mode(motion: &mut DMatrix<f64>, j: usize, own: &nalgebra::Matrix2<f64>) {
 }
 
 impl CuttingElement {
-    fn new(response: &ModalResponse, outputs: &DMatrix<f64>, forces: &[NodeForces]) -> Self {
-        let (n, nodes, d) = (response.modes.len(), forces.len(), outputs.nrows());
+    fn new(response: &ModalResponse, outputs: &Outputs, forces: &[NodeForces]) -> Self {
+        let (n, nodes) = (response.modes.len(), forces.len());
         let remembered = forces[0].remembered.ncols();
+        let rows = [&outputs.positions, &outputs.rates];
+        let d = rows[0].nrows() + rows[1].nrows();
+        let first = [0, rows[0].nrows()];
         let mut start = DMatrix::zeros(nodes * d, 2 * n);
         let mut free_end = DMatrix::zeros(2 * n, 2 * n);
         for (j, mode) in response.modes.iter().enumerate() {
             set_mode(&mut free_end, j, &mode.free_end);
-            for (i, free) in mode.free.iter().enumerate() {
-                for (row, part) in outputs.column(j).iter().enumerate() {
-                    start[(i * d + row, j)] = part * free[0];
-                    start[(i * d + row, j + n)] = part * free[1];
+            for kind in [0, 1] {
+                for (i, free) in mode.free[kind].iter().enumerate() {
+                    for (row, part) in rows[kind].column(j).iter().enumerate() {
+                        start[(i * d + first[kind] + row, j)] = part * free[0];
+                        start[(i * d + first[kind] + row, j + n)] = part * free[1];
+                    }
                 }
             }
         }
@@ -90,9 +93,12 @@ impl CuttingElement {
                     for column in 0..columns {
                         let force = force(m, j, column);
                         let to = m * columns + column;
-                        for (i, forced) in mode.forced.column(m).iter().enumerate() {
-                            for (row, part) in outputs.column(j).iter().enumerate() {
-                                at_nodes[(i * d + row, to)] += part * forced * force;
+                        for kind in [0, 1] {
+                            for (i, forced) in mode.forced[kind].column(m).iter().enumerate() {
+                                for (row, part) in rows[kind].column(j).iter().enumerate() {
+                                    let from = i * d + first[kind] + row;
+                                    at_nodes[(from, to)] += part * forced * force;
+                                }
                             }
                         }
                         at_end[(j, to)] = mode.forced_end[0][m] * force;
@@ -110,12 +116,18 @@ impl CuttingElement {
                 forces[m].floor.as_ref().map_or(0.0, |floor| floor[j])
             })
         });
+        let flank = forces[0].flank.is_some().then(|| {
+            positions(remembered, &|m, j, column| {
+                (forces[m].flank.as_ref()).map_or(0.0, |flank| flank[(j, column)])
+            })
+        });
         Self {
             start,
             free_end,
             delayed,
             delayed_end,
             floor,
+            flank,
             outputs: d,
             remembered,
         }
@@ -141,6 +153,16 @@ impl CuttingElement {
                     .axpy(-1.0, &floor.column(m), 1.0);
                 end.column_mut(m * d + w)
                     .axpy(1.0, &floor_end.column(m), 1.0);
+            }
+            if let Some([flank, flank_end]) = &self.flank {
+                for column in 0..w {
+                    let (from, to) = (m * w + column, (m + 1) * d - w + column);
+                    implicit
+                        .column_mut(to)
+                        .axpy(-depth_m, &flank.column(from), 1.0);
+                    end.column_mut(to)
+                        .axpy(depth_m, &flank_end.column(from), 1.0);
+                }
             }
         }
         // Positions by columns of the state and of what is remembered.

@@ -69,37 +69,39 @@ pub(super) struct ModalResponse {
 }
 
 pub(super) struct ModeResponse {
-    /// Coordinate at each node from coordinate and velocity at the start.
-    pub free: Vec<[f64; 2]>,
+    /// Coordinate at each node, and its velocity, from coordinate and velocity at the start.
+    pub free: [Vec<[f64; 2]>; 2],
     /// State at the end from the state at the start.
     pub free_end: Matrix2<f64>,
-    /// Coordinate at a node (row) from the force at a node (column), s².
-    pub forced: DMatrix<f64>,
+    /// Coordinate at a node (row), and, if asked for, its velocity, from the force at a node (column), s².
+    pub forced: [DMatrix<f64>; 2],
     /// State at the end from the force at each node, s².
     pub forced_end: [Vec<f64>; 2],
 }
 
 impl ModalResponse {
-    pub fn new(modes: &[TipMode], nodes: &Nodes, length_s: f64) -> Self {
+    pub fn new(modes: &[TipMode], nodes: &Nodes, length_s: f64, with_rates: bool) -> Self {
         let modes = modes.iter().map(|mode| {
             let (count, own) = (nodes.at.len(), mode.natural_frequency_rad_s);
-            let rows: Vec<Vec<f64>> = (0..count)
-                .map(|i| nodes.integrals(i, length_s, |t| free_motion(mode, t)[(0, 1)] / own))
-                .collect();
-            let velocity = |t: f64| free_motion(mode, t)[(1, 1)] / own;
+            // Coordinate (0) or velocity (1) at a place.
+            let forced = |part: usize, place: usize| {
+                nodes.integrals(place, length_s, |t| free_motion(mode, t)[(part, 1)] / own)
+            };
             ModeResponse {
-                free: (nodes.at.iter())
-                    .map(|at| {
+                free: [0, 1].map(|part| {
+                    let at_nodes = nodes.at.iter().map(|at| {
                         let motion = free_motion(mode, at * length_s);
-                        [motion[(0, 0)], motion[(0, 1)]]
-                    })
-                    .collect(),
+                        [motion[(part, 0)], motion[(part, 1)]]
+                    });
+                    at_nodes.collect()
+                }),
                 free_end: free_motion(mode, length_s),
-                forced: DMatrix::from_fn(count, count, |i, m| rows[i][m]),
-                forced_end: [
-                    nodes.integrals(count, length_s, |t| free_motion(mode, t)[(0, 1)] / own),
-                    nodes.integrals(count, length_s, velocity),
-                ],
+                forced: [0, 1].map(|part| {
+                    let wanted = if part == 1 && !with_rates { 0 } else { count };
+                    let rows: Vec<Vec<f64>> = (0..wanted).map(|i| forced(part, i)).collect();
+                    DMatrix::from_fn(wanted, count, |i, m| rows[i][m])
+                }),
+                forced_end: [0, 1].map(|part| forced(part, count)),
             }
         });
         Self {

@@ -33,6 +33,14 @@ pub struct MillingLoads {
     pub teeth_in_cut: usize,
 }
 
+/// A piece of a tooth's edge, thin enough to have one angle.
+struct Slice {
+    tooth: usize,
+    angle_rad: f64,
+    height_m: f64,
+    thick_m: f64,
+}
+
 /// A milling pass: parameters, and the memory of what has been cut.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MillingCut {
@@ -92,7 +100,13 @@ impl MillingCut {
                 let chip_m = self.chip_m(tooth, angle_rad, centre, &passes);
                 if chip_m > 0.0 {
                     cuts = true;
-                    self.add_slice(&mut loads, tooth, angle_rad, height_m, slice_m, chip_m);
+                    let slice = Slice {
+                        tooth,
+                        angle_rad,
+                        height_m,
+                        thick_m: slice_m,
+                    };
+                    self.add_slice(&mut loads, &slice, chip_m, &state.displacement_m_per_rad);
                 }
             }
             loads.teeth_in_cut += usize::from(cuts);
@@ -109,6 +123,7 @@ impl MillingCut {
             let before = ToolState {
                 rotation_rad,
                 displacement_m,
+                ..ToolState::default()
             };
             finished.sweep(&self.parameters, &before, state);
         }
@@ -234,19 +249,28 @@ impl MillingCut {
     fn add_slice(
         &self,
         loads: &mut MillingLoads,
-        tooth: usize,
-        angle_rad: f64,
-        height_m: f64,
-        slice_m: f64,
+        slice: &Slice,
         chip_m: f64,
+        rate_m_per_rad: &Vector3<f64>,
     ) {
-        let area = chip_m * slice_m;
-        let k = &self.parameters.coefficients;
-        let sizes = k.forces_n(area, slice_m);
-        let force = on_tool_n(angle_rad, sizes.tangential_n, sizes.radial_n, sizes.axial_n);
-        let (sin, cos) = angle_rad.sin_cos();
-        let reach = self.parameters.cutter.tooth_radius_m(tooth);
-        let arm = Vector3::new(reach * sin, reach * cos, height_m);
+        let area = chip_m * slice.thick_m;
+        let p = &self.parameters;
+        let sizes = p.coefficients.forces_n(area, slice.thick_m);
+        let mut force = on_tool_n(
+            slice.angle_rad,
+            sizes.tangential_n,
+            sizes.radial_n,
+            sizes.axial_n,
+        );
+        let (sin, cos) = slice.angle_rad.sin_cos();
+        let reach = p.cutter.tooth_radius_m(slice.tooth);
+        if !p.cutter.flank.is_sharp() {
+            let slope = (rate_m_per_rad.x * sin + rate_m_per_rad.y * cos) / reach;
+            let flank = p.cutter.flank.per_slope();
+            let sizes = flank.forces_n(slope * slice.thick_m, 0.0);
+            force += on_tool_n(slice.angle_rad, sizes.tangential_n, sizes.radial_n, 0.0);
+        }
+        let arm = Vector3::new(reach * sin, reach * cos, slice.height_m);
         loads.force_on_tool_n += force;
         loads.moment_on_tool_n_m += arm.cross(&force);
         loads.chip_area_m2 += area;

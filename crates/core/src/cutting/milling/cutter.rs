@@ -1,6 +1,7 @@
 //! Geometry of a cylindrical end mill.
 
 use super::MillingError;
+use super::flank::Flank;
 use std::f64::consts::{PI, TAU};
 
 /// Offset of the cutter's axis from the spindle's: tooth j runs at `r + e cos(φ0 − 2πj/N)`.
@@ -20,16 +21,18 @@ pub struct Cutter {
     /// β between cutting edge and axis, rad; positive if the edge lags behind with height.
     pub helix_angle_rad: f64,
     pub eccentricity: Eccentricity,
+    pub flank: Flank,
 }
 
 impl Cutter {
-    /// A cutter without helix and eccentricity.
+    /// A sharp cutter without helix and eccentricity.
     pub fn straight(radius_m: f64, teeth: usize) -> Self {
         Self {
             radius_m,
             teeth,
             helix_angle_rad: 0.0,
             eccentricity: Eccentricity::default(),
+            flank: Flank::default(),
         }
     }
 

@@ -21,8 +21,9 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
-//! | [`cutter`] | teeth, helix, eccentricity |
+//! | [`cutter`] | teeth, helix, eccentricity, flank |
 //! | [`engagement`] | entry and exit angles, the stock |
+//! | [`flank`] | the worn flank, which damps |
 //! | [`nominal`] | forces of the nominal chip in closed form: at an angle, and averaged over a revolution |
 //! | [`memory`] | where the tool stood when earlier teeth passed: the surface they left |
 //! | [`cut`] | forces of a vibrating tool against that surface |
@@ -35,6 +36,7 @@ pub mod dexel;
 mod earlier;
 pub mod engagement;
 pub mod finish;
+pub mod flank;
 pub mod memory;
 pub mod nominal;
 mod parameters;

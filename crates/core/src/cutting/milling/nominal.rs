@@ -5,9 +5,9 @@ use super::engagement::Engagement;
 use super::sweep::{Sweep, on_tool_n};
 use crate::cutting::chamfer::CuttingCoefficients;
 use nalgebra::{Matrix3, Vector3};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-/// A steady cut by a tool that does not vibrate and runs true.
+/// A steady cut by a tool that does not vibrate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NominalCut {
     pub cutter: Cutter,
@@ -20,13 +20,43 @@ pub struct NominalCut {
 
 impl NominalCut {
     /// Force on the tool, averaged over a revolution, N: `N b / 2π` times the integral of the
-    /// tooth's force over the engagement (`altintas2012`, eqs. 2.42 f.). Helix and eccentricity
-    /// have no part in it as long as every tooth cuts: the helix moves force in time, eccentricity
-    /// from one tooth to another.
+    /// tooth's force over the engagement (`altintas2012`, eqs. 2.42 f.). The helix has no part in
+    /// it, it moves force in time; eccentricity moves chips from one tooth to another, and takes
+    /// edge forces off where it lifts teeth out.
     pub fn average_force_n(&self) -> Vector3<f64> {
         let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
         let scale = self.cutter.teeth as f64 * self.axial_depth_m / TAU;
-        self.force_of(&sweep) * scale
+        let edge = self.edge_sweep().edge_force_n_per_m(&self.coefficients);
+        (self.chip_force_of(&sweep) + edge) * scale
+    }
+
+    /// Where edges cut, averaged over the teeth. Tooth e cuts at φ where it stands out beyond what
+    /// each earlier tooth left, ρ_e > ρ_{e−p} − p c sin φ: where sin φ exceeds
+    /// `max_p (ρ_{e−p} − ρ_e)/(p c)`.
+    fn edge_sweep(&self) -> Sweep {
+        let cutter = &self.cutter;
+        let [entry, exit] = [self.engagement.entry_rad, self.engagement.exit_rad];
+        if cutter.eccentricity.offset_m == 0.0 {
+            return Sweep::between(entry, exit);
+        }
+        let teeth = cutter.teeth;
+        let mut sum = Sweep::default();
+        for tooth in 0..teeth {
+            let own_m = cutter.tooth_radius_m(tooth);
+            let needed = (1..teeth).map(|passes| {
+                let earlier_m = cutter.tooth_radius_m(tooth + teeth - passes);
+                (earlier_m - own_m) / (passes as f64 * self.feed_per_tooth_m)
+            });
+            let least = needed.fold(0.0, f64::max);
+            if least >= 1.0 {
+                continue;
+            }
+            let (from, to) = (entry.max(least.asin()), exit.min(PI - least.asin()));
+            if to > from {
+                sum += Sweep::between(from, to);
+            }
+        }
+        sum.times(1.0 / teeth as f64)
     }
 
     /// Moment on the tool about its tip, averaged over a revolution, N m: tooth forces at the
@@ -34,14 +64,15 @@ impl NominalCut {
     /// spindle.
     pub fn average_moment_n_m(&self) -> Vector3<f64> {
         let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
+        let edge = self.edge_sweep();
         let k = &self.coefficients;
         let c = self.feed_per_tooth_m;
         let radius_m = self.cutter.radius_m;
         let scale = self.cutter.teeth as f64 * self.axial_depth_m / TAU * radius_m;
         // Axial forces at (r sin φ, r cos φ).
-        let axial_sin = k.axial_pa * c * sweep.sin_sin + k.edge_axial_n_per_m * sweep.sin;
-        let axial_cos = k.axial_pa * c * sweep.sin_cos + k.edge_axial_n_per_m * sweep.cos;
-        let braking = k.tangential_pa * c * sweep.sin + k.edge_tangential_n_per_m * sweep.one;
+        let axial_sin = k.axial_pa * c * sweep.sin_sin + k.edge_axial_n_per_m * edge.sin;
+        let axial_cos = k.axial_pa * c * sweep.sin_cos + k.edge_axial_n_per_m * edge.cos;
+        let braking = k.tangential_pa * c * sweep.sin + k.edge_tangential_n_per_m * edge.one;
         let up = Vector3::new(0.0, 0.0, 0.5 * self.axial_depth_m);
         up.cross(&self.average_force_n()) + Vector3::new(axial_cos, -axial_sin, braking) * scale
     }
@@ -67,11 +98,7 @@ impl NominalCut {
     /// Force on the tool per axial depth while tooth 0 stands at φ = `angle_rad`, of the teeth in
     /// the cut that stand `behind_rad` behind it, N/m. Straight edges.
     pub fn force_per_depth_at(&self, angle_rad: f64, behind_rad: &[f64]) -> Vector3<f64> {
-        let mut sum = Sweep::default();
-        for behind in behind_rad {
-            sum += Sweep::at(angle_rad - behind);
-        }
-        self.force_of(&sum)
+        self.force_of(&Sweep::at_teeth(angle_rad, behind_rad))
     }
 
     fn tooth_force_n(&self, tip_rad: f64) -> Vector3<f64> {
@@ -102,11 +129,17 @@ impl NominalCut {
     }
 
     fn force_of(&self, sweep: &Sweep) -> Vector3<f64> {
+        self.chip_force_of(sweep) + sweep.edge_force_n_per_m(&self.coefficients)
+    }
+
+    fn chip_force_of(&self, sweep: &Sweep) -> Vector3<f64> {
         let feed = Vector3::new(self.feed_per_tooth_m, 0.0, 0.0);
         sweep.chip_force_pa(&self.coefficients) * feed
-            + sweep.edge_force_n_per_m(&self.coefficients)
     }
 }
+
+#[cfg(test)]
+mod lifted;
 
 #[cfg(test)]
 mod tests {

@@ -42,10 +42,12 @@ impl MillingParameters {
 }
 
 /// Where the tool is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ToolState {
     /// Angle by which the spindle has turned, rad, not wrapped.
     pub rotation_rad: f64,
     /// Tool point minus its nominal position, milling frame, m.
     pub displacement_m: Vector3<f64>,
+    /// Its change with rotation, m/rad; only a worn flank asks for it.
+    pub displacement_m_per_rad: Vector3<f64>,
 }

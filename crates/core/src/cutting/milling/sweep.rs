@@ -40,6 +40,25 @@ impl Sweep {
         }
     }
 
+    pub fn times(&self, factor: f64) -> Self {
+        Self {
+            one: self.one * factor,
+            sin: self.sin * factor,
+            cos: self.cos * factor,
+            sin_sin: self.sin_sin * factor,
+            sin_cos: self.sin_cos * factor,
+        }
+    }
+
+    /// The sum over teeth that stand `behind_rad` behind an angle.
+    pub fn at_teeth(angle_rad: f64, behind_rad: &[f64]) -> Self {
+        let mut sum = Self::default();
+        for behind in behind_rad {
+            sum += Self::at(angle_rad - behind);
+        }
+        sum
+    }
+
     fn cos_cos(&self) -> f64 {
         self.one - self.sin_sin
     }

@@ -5,6 +5,7 @@ use serde::Deserialize;
 use truecut_core::chatter::AttachedMode;
 use truecut_core::cutting::milling::cutter::{Cutter, Eccentricity};
 use truecut_core::cutting::milling::engagement::Engagement;
+use truecut_core::cutting::milling::flank::Flank;
 
 use crate::check::Check;
 use crate::units::{from_deg, from_mm, from_um};
@@ -46,12 +47,22 @@ pub(super) struct CutterTable {
     runout_um: Option<f64>,
     /// Angle of that offset from the first tooth, in the sense of rotation. Default: 0.
     runout_angle_deg: Option<f64>,
+    /// Width of the wear land on the flanks along the cutting speed. Default: that of the cutting
+    /// force coefficients.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "0 is a sharp edge"))]
+    wear_land_mm: Option<f64>,
     /// Modes of cutter, holder and spindle at the tip, the flange held. Default: they are rigid.
     #[schemars(extend("maxItems" = 6, "x-rule" = "a tool has at most 6 modes here"))]
     mode: Option<Vec<ModeTable>>,
 }
 
 impl CutterTable {
+    /// Width of the wear land that the table gives.
+    pub(super) fn wear_land_m(&self) -> Option<f64> {
+        self.wear_land_mm.map(from_mm)
+    }
+
+    /// With sharp flanks, and modes.
     pub(super) fn resolve(self, check: &mut Check) -> (Cutter, Vec<AttachedMode>) {
         let table = "process.milling.cutter";
         let diameter_m = from_mm(self.diameter_mm);
@@ -76,6 +87,7 @@ impl CutterTable {
                 offset_m: runout_m,
                 angle_rad: from_deg(self.runout_angle_deg.unwrap_or(0.0)),
             },
+            flank: Flank::default(),
         };
         let list = format!("{table}.mode");
         let modes = modes::resolve(self.mode.unwrap_or_default(), &list, check);

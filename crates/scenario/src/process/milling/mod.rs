@@ -1,11 +1,12 @@
 //! The `[process.milling]` table: an end mill cuts along a straight line.
 
 mod cutter;
-mod material;
+mod flank;
 mod modes;
 mod path;
 mod planned;
 
+pub(super) use flank::Indentation;
 pub use planned::PlannedPath;
 
 use std::f64::consts::TAU;
@@ -14,17 +15,18 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_core::chatter::AttachedModes;
+use truecut_core::cutting::chamfer::CuttingCoefficients;
 use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::nominal::NominalCut;
 use truecut_plan::motion::straight::StraightPath;
 
 use crate::check::Check;
 use crate::fault::Fault;
+use crate::process::material::{CuttingTable, Given, MaterialTable, one_of};
 use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
 use crate::run::RunSpec;
 use crate::units::{from_deg, from_mm, from_rpm};
 use cutter::{CutterTable, EngagementName, engaged};
-use material::{CuttingTable, MaterialTable};
 use modes::MilledWorkpieceTable;
 use path::PathTable;
 
@@ -149,7 +151,8 @@ const TABLE: &str = "process.milling";
 impl MillingTable {
     /// `None` after recording a fault.
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<MillingSpec> {
-        let (cutter, tool_modes) = self.cutter.resolve(check);
+        let own_wear_land_m = self.cutter.wear_land_m();
+        let (mut cutter, tool_modes) = self.cutter.resolve(check);
         let attached = AttachedModes {
             tool: tool_modes,
             workpiece: (self.workpiece).map_or_else(Vec::new, |piece| piece.resolve(check)),
@@ -172,7 +175,10 @@ impl MillingTable {
             diameter_m,
             check,
         );
-        let coefficients = material::resolve(self.material, self.cutting, folder, check);
+        let cutting = coefficients(self.material, self.cutting, folder, check);
+        if let (Some((_, indentation)), Some(engagement)) = (&cutting, &engagement) {
+            cutter.flank = indentation.resolve(own_wear_land_m, engagement, cutter.radius_m, check);
+        }
         let path = self.path.resolve(check);
         let (lead_in_m, ramp_m) = (
             self.lead_in_mm.map(from_mm),
@@ -185,7 +191,7 @@ impl MillingTable {
         Some(MillingSpec {
             cut: NominalCut {
                 cutter,
-                coefficients: coefficients?,
+                coefficients: cutting?.0,
                 engagement: engagement?,
                 axial_depth_m: from_mm(self.axial_depth_mm),
                 feed_per_tooth_m: feed_m_per_s * period_s,
@@ -200,6 +206,23 @@ impl MillingTable {
             attached,
         })
     }
+}
+
+/// Coefficients, and what they say of worn flanks; `None` after recording a fault.
+fn coefficients(
+    material: Option<MaterialTable>,
+    cutting: Option<CuttingTable>,
+    folder: &Path,
+    check: &mut Check,
+) -> Option<(CuttingCoefficients, Indentation)> {
+    let (numbers, wear_land) = match one_of(TABLE, material, cutting, check)? {
+        Given::Material(material) => (
+            material.read(TABLE, folder, check)?,
+            "process.milling.material.file",
+        ),
+        Given::Cutting(cutting) => (cutting, "process.milling.cutting.wear_land_mm"),
+    };
+    Some((numbers.coefficients(), numbers.indentation(wear_land)))
 }
 
 fn tooth_period_s(spindle_rad_s: f64, cutter: &Cutter) -> f64 {

@@ -13,6 +13,7 @@ pub(crate) mod setup;
 
 pub(crate) use report::linear_share;
 pub use setup::MillingTheory;
+pub(crate) use setup::notes;
 
 use super::quantity;
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
@@ -202,6 +203,7 @@ impl Milling {
         self.cut.evaluate(&CutState {
             rotation_rad: self.rotation_rad(time_s),
             displacement_m,
+            displacement_m_per_rad: rate / s.spec.spindle_rad_s,
         })
     }
 
@@ -323,6 +325,7 @@ impl Process for Milling {
         let at = CutState {
             rotation_rad,
             displacement_m: deflection_m,
+            ..CutState::default()
         };
         self.broken = broken_rule(&self.cut, &at).map(|rule| (state.time_s, rule));
         self.cut.commit(&at);
@@ -394,5 +397,9 @@ impl Process for Milling {
             Attachment::Tool,
             self.setup.process_from_milling * force,
         )]
+    }
+
+    fn notes(&self) -> Vec<String> {
+        notes(&self.setup.spec.cut)
     }
 }

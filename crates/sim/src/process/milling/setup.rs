@@ -167,16 +167,25 @@ fn parameters(spec: &MillingSpec) -> MillingParameters {
     parameters
 }
 
+/// What a reader should know of a cut.
+pub(crate) fn notes(cut: &NominalCut) -> Vec<String> {
+    let (helix_rad, k) = (cut.cutter.helix_angle_rad, &cut.coefficients);
+    if helix_rad == 0.0 || k.axial_pa != 0.0 || k.edge_axial_n_per_m != 0.0 {
+        return Vec::new();
+    }
+    vec![format!(
+        "the edges have a helix of {} degrees, but the coefficients have no axial part (axial_mpa): \
+         forces along the spindle are left out",
+        helix_rad.to_degrees()
+    )]
+}
+
 /// Limits with the modes of arm, tool and workpiece, gravity aside.
 fn theory(modes: &[TipMode], cut: &NominalCut, tooth_period_s: f64) -> MillingTheory {
-    let matrix = DirectionalMatrix {
-        teeth: cut.cutter.teeth,
-        coefficients: cut.coefficients,
-        engagement: cut.engagement,
-    };
-    let average = matrix.average_pa();
-    let coupling = mode_coupling_limit(modes, &average);
-    let regenerative = zero_order_limit(modes, &average, tooth_period_s);
+    let matrix = DirectionalMatrix::from(cut);
+    let average = matrix.averaged(tooth_period_s);
+    let coupling = mode_coupling_limit(modes, average);
+    let regenerative = zero_order_limit(modes, average, tooth_period_s);
     let depth = |c: Option<Crossing>| c.map_or(f64::INFINITY, |c| c.depth_m);
     let hz = |c: Option<Crossing>| c.map_or(f64::NAN, |c| c.frequency_hz);
     let limit = regenerative

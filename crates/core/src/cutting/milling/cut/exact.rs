@@ -98,6 +98,7 @@ fn with_the_program(depth_m: f64, steps: usize, periods: usize) -> Motion {
         let state = |t: f64, x: f64| ToolState {
             rotation_rad: PI * t / PERIOD_S,
             displacement_m: Vector3::new(x, 0.0, 0.0),
+            ..ToolState::default()
         };
         let t = i as f64 * dt;
         cut.commit(&state(t, x));

@@ -1,8 +1,10 @@
 use super::*;
+use crate::chatter::DirectionalMatrix;
 use crate::cutting::milling::cutter::Cutter;
 use crate::cutting::milling::cutter::Eccentricity;
 use crate::cutting::milling::engagement::Engagement;
 use crate::cutting::milling::examples::aluminium;
+use crate::cutting::milling::flank::Flank;
 use crate::cutting::milling::nominal::NominalCut;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -27,6 +29,7 @@ fn still(rotation_rad: f64) -> ToolState {
     ToolState {
         rotation_rad,
         displacement_m: Vector3::zeros(),
+        ..ToolState::default()
     }
 }
 
@@ -129,11 +132,13 @@ fn verify_chip_after_passes_that_drew_back() {
             cut.commit(&ToolState {
                 rotation_rad: rotation,
                 displacement_m: Vector3::new(depths[pass], 0.0, 0.0),
+                ..ToolState::default()
             });
         }
         let state = ToolState {
             rotation_rad: 4.0 * TAU + FRAC_PI_2,
             displacement_m: Vector3::new(now, 0.0, 0.0),
+            ..ToolState::default()
         };
         let before = cut.clone();
         let loads = cut.evaluate(&state);
@@ -162,6 +167,7 @@ fn verify_without_regeneration_the_surface_is_nominal() {
         cut.commit(&ToolState {
             rotation_rad: 0.005 * f64::from(i),
             displacement_m: Vector3::new(2e-5 * (0.3 * f64::from(i)).sin(), 1e-5, 0.0),
+            ..ToolState::default()
         });
     }
     for angle in [0.4, 1.2, FRAC_PI_2, 2.6] {
@@ -169,6 +175,7 @@ fn verify_without_regeneration_the_surface_is_nominal() {
         let loads = cut.evaluate(&ToolState {
             rotation_rad: 4.0 * TAU + angle,
             displacement_m: d,
+            ..ToolState::default()
         });
         let expected = (p.feed_per_tooth_m + d.x) * angle.sin() + d.y * angle.cos();
         // Arcs: (c cos φ)²/2r, 0.16 µm at most.
@@ -217,6 +224,7 @@ fn verify_floor_depth_feedback() {
             let state = ToolState {
                 rotation_rad: TAU * (f64::from(i) + 0.5) / 3600.0,
                 displacement_m: Vector3::new(0.0, 0.0, z),
+                ..ToolState::default()
             };
             cut.evaluate(&state).force_on_tool_n
         });
@@ -248,4 +256,50 @@ fn verify_teeth_meet_nothing_before_the_stock() {
     assert_eq!(chip(9), 0.0);
     assert!((chip(10) - 0.25 * p.feed_per_tooth_m).abs() < 1e-12);
     assert!((chip(11) - p.feed_per_tooth_m).abs() < 1e-12);
+}
+
+/// What worn flanks add to the force on a tool that moves, meaned over a revolution, is the
+/// averaged cut's part that follows velocity; helix and tangential friction included.
+#[test]
+fn verify_worn_flanks_resist_the_velocity() {
+    let (spindle_rad_s, depth_m) = (TAU * 10.0, 3e-3);
+    let velocity = Vector3::new(2e-3, -1e-3, 0.7e-3);
+    let engagements = [
+        Engagement::SLOT,
+        Engagement::down(5e-3, 16e-3).expect("partial"),
+    ];
+    for (engagement, helix_angle_rad) in engagements.into_iter().zip([0.5, 0.0]) {
+        let cutter = Cutter {
+            helix_angle_rad,
+            flank: Flank::worn(4e13, 0.15e-3, 0.3),
+            ..Cutter::straight(8e-3, 3)
+        };
+        let cut = MillingCut::new(parameters(cutter, engagement, depth_m), None);
+        let samples = 1440;
+        let mut mean = Vector3::zeros();
+        for i in 0..samples {
+            let still = still(TAU * f64::from(i) / f64::from(samples) + 1e-3);
+            let moving = ToolState {
+                displacement_m_per_rad: velocity / spindle_rad_s,
+                ..still
+            };
+            let [moved, rested] = [moving, still].map(|state| cut.evaluate(&state));
+            mean += (moved.force_on_tool_n - rested.force_on_tool_n) / f64::from(samples);
+        }
+        let nominal = NominalCut {
+            cutter,
+            coefficients: aluminium(),
+            engagement,
+            axial_depth_m: depth_m,
+            feed_per_tooth_m: 0.05e-3,
+        };
+        let matrix = DirectionalMatrix::from(&nominal);
+        let averaged = matrix.averaged(cutter.tooth_period_s(spindle_rad_s));
+        let expected = averaged.on_rate_pa_s * velocity * depth_m;
+        assert!(
+            (mean - expected).norm() < 3e-3 * expected.norm(),
+            "{mean} {expected}"
+        );
+        assert!(expected.dot(&velocity) < 0.0);
+    }
 }

@@ -40,6 +40,7 @@ impl Oscillator {
                     // rounding.
                     rotation_rad: per_s * (t + 0.21 * dt),
                     displacement_m: Vector3::new(x, 0.0, z),
+                    ..ToolState::default()
                 }
             };
             let t = i as f64 * dt;
@@ -192,6 +193,7 @@ impl Flutter {
         let state = ToolState {
             rotation_rad: self.spindle_rad_s * t + 0.0066,
             displacement_m: Vector3::new(y.x, y.y, 0.0),
+            ..ToolState::default()
         };
         let force = self.cut.evaluate(&state).force_on_tool_n.xy();
         let rest = flutter_stiffness() * y.xy();
@@ -237,9 +239,8 @@ fn verify_time_domain_flutter_without_regeneration() {
     let mean = |from: usize| energies[from..from + 40].iter().sum::<f64>() / 40.0;
     let growth = 0.5 * (mean(190) / mean(110)).ln();
     let matrix = DirectionalMatrix {
-        teeth: 2,
         coefficients: flutter.cut.parameters().coefficients,
-        engagement: Engagement::SLOT,
+        ..DirectionalMatrix::planar(2, 0.0, 0.0, Engagement::SLOT)
     };
     let block = matrix.average_pa().fixed_view::<2, 2>(0, 0).into_owned();
     let split = PlanarSplit::of(&(flutter_stiffness() - block * FLUTTER_DEPTH_M));

@@ -46,6 +46,7 @@ fn mill(cutter: Cutter, displacement: impl Fn(f64) -> Vector3<f64>) -> FinishedS
         cut.commit(&ToolState {
             rotation_rad,
             displacement_m: displacement(rotation_rad),
+            ..ToolState::default()
         });
     }
     cut.finished().expect("asked for").clone()

@@ -10,7 +10,9 @@ use crate::check::Check;
 use crate::fault::Fault;
 use crate::schema::schema_of;
 use crate::structure;
-use crate::units::{from_mpa, from_n_per_mm};
+use crate::units::{from_mm, from_mpa, from_n_per_mm, from_n_per_mm3};
+
+use super::milling::Indentation;
 
 /// Coefficients of a material file.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -41,6 +43,16 @@ pub(crate) struct CuttingTable {
     edge_radial_n_per_mm: Option<f64>,
     /// Axial edge force per length of engaged edge; positive into the spindle. Default: 0.
     edge_axial_n_per_mm: Option<f64>,
+    /// Force per volume of workpiece that the worn flank displaces, K_sp: it damps vibration.
+    /// Default: none.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "an indented surface pushes back"))]
+    indentation_n_per_mm3: Option<f64>,
+    /// Coefficient of friction between worn flank and workpiece. Default: 0.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "friction opposes the motion"))]
+    flank_friction: Option<f64>,
+    /// Width of the wear land on the flank along the cutting speed. Default: 0, a sharp edge.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "0 is a sharp edge"))]
+    wear_land_mm: Option<f64>,
 }
 
 /// A material: published sets of coefficients.
@@ -73,44 +85,44 @@ struct SetTable {
     _bib: Option<String>,
 }
 
-const FILE: &str = "process.milling.material.file";
-const SET: &str = "process.milling.material.set";
+/// Where cutting force coefficients come from.
+pub(super) enum Given<T> {
+    Material(MaterialTable),
+    Cutting(T),
+}
 
-/// Exactly one of both tables; `None` after recording a fault.
-pub(super) fn resolve(
+/// Exactly one of both tables of a process (`process.milling`); `None` after recording a fault.
+pub(super) fn one_of<T>(
+    process: &str,
     material: Option<MaterialTable>,
-    cutting: Option<CuttingTable>,
-    folder: &Path,
+    cutting: Option<T>,
     check: &mut Check,
-) -> Option<CuttingCoefficients> {
+) -> Option<Given<T>> {
     match (material, cutting) {
-        (Some(material), None) => material.read(folder, check),
-        (None, Some(cutting)) => Some(cutting.resolve()),
+        (Some(material), None) => Some(Given::Material(material)),
+        (None, Some(cutting)) => Some(Given::Cutting(cutting)),
         (Some(_), Some(_)) => {
-            let message = "[process.milling.cutting] has no effect: [process.milling.material] already gives the \
-                           coefficients"
-                .to_owned();
-            check.refuse(Fault::key(
-                "process.milling.cutting",
-                message,
-                "given twice",
-            ));
+            let message = format!(
+                "[{process}.cutting] has no effect: [{process}.material] already gives the coefficients"
+            );
+            let key = format!("{process}.cutting");
+            check.refuse(Fault::key(&key, message, "given twice"));
             None
         }
         (None, None) => {
-            let message =
-                "missing cutting force coefficients in [process.milling]: they are given by \
-                           [process.milling.material] or [process.milling.cutting]"
-                    .to_owned();
-            let fault = Fault::key("process.milling.material", message, "no coefficients");
-            check.refuse(fault);
+            let message = format!(
+                "missing cutting force coefficients in [{process}]: they are given by \
+                 [{process}.material] or [{process}.cutting]"
+            );
+            let key = format!("{process}.material");
+            check.refuse(Fault::key(&key, message, "no coefficients"));
             None
         }
     }
 }
 
 impl CuttingTable {
-    fn resolve(self) -> CuttingCoefficients {
+    pub(super) fn coefficients(&self) -> CuttingCoefficients {
         let edge = |value: Option<f64>| from_n_per_mm(value.unwrap_or(0.0));
         CuttingCoefficients {
             tangential_pa: from_mpa(self.tangential_mpa),
@@ -121,29 +133,53 @@ impl CuttingTable {
             edge_axial_n_per_m: edge(self.edge_axial_n_per_mm),
         }
     }
+
+    /// What is said of worn flanks; `wear_land` is where a wear land that is wrong is told.
+    pub(super) fn indentation(&self, wear_land: &'static str) -> Indentation {
+        Indentation {
+            n_per_m3: self.indentation_n_per_mm3.map(from_n_per_mm3),
+            mu: self.flank_friction,
+            wear_land_m: self.wear_land_mm.map(from_mm),
+            wear_land,
+        }
+    }
 }
 
 impl MaterialTable {
-    fn read(self, folder: &Path, check: &mut Check) -> Option<CuttingCoefficients> {
+    /// Its coefficients; `None` after recording a fault.
+    pub(super) fn read(
+        self,
+        process: &str,
+        folder: &Path,
+        check: &mut Check,
+    ) -> Option<CuttingTable> {
+        let table = format!("{process}.material");
         let file = folder.join(&self.file);
         let text = match std::fs::read_to_string(&file) {
             Ok(text) => text,
             Err(error) => {
-                check.refuse(not_found(&self.file, &file, &error));
+                check.refuse(not_found(&table, &self.file, &file, &error));
                 return None;
             }
         };
         match parse(&text) {
-            Ok(material) => self.choose(material, check),
+            Ok(material) => self.choose(material, &table, check),
             Err(reason) => {
-                let message = format!("`{FILE}`: {} is no material file: {reason}", self.file);
-                check.refuse(Fault::value(FILE, message, "no material file"));
+                let key = format!("{table}.file");
+                let message = format!("`{key}`: {} is no material file: {reason}", self.file);
+                check.refuse(Fault::value(&key, message, "no material file"));
                 None
             }
         }
     }
 
-    fn choose(self, material: MaterialFile, check: &mut Check) -> Option<CuttingCoefficients> {
+    fn choose(
+        self,
+        material: MaterialFile,
+        table: &str,
+        check: &mut Check,
+    ) -> Option<CuttingTable> {
+        let key = format!("{table}.set");
         let ids: Vec<&str> = material.set.iter().map(|set| set.id.as_str()).collect();
         let known = ids.join(", ");
         let index = match &self.set {
@@ -155,23 +191,23 @@ impl MaterialTable {
             check.refuse(match &self.set {
                 Some(wanted) => {
                     let message = format!(
-                        "`{SET}` is \"{wanted}\", but {} has only the sets {known}",
+                        "`{key}` is \"{wanted}\", but {} has only the sets {known}",
                         self.file
                     );
-                    Fault::value(SET, message, "no such set")
+                    Fault::value(&key, message, "no such set")
                 }
                 None => {
                     let message = format!(
-                        "missing key `set` in [process.milling.material]: {} has the sets {known}",
+                        "missing key `set` in [{table}]: {} has the sets {known}",
                         self.file
                     );
-                    Fault::key(SET, message, "which of its sets?")
+                    Fault::key(&key, message, "which of its sets?")
                 }
             });
             return None;
         };
         let set = material.set.into_iter().nth(index)?;
-        Some(set.numbers.resolve())
+        Some(set.numbers)
     }
 }
 
@@ -189,7 +225,7 @@ fn parse(text: &str) -> Result<MaterialFile, String> {
 }
 
 /// A file that cannot be read, with the material files beside it.
-fn not_found(written: &str, file: &Path, error: &std::io::Error) -> Fault {
+fn not_found(table: &str, written: &str, file: &Path, error: &std::io::Error) -> Fault {
     let beside = file.parent().map(Path::to_owned).unwrap_or_default();
     let mut names: Vec<String> = std::fs::read_dir(&beside)
         .into_iter()
@@ -199,8 +235,9 @@ fn not_found(written: &str, file: &Path, error: &std::io::Error) -> Fault {
         .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
         .collect();
     names.sort();
-    let message = format!("`{FILE}`: cannot read material {written}: {error}");
-    let fault = Fault::value(FILE, message, "no such material");
+    let key = format!("{table}.file");
+    let message = format!("`{key}`: cannot read material {written}: {error}");
+    let fault = Fault::value(&key, message, "no such material");
     if names.is_empty() {
         fault.with_help(format!("{} holds no material file", beside.display()))
     } else {

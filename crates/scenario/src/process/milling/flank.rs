@@ -1,0 +1,59 @@
+//! The worn flank of a cutter: the wear land of `[process.milling.cutter]` or of the coefficients, and
+//! how the workpiece resists it.
+
+use truecut_core::cutting::milling::engagement::Engagement;
+use truecut_core::cutting::milling::flank::Flank;
+
+use crate::check::Check;
+use crate::fault::Fault;
+
+const CUTTER: &str = "process.milling.cutter.wear_land_mm";
+
+/// What coefficients say of worn flanks.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::process) struct Indentation {
+    pub n_per_m3: Option<f64>,
+    pub mu: Option<f64>,
+    pub wear_land_m: Option<f64>,
+    /// Key at which a wear land that is wrong is told.
+    pub wear_land: &'static str,
+}
+
+impl Indentation {
+    /// The flank of a cutter of `radius_m`, whose own wear land counts before that of the material.
+    pub(super) fn resolve(
+        &self,
+        own_wear_land_m: Option<f64>,
+        engagement: &Engagement,
+        radius_m: f64,
+        check: &mut Check,
+    ) -> Flank {
+        let (key, wear_land_m) = match own_wear_land_m {
+            Some(own_m) => (CUTTER, own_m),
+            None => (self.wear_land, self.wear_land_m.unwrap_or(0.0)),
+        };
+        if wear_land_m == 0.0 {
+            return Flank::default();
+        }
+        let Some(n_per_m3) = self.n_per_m3 else {
+            let message = format!(
+                "`{key}`: a wear land of {} mm is given, but the coefficients have no \
+                 `indentation_n_per_mm3`: how the workpiece resists the flank is not known",
+                wear_land_m * 1e3
+            );
+            check.refuse(Fault::value(key, message, "no resistance to it"));
+            return Flank::default();
+        };
+        let arc_m = radius_m * (engagement.exit_rad - engagement.entry_rad);
+        if wear_land_m >= arc_m {
+            let message = format!(
+                "`{key}`: the wear land is {} mm wide, but must be less than the {:.4} mm that a tooth \
+                 cuts along: it would be wider than its contact",
+                wear_land_m * 1e3,
+                arc_m * 1e3
+            );
+            check.refuse(Fault::value(key, message, "wider than the contact"));
+        }
+        Flank::worn(n_per_m3, wear_land_m, self.mu.unwrap_or(0.0))
+    }
+}
