@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 
-import mujoco
 import numpy as np
 import pytest
 import scipy.interpolate
@@ -21,6 +20,7 @@ from truecut_reference import scenario as scenario_file
 from truecut_reference.milling import MillingProcess, _cut_axes, growth_rate
 from truecut_reference.plant import Plant
 from truecut_reference.simulate import simulate
+from truecut_reference.tool_modes import with_modes
 from truecut_reference.wheel import Command
 
 SCENARIO = ROOT / "scenarios" / "milling" / "end_mill_12.toml"
@@ -55,50 +55,6 @@ def modes_of(path) -> list[dict]:
             }
         )
     return sorted(modes, key=lambda mode: -mode["mass"])
-
-
-def with_modes(mjcf: str, modes: list[dict]) -> mujoco.MjModel:
-    """The exported arm with a body on a spring for each mode; the site `tool` is on the last of them."""
-    plain = mujoco.MjModel.from_xml_string(mjcf)
-    site = mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_SITE, "tool")
-    last = int(plain.site_bodyid[site])
-    spec = mujoco.MjSpec.from_string(mjcf)
-    spec.site("tool").name = "arm_tool"
-    body = spec.body(mujoco.mj_id2name(plain, mujoco.mjtObj.mjOBJ_BODY, last))
-    _take_off(body, plain, last, modes[0]["mass"], plain.site_pos[site])
-    place = {"pos": plain.site_pos[site], "quat": plain.site_quat[site]}
-    for heavier, lighter in zip(modes, [*modes[1:], None]):
-        mass = heavier["mass"] - (lighter["mass"] if lighter else 0.0)
-        body = body.add_body(**place)
-        body.explicitinertial, body.mass, body.inertia = True, mass, [1e-9] * 3
-        body.add_joint(
-            type=mujoco.mjtJoint.mjJNT_SLIDE,
-            axis=heavier["direction"],
-            stiffness=heavier["stiffness"],
-            damping=heavier["damping"],
-        )
-        place = {}
-    body.add_site(name="tool")
-    return spec.compile()
-
-
-def _take_off(body, plain: mujoco.MjModel, last: int, mass: float, point: np.ndarray) -> None:
-    """Takes a point mass off a body."""
-
-    def about(place: np.ndarray) -> np.ndarray:
-        return np.dot(place, place) * np.eye(3) - np.outer(place, place)
-
-    whole, centre = plain.body_mass[last], plain.body_ipos[last]
-    turn = np.zeros(9)
-    mujoco.mju_quat2Mat(turn, plain.body_iquat[last])
-    turn = turn.reshape(3, 3)
-    inertia = turn @ np.diag(plain.body_inertia[last]) @ turn.T + whole * about(centre) - mass * about(point)
-    rest = whole - mass
-    new_centre = (whole * centre - mass * point) / rest
-    inertia -= rest * about(new_centre)
-    body.explicitinertial, body.mass, body.ipos, body.iquat = True, rest, new_centre, [1, 0, 0, 0]
-    body.inertia = [0.0, 0.0, 0.0]
-    body.fullinertia = [inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 1], inertia[0, 2], inertia[1, 2]]
 
 
 class Both:

@@ -18,7 +18,19 @@ from bench import ROOT, dataset, report, runner  # noqa: E402
 from bench.cases import SEEDS, all_cases, fast_cases  # noqa: E402
 from bench.effects import KINDS, Effect  # noqa: E402
 from bench.experiment import ALL, AXIS, CHAMFER, TWO_JOINT  # noqa: E402
-from bench.library import ANGLE, BELT, BRUSH, INSEPARABLE, PAIRS, POLISHING, POLISHING_EDGE, SINGLES, STRANGERS, TORQUE  # noqa: E402
+from bench.library import (  # noqa: E402
+    ANGLE,
+    BELT,
+    BRUSH,
+    INSEPARABLE,
+    MILLING,
+    PAIRS,
+    POLISHING,
+    POLISHING_EDGE,
+    SINGLES,
+    STRANGERS,
+    TORQUE,
+)
 from bench.noise import COLOURS, in_band, rms, unit_noise  # noqa: E402
 from bench.score import SAME_TRACE_DEG, Answer  # noqa: E402
 from bench.score import score as score_of  # noqa: E402
@@ -28,7 +40,7 @@ from truecut_reference import urdf_model  # noqa: E402
 from truecut_reference.simulate import simulate  # noqa: E402
 
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
-TEMPLATES = SINGLES + POLISHING + BELT + BRUSH + POLISHING_EDGE
+TEMPLATES = SINGLES + POLISHING + BELT + BRUSH + POLISHING_EDGE + MILLING
 EACH_TEMPLATE = pytest.mark.parametrize("template", TEMPLATES, ids=lambda t: f"{t.experiment}-{t.kind}-{t.target}")
 
 
@@ -52,7 +64,7 @@ def test_verify_every_effect_shows(template):
     assert size_of(ALL[template.experiment], (template.at(1.0),)) > 2.0
 
 
-STEPS_OF = ("axis", "two_joint", "chamfer", "teeth", "wheel", "polish", "polish_force", "belt", "belt_force", "brush")
+STEPS_OF = ("axis", "two_joint", "chamfer", "teeth", "wheel", "polish", "polish_force", "belt", "belt_force", "brush", "mill")
 
 
 @pytest.mark.parametrize("name", STEPS_OF)

@@ -3,6 +3,7 @@
 
 mod support;
 
+use std::path::Path;
 use support::{ARM_POSTURE, belt, brush, chamfer, load, polish, run, wheel};
 use truecut_recording::Recording;
 use truecut_scenario::Scenario;
@@ -44,9 +45,21 @@ fn short_brush() -> Scenario {
     )
 }
 
+/// A slot by the arm.
+fn milling() -> Scenario {
+    let file =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/milling/own_surface.toml");
+    let text = std::fs::read_to_string(&file).expect("shipped");
+    // A tool mode asks for a finer step.
+    let overrides = [("run.duration_s", "0.1"), ("run.time_step_ms", "0.04")]
+        .map(|(key, value)| (key.to_owned(), value.to_owned()));
+    Scenario::from_str(&file, &text, &overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
 fn stage(kind: EffectKind) -> Scenario {
     match kind.family() {
         Family::Cutting => chamfer(2, 0.3),
+        Family::Milling => milling(),
         // Two edges push the tool to no side, and the foot would not slide.
         Family::Foot => chamfer(1, 0.3),
         Family::Wheel => polish(),
@@ -89,6 +102,8 @@ fn size(kind: EffectKind) -> Vec<f64> {
         K::CuttingWear => vec![0.05],
         K::CuttingDepthOffset => vec![3e-5],
         K::SpindleSpeed => vec![0.98],
+        K::MillingProcessDamping => vec![2e5],
+        K::ToolMode => vec![5e-8, 600.0, 0.02],
         K::FootFrictionFalling => vec![0.4, 1e-3],
         K::FootPressureLoss => vec![0.3],
         K::FootSealStiction => vec![97.0],

@@ -20,6 +20,8 @@ from .library import (
     BRUSH,
     BRUSH_PAIR,
     INSEPARABLE,
+    MILLING,
+    MILLING_PAIR,
     PAIRS,
     POLISHING,
     POLISHING_EDGE,
@@ -90,7 +92,7 @@ def all_cases(seeds: str) -> list[Case]:
     """Every case of the bench."""
     draw = _Draw(seeds)
     makers = (_clean, _singles, _pairs, _strangers, _inseparable, _excitation, _late, _damaged, _units)
-    makers += (_polishing, _belt, _brush, _edge)
+    makers += (_polishing, _belt, _brush, _edge, _milling)
     return [case for maker in makers for case in maker(draw)]
 
 
@@ -216,6 +218,10 @@ def _brush(draw: _Draw) -> list[Case]:
 
 def _edge(draw: _Draw) -> list[Case]:
     return _led_singles(draw, "edge", POLISHING_EDGE, 100)
+
+
+def _milling(draw: _Draw) -> list[Case]:
+    return _led(draw, "milling", MILLING, MILLING_PAIR, 110)
 
 
 def _led_singles(draw: _Draw, name: str, templates: tuple, key: int) -> list[Case]:

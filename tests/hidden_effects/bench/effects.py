@@ -31,6 +31,8 @@ KINDS: dict[str, tuple[dict[str, float], tuple[str, ...]]] = {
     "cutting_wear": ({"growth_per_m": 0.0}, ()),
     "cutting_depth_offset": ({"depth_m": 0.0}, ()),
     "spindle_speed": ({"factor": 1.0}, ()),
+    "milling_process_damping": ({"per_slope_n_per_m": 0.0}, ()),
+    "tool_mode": ({"compliance_m_per_n": 0.0}, ("frequency_hz", "damping_ratio")),
     "foot_friction": ({"factor": 1.0}, ()),
     "foot_friction_falling": ({"drop": 0.0}, ("speed_m_per_s",)),
     "foot_pressure_loss": ({"rate_per_s": 0.0}, ()),

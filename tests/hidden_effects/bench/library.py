@@ -127,6 +127,14 @@ BRUSH = (
 BRUSH_PAIR = (BRUSH[0], BRUSH[1])
 
 
+# On a machine that gives way along the feed; forces and its place are measured.
+MILLING = (
+    Template("mill", "milling_process_damping", None, {"per_slope_n_per_m": 6e5}),
+    Template("mill", "tool_mode", None, {"compliance_m_per_n": 1e-7}, {"frequency_hz": 135.0, "damping_ratio": 0.03}),
+)
+MILLING_PAIR = (MILLING[0], MILLING[1])
+
+
 def single(kind: str, experiment: str = "axis") -> Template:
     """The first template of a kind on an experiment."""
     return next(t for t in SINGLES if t.kind == kind and t.experiment == experiment)

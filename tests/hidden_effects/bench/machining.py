@@ -23,8 +23,9 @@ from truecut_reference import urdf_model
 from truecut_reference.chamfer import ChamferProcess
 from truecut_reference.foot import FootNormal
 from truecut_reference.friction import FootFriction
-from truecut_reference.scenario import ATMOSPHERE_PA, Chamfer, Scenario, Wheel
+from truecut_reference.scenario import ATMOSPHERE_PA, Chamfer, Milling, Scenario, Wheel
 from truecut_reference.simulate import Laws, Result, simulate
+from truecut_reference.tool_modes import with_modes
 from truecut_reference.wheel import Command, WheelProcess
 
 from .effects import Effect
@@ -191,9 +192,44 @@ def straight_path(wheel: Wheel, start: np.ndarray, duration_s: float) -> Command
     return Command(t, joints)
 
 
+# Width of the hidden wear land: with it the resistance of the workpiece follows from the effect's size.
+WEAR_LAND_M = 0.1e-3
+
+
+def run_milling(scenario: Scenario, effects: Values, step_s: float) -> Result:
+    """A pass fed along a single slide. The reference lets the land overlap what its edge left, and its modes are bodies
+    on springs."""
+    spec = scenario.process
+    damping = effects.get("milling_process_damping", {"per_slope_n_per_m": 0.0})["per_slope_n_per_m"]
+    if damping:
+        resistance = 4.0 * damping / WEAR_LAND_M**2
+        spec = dataclasses.replace(spec, wear_land_m=WEAR_LAND_M, indentation_n_per_m3=resistance)
+        scenario = dataclasses.replace(scenario, process=spec)
+    robot = scenario.robot
+    config = urdf_model.tomllib.loads(robot.config.read_text(encoding="utf-8"))
+    arm = urdf_model.specification(robot, robot.urdf.read_text(encoding="utf-8"), config)
+    model, modes = arm.compile(), []
+    mode = effects.get("tool_mode", {"compliance_m_per_n": 0.0})
+    if mode["compliance_m_per_n"]:
+        stiffness, omega = 1.0 / mode["compliance_m_per_n"], 2.0 * math.pi * mode["frequency_hz"]
+        alike = {
+            "stiffness": stiffness,
+            "mass": stiffness / omega**2,
+            "damping": 2.0 * mode["damping_ratio"] * stiffness / omega,
+        }
+        modes = [alike | {"direction": np.array(direction)} for direction in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0])]
+        model = with_modes(arm.to_xml(), modes, turns=False)
+    t = np.linspace(0.0, scenario.duration_s, round(scenario.duration_s / 1e-3) + 1)
+    joints = np.zeros((t.size, 1 + len(modes)))
+    joints[:, 0] = spec.feed_m_per_s * t
+    return simulate(scenario, model, step_s, command=Command(t, joints))
+
+
 def run(scenario: Scenario, effects: list[Effect], step_s: float) -> Result:
     """The scenario's run with the effects; sensors are not among them."""
     values = {effect.kind: effect.values for effect in effects}
+    if isinstance(scenario.process, Milling):
+        return run_milling(scenario, values, step_s)
     model = urdf_model.from_urdf(scenario.robot)
     actual_step_s = [0.0]
     laws = Laws()

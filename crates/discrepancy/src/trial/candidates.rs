@@ -10,8 +10,8 @@ use std::f64::consts::TAU;
 
 use truecut_recording::ChannelSpec;
 use truecut_scenario::effect::{
-    BaseEffect, CuttingEffect, Effect, EffectKind, FootEffect, JointEffect, RobotEffect,
-    SensorEffect, Target, TargetKind, Typed, WheelEffect,
+    BaseEffect, CuttingEffect, Effect, EffectKind, FootEffect, JointEffect, MillingEffect,
+    RobotEffect, SensorEffect, Target, TargetKind, Typed, WheelEffect,
 };
 use truecut_scenario::{FootSpec, ProcessSpec, Scenario, WheelHold, WheelPart};
 use truecut_sim::misfit;
@@ -92,6 +92,7 @@ fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<
         Typed::Robot(effect) => robot_scale(signals, effect).values(),
         Typed::Base(_, effect) => base_scale(signals, effect).values(),
         Typed::Cutting(effect) => cutting_scale(&cut(scenario, signals)?, effect)?.values(),
+        Typed::Milling(effect) => milling_scale(scenario, effect)?.values(),
         Typed::Foot(effect) => {
             foot_scale(parts.foot.as_ref()?, effect, signals.duration_s).values()
         }
@@ -272,6 +273,25 @@ fn cutting_scale(cut: &Cut, effect: CuttingEffect) -> Option<CuttingEffect> {
         },
         E::SpindleSpeed { .. } => E::SpindleSpeed {
             factor: (0.3 / chamfer?.turns).min(SHARE),
+        },
+    })
+}
+
+fn milling_scale(scenario: &Scenario, effect: MillingEffect) -> Option<MillingEffect> {
+    let ProcessSpec::Milling(milling) = &scenario.process else {
+        return None;
+    };
+    let cut = &milling.cut;
+    Some(match effect {
+        // As much as a tenth of the chip's stiffness at the tooth-passing frequency.
+        MillingEffect::ProcessDamping { .. } => MillingEffect::ProcessDamping {
+            per_slope_n_per_m: SHARE * cut.coefficients.tangential_pa * cut.cutter.radius_m
+                / cut.cutter.teeth as f64,
+        },
+        MillingEffect::ToolMode { .. } => MillingEffect::ToolMode {
+            compliance_m_per_n: SHARE * cut.feed_per_tooth_m / cut.average_force_n().norm(),
+            frequency_hz: 50.0,
+            damping_ratio: 0.02,
         },
     })
 }

@@ -116,7 +116,12 @@ fn process(mut cell: Cell) -> Box<dyn Process> {
 /// The process with each effect that acts on it, at its neutral size. Effects of arm and sensors
 /// are not its own, those of other processes are refused.
 fn neutral(scenario: &Scenario) -> Vec<(String, Box<dyn Process>)> {
-    let own = [Family::Cutting, Family::Foot, Family::Wheel];
+    let own = [
+        Family::Cutting,
+        Family::Milling,
+        Family::Foot,
+        Family::Wheel,
+    ];
     let kinds = EffectKind::ALL
         .iter()
         .filter(|kind| own.contains(&kind.family()));

@@ -49,6 +49,8 @@ pub fn misfit(scenario: &Scenario, effect: &Effect) -> Option<String> {
             return (!turns(&scenario.process)).then(|| no_part(effect, model));
         }
         Typed::Cutting(_) => cutting_misfit(&parts),
+        Typed::Milling(_) => (!matches!(scenario.process, ProcessSpec::Milling(_)))
+            .then_some("it acts on the end mill of process.milling"),
         Typed::Foot(foot) => return foot_misfit(effect, foot, name, &parts),
         Typed::Wheel(wheel) => wheel_misfit(wheel, &parts),
     };

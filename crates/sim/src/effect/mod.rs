@@ -12,7 +12,7 @@ mod start;
 
 pub use check::misfit;
 
-pub(crate) use process::{CuttingEffects, FootEffects, WheelEffects};
+pub(crate) use process::{CuttingEffects, FootEffects, MillingEffects, WheelEffects};
 pub(crate) use robot::{Altered, alter, point_inertia};
 pub(crate) use start::{at_rest, base_at_rest};
 
@@ -35,6 +35,7 @@ pub(crate) struct Effects {
     /// World axis and compliance (rad/(N m)) of every tilt of the base.
     pub base: Vec<(usize, f64)>,
     pub cutting: CuttingEffects,
+    pub milling: MillingEffects,
     pub foot: FootEffects,
     pub wheel: WheelEffects,
     /// Channels that are not recorded as they are, with the entry in the scenario.
@@ -123,6 +124,7 @@ impl Effects {
                 },
             ) => self.base.push((axis, compliance_rad_per_n_m)),
             Typed::Cutting(effect) => self.cutting.add(effect),
+            Typed::Milling(effect) => self.milling.add(effect),
             Typed::Foot(effect) => self.foot.add(effect),
             Typed::Wheel(effect) => self.wheel.add(effect),
             Typed::Sensor(channel, effect) => {

@@ -1,9 +1,11 @@
 //! Effects on edge, foot and wheel, as numbers that the processes take.
 
+use truecut_core::chatter::AttachedMode;
 use truecut_core::wheel::abrasive::Abrasive;
 use truecut_core::wheel::eccentricity::Eccentricity;
 use truecut_core::wheel::force_control::ForceControl;
-use truecut_scenario::effect::{CuttingEffect, FootEffect, WheelEffect};
+use truecut_scenario::MillingSpec;
+use truecut_scenario::effect::{CuttingEffect, FootEffect, MillingEffect, WheelEffect};
 
 /// Effects on the cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +68,44 @@ impl CuttingEffects {
             || self.hole_offset_m != [0.0; 2]
             || self.recess_m != 0.0
             || self.depth_offset_m != 0.0
+    }
+}
+
+/// Effects on an end mill.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MillingEffects {
+    /// Beyond the nominal flank, N/m.
+    per_slope_n_per_m: f64,
+    /// Beside the nominal modes.
+    tool_modes: Vec<AttachedMode>,
+}
+
+impl MillingEffects {
+    pub(super) fn add(&mut self, effect: MillingEffect) {
+        match effect {
+            MillingEffect::ProcessDamping { per_slope_n_per_m } => {
+                self.per_slope_n_per_m = per_slope_n_per_m;
+            }
+            MillingEffect::ToolMode {
+                compliance_m_per_n,
+                frequency_hz,
+                damping_ratio,
+            } => {
+                let along = |direction: [f64; 3]| {
+                    let stiffness_n_per_m = 1.0 / compliance_m_per_n;
+                    AttachedMode::new(frequency_hz, damping_ratio, stiffness_n_per_m, direction)
+                };
+                self.tool_modes = vec![along([1.0, 0.0, 0.0]), along([0.0, 1.0, 0.0])];
+            }
+        }
+    }
+
+    /// The pass as it is.
+    pub fn on(&self, nominal: &MillingSpec) -> MillingSpec {
+        let mut spec = nominal.clone();
+        spec.cut.cutter.flank.per_slope_n_per_m += self.per_slope_n_per_m;
+        spec.attached.tool.extend(&self.tool_modes);
+        spec
     }
 }
 

@@ -193,6 +193,25 @@ Cutting: CuttingEffect on Whole {
             = factor(0.5, 1.5).starts(&[0.97, 0.98, 0.99, 0.996, 1.004, 1.01, 1.02, 1.03]),
     }
 }
+/// An end mill.
+Milling: MillingEffect on Whole {
+    MillingProcessDamping "milling_process_damping" is ProcessDamping in [Driven, Free]:
+        "Worn flanks resist the velocity of their edges: a radial force per slope of the path." {
+        per_slope_n_per_m: "Per height of the edge and slope, a quarter of the resistance to \
+                            indentation times the square of the wear land"
+            = same("per_slope_n_per_m", Unit::NewtonPerMetre, 0.0, 0.0, 1e9),
+    }
+    ToolMode "tool_mode" is ToolMode in [Driven, Free]:
+        "Tool, holder and spindle bend, alike in all directions across the tool axis." {
+        compliance_m_per_n: "Deflection of the tip per force"
+            = same("compliance_m_per_n", Unit::MetrePerNewton, 0.0, 0.0, 1e-3),
+        frequency_hz: "Natural frequency with the arm's tool point held"
+            = same("frequency_hz", Unit::Hertz, 500.0, 5.0, 20000.0)
+                .shape().starts(&[60.0, 120.0, 250.0, 500.0, 1000.0]),
+        damping_ratio: "Damping ratio"
+            = same("damping_ratio", Unit::One, 0.03, 0.0, 0.9).shape(),
+    }
+}
 /// The pressure foot.
 Foot: FootEffect on Whole {
     FootFriction "foot_friction" is Friction in [Driven, Free] follows Load:

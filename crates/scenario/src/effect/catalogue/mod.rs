@@ -5,8 +5,8 @@ mod list;
 mod parameter;
 
 pub use list::{
-    BaseEffect, CuttingEffect, EffectKind, Family, FootEffect, JointEffect, RobotEffect,
-    SensorEffect, Typed, WheelEffect,
+    BaseEffect, CuttingEffect, EffectKind, Family, FootEffect, JointEffect, MillingEffect,
+    RobotEffect, SensorEffect, Typed, WheelEffect,
 };
 
 use truecut_recording::Unit;

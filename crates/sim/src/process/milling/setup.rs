@@ -53,7 +53,8 @@ pub(crate) fn setup(
     let path = straight::solve(&spec.path, robot, &context.posture()?)?;
     let posture = path.knots[0].clone();
     let world_from_process = robot.world_from_process(&posture);
-    let setup = milling(spec, robot, &posture, &world_from_process)?;
+    let actual = context.effects.milling.on(spec);
+    let setup = milling([spec, &actual], robot, &posture, &world_from_process)?;
     let feed = setup.process_from_milling * Vector3::x();
     let (length_m, cut) = (spec.path.length_m, spec.cut);
     let width_m = 4.0 * cut.cutter.radius_m;
@@ -62,9 +63,9 @@ pub(crate) fn setup(
         .led_by(Motion::Straight(path, spec.feed_m_per_s)))
 }
 
-/// The pass of a scenario by an arm at the first posture of its path.
+/// The pass of a scenario, nominal and as effects make it, by an arm at the first posture of its path.
 fn milling(
-    spec: &MillingSpec,
+    [nominal, spec]: [&MillingSpec; 2],
     robot: &Robot,
     posture: &[f64],
     world_from_process: &Isometry3<f64>,
@@ -90,8 +91,11 @@ fn milling(
     // A tool that sinks by z under the force F cuts deeper: F (b - z)/b, of which z is the
     // deflection.
     let deeper = 1.0 / (1.0 + deflection.z / cut.axial_depth_m).max(0.1);
-    let modes = robot.cutting_modes(posture, &spec.attached)?;
-    let modes = in_axes(&modes, world_from_milling.matrix());
+    let modes_of = |spec: &MillingSpec| -> Result<Vec<TipMode>, SimError> {
+        let modes = robot.cutting_modes(posture, &spec.attached)?;
+        Ok(in_axes(&modes, world_from_milling.matrix()))
+    };
+    let modes = modes_of(spec)?;
     Ok(MillingSetup {
         parameters: parameters(spec),
         process_from_milling,
@@ -99,7 +103,7 @@ fn milling(
         mean_load: (mean_load.0 * deeper, mean_load.1 * deeper),
         mean_deflection_m: deflection * deeper,
         finished_walls: finished_walls(&cut.engagement),
-        theory: theory(&modes, cut, spec.tooth_period_s()),
+        theory: theory(&modes_of(nominal)?, &nominal.cut, nominal.tooth_period_s()),
         fastest_mode_hz: modes
             .iter()
             .map(|mode| mode.natural_frequency_rad_s / TAU)

@@ -132,6 +132,7 @@ impl Case {
                 // Not on a step, nor half of one: entry and exit must not be a matter of rounding.
                 rotation_rad: self.cutter.pitch_rad() * (i as f64 + 0.21) / steps as f64,
                 displacement_m: x * self.direction + lifted_m * Vector3::z(),
+                ..ToolState::default()
             };
             if !each(i, [x, v], &state, &cut) {
                 return;
@@ -299,6 +300,7 @@ fn no_chip_is_thicker_than_the_axis_has_moved() {
             let state = ToolState {
                 rotation_rad,
                 displacement_m: Vector3::new(now_m.x, now_m.y, 0.0),
+                ..ToolState::default()
             };
             cut.commit(&state);
             if i < 1200 || i % 7 != 0 {
@@ -344,6 +346,7 @@ fn verify_paths_loop_from_the_speed_of_the_teeth_on() {
             let state = ToolState {
                 rotation_rad,
                 displacement_m: Vector3::new(0.0, x, 0.0),
+                ..ToolState::default()
             };
             turned_back |= cut.turns_back(&state);
             cut.commit(&state);
@@ -370,6 +373,7 @@ fn a_tool_is_off_the_nominal_surface_beyond_its_radius() {
         let state = ToolState {
             rotation_rad: 0.3,
             displacement_m: Vector3::new(x_m, 0.0, 0.0),
+            ..ToolState::default()
         };
         let cut = MillingCut::new(p, None);
         assert_eq!(cut.is_off_the_surface(&state), expected, "{x_m}");
