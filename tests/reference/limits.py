@@ -41,8 +41,29 @@ def mean_pa(low, high, teeth, k_t, k_r, entry, exit):
     return 0.5 * k_t * total / (high - low)
 
 
-def growth(modes, process, period, depth, angles):
+def kicks(process, period, edge, angles):
+    """By steps that begin where a tooth enters or leaves at the wall: impulse per depth and displacement, N s/m2.
+
+    `edge` is (K_te, K_re, feed per tooth). There the chip c sin(phi) + d.n goes through zero, so that a displacement d
+    moves entry or exit by d.n/c, and the edge force acts that much longer."""
+    teeth, _, _, entry, exit = process
+    pitch = angles[-1]
+    tangential, radial, feed = edge
+    found = {}
+    for end in (entry, exit):
+        if abs(np.sin(end)) > 1e-9:
+            continue
+        s, c = round(np.sin(end)), round(np.cos(end))
+        force = np.array([-tangential * c - radial * s, tangential * s - radial * c])
+        step = int(np.argmin(abs((angles[:-1] - end + 0.5 * pitch) % pitch - 0.5 * pitch)))
+        one = np.outer(force, [s, c]) / feed * period / pitch
+        found[step] = found.get(step, 0.0) + one
+    return found
+
+
+def growth(modes, process, period, depth, angles, edge=None):
     """ln of the dominant multiplier's magnitude over a tooth period."""
+    kick = kicks(process, period, edge, angles) if edge else {}
     n, pitch = len(modes), angles[-1]
     shapes = np.array([shape for *_, shape in modes]).T
     free = np.zeros((2 * n, 2 * n))
@@ -66,6 +87,9 @@ def growth(modes, process, period, depth, angles):
         e = expm(big)[: 2 * n]
         old, new = before[i], before[i + 1] if i + 1 < steps else newest
         after.append(shapes @ state[:n])
+        if i in kick:
+            state = state.copy()
+            state[n : 2 * n] += shapes.T @ kick[i] @ (after[-1] - old) * depth
         state = (
             e[:, : 2 * n] @ state + e[:, 2 * n : 2 * n + 2] @ old + e[:, 2 * n + 2 :] @ (new - old)
         )
@@ -85,10 +109,10 @@ def limit(modes, process, period, steps, guess):
     return None
 
 
-def near(modes, process, period, steps, about):
+def near(modes, process, period, steps, about, edge=None):
     """The same close to a known limit."""
     angles = edges(steps, process[0], *process[3:])
-    at = lambda depth: growth(modes, process, period, depth, angles)
+    at = lambda depth: growth(modes, process, period, depth, angles, edge)
     low, high = 0.9 * about, 1.05 * about
     return brentq(at, low, high, rtol=1e-7) if at(low) < 0.0 < at(high) else None
 

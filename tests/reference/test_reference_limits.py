@@ -17,6 +17,17 @@ def extrapolated(modes, process, period, about, steps):
     return (4 * fine - coarse) / 3
 
 
+def test_limit_with_edge_forces():
+    """Slot at 12 523 rpm of docs/physics/stability.md: without and with edge forces."""
+    directions = ((1000, [1.0, 0.0]), (1040, [0.0, 1.0]))
+    modes = [(2 * np.pi * f, 0.03, np.array(d) * 2 * np.pi * f / np.sqrt(1e7)) for f, d in directions]
+    process, period = (2, 243.8e6, 113.5 / 243.8, 0.0, np.pi), 30.0 / 12523
+    for edge, expected in ((None, 3.0715e-3), ((7.53e3, 7.83e3, 5e-5), 2.0760e-3)):
+        coarse = limits.near(modes, process, period, 60, 1.01 * expected, edge)
+        fine = limits.near(modes, process, period, 120, coarse, edge)
+        assert (4 * fine - coarse) / 3 == pytest.approx(expected, rel=1e-4)
+
+
 @pytest.mark.parametrize("row", [0, 15, 26, 38])
 def test_drawn_limits(row):
     case = ROWS[row]

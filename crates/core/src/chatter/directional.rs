@@ -1,6 +1,6 @@
 //! The directional matrix: force on the tool per axial depth and displacement.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
 use crate::cutting::chamfer::CuttingCoefficients;
@@ -30,7 +30,8 @@ impl From<&Matrix3<f64>> for AveragedCut {
 }
 
 /// What the directional matrix is made of: teeth, coefficients, engagement, worn flanks. Straight
-/// edges; edge forces have no part.
+/// edges. Edge forces have a part where teeth enter or leave with a chip that rises from nothing,
+/// if the feed is known ([`Self::edge_kick_pa`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionalMatrix {
     pub teeth: usize,
@@ -39,6 +40,8 @@ pub struct DirectionalMatrix {
     pub flank: Flank,
     /// Of the cutter, m; asked for with a worn flank only.
     pub radius_m: f64,
+    /// c, m; infinite if edge forces shall have no part.
+    pub feed_per_tooth_m: f64,
 }
 
 impl From<&NominalCut> for DirectionalMatrix {
@@ -49,6 +52,7 @@ impl From<&NominalCut> for DirectionalMatrix {
             engagement: cut.engagement,
             flank: cut.cutter.flank,
             radius_m: cut.cutter.radius_m,
+            feed_per_tooth_m: cut.feed_per_tooth_m,
         }
     }
 }
@@ -75,6 +79,7 @@ impl DirectionalMatrix {
             engagement,
             flank: Flank::default(),
             radius_m: f64::NAN,
+            feed_per_tooth_m: f64::INFINITY,
         }
     }
 
@@ -99,11 +104,29 @@ impl DirectionalMatrix {
     }
 
     /// Averaged over a revolution, Pa (N/m per m of axial depth): `½ K_t A0` with A0 = N/2π (α_ij)
-    /// between entry and exit, α as in `altintas1995`; the third row is the axial force, the third
+    /// between entry and exit, α as in `altintas1995`, and what edge forces add; the third row is the axial force, the third
     /// column zero.
     pub fn average_pa(&self) -> Matrix3<f64> {
         let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
-        sweep.chip_force_pa(&self.coefficients) * (self.teeth as f64 / TAU)
+        let Engagement {
+            entry_rad,
+            exit_rad,
+        } = self.engagement;
+        let kicks = self.edge_kick_pa(entry_rad) + self.edge_kick_pa(exit_rad);
+        (sweep.chip_force_pa(&self.coefficients) + kicks) * (self.teeth as f64 / TAU)
+    }
+
+    /// Where a tooth enters or leaves at φ with a chip that rises from nothing, `c sin φ + Δ·n(φ)`,
+    /// a displacement Δ lets it cut over Δ·n/c more of its arc. Its edge force acts that much
+    /// longer: the impulse on the tool is this, per depth and columns of Δ, over the spindle's rate
+    /// (Pa). Zero where teeth enter or leave through a face of the stock.
+    pub fn edge_kick_pa(&self, angle_rad: f64) -> Matrix3<f64> {
+        let (sin, cos) = angle_rad.sin_cos();
+        if sin.abs() > 1e-9 {
+            return Matrix3::zeros();
+        }
+        let edge = Sweep::at(angle_rad).edge_force_n_per_m(&self.coefficients);
+        edge * Vector3::new(sin, cos, 0.0).transpose() / self.feed_per_tooth_m
     }
 
     /// While tooth 0 stands at φ = `angle_rad`, of the teeth in the cut that stand `behind_rad`

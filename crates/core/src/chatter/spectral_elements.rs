@@ -27,6 +27,7 @@
 use super::krylov::dominant_eigenvalue;
 use super::multiplier::Multiplier;
 use super::{DirectionalMatrix, TipMode};
+use crate::cutting::milling::cutter::spindle_rad_s;
 use crate::cutting::milling::nominal::NominalCut;
 use nalgebra::{DMatrix, DVector, DVectorView, Matrix3, Vector3};
 use std::f64::consts::TAU;
@@ -161,6 +162,7 @@ impl SpectralElements {
         let worn = self.outputs.rates.nrows() > 0;
         let mut elements = Vec::new();
         for [from, to] in self.segments() {
+            elements.extend(self.kick(from, tooth_period_s));
             let length_s = tooth_period_s * (to - from) / pitch;
             let teeth = self.cutting_teeth(0.5 * (from + to));
             if teeth.is_empty() {
@@ -220,27 +222,52 @@ impl SpectralElements {
             .collect()
     }
 
+    /// What edge forces do at once where a tooth enters or leaves with a chip that rises from nothing,
+    /// while tooth 0 stands at an angle (up to whole pitches).
+    fn kick(&self, angle_rad: f64, tooth_period_s: f64) -> Option<Element> {
+        let pitch = TAU / self.process.teeth as f64;
+        let engagement = &self.process.engagement;
+        let here = |end: &f64| {
+            let apart = (end - angle_rad) / pitch;
+            (apart - apart.round()).abs() < 1e-9
+        };
+        let ends = [engagement.entry_rad, engagement.exit_rad];
+        let kicks = ends.iter().filter(|end| here(end));
+        let pa: Matrix3<f64> = kicks.map(|end| self.process.edge_kick_pa(*end)).sum();
+        if pa == Matrix3::zeros() {
+            return None;
+        }
+        let mut impulse = self.modal(&(pa / spindle_rad_s(self.process.teeth, tooth_period_s)));
+        for (j, mut row) in impulse.row_iter_mut().enumerate() {
+            row /= self.modes[j].natural_frequency_rad_s;
+        }
+        let remembered = self.outputs.positions.rows(0, impulse.ncols());
+        Some(Element::kick(impulse, remembered.into_owned()))
+    }
+
+    /// By modes and remembered outputs.
+    fn modal(&self, matrix: &Matrix3<f64>) -> DMatrix<f64> {
+        let shape = |j: usize| self.modes[j].shape_per_sqrt_kg;
+        match self.modes.len() {
+            1 => DMatrix::from_element(1, 1, shape(0).dot(&(matrix * shape(0)))),
+            n => DMatrix::from_fn(n, 2, |j, d| shape(j).dot(&matrix.column(d)) * self.scale),
+        }
+    }
+
     /// Modal forces of the teeth in the cut.
     fn forces_at(&self, angle_rad: f64, teeth: &[f64], tooth_period_s: f64) -> NodeForces {
         let n = self.modes.len();
         let matrix = self.process.at_pa(angle_rad, teeth);
         let shape = |j: usize| self.modes[j].shape_per_sqrt_kg;
-        let modal = |matrix: &Matrix3<f64>| {
-            if n == 1 {
-                DMatrix::from_element(1, 1, shape(0).dot(&(matrix * shape(0))))
-            } else {
-                DMatrix::from_fn(n, 2, |j, d| shape(j).dot(&matrix.column(d)) * self.scale)
-            }
-        };
         let flank = (self.process).flank_at_pa_s(angle_rad, teeth, tooth_period_s);
         let floor = self.floor.as_ref().map(|floor| {
             let per_depth: Vector3<f64> = floor.cut.force_per_depth_at(angle_rad, teeth);
             DVector::from_fn(n, |j, _| -shape(j).dot(&per_depth))
         });
         NodeForces {
-            remembered: modal(&matrix),
+            remembered: self.modal(&matrix),
             floor,
-            flank: flank.as_ref().map(modal),
+            flank: flank.as_ref().map(|matrix| self.modal(matrix)),
         }
     }
 }

@@ -9,6 +9,9 @@ use nalgebra::DMatrix;
 pub(super) enum Element {
     /// No tooth is in the cut: the state's own motion.
     Free(DMatrix<f64>),
+    /// An instant at which velocities (over ω) change by depth times K of what a position differs
+    /// from the remembered one: K, and positions by modes.
+    Kick(DMatrix<f64>, DMatrix<f64>),
     Cutting(Box<CuttingElement>),
 }
 
@@ -42,6 +45,10 @@ impl Element {
         Self::Free(motion)
     }
 
+    pub fn kick(impulse: DMatrix<f64>, positions: DMatrix<f64>) -> Self {
+        Self::Kick(impulse, positions)
+    }
+
     pub fn cutting(response: &ModalResponse, outputs: &Outputs, forces: &[NodeForces]) -> Self {
         Self::Cutting(Box::new(CuttingElement::new(response, outputs, forces)))
     }
@@ -51,9 +58,26 @@ impl Element {
     pub fn at_depth(&self, depth_m: f64) -> DMatrix<f64> {
         match self {
             Self::Free(motion) => motion.clone(),
+            Self::Kick(impulse, positions) => kicked(impulse, positions, depth_m),
             Self::Cutting(element) => element.at_depth(depth_m),
         }
     }
+}
+
+/// State and remembered positions to the state behind the kick and the positions.
+fn kicked(impulse: &DMatrix<f64>, positions: &DMatrix<f64>, depth_m: f64) -> DMatrix<f64> {
+    let (modes, remembered) = impulse.shape();
+    let states = 2 * modes;
+    let mut map = DMatrix::zeros(states + remembered, states + remembered);
+    map.view_mut((0, 0), (states, states)).fill_with_identity();
+    let change = impulse * depth_m;
+    map.view_mut((modes, 0), (modes, modes))
+        .copy_from(&(&change * positions));
+    map.view_mut((modes, states), (modes, remembered))
+        .copy_from(&-change);
+    map.view_mut((states, 0), (remembered, modes))
+        .copy_from(positions);
+    map
 }
 
 /// The block of mode `j`: coordinates come first, then velocities.
