@@ -158,7 +158,7 @@ impl LimitOf<'_> {
             let directional = cut.directional();
             let limit_m = if self.regeneration {
                 let period_s = cut.nominal.cutter.tooth_period_s(spindle_rad_s);
-                let zero = zero_order_limit(&modes, &directional.average_pa(), period_s);
+                let zero = zero_order_limit(&modes, directional.averaged(period_s), period_s);
                 let step_m = deepest_m / SCAN_STEPS as f64;
                 let mut depths_m: Vec<f64> = (1..=SCAN_STEPS).map(|i| step_m * i as f64).collect();
                 let parts = zero
@@ -169,7 +169,7 @@ impl LimitOf<'_> {
                 let elements = SpectralElements::new(&modes, &directional);
                 first_depth_m(&elements.at(period_s), depths_m, NARROWED)
             } else {
-                let limit = mode_coupling_limit(&modes, &directional.average_pa());
+                let limit = mode_coupling_limit(&modes, directional.averaged(cut.tooth_period_s()));
                 limit.map(|limit| limit.depth_m)
             };
             let value = limit_m.unwrap_or(f64::INFINITY);
