@@ -50,12 +50,12 @@ class Truecut:
         return target.read_text(encoding="utf-8")
 
     def record(self, scenario: Path, changes: dict | None = None) -> Path:
-        """Path of the Parquet recording of one run (a claim that fails is no matter here)."""
+        """Path of the Parquet recording of one run (a claim that fails or a drive that is overloaded is no matter here)."""
         sets = _sets(changes)
         key = (scenario.resolve(), *sets)
         if key not in self._recorded:
             out = self.work / f"out-{len(self._recorded)}"
-            self.call("run", scenario, "--out", out, "--no-rrd", *sets, accept=(0, 1))
+            self.call("run", scenario, "--out", out, "--no-rrd", *sets, accept=(0, 1, 6))
             self._recorded[key] = out / scenario.stem / "recording.parquet"
         return self._recorded[key]
 

@@ -7,6 +7,7 @@ mod diagnose;
 mod identify;
 mod path;
 mod stability;
+mod verdicts;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};

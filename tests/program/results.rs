@@ -173,7 +173,7 @@ fn a_run_says_what_is_asked_of_the_drives_and_what_the_servo_gives_way() {
         "{servo}"
     );
     let pushed = "process.load.release_n=[40000, 0, 0]";
-    let out = desk.ends(0, &["run", "hold.toml", "--no-rrd", "--set", pushed]);
+    let out = desk.ends(6, &["run", "hold.toml", "--no-rrd", "--set", pushed]);
     assert!(out.contains("✗ DRIVE OVERLOADED: "), "{out}");
 }
 

@@ -30,83 +30,29 @@
 //! rotor_inertia = "estimated"
 //! servo = "estimated"
 //! pulses = "parameter file of the controller"
+//!
+//! [[link]]                                 # optional: in place of the URDF's values
+//! name = "link_1"                          # of the URDF
+//! mass_kg = 62.0
+//! center_m = [0.1, 0.0, 0.2]               # in the link frame
+//! inertia_kg_m2 = [1.2, 1.4, 0.9, 0.0, 0.1, 0.0] # about the centre: xx, yy, zz, xy, xz, yz
+//! source = "CAD"
+//! [masses]
+//! total_kg = 425.0                         # optional: what all links must sum to
 //! ```
 
 use std::path::Path;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use serde::Deserialize;
 use toml::Spanned;
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{Chain, JointKind, Transmission};
 
-type Number = Option<Spanned<f64>>;
+mod links;
+mod raw;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawConfig {
-    name: Option<String>,
-    #[serde(default)]
-    frames: RawFrames,
-    #[serde(default)]
-    joint: Vec<RawJoint>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct RawFrames {
-    tool: Option<RawFrame>,
-    foot: Option<RawFrame>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawFrame {
-    xyz_m: Option<Spanned<[f64; 3]>>,
-    rpy_deg: Option<Spanned<[f64; 3]>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawJoint {
-    name: Spanned<String>,
-    stiffness_nm_per_rad: Number,
-    stiffness_n_per_m: Number,
-    damping_nm_s_per_rad: Number,
-    damping_n_s_per_m: Number,
-    dry_friction_nm: Number,
-    dry_friction_n: Number,
-    rotor_inertia_kg_m2: Number,
-    rotor_mass_kg: Number,
-    pulses_per_deg: Number,
-    pulses_per_mm: Number,
-    servo: Option<RawServo>,
-    #[serde(default)]
-    source: RawSource,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawServo {
-    position_gain_per_s: Spanned<f64>,
-    velocity_gain_nm_s_per_rad: Number,
-    velocity_gain_n_s_per_m: Number,
-    torque_limit_nm: Number,
-    force_limit_n: Number,
-    velocity_feed_forward: Number,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct RawSource {
-    stiffness: Option<String>,
-    damping: Option<String>,
-    dry_friction: Option<String>,
-    rotor_inertia: Option<String>,
-    servo: Option<String>,
-    pulses: Option<String>,
-}
+use raw::{Number, RawConfig, RawFrame, RawJoint, RawServo};
 
 /// What a `robot.toml` says beside the transmissions, which it writes into the chain.
 #[derive(Debug)]
@@ -126,40 +72,72 @@ impl Default for Config {
     }
 }
 
-/// Reads `text` as the `robot.toml` at `path` and enters its transmissions into `chain`.
-pub(crate) fn apply(text: &str, path: &Path, chain: &mut Chain) -> Result<Config, ArmError> {
-    let reader = ConfigReader { text, path };
-    let raw: RawConfig = toml::from_str(text).map_err(|error: toml::de::Error| {
-        let line = error.span().map(|span| reader.line(span.start));
-        let message = error.message().replace('\n', "; ");
-        ArmError::in_file(path, line, ArmErrorKind::Toml(message))
-    })?;
-    let mut seen: Vec<(String, usize)> = Vec::new();
-    for joint in &raw.joint {
-        let name = joint.name.get_ref();
-        let line = reader.line(joint.name.span().start);
-        let error = |kind| ArmError::in_file(path, Some(line), kind);
-        if let Some((_, first_line)) = seen.iter().find(|(n, _)| n == name) {
-            return Err(error(ArmErrorKind::DuplicateName {
-                element: "joint",
-                name: name.clone(),
-                first_line: *first_line,
-            }));
-        }
-        seen.push((name.clone(), line));
-        let Some(target) = chain.joints.iter_mut().find(|j| j.name == *name) else {
-            return Err(error(unknown_joint(name, chain)));
-        };
-        reader.joint(joint, target.kind, &mut target.transmission)?;
+/// A `robot.toml` that has been read, before it is known which links and joints there are.
+pub(crate) struct ConfigFile<'a> {
+    raw: RawConfig,
+    text: &'a str,
+    pub(crate) path: &'a Path,
+}
+
+impl<'a> ConfigFile<'a> {
+    /// Reads `text` as the `robot.toml` at `path`.
+    pub(crate) fn parse(text: &'a str, path: &'a Path) -> Result<Self, ArmError> {
+        let reader = ConfigReader { text, path };
+        let raw = toml::from_str(text).map_err(|error: toml::de::Error| {
+            let line = error.span().map(|span| reader.line(span.start));
+            let message = error
+                .message()
+                .replace('\n', "; ")
+                .replace("f64", "a number");
+            ArmError::in_file(path, line, ArmErrorKind::Toml(message))
+        })?;
+        Ok(Self { raw, text, path })
     }
-    let tool = reader.frame("tool", raw.frames.tool.as_ref())?;
-    let foot = reader.frame("foot", raw.frames.foot.as_ref())?;
-    let flange_from_tool = tool.unwrap_or_else(Isometry3::identity);
-    Ok(Config {
-        name: raw.name,
-        flange_from_tool,
-        flange_from_foot: foot.unwrap_or(flange_from_tool),
-    })
+
+    fn reader(&self) -> ConfigReader<'a> {
+        ConfigReader {
+            text: self.text,
+            path: self.path,
+        }
+    }
+
+    /// Enters the transmissions into `chain`.
+    pub(crate) fn apply(&self, chain: &mut Chain) -> Result<Config, ArmError> {
+        let reader = self.reader();
+        let path = self.path;
+        let mut seen: Vec<(String, usize)> = Vec::new();
+        for joint in &self.raw.joint {
+            let name = joint.name.get_ref();
+            let line = reader.line(joint.name.span().start);
+            let error = |kind| ArmError::in_file(path, Some(line), kind);
+            if let Some((_, first_line)) = seen.iter().find(|(n, _)| n == name) {
+                return Err(error(ArmErrorKind::DuplicateName {
+                    element: "joint",
+                    name: name.clone(),
+                    first_line: *first_line,
+                }));
+            }
+            seen.push((name.clone(), line));
+            let Some(target) = chain.joints.iter_mut().find(|j| j.name == *name) else {
+                return Err(error(unknown_joint(name, chain)));
+            };
+            reader.joint(joint, target.kind, &mut target.transmission)?;
+        }
+        let tool = reader.frame("tool", self.raw.frames.tool.as_ref())?;
+        let foot = reader.frame("foot", self.raw.frames.foot.as_ref())?;
+        let flange_from_tool = tool.unwrap_or_else(Isometry3::identity);
+        Ok(Config {
+            name: self.raw.name.clone(),
+            flange_from_tool,
+            flange_from_foot: foot.unwrap_or(flange_from_tool),
+        })
+    }
+}
+
+/// JSON Schema of the file, for editors.
+#[must_use]
+pub fn json_schema() -> schemars::Schema {
+    schemars::schema_for!(RawConfig)
 }
 
 fn unknown_joint(name: &str, chain: &Chain) -> ArmErrorKind {
@@ -366,10 +344,15 @@ impl ConfigReader<'_> {
                 }
             }
         };
-        let xyz_m = numbers("xyz_m", &raw.xyz_m)?;
+        if let (Some(_), Some(second)) = (&raw.xyz_m, &raw.xyz_mm) {
+            let text = format!("frame `{name}` has its origin twice: xyz_m and xyz_mm");
+            return Err(self.error(second.span().start, ArmErrorKind::Toml(text)));
+        }
+        let millimetres = Vector3::from(numbers("xyz_mm", &raw.xyz_mm)?);
+        let xyz_m = Vector3::from(numbers("xyz_m", &raw.xyz_m)?) + millimetres / 1e3;
         let [roll, pitch, yaw] = numbers("rpy_deg", &raw.rpy_deg)?.map(f64::to_radians);
         Ok(Some(Isometry3::from_parts(
-            Translation3::from(Vector3::from(xyz_m)),
+            Translation3::from(xyz_m),
             UnitQuaternion::from_euler_angles(roll, pitch, yaw),
         )))
     }

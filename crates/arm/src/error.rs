@@ -20,9 +20,11 @@ pub enum ArmErrorKind {
     #[error("the root element is <{found}>; a URDF has <robot>")]
     NotARobot { found: String },
     #[error(
-        "{what} is of xacro, a language from which URDF files are made; expand it first: xacro FILE > robot.urdf"
+        "{what} is of xacro, a language from which URDF files are made; a file in it is called .xacro and is expanded when it is read"
     )]
-    Xacro { what: String },
+    XacroInUrdf { what: String },
+    #[error("xacro: {0}")]
+    Xacro(String),
     #[error("the file has {count} links; at most {limit} are read")]
     TooManyLinks { count: usize, limit: usize },
     #[error("{owner}: {quantity} is {value}; it must be {rule}")]
@@ -112,7 +114,7 @@ pub enum ArmErrorKind {
     #[error("link \"{link}\": mass is {mass_kg} kg; it must not be negative")]
     NegativeMass { link: String, mass_kg: f64 },
     #[error(
-        "link \"{link}\" moves with joint \"{joint}\" but has mass 0 kg, and so has everything fixed to it; a moving link needs a positive mass"
+        "link \"{link}\" moves with joint \"{joint}\" but has mass 0 kg, and so has everything fixed to it; a moving link needs a positive mass: give it as a [[link]] of robot.toml, or estimate all from the data sheet: truecut robot init"
     )]
     MasslessMovingLink { link: String, joint: String },
     #[error(
@@ -157,6 +159,20 @@ pub enum ArmErrorKind {
         wrong: &'static str,
         right: &'static str,
     },
+    #[error("link \"{link}\" has no mass in the URDF; give the arm's mass with --mass")]
+    MassNotGiven { link: String },
+    #[error("no link \"{link}\" in the URDF{hint}")]
+    UnknownConfigLink { link: String, hint: String },
+    #[error(
+        "link \"{link}\": `source` is empty; say where the values come from, or \"estimated: ...\""
+    )]
+    LinkWithoutSource { link: String },
+    #[error("link \"{link}\": mass, centre and inertia must be finite numbers")]
+    LinkNotFinite { link: String },
+    #[error(
+        "the links' masses sum to {sum_kg} kg, but `total_kg` is {total_kg}; they must agree within 0.5 %"
+    )]
+    MassesDoNotSum { sum_kg: f64, total_kg: f64 },
     #[error("joint \"{joint}\": `{key}` is {value}; it must be {rule}")]
     ConfigValue {
         joint: String,
@@ -272,6 +288,8 @@ pub enum ArmErrorKind {
     },
     #[error("the table holds no posture; a row has one number for each of the {joints} joints")]
     NoPostures { joints: usize },
+    #[error("the table holds no pose; a row has x, y, z, roll, pitch, yaw")]
+    NoPoses,
     #[error("row {row}: {message}")]
     PostureTable { row: usize, message: String },
     #[error("{quantity} is {value}; it must be {rule}")]

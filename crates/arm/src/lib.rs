@@ -55,22 +55,27 @@ mod bounds;
 mod compliance;
 pub mod config;
 mod depth;
+mod doubts;
 mod dynamics;
 mod equilibrium;
 mod error;
+pub mod estimate;
 mod ik;
 mod ik_branches;
 mod ik_path;
 mod kinematics;
 mod load;
 mod merge;
+mod meshes;
 mod mjcf;
 mod modal;
 mod model;
 mod motion;
 mod opw;
+mod packages;
 mod placed;
 pub mod report;
+mod report_estimates;
 mod report_text;
 mod table;
 mod tangent;
@@ -79,6 +84,7 @@ mod tip_modes;
 mod tree;
 mod urdf;
 mod visual;
+mod xacro;
 mod xml;
 
 pub use compliance::{
@@ -90,7 +96,7 @@ pub use error::{ArmError, ArmErrorKind};
 pub use ik::IkOptions;
 pub use ik_branches::{BranchOptions, IkSolver, tool_pose};
 pub use ik_path::PathOptions;
-pub use load::CONFIG_FILE_NAME;
+pub use load::{CONFIG_FILE_NAME, Masses, Reading, expanded_urdf};
 pub use mjcf::{MjcfDrive, MjcfOptions, to_mjcf};
 pub use modal::{LinearArm, Modes};
 pub use model::{
@@ -98,6 +104,7 @@ pub use model::{
     Transmission, TransmissionSources, Visual, standard_gravity_m_s2,
 };
 pub use opw::{ArmBranch, Elbow, OpwGeometry, Shoulder, SingularityDistance, Wrist};
+pub use packages::Packages;
 pub use placed::Placed;
 pub use report::RobotReport;
 pub use tangent::Load;

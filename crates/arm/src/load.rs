@@ -1,19 +1,49 @@
 //! From files to a [`Robot`].
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::config::{self, Config};
+use crate::config::{Config, ConfigFile};
+use crate::doubts;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::merge::to_chain;
 use crate::model::{Frames, Robot};
+use crate::packages::Packages;
 use crate::tip::choose_tip;
+use crate::tree::{Tree, TreeLink};
 use crate::urdf::read_tree;
+use crate::xacro::{self, Expanded};
 
 /// Name of the file beside a URDF that is read as its configuration.
 pub const CONFIG_FILE_NAME: &str = "robot.toml";
 
+/// Whether the links that move must have masses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Masses {
+    /// They must: what moves has inertia.
+    #[default]
+    Needed,
+    /// They need not, and bad ones are told in a note: kinematics alone are asked for.
+    NotNeeded,
+}
+
+/// How a robot is read; write what differs from the default.
+#[derive(Debug, Clone, Default)]
+pub struct Reading<'a> {
+    /// The configuration; without it, a `robot.toml` beside the URDF if there is one.
+    pub config: Option<&'a Path>,
+    /// The link whose frame is the flange; without it, the end of the chain.
+    pub tip: Option<&'a str>,
+    /// Whether masses are needed.
+    pub masses: Masses,
+    /// Where packages are.
+    pub packages: Packages,
+    /// Arguments of a xacro file, by name.
+    pub arguments: BTreeMap<String, String>,
+}
+
 impl Robot {
-    /// Loads a URDF and its `robot.toml`.
+    /// Loads a URDF, or a xacro file that comes to one, and its `robot.toml`.
     ///
     /// Without `config`, a `robot.toml` beside the URDF is read if there is one; without any, the
     /// transmissions have no stiffness and the tool is the flange. `tip` names the URDF link whose
@@ -25,9 +55,41 @@ impl Robot {
     /// # Errors
     /// One error, with file, line and rule, for the first fault found.
     pub fn load(urdf: &Path, config: Option<&Path>, tip: Option<&str>) -> Result<Self, ArmError> {
-        let urdf_text = read(urdf)?;
+        let reading = Reading {
+            config,
+            tip,
+            packages: Packages::from_environment([]),
+            ..Reading::default()
+        };
+        Self::read(urdf, &reading)
+    }
+
+    /// As [`Robot::load`], for questions of kinematics alone: masses may be missing.
+    ///
+    /// # Errors
+    /// As [`Robot::load`].
+    pub fn load_kinematics(
+        urdf: &Path,
+        config: Option<&Path>,
+        tip: Option<&str>,
+    ) -> Result<Self, ArmError> {
+        let reading = Reading {
+            config,
+            tip,
+            masses: Masses::NotNeeded,
+            packages: Packages::from_environment([]),
+            ..Reading::default()
+        };
+        Self::read(urdf, &reading)
+    }
+
+    /// As [`Robot::load`], with everything that may differ.
+    ///
+    /// # Errors
+    /// As [`Robot::load`].
+    pub fn read(urdf: &Path, reading: &Reading) -> Result<Self, ArmError> {
         let beside = urdf.with_file_name(CONFIG_FILE_NAME);
-        let config_path = match config {
+        let config_path = match reading.config {
             Some(path) => Some(path.to_owned()),
             None => beside.is_file().then_some(beside),
         };
@@ -38,7 +100,9 @@ impl Robot {
         let config = config
             .as_ref()
             .map(|(text, path)| (text.as_str(), path.as_path()));
-        Self::from_texts((&urdf_text, urdf), config, tip)
+        let source = Source::read(urdf, &reading.packages, &reading.arguments)?;
+        Self::assemble((source.text(), urdf), config, reading.tip, reading.masses)
+            .map_err(|error| source.at_origin(urdf, error))
     }
 
     /// As [`Robot::load`], from texts already read; each comes with the path that errors name.
@@ -50,17 +114,30 @@ impl Robot {
         config: Option<(&str, &Path)>,
         tip: Option<&str>,
     ) -> Result<Self, ArmError> {
-        let tree = read_tree(urdf.0, urdf.1)?;
+        Self::assemble(urdf, config, tip, Masses::Needed)
+    }
+
+    fn assemble(
+        urdf: (&str, &Path),
+        config: Option<(&str, &Path)>,
+        tip: Option<&str>,
+        masses: Masses,
+    ) -> Result<Self, ArmError> {
+        let mut tree = read_tree(urdf.0, urdf.1)?;
         let (tip, note) = choose_tip(&tree, tip)?;
-        let (mut chain, last_link_from_flange) = to_chain(&tree, tip)?;
+        let config = config.map(|(text, path)| ConfigFile::parse(text, path));
+        let config = config.transpose()?;
+        if let Some(config) = &config {
+            config.give_masses(&mut tree)?;
+        }
+        let (mut chain, last_link_from_flange) = to_chain(&mut tree, tip, masses)?;
         chain.notes.splice(0..0, note);
         let (settings, config_path) = match config {
-            Some((text, path)) => {
-                let settings = config::apply(text, path, &mut chain)?;
-                (settings, Some(PathBuf::from(path)))
-            }
+            Some(config) => (config.apply(&mut chain)?, Some(PathBuf::from(config.path))),
             None => (Config::default(), None),
         };
+        chain.notes.extend(estimated_masses(&tree));
+        chain.notes.extend(doubts::notes(&chain));
         Ok(Self {
             name: settings.name.unwrap_or_else(|| chain.name.clone()),
             frames: Frames {
@@ -74,6 +151,74 @@ impl Robot {
             damping_ratios: Vec::new(),
         })
     }
+}
+
+/// Which masses are estimated.
+fn estimated_masses(tree: &Tree) -> Option<String> {
+    let is_estimated = |link: &&TreeLink| {
+        let source = link.mass_source.as_ref();
+        link.mass_kg > 0.0 && source.is_some_and(|source| source.starts_with("estimated"))
+    };
+    let links = tree.links.iter().filter(is_estimated);
+    let names: Vec<&str> = links.map(|link| link.name.as_str()).collect();
+    (!names.is_empty()).then(|| format!("the masses of {} are estimated", names.join(", ")))
+}
+
+/// A robot's file as it is read: its own text, or what its xacro comes to.
+pub(crate) enum Source {
+    Urdf(String),
+    Xacro(Expanded),
+}
+
+impl Source {
+    pub(crate) fn read(
+        path: &Path,
+        packages: &Packages,
+        arguments: &BTreeMap<String, String>,
+    ) -> Result<Self, ArmError> {
+        let text = read(path)?;
+        if xacro::has_xacro(&text) {
+            return xacro::expand(&text, path, packages, arguments).map(Self::Xacro);
+        }
+        Ok(Self::Urdf(text))
+    }
+
+    pub(crate) fn text(&self) -> &str {
+        match self {
+            Self::Urdf(text) => text,
+            Self::Xacro(expanded) => &expanded.text,
+        }
+    }
+
+    /// An error about the text of the file at `path`, at the place where its line was written.
+    pub(crate) fn at_origin(&self, path: &Path, error: ArmError) -> ArmError {
+        match self {
+            Self::Xacro(expanded) => error.moved(path, |line| expanded.origin(line)),
+            Self::Urdf(_) => error,
+        }
+    }
+
+    /// The tree of the file at `path`, and the link that is its tip.
+    pub(crate) fn tree(&self, path: &Path, tip: Option<&str>) -> Result<(Tree, usize), ArmError> {
+        let read = || {
+            let tree = read_tree(self.text(), path)?;
+            let (tip, _) = choose_tip(&tree, tip)?;
+            Ok((tree, tip))
+        };
+        read().map_err(|error| self.at_origin(path, error))
+    }
+}
+
+/// The URDF that a xacro file comes to, as text; a URDF as it is.
+///
+/// # Errors
+/// As [`Robot::load`].
+pub fn expanded_urdf(
+    path: &Path,
+    packages: &Packages,
+    arguments: &BTreeMap<String, String>,
+) -> Result<String, ArmError> {
+    Ok(Source::read(path, packages, arguments)?.text().to_owned())
 }
 
 fn read(path: &Path) -> Result<String, ArmError> {

@@ -1,14 +1,12 @@
 //! From a tree and its tip to a serial chain: what is fixed is merged, side branches at zero.
 
-use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Unit, Vector3};
+use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
+use crate::bounds;
 use crate::error::{ArmError, ArmErrorKind};
+use crate::load::Masses;
 use crate::model::{Chain, Joint, JointKind, Link, MAX_JOINTS, Transmission, Visual};
 use crate::tree::{Freedom, Tree};
-
-/// Share of the largest principal moment by which an inertia tensor may miss its rules; published
-/// ones are rounded to six or seven digits.
-const INERTIA_TOLERANCE: f64 = 1e-6;
 
 /// A part of the path whose links do not move against each other.
 struct RigidSegment {
@@ -19,11 +17,17 @@ struct RigidSegment {
 }
 
 /// Chain from the root to link `tip`, and last link from flange.
-pub(crate) fn to_chain(tree: &Tree, tip: usize) -> Result<(Chain, Isometry3<f64>), ArmError> {
+pub(crate) fn to_chain(
+    tree: &mut Tree,
+    tip: usize,
+    masses: Masses,
+) -> Result<(Chain, Isometry3<f64>), ArmError> {
     let path = joints_to(tree, tip);
     check_path(tree, tip, &path)?;
+    let mut notes = bounds::check(tree, &path, masses)?;
+    let tree = &*tree;
     let segments = split(tree, &path);
-    let mut notes = Vec::new();
+    let mut massless_links: Vec<&str> = Vec::new();
     let mut bodies = Vec::with_capacity(segments.len());
     let mut joints = Vec::with_capacity(segments.len());
     let mut meshes = 0;
@@ -34,13 +38,21 @@ pub(crate) fn to_chain(tree: &Tree, tip: usize) -> Result<(Chain, Isometry3<f64>
         }
         if let Some((j, parent_from_joint)) = segment.joint {
             if body.mass_kg == 0.0 {
-                return Err(massless(tree, j));
+                if masses == Masses::Needed {
+                    return Err(massless(tree, j));
+                }
+                massless_links.push(&tree.links[tree.joints[j].child].name);
             }
-            body.check(tree)?;
             joints.push(chain_joint(tree, j, parent_from_joint, &mut notes));
         }
         meshes += body.meshes;
         bodies.push(body.into_link(&tree.links[segment.links[0].0].name));
+    }
+    if !massless_links.is_empty() {
+        notes.push(format!(
+            "no mass is known of {}: only questions of kinematics can be answered",
+            massless_links.join(", ")
+        ));
     }
     if meshes > 0 {
         let noun = if meshes == 1 { "mesh is" } else { "meshes are" };
@@ -63,7 +75,7 @@ pub(crate) fn to_chain(tree: &Tree, tip: usize) -> Result<(Chain, Isometry3<f64>
 }
 
 /// Joints from the root to a link, in that order.
-fn joints_to(tree: &Tree, link: usize) -> Vec<usize> {
+pub(crate) fn joints_to(tree: &Tree, link: usize) -> Vec<usize> {
     let mut path = Vec::new();
     let mut at = link;
     while let Some(joint) = tree.links[at].parent_joint {
@@ -196,7 +208,6 @@ struct MergedBody {
     inertia_about_origin_kg_m2: Matrix3<f64>,
     visuals: Vec<Visual>,
     meshes: usize,
-    members: Vec<usize>,
 }
 
 impl MergedBody {
@@ -253,38 +264,6 @@ impl MergedBody {
                 ..visual.clone()
             }));
         self.meshes += link.mesh_count;
-        self.members.push(index);
-    }
-
-    /// The rules that every tensor in a moving body keeps: no negative principal moment, and none
-    /// larger than the sum of the other two.
-    fn check(&self, tree: &Tree) -> Result<(), ArmError> {
-        for &member in &self.members {
-            let link = &tree.links[member];
-            let eigen = SymmetricEigen::new(link.inertia_kg_m2).eigenvalues;
-            let mut moments = [eigen[0], eigen[1], eigen[2]];
-            moments.sort_by(f64::total_cmp);
-            let [smallest, middle, largest] = moments;
-            let tolerance = INERTIA_TOLERANCE * largest.abs().max(smallest.abs());
-            let listed = format!("({smallest:.6e}, {middle:.6e}, {largest:.6e}) kg m^2");
-            let kind = if smallest < -tolerance {
-                ArmErrorKind::InertiaNotPositive {
-                    link: link.name.clone(),
-                    moments: listed,
-                }
-            } else if largest > smallest + middle + tolerance {
-                ArmErrorKind::InertiaTriangle {
-                    link: link.name.clone(),
-                    moments: listed,
-                    largest,
-                    sum: smallest + middle,
-                }
-            } else {
-                continue;
-            };
-            return Err(tree.link_error(member, "inertia", kind));
-        }
-        Ok(())
     }
 
     fn into_link(self, name: &str) -> Link {

@@ -39,6 +39,21 @@ impl<K> Placed<K> {
         self.0.line
     }
 
+    /// The same fault elsewhere, if it is in a line of the file `from`: `origin` gives file and line
+    /// that the line comes from.
+    #[must_use]
+    pub(crate) fn moved<'p>(
+        mut self,
+        from: &Path,
+        origin: impl FnOnce(usize) -> Option<(&'p Path, usize)>,
+    ) -> Self {
+        let line = self.0.line.filter(|_| self.path() == Some(from));
+        if let Some((path, line)) = line.and_then(origin) {
+            (self.0.path, self.0.line) = (Some(path.to_owned()), Some(line));
+        }
+        self
+    }
+
     /// The typed fault.
     #[must_use]
     pub fn kind(&self) -> &K {

@@ -11,7 +11,8 @@ use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{FrameId, JointKind, Link, Robot, TransmissionSources};
 use crate::tangent::Load;
 
-pub use crate::table::fk_table;
+pub use crate::report_estimates::EstimateReport;
+pub use crate::table::{IkRow, fk_table, ik_csv, ik_rows, poses};
 
 /// Everything `truecut robot` prints. Field units are in the names; joint values are in the joint's
 /// own units ([`JointReport::coordinate_unit`], per second, per coordinate unit); infinite bounds
@@ -41,6 +42,8 @@ pub struct RobotReport {
     pub modes: Option<Vec<ModeReport>>,
     /// Stiffness at the tool without gravity; absent without stiffness.
     pub stiffness: Option<StiffnessReport>,
+    /// What each estimated stiffness is worth.
+    pub estimates: Vec<EstimateReport>,
     /// Why there are no modes or no stiffness figures.
     pub missing: Vec<String>,
 }
@@ -156,16 +159,26 @@ impl Robot {
                 _ => return Err(error),
             }
         }
+        let mut notes = self.chain.notes.clone();
+        notes.extend(self.unchecked_drives());
         let mut missing = Vec::new();
         let modes = match self.modes(posture, None) {
-            Ok(modes) => Some(
-                (modes.frequency_hz.iter().zip(&modes.damping_ratio))
-                    .map(|(&frequency_hz, &damping_ratio)| ModeReport {
-                        frequency_hz,
-                        damping_ratio,
-                    })
-                    .collect(),
-            ),
+            Ok(modes) => {
+                let overdamped = modes.damping_ratio.iter().filter(|ratio| **ratio > 1.0);
+                match overdamped.count() {
+                    0 => {}
+                    count => notes.push(format!(
+                        "{count} of the modes are damped by more than 100 %: damping in another \
+                         unit, it seems"
+                    )),
+                }
+                let modes = modes.frequency_hz.iter().zip(&modes.damping_ratio);
+                let report = |(&frequency_hz, &damping_ratio): (&f64, &f64)| ModeReport {
+                    frequency_hz,
+                    damping_ratio,
+                };
+                Some(modes.map(report).collect())
+            }
             Err(error) => {
                 missing.push(format!("no modes: {error}"));
                 None
@@ -187,7 +200,7 @@ impl Robot {
             links: self.chain.links.iter().map(link_report).collect(),
             base: link_report(&self.chain.base),
             moving_mass_kg: self.chain.links.iter().map(|link| link.mass_kg).sum(),
-            notes: self.chain.notes.clone(),
+            notes,
             posture: posture.to_vec(),
             outside_limits,
             flange: pose_report(&self.world_from_frame(posture, FrameId::Flange)),
@@ -198,7 +211,24 @@ impl Robot {
                 .collect(),
             modes,
             stiffness,
+            estimates: self.estimate_reports(posture),
             missing,
+        })
+    }
+
+    /// Which joints have no effort limit.
+    fn unchecked_drives(&self) -> Option<String> {
+        let is_unknown = |joint: &&crate::model::Joint| {
+            let urdf = joint
+                .limits
+                .is_none_or(|limits| limits.effort.is_infinite());
+            joint.transmission.servo.is_none() && urdf
+        };
+        let unknown = self.chain.joints.iter().filter(is_unknown);
+        let names: Vec<&str> = unknown.map(|joint| joint.name.as_str()).collect();
+        (!names.is_empty()).then(|| {
+            let names = names.join(", ");
+            format!("no effort limit is known of {names}: overload of these drives is not checked")
         })
     }
 

@@ -192,8 +192,34 @@ impl RobotReport {
                 )?;
             }
         }
+        self.estimate_table(f)?;
         for missing in &self.missing {
             writeln!(f, "  {missing}")?;
+        }
+        Ok(())
+    }
+
+    fn estimate_table(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Some(first) = self.estimates.first() else {
+            return Ok(());
+        };
+        let width = self.name_width();
+        writeln!(
+            f,
+            "  if an estimated stiffness is {0} times lower or higher: first mode, softest stiffness at \
+             the tool",
+            first.factor
+        )?;
+        for estimate in &self.estimates {
+            let ([low_hz, high_hz], [low, high]) =
+                (estimate.first_mode_hz, estimate.softest_n_per_m);
+            writeln!(
+                f,
+                "    {:width$}  {low_hz:8.3} to {high_hz:8.3} Hz, {} to {} N/um",
+                estimate.joint,
+                micro(low),
+                micro(high)
+            )?;
         }
         Ok(())
     }

@@ -1,7 +1,12 @@
-//! Forward kinematics of a table of postures.
+//! Forward kinematics of a table of postures, inverse kinematics of a table of poses.
+
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion};
+use serde::Serialize;
 
 use crate::error::{ArmError, ArmErrorKind};
+use crate::ik_branches::BranchOptions;
 use crate::model::{FrameId, Robot};
+use crate::opw::ArmBranch;
 
 /// Flange poses for postures given as CSV: one row per posture, joint coordinates in chain order
 /// (rad or m) separated by commas. Empty rows, rows that start with `#` and a first row without any
@@ -17,14 +22,8 @@ pub fn fk_table(robot: &Robot, postures_csv: &str) -> Result<String, ArmError> {
     let mut out = csv::Writer::from_writer(Vec::new());
     let mut postures = 0;
     out.write_record(HEAD).expect(IN_MEMORY);
-    for (i, row) in postures_csv.lines().enumerate() {
-        let row = row.trim();
-        let cells: Vec<_> = row.split(',').map(str::trim).collect();
-        let heading = i == 0 && cells.iter().all(|cell| cell.parse::<f64>().is_err());
-        if row.is_empty() || row.starts_with('#') || heading {
-            continue;
-        }
-        let q = parse_row(&cells, i + 1, robot.dof())?;
+    for (row, cells) in rows(postures_csv) {
+        let q = parse_row(&cells, row, robot.dof())?;
         postures += 1;
         let pose = robot.world_from_frame(&q, FrameId::Flange);
         let matrix = pose.rotation.to_rotation_matrix();
@@ -41,6 +40,116 @@ pub fn fk_table(robot: &Robot, postures_csv: &str) -> Result<String, ArmError> {
     Ok(String::from_utf8(bytes).expect("numbers are text"))
 }
 
+/// The rows that hold numbers, counted from 1.
+fn rows(csv: &str) -> impl Iterator<Item = (usize, Vec<&str>)> {
+    csv.lines().enumerate().filter_map(|(i, row)| {
+        let row = row.trim();
+        let cells: Vec<_> = row.split(',').map(str::trim).collect();
+        let heading = i == 0 && cells.iter().all(|cell| cell.parse::<f64>().is_err());
+        let is_empty = row.is_empty() || row.starts_with('#') || heading;
+        (!is_empty).then_some((i + 1, cells))
+    })
+}
+
+/// Poses given as CSV: rows of six numbers, position (m) and roll, pitch, yaw (rad, fixed axes x, y,
+/// z as in URDF), or of twelve, as [`fk_table`] gives them.
+///
+/// # Errors
+/// Names the row (1-based): a count that is neither, a number that is none, a matrix that is no
+/// rotation; a table without any pose.
+pub fn poses(csv: &str) -> Result<Vec<Isometry3<f64>>, ArmError> {
+    let mut found = Vec::new();
+    for (row, cells) in rows(csv) {
+        let fault = |message: &str| {
+            let message = message.to_owned();
+            ArmError::from(ArmErrorKind::PostureTable { row, message })
+        };
+        let numbers = finite(&cells, row)?;
+        let rotation = match numbers.len() {
+            6 => UnitQuaternion::from_euler_angles(numbers[3], numbers[4], numbers[5]),
+            12 => {
+                let matrix = Matrix3::from_row_slice(&numbers[3..]);
+                let off = (matrix.transpose() * matrix - Matrix3::identity()).norm();
+                if off > ROTATION_TOLERANCE || matrix.determinant() < 0.0 {
+                    return Err(fault("the nine last numbers are no rotation matrix"));
+                }
+                UnitQuaternion::from_matrix(&matrix)
+            }
+            _ => return Err(fault("a pose has 6 or 12 numbers")),
+        };
+        let position = Translation3::new(numbers[0], numbers[1], numbers[2]);
+        found.push(Isometry3::from_parts(position, rotation));
+    }
+    if found.is_empty() {
+        return Err(ArmErrorKind::NoPoses.into());
+    }
+    Ok(found)
+}
+
+/// How far a matrix may be from a rotation: that of numbers rounded to six digits.
+const ROTATION_TOLERANCE: f64 = 1e-5;
+
+/// One posture for one pose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct IkRow {
+    /// Number of the pose, from 1.
+    pub pose: usize,
+    /// Joint coordinates, rad or m.
+    pub posture: Vec<f64>,
+    pub within_limits: bool,
+    /// Branch of an ortho-parallel arm with a spherical wrist, e.g. `front, upper, positive`; `None`
+    /// for others.
+    pub branch: Option<String>,
+}
+
+/// All postures for each pose of `frame`, revolute joints in (−π, π]; see [`IkSolver::branches`].
+///
+/// [`IkSolver::branches`]: crate::IkSolver::branches
+pub fn ik_rows(robot: &Robot, poses: &[Isometry3<f64>], frame: FrameId) -> Vec<IkRow> {
+    let solver = robot.ik_solver(&BranchOptions::default());
+    let mut rows = Vec::new();
+    for (index, pose) in poses.iter().enumerate() {
+        for posture in solver.branches(pose, frame) {
+            let branch = solver.geometry().map(|geometry| {
+                let ArmBranch {
+                    shoulder,
+                    elbow,
+                    wrist,
+                } = geometry.branch(&posture);
+                format!("{shoulder:?} {elbow:?} {wrist:?}").to_lowercase()
+            });
+            rows.push(IkRow {
+                pose: index + 1,
+                within_limits: robot.check_posture(&posture).is_ok(),
+                posture,
+                branch,
+            });
+        }
+    }
+    rows
+}
+
+/// The rows as CSV with a heading.
+pub fn ik_csv(robot: &Robot, rows: &[IkRow]) -> String {
+    let mut out = csv::Writer::from_writer(Vec::new());
+    let joints = robot.chain.joints.iter();
+    let joints = joints.map(|joint| format!("{}_{}", joint.name, joint.kind.coordinate_unit()));
+    let head = (["pose".to_owned()].into_iter()).chain(joints);
+    let head = head.chain(["within_limits".to_owned(), "branch".to_owned()]);
+    out.write_record(head).expect(IN_MEMORY);
+    for row in rows {
+        let values = row.posture.iter().map(|value| format!("{value:?}"));
+        let last = [
+            row.within_limits.to_string(),
+            row.branch.clone().unwrap_or_default(),
+        ];
+        let cells = [row.pose.to_string()].into_iter().chain(values).chain(last);
+        out.write_record(cells).expect(IN_MEMORY);
+    }
+    let bytes = out.into_inner().expect(IN_MEMORY);
+    String::from_utf8(bytes).expect("numbers are text")
+}
+
 const HEAD: [&str; 12] = [
     "x_m", "y_m", "z_m", "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33",
 ];
@@ -54,9 +163,16 @@ fn parse_row(cells: &[&str], row: usize, joints: usize) -> Result<Vec<f64>, ArmE
             "{found} values; the chain has {joints} joints"
         )));
     }
+    finite(cells, row)
+}
+
+fn finite(cells: &[&str], row: usize) -> Result<Vec<f64>, ArmError> {
     let number = |cell: &&str| match cell.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(fault(format!("\"{cell}\" is not a finite number"))),
+        _ => {
+            let message = format!("\"{cell}\" is not a finite number");
+            Err(ArmErrorKind::PostureTable { row, message }.into())
+        }
     };
     cells.iter().map(number).collect()
 }

@@ -6,18 +6,16 @@ use std::path::Path;
 use nalgebra::{Matrix3, Vector3};
 use urdf_rs::JointType;
 
-use crate::bounds;
 use crate::error::{ArmError, ArmErrorKind};
+use crate::meshes;
 use crate::model::Limits;
 use crate::tree::{Freedom, Tree, TreeJoint, TreeLink};
 use crate::visual::{Palette, palette, pose, visual};
 use crate::xml::{ElementLines, UrdfLines, scan};
 
-/// Axes shorter than this count as zero.
-const MIN_AXIS_LENGTH: f64 = 1e-9;
-
 /// Reads `text` as the URDF at `path` and checks what does not depend on the choice of a tip.
 pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
+    let meshes = meshes::references(text);
     let (lines, text) = scan(text, path)?;
     let urdf = urdf_rs::read_from_string(&text).map_err(|error| {
         let message = error.to_string().replace('\n', " ");
@@ -40,11 +38,12 @@ pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
     for (urdf_joint, lines) in joints {
         let joint = joint(urdf_joint, lines, &index, path)?;
         tree.joints.push(joint);
-        check_joint(&tree, tree.joints.len() - 1)?;
     }
-    bounds::check(&tree)?;
     connect(&mut tree)?;
     tree.root = find_root(&tree)?;
+    for (link, own) in tree.links.iter_mut().zip(meshes) {
+        link.meshes = own;
+    }
     Ok(tree)
 }
 
@@ -103,6 +102,8 @@ fn link(urdf: &urdf_rs::Link, lines: ElementLines, palette: &Palette) -> TreeLin
             i.ixz, i.iyz, i.izz,
         ),
         mesh_count: urdf.visual.len() - visuals.len(),
+        mass_source: None,
+        meshes: Vec::new(),
         visuals,
         parent_joint: None,
         child_joints: Vec::new(),
@@ -178,49 +179,6 @@ pub(crate) fn known_names<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let more = if names.len() > 20 { ", ..." } else { "" };
     names.truncate(20);
     format!("; known: {}{more}", names.join(", "))
-}
-
-fn check_joint(tree: &Tree, index: usize) -> Result<(), ArmError> {
-    let joint = &tree.joints[index];
-    if !joint.moves() {
-        return Ok(());
-    }
-    let length = joint.axis.norm();
-    if length < MIN_AXIS_LENGTH || !length.is_finite() {
-        let kind = ArmErrorKind::ZeroAxis {
-            joint: joint.name.clone(),
-            length,
-            limit: MIN_AXIS_LENGTH,
-        };
-        return Err(tree.joint_error(index, "axis", kind));
-    }
-    let mut amounts = vec![
-        ("dynamics", "damping", joint.damping),
-        ("dynamics", "friction", joint.friction),
-    ];
-    if let Some(limits) = joint.limits {
-        if limits.lower > limits.upper {
-            let kind = ArmErrorKind::LimitsReversed {
-                joint: joint.name.clone(),
-                lower: limits.lower,
-                upper: limits.upper,
-            };
-            return Err(tree.joint_error(index, "limit", kind));
-        }
-        amounts.push(("limit", "velocity limit", limits.velocity));
-        amounts.push(("limit", "effort limit", limits.effort));
-    }
-    for (element, quantity, value) in amounts {
-        if value < 0.0 {
-            let kind = ArmErrorKind::NegativeJointValue {
-                joint: joint.name.clone(),
-                quantity,
-                value,
-            };
-            return Err(tree.joint_error(index, element, kind));
-        }
-    }
-    Ok(())
 }
 
 /// Enters each joint at its two links; refuses a link with two parents.

@@ -100,7 +100,7 @@ const JOINT_TYPES: [&str; 7] = [
 const IGNORED: [&str; 4] = ["collision", "texture", "gazebo", "transmission"];
 
 /// Deepest nesting that is read: parsers recurse, and a URDF needs less than ten.
-const MOST_NESTED: usize = 256;
+pub(crate) const MOST_NESTED: usize = 256;
 
 /// Most links that are read; a chain of twelve joints with hands and mounts has a tenth of it.
 const MOST_LINKS: usize = 1000;
@@ -190,7 +190,8 @@ impl Scanner<'_> {
 
     /// A template for URDF files is often taken for one.
     fn refuse_xacro(&self, root: &Node) -> Result<(), ArmError> {
-        for node in root.descendants().filter(Node::is_element) {
+        let is_read = |node: &Node| node.is_element() && !node.ancestors().any(|a| is_ignored(&a));
+        for node in root.descendants().filter(is_read) {
             let of_xacro = |space: &str| space.ends_with("/xacro");
             let what = if node.tag_name().namespace().is_some_and(of_xacro) {
                 Some(format!("<xacro:{}>", node.tag_name().name()))
@@ -202,7 +203,7 @@ impl Scanner<'_> {
                     .map(|value| format!("the value \"{value}\""))
             };
             if let Some(what) = what {
-                return Err(self.error(&node, ArmErrorKind::Xacro { what }));
+                return Err(self.error(&node, ArmErrorKind::XacroInUrdf { what }));
             }
         }
         Ok(())

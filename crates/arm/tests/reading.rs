@@ -369,8 +369,10 @@ fn the_documented_config_is_good() {
         .map(|line| line.trim_start_matches("//!").to_owned() + "\n")
         .collect();
     let text = "<robot name=\"r\"><link name=\"base\"/>".to_owned()
-        + &joint("joint_1", "continuous", "base", "a", "")
-        + &link("a", 1.0, "0 0 0")
+        + &joint("joint_1", "continuous", "base", "link_1", "")
+        + &link("link_1", 1.0, "0 0 0")
+        + &joint("mount", "fixed", "link_1", "rest", "")
+        + &link("rest", 363.0, "0 0 0")
         + "</robot>";
     let config = (example.as_str(), Path::new("robot.toml"));
     let robot = Robot::from_texts((&text, Path::new("r.urdf")), Some(config), None)
@@ -378,6 +380,7 @@ fn the_documented_config_is_good() {
     let transmission = &robot.chain.joints[0].transmission;
     assert_eq!(transmission.stiffness, Some(2.117e6));
     assert!(transmission.servo.is_some());
+    assert_eq!(robot.chain.links[0].mass_kg, 425.0);
 }
 
 /// The process frame: X along the tool, Y horizontal, and a rule for a vertical tool.

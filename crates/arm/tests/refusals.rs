@@ -105,7 +105,7 @@ const CONFIG_FAULTS: &[(&str, usize, &[&str])] = &[
     (
         "[[joint]]\nname = \"turn\"\nstiffness_nm_per_rad = \"much\"",
         3,
-        &["string \"much\"", "f64"],
+        &["string \"much\"", "expected a number"],
     ),
     (
         "[[joint]]\nname = \"trun\"",
@@ -213,6 +213,46 @@ const CONFIG_FAULTS: &[(&str, usize, &[&str])] = &[
         &["frame `tool`", "`xyz_m` holds NaN"],
     ),
     ("[frames.tool]\nxyz_m = [0, 1]", 2, &["length"]),
+    (
+        "[frames.tool]\nxyz_m = [0, 0, 1]\nxyz_mm = [0, 0, 1]",
+        3,
+        &["frame `tool`", "twice"],
+    ),
+    (
+        "[[link]]\nname = \"slidr\"\nmass_kg = 1\ncenter_m = [0, 0, 0]\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\nsource = \"x\"",
+        2,
+        &["no link \"slidr\"", "known:"],
+    ),
+    (
+        "[[link]]\nname = \"base\"\nmass_kg = -1\ncenter_m = [0, 0, 0]\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\nsource = \"x\"",
+        2,
+        &["\"base\"", "-1 kg", "not be negative"],
+    ),
+    (
+        "[[link]]\nname = \"base\"\nmass_kg = 1\ncenter_m = [0, 0, 0]\ninertia_kg_m2 = [1, 1, 3, 0, 0, 0]\nsource = \"x\"",
+        2,
+        &["\"base\"", "triangle rule"],
+    ),
+    (
+        "[[link]]\nname = \"base\"\nmass_kg = 1\ncenter_m = [0, 0, 0]\ninertia_kg_m2 = [1, 1, -1, 0, 0, 0]\nsource = \"x\"",
+        2,
+        &["\"base\"", "none may be negative"],
+    ),
+    (
+        "[[link]]\nname = \"base\"\nmass_kg = nan\ncenter_m = [0, 0, 0]\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\nsource = \"x\"",
+        2,
+        &["\"base\"", "finite numbers"],
+    ),
+    (
+        "[[link]]\nname = \"base\"\nmass_kg = 1\ncenter_m = [0, 0, 0]\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\nsource = \" \"",
+        2,
+        &["\"base\"", "`source` is empty"],
+    ),
+    (
+        "[masses]\ntotal_kg = 4000",
+        2,
+        &["sum to", "`total_kg` is 4000", "0.5 %"],
+    ),
     (
         "[frames.grinder]\nxyz_m = [0, 0, 1]",
         1,

@@ -2,6 +2,7 @@
 
 mod finishing;
 mod number;
+mod robot;
 mod runs;
 mod stability;
 
@@ -13,6 +14,7 @@ use truecut_scenario::Scenario;
 use crate::failure::Failure;
 
 pub use finishing::{PathArguments, ProgramArguments};
+pub use robot::{InitArguments, RobotArguments, RobotCommand};
 pub use runs::{
     CheckArguments, CompareArguments, CrosscheckArguments, DiagnoseArguments, FitArguments,
     RunArguments,
@@ -22,7 +24,7 @@ pub use stability::{LobesArguments, PostureArguments};
 /// Physics-backed simulation of robotic machining.
 ///
 /// Exit codes: 0 good, 1 a claim failed or a robot program cannot be run as written, 2 bad input,
-/// 3 a run diverged, 4 the cross-check disagrees, 5 a run ended in chatter.
+/// 3 a run diverged, 4 the cross-check disagrees, 5 a run ended in chatter, 6 a drive is overloaded.
 #[derive(Debug, Parser)]
 #[command(name = "truecut", version)]
 pub struct Arguments {
@@ -61,7 +63,7 @@ pub enum Command {
     Identify(IdentifyArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
     Robot(RobotArguments),
-    /// Print the JSON Schema of the scenario file, of the identification file or of the path job
+    /// Print the JSON Schema of the scenario file, the identification file, the path job or robot.toml
     Schema(SchemaArguments),
 }
 
@@ -114,6 +116,9 @@ pub struct SchemaArguments {
     /// Of the path job
     #[arg(long)]
     pub path: bool,
+    /// Of robot.toml
+    #[arg(long, conflicts_with_all = ["path", "identification"])]
+    pub robot: bool,
 }
 
 impl SchemaArguments {
@@ -121,35 +126,14 @@ impl SchemaArguments {
     pub fn schema(&self) -> serde_json::Value {
         if self.identification {
             truecut_scenario::Identification::json_schema()
+        } else if self.robot {
+            truecut_arm::config::json_schema().to_value()
         } else if self.path {
             truecut_scenario::PathJob::json_schema()
         } else {
             truecut_scenario::Scenario::json_schema()
         }
     }
-}
-
-#[derive(Debug, Args)]
-pub struct RobotArguments {
-    /// URDF file
-    pub urdf: PathBuf,
-    /// Link whose frame is the flange [default: the end of the chain]
-    #[arg(long, value_name = "LINK")]
-    pub tip: Option<String>,
-    /// Joint angles in degrees (prismatic joints in mm), in chain order, separated by commas
-    #[arg(
-        long,
-        value_name = "A,B,…",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
-    pub posture_deg: Option<Vec<f64>>,
-    /// Print flange poses for the postures in this CSV file (rad and m, one posture a row)
-    #[arg(long, value_name = "FILE")]
-    pub fk: Option<PathBuf>,
-    /// Print JSON
-    #[arg(long, conflicts_with = "fk")]
-    pub json: bool,
 }
 
 impl Common {

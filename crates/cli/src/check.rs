@@ -1,13 +1,13 @@
 //! `truecut check`: runs every scenario found, judges the claims, prints one table, writes JUnit
 //! XML.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use rayon::prelude::*;
 use truecut::data;
-use truecut::outputs::write_file;
+use truecut::outputs::{Outputs, write_file, write_sweep};
 use truecut_recording::ClaimResult;
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Run, Runs};
@@ -31,6 +31,9 @@ struct Checked {
 }
 
 struct Judged {
+    /// Of the run alone.
+    run: ExitStatus,
+    /// With its claims.
     status: ExitStatus,
     outcome: String,
     claims: Vec<ClaimResult>,
@@ -44,7 +47,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
     let progress = Progress::new(files.len(), "checking");
     let checked: Vec<Checked> = files
         .par_iter()
-        .map(|file| check_one(file, &arguments.common.set, &runs, &progress.run()))
+        .map(|file| check_one(file, arguments, &runs, &progress.run()))
         .collect();
     drop(progress);
     write_junit(&checked, &arguments.junit)?;
@@ -59,7 +62,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
             crate::complain(report);
         }
     }
-    crate::print(&format!("  {}\n", summary(&checked, &arguments.junit)))?;
+    crate::print(&format!("  {}\n", summary(&checked, arguments)))?;
     Ok(checked
         .iter()
         .map(status_of)
@@ -68,19 +71,20 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
 
 fn check_one(
     file: &Path,
-    set: &[(String, String)],
+    arguments: &CheckArguments,
     runs: &Runs,
     progress: &RunProgress,
 ) -> Checked {
     let started = Instant::now();
     let mut name = file.display().to_string();
     let mut notes = Vec::new();
-    let result = Scenario::load(file, set)
+    let result = Scenario::load(file, &arguments.common.set)
         .map_err(Failure::from)
         .and_then(|scenario| {
             name.clone_from(&scenario.name);
             notes = scenario.notes();
-            judge_scenario(&scenario, runs, progress)
+            let out = kept_in(file, arguments);
+            judge_scenario(&scenario, out.as_deref(), runs, progress)
         });
     Checked {
         file: file.to_owned(),
@@ -91,15 +95,30 @@ fn check_one(
     }
 }
 
+/// Where outputs of a scenario that fails are kept: below the folder asked for as its file lies, so
+/// that files of one name in several folders do not meet.
+fn kept_in(file: &Path, arguments: &CheckArguments) -> Option<PathBuf> {
+    let is_name = |part: &Component| matches!(part, Component::Normal(_));
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let below: PathBuf = folder.components().filter(is_name).collect();
+    arguments.out.as_ref().map(|out| out.join(below))
+}
+
 fn judge_scenario(
     scenario: &Scenario,
+    out: Option<&Path>,
     runs: &Runs,
     progress: &RunProgress,
 ) -> Result<Judged, Failure> {
     if scenario.sweep.is_some() {
         let table = sweep(scenario, &|part| progress.set(part))?;
         let claims = table.claims(scenario);
+        let status = ExitStatus::of_sweep(&table, &claims);
+        if let Some(out) = out.filter(|_| status != ExitStatus::Good) {
+            write_sweep(out, scenario, &table)?;
+        }
         return Ok(Judged {
+            run: ExitStatus::of_sweep(&table, &[]),
             status: ExitStatus::of_sweep(&table, &claims),
             outcome: text::count_rows(&table),
             claims,
@@ -107,6 +126,7 @@ fn judge_scenario(
     }
     if data::is_left_open(scenario) {
         return Ok(Judged {
+            run: ExitStatus::Good,
             status: ExitStatus::Good,
             outcome: "not run: names no measured data".to_owned(),
             claims: Vec::new(),
@@ -121,8 +141,14 @@ fn judge_scenario(
     // Kept because claims of other scenarios may refer to it.
     let recording = run.kept_in(runs)?;
     let claims = run.judge(&recording)?;
+    let status = ExitStatus::of_run(&recording.outcome, &claims);
+    if let Some(out) = out.filter(|_| status != ExitStatus::Good) {
+        let outputs = Outputs::prepare(out, scenario, true)?;
+        outputs.write(&recording, &claims)?;
+    }
     Ok(Judged {
-        status: ExitStatus::of_run(&recording.outcome, &claims),
+        run: ExitStatus::of_run(&recording.outcome, &[]),
+        status,
         outcome: recording.outcome.to_string(),
         claims,
     })
@@ -180,15 +206,19 @@ fn table(checked: &[Checked]) -> String {
     )
 }
 
-fn summary(checked: &[Checked], junit: &Path) -> String {
+fn summary(checked: &[Checked], arguments: &CheckArguments) -> String {
     let good = checked
         .iter()
         .filter(|one| status_of(one) == ExitStatus::Good)
         .count();
+    let all = checked.len();
+    let kept = match &arguments.out {
+        Some(out) if good < all => format!("; what failed is in {}", out.display()),
+        _ => String::new(),
+    };
     format!(
-        "{good} of {} scenarios hold; JUnit XML in {}",
-        checked.len(),
-        junit.display()
+        "{good} of {all} scenarios hold; JUnit XML in {}{kept}",
+        arguments.junit.display()
     )
 }
 
@@ -210,16 +240,15 @@ fn write_junit(checked: &[Checked], junit: &Path) -> Result<(), Failure> {
     Ok(write_file(junit, xml.as_bytes())?)
 }
 
-/// The run itself is a test case: failed if the run diverges or ends in chatter, an error if it
-/// cannot start.
+/// The run itself is a test case: failed if it diverges, ends in chatter or overloads a drive, an
+/// error if it cannot start.
 fn run_case(one: &Checked) -> TestCase {
     let status = match &one.result {
         Ok(Judged {
-            status: ExitStatus::Diverged | ExitStatus::Chatter,
-            outcome,
+            run: ExitStatus::Good,
             ..
-        }) => non_success(NonSuccessKind::Failure, outcome),
-        Ok(_) => TestCaseStatus::success(),
+        }) => TestCaseStatus::success(),
+        Ok(Judged { outcome, .. }) => non_success(NonSuccessKind::Failure, outcome),
         Err(report) => non_success(NonSuccessKind::Error, report),
     };
     let mut case = TestCase::new(format!("{} runs", one.name), status);

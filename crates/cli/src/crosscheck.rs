@@ -5,7 +5,6 @@ use std::process::Command;
 
 use truecut::data;
 use truecut::outputs::{COMPARISON, MODEL, Outputs, write_file};
-use truecut_recording::Outcome;
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Claims, Run};
 
@@ -64,7 +63,7 @@ fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Failure
     });
     let recording = finished?.recording;
     outputs.write_summary(&recording, &[])?;
-    if recording.outcome != Outcome::Completed {
+    if !recording.outcome.reached_end() {
         let outcome = text::outcome(&recording.outcome);
         crate::print(&format!("{}\n  {outcome}\n", scenario.name))?;
         return Ok(ExitStatus::of_outcome(&recording.outcome));

@@ -21,6 +21,8 @@ pub enum ExitStatus {
     Disagrees = 4,
     /// A run ended in chatter.
     Chatter = 5,
+    /// More was asked of a drive than it gives.
+    Overloaded = 6,
 }
 
 impl ExitStatus {
@@ -33,6 +35,7 @@ impl ExitStatus {
     pub fn of_outcome(outcome: &Outcome) -> ExitStatus {
         match outcome {
             Outcome::Completed => ExitStatus::Good,
+            Outcome::Overloaded { .. } => ExitStatus::Overloaded,
             Outcome::Diverged { .. } | Outcome::Interrupted => ExitStatus::Diverged,
             Outcome::Chatter { .. } => ExitStatus::Chatter,
         }
@@ -40,9 +43,11 @@ impl ExitStatus {
 
     /// ExitStatus of a sweep and its claims.
     pub fn of_sweep(table: &SweepTable, claims: &[ClaimResult]) -> ExitStatus {
-        let ended = table.unfinished.iter().flatten();
-        ended
+        let unfinished = table.unfinished.iter().flatten();
+        let overloaded = table.count_overloaded().min(1);
+        unfinished
             .map(|run| ExitStatus::of_outcome(&run.outcome))
+            .chain(std::iter::repeat_n(ExitStatus::Overloaded, overloaded))
             .fold(ExitStatus::of_claims(claims), ExitStatus::and)
     }
 
@@ -54,16 +59,17 @@ impl ExitStatus {
         }
     }
 
-    /// The more severe of two: bad input before divergence, chatter, disagreement and a failed
-    /// claim.
+    /// The more severe of two: bad input before divergence, chatter, overload, disagreement and a
+    /// failed claim.
     pub fn and(self, other: ExitStatus) -> ExitStatus {
         let gravity = |status| match status {
             ExitStatus::Good => 0,
             ExitStatus::ClaimFailed => 1,
             ExitStatus::Disagrees => 2,
-            ExitStatus::Chatter => 3,
-            ExitStatus::Diverged => 4,
-            ExitStatus::BadInput => 5,
+            ExitStatus::Overloaded => 3,
+            ExitStatus::Chatter => 4,
+            ExitStatus::Diverged => 5,
+            ExitStatus::BadInput => 6,
         };
         if gravity(other) > gravity(self) {
             other
@@ -85,8 +91,16 @@ mod tests {
 
     #[test]
     fn the_gravest_status_wins_whatever_the_order() {
-        use ExitStatus::{BadInput, Chatter, ClaimFailed, Disagrees, Diverged, Good};
-        let by_gravity = [Good, ClaimFailed, Disagrees, Chatter, Diverged, BadInput];
+        use ExitStatus::{BadInput, Chatter, ClaimFailed, Disagrees, Diverged, Good, Overloaded};
+        let by_gravity = [
+            Good,
+            ClaimFailed,
+            Disagrees,
+            Overloaded,
+            Chatter,
+            Diverged,
+            BadInput,
+        ];
         for (index, lesser) in by_gravity.iter().enumerate() {
             for greater in &by_gravity[index..] {
                 assert_eq!(lesser.and(*greater), *greater);

@@ -59,7 +59,7 @@ fn dispatch(command: Command) -> Result<ExitStatus, Failure> {
         Command::Posture(arguments) => posture::posture(&arguments),
         Command::Path(arguments) => path::path(&arguments),
         Command::Program(arguments) => program::program(&arguments),
-        Command::Robot(arguments) => robot::describe(&arguments),
+        Command::Robot(arguments) => robot::robot(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
         Command::Schema(arguments) => print(&format!("{:#}\n", arguments.schema())),
     }

@@ -1,21 +1,50 @@
-//! `truecut robot`: a robot as read from its files.
+//! `truecut robot`: a robot as read from its files, and `truecut robot init`.
 
-use truecut_arm::{JointKind, Robot, report::fk_table};
+use std::path::{Path, PathBuf};
 
-use crate::args::RobotArguments;
+use truecut::outputs::write_file;
+use truecut_arm::estimate::{DataSheet, robot_toml};
+use truecut_arm::report::{fk_table, ik_csv, ik_rows, poses};
+use truecut_arm::{ArmErrorKind, CONFIG_FILE_NAME, JointKind, Masses, Robot, expanded_urdf};
+
+use crate::args::{InitArguments, RobotArguments, RobotCommand};
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::text;
 
-/// Prints the report, as text or JSON, or a table of flange poses.
-pub fn describe(arguments: &RobotArguments) -> Result<ExitStatus, Failure> {
-    let robot = Robot::load(&arguments.urdf, None, arguments.tip.as_deref())
-        .map_err(|error| Failure::arm(&error))?;
+/// Prints the report, as text or JSON, a table of poses or postures, or the URDF; or writes a
+/// `robot.toml`.
+pub fn robot(arguments: &RobotArguments) -> Result<ExitStatus, Failure> {
+    match (&arguments.command, &arguments.urdf) {
+        (Some(RobotCommand::Init(init)), _) => write_estimate(init),
+        (None, Some(urdf)) => describe(arguments, urdf),
+        (None, None) => Err(Failure::message("no robot file is given")),
+    }
+}
+
+fn describe(arguments: &RobotArguments, urdf: &Path) -> Result<ExitStatus, Failure> {
+    let source = &arguments.source;
+    let config = arguments.config.as_ref();
+    if arguments.urdf_text {
+        let text = expanded_urdf(urdf, &source.packages(), &source.arguments());
+        return crate::print(&text.map_err(|error| Failure::arm(&error))?);
+    }
+    let read = |masses| Robot::read(urdf, &source.reading(config, masses));
+    let kinematics = || read(Masses::NotNeeded).map_err(|error| Failure::arm(&error));
     if let Some(file) = &arguments.fk {
         let text = std::fs::read_to_string(file).map_err(|error| Failure::at(file, error))?;
-        let table = fk_table(&robot, &text).map_err(|error| Failure::at(file, error))?;
+        let table = fk_table(&kinematics()?, &text).map_err(|error| Failure::at(file, error))?;
         return crate::print(&table);
     }
+    if let Some(asked) = &arguments.ik {
+        return print_postures(&kinematics()?, asked, arguments);
+    }
+    let robot = match read(Masses::Needed) {
+        Err(error) if matches!(error.kind(), ArmErrorKind::MasslessMovingLink { .. }) => {
+            kinematics()?
+        }
+        other => other.map_err(|error| Failure::arm(&error))?,
+    };
     let posture = match &arguments.posture_deg {
         Some(written) => posture(&robot, written)?,
         None => robot.default_posture(),
@@ -27,6 +56,65 @@ pub fn describe(arguments: &RobotArguments) -> Result<ExitStatus, Failure> {
         return crate::print(&text::json(&report)?);
     }
     crate::print(&report.to_text())
+}
+
+/// The postures for a pose on the command line, or for those of a file.
+fn print_postures(
+    robot: &Robot,
+    asked: &str,
+    arguments: &RobotArguments,
+) -> Result<ExitStatus, Failure> {
+    let file = Path::new(asked);
+    let is_pose = asked.contains(',') && !file.exists();
+    let poses = if is_pose {
+        poses(asked).map_err(|error| Failure::message(format!("--ik: {error}")))?
+    } else {
+        let text = std::fs::read_to_string(file).map_err(|error| Failure::at(file, error))?;
+        poses(&text).map_err(|error| Failure::at(file, error))?
+    };
+    let rows = ik_rows(robot, &poses, arguments.frame.into());
+    let is_reached = |pose: usize| rows.iter().any(|row| row.pose == pose && row.within_limits);
+    let status = if (1..=poses.len()).all(is_reached) {
+        ExitStatus::Good
+    } else {
+        ExitStatus::ClaimFailed
+    };
+    if arguments.json {
+        crate::print(&text::json(&rows)?)?;
+    } else {
+        crate::print(&ik_csv(robot, &rows))?;
+    }
+    Ok(status)
+}
+
+fn write_estimate(init: &InitArguments) -> Result<ExitStatus, Failure> {
+    let out: PathBuf = match &init.out {
+        Some(out) => out.clone(),
+        None => init.urdf.with_file_name(CONFIG_FILE_NAME),
+    };
+    if out.exists() && !init.force {
+        return Err(Failure::with_help(
+            format!("{} is there already", out.display()),
+            "write another file with --out, or over it with --force",
+        ));
+    }
+    let sheet = DataSheet {
+        mass_kg: init.mass,
+        payload_kg: init.payload,
+    };
+    let source = &init.source;
+    let (packages, arguments) = (source.packages(), source.arguments());
+    let tip = source.tip.as_deref();
+    let text = robot_toml(&init.urdf, tip, &packages, &arguments, sheet)
+        .map_err(|error| Failure::arm(&error))?;
+    write_file(&out, text.as_bytes())?;
+    crate::print(&format!(
+        "{}\n  every value in it is estimated, by the rule that it states\n  \
+         look at it: truecut robot {} --config {}\n",
+        out.display(),
+        init.urdf.display(),
+        out.display()
+    ))
 }
 
 /// Degrees to radians for rotary joints, millimetres to metres for prismatic ones.

@@ -32,13 +32,16 @@ pub fn run_and_write(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Fail
 fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg: &Path) -> String {
     let headings = table.columns.iter().map(heading);
     let head = headings.chain([SWEEP_OUTCOME.to_owned()]).collect();
-    let rows = table.rows.iter().zip(&table.unfinished).map(|(row, run)| {
+    let rows = table.rows.iter().enumerate().map(|(index, row)| {
         let cells = table.columns.iter().zip(row);
         let cells = cells.map(|(column, value)| cell(column, *value));
-        let outcome = run.as_ref().map_or("completed", |run| match run.outcome {
-            Outcome::Chatter { .. } => "✗ chatter",
-            _ => "✗ diverged",
-        });
+        let unfinished = table.unfinished[index].as_ref().map(|run| &run.outcome);
+        let outcome = match (unfinished, &table.overloaded[index]) {
+            (Some(Outcome::Chatter { .. }), _) => "✗ chatter",
+            (Some(_), _) => "✗ diverged",
+            (None, Some(_)) => "✗ overloaded",
+            (None, None) => "completed",
+        };
         cells.chain([outcome.to_owned()]).collect()
     });
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
@@ -51,9 +54,9 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
         text::notes(scenario.notes()),
         text::table(&aligns, &rows)
     );
-    for (row, run) in table.unfinished.iter().enumerate() {
-        if let Some(run) = run {
-            text.push_str(&format!("\n  ✗ {}: {}\n", table.row_name(row), run.why));
+    for row in 0..table.rows.len() {
+        if let Some(why) = table.fault(row) {
+            text.push_str(&format!("\n  ✗ {}: {why}\n", table.row_name(row)));
         }
     }
     if !claims.is_empty() {

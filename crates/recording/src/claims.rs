@@ -167,7 +167,7 @@ impl ClaimSpec {
         let diverged = outcomes
             .into_iter()
             .flatten()
-            .find(|outcome| **outcome != Outcome::Completed);
+            .find(|outcome| !outcome.reached_end());
         Ok(self.judge(metric, diverged))
     }
 

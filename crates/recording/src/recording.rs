@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::names::nearest;
 use crate::scene::Scene;
-use crate::unit::{Unit, suggestion};
+use crate::unit::{Unit, significant, suggestion};
 
 /// Name, unit and meaning of one channel.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -129,6 +129,19 @@ pub enum Outcome {
     /// It ran to its end.
     #[default]
     Completed,
+    /// It ran to its end, but more was asked of a drive than it gives: the real arm would not have
+    /// followed. All that was recorded is there.
+    Overloaded {
+        /// When most was asked.
+        time_s: f64,
+        /// The joint whose drive it is.
+        joint: String,
+        /// Largest torque or force over the drive's limit.
+        #[serde(with = "crate::any_float::one")]
+        share: f64,
+        /// The limit with its unit.
+        limit: String,
+    },
     /// It broke off without an end mark: the program was stopped while it ran. Only a reader finds
     /// this.
     Interrupted,
@@ -160,11 +173,31 @@ pub enum Outcome {
     },
 }
 
+impl Outcome {
+    /// Whether the run came to its end, so that numbers over the whole of it exist.
+    pub fn reached_end(&self) -> bool {
+        matches!(self, Outcome::Completed | Outcome::Overloaded { .. })
+    }
+}
+
 impl std::fmt::Display for Outcome {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Outcome::Completed => formatter.write_str("completed"),
             Outcome::Interrupted => formatter.write_str("was interrupted"),
+            Outcome::Overloaded {
+                time_s,
+                joint,
+                share,
+                limit,
+            } => {
+                write!(
+                    formatter,
+                    "overloaded a drive: joint `{joint}` is asked for {} times what it gives \
+                     (limit {limit}, most at {time_s:.4} s); the real arm would not hold",
+                    significant(*share, 3)
+                )
+            }
             Outcome::Diverged {
                 time_s,
                 quantity,

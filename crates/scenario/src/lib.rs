@@ -102,7 +102,7 @@ pub use process::{
 };
 pub use processes::{NameTaken, Processes};
 pub use robot::{DriveKind, RobotSpec};
-pub use run::{LONGEST_S, RunSpec};
+pub use run::{LONGEST_S, OverloadRule, RunSpec};
 pub use scenario::Scenario;
 pub use sweep::{BisectSpec, SweepAxis, SweepClaim, SweepColumn, SweepSpec};
 pub use truecut_plan::motion::straight::{PathStart, StraightPath, TurnKnot};

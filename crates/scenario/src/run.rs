@@ -19,6 +19,19 @@ pub struct RunSpec {
     pub record_interval_s: Option<f64>,
     /// Factor by which deflections are exaggerated in the second, transparent arm of the 3-D view.
     pub deflection_scale: f64,
+    /// What it comes to if more is asked of a drive than it gives.
+    pub overload: OverloadRule,
+}
+
+/// What an overloaded drive does to a run's verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OverloadRule {
+    /// The run ends as overloaded and fails.
+    #[default]
+    Fail,
+    /// The run's text says so, and its verdict is left to the claims.
+    Warn,
 }
 
 /// Duration, step and recording interval.
@@ -40,6 +53,9 @@ pub(crate) struct RunTable {
     /// Exaggeration of deflections in the 3-D view. Default: 300.
     #[schemars(extend("minimum" = 1.0, "x-rule" = "1 shows the true deflection"))]
     deflection_scale: Option<f64>,
+    /// What an overloaded drive does to the verdict: "fail", or "warn" where only the text of the
+    /// run says so. Default: "fail".
+    overload: Option<OverloadRule>,
 }
 
 /// Longest run, s: what is meant as longer is mostly a slip in a feed or a unit.
@@ -71,6 +87,7 @@ impl RunTable {
             time_step_s: self.time_step_ms.map(from_ms),
             record_interval_s: self.record_interval_ms.map(from_ms),
             deflection_scale: self.deflection_scale.unwrap_or(DEFAULT_DEFLECTION_SCALE),
+            overload: self.overload.unwrap_or_default(),
         };
         run.check_length(check);
         run.check_intervals(check);

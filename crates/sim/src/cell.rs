@@ -198,6 +198,9 @@ impl Cell {
             self.plant.drift();
         }
         let findings = self.process.finish();
+        if outcome == Outcome::Completed {
+            outcome = self.torque_use.outcome(self.scenario.run.overload);
+        }
         self.scalars.extend(self.torque_use.scalar());
         self.scalars.extend(findings.scalars);
         Ok(RunEnd {

@@ -3,26 +3,37 @@
 use crate::build::Prepared;
 use crate::plant::Plant;
 use truecut_arm::{FrameId, Joint, directional_stiffness};
-use truecut_recording::{Scalar, Unit};
-use truecut_scenario::DriveKind;
+use truecut_recording::{Outcome, Scalar, Unit};
+use truecut_scenario::{DriveKind, OverloadRule};
 
 /// The largest share of its limit that a drive was asked for.
 pub(crate) struct TorqueUse {
-    /// Name and limit of every joint that has one, by its index.
-    limits: Vec<(usize, String, f64)>,
+    limits: Vec<DriveLimit>,
     largest: f64,
     joint: usize,
     time_s: f64,
 }
 
+/// What a drive can give.
+struct DriveLimit {
+    joint: usize,
+    name: String,
+    /// N m or N.
+    value: f64,
+    unit: &'static str,
+}
+
 impl TorqueUse {
     /// Limits of the joints; none for joints that are not driven.
     pub(crate) fn new(prepared: &Prepared) -> Self {
-        let joints = prepared.robot.chain.joints.iter().enumerate();
-        let limits = joints
-            .filter(|_| prepared.kind != DriveKind::Force)
-            .map(|(index, joint)| (index, joint.name.clone(), limit(joint)))
-            .filter(|(_, _, limit)| limit.is_finite() && *limit > 0.0);
+        let limits = driven(prepared)
+            .filter(|(_, joint)| limit(joint).is_finite())
+            .map(|(index, joint)| DriveLimit {
+                joint: index,
+                name: joint.name.clone(),
+                value: limit(joint),
+                unit: joint.kind.effort_unit(),
+            });
         Self {
             limits: limits.collect(),
             largest: 0.0,
@@ -33,8 +44,8 @@ impl TorqueUse {
 
     /// Takes the drives' torques at an instant.
     pub(crate) fn watch(&mut self, time_s: f64, plant: &dyn Plant) {
-        for (at, (joint, _, limit)) in self.limits.iter().enumerate() {
-            let share = plant.drive_torque(*joint).abs() / limit;
+        for (at, drive) in self.limits.iter().enumerate() {
+            let share = plant.drive_torque(drive.joint).abs() / drive.value;
             if share > self.largest {
                 (self.largest, self.joint, self.time_s) = (share, at, time_s);
             }
@@ -43,10 +54,10 @@ impl TorqueUse {
 
     /// The result; `None` if no joint has a limit.
     pub(crate) fn scalar(&self) -> Option<Scalar> {
-        let (_, name, limit) = self.limits.get(self.joint)?;
+        let drive = self.limits.get(self.joint)?;
         let text = format!(
-            "Largest torque asked of a drive over its limit: joint `{name}`, limit {limit}, at {:.4} s",
-            self.time_s
+            "Largest torque asked of a drive over its limit: joint `{}`, limit {}, at {:.4} s",
+            drive.name, drive.value, self.time_s
         );
         Some(Scalar::new(
             "plant.torque_use_max",
@@ -55,6 +66,44 @@ impl TorqueUse {
             text,
         ))
     }
+}
+
+impl TorqueUse {
+    /// How a run that came to its end has ended: overloaded, if more was asked of a drive than it
+    /// gives and the scenario's rule is that this fails.
+    pub(crate) fn outcome(&self, rule: OverloadRule) -> Outcome {
+        match self.limits.get(self.joint) {
+            Some(drive) if self.largest > 1.0 && rule == OverloadRule::Fail => {
+                Outcome::Overloaded {
+                    time_s: self.time_s,
+                    joint: drive.name.clone(),
+                    share: self.largest,
+                    limit: format!("{} {}", drive.value, drive.unit),
+                }
+            }
+            _ => Outcome::Completed,
+        }
+    }
+}
+
+/// The joints that have a drive, with their index.
+fn driven(prepared: &Prepared) -> impl Iterator<Item = (usize, &Joint)> {
+    let joints = prepared.robot.chain.joints.iter().enumerate();
+    joints.filter(|(index, _)| *index >= prepared.base_joints && prepared.kind != DriveKind::Force)
+}
+
+/// Which drives have no limit, so that nobody can tell whether they are overloaded; `None` if all
+/// have one.
+pub(crate) fn unchecked_note(prepared: &Prepared) -> Option<String> {
+    let unknown = driven(prepared).filter(|(_, joint)| !limit(joint).is_finite());
+    let names: Vec<&str> = unknown.map(|(_, joint)| joint.name.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "no effort limit is known of {}: overload of these drives is not checked (0 in a URDF \
+             counts as not given)",
+            names.join(", ")
+        )
+    })
 }
 
 /// The limit that `robot.toml` gives, or the URDF where it gives none; infinite where nobody does.

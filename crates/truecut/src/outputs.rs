@@ -3,8 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use truecut_recording::{ClaimResult, Recording, Sink, Summary};
+use truecut_recording::{Chunk, ClaimResult, Recording, Sink, SinkError, Summary};
 use truecut_scenario::Scenario;
+use truecut_sim::run::RunError;
 use truecut_sim::sweep::SweepTable;
 use truecut_telemetry::{
     Background, Column, FileError, IpcSink, ParquetSink, Reason, RrdSink, Values, write_columns,
@@ -101,6 +102,29 @@ impl Outputs {
         vec![Box::new(Background::new(sinks))]
     }
 
+    /// Writes all files of a recording that is in memory; the viewer's file has curves only, since
+    /// what is seen is not kept in memory.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), RunError> {
+        let chunk = Chunk {
+            time_s: &recording.time_s,
+            columns: recording.columns.iter().map(Vec::as_slice).collect(),
+            frames: &[],
+        };
+        for mut sink in self.sinks() {
+            (sink.begin(&recording.header))
+                .and_then(|()| sink.chunk(&chunk))
+                .and_then(|()| sink.finish(recording, claims))
+                .map_err(RunError::Sink)?;
+        }
+        self.write_summary(recording, claims).map_err(|error| {
+            let target = self.path(SUMMARY).display().to_string();
+            RunError::Sink(SinkError::new(target, "write", error))
+        })
+    }
+
     /// Writes `summary.json`; the sinks write the rest.
     ///
     /// # Errors
@@ -117,8 +141,8 @@ impl Outputs {
     }
 }
 
-/// Name of the column of a sweep's table that says how a row's runs ended: `completed`, or which
-/// did not come to its end, and why.
+/// Name of the column of a sweep's table that says how a row's runs ended: `completed`, which did not
+/// come to its end, and why, or which drive was overloaded.
 pub const SWEEP_OUTCOME: &str = "outcome";
 
 /// Writes a sweep's table as `sweep.parquet`, into a folder below `out` that is named like the
@@ -138,8 +162,8 @@ pub fn write_sweep(
         let values = table.rows.iter().map(|row| row[index]).collect();
         Column::numbers(&column.name, &column.unit.symbol, values)
     });
-    let outcomes = table.unfinished.iter();
-    let outcomes = outcomes.map(|run| run.as_ref().map_or("completed", |run| run.why.as_str()));
+    let outcomes = 0..table.rows.len();
+    let outcomes = outcomes.map(|row| table.fault(row).unwrap_or("completed"));
     let outcome = Column {
         name: SWEEP_OUTCOME,
         values: Values::Words(outcomes.collect()),

@@ -157,5 +157,5 @@ pub const URDF_FAULTS: &[(&str, Option<usize>, &[&str])] = &[
         Some(22),
         &["\"elbow\"", "origin", "1e4 m"],
     ),
-    ("xacro", Some(22), &["${length}", "expand it first"]),
+    ("xacro", Some(22), &["${length}", "is called .xacro"]),
 ];

@@ -39,6 +39,9 @@ pub struct CheckArguments {
     /// Where the JUnit XML goes
     #[arg(long, value_name = "FILE", default_value = "out/junit.xml")]
     pub junit: PathBuf,
+    /// Folder for the recordings and summaries of what fails [default: they are not kept]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -137,6 +140,12 @@ fn load_all(paths: &[PathBuf], common: &Common) -> Result<Vec<Scenario>, Failure
     let mut scenarios: Vec<Scenario> = Vec::new();
     let mut folders = BTreeMap::new();
     for path in paths {
+        if path.is_dir() {
+            return Err(Failure::with_help(
+                format!("{} is a folder, but a scenario is a file", path.display()),
+                format!("truecut check {} runs every scenario in it", path.display()),
+            ));
+        }
         let scenario = Scenario::load(path, &common.set)?;
         if let Some(other) = folders.insert(scenario.stem(), path) {
             let (stem, other) = (scenario.stem(), other.display());

@@ -8,7 +8,7 @@ use std::path::Path;
 use truecut::data;
 use truecut::outputs::write_file;
 use truecut_discrepancy::compare::{CompareError, Comparison, compare_recordings};
-use truecut_recording::{Measured, Outcome, Recording};
+use truecut_recording::{Measured, Recording};
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Claims, Run};
 
@@ -40,7 +40,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
         run.execute()
     })?;
     let (simulated, measured) = (finished.recording, finished.compared.unwrap_or(measured));
-    if simulated.outcome != Outcome::Completed {
+    if !simulated.outcome.reached_end() {
         let outcome = crate::text::outcome(&simulated.outcome);
         crate::print(&format!("{}\n  {outcome}\n", scenario.name))?;
         return Ok(ExitStatus::of_outcome(&simulated.outcome));

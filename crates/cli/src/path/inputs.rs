@@ -66,7 +66,7 @@ impl Inputs {
 
 fn robot(job: &PathJob) -> Result<Robot, Failure> {
     let arm = &job.robot;
-    let robot = Robot::load(&arm.urdf, arm.config.as_deref(), arm.tip.as_deref());
+    let robot = Robot::load_kinematics(&arm.urdf, arm.config.as_deref(), arm.tip.as_deref());
     let robot = robot.map_err(|error| match error.line() {
         Some(_) => Failure::arm(&error),
         None => job.problem("robot.urdf", error.to_string()).into(),

@@ -25,7 +25,7 @@ const ALLOWED_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
 /// Reads, replays, compares and prints. Fails for a program that the robot cannot run, or that
 /// deviates from its path.
 pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
-    let robot = Robot::load(&arguments.robot, None, arguments.tip.as_deref())
+    let robot = Robot::load_kinematics(&arguments.robot, None, arguments.tip.as_deref())
         .map_err(|error| Failure::arm(&error))?;
     let base = Isometry3::from_parts(
         Vector3::from(three(arguments.base_xyz_mm.as_deref(), 1e-3)).into(),

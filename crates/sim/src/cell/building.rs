@@ -13,7 +13,7 @@ use crate::posture::joint_limits;
 use crate::robots::Robots;
 use crate::scene::Setting;
 use crate::step_size::Scheme;
-use crate::torque_use::{TorqueUse, servo_note};
+use crate::torque_use::{TorqueUse, servo_note, unchecked_note};
 use std::sync::Arc;
 use truecut_arm::JointKind;
 use truecut_core::sensor::Sensor;
@@ -70,6 +70,7 @@ impl Cell {
         let recorded = steps_per_row as f64 * prepared.dt_s;
         let mut notes = prepared.notes.clone();
         notes.extend(servo_note(&prepared));
+        notes.extend(unchecked_note(&prepared));
         notes.push(step_note);
         if interval > 0.0 && (recorded / interval - 1.0).abs() > 1e-6 {
             notes.push(format!(

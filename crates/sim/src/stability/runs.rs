@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use truecut_plan::lobes::Lobes;
-use truecut_recording::{Outcome, Scalar};
+use truecut_recording::Scalar;
 use truecut_scenario::{ProcessSpec, Scenario};
 
 use super::MillingStudy;
@@ -103,9 +103,9 @@ fn one(
     let level = value("milling.vibration_level") / study.cut.nominal.feed_per_tooth_m;
     let fallen = (growth_per_s * duration_s).exp() < FALLEN;
     let chatters = match &end.outcome {
-        Outcome::Completed if level > study.linear_share() && !fallen => Some(true),
-        Outcome::Completed => growth_per_s.is_finite().then_some(growth_per_s > 0.0),
-        Outcome::Chatter { .. } | Outcome::Diverged { .. } | Outcome::Interrupted => Some(true),
+        end if !end.reached_end() => Some(true),
+        _ if level > study.linear_share() && !fallen => Some(true),
+        _ => growth_per_s.is_finite().then_some(growth_per_s > 0.0),
     };
     Ok(StabilityRun {
         spindle_rad_s,

@@ -32,6 +32,8 @@ pub struct SweepRow {
     /// A run that did not come to its end; then the threshold and every column are NaN, since a
     /// metric over a part of a run is no result.
     pub unfinished: Option<Unfinished>,
+    /// Which drive was asked for more than it gives in the run that the columns are of.
+    pub overloaded: Option<String>,
 }
 
 /// A run that did not come to its end.
@@ -137,6 +139,8 @@ fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
             recording
         }
     };
+    row.overloaded = matches!(recording.outcome, Outcome::Overloaded { .. })
+        .then(|| recording.outcome.to_string());
     for column in &job.sweep.columns {
         let metric = column.metric.evaluate(&recording)?;
         row.values.push(Entry {
@@ -151,7 +155,7 @@ fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
 /// How a run ended if it did not come to its end; `which` stands before that.
 fn unfinished(recording: &Recording, which: &str) -> Option<Unfinished> {
     let outcome = &recording.outcome;
-    (*outcome != Outcome::Completed).then(|| Unfinished {
+    (!outcome.reached_end()).then(|| Unfinished {
         outcome: outcome.clone(),
         why: format!("{which}{outcome}"),
     })

@@ -18,6 +18,9 @@ pub struct SweepTable {
     pub rows: Vec<Vec<f64>>,
     /// For each row, that of its runs which did not come to its end.
     pub unfinished: Vec<Option<Unfinished>>,
+    /// For each row, which drive was asked for more than it gives in the run that its values are
+    /// of.
+    pub overloaded: Vec<Option<String>>,
 }
 
 /// A column of a sweep's results.
@@ -75,14 +78,17 @@ pub fn sweep(scenario: &Scenario, progress: &(dyn Fn(f64) + Sync)) -> Result<Swe
             };
             let row = run_job(job, &advance).map_err(|error| RunError::of(scenario, error))?;
             advance(1.0);
-            Ok((values(&columns, &row), row.unfinished))
+            Ok((values(&columns, &row), row))
         })
-        .collect::<Result<Vec<(Vec<f64>, Option<Unfinished>)>, RunError>>()?;
-    let (rows, unfinished) = rows.into_iter().unzip();
+        .collect::<Result<Vec<(Vec<f64>, SweepRow)>, RunError>>()?;
+    let (rows, made): (_, Vec<SweepRow>) = rows.into_iter().unzip();
+    let ends = made.into_iter().map(|row| (row.unfinished, row.overloaded));
+    let (unfinished, overloaded) = ends.unzip();
     Ok(SweepTable {
         columns,
         rows,
         unfinished,
+        overloaded,
     })
 }
 
@@ -134,6 +140,17 @@ impl SweepTable {
     /// In how many rows a run did not come to its end.
     pub fn count_unfinished(&self) -> usize {
         self.unfinished.iter().flatten().count()
+    }
+
+    /// In how many rows a drive was overloaded.
+    pub fn count_overloaded(&self) -> usize {
+        self.overloaded.iter().flatten().count()
+    }
+
+    /// How the runs of a row ended, if not well.
+    pub fn fault(&self, row: usize) -> Option<&str> {
+        let unfinished = self.unfinished[row].as_ref().map(|run| run.why.as_str());
+        unfinished.or(self.overloaded[row].as_deref())
     }
 
     /// The row by the values of its axes: `mu = 0.1, bore_mm = 32`; its number where there are no

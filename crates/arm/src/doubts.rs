@@ -1,0 +1,65 @@
+//! What looks like a placeholder rather than a value: told in a note, since files are published so,
+//! and a run with them gives numbers like any other.
+
+use crate::model::{Chain, Link};
+
+/// Fewest joints of what is an arm; a rig of one or two may have any masses.
+const FEWEST_JOINTS: usize = 4;
+/// Moving mass over the square of the reach, kg/m², of machines that there are: 15 of light
+/// collaborating arms, 450 of the heaviest.
+const LEAST_KG_PER_M2: f64 = 5.0;
+const MOST_KG_PER_M2: f64 = 1000.0;
+
+/// Notes on masses, inertias and damping that no machine has.
+pub(crate) fn notes(chain: &Chain) -> Vec<String> {
+    let mut notes = Vec::new();
+    let has_masses = chain.links.iter().all(|link| link.mass_kg > 0.0);
+    if chain.joints.len() >= FEWEST_JOINTS && has_masses {
+        if all_alike(&chain.links, |link| link.mass_kg) {
+            let mass_kg = chain.links[0].mass_kg;
+            notes.push(format!(
+                "all {} moving links have the same mass, {mass_kg} kg: a placeholder, it seems",
+                chain.links.len()
+            ));
+        }
+        let trace = |link: &Link| link.inertia_about_com_kg_m2.trace();
+        if all_alike(&chain.links, trace) {
+            notes
+                .push("all moving links have the same inertia: a placeholder, it seems".to_owned());
+        }
+        notes.extend(of_total(chain));
+    }
+    let transmissions = chain.joints.iter().map(|joint| &joint.transmission);
+    let mut elastic = transmissions.filter(|t| t.stiffness.is_some()).peekable();
+    if elastic.peek().is_some() && elastic.all(|t| t.damping == 0.0) {
+        notes.push("no joint has damping: vibration never dies away".to_owned());
+    }
+    notes
+}
+
+fn all_alike(links: &[Link], of: impl Fn(&Link) -> f64) -> bool {
+    let first = of(&links[0]);
+    links
+        .iter()
+        .all(|link| (of(link) - first).abs() <= 1e-6 * first.abs())
+}
+
+fn of_total(chain: &Chain) -> Option<String> {
+    let mass_kg: f64 = chain.links.iter().map(|link| link.mass_kg).sum();
+    let offsets = chain.joints.iter().skip(1);
+    let reach_m: f64 = offsets
+        .map(|joint| joint.parent_from_joint.translation.vector.norm())
+        .sum();
+    let density = mass_kg / reach_m.powi(2);
+    let what = if density < LEAST_KG_PER_M2 {
+        "less"
+    } else if density > MOST_KG_PER_M2 {
+        "more"
+    } else {
+        return None;
+    };
+    Some(format!(
+        "{mass_kg:.3} kg move over a reach of {reach_m:.2} m, {what} than in any machine known: a \
+         placeholder, or another unit, it seems"
+    ))
+}

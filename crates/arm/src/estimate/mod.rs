@@ -1,0 +1,193 @@
+//! A `robot.toml` for an arm of which only a data sheet is known: masses, transmissions and servos
+//! by stated rules, each value with its rule and the interval in which it is expected.
+//!
+//! Rules and their sources stand in `docs/physics/estimates.md`.
+
+mod masses;
+mod text;
+mod volume;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::error::{ArmError, ArmErrorKind};
+use crate::load::{Masses, Source};
+use crate::merge::{joints_to, to_chain};
+use crate::model::{Chain, JointKind, Robot};
+use crate::packages::Packages;
+use masses::{LinkMass, MassRule};
+
+/// What a data sheet says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DataSheet {
+    /// The arm with its base, kg; `None` leaves the URDF's masses.
+    pub mass_kg: Option<f64>,
+    /// What the arm may carry, kg.
+    pub payload_kg: f64,
+}
+
+/// Stiffness of a joint over the torque that it is sized for, 1/rad (1/m for a slide).
+const STIFFNESS_PER_TORQUE: f64 = 450.0;
+const STIFFNESS_PER_FORCE: f64 = 1e4;
+/// Inertia of motor and gear on the joint side over that torque, s².
+const ROTOR_PER_TORQUE: f64 = 0.02;
+/// Largest torque of a drive over that torque.
+const LIMIT_PER_TORQUE: f64 = 2.0;
+/// How far a payload's centre stands off the flange, as a part of the reach.
+const STAND_OFF: f64 = 0.1;
+/// Bandwidth of the velocity loop on the rotor, rad/s; the position loop has a tenth of it.
+const VELOCITY_LOOP_RAD_S: f64 = 200.0;
+/// Damping ratio of the first mode.
+const FIRST_MODE_DAMPING: f64 = 0.02;
+/// Factors by which a value may be off to both sides.
+pub(crate) const STIFFNESS_FACTOR: f64 = 2.5;
+const MASS_FACTOR: f64 = 3.0;
+const ROTOR_FACTOR: f64 = 2.5;
+
+/// A joint as it is estimated, in its own units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct JointEstimate {
+    stiffness: f64,
+    rotor_inertia: f64,
+    velocity_gain: f64,
+    torque_limit: f64,
+    /// The limit is the URDF's.
+    limit_is_given: bool,
+}
+
+/// The text of a `robot.toml` for the robot at `urdf`.
+///
+/// # Errors
+/// Whatever is wrong with the robot's file; masses that are neither there nor given; a data sheet
+/// that no arm of this reach has.
+pub fn robot_toml(
+    urdf: &Path,
+    tip: Option<&str>,
+    packages: &Packages,
+    arguments: &BTreeMap<String, String>,
+    sheet: DataSheet,
+) -> Result<String, ArmError> {
+    check(&sheet)?;
+    let source = Source::read(urdf, packages, arguments)?;
+    let (mut tree, tip_link) = source.tree(urdf, tip)?;
+    let path = joints_to(&tree, tip_link);
+    let mut given = Vec::new();
+    if let Some(mass_kg) = sheet.mass_kg {
+        given = masses::spread(&tree, &path, mass_kg, urdf, packages);
+        masses::enter(&mut tree, &given);
+    }
+    let (chain, flange) = to_chain(&mut tree, tip_link, Masses::Needed)
+        .map_err(|error| source.at_origin(urdf, needs_mass(error, &sheet)))?;
+    let lengths = Lengths::of(&chain, flange.translation.vector.norm());
+    let joints: Vec<JointEstimate> = (0..chain.joints.len())
+        .map(|index| joint_estimate(&chain, &lengths, index, sheet.payload_kg))
+        .collect();
+    let draft = text::write(&chain, &sheet, &given, &joints, None);
+    let settings = Some((draft.as_str(), Path::new("robot.toml")));
+    let robot = Robot::from_texts((source.text(), urdf), settings, tip)
+        .map_err(|error| source.at_origin(urdf, error))?;
+    let modes = robot.modes(&robot.default_posture(), None)?;
+    let first_hz = modes.frequency_hz[0];
+    Ok(text::write(&chain, &sheet, &given, &joints, Some(first_hz)))
+}
+
+fn check(sheet: &DataSheet) -> Result<(), ArmError> {
+    let positive = [
+        ("--mass", sheet.mass_kg),
+        ("--payload", Some(sheet.payload_kg)),
+    ];
+    for (quantity, value) in positive {
+        if let Some(value) = value
+            && !(value.is_finite() && value > 0.0 && value <= 1e5)
+        {
+            let rule = "above 0 and at most 1e5 kg";
+            return Err(ArmErrorKind::Argument {
+                quantity,
+                value,
+                rule,
+            }
+            .into());
+        }
+    }
+    if let Some(mass_kg) = sheet.mass_kg
+        && sheet.payload_kg > mass_kg
+    {
+        let kind = ArmErrorKind::Argument {
+            quantity: "--payload",
+            value: sheet.payload_kg,
+            rule: "at most the mass of the arm: no arm carries more than it weighs",
+        };
+        return Err(kind.into());
+    }
+    Ok(())
+}
+
+/// What to do where masses are missing and were not given.
+fn needs_mass(error: ArmError, sheet: &DataSheet) -> ArmError {
+    match (error.kind(), sheet.mass_kg) {
+        (ArmErrorKind::MasslessMovingLink { link, .. }, None) => {
+            let link = link.clone();
+            ArmErrorKind::MassNotGiven { link }.into()
+        }
+        _ => error,
+    }
+}
+
+/// Distances along the stretched arm, m.
+struct Lengths {
+    /// From each joint to the next, the last one's to the flange.
+    to_next: Vec<f64>,
+    /// From the first joint to the flange.
+    reach: f64,
+}
+
+impl Lengths {
+    fn of(chain: &Chain, last_to_flange: f64) -> Lengths {
+        let offsets = chain.joints.iter().skip(1);
+        let offsets = offsets.map(|joint| joint.parent_from_joint.translation.vector.norm());
+        let to_next: Vec<f64> = offsets.chain([last_to_flange]).collect();
+        let reach = to_next.iter().sum::<f64>().max(1e-3);
+        Lengths { to_next, reach }
+    }
+
+    fn between(&self, from: usize, to: usize) -> f64 {
+        self.to_next[from..to].iter().sum()
+    }
+}
+
+/// The torque that gravity asks of a joint with the arm stretched out level and the payload on it;
+/// drives and reducers are chosen by it.
+fn design_torque(chain: &Chain, lengths: &Lengths, joint: usize, payload_kg: f64) -> f64 {
+    let count = chain.joints.len();
+    let is_slide = chain.joints[joint].kind == JointKind::Prismatic;
+    let lever = |length: f64| if is_slide { 1.0 } else { length };
+    let links = (joint..count).map(|at| {
+        let link = &chain.links[at];
+        link.mass_kg * lever(lengths.between(joint, at) + link.com_m.norm())
+    });
+    let payload = payload_kg * lever(lengths.between(joint, count) + STAND_OFF * lengths.reach);
+    9.81 * (links.sum::<f64>() + payload)
+}
+
+fn joint_estimate(
+    chain: &Chain,
+    lengths: &Lengths,
+    joint: usize,
+    payload_kg: f64,
+) -> JointEstimate {
+    let torque = design_torque(chain, lengths, joint, payload_kg);
+    let per_torque = match chain.joints[joint].kind {
+        JointKind::Revolute => STIFFNESS_PER_TORQUE,
+        JointKind::Prismatic => STIFFNESS_PER_FORCE,
+    };
+    let rotor_inertia = ROTOR_PER_TORQUE * torque;
+    let given = chain.joints[joint].limits.map(|limits| limits.effort);
+    let given = given.filter(|effort| effort.is_finite() && *effort > 0.0);
+    JointEstimate {
+        stiffness: per_torque * torque,
+        rotor_inertia,
+        velocity_gain: VELOCITY_LOOP_RAD_S * rotor_inertia,
+        torque_limit: given.unwrap_or(LIMIT_PER_TORQUE * torque),
+        limit_is_given: given.is_some(),
+    }
+}

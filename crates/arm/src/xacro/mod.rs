@@ -1,0 +1,178 @@
+//! Xacro, the language of macros in which robots are published: expanded to a URDF.
+//!
+//! Properties, macros with blocks and defaults, includes, conditions, arguments and the expressions
+//! of Python that such files use. Files are read only from the robot's own package and from those
+//! that are given or found beside it. Every element of the result knows the file and line it was
+//! written in.
+
+mod evaluate;
+mod expand;
+mod expression;
+mod functions;
+mod parameters;
+mod scope;
+mod tree;
+mod value;
+mod yaml;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::error::{ArmError, ArmErrorKind};
+use crate::packages::Packages;
+use scope::Scopes;
+use tree::Place;
+
+pub(crate) use tree::has_xacro;
+
+/// How deep macros, includes, blocks and properties may lead to each other.
+const MOST_NESTED: usize = 100;
+/// Most elements that a file may come to.
+const MOST_ELEMENTS: usize = 200_000;
+
+/// A text that was made, and where each of its lines was written.
+pub(crate) struct Expanded {
+    pub(crate) text: String,
+    places: Vec<Place>,
+    files: Vec<PathBuf>,
+}
+
+impl Expanded {
+    /// The file and line that a line of the text comes from.
+    pub(crate) fn origin(&self, line: usize) -> Option<(&Path, usize)> {
+        let place = self.places.get(line.checked_sub(1)?)?;
+        Some((&self.files[place.file], place.line))
+    }
+}
+
+/// A fault that is not yet at a place, or already is.
+pub(super) enum Fault {
+    Here(String),
+    Placed(ArmError),
+}
+
+impl Fault {
+    fn of(text: impl Into<String>) -> Self {
+        Self::Here(text.into())
+    }
+
+    /// The same with more said, where it has no place yet.
+    fn within(self, say: impl FnOnce(&str) -> String) -> Self {
+        match self {
+            Self::Here(text) => Self::Here(say(&text)),
+            placed => placed,
+        }
+    }
+}
+
+impl From<String> for Fault {
+    fn from(text: String) -> Self {
+        Self::Here(text)
+    }
+}
+
+impl From<ArmError> for Fault {
+    fn from(error: ArmError) -> Self {
+        Self::Placed(error)
+    }
+}
+
+/// A file under expansion.
+struct Expander<'a> {
+    packages: &'a Packages,
+    arguments: BTreeMap<String, String>,
+    scopes: Scopes,
+    /// All files read so far.
+    files: Vec<PathBuf>,
+    /// Files that are being read, the innermost last.
+    open: Vec<usize>,
+    allowed: Vec<PathBuf>,
+    depth: usize,
+    elements: usize,
+}
+
+/// Expands `text`, the file at `path`; `arguments` are those of `xacro:arg`.
+pub(crate) fn expand(
+    text: &str,
+    path: &Path,
+    packages: &Packages,
+    arguments: &BTreeMap<String, String>,
+) -> Result<Expanded, ArmError> {
+    let folder = folder_of(path);
+    let mut expander = Expander {
+        packages,
+        arguments: arguments.clone(),
+        scopes: Scopes::new(),
+        files: vec![path.to_owned()],
+        open: vec![0],
+        allowed: packages.allowed(&folder),
+        depth: 0,
+        elements: 0,
+    };
+    let root = tree::parse(text, path, 0)?;
+    let place = root.place;
+    let made = expander
+        .element(&root, 0)
+        .map_err(|fault| expander.at(place, fault))?;
+    let (mut text, mut places) = (String::new(), Vec::new());
+    tree::write(&made, &mut text, &mut places);
+    Ok(Expanded {
+        text,
+        places,
+        files: expander.files,
+    })
+}
+
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+impl Expander<'_> {
+    /// Folder of the file that is being read.
+    fn folder(&self) -> PathBuf {
+        folder_of(&self.files[*self.open.last().unwrap_or(&0)])
+    }
+
+    /// Where a file lies that the file which is being read names; it must be in the robot's package,
+    /// in one that was found by its name, or in one that was given.
+    fn readable(&self, file: &str) -> Result<PathBuf, Fault> {
+        let path = self.folder().join(file);
+        let real = path.canonicalize().map_err(|error| {
+            Fault::of(format!("cannot read the file {}: {error}", path.display()))
+        })?;
+        if self.allowed.iter().any(|folder| real.starts_with(folder)) {
+            return Ok(real);
+        }
+        Err(Fault::of(format!(
+            "{} lies outside the robot's package and those that it names; give its folder with --package NAME=DIR",
+            real.display()
+        )))
+    }
+
+    fn at(&self, place: Place, fault: Fault) -> ArmError {
+        match fault {
+            Fault::Placed(error) => error,
+            Fault::Here(text) => ArmError::in_file(
+                &self.files[place.file],
+                place.line,
+                ArmErrorKind::Xacro(text),
+            ),
+        }
+    }
+
+    /// One level deeper, within bounds.
+    fn descend<T>(&mut self, act: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
+        if self.depth >= MOST_NESTED {
+            return Err(Fault::of(format!(
+                "macros, includes or properties lead to each other more than {MOST_NESTED} deep: does one call itself?"
+            )));
+        }
+        self.depth += 1;
+        let made = act(self);
+        self.depth -= 1;
+        made
+    }
+}

@@ -1,0 +1,137 @@
+//! Verdicts that a pipeline can trust: each way in which a run ends, in exit code, table, JUnit and
+//! summary.
+
+use crate::{BAD_INPUT, CLAIM_FAILED, DIVERGED, Desk, claim};
+
+const OVERLOADED: i32 = 6;
+
+/// A desk with a scenario of every kind in `all`; the slide's drive gives 20 kN.
+fn desk() -> Desk {
+    let desk = Desk::new();
+    std::fs::create_dir_all(desk.path("all")).unwrap();
+    let swings = claim("swings", "min = 1");
+    desk.scenario("all/good", "duration_s = 0.1", &swings);
+    let still = claim("stands still", "max = 0");
+    desk.scenario("all/fails", "duration_s = 0.1", &still);
+    desk.scenario("all/overloaded", "duration_s = 0.1", &swings);
+    change(
+        &desk,
+        "all/overloaded",
+        "release_n = [100",
+        "constant_n = [30000",
+    );
+    desk.scenario("all/diverges", "duration_s = 60", &swings);
+    change(
+        &desk,
+        "all/diverges",
+        "release_n = [100",
+        "constant_n = [5000",
+    );
+    change(&desk, "all/diverges", "[run]", "drive = \"force\"\n[run]");
+    std::fs::write(desk.path("all/bad.toml"), "[process.load]\nfrom = 1\n").unwrap();
+    desk
+}
+
+fn change(desk: &Desk, name: &str, from: &str, to: &str) {
+    let path = desk.path(&format!("{name}.toml"));
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains(from), "{text}");
+    std::fs::write(path, text.replace(from, to)).unwrap();
+}
+
+/// The test case of a scenario's run in a JUnit file.
+fn run_case<'a>(junit: &'a str, name: &str) -> &'a str {
+    let start = junit
+        .find(&format!("name=\"Rig {name} runs\""))
+        .expect(name);
+    let rest = &junit[start..];
+    &rest[..rest.find("<testcase").unwrap_or(rest.len())]
+}
+
+#[test]
+fn every_end_of_a_run_has_its_exit_code_and_its_mark_in_one_check() {
+    let desk = desk();
+    let codes = [
+        ("good", 0),
+        ("fails", CLAIM_FAILED),
+        ("overloaded", OVERLOADED),
+        ("diverges", DIVERGED),
+        ("bad", BAD_INPUT),
+    ];
+    for (name, code) in codes {
+        let file = format!("all/{name}.toml");
+        desk.ends(code, &["run", &file, "--no-rrd"]);
+        desk.ends(code, &["check", &file]);
+    }
+    let out = desk.ends(BAD_INPUT, &["check", "all", "--out", "kept"]);
+    assert!(out.contains("1 of 5 scenarios hold"), "{out}");
+    assert!(out.contains("what failed is in kept"), "{out}");
+    assert!(
+        out.contains("overloaded a drive: joint `slide` is asked for 1.5"),
+        "{out}"
+    );
+    let junit = std::fs::read_to_string(desk.path("out/junit.xml")).unwrap();
+    for (name, marks) in [
+        ("all/good", ["", ""]),
+        ("all/fails", ["", ""]),
+        ("all/overloaded", ["<failure", "overloaded a drive"]),
+        ("all/diverges", ["<failure", "diverged"]),
+    ] {
+        let case = run_case(&junit, name);
+        assert_eq!(case.contains("<failure"), !marks[0].is_empty(), "{case}");
+        assert!(marks.iter().all(|mark| case.contains(mark)), "{case}");
+    }
+    assert!(junit.contains("errors=\"1\""), "{junit}");
+    for (name, is_kept) in [("good", false), ("fails", true), ("overloaded", true)] {
+        for file in ["summary.json", "recording.parquet", "recording.rrd"] {
+            let path = desk.path("kept/all").join(name).join(file);
+            assert_eq!(path.is_file(), is_kept, "{}", path.display());
+        }
+    }
+    let summary = std::fs::read_to_string(desk.path("kept/all/overloaded/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let outcome = &summary["outcome"]["overloaded"];
+    assert_eq!(outcome["joint"], "slide");
+    assert!(outcome["share"].as_f64().unwrap() > 1.4);
+    assert_eq!(outcome["limit"], "20000 N");
+}
+
+#[test]
+fn an_overload_is_told_but_does_not_fail_where_the_scenario_says_so() {
+    let desk = desk();
+    let warn = ["--set", "run.overload=warn"];
+    let run = ["run", "all/overloaded.toml", "--no-rrd"];
+    let out = desk.ends(0, &[&run[..], &warn].concat());
+    assert!(out.contains("DRIVE OVERLOADED: 1.5"), "{out}");
+    desk.ends(0, &[&["check", "all/overloaded.toml"], &warn[..]].concat());
+    // A claim of an overloaded run still has its number.
+    let out = desk.ends(OVERLOADED, &run);
+    assert!(out.contains("✓ swings"), "{out}");
+}
+
+#[test]
+fn rows_of_a_sweep_say_where_a_drive_is_overloaded() {
+    let desk = desk();
+    desk.scenario("sweep", "duration_s = 0.1", "");
+    change(&desk, "sweep", "release_n = [100", "constant_n = [10000");
+    let path = desk.path("sweep.toml");
+    let mut text = std::fs::read_to_string(&path).unwrap();
+    text.push_str(
+        "[[sweep.axis]]\nkey = \"process.load.constant_n.0\"\nvalues = [10000, 30000]\n\
+         [[sweep.column]]\nname = \"way\"\nmetric = \"peak\"\nchannel = \"tool.displacement_x\"\nunit = \"mm\"\n",
+    );
+    std::fs::write(&path, text).unwrap();
+    let out = desk.ends(OVERLOADED, &["run", "sweep.toml"]);
+    assert!(out.contains("2 rows, ✗ 1 overloaded"), "{out}");
+    assert!(out.contains("30000: overloaded a drive"), "{out}");
+    desk.ends(OVERLOADED, &["check", "sweep.toml"]);
+}
+
+#[test]
+fn running_a_folder_points_to_check() {
+    let desk = desk();
+    let output = desk.truecut(&["run", "all"]);
+    assert_eq!(output.status.code(), Some(BAD_INPUT));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("truecut check all"), "{said}");
+}
