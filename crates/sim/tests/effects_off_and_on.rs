@@ -26,6 +26,7 @@ fn stages(kind: EffectKind) -> Vec<Scenario> {
             | EffectKind::WheelEccentricity
             | EffectKind::WheelFriction => vec![wheel(), polish(), short_belt(), short_brush()],
             EffectKind::WheelRemoval => vec![polish(), short_belt(), short_brush()],
+            EffectKind::WheelEdgeGrains => vec![polish_near_an_edge()],
             _ => vec![polish()],
         },
         _ => vec![stage(kind)],
@@ -45,14 +46,29 @@ fn short_brush() -> Scenario {
     )
 }
 
-/// A slot by the arm.
+/// A slot by the arm. A tool mode asks for a finer step.
 fn milling() -> Scenario {
-    let file =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/milling/own_surface.toml");
-    let text = std::fs::read_to_string(&file).expect("shipped");
-    // A tool mode asks for a finer step.
-    let overrides = [("run.duration_s", "0.1"), ("run.time_step_ms", "0.04")]
-        .map(|(key, value)| (key.to_owned(), value.to_owned()));
+    let overrides = [("run.duration_s", "0.1"), ("run.time_step_ms", "0.04")];
+    from_file("scenarios/milling/own_surface.toml", &overrides)
+}
+
+/// A wheel that runs inward over the edge beside its line.
+fn polish_near_an_edge() -> Scenario {
+    let overrides = [("run.duration_s", "0.4")];
+    from_file(
+        "tests/hidden_effects/scenarios/polish_edge.toml",
+        &overrides,
+    )
+}
+
+fn from_file(file: &str, overrides: &[(&str, &str)]) -> Scenario {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .join(file);
+    let text = std::fs::read_to_string(&file).expect("in the repository");
+    let overrides: Vec<_> = (overrides.iter())
+        .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
+        .collect();
     Scenario::from_str(&file, &text, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -142,9 +142,10 @@ fn wheel_misfit(effect: WheelEffect, parts: &Parts) -> Option<&'static str> {
         );
     };
     match effect {
-        WheelEffect::EdgeGrains { .. } => {
-            (!wheel.over_edges).then_some("it acts on edges of a face, which process.polish has")
-        }
+        WheelEffect::EdgeGrains { .. } => (!wheel.over_edges).then_some(
+            "it acts on edges that the wheel runs over, which process.polish has where the \
+                 inset of its path is less than the wheel's reach",
+        ),
         WheelEffect::ForceOffset { .. } | WheelEffect::ForceStiction { .. } => match wheel.hold {
             WheelHold::Force(_) => None,
             WheelHold::Position => {
