@@ -290,7 +290,15 @@ fn ending(unit: Unit) -> String {
 /// its channel.
 #[test]
 fn the_unit_of_a_parameter_is_that_of_its_key() {
-    const PLAIN: [&str; 6] = ["share", "factor", "drop", "cycles", "offset", "amplitude"];
+    const PLAIN: [&str; 7] = [
+        "share",
+        "factor",
+        "drop",
+        "cycles",
+        "offset",
+        "amplitude",
+        "damping_ratio",
+    ];
     for info in EffectKind::ALL.iter().flat_map(|kind| kind.parameters()) {
         for (key, unit) in [(info.key, info.unit), (info.rotary_key, info.rotary_unit)] {
             if PLAIN.contains(&key) {
