@@ -35,7 +35,7 @@ const INERTIAL: [(&str, &str); 10] = [
     ("I yz", "kg m^2"),
 ];
 
-/// All unknowns of `spec`, every so many-th sample.
+/// Columns of all unknowns that the fit asks for, every so many-th sample.
 ///
 /// # Errors
 /// A joint that the chain lacks, or whose drive force was not measured.

@@ -105,7 +105,7 @@ const NOT_SEPARABLE: f64 = 0.9;
 const VAGUE: f64 = 0.5;
 const CONFIDENCE: f64 = 0.95;
 
-/// Fits the unknowns of `spec`.
+/// Fits the unknowns that `[fit]` asks for.
 ///
 /// # Errors
 /// As [`InverseModel::new`]; a joint that the chain lacks, or whose drive force is not measured;
