@@ -122,15 +122,16 @@ fn finishing(c: &mut Criterion) {
         poisson: 0.49,
         damping_pa_s_per_m: 1e4,
     };
+    let shell = wheel.shell();
     let face = Face::rectangle(0.1, 0.06).unwrap();
     let quadrature = Quadrature::default();
     let sliding = Sliding::about(Point2::new(-7e-3, 0.0), 100.0, 0.3);
     let inside = Isometry2::translation(-0.05, -0.03);
     let corner = Isometry2::translation(-0.099, -0.0595);
     c.bench_function("patch from indentation", |b| {
-        b.iter(|| wheel.patch(black_box(1.5e-3)));
+        b.iter(|| wheel.patch(&shell, black_box(1.5e-3)));
     });
-    let patch = wheel.patch(1.5e-3);
+    let patch = wheel.patch(&shell, 1.5e-3);
     for (name, pose) in [
         ("patch loads, inside", inside),
         ("patch loads, at a corner", corner),

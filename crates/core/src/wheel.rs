@@ -1,7 +1,7 @@
 //! A compliant wheel pressed onto a flat plate: normal spring, sliding friction, Preston removal.
 //!
 //! The submodules hold the tools of finishing: what their surfaces rest on ([`bed`]), how they
-//! press ([`pneumatic`], [`belt`] on rubber that is [`bonded`], [`brush`] with its
+//! press ([`pneumatic`] by its [`shell`], [`belt`] on rubber that is [`bonded`], [`brush`] with its
 //! [`bristle`]s), the patch over a face with edges ([`patch`], [`face`]), what they remove
 //! ([`removal`], [`edge_wear`]), how they are held ([`force_control`]), how uneven they are
 //! ([`eccentricity`], [`texture`]) and what their grains do to a corner ([`edge_grains`]).
@@ -21,6 +21,7 @@ pub mod patch;
 pub mod pneumatic;
 pub mod quadrature;
 pub mod removal;
+pub mod shell;
 pub mod texture;
 
 pub mod precession;

@@ -1,9 +1,10 @@
 """A pneumatic wheel in precession on a rectangular face, written a second time: forces by sums over the patch, edges included.
 
 The wheel is a sphere about the tool point, whose middle runs around the spin axis (the tool's z axis, which points towards the face).
-Reaching into the face by d it presses with the bed's pressure at the overlap u = u0 - r^2/2R, which follows from d by
-d = c1 q + 2 c2 q^2, u0 = c1 q + c2 q^2, with the layer's 2N/R beside it and, moving, with the bed's damping. The patch ends where
-the layer leaves without a kink; along an edge the layer bends and is held by a reaction per length.
+Reaching into the face by d it presses on a whole patch with the force of a hollow sphere (`shell.py`), which also gives the overlap in the
+middle, u0 = a^2/2R. Spread out it is the root of the overlap u = u0 - r^2/2R, as Hertz has it, with the tension's 2N/R beside it and,
+moving, with the bed's damping. The patch ends where the layer leaves without a kink; along an edge the layer bends and is held by a
+reaction per length.
 """
 
 from __future__ import annotations
@@ -17,8 +18,11 @@ import scipy.optimize
 
 from .led_run import LedRun
 from .plant import Plant
+from .shell import Shell
 from .wheel import Command
 
+# indentations that a run may meet, over the radius
+LEAST, MOST = 0.02, 0.1
 # Gauss's rule for a row of the patch
 RULE = np.polynomial.legendre.leggauss(20)
 
@@ -29,8 +33,8 @@ class Tool:
 
     radius: float
     tension: float
-    shell: float
-    tread: float
+    modulus: float
+    shell: Shell
     damping: float
     spin: float
     mu: float
@@ -47,17 +51,21 @@ class Tool:
     def of(t: dict) -> Tool:
         """From `[process.polish]`, whose wheel keeps its place on the tool."""
         wheel, face = t["wheel"], t["face"]
-        radius, modulus = wheel["radius_mm"] * 1e-3, wheel["youngs_modulus_mpa"] * 1e6
-        plane = modulus / (1.0 - wheel.get("poisson", 0.49) ** 2)
+        radius, poisson = wheel["radius_mm"] * 1e-3, wheel.get("poisson", 0.49)
+        plane = wheel["youngs_modulus_mpa"] * 1e6 / (1.0 - poisson**2)
+        thickness = wheel["shell_thickness_mm"] * 1e-3
+        # what holds the air's pressure on the hollow's section
+        hollow = math.pi * (radius - thickness) ** 2
+        tension = wheel["pressure_mpa"] * 1e6 * hollow / (2.0 * math.pi * (radius - thickness / 2.0))
         x = np.array(face.get("x_axis", [1.0, 0.0, 0.0]), dtype=float)
         z = np.array(face.get("normal", [0.0, 0.0, 1.0]), dtype=float)
         x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
         assert t["control"]["law"] == "position"
         return Tool(
             radius=radius,
-            tension=0.5 * wheel["pressure_mpa"] * 1e6 * radius,
-            shell=radius**2 / (modulus * wheel["shell_thickness_mm"] * 1e-3),
-            tread=(math.pi * radius / (2.0 * plane)) ** 2 / (2.0 * radius),
+            tension=tension,
+            modulus=plane,
+            shell=Shell(thickness / radius, poisson, tension / (plane * radius), 2.0 * MOST),
             damping=wheel.get("damping_pa_s_per_m", 0.0),
             spin=t["spin_rpm"] * 2.0 * math.pi / 60.0,
             mu=t["mu"],
@@ -70,18 +78,15 @@ class Tool:
 
     # -- the bed and its layer ---------------------------------------------------------------------------------
 
-    def bed(self, u):
-        """Pressure of the bed at overlaps: u = c1 q + c2 q^2."""
-        u = np.maximum(u, 0.0)
-        return (np.sqrt(self.shell**2 + 4.0 * self.tread * u) - self.shell) / (2.0 * self.tread)
+    @staticmethod
+    def bed(u, tread: float):
+        """Pressure of the bed at overlaps: u = tread q^2."""
+        return np.sqrt(np.maximum(u, 0.0) / tread)
 
-    def leaving(self, u, fall: float | None, curvature: float, inward):
+    def leaving(self, u, tread: float, fall: float | None, curvature: float, inward):
         """N |w'| of the layer that leaves at the overlap u: off a disc (curvature) or along an edge on which u falls (fall)."""
-        q = self.bed(u)
-        energy = q * q * (0.5 * self.shell + 2.0 / 3.0 * self.tread * q)
-        straight = 2.0 * self.tension * energy
-        mean = 0.5 + self.tread * q * q / u / 14.0
-        bending = 2.0 * mean * self.tension * u * np.sqrt(straight)
+        straight = 4.0 / 3.0 * self.tension * u * self.bed(u, tread)
+        bending = 8.0 / 7.0 * self.tension * u * np.sqrt(straight)
         if fall is None:
             square = straight + bending * curvature
         else:
@@ -92,25 +97,37 @@ class Tool:
 
     # -- the patch ---------------------------------------------------------------------------------------------
 
-    def patch(self, depth: float) -> tuple[float, float, float]:
-        """Overlap in the middle, its rate per indentation, radius of the patch."""
-        c1, c2 = self.shell, self.tread
-        q = (math.sqrt(c1 * c1 + 8.0 * c2 * depth) - c1) / (4.0 * c2)
-        u0, rate = c1 * q + c2 * q * q, (c1 + 2.0 * c2 * q) / (c1 + 4.0 * c2 * q)
+    def patch(self, depth: float) -> tuple[float, float, float, float]:
+        """Overlap in the middle, its rate per indentation, radius of the patch, logarithm of the bed's tread."""
+        force, half_square, rate = self.shell.at(depth / self.radius)
+        u0, force = half_square * self.radius, force * self.modulus * self.radius**2
         whole = math.sqrt(2.0 * self.radius * u0)
 
-        def kink(c: float) -> float:
-            u = np.array([u0 - c * c / (2.0 * self.radius)])
-            return float(self.leaving(u, None, 1.0 / c, 0.0)[0]) - self.tension * c / self.radius
+        def rim(tread: float) -> float:
+            def kink(c: float) -> float:
+                u = u0 - c * c / (2.0 * self.radius)
+                return float(self.leaving(u, tread, None, 1.0 / c, 0.0)) - self.tension * c / self.radius
 
-        return u0, rate, scipy.optimize.brentq(kink, 1e-6 * whole, (1.0 - 1e-9) * whole, xtol=1e-12)
+            return scipy.optimize.brentq(kink, 1e-6 * whole, (1.0 - 1e-9) * whole, xtol=1e-10)
+
+        def pressed(log_tread: float) -> float:
+            """Of the bed, by its energy in the middle less that at the rim, and of the layer."""
+            tread = math.exp(log_tread)
+            c = rim(tread)
+            u = u0 - c * c / (2.0 * self.radius)
+            bed = 4.0 / 3.0 * math.pi * self.radius * (u0**1.5 - u**1.5) / math.sqrt(tread)
+            return bed + 2.0 * self.tension / self.radius * math.pi * c * c - force
+
+        hertz = math.log((math.pi * self.radius / (2.0 * self.modulus)) ** 2 / (2.0 * self.radius))
+        log_tread = scipy.optimize.brentq(pressed, hertz - 1.0, hertz + 8.0, xtol=1e-8)
+        return u0, rate, rim(math.exp(log_tread)), log_tread
 
     def _patches(self, depth: float) -> scipy.interpolate.CubicSpline:
         """The patch over the indentations that a run meets, made once."""
         if not self.table:
-            depths = np.linspace(0.02, 0.1, 321) * self.radius
+            depths = np.linspace(LEAST, MOST, 65) * self.radius
             self.table.append(scipy.interpolate.CubicSpline(depths, [self.patch(d) for d in depths]))
-        if not 0.02 * self.radius <= depth <= 0.1 * self.radius:
+        if not LEAST * self.radius <= depth <= MOST * self.radius:
             raise ValueError(f"an indentation of {depth} m is outside the table")
         return self.table[0]
 
@@ -119,10 +136,11 @@ class Tool:
         depth = self.radius - middle[2]
         if depth <= 0.0:
             return np.zeros(8)
-        u0, rate, c = (float(part) for part in self._patches(depth)(depth))
+        u0, rate, c, log_tread = (float(part) for part in self._patches(depth)(depth))
+        tread = math.exp(log_tread)
         slide = np.array([velocity[0] - turning[1] * middle[2], velocity[1] + turning[0] * middle[2]])
-        x, y, pressed = self._inside(middle, u0, rate, c, slide, turning[2], -velocity[2])
-        ex, ey, along, tilt, ox, oy = self._edges(middle, u0, slide, turning[2])
+        x, y, pressed = self._inside(middle, u0, tread, rate, c, slide, turning[2], -velocity[2])
+        ex, ey, along, tilt, ox, oy = self._edges(middle, u0, tread, slide, turning[2])
         inside = np.zeros(len(x))
         tilt, ox, oy = (np.concatenate([inside, part]) for part in (tilt, ox, oy))
         x, y, force = np.concatenate([x, ex]), np.concatenate([y, ey]), np.concatenate([pressed, along])
@@ -139,7 +157,7 @@ class Tool:
         moment = [(y * force).sum(), -(x * force).sum(), (x * fy - y * fx).sum()]
         return np.array([*on_wheel, *moment, along.sum(), (force * speed).sum()])
 
-    def _inside(self, middle, u0, rate, c, slide, spin, approach):
+    def _inside(self, middle, u0, tread, rate, c, slide, spin, approach):
         """Points of the patch on the face and the forces there: strips along x, both by Gauss's rule in an angle."""
         nodes, weights = RULE
         low, high = (max(-c, -middle[1]), min(c, self.size[1] - middle[1]))
@@ -156,12 +174,12 @@ class Tool:
         x = half[:, None] * np.sin(angle)
         area = wy[:, None] * 0.5 * (b - a)[:, None] * weights[None, :] * half[:, None] * np.cos(angle)
         y = np.broadcast_to(y[:, None], x.shape)
-        pressure = self.bed(u0 - (x * x + y * y) / (2.0 * self.radius)) + 2.0 * self.tension / self.radius
+        pressure = self.bed(u0 - (x * x + y * y) / (2.0 * self.radius), tread) + 2.0 * self.tension / self.radius
         outflow = (slide[0] - spin * y) * x + (slide[1] + spin * x) * y
         pressure = pressure + self.damping * (rate * approach - outflow / self.radius)
         return x.ravel(), y.ravel(), (np.maximum(pressure, 0.0) * area).ravel()
 
-    def _edges(self, middle, u0, slide, spin):
+    def _edges(self, middle, u0, tread, slide, spin):
         """Points along edges under the overlap, the reactions there, half of what the layer falls in all, the outward normals."""
         nodes, weights = RULE
         whole = math.sqrt(2.0 * self.radius * u0)
@@ -186,11 +204,11 @@ class Tool:
             at = distance * outward[None, :] + t[:, None] * np.abs(outward[::-1])[None, :]
             u = u0 - (distance**2 + t * t) / (2.0 * self.radius)
             inward = -((slide[0] - spin * at[:, 1]) * outward[0] + (slide[1] + spin * at[:, 0]) * outward[1])
-            overhang = self.leaving(u, 1.0 / self.radius, 0.0, inward)
+            overhang = self.leaving(u, tread, 1.0 / self.radius, 0.0, inward)
             rising = np.full_like(t, -self.tension * distance / self.radius)
             on_face = rising
             if rising[0] > 0.0:
-                on_face = np.minimum(rising, self.leaving(u, 1.0 / self.radius, 0.0, -inward))
+                on_face = np.minimum(rising, self.leaving(u, tread, 1.0 / self.radius, 0.0, -inward))
             reaction = np.maximum(overhang + on_face, 0.0)
             # outside it falls by overhang + rising, inside by what the face does not hold of the rise
             tilt = 0.5 * (overhang + rising + (rising - on_face)) / self.tension

@@ -51,8 +51,7 @@ def hidden_tool(table: dict, values: dict[str, dict[str, float]]) -> Tool:
     return dataclasses.replace(
         tool,
         tension=tool.tension * factor,
-        shell=tool.shell / factor,
-        tread=tool.tread / factor**2,
+        modulus=tool.modulus * factor,
         jamming=values.get("wheel_edge_grains", {"share": 0.0})["share"],
         mu=tool.mu * values.get("wheel_friction", {"factor": 1.0})["factor"],
         eccentricity=abs(middle),
@@ -62,13 +61,8 @@ def hidden_tool(table: dict, values: dict[str, dict[str, float]]) -> Tool:
 
 
 def pressed_force_n(tool: Tool, depth_m: float) -> float:
-    """Force at rest at an indentation, far from edges: 2 pi R times the bed's energy down to the rim, and the layer's share."""
-    u0, _, c = tool.patch(depth_m)
-    u = np.array([u0, u0 - c * c / (2.0 * tool.radius)])
-    q = tool.bed(u)
-    energy = q * q * (0.5 * tool.shell + 2.0 / 3.0 * tool.tread * q)
-    layer = 2.0 * tool.tension / tool.radius
-    return float(2.0 * math.pi * tool.radius * (energy[0] - energy[1]) + layer * math.pi * c * c)
+    """Force at rest at an indentation, far from edges."""
+    return tool.shell.at(depth_m / tool.radius)[0] * tool.modulus * tool.radius**2
 
 
 def commanded_depth_m(table: dict) -> float:

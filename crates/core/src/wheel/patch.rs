@@ -192,6 +192,12 @@ impl Patch {
         self
     }
 
+    /// What it rests on.
+    #[cfg(test)]
+    pub(super) fn bed(&self) -> &Bed {
+        &self.bed
+    }
+
     /// Half the length over which the undeformed wheel lies in the face, m.
     pub fn undeformed_half_length_m(&self) -> f64 {
         (2.0 * self.shape.radius_m() * self.bed_indentation_m).sqrt()

@@ -187,14 +187,14 @@ mod tests {
     use super::*;
     use crate::wheel::face::Face;
     use crate::wheel::patch::{Patch, Sliding};
-    use crate::wheel::pneumatic::tests::wheel as ball;
+    use crate::wheel::pneumatic::tests::{pressed, wheel as ball};
     use crate::wheel::quadrature::Quadrature;
     use nalgebra::Isometry2;
 
     const PRESTON: f64 = 4e-11;
 
     fn patch() -> Patch {
-        ball().patch(0.8e-3)
+        pressed(&ball(), 0.8e-3)
     }
 
     /// A pass along y = `y` from `from` to `to` over a 60 mm × 20 mm face, `cell` m a cell: grid
@@ -282,7 +282,8 @@ mod tests {
                 .sum();
             sum / (2 * rows) as f64
         };
-        let (coarse, fine) = (depth(0.5e-3), depth(0.25e-3));
+        // a tenth and a twentieth of the patch's radius
+        let (coarse, fine) = (depth(0.25e-3), depth(0.125e-3));
         assert!((coarse / fine - 1.0).abs() < 0.01, "{coarse} {fine}");
     }
 

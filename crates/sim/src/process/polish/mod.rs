@@ -27,11 +27,13 @@ use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use edge_grains::{EdgeGrains, GrainLoad};
 use nalgebra::{Isometry2, Isometry3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
+use std::sync::Arc;
 use surface::Surface;
 use truecut_core::wheel::face::Face;
 use truecut_core::wheel::force_control::Offset;
 use truecut_core::wheel::patch::{EdgePoint, Patch, PatchLoads, Sliding};
 use truecut_core::wheel::quadrature::Quadrature;
+use truecut_core::wheel::shell::Shell;
 use truecut_core::wheel::texture::PatchTexture;
 use truecut_recording::{ChannelSpec, Field};
 use truecut_scenario::PolishSpec;
@@ -46,6 +48,8 @@ const FULL_SCALE: f64 = 3.0;
 pub struct PolishSetup {
     /// What the scenario asks for, its effects included.
     pub spec: PolishSpec,
+    /// The wheel's shell.
+    pub shell: Arc<Shell>,
     pub world_from_face: Isometry3<f64>,
     /// Turns world axes into process axes.
     pub process_from_world: UnitQuaternion<f64>,
@@ -175,7 +179,7 @@ impl Polish {
         let [higher_m, rising_m_per_s] =
             (self.texture.as_ref()).map_or([0.0; 2], |texture| texture::at(texture, p, state));
         let indentation_m = p.spec.wheel.radius_m - height_m + higher_m;
-        let patch = p.spec.wheel.patch(indentation_m);
+        let patch = p.spec.wheel.patch(&p.shell, indentation_m);
         let sliding = Sliding {
             velocity_m_per_s: Vector2::new(
                 velocity.x - turning.y * height_m,
@@ -242,7 +246,9 @@ impl Polish {
     /// Slope of the force over the indentation on a face without edges, N/m.
     fn stiffness_n_per_m(&self) -> f64 {
         let wheel = &self.setup.spec.wheel;
-        slope_n_per_m(self.setup.indentation_m, |d| wheel.normal_force_n(d))
+        slope_n_per_m(self.setup.indentation_m, |d| {
+            wheel.patch(&self.setup.shell, d).free_force_n()
+        })
     }
 
     /// What is recorded of the step last committed.

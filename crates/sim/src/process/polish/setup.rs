@@ -9,6 +9,7 @@ use crate::process::setup::{Departure, Motion};
 use crate::process::{Polish, PolishSetup, Process, ProcessSetup, SetupContext, ToolState};
 use crate::scene::shapes;
 use nalgebra::{Point2, Translation3, Vector2, Vector3};
+use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::wheel::face::Face;
 use truecut_core::wheel::pneumatic::PneumaticWheel;
@@ -68,6 +69,7 @@ fn polish(
 ) -> Result<PolishSetup, SimError> {
     let face = Face::rectangle(spec.face.length_m, spec.face.width_m)
         .map_err(|error| SimError::scenario("process.polish.face", error.to_string()))?;
+    let altered = altered(spec, effects);
     let mut setup = PolishSetup {
         world_from_face: spec.face.world_from_face(),
         process_from_world: from.process_from_world(),
@@ -77,7 +79,8 @@ fn polish(
         expected_depth_m: expected_depth_m(spec)?,
         resting: Wrench::force(Attachment::Tool, Vector3::zeros()),
         jamming_share: effects.jamming_share,
-        spec: altered(spec, effects),
+        shell: Arc::new(altered.wheel.shell()),
+        spec: altered,
     };
     setup.resting = resting(&setup, robot, from)?;
     Ok(setup)
