@@ -21,7 +21,7 @@ def test_bonded_rubber_by_both_ways(case):
     wide, factor, _ = wheels.Layer(poisson).at(60 * depth / rubber**2)
     assert wide * rubber == approx(half, rel=1e-4)
     assert factor * 3.14159265 * 8 * (wide * rubber) ** 2 / 120 == approx(force, rel=1e-4)
-    assert wheels.line_load(depth, 30, 8, rubber, poisson, 0.0) == approx(force, rel=1e-4)
+    assert wheels.line_load(depth, 30, 8, rubber, poisson, 0.0, 8192) == approx(force, rel=1e-4)
 
 
 def test_rows_are_found_anew():
