@@ -10,18 +10,18 @@
 //! gives `-N ∇²u` (N/R for a cylinder, 2N/R for a sphere: the air pressure of an inflated ball,
 //! since there `N = pR/2`). Where it does not, p = 0 and the layer runs back to its free shape.
 //!
-//! The bed is two springs in series: `w = c1 q + c2 q²`. The linear one is the shell's arch action;
-//! the other gives a whole patch Hertz's pressure, a root of the indentation (see `pneumatic`,
-//! `belt`).
+//! The bed is two springs in series: `w = c1 q + c2 q²`. The second gives a whole patch Hertz's
+//! pressure, a root of the indentation; wheels of rubber have it alone, as stiff as makes the force
+//! of a whole patch that of the true body (see `pneumatic`, `belt`).
 
 use crate::roots::newton;
 
 /// Elastic bed, its damping, and the tension of the layer on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bed {
-    /// c1, m/Pa: zero when what carries the tread is rigid.
+    /// c1, m/Pa: zero for Hertz's bed.
     pub shell_m_per_pa: f64,
-    /// c2, m/Pa²: zero when the tread does not yield.
+    /// c2, m/Pa²: zero for a linear bed.
     pub tread_m_per_pa2: f64,
     /// Viscous pressure per rate of deflection, Pa s/m.
     pub damping_pa_s_per_m: f64,

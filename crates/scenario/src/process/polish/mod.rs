@@ -86,7 +86,7 @@ impl PolishSpec {
 fn reach_m(wheel: &PneumaticWheel, control: &ForceControl, indentation_m: Option<f64>) -> f64 {
     let force_n = control.force_n().unwrap_or(0.0);
     let pressed_m = indentation_m.unwrap_or_else(|| wheel.indentation_m(force_n));
-    wheel.patch(pressed_m).contact_m()
+    wheel.patch(&wheel.shell(), pressed_m).contact_m()
 }
 
 fn circumference_m(wheel: &PneumaticWheel, tilt_rad: f64) -> f64 {

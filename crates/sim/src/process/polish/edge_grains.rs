@@ -86,7 +86,7 @@ impl EdgeGrains {
     pub fn new(setup: &PolishSetup) -> Option<Self> {
         let spec = setup.spec.grains?;
         let wheel = &setup.spec.wheel;
-        let width_m = 2.0 * wheel.patch(setup.indentation_m).contact_m();
+        let width_m = 2.0 * wheel.patch(&setup.shell, setup.indentation_m).contact_m();
         Some(Self {
             law: spec.law(wheel),
             mu: setup.spec.abrasive.mu,

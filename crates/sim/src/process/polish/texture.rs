@@ -13,7 +13,11 @@ pub(super) fn under_patch(setup: &PolishSetup) -> Option<PatchTexture> {
     let spec = setup.spec.texture?;
     let mut rng = ChaCha8Rng::seed_from_u64(u64::from(spec.seed));
     let circumference_m = setup.spec.touching_circumference_m();
-    let patch_m = setup.spec.wheel.patch(setup.indentation_m).contact_m();
+    let patch_m = setup
+        .spec
+        .wheel
+        .patch(&setup.shell, setup.indentation_m)
+        .contact_m();
     let normal = || StandardNormal.sample(&mut rng);
     Some((spec.texture).under_patch(circumference_m, patch_m, normal))
 }
