@@ -31,7 +31,8 @@ fn pneumatic(row: &[f64]) -> PneumaticWheel {
     }
 }
 
-/// Slack, the layer's force; under tension a local bed stands for the rubber.
+/// Slack, the layer's force; under tension a local bed stands for the rubber, which counts the more
+/// the stiffer the belt is beside the rubber under the patch, N/(E* b).
 #[test]
 fn verify_belts_on_bonded_rubber() {
     let rows = rows("belt");
@@ -47,8 +48,9 @@ fn verify_belts_on_bonded_rubber() {
             damping_pa_s_per_m: 0.0,
         };
         let off = wheel.normal_force_n(row[5], row[0]) / row[6] - 1.0;
-        let tolerance = if row[4] == 0.0 { 1e-3 } else { 0.02 };
-        assert!(off.abs() < tolerance, "{row:?}: {off}");
+        let patch = wheel.patch(&wheel.layer(), row[5], row[0]);
+        let belt = row[4] / (row[3] * patch.undeformed_half_length_m());
+        assert!(off.abs() < 2e-4 + 0.3 * belt, "{row:?}: {off} {belt}");
     }
 }
 
@@ -62,7 +64,8 @@ fn verify_shells_under_air() {
     }
 }
 
-/// The edge's reaction is found in planes across it; this says how good that is.
+/// The edge's reaction is found in planes across it; this says how good that is. The layer counts
+/// most where the middle of the patch is off the face and the air is strong beside the rubber.
 #[test]
 fn verify_patches_that_an_edge_cuts() {
     let rows = rows("edge");
@@ -75,6 +78,11 @@ fn verify_patches_that_an_edge_cuts() {
         let (rest, rule) = (Sliding::default(), Quadrature::new(24));
         let loads = patch.loads(&face, &pose, &rest, &rule, |_| {});
         let off = loads.normal_n / row[7] - 1.0;
-        assert!(off.abs() < 0.02, "{row:?}: {off}");
+        let tolerance = match (row[6] > 0.0, row[4] / row[3]) {
+            (true, _) => 0.005,
+            (false, air) if air < 0.05 => 0.015,
+            (false, _) => 0.08,
+        };
+        assert!(off.abs() < tolerance, "{row:?}: {off}");
     }
 }
