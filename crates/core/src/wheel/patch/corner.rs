@@ -73,7 +73,8 @@ mod tests {
     #[test]
     fn verify_friction_of_a_patch_at_an_edge_is_larger_inward_by_the_kink() {
         let face = Face::rectangle(0.1, 0.06).unwrap();
-        let patch = wheel().patch(0.8e-3);
+        let wheel = wheel();
+        let patch = wheel.patch(&wheel.shell(), 0.8e-3);
         let from_face = Isometry2::translation(-0.1, -0.03);
         let rules = Quadrature::new(24);
         let loads = |sliding: &Sliding| patch.loads(&face, &from_face, sliding, &rules, |_| ());
