@@ -107,6 +107,11 @@ frequency_hz = 900
 damping_ratio = 0.03
 stiffness_n_per_um = 8
 direction = [1, 0.5, 0.2]
+[[process.milling.cutter.mode.over_speed]]
+spindle_rpm = 3000
+frequency_hz = 820
+damping_ratio = 0.04
+stiffness_n_per_um = 6
 [[process.milling.workpiece.mode]]
 frequency_hz = 700
 damping_ratio = 0.02
@@ -379,7 +384,9 @@ fn numeric_keys(text: &str) -> Vec<(String, String)> {
     let mut keys = Vec::new();
     for line in text.lines() {
         if let Some(name) = line.strip_prefix("[[") {
-            table = format!("{}.0", name.trim_end_matches(']'));
+            // A list within a list is that of its first entry.
+            let name = name.trim_end_matches(']').replace(".mode.", ".mode.0.");
+            table = format!("{name}.0");
         } else if let Some(name) = line.strip_prefix('[') {
             table = name.trim_end_matches(']').to_string();
         } else if let Some((key, value)) = line.split_once(" = ") {

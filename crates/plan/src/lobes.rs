@@ -9,6 +9,7 @@ use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_core::chatter::{Multiplier, TipMode};
 
 use crate::criterion::Cut;
+use crate::error::PlanError;
 
 /// Relative width to which a limit is narrowed.
 const NARROWED: f64 = 1e-4;
@@ -47,14 +48,17 @@ pub struct Lobes {
     pub mode_coupling: Option<Crossing>,
 }
 
-/// The diagram of modes (milling frame) in a cut; its own depth and spindle speed are not asked
-/// for. `progress` is told the part done.
+/// The diagram of a cut, whose own depth and spindle speed are not asked for. `modes` gives those at
+/// a spindle speed (rad/s) in the milling frame; `progress` is told the part done.
+///
+/// # Errors
+/// Those of `modes`.
 pub fn lobes(
-    modes: &[TipMode],
+    modes: &(dyn Fn(f64) -> Result<Vec<TipMode>, PlanError> + Sync),
     cut: &Cut,
     request: &LobeRequest,
     progress: &(dyn Fn(f64) + Sync),
-) -> Lobes {
+) -> Result<Lobes, PlanError> {
     let (speeds, depths) = (request.speeds.max(2), request.depths.max(1));
     let [slow, fast] = request.spindle_rad_s;
     let speed = |i: usize| slow + (fast - slow) * i as f64 / (speeds - 1) as f64;
@@ -64,21 +68,21 @@ pub fn lobes(
     let done = AtomicUsize::new(0);
     let columns: Vec<SpeedColumn> = (spindle_rad_s.par_iter())
         .map(|speed| {
-            let column = SpeedColumn::at(modes, cut, *speed, &depth_m);
+            let column = SpeedColumn::at(&modes(*speed)?, cut, *speed, &depth_m);
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(count as f64 / speeds as f64);
-            column
+            Ok(column)
         })
-        .collect();
-    Lobes {
+        .collect::<Result<_, PlanError>>()?;
+    Ok(Lobes {
         multiplier: columns.iter().map(|c| c.multiplier.clone()).collect(),
         limit: columns.iter().map(|c| c.limit.map(|l| l.0)).collect(),
         limit_error_m: columns.iter().map(|c| c.limit.map(|l| l.1)).collect(),
         zero_order: columns.iter().map(|c| c.zero_order).collect(),
-        mode_coupling: mode_coupling_limit(modes, cut.averaged()),
+        mode_coupling: mode_coupling_limit(&modes(cut.spindle_rad_s)?, cut.averaged()),
         spindle_rad_s,
         depth_m,
-    }
+    })
 }
 
 impl Lobes {

@@ -154,7 +154,12 @@ impl LimitOf<'_> {
     ) -> Result<Spread, PlanError> {
         spread(sets, |variant| {
             let (cut, axes) = (&variant.cut, &self.world_from_milling);
-            let modes = modes_in_cut(&variant.robot, self.posture, axes, &cut.attached)?;
+            let modes = modes_in_cut(
+                &variant.robot,
+                self.posture,
+                axes,
+                &cut.attached.at(spindle_rad_s),
+            )?;
             let directional = cut.directional();
             let limit_m = if self.regeneration {
                 let period_s = cut.nominal.cutter.tooth_period_s(spindle_rad_s);

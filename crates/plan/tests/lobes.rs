@@ -48,9 +48,15 @@ fn verify_published_limits_in_a_diagram() {
         depths: 60,
     };
     let told = Mutex::new(Vec::new());
-    let found = lobes(&modes, &cut(3, 6e8, 0.07, half), &request, &|part| {
-        told.lock().expect("one at a time").push(part);
-    });
+    let found = lobes(
+        &|_| Ok(modes.to_vec()),
+        &cut(3, 6e8, 0.07, half),
+        &request,
+        &|part| {
+            told.lock().expect("one at a time").push(part);
+        },
+    )
+    .expect("modes");
     let close = |value: f64, expected: f64| {
         assert!(
             (value / expected - 1.0).abs() < 0.02,
@@ -103,11 +109,12 @@ fn what_is_stable_has_no_limit() {
         depths: 4,
     };
     let found = lobes(
-        &one,
+        &|_| Ok(one.to_vec()),
         &cut(2, 6e8, 1.0 / 3.0, Engagement::SLOT),
         &request,
         &|_| {},
-    );
+    )
+    .expect("modes");
     assert!(found.limit.iter().all(Option::is_none));
     assert!(found.multiplier.iter().flatten().all(|m| *m < 1.0));
     assert!(found.mode_coupling.is_none_or(|c| c.depth_m > 1e-3));

@@ -155,8 +155,8 @@ fn verify_modes_of_the_workpiece_are_their_own() {
     let robot = robot();
     let workpiece = vec![mode(350.0, 0.01, 4.0, [0.0, 0.0, 1.0])];
     let attached = AttachedModes {
-        tool: vec![],
         workpiece,
+        ..AttachedModes::default()
     };
     let found = robot.cutting_modes(&POSTURE, &attached).expect("stiff");
     let arm = robot

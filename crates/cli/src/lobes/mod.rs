@@ -8,11 +8,12 @@ mod uncertain;
 
 use std::f64::consts::TAU;
 
+use truecut_arm::Robot;
 use truecut_core::chatter::TipMode;
 use truecut_core::chatter::averaged::zero_order_limit;
 use truecut_plan::lobes::{LobeRequest, Lobes};
 use truecut_scenario::Scenario;
-use truecut_sim::stability::{MillingStudy, StabilityRun, stability_runs};
+use truecut_sim::stability::{MillingStudy, StabilityRun, in_scenario, stability_runs};
 
 use crate::args::LobesArguments;
 use crate::exit_status::ExitStatus;
@@ -50,17 +51,22 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
     let modes = study.modes(&posture).map_err(failed)?;
     let known = study.known_to_rad_s(&modes);
     let request = request(arguments, &study, &modes, known);
-    let computed = |what: &str, modes: &[TipMode]| {
+    let computed = |what: &str, robot: &Robot| {
+        let modes = |speed: f64| study.modes_of(robot, &posture, speed);
         let lobes = Progress::of_one(what, |progress| {
-            truecut_plan::lobes::lobes(modes, &study.cut, &request, progress)
+            truecut_plan::lobes::lobes(&modes, &study.cut, &request, progress)
         });
-        lobes.known_to(known.unwrap_or(f64::INFINITY))
+        let lobes = lobes.map_err(|error| failed(in_scenario(error)))?;
+        Ok::<_, Failure>(lobes.known_to(known.unwrap_or(f64::INFINITY)))
     };
-    let lobes = computed("stability diagram", &modes);
-    let other = study.other_damping(&posture).map_err(failed)?.map(|other| {
-        let found = computed("the other damping", &other.modes);
-        (other.name, found)
-    });
+    let lobes = computed("stability diagram", &study.robot)?;
+    let other = match study.other_damping(&posture).map_err(failed)? {
+        Some(other) => {
+            let found = computed("the other damping", &other.robot)?;
+            Some((other.name, found))
+        }
+        None => None,
+    };
     let uncertain = uncertain::uncertain(scenario, &study, &posture, &lobes, known)?;
     let beyond = known.filter(|known| request.spindle_rad_s[1] > *known);
     let runs = Progress::of_one("runs", |progress| {
@@ -70,7 +76,9 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
         scenario,
         other,
         uncertain,
-        notes: study.notes(&modes),
+        notes: (study.notes(&modes).into_iter())
+            .chain(study.beyond_table(request.spindle_rad_s[1]))
+            .collect(),
         known: beyond.map(|known| (known, study.beyond_modes(&modes, known))),
         study,
         posture,

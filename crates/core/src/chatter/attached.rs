@@ -72,6 +72,39 @@ impl AttachedMode {
     }
 }
 
+/// A tool mode whose bearings know how fast the spindle turns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpeedTable {
+    /// Which of the tool's modes.
+    pub tool: usize,
+    /// The mode at spindle speeds in rad/s, rising; the first is standstill.
+    pub rows: Vec<(f64, AttachedMode)>,
+}
+
+impl SpeedTable {
+    /// The mode at a speed: ω, ζ and k linear between the rows, the last row's beyond it.
+    fn at(&self, spindle_rad_s: f64) -> Option<AttachedMode> {
+        let above = self
+            .rows
+            .partition_point(|(speed, _)| *speed <= spindle_rad_s);
+        let (slow, before) = self.rows.get(above.checked_sub(1)?)?;
+        let Some((fast, after)) = self.rows.get(above) else {
+            return Some(*before);
+        };
+        let share = (spindle_rad_s - slow) / (fast - slow);
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        Some(AttachedMode {
+            natural_frequency_rad_s: mix(
+                before.natural_frequency_rad_s,
+                after.natural_frequency_rad_s,
+            ),
+            damping_ratio: mix(before.damping_ratio, after.damping_ratio),
+            stiffness_n_per_m: mix(before.stiffness_n_per_m, after.stiffness_n_per_m),
+            direction: before.direction,
+        })
+    }
+}
+
 /// The modes beside the arm's own in a cut.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct AttachedModes {
@@ -80,9 +113,31 @@ pub struct AttachedModes {
     pub tool: Vec<AttachedMode>,
     /// Of the workpiece, on the ground; world axes.
     pub workpiece: Vec<AttachedMode>,
+    /// Of tool modes that change with the spindle's speed; `tool` has them at one speed.
+    pub over_speed: Vec<SpeedTable>,
 }
 
 impl AttachedModes {
+    /// The modes at a spindle speed, rad/s.
+    #[must_use]
+    pub fn at(&self, spindle_rad_s: f64) -> Self {
+        let mut modes = self.clone();
+        for table in &self.over_speed {
+            if let (Some(mode), Some(at)) =
+                (modes.tool.get_mut(table.tool), table.at(spindle_rad_s))
+            {
+                *mode = at;
+            }
+        }
+        modes
+    }
+
+    /// Speed at which the first of the tables ends, rad/s.
+    pub fn known_to_rad_s(&self) -> Option<f64> {
+        let ends = (self.over_speed.iter()).filter_map(|table| table.rows.last());
+        ends.map(|(speed, _)| *speed).min_by(f64::total_cmp)
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.tool.is_empty() && self.workpiece.is_empty()
@@ -121,10 +176,56 @@ mod tests {
         let both = AttachedModes {
             tool: vec![mode],
             workpiece: vec![mode],
+            ..AttachedModes::default()
         };
         let sum = both.compliance_m_per_n(turn.matrix());
         let (c, s) = (0.5_f64.cos(), 0.5_f64.sin());
         assert!((sum[(0, 0)] * 1e7 - (1.0 + c * c)).abs() < 1e-12);
         assert!((sum[(0, 1)] * 1e7 - c * s).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_mode_follows_the_spindle_between_its_rows() {
+        let rows = [
+            (0.0, 1000.0, 0.03, 1e7),
+            (600.0, 900.0, 0.04, 8e6),
+            (1000.0, 700.0, 0.02, 7e6),
+        ];
+        let mode = |(_, hz, zeta, k)| AttachedMode::new(hz, zeta, k, [0.0, 1.0, 0.0]);
+        let modes = AttachedModes {
+            tool: vec![mode(rows[0]), mode(rows[0])],
+            over_speed: vec![SpeedTable {
+                tool: 1,
+                rows: rows.iter().map(|row| (row.0, mode(*row))).collect(),
+            }],
+            ..AttachedModes::default()
+        };
+        let at = |speed: f64| {
+            let found = modes.at(speed);
+            assert_eq!(found.tool[0], modes.tool[0]);
+            let mode = found.tool[1];
+            [
+                mode.natural_frequency_rad_s / TAU,
+                mode.damping_ratio,
+                mode.stiffness_n_per_m,
+            ]
+        };
+        let expected = [
+            (0.0, [1000.0, 0.03, 1e7]),
+            (150.0, [975.0, 0.0325, 9.5e6]),
+            (600.0, [900.0, 0.04, 8e6]),
+            (800.0, [800.0, 0.03, 7.5e6]),
+            (1000.0, [700.0, 0.02, 7e6]),
+            (5000.0, [700.0, 0.02, 7e6]),
+        ];
+        for (speed, row) in expected {
+            for (found, value) in at(speed).into_iter().zip(row) {
+                assert!(
+                    (found / value - 1.0).abs() < 1e-12,
+                    "{speed}: {found}, {value}"
+                );
+            }
+        }
+        assert_eq!(modes.known_to_rad_s(), Some(1000.0));
     }
 }

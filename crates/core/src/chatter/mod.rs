@@ -30,7 +30,7 @@ mod multiplier;
 pub mod planar;
 pub mod spectral_elements;
 
-pub use attached::{AttachedMode, AttachedModes};
+pub use attached::{AttachedMode, AttachedModes, SpeedTable};
 pub use directional::{AveragedCut, DirectionalMatrix};
 pub use modes::{TipMode, in_axes};
 pub use multiplier::{Bifurcation, Multiplier};

@@ -2,22 +2,22 @@
 
 use std::f64::consts::TAU;
 
+use truecut_arm::Robot;
 use truecut_core::chatter::TipMode;
-use truecut_plan::modes_in_cut;
 
 use super::{MillingStudy, in_scenario};
 use crate::error::SimError;
 
-/// Modes under the damping that the scenario did not choose.
-#[derive(Debug, Clone, PartialEq)]
+/// The arm with the damping that the scenario did not choose.
+#[derive(Debug, Clone)]
 pub struct OtherDamping {
     /// What it is, to be put behind "with".
     pub name: String,
-    pub modes: Vec<TipMode>,
+    pub robot: Robot,
 }
 
 impl MillingStudy {
-    /// The modes at a posture with the other damping of the arm: one ratio in all its modes, that
+    /// The arm with its other damping: one ratio in all its modes, that
     /// of the slowest, where the scenario takes the transmissions' damping; the transmissions'
     /// where it gives ratios. `None` for an arm that has the same by both.
     ///
@@ -33,9 +33,8 @@ impl MillingStudy {
             robot.damping_ratios.clear();
             "the damping of the joints".to_owned()
         };
-        let axes = self.path.world_from_milling(0);
-        let modes =
-            modes_in_cut(&robot, posture, &axes, &self.cut.attached).map_err(in_scenario)?;
+        let modes = self.modes_of(&robot, posture, self.cut.spindle_rad_s);
+        let modes = modes.map_err(in_scenario)?;
         let ratios = |modes: &[TipMode]| -> Vec<f64> {
             modes.iter().map(|mode| mode.damping_ratio).collect()
         };
@@ -44,7 +43,7 @@ impl MillingStudy {
             .iter()
             .zip(ratios(&modes))
             .any(|(a, b)| (a - b).abs() > 1e-9);
-        Ok(differs.then_some(OtherDamping { name, modes }))
+        Ok(differs.then_some(OtherDamping { name, robot }))
     }
 }
 

@@ -6,7 +6,7 @@
 
 mod damping;
 mod draws;
-mod known;
+pub(crate) mod known;
 mod runs;
 mod view;
 
@@ -139,8 +139,21 @@ impl MillingStudy {
     /// # Errors
     /// If a joint has no stiffness, or the tool's modes weigh more than the arm at its tool point.
     pub fn modes(&self, posture: &[f64]) -> Result<Vec<TipMode>, SimError> {
+        (self.modes_of(&self.robot, posture, self.cut.spindle_rad_s)).map_err(in_scenario)
+    }
+
+    /// The same with another arm and at another spindle speed, rad/s.
+    ///
+    /// # Errors
+    /// As [`Self::modes`].
+    pub fn modes_of(
+        &self,
+        robot: &Robot,
+        posture: &[f64],
+        spindle_rad_s: f64,
+    ) -> Result<Vec<TipMode>, PlanError> {
         let axes = self.path.world_from_milling(0);
-        modes_in_cut(&self.robot, posture, &axes, &self.cut.attached).map_err(in_scenario)
+        modes_in_cut(robot, posture, &axes, &self.cut.attached.at(spindle_rad_s))
     }
 
     /// What a reader of limits should know of the cut and of its modes.

@@ -124,6 +124,72 @@ fn regress_engines_agree_with_tool_modes() {
     }
 }
 
+/// A mode over the spindle's speed: at 6000 rpm and 18 000 rpm as given, halfway at 12 000 rpm.
+const OVER_SPEED: &str = "[{ spindle_rpm = 6000, frequency_hz = 900 }, \
+     { spindle_rpm = 18000, frequency_hz = 800, damping_ratio = 0.05, stiffness_n_per_um = 6 }]";
+const FIRST_MODE: &str = "process.milling.cutter.mode.0";
+
+/// The end mill at a speed with its first mode over speed, and with what that is at the speed.
+fn over_speed(rpm: f64, [hz, zeta, k]: [f64; 3]) -> [Scenario; 2] {
+    let of = |rows: &[(&str, String)]| {
+        let mut overrides = vec![
+            ("process.milling.spindle_rpm".to_owned(), rpm.to_string()),
+            ("run.duration_s".to_owned(), "0.05".to_owned()),
+        ];
+        let rows = rows.iter();
+        overrides.extend(rows.map(|(key, value)| (format!("{FIRST_MODE}.{key}"), value.clone())));
+        let overrides: Vec<(&str, String)> = (overrides.iter())
+            .map(|(key, value)| (key.as_str(), value.clone()))
+            .collect();
+        scenario(END_MILL, &overrides)
+    };
+    [
+        of(&[("over_speed", OVER_SPEED.to_owned())]),
+        of(&[
+            ("frequency_hz", hz.to_string()),
+            ("damping_ratio", zeta.to_string()),
+            ("stiffness_n_per_um", k.to_string()),
+        ]),
+    ]
+}
+
+/// Runs, limits over the speed and the spread of limits take a mode as it is at their speed.
+#[test]
+fn a_mode_over_the_spindle_speed_acts_as_it_is_at_that_speed() {
+    let rows = [
+        (3000.0, [950.0, 0.03, 10.0]),
+        (12_000.0, [850.0, 0.04, 8.0]),
+        (24_000.0, [800.0, 0.05, 6.0]),
+    ];
+    for (rpm, mode) in rows {
+        let [table, constant] = over_speed(rpm, mode);
+        let (found, expected) = (run(&table), run(&constant));
+        for name in ["milling.deflection_x", "milling.tool_mode1_deflection"] {
+            let pairs = column(&found, name).iter().zip(column(&expected, name));
+            let range = pairs.clone().map(|(_, b)| b.abs()).fold(0.0, f64::max);
+            let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-9 * range, "{rpm} {name}: {apart} of {range}");
+        }
+        // From another speed of the same scenario, as a diagram asks.
+        let [elsewhere, _] = over_speed(9000.0, mode);
+        let modes = |scenario: &Scenario| {
+            let study = MillingStudy::of(scenario).expect("milling");
+            let posture = study.postures().expect("in reach").knots[0].clone();
+            (study.modes_of(&study.robot, &posture, rpm * TAU / 60.0)).expect("stiff")
+        };
+        for (found, expected) in modes(&elsewhere).iter().zip(modes(&constant)) {
+            let (a, b) = (
+                found.natural_frequency_rad_s,
+                expected.natural_frequency_rad_s,
+            );
+            assert!((a / b - 1.0).abs() < 1e-12, "{rpm}: {a}, {b}");
+        }
+        let notes = &found.header.notes;
+        let told = notes.iter().any(|note| note.contains("over_speed"));
+        assert_eq!(told, rpm > 18_000.0, "{notes:?}");
+    }
+}
+
 /// The diagram of the end mill is one of millimetres, and without its modes ends where the arm's do.
 #[test]
 fn verify_the_end_mill_is_limited_by_its_modes() {

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use truecut_core::chatter::AttachedMode;
+use truecut_core::chatter::{AttachedMode, SpeedTable};
 use truecut_core::cutting::milling::cutter::{Cutter, Eccentricity};
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_core::cutting::milling::flank::Flank;
@@ -63,7 +63,10 @@ impl CutterTable {
     }
 
     /// With sharp flanks, and modes.
-    pub(super) fn resolve(self, check: &mut Check) -> (Cutter, Vec<AttachedMode>) {
+    pub(super) fn resolve(
+        self,
+        check: &mut Check,
+    ) -> (Cutter, (Vec<AttachedMode>, Vec<SpeedTable>)) {
         let table = "process.milling.cutter";
         let diameter_m = from_mm(self.diameter_mm);
         let runout_m = from_um(self.runout_um.unwrap_or(0.0));

@@ -152,10 +152,11 @@ impl MillingTable {
     /// `None` after recording a fault.
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<MillingSpec> {
         let own_wear_land_m = self.cutter.wear_land_m();
-        let (mut cutter, tool_modes) = self.cutter.resolve(check);
+        let (mut cutter, (tool, over_speed)) = self.cutter.resolve(check);
         let attached = AttachedModes {
-            tool: tool_modes,
+            tool,
             workpiece: (self.workpiece).map_or_else(Vec::new, |piece| piece.resolve(check)),
+            over_speed,
         };
         let angles_deg = [self.entry_deg, self.exit_deg];
         let diameter_m = 2.0 * cutter.radius_m;
@@ -203,7 +204,7 @@ impl MillingTable {
             lead_in_m,
             ramp_m,
             path: path?,
-            attached,
+            attached: attached.at(spindle_rad_s),
         })
     }
 }

@@ -18,6 +18,7 @@ pub(crate) use setup::notes;
 use super::quantity;
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use crate::stability::known::beyond_table;
 use history::{History, stride};
 use modes::Modes;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -400,6 +401,9 @@ impl Process for Milling {
     }
 
     fn notes(&self) -> Vec<String> {
-        notes(&self.setup.spec.cut)
+        let spec = &self.setup.spec;
+        let mut notes = notes(&spec.cut);
+        notes.extend(beyond_table(&spec.attached, spec.spindle_rad_s));
+        notes
     }
 }

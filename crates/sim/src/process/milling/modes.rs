@@ -238,7 +238,7 @@ mod tests {
     fn modes(mode: AttachedMode) -> Modes {
         let attached = AttachedModes {
             tool: vec![mode],
-            workpiece: Vec::new(),
+            ..AttachedModes::default()
         };
         let unit = Matrix3::identity();
         Modes::new(&attached, [&unit, &unit], STEP_S)
