@@ -41,9 +41,11 @@ def written(folder, lines: dict[str, str]):
 
 
 def modes_of(path) -> list[dict]:
-    """Modes of the cutter in SI, the heaviest first."""
+    """Modes of the tool in SI, the heaviest first."""
     modes = []
-    for table in scenario_file.tomllib.loads(path.read_text(encoding="utf-8"))["process"]["milling"]["cutter"]["mode"]:
+    document = scenario_file.tomllib.loads(path.read_text(encoding="utf-8"))
+    tool = document["tool"] if "tool" in document else document["process"]["milling"]["cutter"]
+    for table in tool["mode"]:
         omega, stiffness = 2.0 * math.pi * table["frequency_hz"], table["stiffness_n_per_um"] * 1e6
         direction = np.array(table["direction"], dtype=float)
         modes.append(
@@ -135,3 +137,74 @@ def test_crosscheck_mujoco_tool_modes_growth(truecut, tmp_path, kind, depth_mm):
     )
     assert (here > 0.0) == (kind == "unstable")
     assert here == pytest.approx(there, rel=0.02)
+
+
+CHAMFER = f"""
+name = "chamfering with a tool that bends"
+[robot]
+urdf = "{ROOT}/assets/robots/irb6600_175_255/robot.urdf"
+posture_deg = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95]
+gravity = false
+[run]
+time_step_ms = 0.025
+[process.chamfer]
+direction = "forward"
+spindle_rpm = 600
+feed_mm_per_rev = 0.05
+depth_mm = 0.5
+half_angle_deg = 45
+hole_diameter_mm = 42
+edges = 3
+dwell_revolutions = 1
+[process.chamfer.cutting]
+axial_mpa = 1960
+in_plane_mpa = 2140
+in_plane_angle_deg = 20
+[[tool.mode]]
+frequency_hz = 569
+damping_ratio = 0.03
+stiffness_n_per_um = 20
+direction = [0.6, 0.0, 0.8]
+[[tool.mode]]
+frequency_hz = 1012
+damping_ratio = 0.02
+stiffness_n_per_um = 40
+direction = [0.8, 0.0, -0.6]
+"""
+
+
+def test_crosscheck_mujoco_a_chamfering_tool_bends(truecut, tmp_path):
+    """Three edges on a tool with two modes across its axis and along it: tip and modes."""
+    path = tmp_path / "chamfer_bends.toml"
+    path.write_text(CHAMFER, encoding="utf-8")
+    recording = compare.Recording.read(truecut.record(path))
+    scenario, modes = scenario_file.load(path), modes_of(path)
+    model = with_modes(truecut.mjcf(path), modes)
+    fine, coarse = (simulate(scenario, model, step_s, recording.time_s[-1]) for step_s in (50e-6, 100e-6))
+    plant = Plant(model, scenario.robot)
+    # Rows of `axes` are the process's, columns of the rotation the tool's.
+    directions = [plant.axes @ plant.tool_rotation0 @ mode["direction"] for mode in modes]
+    own = [recording.channels[f"chamfer.tool_mode{n}_deflection"] for n in (1, 2)]
+    here = np.array([recording.channels[f"tool.displacement_{axis}"] for axis in "xyz"]).T
+    here = here + sum(np.outer(deflection, direction) for deflection, direction in zip(own, directions))
+    until = min(recording.time_s[-1], fine.state_time_s[-1], coarse.state_time_s[-1])
+    rows = recording.time_s <= until
+
+    def at_rows(result, names) -> np.ndarray:
+        spline = scipy.interpolate.CubicSpline(result.state_time_s, np.array([result.channels[n] for n in names]).T)
+        return spline(recording.time_s[rows])
+
+    def apart(a: np.ndarray, b: np.ndarray) -> float:
+        return float(np.sqrt(np.mean(np.sum((a - b) ** 2, axis=1))) / np.linalg.norm(np.ptp(b, axis=0)))
+
+    tip = [f"tool.displacement_{axis}" for axis in "xyz"]
+    there, halving = at_rows(fine, tip), apart(at_rows(coarse, tip), at_rows(fine, tip))
+    slides = at_rows(fine, ["joint7.position", "joint8.position"])
+    of_modes = apart(np.array(own).T[rows], slides)
+    FIGURES.append(f"{'a chamfering tool that bends, tip':40} {apart(here[rows], there):8.4%} halving {halving:8.4%}")
+    FIGURES.append(f"{'a chamfering tool that bends, modes':40} {of_modes:8.4%}")
+    assert halving < 1e-3 / 3.0
+    assert apart(here[rows], there) < 1e-3
+    assert of_modes < 1e-3
+    # The modes have a part that the bound would not miss.
+    assert np.ptp(slides, axis=0).max() > 0.01 * np.linalg.norm(np.ptp(there, axis=0))

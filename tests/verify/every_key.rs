@@ -47,6 +47,16 @@ law = "stribeck"
 mu = 0.15
 mu_static = 0.18
 stribeck_speed_mm_per_s = 1.0
+[[tool.mode]]
+frequency_hz = 900
+damping_ratio = 0.03
+stiffness_n_per_um = 8
+direction = [1, 0.5, 0.2]
+[[workpiece.mode]]
+frequency_hz = 700
+damping_ratio = 0.02
+stiffness_n_per_um = 20
+direction = [0.2, 1, 0.3]
 "#;
 
 const WHEEL: &str = r#"
@@ -68,6 +78,16 @@ feed_mm_per_s = 50
 strip_length_mm = 20
 strip_cells = 40
 preston_per_pa = 4e-11
+[[tool.mode]]
+frequency_hz = 900
+damping_ratio = 0.03
+stiffness_n_per_um = 8
+direction = [1, 0.5, 0.2]
+[[workpiece.mode]]
+frequency_hz = 700
+damping_ratio = 0.02
+stiffness_n_per_um = 20
+direction = [0.2, 1, 0.3]
 "#;
 
 const MILLING: &str = r#"
@@ -176,6 +196,16 @@ seal_stiction_n = 0
 law = "equivalent_viscous"
 mu = 0.15
 amplitude_floor_um = 1.0
+[[tool.mode]]
+frequency_hz = 900
+damping_ratio = 0.03
+stiffness_n_per_um = 8
+direction = [1, 0.5, 0.2]
+[[workpiece.mode]]
+frequency_hz = 700
+damping_ratio = 0.02
+stiffness_n_per_um = 20
+direction = [0.2, 1, 0.3]
 "#;
 
 /// `turn_rpm` and `start_deg` are written so that they are not changed: edges hold the angle all along this short way. They are changed in

@@ -60,6 +60,7 @@ mod foot;
 mod format;
 pub mod identification;
 mod metric;
+mod modes;
 mod overwrite;
 pub mod path_job;
 mod process;
@@ -97,8 +98,8 @@ pub use process::polish::{GrainSpec, PolishSpec, TextureSpec};
 pub use process::replay::{ReplayMode, ReplaySpec, Turning};
 pub use process::wheel::WheelSpec;
 pub use process::{
-    BrokenRule, CustomSpec, Definition, Facts, Knob, Parts, PostureFrom, ProcessSpec, WheelHold,
-    WheelPart,
+    BrokenRule, CustomSpec, Definition, Facts, Knob, ModesIn, Parts, PostureFrom, ProcessSpec,
+    WheelHold, WheelPart,
 };
 pub use processes::{NameTaken, Processes};
 pub use robot::{DriveKind, RobotSpec};

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use serde_json::Value as Json;
 use toml_edit::DocumentMut;
+use truecut_core::chatter::AttachedModes;
 use truecut_recording::{ClaimSpec, UserUnit};
 
 use crate::check::Check;
@@ -19,6 +20,7 @@ use crate::error::{ScenarioError, read_text};
 use crate::fault::Fault;
 use crate::fit::FitSpec;
 use crate::format::Format;
+use crate::modes;
 use crate::process::milling::PlannedPath;
 use crate::process::{Definition, ProcessSpec};
 use crate::processes::Processes;
@@ -43,6 +45,9 @@ pub struct Scenario {
     pub run: RunSpec,
     /// What the tool does.
     pub process: ProcessSpec,
+    /// Modes of tool and workpiece beside the arm's, of processes that do not have them in their own
+    /// table.
+    pub attached: AttachedModes,
     /// What must hold of the run; empty if the scenario is a sweep.
     pub claims: Vec<ClaimSpec>,
     /// Values of keys to run at, if the scenario is a sweep.
@@ -278,6 +283,9 @@ impl ScenarioTable {
             .collect();
         let fit = (self.fit).map(|fit| fit.resolve(process.as_ref(), &mut check));
         let facts = process.as_ref().map(ProcessSpec::facts);
+        let attached = facts
+            .as_ref()
+            .map(|facts| modes::attached(self.tool, self.workpiece, facts, &mut check));
         if facts.as_ref().is_some_and(|facts| facts.replays) {
             let because = "a replay takes the damping of the joints";
             check.ignored("robot", &["damping_ratio"], because);
@@ -312,6 +320,7 @@ impl ScenarioTable {
             robot,
             run,
             process,
+            attached: attached.unwrap_or_default(),
             claims,
             sweep,
             effects: effects.effects,

@@ -30,9 +30,7 @@ impl From<ArmError> for SimError {
     fn from(error: ArmError) -> Self {
         match error.kind() {
             ArmErrorKind::ToolTooHeavy { .. } => {
-                let key = "process.milling.cutter.mode";
-                let lacks = "a spindle that the robot's file lacks is given with [[robot.link]]";
-                Self::scenario(key, format!("`{key}`: {error}; {lacks}"))
+                Self::too_heavy("process.milling.cutter.mode", error)
             }
             _ => Self::Arm(error),
         }
@@ -46,6 +44,15 @@ impl From<ScenarioError> for SimError {
 }
 
 impl SimError {
+    /// Tool modes, given at `key`, that weigh more than the arm; another error of the arm as it is.
+    pub(crate) fn too_heavy(key: &str, error: ArmError) -> Self {
+        if !matches!(error.kind(), ArmErrorKind::ToolTooHeavy { .. }) {
+            return Self::Arm(error);
+        }
+        let lacks = "a spindle that the robot's file lacks is given with [[robot.link]]";
+        Self::scenario(key, format!("`{key}`: {error}; {lacks}"))
+    }
+
     /// A fault of a scenario's value at a dotted key.
     pub fn scenario(key: impl Into<String>, message: impl Into<String>) -> Self {
         Self::Scenario {

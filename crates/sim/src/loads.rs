@@ -8,8 +8,9 @@ use nalgebra::{Vector2, Vector3, Vector6};
 use truecut_arm::FrameId;
 use truecut_core::friction::{FrictionLaw, PlanarContact};
 
-/// Most wrenches, and most contacts, that one process may ask for.
-pub const MAX_LOADS: usize = 2;
+/// Most wrenches, and most contacts, that one process may ask for: two, and what tool modes make of
+/// them.
+pub const MAX_LOADS: usize = 3;
 
 /// The frames of the robot that loads act on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,8 @@ use serde::Deserialize;
 use std::path::Path;
 use truecut_recording::{ChannelSpec, Recording, Unit};
 use truecut_scenario::{
-    BrokenRule, Facts, Knob, Parts, PostureFrom, ProcessSpec, Processes, Scenario, ScenarioError,
+    BrokenRule, Facts, Knob, ModesIn, Parts, PostureFrom, ProcessSpec, Processes, Scenario,
+    ScenarioError,
 };
 use truecut_sim::SimError;
 use truecut_sim::loads::{Attachment, ContactOutcomes, Loads, Wrench};
@@ -47,6 +48,7 @@ impl OwnProcess for Drill {
             files: &[],
             needs_drive: Some("drilling"),
             needs_robot: true,
+            modes: ModesIn::Scenario,
             replays: false,
             posture: PostureFrom::Scenario,
             parts: Parts::NONE,

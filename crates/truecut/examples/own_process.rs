@@ -29,7 +29,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut::external::nalgebra::Vector3;
 use truecut::recording::{ChannelSpec, Scalar, Unit};
-use truecut::scenario::{Facts, Knob, Parts, PostureFrom, Processes, Scenario};
+use truecut::scenario::{Facts, Knob, ModesIn, Parts, PostureFrom, Processes, Scenario};
 use truecut::sim::SimError;
 use truecut::sim::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use truecut::sim::process::{
@@ -103,6 +103,7 @@ impl OwnProcess for Drilling {
             files: &[],
             needs_drive: Some("drilling"),
             needs_robot: true,
+            modes: ModesIn::Scenario,
             replays: false,
             posture: PostureFrom::Scenario,
             parts: Parts::NONE,

@@ -15,7 +15,7 @@ use crate::control::{ControlTable, Pressed};
 use crate::error::ScenarioError;
 use crate::fault::Fault;
 use crate::path_job::PathJob;
-use crate::process::{Facts, Knob, Parts, PostureFrom, Room, WheelPart, hold};
+use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room, WheelPart, hold};
 use crate::robot::RobotSpec;
 use crate::roughness::RoughnessTable;
 use crate::units::from_mm;
@@ -333,6 +333,7 @@ impl Room for BeltSpec {
             files: &["job"],
             needs_drive: Some("belt"),
             needs_robot: true,
+            modes: ModesIn::Scenario,
             replays: false,
             posture: PostureFrom::Job(self.job.file.clone()),
             parts: Parts {

@@ -11,7 +11,7 @@ use truecut_plan::surface::MeshFile;
 use crate::check::Check;
 use crate::fault::Fault;
 use crate::path_job::place;
-use crate::process::{Facts, Knob, Parts, PostureFrom, Room, WheelHold, WheelPart};
+use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room, WheelHold, WheelPart};
 use crate::robot::RobotSpec;
 use crate::units::{from_mm, from_mpa, from_rpm};
 
@@ -310,6 +310,7 @@ impl Room for BrushSpec {
             files: &["taught", "workpiece.mesh"],
             needs_drive: Some("brush"),
             needs_robot: true,
+            modes: ModesIn::Scenario,
             replays: false,
             posture: PostureFrom::Taught,
             parts: Parts {

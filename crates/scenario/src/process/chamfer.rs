@@ -9,7 +9,7 @@ use truecut_core::cutting::chamfer::{ChipArea, CuttingCoefficients, FeedSchedule
 use crate::check::Check;
 use crate::foot::{FootSpec, FootTable};
 use crate::process::material::{Given, MaterialTable, one_of};
-use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
+use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room};
 use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm, from_rpm};
 
 /// Chamfering the rim of a hole, with or without a pressure foot.
@@ -249,6 +249,7 @@ impl Room for ChamferSpec {
             files: &["material.file"],
             needs_drive: Some("chamfer"),
             needs_robot: true,
+            modes: ModesIn::Scenario,
             replays: false,
             posture: PostureFrom::Scenario,
             parts: Parts {

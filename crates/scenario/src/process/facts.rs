@@ -28,12 +28,23 @@ pub struct Facts {
     pub needs_drive: Option<&'static str>,
     /// Whether there is an arm at all.
     pub needs_robot: bool,
+    /// Whether `[[tool.mode]]` and `[[workpiece.mode]]` belong to it.
+    pub modes: ModesIn,
     /// Whether measured inputs drive it.
     pub replays: bool,
     /// Where the posture comes from in which the arm starts.
     pub posture: PostureFrom,
     /// What effects find to act on.
     pub parts: Parts,
+}
+
+/// Where a scenario gives modes of tool and workpiece.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModesIn {
+    /// In `[[tool.mode]]` and `[[workpiece.mode]]`.
+    Scenario,
+    /// Not there, and why.
+    Elsewhere(&'static str),
 }
 
 /// A number of a scenario that can be set at the machine.

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use crate::check::Check;
 use crate::foot::{FootSpec, FootTable};
-use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
+use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room};
 use crate::units::from_deg;
 
 /// Given forces on the tool; what is not given is zero.
@@ -189,6 +189,7 @@ impl Room for LoadSpec {
             files: &[],
             needs_drive: self.foot.as_ref().map(|_| "load.foot"),
             needs_robot: true,
+            modes: ModesIn::Scenario,
             replays: false,
             posture: PostureFrom::Scenario,
             parts: Parts {

@@ -19,7 +19,7 @@ pub(crate) mod wheel;
 
 pub use custom::{BrokenRule, CustomSpec, Definition};
 pub(crate) use facts::hold;
-pub use facts::{Facts, Knob, Parts, PostureFrom, WheelHold, WheelPart};
+pub use facts::{Facts, Knob, ModesIn, Parts, PostureFrom, WheelHold, WheelPart};
 
 use std::path::Path;
 use std::sync::Arc;

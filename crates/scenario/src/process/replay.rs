@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::check::Check;
-use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
+use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room};
 use crate::units::{from_mm, from_rpm};
 
 /// Measured inputs, the channels of `[data]` with role "input", drive the model.
@@ -173,6 +173,7 @@ impl Room for ReplaySpec {
             knobs: KNOBS,
             files: &[],
             needs_drive: None,
+            modes: ModesIn::Elsewhere("a replay takes its forces from the data"),
             needs_robot: self.mode != ReplayMode::Observe,
             replays: true,
             posture: PostureFrom::Scenario,

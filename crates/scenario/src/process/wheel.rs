@@ -7,7 +7,7 @@ use serde::Deserialize;
 use truecut_core::wheel::WheelContact;
 
 use crate::check::Check;
-use crate::process::{Facts, Knob, Parts, PostureFrom, Room, WheelHold, WheelPart};
+use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room, WheelHold, WheelPart};
 use crate::units::{from_mm, from_n_per_mm, from_rpm, from_um};
 
 /// A compliant wheel, pressed along process X on a flat plate and fed along process Y.
@@ -151,6 +151,7 @@ impl Room for WheelSpec {
             files: &[],
             needs_drive: Some("wheel"),
             needs_robot: true,
+            modes: ModesIn::Scenario,
             replays: false,
             posture: PostureFrom::Scenario,
             parts: Parts {

@@ -7,6 +7,7 @@ use crate::claim::ClaimTable;
 use crate::data::DataTable;
 use crate::effect::table::EffectTable;
 use crate::fit::FitTable;
+use crate::modes::{ToolTable, WorkpieceTable};
 use crate::process::ProcessTable;
 use crate::robot::RobotTable;
 use crate::run::RunTable;
@@ -28,6 +29,10 @@ pub(crate) struct ScenarioTable {
     pub run: Option<RunTable>,
     /// Exactly one of the processes.
     pub process: ProcessTable,
+    /// Tool, holder and spindle, where they bend. Default: they are rigid.
+    pub tool: Option<ToolTable>,
+    /// The workpiece, where it bends. Default: it is rigid.
+    pub workpiece: Option<WorkpieceTable>,
     /// What must hold of the run.
     pub claim: Option<Vec<ClaimTable>>,
     /// What the nominal model leaves out.

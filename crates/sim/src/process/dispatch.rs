@@ -1,6 +1,7 @@
 //! From the process of a scenario to the room that sets it up.
 
 use super::setup::{self, ProcessSetup, SetupContext};
+use super::yielding::Yielding;
 use super::{belt, brush, chamfer, custom, load, milling, polish, replay, wheel};
 use crate::error::SimError;
 use truecut_scenario::ProcessSpec;
@@ -9,7 +10,8 @@ use truecut_scenario::ProcessSpec;
 /// apart.
 pub(crate) fn set_up(context: &SetupContext<'_>) -> Result<ProcessSetup, SimError> {
     setup::check_drive(&context.scenario.process, context.kind)?;
-    match &context.scenario.process {
+    let scenario = context.scenario;
+    let mut setup = match &scenario.process {
         ProcessSpec::Belt(spec) => belt::setup::setup(spec, context),
         ProcessSpec::Brush(spec) => brush::setup::setup(spec, context),
         ProcessSpec::Custom(spec) => custom::setup(spec, context),
@@ -19,5 +21,11 @@ pub(crate) fn set_up(context: &SetupContext<'_>) -> Result<ProcessSetup, SimErro
         ProcessSpec::Polish(spec) => polish::setup::setup(spec, context),
         ProcessSpec::Replay(spec) => replay::setup::setup(spec, context),
         ProcessSpec::Wheel(spec) => wheel::setup::setup(spec, context),
+    }?;
+    if !scenario.attached.is_empty() {
+        let named = (scenario.process.name(), setup.process);
+        let yielding = Yielding::new(named, &scenario.attached, context.robot, &setup.posture)?;
+        setup.process = Box::new(yielding);
     }
+    Ok(setup)
 }

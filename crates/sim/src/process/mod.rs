@@ -12,6 +12,7 @@ mod dispatch;
 mod foot;
 mod load;
 mod milling;
+mod modes;
 mod pending_removal;
 mod polish;
 mod quantity;
@@ -19,6 +20,7 @@ mod replay;
 mod setup;
 mod step_cache;
 mod wheel;
+mod yielding;
 
 pub use belt::{Belt, BeltSetup, Cells, cells_within};
 pub use brush::{BrushProcess, BrushSetup, Station};

@@ -10,7 +10,7 @@ use truecut_core::cutting::milling::flank::Flank;
 use crate::check::Check;
 use crate::units::{from_deg, from_mm, from_um};
 
-use super::modes::{self, ModeTable};
+use crate::modes::{self, ModeTable};
 
 const TABLE: &str = "process.milling";
 

@@ -2,7 +2,6 @@
 
 mod cutter;
 mod flank;
-mod modes;
 mod path;
 mod planned;
 
@@ -22,12 +21,12 @@ use truecut_plan::motion::straight::StraightPath;
 
 use crate::check::Check;
 use crate::fault::Fault;
+use crate::modes::WorkpieceTable;
 use crate::process::material::{CuttingTable, Given, MaterialTable, one_of};
-use crate::process::{Facts, Knob, Parts, PostureFrom, Room};
+use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room};
 use crate::run::RunSpec;
 use crate::units::{from_deg, from_mm, from_rpm};
 use cutter::{CutterTable, EngagementName, engaged};
-use modes::MilledWorkpieceTable;
 use path::PathTable;
 
 /// Peripheral milling along a straight line. The cutter turns clockwise seen from the spindle.
@@ -139,7 +138,7 @@ pub(crate) struct MillingTable {
     /// Where the tool goes.
     path: PathTable,
     /// What is cut. Default: it is rigid.
-    workpiece: Option<MilledWorkpieceTable>,
+    workpiece: Option<WorkpieceTable>,
 }
 
 /// Largest feed per tooth as a part of the cutter's diameter: chips are far thinner than the
@@ -155,7 +154,9 @@ impl MillingTable {
         let (mut cutter, (tool, over_speed)) = self.cutter.resolve(check);
         let attached = AttachedModes {
             tool,
-            workpiece: (self.workpiece).map_or_else(Vec::new, |piece| piece.resolve(check)),
+            workpiece: (self.workpiece).map_or_else(Vec::new, |piece| {
+                piece.resolve("process.milling.workpiece.mode", check)
+            }),
             over_speed,
         };
         let angles_deg = [self.entry_deg, self.exit_deg];
@@ -317,6 +318,10 @@ impl Room for MillingSpec {
             files: &["material.file"],
             needs_drive: Some("milling"),
             needs_robot: true,
+            modes: ModesIn::Elsewhere(
+                "milling has them in [[process.milling.cutter.mode]] and \
+                 [[process.milling.workpiece.mode]]",
+            ),
             replays: false,
             posture: PostureFrom::Scenario,
             parts: Parts::NONE,

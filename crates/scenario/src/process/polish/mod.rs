@@ -20,7 +20,7 @@ use truecut_plan::motion::raster::Raster;
 
 use crate::check::Check;
 use crate::control::{ControlTable, Pressed};
-use crate::process::{Facts, Knob, Parts, PostureFrom, Room, WheelPart, hold};
+use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room, WheelPart, hold};
 use crate::roughness::RoughnessTable;
 use crate::units::{from_deg, from_rpm, from_um};
 use face::FaceTable;
@@ -230,6 +230,7 @@ impl Room for PolishSpec {
             files: &[],
             needs_drive: Some("polish"),
             needs_robot: true,
+            modes: ModesIn::Scenario,
             replays: false,
             posture: PostureFrom::Scenario,
             parts: Parts {

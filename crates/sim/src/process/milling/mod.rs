@@ -7,20 +7,20 @@
 //! keeps what is reported at the end.
 
 mod history;
-mod modes;
 mod report;
 pub(crate) mod setup;
+mod tip;
 
 pub(crate) use report::linear_share;
 pub use setup::MillingTheory;
 pub(crate) use setup::notes;
 
+use super::modes::{self, Modes};
 use super::quantity;
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use crate::stability::known::beyond_table;
 use history::{History, stride};
-use modes::Modes;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::f64::consts::TAU;
 use truecut_core::cutting::milling::cut::{
@@ -292,7 +292,7 @@ impl Process for Milling {
 
     fn channels(&self) -> Vec<ChannelSpec> {
         let mut channels = quantity::channels(report::quantities(&self.setup, &self.last));
-        channels.extend(report::mode_channels(&self.setup.spec.attached));
+        channels.extend(modes::channels("milling", &self.setup.spec.attached));
         channels
     }
 

@@ -7,11 +7,10 @@ use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::chatter::forced::unforced;
 use truecut_core::chatter::growth::{GrowthOptions, growth};
-use truecut_core::chatter::{AttachedMode, AttachedModes};
 use truecut_core::cutting::milling::dexel::{DexelRow, RayGrid, Wall};
 use truecut_core::cutting::milling::finish;
 use truecut_recording::spectrum::{Spectrum, amplitude_spectrum_up_to};
-use truecut_recording::{ChannelSpec, Profile, Scalar, Unit};
+use truecut_recording::{Profile, Scalar, Unit};
 
 const AXES: [(&str, &str); 3] = [
     ("x", "along the feed"),
@@ -77,28 +76,6 @@ pub(super) fn quantities(
             .text("Material that the last tooth left on the wall; negative if it took too much")
     });
     cut.into_iter().chain(wall)
-}
-
-/// Channels of the modes beside the arm's.
-pub(super) fn mode_channels(attached: &AttachedModes) -> impl Iterator<Item = ChannelSpec> {
-    let of = |whose: &'static str, foot: &'static str, modes: &[AttachedMode]| {
-        (1..=modes.len()).map(move |number| {
-            ChannelSpec::new(
-                format!("milling.{whose}_mode{number}_deflection"),
-                Unit::Metre,
-                format!(
-                    "Deflection of mode {number} of the {whose} against {foot}, along its direction"
-                ),
-            )
-        })
-    };
-    let tool = of("tool", "the arm's tool point", &attached.tool);
-    // A workpiece that gives way is a tool that gets deeper into it.
-    tool.chain(of(
-        "workpiece",
-        "the ground, seen from it",
-        &attached.workpiece,
-    ))
 }
 
 /// Scalars and profiles at the end of the run.

@@ -1,16 +1,19 @@
-//! `[[process.milling.cutter.mode]]` and `[[process.milling.workpiece.mode]]`.
+//! `[[tool.mode]]` and `[[workpiece.mode]]`; of milling `[[process.milling.cutter.mode]]` and
+//! `[[process.milling.workpiece.mode]]`.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use truecut_core::chatter::{AttachedMode, SpeedTable};
+use truecut_core::chatter::{AttachedMode, AttachedModes, SpeedTable};
 
 use crate::check::Check;
+use crate::fault::Fault;
+use crate::process::{Facts, ModesIn};
 use crate::units::{from_n_per_um, from_rpm};
 
 /// A mode: a mass on a spring and a damper.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ModeTable {
+pub(crate) struct ModeTable {
     /// Natural frequency with the foot of the spring held.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a mode vibrates"))]
     frequency_hz: f64,
@@ -25,9 +28,9 @@ pub(super) struct ModeTable {
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a mode has a spring"))]
     stiffness_n_per_um: f64,
     /// Direction in which the mode moves, of any length: in the tool frame (it does not turn with
-    /// the spindle) for a mode of the cutter, in the world for one of the workpiece.
+    /// the spindle) for a mode of the tool, in the world for one of the workpiece.
     direction: [f64; 3],
-    /// Of a mode of the cutter: what it becomes as the spindle turns, by rising speeds; linear
+    /// Of a mode of the tool: what it becomes as the spindle turns, by rising speeds; linear
     /// between them, from the mode's own values at standstill, and held beyond the last. Default:
     /// the same at all speeds.
     over_speed: Option<Vec<SpeedRow>>,
@@ -99,18 +102,26 @@ impl ModeTable {
     }
 }
 
+/// Tool, holder and spindle.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ToolTable {
+    /// Modes at the tool point, the flange held.
+    #[schemars(extend("maxItems" = 6, "x-rule" = "a tool has at most 6 modes here"))]
+    mode: Vec<ModeTable>,
+}
+
 /// The workpiece.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct MilledWorkpieceTable {
+pub(crate) struct WorkpieceTable {
     /// Modes of the workpiece where it is cut.
     #[schemars(extend("maxItems" = 6, "x-rule" = "a workpiece has at most 6 modes here"))]
     mode: Vec<ModeTable>,
 }
 
-impl MilledWorkpieceTable {
-    pub(super) fn resolve(self, check: &mut Check) -> Vec<AttachedMode> {
-        let table = "process.milling.workpiece.mode";
+impl WorkpieceTable {
+    pub(crate) fn resolve(self, table: &str, check: &mut Check) -> Vec<AttachedMode> {
         for index in 0..self.mode.len() {
             let because = "a workpiece does not turn with the spindle";
             check.ignored(&format!("{table}.{index}"), &["over_speed"], because);
@@ -121,7 +132,7 @@ impl MilledWorkpieceTable {
 
 /// The modes of a list at standstill without those that are refused, and how they change with the
 /// spindle's speed.
-pub(super) fn resolve(
+pub(crate) fn resolve(
     modes: Vec<ModeTable>,
     table: &str,
     check: &mut Check,
@@ -137,4 +148,32 @@ pub(super) fn resolve(
         resolved.push(mode.at_standstill(direction));
     }
     (resolved, over_speed)
+}
+
+/// The modes of `[[tool.mode]]` and `[[workpiece.mode]]` at the speed of what turns.
+pub(crate) fn attached(
+    tool: Option<ToolTable>,
+    workpiece: Option<WorkpieceTable>,
+    facts: &Facts,
+    check: &mut Check,
+) -> AttachedModes {
+    let given = [
+        ("tool.mode", tool.is_some()),
+        ("workpiece.mode", workpiece.is_some()),
+    ];
+    for (key, _) in given.iter().filter(|(_, given)| *given) {
+        if let ModesIn::Elsewhere(because) = facts.modes {
+            let message = format!("`{key}` has no effect: {because}");
+            check.refuse(Fault::key(key, message, "has no effect here"));
+        }
+    }
+    let (tool, over_speed) = tool.map_or_else(Default::default, |tool| {
+        resolve(tool.mode, "tool.mode", check)
+    });
+    let modes = AttachedModes {
+        tool,
+        workpiece: workpiece.map_or_else(Vec::new, |piece| piece.resolve("workpiece.mode", check)),
+        over_speed,
+    };
+    modes.at(facts.rate_rad_s.unwrap_or(0.0))
 }

@@ -1,8 +1,8 @@
 //! Modes of tool and workpiece in a run.
 //!
 //! Each is an oscillator of its own, stepped exactly ([`truecut_core::oscillator`]) beside the arm.
-//! A tool mode stands on the arm's tool point, which its coordinate z counts from the path like the
-//! point's own deflection x along the mode's direction n:
+//! A tool mode stands on the arm's tool point, which its coordinate z counts from the path (in milling; from
+//! the start elsewhere) like the point's own deflection x along the mode's direction n:
 //!
 //! `m z'' + c z' + k z = nᵀF + c x' + k x`, deflection of the mode `s = z − x`.
 //!
@@ -15,11 +15,10 @@
 use nalgebra::{Matrix3, Vector3};
 use truecut_core::chatter::{AttachedMode, AttachedModes};
 use truecut_core::oscillator::{ExactStep, OscillatorState};
+use truecut_recording::{ChannelSpec, Unit};
 
-use super::Milling;
-use crate::process::ToolState;
-
-/// Where a tip or the arm's tool point stands off the path, and the rate of that; milling frame.
+/// Where a tip or the arm's tool point stands off the path, and the rate of that; in the frame of
+/// the process.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TipMotion {
     pub deflection_m: Vector3<f64>,
@@ -42,7 +41,7 @@ pub(super) struct Modes {
 #[derive(Debug, Clone)]
 struct Moving {
     mode: AttachedMode,
-    /// Along `mode.direction` in the milling frame.
+    /// Along `mode.direction` in the frame of the process.
     direction: Vector3<f64>,
     step: ExactStep,
     state: OscillatorState,
@@ -87,7 +86,7 @@ impl Modes {
     /// Modes of a run that have not been placed yet.
     pub fn new(
         attached: &AttachedModes,
-        [milling_from_tool, milling_from_world]: [&Matrix3<f64>; 2],
+        [frame_from_tool, frame_from_world]: [&Matrix3<f64>; 2],
         step_s: f64,
     ) -> Self {
         let of = |modes: &[AttachedMode], axes| -> Vec<Moving> {
@@ -95,8 +94,8 @@ impl Modes {
             moving.collect()
         };
         Self {
-            tool: of(&attached.tool, milling_from_tool),
-            workpiece: of(&attached.workpiece, milling_from_world),
+            tool: of(&attached.tool, frame_from_tool),
+            workpiece: of(&attached.workpiece, frame_from_world),
             step_s,
             ..Self::default()
         }
@@ -111,9 +110,9 @@ impl Modes {
     }
 
     /// Follows a tool that has turned.
-    pub fn turn(&mut self, milling_from_tool: &Matrix3<f64>) {
+    pub fn turn(&mut self, frame_from_tool: &Matrix3<f64>) {
         for one in &mut self.tool {
-            one.direction = milling_from_tool * one.mode.direction;
+            one.direction = frame_from_tool * one.mode.direction;
         }
     }
 
@@ -178,45 +177,23 @@ impl Modes {
     }
 }
 
-impl Milling {
-    /// Deflection of the arm's tool point from its path and its rate, milling frame.
-    pub(super) fn arm_motion(&self, state: &ToolState) -> TipMotion {
-        let s = &self.setup;
-        let feed = Vector3::x() * s.spec.feed_m_per_s;
-        let moved = s.in_milling(&state.tool.displacement_m);
-        let rate = s.in_milling(&state.tool.velocity_m_per_s);
-        TipMotion {
-            deflection_m: self.start_offset_m + moved - feed * state.time_s,
-            rate_m_per_s: rate - feed,
-        }
-    }
-
-    /// Modes as they start: at rest under the mean force where the cut is under way.
-    pub(super) fn place_modes(&mut self, step_s: f64) {
-        let s = &self.setup;
-        let axes = [&s.milling_from_tool, &s.milling_from_world];
-        self.modes = Modes::new(&s.spec.attached, axes, step_s);
-        let force_n = if s.starts_in_cut() {
-            s.mean_load.0
-        } else {
-            Vector3::zeros()
-        };
-        let foot = TipMotion {
-            deflection_m: self.start_offset_m,
-            ..TipMotion::default()
-        };
-        self.modes.rest(&foot, &force_n);
-    }
-
-    /// Modes over a step under the force of the cut.
-    pub(super) fn move_modes(&mut self, state: &ToolState, force_n: &Vector3<f64>) {
-        let arm = self.arm_motion(state);
-        let axes = state.world_from_tool.rotation.to_rotation_matrix();
-        (self.modes).turn(&(self.setup.milling_from_world * axes.matrix()));
-        self.modes_m.clear();
-        self.modes_m.extend(self.modes.each_m(&arm));
-        self.modes.advance(&arm, force_n);
-    }
+/// Channels of the modes beside the arm's, of a process by its name.
+pub(super) fn channels(process: &str, attached: &AttachedModes) -> Vec<ChannelSpec> {
+    let of = |whose: &'static str, foot: &'static str, modes: &[AttachedMode]| {
+        (1..=modes.len()).map(move |number| {
+            ChannelSpec::new(
+                format!("{process}.{whose}_mode{number}_deflection"),
+                Unit::Metre,
+                format!(
+                    "Deflection of mode {number} of the {whose} against {foot}, along its direction"
+                ),
+            )
+        })
+    };
+    let tool = of("tool", "the arm's tool point", &attached.tool);
+    // A workpiece that gives way is a tool that gets deeper into it.
+    let workpiece = of("workpiece", "the ground, seen from it", &attached.workpiece);
+    tool.chain(workpiece).collect()
 }
 
 #[cfg(test)]

@@ -1,0 +1,48 @@
+//! Modes of tool and workpiece in a milling run: counted from the path, in the milling frame.
+
+use nalgebra::Vector3;
+
+use super::Milling;
+use crate::process::ToolState;
+use crate::process::modes::{Modes, TipMotion};
+
+impl Milling {
+    /// Deflection of the arm's tool point from its path and its rate, milling frame.
+    pub(super) fn arm_motion(&self, state: &ToolState) -> TipMotion {
+        let s = &self.setup;
+        let feed = Vector3::x() * s.spec.feed_m_per_s;
+        let moved = s.in_milling(&state.tool.displacement_m);
+        let rate = s.in_milling(&state.tool.velocity_m_per_s);
+        TipMotion {
+            deflection_m: self.start_offset_m + moved - feed * state.time_s,
+            rate_m_per_s: rate - feed,
+        }
+    }
+
+    /// Modes as they start: at rest under the mean force where the cut is under way.
+    pub(super) fn place_modes(&mut self, step_s: f64) {
+        let s = &self.setup;
+        let axes = [&s.milling_from_tool, &s.milling_from_world];
+        self.modes = Modes::new(&s.spec.attached, axes, step_s);
+        let force_n = if s.starts_in_cut() {
+            s.mean_load.0
+        } else {
+            Vector3::zeros()
+        };
+        let foot = TipMotion {
+            deflection_m: self.start_offset_m,
+            ..TipMotion::default()
+        };
+        self.modes.rest(&foot, &force_n);
+    }
+
+    /// Modes over a step under the force of the cut.
+    pub(super) fn move_modes(&mut self, state: &ToolState, force_n: &Vector3<f64>) {
+        let arm = self.arm_motion(state);
+        let axes = state.world_from_tool.rotation.to_rotation_matrix();
+        (self.modes).turn(&(self.setup.milling_from_world * axes.matrix()));
+        self.modes_m.clear();
+        self.modes_m.extend(self.modes.each_m(&arm));
+        self.modes.advance(&arm, force_n);
+    }
+}
