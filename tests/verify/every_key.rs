@@ -16,7 +16,7 @@ stiffness_scale = 1.0
 damping_scale = 1.0
 hold_against_sag = true
 [run]
-time_step_ms = 0.25
+time_step_ms = 0.1
 [process.chamfer]
 direction = "backward"
 spindle_rpm = 900
