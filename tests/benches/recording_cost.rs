@@ -1,7 +1,7 @@
 //! What the files of a run cost: one pass of `backward_sufficient` without any, and with all three.
 //!
-//! Both kinds of run alternate, so that the ratio does not depend on the machine's mood; the fastest of
-//! each counts. With `--test` each run is made once.
+//! Both kinds of run alternate, so that the ratio does not depend on the machine's mood; the
+//! fastest of each counts. With `--test` each run is made once.
 
 use std::path::Path;
 use std::time::Instant;

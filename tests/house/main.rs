@@ -1,9 +1,11 @@
-//! The house's rule of who may know whom, held against the manifests.
+//! Rules of the house: who may know whom, held against the manifests; how long files are and how
+//! wide comments.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// What each crate may depend on, of ours. The program may depend on everything; the whole-system tests too.
+/// What each crate may depend on, of ours. The program may depend on everything; the whole-system
+/// tests too.
 const MAY_DEPEND_ON: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("arm", &["core"]),
@@ -52,7 +54,8 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("rs-opw-kinematics", &["arm"]),
 ];
 
-/// What the analytic core may use besides the standard library: mathematics, and a macro for errors.
+/// What the analytic core may use besides the standard library: mathematics, and a macro for
+/// errors.
 const CORE_MAY_USE: &[&str] = &["nalgebra", "statrs", "thiserror"];
 
 /// Names of the packages in a manifest's dependency tables of these names, also below `target`.
@@ -165,4 +168,48 @@ fn the_reader_sees_every_kind_of_dependency() {
     };
     assert_eq!(names(BUILT_IN), ["one", "three", "two"]);
     assert_eq!(names(ALL_TABLES), ["four", "one", "three", "two"]);
+}
+
+/// Rust files of the crates and of the tests.
+fn sources() -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut folders = vec![root.join("crates"), root.join("tests")];
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                let text = std::fs::read_to_string(&path).expect("text");
+                let name = path.strip_prefix(&root).expect("below it").display();
+                found.push((name.to_string(), text));
+            }
+        }
+    }
+    assert!(found.len() > 500, "{} files", found.len());
+    found
+}
+
+#[test]
+fn files_are_short() {
+    let long = |(name, text): &(String, String)| {
+        let lines = text.lines().count();
+        (name.contains("/src/") && lines > 400).then(|| format!("{name}: {lines} lines"))
+    };
+    let long: Vec<String> = sources().iter().filter_map(long).collect();
+    assert_eq!(long, [""; 0]);
+}
+
+#[test]
+fn comments_are_no_wider_than_the_page() {
+    let mut wide = Vec::new();
+    for (name, text) in sources() {
+        for (i, line) in text.lines().enumerate() {
+            if line.trim_start().starts_with("//") && line.chars().count() > 100 {
+                wide.push(format!("{name}:{}", i + 1));
+            }
+        }
+    }
+    assert_eq!(wide, [""; 0]);
 }

@@ -1,4 +1,5 @@
-//! Bad input, one fixture a fault, given to the program itself: one error, with file, line, value and rule; exit code 2.
+//! Bad input, one fixture a fault, given to the program itself: one error, with file, line, value
+//! and rule; exit code 2.
 //!
 //! A fixture says in its head what to expect:
 //!
@@ -151,8 +152,8 @@ fn every_bad_plan_is_refused_with_place_value_and_rule() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
-/// Faults that show only where a scenario is held against its data; a comparison refuses them like a diagnosis, unless the fault is
-/// one of searching.
+/// Faults that show only where a scenario is held against its data; a comparison refuses them like
+/// a diagnosis, unless the fault is one of searching.
 #[test]
 fn every_bad_diagnosis_is_refused_with_place_value_and_rule() {
     let mut wrong = Vec::new();
@@ -175,8 +176,8 @@ fn every_bad_diagnosis_is_refused_with_place_value_and_rule() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
-/// The messages themselves are tested beside the reader of URDF files; here, that the program shows them with
-/// the line that they are about.
+/// The messages themselves are tested beside the reader of URDF files; here, that the program shows
+/// them with the line that they are about.
 #[test]
 fn every_bad_robot_is_refused_at_its_line() {
     for file in fixtures("urdf", "urdf", 16) {
@@ -250,7 +251,8 @@ fn arguments_that_make_no_sense_are_refused() {
     }
 }
 
-/// Paths on faces and the programs that follow them; a fault in a file that the job names is told with that file's line.
+/// Paths on faces and the programs that follow them; a fault in a file that the job names is told
+/// with that file's line.
 #[test]
 fn every_bad_path_job_is_refused_with_place_value_and_rule() {
     let mut wrong = Vec::new();

@@ -114,7 +114,8 @@ fn diagnose_does_not_write_over_what_it_reads() {
     assert_eq!(std::fs::read(&own).unwrap(), kept);
 }
 
-/// Where the answer cannot be written, that is said before the search, and an earlier answer is left alone.
+/// Where the answer cannot be written, that is said before the search, and an earlier answer is
+/// left alone.
 #[test]
 fn diagnose_looks_at_its_folder_first() {
     let desk = desk();

@@ -33,7 +33,8 @@ fn identify_tells_stiffness_and_modes_and_its_entries_serve_as_robot_toml() {
     for name in ["stiffness.json", "stiffness.svg", "modes.json", "modes.svg"] {
         assert!(desk.path("out/arm").join(name).is_file(), "{name}");
     }
-    // The entries are read as robot.toml: joint 6 has none, and is named by a scenario that needs it.
+    // The entries are read as robot.toml: joint 6 has none, and is named by a scenario that needs
+    // it.
     let robot = repository().join("assets/robots/irb6600_175_255/robot.urdf");
     std::fs::copy(&robot, desk.path("robot.urdf")).unwrap();
     std::fs::copy(desk.path("out/arm/stiffness.toml"), desk.path("robot.toml")).unwrap();

@@ -11,7 +11,8 @@ fn repository() -> PathBuf {
         .unwrap()
 }
 
-/// The shipped job in the desk's folder, its paths made absolute, with some lines in the place of others.
+/// The shipped job in the desk's folder, its paths made absolute, with some lines in the place of
+/// others.
 fn job(desk: &Desk, name: &str, changes: &[(&str, &str)]) -> String {
     let shipped = repository().join("scenarios/finishing/hub_spoke.toml");
     let mut text = std::fs::read_to_string(shipped).unwrap();
@@ -67,7 +68,8 @@ fn a_spoke_becomes_a_job_that_leads_along_the_same_path() {
         "{}",
         told(&good)
     );
-    // The turntable's pulses cannot be turned into an angle without their number; the job's line is named.
+    // The turntable's pulses cannot be turned into an angle without their number; the job's line is
+    // named.
     let without = read(&path);
     assert_eq!(without.status.code(), Some(super::BAD_INPUT));
     assert!(told(&without).contains("SPOKE.JBI:"), "{}", told(&without));
@@ -164,7 +166,8 @@ fn a_module_with_taught_points_is_read_back() {
     assert!(output.status.success(), "{}", told(&output));
 }
 
-/// Every key of the path changes the path; the limit of the edge gap, which nothing here comes near, is met by a job that is refused.
+/// Every key of the path changes the path; the limit of the edge gap, which nothing here comes
+/// near, is met by a job that is refused.
 #[test]
 fn what_the_path_says_changes_the_program() {
     let desk = Desk::new();

@@ -42,7 +42,8 @@ fn a_sweep_gives_a_table_a_drawing_and_claims_about_its_rows() {
     desk.ends(0, &["check", "sweep.toml"]);
 }
 
-/// A run that diverges has no result: neither its row, nor a claim about it, nor a search may make one of it.
+/// A run that diverges has no result: neither its row, nor a claim about it, nor a search may make
+/// one of it.
 #[test]
 fn a_diverged_run_in_a_sweep_is_no_result() {
     let desk = Desk::new();
@@ -85,8 +86,8 @@ fn a_diverged_run_in_a_sweep_is_no_result() {
     );
 }
 
-/// Chatter that makes paths of teeth loop is an end of its own: for a run, its claims and files, for the rows of a
-/// sweep and for a check.
+/// Chatter that makes paths of teeth loop is an end of its own: for a run, its claims and files,
+/// for the rows of a sweep and for a check.
 #[test]
 fn a_run_that_ends_in_chatter_says_so_everywhere() {
     let desk = Desk::new();
@@ -140,7 +141,8 @@ fn a_run_that_ends_in_chatter_says_so_everywhere() {
     );
 }
 
-/// Climbing, the wheel rubs at its surface speed less the feed; against it, plus the feed. Preston's law shows it.
+/// Climbing, the wheel rubs at its surface speed less the feed; against it, plus the feed.
+/// Preston's law shows it.
 #[test]
 fn the_sense_of_the_wheel_shows_in_what_it_removes() {
     let desk = Desk::new();

@@ -5,9 +5,9 @@ use crate::{BAD_INPUT, CLAIM_FAILED, DIVERGED, Desk, claim};
 
 const OVERLOADED: i32 = 6;
 
-/// A desk with a scenario of every kind in `all`; the slide's drive gives 20 kN. A load of 30 kN that
-/// is there at once swings nearly as far again beyond its rest: 3 times 20 kN less what half a period
-/// of damping takes.
+/// A desk with a scenario of every kind in `all`; the slide's drive gives 20 kN. A load of 30 kN
+/// that is there at once swings nearly as far again beyond its rest: 3 times 20 kN less what half a
+/// period of damping takes.
 fn desk() -> Desk {
     let desk = Desk::new();
     std::fs::create_dir_all(desk.path("all")).unwrap();

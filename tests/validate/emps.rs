@@ -8,8 +8,9 @@ use truecut_discrepancy::diagnose::Verdict;
 use truecut_scenario::effect::EffectKind;
 use truecut_sim::InverseModel;
 
-/// Published: mass 95.1 kg, Coulomb friction 20.4 N, viscous friction 203.5 N s/m in the mean of both directions, which differ.
-/// Stribeck's excess gains next to nothing. Published error on the recording with pulses: 5.5 %.
+/// Published: mass 95.1 kg, Coulomb friction 20.4 N, viscous friction 203.5 N s/m in the mean of
+/// both directions, which differ. Stribeck's excess gains next to nothing. Published error on the
+/// recording with pulses: 5.5 %.
 pub fn validate_emps_friction_is_named_and_stribeck_is_not() -> Result<(), NoData> {
     let fitted = data_file("emps/DATA_EMPS.csv")?;
     let held_out = data_file("emps/DATA_EMPS_PULSES.csv")?;

@@ -41,8 +41,8 @@ fn emps_error(train: &InverseModel, test: &InverseModel, effects: &[Effect]) -> 
     (sizes, error)
 }
 
-/// The published errors of three friction models on the recording with pulses, each fitted to the other
-/// recording: 17.0 %, 6.1 % and 5.5 %; mass 95.1 kg.
+/// The published errors of three friction models on the recording with pulses, each fitted to the
+/// other recording: 17.0 %, 6.1 % and 5.5 %; mass 95.1 kg.
 pub fn validate_emps_inverse_dynamics_error_is_the_published_one() -> Result<(), NoData> {
     let train = data_file("emps/DATA_EMPS.csv")?;
     let test = data_file("emps/DATA_EMPS_PULSES.csv")?;
@@ -80,8 +80,9 @@ pub fn validate_emps_inverse_dynamics_error_is_the_published_one() -> Result<(),
     Ok(())
 }
 
-/// Columns that the drive torques of the UR10e are linear in: ten inertial parameters a link, and for each joint
-/// viscous and dry friction, offset and rotor; all channels below each other, each by the size of its torque.
+/// Columns that the drive torques of the UR10e are linear in: ten inertial parameters a link, and
+/// for each joint viscous and dry friction, offset and rotor; all channels below each other, each
+/// by the size of its torque.
 struct Identification {
     columns: Vec<Vec<Vec<f64>>>,
     scale: Vec<f64>,
@@ -124,7 +125,8 @@ impl Identification {
         };
         let columns: Vec<_> = self.columns.iter().map(|one| below(one)).collect();
         let matrix = DMatrix::from_columns(&columns);
-        // Some inertial parameters do not show in any torque; the smallest solution leaves them at zero.
+        // Some inertial parameters do not show in any torque; the smallest solution leaves them at
+        // zero.
         let svd = matrix.svd(true, true);
         let smallest = 1e-6 * svd.singular_values[0];
         let found = svd
@@ -169,9 +171,10 @@ fn ur10e(name: &str, from_s: f64, file: &std::path::Path) -> (InverseModel, Vec<
     (model, torques)
 }
 
-/// Reference errors of the torques of joints 1 to 6 in the held-out part, in per cent: an identified arm without
-/// payload; the same with a payload that the model lacks; the model with that payload's mass and centre.
-/// Filters and split of the reference are not stated, so that the agreement to expect is one of a few points.
+/// Reference errors of the torques of joints 1 to 6 in the held-out part, in per cent: an
+/// identified arm without payload; the same with a payload that the model lacks; the model with
+/// that payload's mass and centre. Filters and split of the reference are not stated, so that the
+/// agreement to expect is one of a few points.
 pub fn validate_ur10e_torque_errors_without_and_with_the_payload() -> Result<(), NoData> {
     let unloaded = data_file("ur10e/ur-20_02_19_14harm50sec.csv")?;
     let loaded = data_file("ur10e/ur-20_02_19_14harm50secLoad.csv")?;

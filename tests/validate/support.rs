@@ -116,8 +116,8 @@ pub fn residual(model: &InverseModel, channel: usize, effects: &[Effect]) -> Vec
         .collect()
 }
 
-/// Sizes of `effects`, each given with size 1, that leave least of the drive force `channel` in the samples
-/// `part`.
+/// Sizes of `effects`, each given with size 1, that leave least of the drive force `channel` in the
+/// samples `part`.
 pub fn fit(
     model: &InverseModel,
     channel: usize,

@@ -41,8 +41,9 @@ fn line(channel: &ChannelComparison, per_revolution: u32) -> f64 {
     found.map_or(0.0, |line| line.residual)
 }
 
-/// Once per revolution (17.6 Hz) the workpiece runs out; that is named. Three times per revolution the chuck's jaws show: no effect of the
-/// library does that, so it is described, before and after, and given no name.
+/// Once per revolution (17.6 Hz) the workpiece runs out; that is named. Three times per revolution
+/// the chuck's jaws show: no effect of the library does that, so it is described, before and after,
+/// and given no name.
 pub fn validate_turning_runout_is_named_and_the_chuck_is_described() -> Result<(), NoData> {
     let file = data_file("turning_forces/f416_a100.csv")?;
     let nominal = scenario("turning.toml");

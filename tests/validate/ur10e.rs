@@ -1,4 +1,5 @@
-//! Diagnosis of a six-joint arm without load, and of the same arm with a payload that nobody told of.
+//! Diagnosis of a six-joint arm without load, and of the same arm with a payload that nobody told
+//! of.
 
 use std::path::Path;
 
@@ -10,7 +11,8 @@ use truecut_scenario::Scenario;
 use truecut_scenario::effect::EffectKind;
 use truecut_sim::InverseModel;
 
-/// Part of each recording that the diagnosis fits and chooses by; what comes after is opened when the choice is frozen.
+/// Part of each recording that the diagnosis fits and chooses by; what comes after is opened when
+/// the choice is frozen.
 const DEVELOPMENT: f64 = 0.78;
 /// While the loaded arm moves, in its file's time, s.
 const LOADED_S: [f64; 2] = [1887.7, 1933.221];
@@ -44,7 +46,8 @@ fn links_known(text: &str) -> String {
     document.to_string()
 }
 
-/// Errors of the drive torques in the part that no diagnosis has seen: in N m, and relative to the torque, in per cent.
+/// Errors of the drive torques in the part that no diagnosis has seen: in N m, and relative to the
+/// torque, in per cent.
 fn held_out(scenario: &Scenario, file: &Path) -> (Vec<f64>, Vec<f64>) {
     let model =
         InverseModel::new(scenario, &measured(scenario, file)).unwrap_or_else(|e| panic!("{e}"));
@@ -66,8 +69,8 @@ fn held_out(scenario: &Scenario, file: &Path) -> (Vec<f64>, Vec<f64>) {
         .unzip()
 }
 
-/// Without load: dry and viscous friction of every joint, and no payload. With it: the payload of 2.805 kg within 12 %, its centre off the
-/// flange, and errors of at most 1.25 times those without.
+/// Without load: dry and viscous friction of every joint, and no payload. With it: the payload of
+/// 2.805 kg within 12 %, its centre off the flange, and errors of at most 1.25 times those without.
 pub fn validate_ur10e_friction_is_named_without_load_and_the_payload_with_it() -> Result<(), NoData>
 {
     let unloaded = data_file("ur10e/ur-20_02_19_14harm50sec.csv")?;
@@ -93,7 +96,8 @@ pub fn validate_ur10e_friction_is_named_without_load_and_the_payload_with_it() -
         "only friction: {found:?}"
     );
 
-    // What was found is the model now: the links stay what they are. Friction of a gear is not known to the digit on another day.
+    // What was found is the model now: the links stay what they are. Friction of a gear is not
+    // known to the digit on another day.
     let mut text = links_known(&extended_text(&nominal, &answer));
     for (index, effect) in answer.effects.iter().enumerate() {
         for info in effect.kind.parameters() {

@@ -74,8 +74,8 @@ fn verify_sufficient_pressure_sticks_with_even_width() {
     }
 }
 
-/// Low pressure: sliding starts at the depth of the general condition, within one revolution's feed on the
-/// arm and within 2 % on the planar rig, whatever the angle at which the edge starts.
+/// Low pressure: sliding starts at the depth of the general condition, within one revolution's feed
+/// on the arm and within 2 % on the planar rig, whatever the angle at which the edge starts.
 #[test]
 fn verify_low_pressure_slides_at_the_depth_of_the_general_condition() {
     for angle in ["0", "120", "240"] {
@@ -111,8 +111,8 @@ fn verify_low_pressure_slides_at_the_depth_of_the_general_condition() {
     }
 }
 
-/// The paper's viscous law holds above its own threshold and lets go below it, where the exact law has
-/// long since let go: this is the gap between 0.295 and 0.392 MPa.
+/// The paper's viscous law holds above its own threshold and lets go below it, where the exact law
+/// has long since let go: this is the gap between 0.295 and 0.392 MPa.
 #[test]
 fn verify_equivalent_viscous_law_has_the_papers_threshold() {
     let moved = |law: &str, pressure: &str| {
@@ -138,8 +138,8 @@ fn verify_equivalent_viscous_law_has_the_papers_threshold() {
     assert!(moved("equivalent_viscous", "0.05") > 20e-6);
 }
 
-/// Halving the step quarters the change of the result, stick and slip included: the slip events fall
-/// between steps, but friction acts by its mean over each step.
+/// Halving the step quarters the change of the result, stick and slip included: the slip events
+/// fall between steps, but friction acts by its mean over each step.
 #[test]
 fn regress_peak_displacement_converges_in_the_time_step() {
     let peak = |step: &str| {

@@ -1,5 +1,5 @@
-//! Every numeric key of a scenario changes what its run gives. A key that did not would be a promise that
-//! the simulator does not keep.
+//! Every numeric key of a scenario changes what its run gives. A key that did not would be a
+//! promise that the simulator does not keep.
 
 use crate::support::{recording, repository};
 use truecut_recording::Recording;
@@ -208,8 +208,8 @@ stiffness_n_per_um = 20
 direction = [0.2, 1, 0.3]
 "#;
 
-/// `turn_rpm` and `start_deg` are written so that they are not changed: edges hold the angle all along this short way. They are changed in
-/// the text after this.
+/// `turn_rpm` and `start_deg` are written so that they are not changed: edges hold the angle all
+/// along this short way. They are changed in the text after this.
 const POLISH: &str = r#"
 name = "every key"
 [robot]

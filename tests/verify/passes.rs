@@ -77,7 +77,8 @@ fn every_pass_is_the_same_run_from_its_own_start() {
     }
 }
 
-/// Sensors are applied to runs that are kept; the scenario that has the machine's effect already is run with all of them.
+/// Sensors are applied to runs that are kept; the scenario that has the machine's effect already is
+/// run with all of them.
 #[test]
 fn sensors_measure_a_kept_run_as_a_run_of_their_own() {
     let scenario = scenario("chamfer.toml");

@@ -31,8 +31,8 @@ pub fn run_text(text: &str) -> Recording {
     recording(Engine::Rapier, &scenario, &[])
 }
 
-/// The recording of a scenario with overrides, and with the data that it replays; its claims are left
-/// alone.
+/// The recording of a scenario with overrides, and with the data that it replays; its claims are
+/// left alone.
 pub fn recording(engine: Engine, scenario: &Scenario, overrides: &[(String, String)]) -> Recording {
     let run = Run {
         overrides: overrides.to_vec(),

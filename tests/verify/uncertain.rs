@@ -121,8 +121,8 @@ fn verify_probability_below_the_limits_of_a_diagram() {
     }
 }
 
-/// Regeneration with the floor, at postures where it allows about the cut's depth: stable is what no
-/// depth down to the cut's makes grow, and decays as fast as is asked.
+/// Regeneration with the floor, at postures where it allows about the cut's depth: stable is what
+/// no depth down to the cut's makes grow, and decays as fast as is asked.
 #[test]
 fn verify_probability_that_a_posture_is_stable() {
     let scenario = scenario(90.0, 0.3);

@@ -4,7 +4,6 @@
 use nalgebra::{Isometry3, Matrix3, SymmetricEigen};
 
 use crate::error::{ArmError, ArmErrorKind};
-use crate::load::Masses;
 use crate::tree::{Tree, TreeJoint, TreeLink};
 
 /// Lightest link that has a mass at all, kg.
@@ -20,6 +19,16 @@ const MIN_AXIS_LENGTH: f64 = 1e-9;
 /// Share of the largest principal moment by which an inertia tensor may miss its rules; published
 /// ones are rounded to six or seven digits.
 const INERTIA_TOLERANCE: f64 = 1e-6;
+
+/// Whether the links that move must have masses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Masses {
+    /// They must: what moves has inertia.
+    #[default]
+    Needed,
+    /// They need not, and bad ones are told in a note: kinematics alone are asked for.
+    NotNeeded,
+}
 
 /// An element and what is wrong with it.
 type Found = (&'static str, ArmErrorKind);

@@ -87,6 +87,7 @@ mod visual;
 mod xacro;
 mod xml;
 
+pub use bounds::Masses;
 pub use compliance::{
     PlanarStiffness, axial_lateral_coupling, clamped, directional_stiffness, in_axes,
     planar_principal, translational,
@@ -96,7 +97,7 @@ pub use error::{ArmError, ArmErrorKind};
 pub use ik::IkOptions;
 pub use ik_branches::{BranchOptions, IkSolver, tool_pose};
 pub use ik_path::PathOptions;
-pub use load::{CONFIG_FILE_NAME, Masses, Reading, expanded_urdf};
+pub use load::{CONFIG_FILE_NAME, Reading, expanded_urdf};
 pub use mjcf::{MjcfDrive, MjcfOptions, to_mjcf};
 pub use modal::{LinearArm, Modes};
 pub use model::{

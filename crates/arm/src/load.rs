@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::bounds::Masses;
 use crate::config::{Config, ConfigFile};
 use crate::doubts;
 use crate::error::{ArmError, ArmErrorKind};
@@ -16,16 +17,6 @@ use crate::xacro::{self, Expanded};
 
 /// Name of the file beside a URDF that is read as its configuration.
 pub const CONFIG_FILE_NAME: &str = "robot.toml";
-
-/// Whether the links that move must have masses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Masses {
-    /// They must: what moves has inertia.
-    #[default]
-    Needed,
-    /// They need not, and bad ones are told in a note: kinematics alone are asked for.
-    NotNeeded,
-}
 
 /// How a robot is read; write what differs from the default.
 #[derive(Debug, Clone, Default)]

@@ -2,9 +2,8 @@
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
-use crate::bounds;
+use crate::bounds::{self, Masses};
 use crate::error::{ArmError, ArmErrorKind};
-use crate::load::Masses;
 use crate::model::{Chain, Joint, JointKind, Link, MAX_JOINTS, Transmission, Visual};
 use crate::tree::{Freedom, Tree};
 

@@ -39,8 +39,8 @@ impl<K> Placed<K> {
         self.0.line
     }
 
-    /// The same fault elsewhere, if it is in a line of the file `from`: `origin` gives file and line
-    /// that the line comes from.
+    /// The same fault elsewhere, if it is in a line of the file `from`: `origin` gives file and
+    /// line that the line comes from.
     #[must_use]
     pub(crate) fn moved<'p>(
         mut self,

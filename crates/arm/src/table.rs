@@ -51,8 +51,8 @@ fn rows(csv: &str) -> impl Iterator<Item = (usize, Vec<&str>)> {
     })
 }
 
-/// Poses given as CSV: rows of six numbers, position (m) and roll, pitch, yaw (rad, fixed axes x, y,
-/// z as in URDF), or of twelve, as [`fk_table`] gives them.
+/// Poses given as CSV: rows of six numbers, position (m) and roll, pitch, yaw (rad, fixed axes x,
+/// y, z as in URDF), or of twelve, as [`fk_table`] gives them.
 ///
 /// # Errors
 /// Names the row (1-based): a count that is neither, a number that is none, a matrix that is no
@@ -97,8 +97,8 @@ pub struct IkRow {
     /// Joint coordinates, rad or m.
     pub posture: Vec<f64>,
     pub within_limits: bool,
-    /// Branch of an ortho-parallel arm with a spherical wrist, e.g. `front, upper, positive`; `None`
-    /// for others.
+    /// Branch of an ortho-parallel arm with a spherical wrist, e.g. `front, upper, positive`;
+    /// `None` for others.
     pub branch: Option<String>,
 }
 

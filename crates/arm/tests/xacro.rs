@@ -1,4 +1,5 @@
-//! Robots in xacro: what is wrong with them is told at its place, what is right is read like a URDF.
+//! Robots in xacro: what is wrong with them is told at its place, what is right is read like a
+//! URDF.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -24,7 +24,8 @@ pub use stability::{LobesArguments, PostureArguments};
 /// Physics-backed simulation of robotic machining.
 ///
 /// Exit codes: 0 good, 1 a claim failed or a robot program cannot be run as written, 2 bad input,
-/// 3 a run diverged, 4 the cross-check disagrees, 5 a run ended in chatter, 6 a drive is overloaded.
+/// 3 a run diverged, 4 the cross-check disagrees, 5 a run ended in chatter, 6 a drive is
+/// overloaded.
 #[derive(Debug, Parser)]
 #[command(name = "truecut", version)]
 pub struct Arguments {
@@ -63,7 +64,8 @@ pub enum Command {
     Identify(IdentifyArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
     Robot(RobotArguments),
-    /// Print the JSON Schema of the scenario file, the identification file, the path job or robot.toml
+    /// Print the JSON Schema of the scenario file, the identification file, the path job or
+    /// robot.toml
     Schema(SchemaArguments),
 }
 

@@ -107,8 +107,8 @@ fn belt_faults(all: &[Scalar]) -> String {
 /// Fraction of the time on the face that a carrier may need to leave its stop at touch-down.
 const LEAST_STOPPED: f64 = 0.05;
 
-/// How many rows a sweep has, and in how many of them a run diverged, ended in chatter or overloaded
-/// a drive.
+/// How many rows a sweep has, and in how many of them a run diverged, ended in chatter or
+/// overloaded a drive.
 pub fn count_rows(table: &SweepTable) -> String {
     let ended = table.unfinished.iter().flatten();
     let chatter = ended.filter(|run| matches!(run.outcome, Outcome::Chatter { .. }));

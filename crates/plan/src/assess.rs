@@ -12,7 +12,6 @@ use crate::assessment::{Assessment, Decay};
 use crate::criterion::{Criterion, Cut};
 use crate::error::PlanError;
 use crate::section::free_anisotropy;
-use crate::spread::{Drawn, Variant};
 
 /// Depths up to this many times the cut's are looked at for a regenerative limit.
 const DEEPEST: f64 = 3.0;
@@ -59,32 +58,20 @@ pub fn assess(
     )
 }
 
-/// The same of an arm and a cut as they may be, without an error of the limit.
-pub(crate) fn assess_drawn(
+/// The same without an error of the limit, which takes more than the limit.
+pub(crate) fn assess_without_error(
     criterion: Criterion,
-    drawn: &Variant,
-    posture: &[f64],
-    world_from_milling: &Matrix3<f64>,
+    place: (&Robot, &[f64], &Matrix3<f64>),
+    cut: &Cut,
     least_decay: f64,
-) -> Result<Drawn, PlanError> {
-    let place = (&*drawn.robot, posture, world_from_milling);
-    let found = assess_by(
-        regenerative_alone,
-        criterion,
-        place,
-        &drawn.cut,
-        least_decay,
-    )?;
-    Ok(Drawn {
-        value: found.value,
-        stability: found.stability(),
-    })
+) -> Result<Assessment, PlanError> {
+    assess_by(regenerative_alone, criterion, place, cut, least_decay)
 }
 
 /// What regeneration says of modes in a cut.
 struct Regenerative {
-    /// First depth that it makes unstable, infinite if none is, and by how much the discretisation in
-    /// time puts it wrong, m.
+    /// First depth that it makes unstable, infinite if none is, and by how much the discretisation
+    /// in time puts it wrong, m.
     limit_m: f64,
     error_m: Option<f64>,
     /// Growth rate at the cut's own depth, 1/s.

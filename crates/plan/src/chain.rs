@@ -158,7 +158,8 @@ mod tests {
             let expected = tried(&segments, None);
             match chain_of(&segments) {
                 Ok(chain) => {
-                    let narrowest = chain.iter().map(Interval::width_rad).fold(f64::INFINITY, f64::min);
+                    let widths_rad = chain.iter().map(Interval::width_rad);
+                    let narrowest = widths_rad.fold(f64::INFINITY, f64::min);
                     prop_assert!((narrowest - expected.expect("a chain")).abs() < 1e-9);
                     prop_assert!(chain.windows(2).all(|w| w[0].overlaps(&w[1])));
                 }

@@ -250,7 +250,8 @@ mod tests {
         /// counted in.
         #[test]
         fn overlap_does_not_depend_on_turns(
-            a in 0.0..TAU, b in 0.0..TAU, wide in 0.01..3.0_f64, wider in 0.01..3.0_f64, turns in -3..3_i32,
+            a in 0.0..TAU, b in 0.0..TAU, wide in 0.01..3.0_f64, wider in 0.01..3.0_f64,
+            turns in -3..3_i32,
         ) {
             let (one, other) = (interval(a, wide), interval(b + TAU * f64::from(turns), wider));
             let within = |x: f64, from: f64, width: f64| (x - from).rem_euclid(TAU) < width;

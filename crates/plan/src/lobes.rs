@@ -43,13 +43,13 @@ pub struct Lobes {
     pub limit_error_m: Vec<Option<f64>>,
     /// The same to zero order, whatever its depth.
     pub zero_order: Vec<Option<Crossing>>,
-    /// Mode coupling, teeth meeting the nominal surface: the same at all speeds, but with worn flanks
-    /// that of the cut's own.
+    /// Mode coupling, teeth meeting the nominal surface: the same at all speeds, but with worn
+    /// flanks that of the cut's own.
     pub mode_coupling: Option<Crossing>,
 }
 
-/// The diagram of a cut, whose own depth and spindle speed are not asked for. `modes` gives those at
-/// a spindle speed (rad/s) in the milling frame; `progress` is told the part done.
+/// The diagram of a cut, whose own depth and spindle speed are not asked for. `modes` gives those
+/// at a spindle speed (rad/s) in the milling frame; `progress` is told the part done.
 ///
 /// # Errors
 /// Those of `modes`.

@@ -13,7 +13,7 @@ use crate::assess::assess;
 use crate::assessment::LEAST_DECAY;
 use crate::criterion::{Criterion, Cut};
 use crate::error::PlanError;
-use crate::reach::SingularityLimits;
+use crate::singularity::SingularityLimits;
 use crate::tool_path::ToolPath;
 
 /// The three directions of the tool axis for which maps are drawn, world frame: down, along x,

@@ -2,7 +2,7 @@
 
 use crate::assessment::LEAST_DECAY;
 use crate::motion::branch::BranchWish;
-use crate::reach::SingularityLimits;
+use crate::singularity::SingularityLimits;
 
 /// How a plan is looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,9 @@
 //! Limits and stability of an arm and a cut that are not known exactly, by sampling.
 //!
-//! Draws come in [`SETS`] sets. Each fills the space of what is uncertain evenly and is independent of
-//! the others, so that their means differ by what sampling leaves: that gives the standard error. All
-//! places and speeds see the same draws, so that what is compared differs by the places alone.
+//! Draws come in [`SETS`] sets. Each fills the space of what is uncertain evenly and is independent
+//! of the others, so that their means differ by what sampling leaves: that gives the standard
+//! error. All places and speeds see the same draws, so that what is compared differs by the places
+//! alone.
 
 use std::sync::Arc;
 
@@ -13,7 +14,7 @@ use truecut_core::chatter::averaged::{mode_coupling_limit, zero_order_limit};
 use truecut_core::chatter::limit::first_depth_m;
 use truecut_core::chatter::spectral_elements::SpectralElements;
 
-use crate::assess::{assess_drawn, modes_in_cut};
+use crate::assess::{assess_without_error, modes_in_cut};
 use crate::assessment::Stability;
 use crate::criterion::{Criterion, Cut};
 use crate::error::PlanError;
@@ -248,7 +249,12 @@ impl Planner<'_> {
         let frame = self.frame(along_m);
         let least_decay = self.options.least_decay;
         spread(sets, |variant| {
-            assess_drawn(criterion, variant, posture, &frame, least_decay)
+            let place = (&*variant.robot, posture, &frame);
+            let found = assess_without_error(criterion, place, &variant.cut, least_decay)?;
+            Ok(Drawn {
+                value: found.value,
+                stability: found.stability(),
+            })
         })
     }
 }

@@ -90,7 +90,8 @@ mod tests {
         /// chain itself forbids it.
         #[test]
         fn a_tube_lies_within_its_chain(
-            steps in prop::collection::vec((-0.3..0.3_f64, 0.7..2.0_f64), 1..9), most in 0.05..0.5_f64,
+            steps in prop::collection::vec((-0.3..0.3_f64, 0.7..2.0_f64), 1..9),
+            most in 0.05..0.5_f64,
         ) {
             let mut from = 0.0;
             let chain = steps.iter().map(|(step, wide)| {

@@ -45,8 +45,8 @@ pub struct Scenario {
     pub run: RunSpec,
     /// What the tool does.
     pub process: ProcessSpec,
-    /// Modes of tool and workpiece beside the arm's, of processes that do not have them in their own
-    /// table.
+    /// Modes of tool and workpiece beside the arm's, of processes that do not have them in their
+    /// own table.
     pub attached: AttachedModes,
     /// What must hold of the run; empty if the scenario is a sweep.
     pub claims: Vec<ClaimSpec>,

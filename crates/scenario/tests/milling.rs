@@ -44,8 +44,8 @@ fn every_quantity_arrives_in_si() {
     assert!(spec.regeneration && spec.lead_in_m.is_none());
     assert_eq!((cut.cutter.radius_m, cut.cutter.teeth), (0.01, 4));
     assert_eq!(cut.cutter.helix_angle_rad, 30_f64.to_radians());
-    assert_eq!(cut.cutter.eccentricity.offset_m, 5e-6);
-    assert_eq!(cut.cutter.eccentricity.angle_rad, FRAC_PI_2);
+    assert_eq!(cut.cutter.runout.offset_m, 5e-6);
+    assert_eq!(cut.cutter.runout.angle_rad, FRAC_PI_2);
     assert_eq!(cut.coefficients.tangential_pa, 2e9);
     assert_eq!(cut.coefficients.edge_tangential_n_per_m, 2e4);
     let start = spec.path.start.as_ref().unwrap();

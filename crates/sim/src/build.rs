@@ -6,7 +6,7 @@ use crate::error::SimError;
 use crate::loads::{Attachment, Wrench, stacked};
 use crate::plant::{Drive, JointLaw};
 use crate::posture::check_limits;
-use crate::process::{self, Process, SetupContext, Start};
+use crate::process::{self, Process, ProcessSetup, SetupContext, Start};
 use crate::robots::Robots;
 use crate::scene::DrawWorkpiece;
 use crate::step_size::{self, Scheme};
@@ -76,28 +76,23 @@ impl Prepared {
         let mut altered = effect::alter(&nominal, &effects)?;
         let coupled_damping = coupled_damping(&nominal, &mut altered, &made.posture)?;
         let command = command.behind(altered.base_joints);
-        let start = match kind {
-            DriveKind::Force => {
-                let base = vec![0.0; altered.base_joints];
-                effect::base_at_rest(&altered, &[&base[..], &made.posture].concat(), &gravity)
-            }
-            _ => {
-                let process = made.process.as_ref();
-                touch_down(&altered, &command, process, &world_from_process, &gravity)?
-            }
-        };
-        let (base, arm) = start.split_at(altered.base_joints);
-        let start = [base, &made.start(arm)].concat();
+        let start = at_start(
+            kind,
+            &made,
+            &altered,
+            &command,
+            &world_from_process,
+            &gravity,
+        )?;
         let path_note = made.note();
         let (mut process, workpiece) = (made.process, made.workpiece);
         let touched = altered.robot.world_from_frame(&start, FrameId::Tool);
         let unloaded = world_from_process.translation;
         world_from_process.translation = touched.translation;
-        let run = with_duration(&scenario.run, duration_s);
         let dt_s = time_step(
-            kind,
+            scenario,
+            duration_s,
             scheme,
-            &run,
             &altered,
             &start,
             &command,
@@ -184,10 +179,6 @@ fn coupled_damping(
     })))
 }
 
-fn with_duration(run: &RunSpec, duration_s: f64) -> RunSpec {
-    RunSpec { duration_s, ..*run }
-}
-
 pub(crate) fn gravity_m_s2(spec: &RobotSpec) -> Vector3<f64> {
     if spec.gravity {
         truecut_arm::standard_gravity_m_s2()
@@ -219,16 +210,17 @@ fn friction(altered: &Altered, kind: DriveKind) -> Vec<LinkFriction> {
         .collect()
 }
 
-/// The time step of a run from these joints, s.
+/// The time step of a run of `duration_s` from these joints, s.
 fn time_step(
-    kind: DriveKind,
+    scenario: &Scenario,
+    duration_s: f64,
     scheme: Scheme,
-    run: &RunSpec,
     altered: &Altered,
     start: &[f64],
     command: &JointCommand,
     process: &dyn Process,
 ) -> Result<f64, SimError> {
+    let kind = scenario.robot.drive;
     let fastest = match kind {
         DriveKind::Force => None,
         _ => Some(step_size::fastest_mode(
@@ -241,7 +233,11 @@ fn time_step(
     };
     let play = altered.laws.iter().any(|law| law.gap > 0.0);
     let scheme = if play { scheme.with_play() } else { scheme };
-    step_size::choose(scheme, run, fastest, process)
+    let run = RunSpec {
+        duration_s,
+        ..scenario.run
+    };
+    step_size::choose(scheme, &run, fastest, process)
 }
 
 /// The robot with its transmissions as stiff as they get at the start, for choosing the step.
@@ -306,20 +302,29 @@ fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
     Ok(kind)
 }
 
-/// The posture at rest under gravity and the process's static loads; friction is unloaded.
-fn touch_down(
+/// Joints at the start, those of the base first: at rest under gravity and the process's static
+/// loads, friction unloaded; an arm without drives in its posture, on a base at rest.
+fn at_start(
+    kind: DriveKind,
+    made: &ProcessSetup,
     altered: &Altered,
     command: &JointCommand,
-    process: &dyn Process,
     world_from_process: &Isometry3<f64>,
     gravity: &Load,
 ) -> Result<Vec<f64>, SimError> {
     let robot = &altered.robot;
-    let position = first_of(command, robot.dof());
-    let wrenches = process.static_loads().wrenches;
-    let (attachment, wrench) = combine(robot, &position, &wrenches, world_from_process);
-    let load = gravity.with_wrench(attachment.into(), wrench);
-    effect::at_rest(altered, &position, &load)
+    let at_rest = if kind == DriveKind::Force {
+        let base = vec![0.0; altered.base_joints];
+        effect::base_at_rest(altered, &[&base[..], &made.posture].concat(), gravity)
+    } else {
+        let position = first_of(command, robot.dof());
+        let wrenches = made.process.static_loads().wrenches;
+        let (attachment, wrench) = combine(robot, &position, &wrenches, world_from_process);
+        let load = gravity.with_wrench(attachment.into(), wrench);
+        effect::at_rest(altered, &position, &load)?
+    };
+    let (base, arm) = at_rest.split_at(altered.base_joints);
+    Ok([base, &made.start(arm)].concat())
 }
 
 /// All wrenches as one, in world axes: at the frame they share, or at the tool.

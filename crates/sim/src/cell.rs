@@ -128,8 +128,8 @@ impl Cell {
         self.steps_per_row as f64 * self.time_step_s()
     }
 
-    /// Runs to the end, or until the run diverges or its process cannot go on. Rows go to the recorder as they come; `progress`
-    /// is told the part done, from 0 to 1.
+    /// Runs to the end, or until the run diverges or its process cannot go on. Rows go to the
+    /// recorder as they come; `progress` is told the part done, from 0 to 1.
     ///
     /// # Errors
     /// Only what cannot be written; a run that ends early is an outcome.

@@ -44,8 +44,8 @@ fn closed_form(scenario: &Scenario, ratios: &[f64], time_s: f64) -> Vector3<f64>
     sum
 }
 
-/// Every mode rings down at its own ratio, in rapier and linearised; rapier's fastest modes are out of
-/// tune by (ωh)²/24.
+/// Every mode rings down at its own ratio, in rapier and linearised; rapier's fastest modes are out
+/// of tune by (ωh)²/24.
 #[test]
 fn verify_modes_decay_at_their_own_ratios_in_both_engines() {
     for ratios in [&RATIOS[..], &[0.03]] {

@@ -112,7 +112,8 @@ fn response(scenario: &Scenario, hz: f64) -> Vec<Complex<f64>> {
     moved.iter().skip(own).copied().collect()
 }
 
-/// A workpiece that bends has no part in the arm's motion under a given force, and swings by itself.
+/// A workpiece that bends has no part in the arm's motion under a given force, and swings by
+/// itself.
 #[test]
 fn verify_a_workpiece_swings_by_itself() {
     let settings = format!("{ARM_POSTURE}\ngravity = false");

@@ -18,7 +18,8 @@ use crate::error::{FileError, Reason};
 /// comma where that does not delimit; lines that begin with `#` are comments. With `header` its
 /// first row names the columns, else they are called "1", "2", …. Empty cells, `nan` and `NA` are
 /// NaN, as are nulls in a Parquet file, whose columns may be of any type of number. Stamps
-/// (2026-05-04T09:30:00.125Z; in Parquet the type for them) are seconds since the beginning of 1970.
+/// (2026-05-04T09:30:00.125Z; in Parquet the type for them) are seconds since the beginning of
+/// 1970.
 ///
 /// # Errors
 /// A file that cannot be read; a cell that is not a number, with its line and column.

@@ -141,8 +141,8 @@ impl Outputs {
     }
 }
 
-/// Name of the column of a sweep's table that says how a row's runs ended: `completed`, which did not
-/// come to its end, and why, or which drive was overloaded.
+/// Name of the column of a sweep's table that says how a row's runs ended: `completed`, which did
+/// not come to its end, and why, or which drive was overloaded.
 pub const SWEEP_OUTCOME: &str = "outcome";
 
 /// Writes a sweep's table as `sweep.parquet`, into a folder below `out` that is named like the

@@ -10,8 +10,9 @@ mod volume;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::bounds::Masses;
 use crate::error::{ArmError, ArmErrorKind};
-use crate::load::{Masses, Source};
+use crate::load::Source;
 use crate::merge::{joints_to, to_chain};
 use crate::model::{Chain, JointKind, Robot};
 use crate::packages::Packages;

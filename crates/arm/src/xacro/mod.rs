@@ -136,8 +136,8 @@ impl Expander<'_> {
         folder_of(&self.files[*self.open.last().unwrap_or(&0)])
     }
 
-    /// Where a file lies that the file which is being read names; it must be in the robot's package,
-    /// in one that was found by its name, or in one that was given.
+    /// Where a file lies that the file which is being read names; it must be in the robot's
+    /// package, in one that was found by its name, or in one that was given.
     fn readable(&self, file: &str) -> Result<PathBuf, Fault> {
         let path = self.folder().join(file);
         let real = path.canonicalize().map_err(|error| {

@@ -43,9 +43,9 @@ fn arm() -> LinearArm {
 
 type Receptance = DMatrix<Complex<f64>>;
 
-/// The tip's receptance by coupling: the arm without the modes' masses, with receptance H, is pushed
-/// by spring and damper p_i of each mode and by what of the force no mode takes; each mass is free,
-/// with receptance -1/(m ω²), under its part of the force less p_i.
+/// The tip's receptance by coupling: the arm without the modes' masses, with receptance H, is
+/// pushed by spring and damper p_i of each mode and by what of the force no mode takes; each mass
+/// is free, with receptance -1/(m ω²), under its part of the force less p_i.
 fn in_series(arm: &LinearArm, modes: &[AttachedMode], hz: f64) -> Receptance {
     let complex = |v: f64| Complex::new(v, 0.0);
     let omega = TAU * hz;

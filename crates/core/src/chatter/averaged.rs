@@ -7,7 +7,8 @@
 //! period earlier (`altintas1995`). Chips have no axial part, so the third columns of B and D are
 //! zero and the determinant is that of a 2×2 block: `1 − a t + a² d`, t its trace and d its
 //! determinant. Its imaginary part gives a = Im t/Im d, and what is left is one smooth real
-//! function of ω, whose roots are the crossings. Nothing is assumed about proportional shapes, orthogonal modes or light damping.
+//! function of ω, whose roots are the crossings. Nothing is assumed about proportional shapes,
+//! orthogonal modes or light damping.
 
 use super::{AveragedCut, TipMode};
 use crate::roots::bisect;

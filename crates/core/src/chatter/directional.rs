@@ -104,8 +104,8 @@ impl DirectionalMatrix {
     }
 
     /// Averaged over a revolution, Pa (N/m per m of axial depth): `½ K_t A0` with A0 = N/2π (α_ij)
-    /// between entry and exit, α as in `altintas1995`, and what edge forces add; the third row is the axial force, the third
-    /// column zero.
+    /// between entry and exit, α as in `altintas1995`, and what edge forces add; the third row is
+    /// the axial force, the third column zero.
     pub fn average_pa(&self) -> Matrix3<f64> {
         let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
         let Engagement {

@@ -94,10 +94,10 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// A vibration at 3.958 times the frequency of the teeth beside forced vibration a hundred times
-    /// as large that grows by a third meanwhile, in periods of whole and broken numbers of samples:
-    /// what is left is the vibration, to some hundredths: it goes round against the harmonic eight
-    /// times only.
+    /// A vibration at 3.958 times the frequency of the teeth beside forced vibration a hundred
+    /// times as large that grows by a third meanwhile, in periods of whole and broken numbers of
+    /// samples: what is left is the vibration, to some hundredths: it goes round against the
+    /// harmonic eight times only.
     #[test]
     fn verify_vibration_beside_a_harmonic_is_left() {
         for period in [40.0, 41.37] {

@@ -8,8 +8,8 @@
 //!
 //! | module | question |
 //! | --- | --- |
-//! | [`planar`] | two directions of equal mass and damping: does a skew stiffness make them flutter? |
-//! | [`averaged`] | n modes under the averaged B: limits of mode coupling, of regeneration (zero-order) |
+//! | [`planar`] | two directions, equal mass and damping: do they flutter under a skew stiffness? |
+//! | [`averaged`] | n modes under the averaged B: mode coupling, regeneration (zero-order) |
 //! | [`spectral_elements`] | n modes under the periodic B: Floquet multipliers |
 //! | [`growth`] | how fast a motion in the time domain grows |
 //! | [`forced`] | what a motion is apart from what repeats with the teeth |

@@ -222,8 +222,8 @@ impl SpectralElements {
             .collect()
     }
 
-    /// What edge forces do at once where a tooth enters or leaves with a chip that rises from nothing,
-    /// while tooth 0 stands at an angle (up to whole pitches).
+    /// What edge forces do at once where a tooth enters or leaves with a chip that rises from
+    /// nothing, while tooth 0 stands at an angle (up to whole pitches).
     fn kick(&self, angle_rad: f64, tooth_period_s: f64) -> Option<Element> {
         let pitch = TAU / self.process.teeth as f64;
         let engagement = &self.process.engagement;

@@ -250,7 +250,13 @@ mod tests {
             f0 in 0.0..50.0f64, f1 in 0.0..50.0f64, c0 in 0.0..500.0f64, c1 in 0.0..500.0f64,
             excess in 0.0..50.0f64, v_s in 1e-3..1.0f64,
         ) {
-            let law = LinkFriction { dry: [f0, f1], load_share: 0.0, viscous: [c0, c1], excess, stribeck_speed: v_s };
+            let law = LinkFriction {
+                dry: [f0, f1],
+                load_share: 0.0,
+                viscous: [c0, c1],
+                excess,
+                stribeck_speed: v_s,
+            };
             let (dt, free) = (2.5e-4, before + change);
             let p = solve_link_friction(1.0 / mass, before, free, &law, dt);
             let after = free + p / mass;

@@ -5,8 +5,8 @@
 //! approach `D b²/2R_e`, both functions of b/h and ν. Hertz's pressure `p0 √(1 - x²/b²)`,
 //! `p0 = E* b/2R_e`, is a root of the indentation above that of the patch's rim,
 //! `u = (b² - x²)/2R_e`: `κ √u`, `κ = E* / √(2 R_e)`, a local bed, as for the point. Rubber gets
-//! the bed of `a_0 κ`: its force and its width are those of the layer, the pressure in the middle is
-//! higher by a part that grows with b/h (0.8 % at b = h/2, 5 % at b = h, ν = 0.48).
+//! the bed of `a_0 κ`: its force and its width are those of the layer, the pressure in the middle
+//! is higher by a part that grows with b/h (0.8 % at b = h/2, 5 % at b = h, ν = 0.48).
 //!
 //! **Belt.** Tension T over width W is a layer with `N = T/W`. Wrapped round the wheel it presses
 //! the wheel with `N/R`; pressed onto the workpiece it takes its shape, loses the curvature

@@ -270,7 +270,8 @@ mod tests {
     }
 
     /// Force in N/mm and half width in mm at an indentation (mm), relative radius (mm), contact
-    /// modulus (MPa) and thickness (mm), by other solutions (`tests/crosscheck/truecut_reference/bonded.py`).
+    /// modulus (MPa) and thickness (mm), by other solutions
+    /// (`tests/crosscheck/truecut_reference/bonded.py`).
     #[test]
     fn verify_force_and_half_width_of_a_bonded_layer() {
         for (poisson, case, force, half_width) in [

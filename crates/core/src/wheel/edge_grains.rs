@@ -20,9 +20,9 @@
 //! against the motion of the wheel.
 //!
 //! **Else it climbs**: with `η = k_n R (cos θ - cos θ0) tan(θ + ψ)` from θ0 to 0, ψ = asin G, while
-//! its rubber goes on by `R (sin θ0 - sin θ) + η/k_t`. Impulse `∫η R cos θ dθ + (k_n μ δ)²/2k_t` over
-//! |v_across|, the integral in closed form. Running outward a grain slides off: no more than what it
-//! bore goes.
+//! its rubber goes on by `R (sin θ0 - sin θ) + η/k_t`. Impulse `∫η R cos θ dθ + (k_n μ δ)²/2k_t`
+//! over |v_across|, the integral in closed form. Running outward a grain slides off: no more than
+//! what it bore goes.
 //!
 //! **Neighbours.** When a grain leaves or comes, its rubber sinks onto the others until the bed
 //! bears again what it is pressed by: of the load nothing stays lost but the part `b/(b + n k_n

@@ -2,11 +2,12 @@
 //! it.
 //!
 //! What a whole patch needs of force and approach is that of an elastic hollow sphere, whose shell
-//! is under the air's tension (`shell`): from the shell's bending and stretching where it is thin to
-//! Hertz's contact where it is thick. Over edges the face presses a layer under that tension on
+//! is under the air's tension (`shell`): from the shell's bending and stretching where it is thin
+//! to Hertz's contact where it is thick. Over edges the face presses a layer under that tension on
 //! Hertz's local bed: within Hertz's patch of radius a the pressure is `(2E*/πR) √(a² - ρ²)`; with
 //! the indentation above that of the patch's rim, `u = (a² - ρ²)/2R`, that is `κ √u`,
-//! `κ = (2E*/πR) √(2R)`. The bed is as much softer than κ as makes the force of a whole patch right.
+//! `κ = (2E*/πR) √(2R)`. The bed is as much softer than κ as makes the force of a whole patch
+//! right.
 //!
 //! Pressed flat, the layer loses its curvature 2/R and hands the face 2N/R, the gauge pressure of a
 //! thin shell. The patch ends where the layer leaves without a kink, `N |w'| = N c / R`

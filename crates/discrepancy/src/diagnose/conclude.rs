@@ -236,8 +236,8 @@ fn without_cause(
     (Verdict::NothingBeyondNoise, up_to_noise(problem, last))
 }
 
-/// What nothing beyond noise means: noise that is stated is a fact, noise read off what is left is at
-/// most all of it.
+/// What nothing beyond noise means: noise that is stated is a fact, noise read off what is left is
+/// at most all of it.
 fn up_to_noise(problem: &Problem, last: &Fit) -> String {
     let rows = &problem.split.development;
     let left = rms(&last.residual, rows);

@@ -14,8 +14,8 @@ use super::search::{DECISIVE, Outcome, Search, settled};
 use crate::model::Columns;
 
 impl Search<'_, '_> {
-    /// Fits all effects that add up, takes away what the data do not ask for, and takes what is left
-    /// if it is clearly better than the model chosen. Whether it was.
+    /// Fits all effects that add up, takes away what the data do not ask for, and takes what is
+    /// left if it is clearly better than the model chosen. Whether it was.
     pub(super) fn together(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
         let problem = self.problem;
         let mut start = outcome.base.point.clone();

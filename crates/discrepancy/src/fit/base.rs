@@ -28,9 +28,9 @@ const NEW: f64 = 1e-8;
 const FACTOR: f64 = 1e-7;
 
 impl Base {
-    /// Columns in unrelated states, taken in turn, each less those before it (Gram and Schmidt, twice):
-    /// where nothing is left it is regrouped into those (`gautier1990`). A column that is zero
-    /// everywhere never shows and belongs to none.
+    /// Columns in unrelated states, taken in turn, each less those before it (Gram and Schmidt,
+    /// twice): where nothing is left it is regrouped into those (`gautier1990`). A column that is
+    /// zero everywhere never shows and belongs to none.
     ///
     /// # Errors
     /// As [`columns`].

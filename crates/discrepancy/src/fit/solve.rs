@@ -135,7 +135,8 @@ impl Rows {
         (sum.squares(found) / sum.rows.max(1) as f64).sqrt()
     }
 
-    /// The same, where each block has the parameters that were found without it; and block by block.
+    /// The same, where each block has the parameters that were found without it; and block by
+    /// block.
     pub fn held_out(&self, channel: usize, without: &[DVector<f64>]) -> (f64, Vec<f64>) {
         let blocks = self.moments.iter().zip(without);
         let squares: Vec<(f64, f64)> = blocks
@@ -149,7 +150,8 @@ impl Rows {
         )
     }
 
-    /// Rows in which the joint stands, and how many of them are within its dry friction and `noise`.
+    /// Rows in which the joint stands, and how many of them are within its dry friction and
+    /// `noise`.
     pub fn standing(&self, channel: usize, found: &DVector<f64>, noise: f64) -> (usize, usize) {
         let dry = self.of_channel(channel).columns.diagonal();
         let held: f64 = (0..found.len())

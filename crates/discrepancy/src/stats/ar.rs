@@ -29,8 +29,8 @@ struct Errors {
 
 impl Ar {
     /// Fits by Burg's method, jointly over all runs of valid samples (`dewaele2000`), with the
-    /// order from 0 to `highest` that predicts best by Akaike's corrected criterion: never too short
-    /// for whitening. Runs no longer than an order do not take part in it.
+    /// order from 0 to `highest` that predicts best by Akaike's corrected criterion: never too
+    /// short for whitening. Runs no longer than an order do not take part in it.
     ///
     /// `None` for fewer than eight samples, or a valid one that is not finite. A constant
     /// series gives order 0 and variance 0.

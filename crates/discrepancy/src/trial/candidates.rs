@@ -22,8 +22,8 @@ use crate::model::Candidate;
 /// Part of a signal that a typical effect changes.
 const SHARE: f64 = 0.1;
 
-/// Every effect that applies to the scenario, would tell and is not in it already; and a sentence on
-/// those that apply and would not tell.
+/// Every effect that applies to the scenario, would tell and is not in it already; and a sentence
+/// on those that apply and would not tell.
 pub(super) fn candidates(
     scenario: &Scenario,
     signals: &Signals,

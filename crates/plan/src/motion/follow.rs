@@ -4,7 +4,7 @@ use thiserror::Error;
 use truecut_arm::{ArmErrorKind, IkSolver, Robot};
 
 use super::joints::{JointSpeed, joint_speeds};
-use crate::reach::SingularityLimits;
+use crate::singularity::SingularityLimits;
 
 /// Nearest to a singularity that a path may come: joint speeds are some sixty times as high a
 /// degree from that of wrist or elbow.

@@ -4,7 +4,7 @@ use truecut_arm::{OpwGeometry, Robot};
 
 use super::moves::{Motion, Move, Program};
 use crate::motion::joints::{JointSpeed, joint_speeds};
-use crate::reach::SingularityLimits;
+use crate::singularity::SingularityLimits;
 
 /// By how much a joint may stand beyond its limits, rad: what printed decimals move it by.
 const ROUNDING_RAD: f64 = 1e-3 * std::f64::consts::PI / 180.0;

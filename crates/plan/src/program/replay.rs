@@ -7,7 +7,8 @@ use truecut_arm::{BranchOptions, FrameId, OpwGeometry, Robot};
 use super::inspect::{Finding, FindingKind, too_near};
 use super::moves::{Motion, Move, Program};
 use crate::motion::joints::{joint_speeds, slowest_joint_s};
-use crate::reach::{SingularityLimits, largest_motion_rad};
+use crate::reach::largest_motion_rad;
+use crate::singularity::SingularityLimits;
 
 /// How a program is run through.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@ use truecut_arm::{BranchOptions, FrameId, IkSolver, Robot};
 
 use super::error::{ProgramError, ProgramErrorKind};
 use super::moves::{Motion, Move, PathPoint, Program, Tool};
-use crate::reach::SingularityLimits;
+use crate::singularity::SingularityLimits;
 
 /// When a posture or a step of the arm counts as possible.
 #[derive(Debug, Clone, Copy, PartialEq)]

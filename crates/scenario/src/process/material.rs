@@ -12,8 +12,6 @@ use crate::schema::schema_of;
 use crate::structure;
 use crate::units::{from_mm, from_mpa, from_n_per_mm, from_n_per_mm3};
 
-use super::milling::Indentation;
-
 /// Coefficients of a material file.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -119,6 +117,16 @@ pub(super) fn one_of<T>(
             None
         }
     }
+}
+
+/// What coefficients say of worn flanks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Indentation {
+    pub n_per_m3: Option<f64>,
+    pub mu: Option<f64>,
+    pub wear_land_m: Option<f64>,
+    /// Key at which a wear land that is wrong is told.
+    pub wear_land: &'static str,
 }
 
 impl CuttingTable {

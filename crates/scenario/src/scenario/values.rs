@@ -41,8 +41,8 @@ impl Scenario {
         })
     }
 
-    /// Least and largest number, in SI, that a dotted key may have, as far as that does not depend on
-    /// other keys.
+    /// Least and largest number, in SI, that a dotted key may have, as far as that does not depend
+    /// on other keys.
     pub fn range(&self, key: &str) -> [f64; 2] {
         let factor = key_unit(key).si_factor;
         structure::range(self.document.schema(), &split_path(key)).map(|end| end * factor)

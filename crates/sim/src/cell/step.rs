@@ -11,8 +11,8 @@ use truecut_recording::Outcome;
 
 impl Cell {
     /// One step at `time_s`, up to the moment when it could be recorded: the state then, or how it
-    /// ended the run. Where rows are all that is asked for, energy is looked at in those alone, and not
-    /// at all where the arm is stepped exactly.
+    /// ended the run. Where rows are all that is asked for, energy is looked at in those alone, and
+    /// not at all where the arm is stepped exactly.
     pub(super) fn step(&mut self, time_s: f64, due: bool) -> Result<ToolState, Outcome> {
         let n = self.plant.dof();
         let mut position = [0.0; truecut_arm::MAX_JOINTS];

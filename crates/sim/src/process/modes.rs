@@ -1,8 +1,9 @@
 //! Modes of tool and workpiece in a run.
 //!
 //! Each is an oscillator of its own, stepped exactly ([`truecut_core::oscillator`]) beside the arm.
-//! A tool mode stands on the arm's tool point, which its coordinate z counts from the path (in milling; from
-//! the start elsewhere) like the point's own deflection x along the mode's direction n:
+//! A tool mode stands on the arm's tool point, which its coordinate z counts from the path (in
+//! milling; from the start elsewhere) like the point's own deflection x along the mode's direction
+//! n:
 //!
 //! `m z'' + c z' + k z = nᵀF + c x' + k x`, deflection of the mode `s = z − x`.
 //!

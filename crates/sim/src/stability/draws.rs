@@ -25,9 +25,10 @@ pub struct Draws {
 }
 
 impl Draws {
-    /// [`SETS`] sets of [`DRAWS`] of a milling scenario's `[[uncertain]]` values of robot and process,
-    /// independent of each other and normal, but within three standard deviations and what the key
-    /// may be: Sobol's sequence, scrambled after `burley2020`. `None` if nothing of them is uncertain.
+    /// [`SETS`] sets of [`DRAWS`] of a milling scenario's `[[uncertain]]` values of robot and
+    /// process, independent of each other and normal, but within three standard deviations and what
+    /// the key may be: Sobol's sequence, scrambled after `burley2020`. `None` if nothing of them is
+    /// uncertain.
     ///
     /// # Errors
     /// Values that cannot be together.

@@ -35,8 +35,8 @@ impl MillingStudy {
         Some(FASTEST_LOBE * fastest / self.cut.nominal.cutter.teeth as f64)
     }
 
-    /// What is to be said where speeds up to `fastest_rad_s` are asked for, and a tool mode is given
-    /// up to a slower one.
+    /// What is to be said where speeds up to `fastest_rad_s` are asked for, and a tool mode is
+    /// given up to a slower one.
     pub fn beyond_table(&self, fastest_rad_s: f64) -> Option<String> {
         beyond_table(&self.cut.attached, fastest_rad_s)
     }

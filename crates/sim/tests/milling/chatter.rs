@@ -23,8 +23,8 @@ const SMALL_FEED: [(&str, &str); 3] = [
     ("process.milling.path.length_mm", "0.6"),
 ];
 
-/// At the default step, 60 a cycle, the mode is out of tune by 5e-4, which beside a harmonic moves a
-/// growth rate by half of 1/s.
+/// At the default step, 60 a cycle, the mode is out of tune by 5e-4, which beside a harmonic moves
+/// a growth rate by half of 1/s.
 const STEPS_PER_CYCLE: f64 = 150.0;
 
 /// The rig's cut in up-milling, as theory has it.

@@ -190,7 +190,8 @@ fn a_mode_over_the_spindle_speed_acts_as_it_is_at_that_speed() {
     }
 }
 
-/// The diagram of the end mill is one of millimetres, and without its modes ends where the arm's do.
+/// The diagram of the end mill is one of millimetres, and without its modes ends where the arm's
+/// do.
 #[test]
 fn verify_the_end_mill_is_limited_by_its_modes() {
     let scenario = scenario(END_MILL, &[]);

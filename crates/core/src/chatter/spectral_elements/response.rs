@@ -73,7 +73,8 @@ pub(super) struct ModeResponse {
     pub free: [Vec<[f64; 2]>; 2],
     /// State at the end from the state at the start.
     pub free_end: Matrix2<f64>,
-    /// Coordinate at a node (row), and, if asked for, its velocity, from the force at a node (column), s².
+    /// Coordinate at a node (row), and, if asked for, its velocity, from the force at a node
+    /// (column), s².
     pub forced: [DMatrix<f64>; 2],
     /// State at the end from the force at each node, s².
     pub forced_end: [Vec<f64>; 2],

@@ -287,8 +287,8 @@ fn verify_floor_feedback_is_that_of_the_state_matrix() {
     assert!((without - growth).abs() > 0.05, "{without}");
 }
 
-/// `docs/physics/stability.md`, Edge forces: two modes of 10 N/µm in aluminium 6061, 0.05 mm a tooth;
-/// limits in mm without and with edge forces, by semi-discretisation, extrapolated.
+/// `docs/physics/stability.md`, Edge forces: two modes of 10 N/µm in aluminium 6061, 0.05 mm a
+/// tooth; limits in mm without and with edge forces, by semi-discretisation, extrapolated.
 #[test]
 fn verify_limits_with_edge_forces() {
     let mode = |hz: f64, along: Vector3<f64>| TipMode::of_stiffness(TAU * hz, 0.03, 1e7, &along);

@@ -160,8 +160,8 @@ impl MillingCut {
         })
     }
 
-    /// Whether the tool has left the nominal surface, if its teeth meet that, by more than its radius:
-    /// rays to its teeth then begin in stock that is not there any more.
+    /// Whether the tool has left the nominal surface, if its teeth meet that, by more than its
+    /// radius: rays to its teeth then begin in stock that is not there any more.
     pub fn is_off_the_surface(&self, state: &ToolState) -> bool {
         let p = &self.parameters;
         let off_m = (state.displacement_m - p.steady_displacement_m).xy();

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Offset of the cutter's axis from the spindle's: tooth j runs at `r + e cos(φ0 − 2πj/N)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Eccentricity {
+pub struct Runout {
     /// e, m.
     pub offset_m: f64,
     /// φ0, angle of the offset from tooth 0 in the sense of rotation, rad.
@@ -20,25 +20,25 @@ pub struct Cutter {
     pub teeth: usize,
     /// β between cutting edge and axis, rad; positive if the edge lags behind with height.
     pub helix_angle_rad: f64,
-    pub eccentricity: Eccentricity,
+    pub runout: Runout,
     pub flank: Flank,
 }
 
 impl Cutter {
-    /// A sharp cutter without helix and eccentricity.
+    /// A sharp cutter without helix and runout.
     pub fn straight(radius_m: f64, teeth: usize) -> Self {
         Self {
             radius_m,
             teeth,
             helix_angle_rad: 0.0,
-            eccentricity: Eccentricity::default(),
+            runout: Runout::default(),
             flank: Flank::default(),
         }
     }
 
     /// # Errors
     /// If the cutter has no teeth, a radius that is not positive, a helix beyond 1.4 rad or more
-    /// eccentricity than half its radius.
+    /// runout than half its radius.
     pub fn check(&self) -> Result<(), MillingError> {
         if self.teeth == 0 {
             return Err(MillingError::NoTeeth);
@@ -51,12 +51,9 @@ impl Cutter {
         if !(-1.4..=1.4).contains(&helix_angle_rad) {
             return Err(MillingError::Helix { helix_angle_rad });
         }
-        let eccentricity_m = self.eccentricity.offset_m;
-        if eccentricity_m.is_nan() || eccentricity_m.abs() >= 0.5 * radius_m {
-            return Err(MillingError::Eccentricity {
-                eccentricity_m,
-                radius_m,
-            });
+        let runout_m = self.runout.offset_m;
+        if runout_m.is_nan() || runout_m.abs() >= 0.5 * radius_m {
+            return Err(MillingError::Runout { runout_m, radius_m });
         }
         Ok(())
     }
@@ -70,7 +67,7 @@ impl Cutter {
     /// 0, and tooth numbers beyond N count on.
     pub fn tooth_radius_m(&self, tooth: usize) -> f64 {
         let behind = self.pitch_rad() * (tooth % self.teeth) as f64;
-        self.radius_m + self.eccentricity.offset_m * (self.eccentricity.angle_rad + behind).cos()
+        self.radius_m + self.runout.offset_m * (self.runout.angle_rad + behind).cos()
     }
 
     /// Angle φ of a tooth's tip when the spindle has turned by `rotation_rad`, not wrapped: tooth 0
@@ -100,9 +97,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verify_eccentricity_moves_each_tooth_by_the_projected_offset() {
+    fn verify_runout_moves_each_tooth_by_the_projected_offset() {
         let cutter = Cutter {
-            eccentricity: Eccentricity {
+            runout: Runout {
                 offset_m: 1e-5,
                 angle_rad: 0.3,
             },

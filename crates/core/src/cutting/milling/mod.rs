@@ -21,10 +21,10 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
-//! | [`cutter`] | teeth, helix, eccentricity, flank |
+//! | [`cutter`] | teeth, helix, runout, flank |
 //! | [`engagement`] | entry and exit angles, the stock |
 //! | [`flank`] | the worn flank, which damps |
-//! | [`nominal`] | forces of the nominal chip in closed form: at an angle, and averaged over a revolution |
+//! | [`nominal`] | forces of the nominal chip in closed form, at an angle and averaged |
 //! | [`memory`] | where the tool stood when earlier teeth passed: the surface they left |
 //! | [`cut`] | forces of a vibrating tool against that surface |
 //! | [`dexel`] | the finished walls and floor as dexels |
@@ -52,9 +52,9 @@ pub enum MillingError {
     #[error("the helix angle is {helix_angle_rad} rad; it must lie between -1.4 and 1.4 rad")]
     Helix { helix_angle_rad: f64 },
     #[error(
-        "the eccentricity of {eccentricity_m} m is not smaller than half the cutter radius of {radius_m} m"
+        "the runout of {runout_m} m is not smaller than half the cutter radius of {radius_m} m"
     )]
-    Eccentricity { eccentricity_m: f64, radius_m: f64 },
+    Runout { runout_m: f64, radius_m: f64 },
     #[error(
         "the radial depth of cut is {radial_depth_m} m; it must be positive and at most the cutter diameter, {diameter_m} m"
     )]

@@ -21,7 +21,7 @@ pub struct NominalCut {
 impl NominalCut {
     /// Force on the tool, averaged over a revolution, N: `N b / 2π` times the integral of the
     /// tooth's force over the engagement (`altintas2012`, eqs. 2.42 f.). The helix has no part in
-    /// it, it moves force in time; eccentricity moves chips from one tooth to another, and takes
+    /// it, it moves force in time; runout moves chips from one tooth to another, and takes
     /// edge forces off where it lifts teeth out.
     pub fn average_force_n(&self) -> Vector3<f64> {
         let sweep = Sweep::between(self.engagement.entry_rad, self.engagement.exit_rad);
@@ -36,7 +36,7 @@ impl NominalCut {
     fn edge_sweep(&self) -> Sweep {
         let cutter = &self.cutter;
         let [entry, exit] = [self.engagement.entry_rad, self.engagement.exit_rad];
-        if cutter.eccentricity.offset_m == 0.0 {
+        if cutter.runout.offset_m == 0.0 {
             return Sweep::between(entry, exit);
         }
         let teeth = cutter.teeth;

@@ -126,7 +126,8 @@ proptest! {
         rates in prop::collection::vec(0.3..3.0_f64, 35), turn in -2.0..2.0_f64,
     ) {
         let grid = Grid { angles: 72 };
-        let times: Vec<f64> = (0..36).map(|k| 0.3 * f64::from(k) + 0.05 * f64::from(k % 2)).collect();
+        let time = |k: i32| 0.3 * f64::from(k) + 0.05 * f64::from(k % 2);
+        let times: Vec<f64> = (0..36).map(time).collect();
         let nominal: Vec<f64> = times.iter().map(|t| turn * t).collect();
         let sets: Vec<AngleSet> = (0..36).map(|k| {
             let (middle, half, free) = arcs[k / 3];
@@ -140,8 +141,8 @@ proptest! {
                 for k in 0..36 {
                     prop_assert!(sets[k].contains(trajectory[k]));
                     if k > 0 {
-                        let rate_found = (trajectory[k] - trajectory[k - 1]).abs() / (times[k] - times[k - 1]);
-                        prop_assert!(rate_found <= rates[k - 1] + 1e-9);
+                        let turned = (trajectory[k] - trajectory[k - 1]).abs();
+                        prop_assert!(turned / (times[k] - times[k - 1]) <= rates[k - 1] + 1e-9);
                     }
                 }
             }

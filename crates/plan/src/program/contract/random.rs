@@ -5,7 +5,7 @@ use truecut_arm::{FrameId, OpwGeometry};
 
 use super::Subject;
 use crate::program::moves::{Motion, Move, Program, Tool};
-use crate::reach::SingularityLimits;
+use crate::singularity::SingularityLimits;
 
 impl Subject {
     pub(super) fn program(&self, random: &mut Random, count: usize) -> Program {

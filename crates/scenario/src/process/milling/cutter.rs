@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_core::chatter::{AttachedMode, SpeedTable};
-use truecut_core::cutting::milling::cutter::{Cutter, Eccentricity};
+use truecut_core::cutting::milling::cutter::{Cutter, Runout};
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_core::cutting::milling::flank::Flank;
 
@@ -86,7 +86,7 @@ impl CutterTable {
             radius_m: 0.5 * diameter_m,
             teeth: self.teeth as usize,
             helix_angle_rad: from_deg(self.helix_deg.unwrap_or(0.0)),
-            eccentricity: Eccentricity {
+            runout: Runout {
                 offset_m: runout_m,
                 angle_rad: from_deg(self.runout_angle_deg.unwrap_or(0.0)),
             },

@@ -1,23 +1,14 @@
-//! The worn flank of a cutter: the wear land of `[process.milling.cutter]` or of the coefficients, and
-//! how the workpiece resists it.
+//! The worn flank of a cutter: the wear land of `[process.milling.cutter]` or of the coefficients,
+//! and how the workpiece resists it.
 
 use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_core::cutting::milling::flank::Flank;
 
 use crate::check::Check;
 use crate::fault::Fault;
+use crate::process::material::Indentation;
 
 const CUTTER: &str = "process.milling.cutter.wear_land_mm";
-
-/// What coefficients say of worn flanks.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::process) struct Indentation {
-    pub n_per_m3: Option<f64>,
-    pub mu: Option<f64>,
-    pub wear_land_m: Option<f64>,
-    /// Key at which a wear land that is wrong is told.
-    pub wear_land: &'static str,
-}
 
 impl Indentation {
     /// The flank of a cutter of `radius_m`, whose own wear land counts before that of the material.

@@ -5,7 +5,6 @@ mod flank;
 mod path;
 mod planned;
 
-pub(super) use flank::Indentation;
 pub use planned::PlannedPath;
 
 use std::f64::consts::TAU;
@@ -22,7 +21,7 @@ use truecut_plan::motion::straight::StraightPath;
 use crate::check::Check;
 use crate::fault::Fault;
 use crate::modes::WorkpieceTable;
-use crate::process::material::{CuttingTable, Given, MaterialTable, one_of};
+use crate::process::material::{CuttingTable, Given, Indentation, MaterialTable, one_of};
 use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room};
 use crate::run::RunSpec;
 use crate::units::{from_deg, from_mm, from_rpm};

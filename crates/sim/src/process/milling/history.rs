@@ -19,6 +19,17 @@ pub(super) struct History {
     pub force: ForceSums,
 }
 
+impl History {
+    /// A step's motion, which is kept if it is its turn.
+    pub fn add(&mut self, deflection_m: &Vector3<f64>, velocity_m_per_s: &Vector3<f64>) {
+        if self.steps.is_multiple_of(self.stride) {
+            self.deflection_m.push(*deflection_m);
+            self.velocity_m_per_s.push(*velocity_m_per_s);
+        }
+        self.steps += 1;
+    }
+}
+
 /// Sums over whole revolutions of the settled cut.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ForceSums {

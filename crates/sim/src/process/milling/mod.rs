@@ -242,15 +242,9 @@ impl Milling {
         if self.setup.distance_m(time_s) < self.setup.settled_m() {
             return;
         }
-        let history = &mut self.history;
-        if history.steps.is_multiple_of(history.stride) {
-            history.deflection_m.push(self.last.deflection_m);
-            history.velocity_m_per_s.push(*rate);
-        }
-        history.steps += 1;
-        history
-            .force
-            .add(self.last.rotation_rad, &loads.force_on_tool_n);
+        self.history.add(&self.last.deflection_m, rate);
+        let force = &mut self.history.force;
+        force.add(self.last.rotation_rad, &loads.force_on_tool_n);
     }
 }
 

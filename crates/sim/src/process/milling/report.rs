@@ -200,7 +200,7 @@ fn vibration(milling: &Milling, findings: &mut Findings) {
 /// Period of forced vibration: that of the teeth, or of the revolution if they differ.
 fn forced_period_s(setup: &MillingSetup) -> f64 {
     let cutter = &setup.parameters.cutter;
-    let teeth = if cutter.eccentricity.offset_m == 0.0 {
+    let teeth = if cutter.runout.offset_m == 0.0 {
         1
     } else {
         cutter.teeth

@@ -63,7 +63,8 @@ pub(crate) fn setup(
         .led_by(Motion::Straight(path, spec.feed_m_per_s)))
 }
 
-/// The pass of a scenario, nominal and as effects make it, by an arm at the first posture of its path.
+/// The pass of a scenario, nominal and as effects make it, by an arm at the first posture of its
+/// path.
 fn milling(
     [nominal, spec]: [&MillingSpec; 2],
     robot: &Robot,

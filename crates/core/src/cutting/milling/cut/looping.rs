@@ -108,9 +108,9 @@ impl Case {
         (per_cycle * cycles.max(0.8)).ceil() as usize
     }
 
-    /// Central differences from rest in a surface that a rigid tool left, the stock's face rising to
-    /// its height within `ramp` periods. `each` sees step, deflection, its rate, the state and the
-    /// cut before it is committed, and ends the run with false.
+    /// Central differences from rest in a surface that a rigid tool left, the stock's face rising
+    /// to its height within `ramp` periods. `each` sees step, deflection, its rate, the state and
+    /// the cut before it is committed, and ends the run with false.
     fn run(
         &self,
         p: &MillingParameters,

@@ -1,7 +1,7 @@
 use super::*;
 use crate::chatter::DirectionalMatrix;
 use crate::cutting::milling::cutter::Cutter;
-use crate::cutting::milling::cutter::Eccentricity;
+use crate::cutting::milling::cutter::Runout;
 use crate::cutting::milling::engagement::Engagement;
 use crate::cutting::milling::examples::aluminium;
 use crate::cutting::milling::flank::Flank;
@@ -34,7 +34,7 @@ fn still(rotation_rad: f64) -> ToolState {
 }
 
 /// Mean force over a revolution against the closed form, all three components, with helix and edge
-/// forces. With eccentricity the edges do not rub where a tooth that stands back misses its thin
+/// forces. With runout the edges do not rub where a tooth that stands back misses its thin
 /// first and last chips, so that this case goes without edge forces: what one tooth leaves the next
 /// one takes. The closed form takes chips as linear in the feed; true arcs differ by c/2r of the
 /// force, here 0.03 %, which is ten times as much of a component in which tangential and radial
@@ -48,18 +48,18 @@ fn verify_mean_force_over_a_revolution() {
         Engagement::down(12e-3, 16e-3).expect("partial"),
     ];
     for engagement in engagements {
-        for (teeth, helix_deg, eccentricity_m) in [(2, 0.0, 0.0), (4, 30.0, 0.0), (3, 40.0, 1e-6)] {
+        for (teeth, helix_deg, runout_m) in [(2, 0.0, 0.0), (4, 30.0, 0.0), (3, 40.0, 1e-6)] {
             let cutter = Cutter {
                 helix_angle_rad: f64::to_radians(helix_deg),
-                eccentricity: Eccentricity {
-                    offset_m: eccentricity_m,
+                runout: Runout {
+                    offset_m: runout_m,
                     angle_rad: 0.4,
                 },
                 ..Cutter::straight(8e-3, teeth)
             };
             let mut p = parameters(cutter, engagement, 6e-3);
             p.feed_per_tooth_m = 5e-6;
-            if eccentricity_m > 0.0 {
+            if runout_m > 0.0 {
                 p.coefficients.edge_tangential_n_per_m = 0.0;
                 p.coefficients.edge_radial_n_per_m = 0.0;
                 p.coefficients.edge_axial_n_per_m = 0.0;
@@ -183,13 +183,13 @@ fn verify_without_regeneration_the_surface_is_nominal() {
     }
 }
 
-/// Eccentricity larger than the feed: one of two teeth does not cut, the other takes the feed of
+/// Runout larger than the feed: one of two teeth does not cut, the other takes the feed of
 /// both.
 #[test]
-fn verify_eccentricity_takes_teeth_out_of_the_cut() {
+fn verify_runout_takes_teeth_out_of_the_cut() {
     let chips = |offset_m: f64| {
         let cutter = Cutter {
-            eccentricity: Eccentricity {
+            runout: Runout {
                 offset_m,
                 angle_rad: 0.0,
             },

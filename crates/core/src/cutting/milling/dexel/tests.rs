@@ -1,7 +1,7 @@
 use super::*;
 use crate::cutting::chamfer::CuttingCoefficients;
 use crate::cutting::milling::cut::MillingCut;
-use crate::cutting::milling::cutter::{Cutter, Eccentricity};
+use crate::cutting::milling::cutter::{Cutter, Runout};
 use crate::cutting::milling::engagement::Engagement;
 use crate::cutting::milling::finish::figures;
 use crate::cutting::milling::finish::tests::{feed_mark_height_m, strongest_wave};
@@ -85,17 +85,17 @@ fn verify_feed_marks_of_a_still_tool() {
     }
 }
 
-/// Eccentricity beyond the feed marks: one tooth makes the surface, marks are those of the feed per
-/// revolution, and the wall stands further out by the eccentricity.
+/// Runout beyond the feed marks: one tooth makes the surface, marks are those of the feed per
+/// revolution, and the wall stands further out by the runout.
 #[test]
-fn verify_eccentricity_makes_marks_of_a_whole_revolution() {
-    let eccentricity = Eccentricity {
+fn verify_runout_makes_marks_of_a_whole_revolution() {
+    let runout = Runout {
         offset_m: 5e-6,
         angle_rad: 0.0,
     };
     let surface = mill(
         Cutter {
-            eccentricity,
+            runout,
             ..cutter(2)
         },
         |_| Vector3::zeros(),

@@ -1,7 +1,7 @@
-//! Teeth that eccentricity lifts out of the cut, against a sum over surfaces.
+//! Teeth that runout lifts out of the cut, against a sum over surfaces.
 
 use super::*;
-use crate::cutting::milling::cutter::Eccentricity;
+use crate::cutting::milling::cutter::Runout;
 use crate::cutting::milling::examples::aluminium;
 
 /// Force and moment over a revolution, tooth by tooth and angle by angle: where the outermost of
@@ -16,9 +16,9 @@ fn summed(cut: &NominalCut, turns: usize) -> (Vector3<f64>, Vector3<f64>) {
     } = cut.engagement;
     let step = (exit_rad - entry_rad) / f64::from(angles);
     let radius_m = |tooth: usize| {
-        let eccentricity = cut.cutter.eccentricity;
+        let runout = cut.cutter.runout;
         let behind = TAU * (tooth % teeth) as f64 / teeth as f64;
-        cut.cutter.radius_m + eccentricity.offset_m * (eccentricity.angle_rad + behind).cos()
+        cut.cutter.radius_m + runout.offset_m * (runout.angle_rad + behind).cos()
     };
     for tooth in 0..teeth {
         for i in 0..angles {
@@ -59,7 +59,7 @@ fn verify_mean_force_with_teeth_that_are_lifted_out() {
                 let feed_per_tooth_m = 50e-6;
                 let cut = NominalCut {
                     cutter: Cutter {
-                        eccentricity: Eccentricity {
+                        runout: Runout {
                             offset_m: share * feed_per_tooth_m,
                             angle_rad: 0.4 + 0.9 * i as f64,
                         },
