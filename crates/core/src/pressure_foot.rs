@@ -46,13 +46,8 @@ impl Cylinders {
     }
 }
 
-/// Share η of a change of axial force that a foot of stiffness `foot` carries beside an arm of
-/// stiffness `arm` (both N/m): `η = k / (k + k_arm)`.
-pub fn axial_share(foot_n_per_m: f64, arm_n_per_m: f64) -> f64 {
-    foot_n_per_m / (foot_n_per_m + arm_n_per_m)
-}
-
-/// The foot stiffness that carries share `η` (0 ≤ η < 1) beside an arm of stiffness `arm` N/m.
+/// Stiffness k of a foot that carries share `η = k / (k + k_arm)` (0 ≤ η < 1) of a change of axial
+/// force beside an arm of stiffness `arm`, N/m.
 pub fn stiffness_for_share(share: f64, arm_n_per_m: f64) -> f64 {
     arm_n_per_m * share / (1.0 - share)
 }
@@ -183,7 +178,8 @@ mod tests {
         let c = cylinders();
         assert!((c.preload_n() - 482.5).abs() < 0.1);
         assert!((c.gas_stiffness_n_per_m() / 1.8e4 - 1.0).abs() < 0.01);
-        let share = axial_share(c.gas_stiffness_n_per_m(), 8.646e5);
+        let gas = c.gas_stiffness_n_per_m();
+        let share = gas / (gas + 8.646e5);
         assert!((share - 0.02).abs() < 0.001);
         let back = stiffness_for_share(share, 8.646e5);
         assert!((back / c.gas_stiffness_n_per_m() - 1.0).abs() < 1e-12);

@@ -31,11 +31,6 @@ impl StiffnessEllipsoid {
             directions: Matrix3::from_columns(&[first, second, first.cross(&second)]),
         }
     }
-
-    /// r = (k_max − k_min)/k_max over all directions.
-    pub fn anisotropy(&self) -> f64 {
-        1.0 - self.semi_axes_n_per_m.x / self.semi_axes_n_per_m.z
-    }
 }
 
 /// What is meant by the stiffness in a plane.
@@ -67,15 +62,6 @@ pub struct PlanarExtremes {
     /// Angle of the stiffest direction from the plane's first axis towards its second, rad, in
     /// (−π/2, π/2].
     pub max_angle_rad: f64,
-}
-
-impl PlanarExtremes {
-    /// r = (k_max − k_min)/k_max, by which a published posture criterion calls a milling posture
-    /// stable from 0.1 on. It is no stability bound: depth, teeth and material are missing from it,
-    /// and modal masses reverse its ranking.
-    pub fn anisotropy(&self) -> f64 {
-        (self.max - self.min) / self.max
-    }
 }
 
 /// Extremes of stiffness in the plane of the first two columns of `outer_from_plane` (orthonormal,
@@ -147,7 +133,10 @@ mod tests {
                 .expect("regular stiffness");
             assert!((found.min - min).abs() < 6e-4, "{definition:?}: {found:?}");
             assert!((found.max - max).abs() < 6e-4, "{definition:?}: {found:?}");
-            assert!((found.anisotropy() - r).abs() < 6e-4, "{definition:?}");
+            assert!(
+                ((found.max - found.min) / found.max - r).abs() < 6e-4,
+                "{definition:?}"
+            );
         }
     }
 
@@ -180,6 +169,11 @@ mod tests {
         assert!((ellipsoid.directions.determinant() - 1.0).abs() < 1e-12);
         let axes = ellipsoid.semi_axes_n_per_m;
         assert!(axes.x < axes.y && axes.y < axes.z);
-        assert!((ellipsoid.anisotropy() - (axes.z - axes.x) / axes.z).abs() < 1e-12);
+        assert!(
+            (1.0 - ellipsoid.semi_axes_n_per_m.x / ellipsoid.semi_axes_n_per_m.z
+                - (axes.z - axes.x) / axes.z)
+                .abs()
+                < 1e-12
+        );
     }
 }

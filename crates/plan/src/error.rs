@@ -121,19 +121,3 @@ fn least_bad(criterion: Criterion, angle_deg: f64, found: &Assessment, needed: f
         ),
     }
 }
-
-impl PlanError {
-    /// Where on the path the fault lies, m from its start; `None` if it is not one of a place.
-    pub fn along_m(&self) -> Option<f64> {
-        match self {
-            Self::OutOfReach { along_m, .. }
-            | Self::OutsideLimits { along_m, .. }
-            | Self::Singular { along_m, .. }
-            | Self::Broken { along_m, .. }
-            | Self::NoStableAngle { along_m, .. }
-            | Self::Parted { along_m, .. }
-            | Self::TooFast { along_m, .. } => Some(*along_m),
-            _ => None,
-        }
-    }
-}

@@ -4,7 +4,7 @@ mod assets;
 
 use nalgebra::{Isometry3, Vector2, Vector3};
 use truecut_arm::{ArmBranch, BranchOptions, Elbow, FrameId, Robot, Shoulder, Wrist, tool_pose};
-use truecut_core::wheel::precession::{Boundary, ChordExtent, EdgeRule, PatchLaw, PrecessionWheel};
+use truecut_core::wheel::precession::{Boundary, ChordExtent, EdgeRule, PrecessionWheel};
 use truecut_plan::motion::joints::joint_speeds;
 use truecut_plan::precession::{
     ArmOnFace, ArmPlan, PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError,
@@ -21,7 +21,7 @@ const LIMITS: PrecessionLimits = PrecessionLimits {
 
 fn wheel() -> PrecessionWheel {
     let tilt_rad = 20f64.to_radians();
-    PrecessionWheel::new(20e-3, 0.6e-3, tilt_rad, 100.0, PatchLaw::Geometric).expect("good")
+    PrecessionWheel::new(20e-3, 0.6e-3, tilt_rad, 100.0).expect("good")
 }
 
 fn block() -> Boundary {
@@ -219,8 +219,7 @@ fn without_a_rule_the_angle_turns_steadily() {
 #[test]
 fn a_slow_axis_lowers_the_feed() {
     let tilt_rad = 20f64.to_radians();
-    let wheel =
-        PrecessionWheel::new(20e-3, 1e-3, tilt_rad, 100.0, PatchLaw::Geometric).expect("good");
+    let wheel = PrecessionWheel::new(20e-3, 1e-3, tilt_rad, 100.0).expect("good");
     let slow = PrecessionLimits {
         rate_rad_s: 1.0,
         acceleration_rad_s2: 4.0,

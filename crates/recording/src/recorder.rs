@@ -82,11 +82,6 @@ impl Recorder {
         })
     }
 
-    /// What was known before the first row.
-    pub fn header(&self) -> &Header {
-        &self.recording.header
-    }
-
     /// Makes room for so many rows, to spare growing.
     pub fn reserve(&mut self, rows: usize) {
         self.recording.time_s.reserve(rows);

@@ -102,10 +102,6 @@ impl Process for Pressed {
         Findings::default()
     }
 
-    fn duration_s(&self) -> Option<f64> {
-        None
-    }
-
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         Vec::new()
     }

@@ -96,7 +96,7 @@ fn theory(study: &MillingStudy, plan: &Plan, along_m: f64) -> [f64; 2] {
     let with = without.clone().with_floor(&study.cut.nominal);
     let depth_m = study.cut.nominal.axial_depth_m;
     [without, with].map(|prepared| {
-        let multiplier = prepared.multiplier(period_s, depth_m);
+        let multiplier = prepared.at(period_s).multiplier(depth_m);
         multiplier.growth_per_s(period_s)
     })
 }

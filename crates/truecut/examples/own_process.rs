@@ -207,11 +207,6 @@ impl Process for TwistDrill {
         }
     }
 
-    // How long it takes is a fact of the table above; nothing shortens it in the run.
-    fn duration_s(&self) -> Option<f64> {
-        None
-    }
-
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         Vec::new()
     }

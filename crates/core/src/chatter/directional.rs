@@ -145,14 +145,6 @@ impl DirectionalMatrix {
         let sweep = Sweep::at_teeth(angle_rad, behind_rad);
         (!self.flank.is_sharp()).then(|| self.on_rate_pa_s(&sweep, tooth_period_s))
     }
-
-    /// B turned by `angle_rad` about z: the matrix of a cut whose feed stands at this angle from
-    /// the x axis.
-    pub fn turned_pa(matrix_pa: &Matrix3<f64>, angle_rad: f64) -> Matrix3<f64> {
-        let (s, c) = angle_rad.sin_cos();
-        let q = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
-        q * matrix_pa * q.transpose()
-    }
 }
 
 #[cfg(test)]

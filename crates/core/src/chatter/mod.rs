@@ -33,4 +33,4 @@ pub mod spectral_elements;
 pub use attached::{AttachedMode, AttachedModes, SpeedTable};
 pub use directional::{AveragedCut, DirectionalMatrix};
 pub use modes::{TipMode, in_axes};
-pub use multiplier::{Bifurcation, Multiplier};
+pub use multiplier::Multiplier;

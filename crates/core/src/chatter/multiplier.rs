@@ -5,17 +5,6 @@ use std::f64::consts::TAU;
 
 use super::TipMode;
 
-/// How a solution behaves from one tooth period to the next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Bifurcation {
-    /// A complex pair: vibration at a frequency of its own.
-    Hopf,
-    /// A negative real multiplier: every other tooth alike, period doubling.
-    Flip,
-    /// A positive real multiplier.
-    Fold,
-}
-
 /// The dominant Floquet multiplier over a tooth period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Multiplier {
@@ -30,17 +19,6 @@ impl Multiplier {
 
     pub fn is_stable(&self) -> bool {
         self.magnitude() < 1.0
-    }
-
-    /// Kind of instability that this multiplier brings when it leaves the unit circle.
-    pub fn bifurcation(&self) -> Bifurcation {
-        if self.value.im.abs() > 1e-6 * self.magnitude() {
-            Bifurcation::Hopf
-        } else if self.value.re < 0.0 {
-            Bifurcation::Flip
-        } else {
-            Bifurcation::Fold
-        }
     }
 
     /// Growth rate of the vibration, 1/s: ln|μ| / T.

@@ -188,11 +188,6 @@ impl SpectralElements {
         }
     }
 
-    /// Dominant multiplier over a tooth period of `tooth_period_s` at an axial depth of `depth_m`.
-    pub fn multiplier(&self, tooth_period_s: f64, depth_m: f64) -> Multiplier {
-        self.at(tooth_period_s).multiplier(depth_m)
-    }
-
     /// Rate of the fastest mode as a frequency; a heavily damped one decays faster than it swings.
     fn fastest_hz(&self) -> f64 {
         let rates = (self.modes.iter())

@@ -24,15 +24,6 @@ use nalgebra::{Vector2, Vector3};
 pub use angles::{AngleSet, Arc, wrapped};
 pub use boundary::{Boundary, Chord, Edge, PrecessionError};
 
-/// How the radius of the contact patch follows from the wheel's radius ρ and its compression d.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PatchLaw {
-    /// The circle that the face cuts from the undeformed sphere, √(2ρd − d²).
-    Geometric,
-    /// Hertz, √(ρd): smaller by √2 where d is small.
-    Hertz,
-}
-
 /// Which part of an edge in the patch must move outward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChordExtent {
@@ -85,7 +76,6 @@ impl PrecessionWheel {
         compression_m: f64,
         tilt_rad: f64,
         spin_rad_s: f64,
-        law: PatchLaw,
     ) -> Result<Self, PrecessionError> {
         let inside = |value: f64, end: f64| value > 0.0 && value < end;
         let rules = [
@@ -123,20 +113,16 @@ impl PrecessionWheel {
                 });
             }
         }
-        let patch_radius_m = match law {
-            PatchLaw::Geometric => (compression_m * (2.0 * radius_m - compression_m)).sqrt(),
-            PatchLaw::Hertz => (radius_m * compression_m).sqrt(),
-        };
         Ok(Self {
             radius_m,
             compression_m,
             tilt_rad,
             spin_rad_s,
-            patch_radius_m,
+            patch_radius_m: (compression_m * (2.0 * radius_m - compression_m)).sqrt(),
         })
     }
 
-    /// Radius r of the contact patch, m.
+    /// Radius r of the contact patch, the circle that the face cuts from the undeformed sphere, m.
     pub fn patch_radius_m(&self) -> f64 {
         self.patch_radius_m
     }
@@ -155,20 +141,6 @@ impl PrecessionWheel {
     pub fn axis(&self, angle_rad: f64) -> Vector3<f64> {
         let (sine, cosine) = self.tilt_rad.sin_cos();
         Vector3::new(sine * angle_rad.cos(), sine * angle_rad.sin(), cosine)
-    }
-
-    /// Sliding velocity of the wheel's surface at a point of the patch, from its middle, m/s.
-    pub fn velocity_m_per_s(&self, angle_rad: f64, from_centre_m: &Vector2<f64>) -> Vector2<f64> {
-        let still = -self.lever_m() * Vector2::new(angle_rad.cos(), angle_rad.sin());
-        let arm = from_centre_m - still;
-        self.spin_rad_s * self.tilt_rad.cos() * Vector2::new(-arm.y, arm.x)
-    }
-
-    /// Least cos β at an edge at distance δ with its whole chord in the patch: ε(δ) = √(r² − δ²) /
-    /// h. Above 1 no angle will do; `None` if the edge is not in the patch.
-    pub fn least_cosine(&self, distance_m: f64) -> Option<f64> {
-        let square = self.patch_radius_m.powi(2) - distance_m.powi(2);
-        (square > 0.0).then(|| square.sqrt() / self.lever_m())
     }
 
     /// Precession angles that a rule allows with the middle of the patch at `point_m`.

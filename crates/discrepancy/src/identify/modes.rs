@@ -104,11 +104,6 @@ impl Interval {
     fn new([value, low, high]: [f64; 3]) -> Interval {
         Interval { value, low, high }
     }
-
-    /// Whether a number lies inside.
-    pub fn holds(&self, number: f64) -> bool {
-        (self.low..=self.high).contains(&number)
-    }
 }
 
 /// Compares measured modes with those of the arm.

@@ -208,7 +208,6 @@ pub fn neutral_effects_change_no_bit(make: Make) {
 pub fn times_and_springs_are_positive(make: Make) {
     let process = make().process;
     let times = [
-        ("duration", process.duration_s()),
         ("tooth period", process.tooth_period_s()),
         ("quickest", process.quickest_s()),
         ("highest frequency", process.highest_frequency_hz()),
@@ -257,10 +256,6 @@ impl Process for Gone {
 
     fn finish(&mut self) -> Findings {
         Findings::default()
-    }
-
-    fn duration_s(&self) -> Option<f64> {
-        None
     }
 
     fn contact_stiffness(&self) -> Vec<crate::process::ContactStiffness> {

@@ -191,10 +191,6 @@ impl Process for Spy {
         self.inner.finish()
     }
 
-    fn duration_s(&self) -> Option<f64> {
-        self.inner.duration_s()
-    }
-
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         self.inner.contact_stiffness()
     }

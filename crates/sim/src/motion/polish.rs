@@ -3,7 +3,7 @@
 use super::{KNOT_INTERVAL_S, PlannedMotion, Target};
 use crate::error::SimError;
 use truecut_arm::Robot;
-use truecut_core::wheel::precession::{PatchLaw, PrecessionWheel};
+use truecut_core::wheel::precession::PrecessionWheel;
 use truecut_plan::motion::follow::FollowError;
 use truecut_plan::motion::polish::{RasterError, RasterTask, RectangularFace};
 use truecut_plan::precession::{PrecessionPlan, PrecessionPlanError};
@@ -39,8 +39,8 @@ pub(crate) fn indentation_m(spec: &PolishSpec) -> Result<f64, SimError> {
 
 /// The wheel as the precession rules see it.
 fn precession_wheel(spec: &PolishSpec, depth_m: f64) -> Result<PrecessionWheel, SimError> {
-    let (radius_m, law) = (spec.wheel.radius_m, PatchLaw::Geometric);
-    PrecessionWheel::new(radius_m, depth_m, spec.tilt_rad, spec.spin_rad_s, law)
+    let radius_m = spec.wheel.radius_m;
+    PrecessionWheel::new(radius_m, depth_m, spec.tilt_rad, spec.spin_rad_s)
         .map_err(|error| SimError::scenario("process.polish", error.to_string()))
 }
 

@@ -138,11 +138,6 @@ impl ReducedPlant {
         self
     }
 
-    /// Whether poses and Jacobians follow the arm's motion.
-    pub fn travels(&self) -> bool {
-        self.travels
-    }
-
     /// What a header says of this plant.
     pub(crate) fn note(&self) -> String {
         let about = if self.travels {

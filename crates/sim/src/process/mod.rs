@@ -132,11 +132,6 @@ pub trait Process: Send {
         Loads::default()
     }
 
-    /// Natural length of the process, s, if it has one.
-    fn duration_s(&self) -> Option<f64> {
-        None
-    }
-
     /// Time between two cutting edges, s, if the process has edges.
     fn tooth_period_s(&self) -> Option<f64> {
         None

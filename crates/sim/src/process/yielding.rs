@@ -202,10 +202,6 @@ impl Process for Yielding {
         self.inner.static_loads()
     }
 
-    fn duration_s(&self) -> Option<f64> {
-        self.inner.duration_s()
-    }
-
     fn tooth_period_s(&self) -> Option<f64> {
         self.inner.tooth_period_s()
     }

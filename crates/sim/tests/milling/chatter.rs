@@ -64,7 +64,8 @@ fn verify_line_and_growth_beside_a_harmonic() {
             let hz = scalar(&recording, "milling.chatter_frequency");
             let rate = scalar(&recording, "milling.growth_rate");
             let theory = elements
-                .multiplier(period_s, depth_m)
+                .at(period_s)
+                .multiplier(depth_m)
                 .growth_per_s(period_s);
             println!(
                 "a/D {immersion}, {rpm} rpm, {share}: {hz:.2} of {theory_hz:.2} Hz, {rate:.3} of {theory:.3} /s"

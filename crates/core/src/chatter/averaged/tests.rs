@@ -160,7 +160,7 @@ fn verify_slow_regeneration_against_semi_discretisation() {
     let period = 1e-3;
     let elements = SpectralElements::new(&modes, &process);
     for depth in [0.1e-3, 0.3e-3] {
-        let growth = elements.multiplier(period, depth).growth_per_s(period);
+        let growth = elements.at(period).multiplier(depth).growth_per_s(period);
         let damper = damper_of(&process.average_pa(), period);
         let slow = rightmost_per_s(&modes, damper, depth).expect("modes");
         assert!((growth / slow.re - 1.0).abs() < 0.02, "{growth} {slow}");

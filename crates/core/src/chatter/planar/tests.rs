@@ -4,7 +4,13 @@ use super::*;
 use crate::chatter::DirectionalMatrix;
 use crate::cutting::milling::engagement::Engagement;
 use nalgebra::{Complex, Matrix2};
-use nalgebra::{Matrix3, Rotation2};
+use nalgebra::{Matrix3, Rotation2, Rotation3, Vector3};
+
+/// A matrix B of a cut whose feed stands at an angle (rad) from the x axis.
+fn turned_pa(matrix_pa: &Matrix3<f64>, feed_rad: f64) -> Matrix3<f64> {
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), feed_rad).into_inner();
+    turn * matrix_pa * turn.transpose()
+}
 
 /// A 2×2 stiffness split into what decides about flutter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -211,7 +217,7 @@ fn verify_slot_limit_is_independent_of_the_feed_direction() {
     };
     let limit = |engagement, feed_rad: f64| {
         let b: Matrix3<f64> = DirectionalMatrix::planar(2, 767e6, 0.22, engagement).average_pa();
-        let b = DirectionalMatrix::turned_pa(&b, feed_rad);
+        let b = turned_pa(&b, feed_rad);
         coalescence_limit_m(&stiffness, &b.fixed_view::<2, 2>(0, 0).into_owned())
     };
     let closed = slot_limit_m(0.6e6, 1.5e6, 2, 767e6);

@@ -92,18 +92,6 @@ impl AngleSet {
                 .any(|arc| (angle_rad - arc.from_rad).rem_euclid(TAU) <= arc.to_rad - arc.from_rad),
         }
     }
-
-    /// The angle of the set nearest to `angle_rad`, within half a turn of it; `None` if the set is
-    /// empty.
-    pub fn nearest_rad(&self, angle_rad: f64) -> Option<f64> {
-        if self.contains(angle_rad) {
-            return Some(angle_rad);
-        }
-        let Self::Arcs(arcs) = self else { return None };
-        let ends = arcs.iter().flat_map(|arc| [arc.from_rad, arc.to_rad]);
-        ends.map(|end| angle_rad + wrapped(end - angle_rad))
-            .min_by(|a, b| (a - angle_rad).abs().total_cmp(&(b - angle_rad).abs()))
-    }
 }
 
 /// An angle brought to [−π, π).
@@ -131,12 +119,10 @@ mod tests {
     fn half_widths_of_nothing_and_of_a_turn() {
         assert!(AngleSet::around(1.0, -0.1).is_empty());
         assert_eq!(AngleSet::around(1.0, PI), AngleSet::Circle);
-        assert_eq!(AngleSet::Arcs(Vec::new()).nearest_rad(0.0), None);
     }
 
     proptest! {
-        /// An angle is in the intersection if it is in every arc; the nearest angle is in the set
-        /// and no end is nearer.
+        /// An angle is in the intersection if it is in every arc.
         #[test]
         fn an_intersection_holds_what_all_hold(
             arcs in prop::collection::vec((0.0..TAU, 0.3..3.1_f64), 1..4), angle in -9.0..9.0_f64,
@@ -150,10 +136,6 @@ mod tests {
             }
             if margins.iter().any(|m| *m < -1e-9) {
                 prop_assert!(!all.contains(angle));
-            }
-            if let Some(nearest) = all.nearest_rad(angle) {
-                prop_assert!(arcs.iter().all(|(m, h)| wrapped(nearest - m).abs() <= h + 1e-9));
-                prop_assert!((nearest - angle).abs() <= PI + 1e-9);
             }
         }
     }

@@ -22,13 +22,9 @@ pub enum PrecessionError {
     #[error("the boundary crosses or touches itself: segments {first} and {second} meet")]
     SelfIntersecting { first: usize, second: usize },
     #[error(
-        "the {what} runs {found}, so that its outward normals point into the face; the face must lie on its left, {what}s run {wanted}"
+        "the outer boundary runs clockwise, so that its outward normals point into the face; the face must lie on its left, outer boundaries run anticlockwise"
     )]
-    Inverted {
-        what: &'static str,
-        found: &'static str,
-        wanted: &'static str,
-    },
+    Clockwise,
     #[error("{quantity} is {value}; it must be {rule}")]
     Wheel {
         quantity: &'static str,
@@ -83,7 +79,7 @@ impl Chord {
     }
 }
 
-/// Boundary of a flat face in its plane: an outer loop, holes.
+/// Boundary of a flat face in its plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Boundary {
     edges: Vec<Edge>,
@@ -98,39 +94,9 @@ impl Boundary {
     pub fn new(points_m: &[Vector2<f64>]) -> Result<Self, PrecessionError> {
         let edges = closed_loop(points_m)?;
         if area_m2(&edges) < 0.0 {
-            return Err(PrecessionError::Inverted {
-                what: "outer boundary",
-                found: "clockwise",
-                wanted: "anticlockwise",
-            });
+            return Err(PrecessionError::Clockwise);
         }
         Ok(Self { edges })
-    }
-
-    /// The same face with a hole, clockwise.
-    ///
-    /// # Errors
-    /// As for the outer boundary, with the sense of rotation reversed; or if the hole meets an edge
-    /// that is there.
-    pub fn with_hole(mut self, points_m: &[Vector2<f64>]) -> Result<Self, PrecessionError> {
-        let edges = closed_loop(points_m)?;
-        if area_m2(&edges) > 0.0 {
-            return Err(PrecessionError::Inverted {
-                what: "hole",
-                found: "anticlockwise",
-                wanted: "clockwise",
-            });
-        }
-        for (first, a) in self.edges.iter().enumerate() {
-            if let Some(k) = edges.iter().position(|b| meet(a, b)) {
-                return Err(PrecessionError::SelfIntersecting {
-                    first: first + 1,
-                    second: self.edges.len() + k + 1,
-                });
-            }
-        }
-        self.edges.extend(edges);
-        Ok(self)
     }
 
     /// A rectangle from the origin.
@@ -142,7 +108,7 @@ impl Boundary {
         Self::new(&corners.map(|(x, y)| Vector2::new(x * length_m, y * width_m)))
     }
 
-    /// All edges, those of the outer loop first.
+    /// All edges.
     pub fn edges(&self) -> &[Edge] {
         &self.edges
     }

@@ -80,7 +80,6 @@ pub struct BeltSetup {
     pub indentation_m: f64,
     /// Outward normal of the face where the first line begins, world.
     pub first_normal: Vector3<f64>,
-    pub duration_s: f64,
     /// Mean depth that the job's line load would leave, for the colours of the view, m.
     pub expected_depth_m: f64,
 }
@@ -280,10 +279,6 @@ impl Process for Belt {
             worn.settle_all(&self.setup);
         }
         report::findings(&self.setup, &self.worn, &self.watch)
-    }
-
-    fn duration_s(&self) -> Option<f64> {
-        Some(self.setup.duration_s)
     }
 
     fn highest_frequency_hz(&self) -> Option<f64> {

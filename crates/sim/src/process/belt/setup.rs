@@ -76,7 +76,6 @@ fn belt(
         swept: swept(path),
         indentation_m: spec.job.wheel.indentation_m,
         first_normal: copies[0].world_from_patch.rotation * first.normal.into_inner(),
-        duration_s: from.duration_s,
         expected_depth_m: expected_depth_m(spec, path, face_m2),
         area_m2: Arc::new(area_m2),
         is_face: Arc::new(is_face),

@@ -66,7 +66,6 @@ pub struct BrushSetup {
     pub process_from_world: UnitQuaternion<f64>,
     /// The tool's z axis at the start, world.
     pub approach: Vector3<f64>,
-    pub duration_s: f64,
 }
 
 impl BrushSetup {
@@ -170,10 +169,6 @@ impl Process for BrushProcess {
 
     fn finish(&mut self) -> Findings {
         report::findings(&self.setup, &self.dose_j_per_m2, &self.watch)
-    }
-
-    fn duration_s(&self) -> Option<f64> {
-        Some(self.setup.duration_s)
     }
 
     fn highest_frequency_hz(&self) -> Option<f64> {

@@ -63,6 +63,5 @@ fn brush(
         stations,
         process_from_world: from.process_from_world(),
         approach: world_from_tool.rotation * Vector3::z(),
-        duration_s: from.duration_s,
     }
 }

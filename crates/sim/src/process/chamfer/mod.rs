@@ -315,10 +315,6 @@ impl Process for Chamfer {
         preload.map_or_else(Loads::default, Loads::from)
     }
 
-    fn duration_s(&self) -> Option<f64> {
-        Some(self.parameters.cut.schedule.duration_s())
-    }
-
     fn tooth_period_s(&self) -> Option<f64> {
         Some(self.parameters.cut.schedule.tooth_period_s())
     }

@@ -359,10 +359,6 @@ impl Process for Milling {
         Loads::from(self.wrench(force, moment))
     }
 
-    fn duration_s(&self) -> Option<f64> {
-        Some(self.setup.spec.pass_s())
-    }
-
     fn tooth_period_s(&self) -> Option<f64> {
         Some(self.setup.tooth_period_s())
     }

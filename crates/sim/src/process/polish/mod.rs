@@ -345,10 +345,6 @@ impl Process for Polish {
         Loads::from(self.setup.resting)
     }
 
-    fn duration_s(&self) -> Option<f64> {
-        Some(self.setup.duration_s)
-    }
-
     /// Where an eccentric or uneven wheel turns, its frequency, or that of its shortest waves.
     fn highest_frequency_hz(&self) -> Option<f64> {
         let p = &self.setup;

@@ -174,10 +174,6 @@ impl Process for Wheel {
         Loads::from(Wrench::force(Attachment::Tool, preload))
     }
 
-    fn duration_s(&self) -> Option<f64> {
-        Some(self.parameters.strip_length_m / self.parameters.feed_m_per_s)
-    }
-
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         vec![ContactStiffness {
             frame: Attachment::Tool,
