@@ -239,6 +239,16 @@ fn arguments_that_make_no_sense_are_refused() {
             "must be a number from 0 to less than 1",
         ),
         (&["fly"], "unrecognized subcommand"),
+        (&["path", "x.nc"], "needs --robot"),
+        (
+            &["path", "x.nc", "--work-xyz-mm", "900,0"],
+            "three numbers with commas",
+        ),
+        (
+            &["path", "x.toml", "--spin-deg", "9"],
+            "have no effect on a path job",
+        ),
+        (&["path", "x.nc", "--dialect", "val3"], "--dialect"),
     ] {
         let output = truecut(arguments);
         let report = String::from_utf8_lossy(&output.stderr);
@@ -263,4 +273,35 @@ fn every_bad_path_job_is_refused_with_place_value_and_rule() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+/// The messages themselves are tested beside the readers, with their lines; here, that the program shows each as one error at its
+/// place.
+#[test]
+fn every_bad_cam_file_and_robot_program_is_refused_at_its_line() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let robot = root.join("assets/robots/hp20/robot.urdf");
+    let (robot, out) = (robot.to_str().unwrap(), tempfile::tempdir().unwrap());
+    let place = ["--dialect", "krl", "--work-xyz-mm", "900,0,300", "--out"];
+    let of_cam = ["nc", "apt", "csv"].map(|ending| ("path", "cam", ending));
+    let endings = ["src", "script", "LS", "MOD", "JBI"];
+    let of_programs = endings.map(|ending| ("program", "dialects", ending));
+    for (command, folder, ending) in of_cam.into_iter().chain(of_programs) {
+        for file in fixtures(folder, ending, 2) {
+            let name = file.file_name().unwrap().to_str().unwrap();
+            let mut arguments = vec![command, file.to_str().unwrap(), "--robot", robot];
+            if command == "path" {
+                arguments.extend(place);
+                arguments.push(out.path().to_str().unwrap());
+            }
+            let output = truecut(&arguments);
+            let report = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(BAD_INPUT), "{name}: {report}");
+            let placed = report.contains(&format!("{name}:")) && !report.contains("panicked");
+            assert!(
+                placed && report.matches('×').count() == 1,
+                "{name}: {report}"
+            );
+        }
+    }
 }

@@ -261,3 +261,38 @@ fn shipped_path_jobs_are_planned_and_read_back() {
         assert!(told(&output).contains(held), "{}", told(&output));
     }
 }
+
+/// A pocket in G-code becomes a program in each language, and leads along the same path.
+#[test]
+fn a_cam_file_becomes_a_program_in_every_language() {
+    let desk = Desk::new();
+    let file = repository().join("tests/crosscheck/cam/pocket_mill.nc");
+    let (file, robot) = (file.to_str().unwrap(), hp20());
+    for (dialect, written, options) in [
+        (
+            "jbi",
+            "POCKETMI.JBI",
+            &["--option", "date=2026-01-31 12:00"][..],
+        ),
+        ("rapid", "POCKETMI.mod", &[]),
+        ("krl", "POCKETMI.src", &[]),
+        ("urscript", "POCKETMI.script", &[]),
+        ("ls", "POCKETMI.LS", &["--option", "tool_number=2"]),
+    ] {
+        let place = ["--robot", &robot, "--work-xyz-mm", "900,0,350"];
+        let head = ["path", file, "--dialect", dialect, "--out", dialect];
+        let output = desk.truecut(&[&head, &place[..], options].concat());
+        assert!(output.status.success(), "{dialect}: {}", told(&output));
+        assert!(told(&output).contains("line 6: G28"), "{}", told(&output));
+        let folder = format!("{dialect}/pocket_mill");
+        let (program, path) = (format!("{folder}/{written}"), format!("{folder}/path.csv"));
+        let text = std::fs::read_to_string(desk.path(&program)).unwrap();
+        let says = text.to_lowercase().contains("not loaded on a controller");
+        assert!(says, "{dialect}");
+        assert!(desk.path(&format!("{folder}/path.rrd")).exists());
+        let output = desk.truecut(&["program", &program, "--robot", &robot, "--path", &path]);
+        assert!(output.status.success(), "{dialect}: {}", told(&output));
+        let foreign = told(&output).contains("named as an arm that is programmed in jbi");
+        assert_eq!(foreign, dialect != "jbi", "{}", told(&output));
+    }
+}

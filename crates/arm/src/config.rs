@@ -47,7 +47,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use toml::Spanned;
 
 use crate::error::{ArmError, ArmErrorKind};
-use crate::model::{Chain, JointKind, Transmission};
+use crate::model::{Chain, JointKind, ToolLoad, Transmission};
 
 mod links;
 mod raw;
@@ -60,6 +60,7 @@ pub(crate) struct Config {
     pub(crate) name: Option<String>,
     pub(crate) flange_from_tool: Isometry3<f64>,
     pub(crate) flange_from_foot: Isometry3<f64>,
+    pub(crate) tool_load: Option<ToolLoad>,
 }
 
 impl Default for Config {
@@ -68,6 +69,7 @@ impl Default for Config {
             name: None,
             flange_from_tool: Isometry3::identity(),
             flange_from_foot: Isometry3::identity(),
+            tool_load: None,
         }
     }
 }
@@ -130,7 +132,32 @@ impl<'a> ConfigFile<'a> {
             name: self.raw.name.clone(),
             flange_from_tool,
             flange_from_foot: foot.unwrap_or(flange_from_tool),
+            tool_load: self.tool_load()?,
         })
+    }
+}
+
+impl ConfigFile<'_> {
+    fn tool_load(&self) -> Result<Option<ToolLoad>, ArmError> {
+        let Some(raw) = &self.raw.tool_load else {
+            return Ok(None);
+        };
+        let refused = |place: usize, key: &str, value: f64, rule: &str| {
+            let text = format!("`tool_load.{key}` is {value}; it must be {rule}");
+            Err(self.reader().error(place, ArmErrorKind::Toml(text)))
+        };
+        let (mass_kg, center_m) = (*raw.mass_kg.get_ref(), *raw.center_m.get_ref());
+        if !(mass_kg.is_finite() && mass_kg > 0.0) {
+            let place = raw.mass_kg.span().start;
+            return refused(place, "mass_kg", mass_kg, "above 0 and finite");
+        }
+        if let Some(bad) = center_m.iter().find(|part| !part.is_finite()) {
+            return refused(raw.center_m.span().start, "center_m", *bad, "finite");
+        }
+        Ok(Some(ToolLoad {
+            mass_kg,
+            centre_m: center_m.into(),
+        }))
     }
 }
 

@@ -102,7 +102,7 @@ pub use mjcf::{MjcfDrive, MjcfOptions, to_mjcf};
 pub use modal::{LinearArm, Modes};
 pub use model::{
     Chain, FrameId, Frames, Joint, JointKind, Limits, Link, MAX_JOINTS, Robot, Servo, Shape,
-    Transmission, TransmissionSources, Visual, standard_gravity_m_s2,
+    ToolLoad, Transmission, TransmissionSources, Visual, standard_gravity_m_s2,
 };
 pub use opw::{ArmBranch, Elbow, OpwGeometry, Shoulder, SingularityDistance, Wrist};
 pub use packages::Packages;

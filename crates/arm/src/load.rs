@@ -140,6 +140,7 @@ impl Robot {
             urdf_path: urdf.1.to_owned(),
             config_path,
             damping_ratios: Vec::new(),
+            tool_load: settings.tool_load,
         })
     }
 }

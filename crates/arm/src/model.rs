@@ -207,6 +207,16 @@ pub struct Robot {
     /// Damping ratios of the modes in place of the transmissions' damping: one for all, or one for
     /// each, slowest first. Empty: the transmissions'.
     pub damping_ratios: Vec<f64>,
+    /// What a controller is told of the tool's load, if robot.toml says it.
+    pub tool_load: Option<ToolLoad>,
+}
+
+/// Mass and centre of what is mounted on the flange.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToolLoad {
+    pub mass_kg: f64,
+    /// In the flange frame.
+    pub centre_m: Vector3<f64>,
 }
 
 impl Robot {

@@ -54,6 +54,12 @@ impl<K> Placed<K> {
         self
     }
 
+    /// The typed fault, for another place.
+    #[must_use]
+    pub fn into_kind(self) -> K {
+        self.0.kind
+    }
+
     /// The typed fault.
     #[must_use]
     pub fn kind(&self) -> &K {

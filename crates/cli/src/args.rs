@@ -13,7 +13,7 @@ use truecut_scenario::Scenario;
 
 use crate::failure::Failure;
 
-pub use finishing::{PathArguments, ProgramArguments};
+pub use finishing::{CamArguments, PathArguments, ProgramArguments};
 pub use robot::{InitArguments, RobotArguments, RobotCommand};
 pub use runs::{
     CheckArguments, CompareArguments, CrosscheckArguments, DiagnoseArguments, FitArguments,

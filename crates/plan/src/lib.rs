@@ -39,9 +39,11 @@
 //! Angles follow [`truecut_arm::tool_pose`], axes of the cut the milling frame of
 //! [`truecut_core::cutting::milling`].
 
+mod arc;
 mod assess;
 mod assessment;
 mod bounds;
+pub mod cam;
 mod chain;
 mod criterion;
 mod error;

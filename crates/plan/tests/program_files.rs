@@ -6,7 +6,7 @@ use assets::robot;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
-use truecut_arm::Robot;
+use truecut_arm::{Robot, ToolLoad};
 use truecut_plan::program::{Motion, PathPoint, Program, Tool, TravelOptions, jbi, rapid};
 
 /// Approach by joints, then a line of `count` points with the tool down, the turntable turning
@@ -136,7 +136,7 @@ fn what_a_dialect_cannot_hold_is_refused_when_writing() {
     );
     jbi_refuses(
         &|_, o| o.lines_per_job = 3,
-        &["lines per job is 3", "at least 4"],
+        &["lines per job is 3", "at least 5"],
     );
     jbi_refuses(
         &|_, o| o.station_pulses_per_deg = None,
@@ -181,7 +181,7 @@ fn what_a_dialect_cannot_hold_is_refused_when_writing() {
     jbi_refuses(
         &|p, o| {
             p.name = "POLISH01".into();
-            o.lines_per_job = 4;
+            o.lines_per_job = 5;
         },
         &["\"POLISH01\"", "names of the parts"],
     );
@@ -205,7 +205,11 @@ fn what_a_dialect_cannot_hold_is_refused_when_writing() {
         "\"1ST\"; it must be a letter",
     );
     rapid_refuses(&|p, _| p.name = "Module".into(), "no word of the language");
-    rapid_refuses(&|p, _| p.tool.mass_kg = 0.0, "mass in kg is 0");
+    let weightless = ToolLoad {
+        mass_kg: 0.0,
+        centre_m: nalgebra::Vector3::zeros(),
+    };
+    rapid_refuses(&|p, _| p.tool.load = Some(weightless), "mass in kg is 0");
     rapid_refuses(
         &|_, o| o.zone = "z2".into(),
         "\"z2\"; it must be `fine` or one of z0",
@@ -275,7 +279,6 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     ),
     ("no_such_branch.MOD", 6, &["cfx is 8", "from 0 to 7"]),
     ("second_axis.MOD", 6, &["eax_a is 12", "9E+09"]),
-    ("unused_target.MOD", 6, &["no move goes to p1"]),
     ("missing_target.MOD", 11, &["no p7 to move to"]),
     ("target_twice.MOD", 6, &["p0 is given twice", "line 5"]),
     ("unknown_zone.MOD", 11, &["\"z2\"", "`fine` or one of"]),
@@ -284,7 +287,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         11,
         &["`belt`", "declared in the module"],
     ),
-    ("instruction.MOD", 11, &["`WaitTime` stands where", "MoveJ"]),
+    (
+        "instruction.MOD",
+        11,
+        &["`ArcLStart` stands where", "MoveJ"],
+    ),
     ("character.MOD", 5, &["`{` stands where"]),
 ];
 
@@ -365,7 +372,7 @@ mod damaged {
     use proptest::prelude::*;
 
     const JOB: &str = include_str!("../../../tests/invalid_input/program/unused_position.JBI");
-    const MODULE: &str = include_str!("../../../tests/invalid_input/program/unused_target.MOD");
+    const MODULE: &str = include_str!("../../../tests/invalid_input/program/missing_target.MOD");
 
     proptest! {
         /// Damaged files are read, or refused with their name and a line that they have.

@@ -143,6 +143,8 @@ fn copies_come_by_turntable_or_the_arm_goes_there() {
         tool: Tool::of(&robot, "wheel", 1),
         world_from_base: Isometry3::identity(),
         moves: Vec::new(),
+        spindle: Vec::new(),
+        notes: Vec::new(),
     };
     let speeds = Speeds {
         feed_m_per_s: 0.02,

@@ -14,8 +14,10 @@ use std::path::Path;
 
 use nalgebra::{DMatrix, Isometry3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use truecut_arm::{FrameId, OpwGeometry, Robot};
-use truecut_plan::program::{Motion, Move, PathPoint, Program, Tool, TravelOptions, jbi, rapid};
+use truecut_arm::{FrameId, OpwGeometry, Robot, ToolLoad};
+use truecut_plan::program::{
+    Motion, Move, PathPoint, Program, Tool, TravelOptions, Zone, jbi, rapid,
+};
 
 const KINEMATICS: f64 = 1e-9;
 const PLACE_M: f64 = 0.5e-6 * 1.732_050_808 + KINEMATICS;
@@ -36,8 +38,10 @@ fn tool() -> Tool {
             Translation3::new(0.03, -0.02, 0.25),
             UnitQuaternion::from_euler_angles(0.1, 0.7, -0.4),
         ),
-        mass_kg: 6.5,
-        centre_m: Vector3::new(0.01, 0.0, 0.12),
+        load: Some(ToolLoad {
+            mass_kg: 6.5,
+            centre_m: Vector3::new(0.01, 0.0, 0.12),
+        }),
     }
 }
 
@@ -53,9 +57,12 @@ fn at(robot: &Robot, posture: &[f64], base: Isometry3<f64>) -> Program {
             path_point: 0,
             base_from_tool: base.inverse() * flange * tool.flange_from_tool,
             motion: Motion::Joint { share: 0.25 },
+            zone: Zone::default(),
             turntable_rad: Some(-1.234_567),
             posture: posture.to_vec(),
         }],
+        spindle: Vec::new(),
+        notes: Vec::new(),
         tool,
     }
 }

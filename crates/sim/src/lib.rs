@@ -50,6 +50,7 @@ mod step_size;
 pub mod sweep;
 mod theory;
 mod torque_use;
+mod travel_view;
 
 pub use effect::misfit;
 pub use error::SimError;
@@ -57,3 +58,4 @@ pub use mjcf::export_mjcf;
 pub use replay::inverse::{Forces, InverseModel};
 pub use replay::steady::SteadyModel;
 pub use robots::Robots;
+pub use travel_view::travel_view;

@@ -18,6 +18,8 @@ pub(super) struct RawConfig {
     /// Transmissions; joints left out keep the URDF's values.
     #[serde(default)]
     pub(super) joint: Vec<RawJoint>,
+    /// What a controller is told of the tool's load. Default: nothing.
+    pub(super) tool_load: Option<RawLoad>,
     /// What the masses must sum to.
     pub(super) masses: Option<RawMasses>,
     /// Masses of links in place of the URDF's.
@@ -48,6 +50,18 @@ pub(super) struct RawFrame {
     /// Turns about the fixed axes x, y, z, as in URDF. Default: none.
     #[schemars(with = "Option<[f64; 3]>")]
     pub(super) rpy_deg: Option<Spanned<[f64; 3]>>,
+}
+
+/// Mass and centre of what is mounted on the flange.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLoad {
+    /// Mass, kg, above 0.
+    #[schemars(with = "f64")]
+    pub(super) mass_kg: Spanned<f64>,
+    /// Centre of mass in the flange's frame, m.
+    #[schemars(with = "[f64; 3]")]
+    pub(super) center_m: Spanned<[f64; 3]>,
 }
 
 /// The transmission of a joint; values on the joint side of the gear.

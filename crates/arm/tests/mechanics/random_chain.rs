@@ -52,6 +52,7 @@ pub fn assemble(joints: Vec<Joint>, links: Vec<Link>, frames: [Isometry3<f64>; 3
         urdf_path: "random.urdf".into(),
         config_path: None,
         damping_ratios: Vec::new(),
+        tool_load: None,
     }
 }
 

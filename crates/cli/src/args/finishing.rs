@@ -5,15 +5,80 @@ use std::path::PathBuf;
 use clap::Args;
 use truecut_plan::program::DIALECTS;
 
-use super::number::above_zero;
+use super::number::{above_zero, three};
 
 #[derive(Debug, Args)]
 pub struct PathArguments {
-    /// Path job: face, contact wheel, lines, robot and program
+    /// Path job (.toml: face, contact wheel, lines, robot and program), or a path from CAM: G-code
+    /// (.nc, .ngc, .gcode …), APT (.apt, .cls …) or poses (.csv)
     pub file: PathBuf,
     /// Folder for outputs; the job gets a folder of its own in it
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub cam: CamArguments,
+}
+
+/// What a path from CAM needs beside its file.
+#[derive(Debug, Default, PartialEq, Args)]
+#[command(next_help_heading = "For paths from CAM")]
+pub struct CamArguments {
+    /// URDF file of the arm; its robot.toml gives the tool frame, z into the workpiece
+    #[arg(long, value_name = "URDF")]
+    pub robot: Option<PathBuf>,
+    /// Link whose frame is the flange [default: the end of the chain]
+    #[arg(long, value_name = "LINK")]
+    pub tip: Option<String>,
+    /// Language of the robot program [default: rapid]
+    #[arg(long, value_parser = dialects())]
+    pub dialect: Option<String>,
+    /// Option of the dialect, key=value, e.g. date="2026-01-31 12:00" for jbi
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub option: Vec<String>,
+    /// Name of the program [default: of the file]
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Where the work frame stands in the world
+    #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
+    pub work_xyz_mm: Option<[f64; 3]>,
+    /// Roll, pitch and yaw of the work frame in the world
+    #[arg(long, value_name = "R,P,Y", value_parser = three, allow_hyphen_values = true)]
+    pub work_rpy_deg: Option<[f64; 3]>,
+    /// Where the controller's base frame stands in the world
+    #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
+    pub base_xyz_mm: Option<[f64; 3]>,
+    /// Roll, pitch and yaw of the base frame in the world
+    #[arg(long, value_name = "R,P,Y", value_parser = three, allow_hyphen_values = true)]
+    pub base_rpy_deg: Option<[f64; 3]>,
+    /// Unit of lengths where the file does not say it [default: mm]
+    #[arg(long, value_parser = ["mm", "inch"])]
+    pub unit: Option<String>,
+    /// How far chords may lie off an arc [default: 0.01]
+    #[arg(long, value_name = "MM", value_parser = above_zero)]
+    pub chord_mm: Option<f64>,
+    /// Turn about the tool's axis [default: the one of least travel]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    pub spin_deg: Option<f64>,
+    /// Speed in rapid traverse [default: 250]
+    #[arg(long, value_name = "SPEED", value_parser = above_zero)]
+    pub rapid_mm_per_s: Option<f64>,
+    /// Speed of the move to the first point, fraction of the top speed [default: 0.25]
+    #[arg(long, value_name = "FRACTION", value_parser = above_zero)]
+    pub joint_speed: Option<f64>,
+    /// Within what points are passed; 0 stops at each [default: the dialect's]
+    #[arg(long, value_name = "MM")]
+    pub zone_mm: Option<f64>,
+    /// Digital output that runs the spindle: a name in RAPID, else a number
+    #[arg(long, value_name = "OUTPUT")]
+    pub spindle_signal: Option<String>,
+    /// Acceleration of the tool on lines, for the cycle time
+    #[arg(long, value_name = "M/S2", value_parser = above_zero)]
+    pub acceleration_m_per_s2: Option<f64>,
+}
+
+/// Names of all dialects.
+fn dialects() -> clap::builder::PossibleValuesParser {
+    clap::builder::PossibleValuesParser::new(DIALECTS.iter().map(|dialect| dialect.name()))
 }
 
 #[derive(Debug, Args)]
@@ -32,24 +97,18 @@ pub struct ProgramArguments {
     /// Pulses per degree of the turntable, if a job has one
     #[arg(long, value_name = "PULSES", value_parser = above_zero)]
     pub pulses_per_deg: Option<f64>,
+    /// Digital output that runs the spindle: a name in RAPID, else a number
+    #[arg(long, value_name = "OUTPUT")]
+    pub spindle_signal: Option<String>,
+    /// Acceleration of the tool on lines, for the cycle time
+    #[arg(long, value_name = "M/S2", value_parser = above_zero)]
+    pub acceleration_m_per_s2: Option<f64>,
     /// Where a job's base frame stands in the world; a module says it itself
-    #[arg(
-        long,
-        value_name = "X,Y,Z",
-        value_delimiter = ',',
-        num_args = 3,
-        allow_hyphen_values = true
-    )]
-    pub base_xyz_mm: Option<Vec<f64>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
+    pub base_xyz_mm: Option<[f64; 3]>,
     /// Roll, pitch and yaw of a job's base frame in the world
-    #[arg(
-        long,
-        value_name = "R,P,Y",
-        value_delimiter = ',',
-        num_args = 3,
-        allow_hyphen_values = true
-    )]
-    pub base_rpy_deg: Option<Vec<f64>>,
+    #[arg(long, value_name = "R,P,Y", value_parser = three, allow_hyphen_values = true)]
+    pub base_rpy_deg: Option<[f64; 3]>,
 }
 
 /// What `truecut program` reads.

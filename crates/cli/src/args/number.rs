@@ -11,3 +11,15 @@ pub fn number(text: &str, holds: impl Fn(f64) -> bool, rule: &str) -> Result<f64
     let value = value.filter(|value| value.is_finite() && holds(*value));
     value.ok_or_else(|| rule.to_owned())
 }
+
+/// Three finite numbers with commas between.
+pub fn three(text: &str) -> Result<[f64; 3], String> {
+    let rule = "must be three numbers with commas between, such as 900,0,350";
+    let parts: Vec<&str> = text.split(',').collect();
+    let parts: [&str; 3] = parts.try_into().map_err(|_| rule.to_owned())?;
+    let mut numbers = [0.0; 3];
+    for (value, part) in numbers.iter_mut().zip(parts) {
+        *value = number(part.trim(), |_| true, rule)?;
+    }
+    Ok(numbers)
+}

@@ -1,5 +1,6 @@
 //! `truecut path`: from a path job to a robot program.
 
+mod cam;
 mod figure;
 mod files;
 mod inputs;
@@ -44,6 +45,16 @@ const TOUCHING_M: f64 = 20e-6;
 
 /// Plans, checks, prints and writes.
 pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
+    if truecut_plan::cam::is_cam(&arguments.file) {
+        return cam::path(arguments);
+    }
+    if cam::given(&arguments.cam) {
+        let text = format!(
+            "options for paths from CAM have no effect on a path job; CAM files end in {}",
+            truecut_plan::cam::endings()
+        );
+        return Err(Failure::at(&arguments.file, text));
+    }
     let job = PathJob::load(&arguments.file)?;
     let inputs = Inputs::load(&job)?;
     let answer = answer(&job, &inputs)?;

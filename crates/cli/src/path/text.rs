@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use truecut_plan::motion::joints::joint_speeds;
-use truecut_plan::program::{FindingKind, Motion};
+use truecut_plan::program::{FindingKind, Motion, maker_note};
 use truecut_plan::surface_path::{Contact, Segment};
 use truecut_recording::{Unit, significant};
 
@@ -147,6 +147,9 @@ fn notes(answer: &PlannedPath<'_>) -> String {
     let more = answer.findings.len().saturating_sub(LISTED);
     if more > 0 {
         text.push_str(&format!("  note: and {more} more of this kind\n"));
+    }
+    if let Some(note) = maker_note(answer.job.program.dialect, &answer.inputs.robot) {
+        text.push_str(&format!("  note: {note}\n"));
     }
     text.push_str(
         "  note: only the wheel is checked, where it grinds and where it is lifted; the spindle, \

@@ -5,7 +5,7 @@ mod read;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use truecut_arm::Robot;
-use truecut_plan::program::{FindingKind, Motion, Program, Replay, ReplayOptions};
+use truecut_plan::program::{FindingKind, Motion, Program, Replay, ReplayOptions, ZoneReport};
 use truecut_recording::{Unit, significant};
 
 use crate::args::ProgramArguments;
@@ -27,10 +27,7 @@ const ALLOWED_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
 pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
     let robot = Robot::load_kinematics(&arguments.robot, None, arguments.tip.as_deref())
         .map_err(|error| Failure::arm(&error))?;
-    let base = Isometry3::from_parts(
-        Vector3::from(three(arguments.base_xyz_mm.as_deref(), 1e-3)).into(),
-        rotation(three(arguments.base_rpy_deg.as_deref(), 1.0)),
-    );
+    let base = frame(arguments.base_xyz_mm, arguments.base_rpy_deg);
     let program = read::read(arguments, &robot, &base)?;
     let path = (arguments.path.as_ref())
         .map(|path| deviation::path_of(path, robot.dof()))
@@ -38,7 +35,20 @@ pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
     let replay = program.replay(&robot, &ReplayOptions::default());
     let deviation = (path.as_ref()).map(|path| Deviation::of(&program, path));
     let deviation = deviation.transpose()?;
-    crate::print(&printed(&robot, &program, &replay, deviation.as_ref()))?;
+    let acceleration = arguments.acceleration_m_per_s2;
+    run_through(&robot, &program, &replay, deviation.as_ref(), acceleration)
+}
+
+/// Prints what came of running a program through, and says whether the robot can run it.
+pub fn run_through(
+    robot: &Robot,
+    program: &Program,
+    replay: &Replay,
+    deviation: Option<&Deviation>,
+    acceleration_m_per_s2: Option<f64>,
+) -> Result<ExitStatus, Failure> {
+    let zones = program.zones(acceleration_m_per_s2);
+    crate::print(&printed(robot, program, replay, deviation, &zones))?;
     let grave = |kind: &FindingKind| !matches!(kind, FindingKind::NearSingularity { .. });
     let holds = !replay.findings.iter().any(|finding| grave(&finding.kind))
         && deviation
@@ -50,17 +60,13 @@ pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
     })
 }
 
-fn three(given: Option<&[f64]>, unit: f64) -> [f64; 3] {
-    let mut values = [0.0; 3];
-    for (value, given) in values.iter_mut().zip(given.unwrap_or_default()) {
-        *value = given * unit;
-    }
-    values
-}
-
-fn rotation(rpy_deg: [f64; 3]) -> UnitQuaternion<f64> {
-    let [roll, pitch, yaw] = rpy_deg.map(f64::to_radians);
-    UnitQuaternion::from_euler_angles(roll, pitch, yaw)
+/// A frame in the world as options give it: mm, and degrees about the fixed axes x, y, z.
+pub fn frame(xyz_mm: Option<[f64; 3]>, rpy_deg: Option<[f64; 3]>) -> Isometry3<f64> {
+    let [roll, pitch, yaw] = rpy_deg.unwrap_or_default().map(f64::to_radians);
+    Isometry3::from_parts(
+        (Vector3::from(xyz_mm.unwrap_or_default()) * 1e-3).into(),
+        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    )
 }
 
 fn printed(
@@ -68,6 +74,7 @@ fn printed(
     program: &Program,
     replay: &Replay,
     deviation: Option<&Deviation>,
+    zones: &ZoneReport,
 ) -> String {
     let lines = (program.moves.iter()).filter(|m| matches!(m.motion, Motion::Linear { .. }));
     let mut text = format!(
@@ -80,6 +87,7 @@ fn printed(
     let time_s = replay.rows.last().map_or(0.0, |row| row.time_s);
     let places = format!("{} places looked at", replay.rows.len());
     let mut rows = vec![row("time", format!("{} s", significant(time_s, 4)), places)];
+    rows.extend(of_zones(zones, time_s));
     if let Some((share, joint, point)) = replay.fastest {
         let joint = &robot.chain.joints[joint].name;
         rows.push(fastest_joint(share, joint, point));
@@ -99,7 +107,32 @@ fn printed(
     if more > 0 {
         text.push_str(&format!("  ✗ and {more} more\n"));
     }
+    for note in &program.notes {
+        text.push_str(&format!("  note: {note}\n"));
+    }
     text
+}
+
+/// Rows on stops and zones.
+fn of_zones(zones: &ZoneReport, time_s: f64) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    let stops = "stops on lines between the first and the last";
+    rows.push(match zones.lost_s {
+        Some(lost_s) => {
+            let seconds = format!("{} s", significant(time_s + lost_s, 4));
+            let what = format!("with {} {stops}, speeding up and braking", zones.stops);
+            row("cycle time", seconds, what)
+        }
+        None => {
+            let what = format!("{stops}; accelerations are left out");
+            row("stops", zones.stops.to_string(), what)
+        }
+    });
+    rows.extend(zones.corner.map(|(cut_m, point)| {
+        let what = format!("cut off a corner by its zone at most, at path point {point}");
+        row("corner", show(Unit::Metre, cut_m), what)
+    }));
+    rows
 }
 
 /// Rows of the comparison with the path.

@@ -4,6 +4,7 @@ use nalgebra::Isometry3;
 use truecut_arm::Robot;
 use truecut_plan::program::{
     DIALECTS, Dialect, Frames, Program, ProgramError, Settings, Tool, TurntableUnit, dialect_of,
+    maker_note, read_text,
 };
 
 use crate::args::ProgramArguments;
@@ -32,11 +33,15 @@ pub fn read(
     };
     let settings = Settings {
         pulses_per_deg: arguments.pulses_per_deg,
+        spindle_signal: arguments.spindle_signal.clone(),
         ..Settings::default()
     };
-    let text = |path: &std::path::Path| std::fs::read_to_string(path);
+    let text = |path: &std::path::Path| read_text(path);
     let program = dialect.read(path, &text, robot, &frames, &settings);
-    let program = program.map_err(refused)?;
+    let mut program = program.map_err(refused)?;
+    if let Some(note) = maker_note(dialect, robot) {
+        program.notes.push(note);
+    }
     if program.moves.is_empty() {
         return Err(Failure::at(path, "the program has no move"));
     }
@@ -53,10 +58,14 @@ fn check_arguments(arguments: &ProgramArguments, dialect: &dyn Dialect) -> Resul
              frame stands",
         )));
     }
-    let in_degrees = dialect.turntable() == TurntableUnit::Degrees;
-    if arguments.pulses_per_deg.is_some() && in_degrees {
+    let why = match dialect.turntable() {
+        TurntableUnit::Pulses => return Ok(()),
+        TurntableUnit::Degrees => "holds the turntable in degrees",
+        TurntableUnit::None => "moves no turntable",
+    };
+    if arguments.pulses_per_deg.is_some() {
         return Err(Failure::message(format!(
-            "--pulses-per-deg has no effect on a {noun}: it holds the turntable in degrees",
+            "--pulses-per-deg has no effect on a {noun}: it {why}",
         )));
     }
     Ok(())

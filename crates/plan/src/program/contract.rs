@@ -20,7 +20,7 @@ use truecut_arm::{FrameId, Robot};
 
 use super::dialect::{Dialect, Frames, Options, ProgramFile, Settings, TurntableUnit};
 use super::error::ProgramError;
-use super::moves::{Motion, Move, Program};
+use super::moves::{Motion, Move, Program, Zone};
 use random::Random;
 
 /// Seeds of the random programs.
@@ -226,13 +226,27 @@ macro_rules! dialect_contract {
 
 impl Subject {
     fn settings(&self) -> Settings {
+        let written = |signal: &&&str| {
+            let program = self.program(&mut Random(7), 1);
+            let settings = self.settings_with(signal);
+            (self.dialect)
+                .write(&program, &self.robot, &settings)
+                .is_ok()
+        };
+        // Outputs have names here and numbers there.
+        let signal = ["7", "doSpindle"].iter().find(written);
+        self.settings_with(signal.copied().unwrap_or("7"))
+    }
+
+    fn settings_with(&self, signal: &str) -> Settings {
         Settings {
             options: self.options.clone(),
             pulses_per_deg: match self.dialect.turntable() {
                 TurntableUnit::Pulses => Some(PULSES_PER_DEG),
-                TurntableUnit::Degrees => None,
+                TurntableUnit::Degrees | TurntableUnit::None => None,
             },
             turntable_share: 0.5,
+            spindle_signal: Some(signal.to_owned()),
         }
     }
 
@@ -265,6 +279,7 @@ fn frames(program: &Program) -> Frames {
 fn compare(subject: &Subject, written: &Program, read: &Program, seed: u64) {
     let within = subject.dialect.resolution();
     assert_eq!(written.moves.len(), read.moves.len(), "seed {seed}");
+    assert_eq!(written.spindle, read.spindle, "seed {seed}: spindle");
     for (wanted, found) in written.moves.iter().zip(&read.moves) {
         let at = format!("seed {seed}, path point {}", wanted.path_point);
         assert_eq!(wanted.path_point, found.path_point, "{at}");
@@ -302,10 +317,17 @@ fn compare(subject: &Subject, written: &Program, read: &Program, seed: u64) {
             }
             other => panic!("{at}: {other:?}"),
         }
+        match (wanted.zone, found.zone, within.zone_m) {
+            (Zone::Within(a), Zone::Within(b), Some(apart_m)) => {
+                assert!((a - b).abs() <= apart_m + 1e-12, "{at}: zones {a}, {b} m");
+            }
+            (Zone::Within(_), Zone::Unstated, None) | (Zone::Stop, Zone::Stop, _) => {}
+            other => panic!("{at}: zones {other:?}"),
+        }
         let angles = [wanted, found].map(|step| step.turntable_rad);
         let pulse_rad = match subject.dialect.turntable() {
             TurntableUnit::Pulses => (0.5 / PULSES_PER_DEG).to_radians(),
-            TurntableUnit::Degrees => 0.0,
+            TurntableUnit::Degrees | TurntableUnit::None => 0.0,
         };
         match angles {
             [Some(a), Some(b)] => {

@@ -32,6 +32,10 @@ pub trait Dialect: Debug + Sync {
     fn about(&self) -> &'static str;
     /// Endings of its files without the dot, at least one. Read in upper and lower case.
     fn extensions(&self) -> &'static [&'static str];
+    /// Words in the names of the arms that are programmed in it, in small letters.
+    fn makers(&self) -> &'static [&'static str] {
+        &[]
+    }
     /// How closely a program comes back that was written and read.
     fn resolution(&self) -> Resolution;
     /// How it holds the angle of a turntable.
@@ -98,15 +102,18 @@ pub struct Settings {
     pub pulses_per_deg: Option<f64>,
     /// Speed of the turntable beside a move of the robot, share of its top speed.
     pub turntable_share: f64,
+    /// Name or number of the digital output that runs the spindle.
+    pub spindle_signal: Option<String>,
 }
 
 impl Default for Settings {
-    /// No options, pulses not known, turntable at full speed.
+    /// No options, pulses not known, turntable at full speed, no signal for the spindle.
     fn default() -> Self {
         Self {
             options: Options::new(),
             pulses_per_deg: None,
             turntable_share: 1.0,
+            spindle_signal: None,
         }
     }
 }
@@ -124,6 +131,8 @@ pub struct Resolution {
     pub speed_m_per_s: f64,
     /// Of the speed of a move by joints, share of the top speed.
     pub share: f64,
+    /// Of a zone, m; `None` if the dialect tells only whether a point is stopped at.
+    pub zone_m: Option<f64>,
 }
 
 /// How a dialect holds the angle of a turntable.
@@ -132,6 +141,25 @@ pub enum TurntableUnit {
     Degrees,
     /// [`Settings::pulses_per_deg`] must be given.
     Pulses,
+    /// Not at all.
+    None,
+}
+
+/// Stands in every file that is written.
+pub(super) const NOT_LOADED: &str = "not loaded on a controller";
+
+impl Settings {
+    /// The number of the spindle's output, for dialects that number them.
+    pub(super) fn spindle_number(&self) -> Result<Option<u32>, OptionFault> {
+        let number = |text: &String| {
+            text.parse().map_err(|_| OptionFault::Value {
+                key: "spindle_signal",
+                value: format!("\"{text}\""),
+                rule: "the number of an output".to_owned(),
+            })
+        };
+        self.spindle_signal.as_ref().map(number).transpose()
+    }
 }
 
 /// Options as the table that a dialect declares.

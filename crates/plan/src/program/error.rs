@@ -152,6 +152,17 @@ impl ProgramErrorKind {
         Ok(OutOfBounds::unless(holds, what, value, rule)?)
     }
 
+    /// The path point that a fault of a posture belongs to.
+    pub(crate) fn path_point(&self) -> Option<usize> {
+        match self {
+            Self::OutOfReach { path_point }
+            | Self::OutsideLimits { path_point, .. }
+            | Self::Singular { path_point, .. }
+            | Self::Jump { path_point, .. } => Some(*path_point),
+            _ => None,
+        }
+    }
+
     pub(crate) fn unexpected(found: &str, wanted: &str) -> Self {
         Self::Unexpected {
             found: found.to_owned(),

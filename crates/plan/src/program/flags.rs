@@ -16,7 +16,7 @@ const SLACK_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 const EVEN_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
 
 /// What a file says of the branch: by how much (rad) a posture breaks it.
-pub(super) trait Flags {
+pub(super) trait Flags: Send + Sync {
     /// Of one joint's turns and quadrants.
     fn joint_excess(&self, joint: usize, q: f64) -> f64;
     /// Of shoulder, elbow and wrist.

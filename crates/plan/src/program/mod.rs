@@ -41,29 +41,39 @@
 pub mod contract;
 mod dialect;
 mod error;
+mod euler;
 mod flags;
 mod inspect;
 pub mod jbi;
+pub mod krl;
+pub mod ls;
 mod moves;
-mod number;
+pub(crate) mod number;
 pub mod rapid;
+pub(crate) mod reading;
 mod replay;
 mod setup;
 #[cfg(test)]
 mod shipped_dialects;
+mod source;
 mod travel;
+pub mod urscript;
+mod zones;
 
 use std::path::Path;
+
+use truecut_arm::Robot;
 
 pub use dialect::{
     Dialect, Frames, Options, ProgramFile, ReadText, Resolution, Settings, TurntableUnit,
 };
 pub use error::{OptionFault, ProgramError, ProgramErrorKind};
 pub use inspect::{Finding, FindingKind};
-pub use moves::{Motion, Move, PathPoint, Program, Tool};
+pub use moves::{Motion, Move, PathPoint, Program, SpindleSwitch, Tool, Zone};
 pub use replay::{Replay, ReplayOptions, ReplayRow};
 pub use setup::ProgramSetup;
 pub use travel::{TravelOptions, shortest_travel};
+pub use zones::ZoneReport;
 
 /// The shipped dialects, each a folder here with a `dialect.rs`: `build.rs` finds the folders.
 macro_rules! dialects {
@@ -96,6 +106,48 @@ include!(concat!(env!("OUT_DIR"), "/dialects.rs"));
 #[must_use]
 pub fn dialect_named(name: &str) -> Option<&'static dyn Dialect> {
     DIALECTS.iter().copied().find(|one| one.name() == name)
+}
+
+/// What the robot's name tells against a dialect: that it is another maker's.
+#[must_use]
+pub fn maker_note(dialect: &dyn Dialect, robot: &Robot) -> Option<String> {
+    let text = format!("{} {}", robot.name, robot.chain.name).to_lowercase();
+    let words: Vec<&str> = text.split(|c: char| !c.is_alphanumeric()).collect();
+    // A maker's name, or the first letters of its models: irb6600.
+    let of = |word: &str, maker: &str| {
+        let rest = word.strip_prefix(maker);
+        rest.is_some_and(|rest| rest.bytes().next().is_none_or(|b| b.is_ascii_digit()))
+    };
+    let named = |one: &dyn Dialect| {
+        let mut makers = one.makers().iter();
+        makers.any(|maker| words.iter().any(|word| of(word, maker)))
+    };
+    let other = DIALECTS.iter().find(|one| named(**one))?;
+    (!named(dialect)).then(|| {
+        format!(
+            "{} is named as an arm that is programmed in {}, not in {}",
+            robot.name,
+            other.name(),
+            dialect.name()
+        )
+    })
+}
+
+/// Text of a program's file: UTF-8, or else Shift-JIS, as controllers set to Japanese write it.
+///
+/// # Errors
+/// If the file cannot be read, or is neither.
+pub fn read_text(file: &Path) -> std::io::Result<String> {
+    let bytes = std::fs::read(file)?;
+    if let Ok(text) = std::str::from_utf8(&bytes) {
+        return Ok(text.trim_start_matches('\u{feff}').to_owned());
+    }
+    let (text, _, damaged) = encoding_rs::SHIFT_JIS.decode(&bytes);
+    if damaged {
+        let what = "the text is neither UTF-8 nor Shift-JIS";
+        return Err(std::io::Error::new(std::io::ErrorKind::InvalidData, what));
+    }
+    Ok(text.into_owned())
 }
 
 /// The dialect that a file's extension tells, upper or lower case.

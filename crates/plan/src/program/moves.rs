@@ -1,7 +1,7 @@
 //! Programs as moves of the robot, of no maker.
 
-use nalgebra::{Isometry3, Vector3};
-use truecut_arm::{FrameId, Robot};
+use nalgebra::Isometry3;
+use truecut_arm::{FrameId, Robot, ToolLoad};
 
 use super::error::{ProgramError, ProgramErrorKind};
 
@@ -16,22 +16,19 @@ pub struct Tool {
     /// Number in the controller's table of tools.
     pub number: u8,
     pub flange_from_tool: Isometry3<f64>,
-    pub mass_kg: f64,
-    /// Centre of mass in the flange frame, m.
-    pub centre_m: Vector3<f64>,
+    /// `None` if it is not known: each dialect has a way to say that.
+    pub load: Option<ToolLoad>,
 }
 
 impl Tool {
-    /// The robot's own tool frame, with a mass of 1 kg at the tool point.
+    /// The robot's own tool frame and load.
     #[must_use]
     pub fn of(robot: &Robot, name: &str, number: u8) -> Self {
-        let flange_from_tool = robot.frames.flange_from_tool;
         Self {
             name: name.to_owned(),
             number,
-            flange_from_tool,
-            mass_kg: 1.0,
-            centre_m: flange_from_tool.translation.vector,
+            flange_from_tool: robot.frames.flange_from_tool,
+            load: robot.tool_load,
         }
     }
 }
@@ -46,6 +43,26 @@ pub enum Motion {
     },
     /// The tool point runs along a straight line.
     Linear { speed_m_per_s: f64 },
+}
+
+/// How a point is passed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Zone {
+    /// The tool stops there.
+    Stop,
+    /// The tool leaves its way to the point within this distance of it, m.
+    Within(f64),
+    /// Passed as the dialect passes points of which nothing more is said.
+    #[default]
+    Unstated,
+}
+
+/// The spindle switched on or off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SpindleSwitch {
+    /// Index of the move before which it is switched; the number of moves for the end.
+    pub before: usize,
+    pub on: bool,
 }
 
 /// Where the tool shall be, the arm's branch not chosen yet.
@@ -65,6 +82,7 @@ pub struct Move {
     pub path_point: usize,
     pub base_from_tool: Isometry3<f64>,
     pub motion: Motion,
+    pub zone: Zone,
     pub turntable_rad: Option<f64>,
     /// Joint coordinates that put the tool there, whole turns included, rad or m.
     pub posture: Vec<f64>,
@@ -79,9 +97,19 @@ pub struct Program {
     /// Frame in which the moves' poses are given.
     pub world_from_base: Isometry3<f64>,
     pub moves: Vec<Move>,
+    /// In the order of the moves.
+    pub spindle: Vec<SpindleSwitch>,
+    /// What was read and left aside, with its line.
+    pub notes: Vec<String>,
 }
 
 impl Program {
+    /// Switches of the spindle before a move.
+    pub(crate) fn switches(&self, before: usize) -> impl Iterator<Item = bool> + '_ {
+        let here = move |one: &&SpindleSwitch| one.before == before;
+        self.spindle.iter().filter(here).map(|one| one.on)
+    }
+
     /// Pose of the flange that a move asks for, in the world.
     pub(crate) fn world_from_flange(&self, base_from_tool: &Isometry3<f64>) -> Isometry3<f64> {
         self.world_from_base * base_from_tool * self.tool.flange_from_tool.inverse()
@@ -123,6 +151,12 @@ impl Program {
         if !(speed > 0.0 && speed <= top) {
             let rule = "above zero and finite; a share at most 1";
             return Err(ProgramErrorKind::at_point(path_point, what, speed, rule).into());
+        }
+        if let Zone::Within(zone_m) = step.zone
+            && !(zone_m > 0.0 && zone_m.is_finite())
+        {
+            let rule = "above zero and finite";
+            return Err(ProgramErrorKind::at_point(path_point, "zone in m", zone_m, rule).into());
         }
         if let Some(angle) = step.turntable_rad.filter(|angle| !angle.is_finite()) {
             return Err(

@@ -14,7 +14,7 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
 }
 
 /// A finite number.
-pub(super) fn finite(text: &str, what: &str) -> Result<f64, ProgramErrorKind> {
+pub(crate) fn finite(text: &str, what: &str) -> Result<f64, ProgramErrorKind> {
     let value: Option<f64> = text.trim().parse().ok();
     value
         .filter(|value| value.is_finite())

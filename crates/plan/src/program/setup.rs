@@ -38,6 +38,8 @@ impl ProgramSetup {
             tool: self.dialect.tool(robot, &self.settings.options)?,
             world_from_base: self.world_from_base,
             moves: Vec::new(),
+            spindle: Vec::new(),
+            notes: Vec::new(),
         })
     }
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, IkSolver, Robot};
 
 use super::error::{ProgramError, ProgramErrorKind};
-use super::moves::{Motion, Move, PathPoint, Program, Tool};
+use super::moves::{Motion, Move, PathPoint, Program, Tool, Zone};
 use crate::singularity::SingularityLimits;
 
 /// When a posture or a step of the arm counts as possible.
@@ -61,10 +61,13 @@ impl Program {
                     path_point,
                     base_from_tool: point.base_from_tool,
                     motion: point.motion,
+                    zone: Zone::default(),
                     turntable_rad: point.turntable_rad,
                     posture,
                 })
                 .collect(),
+            spindle: Vec::new(),
+            notes: Vec::new(),
         })
     }
 }
@@ -198,7 +201,7 @@ fn candidates(
 }
 
 /// Why no posture is within limits.
-fn outside(robot: &Robot, path_point: usize, branches: &[Vec<f64>]) -> ProgramErrorKind {
+pub(super) fn outside(robot: &Robot, path_point: usize, branches: &[Vec<f64>]) -> ProgramErrorKind {
     let worst = |q: &Vec<f64>| {
         let joints = robot.chain.joints.iter().zip(q);
         let excess = joints.filter_map(|(joint, q)| {

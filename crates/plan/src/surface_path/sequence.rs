@@ -5,7 +5,7 @@ use truecut_arm::{FrameId, Robot};
 
 use super::error::SurfacePathError;
 use super::solve::{Segment, copies, solve};
-use crate::program::{Motion, Move, Program, TravelOptions};
+use crate::program::{Motion, Move, Program, TravelOptions, Zone};
 
 /// A part of N-fold symmetry.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,6 +116,7 @@ pub fn program_of(
                 path_point: moves.len(),
                 base_from_tool: base_from_world * world_from_tool,
                 motion,
+                zone: Zone::default(),
                 turntable_rad: part.turntable_rad,
                 posture,
             });

@@ -166,6 +166,7 @@ impl ProgramTable {
                 options,
                 pulses_per_deg: turntable.flatten(),
                 turntable_share: joint_share,
+                spindle_signal: None,
             },
             joint_share,
             largest_step_rad: from_deg(self.largest_step_deg.unwrap_or(10.0)),
@@ -192,7 +193,15 @@ fn check_turntable(dialect: &dyn Dialect, turntable: Option<Option<f64>>, check:
             let who = format!("a {} with a turntable", dialect.noun());
             check.needed("symmetry", "pulses_per_deg", pulses, &who);
         }
-        (TurntableUnit::Pulses, None) => {}
+        (TurntableUnit::Pulses | TurntableUnit::None, None) => {}
+        (TurntableUnit::None, Some(_)) => {
+            let name = dialect.name();
+            let message = format!(
+                "`carried_by` is \"turntable\", but dialect = \"{name}\" moves none: \"arm\" goes to \
+                 each copy"
+            );
+            check.refuse(Fault::value("symmetry.carried_by", message, "no turntable"));
+        }
         (TurntableUnit::Degrees, _) => {
             let name = dialect.name();
             let because = format!("dialect = \"{name}\" holds the turntable's angle in degrees");

@@ -144,6 +144,7 @@ fn robot(joints: Vec<Joint>, links: Vec<Link>, frames: [Isometry3<f64>; 3]) -> R
         urdf_path: "random.urdf".into(),
         config_path: None,
         damping_ratios: Vec::new(),
+        tool_load: None,
     }
 }
 

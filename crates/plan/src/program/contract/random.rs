@@ -1,10 +1,11 @@
 //! Random programs, from seeds.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use truecut_arm::{FrameId, OpwGeometry};
+use truecut_arm::{FrameId, OpwGeometry, ToolLoad};
 
 use super::Subject;
-use crate::program::moves::{Motion, Move, Program, Tool};
+use crate::program::dialect::TurntableUnit;
+use crate::program::moves::{Motion, Move, Program, SpindleSwitch, Tool, Zone};
 use crate::singularity::SingularityLimits;
 
 impl Subject {
@@ -12,11 +13,14 @@ impl Subject {
         let name = self.dialect.tool(&self.robot, &self.options);
         let tool = Tool {
             flange_from_tool: random.pose(0.2),
-            mass_kg: 2.5,
+            load: Some(ToolLoad {
+                mass_kg: 2.5,
+                centre_m: random.vector(0.1),
+            }),
             ..name.expect("the tool's name")
         };
         let world_from_base = random.pose(0.4);
-        let turntable = random.below(2) == 1;
+        let turntable = random.below(2) == 1 && self.dialect.turntable() != TurntableUnit::None;
         let mut path_point = random.below(3);
         let postures = self.postures(random, count).into_iter();
         let moves = postures.map(|posture| {
@@ -25,6 +29,10 @@ impl Subject {
                 path_point,
                 base_from_tool: world_from_base.inverse() * flange * tool.flange_from_tool,
                 motion: random.motion(),
+                zone: match random.below(3) {
+                    0 => Zone::Stop,
+                    _ => Zone::Within(random.between(0.0005, 0.02)),
+                },
                 turntable_rad: turntable.then(|| random.between(-6.0, 6.0)),
                 posture,
             };
@@ -36,6 +44,17 @@ impl Subject {
             comment: String::new(),
             world_from_base,
             moves: moves.collect(),
+            spindle: vec![
+                SpindleSwitch {
+                    before: count / 2,
+                    on: true,
+                },
+                SpindleSwitch {
+                    before: count,
+                    on: false,
+                },
+            ],
+            notes: Vec::new(),
             tool,
         }
     }

@@ -11,7 +11,7 @@ use crate::program::dialect::{
     Dialect, Frames, Options, ProgramFile, ReadText, Resolution, Settings, TurntableUnit,
     schema_of, table,
 };
-use crate::program::{OptionFault, Program, ProgramError, ProgramErrorKind, Tool};
+use crate::program::{OptionFault, Program, ProgramError, ProgramErrorKind, SpindleSwitch, Tool};
 
 /// The dialect of Motoman jobs.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +28,7 @@ struct JobTable {
     date: Option<String>,
     /// How a job holds positions. Default: "rectangular". For jbi.
     positions: Option<PositionFormat>,
-    /// Number of the tool in the controller's table. Default: 0. For jbi.
+    /// Number of the tool in the controller's table. Default: 0. For jbi and ls.
     #[schemars(range(min = 0, max = 255))]
     tool_number: Option<u8>,
 }
@@ -39,6 +39,7 @@ impl JobTable {
         options.format = self.positions.unwrap_or(options.format);
         options.station_share = settings.turntable_share;
         options.station_pulses_per_deg = settings.pulses_per_deg;
+        options.spindle_output = settings.spindle_number()?;
         Ok(options)
     }
 
@@ -84,6 +85,10 @@ impl Dialect for Jbi {
         &["JBI"]
     }
 
+    fn makers(&self) -> &'static [&'static str] {
+        &["motoman", "yaskawa"]
+    }
+
     /// Half of the last decimals: 0.001 mm on three axes, 0.0001° of three angles (√5 of half of it
     /// where two turn about one axis), 0.1 mm/s, 0.01 %.
     fn resolution(&self) -> Resolution {
@@ -93,6 +98,7 @@ impl Dialect for Jbi {
             turntable_rad: 0.0,
             speed_m_per_s: 0.05e-3,
             share: 0.5e-4,
+            zone_m: None,
         }
     }
 
@@ -143,15 +149,33 @@ impl Dialect for Jbi {
             JbiJob::parse(&text?, file)
         };
         let head = load(file)?;
+        let spindle = settings.spindle_number();
+        let spindle = spindle.map_err(ProgramErrorKind::from)?;
         let program = |job: &JbiJob| {
             let (tool, base) = (&frames.tool, &frames.world_from_base);
-            job.program(robot, tool, base, settings.pulses_per_deg)
+            let mut program = job.program(robot, tool, base, settings.pulses_per_deg)?;
+            let switches = job.outputs.iter().filter(|(_, n, _)| Some(*n) == spindle);
+            program
+                .spindle
+                .extend(switches.map(|(before, _, on)| SpindleSwitch {
+                    before: *before,
+                    on: *on,
+                }));
+            Ok::<_, ProgramError>(program)
         };
         let mut whole = program(&head)?;
         for name in &head.calls {
             let called = file.with_file_name(format!("{name}.JBI"));
             let part = program(&load(&called)?)?;
             whole.tool.number = part.tool.number;
+            let before = whole.moves.len();
+            whole
+                .spindle
+                .extend(part.spindle.iter().map(|one| SpindleSwitch {
+                    before: one.before + before,
+                    ..*one
+                }));
+            whole.notes.extend(part.notes);
             whole.moves.extend(part.moves);
         }
         Ok(whole)

@@ -9,7 +9,7 @@ use truecut_arm::{FrameId, Robot};
 use super::{Rconf, pulses_per_unit};
 use crate::program::flags::Resolver;
 use crate::program::travel::rated_chain;
-use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind, Tool};
+use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind, Tool, Zone};
 
 /// A job as its file says it, in the file's units.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +25,10 @@ pub struct JbiJob {
     pub moves: Vec<JbiMove>,
     /// Jobs that are called, in order.
     pub calls: Vec<String>,
+    /// Outputs switched: before which move, number, value.
+    pub outputs: Vec<(usize, u32, bool)>,
+    /// What was left aside, with lines.
+    pub notes: Vec<String>,
 }
 
 /// A position with the line that holds it.
@@ -54,6 +58,8 @@ pub struct JbiMove {
     pub motion: Motion,
     pub position: u32,
     pub station: Option<u32>,
+    /// `PL`: 0 stops at the point.
+    pub level: Option<u8>,
 }
 
 impl JbiJob {
@@ -80,6 +86,8 @@ impl JbiJob {
             },
             world_from_base: *world_from_base,
             moves: Vec::with_capacity(self.moves.len()),
+            spindle: Vec::new(),
+            notes: self.notes.clone(),
         };
         let mut resolver = None;
         let mut columns = Vec::with_capacity(self.moves.len());
@@ -116,6 +124,10 @@ impl JbiJob {
                 path_point: step.path_point,
                 base_from_tool,
                 motion: step.motion,
+                zone: match step.level {
+                    Some(0) => Zone::Stop,
+                    _ => Zone::Unstated,
+                },
                 turntable_rad,
                 posture: Vec::new(),
             });

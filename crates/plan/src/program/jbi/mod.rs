@@ -5,6 +5,7 @@
 //! pulses.
 
 mod dialect;
+mod fields;
 mod job;
 mod read;
 mod write;
@@ -27,6 +28,8 @@ const NAME_CHARS: usize = 8;
 const COMMENT_CHARS: usize = 32;
 /// Largest number of a tool.
 const LAST_TOOL: u8 = 23;
+/// Largest position level.
+const LAST_LEVEL: u8 = 8;
 /// Speeds that an instruction can hold: V in mm/s, VJ in percent.
 const V_MM_PER_S: (f64, f64) = (0.1, 1500.0);
 const VJ_PERCENT: (f64, f64) = (0.01, 100.0);
@@ -99,6 +102,8 @@ pub struct JbiOptions {
     pub station_pulses_per_deg: Option<f64>,
     /// Speed of the turntable beside a move of the robot, share of its top speed.
     pub station_share: f64,
+    /// Number of the output that runs the spindle.
+    pub spindle_output: Option<u32>,
     /// Most instruction lines in a job; a longer program is split and called from a job of its
     /// name.
     pub lines_per_job: usize,
@@ -110,6 +115,7 @@ impl JbiOptions {
     pub fn new(date: JobDate) -> Self {
         Self {
             format: PositionFormat::Rectangular,
+            spindle_output: None,
             date,
             station_pulses_per_deg: None,
             station_share: 1.0,

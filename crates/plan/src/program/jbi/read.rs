@@ -3,9 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use super::fields::{fields, missing, numbered, position_type, rconf, unexpected};
 use super::job::{JbiJob, JbiMove, JbiPosition, JbiPositionValue};
-use super::{LAST_TOOL, Rconf, V_MM_PER_S, VJ_PERCENT, check_comment, check_name};
+use super::{LAST_LEVEL, LAST_TOOL, Rconf, V_MM_PER_S, VJ_PERCENT, check_name};
 use crate::program::number::{finite, whole};
+use crate::program::reading::Notes;
 use crate::program::{Motion, ProgramError, ProgramErrorKind};
 
 /// Where in the file the reader stands.
@@ -20,6 +22,17 @@ enum JobSection {
     End,
 }
 
+/// Instructions that move nothing; they are left aside with a note.
+const IDLE: [&str; 7] = [
+    "TIMER ",
+    "WAIT ",
+    "PULSE ",
+    "AOUT ",
+    "PAUSE",
+    "NOP",
+    "CALL MACRO",
+];
+
 struct JobReader<'a> {
     job: JbiJob,
     section: JobSection,
@@ -29,6 +42,7 @@ struct JobReader<'a> {
     kind: Option<&'a str>,
     rconf: Option<Rconf>,
     next_point: usize,
+    notes: Notes,
 }
 
 impl JbiJob {
@@ -48,7 +62,10 @@ impl JbiJob {
                 stations: BTreeMap::new(),
                 moves: Vec::new(),
                 calls: Vec::new(),
+                outputs: Vec::new(),
+                notes: Vec::new(),
             },
+            notes: Notes::default(),
             section: JobSection::Job,
             line: 0,
             announced: None,
@@ -68,30 +85,9 @@ impl JbiJob {
         reader
             .whole()
             .map_err(|(at, kind)| ProgramError::in_file(path, at.unwrap_or(line), kind))?;
+        reader.job.notes = reader.notes.texts();
         Ok(reader.job)
     }
-}
-
-fn unexpected(found: &str, wanted: &str) -> ProgramErrorKind {
-    ProgramErrorKind::unexpected(found, wanted)
-}
-
-/// Comma-separated fields, as many as one of `counts`.
-fn fields<'a>(
-    text: &'a str,
-    what: &str,
-    counts: &[usize],
-) -> Result<Vec<&'a str>, ProgramErrorKind> {
-    let parts: Vec<&str> = text.split(',').collect();
-    if counts.contains(&parts.len()) {
-        return Ok(parts);
-    }
-    let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
-    Err(ProgramErrorKind::Fields {
-        what: what.to_owned(),
-        found: parts.len(),
-        wanted: counts.join(" or "),
-    })
 }
 
 impl<'a> JobReader<'a> {
@@ -220,7 +216,6 @@ impl<'a> JobReader<'a> {
         match word {
             "NOP" => self.section = JobSection::Instructions,
             "///COMM" => {
-                check_comment(rest)?;
                 rest.clone_into(&mut self.job.comment);
             }
             "///DATE" | "///ATTR" | "///GROUP1" | "///GROUP2" => {}
@@ -242,6 +237,21 @@ impl<'a> JobReader<'a> {
         } else if let Some(name) = line.strip_prefix("CALL JOB:") {
             check_name(name)?;
             self.job.calls.push(name.to_owned());
+        } else if let Some(output) = line.strip_prefix("DOUT OT#(") {
+            let wanted = "DOUT OT#(number) ON or OFF";
+            let parts = output.split_once(") ");
+            let (number, state) = parts.ok_or_else(|| unexpected(line, wanted))?;
+            let on = match state.trim() {
+                "ON" => true,
+                "OFF" => false,
+                _ => return Err(unexpected(line, wanted)),
+            };
+            let before = self.job.moves.len();
+            let number = whole(number, "the number of an output")?;
+            self.job.outputs.push((before, number, on));
+        } else if let Some(idle) = IDLE.iter().find(|idle| line.starts_with(**idle)) {
+            self.notes
+                .add(self.line, format!("{} is left aside", idle.trim()));
         } else if !line.starts_with('\'') {
             let step = self.move_of(line)?;
             self.job.moves.push(step);
@@ -252,7 +262,15 @@ impl<'a> JobReader<'a> {
 
     fn move_of(&self, line: &str) -> Result<JbiMove, ProgramErrorKind> {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let (main, beside) = words.split_at(words.len().min(3));
+        let (main, mut beside) = words.split_at(words.len().min(3));
+        let mut level = None;
+        if let [first, rest @ ..] = beside
+            && let Some(text) = first.strip_prefix("PL=")
+        {
+            let number: u8 = whole(text, "PL")?;
+            ProgramErrorKind::unless(number <= LAST_LEVEL, "PL", number, "from 0 to 8")?;
+            (level, beside) = (Some(number), rest);
+        }
         let &[verb, position, speed] = main else {
             return Err(unexpected(line, "MOVJ, MOVL, CALL or END"));
         };
@@ -301,6 +319,7 @@ impl<'a> JobReader<'a> {
             motion,
             position: number,
             station,
+            level,
         })
     }
 
@@ -348,45 +367,4 @@ impl<'a> JobReader<'a> {
             Err((Some(line), ProgramErrorKind::UnusedPosition { name }))
         })
     }
-}
-
-fn missing(name: &str) -> ProgramErrorKind {
-    ProgramErrorKind::MissingPosition {
-        name: name.to_owned(),
-    }
-}
-
-fn numbered(text: &str, prefix: &str) -> Result<u32, ProgramErrorKind> {
-    let number = text.strip_prefix(prefix);
-    let number = number.ok_or_else(|| unexpected(text, &format!("a position {prefix}...")))?;
-    whole(number, "the position's number")
-}
-
-fn position_type(text: &str) -> Result<&str, ProgramErrorKind> {
-    let found = text.to_owned();
-    match text {
-        "BASE" | "PULSE" => Ok(text),
-        "ROBOT" | "TOOL" | "USER" | "MTOOL" => Err(ProgramErrorKind::ForeignPositionType { found }),
-        _ => Err(ProgramErrorKind::UnknownPositionType { found }),
-    }
-}
-
-/// Six flags; later controllers append others, of which nothing is read: 8 or 24 in all.
-fn rconf(text: &str) -> Result<Rconf, ProgramErrorKind> {
-    let texts = fields(text, "///RCONF", &[6, 8, 24])?;
-    let mut flags = [false; 6];
-    for (flag, text) in flags.iter_mut().zip(texts) {
-        *flag = match text.trim() {
-            "0" => false,
-            "1" => true,
-            other => {
-                return Err(ProgramErrorKind::value(
-                    "a flag of ///RCONF",
-                    other,
-                    "0 or 1",
-                ));
-            }
-        };
-    }
-    Ok(Rconf::from_fields(flags))
 }

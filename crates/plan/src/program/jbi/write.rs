@@ -7,8 +7,9 @@ use super::{
     JbiOptions, LAST_TOOL, NAME_CHARS, PositionFormat, Rconf, TURN_JOINTS, V_MM_PER_S, VJ_PERCENT,
     check_comment, check_name, pulses_per_unit, rconf_text,
 };
+use crate::program::dialect::NOT_LOADED;
 use crate::program::number::fixed;
-use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind, ProgramFile};
+use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind, ProgramFile, Zone};
 
 /// Writes a program as one job; as several and one that calls them in turn if it has more
 /// instruction lines than fit.
@@ -27,8 +28,8 @@ pub fn write(
     let (tool, lines) = (program.tool.number, options.lines_per_job);
     let rule = format!("from 0 to {LAST_TOOL}");
     ProgramErrorKind::unless(tool <= LAST_TOOL, "the tool number", tool, rule)?;
-    let rule = "at least 4: NOP, a move with its point, END";
-    ProgramErrorKind::unless(lines >= 4, "lines per job", lines, rule)?;
+    let rule = "at least 5: NOP, a comment, a move with its point, END";
+    ProgramErrorKind::unless(lines >= 5, "lines per job", lines, rule)?;
     program.check(robot)?;
     let writer = JobWriter::new(program, robot, options)?;
     let parts = writer.parts();
@@ -97,12 +98,18 @@ impl<'a> JobWriter<'a> {
 
     /// The moves, cut so that NOP, points, moves and END fit into a job.
     fn parts(&self) -> Vec<&'a [Move]> {
-        let room = self.options.lines_per_job - 2;
+        // Without NOP, the comment after it and END.
+        let room = self.options.lines_per_job - 3;
         let moves = &self.program.moves;
         let mut parts = Vec::new();
         let (mut start, mut lines) = (0, 0);
         for i in 0..moves.len() {
-            let needs = |first| 1 + usize::from(names_point(moves, i, first));
+            let switches = self.program.switches(i).count()
+                + match i + 1 == moves.len() {
+                    true => self.program.switches(moves.len()).count(),
+                    false => 0,
+                };
+            let needs = |first| 1 + usize::from(names_point(moves, i, first)) + switches;
             if lines + needs(start) > room && i > start {
                 parts.push(&moves[start..i]);
                 (start, lines) = (i, 0);
@@ -136,6 +143,7 @@ impl<'a> JobWriter<'a> {
             lines.push("///GROUP2 ST1".to_owned());
         }
         lines.push("NOP".to_owned());
+        lines.push(format!("'{}", NOT_LOADED.to_uppercase()));
         lines.extend(instructions);
         lines.push("END".to_owned());
         lines
@@ -176,13 +184,29 @@ impl<'a> JobWriter<'a> {
         }
         let mut instructions = Vec::with_capacity(moves.len());
         for (i, step) in moves.iter().enumerate() {
+            instructions.extend(self.spindle(first + i));
             if names_point(&self.program.moves, first + i, first) {
                 instructions.push(format!("'POINT {}", step.path_point));
             }
             instructions.push(self.instruction(i, step)?);
         }
+        if first + moves.len() == self.program.moves.len() {
+            instructions.extend(self.spindle(first + moves.len()));
+        }
         lines.extend(self.foot(instructions));
         Ok(file(name, &lines))
+    }
+
+    /// Instructions that switch the spindle before a move; comments where no output is named.
+    fn spindle(&self, before: usize) -> impl Iterator<Item = String> {
+        let output = self.options.spindle_output;
+        self.program.switches(before).map(move |on| {
+            let state = if on { "ON" } else { "OFF" };
+            output.map_or_else(
+                || format!("'SPINDLE {state}"),
+                |number| format!("DOUT OT#({number}) {state}"),
+            )
+        })
     }
 
     fn rectangular(
@@ -249,6 +273,9 @@ impl<'a> JobWriter<'a> {
                 format!("MOVL C{i:05} V={}", fixed(mm_per_s, 1))
             }
         };
+        if step.zone == Zone::Stop {
+            text.push_str(" PL=0");
+        }
         if self.with_station {
             let share = percent("the station's speed", self.options.station_share)?;
             text.push_str(&format!(" +MOVJ EC{i:05} VJ={share}"));

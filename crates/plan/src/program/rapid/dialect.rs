@@ -47,6 +47,10 @@ impl Dialect for Rapid {
         &["mod"]
     }
 
+    fn makers(&self) -> &'static [&'static str] {
+        &["abb", "irb"]
+    }
+
     /// Half of the last decimals: 0.001 mm on three axes, 1e-9 of a quaternion's four parts (the
     /// attitude turns by twice that), 0.0001° of the turntable, 0.001 mm/s.
     fn resolution(&self) -> Resolution {
@@ -56,6 +60,7 @@ impl Dialect for Rapid {
             turntable_rad: 0.5e-4_f64.to_radians(),
             speed_m_per_s: 0.5e-6,
             share: 0.5e-6 / RapidOptions::default().joint_top_m_per_s,
+            zone_m: Some(0.5e-6),
         }
     }
 
@@ -89,6 +94,7 @@ impl Dialect for Rapid {
         let table = table::<ModuleTable>(&settings.options).map_err(ProgramErrorKind::from)?;
         let mut options = RapidOptions::default();
         options.zone = table.zone.unwrap_or(options.zone);
+        options.spindle_signal.clone_from(&settings.spindle_signal);
         Ok(vec![ProgramFile {
             name: format!("{}.mod", program.name),
             text: super::write(program, robot, &options)?,
@@ -101,10 +107,14 @@ impl Dialect for Rapid {
         text: &ReadText<'_>,
         robot: &Robot,
         _: &Frames,
-        _: &Settings,
+        settings: &Settings,
     ) -> Result<Program, ProgramError> {
         let text = text(file).map_err(|error| ProgramError::in_file(file, None, error.into()))?;
-        RapidModule::parse(&text, file)?.program(robot, &RapidOptions::default())
+        let options = RapidOptions {
+            spindle_signal: settings.spindle_signal.clone(),
+            ..RapidOptions::default()
+        };
+        RapidModule::parse(&text, file)?.program(robot, &options)
     }
 }
 

@@ -4,32 +4,47 @@
 //! millimetres with three decimals, attitudes quaternions with nine, angles of the turntable
 //! degrees with four.
 
+mod data;
 mod dialect;
 mod module;
 mod read;
-mod text;
+mod run;
 mod write;
 
 use truecut_arm::{Elbow, OpwGeometry, Shoulder, Wrist};
 
 use super::ProgramErrorKind;
 use super::flags::{Flags, branch_excess, outside_rad};
+use super::source::Syntax;
 
 #[cfg(test)]
 pub(super) use dialect::sample_options;
 pub use dialect::{DIALECT, Rapid};
-pub use module::{RapidModule, RapidMove, RobTarget};
+pub use module::{RapidGoal, RapidModule, RapidMove};
 pub use write::write;
 
 /// Longest identifier, characters.
 const NAME_CHARS: usize = 32;
 /// What stands for an external axis that there is not.
 const UNUSED_AXIS: f64 = 9e9;
-/// Zones that the controller knows by name, beside `fine`.
-const ZONES: [&str; 14] = [
-    "z0", "z1", "z5", "z10", "z15", "z20", "z30", "z40", "z50", "z60", "z80", "z100", "z150",
-    "z200",
+/// Numbers of the zones that the controller knows by name, beside `fine`: mm, but 0.3 mm for `z0`.
+const ZONES: [u32; 14] = [0, 1, 5, 10, 15, 20, 30, 40, 50, 60, 80, 100, 150, 200];
+/// Speeds that it knows by name, mm/s, beside `vmax`.
+const SPEEDS: [u32; 25] = [
+    5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800, 1000, 1500, 2000, 2500,
+    3000, 4000, 5000, 6000, 7000,
 ];
+/// What `vmax` is taken for.
+const MAX_M_PER_S: f64 = 7.0;
+/// Mass by which tool data say that the load is not known: that of `load0`.
+const NO_LOAD_KG: f64 = 1e-3;
+/// The pieces of the language.
+const SYNTAX: Syntax = Syntax {
+    comment: '!',
+    marks: "[],;\\()",
+    in_words: "",
+    lines: false,
+};
 /// Words that a name may not be.
 const RESERVED: [&str; 12] = [
     "MODULE",
@@ -49,8 +64,11 @@ const RESERVED: [&str; 12] = [
 /// How a program is written as a module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RapidOptions {
-    /// Zone of the points between the first and the last, which are `fine`.
+    /// Zone of the points of which the program says nothing, between the first and the last, which
+    /// are `fine`.
     pub zone: String,
+    /// Digital output that runs the spindle.
+    pub spindle_signal: Option<String>,
     /// Speed of the tool point that stands for a joint move at full speed. RAPID gives joint moves
     /// a speed of the tool point, not a share.
     pub joint_top_m_per_s: f64,
@@ -63,6 +81,7 @@ impl Default for RapidOptions {
     fn default() -> Self {
         Self {
             zone: "z1".to_owned(),
+            spindle_signal: None,
             joint_top_m_per_s: 7.0,
             reorientation_deg_per_s: 500.0,
         }
@@ -138,8 +157,24 @@ fn check_name(what: &str, name: &str) -> Result<(), ProgramErrorKind> {
     ProgramErrorKind::unless(fits, what, format!("\"{name}\""), rule)
 }
 
+/// Radius of a zone that the controller knows by name, m.
+fn zone_radius_m(name: &str) -> Option<f64> {
+    let number: u32 = name.strip_prefix('z')?.parse().ok()?;
+    let mm = if number == 0 { 0.3 } else { f64::from(number) };
+    ZONES.contains(&number).then_some(mm * 1e-3)
+}
+
+fn unknown_zone(name: &str) -> ProgramErrorKind {
+    let known: Vec<String> = ZONES.iter().map(|zone| format!("z{zone}")).collect();
+    let rule = format!("`fine` or one of {}", known.join(", "));
+    ProgramErrorKind::value("the zone", format!("\"{name}\""), rule)
+}
+
 fn check_zone(zone: &str) -> Result<(), ProgramErrorKind> {
-    let known = zone == "fine" || ZONES.contains(&zone);
-    let rule = format!("`fine` or one of {}", ZONES.join(", "));
-    ProgramErrorKind::unless(known, "the zone", format!("\"{zone}\""), rule)
+    let known = zone == "fine" || zone_radius_m(zone).is_some();
+    if known {
+        Ok(())
+    } else {
+        Err(unknown_zone(zone))
+    }
 }

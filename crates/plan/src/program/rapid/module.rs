@@ -1,51 +1,59 @@
 //! A module as its file says it, and the program that it makes a robot run.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use nalgebra::{Isometry3, Vector3};
-use truecut_arm::Robot;
+use nalgebra::Isometry3;
+use truecut_arm::{Robot, ToolLoad};
 
-use super::{Confdata, RapidOptions};
-use crate::program::flags::Resolver;
-use crate::program::travel::rated_chain;
-use crate::program::{Motion, Move, Program, ProgramError, Tool};
+use super::{Confdata, NO_LOAD_KG, RapidOptions};
+use crate::program::flags::Flags;
+use crate::program::reading::{Goal, Step, follow};
+use crate::program::{Motion, Program, ProgramError, SpindleSwitch, Tool, Zone};
 
-/// A position with its configuration.
+/// Where a move goes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RobTarget {
+pub enum RapidGoal {
+    /// Pose in the work object, and the configuration unless its supervision is switched off.
+    Target {
+        base_from_tool: Isometry3<f64>,
+        confdata: Option<Confdata>,
+    },
+    /// Joints, deg.
+    Joints([f64; 6]),
+}
+
+/// A move, its data looked up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RapidMove {
     pub line: usize,
-    pub base_from_tool: Isometry3<f64>,
-    pub confdata: Confdata,
+    /// Name of the target, if it has one.
+    pub target: String,
+    pub goal: RapidGoal,
+    /// Point on the way of a circle.
+    pub via: Option<Isometry3<f64>>,
+    pub linear: bool,
+    /// Of the tool point.
+    pub speed_m_per_s: f64,
+    pub zone: Zone,
     /// External axis a, deg; `None` if unused.
     pub turntable_deg: Option<f64>,
 }
 
-/// A move to a target.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RapidMove {
-    pub line: usize,
-    pub linear: bool,
-    pub target: String,
-    pub speed: String,
-    pub zone: String,
-}
-
-/// A module of one tool, one work object, and one procedure.
+/// A module run through from `main`, or from its first procedure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RapidModule {
     pub path: PathBuf,
     pub name: String,
     pub tool_name: String,
     pub flange_from_tool: Isometry3<f64>,
-    pub tool_mass_kg: f64,
-    pub tool_centre_m: Vector3<f64>,
-    pub base_name: String,
+    pub tool_load: Option<ToolLoad>,
+    /// The work object of the first move.
     pub world_from_base: Isometry3<f64>,
-    /// Speed of the tool point by name, m/s, with the line.
-    pub speeds: BTreeMap<String, (f64, usize)>,
-    pub targets: BTreeMap<String, RobTarget>,
     pub moves: Vec<RapidMove>,
+    /// Digital outputs set: before which move, name, value.
+    pub outputs: Vec<(usize, String, bool)>,
+    /// What was left aside, with lines.
+    pub notes: Vec<String>,
 }
 
 impl RapidModule {
@@ -53,57 +61,64 @@ impl RapidModule {
     /// points of that number; if one is not, moves are counted.
     ///
     /// # Errors
-    /// With the target's line, if no posture reaches its pose in its configuration.
+    /// With the move's line, if no posture reaches its pose in its configuration.
     pub fn program(&self, robot: &Robot, options: &RapidOptions) -> Result<Program, ProgramError> {
-        let mut program = Program {
+        let spindle = self.outputs.iter();
+        let spindle = spindle.filter(|(_, name, _)| Some(name) == options.spindle_signal.as_ref());
+        let others = self.outputs.len() - spindle.clone().count();
+        let mut notes = self.notes.clone();
+        if others > 0 {
+            notes.push(format!(
+                "{others} digital outputs are set that are not the spindle's; they are left aside"
+            ));
+        }
+        let head = Program {
             name: self.name.clone(),
             comment: String::new(),
             tool: Tool {
                 name: self.tool_name.clone(),
                 number: 0,
                 flange_from_tool: self.flange_from_tool,
-                mass_kg: self.tool_mass_kg,
-                centre_m: self.tool_centre_m,
+                load: self.tool_load.filter(|load| load.mass_kg > NO_LOAD_KG),
             },
             world_from_base: self.world_from_base,
             moves: Vec::with_capacity(self.moves.len()),
+            spindle: spindle
+                .map(|(before, _, on)| SpindleSwitch {
+                    before: *before,
+                    on: *on,
+                })
+                .collect(),
+            notes,
         };
-        let resolver = Resolver::new(robot)?;
-        let points = self.path_points();
-        let mut columns = Vec::with_capacity(self.moves.len());
-        for (i, step) in self.moves.iter().enumerate() {
-            let target = &self.targets[&step.target];
-            let flange = program.world_from_flange(&target.base_from_tool);
-            let found = resolver.postures(points[i], &flange, &target.confdata);
-            let found =
-                found.map_err(|kind| ProgramError::in_file(&self.path, target.line, kind))?;
-            columns.push(found);
-            let (speed_m_per_s, _) = self.speeds[&step.speed];
-            program.moves.push(Move {
-                path_point: points[i],
-                base_from_tool: target.base_from_tool,
-                motion: if step.linear {
-                    Motion::Linear { speed_m_per_s }
-                } else {
-                    let share = speed_m_per_s / options.joint_top_m_per_s;
-                    Motion::Joint { share }
-                },
-                turntable_rad: target.turntable_deg.map(f64::to_radians),
-                posture: Vec::new(),
-            });
-        }
-        for (step, posture) in program.moves.iter_mut().zip(rated_chain(&columns)) {
-            step.posture = posture;
-        }
-        Ok(program)
-    }
-
-    fn path_points(&self) -> Vec<usize> {
-        let numbers = self
-            .moves
-            .iter()
-            .map(|step| step.target.strip_prefix('p')?.parse().ok());
-        let named: Option<Vec<usize>> = numbers.collect();
-        named.unwrap_or_else(|| (0..self.moves.len()).collect())
+        let steps = self.moves.iter().map(|step| Step {
+            line: step.line,
+            path_point: step.target.strip_prefix('p').and_then(|n| n.parse().ok()),
+            goal: match &step.goal {
+                RapidGoal::Joints(deg) => {
+                    Goal::Joints(deg.iter().map(|joint| joint.to_radians()).collect())
+                }
+                RapidGoal::Target {
+                    base_from_tool,
+                    confdata,
+                } => {
+                    let flags = confdata.map(|conf| Box::new(conf) as Box<dyn Flags>);
+                    Goal::Pose(*base_from_tool, flags)
+                }
+            },
+            via: step.via,
+            motion: if step.linear {
+                Motion::Linear {
+                    speed_m_per_s: step.speed_m_per_s,
+                }
+            } else {
+                // A speed above that of all joints at full speed is full speed.
+                let share = (step.speed_m_per_s / options.joint_top_m_per_s).min(1.0);
+                Motion::Joint { share }
+            },
+            zone: step.zone,
+            turntable_rad: step.turntable_deg.map(f64::to_radians),
+        });
+        follow(head, steps.collect(), robot, &self.path)
     }
 }

@@ -1,69 +1,158 @@
-//! From a module's text to its data and moves.
+//! From a module's text to its moves.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use super::data::{Data, Datum, datum};
+use super::module::RapidModule;
+use super::run::Runner;
+use super::{SYNTAX, check_name};
+use crate::program::ProgramError;
+use crate::program::reading::Notes;
+use crate::program::source::{Source, Value};
 
-use super::module::{RapidModule, RapidMove, RobTarget};
-use super::text::{Source, Value};
-use super::{Confdata, UNUSED_AXIS, check_name, check_zone};
-use crate::program::{ProgramError, ProgramErrorKind};
+/// Instructions that move nothing; they are left aside with a note.
+const IDLE: &[&str] = &[
+    "accset",
+    "actunit",
+    "clkreset",
+    "clkstart",
+    "clkstop",
+    "deactunit",
+    "exit",
+    "gripload",
+    "invertdo",
+    "pulsedo",
+    "reset",
+    "return",
+    "set",
+    "setao",
+    "setgo",
+    "singarea",
+    "stop",
+    "tperase",
+    "tpwrite",
+    "velset",
+    "waitdi",
+    "waitdo",
+    "waitrob",
+    "waittime",
+    "waituntil",
+];
+pub(super) const WANTED: &str =
+    "MoveJ, MoveL, MoveC, MoveAbsJ, ConfJ, ConfL, SetDO, a call or ENDPROC";
 
-/// By how much the squares of a quaternion's parts may miss 1: four decimals are enough.
-const UNIT: f64 = 2e-4;
+/// A place as a move names it.
+pub(super) enum Place<'a> {
+    Value(Value<'a>),
+    /// In the work object: x, y, z.
+    Offs(&'a str, Vec<Value<'a>>),
+    /// In the tool: x, y, z, and turns about its axes.
+    RelTool(&'a str, Vec<Value<'a>>, [Option<Value<'a>>; 3]),
+}
 
-struct ModuleReader<'a> {
+pub(super) struct MoveText<'a> {
+    pub verb: Verb,
+    pub via: Option<Place<'a>>,
+    pub to: Place<'a>,
+    pub speed: Value<'a>,
+    /// `\V`, mm/s.
+    pub own_speed: Option<Value<'a>>,
+    pub zone: Value<'a>,
+    pub tool: &'a str,
+    pub base: &'a str,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Verb {
+    Joint,
+    Linear,
+    Circular,
+    Absolute,
+}
+
+pub(super) enum Instruction<'a> {
+    Move(Box<MoveText<'a>>),
+    /// Whether lines and circles (else moves by joints) keep to configurations.
+    Supervise {
+        lines: bool,
+        on: bool,
+    },
+    Output(&'a str, bool),
+    Call(&'a str),
+}
+
+pub(super) struct ModuleReader<'a> {
     source: Source<'a>,
-    module: RapidModule,
-    tool: Option<usize>,
-    base: Option<usize>,
+    pub path: &'a Path,
+    pub data: Data,
+    targets: BTreeMap<String, usize>,
+    pub procedures: Vec<(&'a str, Vec<(Instruction<'a>, usize)>)>,
+    notes: Notes,
 }
 
 impl RapidModule {
-    /// Reads a module.
+    /// Reads a module and runs it through from `main`, or from its first procedure.
     ///
     /// # Errors
-    /// At the first piece that is none of those that [`write`](super::write) writes, with names and
-    /// layout free, and if targets and moves do not belong together.
+    /// At the first piece that is not understood, and at data that are not there.
     pub fn parse(text: &str, path: &Path) -> Result<Self, ProgramError> {
+        let text = &without_head(text);
         let mut reader = ModuleReader {
-            source: Source::new(text, path)?,
-            module: Self {
-                path: path.to_owned(),
-                name: String::new(),
-                tool_name: String::new(),
-                flange_from_tool: Isometry3::identity(),
-                tool_mass_kg: 0.0,
-                tool_centre_m: Vector3::zeros(),
-                base_name: String::new(),
-                world_from_base: Isometry3::identity(),
-                speeds: BTreeMap::new(),
-                targets: BTreeMap::new(),
-                moves: Vec::new(),
-            },
-            tool: None,
-            base: None,
+            source: Source::new(text, path, &SYNTAX)?,
+            path,
+            data: Data::default(),
+            targets: BTreeMap::new(),
+            procedures: Vec::new(),
+            notes: Notes::default(),
         };
-        reader.module()?;
-        reader.whole()?;
-        Ok(reader.module)
+        let name = reader.module()?;
+        let mut notes = std::mem::take(&mut reader.notes);
+        let mut runner = Runner::new(&reader, name);
+        let main = |(name, _): &&(&str, _)| name.eq_ignore_ascii_case("main");
+        let procedures = &reader.procedures;
+        if let Some((_, body)) = procedures.iter().find(main).or_else(|| procedures.first()) {
+            runner.run(body, 0)?;
+        }
+        for (name, line) in &reader.targets {
+            if !runner.used.contains(name) {
+                notes.add(*line, "no move goes to a target that is declared");
+            }
+        }
+        Ok(Self {
+            notes: notes.texts(),
+            ..runner.module
+        })
     }
 }
 
+/// The text with the head of older controllers (`%%% VERSION … %%%`) blanked, its lines kept.
+fn without_head(text: &str) -> String {
+    let head = text.trim_start().strip_prefix("%%%");
+    let end = head.and_then(|rest| Some(text.len() - rest.len() + rest.find("%%%")? + 3));
+    let (head, rest) = text.split_at(end.unwrap_or(0));
+    let blank: String = head.chars().filter(|c| *c == '\n').collect();
+    blank + rest
+}
+
 impl<'a> ModuleReader<'a> {
-    fn module(&mut self) -> Result<(), ProgramError> {
+    fn module(&mut self) -> Result<String, ProgramError> {
         self.source.expect(&["MODULE"])?;
-        let name = self.source.word("the module's name")?;
-        self.at_last(check_name("the module's name", name))?;
-        name.clone_into(&mut self.module.name);
+        let name = self.source.word("the module's name")?.to_owned();
+        let checked = check_name("the module's name", &name);
+        checked.map_err(|kind| self.source.error(self.source.line(), kind))?;
+        if self.source.take("(") {
+            self.source.skip_past(")")?;
+        }
+        let wanted = "PERS, CONST, VAR, PROC or ENDMODULE";
         loop {
             let line = self.source.line();
-            match self.source.word("PERS, CONST, PROC or ENDMODULE")? {
-                "PERS" | "CONST" => self.declaration(line)?,
+            match self.source.word(wanted)?.to_uppercase().as_str() {
+                "LOCAL" | "TASK" => {}
+                "PERS" | "CONST" | "VAR" => self.declaration(line)?,
                 "PROC" => self.procedure()?,
                 "ENDMODULE" => break,
-                _ => return Err(self.source.unexpected("PERS, CONST, PROC or ENDMODULE")),
+                _ => return Err(self.source.unexpected(wanted)),
             }
         }
         if !self.source.ended() {
@@ -72,219 +161,163 @@ impl<'a> ModuleReader<'a> {
                 .source
                 .unexpected("the end of the file, after ENDMODULE,"));
         }
-        Ok(())
-    }
-
-    /// A fault of the token last taken gets its line.
-    fn at_last<T>(&self, result: Result<T, ProgramErrorKind>) -> Result<T, ProgramError> {
-        result.map_err(|kind| self.source.error(self.source.line(), kind))
+        Ok(name)
     }
 
     fn declaration(&mut self, line: usize) -> Result<(), ProgramError> {
         let kind = self.source.word("a type of data")?;
-        let kinds = "tooldata, wobjdata, speeddata or robtarget";
-        if !["tooldata", "wobjdata", "speeddata", "robtarget"].contains(&kind) {
-            return Err(self.source.unexpected(kinds));
-        }
         let name = self.source.word("a name")?;
-        check_name("the name", name).map_err(|kind| self.source.error(line, kind))?;
-        self.source.expect(&[":="])?;
+        let checked = check_name("the name", name);
+        checked.map_err(|kind| self.source.error(line, kind))?;
+        if !self.source.take(":=") {
+            // Without a value, or an array.
+            self.notes
+                .add(line, format!("{kind} without a single value is left aside"));
+            return self.source.skip_past(";");
+        }
         let value = self.source.value()?;
         self.source.expect(&[";"])?;
-        let known = self.known(name);
-        let kept = match (known, kind) {
-            (Some(first_line), _) => {
-                let what = name.to_owned();
-                Err(ProgramErrorKind::Twice { what, first_line })
+        let read = datum(kind, name, &value).and_then(|datum| match datum {
+            Some(datum) => {
+                if let Datum::Target(_) = datum {
+                    self.targets.insert(name.to_lowercase(), line);
+                }
+                self.data.insert(name, datum, line)
             }
-            (None, "tooldata") => self.tool(name, &value, line),
-            (None, "wobjdata") => self.base(name, &value, line),
-            (None, "speeddata") => self.speed(name, &value, line),
-            (None, _) => self.target(name, &value, line),
-        };
-        kept.map_err(|kind| self.source.error(line, kind))
-    }
-
-    /// Line in which a name was declared.
-    fn known(&self, name: &str) -> Option<usize> {
-        let module = &self.module;
-        let tool = self.tool.filter(|_| module.tool_name == name);
-        let base = self.base.filter(|_| module.base_name == name);
-        let speed = module.speeds.get(name).map(|(_, line)| *line);
-        let target = module.targets.get(name).map(|target| target.line);
-        tool.or(base).or(speed).or(target)
-    }
-
-    fn tool(&mut self, name: &str, value: &Value, line: usize) -> Result<(), ProgramErrorKind> {
-        if let Some(first_line) = self.tool {
-            let what = "tooldata".to_owned();
-            return Err(ProgramErrorKind::Twice { what, first_line });
-        }
-        let parts = value.parts(name, 3)?;
-        truth(name, &parts[0], "TRUE")?;
-        let load = parts[2].parts("tload", 6)?;
-        self.module.flange_from_tool = frame("tframe", &parts[1])?;
-        self.module.tool_mass_kg = load[0].number("mass")?;
-        self.module.tool_centre_m = Vector3::from(load[1].numbers::<3>("cog")?) * 1e-3;
-        attitude("aom", &load[2])?;
-        for moment in &load[3..] {
-            moment.number("a moment of inertia")?;
-        }
-        name.clone_into(&mut self.module.tool_name);
-        self.tool = Some(line);
-        Ok(())
-    }
-
-    fn base(&mut self, name: &str, value: &Value, line: usize) -> Result<(), ProgramErrorKind> {
-        if let Some(first_line) = self.base {
-            let what = "wobjdata".to_owned();
-            return Err(ProgramErrorKind::Twice { what, first_line });
-        }
-        let parts = value.parts(name, 5)?;
-        truth("robhold", &parts[0], "FALSE")?;
-        truth("ufprog", &parts[1], "TRUE")?;
-        ProgramErrorKind::unless(parts[2] == Value::Text, "ufmec", "no text", "a text")?;
-        self.module.world_from_base = frame("uframe", &parts[3])? * frame("oframe", &parts[4])?;
-        name.clone_into(&mut self.module.base_name);
-        self.base = Some(line);
-        Ok(())
-    }
-
-    fn speed(&mut self, name: &str, value: &Value, line: usize) -> Result<(), ProgramErrorKind> {
-        let [tcp, _, _, _] = value.numbers::<4>(name)?;
-        ProgramErrorKind::unless(tcp > 0.0, "v_tcp", tcp, "above zero")?;
-        let speed = (tcp * 1e-3, line);
-        self.module.speeds.insert(name.to_owned(), speed);
-        Ok(())
-    }
-
-    fn target(&mut self, name: &str, value: &Value, line: usize) -> Result<(), ProgramErrorKind> {
-        let parts = value.parts(name, 4)?;
-        let mut quadrants = [0; 4];
-        for (quadrant, part) in quadrants.iter_mut().zip(parts[2].parts("robconf", 4)?) {
-            let number = part.number("robconf")?;
-            let fits = number.fract() == 0.0 && number.abs() <= 100.0;
-            ProgramErrorKind::unless(fits, "robconf", number, "a whole number")?;
-            *quadrant = number as i32;
-        }
-        let [cf1, cf4, cf6, cfx] = quadrants;
-        let confdata = Confdata { cf1, cf4, cf6, cfx };
-        confdata.check()?;
-        let axes = parts[3].numbers::<6>("extax")?;
-        if let Some(used) = axes[1..].iter().find(|axis| **axis != UNUSED_AXIS) {
-            return Err(ProgramErrorKind::value(
-                "an external axis after eax_a",
-                used,
-                "9E+09: a turntable on eax_a is all that is read",
-            ));
-        }
-        let target = RobTarget {
-            line,
-            base_from_tool: Isometry3::from_parts(
-                Translation3::from(Vector3::from(parts[0].numbers::<3>("trans")?) * 1e-3),
-                attitude("rot", &parts[1])?,
-            ),
-            confdata,
-            turntable_deg: (axes[0] != UNUSED_AXIS).then_some(axes[0]),
-        };
-        self.module.targets.insert(name.to_owned(), target);
-        Ok(())
+            None => {
+                self.notes
+                    .add(line, format!("data of the type {kind} are left aside"));
+                Ok(())
+            }
+        });
+        read.map_err(|kind| self.source.error(line, kind))
     }
 
     fn procedure(&mut self) -> Result<(), ProgramError> {
-        self.source.word("the procedure's name")?;
+        let name = self.source.word("the procedure's name")?;
         self.source.expect(&["(", ")"])?;
+        let mut body = Vec::new();
         loop {
             let line = self.source.line();
-            match self.source.word("MoveJ, MoveL, ConfJ, ConfL or ENDPROC")? {
-                "ENDPROC" => return Ok(()),
-                "ConfJ" | "ConfL" => self.source.expect(&["\\", "On", ";"])?,
-                "MoveL" => self.motion(true, line)?,
-                "MoveJ" => self.motion(false, line)?,
-                _ => {
-                    let wanted = "MoveJ, MoveL, ConfJ, ConfL or ENDPROC";
-                    return Err(self.source.unexpected(wanted));
+            let word = self.source.word(WANTED)?;
+            let instruction = match word.to_lowercase().as_str() {
+                "endproc" => break,
+                "movej" => self.motion(Verb::Joint)?,
+                "movel" => self.motion(Verb::Linear)?,
+                "movec" => self.motion(Verb::Circular)?,
+                "moveabsj" => self.motion(Verb::Absolute)?,
+                verb @ ("confj" | "confl") => {
+                    self.source.expect(&["\\"])?;
+                    let on = self.source.word("On or Off")?;
+                    let on = match on.to_lowercase().as_str() {
+                        "on" => true,
+                        "off" => false,
+                        _ => return Err(self.source.unexpected("On or Off")),
+                    };
+                    self.source.expect(&[";"])?;
+                    let lines = verb == "confl";
+                    Instruction::Supervise { lines, on }
                 }
-            }
-        }
-    }
-
-    fn motion(&mut self, linear: bool, line: usize) -> Result<(), ProgramError> {
-        let target = self.source.word("a robtarget")?.to_owned();
-        self.source.expect(&[","])?;
-        let speed = self.source.word("speed data")?.to_owned();
-        self.source.expect(&[","])?;
-        let zone = self.source.word("a zone")?.to_owned();
-        self.source.expect(&[","])?;
-        let tool = self.source.word("a tool")?;
-        self.source.expect(&["\\", "WObj", ":="])?;
-        let base = self.source.word("a work object")?;
-        self.source.expect(&[";"])?;
-        let module = &self.module;
-        let declared = [
-            (&*target, module.targets.contains_key(&target)),
-            (&*speed, module.speeds.contains_key(&speed)),
-            (tool, self.tool.is_some() && module.tool_name == tool),
-            (base, self.base.is_some() && module.base_name == base),
-        ];
-        if let Some((name, _)) = declared.iter().find(|(_, known)| !known) {
-            let name = (*name).to_owned();
-            let kind = if *name == target {
-                ProgramErrorKind::MissingPosition { name }
-            } else {
-                ProgramErrorKind::value("the name", format!("`{name}`"), "declared in the module")
+                "setdo" => {
+                    let signal = self.source.word("a signal")?;
+                    self.source.expect(&[","])?;
+                    let value = self.source.number("the signal's value")?;
+                    self.source.expect(&[";"])?;
+                    Instruction::Output(signal, value != 0.0)
+                }
+                idle if IDLE.contains(&idle) => {
+                    self.notes.add(line, format!("{word} is left aside"));
+                    self.source.skip_past(";")?;
+                    continue;
+                }
+                _ if self.source.take(";") => Instruction::Call(word),
+                _ => return Err(self.source.unexpected(WANTED)),
             };
-            return Err(self.source.error(line, kind));
+            body.push((instruction, line));
         }
-        check_zone(&zone).map_err(|kind| self.source.error(line, kind))?;
-        self.module.moves.push(RapidMove {
-            line,
-            linear,
-            target,
-            speed,
-            zone,
-        });
+        self.procedures.push((name, body));
         Ok(())
     }
 
-    fn whole(&self) -> Result<(), ProgramError> {
-        let moves = &self.module.moves;
-        let used: BTreeSet<&str> = moves.iter().map(|step| step.target.as_str()).collect();
-        let unused = |(name, _): &(&String, &RobTarget)| !used.contains(name.as_str());
-        let mut targets: Vec<_> = self.module.targets.iter().filter(unused).collect();
-        targets.sort_by_key(|(_, target)| target.line);
-        targets.first().map_or(Ok(()), |(name, target)| {
-            let name = (*name).clone();
-            Err(self
-                .source
-                .error(target.line, ProgramErrorKind::UnusedPosition { name }))
+    fn motion(&mut self, verb: Verb) -> Result<Instruction<'a>, ProgramError> {
+        let via = match verb {
+            Verb::Circular => {
+                let via = self.place()?;
+                self.source.expect(&[","])?;
+                Some(via)
+            }
+            _ => None,
+        };
+        let to = self.place()?;
+        if verb == Verb::Absolute && self.source.take("\\") {
+            self.source.expect(&["NoEOffs"])?;
+        }
+        self.source.expect(&[","])?;
+        let speed = self.source.value()?;
+        let own_speed = match self.source.take("\\") {
+            true => {
+                self.source.expect(&["V", ":="])?;
+                Some(self.source.value()?)
+            }
+            false => None,
+        };
+        self.source.expect(&[","])?;
+        let zone = self.source.value()?;
+        self.source.expect(&[","])?;
+        let tool = self.source.word("a tool")?;
+        let mut base = "wobj0";
+        if self.source.take("\\") {
+            self.source.expect(&["WObj", ":="])?;
+            base = self.source.word("a work object")?;
+        }
+        self.source.expect(&[";"])?;
+        Ok(Instruction::Move(Box::new(MoveText {
+            verb,
+            via,
+            to,
+            speed,
+            own_speed,
+            zone,
+            tool,
+            base,
+        })))
+    }
+
+    fn place(&mut self) -> Result<Place<'a>, ProgramError> {
+        let value = self.source.value()?;
+        let Value::Word(function) = value else {
+            return Ok(Place::Value(value));
+        };
+        if !self.source.take("(") {
+            return Ok(Place::Value(value));
+        }
+        let relative = function.eq_ignore_ascii_case("RelTool");
+        if !relative && !function.eq_ignore_ascii_case("Offs") {
+            return Err(self.source.unexpected("`(` after Offs or RelTool"));
+        }
+        let name = self.source.word("a robtarget")?;
+        let mut parts = Vec::new();
+        for _ in 0..3 {
+            self.source.expect(&[","])?;
+            parts.push(self.source.value()?);
+        }
+        let mut turns = [None, None, None];
+        while relative && self.source.take("\\") {
+            let axis = self.source.word("Rx, Ry or Rz")?;
+            let known = ["Rx", "Ry", "Rz"]
+                .iter()
+                .position(|n| n.eq_ignore_ascii_case(axis));
+            let Some(k) = known else {
+                return Err(self.source.unexpected("Rx, Ry or Rz"));
+            };
+            self.source.expect(&[":="])?;
+            turns[k] = Some(self.source.value()?);
+        }
+        self.source.expect(&[")"])?;
+        Ok(if relative {
+            Place::RelTool(name, parts, turns)
+        } else {
+            Place::Offs(name, parts)
         })
     }
-}
-
-fn truth(what: &str, value: &Value, wanted: &str) -> Result<(), ProgramErrorKind> {
-    match value {
-        Value::Word(word) if word.eq_ignore_ascii_case(wanted) => Ok(()),
-        Value::Word(word) => Err(ProgramErrorKind::value(what, word, wanted)),
-        _ => Err(ProgramErrorKind::value(what, "no word", wanted)),
-    }
-}
-
-fn frame(what: &str, value: &Value) -> Result<Isometry3<f64>, ProgramErrorKind> {
-    let parts = value.parts(what, 2)?;
-    let mm = Vector3::from(parts[0].numbers::<3>(what)?);
-    let rotation = attitude(what, &parts[1])?;
-    Ok(Isometry3::from_parts(
-        Translation3::from(mm * 1e-3),
-        rotation,
-    ))
-}
-
-fn attitude(what: &str, value: &Value) -> Result<UnitQuaternion<f64>, ProgramErrorKind> {
-    let [w, x, y, z] = value.numbers::<4>(what)?;
-    let quaternion = Quaternion::new(w, x, y, z);
-    let square = quaternion.norm_squared();
-    let what = format!("the sum of squares of {what}");
-    ProgramErrorKind::unless((square - 1.0).abs() <= UNIT, what, square, "1, to 2e-4")?;
-    Ok(UnitQuaternion::from_quaternion(quaternion))
 }

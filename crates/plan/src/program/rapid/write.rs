@@ -1,11 +1,12 @@
 //! From a program to a module.
 
 use nalgebra::{Isometry3, Vector3};
-use truecut_arm::{OpwGeometry, Robot};
+use truecut_arm::{OpwGeometry, Robot, ToolLoad};
 
-use super::{Confdata, RapidOptions, check_name, check_zone};
+use super::{Confdata, NO_LOAD_KG, RapidOptions, ZONES, check_name, check_zone, zone_radius_m};
+use crate::program::dialect::NOT_LOADED;
 use crate::program::number::fixed;
-use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind};
+use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind, Zone};
 
 /// Writes a program as one module with the procedure `main`, lines ended by CR LF.
 ///
@@ -26,6 +27,10 @@ pub fn write(
     if !program.comment.is_empty() {
         lines.push(format!("  ! {}", program.comment));
     }
+    lines.push(format!("  ! {NOT_LOADED}"));
+    if program.tool.load.is_none() {
+        lines.push("  ! the tool's load is not known: load0, to be identified".to_owned());
+    }
     lines.push(tool_line(program));
     lines.push(format!(
         "  PERS wobjdata base:=[FALSE,TRUE,\"\",{},[[0,0,0],[1,0,0,0]]];",
@@ -38,6 +43,17 @@ pub fn write(
             i + 1
         ));
     }
+    let zones = own_zones(program);
+    for (i, mm) in zones.iter().enumerate() {
+        // Attitude and external axes as in the zones that have names: half as wide again, and a
+        // hundredth of it in degrees.
+        let (other, turn) = (fixed(1.5 * mm, 3), fixed(0.15 * mm, 4));
+        lines.push(format!(
+            "  CONST zonedata zone{}:=[FALSE,{},{other},{other},{turn},{other},{turn}];",
+            i + 1,
+            fixed(*mm, 3)
+        ));
+    }
     for step in &program.moves {
         lines.push(target(step, &geometry));
     }
@@ -46,14 +62,21 @@ pub fn write(
         let text = speed_text(step, options);
         let feed = 1 + speeds.iter().position(|s| *s == text).unwrap_or_default();
         let inner = i > 0 && i + 1 < program.moves.len();
+        lines.extend(spindle(program, i, options));
+        let zone = match step.zone {
+            Zone::Stop => "fine".to_owned(),
+            Zone::Unstated if inner => options.zone.clone(),
+            Zone::Unstated => "fine".to_owned(),
+            Zone::Within(zone_m) => zone_name(zone_m, &zones),
+        };
         lines.push(format!(
-            "    {} p{},feed{feed},{},{}\\WObj:=base;",
+            "    {} p{},feed{feed},{zone},{}\\WObj:=base;",
             verb(step),
             step.path_point,
-            if inner { options.zone.as_str() } else { "fine" },
             program.tool.name
         ));
     }
+    lines.extend(spindle(program, program.moves.len(), options));
     lines.extend(["  ENDPROC", "ENDMODULE"].map(str::to_owned));
     Ok(lines.join("\r\n") + "\r\n")
 }
@@ -63,8 +86,18 @@ fn check(program: &Program, options: &RapidOptions) -> Result<(), ProgramErrorKi
     check_name("the module's name", &program.name)?;
     check_name("the tool's name", &program.tool.name)?;
     check_zone(&options.zone)?;
+    if let Some(signal) = options
+        .spindle_signal
+        .as_ref()
+        .filter(|_| !program.spindle.is_empty())
+    {
+        check_name("the spindle's signal", signal)?;
+    }
     for (what, value) in [
-        ("the tool's mass in kg", program.tool.mass_kg),
+        (
+            "the tool's mass in kg",
+            program.tool.load.map_or(NO_LOAD_KG, |load| load.mass_kg),
+        ),
         (
             "the top speed of joint moves in m/s",
             options.joint_top_m_per_s,
@@ -80,6 +113,48 @@ fn check(program: &Program, options: &RapidOptions) -> Result<(), ProgramErrorKi
     let printable = program.comment.chars().all(|c| (' '..='~').contains(&c));
     let comment = format!("\"{}\"", program.comment);
     ProgramErrorKind::unless(printable, "the comment", comment, "printable ASCII")
+}
+
+/// Instructions that switch the spindle before a move; comments where no signal is named.
+fn spindle(program: &Program, before: usize, options: &RapidOptions) -> Vec<String> {
+    let each = program.switches(before);
+    each.map(|on| match &options.spindle_signal {
+        Some(signal) => format!("    SetDO {signal},{};", u8::from(on)),
+        None => format!("    ! spindle {}", if on { "on" } else { "off" }),
+    })
+    .collect()
+}
+
+/// Zones that the controller does not know by name, mm, each once.
+fn own_zones(program: &Program) -> Vec<f64> {
+    let mut zones: Vec<f64> = Vec::new();
+    for step in &program.moves {
+        if let Zone::Within(zone_m) = step.zone {
+            let mm = rounded_mm(zone_m);
+            if known_zone(mm).is_none() && !zones.contains(&mm) {
+                zones.push(mm);
+            }
+        }
+    }
+    zones
+}
+
+/// To the decimals that are printed, and not nothing.
+fn rounded_mm(zone_m: f64) -> f64 {
+    ((zone_m * 1e6).round() * 1e-3).max(1e-3)
+}
+
+fn known_zone(mm: f64) -> Option<String> {
+    let names = ZONES.iter().map(|zone| format!("z{zone}"));
+    names
+        .into_iter()
+        .find(|name| zone_radius_m(name).is_some_and(|m| (m * 1e3 - mm).abs() < 1e-6))
+}
+
+fn zone_name(zone_m: f64, own: &[f64]) -> String {
+    let mm = rounded_mm(zone_m);
+    let place = || own.iter().position(|one| *one == mm).unwrap_or_default();
+    known_zone(mm).unwrap_or_else(|| format!("zone{}", place() + 1))
 }
 
 fn verb(step: &Move) -> &'static str {
@@ -121,12 +196,17 @@ fn speeds(program: &Program, options: &RapidOptions) -> Result<Vec<String>, Prog
 
 fn tool_line(program: &Program) -> String {
     let tool = &program.tool;
+    let none = ToolLoad {
+        mass_kg: NO_LOAD_KG,
+        centre_m: Vector3::new(0.0, 0.0, 1e-3),
+    };
+    let load = tool.load.unwrap_or(none);
     format!(
         "  PERS tooldata {}:=[TRUE,{},[{},{},[1,0,0,0],0,0,0]];",
         tool.name,
         pose(&tool.flange_from_tool),
-        fixed(tool.mass_kg, 3),
-        place(&tool.centre_m)
+        fixed(load.mass_kg, 3),
+        place(&load.centre_m)
     )
 }
 

@@ -1,4 +1,4 @@
-//! Words, numbers and bracketed values of RAPID, with their lines.
+//! Words, numbers, texts and marks of robot languages, with their lines.
 
 use std::path::Path;
 
@@ -23,6 +23,21 @@ impl Token<'_> {
     }
 }
 
+/// What tells one language's pieces from another's.
+pub(super) struct Syntax {
+    /// Begins a comment that ends with its line.
+    pub comment: char,
+    /// Single characters that mean something by themselves.
+    pub marks: &'static str,
+    /// Characters of words beside letters, digits and `_.+-`.
+    pub in_words: &'static str,
+    /// Whether the end of a line ends an instruction: it is the mark [`LINE_END`] then.
+    pub lines: bool,
+}
+
+/// End of a line that holds something.
+pub(super) const LINE_END: &str = "\n";
+
 /// A value as written: a word, a text, or a list of values.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Value<'a> {
@@ -40,17 +55,21 @@ pub(super) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    pub fn new(text: &'a str, path: &'a Path) -> Result<Self, ProgramError> {
+    pub fn new(text: &'a str, path: &'a Path, syntax: &Syntax) -> Result<Self, ProgramError> {
         let mut tokens = Vec::new();
         let mut last_line = 1;
         for (i, line) in text.lines().enumerate() {
             last_line = i + 1;
             let mut rest = line.trim_start();
-            while !rest.is_empty() && !rest.starts_with('!') {
-                let (token, after) =
-                    token(rest).map_err(|kind| ProgramError::in_file(path, last_line, kind))?;
+            let before = tokens.len();
+            while !rest.is_empty() && !rest.starts_with(syntax.comment) {
+                let (token, after) = token(rest, syntax)
+                    .map_err(|kind| ProgramError::in_file(path, last_line, kind))?;
                 tokens.push((token, last_line));
                 rest = after.trim_start();
+            }
+            if syntax.lines && tokens.len() > before {
+                tokens.push((Token::Mark(LINE_END), last_line));
             }
         }
         Ok(Self {
@@ -64,6 +83,58 @@ impl<'a> Source<'a> {
     /// Line of the token that comes next; the last line if none does.
     pub fn line(&self) -> usize {
         self.tokens.get(self.at).map_or(self.last_line, |t| t.1)
+    }
+
+    /// Line of the token last taken.
+    pub fn last_line(&self) -> usize {
+        let at = self.at.saturating_sub(1);
+        self.tokens.get(at).map_or(self.last_line, |t| t.1)
+    }
+
+    /// Whether this mark or word comes next.
+    pub fn comes(&self, wanted: &str) -> bool {
+        self.tokens
+            .get(self.at)
+            .is_some_and(|(token, _)| match token {
+                Token::Word(found) | Token::Mark(found) => found.eq_ignore_ascii_case(wanted),
+                Token::Text(_) => false,
+            })
+    }
+
+    /// Takes this mark or word if it comes next.
+    pub fn take(&mut self, wanted: &str) -> bool {
+        let comes = self.comes(wanted);
+        self.at += usize::from(comes);
+        comes
+    }
+
+    /// Takes a word that this mark follows, and the mark.
+    pub fn named(&mut self, mark: &str) -> Option<&'a str> {
+        match (self.tokens.get(self.at), self.tokens.get(self.at + 1)) {
+            (Some((Token::Word(name), _)), Some((Token::Mark(found), _))) if *found == mark => {
+                self.at += 2;
+                Some(name)
+            }
+            _ => None,
+        }
+    }
+
+    /// Leaves out what comes next.
+    pub fn skip_one(&mut self, wanted: &str) -> Result<(), ProgramError> {
+        self.next(wanted).map(drop)
+    }
+
+    /// Leaves out what comes up to this mark, and the mark.
+    pub fn skip_past(&mut self, mark: &str) -> Result<(), ProgramError> {
+        while !self.take(mark) {
+            self.next(mark)?;
+        }
+        Ok(())
+    }
+
+    pub fn number(&mut self, what: &str) -> Result<f64, ProgramError> {
+        let word = self.word(what)?;
+        finite(word, what).map_err(|kind| self.error(self.last_line(), kind))
     }
 
     pub fn error(&self, line: usize, kind: ProgramErrorKind) -> ProgramError {
@@ -134,7 +205,7 @@ impl<'a> Source<'a> {
     }
 }
 
-fn token(rest: &str) -> Result<(Token<'_>, &str), ProgramErrorKind> {
+fn token<'a>(rest: &'a str, syntax: &Syntax) -> Result<(Token<'a>, &'a str), ProgramErrorKind> {
     if let Some(text) = rest.strip_prefix('"') {
         let end = text
             .find('"')
@@ -144,18 +215,20 @@ fn token(rest: &str) -> Result<(Token<'_>, &str), ProgramErrorKind> {
     if let Some(after) = rest.strip_prefix(":=") {
         return Ok((Token::Mark(":="), after));
     }
-    let in_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '+' | '-');
+    let in_word = |c: char| {
+        c.is_alphanumeric() || matches!(c, '_' | '.' | '+' | '-') || syntax.in_words.contains(c)
+    };
     let end = rest.find(|c| !in_word(c)).unwrap_or(rest.len());
     if end > 0 {
         return Ok((Token::Word(&rest[..end]), &rest[end..]));
     }
     let mark = rest.chars().next().map_or(0, char::len_utf8);
-    if "[],;\\()".contains(&rest[..mark]) {
+    if syntax.marks.contains(&rest[..mark]) {
         return Ok((Token::Mark(&rest[..mark]), &rest[mark..]));
     }
     Err(ProgramErrorKind::unexpected(
         &rest[..mark],
-        "a word, a number or one of [ ] , ; \\ ( ) :=",
+        &format!("a word, a number or one of {}", syntax.marks),
     ))
 }
 

@@ -1,0 +1,275 @@
+//! `truecut path` of a CAM file: G-code, APT or poses before an arm.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use truecut::outputs::write_file;
+use truecut_arm::{JointKind, Robot};
+use truecut_plan::cam::{self, CamOptions, CamPath, WorkSetup};
+use truecut_plan::program::{
+    Dialect, Motion, Options, Program, ProgramError, Replay, ReplayOptions, Settings,
+    TravelOptions, dialect_named, maker_note, read_text,
+};
+use truecut_recording::{ChannelSpec, Chunk, Header, Outcome, Recording, Sink, Unit};
+use truecut_sim::travel_view;
+use truecut_telemetry::RrdSink;
+
+use crate::args::{CamArguments, PathArguments};
+use crate::exit_status::ExitStatus;
+use crate::failure::Failure;
+use crate::program::run_through;
+
+/// Most frames of the recording.
+const FRAMES: usize = 5000;
+
+/// Reads, plans, runs through, prints and writes.
+pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
+    let (file, cam) = (&arguments.file, &arguments.cam);
+    let robot = robot(cam, file)?;
+    let dialect = dialect(cam)?;
+    let settings = settings(cam, dialect, file)?;
+    let text = read_text(file).map_err(|error| Failure::at(file, error))?;
+    let options = CamOptions {
+        chord_m: cam.chord_mm.unwrap_or(0.01) * 1e-3,
+        unit_m: match cam.unit.as_deref() {
+            Some("inch") => 0.0254,
+            _ => 1e-3,
+        },
+    };
+    let read = cam::read(&text, file, &options).map_err(|error| refused(file, &error))?;
+    let head = head(cam, dialect, &settings, &robot, file)?;
+    let setup = WorkSetup {
+        world_from_work: crate::program::frame(cam.work_xyz_mm, cam.work_rpy_deg),
+        spin_rad: cam.spin_deg.map(f64::to_radians),
+        rapid_m_per_s: cam.rapid_mm_per_s.unwrap_or(250.0) * 1e-3,
+        joint_share: cam.joint_speed.unwrap_or(0.25),
+        zone_m: cam.zone_mm.map(|mm| mm * 1e-3),
+    };
+    // Lines may be long: what lies between their ends is looked at when they are run through.
+    let travel = TravelOptions {
+        largest_step: std::f64::consts::PI,
+        ..TravelOptions::default()
+    };
+    let mut program = cam::follow(&robot, head, &read, file, &setup, &travel)
+        .map_err(|error| refused(file, &error))?;
+    program.notes.extend(maker_note(dialect, &robot));
+    let replay = program.replay(&robot, &ReplayOptions::default());
+    let written = write(
+        arguments, &robot, dialect, &settings, &read, &program, &replay,
+    )?;
+    let status = run_through(&robot, &program, &replay, None, cam.acceleration_m_per_s2)?;
+    if let Some((first, rest)) = written.split_first() {
+        crate::print(&format!("\n{}", crate::text::written(first, rest)))?;
+    }
+    Ok(status)
+}
+
+fn robot(cam: &CamArguments, file: &Path) -> Result<Robot, Failure> {
+    let urdf = cam.robot.as_ref().ok_or_else(|| {
+        let text = "a path from CAM needs --robot, the URDF of the arm that follows it";
+        Failure::at(file, text)
+    })?;
+    let robot = Robot::load_kinematics(urdf, None, cam.tip.as_deref())
+        .map_err(|error| Failure::arm(&error))?;
+    match robot
+        .chain
+        .joints
+        .iter()
+        .find(|joint| joint.kind == JointKind::Prismatic)
+    {
+        None => Ok(robot),
+        Some(slide) => Err(Failure::at(
+            urdf,
+            format!(
+                "joint `{}` is a slide: robot programs are written for rotary arms",
+                slide.name
+            ),
+        )),
+    }
+}
+
+fn dialect(cam: &CamArguments) -> Result<&'static dyn Dialect, Failure> {
+    let name = cam.dialect.as_deref().unwrap_or("rapid");
+    dialect_named(name).ok_or_else(|| Failure::message(format!("unknown dialect `{name}`")))
+}
+
+/// `--option key=value`: values that are numbers or truths are taken as such.
+fn settings(cam: &CamArguments, dialect: &dyn Dialect, file: &Path) -> Result<Settings, Failure> {
+    let mut options = Options::new();
+    for text in &cam.option {
+        let (key, value) = text
+            .split_once('=')
+            .ok_or_else(|| Failure::message(format!("--option {text}: must be like key=value")))?;
+        let value = serde_json::from_str::<Value>(value)
+            .ok()
+            .filter(|value| value.is_number() || value.is_boolean());
+        let text = text[key.len() + 1..].to_owned();
+        options.insert(key.to_owned(), value.unwrap_or(Value::String(text)));
+    }
+    dialect.check(&options).map_err(|fault| {
+        let help = format!("--option key=value gives the options of {}", dialect.name());
+        Failure::with_help(format!("{}: {fault}", file.display()), help)
+    })?;
+    Ok(Settings {
+        options,
+        spindle_signal: cam.spindle_signal.clone(),
+        ..Settings::default()
+    })
+}
+
+fn head(
+    cam: &CamArguments,
+    dialect: &dyn Dialect,
+    settings: &Settings,
+    robot: &Robot,
+    file: &Path,
+) -> Result<Program, Failure> {
+    let stem = file
+        .file_stem()
+        .and_then(|stem| stem.to_str())
+        .unwrap_or("PATH");
+    let plain = stem.chars().filter(char::is_ascii_alphanumeric);
+    let name: String = plain.take(8).collect::<String>().to_uppercase();
+    let tool = dialect.tool(robot, &settings.options);
+    Ok(Program {
+        name: cam.name.clone().unwrap_or(name),
+        comment: String::new(),
+        tool: tool.map_err(|fault| Failure::message(fault.to_string()))?,
+        world_from_base: crate::program::frame(cam.base_xyz_mm, cam.base_rpy_deg),
+        moves: Vec::new(),
+        spindle: Vec::new(),
+        notes: Vec::new(),
+    })
+}
+
+fn refused(file: &Path, error: &ProgramError) -> Failure {
+    let help = "it is a path from CAM".to_owned();
+    let path = error.path().unwrap_or(file);
+    Failure::in_file(Some(path), error.line(), error.message(), help)
+}
+
+fn write(
+    arguments: &PathArguments,
+    robot: &Robot,
+    dialect: &dyn Dialect,
+    settings: &Settings,
+    read: &CamPath,
+    program: &Program,
+    replay: &Replay,
+) -> Result<Vec<PathBuf>, Failure> {
+    let stem = arguments.file.file_stem().unwrap_or_default();
+    let folder = arguments.out.join(stem);
+    // First what can be refused.
+    let files = dialect
+        .write(program, robot, settings)
+        .map_err(|error| Failure::at(&arguments.file, error))?;
+    let (points, recording) = (folder.join("path.csv"), folder.join("path.rrd"));
+    let table = table(read, program, robot.dof());
+    write_file(
+        &points,
+        &table.map_err(|error| Failure::at(&points, error))?,
+    )?;
+    record(robot, program, replay, &recording)?;
+    let mut written = vec![points, recording];
+    for one in files {
+        let file = folder.join(one.name);
+        write_file(&file, one.text.as_bytes())?;
+        written.push(file);
+    }
+    Ok(written)
+}
+
+/// One row a path point: line of the file, pose in the world, posture.
+fn table(read: &CamPath, program: &Program, joints: usize) -> csv::Result<Vec<u8>> {
+    let mut out = csv::Writer::from_writer(Vec::new());
+    let heads = [
+        "point",
+        "line",
+        "work_x_mm",
+        "work_y_mm",
+        "work_z_mm",
+        "x_mm",
+        "y_mm",
+        "z_mm",
+        "qw",
+        "qx",
+        "qy",
+        "qz",
+    ];
+    let names = heads.map(str::to_owned).into_iter();
+    let names = names.chain((1..=joints).map(|j| format!("j{j}")));
+    out.write_record(names.chain(["feed_mm_per_s".to_owned()]))?;
+    for (step, source) in program.moves.iter().zip(&read.points) {
+        let pose = program.world_from_base * step.base_from_tool;
+        let (t, q) = (pose.translation.vector * 1e3, pose.rotation);
+        let mut cells = vec![step.path_point.to_string(), source.line.to_string()];
+        cells.extend(source.place_m.iter().map(|m| format!("{:.6}", m * 1e3)));
+        cells.extend([t.x, t.y, t.z].map(|mm| format!("{mm:.6}")));
+        cells.extend([q.w, q.i, q.j, q.k].map(|part| format!("{part:.9}")));
+        cells.extend(
+            step.posture
+                .iter()
+                .map(|rad| format!("{:.6}", rad.to_degrees())),
+        );
+        cells.push(match step.motion {
+            Motion::Linear { speed_m_per_s } => format!("{:.3}", speed_m_per_s * 1e3),
+            Motion::Joint { .. } => String::new(),
+        });
+        out.write_record(cells)?;
+    }
+    out.into_inner().map_err(|error| error.into_error().into())
+}
+
+/// The arm along the path, and its joints over time, for the viewer.
+fn record(robot: &Robot, program: &Program, replay: &Replay, file: &Path) -> Result<(), Failure> {
+    let failed = |error: truecut_recording::SinkError| Failure::message(error.to_string());
+    if let Some(folder) = file.parent() {
+        std::fs::create_dir_all(folder).map_err(|error| Failure::at(folder, error))?;
+    }
+    let every = replay.rows.len().div_ceil(FRAMES).max(1);
+    // Turns on the spot take no time here: a viewer shows one row an instant.
+    let mut rows: Vec<(f64, &[f64])> = Vec::new();
+    for row in replay.rows.iter().step_by(every) {
+        if rows.last().is_none_or(|(time_s, _)| row.time_s > *time_s) {
+            rows.push((row.time_s, &row.posture));
+        }
+    }
+    let (scene, frames) = travel_view(robot, &rows);
+    let joints = robot.chain.joints.iter().enumerate();
+    let channel = |(i, joint): (usize, &truecut_arm::Joint)| {
+        let name = format!("joint{}.angle", i + 1);
+        ChannelSpec::new(name, Unit::Radian, format!("angle of {}", joint.name))
+    };
+    let header = Header {
+        scenario_name: program.name.clone(),
+        scenario_text: String::new(),
+        channels: joints.map(channel).collect(),
+        scene,
+        notes: program.notes.clone(),
+    };
+    let time_s: Vec<f64> = rows.iter().map(|(time_s, _)| *time_s).collect();
+    let column = |joint: usize| rows.iter().map(|(_, posture)| posture[joint]).collect();
+    let columns: Vec<Vec<f64>> = (0..robot.dof()).map(column).collect();
+    let mut sink = RrdSink::new(file);
+    sink.begin(&header).map_err(failed)?;
+    let chunk = Chunk {
+        time_s: &time_s,
+        columns: columns.iter().map(Vec::as_slice).collect(),
+        frames: &frames,
+    };
+    sink.chunk(&chunk).map_err(failed)?;
+    let recording = Recording {
+        header,
+        time_s: time_s.clone(),
+        columns: columns.clone(),
+        profiles: Vec::new(),
+        scalars: Vec::new(),
+        outcome: Outcome::Completed,
+    };
+    sink.finish(&recording, &[]).map_err(failed)
+}
+
+/// Whether a job's arguments hold any that only CAM files take.
+pub fn given(cam: &CamArguments) -> bool {
+    *cam != CamArguments::default()
+}

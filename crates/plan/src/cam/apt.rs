@@ -1,0 +1,357 @@
+//! Cutter locations in APT (ISO 4343), as CAM systems write them.
+
+use std::path::Path;
+
+use nalgebra::{UnitVector3, Vector3};
+
+use super::{Attitude, CamOptions, CamPath, CamPoint, check_count, direction};
+use crate::arc::Arc;
+use crate::program::number::finite;
+use crate::program::reading::Notes;
+use crate::program::{ProgramError, ProgramErrorKind};
+
+/// By how much the end of an arc may miss its circle, m.
+const ARC_CLOSES_M: f64 = 1e-5;
+const INCH_M: f64 = 0.0254;
+/// Words that move nothing; they are left aside.
+const IDLE: &[&str] = &[
+    "PARTNO",
+    "PPRINT",
+    "CUTTER",
+    "COOLNT",
+    "INTOL",
+    "OUTTOL",
+    "MACHIN",
+    "TLDATA",
+    "TOOL PATH",
+    "PAINT",
+    "MSYS",
+    "OPSTOP",
+    "STOP",
+    "DELAY",
+    "REMARK",
+    "CLEARP",
+    "AUXFUN",
+    "SEQNO",
+    "TPRINT",
+    "END-OF-PATH",
+    "GOHOME",
+    "INSERT",
+    "RETRCT",
+    "THICK",
+    "ROTABL",
+    "MODE",
+    "HEAD",
+    "LOAD",
+    "SELECT",
+    "CATIA0",
+    "CLDATA",
+    "PREFUN",
+    "TLAXIS",
+];
+/// Words that would need what is not known.
+const REFUSED: [(&str, &str); 6] = [
+    ("CYCLE", "canned cycles"),
+    ("CUTCOM", "compensation of the cutter's radius"),
+    ("CALL", "subprograms"),
+    ("CALSUB", "subprograms"),
+    ("MACRO", "subprograms"),
+    ("COPY", "copies"),
+];
+
+struct AptReader<'a> {
+    options: &'a CamOptions,
+    path: CamPath,
+    notes: Notes,
+    unit_m: f64,
+    multiaxis: bool,
+    feed_m_per_s: Option<f64>,
+    /// The next move is one in rapid traverse.
+    rapid: bool,
+    axis: UnitVector3<f64>,
+    tool: Option<f64>,
+    /// Centre, axis and radius of the circle that the next point ends, m.
+    circle: Option<(Vector3<f64>, UnitVector3<f64>, f64)>,
+    ended: bool,
+}
+
+/// Reads APT.
+///
+/// # Errors
+/// At the first statement that is not understood or cannot be followed.
+pub(super) fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamPath, ProgramError> {
+    let mut reader = AptReader {
+        options,
+        path: CamPath::default(),
+        notes: Notes::default(),
+        unit_m: options.unit_m,
+        multiaxis: false,
+        feed_m_per_s: None,
+        rapid: false,
+        axis: Vector3::z_axis(),
+        tool: None,
+        circle: None,
+        ended: false,
+    };
+    let mut open: Option<(usize, String)> = None;
+    for (i, line) in text.lines().enumerate() {
+        let line = line.split("$$").next().unwrap_or_default().trim();
+        let (at, mut whole) = open.take().unwrap_or((i + 1, String::new()));
+        // A statement goes on in the next line after `$`.
+        if let Some(part) = line.strip_suffix('$') {
+            whole.push_str(part.trim());
+            open = Some((at, whole));
+            continue;
+        }
+        whole.push_str(line);
+        let done = reader.statement(whole.trim(), at);
+        done.map_err(|kind| ProgramError::in_file(file, at, kind))?;
+        if reader.ended {
+            break;
+        }
+    }
+    if let Some((at, _)) = open {
+        let missing = "the end of the statement".to_owned();
+        return Err(ProgramError::in_file(
+            file,
+            at,
+            ProgramErrorKind::Truncated { missing },
+        ));
+    }
+    Ok(CamPath {
+        notes: reader.notes.texts(),
+        ..reader.path
+    })
+}
+
+impl AptReader<'_> {
+    fn statement(&mut self, text: &str, line: usize) -> Result<(), ProgramErrorKind> {
+        if text.is_empty() {
+            return Ok(());
+        }
+        let (word, rest) = text.split_once('/').unwrap_or((text, ""));
+        let word = word.trim().to_uppercase();
+        let parts: Vec<&str> = rest
+            .split(',')
+            .map(str::trim)
+            .filter(|p| !p.is_empty())
+            .collect();
+        let first = parts
+            .first()
+            .map(|part| part.to_uppercase())
+            .unwrap_or_default();
+        match word.as_str() {
+            "UNITS" => {
+                self.unit_m = match first.as_str() {
+                    "MM" => 1e-3,
+                    "INCHES" | "INCH" | "IN" => INCH_M,
+                    "CM" => 1e-2,
+                    _ => return Err(ProgramErrorKind::unexpected(&first, "MM, CM or INCHES")),
+                };
+            }
+            "MULTAX" => self.multiaxis = first != "OFF",
+            "FEDRAT" => self.feed(&parts)?,
+            "RAPID" => self.rapid = true,
+            "SPINDL" => self.spindle(&parts)?,
+            "LOADTL" => self.tool(&parts, line)?,
+            "FROM" | "GOTO" => self.goto(&word, &parts, line)?,
+            "CIRCLE" => {
+                let [x, y, z, i, j, k, radius] = numbers::<7>(&word, &parts)?;
+                let radius_m = radius * self.unit_m;
+                ProgramErrorKind::unless(
+                    radius_m > 0.0,
+                    "the radius of CIRCLE",
+                    radius,
+                    "above zero",
+                )?;
+                let centre = Vector3::new(x, y, z) * self.unit_m;
+                self.circle = Some((centre, direction(Vector3::new(i, j, k))?, radius_m));
+            }
+            "GODLTA" => {
+                let [x, y, z] = numbers::<3>(&word, &parts)?;
+                let from = self.path.points.last().ok_or_else(|| {
+                    ProgramErrorKind::unexpected("GODLTA", "FROM or GOTO, before it,")
+                })?;
+                let to = from.place_m + Vector3::new(x, y, z) * self.unit_m;
+                self.travel(to, self.axis, line)?;
+            }
+            "FINI" | "END" => self.ended = true,
+            "CUTCOM" if first == "OFF" => {}
+            _ => {
+                if let Some((_, what)) = REFUSED.iter().find(|(known, _)| *known == word) {
+                    let wanted = format!("a statement without {what}, which are not read,");
+                    return Err(ProgramErrorKind::unexpected(&word, &wanted));
+                }
+                if !IDLE.iter().any(|idle| word.starts_with(idle)) {
+                    let wanted = "a word that is read: GOTO, FROM, GODLTA, CIRCLE, RAPID, FEDRAT, \
+                                  SPINDL, LOADTL, MULTAX, UNITS, FINI";
+                    return Err(ProgramErrorKind::unexpected(&word, wanted));
+                }
+                self.notes.add(line, format!("{word} is left aside"));
+            }
+        }
+        Ok(())
+    }
+
+    fn feed(&mut self, parts: &[&str]) -> Result<(), ProgramErrorKind> {
+        let mut unit = self.unit_m / 60.0;
+        let mut feed = None;
+        for part in parts {
+            match part.to_uppercase().as_str() {
+                "MMPM" => unit = 1e-3 / 60.0,
+                "IPM" => unit = INCH_M / 60.0,
+                "PERMIN" => unit = self.unit_m / 60.0,
+                other @ ("MMPR" | "IPR" | "PERREV" | "INVERS") => {
+                    let wanted = "a feed by the minute: MMPM, IPM or PERMIN;";
+                    return Err(ProgramErrorKind::unexpected(other, wanted));
+                }
+                _ => feed = Some(finite(part, "FEDRAT")?),
+            }
+        }
+        let feed =
+            feed.ok_or_else(|| ProgramErrorKind::unexpected("FEDRAT", "a feed after it;"))?;
+        ProgramErrorKind::unless(feed > 0.0, "FEDRAT", feed, "above zero")?;
+        self.feed_m_per_s = Some(feed * unit);
+        self.rapid = false;
+        Ok(())
+    }
+
+    fn spindle(&mut self, parts: &[&str]) -> Result<(), ProgramErrorKind> {
+        let mut on = true;
+        for part in parts {
+            match part.to_uppercase().as_str() {
+                "OFF" => on = false,
+                "ON" | "CLW" | "CCLW" | "RPM" | "REV" | "MAXRPM" => {}
+                _ => {
+                    let rpm = finite(part, "SPINDL")?;
+                    ProgramErrorKind::unless(rpm >= 0.0, "SPINDL", rpm, "zero or above")?;
+                    let most = self.path.spindle_rpm.unwrap_or(0.0).max(rpm);
+                    self.path.spindle_rpm = Some(most);
+                }
+            }
+        }
+        self.path.spindle.push((self.path.points.len(), on));
+        Ok(())
+    }
+
+    fn tool(&mut self, parts: &[&str], line: usize) -> Result<(), ProgramErrorKind> {
+        let number = finite(parts.first().copied().unwrap_or_default(), "LOADTL")?;
+        if self.tool.is_some_and(|known| known != number) && !self.path.points.is_empty() {
+            let rule = "that of the moves before: one tool is read";
+            return Err(ProgramErrorKind::value("LOADTL", number, rule));
+        }
+        self.tool = Some(number);
+        self.notes.add(
+            line,
+            format!("LOADTL/{number}: the tool is that of the robot"),
+        );
+        Ok(())
+    }
+
+    fn goto(&mut self, word: &str, parts: &[&str], line: usize) -> Result<(), ProgramErrorKind> {
+        let mut axis = self.axis;
+        let place = match parts.len() {
+            6 => {
+                let [x, y, z, i, j, k] = numbers::<6>(word, parts)?;
+                axis = direction(Vector3::new(i, j, k))?;
+                [x, y, z]
+            }
+            _ if self.multiaxis && parts.len() == 3 => {
+                let found = format!("{word} of three numbers");
+                let wanted = "the tool's axis as well, under MULTAX/ON: six numbers;";
+                return Err(ProgramErrorKind::unexpected(&found, wanted));
+            }
+            _ => numbers::<3>(word, parts)?,
+        };
+        let to = Vector3::from(place) * self.unit_m;
+        if word == "FROM" {
+            self.rapid = true;
+        }
+        self.travel(to, axis, line)
+    }
+
+    fn travel(
+        &mut self,
+        to: Vector3<f64>,
+        axis: UnitVector3<f64>,
+        line: usize,
+    ) -> Result<(), ProgramErrorKind> {
+        let rapid = std::mem::take(&mut self.rapid);
+        let feed = match (rapid, self.feed_m_per_s) {
+            (true, _) => None,
+            (false, Some(feed)) => Some(feed),
+            (false, None) => {
+                let found = "a move with feed";
+                return Err(ProgramErrorKind::unexpected(
+                    found,
+                    "FEDRAT or RAPID, before it,",
+                ));
+            }
+        };
+        let mut places = Vec::new();
+        if let Some((centre, about, radius_m)) = self.circle.take() {
+            places = self.arc(centre, about, radius_m, to)?;
+        }
+        check_count(self.path.points.len() + places.len() + 1)?;
+        let count = places.len() + 1;
+        let from_axis = self.axis;
+        for (k, place_m) in places.into_iter().chain([to]).enumerate() {
+            let share = (k + 1) as f64 / count as f64;
+            let between = direction(from_axis.into_inner().lerp(&axis, share))?;
+            self.path.points.push(CamPoint {
+                line,
+                place_m,
+                attitude: Attitude::Axis(if k + 1 == count { axis } else { between }),
+                feed_m_per_s: feed,
+                stops: false,
+            });
+        }
+        self.axis = axis;
+        Ok(())
+    }
+
+    /// Points on the circle between the last point and its end.
+    fn arc(
+        &self,
+        centre: Vector3<f64>,
+        about: UnitVector3<f64>,
+        radius_m: f64,
+        to: Vector3<f64>,
+    ) -> Result<Vec<Vector3<f64>>, ProgramErrorKind> {
+        let from =
+            self.path.points.last().ok_or_else(|| {
+                ProgramErrorKind::unexpected("CIRCLE", "FROM or GOTO, before it,")
+            })?;
+        let arc = Arc::about(&about, centre, from.place_m, to, true);
+        let start_m = (arc.radius_m() - radius_m).abs();
+        let end_m = (arc.radius_m() + arc.growth_m - radius_m).abs();
+        let apart_m = start_m.max(end_m);
+        ProgramErrorKind::unless(
+            apart_m <= ARC_CLOSES_M,
+            "the arc does not close: in mm a point lies off the circle by",
+            format!("{:.4}", apart_m * 1e3),
+            format!("at most {} mm", ARC_CLOSES_M * 1e3),
+        )?;
+        let count = arc.chords(self.options.chord_m);
+        check_count(count)?;
+        Ok((1..count)
+            .map(|k| arc.at(k as f64 / count as f64))
+            .collect())
+    }
+}
+
+fn numbers<const N: usize>(word: &str, parts: &[&str]) -> Result<[f64; N], ProgramErrorKind> {
+    // CIRCLE may be followed by tolerances and the cutter's shape.
+    if parts.len() < N || (parts.len() > N && word != "CIRCLE") {
+        return Err(ProgramErrorKind::Fields {
+            what: word.to_owned(),
+            found: parts.len(),
+            wanted: N.to_string(),
+        });
+    }
+    let mut numbers = [0.0; N];
+    for (number, part) in numbers.iter_mut().zip(parts) {
+        *number = finite(part, word)?;
+    }
+    Ok(numbers)
+}

@@ -1,0 +1,103 @@
+//! Moves of KRL.
+
+use super::StatusTurn;
+use super::read::KrlReader;
+use super::structures::{Numbers, bits, numbers, pose};
+use crate::program::flags::Flags;
+use crate::program::reading::{Goal, Step};
+use crate::program::source::LINE_END;
+use crate::program::{Motion, ProgramError, ProgramErrorKind, Zone};
+
+impl KrlReader<'_> {
+    fn target(&mut self) -> Result<(String, Numbers), ProgramError> {
+        if self.source.comes("{") {
+            return Ok((String::new(), numbers(&mut self.source)?));
+        }
+        let name = self.source.word("a position")?.to_uppercase();
+        match self.positions.get(&name) {
+            Some(known) => Ok((name, known.clone())),
+            None => Err(self.fault(ProgramErrorKind::MissingPosition { name })),
+        }
+    }
+
+    pub(super) fn motion(&mut self, verb: &str, line: usize) -> Result<(), ProgramError> {
+        let mut via = None;
+        if verb == "CIRC" {
+            let (_, numbers) = self.target()?;
+            via = Some(pose(&numbers).map_err(|kind| self.fault(kind))?);
+            self.source.expect(&[","])?;
+        }
+        let (name, target) = self.target()?;
+        if self.source.comes(",") {
+            return Err(self.source.error(
+                line,
+                ProgramErrorKind::unexpected("an angle CA", "the end of the circle"),
+            ));
+        }
+        let mut passes = false;
+        while !self.source.comes(LINE_END) {
+            match self
+                .source
+                .word("C_DIS, C_PTP or the end of the line")?
+                .to_uppercase()
+                .as_str()
+            {
+                "C_DIS" | "C_PTP" | "C_VEL" | "C_ORI" => passes = true,
+                _ => {
+                    return Err(self
+                        .source
+                        .unexpected("C_DIS, C_PTP or the end of the line"));
+                }
+            }
+        }
+        let motion = match (verb, self.share, self.speed_m_per_s) {
+            // What BAS sets when a program starts.
+            ("PTP", share, _) => Motion::Joint {
+                share: share.unwrap_or(1.0),
+            },
+            (_, _, Some(speed_m_per_s)) => Motion::Linear { speed_m_per_s },
+            _ => {
+                let kind = ProgramErrorKind::unexpected(verb, "$VEL.CP, before any line,");
+                return Err(self.source.error(line, kind));
+            }
+        };
+        let goal = self.goal(&target).map_err(|kind| self.fault(kind))?;
+        self.steps.push(Step {
+            line,
+            path_point: name.strip_prefix("XP").and_then(|n| n.parse().ok()),
+            goal,
+            via,
+            motion,
+            zone: match (passes, self.zone_m) {
+                (false, _) => Zone::Stop,
+                (true, Some(zone_m)) if zone_m > 0.0 => Zone::Within(zone_m),
+                (true, _) => Zone::Unstated,
+            },
+            turntable_rad: target.get("E1").map(|deg| deg.to_radians()),
+        });
+        Ok(())
+    }
+
+    fn goal(&self, target: &Numbers) -> Result<Goal, ProgramErrorKind> {
+        if target.contains_key("A1") {
+            let joints = (1..=self.dof).map(|i| {
+                let deg = target.get(&format!("A{i}"));
+                let missing = || ProgramErrorKind::Fields {
+                    what: "a position in axes".to_owned(),
+                    found: target.keys().filter(|key| key.starts_with('A')).count(),
+                    wanted: self.dof.to_string(),
+                };
+                deg.map(|deg| deg.to_radians()).ok_or_else(missing)
+            });
+            return Ok(Goal::Joints(joints.collect::<Result<_, _>>()?));
+        }
+        let flags = match target.get("S") {
+            None => None,
+            Some(status) => Some(Box::new(StatusTurn {
+                status: bits(*status, "S")? & 7,
+                turn: target.get("T").map(|turn| bits(*turn, "T")).transpose()?,
+            }) as Box<dyn Flags>),
+        };
+        Ok(Goal::Pose(pose(target)?, flags))
+    }
+}

@@ -1,0 +1,123 @@
+//! Structures of KRL: positions, frames and loads as named numbers, and the positions of a `.dat`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::Isometry3;
+
+use super::SYNTAX;
+use crate::program::euler::pose_of;
+use crate::program::number::finite;
+use crate::program::source::{LINE_END, Source};
+use crate::program::{ProgramError, ProgramErrorKind};
+
+/// A structure of numbers: components by name.
+pub(super) type Numbers = BTreeMap<String, f64>;
+
+/// Positions of a `.dat`.
+pub(super) fn read_data(
+    text: &str,
+    path: &Path,
+    positions: &mut BTreeMap<String, Numbers>,
+) -> Result<(), ProgramError> {
+    let mut source = Source::new(text, path, &SYNTAX)?;
+    let wanted = "DEFDAT, declarations or ENDDAT";
+    let mut begun = false;
+    loop {
+        let word = source.word(wanted)?.to_uppercase();
+        match word.as_str() {
+            "DEFDAT" => begun = true,
+            "ENDDAT" if begun => return Ok(()),
+            "DECL" | "GLOBAL" => {
+                declared(&mut source, positions)?;
+                continue;
+            }
+            "E6POS" | "E6AXIS" | "POS" | "FRAME" | "AXIS" => {
+                position(&mut source, positions)?;
+                continue;
+            }
+            _ => {}
+        }
+        source.skip_past(LINE_END)?;
+    }
+}
+
+/// After DECL or GLOBAL.
+pub(super) fn declared(
+    source: &mut Source<'_>,
+    positions: &mut BTreeMap<String, Numbers>,
+) -> Result<(), ProgramError> {
+    loop {
+        match source.word("a type")?.to_uppercase().as_str() {
+            "GLOBAL" | "CONST" | "DECL" => {}
+            "E6POS" | "E6AXIS" | "POS" | "FRAME" | "AXIS" => return position(source, positions),
+            _ => return source.skip_past(LINE_END),
+        }
+    }
+}
+
+/// After the type.
+fn position(
+    source: &mut Source<'_>,
+    positions: &mut BTreeMap<String, Numbers>,
+) -> Result<(), ProgramError> {
+    let name = source.word("a name")?.to_uppercase();
+    if source.take("=") {
+        let value = numbers(source)?;
+        positions.insert(name, value);
+    }
+    source.skip_past(LINE_END)
+}
+
+/// `{X 1,Y 2}` or `{FRAME: X 1,Y 2}`; structures inside are named `CM.X`.
+pub(super) fn numbers(source: &mut Source<'_>) -> Result<Numbers, ProgramError> {
+    let mut all = Numbers::new();
+    source.expect(&["{"])?;
+    loop {
+        let name = source.word("a component")?.to_uppercase();
+        if source.take(":") {
+            continue;
+        }
+        if source.comes("{") {
+            for (inner, value) in numbers(source)? {
+                all.insert(format!("{name}.{inner}"), value);
+            }
+        } else {
+            let value = number(source, &name)?;
+            all.insert(name, value);
+        }
+        if source.take("}") {
+            return Ok(all);
+        }
+        source.expect(&[","])?;
+    }
+}
+
+/// A number, or bits: `'B110'`.
+fn number(source: &mut Source<'_>, what: &str) -> Result<f64, ProgramError> {
+    let word = source.word(what)?;
+    let bits = word
+        .strip_prefix("'B")
+        .and_then(|rest| rest.strip_suffix('\''));
+    match bits.map(|bits| u32::from_str_radix(bits, 2)) {
+        Some(Ok(bits)) => Ok(f64::from(bits)),
+        _ => finite(word, what).map_err(|kind| source.error(source.last_line(), kind)),
+    }
+}
+
+pub(super) fn bits(value: f64, what: &str) -> Result<u8, ProgramErrorKind> {
+    let fits = value.fract() == 0.0 && (0.0..256.0).contains(&value);
+    ProgramErrorKind::unless(fits, what, value, "a whole number from 0 to 255")?;
+    Ok(value as u8)
+}
+
+pub(super) fn pose(numbers: &Numbers) -> Result<Isometry3<f64>, ProgramErrorKind> {
+    let part = |name: &str| {
+        let found = numbers.get(name).copied();
+        found.ok_or_else(|| ProgramErrorKind::unexpected("a position", &format!("one with {name}")))
+    };
+    Ok(pose_of(
+        [part("X")?, part("Y")?, part("Z")?],
+        [part("C")?, part("B")?, part("A")?],
+    ))
+}

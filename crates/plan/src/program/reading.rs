@@ -1,0 +1,266 @@
+//! From what a file says of its moves to a program: what the readers of all dialects share.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::Isometry3;
+use rayon::prelude::*;
+use truecut_arm::{BranchOptions, FrameId, IkOptions, IkSolver, Robot};
+
+use super::error::{ProgramError, ProgramErrorKind};
+use super::flags::{Flags, Resolver};
+use super::moves::{Motion, Move, Program, Zone};
+use super::travel::{outside, rated_chain};
+use crate::arc::Arc;
+
+/// How far chords of a circle lie off it, m.
+pub(super) const CHORD_M: f64 = 5e-6;
+/// Largest turn of the tool along a chord, rad.
+const CHORD_RAD: f64 = 0.1;
+
+/// Where a move goes.
+pub(super) enum Goal {
+    /// The tool's pose in the program's base frame, with what the file says of the branch. Without
+    /// it the posture is the one nearest to that before.
+    Pose(Isometry3<f64>, Option<Box<dyn Flags>>),
+    Joints(Vec<f64>),
+}
+
+/// A move as a file says it.
+pub(super) struct Step {
+    pub line: usize,
+    pub path_point: Option<usize>,
+    pub goal: Goal,
+    /// A point that a circle goes through on its way.
+    pub via: Option<Isometry3<f64>>,
+    pub motion: Motion,
+    pub zone: Zone,
+    pub turntable_rad: Option<f64>,
+}
+
+/// What was read and left aside, each kind once.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Notes(BTreeMap<String, (usize, usize)>);
+
+impl Notes {
+    pub fn add(&mut self, line: usize, text: impl Into<String>) {
+        self.0.entry(text.into()).or_insert((line, 0)).1 += 1;
+    }
+
+    /// In the order of their first lines.
+    pub fn texts(&self) -> Vec<String> {
+        let mut all: Vec<_> = self.0.iter().collect();
+        all.sort_by_key(|(_, (line, _))| *line);
+        let text = |(text, (line, count)): (&String, &(usize, usize))| match count {
+            1 => format!("line {line}: {text}"),
+            _ => format!("line {line}: {text}; {} more like it", count - 1),
+        };
+        all.into_iter().map(text).collect()
+    }
+}
+
+type Column = Vec<(f64, Vec<f64>)>;
+
+/// Adds the moves to a program: circles as chords, postures by what the file says of the branch,
+/// else nearest to that before. Switches of the spindle count steps, and are moved to the moves
+/// that come of them.
+///
+/// # Errors
+/// With the step's line, if no posture reaches it.
+pub(super) fn follow(
+    mut head: Program,
+    steps: Vec<Step>,
+    robot: &Robot,
+    path: &Path,
+) -> Result<Program, ProgramError> {
+    let (steps, firsts) = chords(&head, steps, robot, path)?;
+    for switch in &mut head.spindle {
+        switch.before = firsts.get(switch.before).copied().unwrap_or(steps.len());
+    }
+    let points = path_points(&steps);
+    let resolver = match steps.iter().find(|step| step.flags().is_some()) {
+        Some(step) => Some(
+            Resolver::new(robot).map_err(|kind| ProgramError::in_file(path, step.line, kind))?,
+        ),
+        None => None,
+    };
+    let flagged = |(step, point): (&Step, &usize)| match (&step.goal, &resolver) {
+        (Goal::Pose(pose, Some(flags)), Some(resolver)) => {
+            let found = resolver.postures(*point, &head.world_from_flange(pose), flags.as_ref());
+            found.map_err(|kind| ProgramError::in_file(path, step.line, kind))
+        }
+        (Goal::Joints(joints), _) => Ok(vec![(0.0, joints.clone())]),
+        (Goal::Pose(..), _) => Ok(Column::new()),
+    };
+    // Collected in order, so that the first fault of the file is reported.
+    let columns: Vec<Result<Column, ProgramError>> =
+        steps.par_iter().zip(&points).map(flagged).collect();
+    let mut columns: Vec<Column> = columns.into_iter().collect::<Result<_, _>>()?;
+    let solver = robot.ik_solver(&BranchOptions::default());
+    for i in 0..columns.len() {
+        if let (true, Goal::Pose(pose, _)) = (columns[i].is_empty(), &steps[i].goal) {
+            let before = i.checked_sub(1).map(|k| columns[k].as_slice());
+            let flange = head.world_from_flange(pose);
+            let found = unflagged(
+                robot,
+                &solver,
+                &flange,
+                before.unwrap_or_default(),
+                points[i],
+            );
+            columns[i] = found.map_err(|kind| ProgramError::in_file(path, steps[i].line, kind))?;
+        }
+    }
+    let postures = rated_chain(&columns);
+    for ((step, posture), path_point) in steps.into_iter().zip(postures).zip(points) {
+        head.moves.push(Move {
+            path_point,
+            base_from_tool: step.pose(&head, robot),
+            motion: step.motion,
+            zone: step.zone,
+            turntable_rad: step.turntable_rad,
+            posture,
+        });
+    }
+    Ok(head)
+}
+
+impl Step {
+    fn flags(&self) -> Option<&dyn Flags> {
+        match &self.goal {
+            Goal::Pose(_, Some(flags)) => Some(flags.as_ref()),
+            _ => None,
+        }
+    }
+
+    fn pose(&self, head: &Program, robot: &Robot) -> Isometry3<f64> {
+        match &self.goal {
+            Goal::Pose(pose, _) => *pose,
+            Goal::Joints(joints) => {
+                let flange = robot.world_from_frame(joints, FrameId::Flange);
+                head.world_from_base.inverse() * flange * head.tool.flange_from_tool
+            }
+        }
+    }
+}
+
+/// Steps with circles taken apart, and the index of the first of each step.
+fn chords(
+    head: &Program,
+    steps: Vec<Step>,
+    robot: &Robot,
+    path: &Path,
+) -> Result<(Vec<Step>, Vec<usize>), ProgramError> {
+    let mut all: Vec<Step> = Vec::with_capacity(steps.len());
+    let mut firsts = Vec::with_capacity(steps.len());
+    for mut step in steps {
+        let at = |kind| ProgramError::in_file(path, step.line, kind);
+        if let Goal::Joints(joints) = &step.goal
+            && joints.len() != robot.dof()
+        {
+            return Err(at(ProgramErrorKind::JointCount {
+                what: "the move's target".to_owned(),
+                found: joints.len(),
+                wanted: robot.dof(),
+            }));
+        }
+        firsts.push(all.len());
+        if let Some(via) = step.via.take() {
+            let before = all.last().ok_or_else(|| {
+                at(ProgramErrorKind::unexpected(
+                    "a circle",
+                    "a move to its start",
+                ))
+            })?;
+            let (from, to) = (before.pose(head, robot), step.pose(head, robot));
+            let places = [&from, &via, &to].map(|pose| pose.translation.vector);
+            let arc = Arc::through(places).ok_or_else(|| {
+                at(ProgramErrorKind::value(
+                    "the circle",
+                    "a line",
+                    "three points of a circle",
+                ))
+            })?;
+            let turn_rad = from.rotation.angle_to(&to.rotation);
+            let count = arc
+                .chords(CHORD_M)
+                .max((turn_rad / CHORD_RAD).ceil() as usize);
+            for k in 1..count {
+                let share = k as f64 / count as f64;
+                let turn = from.rotation.try_slerp(&to.rotation, share, 1e-9);
+                let place = arc.at(share).into();
+                let pose = Isometry3::from_parts(place, turn.unwrap_or(to.rotation));
+                all.push(Step {
+                    goal: Goal::Pose(pose, None),
+                    path_point: None,
+                    zone: Zone::default(),
+                    via: None,
+                    ..step
+                });
+            }
+        }
+        all.push(step);
+    }
+    Ok((all, firsts))
+}
+
+/// The points that the file numbers; counted if it does not number all, or not upwards.
+fn path_points(steps: &[Step]) -> Vec<usize> {
+    let named: Option<Vec<usize>> = steps.iter().map(|step| step.path_point).collect();
+    let rising = |points: &Vec<usize>| points.windows(2).all(|pair| pair[0] < pair[1]);
+    named
+        .filter(rising)
+        .unwrap_or_else(|| (0..steps.len()).collect())
+}
+
+/// The posture nearest to the one before; all if there is not one posture before.
+fn unflagged(
+    robot: &Robot,
+    solver: &IkSolver,
+    world_from_flange: &Isometry3<f64>,
+    before: &[(f64, Vec<f64>)],
+    path_point: usize,
+) -> Result<Column, ProgramErrorKind> {
+    if let [(_, before)] = before {
+        return Ok(vec![(
+            0.0,
+            nearest(robot, solver, world_from_flange, before, path_point)?,
+        )]);
+    }
+    let all = solver.within_limits(world_from_flange, FrameId::Flange);
+    if all.is_empty() {
+        let branches = solver.branches(world_from_flange, FrameId::Flange);
+        return Err(outside(robot, path_point, &branches));
+    }
+    Ok(all.into_iter().map(|q| (0.0, q)).collect())
+}
+
+/// The posture within limits nearest to another one.
+pub(super) fn nearest(
+    robot: &Robot,
+    solver: &IkSolver,
+    world_from_flange: &Isometry3<f64>,
+    before: &[f64],
+    path_point: usize,
+) -> Result<Vec<f64>, ProgramErrorKind> {
+    let flange = FrameId::Flange;
+    if solver.geometry().is_none() {
+        let options = IkOptions::default();
+        let near = robot.inverse_kinematics(world_from_flange, flange, before, &options);
+        if let Ok(near) = near {
+            return Ok(near);
+        }
+    }
+    let distance = |q: &Vec<f64>| {
+        let each = q.iter().zip(before);
+        each.map(|(a, b)| (a - b).powi(2)).sum::<f64>()
+    };
+    let all = solver.within_limits(world_from_flange, flange);
+    let least = all
+        .into_iter()
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    least.ok_or_else(|| {
+        let branches = solver.branches(world_from_flange, flange);
+        outside(robot, path_point, &branches)
+    })
+}

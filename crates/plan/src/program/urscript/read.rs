@@ -1,0 +1,303 @@
+//! From a script to a program.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::Vector3;
+use truecut_arm::{Robot, ToolLoad};
+
+use super::eval::{Arguments, Value, Variables, arguments, value};
+use super::{JOINT_TOP_RAD_PER_S, POINT, SYNTAX, check_name};
+use crate::program::dialect::{Frames, ReadText, Settings};
+use crate::program::reading::{Goal, Notes, Step, follow};
+use crate::program::source::{LINE_END, Source};
+use crate::program::{Motion, Program, ProgramError, ProgramErrorKind, SpindleSwitch, Tool, Zone};
+
+const WANTED: &str = "movej, movel, movep, movec, an assignment, a setting or end";
+/// Functions that move nothing; they are left aside with a note.
+const IDLE: &[&str] = &[
+    "sleep",
+    "sync",
+    "textmsg",
+    "popup",
+    "set_gravity",
+    "set_analog_out",
+    "set_tool_digital_out",
+    "set_configurable_digital_out",
+    "set_flag",
+    "set_safety_mode_transition_hardness",
+    "set_tool_voltage",
+    "stopl",
+    "stopj",
+    "zero_ftsensor",
+    "halt",
+];
+const OUTPUTS: [&str; 2] = ["set_standard_digital_out", "set_digital_out"];
+
+struct ScriptReader<'a> {
+    source: Source<'a>,
+    variables: Variables,
+    output: Option<u32>,
+    /// Path points by the line that they stand before.
+    points: BTreeMap<usize, usize>,
+    next_point: usize,
+    notes: Notes,
+    head: Program,
+    steps: Vec<Step>,
+}
+
+/// Reads a script.
+///
+/// # Errors
+/// At the first piece that is not understood.
+pub(super) fn read(
+    file: &Path,
+    text: &ReadText<'_>,
+    robot: &Robot,
+    frames: &Frames,
+    settings: &Settings,
+) -> Result<Program, ProgramError> {
+    let text = text(file).map_err(|error| ProgramError::in_file(file, None, error.into()))?;
+    let output = settings.spindle_number();
+    let output = output.map_err(ProgramErrorKind::from)?;
+    let point = |(i, line): (usize, &str)| {
+        let number = line.trim().strip_prefix(POINT)?;
+        Some((i + 2, number.trim().parse().ok()?))
+    };
+    let mut reader = ScriptReader {
+        source: Source::new(&text, file, &SYNTAX)?,
+        variables: Variables::new(),
+        output,
+        points: text.lines().enumerate().filter_map(point).collect(),
+        next_point: 0,
+        notes: Notes::default(),
+        head: Program {
+            name: String::new(),
+            comment: String::new(),
+            tool: Tool {
+                load: None,
+                ..frames.tool.clone()
+            },
+            world_from_base: frames.world_from_base,
+            moves: Vec::new(),
+            spindle: Vec::new(),
+            notes: Vec::new(),
+        },
+        steps: Vec::new(),
+    };
+    reader.script()?;
+    reader.head.notes = reader.notes.texts();
+    follow(reader.head, reader.steps, robot, file)
+}
+
+impl ScriptReader<'_> {
+    fn script(&mut self) -> Result<(), ProgramError> {
+        self.source.expect(&["def"])?;
+        let name = self.source.word("the program's name")?.to_owned();
+        check_name(&name).map_err(|kind| self.fault(kind))?;
+        self.source.expect(&["(", ")", ":", LINE_END])?;
+        while self.statement()? {}
+        // A call of the function may stand at the end.
+        while !self.source.ended() {
+            self.source.expect(&[&name, "(", ")", LINE_END])?;
+        }
+        self.head.name = name;
+        Ok(())
+    }
+
+    fn fault(&self, kind: ProgramErrorKind) -> ProgramError {
+        self.source.error(self.source.last_line(), kind)
+    }
+
+    /// Whether another one follows.
+    fn statement(&mut self) -> Result<bool, ProgramError> {
+        let line = self.source.line();
+        let mut word = self.source.word(WANTED)?;
+        if word == "end" {
+            self.source.expect(&[LINE_END])?;
+            return Ok(false);
+        }
+        if matches!(word, "global" | "local") {
+            word = self.source.word("a name")?;
+        }
+        if self.source.take("=") {
+            let value = value(&mut self.source, &self.variables, 0)?;
+            self.variables.insert(word.to_owned(), value);
+        } else if self.source.comes("(") {
+            self.call(word, line)?;
+        } else {
+            return Err(self.source.unexpected(WANTED));
+        }
+        self.source.expect(&[LINE_END])?;
+        Ok(true)
+    }
+
+    fn call(&mut self, word: &str, line: usize) -> Result<(), ProgramError> {
+        if IDLE.contains(&word) {
+            self.notes.add(line, format!("{word} is left aside"));
+            while !self.source.comes(LINE_END) {
+                self.source.skip_one(LINE_END)?;
+            }
+            return Ok(());
+        }
+        let moves = matches!(word, "movej" | "movel" | "movep" | "movec");
+        let known = matches!(word, "set_tcp" | "set_payload" | "set_target_payload");
+        if !(moves || known || OUTPUTS.contains(&word)) {
+            return Err(self.source.unexpected(WANTED));
+        }
+        let given = arguments(&mut self.source, &self.variables, 0)?;
+        let done = match word {
+            _ if moves => self.motion(word, &given, line),
+            _ if known => self.setting(&given, line),
+            _ => self.switch(&given, line),
+        };
+        done.map_err(|kind| self.source.error(line, kind))
+    }
+
+    fn setting(&mut self, given: &Arguments, line: usize) -> Result<(), ProgramErrorKind> {
+        let values: Vec<&Value> = given.iter().map(|(_, value)| value).collect();
+        match values.as_slice() {
+            [Value::Pose(tcp), ..] => {
+                let tool = &mut self.head.tool.flange_from_tool;
+                if !self.steps.is_empty() && tool != tcp {
+                    let rule = "that of the moves before: one tool is read";
+                    return Err(ProgramErrorKind::value("the tool", "another", rule));
+                }
+                *tool = *tcp;
+            }
+            [Value::Number(mass_kg), rest @ ..] if *mass_kg > 0.0 => {
+                let centre_m = match rest.first() {
+                    Some(Value::List(parts)) if parts.len() == 3 => {
+                        Vector3::from_column_slice(parts)
+                    }
+                    _ => Vector3::zeros(),
+                };
+                self.head.tool.load = Some(ToolLoad {
+                    mass_kg: *mass_kg,
+                    centre_m,
+                });
+            }
+            _ => self
+                .notes
+                .add(line, "a tool or payload of another form is left aside"),
+        }
+        Ok(())
+    }
+
+    fn switch(&mut self, given: &Arguments, line: usize) -> Result<(), ProgramErrorKind> {
+        let [(_, Value::Number(number)), (_, Value::Truth(on))] = given.as_slice() else {
+            return Err(ProgramErrorKind::unexpected(
+                "the arguments",
+                "the number of an output, and True or False",
+            ));
+        };
+        if self
+            .output
+            .is_some_and(|output| f64::from(output) == *number)
+        {
+            let before = self.steps.len();
+            self.head.spindle.push(SpindleSwitch { before, on: *on });
+        } else {
+            self.notes
+                .add(line, format!("output {number} is left aside"));
+        }
+        Ok(())
+    }
+
+    fn motion(
+        &mut self,
+        verb: &str,
+        given: &Arguments,
+        line: usize,
+    ) -> Result<(), ProgramErrorKind> {
+        let (targets, positions): (usize, &[&str]) = match verb {
+            "movec" => (2, &["a", "v", "r", "mode"]),
+            "movep" => (1, &["a", "v", "r"]),
+            _ => (1, &["a", "v", "t", "r"]),
+        };
+        let mut numbers: BTreeMap<&str, f64> = BTreeMap::new();
+        let mut goals = Vec::new();
+        for (i, (name, value)) in given.iter().enumerate() {
+            let key = match name.as_deref() {
+                Some(name) if name != "q" && name != "pose" && !name.starts_with("pose_") => {
+                    Some(name)
+                }
+                None if i >= targets => positions.get(i - targets).copied(),
+                _ => None,
+            };
+            match (key, value) {
+                (Some(key), Value::Number(number)) => {
+                    numbers.insert(key, *number);
+                }
+                (None, Value::Pose(pose) | Value::NearPose(pose)) => {
+                    goals.push(Goal::Pose(*pose, None))
+                }
+                (None, Value::List(joints)) => goals.push(Goal::Joints(joints.clone())),
+                _ => {
+                    let what = format!("argument {} of {verb}", i + 1);
+                    return Err(ProgramErrorKind::unexpected(&what, "a target or a number"));
+                }
+            }
+        }
+        let wanted = if targets == 2 {
+            "a point on the way and the end"
+        } else {
+            "one target"
+        };
+        let count = goals.len();
+        let mut goals = goals.into_iter();
+        let via = match (verb, count) {
+            ("movec", 2) => match goals.next() {
+                Some(Goal::Pose(via, _)) => Some(via),
+                _ => return Err(ProgramErrorKind::unexpected("joints", "a pose on the way")),
+            },
+            (_, 1) if targets == 1 => None,
+            _ => {
+                return Err(ProgramErrorKind::unexpected(
+                    &format!("{count} targets"),
+                    wanted,
+                ));
+            }
+        };
+        let Some(goal) = goals.next() else {
+            return Err(ProgramErrorKind::unexpected("no target", wanted));
+        };
+        if numbers.get("t").is_some_and(|time| *time != 0.0) {
+            let rule = "0: a move is read by its speed";
+            return Err(ProgramErrorKind::value("the time t", numbers["t"], rule));
+        }
+        let (default, rule) = match verb {
+            "movej" => (1.05, "above zero, in rad/s"),
+            _ => (0.25, "above zero, in m/s"),
+        };
+        let speed = numbers.get("v").copied().unwrap_or(default);
+        ProgramErrorKind::unless(speed > 0.0, "the speed v", speed, rule)?;
+        let blend = numbers.get("r").copied().unwrap_or(0.0);
+        ProgramErrorKind::unless(blend >= 0.0, "the blend r", blend, "zero or above, in m")?;
+        if let Some(point) = self.points.get(&line) {
+            self.next_point = *point;
+        }
+        self.steps.push(Step {
+            line,
+            path_point: Some(self.next_point),
+            goal,
+            via,
+            motion: match verb {
+                "movej" => Motion::Joint {
+                    share: (speed / JOINT_TOP_RAD_PER_S).min(1.0),
+                },
+                _ => Motion::Linear {
+                    speed_m_per_s: speed,
+                },
+            },
+            zone: if blend > 0.0 {
+                Zone::Within(blend)
+            } else {
+                Zone::Stop
+            },
+            turntable_rad: None,
+        });
+        self.next_point += 1;
+        Ok(())
+    }
+}

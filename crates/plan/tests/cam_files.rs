@@ -1,0 +1,358 @@
+//! Paths from CAM: what is read, and what is refused with its line, its value and the rule.
+
+mod assets;
+
+use std::f64::consts::{PI, TAU};
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Isometry3, Vector3};
+use proptest::prelude::*;
+use truecut_plan::cam::{self, Attitude, CamOptions, CamPath, MOST_POINTS, WorkSetup};
+use truecut_plan::program::{Program, ProgramError, Tool, TravelOptions};
+
+fn read(text: &str, name: &str) -> Result<CamPath, ProgramError> {
+    cam::read(text, Path::new(name), &CamOptions::default())
+}
+
+fn gcode(text: &str) -> CamPath {
+    read(text, "x.nc").expect("G-code")
+}
+
+fn places_mm(path: &CamPath) -> Vec<[f64; 3]> {
+    let each = path.points.iter();
+    each.map(|point| (point.place_m * 1e3).into()).collect()
+}
+
+fn near(found: [f64; 3], wanted: [f64; 3]) -> bool {
+    found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9)
+}
+
+#[test]
+fn modes_hold_until_they_are_changed() {
+    let path = gcode("G20 G91\nG0 X1 Y1 (inches, steps)\nX1\nG21 G90 G1 X0 F600 ; mm\nY0\n");
+    let found = places_mm(&path);
+    let wanted = [
+        [25.4, 25.4, 0.0],
+        [50.8, 25.4, 0.0],
+        [0.0, 25.4, 0.0],
+        [0.0; 3],
+    ];
+    assert!(
+        found.iter().zip(wanted).all(|(a, b)| near(*a, b)),
+        "{found:?}"
+    );
+    let feeds: Vec<Option<f64>> = path.points.iter().map(|p| p.feed_m_per_s).collect();
+    assert_eq!(feeds, [None, None, Some(0.01), Some(0.01)]);
+    let lines: Vec<usize> = path.points.iter().map(|p| p.line).collect();
+    assert_eq!(lines, [2, 3, 4, 5]);
+}
+
+/// Length of a helix: the root of the squares of turn and rise. Chords that lie within a millionth of
+/// the radius are too short by a third of that.
+#[test]
+fn verify_a_helix_has_its_length() {
+    let fine = CamOptions {
+        chord_m: 1e-8,
+        ..CamOptions::default()
+    };
+    let text = "G21 G90 G0 X10 Y0 Z0\nG3 X10 Y0 Z4 I-10 J0 F600\n";
+    let path = cam::read(text, Path::new("x.nc"), &fine).expect("a helix");
+    let length: f64 = (path.points.windows(2))
+        .map(|pair| (pair[1].place_m - pair[0].place_m).norm())
+        .sum();
+    let wanted = (TAU * 0.01).hypot(0.004);
+    assert!((length - wanted).abs() < 1e-6 * wanted, "{length} {wanted}");
+}
+
+/// Four arcs from (0, 0) to (10, 10): clockwise and counter-clockwise, the short way and the long
+/// one (a negative radius).
+#[test]
+fn verify_arcs_by_radius_have_their_centres() {
+    for (code, radius, centre) in [
+        (2, 10.0, [10.0, 0.0]),
+        (3, 10.0, [0.0, 10.0]),
+        (2, -10.0, [0.0, 10.0]),
+        (3, -10.0, [10.0, 0.0]),
+    ] {
+        let path = gcode(&format!("G90 G0 X0 Y0\nG{code} X10 Y10 R{radius} F600\n"));
+        let centre = Vector3::new(centre[0], centre[1], 0.0) * 1e-3;
+        let mut turned = 0.0;
+        for pair in path.points.windows(2) {
+            let [a, b] = [pair[0].place_m - centre, pair[1].place_m - centre];
+            assert!((b.norm() - 0.01).abs() < 1e-12);
+            turned += a.cross(&b).z.atan2(a.dot(&b));
+        }
+        let sign = if code == 3 { 1.0 } else { -1.0 };
+        let wanted = if radius > 0.0 { 0.5 * PI } else { 1.5 * PI };
+        assert!(
+            (turned - sign * wanted).abs() < 1e-9,
+            "G{code} R{radius}: {turned}"
+        );
+    }
+}
+
+/// Clockwise from the start the arc first leaves along the plane's second axis: in G18, which is seen
+/// against y, G2 turns from z to x.
+#[test]
+fn verify_the_sense_of_arcs_in_the_three_planes() {
+    for (plane, end, first, second) in [
+        ("G17", "X10 Y10 I10 J0", 0, 1),
+        ("G18", "Z10 X10 K10 I0", 2, 0),
+        ("G19", "Y10 Z10 J10 K0", 1, 2),
+    ] {
+        let path = gcode(&format!("G90 G0 X0 Y0 Z0\n{plane} G2 {end} F600\n"));
+        let half = path.points[path.points.len() / 2].place_m * 1e3;
+        assert!(half[second] - half[first] > 1.0, "{plane}: {half}");
+    }
+}
+
+#[test]
+fn the_axis_follows_rotary_words_or_vectors() {
+    let path = gcode("G90 G43.4 G0 X0 Y0 Z0\nG1 X1 A90 F600\nA0 B90\nB90 C90\n");
+    let axes = path.points.iter().map(|p| match p.attitude {
+        Attitude::Axis(axis) => axis.into_inner().into(),
+        Attitude::Whole(_) => [0.0; 3],
+    });
+    let axes: Vec<[f64; 3]> = axes.collect();
+    let wanted = [
+        [0.0, 0.0, 1.0],
+        [0.0, -1.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
+    assert!(
+        axes.iter().zip(wanted).all(|(a, b)| near(*a, b)),
+        "{axes:?}"
+    );
+    let path = gcode("G90 G0 X0 Y0 Z0\nG1 X1 I3 J0 K4 F600\n");
+    let Attitude::Axis(axis) = path.points[1].attitude else {
+        panic!("no axis");
+    };
+    assert!(near(axis.into_inner().into(), [0.6, 0.0, 0.8]));
+}
+
+#[test]
+fn what_moves_nothing_is_noted_by_its_line() {
+    let path =
+        gcode("G90 G0 X0 Y0 Z5\nT3 M6\nS9000 M3\nG28 G91 Z0\nG90 G1 X5 F600 M8\nM5\nM30\nX9\n");
+    assert_eq!(path.points.len(), 2);
+    assert_eq!(path.spindle, [(1, true), (2, false)]);
+    assert_eq!(path.spindle_rpm, Some(9000.0));
+    for quote in ["line 2: T3", "line 4: G28", "line 5: M8"] {
+        assert!(
+            path.notes.iter().any(|note| note.starts_with(quote)),
+            "{:?}",
+            path.notes
+        );
+    }
+}
+
+#[test]
+fn apt_gives_points_axes_feeds_and_arcs() {
+    let text = "PARTNO/PLATE $$ a comment\nUNITS/MM\nMULTAX/ON\nLOADTL/2\nSPINDL/RPM,8000,CLW\n\
+                FROM/0,0,50,0,0,1\nFEDRAT/600,MMPM\nGOTO/10,0,0,$\n0,0,1\nCIRCLE/0,0,0,0,0,1,10\n\
+                GOTO/0,10,0,0,0,1\nRAPID\nGOTO/0,10,50,0,0,1\nSPINDL/OFF\nFINI\n";
+    let path = read(text, "x.apt").expect("APT");
+    let points = &path.points;
+    let last = points.len() - 1;
+    assert_eq!(
+        [points[0].line, points[1].line, points[last].line],
+        [6, 8, 13]
+    );
+    let feeds = [points[0], points[1], points[last - 1], points[last]].map(|p| p.feed_m_per_s);
+    assert_eq!(feeds, [None, Some(0.01), Some(0.01), None]);
+    for point in &points[1..last] {
+        assert!((point.place_m.norm() - 0.01).abs() < 1e-12);
+    }
+    assert!(
+        points.len() > 8,
+        "a quarter of a circle in {} points",
+        points.len()
+    );
+    assert_eq!(path.spindle, [(0, true), (points.len(), false)]);
+    let inches = read("UNITS/INCHES\nFEDRAT/60,IPM\nGOTO/1,0,0\n", "x.apt").expect("APT");
+    assert!((inches.points[0].place_m.x - 0.0254).abs() < 1e-15);
+    assert!((inches.points[0].feed_m_per_s.expect("a feed") - 0.0254).abs() < 1e-15);
+}
+
+fn fixtures() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/invalid_input/cam")
+}
+
+/// File, line of the fault, quotes.
+const FAULTS: &[(&str, usize, &[&str])] = &[
+    (
+        "cutter_compensation.nc",
+        3,
+        &["`G41`", "compensation of the cutter's radius"],
+    ),
+    ("canned_cycle.nc", 3, &["`G81`", "canned cycles"]),
+    ("subprogram.nc", 3, &["`M98`", "subprograms"]),
+    ("macro.nc", 3, &["`G65`", "subprograms"]),
+    ("unknown_word.nc", 3, &["`Q2`", "one of X Y Z"]),
+    ("unknown_code.nc", 3, &["`G5.1`", "a code that is read"]),
+    ("unknown_auxiliary.nc", 3, &["`M66`", "a code that is read"]),
+    ("open_arc.nc", 4, &["does not close", "0.2000", "0.01 mm"]),
+    (
+        "small_radius.nc",
+        4,
+        &["does not close", "9.9", "10.0000 mm"],
+    ),
+    ("whole_turn_by_radius.nc", 4, &["chord", "needs I, J, K"]),
+    (
+        "arc_without_centre.nc",
+        4,
+        &["an arc", "I, J, K or its radius R"],
+    ),
+    ("centre_off_the_plane.nc", 4, &["K of an arc", "plane G17"]),
+    ("feed_missing.nc", 3, &["a move with feed", "F, before it"]),
+    ("feed_of_zero.nc", 3, &["the feed F is 0", "above zero"]),
+    ("no_motion.nc", 2, &["a place", "G0, G1, G2 or G3"]),
+    ("two_tools.nc", 4, &["the tool T is 2", "one tool is read"]),
+    ("bad_number.nc", 3, &["`X1.2.3`", "a letter and a number"]),
+    (
+        "open_comment.nc",
+        3,
+        &["(to the corner", "ends in its line"],
+    ),
+    ("word_twice.nc", 3, &["the word X is 6", "once in a block"]),
+    ("second_offset.nc", 3, &["offset G is 55", "one work frame"]),
+    (
+        "several_turns.nc",
+        4,
+        &["turns P of an arc is 3", "more than one turn"],
+    ),
+    ("no_axis.nc", 3, &["the tool's axis is 0", "above zero"]),
+    ("empty.nc", 3, &["ends here", "any point"]),
+    ("cycle.apt", 4, &["`CYCLE`", "canned cycles"]),
+    ("cutcom.apt", 2, &["`CUTCOM`", "compensation"]),
+    ("unknown_word.apt", 4, &["`GOFWD`", "GOTO, FROM"]),
+    (
+        "feed_missing.apt",
+        3,
+        &["a move with feed", "FEDRAT or RAPID"],
+    ),
+    (
+        "no_axis.apt",
+        4,
+        &["GOTO of three numbers", "the tool's axis"],
+    ),
+    ("open_arc.apt", 5, &["does not close", "0.0499", "0.01 mm"]),
+    ("per_revolution.apt", 2, &["`MMPR`", "by the minute"]),
+    (
+        "four_numbers.apt",
+        3,
+        &["GOTO has 4 fields", "3 are wanted"],
+    ),
+    ("unit.apt", 1, &["`FEET`", "MM, CM or INCHES"]),
+    (
+        "open_statement.apt",
+        3,
+        &["ends here", "the end of the statement"],
+    ),
+    ("no_attitude.csv", 1, &["the head", "gives the attitude"]),
+    ("no_feed.csv", 1, &["the head", "feed_mm_per_s"]),
+    ("not_unit.csv", 3, &["qw to qz is 2", "1, to 1e-3"]),
+    ("not_a_number.csv", 3, &["y_mm is NaN", "finite number"]),
+    ("ragged.csv", 2, &["the table", "as many cells"]),
+];
+
+#[test]
+fn every_faulty_path_is_refused_with_file_line_value_and_rule() {
+    for (file, line, quotes) in FAULTS {
+        let path = fixtures().join(file);
+        let text = std::fs::read_to_string(&path).expect(file);
+        let error = cam::read(&text, &path, &CamOptions::default()).expect_err(file);
+        let report = error.to_string();
+        assert_eq!(error.line(), Some(*line), "{report}");
+        for quote in *quotes {
+            assert!(report.contains(quote), "`{quote}` is not in: {report}");
+        }
+    }
+    let files = std::fs::read_dir(fixtures()).expect("fixtures");
+    let names = files.map(|file| file.expect("a file").file_name().into_string());
+    let names = names.map(|name| name.expect("a name"));
+    let unlisted: Vec<String> = names
+        .filter(|name| name != "unreachable.nc" && !FAULTS.iter().any(|f| f.0 == name))
+        .collect();
+    assert!(unlisted.is_empty(), "{unlisted:?}");
+}
+
+fn follow(text: &str, file: &Path) -> Result<Program, ProgramError> {
+    let robot = assets::robot("hp20");
+    let path = cam::read(text, file, &CamOptions::default())?;
+    let head = Program {
+        name: "PLATE".to_owned(),
+        comment: String::new(),
+        tool: Tool::of(&robot, "wheel", 0),
+        world_from_base: Isometry3::identity(),
+        moves: Vec::new(),
+        spindle: Vec::new(),
+        notes: Vec::new(),
+    };
+    let setup = WorkSetup {
+        world_from_work: Isometry3::translation(0.9, 0.0, 0.3),
+        spin_rad: None,
+        rapid_m_per_s: 0.25,
+        joint_share: 0.25,
+        zone_m: None,
+    };
+    let options = TravelOptions {
+        largest_step: PI,
+        ..TravelOptions::default()
+    };
+    cam::follow(&robot, head, &path, file, &setup, &options)
+}
+
+#[test]
+fn a_point_out_of_reach_is_named_by_its_line() {
+    let file = fixtures().join("unreachable.nc");
+    let text = std::fs::read_to_string(&file).expect("the fixture");
+    let error = follow(&text, &file).expect_err("out of reach");
+    assert_eq!(error.line(), Some(5), "{error}");
+    assert!(error.to_string().contains("reach"), "{error}");
+}
+
+#[test]
+fn the_tool_points_against_its_axis_into_the_work() {
+    let text = "G90 G0 X0 Y0 Z20\nG1 Z0 F600\nX10 A20\n";
+    let program = follow(text, Path::new("x.nc")).expect("a program");
+    let axis = program.moves[2].base_from_tool.rotation * Vector3::z();
+    let lean = 20_f64.to_radians();
+    assert!(
+        (axis - Vector3::new(0.0, lean.sin(), -lean.cos())).norm() < 1e-9,
+        "{axis}"
+    );
+    let place = program.moves[2].base_from_tool.translation.vector;
+    assert!(
+        (place - Vector3::new(0.91, 0.0, 0.3)).norm() < 1e-12,
+        "{place}"
+    );
+}
+
+/// A million lines: refused by the number of their points, after no more than those were kept.
+#[test]
+fn a_million_lines_are_refused_in_bounded_memory() {
+    let mut text = String::from("G21 G90 G0 X0 Y0 Z0\nG1 F600\n");
+    for i in 0..1_000_000 {
+        text.push_str(if i % 2 == 0 { "X1\n" } else { "X0\n" });
+    }
+    let error = read(&text, "x.nc").expect_err("too many");
+    let report = error.to_string();
+    assert!(report.contains(&MOST_POINTS.to_string()), "{report}");
+    assert_eq!(error.line(), Some(MOST_POINTS + 2), "{report}");
+}
+
+proptest! {
+    /// Any text is read, or refused with its name and a line that it has.
+    #[test]
+    fn any_text_is_answered(text in "([GMXYZIJKRFSTABC][-+.0-9]{1,4} ?|\\n|\\(|\\)|;|/|GOTO/|CIRCLE/|,|\\$){0,60}") {
+        for name in ["x.nc", "x.apt", "x.csv"] {
+            if let Err(error) = read(&text, name) {
+                prop_assert_eq!(error.path(), Some(Path::new(name)));
+                let line = error.line().expect("a line");
+                prop_assert!((1..=text.lines().count() + 1).contains(&line), "{}", error);
+            }
+        }
+    }
+}

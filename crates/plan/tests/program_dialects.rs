@@ -1,0 +1,297 @@
+//! Files as people write them in the five dialects, and what of them is refused.
+
+mod assets;
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Isometry3, Vector3};
+use truecut_arm::Robot;
+use truecut_plan::program::{
+    Frames, Motion, PathPoint, Program, ProgramError, Settings, SpindleSwitch, Tool, TravelOptions,
+    Zone, dialect_named, dialect_of, maker_note, read_text,
+};
+
+fn read_with(file: &Path, settings: &Settings) -> Result<Program, ProgramError> {
+    let robot = assets::robot("hp20");
+    let dialect = dialect_of(file).expect("a dialect");
+    let frames = Frames {
+        tool: Tool::of(&robot, "wheel", 0),
+        world_from_base: Isometry3::identity(),
+    };
+    dialect.read(file, &read_text, &robot, &frames, settings)
+}
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+fn sample(name: &str) -> Program {
+    let settings = Settings {
+        spindle_signal: Some(
+            if name.ends_with(".mod") {
+                "doSpindle"
+            } else {
+                "3"
+            }
+            .to_owned(),
+        ),
+        ..Settings::default()
+    };
+    let file = folder("tests/samples").join(name);
+    read_with(&file, &settings).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The same part in each language: approach, a line of 100 mm, half a circle of 50 mm back, retreat.
+fn is_the_part(program: &Program) {
+    let pose = |i: usize| program.world_from_base * program.moves[i].base_from_tool;
+    let place = |i: usize| pose(i).translation.vector * 1e3;
+    let last = program.moves.len() - 1;
+    let wanted = [
+        (0, [900.0, -50.0, 400.0]),
+        (1, [900.0, -50.0, 350.0]),
+        (2, [900.0, 50.0, 350.0]),
+        (last - 1, [900.0, -50.0, 350.0]),
+        (last, [900.0, -50.0, 400.0]),
+    ];
+    for (i, place_mm) in wanted {
+        let apart = (place(i) - Vector3::from(place_mm)).norm();
+        assert!(apart < 2e-3, "{}: move {i} at {}", program.name, place(i));
+    }
+    let down = pose(1).rotation * Vector3::z();
+    assert!((down + Vector3::z()).norm() < 1e-4, "{down}");
+    // Half a circle about (900, 0, 350) through x = 950.
+    for i in 3..last - 1 {
+        let spoke = place(i) - Vector3::new(900.0, 0.0, 350.0);
+        assert!(
+            (spoke.norm() - 50.0).abs() < 2e-3 && spoke.x > 0.0,
+            "{spoke}"
+        );
+    }
+    assert!(program.moves.len() > 50, "{} moves", program.moves.len());
+    let cut = program.moves[2].motion;
+    assert!(
+        matches!(cut, Motion::Linear { speed_m_per_s } if (speed_m_per_s - 0.02).abs() < 1e-9),
+        "{cut:?}"
+    );
+    assert!(matches!(program.moves[0].motion, Motion::Joint { .. }));
+    let switches = [(1, true), (last, false)];
+    let switches = switches.map(|(before, on)| SpindleSwitch { before, on });
+    assert_eq!(program.spindle, switches, "{}", program.name);
+    assert_eq!(program.moves[last].zone, Zone::Stop);
+}
+
+#[test]
+fn rapid_as_people_write_it_is_read() {
+    let program = sample("part.mod");
+    is_the_part(&program);
+    assert_eq!(program.moves[1].zone, Zone::Within(0.01));
+    let load = program.tool.load.expect("a load");
+    assert!((load.mass_kg - 4.2).abs() < 1e-12);
+    for quote in [
+        "WaitTime is left aside",
+        "Set is left aside",
+        "of the type loaddata",
+    ] {
+        assert!(
+            program.notes.iter().any(|note| note.contains(quote)),
+            "{:?}",
+            program.notes
+        );
+    }
+}
+
+#[test]
+fn krl_as_people_write_it_is_read() {
+    let program = sample("part.src");
+    is_the_part(&program);
+    assert_eq!(program.moves[1].zone, Zone::Within(0.01));
+    assert!(
+        program.notes.iter().any(|note| note.contains("WAIT")),
+        "{:?}",
+        program.notes
+    );
+}
+
+#[test]
+fn urscript_as_people_write_it_is_read() {
+    let program = sample("part.script");
+    is_the_part(&program);
+    assert_eq!(program.moves[1].zone, Zone::Within(0.01));
+    assert!((program.tool.load.expect("a load").mass_kg - 4.2).abs() < 1e-12);
+}
+
+#[test]
+fn ls_as_people_write_it_is_read() {
+    let program = sample("part.LS");
+    is_the_part(&program);
+    assert_eq!(program.moves[1].zone, Zone::Unstated);
+    assert_eq!(program.tool.number, 1);
+}
+
+/// A job of a controller set to Japanese: its comments are Shift-JIS.
+#[test]
+fn a_job_with_shift_jis_comments_is_read() {
+    let program = sample("part.JBI");
+    assert_eq!(program.comment, "研磨");
+    assert_eq!(program.moves.len(), 2);
+    assert_eq!(program.moves[0].zone, Zone::Stop);
+    assert_eq!(program.moves[1].zone, Zone::Unstated);
+}
+
+/// File, line of the fault, quotes.
+const FAULTS: &[(&str, usize, &[&str])] = &[
+    ("loop.src", 4, &["`FOR`", "branches, loops"]),
+    ("no_speed.src", 3, &["`LIN`", "$VEL.CP"]),
+    ("missing_position.src", 2, &["no XP1 to move to"]),
+    ("no_end.src", 2, &["ends here"]),
+    ("subprogram.src", 3, &["`GRIND`", "subprograms"]),
+    ("four_axes.src", 2, &["has 4 fields", "6 are wanted"]),
+    ("two_tools.src", 3, &["the tool", "one is read"]),
+    ("no_z.src", 2, &["a position", "one with Z"]),
+    ("circle_of_a_line.src", 4, &["the circle", "three points"]),
+    ("unreachable.src", 4, &["path point 1", "reach"]),
+    ("while.script", 2, &["`while`", "movej, movel"]),
+    ("timed.script", 2, &["the time t is 2", "by its speed"]),
+    ("unknown_name.script", 2, &["`home`", "a value before"]),
+    (
+        "pose_of_five.script",
+        2,
+        &["a pose has 5 fields", "6 are wanted"],
+    ),
+    ("five_joints.script", 2, &["holds 5 joints", "has 6"]),
+    ("no_end.script", 2, &["ends here"]),
+    (
+        "negative_speed.script",
+        2,
+        &["the speed v is -0.1", "above zero"],
+    ),
+    ("not_a_number.script", 2, &["0x4", "finite number"]),
+    ("call.LS", 6, &["`CALL ../OTHER`", "UFRAME_NUM"]),
+    ("missing_position.LS", 6, &["no P[2] to move to"]),
+    ("timed.LS", 6, &["`2sec`", "mm/sec"]),
+    ("two_groups.LS", 12, &["GP2", "one group"]),
+    ("other_letters.LS", 9, &["X U T", "'N U T, 0, 0, 0'"]),
+    ("two_turns.LS", 9, &["N U T", "'N U T, 0, 0, 0'"]),
+    ("no_end.LS", 12, &["ends here", "/END"]),
+    ("position_twice.LS", 13, &["P[1] is given twice", "line 7"]),
+    ("no_such_branch.LS", 5, &["no posture", "N U B"]),
+    ("five_joints.LS", 5, &["holds 5 joints", "has 6"]),
+    (
+        "skip.LS",
+        6,
+        &["SKIP CONDITION", "an instruction that moves nothing"],
+    ),
+    ("level.LS", 5, &["CNT is 101", "0 to 100"]),
+    ("if.MOD", 11, &["`IF`", "MoveJ, MoveL"]),
+    ("two_tools.MOD", 11, &["`tool0`", "one tool is read"]),
+    (
+        "calls_itself.MOD",
+        11,
+        &["the depth of calls is 17", "at most 16"],
+    ),
+    ("offset_of_nothing.MOD", 11, &["no p9 to move to"]),
+    ("call_up.JBI", 19, &["../OTHER", "A-Z, 0-9"]),
+    ("level.JBI", 19, &["PL is 9", "from 0 to 8"]),
+];
+
+#[test]
+fn every_faulty_program_is_refused_with_file_line_value_and_rule() {
+    let fixtures = folder("../../tests/invalid_input/dialects");
+    for (name, line, quotes) in FAULTS {
+        let file = fixtures.join(name);
+        let error = read_with(&file, &Settings::default()).expect_err(name);
+        let report = error.to_string();
+        assert_eq!(error.line(), Some(*line), "{report}");
+        for quote in *quotes {
+            assert!(report.contains(quote), "`{quote}` is not in: {report}");
+        }
+    }
+    let files = std::fs::read_dir(fixtures).expect("fixtures");
+    let names = files.map(|file| file.expect("a file").file_name().into_string());
+    let names = names.map(|name| name.expect("a name"));
+    let unlisted: Vec<String> = names
+        .filter(|name| !FAULTS.iter().any(|f| f.0 == name))
+        .collect();
+    assert!(unlisted.is_empty(), "{unlisted:?}");
+}
+
+/// A Universal Robots arm has no wrist centre and no closed form here: lines are followed by the
+/// posture before, all the way.
+#[test]
+fn a_script_brings_back_the_postures_of_an_arm_without_a_wrist_centre() {
+    let robot = assets::robot("ur10e");
+    let down = nalgebra::UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.3);
+    let points: Vec<PathPoint> = (0..6)
+        .map(|i| PathPoint {
+            base_from_tool: Isometry3::from_parts(
+                nalgebra::Translation3::new(0.6, 0.2 + 0.02 * f64::from(i), 0.4),
+                down,
+            ),
+            motion: Motion::Linear {
+                speed_m_per_s: 0.05,
+            },
+            turntable_rad: None,
+        })
+        .collect();
+    let tool = Tool::of(&robot, "wheel", 0);
+    let (base, travel) = (Isometry3::identity(), TravelOptions::default());
+    let written = Program::along(&robot, "LINE", tool.clone(), base, &points, &travel);
+    let written = written.expect("a program");
+    let dialect = dialect_named("urscript").expect("the dialect");
+    let settings = Settings::default();
+    let files = dialect
+        .write(&written, &robot, &settings)
+        .expect("a script");
+    assert!(files[0].text.contains("not loaded on a controller"));
+    assert_eq!(
+        files[0].text.matches("movel(p[").count(),
+        5,
+        "{}",
+        files[0].text
+    );
+    let frames = Frames {
+        tool,
+        world_from_base: base,
+    };
+    let text = |_: &Path| Ok(files[0].text.clone());
+    let read = dialect.read(Path::new("LINE.script"), &text, &robot, &frames, &settings);
+    for (a, b) in written.moves.iter().zip(read.expect("a program").moves) {
+        let apart = a.posture.iter().zip(&b.posture).map(|(a, b)| (a - b).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-5, "{a:?} {b:?}");
+    }
+}
+
+/// What robot.toml says of the tool's load is what programs tell the controller; without it each
+/// says that it is not known.
+#[test]
+fn the_load_of_the_tool_is_the_robots_own() {
+    let urdf = folder("../../assets/robots/hp20/robot.urdf");
+    let load = "[tool_load]\nmass_kg = 6.5\ncenter_m = [0.01, 0.0, 0.12]\n";
+    let model = std::fs::read_to_string(&urdf).expect("the asset");
+    let config = |text: &str| {
+        let config = Some((text, Path::new("robot.toml")));
+        Robot::from_texts((&model, &urdf), config, None)
+    };
+    let tool = |robot: &Robot| Tool::of(robot, "wheel", 0).load;
+    let known = tool(&config(load).expect("a robot")).expect("a load");
+    assert_eq!((known.mass_kg, known.centre_m.z), (6.5, 0.12));
+    assert_eq!(tool(&config("").expect("a robot")), None);
+    let error = config(&load.replace("6.5", "-6.5")).expect_err("a mass below zero");
+    let report = error.to_string();
+    assert!(
+        report.contains("robot.toml:2: ") && report.contains("mass_kg` is -6.5"),
+        "{report}"
+    );
+}
+
+#[test]
+fn a_language_of_another_maker_is_noted() {
+    let robot = assets::robot("hp20");
+    let note = |name: &str| maker_note(dialect_named(name).expect("a dialect"), &robot);
+    assert_eq!(note("jbi"), None);
+    let rapid = note("rapid").expect("a note");
+    assert!(
+        rapid.contains("HP20") && rapid.contains("not in rapid"),
+        "{rapid}"
+    );
+}

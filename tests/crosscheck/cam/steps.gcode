@@ -1,0 +1,12 @@
+;Generated as relative moves
+G21
+G91
+G0X10Y10
+G0Z5
+G1Z-5F300
+G1X10F900
+G1Y10
+G1X-10Y-10
+g3x0y0i-5j0z2
+G90
+G0Z20

@@ -1,0 +1,3 @@
+G21 G90 G17
+G0 X0 Y0 Z10
+G1 X5 F600 (to the corner
