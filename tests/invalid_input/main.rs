@@ -275,8 +275,8 @@ fn every_bad_path_job_is_refused_with_place_value_and_rule() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
-/// The messages themselves are tested beside the readers, with their lines; here, that the program shows each as one error at its
-/// place.
+/// The messages themselves are tested beside the readers, with their lines; here, that the program
+/// shows each as one error at its place.
 #[test]
 fn every_bad_cam_file_and_robot_program_is_refused_at_its_line() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

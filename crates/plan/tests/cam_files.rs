@@ -47,8 +47,8 @@ fn modes_hold_until_they_are_changed() {
     assert_eq!(lines, [2, 3, 4, 5]);
 }
 
-/// Length of a helix: the root of the squares of turn and rise. Chords that lie within a millionth of
-/// the radius are too short by a third of that.
+/// Length of a helix: the root of the squares of turn and rise. Chords that lie within a millionth
+/// of the radius are too short by a third of that.
 #[test]
 fn verify_a_helix_has_its_length() {
     let fine = CamOptions {
@@ -91,8 +91,8 @@ fn verify_arcs_by_radius_have_their_centres() {
     }
 }
 
-/// Clockwise from the start the arc first leaves along the plane's second axis: in G18, which is seen
-/// against y, G2 turns from z to x.
+/// Clockwise from the start the arc first leaves along the plane's second axis: in G18, which is
+/// seen against y, G2 turns from z to x.
 #[test]
 fn verify_the_sense_of_arcs_in_the_three_planes() {
     for (plane, end, first, second) in [

@@ -41,7 +41,7 @@ fn sample(name: &str) -> Program {
     read_with(&file, &settings).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The same part in each language: approach, a line of 100 mm, half a circle of 50 mm back, retreat.
+/// The same part in each language: approach, a line of 100 mm, half a circle of 50 mm back, away.
 fn is_the_part(program: &Program) {
     let pose = |i: usize| program.world_from_base * program.moves[i].base_from_tool;
     let place = |i: usize| pose(i).translation.vector * 1e3;
