@@ -210,35 +210,8 @@ impl ScriptReader<'_> {
         given: &Arguments,
         line: usize,
     ) -> Result<(), ProgramErrorKind> {
-        let (targets, positions): (usize, &[&str]) = match verb {
-            "movec" => (2, &["a", "v", "r", "mode"]),
-            "movep" => (1, &["a", "v", "r"]),
-            _ => (1, &["a", "v", "t", "r"]),
-        };
-        let mut numbers: BTreeMap<&str, f64> = BTreeMap::new();
-        let mut goals = Vec::new();
-        for (i, (name, value)) in given.iter().enumerate() {
-            let key = match name.as_deref() {
-                Some(name) if name != "q" && name != "pose" && !name.starts_with("pose_") => {
-                    Some(name)
-                }
-                None if i >= targets => positions.get(i - targets).copied(),
-                _ => None,
-            };
-            match (key, value) {
-                (Some(key), Value::Number(number)) => {
-                    numbers.insert(key, *number);
-                }
-                (None, Value::Pose(pose) | Value::NearPose(pose)) => {
-                    goals.push(Goal::Pose(*pose, None))
-                }
-                (None, Value::List(joints)) => goals.push(Goal::Joints(joints.clone())),
-                _ => {
-                    let what = format!("argument {} of {verb}", i + 1);
-                    return Err(ProgramErrorKind::unexpected(&what, "a target or a number"));
-                }
-            }
-        }
+        let targets = if verb == "movec" { 2 } else { 1 };
+        let (goals, numbers) = sorted(verb, targets, given)?;
         let wanted = if targets == 2 {
             "a point on the way and the end"
         } else {
@@ -300,4 +273,40 @@ impl ScriptReader<'_> {
         self.next_point += 1;
         Ok(())
     }
+}
+
+/// The targets of a move, and its numbers by name.
+fn sorted<'a>(
+    verb: &str,
+    targets: usize,
+    given: &'a Arguments,
+) -> Result<(Vec<Goal>, BTreeMap<&'a str, f64>), ProgramErrorKind> {
+    let positions: &[&str] = match verb {
+        "movec" => &["a", "v", "r", "mode"],
+        "movep" => &["a", "v", "r"],
+        _ => &["a", "v", "t", "r"],
+    };
+    let mut numbers: BTreeMap<&str, f64> = BTreeMap::new();
+    let mut goals = Vec::new();
+    for (i, (name, value)) in given.iter().enumerate() {
+        let key = match name.as_deref() {
+            Some(name) if name != "q" && name != "pose" && !name.starts_with("pose_") => Some(name),
+            None if i >= targets => positions.get(i - targets).copied(),
+            _ => None,
+        };
+        match (key, value) {
+            (Some(key), Value::Number(number)) => {
+                numbers.insert(key, *number);
+            }
+            (None, Value::Pose(pose) | Value::NearPose(pose)) => {
+                goals.push(Goal::Pose(*pose, None))
+            }
+            (None, Value::List(joints)) => goals.push(Goal::Joints(joints.clone())),
+            _ => {
+                let what = format!("argument {} of {verb}", i + 1);
+                return Err(ProgramErrorKind::unexpected(&what, "a target or a number"));
+            }
+        }
+    }
+    Ok((goals, numbers))
 }
