@@ -23,8 +23,16 @@ def with_modes(mjcf: str, modes: list[dict], turns: bool = True) -> mujoco.MjMod
     if turns:
         _take_off(body, plain, last, modes[0]["mass"], plain.site_pos[site])
     else:
-        body.explicitinertial, body.mass = True, plain.body_mass[last] - modes[0]["mass"]
-        body.ipos, body.inertia = plain.body_ipos[last], plain.body_inertia[last]
+        # A flange without a mass of its own is fixed to the link that has one.
+        carrier = last
+        while plain.body_mass[carrier] == 0.0 and plain.body_jntnum[carrier] == 0:
+            carrier = int(plain.body_parentid[carrier])
+        rest = plain.body_mass[carrier] - modes[0]["mass"]
+        if rest <= 0.0:
+            raise ValueError(f"the modes weigh {modes[0]['mass']:.3g} kg, their link {plain.body_mass[carrier]:.3g} kg")
+        link = spec.body(mujoco.mj_id2name(plain, mujoco.mjtObj.mjOBJ_BODY, carrier))
+        link.explicitinertial, link.mass = True, rest
+        link.ipos, link.inertia = plain.body_ipos[carrier], plain.body_inertia[carrier]
     place = {"pos": plain.site_pos[site], "quat": plain.site_quat[site]}
     for heavier, lighter in zip(modes, [*modes[1:], None]):
         # Modes alike in mass move one body; the engine wants the other to have some mass, too.

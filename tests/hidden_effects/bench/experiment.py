@@ -194,6 +194,6 @@ BELT_FORCE = Experiment("belt_force", 250.0, 2.4, 0.5e-3, 30.0, (0.05, 0.05, 3e-
 BRUSH = Experiment("brush", 250.0, 2.4, 1e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 1e-6))
 POLISH_EDGE = Experiment("polish_edge", 250.0, 2.4, 1e-3, 30.0, (0.05, 0.05, 3e-13, 1e-6, 1e-6))
 # new ones at the end: what is drawn for a case depends on the order
-MILL = Experiment("mill", 1000.0, 1.5, 0.2e-3, 200.0, (0.5, 0.5, 1e-6))
+MILL = Experiment("mill", 1000.0, 1.5, 0.2e-3, 200.0, (0.5, 0.5, 3e-7))
 _MACHINING = (CHAMFER, TEETH, TEETH_THREE, WHEEL, POLISH, POLISH_FORCE, BELT, BELT_FORCE, BRUSH, POLISH_EDGE, MILL)
 ALL = {e.name: e for e in (AXIS, SINGLE_TONE, SMALL, TWO_JOINT, *_MACHINING)}

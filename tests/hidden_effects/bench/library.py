@@ -130,7 +130,7 @@ BRUSH_PAIR = (BRUSH[0], BRUSH[1])
 # On a machine that gives way along the feed; forces and its place are measured.
 MILLING = (
     Template("mill", "milling_process_damping", None, {"per_slope_n_per_m": 6e5}),
-    Template("mill", "tool_mode", None, {"compliance_m_per_n": 1e-7}, {"frequency_hz": 135.0, "damping_ratio": 0.03}),
+    Template("mill", "tool_mode", None, {"compliance_m_per_n": 7e-7}, {"frequency_hz": 135.0, "damping_ratio": 0.03}),
 )
 MILLING_PAIR = (MILLING[0], MILLING[1])
 
