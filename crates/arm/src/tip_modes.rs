@@ -98,6 +98,19 @@ impl LinearArm {
         Ok(arm)
     }
 
+    /// Largest part of the mass at the tip along its direction that one of these modes (axes of the
+    /// tip Jacobian) moves, m nᵀJM⁻¹Jᵀn; none for an arm without inertia.
+    pub fn largest_share(&self, modes: &[AttachedMode]) -> f64 {
+        let Some(mass) = self.mass.clone().cholesky() else {
+            return 0.0;
+        };
+        let shares = modes.iter().map(|mode| {
+            let row = self.tip_jacobian.tr_mul(&mode.direction);
+            mode.mass_kg() * row.dot(&mass.solve(&row))
+        });
+        shares.fold(0.0, f64::max)
+    }
+
     /// The modes with their shapes at the tip.
     ///
     /// # Errors

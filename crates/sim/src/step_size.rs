@@ -17,6 +17,10 @@ const STEPS_PER_FORCE_PERIOD: f64 = 40.0;
 /// Default and fewest steps in one period of the fastest mode that a process steps itself: exactly,
 /// but the force on it is known at the instants only.
 const STEPS_PER_OWN_PERIOD: f64 = 40.0;
+/// Part of the arm's mass at its tool point up to which a mode takes that step. Forces known at the
+/// instants only, and an acceleration foreseen from places before, put the frequency of a mode with
+/// a part μ wrong by (1/12 + μ/2) μ (ωh)²/(1 - μ): with more mass the step is shorter.
+const LIGHT_SHARE: f64 = 0.02;
 const FEWEST_PER_OWN_PERIOD: f64 = 8.0;
 
 /// Default steps in the shortest time in which a carrier follows its contact.
@@ -156,16 +160,18 @@ fn cause(
     step_s: f64,
     scheme: Scheme,
     fastest: Option<Fastest>,
-    (quickest_s, own_hz): (Option<f64>, Option<f64>),
+    (quickest_s, own): (Option<f64>, Option<(f64, f64)>),
 ) -> (&'static str, String) {
     let is_set_by = |limit_s: f64| step_s >= 0.99 * limit_s;
     if quickest_s.is_some_and(|t| is_set_by(t / STEPS_PER_QUICKEST)) {
         let why = "it is a fifth of the time in which the carrier of the force control follows its contact";
         return ("process", why.into());
     }
-    if own_hz.is_some_and(|hz| is_set_by(1.0 / (hz * STEPS_PER_OWN_PERIOD))) {
-        let why = "it is 1/40 of the period of the fastest mode of tool and workpiece";
-        return ("process", why.into());
+    if let Some((own_s, hz)) = own.filter(|(own_s, _)| is_set_by(*own_s)) {
+        let parts = 1.0 / (own_s * hz);
+        let why =
+            format!("it is 1/{parts:.0} of the period of the fastest mode of tool and workpiece");
+        return ("process", why);
     }
     let Some(fastest) = fastest.filter(|f| is_set_by(scheme.step_of_modes_s(*f))) else {
         let why = "it follows from the time between two cutting edges, or is the longest";
@@ -196,6 +202,12 @@ fn check_carrier(asked_s: f64, process: &dyn Process) -> Result<(), SimError> {
     ))
 }
 
+/// The step that modes of tool and workpiece ask for, s.
+fn own_modes_s(process: &dyn Process) -> Option<f64> {
+    let heavier = (process.mode_share() / LIGHT_SHARE).max(1.0).sqrt();
+    (process.fastest_mode_hz()).map(|hz| 1.0 / (hz * STEPS_PER_OWN_PERIOD * heavier))
+}
+
 /// Refuses a step that is too long for the modes of tool and workpiece.
 fn check_own_modes(asked_s: f64, process: &dyn Process) -> Result<(), SimError> {
     let Some(hz) = process.fastest_mode_hz() else {
@@ -221,7 +233,8 @@ fn check_own_modes(asked_s: f64, process: &dyn Process) -> Result<(), SimError> 
 /// - its part (1/60; exact: 1/20, with play 1/40; 1/5 of a mode that only a base that gives has) of
 ///   the fastest mode's period, contact springs and rotors included,
 /// - a fifth of the time in which a wheel's carrier follows its contact,
-/// - 1/40 of the period of the fastest mode of tool and workpiece,
+/// - 1/40 of the period of the fastest mode of tool and workpiece, less where a tool mode moves more
+///   than a fiftieth of the arm's mass,
 /// - 1/40 of the tooth period and, for the exact scheme, 1/40 of the period of the fastest given
 ///   force,
 ///
@@ -248,7 +261,8 @@ pub(crate) fn choose(
     let tooth = process
         .tooth_period_s()
         .map_or(longest, |t| t / STEPS_PER_TOOTH);
-    let own = (process.fastest_mode_hz()).map_or(longest, |hz| 1.0 / (hz * STEPS_PER_OWN_PERIOD));
+    let own_s = own_modes_s(process);
+    let own = own_s.unwrap_or(longest);
     let mut step = longest.min(mode).min(tooth).min(carried).min(own);
     if scheme.is_exact()
         && let Some(f) = process.highest_frequency_hz()
@@ -259,7 +273,7 @@ pub(crate) fn choose(
         step,
         scheme,
         fastest,
-        (quickest_s, process.fastest_mode_hz()),
+        (quickest_s, own_s.zip(process.fastest_mode_hz())),
     );
     check_count(step, run.duration_s, (key, &why))?;
     if let Some(period) = process

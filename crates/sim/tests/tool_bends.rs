@@ -3,7 +3,7 @@
 
 mod support;
 
-use nalgebra::{Complex, DMatrix, DVector, Vector3};
+use nalgebra::{Complex, DMatrix, DVector, Matrix2, Matrix4, Vector3};
 use std::f64::consts::TAU;
 use support::{ARM_POSTURE, column, finished, load, scenario};
 use truecut_arm::{FrameId, Load, Robot};
@@ -223,4 +223,53 @@ fn verify_a_wheel_presses_through_its_spindle_in_series() {
     let expected = 0.08e6 / (0.08e6 + wheel_n_per_m);
     println!("{own} N, {series} N: {} of {expected}", series / own);
     assert!((series / own / expected - 1.0).abs() < 0.01);
+}
+
+/// A mode that moves much of the arm's mass at its tool point, at the default step: released, it
+/// rings at the frequency of the assembled masses. The rig is one oscillator along its tool.
+#[test]
+fn verify_a_heavy_mode_rings_at_its_frequency() {
+    let (arm_kg, arm_n_per_m, arm_n_s_per_m) = (557.3, 0.8646e6, 878.0356075);
+    let forces = "release_n = [500.0, 0.0, 0.0]";
+    let rigid = load("rig_planar", "gravity = false", "duration_s = 0.5", forces);
+    for share in [0.005, 0.02, 0.1, 0.3] {
+        let mass_kg = share * arm_kg;
+        let stiffness_n_per_m = mass_kg * (TAU * 135.0_f64).powi(2);
+        let modes = [(135.0, 0.005, stiffness_n_per_m * 1e-6, [0.0, 0.0, 1.0])];
+        let recording = run(&with(&rigid, &table("tool", &modes)), Engine::Rapier);
+        let found_hz = ringing_hz(&recording, "load.tool_mode1_deflection");
+        let own = attached(&modes)[0];
+        let mass = Matrix2::new(arm_kg, mass_kg, mass_kg, mass_kg);
+        let inverse = mass.try_inverse().expect("the arm is heavier");
+        let diagonal = |a: f64, b: f64| Matrix2::new(a, 0.0, 0.0, b);
+        let mut state = Matrix4::zeros();
+        state.fixed_view_mut::<2, 2>(0, 2).fill_with_identity();
+        let stiffness = inverse * diagonal(arm_n_per_m, own.stiffness_n_per_m);
+        state.fixed_view_mut::<2, 2>(2, 0).copy_from(&-stiffness);
+        let damping = inverse * diagonal(arm_n_s_per_m, own.damping_n_s_per_m());
+        state.fixed_view_mut::<2, 2>(2, 2).copy_from(&-damping);
+        let roots = state.complex_eigenvalues();
+        let expected_hz = roots.iter().map(|root| root.im / TAU).fold(0.0, f64::max);
+        let off = found_hz / expected_hz - 1.0;
+        println!(
+            "{share}: {found_hz} Hz of {expected_hz}: {off:.1e}, step {} s",
+            recording.time_s[1]
+        );
+        assert!(off.abs() < 5e-4, "{share}: {found_hz} Hz of {expected_hz}");
+    }
+}
+
+/// Frequency between the first and the last rising crossing of zero of the second difference over
+/// some quarter of a period, which has next to nothing of the arm's slow swing.
+fn ringing_hz(recording: &Recording, name: &str) -> f64 {
+    let (time, given) = (&recording.time_s, column(recording, name));
+    let apart = (0.25 / 135.0 / time[1]).round() as usize;
+    let bend = |i: usize| given[i + apart] - 2.0 * given[i] + given[i - apart];
+    let crossings: Vec<f64> = (apart + 1..given.len() - apart)
+        .map(|i| (i, bend(i - 1), bend(i)))
+        .filter(|(_, before, now)| *before < 0.0 && *now >= 0.0)
+        .map(|(i, before, now)| time[i - 1] + before / (before - now) * (time[i] - time[i - 1]))
+        .collect();
+    let last = crossings.len() - 1;
+    last as f64 / (crossings[last] - crossings[0])
 }

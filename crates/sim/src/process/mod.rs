@@ -164,6 +164,11 @@ pub trait Process: Send {
         None
     }
 
+    /// Largest part of the arm's mass at its tool point that one of these modes moves.
+    fn mode_share(&self) -> f64 {
+        0.0
+    }
+
     /// Springs that stiffen the robot while in contact.
     fn contact_stiffness(&self) -> Vec<ContactStiffness>;
 

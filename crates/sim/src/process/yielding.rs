@@ -26,6 +26,8 @@ pub(super) struct Yielding {
     /// Axes of the tool at the start, as columns in the process frame.
     process_from_tool: Matrix3<f64>,
     modes: Modes,
+    /// Largest part of the arm's mass at its tool point that a mode moves.
+    share: f64,
     /// What the modes add to the place of the tip as the run starts, process axes.
     start_m: Vector3<f64>,
     /// Deflections of the modes at the step last committed.
@@ -49,10 +51,8 @@ impl Yielding {
             .iter()
             .map(|mode| mode.turned(&axes))
             .collect();
-        (robot
-            .linearised(posture, FrameId::Tool, &Load::none())?
-            .with_tool(&tool))
-        .map_err(|error| SimError::too_heavy("tool.mode", error))?;
+        let arm = robot.linearised(posture, FrameId::Tool, &Load::none())?;
+        (arm.with_tool(&tool)).map_err(|error| SimError::too_heavy("tool.mode", error))?;
         let process_from_world = robot.world_from_process(posture).rotation.inverse();
         Ok(Self {
             inner,
@@ -61,6 +61,7 @@ impl Yielding {
             process_from_world,
             process_from_tool: process_from_world.to_rotation_matrix() * axes,
             modes: Modes::default(),
+            share: arm.largest_share(&tool),
             start_m: Vector3::zeros(),
             modes_m: Vec::new(),
         })
@@ -184,6 +185,10 @@ impl Process for Yielding {
             .map(|(mode, axes)| self.pressed_hz(mode, axes));
         own.chain(self.inner.fastest_mode_hz())
             .max_by(f64::total_cmp)
+    }
+
+    fn mode_share(&self) -> f64 {
+        self.share.max(self.inner.mode_share())
     }
 
     fn ended(&self) -> Option<Outcome> {

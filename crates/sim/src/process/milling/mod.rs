@@ -59,6 +59,8 @@ pub struct MillingSetup {
     /// The walls that the pass finishes, the one of down-milling first.
     pub finished_walls: Vec<Wall>,
     pub theory: MillingTheory,
+    /// Largest part of the arm's mass at its tool point that a tool mode moves.
+    pub mode_share: f64,
     /// Natural frequency of the fastest mode of arm, tool and workpiece.
     pub fastest_mode_hz: f64,
 }
@@ -372,6 +374,10 @@ impl Process for Milling {
         let modes = attached.tool.iter().chain(&attached.workpiece);
         let hz = modes.map(|mode| mode.natural_frequency_rad_s / TAU);
         hz.max_by(f64::total_cmp)
+    }
+
+    fn mode_share(&self) -> f64 {
+        self.setup.mode_share
     }
 
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {

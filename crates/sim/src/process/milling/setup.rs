@@ -97,6 +97,10 @@ fn milling(
         Ok(in_axes(&modes, world_from_milling.matrix()))
     };
     let modes = modes_of(spec)?;
+    let arm = robot.linearised(posture, FrameId::Tool, &Load::none())?;
+    let tool: Vec<_> = (spec.attached.tool.iter())
+        .map(|mode| mode.turned(&tool_axes))
+        .collect();
     Ok(MillingSetup {
         parameters: parameters(spec),
         process_from_milling,
@@ -105,6 +109,7 @@ fn milling(
         mean_deflection_m: deflection * deeper,
         finished_walls: finished_walls(&cut.engagement),
         theory: theory(&modes_of(nominal)?, &nominal.cut, nominal.tooth_period_s()),
+        mode_share: arm.largest_share(&tool),
         fastest_mode_hz: modes
             .iter()
             .map(|mode| mode.natural_frequency_rad_s / TAU)
