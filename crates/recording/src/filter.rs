@@ -44,6 +44,23 @@ impl Butterworth {
         Butterworth { sections, order }
     }
 
+    /// Part of the standard deviation of white noise that a low-pass filter of this order leaves,
+    /// run forward and backward: the root of the mean of its gain to the fourth power over all
+    /// frequencies.
+    pub fn white_share(order: usize, cutoff_hz: f64, rate_hz: f64) -> f64 {
+        const FREQUENCIES: usize = 4096;
+        if cutoff_hz >= 0.5 * rate_hz {
+            return 1.0;
+        }
+        let warped = (PI * cutoff_hz / rate_hz).tan();
+        let power = |k: usize| {
+            let w = (0.5 * PI * (k as f64 + 0.5) / FREQUENCIES as f64).tan();
+            let gain_squared = 1.0 / (1.0 + (w / warped).powi(2 * order as i32));
+            gain_squared * gain_squared
+        };
+        ((0..FREQUENCIES).map(power).sum::<f64>() / FREQUENCIES as f64).sqrt()
+    }
+
     /// Runs the filter forward and backward: no delay, and the gain of the filter squared (so that
     /// the gain at the cutoff is 1/2).
     pub fn zero_phase(&self, values: &[f64]) -> Vec<f64> {
@@ -125,6 +142,19 @@ pub fn differentiate(values: &[f64], interval_s: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn verify_the_share_of_white_noise_is_that_of_an_impulse() {
+        for (cutoff_hz, rate_hz) in [(10.0, 200.0), (5.0, 1000.0), (40.0, 100.0), (60.0, 100.0)] {
+            // White noise keeps the sum of squares of the response to an impulse (`oppenheim2010`).
+            let mut impulse = vec![0.0; 8001];
+            impulse[4000] = 1.0;
+            let response = Butterworth::low_pass(4, cutoff_hz, rate_hz).zero_phase(&impulse);
+            let kept = response.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let share = Butterworth::white_share(4, cutoff_hz, rate_hz);
+            assert!((share / kept - 1.0).abs() < 1e-6, "{share} {kept}");
+        }
+    }
 
     fn signal() -> Vec<f64> {
         (0..60)

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use truecut_discrepancy::compare::{
-    ChannelComparison, Comparison, Dependence, Kind, LEVEL, LineKind, SpectralLine,
+    ChannelComparison, Comparison, Dependence, Kind, LEVEL, Level, LineKind, SpectralLine,
 };
 use truecut_recording::{Unit, short_number, significant};
 
@@ -25,7 +25,7 @@ pub fn printed(name: &str, comparison: &Comparison, written: &[PathBuf]) -> Stri
         let findings = findings(channel);
         text.push_str(&format!("\n  {}\n", channel.channel));
         if findings.is_empty() {
-            text.push_str("    nothing beyond noise\n");
+            text.push_str(&format!("    {}\n", nothing_found(&channel.level)));
         }
         findings
             .iter()
@@ -38,6 +38,21 @@ pub fn printed(name: &str, comparison: &Comparison, written: &[PathBuf]) -> Stri
         ));
     }
     text
+}
+
+/// A residual without a pattern is noise only as far as noise is known.
+fn nothing_found(level: &Level) -> String {
+    match level.error_over_noise {
+        Some(ratio) => format!(
+            "no pattern in what is left, which is {} times the noise stated",
+            significant(ratio, 3)
+        ),
+        None => format!(
+            "no pattern in what is left, {} % of the signal: how much of it is noise, the data do not say \
+             (`noise` of a channel does)",
+            significant(100.0 * level.nrmse, 3)
+        ),
+    }
 }
 
 fn table(comparison: &Comparison) -> String {

@@ -38,7 +38,7 @@ pub fn html(trial: &Trial, confirmed: &Confirmed) -> String {
                 (others(diagnosis))
                 (gain(diagnosis))
                 h2 { "Measured, nominal, extended" }
-                @for index in 0..trial.channels().len() {
+                @for index in worst_first(trial, diagnosis) {
                     (PreEscaped(figure(trial, confirmed, index)))
                 }
                 (seen(diagnosis))
@@ -61,7 +61,8 @@ fn causes(diagnosis: &Diagnosis) -> Markup {
             }
         };
         let evidence = format!(
-            "{} standard errors on validation data; {:.1} % less error",
+            "odds {}; {} standard errors on validation data; {:.1} % less error",
+            text::odds(cause.evidence.log10_odds),
             significant(cause.evidence.validation_t, 3),
             100.0 * cause.evidence.practical_gain
         );
@@ -80,7 +81,9 @@ fn causes(diagnosis: &Diagnosis) -> Markup {
 }
 
 fn others(diagnosis: &Diagnosis) -> Markup {
-    let candidates = diagnosis.alternatives.iter().chain(&diagnosis.runner_up);
+    // The first alternative is the next best explanation, too.
+    let next = (diagnosis.runner_up.iter()).filter(|_| diagnosis.alternatives.is_empty());
+    let candidates = diagnosis.alternatives.iter().chain(next);
     let explanations = candidates.map(|one| {
         let (angle, behind) = (
             format!("{:.0}°", one.angle_deg),
@@ -111,10 +114,8 @@ fn gain(diagnosis: &Diagnosis) -> Markup {
     };
     html! {
         (table("Error on held-out data (root mean square)", head, rows.iter().map(|row| cells(row))))
-        p { (format!(
-            "Unexplained: {:.0} % of the discrepancy beyond noise.",
-            100.0 * diagnosis.unexplained_fraction
-        )) }
+        p { "Unexplained: " (text::unexplained(diagnosis)) "." }
+        @for doubt in &diagnosis.doubts { p { "Doubtful: " (doubt) "." } }
     }
 }
 
@@ -158,6 +159,19 @@ fn notes(trial: &Trial, confirmed: &Confirmed) -> Markup {
     }
 }
 
+/// The channels in the order of how far the nominal model is beyond their noise.
+fn worst_first(trial: &Trial, diagnosis: &Diagnosis) -> Vec<usize> {
+    let beyond = |index: usize| {
+        let errors = diagnosis.channels.get(&trial.channels()[index].name);
+        errors.map_or(0.0, |one| {
+            one.before / one.noise_floor.max(f64::MIN_POSITIVE)
+        })
+    };
+    let mut order: Vec<usize> = (0..trial.channels().len()).collect();
+    order.sort_by(|a, b| beyond(*b).total_cmp(&beyond(*a)));
+    order
+}
+
 fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
     let spec = &trial.channels()[index];
     let output = &trial.observation.outputs[index];
@@ -166,8 +180,12 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
     let unit = reading_unit(spec.unit, size);
     let (nominal, extended) = (&confirmed.nominal[index], &confirmed.extended[index]);
     let curve = |label: &str, colour, value: &dyn Fn(usize) -> f64, unit: &UserUnit| {
-        let rows = (0..time_s.len()).filter(|row| output.valid[*row]);
-        let points = rows.map(|row| (time_s[row], unit.from_si(value(row))));
+        // A gap stays open.
+        let shown = |row| match output.valid[row] {
+            true => unit.from_si(value(row)),
+            false => f64::NAN,
+        };
+        let points = (0..time_s.len()).map(|row| (time_s[row], shown(row)));
         Layer::line(label, thinned(points, POINTS), colour)
     };
     let measured = |row: usize| output.values[row];

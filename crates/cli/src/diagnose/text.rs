@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use truecut_discrepancy::diagnose::{Alternative, Cause, Diagnosis, Nominal, Parameter, Verdict};
+use truecut_discrepancy::diagnose::{
+    Alternative, Cause, ChannelErrors, Diagnosis, NoiseSource, Nominal, Parameter, Verdict,
+};
 use truecut_discrepancy::trial::Trial;
 use truecut_recording::{Unit, significant};
 use truecut_scenario::effect::EffectKind;
@@ -66,6 +68,16 @@ pub fn name(cause: &Cause) -> String {
     }
 }
 
+/// Odds from their decimal logarithm; beyond a million they say more of the noise's model than of
+/// the cause.
+pub fn odds(log10: f64) -> String {
+    match log10 {
+        6.0.. => "more than 1e6 : 1".to_owned(),
+        0.0.. => format!("{} : 1", significant(10_f64.powf(log10), 2)),
+        _ => format!("1 : {}", significant(10_f64.powf(-log10), 2)),
+    }
+}
+
 /// A number with its unit, if it has one.
 pub fn with_unit(number: &str, unit: &str) -> String {
     match unit {
@@ -95,11 +107,13 @@ pub fn cause_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for cause in &diagnosis.causes {
         let mut first = Some(name(cause));
+        let mut odds = Some(odds(cause.evidence.log10_odds));
         for (key, parameter) in &cause.parameters {
             rows.push(vec![
                 first.take().unwrap_or_default(),
                 key.clone(),
                 estimate(parameter),
+                odds.take().unwrap_or_default(),
             ]);
         }
     }
@@ -109,6 +123,7 @@ pub fn cause_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
             nominal.key.clone(),
             format!("{} →", significant(before, 4)),
             estimate(&after),
+            String::new(),
         ]);
     }
     rows
@@ -127,21 +142,32 @@ pub fn in_unit_of_key(nominal: &Nominal) -> (f64, Parameter) {
     (shown(nominal.before), after)
 }
 
+/// The noise, or between what and what it is.
+fn noise(errors: &ChannelErrors, number: &dyn Fn(f64) -> String) -> String {
+    let (least, most) = (errors.noise_without_memory, errors.noise_floor);
+    match errors.noise_source {
+        NoiseSource::Bound if least > 0.0 => format!("{} to {}", number(least), number(most)),
+        NoiseSource::Bound => format!("<= {}", number(most)),
+        _ => number(most),
+    }
+}
+
 /// A header, and for each channel its errors on held-out data and the noise, in the unit in which
 /// one reads them.
 pub fn error_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     let mut rows = vec![vec!["".to_owned(), "nominal".to_owned()]];
     let refitted = !diagnosis.nominal.is_empty();
     rows[0].extend(refitted.then(|| "refitted alone".to_owned()));
-    rows[0].extend(["extended", "noise", ""].map(str::to_owned));
+    rows[0].extend(["extended", "noise", "", "noise known from"].map(str::to_owned));
     for (channel, errors) in &diagnosis.channels {
         let unit = errors.unit.parse().unwrap_or(Unit::One);
         let unit = reading_unit(unit, errors.before.max(errors.noise_floor));
         let number = |value: f64| significant(unit.from_si(value), 4);
         let mut row = vec![channel.clone(), number(errors.before)];
         row.extend(refitted.then(|| number(errors.refitted)));
-        row.extend([number(errors.after), number(errors.noise_floor)]);
+        row.extend([number(errors.after), noise(errors, &number)]);
         row.push(with_unit("", &unit.symbol).trim().to_owned());
+        row.push(errors.noise_source.description().to_owned());
         rows.push(row);
     }
     rows
@@ -179,6 +205,27 @@ pub fn alternative_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
         ]);
     }
     rows
+}
+
+/// How much of the discrepancy is unexplained, and in which channel most is left beyond the noise.
+pub fn unexplained(diagnosis: &Diagnosis) -> String {
+    let percent = 100.0 * diagnosis.unexplained_fraction;
+    let share = match percent {
+        0.0 => "nothing".to_owned(),
+        ..1.0 => "less than 1 %".to_owned(),
+        _ => format!("{percent:.0} %"),
+    };
+    let known = diagnosis.channels.iter().filter(|(_, errors)| {
+        errors.noise_source != NoiseSource::Bound && errors.noise_floor > 0.0
+    });
+    let ratios = known.map(|(name, errors)| (errors.after / errors.noise_floor, name));
+    match ratios.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((ratio, name)) => format!(
+            "{share} of the discrepancy beyond noise; most is left of {name}, {} times its noise",
+            significant(ratio, 3)
+        ),
+        None => format!("{share} of the discrepancy, if noise is all that has a memory"),
+    }
 }
 
 /// What is left of the channels follows …
@@ -222,8 +269,8 @@ pub fn printed(trial: &Trial, confirmed: &Confirmed, written: &Written) -> Strin
 
 fn causes(diagnosis: &Diagnosis) -> String {
     titled(
-        "Causes and refitted values (95 % interval)",
-        &[Align::Left; 3],
+        "Causes and refitted values (95 % interval; odds that it is there rather than not)",
+        &[Align::Left; 4],
         &cause_rows(diagnosis),
     )
 }
@@ -239,7 +286,8 @@ fn gain(diagnosis: &Diagnosis) -> String {
     }
     let rows = error_rows(diagnosis);
     let mut aligns = vec![Align::Right; rows[0].len()];
-    for side in [0, rows[0].len() - 1] {
+    let last = rows[0].len() - 1;
+    for side in [0, last - 1, last] {
         aligns[side] = Align::Left;
     }
     titled("Error on held-out data (root mean square)", &aligns, &rows)
@@ -271,6 +319,12 @@ fn seen(diagnosis: &Diagnosis) -> String {
 fn rest(confirmed: &Confirmed) -> String {
     let diagnosis = &confirmed.answer.diagnosis;
     let mut text = String::new();
+    if !diagnosis.causes.is_empty() {
+        text.push_str(&format!("  unexplained: {}\n", unexplained(diagnosis)));
+    }
+    for doubt in &diagnosis.doubts {
+        text.push_str(&format!("  doubtful: {doubt}\n"));
+    }
     for missing in &diagnosis.missing {
         text.push_str(&format!("  missing: {missing}\n"));
     }

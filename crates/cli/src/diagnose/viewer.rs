@@ -99,8 +99,8 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         &others,
     ));
     text.push_str(&format!(
-        "\nUnexplained: {:.0} % of the discrepancy beyond noise.\n\n",
-        100.0 * diagnosis.unexplained_fraction
+        "\nUnexplained: {}.\n\n",
+        text::unexplained(diagnosis)
     ));
     for found in text::correlated_signals(diagnosis) {
         text.push_str(&format!("- {found}\n"));

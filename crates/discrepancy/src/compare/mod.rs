@@ -68,7 +68,7 @@ use truecut_recording::measured::MIN_SAMPLES;
 use truecut_recording::{Unit, significant};
 
 use crate::stats::distributions::family_wise;
-use crate::stats::{Background, counted};
+use crate::stats::{Background, counted, deviation};
 
 /// Findings are reported below this probability of a false alarm, counted over all signals tried.
 pub const LEVEL: f64 = 0.01;
@@ -178,9 +178,24 @@ fn check(pair: &Pair<'_>) -> Result<(), CompareError> {
     }
 }
 
+/// No quantity of a machine moves by less, SI; and next to the largest of its unit, such a part of it
+/// is rounding.
+const ROUNDING: f64 = 1e-12;
+const ROUNDING_SHARE: f64 = 1e-9;
+
+/// Signals that move by more than rounding: what a residual could follow.
+fn moving<'a>(setting: &'a Setting<'_>) -> impl Iterator<Item = &'a Explanatory> {
+    let all = setting.explanatory.iter();
+    all.filter(|signal| {
+        let alike = (setting.explanatory.iter()).filter(|one| one.spec.unit == signal.spec.unit);
+        let largest = alike.map(|one| deviation(&one.values)).fold(0.0, f64::max);
+        deviation(&signal.values) > ROUNDING.max(ROUNDING_SHARE * largest)
+    })
+}
+
 fn dependences(residual: &[f64], valid: &[bool], setting: &Setting<'_>) -> Vec<Dependence> {
     let test = |signal: &Explanatory| dependence(residual, valid, signal);
-    let mut found: Vec<Dependence> = setting.explanatory.iter().filter_map(test).collect();
+    let mut found: Vec<Dependence> = moving(setting).filter_map(test).collect();
     let count = found.len() as f64;
     for one in &mut found {
         one.p_value = family_wise(one.p_value, count);
@@ -200,7 +215,7 @@ fn inputs(residual: &[f64], pair: &Pair<'_>, setting: &Setting<'_>) -> Vec<Input
         input_correlation(residual, pair.valid, name, signal, interval_s)
     };
     // Phase and time grow without bound; bins and lines test for them.
-    let signals = setting.explanatory.iter().filter(|signal| {
+    let signals = moving(setting).filter(|signal| {
         !matches!(signal.kind, Kind::SpindlePhase | Kind::Time)
             && signal.spec.name != pair.spec.name
     });

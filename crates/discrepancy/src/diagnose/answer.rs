@@ -6,12 +6,13 @@ use serde::{Deserialize, Serialize};
 use truecut_recording::Unit;
 use truecut_scenario::effect::Target;
 
+use super::floor::NoiseSource;
 use super::problem::{Found, Problem};
 use super::race::FitTrial;
 use crate::model::Candidate;
 
 /// Version of the layout.
-pub(super) const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 3;
 
 /// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -50,6 +51,8 @@ pub struct Parameter {
 pub struct Evidence {
     /// Fall of minus twice the log-likelihood when the effect joins the others.
     pub likelihood_gain: f64,
+    /// Decimal logarithm of the odds that it is there rather than not, by Schwarz's criterion.
+    pub log10_odds: f64,
     /// The same on validation blocks, whitened, in standard errors.
     pub validation_t: f64,
     /// Largest relative fall of a channel's rms on validation blocks.
@@ -93,8 +96,14 @@ pub struct ChannelErrors {
     pub refitted: f64,
     /// Of the extended model.
     pub after: f64,
-    /// The noise: as stated, otherwise what a flexible predictor leaves of the residual.
+    /// The noise, from [`ChannelErrors::noise_source`]; a bound is what a flexible predictor leaves
+    /// of the residual.
     pub noise_floor: f64,
+    /// Where the noise is known from.
+    pub noise_source: NoiseSource,
+    /// The noise if it has no memory, from differences in time: where the source is a bound, the
+    /// least that it can be.
+    pub noise_without_memory: f64,
     /// Symbol of the unit.
     pub unit: String,
 }
@@ -216,6 +225,8 @@ pub struct Diagnosis {
     pub smallest_seen: Vec<SmallestSeen>,
     /// Shortcomings of the experiment.
     pub missing: Vec<String>,
+    /// What is to be doubted about the causes.
+    pub doubts: Vec<String>,
     /// What any model could still gain.
     pub ceiling: Ceiling,
     /// The best experiment first.

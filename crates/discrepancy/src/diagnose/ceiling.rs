@@ -2,6 +2,7 @@
 //! blocks.
 
 mod derived;
+mod waves;
 
 use rayon::prelude::*;
 
@@ -96,6 +97,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
     for c in 0..residual.len() {
         let target = Target::new(problem, &residual[c], c, noise.channels[c].ar.len());
         let mut own = target.lines();
+        own.extend(target.waves(&last.predicted));
         own.extend(target.through_dynamics(&groups));
         own.extend(delay_by_size(problem, c, &base.predicted[c]));
         own.extend(resonance(

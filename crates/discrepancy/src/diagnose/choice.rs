@@ -1,12 +1,16 @@
 //! The choice among fits: by what they gain on blocks that they were not fitted to, beyond chance
 //! and in noise of any memory.
 
+use truecut_scenario::effect::Family;
+
+use super::derivatives::difference;
 use super::fit::Fit;
 use super::memory::{LEAST_GENERALISATION, distance, stands_out};
 use super::problem::Problem;
 use super::screen::critical;
 use super::search::{DECISIVE, Search};
-use super::validate::{Paired, compare, objective};
+use super::validate::{Paired, compare, objective, rms};
+use crate::stats::deviation;
 
 /// The validation gain must be beyond so many standard errors; detection on the training rows has
 /// come before, and it is there that chance is kept out.
@@ -57,7 +61,15 @@ impl Search<'_, '_> {
                 .cmp(&effects(*b))
                 .then(value(*a).total_cmp(&value(*b)))
         };
-        let taken = near.min_by(order)?;
+        let near: Vec<usize> = near.collect();
+        let best = near.iter().copied().min_by(order)?;
+        // Where the data do not decide, a cause in the machine comes before one in a sensor.
+        let undecided = near.into_iter().filter(|&i| {
+            trials[i].point.effects.len() == trials[best].point.effects.len()
+                && value(i) < value(best) + DECISIVE
+        });
+        let sensors = |i: usize| instrumental(self.problem, &trials[i]);
+        let taken = undecided.min_by(|a, b| sensors(*a).cmp(&sensors(*b)).then(order(a, b)))?;
         // A simpler one from which it does not stand out is what it generalises.
         let simpler = passing.into_iter().filter(|&i| {
             trials[i].point.effects.len() == trials[taken].point.effects.len()
@@ -83,7 +95,9 @@ impl Search<'_, '_> {
     /// matter.
     pub(super) fn earns(&self, small: &Fit, large: &Fit) -> bool {
         let paired = self.paired(small, large);
-        paired.t() > LEAST_T && paired.practical >= self.problem.options.min_gain
+        paired.t() > LEAST_T
+            && paired.practical >= self.problem.options.min_gain
+            && is_beyond_numerics(self.problem, small, large)
     }
 
     pub(super) fn paired(&self, small: &Fit, large: &Fit) -> Paired {
@@ -96,12 +110,34 @@ impl Search<'_, '_> {
     }
 }
 
+/// What changes no output by more than this part of what it does is lost in the error of the
+/// simulation itself (benches/README.md).
+const NUMERICAL: f64 = 5e-4;
+
+/// Whether two models differ by more than the simulation errs.
+fn is_beyond_numerics(problem: &Problem, small: &Fit, large: &Fit) -> bool {
+    let rows = &problem.split.development;
+    let change = rms(&difference(&small.residual, &large.residual, 1.0), rows);
+    change.iter().enumerate().any(|(c, change)| {
+        let measured = &problem.data.outputs[c].values;
+        let own: Vec<f64> = rows.per_channel[c].iter().map(|&t| measured[t]).collect();
+        *change > NUMERICAL * deviation(&own)
+    })
+}
+
 /// Bayesian information criterion on training and validation rows together, with noise of the given
 /// orders. A shape parameter counts twice: it is searched over all its range, from several starts.
 pub(super) fn criterion(problem: &Problem, trial: &Fit, orders: &[usize]) -> f64 {
     let rows = &problem.split.development;
     objective(problem, &trial.residual, rows, orders)
         + weight(problem, trial) * (rows.len() as f64).ln()
+}
+
+/// Number of effects that are of sensors.
+fn instrumental(problem: &Problem, trial: &Fit) -> usize {
+    let kinds = trial.point.effects.iter();
+    let kinds = kinds.map(|found| problem.candidates[found.candidate].kind);
+    kinds.filter(|kind| kind.family() == Family::Sensor).count()
 }
 
 /// Number of parameters of the effects; those searched from several starts counted twice.

@@ -7,9 +7,11 @@ use rayon::prelude::*;
 use super::ambiguity::{Rival, experiments, rivals};
 use super::answer::{Diagnosis, VERSION, Verdict};
 use super::ceiling::{Bound, bound};
+use super::doubts::doubts;
 use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
 use super::fit::{Fit, fit};
-use super::noise::{Noise, dot};
+use super::floor::{Floor, NoiseSource, floors, left_beyond};
+use super::noise::Noise;
 use super::problem::{Point, Problem};
 use super::search::Outcome;
 use super::uncertainty::standard_errors;
@@ -18,8 +20,8 @@ use super::{Answer, DiagnoseError, Stage};
 use crate::model::{Columns, PredictError};
 use crate::stats::{deviation, ratio};
 
-/// Where the noise is known: least significant ratio of the residual's variance to it.
-const EXCESS: f64 = 1.25;
+/// From this ratio of the variance left to that of the noise on, most of what is left is no noise.
+const PREVAILS: f64 = 2.0;
 /// Least fraction of detectable candidates for the experiment to be informative.
 const LEAST_VISIBLE: f64 = 0.05;
 /// Other explanations that are reported at most.
@@ -33,7 +35,9 @@ pub(super) fn not_excited(problem: &Problem, before: Columns, missing: Vec<Strin
     diagnosis.missing = missing;
     let residual = problem.data.residual(&before);
     let errors = rms(&residual, &problem.split.test);
-    diagnosis.channels = test_part::channel_errors(problem, &errors, &errors, &errors, &errors);
+    let floors = floors(&problem.data.outputs);
+    diagnosis.channels =
+        test_part::channel_errors(problem, &floors, &errors, &errors, &errors, &errors);
     Answer {
         diagnosis,
         effects: Vec::new(),
@@ -84,8 +88,12 @@ pub(super) fn conclude(
     let mut diagnosis = described?;
     diagnosis.ceiling = bound.ceiling.clone();
     diagnosis.unexplained_fraction = unexplained(problem, &base, &last, &bound);
-    judge(problem, &before, &outcome, &last, &mut diagnosis);
-    test_part::open_test(problem, &before, &base, &last, &bound, &mut diagnosis);
+    let floors = floors(&problem.data.outputs);
+    let excess = excess(problem, &before, &last, &floors);
+    let errors = test_part::errors(problem, &before, &base, &last, &bound, &floors);
+    diagnosis.channels = errors;
+    judge(problem, excess, &outcome, &mut diagnosis);
+    test_part::open_test(problem, &base, &last, &mut diagnosis);
     diagnosis.fits = outcome.fits;
     Ok(Answer {
         effects: problem.effects(&last.point),
@@ -105,6 +113,7 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
     let errors = standard_errors(problem, last, &problem.split.development)?;
     diagnosis.causes = causes(problem, last, &errors)?;
     diagnosis.nominal = nominal(problem, last, &errors);
+    diagnosis.doubts = doubts(problem, last);
     let rivals = match last.point.effects.is_empty() {
         true => Vec::new(),
         false => rivals(problem, outcome, &outcome.rivals),
@@ -143,24 +152,24 @@ fn next_best(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
 }
 
 /// The verdict, before the test part is opened.
-fn judge(
-    problem: &Problem,
-    before: &Columns,
-    outcome: &Outcome,
-    last: &Fit,
-    diagnosis: &mut Diagnosis,
-) {
-    let excess = excess(problem, before, last);
-    if let Some((fraction, _)) = &excess {
-        diagnosis.unexplained_fraction = diagnosis.unexplained_fraction.max(*fraction);
+fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis: &mut Diagnosis) {
+    if let Some(excess) = &excess {
+        diagnosis.unexplained_fraction = diagnosis.unexplained_fraction.max(excess.fraction);
     }
+    let prevails = excess.as_ref().is_some_and(|excess| excess.prevails);
     let followed = diagnosis
         .ceiling
         .correlated_signals
         .first()
         .map(|l| format!("the residual of `{}` follows {}", l.channel, l.signal));
-    let followed = followed.or(excess.map(|(_, text)| text));
-    let percent = (100.0 * diagnosis.unexplained_fraction).round();
+    let followed = match (followed, excess) {
+        (Some(followed), Some(excess)) => Some(format!("{}, and {followed}", excess.text)),
+        (followed, excess) => followed.or(excess.map(|excess| excess.text)),
+    };
+    let percent = match 100.0 * diagnosis.unexplained_fraction {
+        ..1.0 => "less than 1".to_owned(),
+        percent => format!("{percent:.0}"),
+    };
     let stopped = format!(
         "The search stopped at the limit of {} simulations before it had looked at everything.",
         problem.options.max_predictions
@@ -173,22 +182,24 @@ fn judge(
         let reason = "There is a discrepancy, and no fit of an effect to it converged.";
         (Verdict::FitFailed, reason.into())
     } else if diagnosis.causes.is_empty() {
-        without_cause(problem, last, followed, diagnosis)
-    } else if diagnosis.unexplained_fraction > problem.options.unknown_above {
+        without_cause(problem, followed, diagnosis)
+    } else if prevails || diagnosis.unexplained_fraction > problem.options.unknown_above {
         let followed = followed.unwrap_or_else(|| "a pattern is left".into());
         let reason = format!(
             "The effects known leave {percent} % of the discrepancy unexplained; {followed}."
         );
         (Verdict::UnknownCause, reason)
     } else if diagnosis.alternatives.is_empty() {
-        let rest = match followed {
-            Some(followed) => format!(" {percent} % stay unexplained: {followed}."),
-            None => String::new(),
+        let explained = match followed {
+            Some(followed) => {
+                format!("explain the discrepancy but for {percent} %: {followed}.")
+            }
+            None => format!(
+                "explain the discrepancy {}.",
+                up_to_noise(problem, diagnosis)
+            ),
         };
-        (
-            Verdict::Named,
-            format!("The causes named explain the discrepancy.{rest}"),
-        )
+        (Verdict::Named, format!("The causes named {explained}"))
     } else {
         (
             Verdict::Ambiguous,
@@ -219,7 +230,6 @@ fn judge(
 /// The verdict where no cause was found; `followed` names what the residual correlates with.
 fn without_cause(
     problem: &Problem,
-    last: &Fit,
     followed: Option<String>,
     diagnosis: &mut Diagnosis,
 ) -> (Verdict, String) {
@@ -233,71 +243,95 @@ fn without_cause(
         let reason = "The experiment shows next to none of the effects at their typical size.";
         return (Verdict::NotIdentifiable, reason.into());
     }
-    (Verdict::NothingBeyondNoise, up_to_noise(problem, last))
+    let reason = format!(
+        "The model explains the data {}.",
+        up_to_noise(problem, diagnosis)
+    );
+    (Verdict::NothingBeyondNoise, reason)
 }
 
-/// What nothing beyond noise means: noise that is stated is a fact, noise read off what is left is
-/// at most all of it.
-fn up_to_noise(problem: &Problem, last: &Fit) -> String {
-    let rows = &problem.split.development;
-    let left = rms(&last.residual, rows);
-    let channels = (problem.data.outputs.iter().enumerate())
-        .filter(|(_, output)| output.noise.is_none())
-        .map(|(c, output)| {
-            let measured = rows.per_channel[c].iter().map(|&t| output.values[t]);
-            (ratio(left[c], deviation(&measured.collect::<Vec<_>>())), c)
-        });
-    let Some((share, c)) = channels.max_by(|a, b| a.0.total_cmp(&b.0)) else {
-        return "The model explains the data up to the noise stated.".into();
+/// What an explanation is held against: noise that is known is a fact, noise read off what is left
+/// is at most all of it.
+fn up_to_noise(problem: &Problem, diagnosis: &Diagnosis) -> String {
+    let rows = &problem.split.development.per_channel;
+    let channels = problem.model.channels().iter().enumerate();
+    let bounded = channels.filter_map(|(c, spec)| {
+        let errors = diagnosis.channels.get(&spec.name)?;
+        let measured = rows[c].iter().map(|&t| problem.data.outputs[c].values[t]);
+        let share = ratio(errors.after, deviation(&measured.collect::<Vec<_>>()));
+        (errors.noise_source == NoiseSource::Bound).then_some((share, spec, errors))
+    });
+    let Some((share, spec, errors)) = bounded.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        let mut sources: Vec<&str> = (diagnosis.channels.values())
+            .map(|errors| errors.noise_source.description())
+            .collect();
+        sources.sort_unstable();
+        sources.dedup();
+        return format!("up to the noise ({})", sources.join(", "));
+    };
+    let memory = match errors.noise_without_memory > 0.0 {
+        true => format!(
+            "; without memory, noise would be {} times smaller",
+            truecut_recording::significant(errors.after / errors.noise_without_memory, 2)
+        ),
+        false => String::new(),
     };
     format!(
-        "The model explains the data up to noise, if what is left is noise: {} % of `{}`. How much of it is, these data do not \
-         say; `noise` of a channel would.",
+        "up to noise, if what is left is noise: {} % of `{}`{memory}. How much of it is, these data \
+         do not say; `noise` of a channel would, or a stretch at standstill, or the same motion twice",
         truecut_recording::significant(100.0 * share, 2),
-        problem.model.channels()[c].name
+        spec.name
     )
 }
 
-/// Where the noise is known and the residual is clearly above it: that fraction of the discrepancy,
-/// and a clause for the text.
-fn excess(problem: &Problem, before: &Columns, last: &Fit) -> Option<(f64, String)> {
-    let rows = &problem.split.development;
-    let nominal = problem.data.residual(before);
-    let mut most: Option<(f64, String)> = None;
-    for (c, output) in problem.data.outputs.iter().enumerate() {
-        let Some(noise) = output.noise else { continue };
-        let rows = &rows.per_channel[c];
-        let residual: Vec<f64> = rows.iter().map(|&t| last.residual[c][t]).collect();
-        let n = rows.len() as f64;
-        let (mean, variance) = (dot(&residual, &residual) / n, noise * noise);
-        // Of noise of that variance, with the colour of the residual.
-        let error = variance * (2.0 * memory(&residual) / n).sqrt();
-        if mean < EXCESS * variance || mean - variance < 4.0 * error {
-            continue;
-        }
-        let before = rows.iter().map(|&t| nominal[c][t].powi(2)).sum::<f64>() / n;
-        let fraction = ((mean - variance) / (before - variance).max(mean - variance)).min(1.0);
-        if most.as_ref().is_none_or(|m| m.0 < fraction) {
-            let ratio = truecut_recording::significant((mean / variance).sqrt(), 3);
-            let name = &problem.model.channels()[c].name;
-            most = Some((
-                fraction,
-                format!("the residual of `{name}` is {ratio} times the noise stated"),
-            ));
-        }
-    }
-    most
+/// Where the noise is known and what is left is clearly above it.
+struct Excess {
+    /// Part of the discrepancy that it is.
+    fraction: f64,
+    /// It is more than the noise is, and no small part of what there was to be explained.
+    prevails: bool,
+    text: String,
 }
 
-/// Sum of the squared autocorrelations: the factor by which the variance of a mean square exceeds
-/// that of white noise.
-fn memory(x: &[f64]) -> f64 {
-    let whole = dot(x, x);
-    let at = |lag: usize| dot(&x[lag..], &x[..x.len() - lag]) / whole;
-    1.0 + 2.0
-        * (1..(x.len() / 10).min(100))
-            .map(|lag| at(lag).powi(2))
-            .sum::<f64>()
+/// What is left beyond the floor, on the rows that were fitted or on those that were not: the
+/// channel in which it is most.
+fn excess(
+    problem: &Problem,
+    before: &Columns,
+    last: &Fit,
+    floors: &[Option<Floor>],
+) -> Option<Excess> {
+    let nominal = problem.data.residual(before);
+    let mut most: Option<(f64, Excess)> = None;
+    for rows in [&problem.split.development, &problem.split.test] {
+        let beyond = left_beyond(floors, &last.residual, rows);
+        let squares = rms(&nominal, rows);
+        for (c, beyond) in beyond.iter().enumerate() {
+            let (Some(beyond), Some(floor)) = (beyond, &floors[c]) else {
+                continue;
+            };
+            if most.as_ref().is_some_and(|most| most.0 >= beyond.ratio) {
+                continue;
+            }
+            let discrepancy = squares[c].powi(2) - floor.rms.powi(2);
+            let text = format!(
+                "what is left of `{}` is {} times the noise ({})",
+                problem.model.channels()[c].name,
+                truecut_recording::significant(beyond.ratio.sqrt(), 3),
+                floor.source.description()
+            );
+            let fraction = (beyond.variance / discrepancy.max(beyond.variance)).min(1.0);
+            // By its size, not by its square.
+            let is_large = fraction.sqrt() > problem.options.unknown_above;
+            let excess = Excess {
+                fraction,
+                prevails: beyond.ratio > PREVAILS && is_large,
+                text,
+            };
+            most = Some((beyond.ratio, excess));
+        }
+    }
+    most.map(|(_, excess)| excess)
 }
 
 /// What a flexible predictor still explains, as a fraction of that plus what the effects explain.

@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
+use truecut_recording::filter::Butterworth;
+
 use super::DiagnoseError;
+use super::floor::NoiseSample;
 use crate::model::Columns;
 
 /// One measured output.
@@ -12,8 +15,13 @@ pub struct Output {
     pub values: Vec<f64>,
     /// Whether each sample is to be used.
     pub valid: Vec<bool>,
-    /// Standard deviation of the noise, where it is known.
+    /// Standard deviation of the noise, where it is stated.
     pub noise: Option<f64>,
+    /// Noise by itself, where the data show it.
+    pub sample: Option<NoiseSample>,
+    /// Standard deviation of the noise if it has no memory, from differences in time; 0 if they
+    /// were not taken.
+    pub noise_without_memory: f64,
 }
 
 /// A known signal that a residual may depend on: a measured input, a spindle angle.
@@ -53,6 +61,19 @@ pub struct Observation {
     pub outputs: Vec<Output>,
     /// Known signals.
     pub regressors: Vec<Regressor>,
+    /// What the outputs are filtered and thinned from, where they are.
+    pub fine: Option<Fine>,
+}
+
+/// Places over which a residual may wave, at the rate before outputs were filtered and thinned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fine {
+    /// Where the joints are.
+    pub signals: Vec<Regressor>,
+    /// Samples for one of the data.
+    pub every: usize,
+    /// The filter, run forward and backward.
+    pub filter: Butterworth,
 }
 
 /// Samples that are needed at least, valid ones and in each channel.

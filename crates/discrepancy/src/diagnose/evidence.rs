@@ -9,7 +9,7 @@ use super::ambiguity::Rival;
 use super::answer::{
     Alternative, Cause, Evidence, Nominal, Parameter, SmallestSeen, key_and_unit, target_name,
 };
-use super::choice::LEAST_T;
+use super::choice::{LEAST_T, weight};
 use super::data::Rows;
 use super::fit::{Fit, fit};
 use super::memory::{LEAST_MEAN_DISTANCE, distance};
@@ -79,8 +79,11 @@ fn evidence(problem: &Problem, full: &Fit, index: usize) -> Result<Evidence, Dia
         &full.noise,
         &problem.split.validation,
     );
+    let likelihood_gain = small.objective - full.objective;
+    let price = (weight(problem, full) - weight(problem, &small)) * (rows.len() as f64).ln();
     Ok(Evidence {
-        likelihood_gain: small.objective - full.objective,
+        likelihood_gain,
+        log10_odds: 0.5 * (likelihood_gain - price) / std::f64::consts::LN_10,
         validation_t: paired.t(),
         practical_gain: paired.practical,
     })

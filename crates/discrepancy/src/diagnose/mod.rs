@@ -21,9 +21,11 @@ mod choice;
 mod conclude;
 mod data;
 mod derivatives;
+mod doubts;
 mod evidence;
 mod features;
 mod fit;
+mod floor;
 mod gate;
 mod memory;
 mod noise;
@@ -52,7 +54,8 @@ pub use answer::{
     Alternative, Cause, Ceiling, ChannelErrors, CorrelatedSignal, Diagnosis, Evidence, FitRecord,
     Nominal, Parameter, Proposal, SmallestSeen, Verdict, Work,
 };
-pub use data::{MIN_SAMPLES, Observation, Output, Regressor};
+pub use data::{Fine, MIN_SAMPLES, Observation, Output, Regressor};
+pub use floor::{NoiseSample, NoiseSource};
 
 /// Options of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]

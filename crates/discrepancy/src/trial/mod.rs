@@ -7,6 +7,7 @@
 mod cache;
 mod candidates;
 mod experiments;
+mod noise;
 mod observation;
 pub(crate) mod parallel;
 mod predict;
@@ -20,7 +21,7 @@ mod tests;
 use truecut_recording::measured::Measured;
 use truecut_recording::{ChannelSpec, UnknownName};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
-use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
+use truecut_scenario::{DriveKind, ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::run::{self, Engine, Rows};
 use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel};
@@ -138,7 +139,22 @@ impl Trial {
                 (Kind::Forward, Some(rows), measured.clone(), channels)
             }
         };
-        let observation = observation::observation(scenario, &used, &channels, recording.as_ref());
+        let mut observation =
+            observation::observation(scenario, &used, &channels, recording.as_ref());
+        if let Kind::Inverse { model, every } = &engine {
+            observation::add_motion(&mut observation, scenario, measured, model, *every);
+        }
+        let (whole, every) = match &engine {
+            Kind::Inverse { model, every } => (model.measured(), *every),
+            _ => (measured, 1),
+        };
+        let known = noise::Recording::new(scenario, measured, whole, every);
+        for (output, spec) in observation.outputs.iter_mut().zip(&channels) {
+            let known = known.known(&spec.name);
+            output.noise = known.stated;
+            output.sample = known.sample;
+            output.noise_without_memory = known.without_memory;
+        }
         let signals = signals::Signals::new(scenario, measured, &facts, recording.as_ref());
         let shortest_step_s = match &engine {
             Kind::Inverse { .. } | Kind::Steady(_) => 0.0,
@@ -147,6 +163,9 @@ impl Trial {
         let (candidates, untold) = candidates::candidates(scenario, &signals, &channels);
         let mut measured = measured.clone();
         measured.notes.extend(untold);
+        measured
+            .notes
+            .extend(uncommanded(scenario, &measured, facts.joints.len()));
         let mut trial = Trial {
             candidates,
             scenario: scenario.clone(),
@@ -270,6 +289,28 @@ impl Model for Trial {
         let rows = self.run(&scenario, self.reduced(), None)?;
         Ok(self.at_the_data(&rows))
     }
+}
+
+/// A sentence on the joints of a replay that no column commands, where others are.
+fn uncommanded(scenario: &Scenario, measured: &Measured, joints: usize) -> Option<String> {
+    if mode(scenario) != Some(ReplayMode::Forward) || scenario.robot.drive == DriveKind::Force {
+        return None;
+    }
+    let commanded = |joint: &usize| {
+        let name = format!("joint{joint}.command");
+        measured.inputs().any(|input| input.spec.name == name)
+    };
+    let (with, without): (Vec<usize>, Vec<usize>) = (1..=joints).partition(commanded);
+    let named: Vec<String> = without
+        .iter()
+        .map(|joint| format!("joint{joint}"))
+        .collect();
+    (!with.is_empty() && !without.is_empty()).then(|| {
+        format!(
+            "no column commands {}: held at the posture that the data begin with, or the scenario gives",
+            named.join(", ")
+        )
+    })
 }
 
 fn mode(scenario: &Scenario) -> Option<ReplayMode> {

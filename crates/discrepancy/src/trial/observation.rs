@@ -4,11 +4,12 @@ use std::f64::consts::TAU;
 
 use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
-use truecut_scenario::Scenario;
+use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
+use truecut_sim::InverseModel;
 use truecut_sim::run::Rows;
 
-use super::{column, sampling};
-use crate::diagnose::{Observation, Output, Regressor};
+use super::{column, parallel, sampling};
+use crate::diagnose::{Fine, Observation, Output, Regressor};
 use crate::stats::ratio;
 
 /// A run that ends so many intervals before a sample says nothing of it.
@@ -34,6 +35,8 @@ pub(super) fn observation(
                 .map(|(row, valid)| *valid && runs(row))
                 .collect(),
             noise: channel.noise,
+            sample: None,
+            noise_without_memory: 0.0,
         })
         .collect();
     let mut regressors: Vec<Regressor> = (measured.inputs())
@@ -74,7 +77,52 @@ pub(super) fn observation(
             .collect(),
         outputs,
         regressors,
+        fine: None,
     }
+}
+
+/// In mode "inverse" the places and velocities of the joints are known signals: places as they are
+/// before thinning, too, since what waves over them is filtered like the outputs.
+pub(super) fn add_motion(
+    observation: &mut Observation,
+    scenario: &Scenario,
+    measured: &Measured,
+    model: &InverseModel,
+    every: usize,
+) {
+    let ProcessSpec::Replay(replay) = &scenario.process else {
+        return;
+    };
+    let ReplayMode::Inverse {
+        compare_cutoff_hz, ..
+    } = replay.mode
+    else {
+        return;
+    };
+    let mut fine = Vec::new();
+    for joint in 0..model.robot().dof() {
+        let names = ["angle", "position"].map(|kind| format!("joint{}.{kind}", joint + 1));
+        let mut found = measured
+            .inputs()
+            .filter(|one| names.contains(&one.spec.name));
+        let Some(channel) = found.next() else {
+            continue;
+        };
+        let name = &channel.spec.name;
+        let rate = model.velocity(joint).iter().step_by(every).copied();
+        let known = &mut observation.regressors;
+        known.push(Regressor::new(
+            name,
+            parallel::picked(&channel.values, every),
+        ));
+        known.push(Regressor::new(format!("rate of {name}"), rate.collect()));
+        fine.push(Regressor::new(name, channel.values.clone()));
+    }
+    observation.fine = Some(Fine {
+        signals: fine,
+        every,
+        filter: InverseModel::filter_of(compare_cutoff_hz, measured.rate_hz()),
+    });
 }
 
 /// Spindle or wheel speed, if anything spins.

@@ -47,7 +47,7 @@ pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError>
             role: channel.role,
             values,
             valid,
-            noise: channel.noise,
+            noise: channel.noise.map(|noise| noise * series.white_share(&base)),
         });
     }
     let time_s = base.times();

@@ -10,6 +10,8 @@ const ANTI_ALIAS_ORDER: usize = 4;
 const ANTI_ALIAS_SHARE: f64 = 0.4;
 /// A channel counts as faster than the result from this ratio of rates on.
 const FASTER: f64 = 1.2;
+/// Samples that are further apart, in median intervals, have a gap between them; cubics cross none.
+const JITTER: f64 = 1.6;
 /// Share of an interval within which two times are the same.
 const SLACK: f64 = 1e-6;
 /// Most samples of a result.
@@ -36,15 +38,35 @@ impl Series {
         })
     }
 
+    /// Part of the standard deviation of white noise that resampling leaves.
+    pub fn white_share(&self, base: &Base) -> f64 {
+        let interval_s = self.interval_s();
+        match base.interval_s / interval_s <= FASTER {
+            true => 1.0,
+            false => Butterworth::white_share(
+                ANTI_ALIAS_ORDER,
+                ANTI_ALIAS_SHARE / base.interval_s,
+                1.0 / interval_s,
+            ),
+        }
+    }
+
     /// Median time between samples.
     fn interval_s(&self) -> f64 {
         median_interval_s(&self.time_s)
     }
 
-    /// Value at `t` on the line between the samples around it, and whether they are at most
-    /// `max_gap_s` apart. A time within `slack_s` of a sample is that sample's: times are rounded.
+    /// Value at `t` between the samples around it, and whether they are at most `max_gap_s` apart: on
+    /// the cubic through the two on either side, where these are no further apart than stamps
+    /// jitter, else on the line. A time within `slack_s` of a sample is that sample's: times are rounded.
     /// `from` remembers the place between calls with rising times.
-    fn at(&self, t: f64, max_gap_s: f64, slack_s: f64, from: &mut usize) -> (f64, bool) {
+    fn at(
+        &self,
+        t: f64,
+        max_gap_s: f64,
+        [slack_s, most_apart_s]: [f64; 2],
+        from: &mut usize,
+    ) -> (f64, bool) {
         let last = self.time_s.len() - 1;
         while *from + 1 < last && self.time_s[*from + 1] <= t + slack_s {
             *from += 1;
@@ -59,7 +81,32 @@ impl Series {
             return (y1, t - t1 <= max_gap_s);
         }
         let part = (t - t0) / (t1 - t0);
-        (y0 + (y1 - y0) * part, t1 - t0 <= max_gap_s)
+        let line = y0 + (y1 - y0) * part;
+        let value = self.cubic(a, t, most_apart_s).unwrap_or(line);
+        (value, t1 - t0 <= max_gap_s)
+    }
+}
+
+impl Series {
+    /// Value at `t` of the cubic through the samples from the one before `row` on; `None` where two
+    /// of them lie further apart than `most_apart_s`, or one is missing.
+    fn cubic(&self, row: usize, t: f64, most_apart_s: f64) -> Option<f64> {
+        let first = row.checked_sub(1)?;
+        let times = self.time_s.get(first..first + 4)?;
+        let values = &self.values[first..first + 4];
+        if times
+            .windows(2)
+            .any(|pair| pair[1] - pair[0] > most_apart_s)
+        {
+            return None;
+        }
+        let weight = |i: usize| -> f64 {
+            let others = (0..4).filter(|j| *j != i);
+            others
+                .map(|j| (t - times[j]) / (times[i] - times[j]))
+                .product()
+        };
+        Some((0..4).map(|i| weight(i) * values[i]).sum())
     }
 }
 
@@ -138,7 +185,7 @@ impl Base {
     pub fn notes(&self, mapping: &Mapping) -> Vec<String> {
         let rate = |interval_s: f64| significant(1.0 / interval_s, 6);
         let mut notes = vec![format!(
-            "{} samples at {} Hz (median rate of the file {} Hz), by straight lines between samples; \
+            "{} samples at {} Hz (median rate of the file {} Hz), by cubics between samples; \
              gaps up to {} s are bridged; time 0 is {} s of the file",
             self.samples,
             rate(self.interval_s),
@@ -202,13 +249,13 @@ fn on_grid(
     max_gap_s: f64,
 ) -> (Vec<f64>, Vec<bool>) {
     let mut from = 0;
-    let slack_s = SLACK * interval_s;
+    let nearness_s = [SLACK * interval_s, JITTER * series.interval_s()];
     (0..samples)
         .map(|k| {
             series.at(
                 start_s + k as f64 * interval_s,
                 max_gap_s,
-                slack_s,
+                nearness_s,
                 &mut from,
             )
         })

@@ -116,6 +116,40 @@ fn saturated_readings_are_masked_in_the_files_own_numbers() {
     assert!(!sine.valid[50] && sine.valid[20]);
 }
 
+/// 125 Hz, stamps off by up to a third of an interval; straight lines err by 3e-3 of the amplitude.
+#[test]
+fn verify_jittered_stamps_cost_next_to_nothing() {
+    let wave = |t: f64| (std::f64::consts::TAU * 3.0 * t).sin();
+    let mut state = 1_u32;
+    let mut drawn = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1_u32 << 24) - 0.5
+    };
+    let time: Vec<f64> = (0..1000)
+        .map(|k| 8e-3 * (f64::from(k) + 0.66 * drawn()))
+        .collect();
+    let table = Table {
+        source: "jittered.csv".into(),
+        columns: vec![
+            column("sine", time.iter().map(|t| wave(*t)).collect()),
+            column("t", time),
+        ],
+        lines: (2..1002).collect(),
+    };
+    let mut mapping = mapping();
+    mapping.resample_hz = Some(125.0);
+    mapping.channels[0].unit = UserUnit::parse("m").unwrap();
+    let data = measured(&table, &mapping).unwrap();
+    let start_s = table.columns[1].values[0];
+    let inside = 4..data.time_s.len() - 4;
+    let error = inside.map(|k| {
+        let value = data.channels[0].values[k];
+        (value - wave(start_s + data.time_s[k])).abs()
+    });
+    let worst = error.fold(0.0, f64::max);
+    assert!(worst < 3e-4, "{worst}");
+}
+
 /// A fifth of the rate: 5 Hz passes, 300 Hz, which would fold to 100 Hz, does not.
 #[test]
 fn a_slower_result_has_nothing_folded_into_it() {

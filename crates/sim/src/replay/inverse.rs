@@ -6,6 +6,7 @@
 //! second filter, so that neither leads nor lags. The practice is that of `gautier1997` and
 //! `janot2014`.
 
+use super::drive_forces::{FILTER_ORDER, filtered};
 use super::inputs::{JointQuantity, Source, joint_channel};
 use super::motion::Motion;
 use super::regressors::BodyRegressors;
@@ -21,9 +22,6 @@ use truecut_recording::filter::Butterworth;
 use truecut_recording::{ChannelSpec, Measured, Role};
 use truecut_scenario::effect::{Effect, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario};
-
-/// Order of both filters; run forward and backward they act twice.
-const FILTER_ORDER: usize = 4;
 
 /// Predicts drive forces from measured motion, for any set of effects, without integrating
 /// anything.
@@ -68,7 +66,7 @@ impl InverseModel {
         check_cutoff("differentiate_cutoff_hz", differentiate_hz, rate)?;
         check_cutoff("compare_cutoff_hz", compare_hz, rate)?;
         let smooth = Butterworth::low_pass(FILTER_ORDER, differentiate_hz, rate);
-        let filter = Butterworth::low_pass(FILTER_ORDER, compare_hz, rate);
+        let filter = InverseModel::filter_of(compare_hz, rate);
         let motion = Motion::new(&robot, &source, &smooth)?;
         let model = InverseModel {
             nominal: nominal(&robot, &motion, &joints, &filter),
@@ -76,7 +74,13 @@ impl InverseModel {
             specs: (joints.iter())
                 .map(|&joint| drive_spec(joint + 1, &robot.chain.joints[joint]))
                 .collect(),
-            measured: filtered(measured, &robot, &joints, &filter, compare_hz),
+            measured: filtered(
+                measured,
+                &robot,
+                &joints,
+                &filter,
+                [differentiate_hz, compare_hz],
+            ),
             scenario: scenario.clone(),
             joints,
             motion,
@@ -85,6 +89,16 @@ impl InverseModel {
         };
         model.predict(&[])?;
         Ok(model)
+    }
+
+    /// The filter of drive forces, run forward and backward.
+    pub fn filter_of(cutoff_hz: f64, rate_hz: f64) -> Butterworth {
+        Butterworth::low_pass(FILTER_ORDER, cutoff_hz, rate_hz)
+    }
+
+    /// Part of the standard deviation of white noise that this filter leaves.
+    pub fn white_share(cutoff_hz: f64, rate_hz: f64) -> f64 {
+        Butterworth::white_share(FILTER_ORDER, cutoff_hz, rate_hz)
     }
 
     /// Forces without effects, for the same motion and a robot with other masses and rotors; for
@@ -350,40 +364,4 @@ fn nominal(robot: &Robot, motion: &Motion, joints: &[usize], filter: &Butterwort
         drive.push(filter.zero_phase(&with_rotor));
     }
     Forces { drive, passed_on }
-}
-
-/// The measured drive forces through `filter`. A gap spoils the samples within a period of the
-/// cutoff, and so do the ends: what was before and after the filter can only guess.
-fn filtered(
-    measured: &Measured,
-    robot: &Robot,
-    joints: &[usize],
-    filter: &Butterworth,
-    cutoff_hz: f64,
-) -> Measured {
-    let reach = (measured.rate_hz() / cutoff_hz).ceil() as usize;
-    let mut channels = Vec::new();
-    for &joint in joints {
-        let name = joint_channel(robot, joint, JointQuantity::Drive);
-        let found = measured
-            .channels
-            .iter()
-            .find(|channel| channel.spec.name == name);
-        channels.extend(found.cloned());
-    }
-    for channel in &mut channels {
-        channel.values = filter.zero_phase(&channel.values);
-        let gaps = std::mem::replace(&mut channel.valid, vec![true; measured.time_s.len()]);
-        let last = gaps.len() - 1;
-        channel.valid[..=reach.min(last)].fill(false);
-        channel.valid[last - reach.min(last)..].fill(false);
-        for k in (0..gaps.len()).filter(|k| !gaps[*k]) {
-            let end = (k + reach + 1).min(gaps.len());
-            channel.valid[k.saturating_sub(reach)..end].fill(false);
-        }
-    }
-    Measured {
-        channels,
-        ..measured.clone()
-    }
 }

@@ -9,6 +9,7 @@
 //! | `predict` | replays without a plant |
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod drive_forces;
 pub(crate) mod forward;
 pub(crate) mod inputs;
 pub mod inverse;

@@ -6,25 +6,31 @@ use crate::diagnose::answer::{ChannelErrors, Diagnosis, Verdict};
 use crate::diagnose::ceiling::Bound;
 use crate::diagnose::data::Rows;
 use crate::diagnose::fit::{Fit, fit};
+use crate::diagnose::floor::{Floor, NoiseSource};
 use crate::diagnose::noise::{ChannelNoise, dot};
 use crate::diagnose::problem::Problem;
 use crate::diagnose::validate::{batch_sums, compare, error_of_sum, rms};
 use crate::model::Columns;
 use crate::stats::centred;
 
-/// Scores on the test part. It changes the verdict only where the test part contradicts it.
-pub(super) fn open_test(
+/// Errors on the test part.
+pub(super) fn errors(
     problem: &Problem,
     before: &Columns,
     base: &Fit,
     last: &Fit,
     bound: &Bound,
-    diagnosis: &mut Diagnosis,
-) {
+    floors: &[Option<Floor>],
+) -> BTreeMap<String, ChannelErrors> {
     let test = &problem.split.test;
     let nominal = rms(&problem.data.residual(before), test);
     let (refitted, after) = (rms(&base.residual, test), rms(&last.residual, test));
-    diagnosis.channels = channel_errors(problem, &nominal, &refitted, &after, &bound.floor);
+    channel_errors(problem, floors, &nominal, &refitted, &after, &bound.floor)
+}
+
+/// Scores on the test part. It changes the verdict only where the test part contradicts it.
+pub(super) fn open_test(problem: &Problem, base: &Fit, last: &Fit, diagnosis: &mut Diagnosis) {
+    let test = &problem.split.test;
     if diagnosis.verdict == Verdict::FitFailed {
         return;
     }
@@ -35,17 +41,31 @@ pub(super) fn open_test(
     let orders = last.noise.own_orders();
     let refitted_to_all = fit(problem, last.point.clone(), &all, &orders, true);
     let settled = refitted_to_all.unwrap_or_else(|_| last.clone());
-    let worse = !last.point.effects.is_empty() && paired.t() < -2.0;
-    if worse || breaks_away(problem, &settled) {
+    // Of true causes the gain is the squared distance, give or take twice the distance.
+    let gains_nothing = paired.gain < 0.0 && paired.distance > LEAST_DISTANCE.powi(2);
+    let worse = !last.point.effects.is_empty() && (paired.t() < -2.0 || gains_nothing);
+    let apart = breaks_away(problem, &settled);
+    if worse || apart {
         diagnosis.verdict = Verdict::UnknownCause;
         diagnosis.alternatives.clear();
         diagnosis.experiments.clear();
-        diagnosis.reason = format!(
-            "In the last part of the data, from {} s on, there is a discrepancy that the part before does not have.",
-            truecut_recording::significant(problem.data.time_s[first_of(test)], 4)
-        );
+        let from = truecut_recording::significant(problem.data.time_s[first_of(test)], 4);
+        diagnosis.reason = match apart {
+            true => format!(
+                "In the last part of the data, from {from} s on, there is a discrepancy that the part before does not \
+                 have."
+            ),
+            false => format!(
+                "The last part of the data, from {from} s on, contradicts the causes named: without them it is \
+                 predicted better."
+            ),
+        };
     }
 }
+
+/// Causes are contradicted only where they should have shown by so many standard deviations of the
+/// noise: true ones are with a probability of 2.3 %.
+const LEAST_DISTANCE: f64 = 4.0;
 
 fn first_of(rows: &Rows) -> usize {
     rows.per_channel
@@ -87,21 +107,41 @@ fn is_larger(before: &[f64], after: &[f64], least: f64, ratio: f64) -> bool {
     b > ratio * a && b - a > least * expected
 }
 
+/// What is left is noise without memory if it is larger than that by no more than this.
+const WITHOUT_MEMORY: f64 = 1.15;
+
 pub(super) fn channel_errors(
     problem: &Problem,
+    floors: &[Option<Floor>],
     nominal: &[f64],
     refitted: &[f64],
     after: &[f64],
-    floor: &[f64],
+    bound: &[f64],
 ) -> BTreeMap<String, ChannelErrors> {
     let specs = problem.model.channels().iter().enumerate();
     specs
         .map(|(c, spec)| {
+            // Where less is left than differences show, the motion is not smooth, and they say
+            // nothing of the noise.
+            let without_memory = problem.data.outputs[c].noise_without_memory;
+            let without_memory = match without_memory <= WITHOUT_MEMORY * after[c] {
+                true => without_memory,
+                false => 0.0,
+            };
+            let (noise_floor, noise_source) = match &floors[c] {
+                Some(floor) => (floor.rms, floor.source),
+                None if after[c] <= WITHOUT_MEMORY * without_memory => {
+                    (without_memory, NoiseSource::Differences)
+                }
+                None => (bound[c], NoiseSource::Bound),
+            };
             let errors = ChannelErrors {
                 before: nominal[c],
                 refitted: refitted[c],
                 after: after[c],
-                noise_floor: problem.data.outputs[c].noise.unwrap_or(floor[c]),
+                noise_floor,
+                noise_source,
+                noise_without_memory: without_memory,
                 unit: spec.unit.to_string(),
             };
             (spec.name.clone(), errors)

@@ -40,6 +40,8 @@ fn observed(
                     .collect(),
                 valid: vec![true; samples],
                 noise: None,
+                sample: None,
+                noise_without_memory: 0.0,
             }
         });
     Observation {
@@ -49,6 +51,7 @@ fn observed(
         time_s: (0..samples).map(|i| i as f64 * interval_s).collect(),
         trajectories: std::iter::once(0..samples).collect(),
         regressors: Vec::new(),
+        fine: None,
     }
 }
 

@@ -146,7 +146,7 @@ fn a_residual_above_the_known_noise_is_not_called_noise() {
         describe(&answer)
     );
     assert!(
-        answer.diagnosis.reason.contains("times the noise stated"),
+        answer.diagnosis.reason.contains("times the noise (stated)"),
         "{}",
         answer.diagnosis.reason
     );

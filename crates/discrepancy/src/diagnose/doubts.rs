@@ -1,0 +1,98 @@
+//! What is to be doubted about named causes: that they cancel one another, or lie at a bound.
+
+use truecut_scenario::effect::EffectKind;
+
+use super::answer::{key_and_unit, target_name};
+use super::fit::Fit;
+use super::noise::{add_columns, dot};
+use super::problem::Problem;
+use crate::model::Columns;
+use crate::stats::deviation;
+
+/// Two causes cancel if together they change less than this part of what each does.
+const CANCELLING: f64 = 0.25;
+
+/// One sentence for each doubt.
+pub(super) fn doubts(problem: &Problem, fit: &Fit) -> Vec<String> {
+    let mut position = problem.nominal.len();
+    let (mut parts, mut found) = (Vec::new(), Vec::new());
+    for effect in &fit.point.effects {
+        let infos = problem.infos(effect.candidate);
+        let mut change: Columns = fit.residual.iter().map(|x| vec![0.0; x.len()]).collect();
+        for (i, (info, value)) in infos.iter().zip(&effect.values).enumerate() {
+            if let Some(column) = fit.jacobian.get(position + i).filter(|_| info.is_size) {
+                add_columns(&mut change, column, value - info.neutral);
+            }
+            let is_bound = (*value == info.min || *value == info.max) && *value != info.neutral;
+            if is_bound {
+                let (key, unit) = key_and_unit(problem, effect.candidate, i);
+                found.push(format!(
+                    "`{key}` of {} lies at the end of its range, {} {unit}: another cause may be behind it",
+                    name(problem, effect.candidate),
+                    truecut_recording::significant(*value, 3)
+                ));
+            }
+        }
+        position += effect.values.len();
+        parts.push(change);
+    }
+    found.extend(all_late(problem, fit));
+    for (i, a) in parts.iter().enumerate() {
+        for (j, b) in parts.iter().enumerate().skip(i + 1) {
+            let channels = (0..a.len()).filter(|&c| cancel(problem, c, &a[c], &b[c]));
+            if let Some(channel) = channels.into_iter().next() {
+                let [one, other] = [i, j].map(|k| name(problem, fit.point.effects[k].candidate));
+                let channel = &problem.model.channels()[channel].name;
+                found.push(format!(
+                    "{one} and {other} all but cancel in `{channel}`, and each is larger than what was measured: \
+                     their sum is known, not their sizes"
+                ));
+            }
+        }
+    }
+    found
+}
+
+/// Delays differ by no more than this part of the largest.
+const ALIKE: f64 = 0.2;
+
+/// Sensors that are all late by the same time: that is one cause before the sensors.
+fn all_late(problem: &Problem, fit: &Fit) -> Option<String> {
+    let late = fit
+        .point
+        .effects
+        .iter()
+        .filter(|effect| problem.candidates[effect.candidate].kind == EffectKind::SensorDelay);
+    let delays: Vec<f64> = late.map(|effect| effect.values[0]).collect();
+    let least = delays.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = delays.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let channels = problem.model.channels().len();
+    (channels > 1 && delays.len() == channels && most - least < ALIKE * most.abs().max(least.abs()))
+        .then(|| {
+            format!(
+                "all channels are late by {} to {} s: a delay of the command, or another clock, does the same",
+                truecut_recording::significant(least, 3),
+                truecut_recording::significant(most, 3)
+            )
+        })
+}
+
+/// Whether two changes of a channel are each beyond what it does, and next to nothing together.
+fn cancel(problem: &Problem, channel: usize, a: &[f64], b: &[f64]) -> bool {
+    let rows = &problem.split.development.per_channel[channel];
+    let pick = |x: &[f64]| -> Vec<f64> { rows.iter().map(|&t| x[t]).collect() };
+    let (a, b) = (pick(a), pick(b));
+    let sum: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a + b).collect();
+    let size = |x: &[f64]| dot(x, x).sqrt();
+    let measured = pick(&problem.data.outputs[channel].values);
+    let own = deviation(&measured) * (rows.len() as f64).sqrt();
+    size(&sum) < CANCELLING * size(&a).min(size(&b)) && size(&a).min(size(&b)) > own
+}
+
+fn name(problem: &Problem, candidate: usize) -> String {
+    let candidate = &problem.candidates[candidate];
+    match target_name(candidate) {
+        Some(target) => format!("{} on {target}", candidate.kind.name()),
+        None => candidate.kind.name().to_owned(),
+    }
+}

@@ -1,0 +1,330 @@
+//! The noise floor: how large an output's noise is, known from something that no answer can reach.
+//!
+//! What an autoregression can follow it takes for noise, so that noise read off what an answer
+//! leaves is at most all of it, and no evidence for the answer. Here noise is stated with the data,
+//! or seen where no model is needed.
+
+use serde::{Deserialize, Serialize};
+
+use super::data::{Output, Rows};
+use super::noise::{ChannelNoise, dot};
+use crate::stats::{centred, deviation};
+
+/// Where the size of a noise is known from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NoiseSource {
+    /// From nothing but what is left: an upper bound.
+    #[default]
+    Bound,
+    /// Stated with the data.
+    Stated,
+    /// Passes, or periods of the inputs, less the ones before them.
+    Repetition,
+    /// Outputs while all inputs stand still.
+    Standstill,
+    /// What is left is no larger than noise without memory, as differences in time show it.
+    Differences,
+}
+
+impl NoiseSource {
+    /// In a few words.
+    pub fn description(self) -> &'static str {
+        match self {
+            NoiseSource::Bound => "at most: what is left",
+            NoiseSource::Stated => "stated",
+            NoiseSource::Repetition => "repetition",
+            NoiseSource::Standstill => "standstill",
+            NoiseSource::Differences => "differences in time",
+        }
+    }
+}
+
+/// Noise of an output by itself, at the interval of the data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseSample {
+    /// Where it is seen.
+    pub source: NoiseSource,
+    /// Stretches without gaps, each about its own mean.
+    pub stretches: Vec<Vec<f64>>,
+}
+
+impl NoiseSample {
+    /// `None` if there are fewer samples than `least`.
+    pub fn of(
+        source: NoiseSource,
+        mut stretches: Vec<Vec<f64>>,
+        least: usize,
+    ) -> Option<NoiseSample> {
+        stretches.retain(|one| one.len() > 1);
+        let count: usize = stretches.iter().map(Vec::len).sum();
+        let stretches: Vec<_> = stretches.iter().map(|one| centred(one)).collect();
+        (count >= least).then_some(NoiseSample { source, stretches })
+    }
+
+    /// Mean length of a stretch.
+    fn length(&self) -> usize {
+        let count: usize = self.stretches.iter().map(Vec::len).sum();
+        (count / self.stretches.len().max(1)).max(2)
+    }
+}
+
+/// Where the noise is known: least significant ratio of the residual's variance to it.
+const EXCESS: f64 = 1.25;
+/// And in standard errors of the logarithm of that ratio.
+const LEAST_T: f64 = 4.0;
+/// Longest memory of a sample's autoregression, and samples for each coefficient.
+const LAGS: usize = 4;
+const SAMPLES_PER_LAG: usize = 40;
+/// Samples of a stretch, from which on an autoregression is fitted to it.
+const LONG: usize = 200;
+/// A model's own numerical error, as a part of what an output does (benches/README.md).
+const NUMERICAL: f64 = 3e-3;
+
+/// What is known of the noise of one output.
+#[derive(Debug, Clone)]
+pub(super) struct Floor {
+    pub source: NoiseSource,
+    /// Standard deviation, about the mean of so many samples.
+    pub rms: f64,
+    window: Option<usize>,
+    /// Relative error of the variance.
+    error: f64,
+    /// Factor by which memory raises the variance of a mean square, where the colour is known.
+    memory: Option<f64>,
+    whitening: Option<ChannelNoise>,
+    /// Standard deviation of what the model's own numerical error may be.
+    numerical: f64,
+}
+
+/// What is left beyond the floor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Beyond {
+    /// Variance left over that of the noise.
+    pub ratio: f64,
+    /// Variance left, less that of the noise.
+    pub variance: f64,
+}
+
+impl Floor {
+    /// Of an output; `None` if nothing is known.
+    pub fn of(output: &Output) -> Option<Floor> {
+        let rows = output.values.iter().zip(&output.valid);
+        let kept: Vec<f64> = rows.filter(|(_, valid)| **valid).map(|(y, _)| *y).collect();
+        let quantum = quantum(&kept);
+        let numerical = NUMERICAL * deviation(&kept);
+        if let Some(noise) = output.noise {
+            return Some(Floor {
+                source: NoiseSource::Stated,
+                rms: noise,
+                window: None,
+                error: 0.0,
+                memory: None,
+                whitening: None,
+                numerical,
+            });
+        }
+        let sample = output.sample.as_ref()?;
+        let (mut squares, mut free) = (0.0, 0.0);
+        for stretch in &sample.stretches {
+            squares += dot(stretch, stretch);
+            free += stretch.len() as f64 - 1.0;
+        }
+        let memory = memory(&sample.stretches);
+        // A sensor that does not move within one of its steps has the noise of rounding.
+        let rms = (squares / free).sqrt().max(quantum / 12_f64.sqrt());
+        Some(Floor {
+            source: sample.source,
+            rms,
+            window: Some(sample.length()),
+            error: (2.0 * memory / free).sqrt(),
+            memory: Some(memory),
+            whitening: whitening(sample, rms),
+            numerical,
+        })
+    }
+
+    /// What is left of a channel at the rows beyond the floor, if that is no chance: as it is, or
+    /// whitened.
+    pub fn beyond(&self, residual: &[f64], rows: &[usize]) -> Option<Beyond> {
+        let plain = self.plain(residual, rows);
+        let whitened = (self.whitening.as_ref())
+            .map(|noise| self.test(&[noise.whiten(residual, rows)], noise.sigma, 1.0));
+        let found = [Some(plain), whitened].into_iter().flatten().flatten();
+        found.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    }
+
+    fn plain(&self, residual: &[f64], rows: &[usize]) -> Option<Beyond> {
+        let values: Vec<f64> = rows.iter().map(|&t| residual[t]).collect();
+        let stretches: Vec<Vec<f64>> = match self.window {
+            Some(length) => values.chunks(length).map(centred).collect(),
+            None => vec![values],
+        };
+        let memory = self.memory.unwrap_or_else(|| memory(&stretches));
+        let unit = |x: &Vec<f64>| x.iter().map(|x| x / self.rms).collect();
+        let stretches: Vec<Vec<f64>> = stretches.iter().map(unit).collect();
+        self.test(&stretches, self.rms, memory)
+    }
+
+    /// Of stretches that have unit variance if they are noise, whose size is `sigma`.
+    fn test(&self, stretches: &[Vec<f64>], sigma: f64, memory: f64) -> Option<Beyond> {
+        let centred = f64::from(u8::from(self.window.is_some() && stretches.len() > 1));
+        let (mut squares, mut free) = (0.0, 0.0);
+        for stretch in stretches.iter().filter(|one| one.len() > 1) {
+            squares += dot(stretch, stretch);
+            free += stretch.len() as f64 - centred;
+        }
+        if free < 2.0 {
+            return None;
+        }
+        let expected = 1.0 + (self.numerical / sigma).powi(2);
+        let ratio = squares / free / expected;
+        let error = (2.0 * memory / free).sqrt().hypot(self.error);
+        (ratio > EXCESS && ratio.ln() > LEAST_T * error).then(|| Beyond {
+            ratio,
+            variance: (ratio - 1.0) * expected * self.rms.powi(2),
+        })
+    }
+}
+
+/// Of each output, where it is known.
+pub(super) fn floors(outputs: &[Output]) -> Vec<Option<Floor>> {
+    outputs.iter().map(Floor::of).collect()
+}
+
+/// An autoregression of the sample, of an order that its length allows.
+fn whitening(sample: &NoiseSample, rms: f64) -> Option<ChannelNoise> {
+    let (mut values, mut rows) = (Vec::new(), Vec::new());
+    for stretch in &sample.stretches {
+        let from = values.len();
+        values.extend(stretch);
+        rows.extend((from + LAGS).min(values.len())..values.len());
+    }
+    let order = LAGS.min(rows.len() / SAMPLES_PER_LAG);
+    // About the mean of a short stretch noise has another memory than it has.
+    (order > 0 && sample.length() >= LONG)
+        .then(|| ChannelNoise::fit(&values, &rows, order, 1e-3 * rms))
+}
+
+/// Sum of the squared autocorrelations: the factor by which the variance of a mean square exceeds
+/// that of white noise.
+fn memory(stretches: &[Vec<f64>]) -> f64 {
+    let whole: f64 = stretches.iter().map(|x| dot(x, x)).sum();
+    let longest = stretches.iter().map(Vec::len).max().unwrap_or(0);
+    let count: usize = stretches.iter().map(Vec::len).sum();
+    let at = |lag: usize| -> f64 {
+        let long = stretches.iter().filter(|x| x.len() > lag);
+        long.map(|x| dot(&x[lag..], &x[..x.len() - lag]))
+            .sum::<f64>()
+            / whole.max(f64::MIN_POSITIVE)
+    };
+    let lags = (longest / 2).min(count / 10).min(100);
+    1.0 + 2.0 * (1..lags).map(|lag| at(lag).powi(2)).sum::<f64>()
+}
+
+/// Smallest step between readings, if they come in steps: most repeat one that was there before.
+fn quantum(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let largest = sorted.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let steps: Vec<f64> = (sorted.windows(2).map(|pair| pair[1] - pair[0]))
+        .filter(|step| *step > 1e-12 * largest)
+        .collect();
+    match 2 * steps.len() < sorted.len() {
+        true => steps.iter().copied().fold(f64::INFINITY, f64::min),
+        false => 0.0,
+    }
+    .min(largest)
+}
+
+/// Root mean square of each channel on the rows, over the noise, where that is known and less is no
+/// chance.
+pub(super) fn left_beyond(
+    floors: &[Option<Floor>],
+    residual: &[Vec<f64>],
+    rows: &Rows,
+) -> Vec<Option<Beyond>> {
+    let channels = floors.iter().zip(residual).zip(&rows.per_channel);
+    let beyond = channels.map(|((floor, x), rows)| floor.as_ref()?.beyond(x, rows));
+    beyond.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Colour, noise};
+
+    const COLOURS: [Colour; 4] = [
+        Colour::White,
+        Colour::Ar1(0.5),
+        Colour::Ar1(0.9),
+        Colour::Pink,
+    ];
+
+    /// Noise of 600 samples beside so many seen elsewhere.
+    fn drawn(colour: Colour, seed: u64, stretches: usize, length: usize) -> (Floor, Vec<f64>) {
+        let all = noise(colour, 600 + stretches * length, seed);
+        let (own, other) = all.split_at(600);
+        let sample = other.chunks(length).map(<[f64]>::to_vec).collect();
+        let output = Output {
+            values: own.to_vec(),
+            valid: vec![true; own.len()],
+            noise: None,
+            sample: NoiseSample::of(NoiseSource::Standstill, sample, 40),
+            noise_without_memory: 0.0,
+        };
+        (Floor::of(&output).unwrap(), own.to_vec())
+    }
+
+    #[test]
+    fn verify_noise_is_within_its_own_floor() {
+        let rows: Vec<usize> = (10..600).collect();
+        for (k, colour) in COLOURS.into_iter().enumerate() {
+            for (stretches, length) in [(5, 40), (1, 400), (30, 8)] {
+                let beyond = (0..200).filter(|seed| {
+                    let (floor, own) = drawn(colour, 1000 * k as u64 + seed, stretches, length);
+                    floor.beyond(&own, &rows).is_some()
+                });
+                let count = beyond.count();
+                assert!(
+                    count <= 2,
+                    "{colour:?} {stretches} x {length}: {count} of 200"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn verify_a_pattern_is_beyond_the_floor() {
+        let rows: Vec<usize> = (10..600).collect();
+        for colour in COLOURS {
+            for seed in 0..50 {
+                let (floor, own) = drawn(colour, 50_000 + seed, 5, 40);
+                let size = 4.0 * deviation(&own);
+                let place = |t: usize| (0.07 * t as f64).sin() + (0.03 * t as f64).cos();
+                let rippled: Vec<f64> = (own.iter().enumerate())
+                    .map(|(t, n)| n + size * (9.0 * place(t) + seed as f64).sin())
+                    .collect();
+                assert!(floor.beyond(&rippled, &rows).is_some(), "{colour:?} {seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_sensor_at_rest_has_the_noise_of_its_steps() {
+        let step = 0.01;
+        let rounded = |x: f64| (x / step).round() * step;
+        let values: Vec<f64> = (0..600)
+            .map(|t| rounded((0.05 * t as f64).sin() * 0.1))
+            .collect();
+        let output = Output {
+            values,
+            valid: vec![true; 600],
+            noise: None,
+            sample: NoiseSample::of(NoiseSource::Standstill, vec![vec![0.0; 100]], 40),
+            noise_without_memory: 0.0,
+        };
+        let floor = Floor::of(&output).unwrap();
+        assert!((floor.rms / (step / 12_f64.sqrt()) - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,320 @@
+//! Noise of the outputs as it shows where no model is needed: repeated motion, standstill, and
+//! differences in time.
+
+mod period;
+
+use truecut_recording::measured::{Measured, MeasuredChannel};
+use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
+use truecut_sim::InverseModel;
+
+use self::period::{cubic, period, weights};
+use crate::diagnose::{NoiseSample, NoiseSource};
+use crate::stats::{deviation, mean};
+
+/// Fewest samples of noise that say how large it is.
+const LEAST_SAMPLES: usize = 40;
+/// Fewest samples and shortest time of a stretch at rest.
+const REST_SAMPLES: usize = 8;
+const REST_S: f64 = 0.25;
+/// Part of its range by which an input may creep within [`REST_S`] while it counts as at rest.
+const CREEP: f64 = 1e-4;
+/// Stretches at rest whose variance is so many times the median still ring.
+const RINGING: f64 = 4.0;
+/// Orders of differences in time: motion is smooth, so that high ones are noise alone.
+const DIFFERENCES: usize = 6;
+/// Part of what lies beyond a filter that counts as noise; the variance itself is uncertain.
+const BEYOND_FILTER: f64 = 1.1;
+
+/// What is known of an output's noise.
+#[derive(Default)]
+pub(super) struct Known {
+    /// Standard deviation as stated, carried through the filter.
+    pub stated: Option<f64>,
+    pub sample: Option<NoiseSample>,
+    /// Standard deviation if the noise has no memory.
+    pub without_memory: f64,
+}
+
+/// The recording whose outputs `used` are, at the same rate: filtered in mode "inverse", and
+/// thinned afterwards.
+pub(super) struct Recording<'a> {
+    scenario: &'a Scenario,
+    raw: &'a Measured,
+    used: &'a Measured,
+    every: usize,
+    at_rest: Vec<bool>,
+    /// Intervals after which all inputs come again.
+    period: Option<f64>,
+}
+
+impl<'a> Recording<'a> {
+    pub fn new(
+        scenario: &'a Scenario,
+        raw: &'a Measured,
+        used: &'a Measured,
+        every: usize,
+    ) -> Recording<'a> {
+        let inputs: Vec<&MeasuredChannel> = raw.inputs().collect();
+        Recording {
+            scenario,
+            raw,
+            used,
+            every,
+            at_rest: at_rest(&inputs, raw.rate_hz()),
+            period: period(&inputs),
+        }
+    }
+
+    /// Of the channel of this name.
+    pub fn known(&self, name: &str) -> Known {
+        let find = |measured: &'a Measured| measured.outputs().find(|one| one.spec.name == name);
+        let (Some(raw), Some(used)) = (find(self.raw), find(self.used)) else {
+            return Known::default();
+        };
+        let share = self.share();
+        Known {
+            stated: raw.noise.map(|noise| carried(noise, share, raw, used)),
+            sample: (self.repeated(used)).or_else(|| self.resting(used)),
+            without_memory: share * without_memory(&raw.values, &raw.valid),
+        }
+    }
+
+    /// Part of the standard deviation of white noise that is left by the filter of drive forces.
+    fn share(&self) -> f64 {
+        let rate_hz = self.raw.rate_hz();
+        self.cutoff_hz()
+            .map_or(1.0, |hz| InverseModel::white_share(hz, rate_hz))
+    }
+
+    fn cutoff_hz(&self) -> Option<f64> {
+        let ProcessSpec::Replay(replay) = &self.scenario.process else {
+            return None;
+        };
+        match replay.mode {
+            ReplayMode::Inverse {
+                compare_cutoff_hz, ..
+            } => Some(compare_cutoff_hz),
+            _ => None,
+        }
+    }
+
+    /// Differences between one pass and the next, or one period of the inputs and the next, of the
+    /// size of the noise of one.
+    fn repeated(&self, used: &MeasuredChannel) -> Option<NoiseSample> {
+        let passes = self.raw.passes();
+        let mut stretches = Vec::new();
+        if passes.len() > 1 && self.raw.inputs().next().is_none() {
+            let interval_s = self.raw.interval_s();
+            for pair in passes.windows(2) {
+                let lag = (pair[1].start_s - pair[0].start_s) / interval_s;
+                let range = pair[0].samples.start..pair[0].samples.end.min(pair[1].samples.end);
+                let end = pair[1].samples.end as f64;
+                let range = range.filter(|row| *row as f64 + lag < end - 1.0);
+                stretches.push(self.differences(used, lag, range));
+            }
+        } else if passes.len() == 1 {
+            let period = self.period?;
+            let count = used.values.len();
+            let mut start = 0;
+            while (start as f64) + period < count as f64 - 1.0 {
+                let end = ((start as f64 + period).round() as usize).min(count);
+                let inside = move |row: &usize| (*row as f64) + period < count as f64 - 1.0;
+                stretches.push(self.differences(used, period, (start..end).filter(inside)));
+                start = end;
+            }
+        }
+        NoiseSample::of(NoiseSource::Repetition, stretches, LEAST_SAMPLES)
+    }
+
+    fn differences(
+        &self,
+        used: &MeasuredChannel,
+        lag: f64,
+        rows: impl Iterator<Item = usize>,
+    ) -> Vec<f64> {
+        // Between samples the mean of several has less noise than each, unless a filter made them
+        // alike.
+        let later = match self.cutoff_hz() {
+            Some(_) => 1.0,
+            None => weights(lag - lag.floor()).map(|w| w * w).iter().sum(),
+        };
+        let size = (1.0_f64 + later).sqrt();
+        rows.filter(|row| row % self.every == 0)
+            .filter(|row| used.valid[*row])
+            .filter_map(|row| {
+                let later = cubic(used, row as f64 + lag)?;
+                Some((later - used.values[row]) / size)
+            })
+            .collect()
+    }
+
+    /// Windows of the time during which all inputs stand still.
+    fn resting(&self, used: &MeasuredChannel) -> Option<NoiseSample> {
+        let rate_hz = self.raw.rate_hz();
+        // What was before and after reaches as far as the filter does.
+        let reach = self
+            .cutoff_hz()
+            .map_or(0, |hz| (rate_hz / hz).ceil() as usize);
+        let length =
+            ((REST_S * rate_hz).ceil() as usize).max(REST_SAMPLES * self.every) / self.every;
+        let mut windows: Vec<Vec<f64>> = Vec::new();
+        for stretch in runs(&self.at_rest) {
+            let (start, end) = (stretch.start + reach, stretch.end.saturating_sub(reach));
+            let rows: Vec<usize> = (start..end)
+                .filter(|row| row % self.every == 0 && used.valid[*row])
+                .collect();
+            let windowed = rows.chunks_exact(length);
+            windows.extend(windowed.map(|rows| rows.iter().map(|row| used.values[*row]).collect()));
+        }
+        let mut deviations: Vec<f64> = windows.iter().map(|x| deviation(x)).collect();
+        deviations.sort_by(f64::total_cmp);
+        let median = *deviations.get(deviations.len() / 2)?;
+        windows.retain(|x| deviation(x).powi(2) <= RINGING * median.powi(2));
+        NoiseSample::of(NoiseSource::Standstill, windows, LEAST_SAMPLES)
+    }
+}
+
+/// Noise that is stated is that of the samples of the file. White noise loses its part beyond the
+/// filter's cutoff; of noise with a memory less lies there, and how much does is measured.
+fn carried(noise: f64, share: f64, raw: &MeasuredChannel, used: &MeasuredChannel) -> f64 {
+    if share >= 1.0 {
+        return noise;
+    }
+    let rows = raw.values.iter().zip(&used.values).zip(&used.valid);
+    let beyond: Vec<f64> = rows
+        .filter(|(_, valid)| **valid)
+        .map(|((raw, used), _)| raw - used)
+        .collect();
+    if beyond.is_empty() {
+        return share * noise;
+    }
+    let left = noise.powi(2) - BEYOND_FILTER * deviation(&beyond).powi(2);
+    (share * noise).max(left.max(0.0).sqrt())
+}
+
+/// Standard deviation of white noise on something smooth: the least of those by differences of
+/// several orders (`hall1990`), each of which takes what is left of the signal for noise.
+pub(super) fn without_memory(values: &[f64], valid: &[bool]) -> f64 {
+    let mut differences = values.to_vec();
+    let mut factor = 1.0;
+    let mut least = f64::INFINITY;
+    for order in 1..=DIFFERENCES {
+        differences = differences
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect();
+        // The sum of squared binomial coefficients is that in the middle of twice the order.
+        factor *= (4 * order - 2) as f64 / order as f64;
+        let kept = differences.iter().enumerate();
+        let kept: Vec<f64> = kept
+            .filter(|(k, _)| valid[*k..=k + order].iter().all(|valid| *valid))
+            .map(|(_, x)| x * x / factor)
+            .collect();
+        if kept.len() >= LEAST_SAMPLES {
+            least = least.min(mean(&kept).sqrt());
+        }
+    }
+    if least.is_finite() { least } else { 0.0 }
+}
+
+/// Stretches of samples that are marked.
+fn runs(marked: &[bool]) -> Vec<std::ops::Range<usize>> {
+    let mut found = Vec::new();
+    let mut start = None;
+    for (k, marked) in marked.iter().chain(std::iter::once(&false)).enumerate() {
+        match (marked, start) {
+            (true, None) => start = Some(k),
+            (false, Some(first)) => {
+                found.push(first..k);
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Where every input stands still, by its mean over two halves of a window; nowhere without inputs.
+fn at_rest(inputs: &[&MeasuredChannel], rate_hz: f64) -> Vec<bool> {
+    let Some(count) = inputs.first().map(|input| input.values.len()) else {
+        return Vec::new();
+    };
+    let half = ((0.5 * REST_S * rate_hz).ceil() as usize).max(REST_SAMPLES / 2);
+    let mut still = vec![true; count.saturating_sub(2 * half)];
+    for input in inputs {
+        let range = range_of(&input.values);
+        let noise = without_memory(&input.values, &input.valid);
+        let most = CREEP * range + 6.0 * noise / (half as f64).sqrt();
+        let mut sums = vec![0.0];
+        let first = input.values[0];
+        sums.extend(input.values.iter().scan(0.0, |sum, x| {
+            *sum += x - first;
+            Some(*sum)
+        }));
+        for (k, still) in still.iter_mut().enumerate() {
+            let [a, b] = [k, k + half].map(|from| (sums[from + half] - sums[from]) / half as f64);
+            let valid = input.valid[k..k + 2 * half].iter().all(|valid| *valid);
+            *still &= valid && (b - a).abs() <= most;
+        }
+    }
+    let mut rest = vec![false; count];
+    // Turning points pass for rest in a single window: it must go on for as long again.
+    for run in runs(&still).iter().filter(|run| run.len() > half) {
+        rest[run.start + half / 2..run.end + 2 * half - half / 2].fill(true);
+    }
+    rest
+}
+
+fn range_of(values: &[f64]) -> f64 {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
+}
+
+#[cfg(test)]
+mod tests {
+    use truecut_recording::measured::Role;
+    use truecut_recording::{ChannelSpec, Unit};
+
+    use super::*;
+    use crate::testing::{Colour, noise};
+
+    pub(super) fn channel(values: Vec<f64>) -> MeasuredChannel {
+        MeasuredChannel {
+            spec: ChannelSpec::new("joint1.angle", Unit::Radian, "drawn"),
+            role: Role::Input,
+            valid: vec![true; values.len()],
+            values,
+            noise: None,
+        }
+    }
+
+    #[test]
+    fn verify_differences_find_white_noise_on_a_smooth_signal() {
+        for seed in 0..20 {
+            let white = noise(Colour::White, 2000, seed);
+            let rows = white.iter().enumerate();
+            let values: Vec<f64> = rows
+                .map(|(k, n)| 500.0 * (0.03 * k as f64).sin() + 0.4 * n)
+                .collect();
+            let found = without_memory(&values, &vec![true; 2000]) / 0.4;
+            assert!((0.9..1.1).contains(&found), "{found}");
+        }
+    }
+
+    #[test]
+    fn verify_rest_is_where_the_inputs_rest() {
+        for (seed, level) in [(1, 0.0), (2, 1e-3), (3, 1e-2)] {
+            let drawn = noise(Colour::White, 1500, seed);
+            let moved = |k: usize| match k {
+                0..500 => 0.0,
+                500..1000 => 1.0 - (0.02 * (k - 500) as f64).cos(),
+                _ => 1.0 - 10_f64.cos(),
+            };
+            let values = drawn.iter().enumerate().map(|(k, n)| moved(k) + level * n);
+            let rest = at_rest(&[&channel(values.collect())], 100.0);
+            let moving = rest[510..990].iter().filter(|still| **still).count();
+            let still = (rest[..500].iter().chain(&rest[1000..])).filter(|still| **still);
+            assert!(moving == 0 && still.count() > 900, "level {level}");
+        }
+    }
+}
