@@ -56,6 +56,7 @@ mod compliance;
 pub mod config;
 mod depth;
 mod doubts;
+mod drawing;
 mod dynamics;
 mod equilibrium;
 mod error;
@@ -92,12 +93,14 @@ pub use compliance::{
     PlanarStiffness, axial_lateral_coupling, clamped, directional_stiffness, in_axes,
     planar_principal, translational,
 };
+pub use drawing::{DrawnLink, DrawnMesh};
 pub use dynamics::{Dynamics, Energy};
 pub use error::{ArmError, ArmErrorKind};
 pub use ik::IkOptions;
 pub use ik_branches::{BranchOptions, IkSolver, tool_pose};
 pub use ik_path::PathOptions;
 pub use load::{CONFIG_FILE_NAME, Reading, expanded_urdf};
+pub use meshes::LinkMesh;
 pub use mjcf::{MjcfDrive, MjcfOptions, to_mjcf};
 pub use modal::{LinearArm, Modes};
 pub use model::{

@@ -8,6 +8,7 @@ use crate::config::{Config, ConfigFile};
 use crate::doubts;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::merge::to_chain;
+use crate::meshes;
 use crate::model::{Frames, Robot};
 use crate::packages::Packages;
 use crate::tip::choose_tip;
@@ -92,7 +93,7 @@ impl Robot {
             .as_ref()
             .map(|(text, path)| (text.as_str(), path.as_path()));
         let source = Source::read(urdf, &reading.packages, &reading.arguments)?;
-        Self::assemble((source.text(), urdf), config, reading.tip, reading.masses)
+        Self::assemble((source.text(), urdf), config, reading)
             .map_err(|error| source.at_origin(urdf, error))
     }
 
@@ -105,24 +106,29 @@ impl Robot {
         config: Option<(&str, &Path)>,
         tip: Option<&str>,
     ) -> Result<Self, ArmError> {
-        Self::assemble(urdf, config, tip, Masses::Needed)
+        let reading = Reading {
+            tip,
+            ..Reading::default()
+        };
+        Self::assemble(urdf, config, &reading)
     }
 
     fn assemble(
         urdf: (&str, &Path),
         config: Option<(&str, &Path)>,
-        tip: Option<&str>,
-        masses: Masses,
+        reading: &Reading,
     ) -> Result<Self, ArmError> {
         let mut tree = read_tree(urdf.0, urdf.1)?;
-        let (tip, note) = choose_tip(&tree, tip)?;
+        let (tip, note) = choose_tip(&tree, reading.tip)?;
+        let not_drawn = meshes::find(&mut tree, urdf.1, &reading.packages);
         let config = config.map(|(text, path)| ConfigFile::parse(text, path));
         let config = config.transpose()?;
         if let Some(config) = &config {
             config.give_masses(&mut tree)?;
         }
-        let (mut chain, last_link_from_flange) = to_chain(&mut tree, tip, masses)?;
+        let (mut chain, last_link_from_flange) = to_chain(&mut tree, tip, reading.masses)?;
         chain.notes.splice(0..0, note);
+        chain.notes.extend(not_drawn);
         let (settings, config_path) = match config {
             Some(config) => (config.apply(&mut chain)?, Some(PathBuf::from(config.path))),
             None => (Config::default(), None),

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
 use crate::bounds::{self, Masses};
 use crate::error::{ArmError, ArmErrorKind};
+use crate::meshes::LinkMesh;
 use crate::model::{Chain, Joint, JointKind, Link, MAX_JOINTS, Transmission, Visual};
 use crate::tree::{Freedom, Tree};
 
@@ -29,7 +30,6 @@ pub(crate) fn to_chain(
     let mut massless_links: Vec<&str> = Vec::new();
     let mut bodies = Vec::with_capacity(segments.len());
     let mut joints = Vec::with_capacity(segments.len());
-    let mut meshes = 0;
     for segment in &segments {
         let mut body = MergedBody::default();
         for &(link, pose) in &segment.links {
@@ -44,19 +44,12 @@ pub(crate) fn to_chain(
             }
             joints.push(chain_joint(tree, j, parent_from_joint, &mut notes));
         }
-        meshes += body.meshes;
         bodies.push(body.into_link(&tree.links[segment.links[0].0].name));
     }
     if !massless_links.is_empty() {
         notes.push(format!(
             "no mass is known of {}: only questions of kinematics can be answered",
             massless_links.join(", ")
-        ));
-    }
-    if meshes > 0 {
-        let noun = if meshes == 1 { "mesh is" } else { "meshes are" };
-        notes.push(format!(
-            "{meshes} visual {noun} left out; only primitive shapes are drawn"
         ));
     }
     let flange = segments.last().and_then(|segment| segment.links.last());
@@ -206,7 +199,7 @@ struct MergedBody {
     first_moment_kg_m: Vector3<f64>,
     inertia_about_origin_kg_m2: Matrix3<f64>,
     visuals: Vec<Visual>,
-    meshes: usize,
+    meshes: Vec<LinkMesh>,
 }
 
 impl MergedBody {
@@ -262,7 +255,10 @@ impl MergedBody {
                 link_from_visual: body_from_link * visual.link_from_visual,
                 ..visual.clone()
             }));
-        self.meshes += link.mesh_count;
+        self.meshes.extend(link.drawn.iter().map(|mesh| LinkMesh {
+            link_from_mesh: body_from_link * mesh.link_from_mesh,
+            ..mesh.clone()
+        }));
     }
 
     fn into_link(self, name: &str) -> Link {
@@ -278,6 +274,7 @@ impl MergedBody {
             com_m,
             inertia_about_com_kg_m2: self.inertia_about_origin_kg_m2 + cross * cross * self.mass_kg,
             visuals: self.visuals,
+            meshes: self.meshes,
         }
     }
 }

@@ -6,6 +6,8 @@ use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::meshes::LinkMesh;
+
 /// Most joints a chain may have.
 pub const MAX_JOINTS: usize = 12;
 
@@ -138,7 +140,7 @@ pub enum Shape {
     Sphere { radius_m: f64 },
 }
 
-/// Something to draw, fixed to a link. Meshes are left out.
+/// A primitive shape to draw, fixed to a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Visual {
     pub shape: Shape,
@@ -157,6 +159,8 @@ pub struct Link {
     /// Inertia tensor about the centre of mass, in link axes.
     pub inertia_about_com_kg_m2: Matrix3<f64>,
     pub visuals: Vec<Visual>,
+    /// Files to draw, see [`Robot::drawn_links`].
+    pub meshes: Vec<LinkMesh>,
 }
 
 /// A serial chain. `links[i]` is moved by `joints[i]`, and its frame is that joint's frame.

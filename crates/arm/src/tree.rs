@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use crate::error::{ArmError, ArmErrorKind};
-use crate::meshes::MeshReference;
+use crate::meshes::{LinkMesh, MeshReference};
 use crate::model::{Limits, Visual};
 use crate::xml::ElementLines;
 
@@ -29,10 +29,11 @@ pub(crate) struct TreeLink {
     pub(crate) link_from_inertial: Isometry3<f64>,
     pub(crate) inertia_kg_m2: Matrix3<f64>,
     pub(crate) visuals: Vec<Visual>,
-    pub(crate) mesh_count: usize,
     /// Where mass, centre and inertia come from, if not from the URDF.
     pub(crate) mass_source: Option<String>,
     pub(crate) meshes: Vec<MeshReference>,
+    /// Those that are drawn and were found on disk.
+    pub(crate) drawn: Vec<LinkMesh>,
     pub(crate) parent_joint: Option<usize>,
     pub(crate) child_joints: Vec<usize>,
 }

@@ -10,7 +10,7 @@ use crate::error::{ArmError, ArmErrorKind};
 use crate::meshes;
 use crate::model::Limits;
 use crate::tree::{Freedom, Tree, TreeJoint, TreeLink};
-use crate::visual::{Palette, palette, pose, visual};
+use crate::visual::{Palette, color, palette, pose, visual};
 use crate::xml::{ElementLines, UrdfLines, scan};
 
 /// Reads `text` as the URDF at `path` and checks what does not depend on the choice of a tip.
@@ -41,8 +41,14 @@ pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
     }
     connect(&mut tree)?;
     tree.root = find_root(&tree)?;
-    for (link, own) in tree.links.iter_mut().zip(meshes) {
+    for ((link, own), urdf) in tree.links.iter_mut().zip(meshes).zip(&urdf.links) {
         link.meshes = own;
+        let seen = link.meshes.iter_mut().filter(|mesh| !mesh.is_collision);
+        let is_mesh =
+            |visual: &&urdf_rs::Visual| matches!(visual.geometry, urdf_rs::Geometry::Mesh { .. });
+        for (mesh, visual) in seen.zip(urdf.visual.iter().filter(is_mesh)) {
+            mesh.color_rgba = color(visual, &palette);
+        }
     }
     Ok(tree)
 }
@@ -101,9 +107,9 @@ fn link(urdf: &urdf_rs::Link, lines: ElementLines, palette: &Palette) -> TreeLin
             i.ixy, i.iyy, i.iyz, //
             i.ixz, i.iyz, i.izz,
         ),
-        mesh_count: urdf.visual.len() - visuals.len(),
         mass_source: None,
         meshes: Vec::new(),
+        drawn: Vec::new(),
         visuals,
         parent_joint: None,
         child_joints: Vec::new(),

@@ -8,7 +8,7 @@ use urdf_rs::Geometry;
 use crate::model::{Shape, Visual};
 
 /// Colour of a visual without material: light grey.
-const DEFAULT_RGBA: [f32; 4] = [0.8, 0.8, 0.8, 1.0];
+pub(crate) const DEFAULT_RGBA: [f32; 4] = [0.8, 0.8, 0.8, 1.0];
 
 /// Colours of the materials that a file names.
 pub(crate) type Palette<'a> = HashMap<&'a str, [f64; 4]>;
@@ -36,15 +36,20 @@ pub(crate) fn visual(urdf: &urdf_rs::Visual, palette: &Palette) -> Option<Visual
         &Geometry::Sphere { radius } => Shape::Sphere { radius_m: radius },
         Geometry::Mesh { .. } => return None,
     };
+    Some(Visual {
+        shape,
+        link_from_visual: pose(&urdf.origin),
+        color_rgba: color(urdf, palette).unwrap_or(DEFAULT_RGBA),
+    })
+}
+
+/// The colour that a visual is given, by itself or by a material that the file names.
+pub(crate) fn color(urdf: &urdf_rs::Visual, palette: &Palette) -> Option<[f32; 4]> {
     let rgba = urdf.material.as_ref().and_then(|material| {
         let own = material.color.as_ref().map(|color| color.rgba.0);
         own.or_else(|| palette.get(material.name.as_str()).copied())
     });
-    Some(Visual {
-        shape,
-        link_from_visual: pose(&urdf.origin),
-        color_rgba: rgba.map_or(DEFAULT_RGBA, |rgba| rgba.map(|v| v as f32)),
-    })
+    rgba.map(|rgba| rgba.map(|v| v as f32))
 }
 
 /// The transform that a URDF gives by position and roll, pitch, yaw.

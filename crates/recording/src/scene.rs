@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::unit::Unit;
+
 /// Position and orientation of one frame in another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
@@ -111,6 +113,10 @@ pub struct Arrow {
     pub metres_per_newton: f64,
 }
 
+fn one() -> Unit {
+    Unit::One
+}
+
 /// A rectangle of cells on which a quantity is drawn in colours: plane, or bent to a face.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Field {
@@ -124,6 +130,9 @@ pub struct Field {
     pub cells: [usize; 2],
     /// Value at which the colours end, SI.
     pub full_scale: f64,
+    /// Unit of the values.
+    #[serde(default = "one")]
+    pub unit: Unit,
     /// Middles of the cells in its frame, x first, where they do not lie in the rectangle; empty
     /// where they do.
     #[serde(default)]

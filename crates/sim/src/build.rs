@@ -39,6 +39,8 @@ pub(crate) struct Prepared {
     pub command: JointCommand,
     pub process: Box<dyn Process>,
     pub workpiece: DrawWorkpiece,
+    /// Whether the arm follows a path that was solved as a whole.
+    pub is_path: bool,
     pub duration_s: f64,
     pub dt_s: f64,
     pub notes: Vec<String>,
@@ -85,6 +87,7 @@ impl Prepared {
             &gravity,
         )?;
         let path_note = made.note();
+        let is_path = made.follows_path();
         let (mut process, workpiece) = (made.process, made.workpiece);
         let touched = altered.robot.world_from_frame(&start, FrameId::Tool);
         let unloaded = world_from_process.translation;
@@ -121,6 +124,7 @@ impl Prepared {
             command,
             process,
             workpiece,
+            is_path,
             duration_s,
             dt_s,
             notes,

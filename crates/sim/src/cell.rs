@@ -1,6 +1,7 @@
 //! The cell: one scenario, ready to run, and the step loop.
 
 mod building;
+mod deflection;
 mod step;
 
 use crate::command::JointCommand;
@@ -9,12 +10,13 @@ use crate::error::SimError;
 use crate::guard::Guard;
 use crate::plant::Plant;
 use crate::process::Process;
-use crate::scene::{Setting, Stage};
+use crate::scene::{Setting, Stage, scene};
 use crate::torque_use::TorqueUse;
+use deflection::PathDeflection;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 use truecut_core::sensor::Sensor;
-use truecut_recording::{ChannelSpec, Header, Outcome, Recorder, Scalar, UnknownName};
+use truecut_recording::{ChannelSpec, Header, Outcome, Recorder, Scalar, Scene, UnknownName};
 use truecut_scenario::Scenario;
 
 /// Steps between two calls of the progress function.
@@ -22,7 +24,7 @@ const STEPS_PER_REPORT: usize = 500;
 /// Rows of a run that ends early beyond its end.
 const ROWS_BEYOND: usize = 3;
 /// Frames of a run that show fields on the workpiece.
-const FIELDS_PER_RUN: usize = 40;
+const FIELDS_PER_RUN: usize = 24;
 
 /// One scenario, ready to run.
 pub(crate) struct Cell {
@@ -49,6 +51,7 @@ pub(crate) struct Cell {
     /// Kinetic and potential energy at the last step, J.
     energy_j: (f64, f64),
     torque_use: TorqueUse,
+    deflection: Option<PathDeflection>,
     scalars: Vec<Scalar>,
     /// Nothing but rows is asked for.
     rows_only: bool,
@@ -62,14 +65,26 @@ pub(crate) struct RunEnd {
 }
 
 impl Cell {
-    /// Channels, scene and notes: what a [`Recorder`] is opened with.
+    /// Channels and notes: what a [`Recorder`] is opened with.
     pub fn header(&self) -> Header {
+        self.header_with(Scene::default())
+    }
+
+    /// As [`Cell::header`], with the scene, for which the robot's meshes are read.
+    pub fn header_with_scene(&self) -> Header {
+        let (scene, notes) = scene(&self.setting, self.process.as_ref());
+        let mut header = self.header_with(scene);
+        header.notes.extend(notes);
+        header
+    }
+
+    fn header_with(&self, scene: Scene) -> Header {
         Header {
             scenario_name: self.scenario.name.clone(),
             // With all its effects, also those that were added in memory.
             scenario_text: (self.scenario).extended_text(&self.scenario.effects, &self.rotary),
             channels: self.channels.clone(),
-            scene: Stage::new(self.setting.clone(), self.process.as_ref()).1,
+            scene,
             notes: self.notes.clone(),
         }
     }
@@ -143,9 +158,8 @@ impl Cell {
                 recorder.push_row(time_s, row)?;
             }
             if recorder.frame_is_due(time_s) {
-                let stage = stage.get_or_insert_with(|| {
-                    Stage::new(cell.setting.clone(), cell.process.as_ref()).0
-                });
+                let stage = stage
+                    .get_or_insert_with(|| Stage::new(cell.setting.clone(), cell.process.as_ref()));
                 let shows = step >= next_shown || step + shown_every / 10 >= cell.steps;
                 if shows {
                     next_shown = step + shown_every;

@@ -58,4 +58,5 @@ pub use mjcf::export_mjcf;
 pub use replay::inverse::{Forces, InverseModel};
 pub use replay::steady::SteadyModel;
 pub use robots::Robots;
+pub use scene::{arm_view, mesh_body};
 pub use travel_view::travel_view;

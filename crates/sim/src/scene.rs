@@ -2,14 +2,17 @@
 //! forces.
 
 pub(crate) mod shapes;
+pub(crate) mod tooling;
+mod view;
 
 pub(crate) use shapes::arm_bodies;
-use shapes::{add_drum, foot_shape};
+pub use tooling::{Held, Tooling};
+pub use view::{arm_view, mesh_body};
 
 use crate::loads::Attachment;
 use crate::plant::Plant;
 use crate::process::Process;
-use nalgebra::{Isometry3, UnitQuaternion};
+use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 use std::sync::Arc;
 use truecut_arm::Robot;
 use truecut_recording::{Arrow, Body, Frame, Pose, Scene, Shape};
@@ -46,64 +49,72 @@ pub(crate) fn pose(p: &Isometry3<f64>) -> Pose {
     }
 }
 
-impl Stage {
-    /// The scene of a cell and the means to fill its frames.
-    pub(crate) fn new(setting: Arc<Setting>, process: &dyn Process) -> (Self, Scene) {
-        let (robot, start) = (&setting.robot, &setting.start);
-        let has_foot = process
-            .contact_stiffness()
-            .iter()
-            .any(|spring| spring.frame == Attachment::Foot);
-        let mut bodies = arm_bodies(robot, start, "exaggerated", false);
-        bodies.extend(arm_bodies(robot, start, "true", true));
-        if let Some(size_m) = process.drum_m() {
-            add_drum(&mut bodies, robot, start, size_m);
-        }
-        let origin = pose(&setting.world_from_process);
-        let mut fixed = Vec::new();
-        let shapes = (setting.workpiece)();
+fn isometry(pose: &Pose) -> Isometry3<f64> {
+    let rotation = UnitQuaternion::from_quaternion(Quaternion::from(pose.rotation_xyzw));
+    Isometry3::from_parts(pose.translation_m.into(), rotation)
+}
+
+/// The scene of a cell, and notes on what could not be drawn.
+pub(crate) fn scene(setting: &Setting, process: &dyn Process) -> (Scene, Vec<String>) {
+    let (robot, start) = (&setting.robot, &setting.start);
+    let tooling = process.tooling();
+    let (mut bodies, notes) = arm_bodies(robot, start, "exaggerated");
+    if let Some(last) = bodies.last_mut() {
+        let held = tooling::on_last_link(robot, start, &setting.world_from_process, &tooling);
+        last.shapes.extend(held);
+    }
+    bodies.extend(shapes::ghosts(&bodies, "exaggerated", "true"));
+    let origin = pose(&setting.world_from_process);
+    let mut stand = |path: &str, shapes: Vec<Shape>| {
         if !shapes.is_empty() {
-            fixed.push(origin);
             bodies.push(Body {
-                path: "workpiece".into(),
+                path: path.into(),
                 shapes,
                 initial_pose: origin,
             });
         }
-        if has_foot {
-            bodies.push(Body {
-                path: "foot".into(),
-                shapes: vec![foot_shape()],
-                initial_pose: origin,
-            });
-        }
-        let colors = [[235, 70, 60, 255], [70, 160, 230, 255], [250, 170, 40, 255]];
-        let arrows = process
-            .arrows()
-            .iter()
-            .zip(colors)
-            .map(|((name, ..), color_rgba)| Arrow {
-                path: format!("force/{}", name.replace(' ', "_")),
-                label: (*name).to_string(),
-                color_rgba,
-                metres_per_newton: ARROW_M_PER_N,
-            })
-            .collect();
-        let scene = Scene {
-            bodies,
-            arrows,
-            fields: process.field().into_iter().collect(),
-            deflection_scale: setting.deflection_scale,
-            // The viewer's own frames the whole arm.
-            camera: None,
-        };
-        let stage = Self {
+    };
+    stand("workpiece", (setting.workpiece)());
+    stand("foot", at_foot(&tooling));
+    let colors = [[235, 70, 60, 255], [70, 160, 230, 255], [250, 170, 40, 255]];
+    let arrows = process.arrows();
+    let arrows = arrows
+        .iter()
+        .zip(colors)
+        .map(|((name, ..), color_rgba)| Arrow {
+            path: format!("force/{}", name.replace(' ', "_")),
+            label: (*name).to_string(),
+            color_rgba,
+            metres_per_newton: ARROW_M_PER_N,
+        });
+    let scene = Scene {
+        arrows: arrows.collect(),
+        fields: process.field().into_iter().collect(),
+        deflection_scale: setting.deflection_scale,
+        // The viewer's own frames the whole arm.
+        camera: None,
+        bodies,
+    };
+    (scene, notes)
+}
+
+fn at_foot(tooling: &Tooling) -> Vec<Shape> {
+    let shapes = tooling.shapes.iter();
+    let shapes = shapes.filter(|(held, _)| *held == Held::Foot);
+    shapes.map(|(_, shape)| shape.clone()).collect()
+}
+
+impl Stage {
+    /// The means to fill the frames of a cell's [`scene`].
+    pub(crate) fn new(setting: Arc<Setting>, process: &dyn Process) -> Self {
+        let has_workpiece = !(setting.workpiece)().is_empty();
+        let origin = pose(&setting.world_from_process);
+        Self {
+            fixed: has_workpiece.then_some(origin).into_iter().collect(),
+            has_foot: !at_foot(&process.tooling()).is_empty(),
+            fields: process.field().into_iter().count(),
             setting,
-            fixed,
-            has_foot,
-            fields: scene.fields.len(),
-        };
-        (stage, scene)
+        }
     }
 
     /// The scene at the plant's present instant. `rigid` is where the arm would stand without

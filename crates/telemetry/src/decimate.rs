@@ -2,13 +2,20 @@
 
 /// Rows a second that a plot gets at most. A screen shows no more, and the file stays small; the
 /// Parquet file keeps every row.
-const ROWS_PER_SECOND: f64 = 1000.0;
+pub(crate) const ROWS_PER_SECOND: f64 = 1000.0;
+/// As [`ROWS_PER_SECOND`], for plots that are not seen at once.
+pub(crate) const BEHIND_ROWS_PER_SECOND: f64 = 250.0;
 
 /// The rows worth drawing of channels that share a plot: of every interval the smallest and the
 /// largest value of each channel, in their order. The more channels, the longer the interval, so
 /// that the rate is kept. All rows if they are no denser than that; first and last alone if no
 /// channel changes.
-pub(crate) fn rows_to_draw(time_s: &[f64], channels: &[&[f64]], keep: &mut Vec<usize>) {
+pub(crate) fn rows_to_draw(
+    time_s: &[f64],
+    channels: &[&[f64]],
+    rows_per_second: f64,
+    keep: &mut Vec<usize>,
+) {
     keep.clear();
     let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else {
         return;
@@ -24,7 +31,7 @@ pub(crate) fn rows_to_draw(time_s: &[f64], channels: &[&[f64]], keep: &mut Vec<u
     }
     let step_s = (last - first) / (rows - 1).max(1) as f64;
     let extremes_at_most = 2 * channels.len();
-    let interval = (extremes_at_most as f64 / ROWS_PER_SECOND / step_s).round() as usize;
+    let interval = (extremes_at_most as f64 / rows_per_second / step_s).round() as usize;
     if interval <= extremes_at_most {
         keep.extend(0..rows);
         return;
@@ -69,7 +76,7 @@ mod tests {
             .map(|row| row as f64 * step_s)
             .collect();
         let mut keep = Vec::new();
-        rows_to_draw(&time_s, channels, &mut keep);
+        rows_to_draw(&time_s, channels, ROWS_PER_SECOND, &mut keep);
         keep
     }
 

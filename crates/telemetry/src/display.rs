@@ -3,6 +3,9 @@
 //! Files hold SI. In the viewer a displacement is in µm, a length in mm, an angle in degrees, so
 //! that an axis carries plain numbers.
 
+mod templates;
+
+use templates::{DEFLECTION, TEMPLATES, Template};
 use truecut_recording::{ChannelSpec, Unit, UserUnit};
 
 /// One curve of a plot.
@@ -42,131 +45,6 @@ pub(crate) struct Group {
     pub(crate) series: Vec<Series>,
 }
 
-/// A plot that is known beforehand.
-struct Template {
-    title: &'static str,
-    place: Place,
-    /// What is smaller than this, SI, is as good as nothing: the axis must not enlarge it.
-    least: f64,
-    /// How the names of its channels begin, with `joint3.` read as `joint.`.
-    beginnings: &'static [&'static str],
-}
-
-const fn front(
-    title: &'static str,
-    place: Place,
-    least: f64,
-    beginnings: &'static [&'static str],
-) -> Template {
-    Template {
-        title,
-        place,
-        least,
-        beginnings,
-    }
-}
-
-const fn behind(title: &'static str, beginnings: &'static [&'static str]) -> Template {
-    Template {
-        title,
-        place: Place::Behind,
-        least: 0.0,
-        beginnings,
-    }
-}
-
-/// In the order in which plots appear. A channel goes to the first that fits.
-const TEMPLATES: &[Template] = &[
-    front(
-        "Tool displacement, process frame",
-        Place::FrontWithSpectrum,
-        1e-5,
-        &["tool.displacement_"],
-    ),
-    front(
-        "Dynamometer: lateral force on the workpiece",
-        Place::FrontWithSpectrum,
-        10.0,
-        &["dynamometer.force_y", "dynamometer.force_z"],
-    ),
-    front(
-        "Pressure foot on the workpiece",
-        Place::Front,
-        10.0,
-        &["foot.normal_force", "foot.friction_"],
-    ),
-    front(
-        "Wheel on the workpiece",
-        Place::Front,
-        1.0,
-        &["wheel.normal_force", "wheel.friction_force"],
-    ),
-    front(
-        "Polishing wheel on the face",
-        Place::Front,
-        1.0,
-        &[
-            "polish.normal_force",
-            "polish.edge_force",
-            "polish.inward_edge_force",
-            "polish.friction_",
-        ],
-    ),
-    front(
-        "Belt on the face",
-        Place::Front,
-        1.0,
-        &["belt.normal_force", "belt.edge_force", "belt.friction_"],
-    ),
-    front(
-        "Brush on the workpiece",
-        Place::Front,
-        1.0,
-        &["brush.bristle_force", "brush.friction_force"],
-    ),
-    front(
-        "Acceleration of the tool, face axes",
-        Place::FrontWithSpectrum,
-        1e-3,
-        &["polish.acceleration_"],
-    ),
-    front(
-        "Load on the tool, process frame",
-        Place::FrontWithSpectrum,
-        1.0,
-        &["load.force_"],
-    ),
-    behind(
-        "Depth",
-        &[
-            "cutting.depth",
-            "cutting.engaged_depth",
-            "wheel.indentation",
-            "polish.indentation",
-            "belt.indentation",
-            "brush.shortening",
-        ],
-    ),
-    behind(
-        "Cutting force on the tool, process frame",
-        &["cutting.force_"],
-    ),
-    behind(
-        "Dynamometer: axial force on the workpiece",
-        &["dynamometer.force_x"],
-    ),
-    behind("Chip area", &["cutting.chip_area"]),
-    behind("Slip speed of the foot", &["foot.slip_speed"]),
-    behind("Tool velocity, process frame", &["tool.velocity_"]),
-    behind("Tool position, world", &["tool.position_"]),
-    behind("Torque in the transmission", &["joint.transmission_torque"]),
-    behind("Joint angle", &["joint.angle"]),
-    behind("Joint position", &["joint.position"]),
-    behind("Joint velocity", &["joint.velocity"]),
-    behind("Joint command", &["joint.command"]),
-    behind("Energy", &["energy."]),
-];
-
 /// Channels that are states, not curves: shown as coloured bars.
 pub(crate) const SLIDING: &str = "foot.sliding";
 /// As [`SLIDING`]: 1 while the foot is off the workpiece.
@@ -200,7 +78,19 @@ pub(crate) fn groups(channels: &[ChannelSpec]) -> Vec<Group> {
         });
     }
     found.sort_by_key(|(rank, _)| *rank);
-    found.into_iter().map(|(_, group)| group).collect()
+    let mut groups: Vec<Group> = found.into_iter().map(|(_, group)| group).collect();
+    if groups
+        .iter()
+        .any(|group| group.title.starts_with(DEFLECTION))
+    {
+        let displaced = groups.iter_mut().filter(|group| {
+            let channel = |series: &Series| channels[series.channel].name.as_str();
+            let mut names = group.series.iter().map(channel);
+            names.all(|name| name.starts_with("tool.displacement_"))
+        });
+        displaced.for_each(|group| group.place = Place::Behind);
+    }
+    groups
 }
 
 /// The plot into which a channel goes, and its rank among all.
@@ -236,7 +126,8 @@ fn in_path(title: &str) -> String {
 
 /// The unit in which a person expects a channel.
 pub(crate) fn shown_in(channel: &ChannelSpec) -> UserUnit {
-    let small = channel.name.contains("displacement") || channel.name.contains("indentation");
+    let small = ["displacement", "indentation", "deflection", "wall_error"];
+    let small = small.iter().any(|word| channel.name.contains(word));
     shown_unit(channel.unit, small)
 }
 
@@ -294,8 +185,12 @@ fn short_name(name: &str) -> String {
         (Some(number), _) if !number.is_empty() => format!("joint {number}"),
         (
             _,
-            Some(("displacement" | "velocity" | "position" | "force", axis @ ("x" | "y" | "z"))),
+            Some((
+                "displacement" | "deflection" | "velocity" | "position" | "force",
+                axis @ ("x" | "y" | "z"),
+            )),
         ) => axis.to_uppercase(),
+        (_, Some(("deflection", axis))) => axis.to_owned(),
         (_, Some((rest, axis @ ("x" | "y" | "z")))) => {
             format!("{} {}", rest.replace('_', " "), axis.to_uppercase())
         }
@@ -316,9 +211,9 @@ fn color(name: &str, place: usize) -> [u8; 3] {
         [186, 176, 172],
     ];
     match name.rsplit_once('_') {
-        Some((_, "x")) => [230, 90, 90],
-        Some((_, "y")) => [105, 200, 105],
-        Some((_, "z")) => [100, 150, 255],
+        Some((_, "x" | "normal")) => [230, 90, 90],
+        Some((_, "y" | "along")) => [105, 200, 105],
+        Some((_, "z" | "across")) => [100, 150, 255],
         _ => TURNS[place % TURNS.len()],
     }
 }
@@ -379,6 +274,31 @@ mod tests {
             })
             .collect();
         assert_eq!(plots, expected);
+    }
+
+    #[test]
+    fn on_a_path_the_deflection_is_in_front_and_the_path_behind() {
+        let channels = [
+            "tool.displacement_x",
+            "tool.deflection_along",
+            "tool.deflection_normal",
+        ];
+        let channels = channels.map(|name| ChannelSpec::new(name, Unit::Metre, ""));
+        let groups = groups(&channels);
+        let shown: Vec<(&str, Place)> = groups
+            .iter()
+            .map(|group| (group.title.as_str(), group.place))
+            .collect();
+        let expected = [
+            (
+                "Deflection of the tool from its path [µm]",
+                Place::FrontWithSpectrum,
+            ),
+            ("Tool displacement, process frame [µm]", Place::Behind),
+        ];
+        assert_eq!(shown, expected);
+        let legends = groups[0].series.iter().map(|series| series.legend.as_str());
+        assert_eq!(legends.collect::<Vec<_>>(), ["along [µm]", "normal [µm]"]);
     }
 
     #[test]

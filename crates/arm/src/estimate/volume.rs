@@ -1,11 +1,10 @@
 //! Volume, centre and second moments of bodies: closed meshes, and cylinders between joints.
 
-use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
-use crate::meshes::MeshReference;
+use crate::meshes::{MeshReference, located, read};
 use crate::packages::Packages;
 
 /// Part of the area of its surface by which a mesh may gape and still count as closed.
@@ -130,40 +129,16 @@ pub(super) fn of_meshes(
 }
 
 fn of_mesh(mesh: &MeshReference, folder: &Path, packages: &Packages) -> Option<Body> {
-    let path = resolved(&mesh.file, folder, packages)?;
-    let is_stl = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("stl"));
-    if !is_stl {
-        return None;
-    }
-    let bytes = std::fs::read(path).ok()?;
-    let read = stl_io::read_stl(&mut Cursor::new(bytes)).ok()?;
-    let placed = |index: usize| {
-        let v = &read.vertices[index];
-        let point = Vector3::new(v[0], v[1], v[2]).cast::<f64>();
-        place(&mesh.link_from_mesh, &point.component_mul(&mesh.scale))
+    let path = located(&mesh.file, folder, packages).ok()?;
+    let place = |corner: Vector3<f64>| {
+        let scaled = corner.component_mul(&mesh.scale);
+        mesh.link_from_mesh.rotation * scaled + mesh.link_from_mesh.translation.vector
     };
-    let triangles: Vec<_> = read
-        .faces
-        .iter()
-        .map(|face| face.vertices.map(placed))
-        .collect();
+    // A closed surface may be of several colours, so of several parts.
+    let parts = read(&path).ok()?.into_iter();
+    let triangles = parts.flat_map(|part| part.triangles);
+    let triangles: Vec<_> = triangles.map(|triangle| triangle.map(place)).collect();
     Body::within(&triangles)
-}
-
-fn place(pose: &Isometry3<f64>, point: &Vector3<f64>) -> Vector3<f64> {
-    pose.rotation * point + pose.translation.vector
-}
-
-/// Where a mesh lies: `package://NAME/…`, `file://…`, or a path from the robot's file.
-fn resolved(file: &str, folder: &Path, packages: &Packages) -> Option<PathBuf> {
-    if let Some(rest) = file.strip_prefix("package://") {
-        let (name, inner) = rest.split_once('/')?;
-        return Some(packages.find(name, folder)?.join(inner));
-    }
-    let path = file.strip_prefix("file://").unwrap_or(file);
-    Some(folder.join(path))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use truecut_plan::program::{Motion, Move, Program, ProgramError, ProgramFile};
 use truecut_plan::surface_path::{Contact, Part, Segment};
 
-use super::{PlannedPath, figure};
+use super::{PlannedPath, figure, view};
 use crate::failure::Failure;
 use truecut::outputs::write_file;
 
@@ -18,6 +18,9 @@ pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failu
     let points = table(answer).map_err(|error| Failure::at(&points_csv, error))?;
     write_file(&points_csv, &points)?;
     let mut written = vec![svg, points_csv];
+    let rrd = folder.join("path.rrd");
+    view::show(answer, &written, &rrd)?;
+    written.push(rrd);
     for one in program {
         let file = folder.join(one.name);
         write_file(&file, one.text.as_bytes())?;

@@ -5,6 +5,7 @@ mod figure;
 mod files;
 mod inputs;
 mod text;
+mod view;
 
 use nalgebra::Isometry3;
 use rayon::prelude::*;

@@ -51,6 +51,8 @@ fn show(answer: &PostureAnswer<'_>, rrd: &Path, text: &str, drawn: &Figure) -> R
         scene: &scene,
         frames: &frames,
         stations: &stations(answer)?,
+        lines: &[],
+        text_title: "Plan",
         pages: &[charts_of(&beside_the_arm(answer, drawn))],
     };
     write_plan(rrd, &shown).map_err(|error| Failure::message(error.to_string()))

@@ -1,6 +1,7 @@
 //! How a cell is built: from a scenario, with either plant.
 
 use super::Cell;
+use super::deflection::PathDeflection;
 use crate::build::{Prepared, plant_scalars};
 use crate::channels;
 use crate::contact::ContactSolver;
@@ -58,6 +59,15 @@ impl Cell {
         step_note: String,
     ) -> Result<Self, SimError> {
         let mut channels = channels::specs(&prepared.robot, prepared.base_joints);
+        let deflection = prepared.is_path.then(|| {
+            PathDeflection::new(
+                prepared.robot.clone(),
+                prepared.start.clone(),
+                prepared.first_command(),
+                prepared.process.surface_normal(),
+            )
+        });
+        channels.extend(deflection.iter().flat_map(|_| PathDeflection::specs()));
         channels.extend(prepared.process.channels());
         let position = |attachment| {
             let frame: truecut_arm::FrameId = attachment;
@@ -101,6 +111,7 @@ impl Cell {
             steps,
             energy_j: (0.0, 0.0),
             torque_use: TorqueUse::new(&prepared),
+            deflection,
             rows_only: false,
             scalars: plant_scalars(&prepared),
             process: prepared.process,

@@ -141,6 +141,9 @@ impl Cell {
             self.base_joints,
             self.energy_j,
         );
+        if let Some(deflection) = &mut self.deflection {
+            row.extend(deflection.now(self.plant.joints()));
+        }
         self.process.record(row);
         debug_assert_eq!(
             row.len(),

@@ -122,6 +122,7 @@ fn link(name: String, mass_kg: f64, inertia_about_com_kg_m2: Matrix3<f64>) -> Li
         com_m: Vector3::zeros(),
         inertia_about_com_kg_m2,
         visuals: Vec::new(),
+        meshes: Vec::new(),
     }
 }
 

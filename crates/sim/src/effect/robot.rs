@@ -83,6 +83,7 @@ fn tilt(axis: usize, compliance_rad_per_n_m: f64) -> (Joint, Link) {
         com_m: Vector3::zeros(),
         inertia_about_com_kg_m2: Matrix3::zeros(),
         visuals: Vec::new(),
+        meshes: Vec::new(),
     };
     (joint, link)
 }

@@ -38,6 +38,7 @@ pub use setup::{ProcessSetup, SetupContext};
 pub use wheel::Wheel;
 
 use crate::loads::{Attachment, ContactOutcomes, Loads};
+pub use crate::scene::{Held, Tooling};
 use nalgebra::{Isometry3, Vector3};
 use truecut_recording::{ChannelSpec, Field, Outcome, Profile, Scalar};
 
@@ -177,6 +178,11 @@ pub trait Process: Send {
         0.0
     }
 
+    /// Outward normal of a plane workpiece, world axes; by default it is against the tool's z axis.
+    fn surface_normal(&self) -> Option<Vector3<f64>> {
+        None
+    }
+
     /// A quantity on the workpiece to be drawn, world frame, if there is one; asked for once.
     fn field(&self) -> Option<Field> {
         None
@@ -187,10 +193,9 @@ pub trait Process: Send {
         Vec::new()
     }
 
-    /// Radius and width of the drum to be drawn that turns about the tool's y axis, m, if there is
-    /// one.
-    fn drum_m(&self) -> Option<[f64; 2]> {
-        None
+    /// The tool to be drawn, and a pressure foot; by default only spindle and holder are.
+    fn tooling(&self) -> Tooling {
+        Tooling::default()
     }
 
     /// Forces on the robot to be drawn, in the process frame: (name, frame, force of the last

@@ -119,6 +119,11 @@ pub(crate) enum Motion {
 }
 
 impl ProcessSetup {
+    /// Whether the arm follows a path that was solved as a whole.
+    pub(crate) fn follows_path(&self) -> bool {
+        matches!(self.motion, Motion::Planned(_))
+    }
+
     /// A process on an arm that starts in `posture` and holds it, or feeds the tool along the
     /// process's y axis if [`Process::feed_along_y_m_per_s`] says so.
     #[must_use]

@@ -16,6 +16,7 @@ use super::modes::{self, Modes, TipMotion};
 use super::{ContactStiffness, Findings, FrameMotion, Process, Start, ToolState};
 use crate::error::SimError;
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use crate::scene::Tooling;
 
 /// The process inside, and the modes.
 pub(super) struct Yielding {
@@ -243,8 +244,12 @@ impl Process for Yielding {
         self.inner.field_values()
     }
 
-    fn drum_m(&self) -> Option<[f64; 2]> {
-        self.inner.drum_m()
+    fn tooling(&self) -> Tooling {
+        self.inner.tooling()
+    }
+
+    fn surface_normal(&self) -> Option<Vector3<f64>> {
+        self.inner.surface_normal()
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {

@@ -36,7 +36,11 @@ impl Run<'_> {
             return self.record_prediction(scenario, measured, prediction, build_s, sinks);
         }
         let cell = self.cell(scenario, measured)?;
-        let mut header = cell.header();
+        // Without sinks nobody sees the scene.
+        let mut header = match sinks.is_empty() {
+            true => cell.header(),
+            false => cell.header_with_scene(),
+        };
         header
             .notes
             .extend(measured.into_iter().flat_map(|data| data.notes.clone()));

@@ -2,64 +2,79 @@
 
 use super::pose;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use std::f64::consts::{FRAC_PI_2, TAU};
-use truecut_arm::{FrameId, Link, Robot, Shape as ArmShape};
+use std::f64::consts::TAU;
+use truecut_arm::{DrawnLink, Robot, Shape as ArmShape};
 use truecut_plan::surface::Mesh;
 use truecut_recording::{Body, Geometry, Pose, Shape};
 
 /// Colour of the true arm, behind the enlarged one.
 const GHOST_RGBA: [u8; 4] = [150, 155, 160, 90];
-/// Colour of a brush or a contact wheel.
-const DRUM_RGBA: [u8; 4] = [205, 150, 60, 255];
 /// Colour of a workpiece.
 const STEEL_RGBA: [u8; 4] = [120, 128, 138, 255];
 /// Side of the workpiece, m.
 const WORKPIECE_M: f64 = 0.4;
 /// Thickness of the workpiece, m.
-const THICKNESS_M: f64 = 0.03;
+pub(crate) const THICKNESS_M: f64 = 0.03;
 /// Thickness of the block under a polished face, m.
 const BLOCK_M: f64 = 0.02;
 /// Half of the thickness of a line around a face, m.
 const OUTLINE_M: f64 = 0.5e-3;
 
-fn link_shapes(link: &Link, ghost: bool) -> Vec<Shape> {
-    link.visuals
-        .iter()
-        .map(|visual| Shape {
-            geometry: match visual.shape {
-                ArmShape::Box { half_extents_m } => Geometry::Box {
-                    half_extents_m: half_extents_m.into(),
-                },
-                ArmShape::Cylinder { radius_m, length_m } => {
-                    Geometry::Cylinder { radius_m, length_m }
-                }
-                ArmShape::Capsule { radius_m, length_m } => {
-                    Geometry::Capsule { radius_m, length_m }
-                }
-                ArmShape::Sphere { radius_m } => Geometry::Sphere { radius_m },
-            },
-            color_rgba: if ghost {
-                GHOST_RGBA
-            } else {
-                visual.color_rgba.map(|c| (c * 255.0).round() as u8)
-            },
-            body_from_shape: pose(&visual.link_from_visual),
-        })
-        .collect()
-}
-
-pub(crate) fn arm_bodies(robot: &Robot, q: &[f64], kind: &str, ghost: bool) -> Vec<Body> {
+/// Base and links of an arm, and notes on what could not be drawn of them.
+pub(crate) fn arm_bodies(robot: &Robot, q: &[f64], kind: &str) -> (Vec<Body>, Vec<String>) {
     let mut poses = vec![Isometry3::identity()];
     poses.extend(robot.world_from_links(q));
+    let (drawn, notes) = robot.drawn_links();
     let links = std::iter::once(&robot.chain.base).chain(&robot.chain.links);
-    links
+    let bodies = links
+        .zip(drawn)
         .zip(&poses)
-        .map(|(link, at)| Body {
+        .map(|((link, drawn), at)| Body {
             path: format!("arm/{kind}/{}", link.name),
-            shapes: link_shapes(link, ghost),
+            shapes: link_shapes(drawn),
             initial_pose: pose(at),
-        })
-        .collect()
+        });
+    (bodies.collect(), notes)
+}
+
+fn link_shapes(drawn: DrawnLink) -> Vec<Shape> {
+    let rgba = |color: [f32; 4]| color.map(|c| (c * 255.0).round() as u8);
+    let visuals = drawn.visuals.into_iter().map(|visual| Shape {
+        geometry: match visual.shape {
+            ArmShape::Box { half_extents_m } => Geometry::Box {
+                half_extents_m: half_extents_m.into(),
+            },
+            ArmShape::Cylinder { radius_m, length_m } => Geometry::Cylinder { radius_m, length_m },
+            ArmShape::Capsule { radius_m, length_m } => Geometry::Capsule { radius_m, length_m },
+            ArmShape::Sphere { radius_m } => Geometry::Sphere { radius_m },
+        },
+        color_rgba: rgba(visual.color_rgba),
+        body_from_shape: pose(&visual.link_from_visual),
+    });
+    let meshes = drawn.meshes.into_iter().map(|mesh| Shape {
+        geometry: Geometry::Mesh {
+            vertices_m: mesh.vertices_m.iter().map(|p| (*p).into()).collect(),
+            triangles: mesh.triangles,
+        },
+        color_rgba: rgba(mesh.color_rgba),
+        body_from_shape: Pose::IDENTITY,
+    });
+    visuals.chain(meshes).collect()
+}
+
+/// The shadow of bodies: the same shapes, grey and translucent, under another name.
+pub(super) fn ghosts(bodies: &[Body], from: &str, to: &str) -> Vec<Body> {
+    let ghost = |body: &Body| Body {
+        path: body.path.replacen(from, to, 1),
+        shapes: (body.shapes.iter())
+            .map(|shape| Shape {
+                color_rgba: GHOST_RGBA,
+                ..shape.clone()
+            })
+            .collect(),
+        initial_pose: body.initial_pose,
+    };
+    bodies.iter().map(ghost).collect()
 }
 
 /// A part of a workpiece.
@@ -72,7 +87,7 @@ pub(crate) fn steel(geometry: Geometry, body_from_shape: Pose) -> Shape {
 }
 
 /// A line around process X, drawn `line_m` thick to either side.
-fn ring(at_x_m: f64, ring_m: f64, line_m: f64, corners: u32) -> Geometry {
+pub(super) fn ring(at_x_m: f64, ring_m: f64, line_m: f64, corners: u32) -> Geometry {
     let corner = |i: u32| {
         let (s, c) = (TAU * f64::from(i) / f64::from(corners)).sin_cos();
         [at_x_m, ring_m * c, ring_m * s]
@@ -83,22 +98,27 @@ fn ring(at_x_m: f64, ring_m: f64, line_m: f64, corners: u32) -> Geometry {
     }
 }
 
-/// A plate with a hole of this radius: four bars around it, and its rim.
-pub(crate) fn plate_with_hole(radius_m: f64) -> Vec<Shape> {
+/// A plate with a hole of this radius: four bars around it, and its rim. The rim that is cut is at
+/// the tool point: the near one, or `backward` the far one.
+pub(crate) fn plate_with_hole(radius_m: f64, backward: bool) -> Vec<Shape> {
+    let (middle, rim_m) = match backward {
+        true => (-THICKNESS_M / 2.0, 1e-3),
+        false => (THICKNESS_M / 2.0, -1e-3),
+    };
     let half = WORKPIECE_M / 2.0;
     let bar = (half - radius_m) / 2.0;
     let along_x = THICKNESS_M / 2.0;
     let bars = [-1.0, 1.0].iter().flat_map(|side: &f64| {
         let offset = side * (radius_m + bar);
         [
-            ([along_x, bar, half], [along_x, offset, 0.0]),
-            ([along_x, radius_m, bar], [along_x, 0.0, offset]),
+            ([along_x, bar, half], [middle, offset, 0.0]),
+            ([along_x, radius_m, bar], [middle, 0.0, offset]),
         ]
     });
     let bars = bars
         .map(|(half_extents_m, at)| steel(Geometry::Box { half_extents_m }, Pose::translation(at)));
     let rim = Shape {
-        geometry: ring(-1e-3, radius_m, 2e-3, 96),
+        geometry: ring(rim_m, radius_m, 2e-3, 96),
         color_rgba: [255, 200, 60, 255],
         body_from_shape: Pose::IDENTITY,
     };
@@ -148,38 +168,4 @@ pub(crate) fn block(process_from_face: &Isometry3<f64>, length_m: f64, width_m: 
     let half_extents_m = [0.5 * length_m, 0.5 * width_m, 0.5 * BLOCK_M];
     let at = pose(&(process_from_face * centre));
     vec![steel(Geometry::Box { half_extents_m }, at)]
-}
-
-/// The drum on the last link of the arm as it is and of the enlarged one.
-pub(super) fn add_drum(
-    bodies: &mut [Body],
-    robot: &Robot,
-    q: &[f64],
-    [radius_m, width_m]: [f64; 2],
-) {
-    let Some(world_from_last) = robot.world_from_links(q).last().copied() else {
-        return;
-    };
-    let last_from_tool = world_from_last.inverse() * robot.world_from_frame(q, FrameId::Tool);
-    // A cylinder stands along its z axis.
-    let about_y = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2);
-    let drum = |color_rgba| Shape {
-        geometry: Geometry::Cylinder {
-            radius_m,
-            length_m: width_m,
-        },
-        color_rgba,
-        body_from_shape: pose(&(last_from_tool * about_y)),
-    };
-    let count = bodies.len() / 2;
-    bodies[count - 1].shapes.push(drum(DRUM_RGBA));
-    bodies[2 * count - 1].shapes.push(drum(GHOST_RGBA));
-}
-
-pub(super) fn foot_shape() -> Shape {
-    Shape {
-        geometry: ring(-6e-3, 0.055, 6e-3, 64),
-        color_rgba: [70, 160, 230, 255],
-        body_from_shape: Pose::IDENTITY,
-    }
 }

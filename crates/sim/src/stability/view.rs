@@ -6,7 +6,7 @@ use truecut_recording::{Body, Frame, Geometry, Pose, Scene};
 
 use super::MillingStudy;
 use crate::scene::shapes::steel;
-use crate::scene::{arm_bodies, pose};
+use crate::scene::{Tooling, arm_view, pose};
 
 /// Size of the block of stock across the path and down, m.
 const STOCK_M: [f64; 2] = [0.2, 0.05];
@@ -15,29 +15,16 @@ impl MillingStudy {
     /// The arm at the first station, a block of stock below the path, and a frame for each station,
     /// at the times at which the tool is there.
     pub fn view(&self, plan: &Plan) -> (Scene, Vec<Frame>) {
-        let mut bodies = arm_bodies(&self.robot, &plan.points[0].posture, "true", false);
-        let stock = self.stock(plan);
-        let stock_pose = stock.initial_pose;
-        bodies.push(stock);
         let feed_m_per_s = self.cut.feed_m_per_s();
-        let frames = plan.points.iter().map(|point| {
-            let mut poses = vec![pose(&Isometry3::identity())];
-            let links = self.robot.world_from_links(&point.posture);
-            poses.extend(links.iter().map(pose));
-            poses.push(stock_pose);
-            Frame {
-                time_s: point.along_m / feed_m_per_s,
-                poses,
-                arrows: Vec::new(),
-                fields: Vec::new(),
-            }
-        });
-        let frames = frames.collect();
-        let scene = Scene {
-            bodies,
-            ..Scene::default()
-        };
-        (scene, frames)
+        let stops = plan.points.iter();
+        let stops = stops.map(|point| (point.along_m / feed_m_per_s, point.posture.as_slice()));
+        arm_view(&self.robot, &self.tooling(), stops, vec![self.stock(plan)])
+    }
+
+    /// The cutter of the cut.
+    fn tooling(&self) -> Tooling {
+        let radius_m = self.cut.nominal.cutter.radius_m;
+        Tooling::end_mill(radius_m, 4.0 * radius_m)
     }
 
     fn stock(&self, plan: &Plan) -> Body {

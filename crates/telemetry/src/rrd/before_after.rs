@@ -12,7 +12,7 @@ use truecut_recording::{SinkError, UserUnit};
 use super::blueprint::{Layout, Part};
 use super::results::SCENARIO;
 use super::{Failure, application, begin_file, flush, log_text, nanoseconds, time_column};
-use crate::decimate::rows_to_draw;
+use crate::decimate::{ROWS_PER_SECOND, rows_to_draw};
 use crate::error::failed;
 
 /// Where the verdict is logged.
@@ -211,7 +211,7 @@ fn curves(
     stream.log_static(entity, &lines)?;
     let columns: Vec<&[f64]> = all.iter().map(|(_, values)| *values).collect();
     let mut rows = Vec::new();
-    rows_to_draw(time_s, &columns, &mut rows);
+    rows_to_draw(time_s, &columns, ROWS_PER_SECOND, &mut rows);
     let values = rows.iter().flat_map(|&row| {
         let values = columns.iter().map(move |values| values[row]);
         values.map(|value| unit.from_si(value))

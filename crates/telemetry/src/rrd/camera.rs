@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use truecut_recording::{Body, Camera, Field, Geometry, Scene};
 
+use super::field::BAR;
 use super::shapes::isometry;
 
 /// From the side and somewhat above, far enough away to see everything.
@@ -56,13 +57,17 @@ const NARROW: f64 = 0.43;
 /// direction up.
 pub(super) fn above(field: &Field) -> (Camera, [f64; 3]) {
     let pose = isometry(&field.world_from_field);
-    let [length_m, width_m] = field.size_m;
-    let place = |z: f64| pose * Point3::new(0.5 * length_m, 0.5 * width_m, z);
+    // With its bar of colours.
+    let [mut length_m, mut width_m] = field.size_m;
+    let bar_m = 2.0 * BAR * length_m.max(width_m);
     let side = if length_m >= width_m {
+        width_m += bar_m;
         Vector3::x()
     } else {
+        length_m += bar_m;
         Vector3::y()
     };
+    let place = |z: f64| pose * Point3::new(0.5 * length_m, 0.5 * width_m, z);
     // The viewer's camera sees as much height as it is away.
     let away_m = 1.2 * (length_m.max(width_m)).max(length_m.min(width_m) / NARROW);
     let camera = Camera {
@@ -142,13 +147,17 @@ mod tests {
             size_m: [0.2, 0.1],
             cells: [2, 2],
             full_scale: 1.0,
+            unit: truecut_recording::Unit::Metre,
             vertices_m: Vec::new(),
         });
         let near = |a: [f64; 3], b: [f64; 3]| (Vector3::from(a) - Vector3::from(b)).norm() < 1e-12;
-        assert!(near(camera.target_m, [1.0, 2.1, 3.05]), "{camera:?}");
-        let away_m = 1.2 * 0.1 / NARROW;
+        // The bar of colours counts to its width.
+        let width_m = 0.1 + 2.0 * BAR * 0.2;
+        let across = 3.0 + 0.5 * width_m;
+        assert!(near(camera.target_m, [1.0, 2.1, across]), "{camera:?}");
+        let away_m = 1.2 * width_m / NARROW;
         assert!(
-            near(camera.position_m, [1.0 + away_m, 2.1, 3.05]),
+            near(camera.position_m, [1.0 + away_m, 2.1, across]),
             "{camera:?}"
         );
         assert!(near(up, [0.0, 1.0, 0.0]), "{up:?}");

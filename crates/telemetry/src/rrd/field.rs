@@ -5,6 +5,16 @@ use rerun::{RecordingStream, RecordingStreamResult, TimeColumn};
 use truecut_recording::Field;
 
 use super::shapes::{quaternion, translation};
+use crate::display::shown_unit;
+
+/// Below a field: its bar of colours, and how it is left.
+pub(super) const SCALE: &str = "scale";
+pub(super) const END: &str = "end";
+/// Where the bar of colours begins and ends beside a field, in the field's longer side.
+const BAR_GAP: f64 = 0.03;
+pub(super) const BAR: f64 = 0.07;
+/// Depths below this are shown in µm, m.
+const SMALL_M: f64 = 1e-4;
 
 /// From nothing to full scale: a map of even lightness steps, legible without colour vision
 /// (viridis of matplotlib, five of its colours).
@@ -62,12 +72,35 @@ fn normals(positions: &[[f32; 3]], [columns, rows]: [usize; 2]) -> Vec<[f32; 3]>
     (0..positions.len()).map(normal).collect()
 }
 
-/// Logs the grid, once.
+/// Logs the grid and its bar of colours, once.
 pub(super) fn begin(
     stream: &RecordingStream,
     entity: &str,
     field: &Field,
 ) -> RecordingStreamResult<()> {
+    stream.log_static(entity, &grid(field))?;
+    let pose = rerun::Transform3D::from_translation_rotation(
+        translation(&field.world_from_field),
+        quaternion(&field.world_from_field),
+    );
+    stream.log_static(entity, &pose)?;
+    scale(stream, &format!("{entity}/{SCALE}"), field)
+}
+
+/// Logs how it is left.
+pub(super) fn end(
+    stream: &RecordingStream,
+    entity: &str,
+    field: &Field,
+    values: &[f32],
+) -> RecordingStreamResult<()> {
+    let colours = values.iter();
+    let colours = colours.map(|value| colour(f64::from(*value) / field.full_scale));
+    let mesh = grid(field).with_vertex_colors(colours);
+    stream.log_static(format!("{entity}/{END}"), &mesh)
+}
+
+fn grid(field: &Field) -> rerun::Mesh3D {
     let [columns, rows] = field.cells;
     let positions = positions(field);
     let normals = normals(&positions, field.cells);
@@ -78,15 +111,46 @@ pub(super) fn begin(
             [[corner, corner + 1, above + 1], [corner, above + 1, above]]
         })
     });
-    let mesh = rerun::Mesh3D::new(positions)
+    rerun::Mesh3D::new(positions)
         .with_triangle_indices(triangles)
-        .with_vertex_normals(normals);
-    stream.log_static(entity, &mesh)?;
-    let pose = rerun::Transform3D::from_translation_rotation(
-        translation(&field.world_from_field),
-        quaternion(&field.world_from_field),
-    );
-    stream.log_static(entity, &pose)
+        .with_vertex_normals(normals)
+}
+
+/// A bar of colours beside the longer side, in the field's frame, with its numbers.
+fn scale(stream: &RecordingStream, entity: &str, field: &Field) -> RecordingStreamResult<()> {
+    let [length, width] = field.size_m;
+    let (long, short) = (length.max(width), length.min(width));
+    let (near, far) = (short + BAR_GAP * long, short + BAR * long);
+    let place = |share: f64, side: f64| {
+        let (along, across) = ((share * long) as f32, side as f32);
+        match length >= width {
+            true => [along, across, 0.0],
+            false => [across, along, 0.0],
+        }
+    };
+    let shares = (0..COLOURS.len()).map(|i| i as f64 / (COLOURS.len() - 1) as f64);
+    let corners = shares
+        .clone()
+        .flat_map(|share| [place(share, near), place(share, far)]);
+    let colours = shares.clone().flat_map(|share| [colour(share); 2]);
+    let steps = 0..COLOURS.len() as u32 - 1;
+    // Both ways round: it is seen from either side.
+    let triangles = steps.flat_map(|step| {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|corner| 2 * step + corner);
+        [[a, b, c], [b, d, c], [a, c, b], [b, c, d]]
+    });
+    let bar = rerun::Mesh3D::new(corners)
+        .with_triangle_indices(triangles)
+        .with_vertex_colors(colours);
+    stream.log_static(format!("{entity}/bar"), &bar)?;
+    let unit = shown_unit(field.unit, field.full_scale < SMALL_M);
+    let labels = [0.0, 0.5, 1.0].map(|share| unit.show(share * field.full_scale));
+    let texts = rerun::Points3D::new([0.0, 0.5, 1.0].map(|share| place(share, far)))
+        .with_labels(labels)
+        .with_colors([rerun::Color::from_rgb(235, 235, 235)])
+        .with_radii([rerun::Radius::new_ui_points(1.5)])
+        .with_show_labels(true);
+    stream.log_static(format!("{entity}/numbers"), &texts)
 }
 
 /// Logs the colours of one time.
@@ -143,6 +207,7 @@ mod tests {
             size_m: [2.0, 1.0],
             cells: [3, 2],
             full_scale: 1.0,
+            unit: truecut_recording::Unit::Metre,
             vertices_m: Vec::new(),
         };
         let flat = positions(&field);

@@ -9,6 +9,7 @@ use truecut_recording::{Camera, Field, Header, Recording, Scene};
 
 use super::blueprint::{Layout, Part};
 use super::chart::{ACROSS, DOWN};
+use super::field::{END, SCALE};
 use super::results::{ABOUT, CLAIMS, Drawn, SCENARIO};
 use super::series::FOOT_STATE;
 use super::{SCENE, camera};
@@ -34,7 +35,7 @@ pub(super) fn send(
     at_end: Option<&AtEnd<'_>>,
 ) -> RecordingStreamResult<()> {
     let layout = Layout::new(super::application(&header.scenario_name))?;
-    let left = left_side(&layout, header)?;
+    let left = left_side(&layout, header, at_end.is_some())?;
     let recording = at_end.map(|end| end.recording);
     let plots = |wanted: fn(Place) -> bool| {
         let chosen = groups.iter().filter(|group| wanted(group.place));
@@ -73,7 +74,7 @@ pub(super) fn send(
     layout.send(&root, kinds::PlayState::Playing, stream)
 }
 
-fn left_side(layout: &Layout, header: &Header) -> RecordingStreamResult<Part> {
+fn left_side(layout: &Layout, header: &Header, at_end: bool) -> RecordingStreamResult<Part> {
     let texts = [
         ("Claims", CLAIMS),
         ("About this run", ABOUT),
@@ -84,7 +85,7 @@ fn left_side(layout: &Layout, header: &Header) -> RecordingStreamResult<Part> {
     if header.scene.bodies.is_empty() {
         return Ok(texts);
     }
-    let scene = scene_views(layout, &header.scene)?;
+    let scene = scene_views(layout, &header.scene, at_end)?;
     layout.stacked(vec![(5.0, scene), (3.0, texts)])
 }
 
@@ -144,7 +145,11 @@ pub(super) fn chart_view(layout: &Layout, chart: &Drawn) -> RecordingStreamResul
 }
 
 /// The whole arm, and beside it the tool from near by.
-pub(super) fn scene_views(layout: &Layout, scene: &Scene) -> RecordingStreamResult<Part> {
+pub(super) fn scene_views(
+    layout: &Layout,
+    scene: &Scene,
+    at_end: bool,
+) -> RecordingStreamResult<Part> {
     let exaggerated = scene
         .bodies
         .iter()
@@ -158,6 +163,7 @@ pub(super) fn scene_views(layout: &Layout, scene: &Scene) -> RecordingStreamResu
     };
     let arm = scene_view(
         layout,
+        scene,
         &title,
         scene.camera.unwrap_or_else(|| camera::whole(scene)),
     )?;
@@ -169,30 +175,49 @@ pub(super) fn scene_views(layout: &Layout, scene: &Scene) -> RecordingStreamResu
     } else {
         "Tool".to_owned()
     };
-    let tool = scene_view(layout, &title, near)?;
+    let tool = scene_view(layout, scene, &title, near)?;
     let mut views = vec![(1.0, arm), (1.0, tool)];
     for field in &scene.fields {
-        views.push((1.0, field_view(layout, field)?));
+        views.push((1.0, field_view(layout, field, at_end)?));
     }
     layout.side_by_side(views)
 }
 
-fn scene_view(layout: &Layout, title: &str, camera: Camera) -> RecordingStreamResult<Part> {
-    looking_at(layout, title, "$origin/**", camera, [0.0, 0.0, 1.0])
+fn scene_view(
+    layout: &Layout,
+    scene: &Scene,
+    title: &str,
+    camera: Camera,
+) -> RecordingStreamResult<Part> {
+    // Numbers of colours, and how it ends, belong to a map's own view.
+    let hidden = scene.fields.iter().flat_map(|field| {
+        let entity = |part: &str| format!("- $origin/{}/{part}/**", field.path);
+        [SCALE, END].map(entity)
+    });
+    let queries: Vec<String> = (std::iter::once("$origin/**".to_owned()).chain(hidden)).collect();
+    looking_at(layout, title, &queries, camera, [0.0, 0.0, 1.0])
 }
 
-/// A field alone, from above: in the scene the tool stands on it.
-fn field_view(layout: &Layout, field: &Field) -> RecordingStreamResult<Part> {
+/// A field alone, from above: in the scene the tool stands on it. At the end it is seen as it is
+/// then, whatever the time.
+fn field_view(layout: &Layout, field: &Field, at_end: bool) -> RecordingStreamResult<Part> {
     let (camera, up) = camera::above(field);
-    let title = format!("{} from above", field.path.replace('_', " "));
-    let query = format!("$origin/{}/**", field.path);
-    looking_at(layout, &title, &query, camera, up)
+    let (name, path) = (field.path.replace('_', " "), &field.path);
+    let (title, shown) = match at_end {
+        true => (
+            format!("{name} at the end"),
+            format!("$origin/{path}/{END}/**"),
+        ),
+        false => (name, format!("$origin/{path}")),
+    };
+    let queries = [shown, format!("$origin/{path}/{SCALE}/**")];
+    looking_at(layout, &title, &queries, camera, up)
 }
 
 fn looking_at(
     layout: &Layout,
     title: &str,
-    query: &str,
+    queries: &[String],
     camera: Camera,
     up: [f64; 3],
 ) -> RecordingStreamResult<Part> {
@@ -204,12 +229,11 @@ fn looking_at(
         .with_eye_up(single(up));
     let background = Background::new(kinds::BackgroundKind::SolidColor)
         .with_color(rerun::Color::from_rgb(28, 30, 34));
-    let query = [query.to_owned()];
     layout.view(
         "3D",
         title,
         SCENE,
-        &query,
+        queries,
         &[("EyeControls3D", &eye), ("Background", &background)],
     )
 }

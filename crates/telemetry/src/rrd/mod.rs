@@ -12,6 +12,7 @@ mod results;
 mod scene;
 mod series;
 mod shapes;
+mod surface;
 
 use std::path::{Path, PathBuf};
 

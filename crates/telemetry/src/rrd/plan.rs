@@ -1,5 +1,5 @@
 //! A planned path for the viewer: the arm along it, the reserve as the path's colour, the stiffness
-//! ellipsoid at the tool.
+//! ellipsoid at the tool, or the lines of a path on the workpiece.
 
 use std::path::Path;
 
@@ -34,8 +34,12 @@ pub struct PlanShown<'a> {
     pub scene: &'a Scene,
     /// The arm at each station.
     pub frames: &'a [Frame],
-    /// In the order of the path.
+    /// In the order of the path; with none neither reserve nor stiffness is shown.
     pub stations: &'a [PlanStation],
+    /// Lines on the workpiece, world.
+    pub lines: &'a [Vec<[f64; 3]>],
+    /// Name of the tab of `text`.
+    pub text_title: &'a str,
     /// Charts beside the arm.
     pub pages: &'a [ChartPage],
 }
@@ -70,14 +74,25 @@ fn write(path: &Path, shown: &PlanShown<'_>) -> Result<(), Failure> {
     let mut scene = SceneLogger::begin(&stream, shown.scene)?;
     scene.frames(&stream, shown.frames)?;
     scene.finish(&stream)?;
-    log_path(&stream, shown.stations)?;
-    log_ellipsoid(&stream, shown.stations)?;
+    if !shown.stations.is_empty() {
+        log_path(&stream, shown.stations)?;
+        log_ellipsoid(&stream, shown.stations)?;
+    }
+    if !shown.lines.is_empty() {
+        let single = |line: &Vec<[f64; 3]>| -> Vec<[f32; 3]> {
+            line.iter().map(|point| point.map(|x| x as f32)).collect()
+        };
+        let lines = rerun::LineStrips3D::new(shown.lines.iter().map(single))
+            .with_colors([rerun::Color::from_rgb(255, 220, 90)])
+            .with_radii([rerun::Radius::new_ui_points(1.2)]);
+        stream.log_static(format!("{SCENE}/lines"), &lines)?;
+    }
     let layout = Layout::new(application(shown.title))?;
     let words = layout.tabs(&[
-        layout.document("Plan", TEXT)?,
+        layout.document(shown.text_title, TEXT)?,
         layout.document("Scenario", SCENARIO)?,
     ])?;
-    let views = scene_views(&layout, shown.scene)?;
+    let views = scene_views(&layout, shown.scene, true)?;
     let left = layout.stacked(vec![(5.0, views), (2.5, words)])?;
     let right = log_pages(&stream, &layout, shown.pages)?;
     let root = layout.side_by_side(vec![(1.2, left), (1.0, right)])?;

@@ -24,6 +24,8 @@ pub(super) const PROFILES: &str = "/profiles";
 const HIGHEST_HZ: f64 = 60.0;
 /// Below this a ramp shows, not a vibration.
 const LOWEST_HZ: f64 = 2.0;
+/// The scalar that says how far the most loaded drive is used.
+const TORQUE_USE: &str = "plant.torque_use_max";
 /// The scalar that names the frequency of chatter, and how many bins from it its line may stand.
 const CHATTER_HZ: &str = "milling.chatter_frequency";
 const CHATTER_BINS: f64 = 1.5;
@@ -227,7 +229,7 @@ fn spread(profile: &Profile, unit: &UserUnit) -> String {
     }
 }
 
-/// The claims as a table, failures first.
+/// Claims, the load of the robot, notes.
 pub(super) fn claims_table(recording: &Recording, claims: &[ClaimResult]) -> String {
     let failed = claims.iter().filter(|claim| !claim.holds).count();
     let mut text = format!("## {}\n\n", recording.header.scenario_name);
@@ -239,6 +241,30 @@ pub(super) fn claims_table(recording: &Recording, claims: &[ClaimResult]) -> Str
         (count, 0) => format!("**All {count} claims hold.**\n\n"),
         (count, failed) => format!("**{failed} of {count} claims fail.**\n\n"),
     };
+    text += &claim_rows(claims);
+    text += &robot_load(recording);
+    for note in &recording.header.notes {
+        text += &format!("\n- {}", one_cell(note));
+    }
+    text
+}
+
+/// Largest torque asked of a drive, and the heading of the notes that follow.
+fn robot_load(recording: &Recording) -> String {
+    let mut text = "\n### Robot, and what was assumed\n\n".to_owned();
+    let scalars = recording.scalars.iter();
+    if let Some(load) = scalars.rev().find(|scalar| scalar.name == TORQUE_USE) {
+        let (percent, over) = (100.0 * load.value, load.value > 1.0);
+        let mark = if over { "✖ **OVERLOADED:** " } else { "" };
+        let text_of = one_cell(&load.description);
+        text += &format!("{mark}{} %: {text_of}\n", significant(percent, 3));
+    }
+    text
+}
+
+/// The claims as a table with their reasons, failures first.
+fn claim_rows(claims: &[ClaimResult]) -> String {
+    let mut text = String::new();
     if claims.is_empty() {
         return text;
     }
@@ -289,7 +315,7 @@ pub(super) fn about(recording: &Recording) -> String {
         header.scenario_name, recording.outcome
     );
     text += "Displacements are in µm, lengths in mm, angles in degrees. Curves keep the smallest and the largest value \
-             of every 2 ms; the Parquet file beside this one has every step, in SI. ";
+             of every 2 ms, in plots behind others of every 8 ms; the Parquet file beside this one has every step, in SI. ";
     if header.scene.deflection_scale != 1.0 {
         text += &format!(
             "The coloured arm's deflection is enlarged {} times; the grey outline is where it truly is. ",
@@ -309,9 +335,6 @@ pub(super) fn about(recording: &Recording) -> String {
                 one_cell(&scalar.description)
             );
         }
-    }
-    for note in &header.notes {
-        text += &format!("\n- {}", one_cell(note));
     }
     text
 }

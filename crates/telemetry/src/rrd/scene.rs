@@ -12,7 +12,8 @@ use super::{SCENE, time_column};
 pub(super) struct SceneLogger {
     bodies: Vec<LoggedBody>,
     arrows: Vec<Arrow>,
-    fields: Vec<Field>,
+    /// With their values so far.
+    fields: Vec<(Field, Vec<f32>)>,
     /// Where the first force acted: the path of the tool.
     path: Vec<[f32; 3]>,
 }
@@ -54,7 +55,9 @@ impl SceneLogger {
         }
         Ok(SceneLogger {
             bodies,
-            fields: scene.fields.clone(),
+            fields: (scene.fields.iter())
+                .map(|one| (one.clone(), Vec::new()))
+                .collect(),
             arrows: scene.arrows.clone(),
             path: Vec::new(),
         })
@@ -87,7 +90,7 @@ impl SceneLogger {
                 .columns_of_unit_batches()?;
             stream.send_columns(format!("{SCENE}/{}", arrow.path), [times.clone()], columns)?;
         }
-        for (index, one) in self.fields.iter().enumerate() {
+        for (index, (one, last)) in self.fields.iter_mut().enumerate() {
             for frame in frames
                 .iter()
                 .filter(|frame| !frame.fields[index].is_empty())
@@ -95,6 +98,7 @@ impl SceneLogger {
                 let time = time_column(std::iter::once(frame.time_s));
                 let entity = format!("{SCENE}/{}", one.path);
                 field::colours(stream, &entity, one, time, &frame.fields[index])?;
+                last.clone_from(&frame.fields[index]);
             }
         }
         let tool = frames.iter().filter_map(|frame| frame.arrows.first());
@@ -103,8 +107,8 @@ impl SceneLogger {
         Ok(())
     }
 
-    /// Logs the path that the tool took, once the run has ended, and where bodies stand of which
-    /// there was no frame.
+    /// Logs the path that the tool took, once the run has ended, how fields are left, and where
+    /// bodies stand of which there was no frame.
     pub(super) fn finish(self, stream: &RecordingStream) -> RecordingStreamResult<()> {
         for body in self.bodies.iter().filter(|body| body.last.is_none()) {
             send_poses(
@@ -113,6 +117,9 @@ impl SceneLogger {
                 time_column(std::iter::once(0.0)),
                 &[body.initial],
             )?;
+        }
+        for (one, values) in self.fields.iter().filter(|(_, values)| !values.is_empty()) {
+            field::end(stream, &format!("{SCENE}/{}", one.path), one, values)?;
         }
         if self.path.len() < 2 {
             return Ok(());

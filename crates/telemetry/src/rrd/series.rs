@@ -4,8 +4,8 @@ use rerun::{RecordingStream, RecordingStreamResult};
 use truecut_recording::{Chunk, Header};
 
 use super::time_column;
-use crate::decimate::rows_to_draw;
-use crate::display::{Group, LIFTED, SLIDING, Series};
+use crate::decimate::{BEHIND_ROWS_PER_SECOND, ROWS_PER_SECOND, rows_to_draw};
+use crate::display::{Group, LIFTED, Place, SLIDING, Series};
 
 /// Logs every curve's name and colour, once.
 pub(super) fn begin(stream: &RecordingStream, groups: &[Group]) -> RecordingStreamResult<()> {
@@ -36,7 +36,11 @@ pub(super) fn chunk(
             .iter()
             .map(|series| chunk.columns[series.channel])
             .collect();
-        rows_to_draw(chunk.time_s, &columns, &mut rows);
+        let rate = match group.place {
+            Place::Behind => BEHIND_ROWS_PER_SECOND,
+            Place::Front | Place::FrontWithSpectrum => ROWS_PER_SECOND,
+        };
+        rows_to_draw(chunk.time_s, &columns, rate, &mut rows);
         let times = time_column(rows.iter().map(|&row| chunk.time_s[row]));
         let of_row = |row: usize| {
             let curves = group.series.iter().zip(&columns);

@@ -1,9 +1,14 @@
 //! Shapes in the viewer's terms.
 
-use nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
 use rerun::components::FillMode;
 use rerun::{AsComponents, RecordingStream, RecordingStreamResult};
 use truecut_recording::{Geometry, Pose, Shape};
+
+use super::surface::Surface;
+
+/// Half the thickness of the outline of a shadow, points of the screen.
+const SHADOW_LINE: f32 = 0.4;
 
 /// A pose to calculate with.
 pub(super) fn isometry(pose: &Pose) -> Isometry3<f64> {
@@ -193,9 +198,21 @@ fn log_single(stream: &RecordingStream, entity: &str, shape: &Shape) -> Recordin
             vertices_m,
             triangles,
         } => {
-            let (corners, normals) = flat_triangles(vertices_m, triangles);
-            let mesh = rerun::Mesh3D::new(corners).with_vertex_normals(normals);
-            Box::new(mesh.with_albedo_factor(*color))
+            let surface = Surface::new(vertices_m, triangles);
+            if is_shadow(shape) {
+                let edges = surface.sharp_edges();
+                let lines =
+                    rerun::LineStrips3D::new(edges.iter().map(|edge| edge.map(|p| single(&p))));
+                let [r, g, b, _] = shape.color_rgba;
+                let lines = lines.with_colors([rerun::Color::from_rgb(r, g, b)]);
+                Box::new(lines.with_radii([rerun::Radius::new_ui_points(SHADOW_LINE)]))
+            } else {
+                let (corners, normals, faces) = surface.shaded();
+                let mesh = rerun::Mesh3D::new(corners.iter().map(single));
+                let mesh = mesh.with_triangle_indices(faces);
+                let mesh = mesh.with_vertex_normals(normals.iter().map(single));
+                Box::new(mesh.with_albedo_factor(*color))
+            }
         }
         Geometry::Line { points_m, radius_m } => {
             let lines = rerun::LineStrips3D::new([points_m.iter().map(single).collect::<Vec<_>>()]);
@@ -207,29 +224,6 @@ fn log_single(stream: &RecordingStream, entity: &str, shape: &Shape) -> Recordin
         .with_translation(translation(&shape.body_from_shape))
         .with_quaternion(quaternion(&shape.body_from_shape));
     stream.log_static(entity, &[&place as &dyn AsComponents, form.as_ref()])
-}
-
-/// Corners that no two triangles share, each with its triangle's normal: machined parts have edges,
-/// and shared normals would round them off. A triangle that names a corner which is not there, or
-/// that has no area, is left out.
-fn flat_triangles(
-    vertices_m: &[[f64; 3]],
-    triangles: &[[u32; 3]],
-) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
-    let mut corners = Vec::with_capacity(3 * triangles.len());
-    let mut normals = Vec::with_capacity(3 * triangles.len());
-    for triangle in triangles {
-        let [Some(a), Some(b), Some(c)] = triangle.map(|corner| vertices_m.get(corner as usize))
-        else {
-            continue;
-        };
-        let side = |to: &[f64; 3]| Vector3::from(*to) - Vector3::from(*a);
-        if let Some(normal) = side(b).cross(&side(c)).try_normalize(0.0) {
-            corners.extend([a, b, c].map(single));
-            normals.extend([single(&normal.into()); 3]);
-        }
-    }
-    (corners, normals)
 }
 
 #[cfg(test)]
@@ -248,13 +242,5 @@ mod tests {
         for (found, expected) in start.into_iter().zip([1.0, 2.5, 3.0]) {
             assert!((found - expected).abs() < 1e-6, "{start:?}");
         }
-    }
-
-    #[test]
-    fn triangles_get_their_own_normals_and_bad_ones_are_left_out() {
-        let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let (corners, normals) = flat_triangles(&vertices, &[[0, 1, 2], [0, 1, 1], [0, 1, 9]]);
-        assert_eq!(corners.len(), 3);
-        assert_eq!(normals, [[0.0, 0.0, 1.0]; 3]);
     }
 }

@@ -256,6 +256,7 @@ pub(super) fn field(setup: &BeltSetup) -> Field {
         size_m: [high[0] - low[0], high[1] - low[1]],
         cells: setup.cells.count,
         full_scale: FULL_SCALE * setup.expected_depth_m,
+        unit: Unit::Metre,
         vertices_m: flat
             .iter()
             .map(|p| (p - origin + Vector3::z() * DRAWN_ABOVE_M).into())

@@ -225,6 +225,7 @@ pub(super) fn field(setup: &BrushSetup) -> Field {
         ],
         cells: [first.len(), ROWS],
         full_scale,
+        unit: Unit::Metre,
         vertices_m: vertices_m.collect(),
     }
 }

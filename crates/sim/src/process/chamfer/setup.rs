@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector2};
 use truecut_arm::axial_lateral_coupling;
 use truecut_core::cutting::chamfer::{CuttingCoefficients, FeedSchedule};
 use truecut_core::cutting::slip_condition::{ArmCoupling, Cut};
-use truecut_scenario::{ChamferSpec, FootSpec};
+use truecut_scenario::{ChamferSpec, FeedDirection, FootSpec};
 
 /// The process of a scenario, and its workpiece.
 pub(crate) fn setup(
@@ -29,9 +29,12 @@ pub(crate) fn setup(
         _ => None,
     };
     let parameters = chamfer_parameters(spec, &compliance, context.effects);
-    let hole_m = spec.hole_radius_m;
+    let (hole_m, backward) = (
+        spec.hole_radius_m,
+        spec.direction == FeedDirection::Backward,
+    );
     let process = Chamfer::new(parameters, theory);
-    Ok(ProcessSetup::new(process, posture).on(move || shapes::plate_with_hole(hole_m)))
+    Ok(ProcessSetup::new(process, posture).on(move || shapes::plate_with_hole(hole_m, backward)))
 }
 
 fn chamfer_parameters(
