@@ -8,7 +8,7 @@ use crate::plant::{Drive, JointLaw};
 use crate::posture::check_limits;
 use crate::process::{self, Process, ProcessSetup, SetupContext, Start};
 use crate::robots::Robots;
-use crate::scene::DrawWorkpiece;
+use crate::scene::{DrawWorkpiece, Tooling};
 use crate::step_size::{self, Scheme};
 use nalgebra::{DMatrix, Isometry3, Vector3, Vector6};
 use std::sync::Arc;
@@ -39,8 +39,10 @@ pub(crate) struct Prepared {
     pub command: JointCommand,
     pub process: Box<dyn Process>,
     pub workpiece: DrawWorkpiece,
-    /// Whether the arm follows a path that was solved as a whole.
+    pub tooling: Tooling,
+    /// Whether the arm follows a path that was solved as a whole, and over which normal.
     pub is_path: bool,
+    pub surface_normal: Option<Vector3<f64>>,
     pub duration_s: f64,
     pub dt_s: f64,
     pub notes: Vec<String>,
@@ -88,6 +90,7 @@ impl Prepared {
         )?;
         let path_note = made.note();
         let is_path = made.follows_path();
+        let (tooling, surface_normal) = (made.tooling, made.surface_normal);
         let (mut process, workpiece) = (made.process, made.workpiece);
         let touched = altered.robot.world_from_frame(&start, FrameId::Tool);
         let unloaded = world_from_process.translation;
@@ -124,7 +127,9 @@ impl Prepared {
             command,
             process,
             workpiece,
+            tooling,
             is_path,
+            surface_normal,
             duration_s,
             dt_s,
             notes,

@@ -29,6 +29,7 @@ pub(crate) struct Setting {
     pub start: Vec<f64>,
     pub world_from_process: Isometry3<f64>,
     pub workpiece: DrawWorkpiece,
+    pub tooling: Tooling,
     pub deflection_scale: f64,
 }
 
@@ -57,10 +58,10 @@ fn isometry(pose: &Pose) -> Isometry3<f64> {
 /// The scene of a cell, and notes on what could not be drawn.
 pub(crate) fn scene(setting: &Setting, process: &dyn Process) -> (Scene, Vec<String>) {
     let (robot, start) = (&setting.robot, &setting.start);
-    let tooling = process.tooling();
     let (mut bodies, notes) = arm_bodies(robot, start, "exaggerated");
     if let Some(last) = bodies.last_mut() {
-        let held = tooling::on_last_link(robot, start, &setting.world_from_process, &tooling);
+        let held =
+            tooling::on_last_link(robot, start, &setting.world_from_process, &setting.tooling);
         last.shapes.extend(held);
     }
     bodies.extend(shapes::ghosts(&bodies, "exaggerated", "true"));
@@ -75,7 +76,7 @@ pub(crate) fn scene(setting: &Setting, process: &dyn Process) -> (Scene, Vec<Str
         }
     };
     stand("workpiece", (setting.workpiece)());
-    stand("foot", at_foot(&tooling));
+    stand("foot", at_foot(&setting.tooling));
     let colors = [[235, 70, 60, 255], [70, 160, 230, 255], [250, 170, 40, 255]];
     let arrows = process.arrows();
     let arrows = arrows
@@ -111,7 +112,7 @@ impl Stage {
         let origin = pose(&setting.world_from_process);
         Self {
             fixed: has_workpiece.then_some(origin).into_iter().collect(),
-            has_foot: !at_foot(&process.tooling()).is_empty(),
+            has_foot: !at_foot(&setting.tooling).is_empty(),
             fields: process.field().into_iter().count(),
             setting,
         }

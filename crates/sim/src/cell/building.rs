@@ -64,7 +64,7 @@ impl Cell {
                 prepared.robot.clone(),
                 prepared.start.clone(),
                 prepared.first_command(),
-                prepared.process.surface_normal(),
+                prepared.surface_normal,
             )
         });
         channels.extend(deflection.iter().flat_map(|_| PathDeflection::specs()));
@@ -123,6 +123,7 @@ impl Cell {
                 start: prepared.start,
                 world_from_process: prepared.world_from_process,
                 workpiece: prepared.workpiece,
+                tooling: prepared.tooling,
                 deflection_scale: scenario.run.deflection_scale,
             }),
             plant,

@@ -178,11 +178,6 @@ pub trait Process: Send {
         0.0
     }
 
-    /// Outward normal of a plane workpiece, world axes; by default it is against the tool's z axis.
-    fn surface_normal(&self) -> Option<Vector3<f64>> {
-        None
-    }
-
     /// A quantity on the workpiece to be drawn, world frame, if there is one; asked for once.
     fn field(&self) -> Option<Field> {
         None
@@ -191,11 +186,6 @@ pub trait Process: Send {
     /// Values of that field now, x first.
     fn field_values(&self) -> Vec<f32> {
         Vec::new()
-    }
-
-    /// The tool to be drawn, and a pressure foot; by default only spindle and holder are.
-    fn tooling(&self) -> Tooling {
-        Tooling::default()
     }
 
     /// Forces on the robot to be drawn, in the process frame: (name, frame, force of the last

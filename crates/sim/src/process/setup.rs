@@ -10,8 +10,8 @@ use crate::motion::solve::solved;
 use crate::posture;
 use crate::replay::forward::ForwardInputs;
 use crate::robots::Robots;
-use crate::scene::DrawWorkpiece;
-use nalgebra::{Isometry3, Matrix3, UnitQuaternion};
+use crate::scene::{DrawWorkpiece, Tooling};
+use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_plan::motion::straight::SolvedPath;
@@ -101,6 +101,9 @@ impl Departure {
 pub struct ProcessSetup {
     pub(crate) process: Box<dyn Process>,
     pub(crate) workpiece: DrawWorkpiece,
+    pub(crate) tooling: Tooling,
+    /// Outward normal of a plane workpiece, world axes; without it against the tool's z axis.
+    pub(crate) surface_normal: Option<Vector3<f64>>,
     /// Posture without load in which the arm starts.
     pub(crate) posture: Vec<f64>,
     pub(crate) motion: Motion,
@@ -131,6 +134,8 @@ impl ProcessSetup {
         Self {
             process: Box::new(process),
             workpiece: Box::new(Vec::new),
+            tooling: Tooling::default(),
+            surface_normal: None,
             posture,
             motion: Motion::Feed,
         }
@@ -142,6 +147,12 @@ impl ProcessSetup {
             workpiece: Box::new(workpiece),
             ..self
         }
+    }
+
+    /// The same with a tool to be drawn, and a pressure foot; without, spindle and holder are.
+    #[must_use]
+    pub fn holding(self, tooling: Tooling) -> Self {
+        Self { tooling, ..self }
     }
 
     /// The same along a path.

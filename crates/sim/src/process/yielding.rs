@@ -16,7 +16,6 @@ use super::modes::{self, Modes, TipMotion};
 use super::{ContactStiffness, Findings, FrameMotion, Process, Start, ToolState};
 use crate::error::SimError;
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
-use crate::scene::Tooling;
 
 /// The process inside, and the modes.
 pub(super) struct Yielding {
@@ -242,14 +241,6 @@ impl Process for Yielding {
 
     fn field_values(&self) -> Vec<f32> {
         self.inner.field_values()
-    }
-
-    fn tooling(&self) -> Tooling {
-        self.inner.tooling()
-    }
-
-    fn surface_normal(&self) -> Option<Vector3<f64>> {
-        self.inner.surface_normal()
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {

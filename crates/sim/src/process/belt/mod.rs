@@ -30,7 +30,6 @@ use super::quantity::{self, Quantity};
 use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Process, ToolState, slope_n_per_m};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
-use crate::scene::Tooling;
 use contact::{BeltContact, Motion, Strip};
 use geometry::FaceGeometry;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -317,10 +316,6 @@ impl Process for Belt {
         (depths.unwrap_or_default().iter())
             .map(|depth| *depth as f32)
             .collect()
-    }
-
-    fn tooling(&self) -> Tooling {
-        Tooling::drum([self.setup.wheel.radius_m, self.setup.wheel.width_m])
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {

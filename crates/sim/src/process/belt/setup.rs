@@ -5,7 +5,7 @@ use crate::error::SimError;
 use crate::motion::{self, BeltLines, Target};
 use crate::process::setup::{Departure, Motion};
 use crate::process::{Belt, BeltSetup, Cells, ProcessSetup, SetupContext, cells_within};
-use crate::scene::shapes;
+use crate::scene::{Tooling, shapes};
 use std::sync::Arc;
 use truecut_core::wheel::belt::BeltWheel;
 use truecut_plan::surface_path::Contact;
@@ -34,7 +34,9 @@ pub(crate) fn setup(spec: &BeltSpec, context: &SetupContext<'_>) -> Result<Proce
     let setup = belt(spec, &context.effects.wheel, lines, &from)?;
     let process_from_patch = from.world_from_process.inverse() * setup.copies[0].world_from_patch;
     let border_m = outline(lines);
+    let tooling = Tooling::drum([setup.wheel.radius_m, setup.wheel.width_m]);
     Ok(ProcessSetup::new(Belt::new(setup), from.posture)
+        .holding(tooling)
         .on(move || shapes::outline(&process_from_patch, &border_m))
         .led_by(Motion::Planned(path)))
 }

@@ -19,7 +19,6 @@ use super::quantity::{self, Quantity};
 use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Process, ToolState, slope_n_per_m};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
-use crate::scene::Tooling;
 use contact::BrushContact;
 use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
 use report::Watch;
@@ -200,10 +199,6 @@ impl Process for BrushProcess {
 
     fn field_values(&self) -> Vec<f32> {
         report::field_values(&self.setup, &self.dose_j_per_m2)
-    }
-
-    fn tooling(&self) -> Tooling {
-        Tooling::drum([self.setup.brush.radius_m, self.setup.brush.width_m])
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {

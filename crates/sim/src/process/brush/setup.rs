@@ -5,7 +5,7 @@ use crate::error::SimError;
 use crate::motion::{self, BrushWork, Target};
 use crate::process::setup::{Departure, Motion};
 use crate::process::{BrushProcess, BrushSetup, ProcessSetup, SetupContext};
-use crate::scene::shapes;
+use crate::scene::{Tooling, shapes};
 use nalgebra::Vector3;
 use truecut_arm::{FrameId, Robot};
 use truecut_core::wheel::brush::Brush;
@@ -30,7 +30,9 @@ pub(crate) fn setup(
     let process = BrushProcess::new(brush(spec, &context.effects.wheel, work, robot, &from));
     let process_from_mesh = from.world_from_process.inverse() * work.world_from_mesh;
     let mesh = work.mesh.clone();
+    let tooling = Tooling::drum([spec.brush.radius_m, spec.brush.width_m]);
     Ok(ProcessSetup::new(process, from.posture)
+        .holding(tooling)
         .on(move || shapes::body(&process_from_mesh, &mesh))
         .led_by(Motion::Planned(path)))
 }

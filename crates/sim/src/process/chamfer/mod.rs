@@ -8,8 +8,6 @@ use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState};
 use crate::effect::CuttingEffects;
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
-use crate::scene::Tooling;
-use crate::scene::shapes::THICKNESS_M;
 use nalgebra::Vector3;
 use std::cell::RefCell;
 use std::f64::consts::TAU;
@@ -17,7 +15,7 @@ use truecut_core::cutting::chamfer::EdgeForces;
 use truecut_core::cutting::rim::Rim;
 use truecut_core::cutting::runout_m;
 use truecut_recording::ChannelSpec;
-use truecut_scenario::{ChamferSpec, FeedDirection, Regeneration};
+use truecut_scenario::{ChamferSpec, Regeneration};
 
 /// Bins around the rim: a quarter of a degree, 92 µm on a 42 mm hole.
 const RIM_BINS: usize = 1440;
@@ -323,17 +321,6 @@ impl Process for Chamfer {
 
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         self.foot.iter().map(Foot::contact_stiffness).collect()
-    }
-
-    fn tooling(&self) -> Tooling {
-        let cut = &self.parameters.cut;
-        let backward = cut.direction == FeedDirection::Backward;
-        let tooling = Tooling::countersink(cut.hole_radius_m, cut.chip.tan(), backward);
-        match self.foot {
-            Some(_) if backward => tooling.with_foot(-THICKNESS_M),
-            Some(_) => tooling.with_foot(0.0),
-            None => tooling,
-        }
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {

@@ -5,7 +5,7 @@ use crate::effect::{CuttingEffects, Effects};
 use crate::error::SimError;
 use crate::process::foot::setup::{foot, foot_spring};
 use crate::process::{ProcessSetup, SetupContext};
-use crate::scene::shapes;
+use crate::scene::{Tooling, shapes};
 use crate::theory;
 use nalgebra::{Matrix3, Vector2};
 use truecut_arm::axial_lateral_coupling;
@@ -34,7 +34,13 @@ pub(crate) fn setup(
         spec.direction == FeedDirection::Backward,
     );
     let process = Chamfer::new(parameters, theory);
-    Ok(ProcessSetup::new(process, posture).on(move || shapes::plate_with_hole(hole_m, backward)))
+    let mut tooling = Tooling::countersink(hole_m, spec.chip.tan(), backward);
+    if spec.foot.is_some() {
+        // It presses on the robot's side of the plate.
+        tooling = tooling.with_foot(if backward { -shapes::THICKNESS_M } else { 0.0 });
+    }
+    let made = ProcessSetup::new(process, posture).holding(tooling);
+    Ok(made.on(move || shapes::plate_with_hole(hole_m, backward)))
 }
 
 fn chamfer_parameters(

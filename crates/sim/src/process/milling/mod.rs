@@ -19,7 +19,6 @@ use super::modes::{self, Modes};
 use super::quantity;
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
-use crate::scene::Tooling;
 use crate::stability::known::beyond_table;
 use history::{History, stride};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -383,15 +382,6 @@ impl Process for Milling {
 
     fn contact_stiffness(&self) -> Vec<ContactStiffness> {
         Vec::new()
-    }
-
-    fn tooling(&self) -> Tooling {
-        let cut = &self.setup.spec.cut;
-        let radius_m = cut.cutter.radius_m;
-        Tooling::end_mill(
-            radius_m,
-            cut.axial_depth_m.max(2.0 * radius_m) + 2.0 * radius_m,
-        )
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {

@@ -5,7 +5,7 @@ use crate::loads::stacked;
 use crate::motion::straight;
 use crate::process::setup::Motion;
 use crate::process::{Milling, MillingSetup, ProcessSetup, SetupContext};
-use crate::scene::shapes;
+use crate::scene::{Tooling, shapes};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};
 use truecut_arm::{FrameId, Load, Robot};
@@ -57,8 +57,13 @@ pub(crate) fn setup(
     let setup = milling([spec, &actual], robot, &posture, &world_from_process)?;
     let feed = setup.process_from_milling * Vector3::x();
     let (length_m, cut) = (spec.path.length_m, spec.cut);
-    let width_m = 4.0 * cut.cutter.radius_m;
+    let radius_m = cut.cutter.radius_m;
+    let width_m = 4.0 * radius_m;
     Ok(ProcessSetup::new(Milling::new(setup), posture)
+        .holding(Tooling::end_mill(
+            radius_m,
+            cut.axial_depth_m.max(2.0 * radius_m) + 2.0 * radius_m,
+        ))
         .on(move || shapes::slab(feed, length_m, width_m, cut.axial_depth_m))
         .led_by(Motion::Straight(path, spec.feed_m_per_s)))
 }

@@ -24,7 +24,6 @@ use super::quantity::{self, Quantity};
 use super::step_cache::StepCache;
 use super::{ContactStiffness, Findings, Process, ToolState, slope_n_per_m};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
-use crate::scene::Tooling;
 use edge_grains::{EdgeGrains, GrainLoad};
 use nalgebra::{Isometry2, Isometry3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 use report::Watch;
@@ -386,14 +385,6 @@ impl Process for Polish {
         (self.surface.grid.removed_m().iter())
             .map(|depth| *depth as f32)
             .collect()
-    }
-
-    fn surface_normal(&self) -> Option<Vector3<f64>> {
-        Some(self.setup.world_from_face.rotation * Vector3::z())
-    }
-
-    fn tooling(&self) -> Tooling {
-        Tooling::ball(self.setup.spec.wheel.radius_m)
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {

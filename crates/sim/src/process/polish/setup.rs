@@ -7,7 +7,7 @@ use crate::motion;
 use crate::motion::polish::indentation_m;
 use crate::process::setup::{Departure, Motion};
 use crate::process::{Polish, PolishSetup, Process, ProcessSetup, SetupContext, ToolState};
-use crate::scene::shapes;
+use crate::scene::{Tooling, shapes};
 use nalgebra::{Point2, Translation3, Vector2, Vector3};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
@@ -55,7 +55,13 @@ pub(crate) fn setup(
     let setup = polish(spec, &context.effects.wheel, robot, &from)?;
     let process_from_face = from.world_from_process.inverse() * setup.world_from_face;
     let (length_m, width_m) = (spec.face.length_m, spec.face.width_m);
-    Ok(ProcessSetup::new(Polish::new(setup), from.posture)
+    let surface_normal = Some(setup.world_from_face.rotation * Vector3::z());
+    let made = ProcessSetup {
+        surface_normal,
+        ..ProcessSetup::new(Polish::new(setup), from.posture)
+    };
+    Ok(made
+        .holding(Tooling::ball(spec.wheel.radius_m))
         .on(move || shapes::block(&process_from_face, length_m, width_m))
         .led_by(Motion::Planned(path)))
 }

@@ -5,7 +5,6 @@ pub(crate) mod setup;
 use super::quantity::{self, Quantity};
 use super::{ContactStiffness, Findings, Process, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
-use crate::scene::Tooling;
 use nalgebra::Vector3;
 use truecut_core::wheel::Strip;
 use truecut_recording::{ChannelSpec, Profile, Unit};
@@ -185,11 +184,6 @@ impl Process for Wheel {
 
     fn feed_along_y_m_per_s(&self) -> f64 {
         self.parameters.feed_m_per_s
-    }
-
-    fn tooling(&self) -> Tooling {
-        let wheel = &self.parameters.contact;
-        Tooling::disc([wheel.radius_m, wheel.width_m])
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {

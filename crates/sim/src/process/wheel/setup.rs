@@ -4,7 +4,7 @@ use super::Wheel;
 use crate::effect::WheelEffects;
 use crate::error::SimError;
 use crate::process::{ProcessSetup, SetupContext};
-use crate::scene::shapes;
+use crate::scene::{Tooling, shapes};
 use truecut_core::wheel::WheelContact;
 use truecut_scenario::WheelSpec;
 
@@ -15,7 +15,9 @@ pub(crate) fn setup(
 ) -> Result<ProcessSetup, SimError> {
     let process = Wheel::new(wheel(spec, &context.effects.wheel));
     let length_m = spec.strip_length_m;
-    Ok(ProcessSetup::new(process, context.posture()?).on(move || shapes::strip(length_m)))
+    let wheel = [spec.contact.radius_m, spec.contact.width_m];
+    let made = ProcessSetup::new(process, context.posture()?).holding(Tooling::disc(wheel));
+    Ok(made.on(move || shapes::strip(length_m)))
 }
 
 fn wheel(spec: &WheelSpec, effects: &WheelEffects) -> WheelSpec {
