@@ -20,8 +20,8 @@ struct Face {
     corners: [u32; 3],
     /// Of length 1.
     normal: Vector3<f64>,
-    /// Twice the area.
-    area: f64,
+    /// At its corners, rad.
+    angles: [f64; 3],
 }
 
 impl<'a> Surface<'a> {
@@ -33,7 +33,11 @@ impl<'a> Surface<'a> {
             Some(Face {
                 corners: *corners,
                 normal: square.try_normalize(0.0)?,
-                area: square.norm(),
+                angles: [
+                    (b - a).angle(&(c - a)),
+                    (c - b).angle(&(a - b)),
+                    (a - c).angle(&(b - c)),
+                ],
             })
         };
         Self {
@@ -42,14 +46,15 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// Corners, their normals, and triangles of them. A corner has the mean normal, by area, of the
-    /// faces about it that meet the triangle's own without a crease; corners of equal place and
-    /// normal are one.
+    /// Corners, their normals, and triangles of them. A corner has the mean normal of the faces
+    /// about it that meet the triangle's own without a crease, weighed by their angles there
+    /// (`thurmer1998`), so that it does not depend on how faces are cut into triangles; corners of
+    /// equal place and normal are one.
     pub(super) fn shaded(&self) -> (Vec<Point>, Vec<Point>, Vec<[u32; 3]>) {
-        let mut about: Vec<Vec<usize>> = vec![Vec::new(); self.vertices_m.len()];
-        for (index, face) in self.faces.iter().enumerate() {
-            for corner in face.corners {
-                about[corner as usize].push(index);
+        let mut about: Vec<Vec<(&Face, f64)>> = vec![Vec::new(); self.vertices_m.len()];
+        for face in &self.faces {
+            for (corner, angle) in face.corners.into_iter().zip(face.angles) {
+                about[corner as usize].push((face, angle));
             }
         }
         let least = CREASE_DEG.to_radians().cos();
@@ -57,11 +62,9 @@ impl<'a> Surface<'a> {
         let mut known: BTreeMap<(u32, [i32; 3]), u32> = BTreeMap::new();
         let faces = self.faces.iter().map(|face| {
             face.corners.map(|corner| {
-                let round = about[corner as usize]
-                    .iter()
-                    .map(|index| &self.faces[*index]);
-                let round = round.filter(|other| other.normal.dot(&face.normal) >= least);
-                let sum: Vector3<f64> = round.map(|other| other.normal * other.area).sum();
+                let round = about[corner as usize].iter();
+                let round = round.filter(|(other, _)| other.normal.dot(&face.normal) >= least);
+                let sum: Vector3<f64> = round.map(|(other, angle)| other.normal * *angle).sum();
                 let normal = sum.try_normalize(0.0).unwrap_or(face.normal);
                 // Sums in another order differ in their last digits.
                 let key = (corner, normal.map(|x| (x * 1e4).round() as i32).into());
