@@ -130,6 +130,42 @@ fn rows_of_a_sweep_say_where_a_drive_is_overloaded() {
     desk.ends(OVERLOADED, &["check", "sweep.toml"]);
 }
 
+/// What is meant to be a scenario is never left out in silence: a misspelt process, a syntax error
+/// anywhere, a file that is no text. What is of another kind is said.
+#[test]
+fn a_folder_keeps_no_broken_scenario_from_its_verdict() {
+    let desk = Desk::new();
+    std::fs::create_dir_all(desk.path("all")).unwrap();
+    desk.scenario("all/good", "duration_s = 0.1", &claim("swings", "min = 1"));
+    let good = std::fs::read_to_string(desk.path("all/good.toml")).unwrap();
+    let misspelt = good.replace("[process.", "[proces.");
+    let broken: [(&str, Vec<u8>); 3] = [
+        ("misspelt", misspelt.into_bytes()),
+        ("cut_off", b"name =".to_vec()),
+        ("latin", b"name = \"Fr\xe4sen\"\n[process.load]\n".to_vec()),
+    ];
+    std::fs::write(desk.path("all/other.toml"), "[package]\nname = \"a\"\n").unwrap();
+    let check = |desk: &Desk| {
+        let out = desk.truecut(&["check", "all"]);
+        let text = String::from_utf8_lossy(&out.stdout).into_owned();
+        (out.status.code().unwrap(), text)
+    };
+    let (code, text) = check(&desk);
+    assert_eq!(code, 0, "{text}");
+    assert!(
+        text.contains("not scenarios, left out: all/other.toml"),
+        "{text}"
+    );
+    for (name, bytes) in broken {
+        let path = desk.path(&format!("all/{name}.toml"));
+        std::fs::write(&path, bytes).unwrap();
+        let (code, text) = check(&desk);
+        assert_eq!(code, BAD_INPUT, "{name}: {text}");
+        assert!(text.contains(name), "{name}: {text}");
+        std::fs::remove_file(&path).unwrap();
+    }
+}
+
 #[test]
 fn running_a_folder_points_to_check() {
     let desk = desk();

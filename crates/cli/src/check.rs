@@ -39,10 +39,20 @@ struct Judged {
     claims: Vec<ClaimResult>,
 }
 
+/// A sentence on the files that are no scenarios.
+fn left_out(others: &[PathBuf]) -> Option<String> {
+    let names: Vec<String> = others
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
+    (!names.is_empty()).then(|| format!("not scenarios, left out: {}", names.join(", ")))
+}
+
 /// Checks every file found; a scenario with bad input does not keep the others from running.
 pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
     arguments.common.use_jobs()?;
-    let files = find_scenarios(&arguments.paths)?;
+    let found = find_scenarios(&arguments.paths)?;
+    let files = found.scenarios;
     let runs = Runs::default();
     let progress = Progress::new(files.len(), "checking");
     let checked: Vec<Checked> = files
@@ -57,6 +67,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
         one.notes.iter().map(move |note| format!("{file}: {note}"))
     });
     crate::print(&text::notes(notes))?;
+    crate::print(&text::notes(left_out(&found.others)))?;
     for one in &checked {
         if let Err(report) = &one.result {
             crate::complain(report);

@@ -4,20 +4,28 @@ use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
 
-/// The scenarios at `paths`: files as they are named, and below folders every `.toml` file with a
-/// `[process]` table, in alphabetical order. Hidden folders are left out.
-pub fn find_scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
-    let mut found = Vec::new();
+/// What was found at some paths.
+#[derive(Default)]
+pub struct Found {
+    pub scenarios: Vec<PathBuf>,
+    /// `.toml` files below folders that are something else.
+    pub others: Vec<PathBuf>,
+}
+
+/// The scenarios at `paths`: files as they are named, and below folders every `.toml` file that is
+/// one or is meant to be, in alphabetical order. Hidden folders are left out.
+pub fn find_scenarios(paths: &[PathBuf]) -> Result<Found, Failure> {
+    let mut found = Found::default();
     for path in paths {
         if path.is_dir() {
             collect(path, &mut found)?;
         } else if path.exists() {
-            found.push(path.clone());
+            found.scenarios.push(path.clone());
         } else {
             return Err(Failure::at(path, "no such file or folder"));
         }
     }
-    if found.is_empty() {
+    if found.scenarios.is_empty() {
         let paths: Vec<String> = paths
             .iter()
             .map(|path| path.display().to_string())
@@ -31,7 +39,7 @@ pub fn find_scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(found)
 }
 
-fn collect(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
+fn collect(folder: &Path, found: &mut Found) -> Result<(), Failure> {
     let unreadable = |error: std::io::Error| Failure::at(folder, error);
     let entries = std::fs::read_dir(folder).map_err(unreadable)?;
     let mut entries: Vec<PathBuf> = entries
@@ -51,23 +59,41 @@ fn collect(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
         } else if path
             .extension()
             .is_some_and(|extension| extension == "toml")
-            && is_scenario(&path)
         {
-            found.push(path);
+            let list = match is_scenario(&path) {
+                true => &mut found.scenarios,
+                false => &mut found.others,
+            };
+            list.push(path);
         }
     }
     Ok(())
 }
 
-/// A file with a syntax error counts if it has a process table, so that the error is reported.
+/// Tables that stand in scenarios, and those by which files of other kinds are told that have some
+/// of them, too.
+const OF_SCENARIOS: [&str; 9] = [
+    "process",
+    "robot",
+    "run",
+    "claim",
+    "sweep",
+    "effect",
+    "data",
+    "uncertain",
+    "fit",
+];
+const OF_OTHERS: [&str; 6] = ["surface", "wheel", "path", "program", "stiffness", "modes"];
+
+/// A file that cannot be read counts, so that its fault is reported, and so does one whose process
+/// is missing or misspelt.
 fn is_scenario(path: &Path) -> bool {
-    let Ok(text) = std::fs::read_to_string(path) else {
-        return false;
+    let table = std::fs::read_to_string(path)
+        .ok()
+        .and_then(|text| text.parse::<toml::Table>().ok());
+    let Some(table) = table else {
+        return true;
     };
-    match text.parse::<toml::Table>() {
-        Ok(table) => table.get("process").is_some_and(toml::Value::is_table),
-        Err(_) => text
-            .lines()
-            .any(|line| line.trim_start().starts_with("[process")),
-    }
+    let has = |keys: &[&str]| keys.iter().any(|key| table.contains_key(*key));
+    table.contains_key("process") || (has(&OF_SCENARIOS) && !has(&OF_OTHERS))
 }

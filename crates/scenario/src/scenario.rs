@@ -269,6 +269,14 @@ impl ScenarioTable {
         document: Document,
     ) -> Result<Scenario, ScenarioError> {
         let mut check = Check::new(&document);
+        if self.name.chars().any(char::is_control) {
+            let is = format!(
+                "is {:?}, but must be one line without control characters",
+                self.name
+            );
+            let fault = Fault::value("name", format!("`name` {is}"), "is printed and drawn");
+            check.refuse(fault);
+        }
         let folder = document.folder();
         let known: Vec<&str> = processes.names().collect();
         let process = self.process.resolve(own, &known, &folder, &mut check);

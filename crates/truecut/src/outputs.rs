@@ -1,7 +1,9 @@
 //! The files of a run: recording, stream, viewer's file and summary, in a folder named like the
 //! scenario.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use truecut_recording::{Chunk, ClaimResult, Recording, Sink, SinkError, Summary};
 use truecut_scenario::Scenario;
@@ -32,6 +34,8 @@ use truecut_telemetry::{
 pub struct Outputs {
     folder: PathBuf,
     rrd: bool,
+    /// The folder, locked for as long as something may be written into it.
+    _lock: Option<Arc<File>>,
 }
 
 const RECORDING: &str = "recording.parquet";
@@ -44,17 +48,20 @@ pub const MODEL: &str = "model.xml";
 pub const COMPARISON: &str = "crosscheck.json";
 
 impl Outputs {
-    /// Makes the folder below `out` and removes files of earlier runs from it. With `rrd` a file
-    /// for the viewer is written, too.
+    /// Makes the folder below `out`, locks it against other runs, and removes files of earlier ones
+    /// from it. With `rrd` a file for the viewer is written, too.
     ///
     /// # Errors
-    /// A folder that cannot be made, a file that cannot be removed.
+    /// A folder that cannot be made or into which another run is writing, a file that cannot be
+    /// removed.
     pub fn prepare(out: &Path, scenario: &Scenario, rrd: bool) -> Result<Outputs, FileError> {
+        let folder = out.join(scenario.stem());
+        std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
         let outputs = Outputs {
-            folder: out.join(scenario.stem()),
+            _lock: lock(&folder)?,
+            folder,
             rrd,
         };
-        std::fs::create_dir_all(&outputs.folder).map_err(|error| failed(&outputs.folder, error))?;
         for name in [RECORDING, STREAM, VIEWER, SUMMARY, MODEL, COMPARISON] {
             let path = outputs.path(name);
             match std::fs::remove_file(&path) {
@@ -186,6 +193,22 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
         .map_or(Ok(()), std::fs::create_dir_all)
         .and_then(|()| std::fs::write(path, content))
         .map_err(|error| failed(path, error))
+}
+
+/// Locks a folder; `None` where the file system has no locks.
+fn lock(folder: &Path) -> Result<Option<Arc<File>>, FileError> {
+    let Ok(file) = File::open(folder) else {
+        return Ok(None);
+    };
+    match file.try_lock() {
+        Ok(()) => Ok(Some(Arc::new(file))),
+        Err(TryLockError::WouldBlock) => {
+            let because =
+                "another run is writing into this folder: give --out another one, or wait";
+            Err(failed(folder, std::io::Error::other(because)))
+        }
+        Err(TryLockError::Error(_)) => Ok(None),
+    }
 }
 
 fn failed(path: &Path, error: std::io::Error) -> FileError {

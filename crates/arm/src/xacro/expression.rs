@@ -41,9 +41,17 @@ const SIGNS: [&str; 24] = [
 ];
 /// Deepest nesting of an expression.
 const MOST_NESTED: usize = 64;
+/// Longest expression: each sign makes the tree of it deeper.
+const MOST_CHARACTERS: usize = 4096;
 
 /// Parses a whole expression.
 pub(super) fn parse(text: &str) -> Result<Expression, String> {
+    let count = text.chars().count();
+    if count > MOST_CHARACTERS {
+        return Err(format!(
+            "has {count} characters, but must have at most {MOST_CHARACTERS}"
+        ));
+    }
     let mut parser = Parser {
         tokens: tokens(text)?,
         at: 0,

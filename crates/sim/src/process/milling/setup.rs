@@ -24,6 +24,8 @@ const SLICE_LAG_RAD: f64 = 0.02;
 /// Revolutions that the surface is remembered for: a tooth that misses its cut for longer finds the
 /// oldest.
 const REMEMBERED_REVOLUTIONS: usize = 2;
+/// Most periods of the fastest mode between two teeth: limits need steps in each of them.
+const MOST_CYCLES: f64 = 2000.0;
 /// Largest cosine between feed and tool axis.
 const LARGEST_COSINE: f64 = 1e-6;
 
@@ -102,6 +104,7 @@ fn milling(
         Ok(in_axes(&modes, world_from_milling.matrix()))
     };
     let modes = modes_of(spec)?;
+    check_cycles(&modes, spec)?;
     let arm = robot.linearised(posture, FrameId::Tool, &Load::none())?;
     let tool: Vec<_> = (spec.attached.tool.iter())
         .map(|mode| mode.turned(&tool_axes))
@@ -123,6 +126,25 @@ fn milling(
         milling_from_tool: world_from_milling.inverse().matrix() * tool_axes,
         spec: spec.clone(),
     })
+}
+
+/// Refuses teeth that pass too seldom for the modes.
+fn check_cycles(modes: &[TipMode], spec: &MillingSpec) -> Result<(), SimError> {
+    let rates = modes.iter().map(|mode| mode.natural_frequency_rad_s / TAU);
+    let fastest_hz = rates.fold(0.0, f64::max);
+    let cycles = fastest_hz * spec.tooth_period_s();
+    if cycles <= MOST_CYCLES {
+        return Ok(());
+    }
+    let rpm = spec.spindle_rad_s * 60.0 / TAU;
+    Err(SimError::scenario(
+        "process.milling.spindle_rpm",
+        format!(
+            "`process.milling.spindle_rpm` is {rpm}, but must be at least {}: between two teeth there are {cycles:.0} periods of the \
+             fastest mode, at {fastest_hz:.1} Hz, and limits are found for {MOST_CYCLES} at most",
+            truecut_recording::significant(rpm * cycles / MOST_CYCLES, 4)
+        ),
+    ))
 }
 
 /// Axes of the milling frame in the process frame: x the feed, z against process X.
