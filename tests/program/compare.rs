@@ -73,7 +73,7 @@ fn compare_tells_writes_and_draws() {
 #[test]
 fn compare_says_so_if_nothing_is_wrong() {
     let told = desk("m", |row, x| x + noise_m(row)).ends(0, &["compare", "rig.toml"]);
-    assert!(told.contains("nothing beyond noise"), "{told}");
+    assert!(told.contains("no pattern in what is left"), "{told}");
 }
 
 /// Standard error of a call that must be refused.
