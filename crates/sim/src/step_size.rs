@@ -1,5 +1,7 @@
 //! The time step: default and limit.
 
+mod own_modes;
+
 use crate::error::SimError;
 use crate::process::Process;
 use nalgebra::DMatrix;
@@ -13,15 +15,6 @@ const STEPS_PER_TOOTH: f64 = 40.0;
 /// Default steps in one period of the fastest given force; the exact scheme meets a force of
 /// frequency w to (w dt)²/12: 0.2 %.
 const STEPS_PER_FORCE_PERIOD: f64 = 40.0;
-
-/// Default and fewest steps in one period of the fastest mode that a process steps itself: exactly,
-/// but the force on it is known at the instants only.
-const STEPS_PER_OWN_PERIOD: f64 = 40.0;
-/// Part of the arm's mass at its tool point up to which a mode takes that step. Forces known at the
-/// instants only, and an acceleration foreseen from places before, put the frequency of a mode with
-/// a part μ wrong by (1/12 + μ/2) μ (ωh)²/(1 - μ): with more mass the step is shorter.
-const LIGHT_SHARE: f64 = 0.02;
-const FEWEST_PER_OWN_PERIOD: f64 = 8.0;
 
 /// Default steps in the shortest time in which a carrier follows its contact.
 const STEPS_PER_QUICKEST: f64 = 5.0;
@@ -202,32 +195,6 @@ fn check_carrier(asked_s: f64, process: &dyn Process) -> Result<(), SimError> {
     ))
 }
 
-/// The step that modes of tool and workpiece ask for, s.
-fn own_modes_s(process: &dyn Process) -> Option<f64> {
-    let heavier = (process.mode_share() / LIGHT_SHARE).max(1.0).sqrt();
-    (process.fastest_mode_hz()).map(|hz| 1.0 / (hz * STEPS_PER_OWN_PERIOD * heavier))
-}
-
-/// Refuses a step that is too long for the modes of tool and workpiece.
-fn check_own_modes(asked_s: f64, process: &dyn Process) -> Result<(), SimError> {
-    let Some(hz) = process.fastest_mode_hz() else {
-        return Ok(());
-    };
-    let longest_s = 1.0 / (hz * FEWEST_PER_OWN_PERIOD);
-    if asked_s <= longest_s {
-        return Ok(());
-    }
-    Err(SimError::scenario(
-        "run.time_step_ms",
-        format!(
-            "`run.time_step_ms` is {}, but must be at most {}: the fastest mode of tool and workpiece, at {hz:.1} Hz, needs at \
-             least {FEWEST_PER_OWN_PERIOD} steps in a period",
-            significant(asked_s * 1e3, 4),
-            significant(longest_s * 1e3, 4)
-        ),
-    ))
-}
-
 /// The step of a run, s: the smallest of
 /// - the scheme's longest (0.25 ms; exact: 0.8 ms),
 /// - its part (1/60; exact: 1/20, with play 1/40; 1/5 of a mode that only a base that gives has) of
@@ -251,7 +218,7 @@ pub(crate) fn choose(
         let from = ("run.time_step_ms", "it is the step asked for");
         check_count(asked, run.duration_s, from)?;
         check_carrier(asked, process)?;
-        check_own_modes(asked, process)?;
+        own_modes::check(asked, process)?;
         return check(scheme, asked, fastest_mode_hz);
     }
     let longest = scheme.longest_s();
@@ -261,7 +228,7 @@ pub(crate) fn choose(
     let tooth = process
         .tooth_period_s()
         .map_or(longest, |t| t / STEPS_PER_TOOTH);
-    let own_s = own_modes_s(process);
+    let own_s = own_modes::step_s(process);
     let own = own_s.unwrap_or(longest);
     let mut step = longest.min(mode).min(tooth).min(carried).min(own);
     if scheme.is_exact()

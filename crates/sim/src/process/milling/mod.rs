@@ -250,14 +250,6 @@ impl Milling {
     }
 }
 
-/// A rule of the cut that vibration breaks.
-fn broken_rule(cut: &MillingCut, at: &CutState) -> Option<&'static str> {
-    if cut.turns_back(at) {
-        return Some("a tooth in the stock moves forwards; here paths of teeth loop");
-    }
-    (cut.is_off_the_surface(at)).then_some("a tool stays within its radius of the nominal surface")
-}
-
 impl Process for Milling {
     fn begin(&mut self, start: &Start) {
         self.step_s = start.time_step_s;
@@ -324,7 +316,7 @@ impl Process for Milling {
             displacement_m: deflection_m,
             ..CutState::default()
         };
-        self.broken = broken_rule(&self.cut, &at).map(|rule| (state.time_s, rule));
+        self.broken = tip::broken_rule(&self.cut, &at).map(|rule| (state.time_s, rule));
         self.cut.commit(&at);
         self.last = MillingStep {
             loads: Some(loads),

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::Milling;
+use super::{CutState, Milling, MillingCut};
 use crate::process::ToolState;
 use crate::process::modes::{Modes, TipMotion};
 
@@ -45,4 +45,12 @@ impl Milling {
         self.modes_m.extend(self.modes.each_m(&arm));
         self.modes.advance(&arm, force_n);
     }
+}
+
+/// A rule of the cut that vibration breaks.
+pub(super) fn broken_rule(cut: &MillingCut, at: &CutState) -> Option<&'static str> {
+    if cut.turns_back(at) {
+        return Some("a tooth in the stock moves forwards; here paths of teeth loop");
+    }
+    (cut.is_off_the_surface(at)).then_some("a tool stays within its radius of the nominal surface")
 }
