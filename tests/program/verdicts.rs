@@ -166,6 +166,40 @@ fn a_folder_keeps_no_broken_scenario_from_its_verdict() {
     }
 }
 
+/// A file that is read is never written over, by --force or without.
+#[test]
+fn what_is_read_is_not_written_over() {
+    let desk = Desk::new();
+    desk.scenario("good", "duration_s = 0.1", &claim("swings", "min = 1"));
+    let urdf = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../assets/robots/irb6600_175_255/robot.urdf");
+    std::fs::copy(urdf, desk.path("robot.urdf")).unwrap();
+    let kept = std::fs::read(desk.path("good.toml")).unwrap();
+    let calls: [&[&str]; 2] = [
+        &["check", "good.toml", "--junit", "./good.toml"],
+        &["export-mjcf", "good.toml", "-o", "good.toml"],
+    ];
+    for call in calls {
+        desk.ends(BAD_INPUT, call);
+        assert_eq!(std::fs::read(desk.path("good.toml")).unwrap(), kept);
+    }
+    let kept = std::fs::read(desk.path("robot.urdf")).unwrap();
+    let init = [
+        "robot",
+        "init",
+        "robot.urdf",
+        "--mass",
+        "100",
+        "--payload",
+        "10",
+    ];
+    desk.ends(
+        BAD_INPUT,
+        &[&init[..], &["--out", "robot.urdf", "--force"]].concat(),
+    );
+    assert_eq!(std::fs::read(desk.path("robot.urdf")).unwrap(), kept);
+}
+
 #[test]
 fn running_a_folder_points_to_check() {
     let desk = desk();

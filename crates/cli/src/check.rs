@@ -53,6 +53,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
     arguments.common.use_jobs()?;
     let found = find_scenarios(&arguments.paths)?;
     let files = found.scenarios;
+    (files.iter()).try_for_each(|file| Failure::if_same(&arguments.junit, file))?;
     let runs = Runs::default();
     let progress = Progress::new(files.len(), "checking");
     let checked: Vec<Checked> = files

@@ -62,6 +62,18 @@ impl Failure {
         Failure::message(format!("{}: {what}", path.display()))
     }
 
+    /// Refuses to write over a file that is read.
+    pub fn if_same(out: &Path, read: &Path) -> Result<(), Failure> {
+        let place = |path: &Path| path.canonicalize().ok();
+        if place(out).is_some_and(|out| Some(out) == place(read)) {
+            return Err(Failure::at(
+                out,
+                "is what is read and cannot be what is written, too",
+            ));
+        }
+        Ok(())
+    }
+
     /// A failure that is not at a place in a file, with advice.
     pub fn with_help(text: impl Into<String>, help: impl Into<String>) -> Failure {
         Failure::advised(text, Some(help.into()))

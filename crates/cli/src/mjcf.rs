@@ -11,6 +11,7 @@ pub fn export(arguments: &ExportArguments) -> Result<ExitStatus, Failure> {
     let scenario = Scenario::load(&arguments.scenario, &arguments.set)?;
     let mjcf =
         truecut_sim::export_mjcf(&scenario).map_err(|error| Failure::sim(&scenario, error))?;
+    Failure::if_same(&arguments.output, &arguments.scenario)?;
     // The path was typed by hand; a missing folder is likely a typing error.
     std::fs::write(&arguments.output, mjcf.as_bytes())
         .map_err(|error| Failure::at(&arguments.output, error))?;

@@ -218,7 +218,7 @@ fn memory(stretches: &[Vec<f64>]) -> f64 {
             .sum::<f64>()
             / whole.max(f64::MIN_POSITIVE)
     };
-    let lags = (longest / 2).min(count / 10).min(100);
+    let lags = (longest / 2).min(count / 5).min(200);
     1.0 + 2.0 * (1..lags).map(|lag| at(lag).powi(2)).sum::<f64>()
 }
 

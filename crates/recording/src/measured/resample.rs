@@ -11,7 +11,7 @@ const ANTI_ALIAS_SHARE: f64 = 0.4;
 /// A channel counts as faster than the result from this ratio of rates on.
 const FASTER: f64 = 1.2;
 /// Samples that are further apart, in median intervals, have a gap between them; cubics cross none.
-const JITTER: f64 = 1.6;
+const JITTER: f64 = 1.8;
 /// Share of an interval within which two times are the same.
 const SLACK: f64 = 1e-6;
 /// Most samples of a result.
