@@ -200,8 +200,8 @@ fn check_carrier(asked_s: f64, process: &dyn Process) -> Result<(), SimError> {
 /// - its part (1/60; exact: 1/20, with play 1/40; 1/5 of a mode that only a base that gives has) of
 ///   the fastest mode's period, contact springs and rotors included,
 /// - a fifth of the time in which a wheel's carrier follows its contact,
-/// - 1/40 of the period of the fastest mode of tool and workpiece, less where a tool mode moves more
-///   than a fiftieth of the arm's mass,
+/// - 1/40 of the period of the fastest mode of tool and workpiece, less where a tool mode moves
+///   more than a fiftieth of the arm's mass,
 /// - 1/40 of the tooth period and, for the exact scheme, 1/40 of the period of the fastest given
 ///   force,
 ///

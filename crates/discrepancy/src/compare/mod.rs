@@ -178,8 +178,8 @@ fn check(pair: &Pair<'_>) -> Result<(), CompareError> {
     }
 }
 
-/// No quantity of a machine moves by less, SI; and next to the largest of its unit, such a part of it
-/// is rounding.
+/// No quantity of a machine moves by less, SI; and next to the largest of its unit, such a part of
+/// it is rounding.
 const ROUNDING: f64 = 1e-12;
 const ROUNDING_SHARE: f64 = 1e-9;
 

@@ -13,8 +13,6 @@ pub(super) struct Paired {
     pub gain: f64,
     /// Standard error of `gain`.
     pub error: f64,
-    /// Squared distance of the two, in standard deviations of the noise: what a true gain would be.
-    pub distance: f64,
     /// Largest relative fall of a channel's rms that is beyond its own standard error; not
     /// whitened.
     pub practical: f64,
@@ -56,7 +54,6 @@ pub(super) fn compare(first: &Columns, second: &Columns, noise: &Noise, rows: &R
     let distance: f64 = a.iter().zip(&b).map(|(x, y)| (x - y).powi(2)).sum();
     Paired {
         gain,
-        distance,
         error: dot(&sums, &sums).max(4.0 * distance).sqrt(),
         practical: practical.fold(0.0, f64::max),
     }

@@ -56,10 +56,10 @@ impl Series {
         median_interval_s(&self.time_s)
     }
 
-    /// Value at `t` between the samples around it, and whether they are at most `max_gap_s` apart: on
-    /// the cubic through the two on either side, where these are no further apart than stamps
-    /// jitter, else on the line. A time within `slack_s` of a sample is that sample's: times are rounded.
-    /// `from` remembers the place between calls with rising times.
+    /// Value at `t` between the samples around it, and whether they are at most `max_gap_s` apart:
+    /// on the cubic through the two on either side, where these are no further apart than stamps
+    /// jitter, else on the line. A time within `slack_s` of a sample is that sample's: times are
+    /// rounded. `from` remembers the place between calls with rising times.
     fn at(
         &self,
         t: f64,

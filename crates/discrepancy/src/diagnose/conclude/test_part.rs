@@ -41,9 +41,7 @@ pub(super) fn open_test(problem: &Problem, base: &Fit, last: &Fit, diagnosis: &m
     let orders = last.noise.own_orders();
     let refitted_to_all = fit(problem, last.point.clone(), &all, &orders, true);
     let settled = refitted_to_all.unwrap_or_else(|_| last.clone());
-    // Of true causes the gain is the squared distance, give or take twice the distance.
-    let gains_nothing = paired.gain < 0.0 && paired.distance > LEAST_DISTANCE.powi(2);
-    let worse = !last.point.effects.is_empty() && (paired.t() < -2.0 || gains_nothing);
+    let worse = !last.point.effects.is_empty() && paired.t() < -2.0;
     let apart = breaks_away(problem, &settled);
     if worse || apart {
         diagnosis.verdict = Verdict::UnknownCause;
@@ -62,10 +60,6 @@ pub(super) fn open_test(problem: &Problem, base: &Fit, last: &Fit, diagnosis: &m
         };
     }
 }
-
-/// Causes are contradicted only where they should have shown by so many standard deviations of the
-/// noise: true ones are with a probability of 2.3 %.
-const LEAST_DISTANCE: f64 = 4.0;
 
 fn first_of(rows: &Rows) -> usize {
     rows.per_channel
