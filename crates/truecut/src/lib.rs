@@ -122,6 +122,7 @@
 //! let (head, _claims) = text.split_once("[[claim]]").unwrap();
 //! let swept = Scenario::from_str(&root.join("foot.toml"), &format!("{head}{sweep}"), &[])?;
 //! let table = truecut::sweep(&swept, &|_part| {})?;
+//! // A row has the axes' values, then the columns', each in its unit in the scenario: here ms.
 //! assert!(table.rows[0][1] > 3.0 && table.rows[1][1] < 3.0, "{:?}", table.rows);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -180,7 +181,8 @@
 //!
 //! # A process of your own
 //!
-//! It needs nothing in truecut changed; `own_process` is a whole one in a file. Your crate has
+//! It needs nothing in truecut changed; `crates/truecut/examples/own_process.rs` is a whole one in a
+//! file: its table, facts, forces and channels, and a run and a sweep of it. Your crate has
 //!
 //! 1. the type of its table (serde, schemars): keys with units in their names, ranges with their
 //!    reason in `x-rule`;
