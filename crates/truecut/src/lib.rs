@@ -181,8 +181,8 @@
 //!
 //! # A process of your own
 //!
-//! It needs nothing in truecut changed; `crates/truecut/examples/own_process.rs` is a whole one in a
-//! file: its table, facts, forces and channels, and a run and a sweep of it. Your crate has
+//! It needs nothing in truecut changed; `crates/truecut/examples/own_process.rs` is a whole one in
+//! a file: its table, facts, forces and channels, and a run and a sweep of it. Your crate has
 //!
 //! 1. the type of its table (serde, schemars): keys with units in their names, ranges with their
 //!    reason in `x-rule`;
