@@ -330,9 +330,9 @@ fn the_tool_points_against_its_axis_into_the_work() {
     );
 }
 
-/// A million lines: refused by the number of their points, after no more than those were kept.
+/// A million lines: refused by the number of their points, at the line of the first one too many.
 #[test]
-fn a_million_lines_are_refused_in_bounded_memory() {
+fn a_million_lines_are_refused_at_the_first_point_too_many() {
     let mut text = String::from("G21 G90 G0 X0 Y0 Z0\nG1 F600\n");
     for i in 0..1_000_000 {
         text.push_str(if i % 2 == 0 { "X1\n" } else { "X0\n" });

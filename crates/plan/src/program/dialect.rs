@@ -5,6 +5,7 @@ use std::path::Path;
 
 use nalgebra::Isometry3;
 use schemars::{JsonSchema, Schema, generate::SchemaSettings};
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use truecut_arm::Robot;
@@ -44,17 +45,24 @@ pub trait Dialect: Debug + Sync {
     fn holds_base(&self) -> bool;
     /// Schema of the table of its options. No option is required by the schema: what writing needs
     /// and reading does not is for [`check`](Self::check).
-    fn options(&self) -> Schema;
+    /// By default there are none.
+    fn options(&self) -> Schema {
+        schema_of::<NoOptions>()
+    }
     /// Checks options before anything is written.
     ///
     /// # Errors
     /// The first option that is missing, or has a value that it must not have.
-    fn check(&self, options: &Options) -> Result<(), OptionFault>;
+    fn check(&self, options: &Options) -> Result<(), OptionFault> {
+        table::<NoOptions>(options).map(drop)
+    }
     /// The robot's own tool under the name or number that the options give it.
     ///
     /// # Errors
     /// As [`check`](Self::check).
-    fn tool(&self, robot: &Robot, options: &Options) -> Result<Tool, OptionFault>;
+    fn tool(&self, robot: &Robot, _options: &Options) -> Result<Tool, OptionFault> {
+        Ok(Tool::of(robot, "wheel", 0))
+    }
     /// Writes a program; of several files the first is the one to start.
     ///
     /// # Errors
@@ -78,6 +86,11 @@ pub trait Dialect: Debug + Sync {
         settings: &Settings,
     ) -> Result<Program, ProgramError>;
 }
+
+/// The table of a dialect that has no options of its own.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct NoOptions {}
 
 /// A file of a program.
 #[derive(Debug, Clone, PartialEq, Eq)]

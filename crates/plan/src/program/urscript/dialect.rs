@@ -2,15 +2,12 @@
 
 use std::path::Path;
 
-use schemars::{JsonSchema, Schema};
-use serde::Deserialize;
 use truecut_arm::Robot;
 
 use crate::program::dialect::{
-    Dialect, Frames, Options, ProgramFile, ReadText, Resolution, Settings, TurntableUnit,
-    schema_of, table,
+    Dialect, Frames, ProgramFile, ReadText, Resolution, Settings, TurntableUnit,
 };
-use crate::program::{OptionFault, Program, ProgramError, Tool};
+use crate::program::{Program, ProgramError};
 
 /// The dialect of Universal Robots programs.
 #[derive(Debug, Clone, Copy)]
@@ -18,11 +15,6 @@ pub struct UrScript;
 
 /// The dialect, for the list.
 pub static DIALECT: UrScript = UrScript;
-
-/// A script has no options of its own.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct ProgramTable {}
 
 impl Dialect for UrScript {
     fn name(&self) -> &'static str {
@@ -64,18 +56,6 @@ impl Dialect for UrScript {
 
     fn holds_base(&self) -> bool {
         false
-    }
-
-    fn options(&self) -> Schema {
-        schema_of::<ProgramTable>()
-    }
-
-    fn check(&self, options: &Options) -> Result<(), OptionFault> {
-        table::<ProgramTable>(options).map(drop)
-    }
-
-    fn tool(&self, robot: &Robot, _: &Options) -> Result<Tool, OptionFault> {
-        Ok(Tool::of(robot, "wheel", 0))
     }
 
     fn write(
