@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use truecut_discrepancy::compare::{
-    ChannelComparison, Comparison, Dependence, Kind, LEVEL, Level, LineKind, SpectralLine,
+    Alignment, ChannelComparison, Comparison, Dependence, Kind, LEVEL, Level, LineKind,
+    SpectralLine,
 };
 use truecut_recording::{Unit, short_number, significant};
 
@@ -68,8 +69,10 @@ fn table(comparison: &Comparison) -> String {
     let rows = comparison.channels.iter().map(|channel| {
         let level = &channel.level;
         let aligned = channel.alignment.as_ref();
-        let of = |unit, pick: fn(&truecut_discrepancy::compare::Alignment) -> (f64, f64)| {
-            aligned.map_or("–".to_owned(), |alignment| {
+        let of = |unit, pick: fn(&Alignment) -> (f64, f64)| {
+            // An error that holds for noise alone would be read as if it held.
+            let described = aligned.filter(|one| one.pattern_left.is_none());
+            described.map_or("–".to_owned(), |alignment| {
                 let (value, error) = pick(alignment);
                 with_error(unit, value, error)
             })
@@ -164,16 +167,32 @@ fn findings(channel: &ChannelComparison) -> Vec<String> {
             chance(channel.level.bias.p_value)
         ));
     }
-    let aligned = channel.alignment.as_ref();
-    found.extend(
-        aligned
-            .filter(|one| one.delay_s.p_value.min(one.gain.p_value) < LEVEL)
-            .map(|one| {
-                let share = significant(100.0 * one.explained_share, 2);
-                format!("delay and gain together explain {share} % of the residual's variance")
-            }),
-    );
+    found.extend(channel.alignment.as_ref().and_then(alignment));
     found
+}
+
+/// What delay and gain explain, or that they do not describe the difference.
+fn alignment(found: &Alignment) -> Option<String> {
+    if found.delay_s.p_value.min(found.gain.p_value) >= LEVEL {
+        return None;
+    }
+    if let Some(left) = &found.pattern_left {
+        let pattern = match left.kind {
+            Some(kind) => format!("what changes with {}", signal_name(kind, &left.signal)),
+            None => format!("lines (a {})", left.signal),
+        };
+        return Some(format!(
+            "delay and gain ({}, {}) do not describe the difference: they leave {pattern}, {} % of \
+             the variance of both",
+            show(Unit::Second, found.delay_s.value),
+            significant(found.gain.value, 4),
+            significant(100.0 * left.share, 2)
+        ));
+    }
+    let share = significant(100.0 * found.explained_share, 2);
+    Some(format!(
+        "delay and gain together explain {share} % of the residual's variance"
+    ))
 }
 
 fn line(unit: Unit, line: &SpectralLine) -> String {
@@ -192,12 +211,17 @@ fn line(unit: Unit, line: &SpectralLine) -> String {
     }
 }
 
-fn dependence(unit: Unit, found: &Dependence) -> String {
-    let with = match found.kind {
-        Kind::Velocity => format!("the sign of {}", found.signal),
+/// A signal, as a residual follows it.
+fn signal_name(kind: Kind, signal: &str) -> String {
+    match kind {
+        Kind::Velocity => format!("the sign of {signal}"),
         Kind::SpindlePhase => "the phase of the spindle".to_owned(),
-        _ => found.signal.clone(),
-    };
+        _ => signal.to_owned(),
+    }
+}
+
+fn dependence(unit: Unit, found: &Dependence) -> String {
+    let with = signal_name(found.kind, &found.signal);
     let means = || found.bins.iter().map(|bin| bin.mean);
     let range = means().fold(f64::NEG_INFINITY, f64::max) - means().fold(f64::INFINITY, f64::min);
     format!(

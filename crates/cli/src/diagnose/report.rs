@@ -85,21 +85,14 @@ fn others(diagnosis: &Diagnosis) -> Markup {
     let next = (diagnosis.runner_up.iter()).filter(|_| diagnosis.alternatives.is_empty());
     let candidates = diagnosis.alternatives.iter().chain(next);
     let explanations = candidates.map(|one| {
-        let (angle, behind) = (
-            format!("{:.0}°", one.angle_deg),
-            significant(one.behind_t, 3),
-        );
-        cells(&[&text::names_of(one), &angle, &behind])
+        let angle = format!("{:.0}°", one.angle_deg);
+        cells(&[&text::names_of(one), &angle, &text::odds_against(one)])
     });
     let experiments = (diagnosis.experiments.iter()).map(|one| {
         let [separation, now] = [one.separation, one.separation_now].map(|t| significant(t, 3));
         cells(&[&one.description, &separation, &now])
     });
-    let head = [
-        "explanation",
-        "angle between signatures",
-        "standard errors behind",
-    ];
+    let head = ["explanation", "angle between signatures", "odds"];
     let planned = ["experiment", "separation", "separation now"];
     html! {
         (table("Other explanations", &head, explanations))

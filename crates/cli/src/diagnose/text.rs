@@ -78,6 +78,13 @@ pub fn odds(log10: f64) -> String {
     }
 }
 
+/// What Schwarz's criterion says of the causes named against another explanation: by that it was
+/// put behind them, whichever predicts the validation blocks better.
+pub fn odds_against(other: &Alternative) -> String {
+    let log10 = 0.5 * other.criterion_difference / std::f64::consts::LN_10;
+    format!("odds {} against it", odds(log10))
+}
+
 /// A number with its unit, if it has one.
 pub fn with_unit(number: &str, unit: &str) -> String {
     match unit {
@@ -188,10 +195,7 @@ pub fn alternative_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     {
         rows.push(vec![
             format!("next best: {}", names_of(next)),
-            format!(
-                "{:.1} standard errors behind, {:.0}° apart",
-                next.behind_t, next.angle_deg
-            ),
+            format!("{}, {:.0}° apart", odds_against(next), next.angle_deg),
         ]);
     }
     if let Some(best) = diagnosis.experiments.first() {
@@ -352,41 +356,4 @@ fn titled(title: &str, aligns: &[Align], rows: &[Vec<String>]) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn parameter(value: f64, width: Option<f64>, unit: Unit) -> Parameter {
-        Parameter {
-            value,
-            low: width.map(|width| value - width),
-            high: width.map(|width| value + width),
-            unit: unit.to_string(),
-        }
-    }
-
-    #[test]
-    fn estimates_carry_their_unit_and_factors_none() {
-        let cubic = parameter(2.5e7, Some(1e6), Unit::NewtonMetrePerCubicRadian);
-        assert_eq!(estimate(&cubic), "2.500e7 (2.400e7 to 2.600e7) N m/rad^3");
-        let tilt = parameter(5e-7, None, Unit::RadianPerNewtonMetre);
-        assert_eq!(
-            estimate(&tilt),
-            "5.000e-7 rad/(N m) (not bounded by the data)"
-        );
-        let factor = parameter(1.25, Some(0.25), Unit::One);
-        assert_eq!(estimate(&factor), "1.250 (1.000 to 1.500)");
-        assert_eq!(with_unit("0.300", "1"), "0.300");
-    }
-
-    #[test]
-    fn nominal_values_are_told_in_the_unit_of_their_key() {
-        let nominal = Nominal {
-            key: "process.chamfer.depth_mm".into(),
-            before: 1e-3,
-            after: parameter(1.25e-3, Some(2.5e-4), Unit::Metre),
-        };
-        let (before, after) = in_unit_of_key(&nominal);
-        assert!((before - 1.0).abs() < 1e-12);
-        assert_eq!(estimate(&after), "1.250 (1.000 to 1.500) mm");
-    }
-}
+mod tests;

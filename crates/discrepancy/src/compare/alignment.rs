@@ -2,10 +2,14 @@
 
 use serde::Serialize;
 use truecut_recording::fft::{forward, inverse};
+use truecut_recording::significant;
 
-use super::series::{Estimate, Pair, centred, least_squares, rms};
+use super::dependence::direction;
+use super::series::{Estimate, Explanatory, Kind, Pair, centred, least_squares, rms};
+use super::{LEVEL, Setting, dependences, lines, moving};
+use crate::stats::distributions::family_wise;
 use crate::stats::spectrum::padded_length;
-use crate::stats::{Background, sum_covariance};
+use crate::stats::{Background, ratio, sum_covariance};
 
 /// `measured(t) ≈ offset + gain · simulated(t − delay)`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -16,19 +20,39 @@ pub struct Alignment {
     pub gain: Estimate,
     /// Fraction of the residual's variance about its mean that delay and gain explain.
     pub explained_share: f64,
+    /// A pattern that they leave. Standard errors hold where what is left is noise: with a pattern
+    /// left, delay and gain do not describe the difference, however small their errors.
+    pub pattern_left: Option<PatternLeft>,
+}
+
+/// What the residual still follows after delay and gain.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PatternLeft {
+    /// The signal.
+    pub signal: String,
+    /// What kind it is; none for a spectral line.
+    pub kind: Option<Kind>,
+    /// Its part of the variance that is no noise: that of the pattern and of delay and gain.
+    pub share: f64,
 }
 
 /// Longest delay tried, as a fraction of the record.
 const LONGEST_DELAY: f64 = 0.1;
 /// Least correlation at the best delay for the channels to count as related.
 const LEAST_CORRELATION: f64 = 0.8;
+/// Up to this part, of the variance that is no noise, delay and gain explain more than a pattern.
+const PREVAILING: f64 = 0.5;
+/// A smaller part than this does not call the rest into question: interpolation and model are no
+/// better.
+const NEGLIGIBLE: f64 = 0.01;
 /// Samples on either side that an interpolation uses.
 const REACH: isize = 12;
 
 /// Least squares, started at the peak of the cross-correlation; the simulated channel is
 /// interpolated by a windowed sinc. Standard errors hold for noise with the colour of the residual.
 /// `None` if the channels do not correlate or one of them is constant.
-pub fn align(pair: &Pair<'_>, interval_s: f64) -> Option<Alignment> {
+pub fn align(pair: &Pair<'_>, setting: &Setting<'_>) -> Option<Alignment> {
+    let interval_s = setting.interval_s;
     let mut delay = coarse_delay(pair)?;
     let mut fit = fit_at(pair, delay)?;
     for _ in 0..20 {
@@ -54,15 +78,86 @@ pub fn align(pair: &Pair<'_>, interval_s: f64) -> Option<Alignment> {
         None => ([0.0; 2], f64::INFINITY),
     };
     let delay_error = errors[1] / fit.gain.abs() * interval_s;
+    let explained_share = (1.0 - ratio(after, before).powi(2)).max(0.0);
     Some(Alignment {
         delay_s: Estimate::new(delay * interval_s, 0.0, delay_error, degrees),
         gain: Estimate::new(fit.gain, 1.0, errors[0], degrees),
-        explained_share: if before > 0.0 {
-            (1.0 - (after / before).powi(2)).max(0.0)
-        } else {
-            0.0
-        },
+        explained_share,
+        pattern_left: pattern_left(pair, &fit, explained_share, setting),
     })
+}
+
+/// The largest pattern that is clear of noise, whatever size that has, if it contradicts delay and
+/// gain: one that lags as they do, or one that is larger than all that they explain.
+fn pattern_left(
+    pair: &Pair<'_>,
+    fit: &DelayFit,
+    explained: f64,
+    setting: &Setting<'_>,
+) -> Option<PatternLeft> {
+    let of_pattern = |(signal, kind, share): (String, Option<Kind>, f64), least: f64| {
+        let variance = (1.0 - explained) * share;
+        let share = ratio(variance, variance + explained);
+        (share > least).then_some(PatternLeft {
+            signal,
+            kind,
+            share,
+        })
+    };
+    let others = dependences(&fit.remainder, &fit.valid, setting).into_iter();
+    let others = others.filter(|one| one.kind != Kind::Velocity && one.p_value < LEVEL);
+    let others = others.map(|one| (one.signal, Some(one.kind), one.share));
+    let others = (others.chain(rhythm(pair, fit, setting)))
+        .filter_map(|found| of_pattern(found, PREVAILING));
+    let reversals = (reversals(fit, setting).into_iter())
+        .filter_map(|(name, share)| of_pattern((name, Some(Kind::Velocity), share), NEGLIGIBLE));
+    others
+        .chain(reversals)
+        .max_by(|a, b| a.share.total_cmp(&b.share))
+}
+
+/// The spectral lines that are left, named for the strongest, and their part of it.
+fn rhythm(
+    pair: &Pair<'_>,
+    fit: &DelayFit,
+    setting: &Setting<'_>,
+) -> Option<(String, Option<Kind>, f64)> {
+    let pair = Pair {
+        valid: &fit.valid,
+        ..*pair
+    };
+    let (interval_s, spindle_hz) = (setting.interval_s, setting.spindle_hz);
+    let (found, _) = lines(&pair, &fit.remainder, interval_s, spindle_hz, LEVEL);
+    let strongest = found.first()?;
+    let squares: f64 = found.iter().map(|line| 0.5 * line.residual.powi(2)).sum();
+    let share = ratio(squares, rms(&fit.remainder, &fit.valid).powi(2)).min(1.0);
+    let name = format!("line at {} Hz", significant(strongest.frequency_hz, 4));
+    Some((name, None, share))
+}
+
+/// Velocities whose sign is clear beside delay and gain, and its part of what they leave. The
+/// three are fitted together: dry friction lags as a delay does, and what a delay leaves of it
+/// would count as noise.
+fn reversals(fit: &DelayFit, setting: &Setting<'_>) -> Vec<(String, f64)> {
+    let left: f64 = fit.remainder.iter().map(|x| x * x).sum();
+    let test = |signal: &Explanatory| {
+        let mut columns = fit.columns.clone();
+        columns.push(centred(&direction(signal, &fit.valid), &fit.valid));
+        let (sizes, inverse) = least_squares(&columns, &fit.target)?;
+        let background = Background::of_regression(&fit.target, &fit.valid, &columns)?;
+        let inner = sum_covariance(&columns, &background);
+        let covariance = &inverse * inner.matrix * &inverse;
+        let size = Estimate::new(sizes[2], 0.0, covariance[(2, 2)].sqrt(), inner.degrees);
+        let share = ratio(sizes[2].powi(2) / inverse[(2, 2)], left);
+        Some((signal.spec.name.clone(), size.p_value, share))
+    };
+    let tested: Vec<_> = moving(setting)
+        .filter(|signal| signal.kind == Kind::Velocity)
+        .filter_map(test)
+        .collect();
+    let count = tested.len() as f64;
+    let clear = (tested.into_iter()).filter(|one| family_wise(one.1, count) < LEVEL);
+    clear.map(|(name, _, share)| (name, share)).collect()
 }
 
 /// The delay in whole samples at which the channels correlate best, without sign.

@@ -164,6 +164,13 @@ fn signs(values: &[f64], valid: &[bool]) -> Vec<Option<usize>> {
     without_small(values.iter().zip(valid).map(place).collect(), 2)
 }
 
+/// Minus and plus one; zero at rest.
+pub(super) fn direction(velocity: &Explanatory, valid: &[bool]) -> Vec<f64> {
+    let sign = |place: Option<usize>| place.map_or(0.0, |bin| 2.0 * bin as f64 - 1.0);
+    let places = signs(&velocity.values, valid).into_iter();
+    places.map(sign).collect()
+}
+
 /// Inner edges of bins with equally many samples; equal edges are merged.
 fn quantiles(values: &[f64], valid: &[bool], count: usize) -> Vec<f64> {
     let mut sorted: Vec<f64> = counted(values, valid).collect();

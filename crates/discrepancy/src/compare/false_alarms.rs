@@ -82,7 +82,12 @@ fn p_values(values: &[f64], signals: &[Explanatory]) -> Vec<(String, f64)> {
         simulated: &simulated,
         ..pair
     };
-    let aligned = align(&pair, 1.0).unwrap();
+    let setting = Setting {
+        interval_s: 1.0,
+        explanatory: signals,
+        spindle_hz: None,
+    };
+    let aligned = align(&pair, &setting).unwrap();
     found.push(("delay".to_owned(), aligned.delay_s.p_value));
     found.push(("gain".to_owned(), aligned.gain.p_value));
     found

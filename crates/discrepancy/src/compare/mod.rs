@@ -51,7 +51,7 @@ mod series;
 mod suspicion;
 mod whiteness;
 
-pub use alignment::{Alignment, align};
+pub use alignment::{Alignment, PatternLeft, align};
 pub use coherence::{Band, coherence};
 pub use correlation::{InputCorrelation, input_correlation};
 pub use dependence::{Bin, Dependence, dependence};
@@ -134,7 +134,7 @@ pub fn compare_channel(
         channel: pair.spec.name.clone(),
         unit: pair.spec.unit,
         level: level(pair, &residual, background.as_ref()),
-        alignment: align(pair, setting.interval_s),
+        alignment: align(pair, setting),
         lines,
         coherence: coherence(pair, setting.interval_s),
         dependence: Vec::new(),
