@@ -261,6 +261,8 @@ mod tests {
         ArrayRef, Float32Array, Int16Array, RecordBatch, StringArray, TimestampNanosecondArray,
     };
     use parquet::arrow::ArrowWriter;
+    use parquet::basic::{Compression, GzipLevel, ZstdLevel};
+    use parquet::file::properties::WriterProperties;
     use std::sync::Arc;
 
     fn csv(text: &str, header: bool) -> Result<Table, FileError> {
@@ -271,6 +273,13 @@ mod tests {
     }
 
     fn parquet(columns: Vec<(&str, ArrayRef)>) -> Result<Table, FileError> {
+        compressed(columns, Compression::UNCOMPRESSED)
+    }
+
+    fn compressed(
+        columns: Vec<(&str, ArrayRef)>,
+        compression: Compression,
+    ) -> Result<Table, FileError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("bench.parquet");
         let batch = RecordBatch::try_from_iter_with_nullable(
@@ -278,7 +287,8 @@ mod tests {
         )
         .unwrap();
         let file = File::create(&path).unwrap();
-        let mut writer = ArrowWriter::try_new(file, batch.schema(), None).unwrap();
+        let how = WriterProperties::builder().set_compression(compression);
+        let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(how.build())).unwrap();
         writer.write(&batch).unwrap();
         writer.close().unwrap();
         read_table(&path, true)
@@ -349,6 +359,28 @@ mod tests {
         assert_eq!(table.column("t").unwrap(), [0.0, 1.0, 2.0]);
         let q = table.column("q").unwrap();
         assert!(q[0] == 0.5 && q[1].is_nan() && q[2] == 2.0);
+    }
+
+    /// What pandas, Polars and Arrow write by default or on request.
+    #[test]
+    fn parquet_is_read_however_it_is_compressed() {
+        let numbers: Vec<f32> = (0_i16..5000).map(|k| f32::from(k % 97)).collect();
+        for compression in [
+            Compression::UNCOMPRESSED,
+            Compression::SNAPPY,
+            Compression::ZSTD(ZstdLevel::default()),
+            Compression::GZIP(GzipLevel::default()),
+            Compression::LZ4_RAW,
+        ] {
+            let column = Arc::new(Float32Array::from(numbers.clone())) as ArrayRef;
+            let table = compressed(vec![("force", column)], compression).unwrap();
+            let read = table.column("force").unwrap();
+            assert!(
+                read.iter()
+                    .copied()
+                    .eq(numbers.iter().copied().map(f64::from))
+            );
+        }
     }
 
     #[test]

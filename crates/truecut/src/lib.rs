@@ -101,6 +101,14 @@
 //! assert!(!slid.claims[0].holds);
 //! assert!(slid.recording.scalar("chamfer.width_spread")?.value > 0.0);
 //!
+//! // The files of a run: sinks take the rows while it goes on, the summary comes after. `true`
+//! // would write a file for the viewer, too.
+//! let out = tempfile::tempdir()?;
+//! let files = truecut::Outputs::prepare(out.path(), &scenario, false)?;
+//! let kept = Run { sinks: files.sinks(), ..Run::of(&scenario) }.execute()?;
+//! files.write_summary(&kept.recording, &kept.claims)?;
+//! assert!(files.recording().ends_with("foot/recording.parquet"));
+//!
 //! // A mistake names its place.
 //! let error = Scenario::from_str(&root.join("foot.toml"), &text.replace("= 32", "= -32"), &[]);
 //! let error = error.unwrap_err();
@@ -142,13 +150,18 @@
 //! let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis/elbow.toml");
 //! // One second is enough.
 //! let scenario = Scenario::load(&file, &[("data.to_s".into(), "1".into())])?;
+//! // `None`: the file that the scenario names. `Some(path)` reads another, with the same columns.
 //! let measured = data::measured(&scenario, None)?;
 //!
+//! // The last argument is the spindle's rate in Hz where one turns: differences are then held
+//! // against its phase, too.
 //! let nominal = Run { measured: Some(&measured), claims: Claims::Ignore, ..Run::of(&scenario) };
 //! let differences = compare_recordings(&nominal.execute()?.recording, &measured, None)?;
-//! assert_eq!(differences.channels[2].channel, "tool.position_z");
+//! let height = differences.channels.iter().find(|it| it.channel == "tool.position_z");
+//! assert!(height.is_some_and(|height| height.level.nrmse > 0.0));
 //!
-//! // Effects are searched that would explain it: play in the second joint.
+//! // Effects are searched that would explain it: play in the second joint. A trial is the scenario
+//! // as a model that can be asked for any effects and values, beside what was observed.
 //! let trial = Trial::new(&scenario, &measured).map_err(|error| RunError::of(&scenario, error))?;
 //! let answer = diagnose(&trial, &trial.observation, &Options::default(), &|_progress| {})?;
 //! assert_eq!(answer.diagnosis.verdict, Verdict::Named);
@@ -181,8 +194,8 @@
 //!
 //! # A process of your own
 //!
-//! It needs nothing in truecut changed; `crates/truecut/examples/own_process.rs` is a whole one in
-//! a file: its table, facts, forces and channels, and a run and a sweep of it. Your crate has
+//! It needs nothing in truecut changed. A whole one, drilling, stands at the end of this page: its
+//! table, facts, forces and channels, and a run and a sweep of it. Your crate has
 //!
 //! 1. the type of its table (serde, schemars): keys with units in their names, ranges with their
 //!    reason in `x-rule`;
@@ -222,6 +235,14 @@
 //!
 //! The program of the same name (package `truecut-cli`) adds arguments, text and figures, and
 //! nothing else.
+//!
+//! # Drilling, a whole process of your own
+//!
+//! `crates/truecut/examples/own_process.rs`:
+//!
+//! ```no_run
+#![doc = include_str!("../examples/own_process.rs")]
+//! ```
 
 #![warn(missing_docs)]
 

@@ -21,6 +21,19 @@ pub(super) struct Recorded {
 
 type Sinks = Vec<Box<dyn Sink + Send>>;
 
+/// A note on a run that ends before its process does by itself: widths, claims and scalars are then
+/// of what is there by that time.
+fn unfinished(scenario: &Scenario) -> Option<String> {
+    let natural_s = scenario.process.facts().natural_duration_s?;
+    let duration_s = scenario.run.duration_s;
+    (natural_s.is_finite() && duration_s < natural_s * (1.0 - 1e-9)).then(|| {
+        format!(
+            "run.duration_s is {duration_s:.4} s, the process takes {natural_s:.4} s by itself: what \
+             is reported is of an unfinished cut"
+        )
+    })
+}
+
 impl Run<'_> {
     pub(super) fn record(
         &self,
@@ -44,6 +57,7 @@ impl Run<'_> {
         header
             .notes
             .extend(measured.into_iter().flat_map(|data| data.notes.clone()));
+        header.notes.extend(unfinished(scenario));
         if self.claims != Claims::Ignore {
             scenario.check_claims(&header)?;
             scenario.check_bands(cell.row_interval_s())?;
