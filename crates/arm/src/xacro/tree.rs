@@ -43,9 +43,11 @@ impl Element {
     }
 }
 
-/// Whether a text is written in xacro: it has an element of that language.
+/// Whether a text is written in xacro: it has an element of that language, or declares its
+/// namespace and has expressions or substitutions, as a file that was expanded has not.
 pub(crate) fn has_xacro(text: &str) -> bool {
-    text.contains("<xacro:")
+    let is_declared = text.contains("xmlns:xacro");
+    text.contains("<xacro:") || is_declared && (text.contains("${") || text.contains("$("))
 }
 
 fn is_of_xacro(namespace: Option<&str>) -> bool {
