@@ -30,6 +30,13 @@ fn a_sweep_gives_a_table_a_drawing_and_claims_about_its_rows() {
     );
     let svg = std::fs::read_to_string(desk.path("out/sweep/sweep.svg")).unwrap();
     assert_eq!(svg.matches("<circle").count(), 2, "{svg}");
+    let csv = std::fs::read_to_string(desk.path("out/sweep/sweep.csv")).unwrap();
+    let lines: Vec<&str> = csv.lines().collect();
+    assert!(
+        lines.len() == 3 && lines[0].contains("far (um),outcome"),
+        "{csv}"
+    );
+    assert!(lines[1].ends_with(",completed"), "{csv}");
     let parquet = std::fs::read(desk.path("out/sweep/sweep.parquet")).unwrap();
     assert_eq!(
         (&parquet[..4], &parquet[parquet.len() - 4..]),

@@ -154,7 +154,9 @@ pub const SWEEP_OUTCOME: &str = "outcome";
 
 /// Writes a sweep's table as `sweep.parquet`, into a folder below `out` that is named like the
 /// scenario: a column for each axis and result, its unit in the field's metadata, and how each
-/// row's runs ended in the last. Returns the file. Equal tables give equal bytes.
+/// row's runs ended in the last. `sweep.csv` beside it has the same, units in its first line, a
+/// value that is missing as an empty field. Returns the Parquet file. Equal tables give equal
+/// bytes.
 ///
 /// # Errors
 /// A file or folder that cannot be written.
@@ -178,7 +180,32 @@ pub fn write_sweep(
     let columns: Vec<Column<'_>> = results.chain([outcome]).collect();
     let path = folder.join("sweep.parquet");
     write_columns(&path, &columns, &scenario.effective_text())?;
+    let text = path.with_extension("csv");
+    sweep_csv(table)
+        .and_then(|bytes| std::fs::write(&text, bytes))
+        .map_err(|error| failed(&text, error))?;
     Ok(path)
+}
+
+fn sweep_csv(table: &SweepTable) -> std::io::Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let names = table
+        .columns
+        .iter()
+        .map(|column| match &column.unit.symbol[..] {
+            "" | "1" => column.name.to_string(),
+            unit => format!("{} ({unit})", column.name),
+        });
+    writer.write_record(names.chain([SWEEP_OUTCOME.to_owned()]))?;
+    for (index, row) in table.rows.iter().enumerate() {
+        let fields = row.iter().map(|value| match value.is_finite() {
+            true => value.to_string(),
+            false => String::new(),
+        });
+        let outcome = table.fault(index).unwrap_or("completed").to_owned();
+        writer.write_record(fields.chain([outcome]))?;
+    }
+    writer.into_inner().map_err(csv::IntoInnerError::into_error)
 }
 
 /// Writes a file, and makes its folder.
