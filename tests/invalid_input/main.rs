@@ -249,6 +249,13 @@ fn arguments_that_make_no_sense_are_refused() {
             "have no effect on a path job",
         ),
         (&["path", "x.nc", "--dialect", "val3"], "--dialect"),
+        (&["part", "nowhere.stl"], "nowhere.stl"),
+        (&["part", "x.stl", "--unit", "foot"], "--unit"),
+        (
+            &["part", "x.stl", "--crease-deg", "180"],
+            "must be below 180",
+        ),
+        (&["part", "x.stl", "--weld-mm", "-1"], "from 0 on"),
     ] {
         let output = truecut(arguments);
         let report = String::from_utf8_lossy(&output.stderr);
@@ -259,6 +266,28 @@ fn arguments_that_make_no_sense_are_refused() {
         );
         assert!(report.contains(wanted), "{arguments:?}: {report}");
     }
+}
+
+/// The messages themselves are tested beside the readers; here, that the program shows each as one
+/// error that names the file, and leaves nothing behind.
+#[test]
+fn every_bad_part_is_refused_by_name() {
+    let out = tempfile::tempdir().unwrap();
+    for (ending, least) in [("stl", 5), ("obj", 4), ("ply", 3), ("step", 1)] {
+        for file in fixtures("part", ending, least) {
+            let name = file.file_name().unwrap().to_str().unwrap();
+            let folder = out.path().to_str().unwrap();
+            let output = truecut(&["part", file.to_str().unwrap(), "--out", folder]);
+            let report = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(BAD_INPUT), "{name}: {report}");
+            assert_eq!(report.matches('×').count(), 1, "{name}: {report}");
+            assert!(
+                report.contains(name) && !report.contains("panicked"),
+                "{report}"
+            );
+        }
+    }
+    assert_eq!(std::fs::read_dir(out.path()).unwrap().count(), 0);
 }
 
 /// Paths on faces and the programs that follow them; a fault in a file that the job names is told

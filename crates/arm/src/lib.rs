@@ -100,7 +100,7 @@ pub use ik::IkOptions;
 pub use ik_branches::{BranchOptions, IkSolver, tool_pose};
 pub use ik_path::PathOptions;
 pub use load::{CONFIG_FILE_NAME, Reading, expanded_urdf};
-pub use meshes::LinkMesh;
+pub use meshes::{LinkMesh, MeshData, MeshFileError};
 pub use mjcf::{MjcfDrive, MjcfOptions, to_mjcf};
 pub use modal::{LinearArm, Modes};
 pub use model::{

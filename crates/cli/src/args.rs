@@ -2,6 +2,7 @@
 
 mod finishing;
 mod number;
+mod part;
 mod robot;
 mod runs;
 mod stability;
@@ -14,6 +15,7 @@ use truecut_scenario::Scenario;
 use crate::failure::Failure;
 
 pub use finishing::{CamArguments, PathArguments, ProgramArguments};
+pub use part::PartArguments;
 pub use robot::{InitArguments, RobotArguments, RobotCommand};
 pub use runs::{
     CheckArguments, CompareArguments, CrosscheckArguments, DiagnoseArguments, FitArguments,
@@ -55,6 +57,8 @@ pub enum Command {
     Lobes(LobesArguments),
     /// Choose the arm's postures along the path of a milling scenario so that the cut is stable
     Posture(PostureArguments),
+    /// Print what is understood of a part's mesh: size, defects, faces, edges
+    Part(PartArguments),
     /// Lay a contact wheel's lines on a face, and write the robot program that follows them
     Path(PathArguments),
     /// Read a robot program back, run through it, and say what the robot cannot do

@@ -13,6 +13,7 @@ mod fit;
 mod identify;
 mod lobes;
 mod mjcf;
+mod part;
 mod path;
 mod posture;
 mod program;
@@ -57,6 +58,7 @@ fn dispatch(command: Command) -> Result<ExitStatus, Failure> {
         Command::Fit(arguments) => fit::fit(&arguments),
         Command::Lobes(arguments) => lobes::lobes(&arguments),
         Command::Posture(arguments) => posture::posture(&arguments),
+        Command::Part(arguments) => part::part(&arguments),
         Command::Path(arguments) => path::path(&arguments),
         Command::Program(arguments) => program::program(&arguments),
         Command::Robot(arguments) => robot::robot(&arguments),

@@ -75,6 +75,6 @@ pub use ipc::{IpcSink, read_ipc_stream};
 pub use measured::read_table;
 pub use parquet_file::{ParquetSink, read_parquet, read_recording, write_parquet};
 pub use rrd::{
-    BeforeAfter, ChannelBeforeAfter, Chart, ChartPage, Curve, PlanShown, PlanStation, RrdSink,
-    write_before_after, write_charts, write_plan,
+    BeforeAfter, ChannelBeforeAfter, Chart, ChartPage, Curve, FaceShown, PartShown, PlanShown,
+    PlanStation, RrdSink, write_before_after, write_charts, write_part, write_plan,
 };

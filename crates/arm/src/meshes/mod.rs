@@ -11,6 +11,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 use crate::packages::Packages;
 use crate::tree::{Tree, TreeLink};
 
+pub use files::{MeshData, MeshFileError};
 pub(crate) use files::{Part, Triangle, read};
 
 /// A mesh of a link.

@@ -121,8 +121,6 @@ pub enum SurfaceFault {
         "triangle {index} (counted from 1) has no area; its corners lie on one line near {near} m"
     )]
     FlatTriangle { index: usize, near: String },
-    #[error("unknown ending \"{ending}\"; meshes are read from .stl and .obj")]
-    UnknownEnding { ending: String },
     #[error(
         "the boundary is open: it ends {gap_m} m from where it starts; first and last point must be the same to {limit_m} m"
     )]

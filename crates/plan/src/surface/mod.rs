@@ -21,6 +21,7 @@ mod mesh_checks;
 mod mesh_edges;
 mod mesh_files;
 mod nurbs;
+pub mod part;
 mod primitives;
 #[cfg(test)]
 pub(crate) mod spoke;

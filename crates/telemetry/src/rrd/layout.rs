@@ -214,7 +214,8 @@ fn field_view(layout: &Layout, field: &Field, at_end: bool) -> RecordingStreamRe
     looking_at(layout, &title, &queries, camera, up)
 }
 
-fn looking_at(
+/// A view of the scene, or of what the queries find in it.
+pub(super) fn looking_at(
     layout: &Layout,
     title: &str,
     queries: &[String],
