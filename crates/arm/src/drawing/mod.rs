@@ -29,8 +29,8 @@ pub struct DrawnMesh {
 
 impl Robot {
     /// What is drawn of the base and of each link, and a note on every mesh that cannot be read.
-    /// Heavy meshes are thinned ([`light`]); a link of which nothing can be drawn becomes a rod to
-    /// the next joint, or to the flange.
+    /// Heavy meshes are thinned; a link of which nothing can be drawn becomes a rod to the next
+    /// joint, or to the flange.
     ///
     /// Reads the files of the meshes.
     #[must_use]
