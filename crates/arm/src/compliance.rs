@@ -67,16 +67,8 @@ pub fn clamped(compliance: &Matrix6<f64>) -> Result<Matrix3<f64>, ArmError> {
     let rt = compliance.fixed_view::<3, 3>(3, 0);
     let rr = compliance.fixed_view::<3, 3>(3, 3).into_owned();
     let singular = || ArmError::from(ArmErrorKind::SingularCompliance);
-    // Metres and radians are made alike by each direction's own compliance; where two joints turn
-    // about one axis the whole is singular, though its rotational block need not be.
-    let own = compliance.diagonal();
-    if own.iter().any(|c| *c <= 0.0) {
-        return Err(singular());
-    }
-    let scale = own.map(|c| 1.0 / c.sqrt());
-    let alike = Matrix6::from_fn(|r, c| compliance[(r, c)] * scale[r] * scale[c]);
-    let values = alike.symmetric_eigenvalues();
-    if values.min() <= 1e-10 * values.max() {
+    let svd = rr.singular_values();
+    if svd.min() <= 1e-12 * svd.max() {
         return Err(singular());
     }
     Ok(tt - tr * rr.try_inverse().ok_or_else(singular)? * rt)

@@ -281,20 +281,34 @@ impl Robot {
         let matrix = axes.rotation.to_rotation_matrix();
         Ok(StiffnessReport {
             process_axes: std::array::from_fn(|c| matrix.matrix().column(c).into_owned().into()),
-            free: directional_report(&free),
-            clamped: held.as_ref().map(directional_report),
+            free: directional_report(&free, &free),
+            clamped: held.map(|held| directional_report(&held, &free)),
             axial_lateral_coupling: axial_lateral_coupling(&free).ok().map(Into::into),
         })
     }
 }
 
-fn directional_report(compliance: &Matrix3<f64>) -> DirectionalReport {
-    let along = |axis| directional_stiffness(compliance, &axis);
+/// A compliance below this share of what the free tool has is what rounding leaves of none, and may
+/// be negative: in a singular posture nothing gives way in some direction once rotation is held.
+const RIGID_SHARE: f64 = 1e-10;
+
+fn directional_report(compliance: &Matrix3<f64>, free: &Matrix3<f64>) -> DirectionalReport {
+    let least_m_per_n = RIGID_SHARE * free.trace();
+    let or_rigid = |k_n_per_m: f64| match 1.0 / k_n_per_m > least_m_per_n {
+        true => k_n_per_m,
+        false => f64::INFINITY,
+    };
+    let along = |axis| or_rigid(directional_stiffness(compliance, &axis));
+    let lateral = planar_principal(compliance, &Vector3::y_axis(), &Vector3::z_axis());
     DirectionalReport {
         x_n_per_m: along(Vector3::x_axis()),
         y_n_per_m: along(Vector3::y_axis()),
         z_n_per_m: along(Vector3::z_axis()),
-        lateral: planar_principal(compliance, &Vector3::y_axis(), &Vector3::z_axis()),
+        lateral: PlanarStiffness {
+            k_min_n_per_m: or_rigid(lateral.k_min_n_per_m),
+            k_max_n_per_m: or_rigid(lateral.k_max_n_per_m),
+            ..lateral
+        },
     }
 }
 

@@ -208,6 +208,35 @@ fn a_singular_posture_reads_as_rigid() {
     assert!(text.contains("rigid") && !text.contains("inf"), "{text}");
 }
 
+/// Whatever rounding makes of a direction that is rigid, it is no large number of either sign.
+#[test]
+fn with_a_stretched_wrist_stiffness_is_sound_or_rigid() {
+    for name in ["irb6600_175_255", "hp20"] {
+        let robot = asset(name);
+        for step in 0..50 {
+            let turn = f64::from(step);
+            let q = [0.1 * turn, 0.01 * turn, -0.2, 0.3 * turn, 0.0, 0.7];
+            let report = robot.report(&q).expect("a report").stiffness;
+            let Some(held) = report.and_then(|stiffness| stiffness.clamped) else {
+                continue;
+            };
+            let all = [
+                held.x_n_per_m,
+                held.y_n_per_m,
+                held.z_n_per_m,
+                held.lateral.k_min_n_per_m,
+                held.lateral.k_max_n_per_m,
+            ];
+            for k in all {
+                assert!(
+                    k == f64::INFINITY || (0.0..1e13).contains(&k),
+                    "{name} {q:?}: {k}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn the_table_of_flange_poses_reads_back_exactly() {
     let robot = asset("irb6600_175_255");

@@ -153,29 +153,6 @@ fn verify_planar_rig_is_three_springs() {
     );
 }
 
-/// With its wrist stretched an arm of six joints turns about one axis twice: what clamping would
-/// give is not defined there, whatever rounding makes of it. A hair beside it all is well.
-#[test]
-fn nothing_is_clamped_in_a_singular_posture() {
-    for name in ["irb6600_175_255", "hp20"] {
-        let robot = asset(name);
-        let clamped = |wrist: f64| {
-            let q = [0.2, 0.3, -0.2, 0.7, wrist, 0.4];
-            let full = robot.cartesian_compliance(&q, FrameId::Tool, &Load::none());
-            truecut_arm::clamped(&full.expect("stiff"))
-        };
-        let error = clamped(0.0).expect_err("a stretched wrist");
-        assert!(
-            matches!(error.kind(), ArmErrorKind::SingularCompliance),
-            "{error}"
-        );
-        for wrist in [0.05, -0.6, 1.2] {
-            let free = clamped(wrist).expect("a bent wrist");
-            assert!(free.symmetric_eigenvalues().min() > 0.0, "{name} {wrist}");
-        }
-    }
-}
-
 #[test]
 fn without_stiffness_the_joint_is_named() {
     let mut robot = asset("irb6600_175_255");
