@@ -155,7 +155,14 @@ fn the_sense_of_the_wheel_shows_in_what_it_removes() {
     let desk = Desk::new();
     let plate = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/wheel/plate.toml");
     let plate = plate.to_str().unwrap();
-    desk.ends(0, &["run", plate, "--no-rrd"]);
+    let whole = desk.ends(0, &["run", plate, "--no-rrd"]);
+    assert!(!whole.contains("unfinished"), "{whole}");
+    let short = ["run", plate, "--no-rrd", "--set", "run.duration_s=3"];
+    let short = String::from_utf8(desk.truecut(&short).stdout).unwrap();
+    assert!(
+        short.contains("run.duration_s is 3.0000 s") && short.contains("unfinished"),
+        "{short}"
+    );
     let against = ["--set", "process.wheel.spin=against"];
     let out = desk.ends(
         CLAIM_FAILED,

@@ -53,6 +53,31 @@ const FAULTS: [(&str, usize, &[&str]); 15] = [
     ("unclosed", 13, &["${length", "`}`"]),
 ];
 
+/// A file may have expressions and no element of the language; one that was expanded has neither,
+/// and is read as it stands though it still declares the namespace.
+#[test]
+fn expressions_alone_make_a_file_xacro() {
+    let text = |x: &str| {
+        format!(
+            "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\" name=\"k\"><link name=\"a\"/>\
+             <link name=\"b\"/><joint name=\"j\" type=\"revolute\"><parent link=\"a\"/>\
+             <child link=\"b\"/><origin xyz=\"{x} 0 0\"/><axis xyz=\"0 1 0\"/>\
+             <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint></robot>"
+        )
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, x) in [("k.xacro", "${0.25 + 0.5}"), ("k.urdf", "0.75")] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text(x)).expect("written");
+        let robot = kinematics(&path, &[]).expect(name);
+        let flange = robot.world_from_frame(&[0.0], truecut_arm::FrameId::Flange);
+        assert!(
+            (flange.translation.x - 0.75).abs() < 1e-15,
+            "{name}: {flange}"
+        );
+    }
+}
+
 #[test]
 fn every_faulty_xacro_is_refused_with_file_line_and_reason() {
     let folder = repository().join("tests/invalid_input/xacro");

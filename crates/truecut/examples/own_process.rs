@@ -98,14 +98,19 @@ impl OwnProcess for Drilling {
         Facts {
             rate_rad_s: Some(TAU * revolutions_per_s),
             natural_duration_s: Some(self.depth_mm / (self.feed_mm_per_rev * revolutions_per_s)),
+            // What a difference from measured data is held against.
             signals: &["drilling.depth", "drilling.thrust"],
             knobs: KNOBS,
+            // No key of the table names a file.
             files: &[],
+            // It presses, so that free joints are refused; the text names what presses.
             needs_drive: Some("drilling"),
             needs_robot: true,
             modes: ModesIn::Scenario,
+            // Measured commands do not lead it.
             replays: false,
             posture: PostureFrom::Scenario,
+            // It has no foot, cutter or wheel of truecut's for effects to act on.
             parts: Parts::NONE,
         }
     }
@@ -174,7 +179,8 @@ impl Process for TwistDrill {
     fn evaluate(&self, state: &ToolState) -> Loads {
         let cut = self.at(state.time_s);
         let mut loads = Loads::default();
-        // Process X runs along the spindle into the workpiece: thrust pushes the tool back.
+        // Loads and the tool's motion are in process axes: X runs along the spindle into the
+        // workpiece, Y is horizontal, Z = X × Y. Thrust pushes the tool back.
         loads.wrenches.push(Wrench {
             frame: Attachment::Tool,
             force_n: Vector3::new(-cut.thrust_n, 0.0, 0.0),

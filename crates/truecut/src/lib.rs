@@ -90,8 +90,10 @@
 //! let axial_n = held.recording.channel("foot.normal_force")?;
 //! assert_eq!(axial_n.len(), held.recording.time_s.len());
 //!
-//! // Any key can be changed from outside, and the arm stepped by its linearisation, many times as
-//! // fast. Here the friction is too low: the claim fails, and says by how much.
+//! // Any key can be changed from outside, here for one run or in the list that `load` and
+//! // `from_str` take: a dotted key and a value in TOML, or a bare word for a text. And the arm can
+//! // be stepped by its linearisation, many times as fast. Here the friction is too low: the claim
+//! // fails, and says by how much.
 //! let slippery = Run {
 //!     overrides: vec![("process.chamfer.foot.friction.mu".into(), "0.02".into())],
 //!     engine: Engine::REDUCED,
@@ -101,7 +103,8 @@
 //! assert!(!slid.claims[0].holds);
 //! assert!(slid.recording.scalar("chamfer.width_spread")?.value > 0.0);
 //!
-//! // The files of a run: sinks take the rows while it goes on, the summary comes after. `true`
+//! // The files of a run go into the folder `foot`, named like the scenario; what an earlier run
+//! // left in it is removed. Sinks take the rows while it goes on, the summary comes after. `true`
 //! // would write a file for the viewer, too.
 //! let out = tempfile::tempdir()?;
 //! let files = truecut::Outputs::prepare(out.path(), &scenario, false)?;
@@ -146,7 +149,7 @@
 //! use truecut::{Claims, Run, RunError, Scenario, data};
 //!
 //! // The scenario says which column of the data is which channel, and which of them drive the
-//! // model.
+//! // model: `[data]` with its file, and one `[[data.channel]]` each (docs/measured_data.md).
 //! let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis/elbow.toml");
 //! // One second is enough.
 //! let scenario = Scenario::load(&file, &[("data.to_s".into(), "1".into())])?;
@@ -202,7 +205,9 @@
 //! 2. [`sim::process::OwnProcess`] for that type: its name, its [`scenario::Facts`], rules between
 //!    keys, and `set_up`, which makes the process;
 //! 3. [`sim::process::Process`] for the process: channels, `evaluate` (state of the tool to loads,
-//!    changes nothing), `commit` (advances its memory, once a step), `record`.
+//!    changes nothing), `commit` (advances its memory, once a step), `record` (a value a channel,
+//!    in their order), `contact_stiffness` (springs of a contact, none if it only pushes), `arrows`
+//!    (what is drawn). All else has a default.
 //!
 //! [`scenario::Processes::with`] registers it, and [`Scenario::load_with`] reads scenarios that
 //! have it. The derives of the table need serde and schemars among your dependencies, in the major

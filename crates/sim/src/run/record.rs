@@ -29,7 +29,7 @@ fn unfinished(scenario: &Scenario) -> Option<String> {
     (natural_s.is_finite() && duration_s < natural_s * (1.0 - 1e-9)).then(|| {
         format!(
             "run.duration_s is {duration_s:.4} s, the process takes {natural_s:.4} s by itself: what \
-             is reported is of an unfinished cut"
+             is reported is of an unfinished process"
         )
     })
 }

@@ -86,11 +86,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshData, MeshFileError> {
                 element.count, element.name
             )));
         }
-        for _ in 0..if element.properties.is_empty() {
-            0
-        } else {
-            element.count
-        } {
+        // Without properties nothing follows, however many are declared.
+        if element.properties.is_empty() {
+            continue;
+        }
+        for _ in 0..element.count {
             match element.name.as_str() {
                 "vertex" => vertex(&mut source, element, &mut mesh)?,
                 _ => face(&mut source, element, &mut mesh)?,

@@ -175,9 +175,19 @@ fn each_defect_is_counted_with_its_place() {
     near[0][0] = 8;
     let near = defects(&more, &near);
     assert_eq!((near.welded_vertices.count, near.open_edges.count), (1, 0));
-    let mut needle = triangles;
+    let mut needle = triangles.clone();
     needle.push([0, 0, 3]);
     assert_eq!(defects(&vertices, &needle).degenerate_triangles.count, 1);
+    // All sides of some 7 um, on a part of 118 mm.
+    let (mut small, corner) = (vertices.clone(), vertices[0]);
+    small.extend([5e-6, 10e-6].map(|x| corner + Vector3::new(x, x, 0.0)));
+    small[9].y = corner.y;
+    let mut tiny = triangles.clone();
+    tiny.push([0, 8, 9]);
+    assert_eq!(defects(&small, &tiny).tiny_triangles.count, 1);
+    let mut stated = soup(&vertices, &triangles);
+    stated.against_stated_normal = vec![2, 7];
+    assert_eq!(look(stated).defects.against_stated_normal.count, 2);
 }
 
 #[test]
