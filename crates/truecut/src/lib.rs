@@ -102,10 +102,13 @@
 //! let slid = slippery.execute()?;
 //! assert!(!slid.claims[0].holds);
 //! assert!(slid.recording.scalar("chamfer.width_spread")?.value > 0.0);
+//! // The recording carries the scenario that really ran, so that it can be run again.
+//! assert!(slid.recording.header.scenario_text.contains("mu = 0.02"));
 //!
-//! // The files of a run go into the folder `foot`, named like the scenario; what an earlier run
-//! // left in it is removed. Sinks take the rows while it goes on, the summary comes after. `true`
-//! // would write a file for the viewer, too.
+//! // The files of a run go into the folder `foot`, named like the scenario's file (`foot.toml`):
+//! // runs of one scenario with different overrides need a folder each in place of `out`, since what
+//! // an earlier run left is removed. Sinks take the rows while the run goes on, the summary comes
+//! // after it. `true` would write a file for the viewer, too.
 //! let out = tempfile::tempdir()?;
 //! let files = truecut::Outputs::prepare(out.path(), &scenario, false)?;
 //! let kept = Run { sinks: files.sinks(), ..Run::of(&scenario) }.execute()?;
@@ -117,11 +120,16 @@
 //! let error = error.unwrap_err();
 //! assert_eq!(error.problems().next().and_then(|problem| problem.line()), Some(27));
 //!
-//! // A sweep runs a scenario over values of its keys, in parallel, and judges claims on all rows.
+//! // A sweep runs a scenario over values of its keys, in parallel. Two axes make a grid, the last
+//! // one running fastest; their values are in the unit of their key.
 //! let sweep = r#"
 //! [[sweep.axis]]
 //! key = "process.chamfer.foot.friction.mu"
 //! values = [0.02, 0.15]
+//!
+//! [[sweep.axis]]
+//! key = "process.chamfer.foot.pressure_mpa"
+//! values = [0.7, 0.8]
 //!
 //! [[sweep.column]]
 //! name = "time sliding"
@@ -130,11 +138,17 @@
 //! threshold = 0.5
 //! unit = "ms"
 //! "#;
+//! // Claims of one run say nothing of a sweep; it has its own, on all rows: `[[sweep.claim]]`.
 //! let (head, _claims) = text.split_once("[[claim]]").unwrap();
 //! let swept = Scenario::from_str(&root.join("foot.toml"), &format!("{head}{sweep}"), &[])?;
 //! let table = truecut::sweep(&swept, &|_part| {})?;
-//! // A row has the axes' values, then the columns', each in its unit in the scenario: here ms.
-//! assert!(table.rows[0][1] > 3.0 && table.rows[1][1] < 3.0, "{:?}", table.rows);
+//! // A row has the axes' values, then the columns', each in the unit of `table.columns`: here ms.
+//! let time_sliding = table.index("time sliding").unwrap();
+//! let slides = |row: usize| table.rows[row][time_sliding] > 3.0;
+//! assert_eq!(table.rows[1][..2], [0.02, 0.8]);
+//! assert!(slides(0) && slides(1) && !slides(2) && !slides(3), "{:?}", table.rows);
+//! // Where a run did not come to its end the row's results are NaN, and `unfinished` says why.
+//! assert!(table.unfinished.iter().all(Option::is_none));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -148,16 +162,29 @@
 //! use truecut::discrepancy::trial::Trial;
 //! use truecut::{Claims, Run, RunError, Scenario, data};
 //!
-//! // The scenario says which column of the data is which channel, and which of them drive the
-//! // model: `[data]` with its file, and one `[[data.channel]]` each (docs/measured_data.md).
+//! // The scenario says which column of the data is which channel, in which unit, and which of them
+//! // drive the model (docs/measured_data.md):
+//! //
+//! //     [process.replay]
+//! //
+//! //     [data]
+//! //     file = "elbow.csv"
+//! //     time = "t_s"
+//! //
+//! //     [[data.channel]]
+//! //     column = "command_1_deg"
+//! //     channel = "joint1.command"
+//! //     unit = "deg"
+//! //     role = "input"              # the others are compared with the run
 //! let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis/elbow.toml");
 //! // One second is enough.
 //! let scenario = Scenario::load(&file, &[("data.to_s".into(), "1".into())])?;
 //! // `None`: the file that the scenario names. `Some(path)` reads another, with the same columns.
 //! let measured = data::measured(&scenario, None)?;
 //!
-//! // The last argument is the spindle's rate in Hz where one turns: differences are then held
-//! // against its phase, too.
+//! // Claims are left alone here: they are about the model, and the question is about the data. The
+//! // last argument is the spindle's rate in Hz where one turns: differences are then held against
+//! // its phase, too.
 //! let nominal = Run { measured: Some(&measured), claims: Claims::Ignore, ..Run::of(&scenario) };
 //! let differences = compare_recordings(&nominal.execute()?.recording, &measured, None)?;
 //! let height = differences.channels.iter().find(|it| it.channel == "tool.position_z");
@@ -170,7 +197,8 @@
 //! assert_eq!(answer.diagnosis.verdict, Verdict::Named);
 //! assert_eq!(answer.diagnosis.causes[0].kind, "joint_backlash");
 //!
-//! // The answer is a scenario that anyone can run.
+//! // The answer is a scenario: to run here, and as a text for others, in which the effects are new
+//! // entries. Which joints are rotary decides between keys as `gap_rad` and `gap_m`.
 //! let extended = scenario.with_effects(&answer.effects)?;
 //! assert!(extended.extended_text(&answer.effects, &trial.rotary()).contains("joint_backlash"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -221,20 +249,9 @@
 //! truecut = { path = "../truecut/crates/truecut", features = ["contract"] }
 //! ```
 //!
-//! ```text
-//! #[cfg(test)]
-//! mod tests {
-//!     use truecut::contract::{process::Subject, process_contract};
-//!
-//!     pub fn subject() -> Subject {
-//!         Subject::new(Box::new(drill()), 1e-3, states())
-//!     }
-//!
-//!     process_contract!(twist_drill, super::subject);
-//! }
-//! ```
-//!
-//! Plants, dialects of robot programs and readers of measured data have the like.
+//! The macro takes a name for the tests and a function that makes the process in question with a
+//! history of states of its tool; the example below ends with one. Plants, dialects of robot
+//! programs and readers of measured data have the like.
 //!
 //! # The program
 //!
