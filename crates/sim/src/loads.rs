@@ -30,11 +30,14 @@ impl From<Attachment> for FrameId {
     }
 }
 
-/// Force and moment on the robot at one of its frames, in process axes.
+/// Force and moment on the robot at one of its frames, in [process axes](self).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wrench {
+    /// Where it attacks: the frame's origin.
     pub frame: Attachment,
+    /// On the robot, process axes, N.
     pub force_n: Vector3<f64>,
+    /// On the robot about the frame's origin, process axes, N m.
     pub moment_n_m: Vector3<f64>,
 }
 

@@ -137,8 +137,14 @@
 //! channel = "foot.sliding"
 //! threshold = 0.5
 //! unit = "ms"
+//!
+//! [[sweep.claim]]
+//! name = "the foot holds"
+//! column = "time sliding"
+//! max = 3
+//! reason = "with little friction it does not"
 //! "#;
-//! // Claims of one run say nothing of a sweep; it has its own, on all rows: `[[sweep.claim]]`.
+//! // Claims of one run say nothing of a sweep, which has its own, on all rows.
 //! let (head, _claims) = text.split_once("[[claim]]").unwrap();
 //! let swept = Scenario::from_str(&root.join("foot.toml"), &format!("{head}{sweep}"), &[])?;
 //! let table = truecut::sweep(&swept, &|_part| {})?;
@@ -147,6 +153,8 @@
 //! let slides = |row: usize| table.rows[row][time_sliding] > 3.0;
 //! assert_eq!(table.rows[1][..2], [0.02, 0.8]);
 //! assert!(slides(0) && slides(1) && !slides(2) && !slides(3), "{:?}", table.rows);
+//! // Its claims are judged on the table, by the worst row.
+//! assert!(!table.claims(&swept)[0].holds);
 //! // Where a run did not come to its end the row's results are NaN, and `unfinished` says why.
 //! assert!(table.unfinished.iter().all(Option::is_none));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -165,6 +173,11 @@
 //! // The scenario says which column of the data is which channel, in which unit, and which of them
 //! // drive the model (docs/measured_data.md):
 //! //
+//! //     [robot]
+//! //     urdf = "arm.urdf"
+//! //     posture_deg = [-40, 60]     # where it starts
+//! //     drive = "position"
+//! //
 //! //     [process.replay]
 //! //
 //! //     [data]
@@ -175,7 +188,12 @@
 //! //     column = "command_1_deg"
 //! //     channel = "joint1.command"
 //! //     unit = "deg"
-//! //     role = "input"              # the others are compared with the run
+//! //     role = "input"
+//! //
+//! //     [[data.channel]]            # an output, which is compared with the run
+//! //     column = "torque_1_n_m"
+//! //     channel = "joint1.transmission_torque"
+//! //     unit = "N m"
 //! let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis/elbow.toml");
 //! // One second is enough.
 //! let scenario = Scenario::load(&file, &[("data.to_s".into(), "1".into())])?;

@@ -139,7 +139,22 @@ fn neutral(scenario: &Scenario) -> Vec<(String, Box<dyn Process>)> {
 macro_rules! shipped {
     ($($test:ident: $file:literal $overrides:expr;)*) => { $(
         crate::process_contract!($test, || super::subject($file, &$overrides));
-    )* };
+    )*
+
+    mod all {
+        use truecut_scenario::ProcessSpec;
+
+        /// A process that is added has its scenario here, too.
+        #[test]
+        fn every_process_is_under_contract() {
+            let tested = [$(super::scenario($file, &$overrides)),*];
+            for name in ProcessSpec::NAMES {
+                let is_tested = tested.iter().any(|one| one.process.name() == *name);
+                assert!(is_tested, "{name} has no contract tests");
+            }
+        }
+    }
+    };
 }
 
 const COARSE: (&str, &str) = ("process.polish.face.cell_mm", "2");

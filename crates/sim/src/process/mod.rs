@@ -45,7 +45,9 @@ use truecut_recording::{ChannelSpec, Field, Outcome, Profile, Scalar};
 /// Motion of one frame of the robot, in process axes, relative to where it stood after touch-down.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FrameMotion {
+    /// From where the frame's origin stood after touch-down, process axes, m.
     pub displacement_m: Vector3<f64>,
+    /// Of the frame's origin, process axes, m/s.
     pub velocity_m_per_s: Vector3<f64>,
 }
 
