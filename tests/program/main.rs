@@ -6,6 +6,7 @@ mod compare;
 mod diagnose;
 mod identify;
 mod path;
+mod signals;
 mod stability;
 mod verdicts;
 
@@ -279,7 +280,22 @@ fn a_killed_run_leaves_what_it_had_recorded() {
     let recording = read_ipc_stream(&stream).unwrap();
     assert!(recording.time_s.len() > 1000, "{}", recording.time_s.len());
     desk.ends(0, &["view", "out/long/recording.arrows", "--rrd"]);
-    assert!(desk.path("out/long/recording.rrd").exists());
+    assert!(desk.path("out/long/recording.arrows.rrd").exists());
+}
+
+#[test]
+fn a_converted_recording_does_not_replace_that_of_the_run() {
+    let desk = Desk::new();
+    desk.scenario("swing", "duration_s = 0.1", "");
+    desk.ends(0, &["run", "swing.toml"]);
+    let own = std::fs::read(desk.path("out/swing/recording.rrd")).unwrap();
+    let out = desk.ends(0, &["view", "out/swing/recording.parquet", "--rrd"]);
+    assert_eq!(out.trim(), "out/swing/recording.parquet.rrd");
+    assert!(desk.path(out.trim()).exists());
+    assert_eq!(
+        std::fs::read(desk.path("out/swing/recording.rrd")).unwrap(),
+        own
+    );
 }
 
 #[test]

@@ -20,6 +20,7 @@ mod program;
 mod progress;
 mod robot;
 mod run;
+mod signals;
 mod spread;
 mod sweep;
 mod text;
@@ -38,7 +39,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     install_reporter();
     match dispatch(arguments.command) {
-        Ok(status) => status.into(),
+        Ok(status) => status,
         Err(failure) => {
             complain(&format!("{:?}", miette::Report::from(failure)));
             ExitStatus::BadInput.into()
@@ -46,9 +47,9 @@ fn main() -> ExitCode {
     }
 }
 
-fn dispatch(command: Command) -> Result<ExitStatus, Failure> {
-    match command {
-        Command::Run(arguments) => run::run(&arguments),
+fn dispatch(command: Command) -> Result<ExitCode, Failure> {
+    let status = match command {
+        Command::Run(arguments) => return run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::View(arguments) => view::view(&arguments),
         Command::ExportMjcf(arguments) => mjcf::export(&arguments),
@@ -64,7 +65,8 @@ fn dispatch(command: Command) -> Result<ExitStatus, Failure> {
         Command::Robot(arguments) => robot::robot(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
         Command::Schema(arguments) => print(&format!("{:#}\n", arguments.schema())),
-    }
+    }?;
+    Ok(status.into())
 }
 
 /// Prints to standard output; a closed pipe (`truecut schema | head`) is no error.

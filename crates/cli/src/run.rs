@@ -1,9 +1,11 @@
 //! `truecut run`: runs scenarios, judges their claims, writes recordings.
 
+use std::process::ExitCode;
+
 use rayon::prelude::*;
 use truecut::data;
 use truecut::outputs::Outputs;
-use truecut_recording::Unit;
+use truecut_recording::{Outcome, Unit};
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Finished, Run, Runs};
 
@@ -11,12 +13,16 @@ use crate::args::RunArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::{Progress, RunProgress};
+use crate::signals::Signals;
 use crate::sweep;
 use crate::text;
 
 /// Runs every scenario given; sweeps after the single runs, since each of them fills all
-/// cores.
-pub fn run(arguments: &RunArguments) -> Result<ExitStatus, Failure> {
+/// cores. A signal stops single runs at a step, with their files whole; what has not begun then does
+/// not begin.
+pub fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+    let signals =
+        Signals::catch().map_err(|error| Failure::message(format!("signals: {error}")))?;
     let scenarios = arguments.load()?;
     let (sweeps, singles): (Vec<_>, Vec<_>) = scenarios
         .iter()
@@ -25,7 +31,10 @@ pub fn run(arguments: &RunArguments) -> Result<ExitStatus, Failure> {
     let progress = Progress::new(singles.len(), "running");
     let reports: Vec<Result<(String, ExitStatus), Failure>> = singles
         .par_iter()
-        .map(|scenario| run_one(scenario, arguments, &runs, &progress.run()))
+        .map(|scenario| match signals.came() {
+            true => Ok((not_run(scenario), ExitStatus::Good)),
+            false => run_one(scenario, arguments, &runs, &progress.run(), &signals),
+        })
         .collect();
     drop(progress);
     let mut all = ExitStatus::Good;
@@ -34,10 +43,24 @@ pub fn run(arguments: &RunArguments) -> Result<ExitStatus, Failure> {
         crate::print(&text)?;
         all = all.and(status);
     }
+    if let Some(code) = signals.exit_code() {
+        for scenario in sweeps {
+            crate::print(&not_run(scenario))?;
+        }
+        return Ok(code.into());
+    }
+    signals.end_at_once();
     for scenario in sweeps {
         all = all.and(sweep::run_and_write(scenario, &arguments.out)?);
     }
-    Ok(all)
+    Ok(all.into())
+}
+
+fn not_run(scenario: &Scenario) -> String {
+    format!(
+        "{}\n  not run: stopped by a signal before\n\n",
+        scenario.name
+    )
 }
 
 fn run_one(
@@ -45,6 +68,7 @@ fn run_one(
     arguments: &RunArguments,
     runs: &Runs,
     progress: &RunProgress,
+    signals: &Signals,
 ) -> Result<(String, ExitStatus), Failure> {
     let outputs = Outputs::prepare(&arguments.out, scenario, !arguments.no_rrd)?;
     let measured = data::replayed_from(scenario, arguments.data.as_deref())?;
@@ -54,6 +78,7 @@ fn run_one(
         references: Some(runs),
         sinks: outputs.sinks(),
         progress: &|part| progress.set(part),
+        stop: Some(signals.stop()),
         ..Run::of(scenario)
     }
     .execute()?;
@@ -77,6 +102,10 @@ fn printed(scenario: &Scenario, finished: &Finished, outputs: &Outputs) -> Strin
         recording.time_s.len()
     );
     text.push_str(&text::notes(&recording.header.notes));
+    if recording.outcome == Outcome::Interrupted && !scenario.claims.is_empty() {
+        let count = scenario.claims.len();
+        text.push_str(&format!("\n  claims not judged: {count}\n"));
+    }
     if !claims.is_empty() {
         let held = claims.iter().filter(|claim| claim.holds).count();
         text.push_str(&format!(

@@ -1,6 +1,6 @@
 //! `truecut view`: opens the viewer, or lists the channels of a recording.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use truecut_recording::{Chunk, Recording, Sink, Unit, reduce, significant};
@@ -25,7 +25,10 @@ pub fn view(arguments: &ViewArguments) -> Result<ExitStatus, Failure> {
     }
     let recording = read_recording(file).map_err(|error| Failure::message(error.to_string()))?;
     if arguments.rrd {
-        let target = file.with_extension("rrd");
+        // Never the name of the run's own file for the viewer, which has the scene, too.
+        let mut target = file.clone().into_os_string();
+        target.push(".rrd");
+        let target = PathBuf::from(target);
         convert(&recording, &target)?;
         return crate::print(&format!("{}\n", target.display()));
     }

@@ -142,10 +142,10 @@ pub enum Outcome {
         /// The limit with its unit.
         limit: String,
     },
-    /// It broke off without an end mark: the program was stopped while it ran. Only a reader finds
-    /// this.
+    /// It was stopped from outside; what was recorded until then is there. Readers find the same of
+    /// a stream without an end mark: its program was killed while it ran.
     Interrupted,
-    /// It was stopped; what was recorded until then is there.
+    /// It went out of bounds and was stopped; what was recorded until then is there.
     Diverged {
         /// When.
         time_s: f64,

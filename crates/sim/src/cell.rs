@@ -14,7 +14,9 @@ use crate::scene::{Setting, Stage, scene};
 use crate::torque_use::TorqueUse;
 use deflection::PathDeflection;
 use nalgebra::{Matrix3, Vector3};
+use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use truecut_core::sensor::Sensor;
 use truecut_recording::{ChannelSpec, Header, Outcome, Recorder, Scalar, Scene, UnknownName};
 use truecut_scenario::Scenario;
@@ -143,12 +145,17 @@ impl Cell {
         self.steps_per_row as f64 * self.time_step_s()
     }
 
-    /// Runs to the end, or until the run diverges or its process cannot go on. Rows go to the
-    /// recorder as they come; `progress` is told the part done, from 0 to 1.
+    /// Runs to the end, or until the run diverges, its process cannot go on, or `stop` is set. Rows
+    /// go to the recorder as they come; `progress` is told the part done, from 0 to 1.
     ///
     /// # Errors
     /// Only what cannot be written; a run that ends early is an outcome.
-    pub fn run(self, recorder: &mut Recorder, progress: &dyn Fn(f64)) -> Result<RunEnd, SimError> {
+    pub fn run(
+        self,
+        recorder: &mut Recorder,
+        progress: &dyn Fn(f64),
+        stop: Option<&AtomicBool>,
+    ) -> Result<RunEnd, SimError> {
         recorder.reserve(self.rows());
         let mut stage = None;
         let shown_every = (self.steps / FIELDS_PER_RUN).max(1);
@@ -169,7 +176,12 @@ impl Cell {
             if step % STEPS_PER_REPORT == 0 {
                 progress(step as f64 / cell.steps as f64);
             }
-            Ok(())
+            // A stop that comes with the last step is none.
+            let stopped = stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
+            Ok(match stopped && step < cell.steps {
+                true => ControlFlow::Break(Outcome::Interrupted),
+                false => ControlFlow::Continue(()),
+            })
         })
     }
 
@@ -180,7 +192,7 @@ impl Cell {
             if let Some(values) = values {
                 row(time_s, values);
             }
-            Ok::<(), std::convert::Infallible>(())
+            Ok::<_, std::convert::Infallible>(ControlFlow::Continue(()))
         });
         match end {
             Ok(end) => end,
@@ -188,10 +200,11 @@ impl Cell {
         }
     }
 
-    /// The loop: `visit` sees every step before the plant moves on, with its row if one is due.
+    /// The loop: `visit` sees every step before the plant moves on, with its row if one is due, and
+    /// may end the run.
     fn each_step<E>(
         mut self,
-        mut visit: impl FnMut(&Self, usize, f64, Option<&[f64]>) -> Result<(), E>,
+        mut visit: impl FnMut(&Self, usize, f64, Option<&[f64]>) -> Result<ControlFlow<Outcome>, E>,
     ) -> Result<RunEnd, E> {
         let mut outcome = Outcome::Completed;
         let mut row = Vec::with_capacity(self.channels.len());
@@ -208,7 +221,11 @@ impl Cell {
             if due {
                 self.record(&state, &mut row);
             }
-            visit(&self, step, time_s, due.then_some(row.as_slice()))?;
+            let next = visit(&self, step, time_s, due.then_some(row.as_slice()))?;
+            if let ControlFlow::Break(ended) = next {
+                outcome = ended;
+                break;
+            }
             self.plant.drift();
         }
         let findings = self.process.finish();

@@ -66,7 +66,7 @@ impl Run<'_> {
         let build_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
         let mut recorder = Recorder::new(header, sinks)?;
-        let end = cell.run(&mut recorder, self.progress)?;
+        let end = cell.run(&mut recorder, self.progress, self.stop)?;
         let (recording, sinks) = recorder.finish(end.scalars, end.profiles, end.outcome)?;
         Ok(Recorded {
             recording,

@@ -1,6 +1,7 @@
 //! The run that is asked for, and what it comes to.
 
 use std::borrow::Cow;
+use std::sync::atomic::AtomicBool;
 
 use truecut_recording::{ClaimResult, Measured, Outcome, Recording, Sink};
 use truecut_scenario::{Scenario, ScenarioError};
@@ -51,6 +52,9 @@ pub struct Run<'a> {
     /// Is told the part done, from 0 to 1; more than once from the start if claims refer to other
     /// runs.
     pub progress: &'a dyn Fn(f64),
+    /// Stops the run at the next step once it is set, from another thread or a signal. The recording
+    /// then ends there with [`Outcome::Interrupted`], its files are whole, and no claim is judged.
+    pub stop: Option<&'a AtomicBool>,
 }
 
 /// A run that has ended.
@@ -92,6 +96,7 @@ impl<'a> Run<'a> {
             references: None,
             sinks: Vec::new(),
             progress: &|_| {},
+            stop: None,
         }
     }
 
@@ -108,9 +113,10 @@ impl<'a> Run<'a> {
         let measured = self.measured.or(read.as_ref());
         let at = |error| RunError::of(&scenario, error);
         let recorded = self.record(&scenario, measured, sinks).map_err(at)?;
+        let stopped = recorded.recording.outcome == Outcome::Interrupted;
         let claims = match self.claims {
-            Claims::Judge => self.judge_in(&scenario, &recorded.recording)?,
-            Claims::Check | Claims::Ignore => Vec::new(),
+            Claims::Judge if !stopped => self.judge_in(&scenario, &recorded.recording)?,
+            _ => Vec::new(),
         };
         let closed = recorded.sinks.close(&recorded.recording, &claims);
         closed.map_err(RunError::Sink)?;
