@@ -101,8 +101,8 @@ fn a_sweep_still_ends_at_the_first_signal() {
     std::thread::sleep(Duration::from_millis(700));
     assert!(child.try_wait().unwrap().is_none(), "the sweep had ended");
     send(&child, "INT");
-    // Ended by the signal itself, so that a shell's loop ends, too; or by the program, if it had not
-    // come to the sweep.
+    // Ended by the signal itself, so that a shell's loop ends, too; or by the program, if it had
+    // not come to the sweep.
     let code = child.wait().unwrap().code();
     assert!(matches!(code, None | Some(130)), "{code:?}");
 }

@@ -17,9 +17,9 @@ use crate::signals::Signals;
 use crate::sweep;
 use crate::text;
 
-/// Runs every scenario given; sweeps after the single runs, since each of them fills all
-/// cores. A signal stops single runs at a step, with their files whole; what has not begun then does
-/// not begin.
+/// Runs every scenario given; sweeps after the single runs, since each of them fills all cores. A
+/// signal stops single runs at a step, with their files whole; what has not begun then does not
+/// begin.
 pub fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let signals =
         Signals::catch().map_err(|error| Failure::message(format!("signals: {error}")))?;

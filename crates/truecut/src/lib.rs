@@ -106,9 +106,9 @@
 //! assert!(slid.recording.header.scenario_text.contains("mu = 0.02"));
 //!
 //! // The files of a run go into the folder `foot`, named like the scenario's file (`foot.toml`):
-//! // runs of one scenario with different overrides need a folder each in place of `out`, since what
-//! // an earlier run left is removed. Sinks take the rows while the run goes on, the summary comes
-//! // after it. `true` would write a file for the viewer, too.
+//! // runs of one scenario with different overrides need a folder each in place of `out`, since
+//! // what an earlier run left is removed. Sinks take the rows while the run goes on, the summary
+//! // comes after it. `true` would write a file for the viewer, too.
 //! let out = tempfile::tempdir()?;
 //! let files = truecut::Outputs::prepare(out.path(), &scenario, false)?;
 //! let kept = Run { sinks: files.sinks(), ..Run::of(&scenario) }.execute()?;

@@ -52,8 +52,9 @@ pub struct Run<'a> {
     /// Is told the part done, from 0 to 1; more than once from the start if claims refer to other
     /// runs.
     pub progress: &'a dyn Fn(f64),
-    /// Stops the run at the next step once it is set, from another thread or a signal. The recording
-    /// then ends there with [`Outcome::Interrupted`], its files are whole, and no claim is judged.
+    /// Stops the run at the next step once it is set, from another thread or a signal. The
+    /// recording then ends there with [`Outcome::Interrupted`], its files are whole, and no claim
+    /// is judged.
     pub stop: Option<&'a AtomicBool>,
 }
 
