@@ -237,7 +237,8 @@ pub(super) fn claims_table(recording: &Recording, claims: &[ClaimResult]) -> Str
         text += &format!("**The run {}.**\n\n", recording.outcome);
     }
     text += &match (claims.len(), failed) {
-        (0, _) => "The scenario makes no claims.\n".to_owned(),
+        // None made, or none judged: a run that was stopped, a file that was converted.
+        (0, _) => "No claim was judged.\n".to_owned(),
         (count, 0) => format!("**All {count} claims hold.**\n\n"),
         (count, failed) => format!("**{failed} of {count} claims fail.**\n\n"),
     };
@@ -347,6 +348,18 @@ pub(super) fn scenario(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_run_that_was_stopped_does_not_say_that_its_scenario_claims_nothing() {
+        let stopped = Recording {
+            outcome: Outcome::Interrupted,
+            ..Recording::default()
+        };
+        let text = claims_table(&stopped, &[]);
+        assert!(
+            text.contains("**The run was interrupted.**") && text.contains("No claim was judged.")
+        );
+    }
 
     #[test]
     fn the_chatter_line_stands_on_the_peak_beside_its_frequency() {
