@@ -7,6 +7,7 @@ published arms in the folder that `TRUECUT_ROBOTS` names (skipped where it is no
 import os
 import pathlib
 import random
+import re
 import xml.etree.ElementTree as ElementTree
 
 import pytest
@@ -19,11 +20,11 @@ SEED = 24
 EXPRESSIONS = 400
 
 
-def published():
+def published(ending=".xacro"):
     """Files that are robots themselves: those that only define macros come to no link."""
     if not PUBLISHED:
         return []
-    files = sorted(pathlib.Path(PUBLISHED).glob("*/urdf/*.xacro"))
+    files = sorted(pathlib.Path(PUBLISHED).glob(f"*/urdf/*{ending}"))
     return [file for file in files if "_macro" not in file.name and "common_" not in file.name]
 
 
@@ -34,9 +35,9 @@ def reference(file, arguments=None, packages=HERE):
     return ElementTree.fromstring(text)
 
 
-def ours(truecut, file, arguments=None):
+def ours(truecut, file, arguments=None, further=()):
     given = [word for name, value in (arguments or {}).items() for word in ("--arg", f"{name}={value}")]
-    return ElementTree.fromstring(truecut.call("robot", file, "--urdf-text", *given))
+    return ElementTree.fromstring(truecut.call("robot", file, "--urdf-text", *given, *further))
 
 
 def local(name):
@@ -132,11 +133,19 @@ def test_crosscheck_xacro_random_expressions(truecut, tmp_path):
 
 @pytest.mark.skipif(not PUBLISHED, reason="TRUECUT_ROBOTS is not set")
 @pytest.mark.parametrize("file", published(), ids=lambda file: file.name)
-def test_crosscheck_xacro_published_arms(truecut, file):
+def test_crosscheck_xacro_published_arms(truecut, file, tmp_path):
     try:
         theirs = reference(file, packages=PUBLISHED)
     except xacro.XacroException as error:
-        # A file that the reference program does not expand, either: one that is not there.
-        assert truecut.run("robot", file, "--urdf-text").returncode == 2, error
+        # A file that the reference program does not expand, either, without the argument that names a file.
+        refused = truecut.run("robot", file, "--urdf-text")
+        assert refused.returncode == 2 and "--arg joint_velocities_file=FILE" in refused.stderr, error
+        # With one, of speeds for every joint, both do.
+        names = sorted(set(re.findall(r"velocities\['(\w+)'\]", file.with_name(f"{file.stem}_macro.xacro").read_text())))
+        speeds = tmp_path / "speeds.yaml"
+        speeds.write_text("".join(f"{name}: {100 + 7 * index}\n" for index, name in enumerate(names)))
+        given = {"joint_velocities_file": str(speeds)}
+        theirs = reference(file, given, packages=PUBLISHED)
+        assert_same(ours(truecut, file, given, ["--package", f"speeds={tmp_path}"]), theirs)
         return
     assert_same(ours(truecut, file), theirs)

@@ -120,6 +120,14 @@ impl<'a> ConfigFile<'a> {
                 }));
             }
             seen.push((name.clone(), line));
+            if let Some(own) = chain.followers.iter().find(|own| own.name == *name) {
+                return Err(error(ArmErrorKind::Follows {
+                    joint: name.clone(),
+                    leader: chain.joints[own.follows].name.clone(),
+                    multiplier: own.multiplier,
+                    purpose: "it has no transmission of its own",
+                }));
+            }
             let Some(target) = chain.joints.iter_mut().find(|j| j.name == *name) else {
                 return Err(error(unknown_joint(name, chain)));
             };

@@ -13,7 +13,7 @@ const MOST_KG_PER_M2: f64 = 1000.0;
 /// Notes on masses, inertias and damping that no machine has.
 pub(crate) fn notes(chain: &Chain) -> Vec<String> {
     let mut notes = Vec::new();
-    let has_masses = chain.links.iter().all(|link| link.mass_kg > 0.0);
+    let has_masses = chain.moving().all(|body| body.link.mass_kg > 0.0);
     if chain.joints.len() >= FEWEST_JOINTS && has_masses {
         if all_alike(&chain.links, |link| link.mass_kg) {
             let mass_kg = chain.links[0].mass_kg;
@@ -45,8 +45,8 @@ fn all_alike(links: &[Link], of: impl Fn(&Link) -> f64) -> bool {
 }
 
 fn of_total(chain: &Chain) -> Option<String> {
-    let mass_kg: f64 = chain.links.iter().map(|link| link.mass_kg).sum();
-    let offsets = chain.joints.iter().skip(1);
+    let mass_kg: f64 = chain.moving().map(|body| body.link.mass_kg).sum();
+    let offsets = chain.moving().skip(1);
     let reach_m: f64 = offsets
         .map(|joint| joint.parent_from_joint.translation.vector.norm())
         .sum();

@@ -19,6 +19,10 @@ pub struct Energy {
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
     pub(crate) revolute: bool,
+    /// Its joint's coordinate is `multiplier` times this one of the chain, and `offset`.
+    pub(crate) coordinate: usize,
+    pub(crate) multiplier: f64,
+    offset: f64,
     pub(crate) axis: Vector3<f64>,
     axis_cross: Matrix3<f64>,
     axis_cross_squared: Matrix3<f64>,
@@ -56,6 +60,8 @@ pub struct Dynamics {
     pub(crate) states: Vec<State>,
     pub(crate) zeros: Vec<f64>,
     pub(crate) frames: [(Vector3<f64>, Matrix3<f64>); 3],
+    /// Axis and origin of each link's joint in the world, while a Jacobian is made.
+    pub(crate) screws: Vec<(Vector3<f64>, Vector3<f64>)>,
     /// The posture that `states` hold; a step asks for several things at one posture.
     placed: Vec<f64>,
 }
@@ -64,9 +70,9 @@ impl Dynamics {
     /// Takes the constant data out of `robot`.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
-        let links = &robot.chain.links;
-        let bodies: Vec<_> = (robot.chain.joints.iter().zip(links))
-            .map(|(joint, link)| {
+        let bodies: Vec<_> = (robot.chain.moving())
+            .map(|joint| {
+                let link = joint.link;
                 let axis = joint.axis.into_inner();
                 let parent_from_joint = *joint
                     .parent_from_joint
@@ -76,6 +82,9 @@ impl Dynamics {
                 let com_cross = link.com_m.cross_matrix();
                 Body {
                     revolute: joint.kind == JointKind::Revolute,
+                    coordinate: joint.coordinate,
+                    multiplier: joint.multiplier,
+                    offset: joint.offset,
                     axis,
                     axis_cross: axis.cross_matrix(),
                     axis_cross_squared: axis.cross_matrix() * axis.cross_matrix(),
@@ -97,9 +106,10 @@ impl Dynamics {
         };
         Self {
             states: vec![State::default(); bodies.len()],
-            zeros: vec![0.0; bodies.len()],
+            zeros: vec![0.0; robot.dof()],
+            screws: Vec::with_capacity(bodies.len()),
             frames: [FrameId::Flange, FrameId::Tool, FrameId::Foot].map(frame),
-            placed: vec![f64::NAN; bodies.len()],
+            placed: vec![f64::NAN; robot.dof()],
             bodies,
         }
     }
@@ -107,17 +117,18 @@ impl Dynamics {
     /// Number of joints.
     #[must_use]
     pub fn dof(&self) -> usize {
-        self.bodies.len()
+        self.placed.len()
     }
 
     pub(crate) fn place(&mut self, q: &[f64]) {
-        assert_eq!(q.len(), self.bodies.len(), "one coordinate per joint");
+        assert_eq!(q.len(), self.dof(), "one coordinate per joint");
         // Never with a NaN in it.
         if self.placed == q {
             return;
         }
         self.placed.copy_from_slice(q);
-        for ((body, state), &q) in self.bodies.iter().zip(&mut self.states).zip(q) {
+        for (body, state) in self.bodies.iter().zip(&mut self.states) {
+            let q = body.value(q);
             if body.revolute {
                 let (sin, cos) = q.sin_cos();
                 // Rodrigues: 1 + sin q [a]× + (1 − cos q) [a]×².
@@ -146,7 +157,7 @@ impl Dynamics {
         gravity_m_s2: &Vector3<f64>,
         tau: &mut [f64],
     ) {
-        let n = self.bodies.len();
+        let n = self.dof();
         assert!(
             v.len() == n && a.len() == n && tau.len() == n,
             "one value per joint"
@@ -164,7 +175,7 @@ impl Dynamics {
             acceleration: -gravity_m_s2,
             ..State::default()
         };
-        for (i, (body, state)) in self.bodies.iter().zip(&mut self.states).enumerate() {
+        for (body, state) in self.bodies.iter().zip(&mut self.states) {
             let link_from_parent = state.parent_from_link.transpose();
             let omega = link_from_parent * parent.angular_velocity;
             let alpha = link_from_parent * parent.angular_acceleration;
@@ -173,15 +184,16 @@ impl Dynamics {
                 * (parent.acceleration
                     + parent.angular_acceleration.cross(&state.origin_m)
                     + parent.angular_velocity.cross(&swing));
-            let rate = body.axis * v[i];
+            let rate = body.axis * body.rate(v);
             if body.revolute {
                 state.angular_velocity = omega + rate;
-                state.angular_acceleration = alpha + body.axis * a[i] + omega.cross(&rate);
+                state.angular_acceleration = alpha + body.axis * body.rate(a) + omega.cross(&rate);
                 state.acceleration = acceleration;
             } else {
                 state.angular_velocity = omega;
                 state.angular_acceleration = alpha;
-                state.acceleration = acceleration + body.axis * a[i] + omega.cross(&rate) * 2.0;
+                state.acceleration =
+                    acceleration + body.axis * body.rate(a) + omega.cross(&rate) * 2.0;
             }
             let omega = state.angular_velocity;
             let alpha = state.angular_acceleration;
@@ -199,6 +211,7 @@ impl Dynamics {
 
     /// Inward pass: each joint carries its link and all beyond it.
     fn gather(&mut self, tau: &mut [f64]) {
+        tau.fill(0.0);
         for i in (0..self.bodies.len()).rev() {
             let state = self.states[i];
             let along = if self.bodies[i].revolute {
@@ -206,7 +219,8 @@ impl Dynamics {
             } else {
                 state.force
             };
-            tau[i] = self.bodies[i].axis.dot(&along);
+            let body = &self.bodies[i];
+            tau[body.coordinate] += body.multiplier * body.axis.dot(&along);
             if i > 0 {
                 let force = state.parent_from_link * state.force;
                 let moment = state.parent_from_link * state.moment + state.origin_m.cross(&force);
@@ -252,7 +266,7 @@ impl Dynamics {
     /// # Panics
     /// If `q` or `mass` does not fit the number of joints.
     pub fn mass_matrix_into(&mut self, q: &[f64], mass: &mut DMatrix<f64>) {
-        let n = self.bodies.len();
+        let n = self.dof();
         assert!(
             mass.nrows() == n && mass.ncols() == n,
             "one row and column per joint"
@@ -263,7 +277,8 @@ impl Dynamics {
             state.composite_first_moment = body.com_m * body.mass_kg;
             state.composite_inertia = body.inertia_about_origin_kg_m2;
         }
-        for i in (0..n).rev() {
+        mass.fill(0.0);
+        for i in (0..self.bodies.len()).rev() {
             let state = self.states[i];
             let axis = self.bodies[i].axis;
             let (mut force, mut moment) = if self.bodies[i].revolute {
@@ -279,8 +294,13 @@ impl Dynamics {
                 } else {
                     force
                 };
-                mass[(i, j)] = self.bodies[j].axis.dot(&along);
-                mass[(j, i)] = mass[(i, j)];
+                let (one, other) = (&self.bodies[i], &self.bodies[j]);
+                let inertia = one.multiplier * other.multiplier * other.axis.dot(&along);
+                let (one, other) = (one.coordinate, other.coordinate);
+                mass[(one, other)] += inertia;
+                if i != j {
+                    mass[(other, one)] += inertia;
+                }
                 let turn = self.states[j].parent_from_link;
                 force = turn * force;
                 moment = turn * moment + self.states[j].origin_m.cross(&force);
@@ -289,6 +309,18 @@ impl Dynamics {
                 self.states[i - 1].absorb(&state);
             }
         }
+    }
+}
+
+impl Body {
+    /// Coordinate of its joint at posture `q`.
+    fn value(&self, q: &[f64]) -> f64 {
+        self.multiplier * q[self.coordinate] + self.offset
+    }
+
+    /// Rate of its joint's coordinate, of those of the chain.
+    pub(crate) fn rate(&self, rates: &[f64]) -> f64 {
+        self.multiplier * rates[self.coordinate]
     }
 }
 

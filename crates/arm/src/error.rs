@@ -83,13 +83,22 @@ pub enum ArmErrorKind {
         tip: String,
         kind: &'static str,
     },
-    #[error(
-        "joint \"{joint}\" on the chain to \"{tip}\" mimics \"{mimicked}\"; a mimic joint is accepted only on a side branch, where it is merged at zero"
-    )]
-    MimicOnChain {
+    #[error("joint \"{joint}\" mimics \"{mimicked}\", which does not exist{hint}")]
+    UnknownMimicked {
         joint: String,
-        tip: String,
         mimicked: String,
+        hint: String,
+    },
+    #[error(
+        "joint \"{joint}\" mimics itself, by way of the joints that it mimics; one of them must move by itself"
+    )]
+    MimicsItself { joint: String },
+    #[error("joint \"{joint}\" moves with \"{leader}\" ({multiplier} times, <mimic>): {purpose}")]
+    Follows {
+        joint: String,
+        leader: String,
+        multiplier: f64,
+        purpose: &'static str,
     },
     #[error(
         "joint \"{joint}\": axis has length {length}; it must be longer than {limit} and finite"

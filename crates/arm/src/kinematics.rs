@@ -1,32 +1,22 @@
 //! Forward kinematics, the geometric Jacobian and the process frame.
 
-use nalgebra::{
-    Isometry3, Matrix3, Matrix6xX, Point3, Rotation3, Translation3, UnitQuaternion, Vector3,
-};
+use nalgebra::{Isometry3, Matrix3, Matrix6xX, Point3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{FrameId, Joint, JointKind, Robot};
+use crate::moving::motion;
 
 impl Joint {
     /// Previous link from this joint's link, at coordinate `q` (rad or m).
     #[must_use]
     pub fn parent_from_link(&self, q: f64) -> Isometry3<f64> {
-        let motion = match self.kind {
-            JointKind::Revolute => Isometry3::from_parts(
-                Translation3::identity(),
-                UnitQuaternion::from_axis_angle(&self.axis, q),
-            ),
-            JointKind::Prismatic => Isometry3::from_parts(
-                Translation3::from(self.axis.into_inner() * q),
-                UnitQuaternion::identity(),
-            ),
-        };
-        self.parent_from_joint * motion
+        self.parent_from_joint * motion(self.kind, &self.axis, q)
     }
 }
 
 impl Robot {
-    /// Poses of all links at posture `q` (rad or m, in chain order), world from link.
+    /// Poses of all links that move, those of followers too ([`Chain::moving`]), at posture `q`
+    /// (rad or m, in chain order), world from link.
     ///
     /// # Panics
     /// If `q` does not have one value per joint; check outside input with [`Robot::check_posture`].
@@ -34,15 +24,11 @@ impl Robot {
     pub fn world_from_links(&self, q: &[f64]) -> Vec<Isometry3<f64>> {
         assert_eq!(q.len(), self.dof(), "one coordinate per joint");
         let mut world_from_link = Isometry3::identity();
-        self.chain
-            .joints
-            .iter()
-            .zip(q)
-            .map(|(joint, &q)| {
-                world_from_link *= joint.parent_from_link(q);
-                world_from_link
-            })
-            .collect()
+        let moving = self.chain.moving().map(|body| {
+            world_from_link *= body.parent_from_link(q);
+            world_from_link
+        });
+        moving.collect()
     }
 
     /// Pose of a frame at posture `q`, world from frame.
@@ -52,9 +38,9 @@ impl Robot {
     #[must_use]
     pub fn world_from_frame(&self, q: &[f64], frame: FrameId) -> Isometry3<f64> {
         assert_eq!(q.len(), self.dof(), "one coordinate per joint");
-        let joints = self.chain.joints.iter().zip(q);
-        joints.fold(Isometry3::identity(), |pose, (joint, &q)| {
-            pose * joint.parent_from_link(q)
+        let moving = self.chain.moving();
+        moving.fold(Isometry3::identity(), |pose, body| {
+            pose * body.parent_from_link(q)
         }) * self.last_link_from_frame(frame)
     }
 
@@ -70,19 +56,20 @@ impl Robot {
         let links = self.world_from_links(q);
         let last = links.last().copied().unwrap_or_else(Isometry3::identity);
         let point_m = last * Point3::from(self.last_link_from_frame(frame).translation.vector);
-        self.jacobian_of_point(&links, self.dof(), &point_m)
+        self.chain
+            .folded(self.jacobian_by_link(&links, links.len(), &point_m))
     }
 
-    /// Jacobian of a world point fixed to the link moved by joint `count - 1`; columns of joints
-    /// that do not move the point are zero.
-    pub(crate) fn jacobian_of_point(
+    /// Jacobian of a world point fixed to the link `count - 1` of those that move, with a column
+    /// for each of them; columns of those that do not move the point are zero.
+    pub(crate) fn jacobian_by_link(
         &self,
         world_from_links: &[Isometry3<f64>],
         count: usize,
         point_m: &Point3<f64>,
     ) -> Matrix6xX<f64> {
-        let mut jacobian = Matrix6xX::zeros(self.dof());
-        let joints = self.chain.joints.iter().zip(world_from_links).take(count);
+        let mut jacobian = Matrix6xX::zeros(world_from_links.len());
+        let joints = self.chain.moving().zip(world_from_links).take(count);
         for (i, (joint, pose)) in joints.enumerate() {
             // The axis is the same in the joint frame and in the link frame: the motion leaves it.
             let axis = pose * joint.axis.into_inner();
@@ -127,8 +114,9 @@ impl Robot {
     /// Names the joint, the value and the limits.
     pub fn check_posture(&self, q: &[f64]) -> Result<(), ArmError> {
         self.check_length(q)?;
-        for (joint, &value) in self.chain.joints.iter().zip(q) {
-            let name = || joint.name.clone();
+        for joint in self.chain.moving() {
+            let value = joint.value(q);
+            let name = || joint.joint.to_owned();
             if !value.is_finite() {
                 return Err(ArmErrorKind::PostureNotFinite {
                     joint: name(),

@@ -72,6 +72,7 @@ mod mjcf;
 mod modal;
 mod model;
 mod motion;
+mod moving;
 mod opw;
 mod packages;
 mod placed;
@@ -83,6 +84,7 @@ mod tangent;
 mod tip;
 mod tip_modes;
 mod tree;
+mod undrawn;
 mod urdf;
 mod visual;
 mod xacro;
@@ -107,6 +109,7 @@ pub use model::{
     Chain, FrameId, Frames, Joint, JointKind, Limits, Link, MAX_JOINTS, Robot, Servo, Shape,
     ToolLoad, Transmission, TransmissionSources, Visual, standard_gravity_m_s2,
 };
+pub use moving::{Follower, Moving};
 pub use opw::{ArmBranch, Elbow, OpwGeometry, Shoulder, SingularityDistance, Wrist};
 pub use packages::Packages;
 pub use placed::Placed;

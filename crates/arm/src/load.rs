@@ -128,6 +128,7 @@ impl Robot {
         }
         let (mut chain, last_link_from_flange) = to_chain(&mut tree, tip, reading.masses)?;
         chain.notes.splice(0..0, note);
+        chain.notes.append(&mut tree.notes);
         chain.notes.extend(not_drawn);
         let (settings, config_path) = match config {
             Some(config) => (config.apply(&mut chain)?, Some(PathBuf::from(config.path))),
@@ -177,6 +178,11 @@ impl Source {
         let text = read(path)?;
         if xacro::has_xacro(&text) {
             return xacro::expand(&text, path, packages, arguments).map(Self::Xacro);
+        }
+        if let Some(name) = arguments.keys().next() {
+            let text =
+                format!("the argument \"{name}\" is given, but the file is no xacro and has none");
+            return Err(ArmError::in_file(path, None, ArmErrorKind::Xacro(text)));
         }
         Ok(Self::Urdf(text))
     }

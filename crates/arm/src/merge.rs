@@ -6,6 +6,7 @@ use crate::bounds::{self, Masses};
 use crate::error::{ArmError, ArmErrorKind};
 use crate::meshes::LinkMesh;
 use crate::model::{Chain, Joint, JointKind, Link, MAX_JOINTS, Transmission, Visual};
+use crate::moving::Follower;
 use crate::tree::{Freedom, Tree};
 
 /// A part of the path whose links do not move against each other.
@@ -28,24 +29,24 @@ pub(crate) fn to_chain(
     let tree = &*tree;
     let segments = split(tree, &path);
     let mut massless_links: Vec<&str> = Vec::new();
-    let mut bodies = Vec::with_capacity(segments.len());
-    let mut joints = Vec::with_capacity(segments.len());
+    let mut parts = Parts::default();
     for segment in &segments {
         let mut body = MergedBody::default();
         for &(link, pose) in &segment.links {
             body.collect(tree, link, &pose, &path, &mut notes);
         }
-        if let Some((j, parent_from_joint)) = segment.joint {
-            if body.mass_kg == 0.0 {
-                if masses == Masses::Needed {
-                    return Err(massless(tree, j));
-                }
-                massless_links.push(&tree.links[tree.joints[j].child].name);
+        if let Some((j, _)) = segment.joint
+            && body.mass_kg == 0.0
+        {
+            if masses == Masses::Needed {
+                return Err(massless(tree, j));
             }
-            joints.push(chain_joint(tree, j, parent_from_joint, &mut notes));
+            massless_links.push(&tree.links[tree.joints[j].child].name);
         }
-        bodies.push(body.into_link(&tree.links[segment.links[0].0].name));
+        let link = body.into_link(&tree.links[segment.links[0].0].name);
+        parts.take(tree, segment.joint, link, &mut notes);
     }
+    notes.extend(held_followers(tree, &path));
     if !massless_links.is_empty() {
         notes.push(format!(
             "no mass is known of {}: only questions of kinematics can be answered",
@@ -54,16 +55,107 @@ pub(crate) fn to_chain(
     }
     let flange = segments.last().and_then(|segment| segment.links.last());
     let last_link_from_flange = flange.map_or_else(Isometry3::identity, |&(_, pose)| pose);
-    let base = bodies.remove(0);
     let chain = Chain {
         name: tree.name.clone(),
-        joints,
-        links: bodies,
-        base,
+        followers: parts.followers(tree, &mut notes),
+        joints: parts.joints,
+        links: parts.links,
+        base: parts
+            .base
+            .unwrap_or_else(|| MergedBody::default().into_link("")),
         tip: tree.links[tip].name.clone(),
         notes,
     };
     Ok((chain, last_link_from_flange))
+}
+
+/// Where a joint stands that does not move with the chain: fixed ones, and those that follow a
+/// joint beside the chain, which is held at zero. `None` if it moves.
+fn held_at(tree: &Tree, joint: usize, path: &[usize]) -> Option<f64> {
+    let own = &tree.joints[joint];
+    if !own.moves() {
+        return Some(0.0);
+    }
+    own.followed()?;
+    let leader = tree.leader(joint).ok()?;
+    let is_led = path.contains(&leader.joint) && tree.joints[leader.joint].moves();
+    (!is_led).then_some(leader.offset)
+}
+
+/// Joints on the chain that follow one which is not on it.
+fn held_followers(tree: &Tree, path: &[usize]) -> Vec<String> {
+    let moving = path.iter().filter(|&&j| tree.joints[j].moves());
+    let held = moving.filter_map(|&j| {
+        let at = held_at(tree, j, path)?;
+        let leader = tree.leader(j).ok()?;
+        Some(format!(
+            "joint \"{}\" mimics \"{}\", which does not move this chain: it is held at {at}",
+            tree.joints[j].name, tree.joints[leader.joint].name
+        ))
+    });
+    held.collect()
+}
+
+/// Joints, links and followers of a chain as they are gathered.
+#[derive(Default)]
+struct Parts {
+    base: Option<Link>,
+    joints: Vec<Joint>,
+    /// Which joint of the tree each of them is.
+    numbers: Vec<usize>,
+    links: Vec<Link>,
+    /// Joints of the tree that follow, how many joints of the chain come before, what they move.
+    followers: Vec<(usize, usize, Isometry3<f64>, Link)>,
+}
+
+impl Parts {
+    /// Adds a link and the joint that moves it; the base has none.
+    fn take(
+        &mut self,
+        tree: &Tree,
+        joint: Option<(usize, Isometry3<f64>)>,
+        link: Link,
+        notes: &mut Vec<String>,
+    ) {
+        match joint {
+            None => self.base = Some(link),
+            Some((j, pose)) if tree.joints[j].followed().is_some() => {
+                self.followers.push((j, self.joints.len(), pose, link));
+            }
+            Some((j, pose)) => {
+                self.joints.push(chain_joint(tree, j, pose, notes));
+                self.numbers.push(j);
+                self.links.push(link);
+            }
+        }
+    }
+
+    /// The followers, once all joints are known: one may follow a joint that comes after it.
+    fn followers(&mut self, tree: &Tree, notes: &mut Vec<String>) -> Vec<Follower> {
+        let taken = std::mem::take(&mut self.followers).into_iter();
+        let made = taken.filter_map(|(j, after, pose, link)| {
+            let leader = tree.leader(j).ok()?;
+            let follows = self.numbers.iter().position(|own| *own == leader.joint)?;
+            let own = chain_joint(tree, j, pose, &mut Vec::new());
+            notes.push(format!(
+                "joint \"{}\" moves with \"{}\", {} times: it has no coordinate and no transmission of its own",
+                own.name, self.joints[follows].name, leader.multiplier
+            ));
+            Some(Follower {
+                name: own.name,
+                kind: own.kind,
+                parent_from_joint: pose,
+                axis: own.axis,
+                limits: own.limits,
+                after,
+                follows,
+                multiplier: leader.multiplier,
+                offset: leader.offset,
+                link,
+            })
+        });
+        made.collect()
+    }
 }
 
 /// Joints from the root to a link, in that order.
@@ -90,16 +182,15 @@ fn check_path(tree: &Tree, tip: usize, path: &[usize]) -> Result<(), ArmError> {
             };
             return Err(tree.joint_error(j, "joint", kind));
         }
-        if let Some(mimicked) = joint.followed() {
-            let kind = ArmErrorKind::MimicOnChain {
-                joint: joint.name.clone(),
-                tip: tip_name(),
-                mimicked: mimicked.to_owned(),
-            };
-            return Err(tree.joint_error(j, "mimic", kind));
+        if joint.followed().is_some() {
+            (tree.leader(j)).map_err(|kind| tree.joint_error(j, "mimic", kind))?;
         }
     }
-    let count = path.iter().filter(|&&j| tree.joints[j].moves()).count();
+    let moves_itself = |j: &&usize| {
+        let joint = &tree.joints[**j];
+        joint.moves() && joint.followed().is_none()
+    };
+    let count = path.iter().filter(moves_itself).count();
     if (1..=MAX_JOINTS).contains(&count) {
         return Ok(());
     }
@@ -121,8 +212,10 @@ fn split(tree: &Tree, path: &[usize]) -> Vec<RigidSegment> {
     };
     for &j in path {
         let joint = &tree.joints[j];
-        pose *= joint.parent_from_joint;
-        if joint.moves() {
+        if let Some(q) = held_at(tree, j, path) {
+            pose *= joint.parent_from_child(q);
+        } else {
+            pose *= joint.parent_from_joint;
             let next = RigidSegment {
                 joint: Some((j, pose)),
                 links: Vec::new(),
@@ -224,11 +317,13 @@ impl MergedBody {
                 let joint = &tree.joints[j];
                 if joint.moves() {
                     held.push(match &joint.mimics {
-                        Some(followed) => format!("{} (mimics {followed})", joint.name),
+                        Some(mimic) => format!("{} (mimics {})", joint.name, mimic.joint),
                         None => joint.name.clone(),
                     });
                 }
-                open.push((joint.child, pose * joint.parent_from_joint));
+                // With what it mimics at zero, a joint stands at its offset.
+                let at = tree.leader(j).map_or(0.0, |leader| leader.offset);
+                open.push((joint.child, pose * joint.parent_from_child(at)));
             }
         }
         if !held.is_empty() {

@@ -51,6 +51,7 @@ impl Robot {
 /// If posture or command do not fit the chain, the time step is not positive, or a joint has no
 /// stiffness and the drive needs one.
 pub fn to_mjcf(robot: &Robot, options: &MjcfOptions) -> Result<String, ArmError> {
+    robot.refuse_followers("a model for MuJoCo has joints that move by themselves")?;
     robot.check_length(&options.posture)?;
     robot.check_length(&options.command)?;
     if !(options.time_step_s > 0.0 && options.time_step_s.is_finite()) {

@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::meshes::LinkMesh;
+use crate::moving::Follower;
 
 /// Most joints a chain may have.
 pub const MAX_JOINTS: usize = 12;
@@ -169,6 +170,8 @@ pub struct Chain {
     pub name: String,
     pub joints: Vec<Joint>,
     pub links: Vec<Link>,
+    /// Joints that others take along, in their order; see [`Chain::moving`].
+    pub followers: Vec<Follower>,
     /// All that stands still, in the URDF root frame.
     pub base: Link,
     /// Name of the URDF link whose frame is the flange.
@@ -261,7 +264,9 @@ impl Robot {
     #[must_use]
     pub fn scaled(&self, inertia: f64, stiffness: f64, damping: f64) -> Self {
         let mut robot = self.clone();
-        for link in robot.chain.links.iter_mut().chain([&mut robot.chain.base]) {
+        let followers = robot.chain.followers.iter_mut().map(|own| &mut own.link);
+        let links = robot.chain.links.iter_mut().chain(followers);
+        for link in links.chain([&mut robot.chain.base]) {
             link.mass_kg *= inertia;
             link.inertia_about_com_kg_m2 *= inertia;
         }

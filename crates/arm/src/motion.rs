@@ -32,33 +32,32 @@ impl Dynamics {
     /// # Panics
     /// If `q` or `jacobian` does not fit the number of joints.
     pub fn jacobian_into(&mut self, q: &[f64], frame: FrameId, jacobian: &mut Matrix6xX<f64>) {
-        assert_eq!(jacobian.ncols(), self.bodies.len(), "one column per joint");
+        assert_eq!(jacobian.ncols(), self.dof(), "one column per joint");
         let (offset_m, _) = self.frame(frame);
         let zeros = std::mem::take(&mut self.zeros);
-        let mut i = 0;
+        let mut screws = std::mem::take(&mut self.screws);
+        screws.clear();
         let mut point_m = Vector3::zeros();
         // First pass over the links stores axis and origin; the point is known at the end.
         self.walk(q, &zeros, |body, rotation, origin, _, _| {
-            let mut column = jacobian.column_mut(i);
-            column.fixed_rows_mut::<3>(0).copy_from(origin);
-            column
-                .fixed_rows_mut::<3>(3)
-                .copy_from(&(rotation * body.axis));
+            screws.push((rotation * body.axis, *origin));
             point_m = origin + rotation * offset_m;
-            i += 1;
         });
         self.zeros = zeros;
-        for (body, mut column) in self.bodies.iter().zip(jacobian.column_iter_mut()) {
-            let origin: Vector3<f64> = column.fixed_rows::<3>(0).into_owned();
-            let axis: Vector3<f64> = column.fixed_rows::<3>(3).into_owned();
+        jacobian.fill(0.0);
+        for (body, (axis, origin)) in self.bodies.iter().zip(&screws) {
+            let mut column = jacobian.column_mut(body.coordinate);
+            let axis = axis * body.multiplier;
+            let mut linear = column.fixed_rows_mut::<3>(0);
             if body.revolute {
-                let linear = axis.cross(&(point_m - origin));
-                column.fixed_rows_mut::<3>(0).copy_from(&linear);
+                linear += axis.cross(&(point_m - origin));
+                let mut angular = column.fixed_rows_mut::<3>(3);
+                angular += axis;
             } else {
-                column.fixed_rows_mut::<3>(0).copy_from(&axis);
-                column.fixed_rows_mut::<3>(3).fill(0.0);
+                linear += axis;
             }
         }
+        self.screws = screws;
     }
 
     fn frame(&self, frame: FrameId) -> (Vector3<f64>, Matrix3<f64>) {
@@ -77,13 +76,14 @@ impl Dynamics {
         v: &[f64],
         mut visit: impl FnMut(&Body, &Matrix3<f64>, &Vector3<f64>, &Vector3<f64>, &Vector3<f64>),
     ) {
-        assert_eq!(v.len(), self.bodies.len(), "one velocity per joint");
+        assert_eq!(v.len(), self.dof(), "one velocity per joint");
         self.place(q);
         let mut rotation = Matrix3::identity();
         let mut origin = Vector3::zeros();
         let mut velocity = Vector3::zeros();
         let mut omega = Vector3::zeros();
-        for ((body, state), &rate) in self.bodies.iter().zip(&self.states).zip(v) {
+        for (body, state) in self.bodies.iter().zip(&self.states) {
+            let rate = body.rate(v);
             let step = rotation * state.origin_m;
             velocity += omega.cross(&step);
             origin += step;

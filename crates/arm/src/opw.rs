@@ -111,7 +111,8 @@ impl OpwGeometry {
     #[must_use]
     pub fn of(robot: &Robot) -> Option<Self> {
         let joints = &robot.chain.joints;
-        if joints.len() != 6 || joints.iter().any(|j| j.kind != JointKind::Revolute) {
+        let is_coupled = !robot.chain.followers.is_empty();
+        if is_coupled || joints.len() != 6 || joints.iter().any(|j| j.kind != JointKind::Revolute) {
             return None;
         }
         let links = robot.world_from_links(&[0.0; 6]);

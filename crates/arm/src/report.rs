@@ -9,6 +9,7 @@ use crate::compliance::{
 };
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::{FrameId, JointKind, Link, Robot, TransmissionSources};
+use crate::moving::Moving;
 use crate::tangent::Load;
 
 pub use crate::report_estimates::EstimateReport;
@@ -197,9 +198,11 @@ impl Robot {
             config: self.config_path.as_ref().map(|p| p.display().to_string()),
             tip: self.chain.tip.clone(),
             joints: self.joint_reports(),
-            links: self.chain.links.iter().map(link_report).collect(),
+            links: (self.chain.moving())
+                .map(|body| link_report(body.link))
+                .collect(),
             base: link_report(&self.chain.base),
-            moving_mass_kg: self.chain.links.iter().map(|link| link.mass_kg).sum(),
+            moving_mass_kg: self.chain.moving().map(|body| body.link.mass_kg).sum(),
             notes,
             posture: posture.to_vec(),
             outside_limits,
@@ -233,16 +236,12 @@ impl Robot {
     }
 
     fn outside_limits(&self, posture: &[f64]) -> Vec<String> {
-        let outside = |(joint, q): (&crate::model::Joint, &f64)| {
+        let outside = |joint: Moving| {
             let limits = joint.limits?;
-            (!(limits.lower..=limits.upper).contains(q)).then(|| joint.name.clone())
+            let is_within = (limits.lower..=limits.upper).contains(&joint.value(posture));
+            (!is_within).then(|| joint.joint.to_owned())
         };
-        self.chain
-            .joints
-            .iter()
-            .zip(posture)
-            .filter_map(outside)
-            .collect()
+        self.chain.moving().filter_map(outside).collect()
     }
 
     fn joint_reports(&self) -> Vec<JointReport> {

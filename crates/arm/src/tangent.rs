@@ -49,15 +49,16 @@ impl Robot {
     #[must_use]
     pub fn gravity_stiffness(&self, q: &[f64], gravity_m_s2: &Vector3<f64>) -> DMatrix<f64> {
         let links = self.world_from_links(q);
-        let mut tangent = DMatrix::zeros(self.dof(), self.dof());
-        for (k, (link, pose)) in self.chain.links.iter().zip(&links).enumerate() {
+        let mut tangent = DMatrix::zeros(links.len(), links.len());
+        for (k, (body, pose)) in self.chain.moving().zip(&links).enumerate() {
+            let link = body.link;
             let com_m = pose * Point3::from(link.com_m);
-            let jacobian = self.jacobian_of_point(&links, k + 1, &com_m);
+            let jacobian = self.jacobian_by_link(&links, k + 1, &com_m);
             // V = −Σ m g·p, so ∂g/∂q = ∂²V/∂q² = −Σ m g·∂²p/∂q².
             let weight_n = gravity_m_s2 * link.mass_kg;
             tangent -= self.force_stiffness(&links, &jacobian, &weight_n);
         }
-        tangent
+        self.chain.folded_square(tangent)
     }
 
     /// ∂(Jᵀw)/∂q at posture `q` for a wrench (force N, moment N m; world axes, at the frame's
@@ -75,35 +76,38 @@ impl Robot {
         wrench: &Vector6<f64>,
     ) -> DMatrix<f64> {
         let links = self.world_from_links(q);
-        let jacobian = self.jacobian(q, frame);
+        let last = links.last().copied().unwrap_or_else(Isometry3::identity);
+        let point_m = last * Point3::from(self.last_link_from_frame(frame).translation.vector);
+        let jacobian = self.jacobian_by_link(&links, links.len(), &point_m);
         let force_n: Vector3<f64> = wrench.fixed_rows::<3>(0).into();
         let moment_nm: Vector3<f64> = wrench.fixed_rows::<3>(3).into();
         let mut tangent = self.force_stiffness(&links, &jacobian, &force_n);
         // A rotation axis turns only with the joints before it, so this part is not symmetric.
-        for j in 0..self.dof() {
+        for j in 0..links.len() {
             let axis_j: Vector3<f64> = jacobian.fixed_view::<3, 1>(3, j).into();
             for i in 0..j {
                 let axis_i: Vector3<f64> = jacobian.fixed_view::<3, 1>(3, i).into();
                 tangent[(j, i)] += moment_nm.dot(&axis_i.cross(&axis_j));
             }
         }
-        tangent
+        self.chain.folded_square(tangent)
     }
 
-    /// f·∂²p/∂q² for the point whose Jacobian is given.
+    /// f·∂²p/∂q² for the point whose Jacobian is given, over the links that move.
     fn force_stiffness(
         &self,
         world_from_links: &[Isometry3<f64>],
         jacobian: &Matrix6xX<f64>,
         force_n: &Vector3<f64>,
     ) -> DMatrix<f64> {
-        let mut tangent = DMatrix::zeros(self.dof(), self.dof());
-        for (i, joint) in self.chain.joints.iter().enumerate() {
+        let count = world_from_links.len();
+        let mut tangent = DMatrix::zeros(count, count);
+        for (i, joint) in self.chain.moving().enumerate() {
             if joint.kind == JointKind::Prismatic {
                 continue;
             }
             let axis = world_from_links[i] * joint.axis.into_inner();
-            for j in i..self.dof() {
+            for j in i..count {
                 let column: Vector3<f64> = jacobian.fixed_view::<3, 1>(0, j).into();
                 let value = force_n.dot(&axis.cross(&column));
                 tangent[(i, j)] = value;

@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::meshes::{LinkMesh, MeshReference};
-use crate::model::{Limits, Visual};
+use crate::model::{JointKind, Limits, Visual};
+use crate::moving::motion;
+use crate::urdf::known_names;
 use crate::xml::ElementLines;
 
 /// What a URDF joint allows.
@@ -50,7 +52,24 @@ pub(crate) struct TreeJoint {
     pub(crate) limits: Option<Limits>,
     pub(crate) damping: f64,
     pub(crate) friction: f64,
-    pub(crate) mimics: Option<String>,
+    pub(crate) mimics: Option<Mimic>,
+}
+
+/// `<mimic>`: coordinate = multiplier × that of another joint + offset.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Mimic {
+    pub(crate) joint: String,
+    pub(crate) multiplier: f64,
+    pub(crate) offset: f64,
+}
+
+/// What turns a joint, in the end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Leader {
+    /// The joint that all mimicry leads to: one that moves by itself, or a fixed one.
+    pub(crate) joint: usize,
+    pub(crate) multiplier: f64,
+    pub(crate) offset: f64,
 }
 
 impl TreeJoint {
@@ -59,9 +78,22 @@ impl TreeJoint {
         self.freedom != Freedom::Fixed
     }
 
-    /// The joint that this one follows, if it can move at all.
-    pub(crate) fn followed(&self) -> Option<&str> {
-        self.mimics.as_deref().filter(|_| self.moves())
+    /// What this one follows, if it can move at all.
+    pub(crate) fn followed(&self) -> Option<&Mimic> {
+        self.mimics.as_ref().filter(|_| self.moves())
+    }
+
+    /// The frame before the joint from the link that it moves, with the joint at `q`.
+    pub(crate) fn parent_from_child(&self, q: f64) -> Isometry3<f64> {
+        let kind = match self.freedom {
+            Freedom::Revolute | Freedom::Continuous => JointKind::Revolute,
+            Freedom::Prismatic => JointKind::Prismatic,
+            Freedom::Fixed | Freedom::Other(_) => return self.parent_from_joint,
+        };
+        match Unit::try_new(self.axis, f64::EPSILON) {
+            Some(axis) => self.parent_from_joint * motion(kind, &axis, q),
+            None => self.parent_from_joint,
+        }
     }
 }
 
@@ -72,9 +104,43 @@ pub(crate) struct Tree {
     pub(crate) links: Vec<TreeLink>,
     pub(crate) joints: Vec<TreeJoint>,
     pub(crate) root: usize,
+    /// What was left out of the file.
+    pub(crate) notes: Vec<String>,
 }
 
 impl Tree {
+    /// What turns a joint in the end, and how much.
+    ///
+    /// # Errors
+    /// If a joint follows one that is not there, or itself through others.
+    pub(crate) fn leader(&self, joint: usize) -> Result<Leader, ArmErrorKind> {
+        let mut leader = Leader {
+            joint,
+            multiplier: 1.0,
+            offset: 0.0,
+        };
+        for _ in 0..=self.joints.len() {
+            let at = &self.joints[leader.joint];
+            let Some(mimic) = at.followed() else {
+                return Ok(leader);
+            };
+            let Some(next) = self.joints.iter().position(|j| j.name == mimic.joint) else {
+                return Err(ArmErrorKind::UnknownMimicked {
+                    joint: at.name.clone(),
+                    mimicked: mimic.joint.clone(),
+                    hint: known_names(self.joints.iter().map(|j| j.name.as_str())),
+                });
+            };
+            leader = Leader {
+                joint: next,
+                multiplier: leader.multiplier * mimic.multiplier,
+                offset: leader.multiplier * mimic.offset + leader.offset,
+            };
+        }
+        let joint = self.joints[joint].name.clone();
+        Err(ArmErrorKind::MimicsItself { joint })
+    }
+
     pub(crate) fn link_error(&self, link: usize, element: &str, kind: ArmErrorKind) -> ArmError {
         let line = self.links[link].lines.of(element);
         ArmError::in_file(&self.path, Some(line), kind)

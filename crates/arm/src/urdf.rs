@@ -9,14 +9,16 @@ use urdf_rs::JointType;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::meshes;
 use crate::model::Limits;
-use crate::tree::{Freedom, Tree, TreeJoint, TreeLink};
+use crate::tree::{Freedom, Mimic, Tree, TreeJoint, TreeLink};
+use crate::undrawn;
 use crate::visual::{Palette, color, palette, pose, visual};
 use crate::xml::{ElementLines, UrdfLines, scan};
 
 /// Reads `text` as the URDF at `path` and checks what does not depend on the choice of a tip.
 pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
-    let meshes = meshes::references(text);
-    let (lines, text) = scan(text, path)?;
+    let (text, notes) = undrawn::taken_out(text);
+    let meshes = meshes::references(&text);
+    let (lines, text) = scan(&text, path)?;
     let urdf = urdf_rs::read_from_string(&text).map_err(|error| {
         let message = error.to_string().replace('\n', " ");
         ArmError::in_file(path, None, ArmErrorKind::Urdf(message))
@@ -34,6 +36,7 @@ pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
         links: links.map(|(l, lines)| link(l, lines, &palette)).collect(),
         joints: Vec::with_capacity(urdf.joints.len()),
         root: 0,
+        notes,
     };
     for (urdf_joint, lines) in joints {
         let joint = joint(urdf_joint, lines, &index, path)?;
@@ -156,7 +159,11 @@ fn joint(
         limits: lines.has("limit").then(|| limits(&urdf.limit, freedom)),
         damping: urdf.dynamics.as_ref().map_or(0.0, |d| d.damping),
         friction: urdf.dynamics.as_ref().map_or(0.0, |d| d.friction),
-        mimics: urdf.mimic.as_ref().map(|m| m.joint.clone()),
+        mimics: urdf.mimic.as_ref().map(|own| Mimic {
+            joint: own.joint.clone(),
+            multiplier: own.multiplier.unwrap_or(1.0),
+            offset: own.offset.unwrap_or(0.0),
+        }),
         lines,
     })
 }

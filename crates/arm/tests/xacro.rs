@@ -23,7 +23,7 @@ fn kinematics(path: &Path, arguments: &[(&str, &str)]) -> Result<Robot, ArmError
 }
 
 /// Name, line and what the message must say.
-const FAULTS: [(&str, usize, &[&str]); 15] = [
+const FAULTS: [(&str, usize, &[&str]); 17] = [
     ("unknown_macro", 13, &["no macro \"frmae\"", "known: frame"]),
     (
         "missing_package",
@@ -49,6 +49,16 @@ const FAULTS: [(&str, usize, &[&str]); 15] = [
         "missing_argument",
         13,
         &["\"prefix\"", "--arg prefix=VALUE"],
+    ),
+    (
+        "missing_package_url",
+        13,
+        &["package://no_such_package", "--package no_such_package=DIR"],
+    ),
+    (
+        "empty_argument",
+        13,
+        &["no file", "argument speeds is empty", "--arg speeds=FILE"],
     ),
     ("unclosed", 13, &["${length", "`}`"]),
 ];

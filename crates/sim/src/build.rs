@@ -18,6 +18,10 @@ use truecut_core::sensor::ChannelModel;
 use truecut_recording::{Measured, Scalar, Unit};
 use truecut_scenario::{DriveKind, RobotSpec, RunSpec, Scenario};
 
+/// What a run says of an arm with joints that others take along.
+pub(crate) const NO_FOLLOWERS: &str = "a run moves every joint by itself and does not take such \
+     an arm; truecut robot, path, program, posture and lobes do";
+
 /// A scenario resolved against its robot, before any engine is built.
 pub(crate) struct Prepared {
     /// The robot with the effects built in, joints of the base first.
@@ -59,6 +63,7 @@ impl Prepared {
     ) -> Result<Self, SimError> {
         let spec = &scenario.robot;
         let nominal = robots.robot(spec)?;
+        nominal.refuse_followers(NO_FOLLOWERS)?;
         let kind = drive_kind(spec, &nominal)?;
         let effects = Effects::of(scenario, &nominal)?;
         let gravity_m_s2 = gravity_m_s2(spec);

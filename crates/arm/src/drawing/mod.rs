@@ -28,16 +28,17 @@ pub struct DrawnMesh {
 }
 
 impl Robot {
-    /// What is drawn of the base and of each link, and a note on every mesh that cannot be read.
-    /// Heavy meshes are thinned; a link of which nothing can be drawn becomes a rod to the next
-    /// joint, or to the flange.
+    /// What is drawn of the base and of each link that moves ([`crate::Chain::moving`]), and a note
+    /// on every mesh that cannot be read. Heavy meshes are thinned; a link of which nothing can
+    /// be drawn becomes a rod to the next joint, or to the flange.
     ///
     /// Reads the files of the meshes.
     #[must_use]
     pub fn drawn_links(&self) -> (Vec<DrawnLink>, Vec<String>) {
         let mut notes = Vec::new();
         let radius_m = RADIUS_PER_LENGTH * self.ends().map(|end| end.norm()).sum::<f64>();
-        let links = std::iter::once(&self.chain.base).chain(&self.chain.links);
+        let moving = self.chain.moving().map(|body| body.link);
+        let links = std::iter::once(&self.chain.base).chain(moving);
         let drawn = links.zip(self.ends()).map(|(link, end)| {
             let mut visuals = link.visuals.clone();
             let mut meshes = Vec::new();
@@ -61,8 +62,8 @@ impl Robot {
 
     /// Where base and links end, each in its frame: at the next joint, or at the flange.
     fn ends(&self) -> impl Iterator<Item = Vector3<f64>> {
-        let joints = self.chain.joints.iter();
-        let ends = joints.map(|joint| joint.parent_from_joint.translation.vector);
+        let moving = self.chain.moving();
+        let ends = moving.map(|body| body.parent_from_joint.translation.vector);
         ends.chain([self
             .last_link_from_frame(FrameId::Flange)
             .translation

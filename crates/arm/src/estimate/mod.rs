@@ -136,7 +136,7 @@ fn needs_mass(error: ArmError, sheet: &DataSheet) -> ArmError {
 
 /// Distances along the stretched arm, m.
 struct Lengths {
-    /// From each joint to the next, the last one's to the flange.
+    /// From the joint of each link that moves to the next, the last one's to the flange.
     to_next: Vec<f64>,
     /// From the first joint to the flange.
     reach: f64,
@@ -144,8 +144,8 @@ struct Lengths {
 
 impl Lengths {
     fn of(chain: &Chain, last_to_flange: f64) -> Lengths {
-        let offsets = chain.joints.iter().skip(1);
-        let offsets = offsets.map(|joint| joint.parent_from_joint.translation.vector.norm());
+        let offsets = chain.moving().skip(1);
+        let offsets = offsets.map(|body| body.parent_from_joint.translation.vector.norm());
         let to_next: Vec<f64> = offsets.chain([last_to_flange]).collect();
         let reach = to_next.iter().sum::<f64>().max(1e-3);
         Lengths { to_next, reach }
@@ -159,14 +159,17 @@ impl Lengths {
 /// The torque that gravity asks of a joint with the arm stretched out level and the payload on it;
 /// drives and reducers are chosen by it.
 fn design_torque(chain: &Chain, lengths: &Lengths, joint: usize, payload_kg: f64) -> f64 {
-    let count = chain.joints.len();
+    let count = lengths.to_next.len();
     let is_slide = chain.joints[joint].kind == JointKind::Prismatic;
     let lever = |length: f64| if is_slide { 1.0 } else { length };
-    let links = (joint..count).map(|at| {
-        let link = &chain.links[at];
-        link.mass_kg * lever(lengths.between(joint, at) + link.com_m.norm())
+    // Followers before the joint are links that it does not carry.
+    let before = |follower: &&crate::moving::Follower| follower.after <= joint;
+    let first = joint + chain.followers.iter().filter(before).count();
+    let links = chain.moving().enumerate().skip(first).map(|(at, body)| {
+        let link = body.link;
+        link.mass_kg * lever(lengths.between(first, at) + link.com_m.norm())
     });
-    let payload = payload_kg * lever(lengths.between(joint, count) + STAND_OFF * lengths.reach);
+    let payload = payload_kg * lever(lengths.between(first, count) + STAND_OFF * lengths.reach);
     9.81 * (links.sum::<f64>() + payload)
 }
 

@@ -4,7 +4,7 @@ use super::expression::{self, Expression};
 use super::functions;
 use super::scope::Property;
 use super::value::{Outcome, Value};
-use super::{Expander, Fault, yaml};
+use super::{Expander, Fault, unknown_package, yaml};
 
 /// Longest text that an attribute or an element may come to, bytes.
 const LONGEST_TEXT: usize = 1 << 20;
@@ -82,11 +82,8 @@ impl Expander<'_> {
         match words[..] {
             ["find", name] => {
                 let found = self.packages.find(name, &self.folder());
-                let found = found.ok_or_else(|| {
-                    Fault::of(format!(
-                        "`$(find {name})`: no package \"{name}\" is known; give its folder with --package {name}=DIR or ROS_PACKAGE_PATH"
-                    ))
-                })?;
+                let found = found
+                    .ok_or_else(|| Fault::of(unknown_package(&format!("$(find {name})"), name)))?;
                 self.allowed.extend(found.canonicalize().ok());
                 Ok(found.display().to_string())
             }
@@ -101,7 +98,8 @@ impl Expander<'_> {
         }
     }
 
-    fn argument(&self, name: &str) -> Result<String, Fault> {
+    fn argument(&mut self, name: &str) -> Result<String, Fault> {
+        self.asked.insert(name.to_owned());
         self.arguments.get(name).cloned().ok_or_else(|| {
             Fault::of(format!(
                 "the argument \"{name}\" has no value; give it with --arg {name}=VALUE"
@@ -285,11 +283,40 @@ impl Expander<'_> {
         Ok(Value::Dict(entries))
     }
 
+    /// Which arguments of the file have this value, for a message about it.
+    fn given_by(&self, value: &str) -> String {
+        let own = self.arguments.iter().filter(|(_, own)| *own == value);
+        let names: Vec<&str> = own.map(|(name, _)| name.as_str()).collect();
+        if names.is_empty() {
+            return String::new();
+        }
+        let value = if value.trim().is_empty() {
+            "empty".to_owned()
+        } else {
+            format!("\"{value}\"")
+        };
+        format!(
+            "; the argument {} is {value}: give it with {}",
+            names.join(" or "),
+            (names.iter())
+                .map(|name| format!("--arg {name}=FILE"))
+                .collect::<Vec<_>>()
+                .join(" or ")
+        )
+    }
+
     /// The values of a YAML file, which must lie where includes may.
     fn load_yaml(&mut self, file: &str) -> Result<Value, Fault> {
-        let path = self.readable(file)?;
-        let text = std::fs::read_to_string(&path)
-            .map_err(|error| Fault::of(format!("cannot read {}: {error}", path.display())))?;
+        let given = self.given_by(file);
+        if file.trim().is_empty() {
+            let text = format!("load_yaml() is given no file{given}");
+            return Err(Fault::of(text));
+        }
+        let named = |fault: Fault| fault.within(|text| format!("{text}{given}"));
+        let path = self.readable(file).map_err(named)?;
+        let text = std::fs::read_to_string(&path).map_err(|error| {
+            Fault::of(format!("cannot read {}: {error}{given}", path.display()))
+        })?;
         Ok(yaml::parse(&text).map_err(|fault| format!("{}: {fault}", path.display()))?)
     }
 }

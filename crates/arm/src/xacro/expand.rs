@@ -174,6 +174,7 @@ impl Expander<'_> {
 
     fn define_argument(&mut self, element: &Element, scope: usize) -> Made {
         let name = needed(element, "name")?;
+        self.asked.insert(name.to_owned());
         if !self.arguments.contains_key(name) {
             let value = self.text(needed(element, "default")?, scope)?;
             self.arguments.insert(name.to_owned(), value);
@@ -213,7 +214,7 @@ impl Expander<'_> {
 
     fn include(&mut self, element: &Element, scope: usize, made: &mut Vec<Node>) -> Made {
         let file = self.text(needed(element, "filename")?, scope)?;
-        let path = self.folder().join(&file);
+        let path = self.named(&file)?;
         let is_optional =
             (element.get("optional")).map_or(Ok(false), |text| self.truth(text, scope))?;
         if is_optional && !path.is_file() {

@@ -15,7 +15,7 @@ mod tree;
 mod value;
 mod yaml;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::error::{ArmError, ArmErrorKind};
@@ -81,6 +81,8 @@ impl From<ArmError> for Fault {
 struct Expander<'a> {
     packages: &'a Packages,
     arguments: BTreeMap<String, String>,
+    /// Arguments that the file declares or asks for.
+    asked: BTreeSet<String>,
     scopes: Scopes,
     /// All files read so far.
     files: Vec<PathBuf>,
@@ -102,6 +104,7 @@ pub(crate) fn expand(
     let mut expander = Expander {
         packages,
         arguments: arguments.clone(),
+        asked: BTreeSet::new(),
         scopes: Scopes::new(),
         files: vec![path.to_owned()],
         open: vec![0],
@@ -114,6 +117,7 @@ pub(crate) fn expand(
     let made = expander
         .element(&root, 0)
         .map_err(|fault| expander.at(place, fault))?;
+    refuse_unknown(path, arguments, &expander.asked)?;
     let (mut text, mut places) = (String::new(), Vec::new());
     tree::write(&made, &mut text, &mut places);
     Ok(Expanded {
@@ -121,6 +125,37 @@ pub(crate) fn expand(
         places,
         files: expander.files,
     })
+}
+
+/// An argument that the file does not know would change nothing, and nobody would see why.
+pub(crate) fn refuse_unknown(
+    path: &Path,
+    given: &BTreeMap<String, String>,
+    known: &BTreeSet<String>,
+) -> Result<(), ArmError> {
+    let Some(name) = given.keys().find(|name| !known.contains(*name)) else {
+        return Ok(());
+    };
+    let near = known
+        .iter()
+        .map(|own| (strsim::jaro_winkler(own, name), own));
+    let near = near.max_by(|a, b| a.0.total_cmp(&b.0));
+    let hint = match near {
+        Some((likeness, own)) if likeness > 0.8 => format!("; did you mean \"{own}\"?"),
+        Some(_) => {
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            format!("; its arguments are {}", known.join(", "))
+        }
+        None => "; it has none".to_owned(),
+    };
+    let text = format!("the file has no argument \"{name}\", which is given{hint}");
+    Err(ArmError::in_file(path, None, ArmErrorKind::Xacro(text)))
+}
+
+fn unknown_package(asked: &str, name: &str) -> String {
+    format!(
+        "`{asked}`: no package \"{name}\" is known; give its folder with --package {name}=DIR or ROS_PACKAGE_PATH"
+    )
 }
 
 fn folder_of(path: &Path) -> PathBuf {
@@ -138,8 +173,8 @@ impl Expander<'_> {
 
     /// Where a file lies that the file which is being read names; it must be in the robot's
     /// package, in one that was found by its name, or in one that was given.
-    fn readable(&self, file: &str) -> Result<PathBuf, Fault> {
-        let path = self.folder().join(file);
+    fn readable(&mut self, file: &str) -> Result<PathBuf, Fault> {
+        let path = self.named(file)?;
         let real = path.canonicalize().map_err(|error| {
             Fault::of(format!("cannot read the file {}: {error}", path.display()))
         })?;
@@ -150,6 +185,20 @@ impl Expander<'_> {
             "{} lies outside the robot's package and those that it names; give its folder with --package NAME=DIR",
             real.display()
         )))
+    }
+
+    /// The path that a file's name means: `package://NAME/…`, `file://…`, or a path from the file
+    /// that names it.
+    fn named(&mut self, file: &str) -> Result<PathBuf, Fault> {
+        let folder = self.folder();
+        let Some(rest) = file.strip_prefix("package://") else {
+            return Ok(folder.join(file.strip_prefix("file://").unwrap_or(file)));
+        };
+        let (name, inner) = rest.split_once('/').unwrap_or((rest, ""));
+        let found = self.packages.find(name, &folder);
+        let found = found.ok_or_else(|| Fault::of(unknown_package(file, name)))?;
+        self.allowed.extend(found.canonicalize().ok());
+        Ok(found.join(inner))
     }
 
     fn at(&self, place: Place, fault: Fault) -> ArmError {

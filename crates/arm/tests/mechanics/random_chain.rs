@@ -1,8 +1,9 @@
-//! Robots that nobody would build: 1 to 7 joints of either kind, oblique axes, off-centre masses.
+//! Robots that nobody would build: 1 to 7 joints of either kind, oblique axes, off-centre masses,
+//! and joints that others take along.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use truecut_arm::{Chain, Frames, Joint, JointKind, Link, Robot, Transmission};
+use truecut_arm::{Chain, Follower, Frames, Joint, JointKind, Link, Robot, Transmission};
 
 /// A robot with a state: posture (rad or m), velocity, acceleration.
 #[derive(Debug, Clone)]
@@ -13,22 +14,49 @@ pub struct Case {
     pub a: Vec<f64>,
 }
 
+type Part = (Joint, Link, (f64, f64, f64), Option<(f64, f64, f64)>);
+
+/// Whether a joint follows another: which of them as a share, multiplier, offset.
+fn following() -> impl Strategy<Value = Option<(f64, f64, f64)>> {
+    prop::option::weighted(0.3, (0.0..1.0_f64, -1.5..1.5_f64, -1.0..1.0_f64))
+}
+
 pub fn case() -> impl Strategy<Value = Case> {
-    prop::collection::vec((joint(), link(), state()), 1..=7)
+    prop::collection::vec((joint(), link(), state(), following()), 1..=7)
         .prop_flat_map(|parts| (Just(parts), pose(), pose(), pose()))
         .prop_map(|(parts, flange, tool, foot)| {
             let (mut joints, mut links) = (Vec::new(), Vec::new());
             let (mut q, mut v, mut a) = (Vec::new(), Vec::new(), Vec::new());
-            for (i, (mut joint, mut link, state)) in parts.into_iter().enumerate() {
+            // The first joint moves by itself, so that there is one to follow.
+            let leads = |(i, part): (usize, &Part)| i == 0 || part.3.is_none();
+            let leaders = parts.iter().enumerate().filter(|part| leads(*part)).count();
+            let mut followers = Vec::new();
+            for (i, (mut joint, mut link, state, following)) in parts.into_iter().enumerate() {
                 joint.name = format!("joint_{i}");
                 link.name = format!("link_{i}");
+                if let (1.., Some((share, multiplier, offset))) = (i, following) {
+                    followers.push(Follower {
+                        name: joint.name,
+                        kind: joint.kind,
+                        parent_from_joint: joint.parent_from_joint,
+                        axis: joint.axis,
+                        limits: None,
+                        after: joints.len(),
+                        follows: (share * leaders as f64) as usize,
+                        multiplier,
+                        offset,
+                        link,
+                    });
+                    continue;
+                }
                 joints.push(joint);
                 links.push(link);
                 q.push(state.0);
                 v.push(state.1);
                 a.push(state.2);
             }
-            let robot = assemble(joints, links, [flange, tool, foot]);
+            let mut robot = assemble(joints, links, [flange, tool, foot]);
+            robot.chain.followers = followers;
             Case { robot, q, v, a }
         })
 }
@@ -40,6 +68,7 @@ pub fn assemble(joints: Vec<Joint>, links: Vec<Link>, frames: [Isometry3<f64>; 3
             name: "random".into(),
             joints,
             links,
+            followers: Vec::new(),
             base: body("base", 0.0, Vector3::zeros(), Matrix3::zeros()),
             tip: "tip".into(),
             notes: Vec::new(),

@@ -106,10 +106,11 @@ pub const URDF_FAULTS: &[(&str, Option<usize>, &[&str])] = &[
         &["\"shoulder\"", "child", "\"uper\"", "base, upper"],
     ),
     (
-        "mimic_on_chain",
+        "mimic_unknown",
         Some(24),
-        &["\"elbow\"", "mimics \"shoulder\"", "side branch"],
+        &["\"elbow\"", "mimics \"sholder\"", "known: elbow, shoulder"],
     ),
+    ("mimic_itself", Some(24), &["\"elbow\"", "mimics itself"]),
     ("no_moving_joint", Some(12), &["0 moving joints", "1 to 12"]),
     (
         "thirteen_joints",

@@ -133,6 +133,7 @@ fn robot(joints: Vec<Joint>, links: Vec<Link>, frames: [Isometry3<f64>; 3]) -> R
             name: "random".into(),
             joints,
             links,
+            followers: Vec::new(),
             base: link("base".into(), 0.0, Matrix3::zeros()),
             tip: "tip".into(),
             notes: Vec::new(),

@@ -108,6 +108,7 @@ impl InverseModel {
     /// A robot that cannot be loaded.
     pub fn nominal_for(&self, spec: &RobotSpec, robots: &Robots) -> Result<Forces, SimError> {
         let robot = robots.robot(spec)?;
+        robot.refuse_followers(crate::build::NO_FOLLOWERS)?;
         Ok(nominal(&robot, &self.motion, &self.joints, &self.filter))
     }
 

@@ -25,7 +25,8 @@ pub(crate) fn arm_bodies(robot: &Robot, q: &[f64], kind: &str) -> (Vec<Body>, Ve
     let mut poses = vec![Isometry3::identity()];
     poses.extend(robot.world_from_links(q));
     let (drawn, notes) = robot.drawn_links();
-    let links = std::iter::once(&robot.chain.base).chain(&robot.chain.links);
+    let moving = robot.chain.moving().map(|body| body.link);
+    let links = std::iter::once(&robot.chain.base).chain(moving);
     let bodies = links
         .zip(drawn)
         .zip(&poses)
