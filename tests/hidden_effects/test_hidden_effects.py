@@ -22,6 +22,7 @@ from bench.library import (  # noqa: E402
     ANGLE,
     BELT,
     BRUSH,
+    CLOCK,
     INSEPARABLE,
     MILLING,
     PAIRS,
@@ -40,7 +41,7 @@ from truecut_reference import urdf_model  # noqa: E402
 from truecut_reference.simulate import simulate  # noqa: E402
 
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
-TEMPLATES = SINGLES + POLISHING + BELT + BRUSH + POLISHING_EDGE + MILLING
+TEMPLATES = SINGLES + POLISHING + BELT + BRUSH + POLISHING_EDGE + MILLING + CLOCK
 EACH_TEMPLATE = pytest.mark.parametrize("template", TEMPLATES, ids=lambda t: f"{t.experiment}-{t.kind}-{t.target}")
 
 

@@ -4,6 +4,7 @@ use crate::command::JointCommand;
 use crate::effect::{self, Altered, Effects};
 use crate::error::SimError;
 use crate::loads::{Attachment, Wrench, stacked};
+use crate::measurement::Sensors;
 use crate::plant::{Drive, JointLaw};
 use crate::posture::check_limits;
 use crate::process::{self, Process, ProcessSetup, SetupContext, Start};
@@ -14,7 +15,6 @@ use nalgebra::{DMatrix, Isometry3, Vector3, Vector6};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::joint_law::{LinkFriction, beyond_gap};
-use truecut_core::sensor::ChannelModel;
 use truecut_recording::{Measured, Scalar, Unit};
 use truecut_scenario::{DriveKind, RobotSpec, RunSpec, Scenario};
 
@@ -34,7 +34,7 @@ pub(crate) struct Prepared {
     /// Friction of every joint.
     pub friction: Vec<LinkFriction>,
     /// Channels that are not recorded as they are.
-    pub sensors: Vec<(String, ChannelModel)>,
+    pub sensors: Sensors,
     pub kind: DriveKind,
     pub gravity_m_s2: Vector3<f64>,
     /// Posture at rest after touch-down: the start of the run.

@@ -79,7 +79,7 @@ fn stage(kind: EffectKind) -> Scenario {
         // Two edges push the tool to no side, and the foot would not slide.
         Family::Foot => chamfer(1, 0.3),
         Family::Wheel => polish(),
-        Family::Joint | Family::Robot | Family::Base | Family::Sensor => load(
+        Family::Joint | Family::Robot | Family::Base | Family::Clock | Family::Sensor => load(
             "irb6600_175_255",
             ARM_POSTURE,
             "duration_s = 0.1",
@@ -124,7 +124,7 @@ fn size(kind: EffectKind) -> Vec<f64> {
         K::FootPressureLoss => vec![0.3],
         K::FootSealStiction => vec![97.0],
         K::WheelEccentricity => vec![1e-5, -2e-5],
-        K::SensorDelay => vec![0.0031],
+        K::SensorDelay | K::ClockDelay => vec![0.0031],
         K::SensorOffset => vec![0.002],
         K::SensorDrift => vec![0.01, 0.05],
         K::SensorLowPass => vec![0.004],
@@ -199,6 +199,17 @@ fn every_effect_shows_and_only_where_it_acts() {
         }
         let differing = differences(&nominal, &with);
         assert!(!differing.is_empty(), "{}", kind.name());
+        if kind.family() == Family::Clock {
+            let told: Vec<&String> = (differing.iter())
+                .filter(|name| name.ends_with(".command"))
+                .collect();
+            assert!(told.is_empty(), "{told:?}");
+            let moving = nominal.columns.iter().zip(&nominal.header.channels);
+            let moving = moving.filter(|(column, _)| column.iter().any(|v| *v != column[0]));
+            for (_, spec) in moving.filter(|(_, spec)| !spec.name.ends_with(".command")) {
+                assert!(differing.contains(&spec.name), "{}", spec.name);
+            }
+        }
         if kind.family() == Family::Sensor {
             assert_eq!(differing, ["tool.velocity_y"], "{}", kind.name());
         }

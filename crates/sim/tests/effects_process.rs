@@ -364,7 +364,7 @@ fn a_sensor_measures_the_recorded_channel() {
     ];
     let nominal = run(&scenario, &[]);
     let measured = run(&scenario, &effects);
-    let model = truecut_sim::measurement::channel_model(&effects, "joint1.position");
+    let model = truecut_sim::measurement::Sensors::new(&effects).of("joint1.position");
     let mut expected = column(&nominal, "joint1.position").to_vec();
     model.apply(&nominal.time_s, &mut expected);
     let got = column(&measured, "joint1.position");

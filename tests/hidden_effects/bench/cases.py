@@ -19,6 +19,7 @@ from .library import (
     BELT_PAIR,
     BRUSH,
     BRUSH_PAIR,
+    CLOCK,
     INSEPARABLE,
     MILLING,
     MILLING_PAIR,
@@ -92,7 +93,7 @@ def all_cases(seeds: str) -> list[Case]:
     """Every case of the bench."""
     draw = _Draw(seeds)
     makers = (_clean, _singles, _pairs, _strangers, _inseparable, _excitation, _late, _damaged, _units)
-    makers += (_polishing, _belt, _brush, _edge, _milling)
+    makers += (_polishing, _belt, _brush, _edge, _milling, _clock)
     return [case for maker in makers for case in maker(draw)]
 
 
@@ -222,6 +223,10 @@ def _edge(draw: _Draw) -> list[Case]:
 
 def _milling(draw: _Draw) -> list[Case]:
     return _led(draw, "milling", MILLING, MILLING_PAIR, 110)
+
+
+def _clock(draw: _Draw) -> list[Case]:
+    return _led_singles(draw, "clock", CLOCK, 120)
 
 
 def _led_singles(draw: _Draw, name: str, templates: tuple, key: int) -> list[Case]:

@@ -44,6 +44,7 @@ KINDS: dict[str, tuple[dict[str, float], tuple[str, ...]]] = {
     "wheel_edge_grains": ({"share": 0.0}, ()),
     "wheel_force_offset": ({"force_n": 0.0}, ()),
     "wheel_force_stiction": ({"force_n": 0.0}, ()),
+    "clock_delay": ({"delay_s": 0.0}, ()),
     "sensor_delay": ({"delay_s": 0.0}, ()),
     "sensor_gain": ({"factor": 1.0}, ()),
     "sensor_offset": ({"offset": 0.0}, ()),

@@ -158,7 +158,7 @@ class Experiment:
     def _measured(self, times: dict[str, np.ndarray], channels: dict[str, np.ndarray], effects) -> np.ndarray:
         outputs = []
         for column in self.outputs:
-            of_channel = [e for e in effects if sensors.is_sensor(e) and e.target == column.channel]
+            of_channel = sensors.of_channel(effects, column.channel)
             t, values = times[column.channel], channels[column.channel]
             outputs.append(sensors.measured(t, values, of_channel, self.pass_time_s))
         return np.stack(outputs, axis=1)

@@ -134,6 +134,12 @@ MILLING = (
 )
 MILLING_PAIR = (MILLING[0], MILLING[1])
 
+# One delay of all that is measured.
+CLOCK = (
+    Template("axis", "clock_delay", None, {"delay_s": 0.004}),
+    Template("two_joint", "clock_delay", None, {"delay_s": 0.004}),
+)
+
 
 def single(kind: str, experiment: str = "axis") -> Template:
     """The first template of a kind on an experiment."""

@@ -8,11 +8,17 @@ import scipy.signal
 from .effects import Effect
 
 OUTSIDE_SENSOR = "outside_load_dependent_delay"
+CLOCK = "clock_delay"
 
 
 def is_sensor(effect: Effect) -> bool:
-    """Whether an effect acts on a channel after the run."""
-    return effect.kind.startswith("sensor_") or effect.kind == OUTSIDE_SENSOR
+    """Whether an effect acts on channels after the run."""
+    return effect.kind.startswith("sensor_") or effect.kind in (OUTSIDE_SENSOR, CLOCK)
+
+
+def of_channel(effects: tuple[Effect, ...], channel: str) -> list[Effect]:
+    """What acts on a channel: its own sensor's, and the clock that all share."""
+    return [e for e in effects if e.kind == CLOCK or is_sensor(e) and e.target == channel]
 
 
 def measured(time_s: np.ndarray, values: np.ndarray, effects: list[Effect], at_s: np.ndarray) -> np.ndarray:
@@ -28,7 +34,7 @@ def measured(time_s: np.ndarray, values: np.ndarray, effects: list[Effect], at_s
             values = values + v["offset"]
         elif effect.kind == "sensor_drift":
             values = values - v["amplitude"] * np.expm1(-time_s / v["time_constant_s"])
-        elif effect.kind == "sensor_delay":
+        elif effect.kind in ("sensor_delay", CLOCK):
             late = late - v["delay_s"]
         elif effect.kind == OUTSIDE_SENSOR:
             load = np.abs(np.interp(at_s, time_s, values)) / v["scale"]

@@ -1,8 +1,6 @@
 //! The choice among fits: by what they gain on blocks that they were not fitted to, beyond chance
 //! and in noise of any memory.
 
-use truecut_scenario::effect::Family;
-
 use super::derivatives::difference;
 use super::fit::Fit;
 use super::memory::{LEAST_GENERALISATION, distance, stands_out};
@@ -133,11 +131,11 @@ pub(super) fn criterion(problem: &Problem, trial: &Fit, orders: &[usize]) -> f64
         + weight(problem, trial) * (rows.len() as f64).ln()
 }
 
-/// Number of effects that are of sensors.
+/// Number of effects that are of sensors or their clock.
 fn instrumental(problem: &Problem, trial: &Fit) -> usize {
     let kinds = trial.point.effects.iter();
     let kinds = kinds.map(|found| problem.candidates[found.candidate].kind);
-    kinds.filter(|kind| kind.family() == Family::Sensor).count()
+    kinds.filter(|kind| kind.family().is_instrumental()).count()
 }
 
 /// Number of parameters of the effects; those searched from several starts counted twice.

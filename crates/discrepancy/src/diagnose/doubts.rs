@@ -1,7 +1,5 @@
 //! What is to be doubted about named causes: that they cancel one another, or lie at a bound.
 
-use truecut_scenario::effect::EffectKind;
-
 use super::answer::{key_and_unit, target_name};
 use super::fit::Fit;
 use super::noise::{add_columns, dot};
@@ -36,7 +34,6 @@ pub(super) fn doubts(problem: &Problem, fit: &Fit) -> Vec<String> {
         position += effect.values.len();
         parts.push(change);
     }
-    found.extend(all_late(problem, fit));
     for (i, a) in parts.iter().enumerate() {
         for (j, b) in parts.iter().enumerate().skip(i + 1) {
             let channels = (0..a.len()).filter(|&c| cancel(problem, c, &a[c], &b[c]));
@@ -51,30 +48,6 @@ pub(super) fn doubts(problem: &Problem, fit: &Fit) -> Vec<String> {
         }
     }
     found
-}
-
-/// Delays differ by no more than this part of the largest.
-const ALIKE: f64 = 0.2;
-
-/// Sensors that are all late by the same time: that is one cause before the sensors.
-fn all_late(problem: &Problem, fit: &Fit) -> Option<String> {
-    let late = fit
-        .point
-        .effects
-        .iter()
-        .filter(|effect| problem.candidates[effect.candidate].kind == EffectKind::SensorDelay);
-    let delays: Vec<f64> = late.map(|effect| effect.values[0]).collect();
-    let least = delays.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = delays.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let channels = problem.model.channels().len();
-    (channels > 1 && delays.len() == channels && most - least < ALIKE * most.abs().max(least.abs()))
-        .then(|| {
-            format!(
-                "all channels are late by {} to {} s: a delay of the command, or another clock, does the same",
-                truecut_recording::significant(least, 3),
-                truecut_recording::significant(most, 3)
-            )
-        })
 }
 
 /// Whether two changes of a channel are each beyond what it does, and next to nothing together.

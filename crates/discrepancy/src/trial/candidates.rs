@@ -10,8 +10,8 @@ use std::f64::consts::TAU;
 
 use truecut_recording::ChannelSpec;
 use truecut_scenario::effect::{
-    BaseEffect, CuttingEffect, Effect, EffectKind, FootEffect, JointEffect, MillingEffect,
-    RobotEffect, SensorEffect, Target, TargetKind, Typed, WheelEffect,
+    BaseEffect, ClockEffect, CuttingEffect, Effect, EffectKind, FootEffect, JointEffect,
+    MillingEffect, RobotEffect, SensorEffect, Target, TargetKind, Typed, WheelEffect,
 };
 use truecut_scenario::{FootSpec, ProcessSpec, Scenario, WheelHold, WheelPart};
 use truecut_sim::misfit;
@@ -67,6 +67,7 @@ fn why_untold(kind: EffectKind) -> &'static str {
         "joint_ripple" => "the joint turns too little for a ripple",
         "cutting_runout" | "cutting_worn_tooth" => "with a single edge it is a depth offset",
         "wheel_eccentricity" => "the wheel does not turn",
+        "clock_delay" => "with one channel it is a delay of its sensor",
         "wheel_removal" => "what is removed is not measured",
         _ => "nothing in the nominal run gives it a size",
     }
@@ -97,6 +98,7 @@ fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<
             foot_scale(parts.foot.as_ref()?, effect, signals.duration_s).values()
         }
         Typed::Wheel(effect) => wheel_scale(&parts.wheel?, effect)?.values(),
+        Typed::Clock(effect) => clock_scale(signals, effect)?.values(),
         Typed::Sensor(channel, effect) => {
             let spread = signals.outputs.iter().find(|(name, _)| name == channel)?.1;
             sensor_scale(signals, effect, spread).values()
@@ -345,6 +347,15 @@ fn wheel_scale(wheel: &WheelPart, effect: WheelEffect) -> Option<WheelEffect> {
         },
         E::ForceStiction { .. } => E::ForceStiction {
             force_n: SHARE * held_n?,
+        },
+    })
+}
+
+fn clock_scale(signals: &Signals, effect: ClockEffect) -> Option<ClockEffect> {
+    let several = signals.outputs.len() > 1;
+    several.then_some(match effect {
+        ClockEffect::Delay { .. } => ClockEffect::Delay {
+            delay_s: signals.interval_s,
         },
     })
 }

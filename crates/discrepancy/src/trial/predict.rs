@@ -3,9 +3,9 @@
 
 use truecut_recording::Outcome;
 use truecut_scenario::Scenario;
-use truecut_scenario::effect::{Effect, Family, SensorEffect, Typed};
+use truecut_scenario::effect::{ClockEffect, Effect, SensorEffect, Typed};
 use truecut_sim::SimError;
-use truecut_sim::measurement::{ChannelModel, channel_model};
+use truecut_sim::measurement::{ChannelModel, Sensors};
 use truecut_sim::run::{self, Engine, Rows};
 
 use super::cache::RunKey;
@@ -14,10 +14,13 @@ use crate::model::{Columns, PredictError};
 
 /// Whether a sensor shows what is still to come further ahead than that.
 fn comes_early(effect: &Effect) -> bool {
-    let Some(Typed::Sensor(_, SensorEffect::Delay { delay_s })) = effect.typed() else {
-        return false;
-    };
-    delay_s < -EARLIEST_S
+    matches!(
+        effect.typed(),
+        Some(
+            Typed::Sensor(_, SensorEffect::Delay { delay_s })
+            | Typed::Clock(ClockEffect::Delay { delay_s })
+        ) if delay_s < -EARLIEST_S
+    )
 }
 
 impl Trial {
@@ -71,7 +74,7 @@ impl Trial {
             return Ok(self.at_the_data(&rows));
         }
         let (sensors, machine): (Vec<Effect>, Vec<Effect>) =
-            (effects.iter().cloned()).partition(|effect| effect.kind.family() == Family::Sensor);
+            (effects.iter().cloned()).partition(|effect| effect.kind.family().is_instrumental());
         let key = RunKey {
             nominal: nominal.to_vec(),
             machine: machine.clone(),
@@ -88,8 +91,9 @@ impl Trial {
 
     /// What sensors with these effects make of a run.
     fn sensed(&self, mut run: Rows, sensors: &[Effect]) -> Rows {
+        let sensors = Sensors::new(sensors);
         for (spec, column) in run.channels.iter().zip(&mut run.columns) {
-            let sensor = channel_model(sensors, &spec.name);
+            let sensor = sensors.of(&spec.name);
             if sensor != ChannelModel::default() {
                 sensor.apply(&run.time_s, column);
             }

@@ -11,8 +11,9 @@ pub(crate) mod text;
 use truecut_recording::Unit;
 
 pub use catalogue::{
-    BaseEffect, CuttingEffect, EffectKind, Family, FootEffect, JointEffect, MillingEffect, Model,
-    ParameterInfo, RobotEffect, SensorEffect, Signal, TargetKind, Typed, WheelEffect,
+    BaseEffect, ClockEffect, CuttingEffect, EffectKind, Family, FootEffect, JointEffect,
+    MillingEffect, Model, ParameterInfo, RobotEffect, SensorEffect, Signal, TargetKind, Typed,
+    WheelEffect,
 };
 
 /// Unit of a key of the catalogue; a key has the same one in every kind.

@@ -17,8 +17,8 @@ use crate::step_size::Scheme;
 use crate::torque_use::{TorqueUse, servo_note, unchecked_note};
 use std::sync::Arc;
 use truecut_arm::JointKind;
-use truecut_core::sensor::Sensor;
-use truecut_recording::{ChannelSpec, Measured, UnknownName};
+use truecut_core::sensor::{ChannelModel, Sensor};
+use truecut_recording::{ChannelSpec, Measured, Role, UnknownName};
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::Target;
 
@@ -202,29 +202,38 @@ fn reduced(prepared: &Prepared) -> Result<(Box<dyn Plant>, String), SimError> {
     Ok((Box::new(plant), note))
 }
 
-/// The column of every channel with a sensor of its own.
+/// The column of every channel that is not recorded as it is.
 fn sensors(
     scenario: &Scenario,
     prepared: &Prepared,
     channels: &[ChannelSpec],
 ) -> Result<Vec<(usize, Sensor)>, SimError> {
-    let mut sensors = Vec::new();
     // Neutral ones too must name a channel.
     for (index, effect) in scenario.effects.iter().enumerate() {
         let Target::Channel(channel) = &effect.target else {
             continue;
         };
-        let column = (channels.iter().position(|spec| spec.name == *channel)).ok_or_else(|| {
+        if channels.iter().all(|spec| spec.name != *channel) {
             let known = channels.iter().map(|spec| spec.name.as_str());
             let error = UnknownName::new("channel", channel, known);
-            SimError::scenario(format!("effect.{index}.channel"), error.to_string())
-        })?;
-        let model = prepared.sensors.iter().find(|(name, _)| name == channel);
-        if let Some((_, model)) = model
-            && sensors.iter().all(|(known, _)| *known != column)
-        {
-            sensors.push((column, Sensor::new(*model)));
+            let key = format!("effect.{index}.channel");
+            return Err(SimError::scenario(key, error.to_string()));
         }
     }
-    Ok(sensors)
+    let models = channels.iter().map(|spec| match is_input(scenario, spec) {
+        true => prepared.sensors.own(&spec.name),
+        false => prepared.sensors.of(&spec.name),
+    });
+    let changed = models.enumerate();
+    Ok(changed
+        .filter(|(_, model)| *model != ChannelModel::default())
+        .map(|(column, model)| (column, Sensor::new(model)))
+        .collect())
+}
+
+/// Whether a channel drives the run: it is what its column of the data says, whenever that comes.
+fn is_input(scenario: &Scenario, spec: &ChannelSpec) -> bool {
+    let mapped = scenario.data.iter().flat_map(|data| &data.mapping.channels);
+    let mut inputs = mapped.filter(|one| one.role == Role::Input);
+    inputs.any(|input| input.channel == spec.name)
 }

@@ -4,7 +4,7 @@ use crate::error::SimError;
 use truecut_arm::{JointKind, Robot};
 use truecut_core::friction::{FootFriction, FrictionLaw};
 use truecut_scenario::effect::{
-    Effect, EffectKind, FootEffect, Model, SensorEffect, Target, Typed, WheelEffect,
+    ClockEffect, Effect, EffectKind, FootEffect, Model, SensorEffect, Target, Typed, WheelEffect,
 };
 use truecut_scenario::{DriveKind, Parts, ProcessSpec, ReplayMode, Scenario, WheelHold};
 
@@ -22,7 +22,10 @@ pub(super) fn applies(scenario: &Scenario, index: usize, robot: &Robot) -> Resul
             return refuse("kind", message);
         }
     }
-    if let Some(Typed::Sensor(_, SensorEffect::Delay { delay_s })) = effect.typed()
+    if let Some(
+        Typed::Sensor(_, SensorEffect::Delay { delay_s })
+        | Typed::Clock(ClockEffect::Delay { delay_s }),
+    ) = effect.typed()
         && delay_s < 0.0
     {
         let message =
@@ -44,7 +47,8 @@ pub fn misfit(scenario: &Scenario, effect: &Effect) -> Option<String> {
     }
     let (name, parts) = (scenario.process.name(), scenario.process.facts().parts);
     let why = match effect.typed()? {
-        Typed::Joint(..) | Typed::Robot(_) | Typed::Base(..) | Typed::Sensor(..) => None,
+        Typed::Joint(..) | Typed::Robot(_) | Typed::Base(..) => None,
+        Typed::Clock(_) | Typed::Sensor(..) => None,
         Typed::Cutting(_) if model == Model::Steady => {
             return (!turns(&scenario.process)).then(|| no_part(effect, model));
         }

@@ -17,12 +17,11 @@ pub(crate) use robot::{Altered, alter, point_inertia};
 pub(crate) use start::{at_rest, base_at_rest};
 
 use crate::error::SimError;
-use crate::measurement;
+use crate::measurement::Sensors;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_arm::{Joint, JointKind, Robot};
 use truecut_core::joint_law::{BoucWen, Counterbalance, JointLaw, LinkFriction, Ripple};
-use truecut_core::sensor::ChannelModel;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{BaseEffect, Effect, JointEffect, RobotEffect, Typed};
 
@@ -38,8 +37,8 @@ pub(crate) struct Effects {
     pub milling: MillingEffects,
     pub foot: FootEffects,
     pub wheel: WheelEffects,
-    /// Channels that are not recorded as they are, with the entry in the scenario.
-    pub sensors: Vec<(String, ChannelModel)>,
+    /// What is recorded as it is not.
+    pub sensors: Sensors,
 }
 
 /// What acts in one joint.
@@ -127,15 +126,8 @@ impl Effects {
             Typed::Milling(effect) => self.milling.add(effect),
             Typed::Foot(effect) => self.foot.add(effect),
             Typed::Wheel(effect) => self.wheel.add(effect),
-            Typed::Sensor(channel, effect) => {
-                let known = self.sensors.iter().position(|(name, _)| name == channel);
-                let at = known.unwrap_or(self.sensors.len());
-                if known.is_none() {
-                    self.sensors
-                        .push((channel.to_owned(), ChannelModel::default()));
-                }
-                measurement::add(&mut self.sensors[at].1, effect);
-            }
+            Typed::Clock(effect) => self.sensors.add_clock(effect),
+            Typed::Sensor(channel, effect) => self.sensors.add(channel, effect),
         }
     }
 }

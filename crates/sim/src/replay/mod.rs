@@ -20,6 +20,7 @@ pub mod steady;
 
 use crate::effect::{Effects, misfit};
 use crate::error::SimError;
+use crate::measurement::ChannelModel;
 use truecut_recording::ChannelSpec;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::Effect;
@@ -51,7 +52,8 @@ fn check_part(scenario: &Scenario, effect: &Effect) -> Result<(), SimError> {
 /// What the sensors make of predicted columns.
 fn sense(effects: &Effects, specs: &[ChannelSpec], time_s: &[f64], columns: &mut [Vec<f64>]) {
     for (spec, column) in specs.iter().zip(columns) {
-        if let Some((_, model)) = (effects.sensors.iter()).find(|(name, _)| *name == spec.name) {
+        let model = effects.sensors.of(&spec.name);
+        if model != ChannelModel::default() {
             model.apply(time_s, column);
         }
     }

@@ -278,9 +278,18 @@ Wheel: WheelEffect on Whole {
             = same("force_n", Unit::Newton, 0.0, 0.0, 10000.0),
     }
 }
+/// The clock of the measured data.
+Clock: ClockEffect on Whole {
+    ClockDelay "clock_delay" is Delay in [Driven, Free, Inverse]:
+        "All that is measured comes late against the commands: two clocks, or late commands." {
+        delay_s: "Of all measured channels"
+            = same("delay_s", Unit::Second, 0.0, -1.0, 1.0).starts(&[0.002, 0.01]),
+    }
+}
 /// What a sensor makes of a channel.
 Sensor: SensorEffect on Channel(channel: &'a str = channel) {
-    SensorDelay "sensor_delay" is Delay in [Driven, Free]: "The channel arrives late." {
+    SensorDelay "sensor_delay" is Delay in [Driven, Free, Inverse]:
+        "The channel arrives late." {
         delay_s: "Delay" = same("delay_s", Unit::Second, 0.0, -1.0, 1.0).starts(&[0.002, 0.01]),
     }
     SensorGain "sensor_gain" is Gain in [Driven, Free, Inverse]: "The channel's gain is off." {

@@ -5,8 +5,8 @@ mod list;
 mod parameter;
 
 pub use list::{
-    BaseEffect, CuttingEffect, EffectKind, Family, FootEffect, JointEffect, MillingEffect,
-    RobotEffect, SensorEffect, Typed, WheelEffect,
+    BaseEffect, ClockEffect, CuttingEffect, EffectKind, Family, FootEffect, JointEffect,
+    MillingEffect, RobotEffect, SensorEffect, Typed, WheelEffect,
 };
 
 use truecut_recording::Unit;
@@ -75,6 +75,13 @@ pub enum Signal {
     Load,
     /// The angle of its joint, as a transmission does.
     Angle,
+}
+
+impl Family {
+    /// Whether it is about what is measured, not about what happens.
+    pub fn is_instrumental(self) -> bool {
+        matches!(self, Family::Clock | Family::Sensor)
+    }
 }
 
 impl EffectKind {
