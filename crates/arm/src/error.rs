@@ -301,6 +301,8 @@ pub enum ArmErrorKind {
     NoPoses,
     #[error("row {row}: {message}")]
     PostureTable { row: usize, message: String },
+    #[error("{0}")]
+    Implausible(String),
     #[error("{quantity} is {value}; it must be {rule}")]
     Argument {
         quantity: &'static str,

@@ -3,19 +3,32 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use truecut_arm::estimate::{DataSheet, robot_toml};
+use truecut_arm::estimate::{DataSheet, Estimated, robot_toml};
 use truecut_arm::{ArmError, Masses, Packages, Reading, Robot};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-fn estimated(urdf: &Path, mass_kg: Option<f64>, payload_kg: f64) -> Result<String, ArmError> {
-    let sheet = DataSheet {
+fn sheet(mass_kg: Option<f64>, payload_kg: f64) -> DataSheet {
+    DataSheet {
         mass_kg,
         payload_kg,
-    };
+        reach_m: None,
+        repeatability_mm: None,
+    }
+}
+
+fn by_sheet(urdf: &Path, sheet: DataSheet) -> Result<Estimated, ArmError> {
     robot_toml(urdf, None, &Packages::default(), &BTreeMap::new(), sheet)
+}
+
+fn estimated(urdf: &Path, mass_kg: Option<f64>, payload_kg: f64) -> Result<String, ArmError> {
+    Ok(by_sheet(urdf, sheet(mass_kg, payload_kg))?.text)
+}
+
+fn six_axis() -> PathBuf {
+    repository().join("tests/crosscheck/xacro/six_axis_description/urdf/six_axis.xacro")
 }
 
 /// The robot at `urdf` with the text as its `robot.toml`.
@@ -90,7 +103,7 @@ fn masses_of_a_known_arm_are_within_a_factor_of_two() {
 
 #[test]
 fn an_arm_without_masses_gets_them_and_runs() {
-    let urdf = repository().join("tests/crosscheck/xacro/six_axis_description/urdf/six_axis.xacro");
+    let urdf = six_axis();
     let refused = Robot::load(&urdf, None, None).expect_err("it has no masses");
     assert!(
         refused.message().contains("truecut robot init"),
@@ -138,14 +151,191 @@ fn an_arm_without_masses_gets_them_and_runs() {
 
 #[test]
 fn an_impossible_data_sheet_is_refused() {
-    let urdf = repository().join("tests/crosscheck/xacro/six_axis_description/urdf/six_axis.xacro");
-    for (mass_kg, payload_kg, quote) in [
-        (None, 20.0, "give the arm's mass with --mass"),
-        (Some(20.0), 250.0, "no arm carries more than it weighs"),
-        (Some(-250.0), 20.0, "above 0"),
-        (Some(250.0), f64::NAN, "above 0"),
+    for (mass_kg, payload_kg, quotes) in [
+        (None, 20.0, &["give the arm's mass with --mass"][..]),
+        (Some(20.0), 250.0, &["no arm carries more than it weighs"]),
+        (Some(-250.0), 20.0, &["above 0"]),
+        (Some(250.0), f64::NAN, &["above 0"]),
+        (
+            Some(0.001),
+            0.0005,
+            &["--mass 0.001 kg", "kg/m^2", "below 1.5"],
+        ),
+        (
+            Some(1e5),
+            2e4,
+            &["--mass 100000 kg", "above 2400", "5 to 800"],
+        ),
+        (
+            Some(250.0),
+            1.0,
+            &["--payload 1 kg", "0.004 of the arm's 250 kg", "0.03 to 0.5"],
+        ),
     ] {
-        let error = estimated(&urdf, mass_kg, payload_kg).expect_err(quote);
+        let error = estimated(&six_axis(), mass_kg, payload_kg).expect_err(quotes[0]);
+        for quote in quotes {
+            assert!(error.message().contains(quote), "{error}");
+        }
+    }
+    let good = sheet(Some(250.0), 20.0);
+    let with_reach = |reach_m| DataSheet {
+        reach_m: Some(reach_m),
+        ..good
+    };
+    let with_scatter = |mm| DataSheet {
+        repeatability_mm: Some(mm),
+        ..good
+    };
+    for (sheet, quote) in [
+        (with_reach(3.5), "--reach 3.5 m is "),
+        (with_reach(0.3), "below 0.4"),
+        (with_scatter(60.0), "--repeatability 60 mm"),
+        (with_scatter(1e-5), "below 0.0005"),
+    ] {
+        let error = by_sheet(&six_axis(), sheet).expect_err(quote);
         assert!(error.message().contains(quote), "{error}");
     }
+}
+
+/// What no data sheet known says, but might, is told and goes on.
+#[test]
+fn a_rare_data_sheet_is_told() {
+    let good = sheet(Some(250.0), 20.0);
+    assert_eq!(by_sheet(&six_axis(), good).expect("good").notes, [""; 0]);
+    for (sheet, quote) in [
+        (sheet(Some(250.0), 4.0), "0.016 of the arm's 250 kg"),
+        (sheet(Some(2500.0), 100.0), "kg/m^2"),
+        (
+            DataSheet {
+                reach_m: Some(0.8),
+                ..good
+            },
+            "--reach 0.8 m",
+        ),
+        (
+            DataSheet {
+                repeatability_mm: Some(2.0),
+                ..good
+            },
+            "--repeatability 2 mm",
+        ),
+    ] {
+        let notes = by_sheet(&six_axis(), sheet).expect(quote).notes.join("\n");
+        assert!(
+            notes.contains(quote) && notes.contains("right unit?"),
+            "{notes}"
+        );
+    }
+}
+
+/// A reach is never beyond the stretched chain: what the forward kinematics come to at drawn
+/// postures is accepted as a reach, and what is further than all links in a row is not.
+#[test]
+fn a_reach_that_the_chain_has_is_taken() {
+    let reading = Reading {
+        masses: Masses::NotNeeded,
+        ..Reading::default()
+    };
+    let robot = Robot::read(&six_axis(), &reading).expect("an arm");
+    let first = robot.chain.joints[0].parent_from_joint;
+    let mut state = 7_u64;
+    let mut draw = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let mut reach_m: f64 = 0.0;
+    for _ in 0..2000 {
+        let q: Vec<f64> = (0..robot.dof()).map(|_| 6.0 * draw()).collect();
+        let flange = robot.world_from_frame(&q, truecut_arm::FrameId::Flange);
+        let at = first.inverse() * flange.translation.vector;
+        reach_m = reach_m.max(at.x.hypot(at.y));
+    }
+    let good = sheet(Some(250.0), 20.0);
+    let reach = |reach_m| {
+        by_sheet(
+            &six_axis(),
+            DataSheet {
+                reach_m: Some(reach_m),
+                ..good
+            },
+        )
+    };
+    assert_eq!(reach(reach_m).expect("it reaches so far").notes, [""; 0]);
+    let message = reach(5.0 * reach_m).expect_err("too far").message();
+    let stretched = message
+        .split("of the ")
+        .nth(1)
+        .and_then(|rest| rest.split(' ').next());
+    let stretched: f64 = stretched.expect("told").parse().expect("a length");
+    assert!(
+        stretched >= reach_m && reach(stretched + 0.01).is_err(),
+        "{message}"
+    );
+}
+
+/// What the tool moves by under the force that is told is the repeatability.
+#[test]
+fn verify_the_force_that_a_repeatability_hides() {
+    let sheet = DataSheet {
+        repeatability_mm: Some(0.06),
+        ..sheet(Some(250.0), 20.0)
+    };
+    let text = by_sheet(&six_axis(), sheet).expect("good").text;
+    let told = text.split("as much under ").nth(1).expect("told");
+    let force_n: f64 = told.split(' ').next().expect("a word").parse().expect("N");
+    let robot = with(&six_axis(), &text);
+    let q = robot.default_posture();
+    let load = truecut_arm::Load::none();
+    let compliance = robot.cartesian_compliance(&q, truecut_arm::FrameId::Tool, &load);
+    let compliance = compliance
+        .expect("elastic")
+        .fixed_view::<3, 3>(0, 0)
+        .into_owned();
+    // No force of this size moves the tool further, and one does move it so far.
+    let furthest_m = (0..20_000).map(|i| {
+        let (z, turn) = (
+            2.0 * (f64::from(i) + 0.5) / 20_000.0 - 1.0,
+            2.399_963_f64 * f64::from(i),
+        );
+        let radius = (1.0 - z * z).sqrt();
+        let direction = nalgebra::Vector3::new(radius * turn.cos(), radius * turn.sin(), z);
+        (compliance * direction * force_n).norm()
+    });
+    let furthest_m = furthest_m.fold(0.0, f64::max);
+    // The force is told with two digits.
+    assert!((furthest_m / 0.06e-3 - 1.0).abs() < 0.05, "{furthest_m} m");
+}
+
+/// An effort that does not hold the arm is a placeholder and no limit.
+#[test]
+fn efforts_that_do_not_hold_the_arm_are_not_used() {
+    let text = std::fs::read_to_string(asset("hp20")).expect("the asset");
+    let mut efforts = text.split("effort=\"");
+    let mut weak = efforts.next().expect("a head").to_owned();
+    for (index, part) in efforts.enumerate() {
+        let rest = part.split_once('"').expect("a value").1;
+        weak += &format!(
+            "effort=\"{}\"{rest}",
+            if index == 1 { "100" } else { "1e5" }
+        );
+    }
+    let urdf = std::env::temp_dir().join(format!("truecut-weak-{}.urdf", std::process::id()));
+    std::fs::write(&urdf, weak).expect("written");
+    let estimated = by_sheet(&urdf, sheet(Some(268.0), 20.0)).expect("estimated");
+    std::fs::remove_file(&urdf).expect("removed");
+    let notes = estimated.notes.join("\n");
+    let second = &Robot::load(&asset("hp20"), None, None)
+        .expect("the asset")
+        .chain
+        .joints[1]
+        .name;
+    assert!(notes.contains(&format!(": {second} (100 of ")), "{notes}");
+    assert!(
+        estimated
+            .text
+            .contains("since the URDF's 100 does not hold the arm")
+    );
+    assert_eq!(estimated.text.matches("limit of the URDF").count(), 5);
 }

@@ -102,15 +102,19 @@ fn write_estimate(init: &InitArguments) -> Result<ExitStatus, Failure> {
     let sheet = DataSheet {
         mass_kg: init.mass,
         payload_kg: init.payload,
+        reach_m: init.reach,
+        repeatability_mm: init.repeatability,
     };
     let source = &init.source;
     let (packages, arguments) = (source.packages(), source.arguments());
     let tip = source.tip.as_deref();
-    let text = robot_toml(&init.urdf, tip, &packages, &arguments, sheet)
+    let estimated = robot_toml(&init.urdf, tip, &packages, &arguments, sheet)
         .map_err(|error| Failure::arm(&error))?;
-    write_file(&out, text.as_bytes())?;
+    write_file(&out, estimated.text.as_bytes())?;
+    let notes = estimated.notes.iter();
+    let notes: String = notes.map(|note| format!("  note: {note}\n")).collect();
     crate::print(&format!(
-        "{}\n  every value in it is estimated, by the rule that it states\n  \
+        "{}\n{notes}  every value in it is estimated, by the rule that it states\n  \
          look at it: truecut robot {} --config {}\n",
         out.display(),
         init.urdf.display(),

@@ -4,6 +4,7 @@
 //! Rules and their sources stand in `docs/physics/estimates.md`.
 
 mod masses;
+mod plausible;
 mod text;
 mod volume;
 
@@ -25,6 +26,19 @@ pub struct DataSheet {
     pub mass_kg: Option<f64>,
     /// What the arm may carry, kg.
     pub payload_kg: f64,
+    /// How far from the first axis the arm reaches, m; held against the chain.
+    pub reach_m: Option<f64>,
+    /// Pose repeatability (ISO 9283), mm.
+    pub repeatability_mm: Option<f64>,
+}
+
+/// What comes of a data sheet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimated {
+    /// A `robot.toml`.
+    pub text: String,
+    /// What is rare in the data sheet, and what of the robot's file was not used.
+    pub notes: Vec<String>,
 }
 
 /// Stiffness of a joint over the torque that it is sized for, 1/rad (1/m for a slide).
@@ -40,6 +54,9 @@ const STAND_OFF: f64 = 0.1;
 const VELOCITY_LOOP_RAD_S: f64 = 200.0;
 /// Damping ratio of the first mode.
 const FIRST_MODE_DAMPING: f64 = 0.02;
+/// Where an effort of the URDF is less than this part of the torque that gravity asks, the drive
+/// could not hold the arm, whose masses are known within a factor: a placeholder.
+const WEAKEST_DRIVE: f64 = 1.0 / MASS_FACTOR;
 /// Factors by which a value may be off to both sides.
 pub(crate) const STIFFNESS_FACTOR: f64 = 2.5;
 const MASS_FACTOR: f64 = 3.0;
@@ -52,11 +69,21 @@ struct JointEstimate {
     rotor_inertia: f64,
     velocity_gain: f64,
     torque_limit: f64,
-    /// The limit is the URDF's.
-    limit_is_given: bool,
+    limit: LimitRule,
 }
 
-/// The text of a `robot.toml` for the robot at `urdf`.
+/// Where the limit of a drive comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum LimitRule {
+    /// The URDF's effort.
+    Given,
+    /// By the torque that the joint is sized for, since the URDF has none.
+    Missing,
+    /// Likewise, since the URDF's effort does not hold the arm.
+    TooWeak(f64),
+}
+
+/// A `robot.toml` for the robot at `urdf`.
 ///
 /// # Errors
 /// Whatever is wrong with the robot's file; masses that are neither there nor given; a data sheet
@@ -67,7 +94,7 @@ pub fn robot_toml(
     packages: &Packages,
     arguments: &BTreeMap<String, String>,
     sheet: DataSheet,
-) -> Result<String, ArmError> {
+) -> Result<Estimated, ArmError> {
     check(&sheet)?;
     let source = Source::read(urdf, packages, arguments)?;
     let (mut tree, tip_link) = source.tree(urdf, tip)?;
@@ -80,28 +107,63 @@ pub fn robot_toml(
     let (chain, flange) = to_chain(&mut tree, tip_link, Masses::Needed)
         .map_err(|error| source.at_origin(urdf, needs_mass(error, &sheet)))?;
     let lengths = Lengths::of(&chain, flange.translation.vector.norm());
+    let mut notes = plausible::notes(&chain, &lengths, &sheet)?;
     let joints: Vec<JointEstimate> = (0..chain.joints.len())
         .map(|index| joint_estimate(&chain, &lengths, index, sheet.payload_kg))
         .collect();
+    notes.extend(weak_drives(&chain, &joints));
     let draft = text::write(&chain, &sheet, &given, &joints, None);
     let settings = Some((draft.as_str(), Path::new("robot.toml")));
     let robot = Robot::from_texts((source.text(), urdf), settings, tip)
         .map_err(|error| source.at_origin(urdf, error))?;
     let modes = robot.modes(&robot.default_posture(), None)?;
-    let first_hz = modes.frequency_hz[0];
-    Ok(text::write(&chain, &sheet, &given, &joints, Some(first_hz)))
+    let model = Draft {
+        first_hz: modes.frequency_hz[0],
+        softest_n_per_m: robot.softest_n_per_m(&robot.default_posture()),
+    };
+    let text = text::write(&chain, &sheet, &given, &joints, Some(&model));
+    Ok(Estimated { text, notes })
+}
+
+/// What the estimated arm is like at its default posture.
+struct Draft {
+    first_hz: f64,
+    /// At the tool, in its softest direction.
+    softest_n_per_m: Option<f64>,
+}
+
+/// Joints whose drives, by the URDF, could not hold the arm.
+fn weak_drives(chain: &Chain, joints: &[JointEstimate]) -> Option<String> {
+    let weak = chain.joints.iter().zip(joints);
+    let weak = weak.filter_map(|(joint, estimate)| match estimate.limit {
+        LimitRule::TooWeak(effort) => {
+            let torque = estimate.torque_limit / LIMIT_PER_TORQUE;
+            Some(format!("{} ({effort} of {torque:.0})", joint.name))
+        }
+        _ => None,
+    });
+    let weak: Vec<String> = weak.collect();
+    (!weak.is_empty()).then(|| {
+        format!(
+            "effort limits of the file that do not hold the stretched arm with its payload are placeholders, it \
+             seems, and are not used (N m, or N, of what gravity asks): {}",
+            weak.join(", ")
+        )
+    })
 }
 
 fn check(sheet: &DataSheet) -> Result<(), ArmError> {
     let positive = [
         ("--mass", sheet.mass_kg),
         ("--payload", Some(sheet.payload_kg)),
+        ("--reach", sheet.reach_m),
+        ("--repeatability", sheet.repeatability_mm),
     ];
     for (quantity, value) in positive {
         if let Some(value) = value
-            && !(value.is_finite() && value > 0.0 && value <= 1e5)
+            && !(value.is_finite() && value > 0.0)
         {
-            let rule = "above 0 and at most 1e5 kg";
+            let rule = "above 0";
             return Err(ArmErrorKind::Argument {
                 quantity,
                 value,
@@ -187,11 +249,17 @@ fn joint_estimate(
     let rotor_inertia = ROTOR_PER_TORQUE * torque;
     let given = chain.joints[joint].limits.map(|limits| limits.effort);
     let given = given.filter(|effort| effort.is_finite() && *effort > 0.0);
+    let limit = match given {
+        None => LimitRule::Missing,
+        Some(effort) if effort < WEAKEST_DRIVE * torque => LimitRule::TooWeak(effort),
+        Some(_) => LimitRule::Given,
+    };
+    let given = given.filter(|_| limit == LimitRule::Given);
     JointEstimate {
         stiffness: per_torque * torque,
         rotor_inertia,
         velocity_gain: VELOCITY_LOOP_RAD_S * rotor_inertia,
         torque_limit: given.unwrap_or(LIMIT_PER_TORQUE * torque),
-        limit_is_given: given.is_some(),
+        limit,
     }
 }

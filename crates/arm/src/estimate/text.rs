@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::{
-    DataSheet, FIRST_MODE_DAMPING, JointEstimate, LIMIT_PER_TORQUE, LinkMass, MASS_FACTOR,
-    MassRule, ROTOR_FACTOR, ROTOR_PER_TORQUE, STIFFNESS_FACTOR, STIFFNESS_PER_FORCE,
+    DataSheet, Draft, FIRST_MODE_DAMPING, JointEstimate, LIMIT_PER_TORQUE, LimitRule, LinkMass,
+    MASS_FACTOR, MassRule, ROTOR_FACTOR, ROTOR_PER_TORQUE, STIFFNESS_FACTOR, STIFFNESS_PER_FORCE,
     STIFFNESS_PER_TORQUE, VELOCITY_LOOP_RAD_S,
 };
 use crate::model::{Chain, JointKind};
@@ -15,15 +15,16 @@ fn number(value: f64, digits: usize) -> String {
     format!("{:?}", rounded.unwrap_or(value))
 }
 
-/// The file. Damping needs the frequency of the first mode, and is left out without it.
+/// The file. Damping needs the frequency of the first mode, and is left out without a draft.
 pub(super) fn write(
     chain: &Chain,
     sheet: &DataSheet,
     masses: &[LinkMass],
     joints: &[JointEstimate],
-    first_hz: Option<f64>,
+    draft: Option<&Draft>,
 ) -> String {
-    let mut text = head(chain, sheet, first_hz);
+    let mut text = head(chain, sheet, draft);
+    let first_hz = draft.map(|draft| draft.first_hz);
     for mass in masses {
         link(&mut text, mass, sheet.mass_kg.unwrap_or_default());
     }
@@ -36,19 +37,20 @@ pub(super) fn write(
     text
 }
 
-fn head(chain: &Chain, sheet: &DataSheet, first_hz: Option<f64>) -> String {
+fn head(chain: &Chain, sheet: &DataSheet, draft: Option<&Draft>) -> String {
     let mass = match sheet.mass_kg {
         Some(mass_kg) => format!("mass {mass_kg} kg, "),
         None => "masses of the URDF, ".to_owned(),
     };
-    let first_hz = first_hz.map_or("?".to_owned(), |hz| number(hz, 3));
+    let first_hz = draft.map_or("?".to_owned(), |draft| number(draft.first_hz, 3));
+    let scatter = scatter(sheet, draft).unwrap_or_default();
     format!(
         "# Estimated from a data sheet: {mass}payload {} kg. First mode {first_hz} Hz.\n\
          # Every value below is a guess by a rule, with the interval in which it is expected. What replaces it:\n\
          #   stiffness   truecut identify with a load-deflection test\n\
          #   damping     truecut identify with a hammer test\n\
          #   masses      the maker's CAD, or truecut diagnose with drive torques of slow and fast moves\n\
-         #   servo       the controller's parameters\n\n\
+         #   servo       the controller's parameters\n{scatter}\n\
          name = \"{} (estimated)\"\n\n\
          # The tool point relative to the flange \"{}\": put the tool's length here.\n\
          [frames.tool]\nxyz_m = [0.0, 0.0, 0.0]\nrpy_deg = [0.0, 0.0, 0.0]\n\n",
@@ -56,6 +58,19 @@ fn head(chain: &Chain, sheet: &DataSheet, first_hz: Option<f64>) -> String {
         escaped(&chain.name),
         escaped(&chain.tip),
     )
+}
+
+/// What a repeatability says: not how stiff the arm is, but how much force is lost in its scatter.
+fn scatter(sheet: &DataSheet, draft: Option<&Draft>) -> Option<String> {
+    let repeatability_mm = sheet.repeatability_mm?;
+    let force_n = draft?.softest_n_per_m? * repeatability_mm * 1e-3;
+    let [least, force, most] =
+        [1.0 / STIFFNESS_FACTOR, 1.0, STIFFNESS_FACTOR].map(|factor| number(factor * force_n, 2));
+    Some(format!(
+        "# Repeatability {repeatability_mm} mm is the scatter of a pose reached from one side (ISO 9283). It holds \
+         neither stiffness nor\n# lost motion. In its softest direction the tool gives way by as much under {force} N \
+         (estimated: {least} to {most} N):\n# load-deflection tests need forces well above that.\n"
+    ))
 }
 
 fn escaped(name: &str) -> String {
@@ -137,10 +152,13 @@ fn joint(
         sources,
         "rotor_inertia = \"estimated: {ROTOR_PER_TORQUE} s^2 times that {torque}; within a factor of {ROTOR_FACTOR}\""
     );
-    let limit_rule = if estimate.limit_is_given {
-        "limit of the URDF".to_owned()
-    } else {
-        format!("limit {LIMIT_PER_TORQUE} times that {torque}")
+    let by_rule = format!("limit {LIMIT_PER_TORQUE} times that {torque}");
+    let limit_rule = match estimate.limit {
+        LimitRule::Given => "limit of the URDF".to_owned(),
+        LimitRule::Missing => by_rule,
+        LimitRule::TooWeak(effort) => {
+            format!("{by_rule}, since the URDF's {effort} does not hold the arm")
+        }
     };
     let _ = writeln!(
         sources,

@@ -108,6 +108,12 @@ pub struct InitArguments {
     /// What the arm may carry, kg
     #[arg(long, value_name = "KG", value_parser = above_zero)]
     pub payload: f64,
+    /// How far from its first axis the arm reaches, m: held against the file's chain
+    #[arg(long, value_name = "M", value_parser = above_zero)]
+    pub reach: Option<f64>,
+    /// Pose repeatability (ISO 9283), mm: told as the force that is lost in it
+    #[arg(long, value_name = "MM", value_parser = above_zero)]
+    pub repeatability: Option<f64>,
     /// The file to write [default: robot.toml beside the robot's file]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
