@@ -204,8 +204,8 @@ impl Drive {
             // The rotor carries the transmission's torque times the gear's true ratio (virtual
             // work).
             let gear = joint.law.gear(now.motor);
-            let damping = joint.damping_now(&now);
-            let transmission = gear * (joint.static_torque(&now) - damping * now.velocity);
+            let (position_part, damping) = joint.on_rotor(&now);
+            let transmission = gear * (position_part - damping * now.velocity);
             let damping = damping * gear * gear;
             let wish = servo.position_gain_per_s * (state.command[i] - state.motor[i])
                 + servo.velocity_feed_forward * self.command_velocity[i];
@@ -312,5 +312,78 @@ impl Drive {
                 joint.dissipation_w(&state.motion(i)) + self.coupled_torque(i, state) * against
             })
             .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+    use rand_distr::{Distribution, Uniform};
+    use truecut_arm::{Servo, Transmission};
+
+    /// So short that velocities hardly change over it.
+    const STEP_S: f64 = 1e-8;
+
+    /// One joint with play of 2 mrad, and a servo too weak to hide what the transmission does.
+    fn joint() -> JointDrive {
+        let transmission = Transmission {
+            stiffness: Some(1e6),
+            damping: 3e3,
+            rotor_inertia: 0.7,
+            servo: Some(Servo {
+                position_gain_per_s: 5.0,
+                velocity_gain: 40.0,
+                torque_limit: 1e3,
+                velocity_feed_forward: 0.0,
+            }),
+            ..Transmission::default()
+        };
+        let law = JointLaw {
+            gap: 2e-3,
+            ..JointLaw::default()
+        };
+        JointDrive::new(DriveKind::Servo, &transmission, law)
+    }
+
+    /// Newton's second law of the rotor over a step, with Newton's third law at the flanks: servo
+    /// less what acts on the link. In play, pressed, and parting faster than the spring pushes.
+    #[test]
+    fn verify_rotor_and_link_feel_opposite_torques() {
+        let mut rng = ChaCha8Rng::seed_from_u64(20);
+        let windup = Uniform::new(-1.5e-3, 1.5e-3).unwrap();
+        let rate = Uniform::new(-0.4, 0.4).unwrap();
+        let mut seen = [0; 3];
+        for _ in 0..3000 {
+            let joint = joint();
+            let mut drive = Drive {
+                kind: DriveKind::Servo,
+                joints: vec![joint],
+                command_velocity: vec![0.0],
+                half: vec![rate.sample(&mut rng)],
+                half_before: vec![0.0],
+                dt_s: STEP_S,
+                feed_forward: vec![0.0],
+                coupled: None,
+            };
+            drive.half_before.copy_from_slice(&drive.half);
+            let before = drive.half[0];
+            let mut state = JointState::at_rest(&[-windup.sample(&mut rng)], &[0.0]);
+            state.velocity[0] = rate.sample(&mut rng);
+            let command = Command {
+                position: &[0.0],
+                velocity: &[0.0],
+                force: &[0.0],
+            };
+            drive.evaluate(command, &mut state, &mut [0.0]);
+            let on_link = state.transmission[0];
+            let touching = state.position[0].abs() > 1e-3;
+            seen[usize::from(touching) + usize::from(on_link != 0.0)] += 1;
+            drive.advance(&mut state);
+            let on_rotor = drive.drive_force(0, &state) - 0.7 * (drive.half[0] - before) / STEP_S;
+            assert!((on_rotor - on_link).abs() < 0.1, "{on_rotor} {on_link}");
+        }
+        assert!(seen.iter().all(|count| *count > 200), "{seen:?}");
     }
 }

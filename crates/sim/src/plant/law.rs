@@ -67,12 +67,13 @@ impl JointDrive {
         self.law.seen(at.motor) - at.position
     }
 
-    /// Damping of the transmission as it now stands; none within the play.
-    pub fn damping_now(&self, at: &JointMotion) -> f64 {
-        if self.elastic.engaged(self.windup(at)) {
-            self.damping
+    /// What the rotor carries of the transmission at this instant: the torque that depends on
+    /// positions, and the damping of the wind-up's rate; on the link act the same, turned round.
+    pub fn on_rotor(&self, at: &JointMotion) -> (f64, f64) {
+        if self.flanks_press(self.windup(at), self.rate(at)) {
+            (self.static_torque(at), self.damping)
         } else {
-            0.0
+            (self.hysteresis_torque().unwrap_or(0.0), 0.0)
         }
     }
 
@@ -146,18 +147,22 @@ impl JointDrive {
         at.motor_velocity * self.law.gear(at.motor) - at.velocity
     }
 
+    /// Whether spring and damper act: always without play, else while flanks press on each other;
+    /// their damping cannot make them pull.
+    fn flanks_press(&self, windup: f64, rate: f64) -> bool {
+        if self.law.gap <= 0.0 {
+            return true;
+        }
+        let spring = self.elastic.torque(windup);
+        self.elastic.engaged(windup) && (spring + self.damping * rate) * spring > 0.0
+    }
+
     /// Torque of spring and damper.
     fn flank_torque(&self, windup: f64, rate: f64) -> f64 {
-        let spring = self.elastic.torque(windup);
-        if !self.elastic.engaged(windup) {
-            return spring;
-        }
-        let damped = spring + self.damping * rate;
-        if self.law.gap > 0.0 && damped * spring <= 0.0 {
-            // Flanks press on each other; their damping cannot make them pull.
-            0.0
+        if self.flanks_press(windup, rate) {
+            self.elastic.torque(windup) + self.damping * rate
         } else {
-            damped
+            0.0
         }
     }
 
