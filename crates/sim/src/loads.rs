@@ -62,8 +62,12 @@ pub(crate) fn stacked(force: &Vector3<f64>, moment: &Vector3<f64>) -> Vector6<f6
 /// which only the step loop knows.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactRequest {
+    /// Where the robot is touched.
     pub frame: Attachment,
+    /// By which the workpiece presses on the robot, N; zero or less is no contact. It belongs to
+    /// the [`Loads::wrenches`] as well: here it only bounds the friction.
     pub normal_force_n: f64,
+    /// Friction against the sliding of this point over the workpiece, which stands still.
     pub law: FrictionLaw,
 }
 

@@ -29,7 +29,9 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut::external::nalgebra::Vector3;
 use truecut::recording::{ChannelSpec, Scalar, Unit};
-use truecut::scenario::{Facts, Knob, ModesIn, Parts, PostureFrom, Processes, Scenario};
+use truecut::scenario::{
+    BrokenRule, Facts, Knob, ModesIn, Parts, PostureFrom, Processes, Scenario,
+};
 use truecut::sim::SimError;
 use truecut::sim::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use truecut::sim::process::{
@@ -113,6 +115,22 @@ impl OwnProcess for Drilling {
             // It has no foot, cutter or wheel of truecut's for effects to act on.
             parts: Parts::NONE,
         }
+    }
+
+    // Ranges of single keys stand in the table's schema; what two keys must keep stands here.
+    fn check(&self) -> Result<(), BrokenRule> {
+        let point_mm = 1e3 * self.drill().point_m;
+        if self.depth_mm >= point_mm {
+            return Ok(());
+        }
+        Err(BrokenRule {
+            key: "depth_mm".to_owned(),
+            message: format!(
+                "{} is less than {point_mm:.2}, the height of the point: the hole never has its \
+                 diameter",
+                self.depth_mm
+            ),
+        })
     }
 
     fn set_up(&self, context: &SetupContext<'_>) -> Result<ProcessSetup, SimError> {
@@ -344,6 +362,10 @@ pub fn main() -> Result<(), Box<dyn Error>> {
             .to_string()
             .ends_with("without feed there is no chip")
     );
+    let shallow = SCENARIO.replace("depth_mm = 8", "depth_mm = 2");
+    let refused = read(&shallow).expect_err("the point is 3 mm high");
+    println!("{refused}");
+    assert!(refused.to_string().contains("2 is less than 3.00"));
     one_hole(&std::env::temp_dir().join("truecut_own_process"))?;
     three_feeds()
 }

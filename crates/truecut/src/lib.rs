@@ -31,6 +31,8 @@
 //!
 //! # A tour
 //!
+//! It runs inside the repository; `tempfile` is needed for its folder alone.
+//!
 //! ```
 //! use std::path::Path;
 //! use truecut::{Engine, Run, Scenario};
@@ -105,10 +107,11 @@
 //! // The recording carries the scenario that really ran, so that it can be run again.
 //! assert!(slid.recording.header.scenario_text.contains("mu = 0.02"));
 //!
-//! // The files of a run go into the folder `foot`, named like the scenario's file (`foot.toml`):
-//! // runs of one scenario with different overrides need a folder each in place of `out`, since
-//! // what an earlier run left is removed. Sinks take the rows while the run goes on, the summary
-//! // comes after it. `true` would write a file for the viewer, too.
+//! // The files of a run go into `out/foot`, named like the scenario's file (`foot.toml`); folders
+//! // that are missing are made. What an earlier run left there under the names of a run's files is
+//! // removed, so runs of one scenario with different overrides need an `out` each. Sinks take the
+//! // rows while the run goes on, the summary comes after it. `true` would write a file for the
+//! // viewer, too.
 //! let out = tempfile::tempdir()?;
 //! let files = truecut::Outputs::prepare(out.path(), &scenario, false)?;
 //! let kept = Run { sinks: files.sinks(), ..Run::of(&scenario) }.execute()?;
@@ -144,9 +147,11 @@
 //! max = 3
 //! reason = "with little friction it does not"
 //! "#;
-//! // Claims of one run say nothing of a sweep, which has its own, on all rows.
+//! // Claims of one run say nothing of a sweep, which has its own, in the unit of their column, on
+//! // all rows; a `[[claim]]` beside a sweep is refused.
 //! let (head, _claims) = text.split_once("[[claim]]").unwrap();
 //! let swept = Scenario::from_str(&root.join("foot.toml"), &format!("{head}{sweep}"), &[])?;
+//! // The closure is told the part that is done, 0 to 1. Rows are run in rapier, on all cores.
 //! let table = truecut::sweep(&swept, &|_part| {})?;
 //! // A row has the axes' values, then the columns', each in the unit of `table.columns`: here ms.
 //! let time_sliding = table.index("time sliding").unwrap();
@@ -155,7 +160,8 @@
 //! assert!(slides(0) && slides(1) && !slides(2) && !slides(3), "{:?}", table.rows);
 //! // Its claims are judged on the table, by the worst row.
 //! assert!(!table.claims(&swept)[0].holds);
-//! // Where a run did not come to its end the row's results are NaN, and `unfinished` says why.
+//! // Where a run did not come to its end the row's results are NaN, and `unfinished` says why; a
+//! // claim on a column with such a row does not hold. `outputs::write_sweep` writes the table.
 //! assert!(table.unfinished.iter().all(Option::is_none));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -171,11 +177,13 @@
 //! use truecut::{Claims, Run, RunError, Scenario, data};
 //!
 //! // The scenario says which column of the data is which channel, in which unit, and which of them
-//! // drive the model (docs/measured_data.md):
+//! // drive the model (docs/measured_data.md). Of one with a single joint:
+//! //
+//! //     name = "An elbow"
 //! //
 //! //     [robot]
 //! //     urdf = "arm.urdf"
-//! //     posture_deg = [-40, 60]     # where it starts
+//! //     posture_deg = [-40]         # where it starts
 //! //     drive = "position"
 //! //
 //! //     [process.replay]
@@ -184,7 +192,7 @@
 //! //     file = "elbow.csv"
 //! //     time = "t_s"
 //! //
-//! //     [[data.channel]]
+//! //     [[data.channel]]            # an input: every driven joint has one
 //! //     column = "command_1_deg"
 //! //     channel = "joint1.command"
 //! //     unit = "deg"
@@ -194,8 +202,9 @@
 //! //     column = "torque_1_n_m"
 //! //     channel = "joint1.transmission_torque"
 //! //     unit = "N m"
+//! // That of the repository has two joints, and the tool's height as an output, too.
 //! let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/diagnosis/elbow.toml");
-//! // One second is enough.
+//! // One second of the data is enough.
 //! let scenario = Scenario::load(&file, &[("data.to_s".into(), "1".into())])?;
 //! // `None`: the file that the scenario names. `Some(path)` reads another, with the same columns.
 //! let measured = data::measured(&scenario, None)?;
@@ -208,17 +217,21 @@
 //! let height = differences.channels.iter().find(|it| it.channel == "tool.position_z");
 //! assert!(height.is_some_and(|height| height.level.nrmse > 0.0));
 //!
-//! // Effects are searched that would explain it: play in the second joint. A trial is the scenario
-//! // as a model that can be asked for any effects and values, beside what was observed.
+//! // Every kind of effect that can act here is tried (docs/effects.md has them all), and several
+//! // together. A trial is the scenario as a model that can be asked for any effects and values,
+//! // with what was observed; `RunError::of` gives its errors file and line.
 //! let trial = Trial::new(&scenario, &measured).map_err(|error| RunError::of(&scenario, error))?;
 //! let answer = diagnose(&trial, &trial.observation, &Options::default(), &|_progress| {})?;
 //! assert_eq!(answer.diagnosis.verdict, Verdict::Named);
+//! // Here it is play in the second joint. Other verdicts say that nothing is left beyond noise,
+//! // that causes cannot be told apart, that none known explains it, or that the data show none.
 //! assert_eq!(answer.diagnosis.causes[0].kind, "joint_backlash");
 //!
 //! // The answer is a scenario: to run here, and as a text for others, in which the effects are new
 //! // entries. Which joints are rotary decides between keys as `gap_rad` and `gap_m`.
 //! let extended = scenario.with_effects(&answer.effects)?;
-//! assert!(extended.extended_text(&answer.effects, &trial.rotary()).contains("joint_backlash"));
+//! let text = scenario.extended_text(&answer.effects, &trial.rotary());
+//! assert!(extended.effects.len() == 1 && text.matches("joint_backlash").count() == 1);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -255,9 +268,18 @@
 //!    in their order), `contact_stiffness` (springs of a contact, none if it only pushes), `arrows`
 //!    (what is drawn). All else has a default.
 //!
+//! The arm holds the scenario's posture, or feeds the tool along the process's y axis at
+//! [`feed_along_y_m_per_s`](sim::process::Process::feed_along_y_m_per_s). Paths over surfaces and
+//! taught postures lead the shipped processes alone.
+//!
 //! [`scenario::Processes::with`] registers it, and [`Scenario::load_with`] reads scenarios that
 //! have it. The derives of the table need serde and schemars among your dependencies, in the major
-//! versions of [`external`].
+//! versions of [`external`]:
+//!
+//! ```toml
+//! serde = { version = "1", features = ["derive"] }
+//! schemars = "1"
+//! ```
 //!
 //! The rules that every process keeps are tests in the feature `contract`; a macro makes a
 //! `#[test]` of each:

@@ -21,8 +21,33 @@ pub struct JointLaw {
 impl JointLaw {
     /// Whether the joint rests where a linear one would.
     pub fn is_nominal(&self) -> bool {
-        let elastic = self.gap == 0.0 && self.cubic == 0.0 && self.ripple.is_none();
-        elastic && self.counterbalance.is_none() && self.offset == 0.0
+        // Friction and hysteresis begin with nothing, and move no place of rest.
+        let Self {
+            gap,
+            cubic,
+            ripple,
+            viscous: _,
+            hysteresis: _,
+            counterbalance: _,
+            offset: _,
+        } = self;
+        let elastic = *gap == 0.0 && *cubic == 0.0 && ripple.is_none();
+        elastic && !self.loads_link()
+    }
+
+    /// What acts on the link beside the transmission and friction: a constant torque and a spring.
+    fn on_link(&self) -> (f64, Option<Counterbalance>) {
+        // By name, so that a new part of the law is placed here or there, not forgotten.
+        let Self {
+            counterbalance,
+            offset,
+            viscous: _,
+            gap: _,
+            cubic: _,
+            hysteresis: _,
+            ripple: _,
+        } = *self;
+        (offset, counterbalance)
     }
 
     /// Where the link sees the motor, rad (m).
@@ -38,16 +63,19 @@ impl JointLaw {
 
     /// Torque on the link that does not come through the transmission, N m (N).
     pub fn link_torque(&self, q: f64) -> f64 {
-        self.offset + self.counterbalance.map_or(0.0, |spring| spring.torque(q))
+        let (offset, spring) = self.on_link();
+        offset + spring.map_or(0.0, |spring| spring.torque(q))
     }
 
     /// Potential energy of [`JointLaw::link_torque`], J.
     pub fn link_energy_j(&self, q: f64) -> f64 {
-        self.counterbalance.map_or(0.0, |spring| spring.energy_j(q)) - self.offset * q
+        let (offset, spring) = self.on_link();
+        spring.map_or(0.0, |spring| spring.energy_j(q)) - offset * q
     }
 
     /// Whether [`JointLaw::link_torque`] is ever there.
     pub fn loads_link(&self) -> bool {
-        self.offset != 0.0 || self.counterbalance.is_some()
+        let (offset, spring) = self.on_link();
+        offset != 0.0 || spring.is_some()
     }
 }

@@ -151,7 +151,8 @@ fn next_best(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
     found
 }
 
-/// The verdict, before the test part is opened.
+/// The verdict, before the causes' gain on the test part is known; what is left beyond a known
+/// noise floor (`excess`) is counted there, too.
 fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis: &mut Diagnosis) {
     if let Some(excess) = &excess {
         diagnosis.unexplained_fraction = diagnosis.unexplained_fraction.max(excess.fraction);
