@@ -220,7 +220,7 @@ fn what_the_path_says_changes_the_program() {
             "ridges",
             (
                 "strategy = \"iso_parametric\"",
-                "strategy = \"iso_scallop\"\nscallop_mm = 0.3",
+                "strategy = \"iso_scallop\"\nscallop_mm = 0.2",
             ),
         ),
     ];

@@ -12,6 +12,8 @@ mod boundary;
 #[cfg(test)]
 pub(crate) mod cylinder;
 mod depth;
+#[cfg(test)]
+pub(crate) mod drawn;
 mod error;
 mod file;
 mod forms;

@@ -1,16 +1,21 @@
 //! How lines are laid on a face: iso-parametric lines here, others beside.
 
 use nalgebra::Isometry3;
+use truecut_core::roots::illinois;
 
 use super::contact::Contact;
 use super::error::SurfacePathError;
 use super::graph::{GraphLine, Turned};
 use super::layout::{Layout, STATIONS, check_distance, narrow};
 use super::options::{FeedAlong, PathOptions, Strategy};
+use super::spacing::{Laid, evenly};
 use super::wheel::ContactWheel;
 use super::{planes, scallop};
 use crate::bounds::OutOfBounds;
 use crate::surface::{Boundary, Surface};
+
+/// Part of what is allowed to which the distance of two lines is found.
+const SAME: f64 = 1e-10;
 
 /// Lines of contacts, fed to and fro.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,30 +133,46 @@ fn check(
 /// Lines v = const, fed along u and back in turn.
 ///
 /// Two neighbours stand as far apart as half the swath of each covers, less the overlap, at the
-/// place where that is least; the distance is measured across the feed, √(EG − F²)/√E for a step of
-/// v, which is |r_v| only where r_u and r_v are square. The first and last line keep half their
-/// swath and the margin from the borders, and each line half its reach from its ends.
+/// place where that is least, or as one share of that, the same for all, with which the last line
+/// comes out; the distance is measured across the feed, √(EG − F²)/√E for a step of v, which is
+/// |r_v| only where r_u and r_v are square. The first and last line keep half their swath and the
+/// margin from the borders, and each line half its reach from its ends.
 fn iso_parametric(layout: &Layout<'_>) -> Result<Vec<Vec<Contact>>, SurfacePathError> {
+    let ends = layout.outermost()?;
+    let places = evenly(|share| places(layout, ends, share))?;
+    let graphs = places.iter().map(|v| layout.constant(*v));
+    to_and_fro(layout, graphs)
+}
+
+/// Places of lines v = const, each gap a share of what is allowed.
+fn places(
+    layout: &Layout<'_>,
+    [first, last]: [f64; 2],
+    share: f64,
+) -> Result<Laid<f64>, SurfacePathError> {
     let [low, high] = layout.surface.domain().v;
-    let [first, last] = layout.outermost()?;
-    let mut places = vec![first];
+    let (mut lines, mut last_gap) = (vec![first], share);
     let mut v = first;
-    while v < last {
+    while last - v > 1e-9 * (high - low) {
         let line = layout.stations(&layout.constant(v))?;
-        // Too far apart from here on; where even the last line is near enough it is the next.
-        let beyond = layout.bisect(v, last, |next| Ok(!joined(layout, &line, next)?))?;
-        let next = beyond.unwrap_or(last);
+        let to_last = taken(layout, &line, last)?;
+        // Where even the last line is near enough it is the next.
+        let next = if to_last > share {
+            farthest(layout, &line, [v, last], [share, to_last])?
+        } else {
+            last_gap = to_last;
+            last
+        };
         if next - v < 1e-9 * (high - low) {
             return Err(narrow(&line));
         }
         if next < last {
             check_distance((next - v) / (last - first))?;
         }
-        places.push(next);
+        lines.push(next);
         v = next;
     }
-    let graphs = places.iter().map(|v| layout.constant(*v));
-    to_and_fro(layout, graphs)
+    Ok(Laid { lines, last_gap })
 }
 
 /// Courses from end to end, every other one backwards.
@@ -166,22 +187,48 @@ fn to_and_fro(
     Ok(lines)
 }
 
-/// Whether a line and one further on leave nothing between them.
-fn joined(layout: &Layout<'_>, line: &[Contact], next: f64) -> Result<bool, SurfacePathError> {
+/// How far from a line, on the way from it to the last, a line may stand that takes no more than a
+/// share of what is allowed; the last one takes more.
+fn farthest(
+    layout: &Layout<'_>,
+    line: &[Contact],
+    [v, last]: [f64; 2],
+    [share, to_last]: [f64; 2],
+) -> Result<f64, SurfacePathError> {
+    let (mut reached, mut refused) = (0.0_f64, None);
+    illinois([0.0, 1.0], [share, share - to_last], SAME, |way| {
+        let left = match taken(layout, line, v + way * (last - v)) {
+            Ok(taken) => share - taken,
+            Err(error) => {
+                refused = Some(error);
+                0.0
+            }
+        };
+        if left >= -SAME {
+            reached = reached.max(way);
+        }
+        left
+    });
+    refused.map_or(Ok(v + reached * (last - v)), Err)
+}
+
+/// The distance of a line and one further on as a part of what both cover, where that is most; up
+/// to 1 they leave nothing between them.
+fn taken(layout: &Layout<'_>, line: &[Contact], next: f64) -> Result<f64, SurfacePathError> {
     let other = layout.stations(&layout.constant(next))?;
+    let mut most = 0.0_f64;
     for (a, b) in line.iter().zip(&other) {
         let covered_m = 0.5 * (a.swath_m + b.swath_m) * (1.0 - layout.options.overlap);
-        if layout.path_m(a.u, 0.0, a.v, next)? > covered_m {
-            return Ok(false);
-        }
+        most = most.max(layout.path_m(a.u, 0.0, a.v, next)? / covered_m);
     }
-    Ok(true)
+    Ok(most)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::surface::PlanePatch;
+    use crate::surface::drawn::{self, seeded};
     use crate::surface::spoke::Spoke;
     use crate::surface_path::AxisRule;
     use crate::surface_path::wheel::tests::PUBLISHED;
@@ -204,38 +251,95 @@ mod tests {
         plan_path(surface, None, &PUBLISHED, strategy, FeedAlong::U, options)
     }
 
+    /// What each gap takes of what its two lines cover, where that is most.
+    fn taken_by(surface: &dyn Surface, options: &PathOptions, path: &SurfacePath) -> Vec<f64> {
+        let (boundary, wheel) = (None, &PUBLISHED);
+        let layout = Layout {
+            surface,
+            boundary,
+            wheel,
+            options,
+        };
+        let gap = |pair: &[Vec<Contact>]| {
+            let line = layout.stations(&layout.constant(pair[0][0].v));
+            taken(&layout, &line.expect("a line"), pair[1][0].v).expect("a distance")
+        };
+        path.lines.windows(2).map(gap).collect()
+    }
+
+    /// All of the same share to 1 %, none above 1, and one line less would be too few.
+    fn assert_even(shares: &[f64], what: &str) {
+        let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = shares.iter().copied().fold(0.0, f64::max);
+        assert!(
+            most <= 1.0 + 1e-6 && least > 0.99 * most,
+            "{what}: {shares:?}"
+        );
+        let fewer = shares.len() as f64 - 1.0;
+        assert!(most * (fewer + 1.0) > 0.99 * fewer, "{what}: {shares:?}");
+    }
+
+    /// Parallelograms and wheels drawn at random: lines stand evenly in mm, no further apart than
+    /// the swath less the overlap.
+    #[test]
+    fn verify_lines_on_drawn_planes_share_the_width_evenly() {
+        for seed in 0..20 {
+            let sides = (0.03..0.3_f64, -0.1..0.1_f64, 0.0..0.5_f64);
+            let (high_m, slant_m, overlap) = seeded(seed, &sides);
+            let (along, up) = (Vector3::x() * 0.2, Vector3::new(slant_m, high_m, 0.0));
+            let plane = PlanePatch::new(Vector3::zeros(), along, up).expect("a plane");
+            let options = PathOptions {
+                rule: AxisRule::LeastCurvature,
+                overlap,
+                ..OPTIONS
+            };
+            let path = planned(&plane, &options).expect("a path");
+            let places = path.lines.iter().map(|line| line[0].point_m.y);
+            let places: Vec<f64> = places.collect();
+            let swath_m = path.lines[0][0].swath_m;
+            assert!((places[0] - 0.5 * swath_m).abs() < 1e-9, "seed {seed}");
+            let end_m = places[places.len() - 1];
+            assert!((high_m - end_m - 0.5 * swath_m).abs() < 1e-9, "seed {seed}");
+            let allowed_m = swath_m * (1.0 - overlap);
+            let shares = places.windows(2).map(|p| (p[1] - p[0]) / allowed_m);
+            let shares: Vec<f64> = shares.collect();
+            let needed = ((end_m - places[0]) / allowed_m - 1e-9).ceil() as usize;
+            assert_eq!(shares.len(), needed, "seed {seed}: {places:?}");
+            assert_even(&shares, &format!("seed {seed}"));
+        }
+    }
+
+    /// The same share of what is allowed everywhere, on curved patches drawn at random.
+    #[test]
+    fn verify_lines_on_drawn_patches_share_the_width_evenly() {
+        for seed in 0..10 {
+            let patch = drawn::patch(&drawn::heights(seed), 6e-3, 0.0);
+            let options = PathOptions {
+                rule: AxisRule::WidestSwath {
+                    edge_gap_limit_m: 2e-3,
+                },
+                ..OPTIONS
+            };
+            let path = planned(&patch, &options).expect("a path");
+            let shares = taken_by(&patch, &options, &path);
+            assert!(shares.len() > 2, "{shares:?}");
+            assert_even(&shares, &format!("seed {seed}"));
+        }
+    }
+
     /// Every place between two lines is covered by one of them, with no line nearer than it need be
     /// at its tightest place.
     #[test]
     fn verify_lines_on_the_spoke_leave_no_gap_and_waste_none() {
         let path = planned(&Spoke, &OPTIONS).expect("a path");
-        let plan = Layout {
-            surface: &Spoke,
-            boundary: None,
-            wheel: &PUBLISHED,
-            options: &OPTIONS,
-        };
-        let places: Vec<f64> = path.lines.iter().map(|line| line[0].v).collect();
-        assert!(places.len() > 3, "{places:?}");
-        for (k, pair) in places.windows(2).enumerate() {
-            let [one, other] =
-                [pair[0], pair[1]].map(|v| plan.stations(&plan.constant(v)).expect("a line"));
-            let uses = one.iter().zip(&other).map(|(a, b)| {
-                let path_m = plan.path_m(a.u, 0.0, a.v, b.v).expect("a distance");
-                path_m / (0.4 * (a.swath_m + b.swath_m))
-            });
-            let used = uses.fold(0.0, f64::max);
-            assert!(used < 1.0 + 1e-6, "line {k}: {used}");
-            assert!(
-                used > 1.0 - 1e-6 || k + 2 == places.len(),
-                "line {k}: {used}"
-            );
-        }
+        let shares = taken_by(&Spoke, &OPTIONS, &path);
+        assert!(shares.len() > 3, "{shares:?}");
+        assert_even(&shares, "the spoke");
         for pair in path.lines.windows(2) {
-            let first = |k: usize| pair[k][0];
+            let (end, next) = (pair[0][pair[0].len() - 1], pair[1][0]);
             // Fed to and fro, the axis points to the same side of the face.
-            assert!(first(0).axis.dot(&first(1).axis) > 0.5);
-            assert!(first(0).feed.dot(&first(1).feed) < 0.0);
+            assert!(end.axis.dot(&next.axis) > 0.5);
+            assert!(end.feed.dot(&next.feed) < 0.0);
         }
         for line in &path.lines {
             assert!(
@@ -250,10 +354,10 @@ mod tests {
     }
 
     /// On the mould block's top the axis stands across the feed, the swath is that of the wheel
-    /// turned to the diagonal of its contact at most, and first and last line stand half a swath
-    /// from the borders.
+    /// turned to the diagonal of its contact at most, first and last line stand half a swath from
+    /// the borders, and the others share what is between them.
     #[test]
-    fn verify_lines_on_a_plane_stand_a_swath_apart() {
+    fn verify_lines_on_a_plane_stand_evenly_within_half_a_swath_of_its_borders() {
         let plane = PlanePatch::new(Vector3::zeros(), Vector3::x() * 0.1, Vector3::y() * 0.06)
             .expect("a plane");
         let options = PathOptions {
@@ -267,10 +371,10 @@ mod tests {
             .iter()
             .map(|line| line[0].point_m.y * 1e3)
             .collect();
-        let expected = [12.5, 37.5, 47.5];
+        let expected = [12.5, 30.0, 47.5];
         assert_eq!(y.len(), 3, "{y:?}");
         assert!(
-            y.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6),
+            y.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4),
             "{y:?}"
         );
         let narrow = PlanePatch::new(Vector3::zeros(), Vector3::x() * 0.1, Vector3::y() * 0.024)

@@ -17,6 +17,7 @@ mod scallop;
 mod sequence;
 mod setup;
 mod solve;
+mod spacing;
 mod taught;
 mod wheel;
 

@@ -18,7 +18,7 @@ pub struct PathOptions {
     pub margin_m: f64,
 }
 
-/// How lines are laid.
+/// How lines are laid; in every gap they take the same share of what is allowed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Strategy {
     /// Lines along which one parameter is constant, the next as far away as the narrowest place
