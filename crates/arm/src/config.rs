@@ -43,14 +43,15 @@
 
 use std::path::Path;
 
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use toml::Spanned;
+use nalgebra::Isometry3;
 
-use crate::error::{ArmError, ArmErrorKind};
+use crate::error::{ArmError, ArmErrorKind, several};
 use crate::model::{Chain, JointKind, ToolLoad, Transmission};
 
+mod frames;
 mod links;
 mod raw;
+mod structure;
 
 use raw::{Number, RawConfig, RawFrame, RawJoint, RawServo};
 
@@ -83,8 +84,16 @@ pub(crate) struct ConfigFile<'a> {
 
 impl<'a> ConfigFile<'a> {
     /// Reads `text` as the `robot.toml` at `path`.
+    ///
+    /// # Errors
+    /// Every key, type and length that is wrong.
     pub(crate) fn parse(text: &'a str, path: &'a Path) -> Result<Self, ArmError> {
         let reader = ConfigReader { text, path };
+        let broken = structure::check(text).into_iter();
+        let broken = broken.map(|b| reader.error(b.at, ArmErrorKind::Toml(b.message)));
+        if let Some(error) = several(broken.collect()) {
+            return Err(error);
+        }
         let raw = toml::from_str(text).map_err(|error: toml::de::Error| {
             let line = error.span().map(|span| reader.line(span.start));
             let message = error
@@ -103,70 +112,56 @@ impl<'a> ConfigFile<'a> {
         }
     }
 
-    /// Enters the transmissions into `chain`.
-    pub(crate) fn apply(&self, chain: &mut Chain) -> Result<Config, ArmError> {
+    /// Enters the transmissions into `chain`; adds what is wrong to `faults`.
+    pub(crate) fn apply(&self, chain: &mut Chain, faults: &mut Vec<ArmError>) -> Config {
         let reader = self.reader();
-        let path = self.path;
-        let mut seen: Vec<(String, usize)> = Vec::new();
+        let mut seen: Vec<(&str, usize)> = Vec::new();
         for joint in &self.raw.joint {
-            let name = joint.name.get_ref();
+            let name = joint.name.get_ref().as_str();
             let line = reader.line(joint.name.span().start);
-            let error = |kind| ArmError::in_file(path, Some(line), kind);
-            if let Some((_, first_line)) = seen.iter().find(|(n, _)| n == name) {
-                return Err(error(ArmErrorKind::DuplicateName {
-                    element: "joint",
-                    name: name.clone(),
-                    first_line: *first_line,
-                }));
+            let first = seen.iter().find(|(n, _)| *n == name);
+            if let Some(kind) = refused(name, first.map(|(_, line)| *line), chain) {
+                faults.push(ArmError::in_file(self.path, Some(line), kind));
+                continue;
             }
-            seen.push((name.clone(), line));
-            if let Some(own) = chain.followers.iter().find(|own| own.name == *name) {
-                return Err(error(ArmErrorKind::Follows {
-                    joint: name.clone(),
-                    leader: chain.joints[own.follows].name.clone(),
-                    multiplier: own.multiplier,
-                    purpose: "it has no transmission of its own",
-                }));
+            seen.push((name, line));
+            let target = chain.joints.iter_mut().find(|j| j.name == name);
+            if let Some(target) = target {
+                reader.joint(joint, target.kind, &mut target.transmission, faults);
             }
-            let Some(target) = chain.joints.iter_mut().find(|j| j.name == *name) else {
-                return Err(error(unknown_joint(name, chain)));
-            };
-            reader.joint(joint, target.kind, &mut target.transmission)?;
         }
-        let tool = reader.frame("tool", self.raw.frames.tool.as_ref())?;
-        let foot = reader.frame("foot", self.raw.frames.foot.as_ref())?;
+        let tool = reader.frame("tool", self.raw.frames.tool.as_ref(), faults);
+        let foot = reader.frame("foot", self.raw.frames.foot.as_ref(), faults);
         let flange_from_tool = tool.unwrap_or_else(Isometry3::identity);
-        Ok(Config {
+        Config {
             name: self.raw.name.clone(),
             flange_from_tool,
             flange_from_foot: foot.unwrap_or(flange_from_tool),
-            tool_load: self.tool_load()?,
-        })
+            tool_load: self.tool_load(faults),
+        }
     }
 }
 
-impl ConfigFile<'_> {
-    fn tool_load(&self) -> Result<Option<ToolLoad>, ArmError> {
-        let Some(raw) = &self.raw.tool_load else {
-            return Ok(None);
-        };
-        let refused = |place: usize, key: &str, value: f64, rule: &str| {
-            let text = format!("`tool_load.{key}` is {value}; it must be {rule}");
-            Err(self.reader().error(place, ArmErrorKind::Toml(text)))
-        };
-        let (mass_kg, center_m) = (*raw.mass_kg.get_ref(), *raw.center_m.get_ref());
-        if !(mass_kg.is_finite() && mass_kg > 0.0) {
-            let place = raw.mass_kg.span().start;
-            return refused(place, "mass_kg", mass_kg, "above 0 and finite");
-        }
-        if let Some(bad) = center_m.iter().find(|part| !part.is_finite()) {
-            return refused(raw.center_m.span().start, "center_m", *bad, "finite");
-        }
-        Ok(Some(ToolLoad {
-            mass_kg,
-            centre_m: center_m.into(),
-        }))
+/// Why there may be no entry for a joint; `first_line` is that of another entry for it.
+fn refused(name: &str, first_line: Option<usize>, chain: &Chain) -> Option<ArmErrorKind> {
+    let joint = name.to_owned();
+    if let Some(first_line) = first_line {
+        return Some(ArmErrorKind::DuplicateName {
+            element: "joint",
+            name: joint,
+            first_line,
+        });
     }
+    if let Some(own) = chain.followers.iter().find(|own| own.name == name) {
+        return Some(ArmErrorKind::Follows {
+            joint,
+            leader: chain.joints[own.follows].name.clone(),
+            multiplier: own.multiplier,
+            purpose: "it has no transmission of its own",
+        });
+    }
+    let is_known = chain.joints.iter().any(|own| own.name == name);
+    (!is_known).then(|| unknown_joint(name, chain))
 }
 
 /// JSON Schema of the file, for editors.
@@ -253,18 +248,20 @@ impl ConfigReader<'_> {
         raw: &RawJoint,
         kind: JointKind,
         transmission: &mut Transmission,
-    ) -> Result<(), ArmError> {
+        faults: &mut Vec<ArmError>,
+    ) {
         let name = raw.name.get_ref();
         let source = &raw.source;
         let sources = &mut transmission.sources;
-        let value = |key: Key, text: &Option<String>| self.value(name, kind, &key, text.as_deref());
+        let mut value =
+            |key: Key, text: &Option<String>| self.value(name, kind, &key, text.as_deref(), faults);
         let stiffness = key!(
             raw.stiffness_nm_per_rad,
             stiffness_n_per_m,
             "stiffness",
             Positive
         );
-        if let Some((value, text)) = value(stiffness, &source.stiffness)? {
+        if let Some((value, text)) = value(stiffness, &source.stiffness) {
             (transmission.stiffness, sources.stiffness) = (Some(value), text);
         }
         let damping = key!(
@@ -273,7 +270,7 @@ impl ConfigReader<'_> {
             "damping",
             NotNegative
         );
-        if let Some(found) = value(damping, &source.damping)? {
+        if let Some(found) = value(damping, &source.damping) {
             (transmission.damping, sources.damping) = found;
         }
         let friction = key!(
@@ -282,7 +279,7 @@ impl ConfigReader<'_> {
             "dry_friction",
             NotNegative
         );
-        if let Some(found) = value(friction, &source.dry_friction)? {
+        if let Some(found) = value(friction, &source.dry_friction) {
             (transmission.dry_friction, sources.dry_friction) = found;
         }
         let rotor = key!(
@@ -291,32 +288,33 @@ impl ConfigReader<'_> {
             "rotor_inertia",
             NotNegative
         );
-        if let Some(found) = value(rotor, &source.rotor_inertia)? {
+        if let Some(found) = value(rotor, &source.rotor_inertia) {
             (transmission.rotor_inertia, sources.rotor_inertia) = found;
         }
         let pulses = key!(raw.pulses_per_deg, pulses_per_mm, "pulses", Positive);
-        if let Some((value, text)) = value(pulses, &source.pulses)? {
+        if let Some((value, text)) = value(pulses, &source.pulses) {
             let per_unit = match kind {
                 JointKind::Revolute => value.to_degrees(),
                 JointKind::Prismatic => value * 1e3,
             };
             (transmission.pulses_per_unit, sources.pulses) = (Some(per_unit), text);
         }
-        if let Some(servo) = &raw.servo {
-            let (servo, text) = self.servo(raw, servo, kind)?;
+        if let Some(servo) = &raw.servo
+            && let Some((servo, text)) = self.servo(raw, servo, kind, faults)
+        {
             (transmission.servo, sources.servo) = (Some(servo), text);
         }
-        Ok(())
     }
 
-    /// The value of a key with its source, `None` if the key is absent.
+    /// The value of a key with its source, `None` if the key is absent or wrong.
     fn value(
         &self,
         joint: &str,
         kind: JointKind,
         key: &Key,
         source: Option<&str>,
-    ) -> Result<Option<(f64, String)>, ArmError> {
+        faults: &mut Vec<ArmError>,
+    ) -> Option<(f64, String)> {
         let ((right, number), (wrong, other), kind_name) = match kind {
             JointKind::Revolute => (key.revolute, key.prismatic, "revolute"),
             JointKind::Prismatic => (key.prismatic, key.revolute, "prismatic"),
@@ -329,66 +327,31 @@ impl ConfigReader<'_> {
                 wrong,
                 right,
             };
-            return Err(self.error(other.span().start, kind));
+            faults.push(self.error(other.span().start, kind));
+            return None;
         }
-        let Some(number) = number else {
-            return Ok(None);
-        };
+        let number = number.as_ref()?;
         let (value, at) = (*number.get_ref(), number.span().start);
-        if !key.rule.holds(value) {
+        let is_good = key.rule.holds(value);
+        if !is_good {
             let kind = ArmErrorKind::ConfigValue {
                 joint: joint(),
                 key: right,
                 value,
                 rule: key.rule.text(),
             };
-            return Err(self.error(at, kind));
+            faults.push(self.error(at, kind));
         }
-        match source.map(str::trim).filter(|text| !text.is_empty()) {
-            Some(text) => Ok(Some((value, text.to_owned()))),
-            None => {
-                let kind = ArmErrorKind::NoSource {
-                    joint: joint(),
-                    key: right,
-                    source_key: key.source,
-                };
-                Err(self.error(at, kind))
-            }
-        }
-    }
-
-    fn frame(
-        &self,
-        name: &'static str,
-        raw: Option<&RawFrame>,
-    ) -> Result<Option<Isometry3<f64>>, ArmError> {
-        let Some(raw) = raw else { return Ok(None) };
-        let numbers = |key: &'static str, value: &Option<Spanned<[f64; 3]>>| {
-            let Some(value) = value else {
-                return Ok([0.0; 3]);
+        let text = source.map(str::trim).filter(|text| !text.is_empty());
+        if text.is_none() {
+            let kind = ArmErrorKind::NoSource {
+                joint: joint(),
+                key: right,
+                source_key: key.source,
             };
-            match value.get_ref().iter().find(|v| !v.is_finite()) {
-                None => Ok(*value.get_ref()),
-                Some(&bad) => {
-                    let kind = ArmErrorKind::FrameValue {
-                        frame: name,
-                        key,
-                        value: bad,
-                    };
-                    Err(self.error(value.span().start, kind))
-                }
-            }
-        };
-        if let (Some(_), Some(second)) = (&raw.xyz_m, &raw.xyz_mm) {
-            let text = format!("frame `{name}` has its origin twice: xyz_m and xyz_mm");
-            return Err(self.error(second.span().start, ArmErrorKind::Toml(text)));
+            faults.push(self.error(at, kind));
         }
-        let millimetres = Vector3::from(numbers("xyz_mm", &raw.xyz_mm)?);
-        let xyz_m = Vector3::from(numbers("xyz_m", &raw.xyz_m)?) + millimetres / 1e3;
-        let [roll, pitch, yaw] = numbers("rpy_deg", &raw.rpy_deg)?.map(f64::to_radians);
-        Ok(Some(Isometry3::from_parts(
-            Translation3::from(xyz_m),
-            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-        )))
+        text.filter(|_| is_good)
+            .map(|text| (value, text.to_owned()))
     }
 }

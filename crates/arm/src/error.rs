@@ -1,5 +1,7 @@
 //! What can be wrong with a robot file or with a question asked of a robot.
 
+use std::path::Path;
+
 use thiserror::Error;
 
 use crate::placed::Placed;
@@ -11,6 +13,9 @@ pub type ArmError = Placed<ArmErrorKind>;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ArmErrorKind {
+    /// All that is wrong with a file, where it is more than one thing.
+    #[error("{}", listed(.0))]
+    Several(Vec<ArmError>),
     #[error("cannot read the file: {0}")]
     Unreadable(#[source] std::io::Error),
     #[error("not well-formed XML: {0}")]
@@ -309,4 +314,28 @@ pub enum ArmErrorKind {
         value: f64,
         rule: &'static str,
     },
+}
+
+fn listed(faults: &[ArmError]) -> String {
+    let line = |fault: &ArmError| match fault.line() {
+        Some(line) => format!("line {line}: {}", fault.message()),
+        None => fault.message(),
+    };
+    let all: Vec<String> = faults.iter().map(line).collect();
+    format!("{} faults: {}", faults.len(), all.join("; "))
+}
+
+/// One error of all faults of a file, at the first of them; none if there are none.
+pub(crate) fn several(mut faults: Vec<ArmError>) -> Option<ArmError> {
+    faults.sort_by_key(ArmError::line);
+    let path = faults.first()?.path().map(Path::to_owned);
+    let line = faults[0].line();
+    if faults.len() == 1 {
+        return faults.pop();
+    }
+    let kind = ArmErrorKind::Several(faults);
+    Some(match path {
+        Some(path) => ArmError::in_file(&path, line, kind),
+        None => kind.into(),
+    })
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::bounds::Masses;
 use crate::config::{Config, ConfigFile};
 use crate::doubts;
-use crate::error::{ArmError, ArmErrorKind};
+use crate::error::{ArmError, ArmErrorKind, several};
 use crate::merge::to_chain;
 use crate::meshes;
 use crate::model::{Frames, Robot};
@@ -123,17 +123,33 @@ impl Robot {
         let not_drawn = meshes::find(&mut tree, urdf.1, &reading.packages);
         let config = config.map(|(text, path)| ConfigFile::parse(text, path));
         let config = config.transpose()?;
+        let mut faults = Vec::new();
         if let Some(config) = &config {
-            config.give_masses(&mut tree)?;
+            config.give_masses(&mut tree, &mut faults);
         }
-        let (mut chain, last_link_from_flange) = to_chain(&mut tree, tip, reading.masses)?;
+        // With a fault in the masses the rest of the file is looked through, still.
+        let masses = if faults.is_empty() {
+            reading.masses
+        } else {
+            Masses::NotNeeded
+        };
+        let (mut chain, last_link_from_flange) = match to_chain(&mut tree, tip, masses) {
+            Ok(made) => made,
+            Err(error) => return Err(several(faults).unwrap_or(error)),
+        };
         chain.notes.splice(0..0, note);
         chain.notes.append(&mut tree.notes);
         chain.notes.extend(not_drawn);
         let (settings, config_path) = match config {
-            Some(config) => (config.apply(&mut chain)?, Some(PathBuf::from(config.path))),
+            Some(config) => (
+                config.apply(&mut chain, &mut faults),
+                Some(PathBuf::from(config.path)),
+            ),
             None => (Config::default(), None),
         };
+        if let Some(error) = several(faults) {
+            return Err(error);
+        }
         chain.notes.extend(estimated_masses(&tree));
         chain.notes.extend(doubts::notes(&chain));
         Ok(Self {

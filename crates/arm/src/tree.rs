@@ -22,7 +22,7 @@ pub(crate) enum Freedom {
     Other(&'static str),
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct TreeLink {
     pub(crate) name: String,
     pub(crate) lines: ElementLines,

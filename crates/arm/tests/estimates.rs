@@ -338,4 +338,17 @@ fn efforts_that_do_not_hold_the_arm_are_not_used() {
             .contains("since the URDF's 100 does not hold the arm")
     );
     assert_eq!(estimated.text.matches("limit of the URDF").count(), 5);
+
+    // Gravity hardly loads the axes of a wrist: a small drive is enough, and no placeholder.
+    let small = std::fs::read_to_string(asset("hp20")).expect("the asset");
+    let mut efforts = small.split("effort=\"");
+    let mut wrist = efforts.next().expect("a head").to_owned();
+    for (index, part) in efforts.enumerate() {
+        let rest = part.split_once('"').expect("a value").1;
+        wrist += &format!("effort=\"{}\"{rest}", if index >= 3 { "40" } else { "1e5" });
+    }
+    std::fs::write(&urdf, wrist).expect("written");
+    let estimated = by_sheet(&urdf, sheet(Some(268.0), 20.0)).expect("estimated");
+    std::fs::remove_file(&urdf).expect("removed");
+    assert_eq!(estimated.notes, [""; 0]);
 }

@@ -4,7 +4,7 @@ mod urdf_faults;
 
 use std::path::{Path, PathBuf};
 
-use truecut_arm::Robot;
+use truecut_arm::{ArmError, ArmErrorKind, Robot};
 use urdf_faults::URDF_FAULTS;
 
 fn fixtures() -> PathBuf {
@@ -86,26 +86,29 @@ const TWO_JOINTS: &str = r#"<robot name="two">
   <link name="tip"><inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
 </robot>"#;
 
-fn with_config(config: &str) -> Result<Robot, truecut_arm::ArmError> {
+fn with_config(config: &str) -> Result<Robot, ArmError> {
     let urdf = (TWO_JOINTS, Path::new("two.urdf"));
     Robot::from_texts(urdf, Some((config, Path::new("robot.toml"))), None)
 }
 
 /// Text of a `robot.toml`, line of the fault, quotes.
 const CONFIG_FAULTS: &[(&str, usize, &[&str])] = &[
-    ("name = \"x\nname = 2", 1, &["string"]),
+    ("name = \"x\nnmae = 2", 1, &["string"]),
     (
         "\n\n[[joint]]\nname = \"turn\"\nstifness_nm_per_rad = 1.0",
         5,
         &[
-            "unknown field `stifness_nm_per_rad`",
-            "stiffness_nm_per_rad",
+            "unknown key `stifness_nm_per_rad` in [joint \"turn\"]",
+            "did you mean `stiffness_nm_per_rad`?",
         ],
     ),
     (
         "[[joint]]\nname = \"turn\"\nstiffness_nm_per_rad = \"much\"",
         3,
-        &["string \"much\"", "expected a number"],
+        &[
+            "`joint \"turn\".stiffness_nm_per_rad` is the text \"much\"",
+            "must be a number",
+        ],
     ),
     (
         "[[joint]]\nname = \"trun\"",
@@ -212,7 +215,37 @@ const CONFIG_FAULTS: &[(&str, usize, &[&str])] = &[
         2,
         &["frame `tool`", "`xyz_m` holds NaN"],
     ),
-    ("[frames.tool]\nxyz_m = [0, 1]", 2, &["length"]),
+    (
+        "[frames.tool]\nxyz_m = [0, 1]",
+        2,
+        &["`frames.tool.xyz_m` has 2 entries", "must have 3"],
+    ),
+    (
+        "[frames.tool]\nxyz_m = [0, \"far\", 1]",
+        2,
+        &["`frames.tool.xyz_m` is the text \"far\""],
+    ),
+    ("joint = 3", 1, &["`joint` is the number 3", "a list"]),
+    (
+        "[joint]\nname = \"turn\"",
+        1,
+        &["`joint` is a table", "a list"],
+    ),
+    (
+        "name = \"x\"\n[[joint]]\nstiffness_nm_per_rad = 1e6",
+        2,
+        &["missing key `name` in [joint 1]: Name of the joint"],
+    ),
+    (
+        "[tool_load]\nmas_kg = 3\ncenter_m = [0, 0, 0]",
+        2,
+        &["unknown key `mas_kg` in [tool_load]; did you mean `mass_kg`?"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\ndeflection_nm_per_rad = 3",
+        3,
+        &["unknown key `deflection_nm_per_rad`", "known keys are"],
+    ),
     (
         "[frames.tool]\nxyz_m = [0, 0, 1]\nxyz_mm = [0, 0, 1]",
         3,
@@ -256,9 +289,42 @@ const CONFIG_FAULTS: &[(&str, usize, &[&str])] = &[
     (
         "[frames.grinder]\nxyz_m = [0, 0, 1]",
         1,
-        &["unknown field `grinder`"],
+        &["unknown key `grinder` in [frames]"],
     ),
 ];
+
+/// Faults of several tables, with their lines: all are told, in the order of the file.
+#[test]
+fn all_faults_of_a_config_are_told_at_once() {
+    let structure = "naem = \"x\"\n[frames.tool]\nxyz_m = [0, 0]\n[[joint]]\nname = 3\n\
+                     stifness_nm_per_rad = 1\n[masses]\ntotal_kg = \"heavy\"";
+    let values = "[[link]]\nname = \"base\"\nmass_kg = -1\ncenter_m = [0, 0, 0]\n\
+                  inertia_kg_m2 = [1, 1, 1, 0, 0, 0]\nsource = \"x\"\n\
+                  [[joint]]\nname = \"turn\"\nstiffness_nm_per_rad = -1\n\
+                  damping_nm_s_per_rad = -2\n[joint.source]\ndamping = \"x\"\n\
+                  [[joint]]\nname = \"trun\"\n\
+                  [[joint]]\nname = \"slide\"\nsource.servo = \"x\"\n[joint.servo]\n\
+                  position_gain_per_s = 0\nvelocity_gain_n_s_per_m = 5\n\
+                  [frames.foot]\nrpy_deg = [0, inf, 0]";
+    for (text, lines) in [
+        (structure, &[1, 3, 5, 6, 8][..]),
+        (values, &[2, 9, 9, 10, 14, 19, 19, 22]),
+    ] {
+        let error = with_config(text).expect_err(text);
+        assert_eq!(error.line(), Some(lines[0]), "{error}");
+        let ArmErrorKind::Several(faults) = error.kind() else {
+            panic!("{error}");
+        };
+        let told: Vec<usize> = faults.iter().filter_map(ArmError::line).collect();
+        assert_eq!(told, lines, "{error}");
+        for fault in faults {
+            assert!(error.message().contains(&fault.message()), "{error}");
+            for word in ["f64", "struct", "enum", "Spanned", "Vec<", "Option<", "Raw"] {
+                assert!(!fault.message().contains(word), "{fault}");
+            }
+        }
+    }
+}
 
 #[test]
 fn every_faulty_config_is_refused_with_its_reason() {

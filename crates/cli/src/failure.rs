@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
-use truecut_arm::ArmError;
+use truecut_arm::{ArmError, ArmErrorKind};
 use truecut_scenario::{Identification, Scenario, ScenarioError};
 use truecut_sim::SimError;
 use truecut_sim::run::RunError;
@@ -105,6 +105,17 @@ impl Failure {
     }
 
     fn arm_with(error: &ArmError, help: Option<String>) -> Failure {
+        if let (ArmErrorKind::Several(faults), Some(path)) = (error.kind(), error.path()) {
+            let labels = faults.iter().filter_map(|fault| {
+                let line = fault.line()?;
+                Some((line, fault.message()))
+            });
+            let labels: Vec<(usize, String)> = labels.collect();
+            let text = format!("{} faults", faults.len());
+            if let Some(shown) = in_lines(path, text, &labels, help.clone()) {
+                return shown;
+            }
+        }
         let place = error.path().zip(error.line());
         let shown = place.and_then(|(path, line)| in_line(path, line, error.message(), help));
         shown.unwrap_or_else(|| Failure::message(error.to_string()))
@@ -138,19 +149,34 @@ fn described(text: impl Into<String>, help: Option<String>) -> MietteDiagnostic 
 }
 
 fn in_line(path: &Path, line: usize, text: String, help: Option<String>) -> Option<Failure> {
+    in_lines(path, text, &[(line, "here".to_owned())], help)
+}
+
+/// The same with a label at each of several lines.
+fn in_lines(
+    path: &Path,
+    text: String,
+    labels: &[(usize, String)],
+    help: Option<String>,
+) -> Option<Failure> {
     let source = std::fs::read_to_string(path).ok()?;
-    let start: usize = source
-        .split_inclusive('\n')
-        .take(line.checked_sub(1)?)
-        .map(str::len)
-        .sum();
-    let rest = source.get(start..)?.lines().next().unwrap_or_default();
-    let span = (
-        start + rest.len() - rest.trim_start().len(),
-        rest.trim().len(),
-    );
-    let label = LabeledSpan::new_primary_with_span(Some("here".to_owned()), span);
-    let report = Report::new(described(text, help).with_label(label));
+    let label = |(index, (line, label)): (usize, &(usize, String))| {
+        let lines = source.split_inclusive('\n').take(line.checked_sub(1)?);
+        let start: usize = lines.map(str::len).sum();
+        let rest = source.get(start..)?.lines().next().unwrap_or_default();
+        let span = (
+            start + rest.len() - rest.trim_start().len(),
+            rest.trim().len(),
+        );
+        let of = if index == 0 {
+            LabeledSpan::new_primary_with_span
+        } else {
+            LabeledSpan::new_with_span
+        };
+        Some(of(Some(label.clone()), span))
+    };
+    let labels: Option<Vec<LabeledSpan>> = labels.iter().enumerate().map(label).collect();
+    let report = Report::new(described(text, help).with_labels(labels?));
     let source = NamedSource::new(path.display().to_string(), source);
     Some(Failure(report.with_source_code(source)))
 }

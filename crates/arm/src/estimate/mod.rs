@@ -3,6 +3,7 @@
 //!
 //! Rules and their sources stand in `docs/physics/estimates.md`.
 
+mod limits;
 mod masses;
 mod plausible;
 mod text;
@@ -17,6 +18,7 @@ use crate::load::Source;
 use crate::merge::{joints_to, to_chain};
 use crate::model::{Chain, JointKind, Robot};
 use crate::packages::Packages;
+use limits::LimitRule;
 use masses::{LinkMass, MassRule};
 
 /// What a data sheet says.
@@ -54,9 +56,6 @@ const STAND_OFF: f64 = 0.1;
 const VELOCITY_LOOP_RAD_S: f64 = 200.0;
 /// Damping ratio of the first mode.
 const FIRST_MODE_DAMPING: f64 = 0.02;
-/// Where an effort of the URDF is less than this part of the torque that gravity asks, the drive
-/// could not hold the arm, whose masses are known within a factor: a placeholder.
-const WEAKEST_DRIVE: f64 = 1.0 / MASS_FACTOR;
 /// Factors by which a value may be off to both sides.
 pub(crate) const STIFFNESS_FACTOR: f64 = 2.5;
 const MASS_FACTOR: f64 = 3.0;
@@ -70,17 +69,6 @@ struct JointEstimate {
     velocity_gain: f64,
     torque_limit: f64,
     limit: LimitRule,
-}
-
-/// Where the limit of a drive comes from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum LimitRule {
-    /// The URDF's effort.
-    Given,
-    /// By the torque that the joint is sized for, since the URDF has none.
-    Missing,
-    /// Likewise, since the URDF's effort does not hold the arm.
-    TooWeak(f64),
 }
 
 /// A `robot.toml` for the robot at `urdf`.
@@ -108,14 +96,20 @@ pub fn robot_toml(
         .map_err(|error| source.at_origin(urdf, needs_mass(error, &sheet)))?;
     let lengths = Lengths::of(&chain, flange.translation.vector.norm());
     let mut notes = plausible::notes(&chain, &lengths, &sheet)?;
-    let joints: Vec<JointEstimate> = (0..chain.joints.len())
+    let mut joints: Vec<JointEstimate> = (0..chain.joints.len())
         .map(|index| joint_estimate(&chain, &lengths, index, sheet.payload_kg))
         .collect();
-    notes.extend(weak_drives(&chain, &joints));
     let draft = text::write(&chain, &sheet, &given, &joints, None);
     let settings = Some((draft.as_str(), Path::new("robot.toml")));
     let robot = Robot::from_texts((source.text(), urdf), settings, tip)
         .map_err(|error| source.at_origin(urdf, error))?;
+    let sized = |index| design_torque(&chain, &lengths, index, sheet.payload_kg);
+    notes.extend(limits::replace_weak(
+        &robot,
+        sheet.payload_kg,
+        sized,
+        &mut joints,
+    ));
     let modes = robot.modes(&robot.default_posture(), None)?;
     let model = Draft {
         first_hz: modes.frequency_hz[0],
@@ -130,26 +124,6 @@ struct Draft {
     first_hz: f64,
     /// At the tool, in its softest direction.
     softest_n_per_m: Option<f64>,
-}
-
-/// Joints whose drives, by the URDF, could not hold the arm.
-fn weak_drives(chain: &Chain, joints: &[JointEstimate]) -> Option<String> {
-    let weak = chain.joints.iter().zip(joints);
-    let weak = weak.filter_map(|(joint, estimate)| match estimate.limit {
-        LimitRule::TooWeak(effort) => {
-            let torque = estimate.torque_limit / LIMIT_PER_TORQUE;
-            Some(format!("{} ({effort} of {torque:.0})", joint.name))
-        }
-        _ => None,
-    });
-    let weak: Vec<String> = weak.collect();
-    (!weak.is_empty()).then(|| {
-        format!(
-            "effort limits of the file that do not hold the stretched arm with its payload are placeholders, it \
-             seems, and are not used (N m, or N, of what gravity asks): {}",
-            weak.join(", ")
-        )
-    })
 }
 
 fn check(sheet: &DataSheet) -> Result<(), ArmError> {
@@ -247,19 +221,13 @@ fn joint_estimate(
         JointKind::Prismatic => STIFFNESS_PER_FORCE,
     };
     let rotor_inertia = ROTOR_PER_TORQUE * torque;
-    let given = chain.joints[joint].limits.map(|limits| limits.effort);
-    let given = given.filter(|effort| effort.is_finite() && *effort > 0.0);
-    let limit = match given {
-        None => LimitRule::Missing,
-        Some(effort) if effort < WEAKEST_DRIVE * torque => LimitRule::TooWeak(effort),
-        Some(_) => LimitRule::Given,
-    };
-    let given = given.filter(|_| limit == LimitRule::Given);
+    let effort = chain.joints[joint].limits.map(|limits| limits.effort);
+    let (torque_limit, limit) = limits::limit(effort, torque);
     JointEstimate {
         stiffness: per_torque * torque,
         rotor_inertia,
         velocity_gain: VELOCITY_LOOP_RAD_S * rotor_inertia,
-        torque_limit: given.unwrap_or(LIMIT_PER_TORQUE * torque),
+        torque_limit,
         limit,
     }
 }

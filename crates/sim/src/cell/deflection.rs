@@ -78,3 +78,65 @@ impl PathDeflection {
         [along, across, normal].map(|axis| axis.dot(&off_m))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Length from the shoulder to the flange with the elbow straight, m.
+    const RADIUS_M: f64 = 1.3;
+
+    fn arm() -> Arc<Robot> {
+        let urdf = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../assets/robots/arm_2r/robot.urdf");
+        let mut robot = Robot::load(&urdf, None, None).expect("the asset");
+        robot.frames.flange_from_tool = nalgebra::Isometry3::identity();
+        Arc::new(robot)
+    }
+
+    fn at(command: f64, off: f64) -> JointState {
+        JointState::at_rest(&[command + off, 0.0], &[command, 0.0])
+    }
+
+    fn is(found: [f64; 3], expected: Vector3<f64>) {
+        let off = (Vector3::from(found) - expected).norm();
+        assert!(off < 1e-12, "{found:?} for {expected}");
+    }
+
+    /// The stretched arm turns about its shoulder by a step, and is off by an angle δ: the tool is
+    /// off by a chord of length 2 R sin(δ/2), turned against the step before by δ/2 and half the
+    /// step. What the arm sags at touch-down is no deflection.
+    #[test]
+    fn verify_the_chord_of_a_turned_arm() {
+        let mut state = 11_u64;
+        let mut draw = |low: f64, high: f64| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            low + (high - low) * (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for case in 0..200 {
+            let sense = if case % 2 == 0 { 1.0 } else { -1.0 };
+            let (from, sag, delta) = (draw(-1.0, 1.0), draw(-0.1, 0.1), draw(-0.05, 0.05));
+            let step = sense * draw(0.01, 0.3);
+            let chord_m = 2.0 * RADIUS_M * (delta / 2.0).sin();
+            let path = |normal| {
+                let (start, command) = (vec![from + sag, 0.0], vec![from, 0.0]);
+                let mut path = PathDeflection::new(arm(), start, command, normal);
+                is(path.now(&at(from, sag)), Vector3::zeros());
+                path
+            };
+            let moved = at(from + step, sag + delta);
+            // Seen from beside the plane of motion.
+            let turned = (delta + step) / 2.0;
+            let expected = Vector3::new(turned.cos(), turned.sin(), 0.0) * chord_m * sense;
+            let mut beside = path(Some(Vector3::y()));
+            is(beside.now(&moved), expected);
+            // Standing, the path keeps its direction.
+            is(beside.now(&moved), expected);
+            // With the workpiece before the tool, whose z axis points out along the arm.
+            let expected = Vector3::new(sense * (delta / 2.0).cos(), 0.0, (delta / 2.0).sin());
+            is(path(None).now(&moved), expected * chord_m);
+        }
+    }
+}
