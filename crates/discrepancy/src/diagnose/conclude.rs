@@ -127,7 +127,7 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
         .map(|(_, rival)| rival)
         .collect();
     let answers = (described.par_iter())
-        .map(|rival| alternative(problem, rival))
+        .map(|rival| alternative(problem, rival, &outcome.orders))
         .collect::<Result<Vec<_>, _>>()?;
     diagnosis.runner_up = answers.first().cloned();
     let as_good = answers

@@ -104,10 +104,18 @@ pub(super) fn nominal(problem: &Problem, fit: &Fit, errors: &[Option<f64>]) -> V
     .collect()
 }
 
-pub(super) fn alternative(problem: &Problem, rival: &Rival) -> Result<Alternative, DiagnoseError> {
-    let errors = standard_errors(problem, &rival.fit, &problem.split.train)?;
+/// The rival is fitted to the rows that the model chosen is told for, in noise of the same orders:
+/// what its causes gain is the difference of two likelihoods of the same data.
+pub(super) fn alternative(
+    problem: &Problem,
+    rival: &Rival,
+    orders: &[usize],
+) -> Result<Alternative, DiagnoseError> {
+    let rows = &problem.split.development;
+    let whole = fit(problem, rival.fit.point.clone(), rows, orders, true)?;
+    let errors = standard_errors(problem, &whole, rows)?;
     Ok(Alternative {
-        causes: causes(problem, &rival.fit, &errors)?,
+        causes: causes(problem, &whole, &errors)?,
         angle_deg: rival.angle_deg,
         behind_t: rival.behind_t,
         criterion_difference: rival.criterion_difference,

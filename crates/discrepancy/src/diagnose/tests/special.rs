@@ -185,6 +185,27 @@ fn causes_that_cannot_be_told_apart_are_reported_together() {
     }
 }
 
+/// The same prediction has the same likelihood, whichever of its two names it is told under.
+#[test]
+fn what_an_alternative_gains_is_of_the_rows_of_the_cause() {
+    let model = Force::new(1200, 0.1);
+    for seed in 70..75 {
+        let force = model.force(MASS_KG, &[effect(EffectKind::JointOffset, &[6.0])]);
+        let answer = force_answer(&model, force, 3.0, seed).diagnosis;
+        let own = &answer.causes[0].evidence;
+        let mut others = answer.alternatives.iter().map(|a| &a.causes[0]);
+        let other = others
+            .find(|other| other.kind.ends_with("_offset"))
+            .unwrap();
+        let apart = (other.evidence.likelihood_gain - own.likelihood_gain).abs();
+        assert!(apart < 0.01 * own.likelihood_gain, "{other:?} {own:?}");
+        assert!(
+            (other.evidence.log10_odds - own.log10_odds).abs() < 1.0,
+            "{other:?} {own:?}"
+        );
+    }
+}
+
 #[test]
 fn a_motion_below_the_noise_is_not_enough() {
     let model = Force::new(1200, 1e-4);
