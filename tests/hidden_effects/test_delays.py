@@ -32,7 +32,7 @@ RATE_HZ, DURATION_S, STEP_S = 250.0, 5.0, 0.1e-3
 # noise over what a channel does, rms
 NOISE = 0.01
 # by seed and effects
-RUNS: dict[tuple, tuple[np.ndarray, np.ndarray]] = {}
+RUNS: dict[tuple, tuple[np.ndarray, dict[str, np.ndarray]]] = {}
 
 
 class Drawn:
@@ -102,16 +102,19 @@ class Drawn:
         path.write_text(text, encoding="utf-8")
         return path
 
-    def moved(self, effects: list[Effect]) -> tuple[np.ndarray, np.ndarray]:
-        """Times and outputs of a forward run, at its fine steps."""
+    def channels(self, effects: list[Effect]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """Times and channels of a forward run, at its fine steps."""
         key = (self.seed, *(str(effect) for effect in effects))
-        if key in RUNS:
-            return RUNS[key]
-        robot = scenario_file.load(self.forward(), {}).robot
-        time_s, channels = Arm(robot, effects, self.time, self.command, STEP_S).run(every=1)
-        names = [f"joint{j}.transmission_torque" for j in range(1, self.joints + 1)] + ["tool.position_z"]
-        RUNS[key] = time_s, np.stack([channels[name] for name in names], axis=1)
+        if key not in RUNS:
+            robot = scenario_file.load(self.forward(), {}).robot
+            RUNS[key] = Arm(robot, effects, self.time, self.command, STEP_S).run(every=1)
         return RUNS[key]
+
+    def moved(self, effects: list[Effect]) -> tuple[np.ndarray, np.ndarray]:
+        """Times and outputs of a forward run."""
+        time_s, channels = self.channels(effects)
+        names = [f"joint{j}.transmission_torque" for j in range(1, self.joints + 1)] + ["tool.position_z"]
+        return time_s, np.stack([channels[name] for name in names], axis=1)
 
     def driven(self, viscous: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Times and drive torques of the commanded motion, at twice the rate of the data."""

@@ -107,6 +107,8 @@ impl RobotSpec {
         let of_modes = !self.damping_ratios.is_empty();
         let slot = match *key {
             ["inertia_scale"] => Some(&mut self.inertia_scale),
+            ["posture_deg", index] => entry(&mut self.posture_rad, index),
+            ["posture_mm", index] => entry(&mut self.posture_m, index),
             ["stiffness_scale"] if has_transmissions => Some(&mut self.stiffness_scale),
             ["damping_scale"] if has_transmissions && !of_modes => Some(&mut self.damping_scale),
             ["link", index, own] => entry(&mut self.links, index).and_then(|link| match own {

@@ -131,6 +131,9 @@ pub fn key_unit(key: &str) -> UserUnit {
     {
         return UserUnit::from(effect::unit_of_key(last));
     }
+    // An entry of a list has the unit of the list.
+    let list = (key.rsplit_once('.')).filter(|(_, last)| last.bytes().all(|b| b.is_ascii_digit()));
+    let key = list.map_or(key, |(list, _)| list);
     let known = SUFFIXES.iter().find(|(suffix, ..)| key.ends_with(suffix));
     let symbol = known.map_or("1", |(.., symbol)| symbol);
     let of_keys = OF_KEYS.iter().find(|(of_keys, ..)| *of_keys == symbol);

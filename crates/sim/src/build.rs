@@ -1,17 +1,19 @@
 //! From a scenario to everything that a cell is made of.
 
+mod start;
+
+use self::start::at_start;
 use crate::command::JointCommand;
 use crate::effect::{self, Altered, Effects};
 use crate::error::SimError;
-use crate::loads::{Attachment, Wrench, stacked};
 use crate::measurement::Sensors;
 use crate::plant::{Drive, JointLaw};
 use crate::posture::check_limits;
-use crate::process::{self, Process, ProcessSetup, SetupContext, Start};
+use crate::process::{self, Process, SetupContext, Start};
 use crate::robots::Robots;
 use crate::scene::{DrawWorkpiece, Tooling};
 use crate::step_size::{self, Scheme};
-use nalgebra::{DMatrix, Isometry3, Vector3, Vector6};
+use nalgebra::{DMatrix, Isometry3, Vector3};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::joint_law::{LinkFriction, beyond_gap};
@@ -84,12 +86,12 @@ impl Prepared {
         check_limits(&nominal, &command)?;
         let mut altered = effect::alter(&nominal, &effects)?;
         let coupled_damping = coupled_damping(&nominal, &mut altered, &made.posture)?;
-        let command = command.behind(altered.base_joints);
+        let mut command = command.behind(altered.base_joints);
         let start = at_start(
             kind,
             &made,
             &altered,
-            &command,
+            &mut command,
             &world_from_process,
             &gravity,
         )?;
@@ -314,55 +316,6 @@ fn drive_kind(spec: &RobotSpec, robot: &Robot) -> Result<DriveKind, SimError> {
         }
     }
     Ok(kind)
-}
-
-/// Joints at the start, those of the base first: at rest under gravity and the process's static
-/// loads, friction unloaded; an arm without drives in its posture, on a base at rest.
-fn at_start(
-    kind: DriveKind,
-    made: &ProcessSetup,
-    altered: &Altered,
-    command: &JointCommand,
-    world_from_process: &Isometry3<f64>,
-    gravity: &Load,
-) -> Result<Vec<f64>, SimError> {
-    let robot = &altered.robot;
-    let at_rest = if kind == DriveKind::Force {
-        let base = vec![0.0; altered.base_joints];
-        effect::base_at_rest(altered, &[&base[..], &made.posture].concat(), gravity)
-    } else {
-        let position = first_of(command, robot.dof());
-        let wrenches = made.process.static_loads().wrenches;
-        let (attachment, wrench) = combine(robot, &position, &wrenches, world_from_process);
-        let load = gravity.with_wrench(attachment.into(), wrench);
-        effect::at_rest(altered, &position, &load)?
-    };
-    let (base, arm) = at_rest.split_at(altered.base_joints);
-    Ok([base, &made.start(arm)].concat())
-}
-
-/// All wrenches as one, in world axes: at the frame they share, or at the tool.
-fn combine(
-    robot: &Robot,
-    q: &[f64],
-    wrenches: &[Wrench],
-    world_from_process: &Isometry3<f64>,
-) -> (Attachment, Vector6<f64>) {
-    let at = |a: Attachment| robot.world_from_frame(q, a.into()).translation.vector;
-    let shared = wrenches.first().map_or(Attachment::Tool, |w| w.frame);
-    let target = if wrenches.iter().all(|w| w.frame == shared) {
-        shared
-    } else {
-        Attachment::Tool
-    };
-    let mut total = Vector6::zeros();
-    for wrench in wrenches {
-        let force = world_from_process.rotation * wrench.force_n;
-        let lever = at(wrench.frame) - at(target);
-        let moment = world_from_process.rotation * wrench.moment_n_m + lever.cross(&force);
-        total += stacked(&force, &moment);
-    }
-    (target, total)
 }
 
 /// What is known of the plant before the run.

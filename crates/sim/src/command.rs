@@ -47,6 +47,18 @@ impl JointCommand {
         }
     }
 
+    /// Asks for `by` more of a joint, all the time.
+    pub(crate) fn shift(&mut self, joint: usize, by: f64) {
+        let postures = match self {
+            Self::Hold(posture) => std::slice::from_mut(posture),
+            Self::Along(path) => &mut path.knots[..],
+            Self::Replay(samples) => &mut samples.postures[..],
+        };
+        for posture in postures {
+            posture[joint] += by;
+        }
+    }
+
     /// Given drive force of every joint at time `t`.
     pub(crate) fn force_at(&self, t_s: f64, force: &mut [f64]) {
         force.fill(0.0);

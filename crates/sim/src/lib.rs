@@ -56,6 +56,7 @@ pub use effect::misfit;
 pub use error::SimError;
 pub use mjcf::export_mjcf;
 pub use replay::inverse::{Forces, InverseModel};
+pub use replay::start::{FoundStart, found_start};
 pub use replay::steady::SteadyModel;
 pub use robots::Robots;
 pub use scene::{arm_view, mesh_body};

@@ -23,6 +23,7 @@ use truecut_recording::{ChannelSpec, UnknownName};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 use truecut_scenario::{DriveKind, ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
 use truecut_sim::facts::{RobotFacts, robot_facts};
+use truecut_sim::found_start;
 use truecut_sim::run::{self, Engine, Rows};
 use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel};
 
@@ -33,6 +34,8 @@ use crate::model::{Candidate, Columns, Experiment, Model, PredictError};
 /// A scenario with the data that it is held against.
 pub struct Trial {
     scenario: Scenario,
+    /// What the scenario has beyond its file: the start that the data say.
+    start: Vec<(String, String)>,
     measured: Measured,
     /// Times of the measured samples since the start of their pass.
     stretches_s: Vec<Vec<f64>>,
@@ -119,6 +122,13 @@ impl Trial {
             _ => robot_facts(scenario)?,
         };
         let robots = Robots::new();
+        let start = found_start(scenario, measured, &robots)?;
+        let mut started = match start.keys.is_empty() {
+            true => scenario.clone(),
+            false => scenario.with_overrides(&start.keys)?,
+        };
+        started.uncertain.extend(start.unknowns);
+        let scenario = &started;
         let (engine, recording, used, channels) = match mode(scenario) {
             Some(ReplayMode::Inverse { .. }) => {
                 let model = Box::new(InverseModel::new(scenario, measured)?);
@@ -169,6 +179,7 @@ impl Trial {
         let mut trial = Trial {
             candidates,
             scenario: scenario.clone(),
+            start: start.keys,
             stretches_s: measured.stretches_s(),
             measured,
             facts,
@@ -207,11 +218,12 @@ impl Trial {
         }
     }
 
-    /// The nominal parameters that differ from the scenario's, as they are written in its file.
+    /// The nominal parameters that differ from the scenario's, as they are written in its file, and
+    /// the start that it does not give.
     pub fn overrides(&self, nominal: &[f64]) -> Vec<(String, String)> {
-        (self.changed(nominal))
-            .map(|(parameter, value)| (parameter.key.clone(), parameter.written(value)))
-            .collect()
+        let changed = (self.changed(nominal))
+            .map(|(parameter, value)| (parameter.key.clone(), parameter.written(value)));
+        self.start.iter().cloned().chain(changed).collect()
     }
 
     fn changed<'a>(&'a self, nominal: &'a [f64]) -> impl Iterator<Item = (&'a UncertainSpec, f64)> {

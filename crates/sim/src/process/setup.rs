@@ -177,11 +177,11 @@ impl ProcessSetup {
         }
     }
 
-    /// Where an arm that rests in `rest` starts: where it was measured, if nothing commands it.
-    pub(crate) fn start(&self, rest: &[f64]) -> Vec<f64> {
+    /// Joints that nothing commands: their motors hold them in the posture.
+    pub(crate) fn held(&self) -> Vec<usize> {
         match &self.motion {
-            Motion::Replay(inputs) => inputs.start(rest),
-            _ => rest.to_vec(),
+            Motion::Replay(inputs) => inputs.held(),
+            _ => Vec::new(),
         }
     }
 

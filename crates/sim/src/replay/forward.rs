@@ -1,5 +1,6 @@
 //! Commands and forces in, motion out: the measured inputs of a forward run.
 
+use super::beginning::{Beginning, beginning};
 use super::inputs::{JointQuantity, Source, joint_channel};
 use crate::command::{JointCommand, Samples};
 use crate::error::SimError;
@@ -25,8 +26,13 @@ pub(crate) struct ForwardInputs {
     /// Measured drive forces `[joint][sample]`.
     drive_forces: Vec<Option<Vec<f64>>>,
     tool_forces: [Option<Vec<f64>>; 3],
-    /// First measured coordinate of each joint.
-    measured_start: Vec<Option<f64>>,
+    /// Where each joint was measured to begin.
+    measured_start: Vec<Option<Beginning>>,
+    /// Whether the scenario says where each joint is.
+    written: Vec<bool>,
+    /// Whether joints are on springs, and whether the controller makes up for their sag.
+    driven: bool,
+    against_sag: bool,
 }
 
 impl ForwardInputs {
@@ -90,6 +96,14 @@ impl ForwardInputs {
             measured_start: joints
                 .map(|joint| measured_start(&source, robot, joint))
                 .collect::<Result<_, _>>()?,
+            written: (robot.chain.joints.iter())
+                .map(|joint| match joint.kind {
+                    JointKind::Revolute => !scenario.robot.posture_rad.is_empty(),
+                    JointKind::Prismatic => !scenario.robot.posture_m.is_empty(),
+                })
+                .collect(),
+            driven: kind != DriveKind::Force,
+            against_sag: scenario.robot.hold_against_sag,
         })
     }
 
@@ -98,15 +112,46 @@ impl ForwardInputs {
         self.duration_s
     }
 
-    /// The posture that commands and measurements begin with; the scenario's where they say
-    /// nothing.
+    /// The posture of the start: the first commands; of a joint that nothing commands, what the
+    /// scenario says; where it says nothing, where it was measured to begin.
     pub fn posture(&self, given: &[f64]) -> Vec<f64> {
-        let commanded = |joint: usize| self.commands[joint].as_ref().map(|samples| samples[0]);
         (given.iter().enumerate())
-            .map(|(joint, given)| {
-                let measured = self.measured_start[joint];
-                commanded(joint).or(measured).unwrap_or(*given)
+            .map(|(joint, given)| match self.written[joint] {
+                true => self.first_command(joint).unwrap_or(*given),
+                false => self.begun(joint).unwrap_or(*given),
             })
+            .collect()
+    }
+
+    fn first_command(&self, joint: usize) -> Option<f64> {
+        self.commands[joint].as_ref().map(|samples| samples[0])
+    }
+
+    /// Where commands and measurements begin.
+    fn begun(&self, joint: usize) -> Option<f64> {
+        self.first_command(joint)
+            .or(self.measured_start[joint].map(|start| start.at))
+    }
+
+    /// Joints that begin where they were measured, with the spread of that.
+    pub fn found(&self) -> Vec<(usize, f64)> {
+        let found = |joint: usize| {
+            let start = self.measured_start[joint]?;
+            let is_found = self.commands[joint].is_none() && !self.written[joint];
+            is_found.then_some((joint, start.spread))
+        };
+        (0..self.commands.len()).filter_map(found).collect()
+    }
+
+    /// Joints on springs that nothing commands, of which is known where they are: the motors stand
+    /// where they hold them there. (What is measured is the link, which sags from its motor.)
+    pub fn held(&self) -> Vec<usize> {
+        let known = |joint: &usize| match self.written[*joint] {
+            true => self.against_sag,
+            false => self.measured_start[*joint].is_some(),
+        };
+        (0..self.commands.len())
+            .filter(|joint| self.driven && self.commands[*joint].is_none() && known(joint))
             .collect()
     }
 
@@ -121,13 +166,13 @@ impl ForwardInputs {
         robot: &Robot,
         given: &[f64],
     ) -> Result<(), SimError> {
-        let begun = self.posture(given);
         for (index, joint) in robot.chain.joints.iter().enumerate() {
             let (key, written, unit, per_si) = match joint.kind {
                 JointKind::Revolute => ("posture_deg", &spec.posture_rad, "°", 1f64.to_degrees()),
                 JointKind::Prismatic => ("posture_mm", &spec.posture_m, " mm", 1e3),
             };
-            let (begun, given) = (begun[index] * per_si, given[index] * per_si);
+            let begun = self.begun(index).unwrap_or(given[index]);
+            let (begun, given) = (begun * per_si, given[index] * per_si);
             if written.is_empty() || (begun - given).abs() <= POSTURE_ROUNDING {
                 continue;
             }
@@ -141,18 +186,6 @@ impl ForwardInputs {
             return Err(SimError::scenario(format!("robot.{key}"), message));
         }
         Ok(())
-    }
-
-    /// The start of the run: at rest under the first command; joints that nothing commands start
-    /// where they were measured. (A measured start of a joint on its spring would strike the spring
-    /// with the noise of one sample.)
-    pub fn start(&self, rest: &[f64]) -> Vec<f64> {
-        (rest.iter().enumerate())
-            .map(|(joint, rest)| match &self.commands[joint] {
-                Some(_) => *rest,
-                None => self.measured_start[joint].unwrap_or(*rest),
-            })
-            .collect()
     }
 
     /// What the controller and the drives do; joints without a measured command stay at `posture`.
@@ -252,10 +285,10 @@ fn measured_start(
     source: &Source<'_>,
     robot: &Robot,
     joint: usize,
-) -> Result<Option<f64>, SimError> {
+) -> Result<Option<Beginning>, SimError> {
     let Some(channel) = source.joint(robot, joint, JointQuantity::Coordinate)? else {
         return Ok(None);
     };
     source.within_limits(robot, joint, channel)?;
-    Ok(channel.valid[0].then_some(channel.values[0]))
+    Ok(beginning(&channel.values, &channel.valid))
 }

@@ -2,13 +2,16 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
+//! | `beginning` | where a measured joint begins |
 //! | `forward` | commands and forces in, motion out |
 //! | `inputs` | which measured channel drives what, and whether it may |
 //! | [`inverse`] | measured motion in, drive forces out |
+//! | [`start`] | starts that are read off the data as unknowns |
 //! | [`steady`] | a steady machine: means, and a cut that turns |
 //! | `predict` | replays without a plant |
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod beginning;
 mod drive_forces;
 pub(crate) mod forward;
 pub(crate) mod inputs;
@@ -16,6 +19,7 @@ pub mod inverse;
 mod motion;
 pub(crate) mod predict;
 mod regressors;
+pub mod start;
 pub mod steady;
 
 use crate::effect::{Effects, misfit};
