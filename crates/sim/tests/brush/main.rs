@@ -1,13 +1,17 @@
 //! A wheel brush on the mould block, on the rig of three slides in rapier: force of the bristles,
 //! friction, burr and radius of an edge.
 
+#[path = "../support/halved.rs"]
+mod halved;
 #[path = "../support/mod.rs"]
 mod shared;
 
 use shared::{below, brush, column, run, run_with, scalar};
 use std::f64::consts::{PI, TAU};
+use std::path::Path;
 use truecut_core::wheel::brush::Brush;
 use truecut_core::wheel::edge_wear::EdgeWear;
+use truecut_plan::surface::{Mesh, MeshUse};
 use truecut_recording::Recording;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
@@ -233,6 +237,33 @@ fn verify_the_way_is_that_of_the_taught_postures() {
         ["x", "y", "z"].map(|axis| column(&recording, &format!("tool.position_{axis}"))[last]);
     for (found, taught) in end.into_iter().zip([0.345, 0.003, 0.0]) {
         assert!((found - taught).abs() < 2e-6, "{found} {taught}");
+    }
+}
+
+/// A block in 12 288 triangles presses as one in twelve, though its upper face, bulged by 1e-5 mm,
+/// is one of many sides.
+#[test]
+fn verify_a_fine_mesh_presses_as_a_coarse_one() {
+    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/surfaces/mould_block.obj");
+    let block = Mesh::load(&at, 1e-3, MeshUse::Body).expect("the asset");
+    let folder = tempfile::tempdir().expect("a folder");
+    let force = |halvings: usize| {
+        let (text, triangles) = halved::halved(&block, halvings, 1e-5);
+        assert_eq!(triangles, 12 * 4_usize.pow(halvings as u32));
+        let file = folder.path().join(format!("{halvings}.obj"));
+        std::fs::write(&file, text).expect("written");
+        let mesh = format!("{:?}", file.to_str().expect("a name"));
+        let mesh = below("process.brush", &[("workpiece.mesh", &mesh)]);
+        let recording = run_with(&brush("over_edge.csv", &mesh), &[]);
+        ["brush.bristle_force", "brush.friction_force"]
+            .map(|name| column(&recording, name).to_vec())
+    };
+    for (coarse, fine) in force(0).iter().zip(&force(5)) {
+        let most = coarse.iter().copied().fold(0.0, f64::max);
+        assert!(most > 0.1);
+        let off = coarse.iter().zip(fine).map(|(a, b)| (a - b).abs() / most);
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 1e-3, "{off}");
     }
 }
 

@@ -10,6 +10,8 @@
 //! takes off the faces is not counted.
 
 mod contact;
+mod fine;
+mod layers;
 mod report;
 mod rows;
 mod section;

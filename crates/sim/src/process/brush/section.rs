@@ -105,23 +105,30 @@ pub(super) fn nearest_sides(sides: &[Side], nearest: &mut Vec<Side>) {
         nearest.push(*one);
         return;
     }
-    let all: Vec<Side> = (sides.iter().flat_map(|side| side.unwound()))
+    let mut all: Vec<Side> = (sides.iter().flat_map(|side| side.unwound()))
         .flatten()
         .collect();
+    all.sort_by(|a, b| a.from_rad.total_cmp(&b.from_rad));
     let mut borders: Vec<f64> = all.iter().flat_map(|s| [s.from_rad, s.to_rad]).collect();
     borders.sort_by(f64::total_cmp);
+    // Those that have begun, less those that have ended before.
+    let (mut over, mut begun): (Vec<&Side>, usize) = (Vec::new(), 0);
     for pair in borders.windows(2) {
         let (from_rad, to_rad) = (pair[0], pair[1]);
         if to_rad - from_rad < SAME_ANGLE_RAD {
             continue;
         }
         let middle = 0.5 * (from_rad + to_rad);
-        let over = all
-            .iter()
-            .filter(|s| s.from_rad <= middle && middle <= s.to_rad);
-        let first =
-            over.min_by(|a, b| (a.along_bristle_m(middle)).total_cmp(&b.along_bristle_m(middle)));
-        let Some(first) = first else { continue };
+        while begun < all.len() && all[begun].from_rad <= middle {
+            over.push(&all[begun]);
+            begun += 1;
+        }
+        over.retain(|side| middle <= side.to_rad);
+        let along_m = |side: &&&Side| side.along_bristle_m(middle);
+        let first = (over.iter()).min_by(|a, b| along_m(a).total_cmp(&along_m(b)));
+        let Some(first) = first.copied() else {
+            continue;
+        };
         match nearest.last_mut() {
             Some(last)
                 if from_rad - last.to_rad < SAME_ANGLE_RAD && last.is_in_line_with(first) =>
