@@ -1,5 +1,7 @@
-//! A progress bar for work that takes more than two seconds.
+//! A progress bar for work that takes more than two seconds; where standard error is no terminal, a
+//! line every few seconds.
 
+use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -9,6 +11,9 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// No bar for shorter work.
 const PATIENCE: Duration = Duration::from_secs(2);
 
+/// From one line to the next, where there is no terminal.
+const BETWEEN_LINES: Duration = Duration::from_secs(5);
+
 /// Divisions of the bar per run.
 const PARTS: f64 = 1000.0;
 
@@ -17,6 +22,45 @@ pub struct PatientBar {
     bar: ProgressBar,
     started: Instant,
     shown: AtomicBool,
+    /// In place of the bar.
+    lines: Option<Mutex<Lines>>,
+}
+
+/// Lines that tell of progress, so seldom that they do not fill a log.
+#[derive(Default)]
+struct Lines {
+    last: Duration,
+}
+
+impl Lines {
+    /// The line that is due after a time, with a part of the work done.
+    fn due(&mut self, elapsed: Duration, what: &str, part: f64) -> Option<String> {
+        if elapsed < self.last + BETWEEN_LINES {
+            return None;
+        }
+        self.last = elapsed;
+        let spent_s = elapsed.as_secs_f64();
+        let left = if part > 0.0 {
+            format!(", about {} left", time(spent_s * (1.0 - part) / part))
+        } else {
+            String::new()
+        };
+        let percent = 100.0 * part;
+        Some(format!(
+            "  {what}: {percent:.0} % after {}{left}",
+            time(spent_s)
+        ))
+    }
+}
+
+/// A time as people say it.
+fn time(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    match whole {
+        0..120 => format!("{whole} s"),
+        120..7200 => format!("{} min", whole / 60),
+        _ => format!("{} h {} min", whole / 3600, whole % 3600 / 60),
+    }
 }
 
 impl PatientBar {
@@ -29,6 +73,7 @@ impl PatientBar {
             bar,
             started: Instant::now(),
             shown: AtomicBool::new(false),
+            lines: (!std::io::stderr().is_terminal()).then(Mutex::default),
         }
     }
 
@@ -38,6 +83,18 @@ impl PatientBar {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
         }
         change(&self.bar);
+        let (at, of) = (self.bar.position(), self.bar.length().unwrap_or(0).max(1));
+        if let Some(lines) = &self.lines
+            && let Ok(mut lines) = lines.lock()
+            && at < of
+            && let Some(line) = lines.due(
+                self.started.elapsed(),
+                &self.bar.message(),
+                at as f64 / of as f64,
+            )
+        {
+            eprintln!("{line}");
+        }
     }
 }
 
@@ -96,5 +153,32 @@ impl RunProgress<'_> {
 impl Drop for RunProgress<'_> {
     fn drop(&mut self) {
         self.set(1.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_every_few_seconds_and_say_what_is_left() {
+        let mut lines = Lines::default();
+        let told: Vec<String> = (0..=240)
+            .filter_map(|quarter| {
+                let elapsed = Duration::from_millis(250 * quarter);
+                lines.due(elapsed, "sweeping", quarter as f64 / 240.0)
+            })
+            .collect();
+        assert_eq!(told.len(), 12, "one in five seconds of a minute: {told:?}");
+        assert_eq!(told[0], "  sweeping: 8 % after 5 s, about 55 s left");
+        let mut lines = Lines::default();
+        assert_eq!(lines.due(Duration::from_secs(4), "x", 0.5), None);
+        let long = lines.due(Duration::from_secs(7200), "x", 0.25);
+        assert_eq!(
+            long.as_deref(),
+            Some("  x: 25 % after 2 h 0 min, about 6 h 0 min left")
+        );
+        let none = lines.due(Duration::from_secs(8000), "x", 0.0);
+        assert_eq!(none.as_deref(), Some("  x: 0 % after 2 h 13 min"));
     }
 }

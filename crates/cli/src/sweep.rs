@@ -9,7 +9,7 @@ use truecut_sim::sweep::{Column, SweepTable, sweep};
 
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::figure::{Figure, Layer, Legend, Panel, Style};
+use crate::figure::{BLACK, Figure, Layer, Legend, PINK, Panel, Style};
 use crate::progress::Progress;
 use crate::text::{self, Align};
 
@@ -59,6 +59,12 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
             text.push_str(&format!("\n  ✗ {}: {why}\n", table.row_name(row)));
         }
     }
+    if table.rows.iter().flatten().any(|value| value.is_nan()) {
+        text.push_str(
+            "\n  none: the run was completed and has no such value (what is asked for did not happen), or \
+             it ended early\n",
+        );
+    }
     if !claims.is_empty() {
         text.push_str(&format!("\n{}", text::claims(claims)));
     }
@@ -95,31 +101,67 @@ fn panels(table: &SweepTable) -> Vec<Panel> {
         return Vec::new();
     };
     let outer = outer.first().copied();
-    let mut panels: Vec<Panel> = Vec::new();
+    let mut units: Vec<(&str, Vec<usize>)> = Vec::new();
     for index in columns().filter(|i| !table.columns[*i].is_axis) {
-        let y_label = match table.columns[index].unit.symbol.as_str() {
-            "1" => String::new(),
-            symbol => format!("[{symbol}]"),
-        };
-        let known = panels.iter().position(|panel| panel.y_label == y_label);
-        let position = known.unwrap_or_else(|| {
-            let x_label = heading(&table.columns[over]);
-            panels.push(Panel::new("", x_label, y_label, Vec::new()));
-            panels.len() - 1
-        });
-        panels[position]
-            .layers
-            .extend(curves_of(table, index, over, outer));
+        let unit = table.columns[index].unit.symbol.as_str();
+        match units.iter_mut().find(|(known, _)| *known == unit) {
+            Some((_, members)) => members.push(index),
+            None => units.push((unit, vec![index])),
+        }
     }
-    for panel in &mut panels {
-        let count = panel.layers.len();
-        for (index, layer) in panel.layers.iter_mut().enumerate() {
+    let panels = units.into_iter().map(|(unit, members)| {
+        let x_label = heading(&table.columns[over]);
+        let curves = |index: &usize| curves_of(table, *index, over, outer);
+        let mut layers: Vec<Layer> = members.iter().flat_map(curves).collect();
+        let count = layers.len();
+        for (index, layer) in layers.iter_mut().enumerate() {
             layer.colour = index;
             // Earlier curves are wider, so that they show behind later ones.
             layer.style = Style::Dotted(2 + (count - 1 - index).min(4) as u32);
         }
+        let missing = without_value(table, &members, over, &layers);
+        layers.extend(missing);
+        Panel::new("", x_label, title_of(table, unit, &members), layers)
+    });
+    panels.collect()
+}
+
+/// Title of the axis of some results of one unit.
+fn title_of(table: &SweepTable, unit: &str, members: &[usize]) -> String {
+    let name = match members {
+        [only] => table.columns[*only].name.as_str(),
+        _ => "results",
+    };
+    match unit {
+        "1" => format!("{name}, a ratio"),
+        unit => format!("{name} [{unit}]"),
     }
-    panels
+}
+
+/// Rings on the lower edge where results have no value: of runs that ended early, and of runs that
+/// were completed and have none.
+fn without_value(
+    table: &SweepTable,
+    members: &[usize],
+    over: usize,
+    curves: &[Layer],
+) -> Vec<Layer> {
+    let values = curves.iter().flat_map(|curve| &curve.points);
+    let lowest = values.map(|point| point.1).filter(|y| y.is_finite());
+    let lowest = lowest.reduce(f64::min).unwrap_or(0.0);
+    let rows = || table.rows.iter().zip(&table.unfinished);
+    let kinds = [
+        (true, "no value: the run ended early", PINK),
+        (false, "no value in a completed run", BLACK),
+    ];
+    let layer = |(is_early, label, colour)| {
+        let missing = rows().filter(|(row, unfinished)| {
+            unfinished.is_some() == is_early && members.iter().any(|i| row[*i].is_nan())
+        });
+        let points: Vec<(f64, f64)> = missing.map(|(row, _)| (row[over], lowest)).collect();
+        (!points.is_empty()).then(|| Layer::circles(label, points, colour))
+    };
+    kinds.into_iter().filter_map(layer).collect()
 }
 
 fn curves_of(table: &SweepTable, index: usize, over: usize, outer: Option<usize>) -> Vec<Layer> {
@@ -142,4 +184,75 @@ fn curves_of(table: &SweepTable, index: usize, over: usize, outer: Option<usize>
         curves.push((group, Layer::line(label, [point], 0)));
     }
     curves.into_iter().map(|(_, curve)| curve).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truecut_recording::UserUnit;
+    use truecut_sim::sweep::Unfinished;
+
+    fn column(name: &str, unit: &str, is_axis: bool) -> Column {
+        Column {
+            name: name.to_owned(),
+            unit: UserUnit::parse(unit).expect("a unit"),
+            is_axis,
+        }
+    }
+
+    #[test]
+    fn axes_have_titles_and_missing_values_are_marked_and_explained() {
+        let nan = f64::NAN;
+        let early = Unfinished {
+            outcome: Outcome::Chatter {
+                time_s: 0.1,
+                amplitude_m: 1e-3,
+                rule: "a rule".to_owned(),
+            },
+            why: "it chattered".to_owned(),
+        };
+        let table = SweepTable {
+            columns: vec![
+                column("run.speed_rpm", "rpm", true),
+                column("depth", "mm", false),
+                column("width", "mm", false),
+                column("share", "1", false),
+            ],
+            rows: vec![
+                vec![100.0, 1.0, 2.0, 0.5],
+                vec![200.0, nan, 3.0, 0.6],
+                vec![300.0, nan, nan, nan],
+            ],
+            unfinished: vec![None, None, Some(early)],
+            overloaded: vec![None, None, None],
+        };
+        let [lengths, shares] = &panels(&table)[..] else {
+            panic!("two units");
+        };
+        assert_eq!(lengths.y_label, "results [mm]");
+        assert_eq!(shares.y_label, "share, a ratio");
+        assert!(lengths.x_label.contains("rpm"), "{}", lengths.x_label);
+        let marks = |panel: &Panel, label: &str| {
+            let found = panel
+                .layers
+                .iter()
+                .find(|layer| layer.label.contains(label));
+            found.map(|layer| layer.points.clone())
+        };
+        assert_eq!(marks(lengths, "ended early"), Some(vec![(300.0, 1.0)]));
+        assert_eq!(marks(lengths, "completed run"), Some(vec![(200.0, 1.0)]));
+        assert_eq!(marks(shares, "ended early"), Some(vec![(300.0, 0.5)]));
+        assert_eq!(marks(shares, "completed run"), None);
+        let whole = SweepTable {
+            rows: table.rows[..1].to_vec(),
+            unfinished: vec![None],
+            overloaded: vec![None],
+            ..table
+        };
+        assert!(
+            panels(&whole)
+                .iter()
+                .all(|panel| marks(panel, "no value").is_none())
+        );
+    }
 }

@@ -56,8 +56,9 @@ impl TorqueUse {
     pub(crate) fn scalar(&self) -> Option<Scalar> {
         let drive = self.limits.get(self.joint)?;
         let text = format!(
-            "Largest torque asked of a drive over its limit: joint `{}`, limit {}, at {:.4} s",
-            drive.name, drive.value, self.time_s
+            "Largest torque asked of a drive, as a share of its limit: joint `{}`, limit {} {}, at \
+             {:.4} s",
+            drive.name, drive.value, drive.unit, self.time_s
         );
         Some(Scalar::new(
             "plant.torque_use_max",

@@ -35,7 +35,10 @@ pub(super) fn near_tool(scene: &Scene) -> Option<Camera> {
         .iter()
         .rfind(|body| body.path.starts_with("arm/"))?;
     let base = place_of(scene.bodies.first()?);
-    let from_workpiece = horizontal(&(place_of(last_link) - target))?;
+    // A tool that stands upright over the workpiece leans nowhere: from the arm's base, then.
+    let lean = place_of(last_link) - target;
+    let leans = horizontal(&lean).filter(|_| lean.xy().norm() > UPRIGHT * lean.norm());
+    let from_workpiece = leans.or_else(|| horizontal(&(base - target)))?;
     let side = across(&from_workpiece);
     // On the side away from the base, where the arm does not stand in the way.
     let away = if side.dot(&(target - base)) >= 0.0 {
@@ -50,6 +53,8 @@ pub(super) fn near_tool(scene: &Scene) -> Option<Camera> {
     })
 }
 
+/// Less than this part of a tool's way aside is upright.
+const UPRIGHT: f64 = 0.1;
 /// Parts of its height that a view from above is wide: it stands beside two others.
 const NARROW: f64 = 0.43;
 
@@ -199,5 +204,28 @@ mod tests {
             "on the arm's side of the workpiece: {near:?}"
         );
         assert!(near_tool(&Scene::default()).is_none());
+    }
+
+    /// A spindle straight above its workpiece, or off by what rounding leaves, has a view, too:
+    /// from the base's side, not along the arm.
+    #[test]
+    fn an_upright_tool_is_seen_from_near_by() {
+        for off in [0.0, 1e-5, -1e-5] {
+            let scene = Scene {
+                bodies: vec![
+                    body("arm/true/base", [0.0; 3], 0.3),
+                    body("arm/true/link_6", [1.0, -0.2 + off, 0.55], 0.1),
+                    body("workpiece", [1.0, -0.2, 0.3], 0.2),
+                ],
+                ..Scene::default()
+            };
+            let near = near_tool(&scene).expect("a view");
+            let from = Vector3::from(near.position_m) - Vector3::from(near.target_m);
+            assert!(
+                (from.norm() - 0.75).abs() < 1e-9 && from.z > 0.0,
+                "{near:?}"
+            );
+            assert!(from.dot(&Vector3::new(-1.0, 0.2, 0.0)) > 0.2, "{near:?}");
+        }
     }
 }

@@ -10,8 +10,9 @@ use truecut_recording::{Camera, Field, Header, Recording, Scene};
 use super::blueprint::{Layout, Part};
 use super::chart::{ACROSS, DOWN};
 use super::field::{END, SCALE};
-use super::results::{ABOUT, CLAIMS, Drawn, SCENARIO};
+use super::results::{ABOUT, Drawn, SCENARIO};
 use super::series::FOOT_STATE;
+use super::verdict::CLAIMS;
 use super::{SCENE, camera};
 use crate::display::{Group, Place};
 

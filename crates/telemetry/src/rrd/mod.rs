@@ -14,6 +14,7 @@ mod scene;
 mod series;
 mod shapes;
 mod surface;
+mod verdict;
 
 use std::path::{Path, PathBuf};
 
@@ -103,9 +104,7 @@ impl OpenRecording {
             results::SCENARIO,
             results::scenario(&header.scenario_text),
         )?;
-        let under_way =
-            "The run was still under way when this was written: claims are judged at its end.";
-        log_text(&stream, results::CLAIMS, under_way.to_owned())?;
+        log_text(&stream, verdict::CLAIMS, verdict::under_way(header))?;
         layout::send(&stream, header, &groups, foot.is_some(), None)?;
         flush(&stream)?;
         Ok(OpenRecording {
@@ -131,8 +130,8 @@ impl OpenRecording {
         let stream = &self.stream;
         log_text(
             stream,
-            results::CLAIMS,
-            results::claims_table(recording, claims),
+            verdict::CLAIMS,
+            verdict::claims_table(recording, claims),
         )?;
         log_text(stream, results::ABOUT, results::about(recording))?;
         let mut charts = results::log_spectra(stream, &self.groups, recording)?;

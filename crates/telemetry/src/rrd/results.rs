@@ -1,16 +1,13 @@
-//! What the run came to, in the viewer: spectra, profiles, claims, notes, the scenario.
+//! What the run came to, in the viewer: spectra, profiles, numbers, the scenario.
 
 use rerun::{RecordingStream, RecordingStreamResult};
 use truecut_recording::spectrum::{Line, Spectrum, amplitude_spectrum_up_to};
-use truecut_recording::{
-    ClaimResult, Outcome, Profile, Recording, Scalar, Unit, UserUnit, significant,
-};
+use truecut_recording::{Profile, Recording, Scalar, Unit, UserUnit, significant};
 
 use super::chart::{Chart, Curve};
+use super::verdict::one_cell;
 use crate::display::{Group, Place, Series, shown_unit};
 
-/// Where the claims are logged.
-pub(super) const CLAIMS: &str = "/claims";
 /// Where notes and scalars are logged.
 pub(super) const ABOUT: &str = "/about";
 /// Where the scenario's text is logged.
@@ -24,8 +21,6 @@ pub(super) const PROFILES: &str = "/profiles";
 const HIGHEST_HZ: f64 = 60.0;
 /// Below this a ramp shows, not a vibration.
 const LOWEST_HZ: f64 = 2.0;
-/// The scalar that says how far the most loaded drive is used.
-const TORQUE_USE: &str = "plant.torque_use_max";
 /// The scalar that names the frequency of chatter, and how many bins from it its line may stand.
 const CHATTER_HZ: &str = "milling.chatter_frequency";
 const CHATTER_BINS: f64 = 1.5;
@@ -229,85 +224,6 @@ fn spread(profile: &Profile, unit: &UserUnit) -> String {
     }
 }
 
-/// Claims, the load of the robot, notes.
-pub(super) fn claims_table(recording: &Recording, claims: &[ClaimResult]) -> String {
-    let failed = claims.iter().filter(|claim| !claim.holds).count();
-    let mut text = format!("## {}\n\n", recording.header.scenario_name);
-    if recording.outcome != Outcome::Completed {
-        text += &format!("**The run {}.**\n\n", recording.outcome);
-    }
-    text += &match (claims.len(), failed) {
-        // None made, or none judged: a run that was stopped, a file that was converted.
-        (0, _) => "No claim was judged.\n".to_owned(),
-        (count, 0) => format!("**All {count} claims hold.**\n\n"),
-        (count, failed) => format!("**{failed} of {count} claims fail.**\n\n"),
-    };
-    text += &claim_rows(claims);
-    text += &robot_load(recording);
-    for note in &recording.header.notes {
-        text += &format!("\n- {}", one_cell(note));
-    }
-    text
-}
-
-/// Largest torque asked of a drive, and the heading of the notes that follow.
-fn robot_load(recording: &Recording) -> String {
-    let mut text = "\n### Robot, and what was assumed\n\n".to_owned();
-    let scalars = recording.scalars.iter();
-    if let Some(load) = scalars.rev().find(|scalar| scalar.name == TORQUE_USE) {
-        let (percent, over) = (100.0 * load.value, load.value > 1.0);
-        let mark = if over { "✖ **OVERLOADED:** " } else { "" };
-        let text_of = one_cell(&load.description);
-        text += &format!("{mark}{} %: {text_of}\n", significant(percent, 3));
-    }
-    text
-}
-
-/// The claims as a table with their reasons, failures first.
-fn claim_rows(claims: &[ClaimResult]) -> String {
-    let mut text = String::new();
-    if claims.is_empty() {
-        return text;
-    }
-    let (held, not_held): (Vec<_>, Vec<_>) = claims.iter().partition(|claim| claim.holds);
-    let in_order = || not_held.iter().chain(&held);
-    text += "| | claim | value and bounds |\n|---|---|---|\n";
-    for claim in in_order() {
-        let verdict = if claim.holds {
-            "✔ holds"
-        } else {
-            "✖ **FAILS**"
-        };
-        text += &format!(
-            "| {verdict} | {} | {} |\n",
-            one_cell(&claim.name),
-            one_cell(&claim.shown)
-        );
-    }
-    // Reasons are sentences, and a table does not wrap.
-    text += "\n";
-    for claim in in_order() {
-        let note = claim
-            .note
-            .as_ref()
-            .map_or(String::new(), |note| format!(" Note: {note}."));
-        text += &format!(
-            "- *{}*: {}.{note}\n",
-            claim.name,
-            one_cell(&claim.reason).trim_end_matches('.')
-        );
-    }
-    text
-}
-
-/// Text that cannot break a table.
-fn one_cell(text: &str) -> String {
-    text.replace('|', "\\|")
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ")
-}
-
 /// What a reader should know: how to read the views, the run's numbers, its notes.
 pub(super) fn about(recording: &Recording) -> String {
     let header = &recording.header;
@@ -348,18 +264,6 @@ pub(super) fn scenario(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_run_that_was_stopped_does_not_say_that_its_scenario_claims_nothing() {
-        let stopped = Recording {
-            outcome: Outcome::Interrupted,
-            ..Recording::default()
-        };
-        let text = claims_table(&stopped, &[]);
-        assert!(
-            text.contains("**The run was interrupted.**") && text.contains("No claim was judged.")
-        );
-    }
 
     #[test]
     fn the_chatter_line_stands_on_the_peak_beside_its_frequency() {
