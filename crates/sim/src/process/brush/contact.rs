@@ -87,7 +87,7 @@ impl BrushContact {
         for row in sections.rows(&RULES) {
             sections.nearest(row.y_m, &mut nearest);
             for side in &nearest {
-                let nodes = match is_even(side, brush.radius_m) {
+                let nodes = match is_even(side, brush.radius_m, &setup.bristle) {
                     true => RULES.pair(),
                     false => RULES.by_sine(),
                 };
@@ -154,9 +154,9 @@ impl BrushContact {
 }
 
 /// Whether a side is so narrow that its bristles are shortened nearly alike: forces, which begin
-/// like a root, then change smoothly enough for two nodes, within a
-/// thousandth.
-fn is_even(side: &Side, reach_m: f64) -> bool {
+/// like a root, then change smoothly enough for two nodes, within a thousandth. Where tips begin to
+/// lie along the face, the law has a corner.
+fn is_even(side: &Side, reach_m: f64, law: &Bristle) -> bool {
     if side.to_rad - side.from_rad > NARROW_RAD {
         return false;
     }
@@ -165,7 +165,8 @@ fn is_even(side: &Side, reach_m: f64) -> bool {
     let shortened = places.map(|angle| reach_m - side.along_bristle_m(angle));
     let least_m = shortened.into_iter().fold(f64::INFINITY, f64::min);
     let most_m = shortened.into_iter().fold(0.0, f64::max);
-    most_m < LIKE * least_m
+    let corner_m = law.lying_m();
+    most_m < LIKE * least_m && (most_m <= corner_m || least_m >= corner_m)
 }
 
 /// A station within the brush's reach.
@@ -236,8 +237,8 @@ mod tests {
                 foot_rad,
                 triangle: 0,
             };
-            prop_assume!(is_even(&side, reach_m));
             let law = Bristle::new(25e-3, 3e9 * 3.07e-15, 0.3);
+            prop_assume!(is_even(&side, reach_m, &law));
             let force = |angle: f64| law.force_n(reach_m - side.along_bristle_m(angle));
             let many: f64 = (0..2000)
                 .map(|k| force(side.from_rad + width_rad * (f64::from(k) + 0.5) / 2000.0))
