@@ -48,7 +48,10 @@ const MAY_DEPEND_ON: &[(&str, &[&str])] = &[
 const ONLY_IN: &[(&str, &[&str])] = &[
     ("rapier3d", &["sim"]),
     ("parry3d", &["plan", "sim"]),
-    ("rerun", &["telemetry"]),
+    ("re_chunk", &["telemetry"]),
+    ("re_log_encoding", &["telemetry"]),
+    ("re_log_types", &["telemetry"]),
+    ("re_sdk_types", &["telemetry"]),
     ("clap", &["cli"]),
     ("urdf-rs", &["arm"]),
     ("rs-opw-kinematics", &["arm"]),

@@ -2,16 +2,19 @@
 
 use std::path::Path;
 
-use rerun::blueprint::components::PlayState;
-use rerun::datatypes::{TimeInt, TimeRange, TimeRangeBoundary};
-use rerun::external::re_sdk_types::blueprint::archetypes::{PlotLegend, TimeAxis};
-use rerun::external::re_sdk_types::blueprint::components as kinds;
-use rerun::{AsComponents, RecordingStream, RecordingStreamResult};
+use super::store::{Logged, Store};
+use re_sdk_types::AsComponents;
+use re_sdk_types::archetypes::{Scalars, SeriesLines};
+use re_sdk_types::blueprint::archetypes::{PlotLegend, TimeAxis};
+use re_sdk_types::blueprint::components as kinds;
+use re_sdk_types::blueprint::components::PlayState;
+use re_sdk_types::components::Color;
+use re_sdk_types::datatypes::{TimeInt, TimeRange, TimeRangeBoundary};
 use truecut_recording::{SinkError, UserUnit};
 
 use super::blueprint::{Layout, Part};
 use super::results::SCENARIO;
-use super::{Failure, application, begin_file, flush, log_text, nanoseconds, time_column};
+use super::{Failure, application, begin_file, log_text, nanoseconds, time_column};
 use crate::decimate::{ROWS_PER_SECOND, rows_to_draw};
 use crate::error::failed;
 
@@ -78,19 +81,14 @@ fn write(path: &Path, shown: &BeforeAfter<'_>) -> Result<(), Failure> {
         channel.log(&stream, index, shown.time_s)?;
     }
     layout(&stream, shown)?;
-    flush(&stream)
+    stream.finish()
 }
 
 /// A curve: name, colour, width.
 type Style = (&'static str, [u8; 3], f32);
 
 impl ChannelBeforeAfter<'_> {
-    fn log(
-        &self,
-        stream: &RecordingStream,
-        index: usize,
-        time_s: &[f64],
-    ) -> RecordingStreamResult<()> {
+    fn log(&self, stream: &Store, index: usize, time_s: &[f64]) -> Logged<()> {
         let less = |model: &[f64]| -> Vec<f64> {
             let pairs = self.measured.iter().zip(model);
             pairs.map(|(measured, model)| measured - model).collect()
@@ -135,7 +133,7 @@ impl ChannelBeforeAfter<'_> {
     }
 
     /// Signals and residuals side by side.
-    fn row(&self, layout: &Layout, index: usize, time_s: &[f64]) -> RecordingStreamResult<Part> {
+    fn row(&self, layout: &Layout, index: usize, time_s: &[f64]) -> Logged<Part> {
         let legend = PlotLegend::new().with_corner(kinds::Corner2D::LeftTop);
         let [from, to] = self.worst(time_s).map(|time_s| {
             let at = nanoseconds(time_s);
@@ -197,16 +195,16 @@ fn residuals_at(index: usize) -> String {
 }
 
 fn curves(
-    stream: &RecordingStream,
+    stream: &Store,
     entity: &str,
     unit: &UserUnit,
     time_s: &[f64],
     all: &[(Style, &[f64])],
-) -> RecordingStreamResult<()> {
+) -> Logged<()> {
     let styles = || all.iter().map(|(style, _)| style);
-    let lines = rerun::SeriesLines::new()
+    let lines = SeriesLines::new()
         .with_names(styles().map(|style| style.0))
-        .with_colors(styles().map(|(_, [r, g, b], _)| rerun::Color::from_rgb(*r, *g, *b)))
+        .with_colors(styles().map(|(_, [r, g, b], _)| Color::from_rgb(*r, *g, *b)))
         .with_widths(styles().map(|style| style.2));
     stream.log_static(entity, &lines)?;
     let columns: Vec<&[f64]> = all.iter().map(|(_, values)| *values).collect();
@@ -216,13 +214,12 @@ fn curves(
         let values = columns.iter().map(move |values| values[row]);
         values.map(|value| unit.from_si(value))
     });
-    let scalars =
-        rerun::Scalars::new(values).columns(std::iter::repeat_n(columns.len(), rows.len()))?;
+    let scalars = Scalars::new(values).columns(std::iter::repeat_n(columns.len(), rows.len()))?;
     let times = time_column(rows.iter().map(|&row| time_s[row]));
     stream.send_columns(entity, [times], scalars)
 }
 
-fn layout(stream: &RecordingStream, shown: &BeforeAfter<'_>) -> RecordingStreamResult<()> {
+fn layout(stream: &Store, shown: &BeforeAfter<'_>) -> Logged<()> {
     let layout = Layout::new(application(shown.title))?;
     let texts = layout.tabs(&[
         layout.document("Verdict", VERDICT)?,
@@ -234,7 +231,7 @@ fn layout(stream: &RecordingStream, shown: &BeforeAfter<'_>) -> RecordingStreamR
             let part = channel.row(&layout, page * ROWS + row, shown.time_s)?;
             Ok((1.0, part))
         });
-        let rows: RecordingStreamResult<Vec<_>> = rows.collect();
+        let rows: Logged<Vec<_>> = rows.collect();
         let first = page * ROWS + 1;
         let title = format!("Channels {first} to {}", first + channels.len() - 1);
         pages.push(layout.titled_stack(&title, rows?)?);

@@ -1,17 +1,17 @@
 //! Building blocks of a viewer layout.
 //!
-//! The library's own builder cannot set a camera, an axis or a legend, so the layout's store is
-//! written here, entity by entity, as that builder would.
+//! The viewer's library has a builder that cannot set a camera, an axis or a legend, so the
+//! layout's store is written here, entity by entity, as that builder would.
 
-use rerun::blueprint::components as kinds;
-use rerun::external::re_log_types::{ApplicationId, BlueprintActivationCommand};
-use rerun::external::re_sdk_types::blueprint::archetypes::{
+use super::store::{Logged, Store};
+use re_log_types::ApplicationId;
+use re_sdk_types::AsComponents;
+use re_sdk_types::blueprint::archetypes::{
     ContainerBlueprint, PanelBlueprint, TimePanelBlueprint, ViewBlueprint, ViewContents,
     ViewportBlueprint,
 };
-use rerun::external::uuid::Uuid;
-use rerun::sink::MemorySinkStorage;
-use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
+use re_sdk_types::blueprint::components as kinds;
+use re_sdk_types::external::uuid::Uuid;
 
 /// A view or a container, by its path in the layout's store. Paths are random: the viewer keeps
 /// what it knows of a view under its path even when another layout takes over.
@@ -19,21 +19,13 @@ pub(super) struct Part(String);
 
 /// A layout under construction.
 pub(super) struct Layout {
-    store: RecordingStream,
-    messages: MemorySinkStorage,
+    store: Store,
 }
 
 impl Layout {
-    pub(super) fn new(application: ApplicationId) -> RecordingStreamResult<Layout> {
-        let builder = RecordingStreamBuilder::new(application);
-        let builder = builder
-            .recording_id(Uuid::new_v4().to_string())
-            .blueprint()
-            .enabled(true);
-        let (store, messages) = builder.memory()?;
-        // The viewer reads the layout at this time.
-        store.set_time_sequence("blueprint", 0);
-        Ok(Layout { store, messages })
+    pub(super) fn new(application: ApplicationId) -> Logged<Layout> {
+        let store = Store::layout(application)?;
+        Ok(Layout { store })
     }
 
     /// A view of a class, with the entities that match the queries, and with properties by name.
@@ -44,7 +36,7 @@ impl Layout {
         origin: &str,
         queries: &[String],
         properties: &[(&str, &dyn AsComponents)],
-    ) -> RecordingStreamResult<Part> {
+    ) -> Logged<Part> {
         let path = format!("view/{}", Uuid::new_v4());
         let contents = ViewContents::new(queries.iter().map(String::as_str));
         self.store.log(format!("{path}/ViewContents"), &contents)?;
@@ -59,12 +51,12 @@ impl Layout {
     }
 
     /// A text.
-    pub(super) fn document(&self, title: &str, entity: &str) -> RecordingStreamResult<Part> {
+    pub(super) fn document(&self, title: &str, entity: &str) -> Logged<Part> {
         self.view("TextDocument", title, entity, &["$origin".to_owned()], &[])
     }
 
     /// Parts side by side, with shares of the width.
-    pub(super) fn side_by_side(&self, parts: Vec<(f32, Part)>) -> RecordingStreamResult<Part> {
+    pub(super) fn side_by_side(&self, parts: Vec<(f32, Part)>) -> Logged<Part> {
         let (shares, parts): (Vec<f32>, Vec<Part>) = parts.into_iter().unzip();
         let container =
             ContainerBlueprint::new(kinds::ContainerKind::Horizontal).with_col_shares(shares);
@@ -72,7 +64,7 @@ impl Layout {
     }
 
     /// Parts one above the other, with shares of the height.
-    pub(super) fn stacked(&self, parts: Vec<(f32, Part)>) -> RecordingStreamResult<Part> {
+    pub(super) fn stacked(&self, parts: Vec<(f32, Part)>) -> Logged<Part> {
         self.stack(
             ContainerBlueprint::new(kinds::ContainerKind::Vertical),
             parts,
@@ -80,26 +72,18 @@ impl Layout {
     }
 
     /// As [`Layout::stacked`], with a title for where it is one of several tabs.
-    pub(super) fn titled_stack(
-        &self,
-        title: &str,
-        parts: Vec<(f32, Part)>,
-    ) -> RecordingStreamResult<Part> {
+    pub(super) fn titled_stack(&self, title: &str, parts: Vec<(f32, Part)>) -> Logged<Part> {
         let container = ContainerBlueprint::new(kinds::ContainerKind::Vertical);
         self.stack(container.with_display_name(title), parts)
     }
 
-    fn stack(
-        &self,
-        container: ContainerBlueprint,
-        parts: Vec<(f32, Part)>,
-    ) -> RecordingStreamResult<Part> {
+    fn stack(&self, container: ContainerBlueprint, parts: Vec<(f32, Part)>) -> Logged<Part> {
         let (shares, parts): (Vec<f32>, Vec<Part>) = parts.into_iter().unzip();
         self.container(container.with_row_shares(shares), &parts)
     }
 
     /// Parts of which one is seen at a time, the first to begin with.
-    pub(super) fn tabs(&self, parts: &[Part]) -> RecordingStreamResult<Part> {
+    pub(super) fn tabs(&self, parts: &[Part]) -> Logged<Part> {
         let mut container = ContainerBlueprint::new(kinds::ContainerKind::Tabs);
         if let Some(Part(first)) = parts.first() {
             container = container.with_active_tab(first.as_str());
@@ -108,18 +92,14 @@ impl Layout {
     }
 
     /// Parts as tabs; one alone stands without.
-    pub(super) fn pages(&self, mut parts: Vec<Part>) -> RecordingStreamResult<Part> {
+    pub(super) fn pages(&self, mut parts: Vec<Part>) -> Logged<Part> {
         if parts.len() == 1 {
             return Ok(parts.remove(0));
         }
         self.tabs(&parts)
     }
 
-    fn container(
-        &self,
-        container: ContainerBlueprint,
-        parts: &[Part],
-    ) -> RecordingStreamResult<Part> {
+    fn container(&self, container: ContainerBlueprint, parts: &[Part]) -> Logged<Part> {
         let path = format!("container/{}", Uuid::new_v4());
         let contents = parts.iter().map(|Part(path)| path.as_str());
         self.store
@@ -128,18 +108,13 @@ impl Layout {
     }
 
     /// Ends the layout with this container as its root and makes it the recording's.
-    pub(super) fn send(
-        self,
-        Part(root): &Part,
-        play: kinds::PlayState,
-        to: &RecordingStream,
-    ) -> RecordingStreamResult<()> {
+    pub(super) fn send(self, Part(root): &Part, play: kinds::PlayState, to: &Store) -> Logged<()> {
         let id = root
             .strip_prefix("container/")
             .and_then(|id| Uuid::parse_str(id).ok());
         let bytes = id.unwrap_or_default().into_bytes();
         let viewport = ViewportBlueprint::new()
-            .with_root_container(rerun::datatypes::Uuid { bytes })
+            .with_root_container(re_sdk_types::datatypes::Uuid { bytes })
             .with_auto_layout(false)
             .with_auto_views(false);
         self.store.log("viewport", &viewport)?;
@@ -153,11 +128,6 @@ impl Layout {
             .with_play_state(play)
             .with_loop_mode(kinds::LoopMode::All);
         self.store.log("time_panel", &time)?;
-        let messages = self.messages.take();
-        if let Some(first) = messages.first() {
-            let activate = BlueprintActivationCommand::make_active(first.store_id().clone());
-            to.send_blueprint(messages, activate);
-        }
-        Ok(())
+        to.show(self.store)
     }
 }

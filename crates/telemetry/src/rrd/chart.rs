@@ -1,6 +1,8 @@
 //! A drawn chart: the viewer's own plots go over time, these go over anything.
 
-use rerun::{Color, Radius, RecordingStream, RecordingStreamResult};
+use super::store::{Logged, Store};
+use re_sdk_types::archetypes::{LineStrips2D, Points2D};
+use re_sdk_types::components::{Color, Radius};
 
 use crate::axis::Axis;
 
@@ -57,7 +59,7 @@ struct Drawing {
 
 impl Chart {
     /// Draws the chart under an entity; it does not depend on time.
-    pub(super) fn log(&self, stream: &RecordingStream, entity: &str) -> RecordingStreamResult<()> {
+    pub(super) fn log(&self, stream: &Store, entity: &str) -> Logged<()> {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
         let x = Axis::around(points().map(|point| point.0), 10);
         let y = points().map(|point| point.1).chain([self.least_y]);
@@ -145,12 +147,12 @@ impl Drawing {
         );
     }
 
-    fn log(self, stream: &RecordingStream, entity: &str) -> RecordingStreamResult<()> {
-        let lines = rerun::LineStrips2D::new(self.lines.iter().map(|(line, ..)| line.clone()))
+    fn log(self, stream: &Store, entity: &str) -> Logged<()> {
+        let lines = LineStrips2D::new(self.lines.iter().map(|(line, ..)| line.clone()))
             .with_colors(self.lines.iter().map(|(_, color, _)| rgb(*color)))
             .with_radii(self.lines.iter().map(|(.., radius)| *radius));
         stream.log_static(format!("{entity}/lines"), &lines)?;
-        let texts = rerun::Points2D::new(self.texts.iter().map(|(at, ..)| *at))
+        let texts = Points2D::new(self.texts.iter().map(|(at, ..)| *at))
             .with_labels(self.texts.iter().map(|(_, text, ..)| text.as_str()))
             .with_colors(self.texts.iter().map(|(_, _, color, _)| rgb(*color)))
             .with_radii(self.texts.iter().map(|(.., radius)| *radius))

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use rerun::blueprint::components::PlayState;
-use rerun::{RecordingStream, RecordingStreamResult};
+use super::store::{Logged, Store};
+use re_sdk_types::blueprint::components::PlayState;
 use truecut_recording::SinkError;
 
 use super::blueprint::{Layout, Part};
 use super::chart::Chart;
 use super::layout::chart_view;
 use super::results::Drawn;
-use super::{Failure, application, begin_file, flush, log_text};
+use super::{Failure, application, begin_file, log_text};
 use crate::error::failed;
 
 /// Where the text is logged.
@@ -43,17 +43,13 @@ pub fn write_charts(
         let right = log_pages(&stream, &layout, pages)?;
         let root = layout.side_by_side(vec![(0.6, words), (1.4, right)])?;
         layout.send(&root, PlayState::Paused, &stream)?;
-        flush(&stream)
+        stream.finish()
     };
     written().map_err(failed(path, "write the charts"))
 }
 
 /// Logs pages of charts and gives the part of the layout that shows them.
-pub(super) fn log_pages(
-    stream: &RecordingStream,
-    layout: &Layout,
-    pages: &[ChartPage],
-) -> RecordingStreamResult<Part> {
+pub(super) fn log_pages(stream: &Store, layout: &Layout, pages: &[ChartPage]) -> Logged<Part> {
     let mut tabs = Vec::new();
     for (p, page) in pages.iter().enumerate() {
         let mut rows = Vec::new();

@@ -1,7 +1,10 @@
 //! A field on a surface in the viewer's terms: a grid of triangles with colours at its corners.
 
+use super::store::{Logged, Store};
 use nalgebra::Vector3;
-use rerun::{RecordingStream, RecordingStreamResult, TimeColumn};
+use re_chunk::TimeColumn;
+use re_sdk_types::archetypes::{Mesh3D, Points3D, Transform3D};
+use re_sdk_types::components::{Color, Radius};
 use truecut_recording::Field;
 
 use super::shapes::{quaternion, translation};
@@ -73,13 +76,9 @@ fn normals(positions: &[[f32; 3]], [columns, rows]: [usize; 2]) -> Vec<[f32; 3]>
 }
 
 /// Logs the grid and its bar of colours, once.
-pub(super) fn begin(
-    stream: &RecordingStream,
-    entity: &str,
-    field: &Field,
-) -> RecordingStreamResult<()> {
+pub(super) fn begin(stream: &Store, entity: &str, field: &Field) -> Logged<()> {
     stream.log_static(entity, &grid(field))?;
-    let pose = rerun::Transform3D::from_translation_rotation(
+    let pose = Transform3D::from_translation_rotation(
         translation(&field.world_from_field),
         quaternion(&field.world_from_field),
     );
@@ -88,19 +87,14 @@ pub(super) fn begin(
 }
 
 /// Logs how it is left.
-pub(super) fn end(
-    stream: &RecordingStream,
-    entity: &str,
-    field: &Field,
-    values: &[f32],
-) -> RecordingStreamResult<()> {
+pub(super) fn end(stream: &Store, entity: &str, field: &Field, values: &[f32]) -> Logged<()> {
     let colours = values.iter();
     let colours = colours.map(|value| colour(f64::from(*value) / field.full_scale));
     let mesh = grid(field).with_vertex_colors(colours);
     stream.log_static(format!("{entity}/{END}"), &mesh)
 }
 
-fn grid(field: &Field) -> rerun::Mesh3D {
+fn grid(field: &Field) -> Mesh3D {
     let [columns, rows] = field.cells;
     let positions = positions(field);
     let normals = normals(&positions, field.cells);
@@ -111,13 +105,13 @@ fn grid(field: &Field) -> rerun::Mesh3D {
             [[corner, corner + 1, above + 1], [corner, above + 1, above]]
         })
     });
-    rerun::Mesh3D::new(positions)
+    Mesh3D::new(positions)
         .with_triangle_indices(triangles)
         .with_vertex_normals(normals)
 }
 
 /// A bar of colours beside the longer side, in the field's frame, with its numbers.
-fn scale(stream: &RecordingStream, entity: &str, field: &Field) -> RecordingStreamResult<()> {
+fn scale(stream: &Store, entity: &str, field: &Field) -> Logged<()> {
     let [length, width] = field.size_m;
     let (long, short) = (length.max(width), length.min(width));
     let (near, far) = (short + BAR_GAP * long, short + BAR * long);
@@ -139,39 +133,39 @@ fn scale(stream: &RecordingStream, entity: &str, field: &Field) -> RecordingStre
         let [a, b, c, d] = [0, 1, 2, 3].map(|corner| 2 * step + corner);
         [[a, b, c], [b, d, c], [a, c, b], [b, c, d]]
     });
-    let bar = rerun::Mesh3D::new(corners)
+    let bar = Mesh3D::new(corners)
         .with_triangle_indices(triangles)
         .with_vertex_colors(colours);
     stream.log_static(format!("{entity}/bar"), &bar)?;
     let unit = shown_unit(field.unit, field.full_scale < SMALL_M);
     let labels = [0.0, 0.5, 1.0].map(|share| unit.show(share * field.full_scale));
-    let texts = rerun::Points3D::new([0.0, 0.5, 1.0].map(|share| place(share, far)))
+    let texts = Points3D::new([0.0, 0.5, 1.0].map(|share| place(share, far)))
         .with_labels(labels)
-        .with_colors([rerun::Color::from_rgb(235, 235, 235)])
-        .with_radii([rerun::Radius::new_ui_points(1.5)])
+        .with_colors([Color::from_rgb(235, 235, 235)])
+        .with_radii([Radius::new_ui_points(1.5)])
         .with_show_labels(true);
     stream.log_static(format!("{entity}/numbers"), &texts)
 }
 
 /// Logs the colours of one time.
 pub(super) fn colours(
-    stream: &RecordingStream,
+    stream: &Store,
     entity: &str,
     field: &Field,
     time: TimeColumn,
     values: &[f32],
-) -> RecordingStreamResult<()> {
+) -> Logged<()> {
     let colours = values
         .iter()
         .map(|value| colour(f64::from(*value) / field.full_scale));
-    let columns = rerun::Mesh3D::update_fields()
+    let columns = Mesh3D::update_fields()
         .with_vertex_colors(colours)
         .columns([values.len()])?;
     stream.send_columns(entity, [time], columns)
 }
 
 /// The colour of a share of the full scale.
-fn colour(share: f64) -> rerun::Color {
+fn colour(share: f64) -> Color {
     let share = if share.is_finite() {
         share.clamp(0.0, 1.0) as f32
     } else {
@@ -183,7 +177,7 @@ fn colour(share: f64) -> rerun::Color {
     let part = at - below as f32;
     let mix =
         |i: usize| (COLOURS[below][i] + part * (COLOURS[below + 1][i] - COLOURS[below][i])) as u8;
-    rerun::Color::from_rgb(mix(0), mix(1), mix(2))
+    Color::from_rgb(mix(0), mix(1), mix(2))
 }
 
 #[cfg(test)]
@@ -192,9 +186,9 @@ mod tests {
 
     #[test]
     fn colours_go_from_the_first_to_the_last() {
-        assert_eq!(colour(0.0), rerun::Color::from_rgb(68, 1, 84));
-        assert_eq!(colour(0.25), rerun::Color::from_rgb(59, 82, 139));
-        assert_eq!(colour(7.0), rerun::Color::from_rgb(253, 231, 37));
+        assert_eq!(colour(0.0), Color::from_rgb(68, 1, 84));
+        assert_eq!(colour(0.25), Color::from_rgb(59, 82, 139));
+        assert_eq!(colour(7.0), Color::from_rgb(253, 231, 37));
         assert_eq!(colour(f64::NAN), colour(0.0));
     }
 

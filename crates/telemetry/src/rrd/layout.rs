@@ -1,10 +1,12 @@
 //! Which views the recording opens on.
 
-use rerun::external::re_sdk_types::blueprint::archetypes::{
+use super::store::{Logged, Store};
+use re_sdk_types::AsComponents;
+use re_sdk_types::blueprint::archetypes::{
     Background, EyeControls3D, PlotLegend, ScalarAxis, VisualBounds2D,
 };
-use rerun::external::re_sdk_types::blueprint::components as kinds;
-use rerun::{AsComponents, RecordingStream, RecordingStreamResult};
+use re_sdk_types::blueprint::components as kinds;
+use re_sdk_types::components::Color;
 use truecut_recording::{Camera, Field, Header, Recording, Scene};
 
 use super::blueprint::{Layout, Part};
@@ -29,12 +31,12 @@ pub(super) struct AtEnd<'a> {
 /// Left: the arm and its tool, below them the claims. Right: how the tool moves; tabs with the
 /// forces; the state of the foot; tabs with spectra, profiles and all other channels.
 pub(super) fn send(
-    stream: &RecordingStream,
+    stream: &Store,
     header: &Header,
     groups: &[Group],
     has_foot: bool,
     at_end: Option<&AtEnd<'_>>,
-) -> RecordingStreamResult<()> {
+) -> Logged<()> {
     let layout = Layout::new(super::application(&header.scenario_name))?;
     let left = left_side(&layout, header, at_end.is_some())?;
     let recording = at_end.map(|end| end.recording);
@@ -42,7 +44,7 @@ pub(super) fn send(
         let chosen = groups.iter().filter(|group| wanted(group.place));
         chosen
             .map(|group| curves(&layout, group, recording))
-            .collect::<RecordingStreamResult<Vec<_>>>()
+            .collect::<Logged<Vec<_>>>()
     };
     let mut front = plots(|place| place != Place::Behind)?.into_iter();
     let mut right: Vec<(f32, Part)> = front
@@ -64,7 +66,7 @@ pub(super) fn send(
     }
     if let Some(end) = at_end {
         let charts = end.charts.iter().map(|chart| chart_view(&layout, chart));
-        let mut tabs = charts.collect::<RecordingStreamResult<Vec<_>>>()?;
+        let mut tabs = charts.collect::<Logged<Vec<_>>>()?;
         tabs.extend(plots(|place| place == Place::Behind)?);
         if !tabs.is_empty() {
             right.push((3.5, layout.tabs(&tabs)?));
@@ -75,14 +77,14 @@ pub(super) fn send(
     layout.send(&root, kinds::PlayState::Playing, stream)
 }
 
-fn left_side(layout: &Layout, header: &Header, at_end: bool) -> RecordingStreamResult<Part> {
+fn left_side(layout: &Layout, header: &Header, at_end: bool) -> Logged<Part> {
     let texts = [
         ("Claims", CLAIMS),
         ("About this run", ABOUT),
         ("Scenario", SCENARIO),
     ];
     let texts = (texts.into_iter()).map(|(title, entity)| layout.document(title, entity));
-    let texts = layout.tabs(&texts.collect::<RecordingStreamResult<Vec<_>>>()?)?;
+    let texts = layout.tabs(&texts.collect::<Logged<Vec<_>>>()?)?;
     if header.scene.bodies.is_empty() {
         return Ok(texts);
     }
@@ -90,11 +92,7 @@ fn left_side(layout: &Layout, header: &Header, at_end: bool) -> RecordingStreamR
     layout.stacked(vec![(5.0, scene), (3.0, texts)])
 }
 
-fn curves(
-    layout: &Layout,
-    group: &Group,
-    recording: Option<&Recording>,
-) -> RecordingStreamResult<Part> {
+fn curves(layout: &Layout, group: &Group, recording: Option<&Recording>) -> Logged<Part> {
     let query = ["$origin".to_owned()];
     let legend = PlotLegend::new().with_corner(kinds::Corner2D::LeftTop);
     // Every property is a message of its own; what is in a tab makes do without.
@@ -125,12 +123,12 @@ fn least_axis(group: &Group, recording: &Recording) -> Option<ScalarAxis> {
     let largest = values.fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let unit = &group.series.first()?.unit;
     let end = unit.from_si(group.least);
-    let range = rerun::datatypes::Range1D([-end, end]);
+    let range = re_sdk_types::datatypes::Range1D([-end, end]);
     (largest < group.least).then(|| ScalarAxis::new().with_range(range))
 }
 
-pub(super) fn chart_view(layout: &Layout, chart: &Drawn) -> RecordingStreamResult<Part> {
-    let range = rerun::datatypes::Range2D {
+pub(super) fn chart_view(layout: &Layout, chart: &Drawn) -> Logged<Part> {
+    let range = re_sdk_types::datatypes::Range2D {
         x_range: ACROSS.into(),
         y_range: DOWN.into(),
     };
@@ -146,11 +144,7 @@ pub(super) fn chart_view(layout: &Layout, chart: &Drawn) -> RecordingStreamResul
 }
 
 /// The whole arm, and beside it the tool from near by.
-pub(super) fn scene_views(
-    layout: &Layout,
-    scene: &Scene,
-    at_end: bool,
-) -> RecordingStreamResult<Part> {
+pub(super) fn scene_views(layout: &Layout, scene: &Scene, at_end: bool) -> Logged<Part> {
     let exaggerated = scene
         .bodies
         .iter()
@@ -184,12 +178,7 @@ pub(super) fn scene_views(
     layout.side_by_side(views)
 }
 
-fn scene_view(
-    layout: &Layout,
-    scene: &Scene,
-    title: &str,
-    camera: Camera,
-) -> RecordingStreamResult<Part> {
+fn scene_view(layout: &Layout, scene: &Scene, title: &str, camera: Camera) -> Logged<Part> {
     // Numbers of colours, and how it ends, belong to a map's own view.
     let hidden = scene.fields.iter().flat_map(|field| {
         let entity = |part: &str| format!("- $origin/{}/{part}/**", field.path);
@@ -201,7 +190,7 @@ fn scene_view(
 
 /// A field alone, from above: in the scene the tool stands on it. At the end it is seen as it is
 /// then, whatever the time.
-fn field_view(layout: &Layout, field: &Field, at_end: bool) -> RecordingStreamResult<Part> {
+fn field_view(layout: &Layout, field: &Field, at_end: bool) -> Logged<Part> {
     let (camera, up) = camera::above(field);
     let (name, path) = (field.path.replace('_', " "), &field.path);
     let (title, shown) = match at_end {
@@ -222,15 +211,15 @@ pub(super) fn looking_at(
     queries: &[String],
     camera: Camera,
     up: [f64; 3],
-) -> RecordingStreamResult<Part> {
+) -> Logged<Part> {
     let single = |point: [f64; 3]| point.map(|value| value as f32);
     let eye = EyeControls3D::new()
         .with_kind(kinds::Eye3DKind::Orbital)
         .with_position(single(camera.position_m))
         .with_look_target(single(camera.target_m))
         .with_eye_up(single(up));
-    let background = Background::new(kinds::BackgroundKind::SolidColor)
-        .with_color(rerun::Color::from_rgb(28, 30, 34));
+    let background =
+        Background::new(kinds::BackgroundKind::SolidColor).with_color(Color::from_rgb(28, 30, 34));
     layout.view(
         "3D",
         title,

@@ -13,13 +13,16 @@ mod results;
 mod scene;
 mod series;
 mod shapes;
+mod store;
 mod surface;
 mod verdict;
 
 use std::path::{Path, PathBuf};
 
-use rerun::external::re_log_types::ApplicationId;
-use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, TimeColumn, Timeline};
+use re_chunk::TimeColumn;
+use re_log_types::ApplicationId;
+use re_log_types::Timeline;
+use re_sdk_types::archetypes::TextDocument;
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
 use crate::display::{Group, groups};
@@ -32,6 +35,7 @@ pub use part::{FaceShown, PartShown, write_part};
 pub use plan::{PlanShown, PlanStation, write_plan};
 use scene::SceneLogger;
 use series::FootState;
+use store::{Failure, Logged, Store};
 
 /// The one time axis, in seconds.
 const TIMELINE: &str = "time";
@@ -46,11 +50,8 @@ pub struct RrdSink {
     open: Option<OpenRecording>,
 }
 
-/// Logging and flushing fail in ways of their own.
-type Failure = Box<dyn std::error::Error + Send + Sync>;
-
 struct OpenRecording {
-    stream: RecordingStream,
+    stream: Store,
     groups: Vec<Group>,
     scene: SceneLogger,
     foot: Option<FootState>,
@@ -106,7 +107,6 @@ impl OpenRecording {
         )?;
         log_text(&stream, verdict::CLAIMS, verdict::under_way(header))?;
         layout::send(&stream, header, &groups, foot.is_some(), None)?;
-        flush(&stream)?;
         Ok(OpenRecording {
             stream,
             groups,
@@ -122,8 +122,7 @@ impl OpenRecording {
                 foot.chunk(&self.stream, chunk)?;
             }
         }
-        self.scene.frames(&self.stream, chunk.frames)?;
-        flush(&self.stream)
+        self.scene.frames(&self.stream, chunk.frames)
     }
 
     fn finish(self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), Failure> {
@@ -151,25 +150,16 @@ impl OpenRecording {
             Some(&at_end),
         )?;
         self.scene.finish(stream)?;
-        flush(stream)
+        self.stream.finish()
     }
 }
 
-fn begin_file(path: &Path, title: &str) -> Result<RecordingStream, Failure> {
-    let stream = RecordingStreamBuilder::new(application(title))
-        .recording_name(title)
-        // Whatever the environment says: the user asked for this file.
-        .enabled(true)
-        .save(path)?;
-    Ok(stream)
+fn begin_file(path: &Path, title: &str) -> Logged<Store> {
+    Store::file(path, application(title), title)
 }
 
-fn flush(stream: &RecordingStream) -> Result<(), Failure> {
-    Ok(stream.flush_blocking()?)
-}
-
-fn log_text(stream: &RecordingStream, entity: &str, markdown: String) -> RecordingStreamResult<()> {
-    stream.log_static(entity, &rerun::TextDocument::from_markdown(markdown))
+fn log_text(stream: &Store, entity: &str, markdown: String) -> Logged<()> {
+    stream.log_static(entity, &TextDocument::from_markdown(markdown))
 }
 
 fn time_column(times_s: impl Iterator<Item = f64>) -> TimeColumn {

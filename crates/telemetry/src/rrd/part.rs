@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
-use rerun::RecordingStream;
-use rerun::blueprint::components::PlayState;
+use super::store::Store;
+use re_sdk_types::archetypes::{LineStrips3D, Mesh3D, Points3D};
+use re_sdk_types::blueprint::components::PlayState;
+use re_sdk_types::components::{Color, Radius};
 use truecut_recording::{Camera, SinkError};
 
 use super::blueprint::Layout;
 use super::layout::looking_at;
 use super::surface::Surface;
-use super::{Failure, SCENE, application, begin_file, flush, log_text};
+use super::{Failure, SCENE, application, begin_file, log_text};
 use crate::error::failed;
 
 const TEXT: &str = "/text";
@@ -58,14 +60,14 @@ fn write(path: &Path, shown: &PartShown<'_>) -> Result<(), Failure> {
     let single = |point: &[f64; 3]| point.map(|value| value as f32);
     let strips = shown.edges_m.iter();
     let strips = strips.map(|edge| edge.iter().map(single).collect::<Vec<_>>());
-    let edges = rerun::LineStrips3D::new(strips)
-        .with_colors([rerun::Color::from_rgb(15, 15, 15)])
-        .with_radii([rerun::Radius::new_ui_points(1.0)]);
+    let edges = LineStrips3D::new(strips)
+        .with_colors([Color::from_rgb(15, 15, 15)])
+        .with_radii([Radius::new_ui_points(1.0)]);
     stream.log_static(format!("{SCENE}/edges"), &edges)?;
     let numbered = || shown.faces.iter().take(MOST_NUMBERS);
-    let numbers = rerun::Points3D::new(numbered().map(|face| single(&face.at_m)))
+    let numbers = Points3D::new(numbered().map(|face| single(&face.at_m)))
         .with_labels(numbered().map(|face| face.number.to_string()))
-        .with_radii([rerun::Radius::new_ui_points(1.5)])
+        .with_radii([Radius::new_ui_points(1.5)])
         .with_show_labels(true);
     stream.log_static(format!("{SCENE}/numbers"), &numbers)?;
     let layout = Layout::new(application(shown.title))?;
@@ -75,11 +77,11 @@ fn write(path: &Path, shown: &PartShown<'_>) -> Result<(), Failure> {
     let words = layout.document("Faces and edges", TEXT)?;
     let root = layout.side_by_side(vec![(1.4, view), (1.0, words)])?;
     layout.send(&root, PlayState::Paused, &stream)?;
-    flush(&stream)
+    stream.finish()
 }
 
 /// All faces as one mesh, so that parts of many faces stay quick to draw.
-fn log_faces(stream: &RecordingStream, faces: &[FaceShown]) -> Result<(), Failure> {
+fn log_faces(stream: &Store, faces: &[FaceShown]) -> Result<(), Failure> {
     let single = |point: &[f64; 3]| point.map(|value| value as f32);
     let (mut places, mut normals) = (Vec::<[f32; 3]>::new(), Vec::<[f32; 3]>::new());
     let (mut corners, mut colors) = (Vec::<[u32; 3]>::new(), Vec::new());
@@ -88,18 +90,15 @@ fn log_faces(stream: &RecordingStream, faces: &[FaceShown]) -> Result<(), Failur
         let first = places.len() as u32;
         corners.extend(shaded.2.iter().map(|t| t.map(|i| first + i)));
         let [r, g, b] = color(face.number);
-        colors.resize(
-            places.len() + shaded.0.len(),
-            rerun::Color::from_rgb(r, g, b),
-        );
+        colors.resize(places.len() + shaded.0.len(), Color::from_rgb(r, g, b));
         places.extend(shaded.0.iter().map(single));
         normals.extend(shaded.1.iter().map(single));
     }
-    let mesh = rerun::Mesh3D::new(places)
+    let mesh = Mesh3D::new(places)
         .with_vertex_normals(normals)
         .with_vertex_colors(colors)
         .with_triangle_indices(corners);
-    Ok(stream.log_static(format!("{SCENE}/part"), &mesh)?)
+    stream.log_static(format!("{SCENE}/part"), &mesh)
 }
 
 /// Hues a golden angle apart, so that neighbours in number differ well.

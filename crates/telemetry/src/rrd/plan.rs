@@ -3,8 +3,11 @@
 
 use std::path::Path;
 
-use rerun::blueprint::components::PlayState;
-use rerun::{RecordingStream, RecordingStreamResult};
+use super::store::{Logged, Store};
+use re_sdk_types::archetypes::{Ellipsoids3D, LineStrips3D, Transform3D};
+use re_sdk_types::blueprint::components::PlayState;
+use re_sdk_types::components::{Color, Radius};
+use re_sdk_types::datatypes::Quaternion;
 use truecut_recording::{Frame, Scene, SinkError};
 
 use super::blueprint::Layout;
@@ -12,7 +15,7 @@ use super::charts::{ChartPage, log_pages};
 use super::layout::scene_views;
 use super::results::SCENARIO;
 use super::scene::SceneLogger;
-use super::{Failure, SCENE, application, begin_file, flush, log_text, time_column};
+use super::{Failure, SCENE, application, begin_file, log_text, time_column};
 use crate::error::failed;
 
 const TEXT: &str = "/text";
@@ -82,9 +85,9 @@ fn write(path: &Path, shown: &PlanShown<'_>) -> Result<(), Failure> {
         let single = |line: &Vec<[f64; 3]>| -> Vec<[f32; 3]> {
             line.iter().map(|point| point.map(|x| x as f32)).collect()
         };
-        let lines = rerun::LineStrips3D::new(shown.lines.iter().map(single))
-            .with_colors([rerun::Color::from_rgb(255, 220, 90)])
-            .with_radii([rerun::Radius::new_ui_points(1.2)]);
+        let lines = LineStrips3D::new(shown.lines.iter().map(single))
+            .with_colors([Color::from_rgb(255, 220, 90)])
+            .with_radii([Radius::new_ui_points(1.2)]);
         stream.log_static(format!("{SCENE}/lines"), &lines)?;
     }
     let layout = Layout::new(application(shown.title))?;
@@ -97,20 +100,20 @@ fn write(path: &Path, shown: &PlanShown<'_>) -> Result<(), Failure> {
     let right = log_pages(&stream, &layout, shown.pages)?;
     let root = layout.side_by_side(vec![(1.2, left), (1.0, right)])?;
     layout.send(&root, PlayState::Playing, &stream)?;
-    flush(&stream)
+    stream.finish()
 }
 
 /// The path in pieces from station to station, each as its worse end.
-fn log_path(stream: &RecordingStream, stations: &[PlanStation]) -> RecordingStreamResult<()> {
+fn log_path(stream: &Store, stations: &[PlanStation]) -> Logged<()> {
     let single = |point: [f64; 3]| point.map(|value| value as f32);
     let pieces = stations.windows(2);
     let strips = pieces
         .clone()
         .map(|w| [single(w[0].point_m), single(w[1].point_m)]);
     let colors = pieces.map(|w| color(w[0].reserve.min(w[1].reserve)));
-    let line = rerun::LineStrips3D::new(strips)
-        .with_colors(colors.map(|[r, g, b]| rerun::Color::from_rgb(r, g, b)))
-        .with_radii([rerun::Radius::new_ui_points(4.0)]);
+    let line = LineStrips3D::new(strips)
+        .with_colors(colors.map(|[r, g, b]| Color::from_rgb(r, g, b)))
+        .with_radii([Radius::new_ui_points(4.0)]);
     stream.log_static(format!("{SCENE}/margin"), &line)
 }
 
@@ -132,20 +135,20 @@ fn color(reserve: f64) -> [u8; 3] {
 }
 
 /// Semi-axes in the ratio of the principal stiffnesses, at one scale along the path.
-fn log_ellipsoid(stream: &RecordingStream, stations: &[PlanStation]) -> RecordingStreamResult<()> {
+fn log_ellipsoid(stream: &Store, stations: &[PlanStation]) -> Logged<()> {
     let all = stations.iter().flat_map(|s| s.stiffness_n_per_m);
     let scale = ELLIPSOID_M / all.fold(f64::MIN_POSITIVE, f64::max);
     let entity = format!("{SCENE}/stiffness");
-    let style = rerun::Ellipsoids3D::update_fields()
-        .with_colors([rerun::Color::from_rgb(120, 190, 255)])
-        .with_fill_mode(rerun::components::FillMode::MajorWireframe)
-        .with_line_radii([rerun::Radius::new_ui_points(0.8)])
+    let style = Ellipsoids3D::update_fields()
+        .with_colors([Color::from_rgb(120, 190, 255)])
+        .with_fill_mode(re_sdk_types::components::FillMode::MajorWireframe)
+        .with_line_radii([Radius::new_ui_points(0.8)])
         .with_labels(["stiffness"]);
     stream.log_static(entity.as_str(), &style)?;
     let half = stations
         .iter()
         .map(|s| s.stiffness_n_per_m.map(|k| (k * scale) as f32));
-    let columns = rerun::Ellipsoids3D::update_fields()
+    let columns = Ellipsoids3D::update_fields()
         .with_half_sizes(half)
         .columns_of_unit_batches()?;
     let times = time_column(stations.iter().map(|s| s.time_s));
@@ -153,8 +156,8 @@ fn log_ellipsoid(stream: &RecordingStream, stations: &[PlanStation]) -> Recordin
     let places = stations.iter().map(|s| s.point_m.map(|x| x as f32));
     let turns = stations
         .iter()
-        .map(|s| rerun::Quaternion::from_xyzw(s.world_from_axes_xyzw.map(|value| value as f32)));
-    let poses = rerun::Transform3D::update_fields()
+        .map(|s| Quaternion::from_xyzw(s.world_from_axes_xyzw.map(|value| value as f32)));
+    let poses = Transform3D::update_fields()
         .with_many_translation(places)
         .with_many_quaternion(turns)
         .columns_of_unit_batches()?;

@@ -1,6 +1,6 @@
 //! What the run came to, in the viewer: spectra, profiles, numbers, the scenario.
 
-use rerun::{RecordingStream, RecordingStreamResult};
+use super::store::{Logged, Store};
 use truecut_recording::spectrum::{Line, Spectrum, amplitude_spectrum_up_to};
 use truecut_recording::{Profile, Recording, Scalar, Unit, UserUnit, significant};
 
@@ -35,11 +35,7 @@ pub(super) struct Drawn {
 
 impl Drawn {
     /// Logs a chart.
-    pub(super) fn of(
-        chart: Chart,
-        stream: &RecordingStream,
-        entity: String,
-    ) -> RecordingStreamResult<Drawn> {
+    pub(super) fn of(chart: Chart, stream: &Store, entity: String) -> Logged<Drawn> {
         chart.log(stream, &entity)?;
         let title = chart.title;
         Ok(Drawn { entity, title })
@@ -48,10 +44,10 @@ impl Drawn {
 
 /// Draws the spectra of the main plots: one chart each, with the highest lines named.
 pub(super) fn log_spectra(
-    stream: &RecordingStream,
+    stream: &Store,
     groups: &[Group],
     recording: &Recording,
-) -> RecordingStreamResult<Vec<Drawn>> {
+) -> Logged<Vec<Drawn>> {
     let mut drawn = Vec::new();
     for group in groups
         .iter()
@@ -141,10 +137,10 @@ fn keep_highest_mark(curves: &mut [Curve]) {
 
 /// Draws each profile as a chart.
 pub(super) fn log_profiles(
-    stream: &RecordingStream,
+    stream: &Store,
     profiles: &[Profile],
     scalars: &[Scalar],
-) -> RecordingStreamResult<Vec<Drawn>> {
+) -> Logged<Vec<Drawn>> {
     let mut drawn = Vec::new();
     for (index, profile) in profiles.iter().enumerate() {
         let (x_unit, y_unit) = (

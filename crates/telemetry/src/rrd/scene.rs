@@ -1,6 +1,9 @@
 //! The 3-D scene in the viewer's terms.
 
-use rerun::{RecordingStream, RecordingStreamResult, TimeColumn};
+use super::store::{Logged, Store};
+use re_chunk::TimeColumn;
+use re_sdk_types::archetypes::{Arrows3D, LineStrips3D, Transform3D, ViewCoordinates};
+use re_sdk_types::components::{Color, Radius};
 use truecut_recording::{Arrow, Field, Frame, Pose, Scene};
 
 use super::field;
@@ -27,11 +30,8 @@ struct LoggedBody {
 
 impl SceneLogger {
     /// Logs all shapes.
-    pub(super) fn begin(
-        stream: &RecordingStream,
-        scene: &Scene,
-    ) -> RecordingStreamResult<SceneLogger> {
-        stream.log_static(SCENE, &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    pub(super) fn begin(stream: &Store, scene: &Scene) -> Logged<SceneLogger> {
+        stream.log_static(SCENE, &ViewCoordinates::RIGHT_HAND_Z_UP())?;
         let mut bodies = Vec::new();
         for body in &scene.bodies {
             let entity = format!("{SCENE}/{}", body.path);
@@ -43,11 +43,11 @@ impl SceneLogger {
             });
         }
         for arrow in &scene.arrows {
-            let style = rerun::Arrows3D::update_fields()
+            let style = Arrows3D::update_fields()
                 .with_colors([rgba(arrow.color_rgba)])
                 .with_labels([arrow.label.as_str()])
                 .with_show_labels(true)
-                .with_radii([rerun::Radius::new_ui_points(2.5)]);
+                .with_radii([Radius::new_ui_points(2.5)]);
             stream.log_static(format!("{SCENE}/{}", arrow.path), &style)?;
         }
         for one in &scene.fields {
@@ -64,11 +64,7 @@ impl SceneLogger {
     }
 
     /// Logs the poses and forces of some frames.
-    pub(super) fn frames(
-        &mut self,
-        stream: &RecordingStream,
-        frames: &[Frame],
-    ) -> RecordingStreamResult<()> {
+    pub(super) fn frames(&mut self, stream: &Store, frames: &[Frame]) -> Logged<()> {
         if frames.is_empty() {
             return Ok(());
         }
@@ -84,7 +80,7 @@ impl SceneLogger {
             let forces = frames.iter().map(|frame| frame.arrows[index]);
             let scaled =
                 |force_n: [f64; 3]| force_n.map(|value| (value * arrow.metres_per_newton) as f32);
-            let columns = rerun::Arrows3D::update_fields()
+            let columns = Arrows3D::update_fields()
                 .with_vectors(forces.clone().map(|(_, force_n)| scaled(force_n)))
                 .with_origins(forces.map(|(origin_m, _)| origin_m.map(|value| value as f32)))
                 .columns_of_unit_batches()?;
@@ -109,7 +105,7 @@ impl SceneLogger {
 
     /// Logs the path that the tool took, once the run has ended, how fields are left, and where
     /// bodies stand of which there was no frame.
-    pub(super) fn finish(self, stream: &RecordingStream) -> RecordingStreamResult<()> {
+    pub(super) fn finish(self, stream: &Store) -> Logged<()> {
         for body in self.bodies.iter().filter(|body| body.last.is_none()) {
             send_poses(
                 stream,
@@ -124,20 +120,15 @@ impl SceneLogger {
         if self.path.len() < 2 {
             return Ok(());
         }
-        let line = rerun::LineStrips3D::new([self.path])
-            .with_colors([rerun::Color::from_rgb(255, 240, 150)])
-            .with_radii([rerun::Radius::new_ui_points(0.8)]);
+        let line = LineStrips3D::new([self.path])
+            .with_colors([Color::from_rgb(255, 240, 150)])
+            .with_radii([Radius::new_ui_points(0.8)]);
         stream.log_static(format!("{SCENE}/tool_path"), &line)
     }
 }
 
-fn send_poses(
-    stream: &RecordingStream,
-    entity: &str,
-    times: TimeColumn,
-    poses: &[Pose],
-) -> RecordingStreamResult<()> {
-    let columns = rerun::Transform3D::update_fields()
+fn send_poses(stream: &Store, entity: &str, times: TimeColumn, poses: &[Pose]) -> Logged<()> {
+    let columns = Transform3D::update_fields()
         .with_many_translation(poses.iter().map(translation))
         .with_many_quaternion(poses.iter().map(quaternion))
         .columns_of_unit_batches()?;

@@ -1,6 +1,8 @@
 //! Channels in the viewer: curves and states.
 
-use rerun::{RecordingStream, RecordingStreamResult};
+use super::store::{Logged, Store};
+use re_sdk_types::archetypes::{Scalars, SeriesLines, StateChange, StateConfiguration};
+use re_sdk_types::components::Color;
 use truecut_recording::{Chunk, Header};
 
 use super::time_column;
@@ -8,13 +10,13 @@ use crate::decimate::{BEHIND_ROWS_PER_SECOND, ROWS_PER_SECOND, rows_to_draw};
 use crate::display::{Group, LIFTED, Place, SLIDING, Series};
 
 /// Logs every curve's name and colour, once.
-pub(super) fn begin(stream: &RecordingStream, groups: &[Group]) -> RecordingStreamResult<()> {
+pub(super) fn begin(stream: &Store, groups: &[Group]) -> Logged<()> {
     for group in groups {
         let color = |series: &Series| {
             let [r, g, b] = series.color;
-            rerun::Color::from_rgb(r, g, b)
+            Color::from_rgb(r, g, b)
         };
-        let style = rerun::SeriesLines::new()
+        let style = SeriesLines::new()
             .with_names(group.series.iter().map(|series| series.legend.as_str()))
             .with_colors(group.series.iter().map(color))
             .with_widths(group.series.iter().map(|_| 1.5_f32));
@@ -24,11 +26,7 @@ pub(super) fn begin(stream: &RecordingStream, groups: &[Group]) -> RecordingStre
 }
 
 /// Logs the curves of a chunk, one call for each plot: its channels share their rows.
-pub(super) fn chunk(
-    stream: &RecordingStream,
-    groups: &[Group],
-    chunk: &Chunk<'_>,
-) -> RecordingStreamResult<()> {
+pub(super) fn chunk(stream: &Store, groups: &[Group], chunk: &Chunk<'_>) -> Logged<()> {
     let mut rows = Vec::new();
     for group in groups {
         let columns: Vec<&[f64]> = group
@@ -46,7 +44,7 @@ pub(super) fn chunk(
             let curves = group.series.iter().zip(&columns);
             curves.map(move |(series, values)| series.unit.from_si(values[row]))
         };
-        let scalars = rerun::Scalars::new(rows.iter().flat_map(|&row| of_row(row)))
+        let scalars = Scalars::new(rows.iter().flat_map(|&row| of_row(row)))
             .columns(std::iter::repeat_n(group.series.len(), rows.len()))?;
         stream.send_columns(group.entity.as_str(), [times], scalars)?;
     }
@@ -65,18 +63,15 @@ pub(super) struct FootState {
 
 impl FootState {
     /// `None` if the recording has no foot.
-    pub(super) fn begin(
-        stream: &RecordingStream,
-        header: &Header,
-    ) -> RecordingStreamResult<Option<FootState>> {
+    pub(super) fn begin(stream: &Store, header: &Header) -> Logged<Option<FootState>> {
         let Ok(sliding) = header.index_of(SLIDING) else {
             return Ok(None);
         };
         let colors = [[70, 140, 80], [215, 80, 60], [120, 120, 120]];
-        let style = rerun::StateConfiguration::new()
+        let style = StateConfiguration::new()
             .with_values(["sticks", "slides", "lifted"])
             .with_labels(["sticks", "SLIDES", "lifted off"])
-            .with_colors(colors.map(|[r, g, b]| rerun::Color::from_rgb(r, g, b)));
+            .with_colors(colors.map(|[r, g, b]| Color::from_rgb(r, g, b)));
         stream.log_static(FOOT_STATE, &style)?;
         Ok(Some(FootState {
             sliding,
@@ -85,11 +80,7 @@ impl FootState {
         }))
     }
 
-    pub(super) fn chunk(
-        &mut self,
-        stream: &RecordingStream,
-        chunk: &Chunk<'_>,
-    ) -> RecordingStreamResult<()> {
+    pub(super) fn chunk(&mut self, stream: &Store, chunk: &Chunk<'_>) -> Logged<()> {
         let lifted = self.lifted.map(|column| chunk.columns[column]);
         let mut changes: (Vec<f64>, Vec<&str>) = Default::default();
         for (row, (time_s, sliding)) in chunk
@@ -112,7 +103,7 @@ impl FootState {
         if changes.0.is_empty() {
             return Ok(());
         }
-        let columns = rerun::StateChange::new()
+        let columns = StateChange::new()
             .with_state(changes.1)
             .columns_of_unit_batches()?;
         stream.send_columns(FOOT_STATE, [time_column(changes.0.into_iter())], columns)

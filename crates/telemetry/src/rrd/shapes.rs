@@ -1,8 +1,14 @@
 //! Shapes in the viewer's terms.
 
+use super::store::{Logged, Store};
 use nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
-use rerun::components::FillMode;
-use rerun::{AsComponents, RecordingStream, RecordingStreamResult};
+use re_sdk_types::AsComponents;
+use re_sdk_types::archetypes::{
+    Boxes3D, Capsules3D, Cylinders3D, Ellipsoids3D, LineStrips3D, Mesh3D, Transform3D,
+};
+use re_sdk_types::components::FillMode;
+use re_sdk_types::components::{Color, Radius};
+use re_sdk_types::datatypes;
 use truecut_recording::{Geometry, Pose, Shape};
 
 use super::surface::Surface;
@@ -20,12 +26,12 @@ pub(super) fn translation(pose: &Pose) -> [f32; 3] {
     single(&pose.translation_m)
 }
 
-pub(super) fn quaternion(pose: &Pose) -> rerun::Quaternion {
-    rerun::Quaternion::from_xyzw(pose.rotation_xyzw.map(|value| value as f32))
+pub(super) fn quaternion(pose: &Pose) -> datatypes::Quaternion {
+    datatypes::Quaternion::from_xyzw(pose.rotation_xyzw.map(|value| value as f32))
 }
 
-pub(super) fn rgba([r, g, b, a]: [u8; 4]) -> rerun::Color {
-    rerun::Color::from_unmultiplied_rgba(r, g, b, a)
+pub(super) fn rgba([r, g, b, a]: [u8; 4]) -> Color {
+    Color::from_unmultiplied_rgba(r, g, b, a)
 }
 
 /// The viewer's precision.
@@ -74,26 +80,22 @@ impl<'a, M: Copy> Kind<'a, M> {
             .map(|(shape, _)| translation(&shape.body_from_shape))
     }
 
-    fn quaternions(&self) -> impl Iterator<Item = rerun::Quaternion> {
+    fn quaternions(&self) -> impl Iterator<Item = datatypes::Quaternion> {
         self.0
             .iter()
             .map(|(shape, _)| quaternion(&shape.body_from_shape))
     }
 
-    fn colors(&self) -> impl Iterator<Item = rerun::Color> {
+    fn colors(&self) -> impl Iterator<Item = Color> {
         self.0.iter().map(|(shape, _)| {
             let [r, g, b, _] = shape.color_rgba;
-            rerun::Color::from_rgb(r, g, b)
+            Color::from_rgb(r, g, b)
         })
     }
 }
 
 /// Logs a body's shapes once: those of a kind together, meshes and lines one by one.
-pub(super) fn log_shapes(
-    stream: &RecordingStream,
-    entity: &str,
-    shapes: &[Shape],
-) -> RecordingStreamResult<()> {
+pub(super) fn log_shapes(stream: &Store, entity: &str, shapes: &[Shape]) -> Logged<()> {
     for shadow in [false, true] {
         let alike: Vec<&Shape> = shapes
             .iter()
@@ -114,17 +116,17 @@ pub(super) fn log_shapes(
 }
 
 fn log_boxes_and_balls(
-    stream: &RecordingStream,
+    stream: &Store,
     entity: &str,
     shapes: &[&Shape],
     fill: FillMode,
-) -> RecordingStreamResult<()> {
+) -> Logged<()> {
     let boxes = Kind::of(shapes, |geometry| match geometry {
         Geometry::Box { half_extents_m } => Some(single(half_extents_m)),
         _ => None,
     });
     if !boxes.is_empty() {
-        let form = rerun::Boxes3D::from_half_sizes(boxes.measures())
+        let form = Boxes3D::from_half_sizes(boxes.measures())
             .with_centers(boxes.centers())
             .with_quaternions(boxes.quaternions())
             .with_colors(boxes.colors())
@@ -136,7 +138,7 @@ fn log_boxes_and_balls(
         _ => None,
     });
     if !balls.is_empty() {
-        let form = rerun::Ellipsoids3D::from_centers_and_radii(balls.centers(), balls.measures())
+        let form = Ellipsoids3D::from_centers_and_radii(balls.centers(), balls.measures())
             .with_colors(balls.colors())
             .with_fill_mode(fill);
         stream.log_static(format!("{entity}/balls"), &form)?;
@@ -144,19 +146,14 @@ fn log_boxes_and_balls(
     Ok(())
 }
 
-fn log_round_bars(
-    stream: &RecordingStream,
-    entity: &str,
-    shapes: &[&Shape],
-    fill: FillMode,
-) -> RecordingStreamResult<()> {
+fn log_round_bars(stream: &Store, entity: &str, shapes: &[&Shape], fill: FillMode) -> Logged<()> {
     let cylinders = Kind::of(shapes, |geometry| match geometry {
         Geometry::Cylinder { radius_m, length_m } => Some((*length_m as f32, *radius_m as f32)),
         _ => None,
     });
     if !cylinders.is_empty() {
         let (lengths, radii): (Vec<f32>, Vec<f32>) = cylinders.measures().unzip();
-        let form = rerun::Cylinders3D::from_lengths_and_radii(lengths, radii)
+        let form = Cylinders3D::from_lengths_and_radii(lengths, radii)
             .with_centers(cylinders.centers())
             .with_quaternions(cylinders.quaternions())
             .with_colors(cylinders.colors())
@@ -174,7 +171,7 @@ fn log_round_bars(
             .0
             .iter()
             .map(|(shape, (length, _))| down_z(&shape.body_from_shape, 0.5 * length));
-        let form = rerun::Capsules3D::from_lengths_and_radii(lengths.clone(), radii)
+        let form = Capsules3D::from_lengths_and_radii(lengths.clone(), radii)
             .with_translations(starts)
             .with_quaternions(capsules.quaternions())
             .with_colors(capsules.colors())
@@ -191,7 +188,7 @@ fn down_z(pose: &Pose, distance_m: f32) -> [f32; 3] {
 }
 
 /// A shape with points of its own; any other has been logged with its kind.
-fn log_single(stream: &RecordingStream, entity: &str, shape: &Shape) -> RecordingStreamResult<()> {
+fn log_single(stream: &Store, entity: &str, shape: &Shape) -> Logged<()> {
     let color = rgba(shape.color_rgba);
     let form: Box<dyn AsComponents> = match &shape.geometry {
         Geometry::Mesh {
@@ -201,26 +198,25 @@ fn log_single(stream: &RecordingStream, entity: &str, shape: &Shape) -> Recordin
             let surface = Surface::new(vertices_m, triangles);
             if is_shadow(shape) {
                 let edges = surface.sharp_edges();
-                let lines =
-                    rerun::LineStrips3D::new(edges.iter().map(|edge| edge.map(|p| single(&p))));
+                let lines = LineStrips3D::new(edges.iter().map(|edge| edge.map(|p| single(&p))));
                 let [r, g, b, _] = shape.color_rgba;
-                let lines = lines.with_colors([rerun::Color::from_rgb(r, g, b)]);
-                Box::new(lines.with_radii([rerun::Radius::new_ui_points(SHADOW_LINE)]))
+                let lines = lines.with_colors([Color::from_rgb(r, g, b)]);
+                Box::new(lines.with_radii([Radius::new_ui_points(SHADOW_LINE)]))
             } else {
                 let (corners, normals, faces) = surface.shaded();
-                let mesh = rerun::Mesh3D::new(corners.iter().map(single));
+                let mesh = Mesh3D::new(corners.iter().map(single));
                 let mesh = mesh.with_triangle_indices(faces);
                 let mesh = mesh.with_vertex_normals(normals.iter().map(single));
                 Box::new(mesh.with_albedo_factor(*color))
             }
         }
         Geometry::Line { points_m, radius_m } => {
-            let lines = rerun::LineStrips3D::new([points_m.iter().map(single).collect::<Vec<_>>()]);
+            let lines = LineStrips3D::new([points_m.iter().map(single).collect::<Vec<_>>()]);
             Box::new(lines.with_colors([color]).with_radii([*radius_m as f32]))
         }
         _ => return Ok(()),
     };
-    let place = rerun::Transform3D::new()
+    let place = Transform3D::new()
         .with_translation(translation(&shape.body_from_shape))
         .with_quaternion(quaternion(&shape.body_from_shape));
     stream.log_static(entity, &[&place as &dyn AsComponents, form.as_ref()])

@@ -1,0 +1,169 @@
+//! Stores of the viewer's file, written message by message.
+//!
+//! The library's recording stream does this as well, in a crate that brings clients, servers and
+//! authentication. A file needs its types, chunks and encoder alone, which is a fifth fewer crates
+//! to build.
+
+use std::cell::RefCell;
+use std::error::Error;
+use std::fs::File;
+use std::path::Path;
+
+use re_build_info::CrateVersion;
+use re_chunk::{Chunk, ChunkComponents, ChunkId, ChunkResult, EntityPath, RowId, TimeColumn};
+use re_log_encoding::{Encoder, EncodingOptions};
+use re_log_types::{
+    ApplicationId, BlueprintActivationCommand, LogMsg, SetStoreInfo, StoreId, StoreInfo, StoreKind,
+    StoreSource, TimeInt, TimePoint, Timeline,
+};
+use re_sdk_types::archetypes::RecordingInfo;
+use re_sdk_types::components::Timestamp;
+use re_sdk_types::{AsComponents, SerializedComponentColumn};
+
+/// Describing, encoding and writing fail in ways of their own.
+pub(super) type Failure = Box<dyn Error + Send + Sync>;
+/// What writing into a store yields.
+pub(super) type Logged<T> = Result<T, Failure>;
+
+/// A store and where its messages go.
+pub(super) struct Store {
+    id: StoreId,
+    /// At which rows are logged that are not static.
+    now: TimePoint,
+    target: RefCell<Target>,
+}
+
+enum Target {
+    File(Box<Encoder<File>>),
+    Memory(Vec<LogMsg>),
+}
+
+impl Store {
+    /// The recording of a file, which is made or overwritten. Every message is with the operating
+    /// system once it is logged.
+    pub(super) fn file(path: &Path, application: ApplicationId, name: &str) -> Logged<Store> {
+        let encoder = Encoder::new_eager(
+            CrateVersion::LOCAL,
+            EncodingOptions::PROTOBUF_COMPRESSED,
+            File::create(path)?,
+        )?;
+        let target = Target::File(Box::new(encoder));
+        let store = Store::begin(StoreKind::Recording, application, target)?;
+        let about = RecordingInfo::new()
+            .with_start_time(Timestamp::now())
+            .with_name(name);
+        store.log_static(EntityPath::properties(), &about)?;
+        Ok(store)
+    }
+
+    /// A layout, of which the viewer reads what stands at the first of its times.
+    pub(super) fn layout(application: ApplicationId) -> Logged<Store> {
+        let target = Target::Memory(Vec::new());
+        let mut store = Store::begin(StoreKind::Blueprint, application, target)?;
+        let timeline = Timeline::new_sequence("blueprint");
+        store.now.insert(timeline, TimeInt::ZERO);
+        Ok(store)
+    }
+
+    fn begin(kind: StoreKind, application: ApplicationId, target: Target) -> Logged<Store> {
+        let id = StoreId::random(kind, application);
+        let info = StoreInfo::new(id.clone(), StoreSource::Other("truecut".to_owned()));
+        let store = Store {
+            id,
+            now: TimePoint::default(),
+            target: RefCell::new(target),
+        };
+        store.send(LogMsg::SetStoreInfo(SetStoreInfo {
+            row_id: *RowId::new(),
+            info,
+        }))?;
+        Ok(store)
+    }
+
+    /// Logs what holds at all times.
+    pub(super) fn log_static(
+        &self,
+        entity: impl Into<EntityPath>,
+        what: &(impl AsComponents + ?Sized),
+    ) -> Logged<()> {
+        self.row(entity.into(), TimePoint::default(), what)
+    }
+
+    /// Logs what holds from the store's present time on.
+    pub(super) fn log(
+        &self,
+        entity: impl Into<EntityPath>,
+        what: &(impl AsComponents + ?Sized),
+    ) -> Logged<()> {
+        self.row(entity.into(), self.now.clone(), what)
+    }
+
+    fn row(
+        &self,
+        entity: EntityPath,
+        at: TimePoint,
+        what: &(impl AsComponents + ?Sized),
+    ) -> Logged<()> {
+        let batches = what.as_serialized_batches();
+        if batches.is_empty() {
+            return Ok(());
+        }
+        let chunk = Chunk::builder(entity).with_serialized_batches(RowId::new(), at, batches);
+        self.chunk(chunk.build())
+    }
+
+    /// Logs columns over times.
+    pub(super) fn send_columns(
+        &self,
+        entity: impl Into<EntityPath>,
+        times: impl IntoIterator<Item = TimeColumn>,
+        columns: impl IntoIterator<Item = SerializedComponentColumn>,
+    ) -> Logged<()> {
+        let times = times.into_iter();
+        let columns = columns.into_iter();
+        let components: ChunkComponents = columns
+            .map(|column| (column.descriptor, column.list_array))
+            .collect();
+        self.chunk(Chunk::from_auto_row_ids(
+            ChunkId::new(),
+            entity.into(),
+            times
+                .map(|column| (*column.timeline().name(), column))
+                .collect(),
+            components,
+        ))
+    }
+
+    /// Takes over a layout as the one that is shown.
+    pub(super) fn show(&self, layout: Store) -> Logged<()> {
+        // Activated once it is there as a whole.
+        let activate = BlueprintActivationCommand::make_active(layout.id);
+        if let Target::Memory(messages) = layout.target.into_inner() {
+            messages
+                .into_iter()
+                .try_for_each(|message| self.send(message))?;
+        }
+        self.send(activate.into())
+    }
+
+    /// Writes what the file's readers find their way by.
+    pub(super) fn finish(self) -> Logged<()> {
+        match self.target.into_inner() {
+            Target::File(mut encoder) => Ok(encoder.finish()?),
+            Target::Memory(_) => Ok(()),
+        }
+    }
+
+    fn chunk(&self, chunk: ChunkResult<Chunk>) -> Logged<()> {
+        let message = chunk?.to_arrow_msg()?;
+        self.send(LogMsg::ArrowMsg(self.id.clone(), message))
+    }
+
+    fn send(&self, message: LogMsg) -> Logged<()> {
+        match &mut *self.target.borrow_mut() {
+            Target::File(encoder) => drop(encoder.append(&message)?),
+            Target::Memory(messages) => messages.push(message),
+        }
+        Ok(())
+    }
+}
