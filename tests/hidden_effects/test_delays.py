@@ -216,9 +216,9 @@ def test_crosscheck_mujoco_delay_of_a_forward_replay(hidden, tmp_path):
         check(drawn, hidden, f"joint{number}.transmission_torque", viscous, found)
 
 
-@pytest.mark.parametrize("hidden", HIDDEN)
-def test_crosscheck_mujoco_delay_of_drive_forces(hidden, tmp_path):
-    """Two clocks are one cause; a single sensor's delay was no effect of mode "inverse" at all."""
+@pytest.mark.parametrize("hidden", ["friction", "nothing"])
+def test_crosscheck_mujoco_friction_of_drive_forces(hidden, tmp_path):
+    """In mode "inverse" a search proposes no delay: on a measured arm it named one too long."""
     for seed in INVERSE_SEEDS:
         drawn = Drawn(seed, tmp_path / str(seed))
         number = drawn.number
@@ -229,7 +229,5 @@ def test_crosscheck_mujoco_delay_of_drive_forces(hidden, tmp_path):
         if hidden == "friction":
             still[number - 1] = viscous
             time_s, torque = drawn.driven(still)
-        one = np.eye(drawn.joints)[number - 1]
-        delays = {"clock": np.ones(drawn.joints), "sensor": one}.get(hidden, np.zeros(drawn.joints))
-        found = named(drawn.inverse(), drawn.measured(time_s, torque, drawn.delay_s * delays))
+        found = named(drawn.inverse(), drawn.measured(time_s, torque, np.zeros(drawn.joints)))
         check(drawn, hidden, f"joint{number}.drive_torque", viscous, found)
