@@ -218,7 +218,7 @@ def test_crosscheck_mujoco_delay_of_a_forward_replay(hidden, tmp_path):
 
 @pytest.mark.parametrize("hidden", ["friction", "nothing"])
 def test_crosscheck_mujoco_friction_of_drive_forces(hidden, tmp_path):
-    """In mode "inverse" a search proposes no delay: on a measured arm it named one too long."""
+    """In mode "inverse" a search proposes no delay: on a measured arm it named one for joints that lag differently."""
     for seed in INVERSE_SEEDS:
         drawn = Drawn(seed, tmp_path / str(seed))
         number = drawn.number

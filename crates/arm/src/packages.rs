@@ -17,11 +17,15 @@ pub struct Packages {
 
 impl Packages {
     /// Packages given by name and folder, and folders that hold packages, searched in their order.
+    /// Relative folders lead from the current one.
     #[must_use]
     pub fn new(named: impl IntoIterator<Item = (String, PathBuf)>, roots: Vec<PathBuf>) -> Self {
+        // A path that is relative would be read as one that starts at the robot's file.
+        let absolute = |folder: PathBuf| std::path::absolute(&folder).unwrap_or(folder);
+        let named = named.into_iter();
         Self {
-            named: named.into_iter().collect(),
-            roots,
+            named: named.map(|(name, at)| (name, absolute(at))).collect(),
+            roots: roots.into_iter().map(absolute).collect(),
         }
     }
 
@@ -89,4 +93,21 @@ fn declares(folder: &Path, name: &str) -> bool {
         return false;
     };
     rest.split('<').next().is_some_and(|own| own.trim() == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tests run in the folder of their crate.
+    #[test]
+    fn a_relative_folder_leads_from_the_current_one() {
+        let here = std::env::current_dir().expect("a folder");
+        let named = [("mine".to_owned(), PathBuf::from("tests"))];
+        let packages = Packages::new(named, vec![PathBuf::from("..")]);
+        let elsewhere = std::env::temp_dir();
+        assert_eq!(packages.find("mine", &elsewhere), Some(here.join("tests")));
+        let beside = packages.find("sim", &elsewhere).expect("a crate beside");
+        assert!(beside.is_absolute() && beside.join("Cargo.toml").is_file());
+    }
 }

@@ -3,6 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 use truecut_arm::estimate::{DataSheet, Estimated, robot_toml};
 use truecut_arm::{ArmError, Masses, Packages, Reading, Robot};
 
@@ -238,16 +241,11 @@ fn a_reach_that_the_chain_has_is_taken() {
     };
     let robot = Robot::read(&six_axis(), &reading).expect("an arm");
     let first = robot.chain.joints[0].parent_from_joint;
-    let mut state = 7_u64;
-    let mut draw = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    };
+    let postures = prop::collection::vec(-3.0..3.0_f64, robot.dof());
+    let mut runner = TestRunner::deterministic();
     let mut reach_m: f64 = 0.0;
     for _ in 0..2000 {
-        let q: Vec<f64> = (0..robot.dof()).map(|_| 6.0 * draw()).collect();
+        let q = postures.new_tree(&mut runner).expect("a posture").current();
         let flange = robot.world_from_frame(&q, truecut_arm::FrameId::Flange);
         let at = first.inverse() * flange.translation.vector;
         reach_m = reach_m.max(at.x.hypot(at.y));

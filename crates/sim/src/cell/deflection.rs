@@ -82,6 +82,9 @@ impl PathDeflection {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+    use rand_distr::{Distribution, Uniform};
 
     /// Length from the shoulder to the flange with the elbow straight, m.
     const RADIUS_M: f64 = 1.3;
@@ -108,12 +111,10 @@ mod tests {
     /// step. What the arm sags at touch-down is no deflection.
     #[test]
     fn verify_the_chord_of_a_turned_arm() {
-        let mut state = 11_u64;
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
         let mut draw = |low: f64, high: f64| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            low + (high - low) * (state >> 11) as f64 / (1_u64 << 53) as f64
+            let range = Uniform::new(low, high).expect("a range");
+            range.sample(&mut rng)
         };
         for case in 0..200 {
             let sense = if case % 2 == 0 { 1.0 } else { -1.0 };

@@ -7,8 +7,8 @@ use super::section::Side;
 const STRETCHES: usize = 16;
 
 impl Sections<'_> {
-    /// By Simpson's rule where a stretch of slices
-    /// presses at its ends and in its middle as if it changed evenly, else slice by slice.
+    /// By Simpson's rule where a stretch of slices presses at its ends and in its middle as if it
+    /// changed evenly, else slice by slice.
     pub fn fine_rows(&mut self) -> Vec<BristleRow> {
         let (end_m, length_m) = (0.5 * self.width_m, self.width_m / STRETCHES as f64);
         let place_m = |half: usize| 0.5 * length_m * half as f64 - end_m;
