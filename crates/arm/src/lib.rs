@@ -73,6 +73,7 @@ mod modal;
 mod model;
 mod motion;
 mod moving;
+mod nearest;
 mod opw;
 mod packages;
 mod placed;

@@ -7,6 +7,8 @@ use serde_json::Value as Json;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use crate::nearest::nearest;
+
 /// A broken rule at a byte offset of the text.
 pub(super) struct Broken {
     pub(super) at: usize,
@@ -171,14 +173,6 @@ fn place(owner: &str) -> String {
         "" => "the file".to_owned(),
         owner => format!("[{owner}]"),
     }
-}
-
-/// The key that was most likely meant.
-fn nearest<'k>(key: &str, known: impl Iterator<Item = &'k str>) -> Option<&'k str> {
-    let likeness = known.map(|own| (strsim::jaro_winkler(own, key), own));
-    let best = likeness.max_by(|a, b| a.0.total_cmp(&b.0));
-    best.filter(|(likeness, _)| *likeness > 0.85)
-        .map(|(_, own)| own)
 }
 
 fn described(value: &DeValue) -> String {

@@ -19,6 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::error::{ArmError, ArmErrorKind};
+use crate::nearest::nearest;
 use crate::packages::Packages;
 use scope::Scopes;
 use tree::Place;
@@ -136,17 +137,11 @@ pub(crate) fn refuse_unknown(
     let Some(name) = given.keys().find(|name| !known.contains(*name)) else {
         return Ok(());
     };
-    let near = known
-        .iter()
-        .map(|own| (strsim::jaro_winkler(own, name), own));
-    let near = near.max_by(|a, b| a.0.total_cmp(&b.0));
-    let hint = match near {
-        Some((likeness, own)) if likeness > 0.8 => format!("; did you mean \"{own}\"?"),
-        Some(_) => {
-            let known: Vec<&str> = known.iter().map(String::as_str).collect();
-            format!("; its arguments are {}", known.join(", "))
-        }
-        None => "; it has none".to_owned(),
+    let names = || known.iter().map(String::as_str);
+    let hint = match nearest(name, names()) {
+        Some(own) => format!("; did you mean \"{own}\"?"),
+        None if known.is_empty() => "; it has none".to_owned(),
+        None => format!("; its arguments are {}", Vec::from_iter(names()).join(", ")),
     };
     let text = format!("the file has no argument \"{name}\", which is given{hint}");
     Err(ArmError::in_file(path, None, ArmErrorKind::Xacro(text)))
