@@ -5,7 +5,6 @@
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::depth;
-use crate::nearest::nearest;
 use crate::xml::MOST_NESTED;
 
 /// Elements of a link and of a joint that the format knows.
@@ -53,7 +52,7 @@ pub(crate) fn taken_out(text: &str) -> (String, Vec<String>) {
                 notes.push(format!("a shape of link \"{link}\" is not drawn: {why}"));
             } else if known.contains(&name) || node.tag_name().namespace().is_some() {
                 continue;
-            } else if let Some(meant) = nearest(name, known.iter().copied()) {
+            } else if let Some(meant) = misspelt(name, known) {
                 let (kind, owner) = (owner.tag_name().name(), owner.attribute("name"));
                 notes.push(format!(
                     "<{name}> of {kind} \"{}\" is not read; did you mean <{meant}>?",
@@ -68,6 +67,14 @@ pub(crate) fn taken_out(text: &str) -> (String, Vec<String>) {
     }
     kept.push_str(&text[from..]);
     (kept, notes)
+}
+
+/// The element that a misspelt one is meant to be. Unlike an unknown key of our own tables, an
+/// unknown element is most often another program's, with a longer name of the same beginning
+/// (`collision_checking`): every letter that differs counts, wherever it stands.
+fn misspelt<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let is_near = |own: &&&str| strsim::normalized_damerau_levenshtein(own, name) > 0.7;
+    known.iter().find(is_near).copied()
 }
 
 /// Why a visual cannot be drawn.
