@@ -5,6 +5,7 @@ mod results;
 mod compare;
 mod diagnose;
 mod identify;
+mod kept;
 mod path;
 mod signals;
 mod stability;
@@ -100,22 +101,15 @@ fn a_run_prints_claims_and_leaves_its_files() {
     );
     assert!(out.contains("1 of 1 claims hold\n  ✓ swings"), "{out}");
     assert!(out.contains("out/swing/recording.rrd"), "{out}");
-    for name in [
-        "recording.parquet",
-        "recording.rrd",
-        "recording.arrows",
-        "summary.json",
-    ] {
+    for name in ["recording.parquet", "recording.rrd", "summary.json"] {
         assert!(
             desk.path("out/swing").join(name).metadata().unwrap().len() > 100,
             "{name}"
         );
     }
+    // The stream has served once the Parquet file is whole.
+    assert!(!desk.path("out/swing/recording.arrows").exists());
     let recording = read_parquet(&desk.path("out/swing/recording.parquet")).unwrap();
-    assert_eq!(
-        recording,
-        read_ipc_stream(&desk.path("out/swing/recording.arrows")).unwrap()
-    );
     let summary = std::fs::read_to_string(desk.path("out/swing/summary.json")).unwrap();
     let summary: Summary = serde_json::from_str(&summary).unwrap();
     assert_eq!(
@@ -148,7 +142,7 @@ fn no_rrd_means_none_not_even_an_old_one() {
 fn two_runs_give_the_same_bytes() {
     let desk = Desk::new();
     desk.scenario("swing", "duration_s = 0.5", &claim("swings", "min = 1"));
-    let files = ["recording.parquet", "recording.arrows", "summary.json"];
+    let files = ["recording.parquet", "summary.json"];
     let run = |out: &str| {
         desk.ends(0, &["run", "swing.toml", "--no-rrd", "--out", out]);
         files.map(|name| std::fs::read(desk.path(out).join("swing").join(name)).unwrap())

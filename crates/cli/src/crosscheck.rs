@@ -62,7 +62,7 @@ fn crosscheck_one(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Failure
         run.execute()
     });
     let recording = finished?.recording;
-    outputs.write_summary(&recording, &[])?;
+    outputs.finish(&recording, &[])?;
     if !recording.outcome.reached_end() {
         let outcome = text::outcome(&recording.outcome);
         crate::print(&format!("{}\n  {outcome}\n", scenario.name))?;

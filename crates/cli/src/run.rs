@@ -82,7 +82,7 @@ fn run_one(
         ..Run::of(scenario)
     }
     .execute()?;
-    outputs.write_summary(&finished.recording, &finished.claims)?;
+    outputs.finish(&finished.recording, &finished.claims)?;
     let status = ExitStatus::of_run(&finished.recording.outcome, &finished.claims);
     Ok((printed(scenario, &finished, &outputs), status))
 }

@@ -11,6 +11,7 @@ use parquet::arrow::ArrowWriter;
 use parquet::file::properties::WriterProperties;
 
 use crate::error::{FileError, Reason};
+use crate::whole::write_whole;
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +67,7 @@ pub fn write_columns(
     columns: &[Column<'_>],
     scenario_text: &str,
 ) -> Result<(), FileError> {
-    let write = || -> Result<(), Reason> {
+    let write = |file: &mut File| -> Result<(), Reason> {
         let fields: Vec<Field> = columns.iter().map(Column::field).collect();
         let metadata =
             HashMap::from([("truecut.scenario_text".to_owned(), scenario_text.to_owned())]);
@@ -76,10 +77,10 @@ pub fn write_columns(
         let properties = WriterProperties::builder()
             .set_created_by("truecut".to_owned())
             .build();
-        let mut writer = ArrowWriter::try_new(File::create(path)?, schema, Some(properties))?;
+        let mut writer = ArrowWriter::try_new(file, schema, Some(properties))?;
         writer.write(&batch)?;
         writer.close()?;
         Ok(())
     };
-    write().map_err(|reason| FileError::new(path, reason))
+    write_whole(path, write).map_err(|reason| FileError::new(path, reason))
 }

@@ -16,6 +16,7 @@ use truecut_recording::{Chunk, ClaimResult, Header, Outcome, Recording, Sink, Si
 
 use crate::error::{FileError, Reason, failed};
 use crate::table;
+use crate::whole::fresh;
 
 /// Streams rows into a file; every chunk is with the operating system when [`Sink::chunk`] returns,
 /// so that killing the program loses nothing of it.
@@ -43,7 +44,7 @@ impl Sink for IpcSink {
     fn begin(&mut self, header: &Header) -> Result<(), SinkError> {
         let failed = failed::<Reason>(&self.path, "begin the stream");
         let schema = Arc::new(table::schema(header));
-        let file = File::create(&self.path).map_err(|error| failed(error.into()))?;
+        let file = fresh(&self.path).map_err(|error| failed(error.into()))?;
         let writer = StreamWriter::try_new(BufWriter::new(file), &schema).and_then(|mut writer| {
             writer.flush()?;
             Ok(writer)

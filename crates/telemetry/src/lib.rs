@@ -67,6 +67,7 @@ mod measured;
 mod parquet_file;
 mod rrd;
 mod table;
+mod whole;
 
 pub use background::Background;
 pub use columns::{Column, Values, write_columns};
@@ -78,3 +79,4 @@ pub use rrd::{
     BeforeAfter, ChannelBeforeAfter, Chart, ChartPage, Curve, FaceShown, PartShown, PlanShown,
     PlanStation, RrdSink, write_before_after, write_charts, write_part, write_plan,
 };
+pub use whole::write_whole;

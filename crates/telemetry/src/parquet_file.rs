@@ -14,6 +14,7 @@ use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
 use crate::error::{FileError, Reason, failed};
 use crate::table;
+use crate::whole::{fresh, write_whole};
 
 /// Rows of a row group. Fixed, so that the file does not depend on when rows arrived.
 const GROUP_ROWS: usize = 4096;
@@ -25,7 +26,7 @@ struct RowWriter {
 }
 
 impl RowWriter {
-    fn create(path: &Path, header: &Header) -> Result<RowWriter, Reason> {
+    fn begin(file: File, header: &Header) -> Result<RowWriter, Reason> {
         let schema = Arc::new(table::schema(header));
         // Simulated values hardly repeat, so that a dictionary costs time and saves nothing.
         let properties = WriterProperties::builder()
@@ -34,7 +35,6 @@ impl RowWriter {
             .set_compression(Compression::SNAPPY)
             .set_statistics_enabled(EnabledStatistics::Chunk)
             .build();
-        let file = File::create(path)?;
         let writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
         Ok(RowWriter { schema, writer })
     }
@@ -66,8 +66,8 @@ impl RowWriter {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_parquet(path: &Path, recording: &Recording) -> Result<(), FileError> {
-    let write = || {
-        let mut writer = RowWriter::create(path, &recording.header)?;
+    let write = |file: &mut File| {
+        let mut writer = RowWriter::begin(file.try_clone()?, &recording.header)?;
         let rows = recording.time_s.len();
         for start in (0..rows).step_by(GROUP_ROWS) {
             let group = start..rows.min(start + GROUP_ROWS);
@@ -79,7 +79,7 @@ pub fn write_parquet(path: &Path, recording: &Recording) -> Result<(), FileError
         }
         writer.end(recording)
     };
-    write().map_err(|reason| FileError::new(path, reason))
+    write_whole(path, write).map_err(|reason| FileError::new(path, reason))
 }
 
 /// Writes a Parquet file while the run is under way; it bears its name only when it is complete,
@@ -146,7 +146,9 @@ impl Sink for ParquetSink {
         let mut name = self.path.clone().into_os_string();
         name.push(".part");
         let part = PartialFile(name.into());
-        let writer = RowWriter::create(&part.0, header)
+        let writer = fresh(&part.0)
+            .map_err(Reason::from)
+            .and_then(|file| RowWriter::begin(file, header))
             .map_err(failed(&self.path, "begin the recording"))?;
         let waiting = vec![Vec::new(); header.channels.len() + 1];
         self.open = Some(OpenFile {

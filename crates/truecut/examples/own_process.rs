@@ -303,14 +303,14 @@ fn read(text: &str) -> Result<Scenario, Box<dyn Error>> {
 /// One hole: every row against the law, the claims judged, the recording written.
 fn one_hole(out: &Path) -> Result<(), Box<dyn Error>> {
     let scenario = read(SCENARIO)?;
-    // Without a file for the viewer. What an earlier run left in the folder is removed.
+    // Without a file for the viewer. What an earlier run left in the folder is replaced.
     let outputs = Outputs::prepare(out, &scenario, false)?;
     let finished = Run {
         sinks: outputs.sinks(),
         ..Run::of(&scenario)
     }
     .execute()?;
-    outputs.write_summary(&finished.recording, &finished.claims)?;
+    outputs.finish(&finished.recording, &finished.claims)?;
     for claim in &finished.claims {
         println!("{}: {}", claim.name, claim.shown);
     }

@@ -108,14 +108,13 @@
 //! assert!(slid.recording.header.scenario_text.contains("mu = 0.02"));
 //!
 //! // The files of a run go into `out/foot`, named like the scenario's file (`foot.toml`); folders
-//! // that are missing are made. What an earlier run left there under the names of a run's files is
-//! // removed, so runs of one scenario with different overrides need an `out` each. Sinks take the
-//! // rows while the run goes on, the summary comes after it. `true` would write a file for the
-//! // viewer, too.
+//! // that are missing are made. Sinks take the rows while the run goes on; `finish` adds the
+//! // summary and puts the files where those of an earlier run were, so runs of one scenario with
+//! // different overrides need an `out` each. `true` would write a file for the viewer, too.
 //! let out = tempfile::tempdir()?;
 //! let files = truecut::Outputs::prepare(out.path(), &scenario, false)?;
 //! let kept = Run { sinks: files.sinks(), ..Run::of(&scenario) }.execute()?;
-//! files.write_summary(&kept.recording, &kept.claims)?;
+//! files.finish(&kept.recording, &kept.claims)?;
 //! assert!(files.recording().ends_with("foot/recording.parquet"));
 //!
 //! // A mistake names its place.
@@ -310,6 +309,7 @@
 
 pub mod data;
 pub mod outputs;
+mod staged;
 
 pub use truecut_arm as arm;
 pub use truecut_core as core;
@@ -321,6 +321,7 @@ pub use truecut_sim as sim;
 pub use truecut_telemetry as telemetry;
 
 pub use outputs::Outputs;
+pub use staged::Staged;
 pub use truecut_scenario::Scenario;
 pub use truecut_sim::run::{Claims, Engine, Finished, Run, RunError, Runs};
 pub use truecut_sim::sweep::{SweepTable, sweep};

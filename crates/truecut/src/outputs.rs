@@ -1,9 +1,8 @@
 //! The files of a run: recording, stream, viewer's file and summary, in a folder named like the
 //! scenario.
 
-use std::fs::{File, TryLockError};
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use truecut_recording::{Chunk, ClaimResult, Recording, Sink, SinkError, Summary};
 use truecut_scenario::Scenario;
@@ -11,9 +10,14 @@ use truecut_sim::run::RunError;
 use truecut_sim::sweep::SweepTable;
 use truecut_telemetry::{
     Background, Column, FileError, IpcSink, ParquetSink, Reason, RrdSink, Values, write_columns,
+    write_whole,
 };
 
-/// The files of one scenario, in a folder named like it.
+use crate::staged::Staged;
+
+/// The files of one scenario, in a folder named like it. They get their places together, by
+/// [`Outputs::finish`]; until then those of an earlier run stay. Only `recording.arrows` is there
+/// while the run goes on, and stays if it is killed: every row up to then.
 ///
 /// ```
 /// use truecut::{Engine, Outputs, Run, Scenario};
@@ -25,17 +29,15 @@ use truecut_telemetry::{
 /// let outputs = Outputs::prepare(out, &scenario, false)?;
 /// let run = Run { sinks: outputs.sinks(), engine: Engine::REDUCED, ..Run::of(&scenario) };
 /// let run = run.execute()?;
-/// outputs.write_summary(&run.recording, &run.claims)?;
+/// outputs.finish(&run.recording, &run.claims)?;
 /// assert!(out.join("free_decay/recording.parquet").is_file());
 /// assert!(out.join("free_decay/summary.json").is_file());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Outputs {
-    folder: PathBuf,
+    files: Staged,
     rrd: bool,
-    /// The folder, locked for as long as something may be written into it.
-    _lock: Option<Arc<File>>,
 }
 
 const RECORDING: &str = "recording.parquet";
@@ -48,35 +50,20 @@ pub const MODEL: &str = "model.xml";
 pub const COMPARISON: &str = "crosscheck.json";
 
 impl Outputs {
-    /// Makes the folder below `out`, locks it against other runs, and removes files of earlier ones
-    /// from it. With `rrd` a file for the viewer is written, too.
+    /// Makes the folder below `out` and locks it against other runs. With `rrd` a file for the
+    /// viewer is written, too.
     ///
     /// # Errors
-    /// A folder that cannot be made or into which another run is writing, a file that cannot be
-    /// removed.
+    /// A folder that cannot be made or written to, that is a link, or into which another run is
+    /// writing.
     pub fn prepare(out: &Path, scenario: &Scenario, rrd: bool) -> Result<Outputs, FileError> {
-        let folder = out.join(scenario.stem());
-        std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
-        let outputs = Outputs {
-            _lock: lock(&folder)?,
-            folder,
-            rrd,
-        };
-        for name in [RECORDING, STREAM, VIEWER, SUMMARY, MODEL, COMPARISON] {
-            let path = outputs.path(name);
-            match std::fs::remove_file(&path) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(failed(&path, error));
-                }
-                _ => {}
-            }
-        }
-        Ok(outputs)
+        let files = Staged::begin(&out.join(scenario.stem()))?;
+        Ok(Outputs { files, rrd })
     }
 
     /// A file of the folder.
     pub fn path(&self, name: &str) -> PathBuf {
-        self.folder.join(name)
+        self.files.folder().join(name)
     }
 
     /// The Parquet file.
@@ -91,7 +78,7 @@ impl Outputs {
 
     /// The other files.
     pub fn other_files(&self) -> Vec<&'static str> {
-        let all = [VIEWER, RECORDING, STREAM, SUMMARY];
+        let all = [VIEWER, RECORDING, SUMMARY];
         let main = if self.rrd { VIEWER } else { RECORDING };
         let written = |name: &&'static str| *name != main && (self.rrd || *name != VIEWER);
         all.into_iter().filter(written).collect()
@@ -101,10 +88,10 @@ impl Outputs {
     pub fn sinks(&self) -> Vec<Box<dyn Sink + Send>> {
         let mut sinks: Vec<Box<dyn Sink + Send>> = vec![
             Box::new(IpcSink::new(self.path(STREAM))),
-            Box::new(ParquetSink::new(self.recording())),
+            Box::new(ParquetSink::new(self.files.path(RECORDING))),
         ];
         if self.rrd {
-            sinks.push(Box::new(RrdSink::new(self.path(VIEWER))));
+            sinks.push(Box::new(RrdSink::new(self.files.path(VIEWER))));
         }
         vec![Box::new(Background::new(sinks))]
     }
@@ -126,31 +113,33 @@ impl Outputs {
                 .and_then(|()| sink.finish(recording, claims))
                 .map_err(RunError::Sink)?;
         }
-        self.write_summary(recording, claims).map_err(|error| {
+        self.finish(recording, claims).map_err(|error| {
             let target = self.path(SUMMARY).display().to_string();
             RunError::Sink(SinkError::new(target, "write", error))
         })
     }
 
-    /// Writes `summary.json`; the sinks write the rest.
+    /// Writes `summary.json`, and gives all files their places: those of an earlier run go, the
+    /// stream goes since the Parquet file has its rows. A summary is there only beside the files
+    /// of its run.
     ///
     /// # Errors
-    /// A file that cannot be written.
-    pub fn write_summary(
-        &self,
-        recording: &Recording,
-        claims: &[ClaimResult],
-    ) -> Result<(), FileError> {
-        let path = self.path(SUMMARY);
+    /// A file that cannot be written, replaced or removed.
+    pub fn finish(&self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), FileError> {
+        let path = self.files.path(SUMMARY);
         let summary = serde_json::to_string_pretty(&Summary::new(recording, claims))
             .map_err(|error| failed(&path, error.into()))?;
-        write_file(&path, format!("{summary}\n").as_bytes())
+        write_file(&path, format!("{summary}\n").as_bytes())?;
+        self.files
+            .publish(&[VIEWER, RECORDING, STREAM, MODEL, COMPARISON, SUMMARY])
     }
 }
 
 /// Name of the column of a sweep's table that says how a row's runs ended: `completed`, which did
 /// not come to its end, and why, or which drive was overloaded.
 pub const SWEEP_OUTCOME: &str = "outcome";
+const SWEEP: &str = "sweep.parquet";
+const SWEEP_TEXT: &str = "sweep.csv";
 
 /// Writes a sweep's table as `sweep.parquet`, into a folder below `out` that is named like the
 /// scenario: a column for each axis and result, its unit in the field's metadata, and how each
@@ -165,8 +154,7 @@ pub fn write_sweep(
     scenario: &Scenario,
     table: &SweepTable,
 ) -> Result<PathBuf, FileError> {
-    let folder = out.join(scenario.stem());
-    std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
+    let files = Staged::begin(&out.join(scenario.stem()))?;
     let results = table.columns.iter().enumerate().map(|(index, column)| {
         let values = table.rows.iter().map(|row| row[index]).collect();
         Column::numbers(&column.name, &column.unit.symbol, values)
@@ -178,13 +166,13 @@ pub fn write_sweep(
         values: Values::Words(outcomes.collect()),
     };
     let columns: Vec<Column<'_>> = results.chain([outcome]).collect();
-    let path = folder.join("sweep.parquet");
-    write_columns(&path, &columns, &scenario.effective_text())?;
-    let text = path.with_extension("csv");
+    write_columns(&files.path(SWEEP), &columns, &scenario.effective_text())?;
+    let text = files.path(SWEEP_TEXT);
     sweep_csv(table)
         .and_then(|bytes| std::fs::write(&text, bytes))
         .map_err(|error| failed(&text, error))?;
-    Ok(path)
+    files.publish(&[SWEEP_TEXT, SWEEP])?;
+    Ok(files.folder().join(SWEEP))
 }
 
 fn sweep_csv(table: &SweepTable) -> std::io::Result<Vec<u8>> {
@@ -208,7 +196,8 @@ fn sweep_csv(table: &SweepTable) -> std::io::Result<Vec<u8>> {
     writer.into_inner().map_err(csv::IntoInnerError::into_error)
 }
 
-/// Writes a file, and makes its folder.
+/// Writes a file, and makes its folder. What the file held stays until the new content is on the
+/// disk as a whole.
 ///
 /// # Errors
 /// A file or folder that cannot be written.
@@ -218,24 +207,8 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
         .filter(|folder| !folder.as_os_str().is_empty());
     folder
         .map_or(Ok(()), std::fs::create_dir_all)
-        .and_then(|()| std::fs::write(path, content))
+        .and_then(|()| write_whole(path, |file| file.write_all(content)))
         .map_err(|error| failed(path, error))
-}
-
-/// Locks a folder; `None` where the file system has no locks.
-fn lock(folder: &Path) -> Result<Option<Arc<File>>, FileError> {
-    let Ok(file) = File::open(folder) else {
-        return Ok(None);
-    };
-    match file.try_lock() {
-        Ok(()) => Ok(Some(Arc::new(file))),
-        Err(TryLockError::WouldBlock) => {
-            let because =
-                "another run is writing into this folder: give --out another one, or wait";
-            Err(failed(folder, std::io::Error::other(because)))
-        }
-        Err(TryLockError::Error(_)) => Ok(None),
-    }
 }
 
 fn failed(path: &Path, error: std::io::Error) -> FileError {

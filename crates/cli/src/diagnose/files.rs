@@ -8,6 +8,7 @@ use truecut_scenario::Scenario;
 use super::{Confirmed, Written, report, viewer};
 use crate::failure::Failure;
 use crate::text;
+use truecut::Staged;
 use truecut::outputs::write_file;
 
 const ANSWER: &str = "diagnosis.json";
@@ -23,7 +24,6 @@ const VIEWER: &str = "diagnosis.rrd";
 /// A folder that cannot be written to, or in which an answer would replace what is being diagnosed.
 pub fn prepare(scenario: &Scenario, folder: &Path, data: &str) -> Result<(), Failure> {
     spare_inputs([scenario.path(), Path::new(data)], folder)?;
-    std::fs::create_dir_all(folder).map_err(|error| Failure::at(folder, error))?;
     for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
         let path = folder.join(name);
         if path.is_dir() {
@@ -31,9 +31,9 @@ pub fn prepare(scenario: &Scenario, folder: &Path, data: &str) -> Result<(), Fai
             return Err(Failure::at(&path, text));
         }
     }
-    let probe = folder.join(format!(".{}", std::process::id()));
-    std::fs::write(&probe, b"").map_err(|error| Failure::at(folder, error))?;
-    std::fs::remove_file(&probe).map_err(|error| Failure::at(&probe, error))
+    // What cannot be begun now could not be written after the search.
+    Staged::begin(folder)?;
+    Ok(())
 }
 
 fn spare_inputs(inputs: [&Path; 2], folder: &Path) -> Result<(), Failure> {
@@ -61,14 +61,7 @@ pub fn write(
     trial: &Trial,
     confirmed: &Confirmed,
 ) -> Result<Written, Failure> {
-    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
-        match std::fs::remove_file(folder.join(name)) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Failure::at(&folder.join(name), error));
-            }
-            _ => {}
-        }
-    }
+    let files = Staged::begin(folder)?;
     let answer = &confirmed.answer;
     let mut written = Written {
         report: folder.join(REPORT),
@@ -77,23 +70,22 @@ pub fn write(
     };
     let text = extended(scenario, trial, confirmed, folder)?;
     if !answer.effects.is_empty() {
-        let path = folder.join(EXTENDED);
-        write_file(&path, text.as_bytes())?;
-        written.extended = Some(path);
+        write_file(&files.path(EXTENDED), text.as_bytes())?;
+        written.extended = Some(folder.join(EXTENDED));
     }
     if let Some(best) = answer.diagnosis.experiments.first() {
         let varied = scenario.with_overrides(&best.overrides)?;
         let text = varied.text_for_folder(folder, &[], &trial.rotary());
-        write_file(&folder.join(EXPERIMENT), text.as_bytes())?;
+        write_file(&files.path(EXPERIMENT), text.as_bytes())?;
     }
     write_file(
-        &folder.join(REPORT),
+        &files.path(REPORT),
         report::html(trial, confirmed).as_bytes(),
     )?;
-    viewer::write(trial, confirmed, &text, &written.viewer)?;
-    // Written last: where it exists, the others do, too.
+    viewer::write(trial, confirmed, &text, &files.path(VIEWER))?;
     let json = text::json(&answer.diagnosis)?;
-    write_file(&folder.join(ANSWER), json.as_bytes())?;
+    write_file(&files.path(ANSWER), json.as_bytes())?;
+    files.publish(&[EXTENDED, EXPERIMENT, REPORT, VIEWER, ANSWER])?;
     Ok(written)
 }
 

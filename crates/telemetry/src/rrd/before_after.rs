@@ -14,7 +14,7 @@ use truecut_recording::{SinkError, UserUnit};
 
 use super::blueprint::{Layout, Part};
 use super::results::SCENARIO;
-use super::{Failure, application, begin_file, log_text, nanoseconds, time_column};
+use super::{application, log_text, nanoseconds, time_column, write_store};
 use crate::decimate::{ROWS_PER_SECOND, rows_to_draw};
 use crate::error::failed;
 
@@ -70,18 +70,17 @@ pub struct ChannelBeforeAfter<'a> {
 /// # Errors
 /// Where the file cannot be written.
 pub fn write_before_after(path: &Path, shown: &BeforeAfter<'_>) -> Result<(), SinkError> {
-    write(path, shown).map_err(failed(path, "write the curves"))
+    write_store(path, shown.title, |store| log(store, shown))
+        .map_err(failed(path, "write the curves"))
 }
 
-fn write(path: &Path, shown: &BeforeAfter<'_>) -> Result<(), Failure> {
-    let stream = begin_file(path, shown.title)?;
-    log_text(&stream, VERDICT, shown.verdict.to_owned())?;
-    log_text(&stream, SCENARIO, super::results::scenario(shown.scenario))?;
+fn log(stream: &Store, shown: &BeforeAfter<'_>) -> Logged<()> {
+    log_text(stream, VERDICT, shown.verdict.to_owned())?;
+    log_text(stream, SCENARIO, super::results::scenario(shown.scenario))?;
     for (index, channel) in shown.channels.iter().enumerate() {
-        channel.log(&stream, index, shown.time_s)?;
+        channel.log(stream, index, shown.time_s)?;
     }
-    layout(&stream, shown)?;
-    stream.finish()
+    layout(stream, shown)
 }
 
 /// A curve: name, colour, width.

@@ -10,7 +10,7 @@ use super::blueprint::{Layout, Part};
 use super::chart::Chart;
 use super::layout::chart_view;
 use super::results::Drawn;
-use super::{Failure, application, begin_file, log_text};
+use super::{application, log_text, write_store};
 use crate::error::failed;
 
 /// Where the text is logged.
@@ -35,17 +35,15 @@ pub fn write_charts(
     text: &str,
     pages: &[ChartPage],
 ) -> Result<(), SinkError> {
-    let written = || -> Result<(), Failure> {
-        let stream = begin_file(path, title)?;
-        log_text(&stream, TEXT, format!("# {title}\n\n```\n{text}\n```\n"))?;
+    let log = |stream: &Store| {
+        log_text(stream, TEXT, format!("# {title}\n\n```\n{text}\n```\n"))?;
         let layout = Layout::new(application(title))?;
         let words = layout.document(title, TEXT)?;
-        let right = log_pages(&stream, &layout, pages)?;
+        let right = log_pages(stream, &layout, pages)?;
         let root = layout.side_by_side(vec![(0.6, words), (1.4, right)])?;
-        layout.send(&root, PlayState::Paused, &stream)?;
-        stream.finish()
+        layout.send(&root, PlayState::Paused, stream)
     };
-    written().map_err(failed(path, "write the charts"))
+    write_store(path, title, log).map_err(failed(path, "write the charts"))
 }
 
 /// Logs pages of charts and gives the part of the layout that shows them.

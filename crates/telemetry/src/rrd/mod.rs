@@ -27,6 +27,7 @@ use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
 use crate::display::{Group, groups};
 use crate::error::failed;
+use crate::whole::{fresh, write_whole};
 pub use before_after::{BeforeAfter, ChannelBeforeAfter, write_before_after};
 pub use chart::{Chart, Curve};
 pub use charts::{ChartPage, write_charts};
@@ -95,7 +96,8 @@ impl Sink for RrdSink {
 
 impl OpenRecording {
     fn begin(path: &Path, header: &Header) -> Result<OpenRecording, Failure> {
-        let stream = begin_file(path, &header.scenario_name)?;
+        let name = &header.scenario_name;
+        let stream = Store::file(fresh(path)?, application(name), name)?;
         let groups = groups(&header.channels);
         series::begin(&stream, &groups)?;
         let scene = SceneLogger::begin(&stream, &header.scene)?;
@@ -154,8 +156,17 @@ impl OpenRecording {
     }
 }
 
-fn begin_file(path: &Path, title: &str) -> Logged<Store> {
-    Store::file(path, application(title), title)
+/// Writes a viewer's file as a whole.
+fn write_store(
+    path: &Path,
+    title: &str,
+    log: impl FnOnce(&Store) -> Logged<()>,
+) -> Result<(), Failure> {
+    write_whole(path, |file| {
+        let store = Store::file(file.try_clone()?, application(title), title)?;
+        log(&store)?;
+        store.finish()
+    })
 }
 
 fn log_text(stream: &Store, entity: &str, markdown: String) -> Logged<()> {

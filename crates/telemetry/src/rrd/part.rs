@@ -11,7 +11,7 @@ use truecut_recording::{Camera, SinkError};
 use super::blueprint::Layout;
 use super::layout::looking_at;
 use super::surface::Surface;
-use super::{Failure, SCENE, application, begin_file, log_text};
+use super::{Logged, SCENE, application, log_text, write_store};
 use crate::error::failed;
 
 const TEXT: &str = "/text";
@@ -50,13 +50,13 @@ pub struct PartShown<'a> {
 /// # Errors
 /// Where the file cannot be written.
 pub fn write_part(path: &Path, shown: &PartShown<'_>) -> Result<(), SinkError> {
-    write(path, shown).map_err(failed(path, "write the part"))
+    write_store(path, shown.title, |store| log(store, shown))
+        .map_err(failed(path, "write the part"))
 }
 
-fn write(path: &Path, shown: &PartShown<'_>) -> Result<(), Failure> {
-    let stream = begin_file(path, shown.title)?;
-    log_text(&stream, TEXT, format!("```\n{}\n```\n", shown.text))?;
-    log_faces(&stream, shown.faces)?;
+fn log(stream: &Store, shown: &PartShown<'_>) -> Logged<()> {
+    log_text(stream, TEXT, format!("```\n{}\n```\n", shown.text))?;
+    log_faces(stream, shown.faces)?;
     let single = |point: &[f64; 3]| point.map(|value| value as f32);
     let strips = shown.edges_m.iter();
     let strips = strips.map(|edge| edge.iter().map(single).collect::<Vec<_>>());
@@ -76,12 +76,11 @@ fn write(path: &Path, shown: &PartShown<'_>) -> Result<(), Failure> {
     let view = looking_at(&layout, "Part", &queries, camera, [0.0, 0.0, 1.0])?;
     let words = layout.document("Faces and edges", TEXT)?;
     let root = layout.side_by_side(vec![(1.4, view), (1.0, words)])?;
-    layout.send(&root, PlayState::Paused, &stream)?;
-    stream.finish()
+    layout.send(&root, PlayState::Paused, stream)
 }
 
 /// All faces as one mesh, so that parts of many faces stay quick to draw.
-fn log_faces(stream: &Store, faces: &[FaceShown]) -> Result<(), Failure> {
+fn log_faces(stream: &Store, faces: &[FaceShown]) -> Logged<()> {
     let single = |point: &[f64; 3]| point.map(|value| value as f32);
     let (mut places, mut normals) = (Vec::<[f32; 3]>::new(), Vec::<[f32; 3]>::new());
     let (mut corners, mut colors) = (Vec::<[u32; 3]>::new(), Vec::new());

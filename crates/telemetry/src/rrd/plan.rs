@@ -15,7 +15,7 @@ use super::charts::{ChartPage, log_pages};
 use super::layout::scene_views;
 use super::results::SCENARIO;
 use super::scene::SceneLogger;
-use super::{Failure, SCENE, application, begin_file, log_text, time_column};
+use super::{SCENE, application, log_text, time_column, write_store};
 use crate::error::failed;
 
 const TEXT: &str = "/text";
@@ -67,19 +67,19 @@ pub struct PlanStation {
 /// # Errors
 /// Where the file cannot be written.
 pub fn write_plan(path: &Path, shown: &PlanShown<'_>) -> Result<(), SinkError> {
-    write(path, shown).map_err(failed(path, "write the plan"))
+    write_store(path, shown.title, |store| log(store, shown))
+        .map_err(failed(path, "write the plan"))
 }
 
-fn write(path: &Path, shown: &PlanShown<'_>) -> Result<(), Failure> {
-    let stream = begin_file(path, shown.title)?;
-    log_text(&stream, TEXT, format!("```\n{}\n```\n", shown.text))?;
-    log_text(&stream, SCENARIO, super::results::scenario(shown.scenario))?;
-    let mut scene = SceneLogger::begin(&stream, shown.scene)?;
-    scene.frames(&stream, shown.frames)?;
-    scene.finish(&stream)?;
+fn log(stream: &Store, shown: &PlanShown<'_>) -> Logged<()> {
+    log_text(stream, TEXT, format!("```\n{}\n```\n", shown.text))?;
+    log_text(stream, SCENARIO, super::results::scenario(shown.scenario))?;
+    let mut scene = SceneLogger::begin(stream, shown.scene)?;
+    scene.frames(stream, shown.frames)?;
+    scene.finish(stream)?;
     if !shown.stations.is_empty() {
-        log_path(&stream, shown.stations)?;
-        log_ellipsoid(&stream, shown.stations)?;
+        log_path(stream, shown.stations)?;
+        log_ellipsoid(stream, shown.stations)?;
     }
     if !shown.lines.is_empty() {
         let single = |line: &Vec<[f64; 3]>| -> Vec<[f32; 3]> {
@@ -97,10 +97,9 @@ fn write(path: &Path, shown: &PlanShown<'_>) -> Result<(), Failure> {
     ])?;
     let views = scene_views(&layout, shown.scene, true)?;
     let left = layout.stacked(vec![(5.0, views), (2.5, words)])?;
-    let right = log_pages(&stream, &layout, shown.pages)?;
+    let right = log_pages(stream, &layout, shown.pages)?;
     let root = layout.side_by_side(vec![(1.2, left), (1.0, right)])?;
-    layout.send(&root, PlayState::Playing, &stream)?;
-    stream.finish()
+    layout.send(&root, PlayState::Playing, stream)
 }
 
 /// The path in pieces from station to station, each as its worse end.

@@ -7,7 +7,6 @@
 use std::cell::RefCell;
 use std::error::Error;
 use std::fs::File;
-use std::path::Path;
 
 use re_build_info::CrateVersion;
 use re_chunk::{Chunk, ChunkComponents, ChunkId, ChunkResult, EntityPath, RowId, TimeColumn};
@@ -39,13 +38,12 @@ enum Target {
 }
 
 impl Store {
-    /// The recording of a file, which is made or overwritten. Every message is with the operating
-    /// system once it is logged.
-    pub(super) fn file(path: &Path, application: ApplicationId, name: &str) -> Logged<Store> {
+    /// The recording of a file. Every message is with the operating system once it is logged.
+    pub(super) fn file(file: File, application: ApplicationId, name: &str) -> Logged<Store> {
         let encoder = Encoder::new_eager(
             CrateVersion::LOCAL,
             EncodingOptions::PROTOBUF_COMPRESSED,
-            File::create(path)?,
+            file,
         )?;
         let target = Target::File(Box::new(encoder));
         let store = Store::begin(StoreKind::Recording, application, target)?;

@@ -1,0 +1,80 @@
+//! Files that bear their name only when they are whole.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+/// A file under construction. It is written beside the file whose name it is to have; what that
+/// one held stays until the new content is on the disk.
+pub(crate) enum Aside {
+    New(NamedTempFile, PathBuf),
+    /// A device or a pipe, which has no content to keep.
+    Straight(File),
+}
+
+impl Aside {
+    pub(crate) fn begin(path: &Path) -> io::Result<Aside> {
+        if path.metadata().is_ok_and(|there| is_special(&there)) {
+            return Ok(Aside::Straight(File::options().write(true).open(path)?));
+        }
+        let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".").suffix(".part");
+        // As any new file's; those of the library are for their owner's eyes only.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
+        Ok(Aside::New(file, path.to_owned()))
+    }
+
+    /// What is written to.
+    pub(crate) fn file(&self) -> io::Result<File> {
+        match self {
+            Aside::New(file, _) => file.as_file().try_clone(),
+            Aside::Straight(file) => file.try_clone(),
+        }
+    }
+
+    /// Gives the file its name, in place of what had it. A link of that name is replaced, what it
+    /// leads to stays.
+    pub(crate) fn keep(self) -> io::Result<()> {
+        let Aside::New(file, path) = self else {
+            return Ok(());
+        };
+        file.as_file().sync_all()?;
+        file.persist(path).map_err(|error| error.error)?;
+        Ok(())
+    }
+}
+
+fn is_special(there: &std::fs::Metadata) -> bool {
+    !there.is_file() && !there.is_dir()
+}
+
+/// Writes a file aside, syncs it and gives it its name: whatever goes wrong, what the file held
+/// before stays.
+///
+/// # Errors
+/// What the writer finds, and a folder or disk that does not take the file.
+pub fn write_whole<E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> Result<(), E>,
+) -> Result<(), E> {
+    let aside = Aside::begin(path)?;
+    write(&mut aside.file()?)?;
+    Ok(aside.keep()?)
+}
+
+/// A file to write at once under its name, in place of what has that name. A link of that name is
+/// replaced, what it leads to stays.
+pub(crate) fn fresh(path: &Path) -> io::Result<File> {
+    if path.metadata().is_ok_and(|there| is_special(&there)) {
+        return File::options().write(true).open(path);
+    }
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => File::options().write(true).create_new(true).open(path),
+    }
+}

@@ -1,0 +1,161 @@
+//! What stays of an earlier result when the next one does not come to its end.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
+use truecut_telemetry::{read_ipc_stream, read_parquet};
+
+use super::{BAD_INPUT, Desk};
+
+/// The files below a folder with their bytes, without the stream of a run under way.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).unwrap().map(Result::unwrap);
+    entries
+        .map(|entry| (entry.file_name().into_string().unwrap(), entry.path()))
+        .filter(|(name, path)| name != "recording.arrows" && path.is_file())
+        .map(|(name, path)| (name, std::fs::read(path).unwrap()))
+        .collect()
+}
+
+/// Runs the program where no file can grow beyond a size, as on a disk that is full. Its code.
+fn ends_where_files_end(desk: &Desk, arguments: &[&str], bytes: u64) -> (Option<i32>, String) {
+    let kib = bytes / 1024;
+    let line = format!("trap '' XFSZ; ulimit -f {kib}; exec \"$0\" \"$@\"");
+    let output = std::process::Command::new("bash")
+        .args(["-c", &line, env!("CARGO_BIN_EXE_truecut")])
+        .args(arguments)
+        .current_dir(desk.folder.path())
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
+    let err = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code(), err)
+}
+
+#[test]
+fn a_full_disk_leaves_the_earlier_result_whole() {
+    let desk = Desk::new();
+    desk.scenario("swing", "duration_s = 0.5", "");
+    desk.ends(0, &["run", "swing.toml"]);
+    let folder = desk.path("out/swing");
+    let earlier = files(&folder);
+    assert_eq!(earlier.len(), 3);
+    let largest = earlier.values().map(Vec::len).max().unwrap() as u64;
+    let mut draw = ChaCha8Rng::seed_from_u64(2025);
+    for trial in 0..10 {
+        // Another mass of rows, so that the files would differ.
+        let arguments = ["run", "swing.toml", "--set", "run.duration_s=0.6"];
+        let bytes = draw.next_u64() % largest;
+        let (code, err) = ends_where_files_end(&desk, &arguments, bytes);
+        assert_eq!(code, Some(BAD_INPUT), "{trial}: {bytes} bytes: {err}");
+        assert!(err.contains("out/swing"), "the file is named: {err}");
+        assert!(files(&folder) == earlier, "{trial}: {bytes} bytes");
+        assert!(!folder.join(".part").exists());
+    }
+    desk.ends(0, &["run", "swing.toml", "--set", "run.duration_s=0.6"]);
+    assert!(files(&folder) != earlier);
+}
+
+#[test]
+fn a_full_disk_leaves_the_earlier_table_of_a_sweep() {
+    let desk = Desk::new();
+    let axis = "[[sweep.axis]]\nkey = \"run.duration_s\"\nvalues = [0.1, 0.2]\n\
+                [[sweep.column]]\nname = \"swing\"\nmetric = \"peak\"\n\
+                channel = \"tool.displacement_x\"\nunit = \"um\"\n";
+    desk.scenario("swept", "duration_s = 0.1", axis);
+    desk.ends(0, &["run", "swept.toml"]);
+    let folder = desk.path("out/swept");
+    let earlier = files(&folder);
+    let arguments = [
+        "run",
+        "swept.toml",
+        "--set",
+        "process.load.release_n=[50,0,0]",
+    ];
+    let (code, err) = ends_where_files_end(&desk, &arguments, 1024);
+    assert_eq!(code, Some(BAD_INPUT), "{err}");
+    assert!(files(&folder) == earlier);
+}
+
+#[test]
+fn a_killed_run_leaves_the_earlier_result_and_its_own_rows() {
+    let desk = Desk::new();
+    let lines = "duration_s = 0.2\nrecord_interval_ms = 1";
+    desk.scenario("long", lines, "");
+    desk.ends(0, &["run", "long.toml"]);
+    let folder = desk.path("out/long");
+    let earlier = files(&folder);
+    let mut draw = ChaCha8Rng::seed_from_u64(9);
+    for _ in 0..4 {
+        let mut child = desk
+            .command(&["run", "long.toml", "--set", "run.duration_s=3000"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let stream = folder.join("recording.arrows");
+        while stream.metadata().map_or(0, |it| it.len()) < 100_000 {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::thread::sleep(Duration::from_millis(u64::from(draw.next_u32() % 200)));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(files(&folder) == earlier);
+        assert!(read_ipc_stream(&stream).unwrap().time_s.len() > 100);
+    }
+    desk.ends(0, &["run", "long.toml", "--set", "run.duration_s=0.3"]);
+    let recording = read_parquet(&folder.join("recording.parquet")).unwrap();
+    assert!((recording.time_s.last().unwrap() - 0.3).abs() < 2e-3);
+    assert!(!folder.join("recording.arrows").exists() && !folder.join(".part").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn links_that_lie_where_files_go_are_not_followed() {
+    use std::os::unix::fs::symlink;
+    let desk = Desk::new();
+    desk.scenario("swing", "duration_s = 0.1", "");
+    let own = |name: &str| {
+        let path = desk.path(name);
+        std::fs::write(&path, "mine").unwrap();
+        path
+    };
+    std::fs::create_dir_all(desk.path("out/swing")).unwrap();
+    std::fs::create_dir_all(desk.path("precious")).unwrap();
+    let names = [
+        "recording.parquet",
+        "recording.rrd",
+        "summary.json",
+        "recording.arrows",
+    ];
+    for name in names {
+        symlink(
+            own(&format!("own.{name}")),
+            desk.path("out/swing").join(name),
+        )
+        .unwrap();
+    }
+    own("precious/recording.parquet");
+    symlink(desk.path("precious"), desk.path("out/swing/.part")).unwrap();
+    desk.ends(0, &["run", "swing.toml"]);
+    let mine = |name: &str| std::fs::read_to_string(desk.path(name)).unwrap() == "mine";
+    assert!(names.iter().all(|name| mine(&format!("own.{name}"))));
+    assert!(mine("precious/recording.parquet"));
+    assert!(read_parquet(&desk.path("out/swing/recording.parquet")).is_ok());
+
+    // The folder of a scenario that is a link is refused; the folder given may be one.
+    std::fs::create_dir_all(desk.path("other")).unwrap();
+    symlink(desk.path("precious"), desk.path("other/swing")).unwrap();
+    let output = desk.truecut(&["run", "swing.toml", "--out", "other"]);
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(BAD_INPUT), "{err}");
+    assert!(err.contains("other/swing: it is a link"), "{err}");
+    assert_eq!(files(&desk.path("precious")).len(), 1);
+    symlink(desk.path("precious"), desk.path("given")).unwrap();
+    desk.ends(0, &["run", "swing.toml", "--out", "given"]);
+    assert!(desk.path("precious/swing/summary.json").exists());
+}
