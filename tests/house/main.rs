@@ -8,17 +8,22 @@ use std::path::Path;
 /// tests too.
 const MAY_DEPEND_ON: &[(&str, &[&str])] = &[
     ("core", &[]),
-    ("arm", &["core"]),
-    ("plan", &["arm", "core"]),
+    ("files", &[]),
+    ("arm", &["core", "files"]),
+    ("plan", &["arm", "core", "files"]),
     ("recording", &[]),
-    ("scenario", &["plan", "recording", "arm", "core"]),
-    ("sim", &["plan", "scenario", "recording", "arm", "core"]),
-    ("telemetry", &["recording"]),
+    ("scenario", &["plan", "recording", "arm", "core", "files"]),
+    (
+        "sim",
+        &["plan", "scenario", "recording", "arm", "core", "files"],
+    ),
+    ("telemetry", &["recording", "files"]),
     ("discrepancy", &["sim", "scenario", "recording"]),
     (
         "truecut",
         &[
             "core",
+            "files",
             "arm",
             "plan",
             "recording",
@@ -33,6 +38,7 @@ const MAY_DEPEND_ON: &[(&str, &[&str])] = &[
         &[
             "truecut",
             "core",
+            "files",
             "arm",
             "plan",
             "recording",
@@ -60,6 +66,18 @@ const ONLY_IN: &[(&str, &[&str])] = &[
 /// What the analytic core may use besides the standard library: mathematics, and a macro for
 /// errors.
 const CORE_MAY_USE: &[&str] = &["nalgebra", "statrs", "thiserror"];
+
+/// Calls by which files are read and written past the room that refuses pipes, devices and what is
+/// too large, and that writes whole files only.
+const PAST_FILES: &[&str] = &[
+    "fs::read(",
+    "fs::read_to_string(",
+    "fs::write(",
+    "File::open(",
+    "File::create(",
+];
+/// Where they stand: that room, and locks on folders.
+const MAY_OPEN: &[&str] = &["crates/files/src/", "crates/truecut/src/staged.rs"];
 
 /// Names of the packages in a manifest's dependency tables of these names, also below `target`.
 fn dependencies(manifest: &toml::Table, tables: &[&str]) -> BTreeSet<String> {
@@ -202,6 +220,29 @@ fn files_are_short() {
     };
     let long: Vec<String> = sources().iter().filter_map(long).collect();
     assert_eq!(long, [""; 0]);
+}
+
+/// Whether a file of this name is compiled for tests only, or is a room of the rule.
+fn may_open(name: &str) -> bool {
+    !name.contains("/src/")
+        || name.contains("/tests/")
+        || ["/tests.rs", "/testing.rs", "/contract.rs"]
+            .iter()
+            .any(|end| name.ends_with(end))
+        || MAY_OPEN.iter().any(|place| name.starts_with(place))
+}
+
+#[test]
+fn files_are_read_and_written_in_one_room() {
+    let mut past = Vec::new();
+    for (name, text) in sources() {
+        let production = text.split("#[cfg(test)]").next().unwrap_or_default();
+        if !may_open(&name) {
+            let calls = PAST_FILES.iter().filter(|call| production.contains(**call));
+            past.extend(calls.map(|call| format!("{name}: {call}")));
+        }
+    }
+    assert_eq!(past, [""; 0]);
 }
 
 #[test]

@@ -159,3 +159,40 @@ fn links_that_lie_where_files_go_are_not_followed() {
     desk.ends(0, &["run", "swing.toml", "--out", "given"]);
     assert!(desk.path("precious/swing/summary.json").exists());
 }
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_no_input() {
+    use std::os::unix::fs::symlink;
+    let desk = Desk::new();
+    desk.scenario("swing", "duration_s = 0.1", "");
+    let pipe = desk.path("pipe.toml");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    for ending in ["urdf", "csv", "stl", "jbi", "gcode", "parquet", "arrows"] {
+        symlink("/dev/zero", desk.path(&format!("endless.{ending}"))).unwrap();
+    }
+    let refused = |arguments: &[&str], what: &str| {
+        let output = desk.truecut(arguments);
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(
+            output.status.code(),
+            Some(BAD_INPUT),
+            "{arguments:?}: {err}"
+        );
+        assert!(err.contains(what), "{arguments:?}: {err}");
+    };
+    refused(&["run", "pipe.toml"], "it is a pipe, not a file");
+    refused(&["check", "pipe.toml"], "it is a pipe, not a file");
+    let device = "it is a device, not a file";
+    refused(&["robot", "endless.urdf"], device);
+    refused(&["part", "endless.stl"], device);
+    refused(&["view", "endless.parquet"], device);
+    refused(&["view", "endless.arrows"], device);
+    let urdf = "robot.urdf=endless.urdf";
+    refused(&["run", "swing.toml", "--set", urdf], device);
+    let data = "[data]\nfile = \"endless.csv\"\ntime = \"t\"\n[[data.channel]]\ncolumn = \"x\"\n\
+                channel = \"tool.position_x\"\nunit = \"m\"\n";
+    desk.scenario("measured", "duration_s = 0.1", data);
+    refused(&["compare", "measured.toml"], device);
+}

@@ -242,6 +242,6 @@ pub fn expanded_urdf(
 }
 
 fn read(path: &Path) -> Result<String, ArmError> {
-    std::fs::read_to_string(path)
+    truecut_files::read_text(path)
         .map_err(|error| ArmError::in_file(path, None, ArmErrorKind::Unreadable(error)))
 }

@@ -88,7 +88,7 @@ fn child(root: &Path, name: &str) -> Option<PathBuf> {
 
 /// Whether the manifest in a folder names the package.
 fn declares(folder: &Path, name: &str) -> bool {
-    let text = std::fs::read_to_string(folder.join(MANIFEST)).unwrap_or_default();
+    let text = truecut_files::read_text(&folder.join(MANIFEST)).unwrap_or_default();
     let Some((_, rest)) = text.split_once("<name>") else {
         return false;
     };

@@ -159,7 +159,7 @@ fn in_lines(
     labels: &[(usize, String)],
     help: Option<String>,
 ) -> Option<Failure> {
-    let source = std::fs::read_to_string(path).ok()?;
+    let source = truecut_files::read_text(path).ok()?;
     let label = |(index, (line, label)): (usize, &(usize, String))| {
         let lines = source.split_inclusive('\n').take(line.checked_sub(1)?);
         let start: usize = lines.map(str::len).sum();

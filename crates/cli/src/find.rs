@@ -88,7 +88,7 @@ const OF_OTHERS: [&str; 6] = ["surface", "wheel", "path", "program", "stiffness"
 /// A file that cannot be read counts, so that its fault is reported, and so does one whose process
 /// is missing or misspelt.
 fn is_scenario(path: &Path) -> bool {
-    let table = std::fs::read_to_string(path)
+    let table = truecut_files::read_text(path)
         .ok()
         .and_then(|text| text.parse::<toml::Table>().ok());
     let Some(table) = table else {

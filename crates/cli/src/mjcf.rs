@@ -1,5 +1,7 @@
 //! `truecut export-mjcf`: the robot of a scenario as a MuJoCo model.
 
+use std::io::{self, Write};
+
 use truecut_scenario::Scenario;
 
 use crate::args::ExportArguments;
@@ -13,7 +15,7 @@ pub fn export(arguments: &ExportArguments) -> Result<ExitStatus, Failure> {
         truecut_sim::export_mjcf(&scenario).map_err(|error| Failure::sim(&scenario, error))?;
     Failure::if_same(&arguments.output, &arguments.scenario)?;
     // The path was typed by hand; a missing folder is likely a typing error.
-    std::fs::write(&arguments.output, mjcf.as_bytes())
-        .map_err(|error| Failure::at(&arguments.output, error))?;
+    truecut_files::write_whole(&arguments.output, |file| file.write_all(mjcf.as_bytes()))
+        .map_err(|error: io::Error| Failure::at(&arguments.output, error))?;
     crate::print(&format!("{}\n", arguments.output.display()))
 }

@@ -32,7 +32,7 @@ fn describe(arguments: &RobotArguments, urdf: &Path) -> Result<ExitStatus, Failu
     let read = |masses| Robot::read(urdf, &source.reading(config, masses));
     let kinematics = || read(Masses::NotNeeded).map_err(|error| Failure::arm(&error));
     if let Some(file) = &arguments.fk {
-        let text = std::fs::read_to_string(file).map_err(|error| Failure::at(file, error))?;
+        let text = truecut_files::read_text(file).map_err(|error| Failure::at(file, error))?;
         let table = fk_table(&kinematics()?, &text).map_err(|error| Failure::at(file, error))?;
         return crate::print(&table);
     }
@@ -69,7 +69,7 @@ fn print_postures(
     let poses = if is_pose {
         poses(asked).map_err(|error| Failure::message(format!("--ik: {error}")))?
     } else {
-        let text = std::fs::read_to_string(file).map_err(|error| Failure::at(file, error))?;
+        let text = truecut_files::read_text(file).map_err(|error| Failure::at(file, error))?;
         poses(&text).map_err(|error| Failure::at(file, error))?
     };
     let rows = ik_rows(robot, &poses, arguments.frame.into());

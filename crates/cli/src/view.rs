@@ -17,7 +17,7 @@ const GET_VIEWER: &str = "pip install rerun-sdk==0.36.3";
 /// Opens or lists the file.
 pub fn view(arguments: &ViewArguments) -> Result<ExitStatus, Failure> {
     let file = &arguments.file;
-    if !file.is_file() {
+    if !file.exists() || file.is_dir() {
         return Err(Failure::at(file, "no such file"));
     }
     if file.extension().is_some_and(|extension| extension == "rrd") {

@@ -96,7 +96,7 @@ impl From<Problem> for ScenarioError {
 
 /// The text of a file that should be `what`.
 pub(crate) fn read_text(what: &'static str, path: &Path) -> Result<String, ScenarioError> {
-    std::fs::read_to_string(path).map_err(|error| ScenarioError::Unreadable {
+    truecut_files::read_text(path).map_err(|error| ScenarioError::Unreadable {
         what,
         path: path.to_owned(),
         reason: error.to_string(),

@@ -10,8 +10,9 @@ use arrow::datatypes::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::file::properties::WriterProperties;
 
+use truecut_files::write_whole;
+
 use crate::error::{FileError, Reason};
-use crate::whole::write_whole;
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,11 +12,11 @@ use std::sync::Arc;
 use arrow::datatypes::SchemaRef;
 use arrow::ipc::reader::StreamReader;
 use arrow::ipc::writer::StreamWriter;
+use truecut_files::fresh;
 use truecut_recording::{Chunk, ClaimResult, Header, Outcome, Recording, Sink, SinkError};
 
 use crate::error::{FileError, Reason, failed};
 use crate::table;
-use crate::whole::fresh;
 
 /// Streams rows into a file; every chunk is with the operating system when [`Sink::chunk`] returns,
 /// so that killing the program loses nothing of it.
@@ -95,7 +95,7 @@ impl Sink for IpcSink {
 /// recording's.
 pub fn read_ipc_stream(path: &Path) -> Result<Recording, FileError> {
     let failed = |reason: Reason| FileError::new(path, reason);
-    let file = File::open(path).map_err(|error| failed(error.into()))?;
+    let file = truecut_files::open(path).map_err(|error| failed(error.into()))?;
     let mut reader =
         StreamReader::try_new(BufReader::new(file), None).map_err(|error| failed(error.into()))?;
     let not_ours = |reason: String| failed(Reason::NotARecording(reason));

@@ -67,7 +67,6 @@ mod measured;
 mod parquet_file;
 mod rrd;
 mod table;
-mod whole;
 
 pub use background::Background;
 pub use columns::{Column, Values, write_columns};
@@ -79,4 +78,3 @@ pub use rrd::{
     BeforeAfter, ChannelBeforeAfter, Chart, ChartPage, Curve, FaceShown, PartShown, PlanShown,
     PlanStation, RrdSink, write_before_after, write_charts, write_part, write_plan,
 };
-pub use whole::write_whole;

@@ -1,6 +1,5 @@
 //! Measured data from files: tables of numbers, as other programs write them.
 
-use std::fs::File;
 use std::path::Path;
 
 use arrow::array::{Array, Float64Array};
@@ -42,7 +41,7 @@ struct CsvRow {
 }
 
 fn csv_table(path: &Path, header: bool) -> Result<Table, Reason> {
-    let bytes = std::fs::read(path)?;
+    let bytes = truecut_files::read(path)?;
     if let Some(other) = not_utf8(&bytes) {
         return Err(Reason::NotATable(format!(
             "it is {other}; save it as UTF-8"
@@ -215,7 +214,7 @@ fn in_seconds(unit: TimeUnit) -> f64 {
 }
 
 fn parquet_table(path: &Path) -> Result<Table, Reason> {
-    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(path)?)?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(truecut_files::open(path)?)?;
     let fields = builder.schema().fields().clone();
     let factor = |kind: &DataType| match kind {
         DataType::Timestamp(unit, _) => Some(in_seconds(*unit)),
@@ -286,7 +285,7 @@ mod tests {
             columns.into_iter().map(|(name, array)| (name, array, true)),
         )
         .unwrap();
-        let file = File::create(&path).unwrap();
+        let file = std::fs::File::create(&path).unwrap();
         let how = WriterProperties::builder().set_compression(compression);
         let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(how.build())).unwrap();
         writer.write(&batch).unwrap();

@@ -10,11 +10,11 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use truecut_files::{fresh, write_whole};
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
 use crate::error::{FileError, Reason, failed};
 use crate::table;
-use crate::whole::{fresh, write_whole};
 
 /// Rows of a row group. Fixed, so that the file does not depend on when rows arrived.
 const GROUP_ROWS: usize = 4096;
@@ -190,7 +190,7 @@ impl Sink for ParquetSink {
 /// A file that cannot be read, or whose columns are not a recording's.
 pub fn read_parquet(path: &Path) -> Result<Recording, FileError> {
     let read = || {
-        let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(path)?)?;
+        let builder = ParquetRecordBatchReaderBuilder::try_new(truecut_files::open(path)?)?;
         let mut recording =
             table::recording_from_schema(builder.schema()).map_err(Reason::NotARecording)?;
         for batch in builder.with_batch_size(65_536).build()? {

@@ -108,9 +108,11 @@ impl OwnProcess for Drilling {
             // It presses, so that free joints are refused; the text names what presses.
             needs_drive: Some("drilling"),
             needs_robot: true,
+            // Tool and workpiece may bend: `[[tool.mode]]`, `[[workpiece.mode]]`.
             modes: ModesIn::Scenario,
             // Measured commands do not lead it.
             replays: false,
+            // The arm starts in `robot.posture_deg`; a process that plans a path gives its first.
             posture: PostureFrom::Scenario,
             // It has no foot, cutter or wheel of truecut's for effects to act on.
             parts: Parts::NONE,

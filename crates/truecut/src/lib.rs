@@ -150,7 +150,9 @@
 //! // all rows; a `[[claim]]` beside a sweep is refused.
 //! let (head, _claims) = text.split_once("[[claim]]").unwrap();
 //! let swept = Scenario::from_str(&root.join("foot.toml"), &format!("{head}{sweep}"), &[])?;
-//! // The closure is told the part that is done, 0 to 1. Rows are run in rapier, on all cores.
+//! // Metrics are listed in docs/claims_and_ci.md; which channels a run has stands in
+//! // `held.recording.header.channels`. The closure is told the part that is done, 0 to 1. Rows are
+//! // run in rapier, on all cores.
 //! let table = truecut::sweep(&swept, &|_part| {})?;
 //! // A row has the axes' values, then the columns', each in the unit of `table.columns`: here ms.
 //! let time_sliding = table.index("time sliding").unwrap();
@@ -176,7 +178,9 @@
 //! use truecut::{Claims, Run, RunError, Scenario, data};
 //!
 //! // The scenario says which column of the data is which channel, in which unit, and which of them
-//! // drive the model (docs/measured_data.md). Of one with a single joint:
+//! // drive the model (docs/measured_data.md). Data are CSV (names of columns in the first line;
+//! // delimited by commas, semicolons, tabs or blanks; an empty cell is missing) or Parquet. Of one
+//! // with a single joint:
 //! //
 //! //     name = "An elbow"
 //! //
@@ -267,7 +271,9 @@
 //!    in their order), `contact_stiffness` (springs of a contact, none if it only pushes), `arrows`
 //!    (what is drawn). All else has a default.
 //!
-//! The arm holds the scenario's posture, or feeds the tool along the process's y axis at
+//! Process axes are fixed where the tool is when the run begins: x runs along the tool's axis into
+//! the workpiece (`z` of the tool frame of `robot.toml`), y is horizontal, z = x × y. The arm holds
+//! the scenario's posture, or feeds the tool along the process's y axis at
 //! [`feed_along_y_m_per_s`](sim::process::Process::feed_along_y_m_per_s). Paths over surfaces and
 //! taught postures lead the shipped processes alone.
 //!

@@ -4,13 +4,13 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use truecut_files::write_whole;
 use truecut_recording::{Chunk, ClaimResult, Recording, Sink, SinkError, Summary};
 use truecut_scenario::Scenario;
 use truecut_sim::run::RunError;
 use truecut_sim::sweep::SweepTable;
 use truecut_telemetry::{
     Background, Column, FileError, IpcSink, ParquetSink, Reason, RrdSink, Values, write_columns,
-    write_whole,
 };
 
 use crate::staged::Staged;
@@ -168,9 +168,8 @@ pub fn write_sweep(
     let columns: Vec<Column<'_>> = results.chain([outcome]).collect();
     write_columns(&files.path(SWEEP), &columns, &scenario.effective_text())?;
     let text = files.path(SWEEP_TEXT);
-    sweep_csv(table)
-        .and_then(|bytes| std::fs::write(&text, bytes))
-        .map_err(|error| failed(&text, error))?;
+    let bytes = sweep_csv(table).map_err(|error| failed(&text, error))?;
+    write_file(&text, &bytes)?;
     files.publish(&[SWEEP_TEXT, SWEEP])?;
     Ok(files.folder().join(SWEEP))
 }

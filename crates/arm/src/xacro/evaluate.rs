@@ -314,7 +314,7 @@ impl Expander<'_> {
         }
         let named = |fault: Fault| fault.within(|text| format!("{text}{given}"));
         let path = self.readable(file).map_err(named)?;
-        let text = std::fs::read_to_string(&path).map_err(|error| {
+        let text = truecut_files::read_text(&path).map_err(|error| {
             Fault::of(format!("cannot read {}: {error}{given}", path.display()))
         })?;
         Ok(yaml::parse(&text).map_err(|fault| format!("{}: {fault}", path.display()))?)

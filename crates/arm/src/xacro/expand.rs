@@ -221,7 +221,7 @@ impl Expander<'_> {
             return Ok(());
         }
         let real = self.readable(&file)?;
-        let text = std::fs::read_to_string(&real)
+        let text = truecut_files::read_text(&real)
             .map_err(|error| ArmError::in_file(&path, None, ArmErrorKind::Unreadable(error)))?;
         let scope = match element.get("ns") {
             Some(name) => {

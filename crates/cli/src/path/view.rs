@@ -35,7 +35,7 @@ pub fn show(answer: &PlannedPath<'_>, written: &[PathBuf], rrd: &Path) -> Result
     let tooling = Tooling::drum([job.wheel.radius_m, job.wheel.width_m]);
     let (scene, frames) = arm_view(&inputs.robot, &tooling, stops, standing);
     let title = format!("{}: path", job.name);
-    let source = std::fs::read_to_string(job.path()).unwrap_or_default();
+    let source = truecut_files::read_text(job.path()).unwrap_or_default();
     let shown = PlanShown {
         title: &title,
         text: &text::printed(answer, written),

@@ -62,7 +62,7 @@ impl PatchFile {
     /// # Errors
     /// One error, with file, line, key and rule, for the first fault found.
     pub fn load(path: &Path) -> Result<Self, SurfaceError> {
-        let text = std::fs::read_to_string(path)
+        let text = truecut_files::read_text(path)
             .map_err(|e| SurfaceError::in_file(path, None, SurfaceFault::Unreadable(e)))?;
         Self::from_text(&text, path)
     }

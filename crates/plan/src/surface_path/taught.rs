@@ -23,7 +23,7 @@ impl TaughtPoints {
     /// If the file cannot be read, its heading or a row has not one column a joint, a cell is not a
     /// finite number, a posture breaks the arm's limits, or there is no row.
     pub fn load(path: &Path, robot: &Robot) -> Result<Self, SurfacePathError> {
-        let text = std::fs::read_to_string(path).map_err(|e| SurfacePathError::Taught {
+        let text = truecut_files::read_text(path).map_err(|e| SurfacePathError::Taught {
             file: path.display().to_string(),
             line: 0,
             message: format!("cannot read the file: {e}"),

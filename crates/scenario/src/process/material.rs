@@ -163,7 +163,7 @@ impl MaterialTable {
     ) -> Option<CuttingTable> {
         let table = format!("{process}.material");
         let file = folder.join(&self.file);
-        let text = match std::fs::read_to_string(&file) {
+        let text = match truecut_files::read_text(&file) {
             Ok(text) => text,
             Err(error) => {
                 check.refuse(not_found(&table, &self.file, &file, &error));

@@ -61,7 +61,7 @@ pub(crate) fn solve(spec: &BrushSpec, robot: &Robot) -> Result<PlannedMotion, Si
 }
 
 fn taught(spec: &BrushSpec, robot: &Robot) -> Result<TaughtPoints, SimError> {
-    let text = std::fs::read_to_string(&spec.taught).map_err(|error| {
+    let text = truecut_files::read_text(&spec.taught).map_err(|error| {
         let file = spec.taught.display();
         SimError::scenario(
             TAUGHT,

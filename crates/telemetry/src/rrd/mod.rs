@@ -23,11 +23,11 @@ use re_chunk::TimeColumn;
 use re_log_types::ApplicationId;
 use re_log_types::Timeline;
 use re_sdk_types::archetypes::TextDocument;
+use truecut_files::{fresh, write_whole};
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
 use crate::display::{Group, groups};
 use crate::error::failed;
-use crate::whole::{fresh, write_whole};
 pub use before_after::{BeforeAfter, ChannelBeforeAfter, write_before_after};
 pub use chart::{Chart, Curve};
 pub use charts::{ChartPage, write_charts};

@@ -92,7 +92,7 @@ impl MeshData {
                 "unknown ending \"{ending}\"; meshes are read from {all}"
             )));
         }
-        let bytes = std::fs::read(path)
+        let bytes = truecut_files::read(path)
             .map_err(|error| MeshFileError::new(format!("cannot read the file: {error}")))?;
         Self::parse(&ending, &bytes)
     }
@@ -138,7 +138,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Part>, String> {
             color_rgba: None,
         }]);
     }
-    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    let bytes = truecut_files::read(path).map_err(|error| error.to_string())?;
     let parts = collada::parts(&String::from_utf8_lossy(&bytes))?;
     let corners = || {
         parts

@@ -8,14 +8,14 @@ use tempfile::NamedTempFile;
 
 /// A file under construction. It is written beside the file whose name it is to have; what that
 /// one held stays until the new content is on the disk.
-pub(crate) enum Aside {
+enum Aside {
     New(NamedTempFile, PathBuf),
     /// A device or a pipe, which has no content to keep.
     Straight(File),
 }
 
 impl Aside {
-    pub(crate) fn begin(path: &Path) -> io::Result<Aside> {
+    fn begin(path: &Path) -> io::Result<Aside> {
         if path.metadata().is_ok_and(|there| is_special(&there)) {
             return Ok(Aside::Straight(File::options().write(true).open(path)?));
         }
@@ -30,7 +30,7 @@ impl Aside {
     }
 
     /// What is written to.
-    pub(crate) fn file(&self) -> io::Result<File> {
+    fn file(&self) -> io::Result<File> {
         match self {
             Aside::New(file, _) => file.as_file().try_clone(),
             Aside::Straight(file) => file.try_clone(),
@@ -39,7 +39,7 @@ impl Aside {
 
     /// Gives the file its name, in place of what had it. A link of that name is replaced, what it
     /// leads to stays.
-    pub(crate) fn keep(self) -> io::Result<()> {
+    fn keep(self) -> io::Result<()> {
         let Aside::New(file, path) = self else {
             return Ok(());
         };
@@ -69,7 +69,10 @@ pub fn write_whole<E: From<io::Error>>(
 
 /// A file to write at once under its name, in place of what has that name. A link of that name is
 /// replaced, what it leads to stays.
-pub(crate) fn fresh(path: &Path) -> io::Result<File> {
+///
+/// # Errors
+/// A name that cannot be given.
+pub fn fresh(path: &Path) -> io::Result<File> {
     if path.metadata().is_ok_and(|there| is_special(&there)) {
         return File::options().write(true).open(path);
     }

@@ -1,0 +1,10 @@
+//! Files in and out, for all rooms: what is read is a file and has a size that one can hold, what
+//! is written replaces what was there as a whole.
+
+#![warn(missing_docs)]
+
+mod input;
+mod whole;
+
+pub use input::{MOST_BYTES, MOST_TEXT_BYTES, open, read, read_text};
+pub use whole::{fresh, write_whole};
