@@ -11,12 +11,14 @@ use truecut_telemetry::{read_ipc_stream, read_parquet};
 
 use super::{BAD_INPUT, Desk};
 
-/// The files below a folder with their bytes, without the stream of a run under way.
+const GROWING: [&str; 2] = ["recording.arrows", "sweep.rows.jsonl"];
+
+/// The files below a folder with their bytes, without what grows while a run or a sweep goes on.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = std::fs::read_dir(folder).unwrap().map(Result::unwrap);
     entries
         .map(|entry| (entry.file_name().into_string().unwrap(), entry.path()))
-        .filter(|(name, path)| name != "recording.arrows" && path.is_file())
+        .filter(|(name, path)| !GROWING.contains(&name.as_str()) && path.is_file())
         .map(|(name, path)| (name, std::fs::read(path).unwrap()))
         .collect()
 }
@@ -106,6 +108,7 @@ fn a_killed_run_leaves_the_earlier_result_and_its_own_rows() {
         child.wait().unwrap();
         assert!(files(&folder) == earlier);
         assert!(read_ipc_stream(&stream).unwrap().time_s.len() > 100);
+        std::fs::remove_file(&stream).unwrap();
     }
     desk.ends(0, &["run", "long.toml", "--set", "run.duration_s=0.3"]);
     let recording = read_parquet(&folder.join("recording.parquet")).unwrap();
@@ -195,4 +198,98 @@ fn pipes_and_devices_are_no_input() {
                 channel = \"tool.position_x\"\nunit = \"m\"\n";
     desk.scenario("measured", "duration_s = 0.1", data);
     refused(&["compare", "measured.toml"], device);
+}
+
+/// A sweep of rows that take a moment each.
+fn swept(desk: &Desk, rows: usize) {
+    let values: Vec<String> = (1..=rows).map(|row| format!("{}", 10 * row)).collect();
+    let axis = format!(
+        "[[sweep.axis]]\nkey = \"process.load.release_n.0\"\nvalues = [{}]\n\
+         [[sweep.column]]\nname = \"swing\"\nmetric = \"peak\"\n\
+         channel = \"tool.displacement_x\"\nunit = \"um\"\n\
+         [[sweep.column]]\nname = \"never\"\nmetric = \"first_time_above\"\n\
+         channel = \"tool.displacement_x\"\nthreshold = 1e9\nthreshold_unit = \"m\"\nunit = \"s\"\n",
+        values.join(", ")
+    );
+    desk.scenario("swept", "duration_s = 4", &axis);
+}
+
+#[test]
+fn a_killed_sweep_goes_on_where_it_was() {
+    let desk = Desk::new();
+    swept(&desk, 24);
+    desk.ends(0, &["run", "swept.toml", "--out", "whole"]);
+    let whole = files(&desk.path("whole/swept"));
+    let journal = desk.path("out/swept/sweep.rows.jsonl");
+    let rows = || std::fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
+    let mut draw = ChaCha8Rng::seed_from_u64(11);
+    let mut before = 0;
+    for _ in 0..3 {
+        let mut child = desk
+            .command(&["run", "swept.toml"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        while rows() <= before.max(1) + 2 && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        std::thread::sleep(Duration::from_millis(u64::from(draw.next_u32() % 30)));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let now = rows();
+        assert!(now > before, "{now} lines after {before}");
+        before = now;
+    }
+    // The last line as a kill tears it.
+    let text = std::fs::read_to_string(&journal).unwrap();
+    std::fs::write(&journal, &text[..text.len() - 9]).unwrap();
+    let out = desk.ends(0, &["run", "swept.toml"]);
+    let kept = before - 2;
+    assert!(
+        out.contains(&format!("{kept} of 24 rows were kept")),
+        "{out}"
+    );
+    assert!(files(&desk.path("out/swept")) == whole);
+    assert!(!journal.exists());
+}
+
+#[test]
+fn rows_of_another_sweep_are_not_taken_over() {
+    let desk = Desk::new();
+    swept(&desk, 3);
+    let folder = desk.path("out/swept");
+    let run = |arguments: &[&str]| desk.ends(0, &[&["run", "swept.toml"], arguments].concat());
+    let journal = folder.join("sweep.rows.jsonl");
+    let stopped = |arguments: &[&str]| {
+        let arguments = [&["run", "swept.toml"], arguments].concat();
+        let mut child = desk.command(&arguments).spawn().unwrap();
+        while std::fs::read_to_string(&journal).map_or(0, |text| text.lines().count()) < 2 {
+            assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+    };
+    stopped(&[]);
+    let left = std::fs::read(&journal).unwrap();
+    let again = || std::fs::write(&journal, &left).unwrap();
+    assert!(
+        run(&["--set", "run.duration_s=3"])
+            .find("were kept")
+            .is_none()
+    );
+    again();
+    assert!(run(&[]).contains("were kept"));
+    // The robot's file has changed, by a comment only: who knows what else.
+    let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/rig_1dof");
+    for name in ["robot.urdf", "robot.toml"] {
+        std::fs::copy(urdf.join(name), desk.path(name)).unwrap();
+    }
+    let own = ["--set", "robot.urdf=robot.urdf"];
+    stopped(&own);
+    let toml = desk.path("robot.toml");
+    let text = std::fs::read_to_string(&toml).unwrap();
+    std::fs::write(&toml, format!("{text}\n# touched\n")).unwrap();
+    assert!(run(&own).find("were kept").is_none());
 }

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use truecut::outputs::{SWEEP_OUTCOME, write_file, write_sweep};
+use truecut::SweepOutputs;
+use truecut::outputs::{SWEEP_OUTCOME, write_file};
 use truecut_recording::{ClaimResult, Outcome, short_number, significant};
 use truecut_scenario::Scenario;
-use truecut_sim::sweep::{Column, SweepTable, sweep};
+use truecut_sim::sweep::{Column, SweepTable};
 
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
@@ -15,9 +16,11 @@ use crate::text::{self, Align};
 
 /// Runs a sweep with progress, prints its table and writes `sweep.parquet` and `sweep.svg`.
 pub fn run_and_write(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Failure> {
-    let table = Progress::of_one("sweeping", |progress| sweep(scenario, progress))?;
+    let outputs = SweepOutputs::prepare(out, scenario)?;
+    let kept = outputs.kept();
+    let table = Progress::of_one("sweeping", |progress| outputs.run(progress))?;
     let claims = table.claims(scenario);
-    let svg = write_sweep(out, scenario, &table)?.with_extension("svg");
+    let svg = outputs.finish(&table)?.with_extension("svg");
     let figure = Figure {
         title: scenario.name.clone(),
         panels: panels(&table),
@@ -25,6 +28,12 @@ pub fn run_and_write(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Fail
         legend: Legend::Right,
     };
     write_file(&svg, figure.to_svg().as_bytes())?;
+    if kept > 0 {
+        let count = table.rows.len();
+        crate::print(&format!(
+            "{kept} of {count} rows were kept from a sweep that was stopped\n"
+        ))?;
+    }
     crate::print(&printed(scenario, &table, &claims, &svg))?;
     Ok(ExitStatus::of_sweep(&table, &claims))
 }

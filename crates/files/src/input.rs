@@ -4,6 +4,8 @@ use std::fs::{File, FileType, Metadata};
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
+use crate::watched::{note_bytes, note_opened};
+
 /// Largest file of data, of a mesh or of a robot program, bytes: what is read is held in memory.
 pub const MOST_BYTES: u64 = 4 << 30;
 /// Largest text of a scenario, a robot, a material and their like, bytes.
@@ -15,7 +17,9 @@ pub const MOST_TEXT_BYTES: u64 = 64 << 20;
 /// A file that is not there or cannot be opened, larger than [`MOST_BYTES`], or no file: of a pipe
 /// or a device nobody knows how much will come.
 pub fn open(path: &Path) -> Result<File> {
-    opened(path, MOST_BYTES)
+    let file = opened(path, MOST_BYTES)?;
+    note_opened(path, &file.metadata()?);
+    Ok(file)
 }
 
 /// The bytes of a file.
@@ -58,6 +62,7 @@ fn held(path: &Path, most: u64) -> Result<Vec<u8>> {
     // A file that grows while it is read ends at the limit, too.
     opened(path, most)?.take(most + 1).read_to_end(&mut bytes)?;
     too_large(bytes.len() as u64, most)?;
+    note_bytes(path, &bytes);
     Ok(bytes)
 }
 

@@ -4,7 +4,9 @@
 #![warn(missing_docs)]
 
 mod input;
+mod watched;
 mod whole;
 
 pub use input::{MOST_BYTES, MOST_TEXT_BYTES, open, read, read_text};
+pub use watched::watched;
 pub use whole::{fresh, write_whole};

@@ -162,7 +162,8 @@
 //! // Its claims are judged on the table, by the worst row.
 //! assert!(!table.claims(&swept)[0].holds);
 //! // Where a run did not come to its end the row's results are NaN, and `unfinished` says why; a
-//! // claim on a column with such a row does not hold. `outputs::write_sweep` writes the table.
+//! // claim on a column with such a row does not hold. `SweepOutputs` keeps each row as it is made,
+//! // so that a sweep that was stopped goes on, and writes the table.
 //! assert!(table.unfinished.iter().all(Option::is_none));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -314,6 +315,7 @@
 #![warn(missing_docs)]
 
 pub mod data;
+mod journal;
 pub mod outputs;
 mod staged;
 
@@ -326,11 +328,12 @@ pub use truecut_scenario as scenario;
 pub use truecut_sim as sim;
 pub use truecut_telemetry as telemetry;
 
+pub use journal::SweepOutputs;
 pub use outputs::Outputs;
 pub use staged::Staged;
 pub use truecut_scenario::Scenario;
 pub use truecut_sim::run::{Claims, Engine, Finished, Run, RunError, Runs};
-pub use truecut_sim::sweep::{SweepTable, sweep};
+pub use truecut_sim::sweep::{Sweep, SweepTable, sweep};
 
 /// Libraries whose types are part of the interface, in the versions that it uses.
 pub mod external {

@@ -154,7 +154,21 @@ pub fn write_sweep(
     scenario: &Scenario,
     table: &SweepTable,
 ) -> Result<PathBuf, FileError> {
-    let files = Staged::begin(&out.join(scenario.stem()))?;
+    publish_sweep(
+        &Staged::begin(&out.join(scenario.stem()))?,
+        scenario,
+        table,
+        &[],
+    )
+}
+
+/// The same into a folder that is held already; of the files in `served` an earlier sweep had use.
+pub(crate) fn publish_sweep(
+    files: &Staged,
+    scenario: &Scenario,
+    table: &SweepTable,
+    served: &[&str],
+) -> Result<PathBuf, FileError> {
     let results = table.columns.iter().enumerate().map(|(index, column)| {
         let values = table.rows.iter().map(|row| row[index]).collect();
         Column::numbers(&column.name, &column.unit.symbol, values)
@@ -170,7 +184,7 @@ pub fn write_sweep(
     let text = files.path(SWEEP_TEXT);
     let bytes = sweep_csv(table).map_err(|error| failed(&text, error))?;
     write_file(&text, &bytes)?;
-    files.publish(&[SWEEP_TEXT, SWEEP])?;
+    files.publish(&[&[SWEEP_TEXT], served, &[SWEEP]].concat())?;
     Ok(files.folder().join(SWEEP))
 }
 

@@ -9,4 +9,4 @@ mod judge;
 mod table;
 
 pub use job::{Entry, Job, SweepRow, Unfinished, jobs, run_job};
-pub use table::{Column, SweepTable, sweep};
+pub use table::{Column, Done, Sweep, SweepTable, TableRow, sweep};

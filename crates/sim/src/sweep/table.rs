@@ -1,12 +1,14 @@
 //! All jobs of a sweep, run in parallel, as one table.
 
+use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use rayon::prelude::*;
 use truecut_recording::{UserUnit, short_number};
 use truecut_scenario::Scenario;
 
-use super::job::{SweepRow, Unfinished, jobs, run_job};
+use super::job::{Job, SweepRow, Unfinished, jobs, run_job};
 use crate::run::{Run, RunError};
 
 /// The results of a sweep: a row for each job, the last axis running fastest.
@@ -54,42 +56,143 @@ impl Column {
     }
 }
 
+/// A row of the table as it is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableRow {
+    /// Values in the unit of their column.
+    pub values: Vec<f64>,
+    /// That of its runs which did not come to its end.
+    pub unfinished: Option<Unfinished>,
+    /// Which drive was asked for more than it gives.
+    pub overloaded: Option<String>,
+}
+
+/// A sweep that is asked for.
+///
+/// ```no_run
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # use truecut_scenario::Scenario;
+/// use truecut_sim::sweep::Sweep;
+///
+/// let scenario = Scenario::load("sweep.toml".as_ref(), &[])?;
+/// let table = Sweep {
+///     done: &|index, row| Ok(println!("row {index}: {:?}", row.values)),
+///     ..Sweep::of(&scenario)
+/// }
+/// .execute()?;
+/// # Ok(()) }
+/// ```
+#[derive(Clone, Copy)]
+pub struct Sweep<'a> {
+    /// The scenario.
+    pub scenario: &'a Scenario,
+    /// Rows that were made before, by their number from 0; they are not run again.
+    pub kept: Option<&'a BTreeMap<usize, TableRow>>,
+    /// Called with every row as soon as it is made, from any thread; an error ends the sweep.
+    pub done: &'a Done<'a>,
+    /// Told the part done, from 0 to 1.
+    pub progress: &'a (dyn Fn(f64) + Sync),
+}
+
+/// What is called with a row's number and the row.
+pub type Done<'a> = dyn Fn(usize, &TableRow) -> Result<(), RunError> + Sync + 'a;
+
 /// Runs every job of a scenario's sweep. `progress` is told the part done, from 0 to 1.
 ///
 /// # Errors
-/// Whatever makes the scenario unfit to run, as it is or in one of the rows; metrics that its runs
-/// do not have.
+/// As [`Sweep::execute`].
 pub fn sweep(scenario: &Scenario, progress: &(dyn Fn(f64) + Sync)) -> Result<SweepTable, RunError> {
-    // Mistakes in the metrics are to be found before the first run.
-    Run::of(scenario).check()?;
-    let columns = columns(scenario);
-    let jobs = jobs(scenario);
-    let count = jobs.len() as f64;
-    let done = Mutex::new(0.0);
-    let rows = jobs
-        .par_iter()
-        .map(|job| {
-            let of_job = std::cell::Cell::new(0.0);
-            let advance = |part: f64| {
-                if let Ok(mut done) = done.lock() {
-                    *done += part - of_job.replace(part);
-                    progress(*done / count);
-                }
-            };
-            let row = run_job(job, &advance).map_err(|error| RunError::of(scenario, error))?;
+    let sweep = Sweep {
+        progress,
+        ..Sweep::of(scenario)
+    };
+    sweep.execute()
+}
+
+impl<'a> Sweep<'a> {
+    /// All rows of a scenario's sweep; nobody is told of them.
+    pub fn of(scenario: &'a Scenario) -> Sweep<'a> {
+        Sweep {
+            scenario,
+            kept: None,
+            done: &|_, _| Ok(()),
+            progress: &|_| (),
+        }
+    }
+
+    /// Runs the rows in parallel.
+    ///
+    /// # Errors
+    /// Whatever makes the scenario unfit to run, as it is or in one of the rows; metrics that its
+    /// runs do not have; what [`Sweep::done`] answers.
+    pub fn execute(&self) -> Result<SweepTable, RunError> {
+        // Mistakes in the metrics are to be found before the first run.
+        Run::of(self.scenario).check()?;
+        let columns = columns(self.scenario);
+        let jobs = jobs(self.scenario);
+        let parts = Parts {
+            progress: self.progress,
+            count: jobs.len() as f64,
+            done: Mutex::new(0.0),
+        };
+        let rows = jobs.par_iter().enumerate();
+        let rows = rows
+            .map(|(index, job)| self.row(index, job, &columns, &parts))
+            .collect::<Result<Vec<TableRow>, RunError>>()?;
+        let mut table = SweepTable {
+            columns,
+            rows: Vec::new(),
+            unfinished: Vec::new(),
+            overloaded: Vec::new(),
+        };
+        for row in rows {
+            table.rows.push(row.values);
+            table.unfinished.push(row.unfinished);
+            table.overloaded.push(row.overloaded);
+        }
+        Ok(table)
+    }
+
+    fn row(
+        &self,
+        index: usize,
+        job: &Job,
+        columns: &[Column],
+        parts: &Parts,
+    ) -> Result<TableRow, RunError> {
+        let of_job = Cell::new(0.0);
+        let advance = |part: f64| parts.add(part - of_job.replace(part));
+        let kept = self.kept.and_then(|kept| kept.get(&index));
+        if let Some(kept) = kept.filter(|row| row.values.len() == columns.len()) {
             advance(1.0);
-            Ok((values(&columns, &row), row))
-        })
-        .collect::<Result<Vec<(Vec<f64>, SweepRow)>, RunError>>()?;
-    let (rows, made): (_, Vec<SweepRow>) = rows.into_iter().unzip();
-    let ends = made.into_iter().map(|row| (row.unfinished, row.overloaded));
-    let (unfinished, overloaded) = ends.unzip();
-    Ok(SweepTable {
-        columns,
-        rows,
-        unfinished,
-        overloaded,
-    })
+            return Ok(kept.clone());
+        }
+        let made = run_job(job, &advance).map_err(|error| RunError::of(self.scenario, error))?;
+        advance(1.0);
+        let row = TableRow {
+            values: values(columns, &made),
+            unfinished: made.unfinished,
+            overloaded: made.overloaded,
+        };
+        (self.done)(index, &row)?;
+        Ok(row)
+    }
+}
+
+/// How much of all rows is done.
+struct Parts<'a> {
+    progress: &'a (dyn Fn(f64) + Sync),
+    count: f64,
+    done: Mutex<f64>,
+}
+
+impl Parts<'_> {
+    fn add(&self, part: f64) {
+        if let Ok(mut done) = self.done.lock() {
+            *done += part;
+            (self.progress)(*done / self.count);
+        }
+    }
 }
 
 /// What a run gives is SI; axes and a threshold that is searched for are in their key's unit.
