@@ -105,14 +105,14 @@ impl OwnProcess for Drilling {
             knobs: KNOBS,
             // No key of the table names a file.
             files: &[],
-            // It presses, so that free joints are refused; the text names what presses.
+            // It presses, so that free joints are refused, by this key below `process`.
             needs_drive: Some("drilling"),
             needs_robot: true,
             // Tool and workpiece may bend: `[[tool.mode]]`, `[[workpiece.mode]]`.
             modes: ModesIn::Scenario,
             // Measured commands do not lead it.
             replays: false,
-            // The arm starts in `robot.posture_deg`; a process that plans a path gives its first.
+            // The arm starts in `robot.posture_deg`.
             posture: PostureFrom::Scenario,
             // It has no foot, cutter or wheel of truecut's for effects to act on.
             parts: Parts::NONE,
@@ -305,13 +305,14 @@ fn read(text: &str) -> Result<Scenario, Box<dyn Error>> {
 /// One hole: every row against the law, the claims judged, the recording written.
 fn one_hole(out: &Path) -> Result<(), Box<dyn Error>> {
     let scenario = read(SCENARIO)?;
-    // Without a file for the viewer. What an earlier run left in the folder is replaced.
+    // Without a file for the viewer.
     let outputs = Outputs::prepare(out, &scenario, false)?;
     let finished = Run {
         sinks: outputs.sinks(),
         ..Run::of(&scenario)
     }
     .execute()?;
+    // What an earlier run left in the folder is replaced only now.
     outputs.finish(&finished.recording, &finished.claims)?;
     for claim in &finished.claims {
         println!("{}: {}", claim.name, claim.shown);

@@ -1,7 +1,8 @@
 //! truecut simulates robotic machining: a compliant arm, the process that loads it, and claims on
 //! the result. From measured data it also finds what a simulation lacks.
 //!
-//! A *scenario* is a TOML file: a robot (URDF), what the tool does, and what must hold. A run of it
+//! A *scenario* is a TOML file: a robot, what the tool does, and what must hold. The robot is a
+//! URDF, with its compliance, drives and tool in a `robot.toml` beside it. A run of a scenario
 //! yields a *recording*: channels with units over time. An *effect* is one physical thing that the
 //! model leaves out; a diagnosis answers with effects, as entries of the same scenario.
 //!
@@ -110,7 +111,8 @@
 //! // The files of a run go into `out/foot`, named like the scenario's file (`foot.toml`); folders
 //! // that are missing are made. Sinks take the rows while the run goes on; `finish` adds the
 //! // summary and puts the files where those of an earlier run were, so runs of one scenario with
-//! // different overrides need an `out` each. `true` would write a file for the viewer, too.
+//! // different overrides need an `out` each. Here these are `recording.parquet` and
+//! // `summary.json`; `true` would write `recording.rrd`, too, for the viewer (rerun).
 //! let out = tempfile::tempdir()?;
 //! let files = truecut::Outputs::prepare(out.path(), &scenario, false)?;
 //! let kept = Run { sinks: files.sinks(), ..Run::of(&scenario) }.execute()?;
@@ -146,8 +148,8 @@
 //! max = 3
 //! reason = "with little friction it does not"
 //! "#;
-//! // Claims of one run say nothing of a sweep, which has its own, in the unit of their column, on
-//! // all rows; a `[[claim]]` beside a sweep is refused.
+//! // `[[claim]]` is about a single run and is refused beside a sweep. A sweep has claims of its
+//! // own: on a column, in its unit, to be held by every row.
 //! let (head, _claims) = text.split_once("[[claim]]").unwrap();
 //! let swept = Scenario::from_str(&root.join("foot.toml"), &format!("{head}{sweep}"), &[])?;
 //! // Metrics are listed in docs/claims_and_ci.md; which channels a run has stands in
@@ -162,9 +164,16 @@
 //! // Its claims are judged on the table, by the worst row.
 //! assert!(!table.claims(&swept)[0].holds);
 //! // Where a run did not come to its end the row's results are NaN, and `unfinished` says why; a
-//! // claim on a column with such a row does not hold. `SweepOutputs` keeps each row as it is made,
-//! // so that a sweep that was stopped goes on, and writes the table.
+//! // claim on a column with such a row does not hold.
 //! assert!(table.unfinished.iter().all(Option::is_none));
+//!
+//! // The same sweep with its files: each row is on the disk as soon as it is made. Where the
+//! // program is killed, the next call goes on from there, if scenario, files and version are the
+//! // same. A folder has one writer; that of the run is held as long as `files` above is there.
+//! let files = truecut::SweepOutputs::prepare(&out.path().join("swept"), &swept)?;
+//! let same = files.run(&|_part| {})?;
+//! assert_eq!(same, table);
+//! assert!(files.finish(&same)?.ends_with("foot/sweep.parquet"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -213,9 +222,10 @@
 //! // `None`: the file that the scenario names. `Some(path)` reads another, with the same columns.
 //! let measured = data::measured(&scenario, None)?;
 //!
-//! // Claims are left alone here: they are about the model, and the question is about the data. The
-//! // last argument is the spindle's rate in Hz where one turns: differences are then held against
-//! // its phase, too.
+//! // Claims are left alone here: they are about the model, and the question is about the data.
+//! // `measured` drives a replay by its inputs, over their time; beside any other process data have
+//! // outputs only. The last argument of `compare_recordings` is the spindle's rate in Hz where one
+//! // turns: differences are then held against its phase, too.
 //! let nominal = Run { measured: Some(&measured), claims: Claims::Ignore, ..Run::of(&scenario) };
 //! let differences = compare_recordings(&nominal.execute()?.recording, &measured, None)?;
 //! let height = differences.channels.iter().find(|it| it.channel == "tool.position_z");
@@ -227,15 +237,26 @@
 //! let trial = Trial::new(&scenario, &measured).map_err(|error| RunError::of(&scenario, error))?;
 //! let answer = diagnose(&trial, &trial.observation, &Options::default(), &|_progress| {})?;
 //! assert_eq!(answer.diagnosis.verdict, Verdict::Named);
-//! // Here it is play in the second joint. Other verdicts say that nothing is left beyond noise,
-//! // that causes cannot be told apart, that none known explains it, or that the data show none.
-//! assert_eq!(answer.diagnosis.causes[0].kind, "joint_backlash");
+//! // Here it is play in the second joint, with its size and the ends of its 95 % interval, SI.
+//! // Only `Named` is an answer to go on with; `Ambiguous` has `alternatives`, and `reason` says in
+//! // words what any verdict means: nothing beyond noise, an unknown cause, data that would not
+//! // show one.
+//! let play = &answer.diagnosis.causes[0];
+//! assert_eq!(play.kind, "joint_backlash");
+//! let gap = play.parameters.values().next().unwrap();
+//! assert!(gap.low < Some(gap.value) && Some(gap.value) < gap.high, "{}", answer.diagnosis.reason);
 //!
-//! // The answer is a scenario: to run here, and as a text for others, in which the effects are new
-//! // entries. Which joints are rotary decides between keys as `gap_rad` and `gap_m`.
-//! let extended = scenario.with_effects(&answer.effects)?;
-//! let text = scenario.extended_text(&answer.effects, &trial.rotary());
-//! assert!(extended.effects.len() == 1 && text.matches("joint_backlash").count() == 1);
+//! // The answer is a scenario: what stands under `[[uncertain]]` has been refitted with the
+//! // effects. It runs here, and as a text, in which the effects are new entries, for others; its
+//! // paths lead from the folder of the scenario. Which joints are rotary decides between keys as
+//! // `gap_rad` and `gap_m`.
+//! let fitted = scenario.with_overrides(&trial.overrides(&answer.nominal))?;
+//! let extended = fitted.with_effects(&answer.effects)?;
+//! let text = fitted.extended_text(&answer.effects, &trial.rotary());
+//! assert!(text.matches("joint_backlash").count() == 1);
+//! let run = Run { measured: Some(&measured), claims: Claims::Ignore, ..Run::of(&extended) };
+//! let left = compare_recordings(&run.execute()?.recording, &measured, None)?;
+//! assert!(left.channels[0].level.nrmse < differences.channels[0].level.nrmse);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -266,21 +287,22 @@
 //! 1. the type of its table (serde, schemars): keys with units in their names, ranges with their
 //!    reason in `x-rule`;
 //! 2. [`sim::process::OwnProcess`] for that type: its name, its [`scenario::Facts`], rules between
-//!    keys, and `set_up`, which makes the process;
+//!    keys (none by default), and `set_up`, which makes the process; it has `definition()` then;
 //! 3. [`sim::process::Process`] for the process: channels, `evaluate` (state of the tool to loads,
 //!    changes nothing), `commit` (advances its memory, once a step), `record` (a value a channel,
 //!    in their order), `contact_stiffness` (springs of a contact, none if it only pushes), `arrows`
 //!    (what is drawn). All else has a default.
 //!
 //! Process axes are fixed where the tool is when the run begins: x runs along the tool's axis into
-//! the workpiece (`z` of the tool frame of `robot.toml`), y is horizontal, z = x × y. The arm holds
-//! the scenario's posture, or feeds the tool along the process's y axis at
+//! the workpiece (`z` of the tool frame of `robot.toml`), y is ẑ × x, horizontal (x × x̂ of the
+//! world where x is vertical), z = x × y. The arm holds the scenario's posture, or feeds the tool
+//! along the process's y axis at
 //! [`feed_along_y_m_per_s`](sim::process::Process::feed_along_y_m_per_s). Paths over surfaces and
 //! taught postures lead the shipped processes alone.
 //!
-//! [`scenario::Processes::with`] registers it, and [`Scenario::load_with`] reads scenarios that
-//! have it. The derives of the table need serde and schemars among your dependencies, in the major
-//! versions of [`external`]:
+//! [`scenario::Processes::with`] registers that definition, and [`Scenario::load_with`] reads
+//! scenarios that have it. The derives of the table need serde and schemars among your
+//! dependencies, in the major versions of [`external`]:
 //!
 //! ```toml
 //! serde = { version = "1", features = ["derive"] }
