@@ -12,7 +12,8 @@ use truecut::data;
 use truecut_discrepancy::confirmed::Confirmed;
 use truecut_discrepancy::diagnose::{self, DiagnoseError, Progress, Stage};
 use truecut_discrepancy::model::Model;
-use truecut_discrepancy::trial::Trial;
+use truecut_discrepancy::trial::{Thinning, Trial};
+use truecut_recording::short_number;
 use truecut_scenario::Scenario;
 
 use crate::args::DiagnoseArguments;
@@ -58,14 +59,12 @@ fn refused(trial: &Trial, scenario: &Scenario, source: &str, error: &DiagnoseErr
         error,
         DiagnoseError::TooFewSamples { .. } | DiagnoseError::TooFewRows { .. }
     );
-    let thinned = trial.observation.time_s.len() < trial.measured().time_s.len();
-    let text = match few && thinned {
-        false => format!("{source}: {error}"),
-        true => format!(
-            "{source}: {error}; of {} samples as many are kept as twice process.replay.compare_cutoff_hz: raise that, or \
-             take a longer record",
-            trial.measured().time_s.len()
-        ),
+    let thinning = trial
+        .thinning()
+        .filter(|thinning| few && thinning.every > 1);
+    let text = match thinning {
+        None => format!("{source}: {error}"),
+        Some(thinning) => format!("{source}: {error}; {}", kept(trial, &thinning, error)),
     };
     let (channel, key) = match error {
         DiagnoseError::Unit { channel, .. } => (Some(channel), "unit"),
@@ -87,6 +86,36 @@ fn refused(trial: &Trial, scenario: &Scenario, source: &str, error: &DiagnoseErr
     Failure::with_help(
         text,
         format!("for the scenario {}", scenario.path().display()),
+    )
+}
+
+/// Why so few samples are left, and what leaves enough.
+fn kept(trial: &Trial, thinning: &Thinning, error: &DiagnoseError) -> String {
+    let measured = trial.measured();
+    let advice = match error {
+        DiagnoseError::TooFewSamples { found, .. } => {
+            let lacks = diagnose::MIN_SAMPLES as f64 / (*found).max(1) as f64;
+            let duration_s = measured.duration_s();
+            let longer = format!(
+                "take a record of {:.0} s in place of {duration_s:.1} s",
+                (lacks * duration_s).ceil()
+            );
+            let enough_hz = (thinning.enough_hz(*found)).ceil();
+            match enough_hz < 0.5 * measured.rate_hz() {
+                true => format!(
+                    "raise process.replay.compare_cutoff_hz to {enough_hz:.0} Hz, or {longer}"
+                ),
+                false => longer,
+            }
+        }
+        _ => "a higher process.replay.compare_cutoff_hz leaves more".to_owned(),
+    };
+    format!(
+        "drive forces are filtered at {} Hz and thinned to {} samples a period of that (one of {}, of {} samples): {advice}",
+        short_number(thinning.cutoff_hz),
+        short_number(thinning.per_period),
+        thinning.every,
+        measured.time_s.len(),
     )
 }
 

@@ -28,6 +28,7 @@ use truecut_sim::run::{self, Engine, Rows};
 use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel};
 
 use self::cache::{Cache, RunKey};
+pub use self::parallel::Thinning;
 use crate::diagnose::Observation;
 use crate::model::{Candidate, Columns, Experiment, Model, PredictError};
 
@@ -39,6 +40,8 @@ pub struct Trial {
     measured: Measured,
     /// Times of the measured samples since the start of their pass.
     stretches_s: Vec<Vec<f64>>,
+    /// What is kept of filtered drive forces.
+    thinning: Option<Thinning>,
     facts: RobotFacts,
     channels: Vec<ChannelSpec>,
     candidates: Vec<Candidate>,
@@ -129,10 +132,12 @@ impl Trial {
         };
         started.uncertain.extend(start.unknowns);
         let scenario = &started;
+        let mut thinning = None;
         let (engine, recording, used, channels) = match mode(scenario) {
             Some(ReplayMode::Inverse { .. }) => {
                 let model = Box::new(InverseModel::new(scenario, measured)?);
-                let every = parallel::spacing(scenario, measured.rate_hz());
+                thinning = Thinning::of(scenario, model.measured());
+                let every = thinning.map_or(1, |thinning| thinning.every);
                 let used = parallel::thinned(model.measured(), every);
                 let channels = model.channels().to_vec();
                 (Kind::Inverse { model, every }, None, used, channels)
@@ -173,6 +178,10 @@ impl Trial {
         let (candidates, untold) = candidates::candidates(scenario, &signals, &channels);
         let mut measured = measured.clone();
         measured.notes.extend(untold);
+        let samples = measured.time_s.len();
+        measured
+            .notes
+            .extend(thinning.and_then(|thinning| thinning.told(samples)));
         measured
             .notes
             .extend(uncommanded(scenario, &measured, facts.joints.len()));
@@ -182,6 +191,7 @@ impl Trial {
             start: start.keys,
             stretches_s: measured.stretches_s(),
             measured,
+            thinning,
             facts,
             channels,
             engine,
@@ -205,6 +215,11 @@ impl Trial {
     /// The measured data.
     pub fn measured(&self) -> &Measured {
         &self.measured
+    }
+
+    /// What is kept of filtered drive forces.
+    pub fn thinning(&self) -> Option<Thinning> {
+        self.thinning
     }
 
     /// The prediction of the full model: rapier where the search used the reduced plant.
