@@ -197,7 +197,8 @@ fn reduced(prepared: &Prepared) -> Result<(Box<dyn Plant>, String), SimError> {
             "the mass matrix of the arm at its start is singular",
         )
     })?
-    .moving(&prepared.start_velocity());
+    .moving(&prepared.start_velocity())
+    .swinging(prepared.process.is_given());
     let note = plant.note();
     Ok((Box::new(plant), note))
 }

@@ -146,6 +146,12 @@ pub trait Process: Send {
         false
     }
 
+    /// Whether all forces are given beforehand, whatever the arm does: nothing is in contact, and
+    /// what shows beside the arm's vibration is how it differs from that of a linear one.
+    fn is_given(&self) -> bool {
+        false
+    }
+
     /// Highest frequency of the forces that are given and not computed, Hz, if the process has any.
     fn highest_frequency_hz(&self) -> Option<f64> {
         None

@@ -215,6 +215,10 @@ impl Process for Yielding {
         self.inner.steps_with_teeth()
     }
 
+    fn is_given(&self) -> bool {
+        self.inner.is_given()
+    }
+
     fn highest_frequency_hz(&self) -> Option<f64> {
         self.inner.highest_frequency_hz()
     }

@@ -21,11 +21,15 @@ pub struct Rows {
     pub outcome: Outcome,
 }
 
+/// Rows that come at the data's interval but for this part of it are at their times.
+const MET: f64 = 1e-6;
+
 impl Run<'_> {
     /// Runs with nothing kept but the rows of the channels named (all if none is named): no energy
     /// balance, no findings, no claims, no sinks. With measured data, whatever the process, rows
-    /// come at the data's times as nearly as the steps allow. With `until_s` the run ends there,
-    /// but for a few rows more, so that whoever reads between rows finds neighbours.
+    /// come at the data's times as nearly as the steps allow; where steps of rapier do not meet
+    /// these, at every step. With `until_s` the run ends there, but for a few rows more, so that
+    /// whoever reads between rows finds neighbours.
     ///
     /// # Errors
     /// Whatever makes the scenario unfit to run; a step shorter than the engine may take; a channel
@@ -80,8 +84,19 @@ impl Run<'_> {
     }
 
     fn cell_at_the_times(&self) -> Result<Cell, SimError> {
-        let scenario = self.resolved()?.into_owned();
-        self.cell(&at_the_times(scenario, self.measured), self.measured)
+        let mut scenario = self.resolved()?.into_owned();
+        let Some(interval_s) = self.measured.map(Measured::interval_s) else {
+            return self.cell(&scenario, self.measured);
+        };
+        scenario.run.record_interval_s = Some(interval_s);
+        let cell = self.cell(&scenario, self.measured)?;
+        let is_met = (cell.row_interval_s() / interval_s - 1.0).abs() < MET;
+        if is_met || self.engine != Engine::Rapier {
+            return Ok(cell);
+        }
+        // Whoever reads between rows finds near ones.
+        scenario.run.record_interval_s = None;
+        self.cell(&scenario, self.measured)
     }
 
     fn check_step(&self, cell: &Cell) -> Result<(), SimError> {
@@ -98,12 +113,4 @@ impl Run<'_> {
             _ => Ok(()),
         }
     }
-}
-
-/// The scenario with rows at the data's times.
-fn at_the_times(mut scenario: Scenario, measured: Option<&Measured>) -> Scenario {
-    if let Some(measured) = measured {
-        scenario.run.record_interval_s = Some(measured.interval_s());
-    }
-    scenario
 }

@@ -96,6 +96,10 @@ impl Process for Load {
         loads
     }
 
+    fn is_given(&self) -> bool {
+        self.foot.is_none()
+    }
+
     fn highest_frequency_hz(&self) -> Option<f64> {
         let sweep = self.forces.sweep.map(|s| s.from_hz.max(s.to_hz));
         let turning = self.forces.rotating.map(|r| r.frequency_hz.abs());
