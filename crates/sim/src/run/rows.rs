@@ -1,7 +1,6 @@
 //! A few channels of a run, as fast as they can be had.
 
 use truecut_recording::{ChannelSpec, Measured, Outcome};
-use truecut_scenario::Scenario;
 
 use super::request::Run;
 use crate::cell::{Cell, RunEnd};
