@@ -244,6 +244,7 @@ fn shipped_path_jobs_are_planned_and_read_back() {
     let jobs = [
         ("hub_spoke", "SPOKE.JBI", &["--pulses-per-deg", "1000"][..]),
         ("mould_top", "MOULD.JBI", &[]),
+        ("crowned_block", "CROWN.JBI", &[]),
     ];
     for (name, program, more) in jobs {
         let file = repository().join(format!("scenarios/finishing/{name}.toml"));

@@ -29,10 +29,12 @@ impl Inputs {
             Some(_) => Failure::in_file(error.path(), error.line(), error.message(), help(what)),
             None => job.problem(key, error.to_string()).into(),
         };
-        let patch = PatchFile::load(&spec.patch)
-            .map_err(|error| surface(error, "surface.patch", "the patch"))?;
+        let patch = spec.face.load().map_err(|error| {
+            let key = spec.face.key_of(error.kind());
+            surface(error, key, "the face")
+        })?;
         let patch_mesh = Mesh::of_patch(patch.surface.as_ref())
-            .map_err(|fault| job.problem("surface.patch", fault.to_string()))?;
+            .map_err(|fault| job.problem(spec.face.key_of(&fault), fault.to_string()))?;
         let body = (spec.body.as_ref())
             .map(|body| Mesh::load(&body.file, body.unit_m, MeshUse::Body))
             .transpose()

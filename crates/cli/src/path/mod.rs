@@ -226,7 +226,7 @@ fn refused(job: &PathJob, error: &SurfacePathError) -> Failure {
             ProgramErrorKind::Jump { .. } => "program.largest_step_deg",
             _ => "surface.xyz_mm",
         },
-        _ => "surface.patch",
+        _ => job.surface.face.key(),
     };
     job.problem(key, error.to_string()).into()
 }

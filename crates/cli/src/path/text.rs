@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use truecut_plan::motion::joints::joint_speeds;
 use truecut_plan::program::{FindingKind, Motion, maker_note};
+use truecut_plan::surface::FaceFit;
 use truecut_plan::surface_path::{Contact, Segment};
 use truecut_recording::{Unit, significant};
 
@@ -78,7 +79,9 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
     let durations = durations_s(answer);
     let total_s: f64 = durations.iter().sum();
     let mm = |value: f64| show(Unit::Metre, value);
-    let mut rows = vec![
+    let fit = answer.inputs.patch.fit.as_ref();
+    let mut rows: Vec<Vec<String>> = fit.map(fitted).into_iter().collect();
+    rows.extend([
         row("lines", mm(way_m), "length of one copy's lines"),
         row(
             "swath",
@@ -100,10 +103,36 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
             format!("{} s", significant(total_s, 4)),
             "of the whole program",
         ),
-    ];
+    ]);
     let hardest = hardest(answer, &durations);
     rows.extend(hardest.map(|(share, joint, point)| fastest_joint(share, &joint, point)));
     rows
+}
+
+/// How near the patch comes to the face of the mesh.
+fn fitted(fit: &FaceFit) -> Vec<String> {
+    let laid = if fit.has_four_sides {
+        "laid by its four sides"
+    } else {
+        "laid in a rectangle, its outline the boundary"
+    };
+    let holes = match fit.holes {
+        0 => String::new(),
+        1 => ", 1 hole".to_owned(),
+        more => format!(", {more} holes"),
+    };
+    let [rows, columns] = fit.control_points;
+    row(
+        "deviation",
+        show(Unit::Metre, fit.deviation_m),
+        format!(
+            "largest, of the patch from face {} of the mesh ({} triangles{holes}), {} at its \
+             vertices; {rows} by {columns} control points, {laid}",
+            fit.face,
+            fit.triangles,
+            show(Unit::Metre, fit.at_vertices_m)
+        ),
+    )
 }
 
 /// Least and greatest depth on the lines, m.

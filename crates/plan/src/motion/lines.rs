@@ -84,7 +84,7 @@ impl LinesTask<'_> {
     /// If the patch cannot be read, lines cannot be laid on it, or the arm cannot be led along
     /// them.
     pub fn solve(&self, robot: &Robot, posture: &[f64]) -> Result<LinesMotion, LinesError> {
-        let patch = PatchFile::load(&self.surface.patch)?;
+        let patch = self.surface.face.load()?;
         let lines = self.path.lines(self.wheel, &patch)?;
         let mut parts = parts_of(&self.segments(&lines), self.symmetry)?;
         parts.retain(|part| part.copy < self.copies);

@@ -7,11 +7,15 @@ use super::error::{SurfaceFault, place};
 /// First and last point of a closed boundary are the same to this, m.
 const CLOSED_M: f64 = 1e-6;
 
-/// A closed polyline around a face.
+/// A closed polyline around a face, and others around its holes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Boundary {
     /// Corners, the first not repeated at the end.
     corners_m: Vec<Vector3<f64>>,
+    /// Sides, each from its corner to the next, that follow the border of the patch, where it is
+    /// the border that bounds a contact. Short of the end: none.
+    on_border: Vec<bool>,
+    holes_m: Vec<Vec<Vector3<f64>>>,
 }
 
 impl Boundary {
@@ -47,9 +51,41 @@ impl Boundary {
                 count: corners_m.len(),
             });
         }
-        let boundary = Self { corners_m };
+        let boundary = Self {
+            corners_m,
+            on_border: Vec::new(),
+            holes_m: Vec::new(),
+        };
         boundary.check_simple()?;
         Ok(boundary)
+    }
+
+    /// Adds the line around a hole, of which the last point repeats the first.
+    ///
+    /// # Errors
+    /// As [`Boundary::new`].
+    pub(super) fn add_hole(&mut self, points_m: &[Vector3<f64>]) -> Result<(), SurfaceFault> {
+        self.holes_m.push(Self::new(points_m)?.corners_m);
+        Ok(())
+    }
+
+    /// Says which sides, given by their ends, follow the border of the patch: contacts keep clear
+    /// of that by its own rule, along the face, and must not be cut by a boundary in the same place
+    /// that is seen along the normal.
+    pub(super) fn follows_border(
+        &mut self,
+        follows: impl Fn(&Vector3<f64>, &Vector3<f64>) -> bool,
+    ) {
+        let next = self.corners_m.iter().cycle().skip(1);
+        self.on_border = (self.corners_m.iter().zip(next))
+            .map(|(a, b)| follows(a, b))
+            .collect();
+    }
+
+    /// Corners of the lines around holes.
+    #[must_use]
+    pub fn holes_m(&self) -> &[Vec<Vector3<f64>>] {
+        &self.holes_m
     }
 
     /// The corners, the first not repeated.
@@ -67,20 +103,21 @@ impl Boundary {
         axes: [Vector3<f64>; 2],
         half_m: [f64; 2],
     ) -> bool {
-        let seen = self.seen(centre_m, axes);
-        let sides = || sides(&seen);
-        let crossings = sides().filter(|(a, b)| {
-            (a.y > 0.0) != (b.y > 0.0) && a.x - a.y * (b.x - a.x) / (b.y - a.y) > 0.0
-        });
-        crossings.count() % 2 == 1 && !sides().any(|(a, b)| reaches(&a, &b, half_m))
-    }
-
-    fn seen(&self, centre_m: &Vector3<f64>, axes: [Vector3<f64>; 2]) -> Vec<Vector2<f64>> {
-        let corner = |p: &Vector3<f64>| {
-            let from = p - centre_m;
-            Vector2::new(from.dot(&axes[0]), from.dot(&axes[1]))
-        };
-        self.corners_m.iter().map(corner).collect()
+        let mut crossings = 0;
+        let lines = std::iter::once(&self.corners_m).chain(&self.holes_m);
+        for (line, corners_m) in lines.enumerate() {
+            let seen = seen(corners_m, centre_m, axes);
+            for (side, (a, b)) in sides(&seen).enumerate() {
+                let crosses =
+                    (a.y > 0.0) != (b.y > 0.0) && a.x - a.y * (b.x - a.x) / (b.y - a.y) > 0.0;
+                crossings += usize::from(crosses);
+                let is_free = line == 0 && self.on_border.get(side).is_some_and(|free| *free);
+                if !is_free && reaches(&a, &b, half_m) {
+                    return false;
+                }
+            }
+        }
+        crossings % 2 == 1
     }
 
     /// Newell's normal: the sum of cross products around the line, which does not depend on where
@@ -105,7 +142,7 @@ impl Boundary {
             Vector3::y()
         };
         let x = (x - normal.into_inner() * normal.dot(&x)).normalize();
-        let seen = self.seen(&self.corners_m[0], [x, normal.cross(&x)]);
+        let seen = seen(&self.corners_m, &self.corners_m[0], [x, normal.cross(&x)]);
         let sides: Vec<_> = sides(&seen).collect();
         for first in 0..count {
             for second in first + 1..count {
@@ -125,6 +162,19 @@ impl Boundary {
         }
         Ok(())
     }
+}
+
+/// Corners in the plane of two square directions of length 1.
+fn seen(
+    corners_m: &[Vector3<f64>],
+    centre_m: &Vector3<f64>,
+    axes: [Vector3<f64>; 2],
+) -> Vec<Vector2<f64>> {
+    let corner = |p: &Vector3<f64>| {
+        let from = p - centre_m;
+        Vector2::new(from.dot(&axes[0]), from.dot(&axes[1]))
+    };
+    corners_m.iter().map(corner).collect()
 }
 
 fn sides(corners: &[Vector2<f64>]) -> impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> {

@@ -122,6 +122,47 @@ pub enum SurfaceFault {
     )]
     FlatTriangle { index: usize, near: String },
     #[error(
+        "the part has {count} {what}, the first at {first} mm; a face is taken from a whole part: closed, each edge in two triangles, all wound one way"
+    )]
+    NotWhole {
+        what: &'static str,
+        count: usize,
+        first: String,
+    },
+    #[error(
+        "the point lies {away_mm:.4} mm off the part, whose nearest point is {nearest} mm; it picks a face up to {limit_mm:.4} mm off, a thousandth of the part's diagonal"
+    )]
+    OffThePart {
+        away_mm: f64,
+        limit_mm: f64,
+        nearest: String,
+    },
+    #[error(
+        "the face stands at {angle_deg:.1} deg to its mean normal at {at} mm; a face that is fitted may turn by {limit_deg} deg from its mean at most; a smaller crease angle takes less of the part for one face"
+    )]
+    FaceTurns {
+        angle_deg: f64,
+        at: String,
+        limit_deg: f64,
+    },
+    #[error("the face touches itself in the corner at {at} mm; lines around a face must not")]
+    PinchedFace { at: String },
+    #[error(
+        "the face cannot be laid out flat: it lies over itself at {at} mm, seen along its mean normal; it must not"
+    )]
+    FaceFolds { at: String },
+    #[error(
+        "the fitted surface lies {deviation_mm:.4} mm off the mesh at {at} mm, {at_vertices_mm:.4} mm at its vertices, with {} by {} control points; the limit is {limit_mm:.4} mm; what the vertices keep and the mesh does not is its chords: take a finer mesh or a wider limit",
+        points[0], points[1]
+    )]
+    Deviates {
+        deviation_mm: f64,
+        at: String,
+        at_vertices_mm: f64,
+        limit_mm: f64,
+        points: [usize; 2],
+    },
+    #[error(
         "the boundary is open: it ends {gap_m} m from where it starts; first and last point must be the same to {limit_m} m"
     )]
     OpenBoundary { gap_m: f64, limit_m: f64 },

@@ -20,7 +20,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::{SurfaceError, SurfaceFault};
-use super::{Boundary, Forms, NurbsPatch, PlanePatch, Surface};
+use super::{Boundary, FaceFit, Forms, NurbsPatch, PlanePatch, Surface};
 
 use crate::bounds::OutOfBounds;
 
@@ -43,10 +43,12 @@ struct RawPatch {
     boundary_mm: Option<Spanned<Vec<[f64; 3]>>>,
 }
 
-/// A patch with the boundary of its face, as read from a file.
+/// A patch with the boundary of its face, as read from a file or fitted to a mesh.
 pub struct PatchFile {
     pub surface: Box<dyn Surface + Send>,
     pub boundary: Option<Boundary>,
+    /// How near it comes to a face of a mesh that it was fitted to.
+    pub fit: Option<FaceFit>,
 }
 
 impl std::fmt::Debug for PatchFile {
@@ -92,7 +94,11 @@ impl PatchFile {
             }
             None => None,
         };
-        Ok(Self { surface, boundary })
+        Ok(Self {
+            surface,
+            boundary,
+            fit: None,
+        })
     }
 }
 
@@ -217,7 +223,7 @@ fn metres(mm: [f64; 3]) -> Vector3<f64> {
 }
 
 /// Normals exist everywhere on a grid (the border included) and stand within 90° of the outside.
-fn check_normals(surface: &dyn Surface, outside: [f64; 3]) -> Result<(), SurfaceFault> {
+pub(super) fn check_normals(surface: &dyn Surface, outside: [f64; 3]) -> Result<(), SurfaceFault> {
     let Some(outward) = Unit::try_new(Vector3::from(outside), 1e-9).filter(|u| u.x.is_finite())
     else {
         let (given, rule) = (format!("{outside:?}"), "a direction: finite and not 0");

@@ -180,7 +180,7 @@ fn crossing([a, b, c]: &[Vector3<f64>; 3], way: &Vector3<f64>) -> Option<i32> {
     }
 }
 
-fn to_parry(p: &Vector3<f64>) -> ParryVector {
+pub(super) fn to_parry(p: &Vector3<f64>) -> ParryVector {
     ParryVector::new(p.x, p.y, p.z)
 }
 

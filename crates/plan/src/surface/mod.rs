@@ -15,6 +15,7 @@ mod depth;
 #[cfg(test)]
 pub(crate) mod drawn;
 mod error;
+mod face;
 mod file;
 mod forms;
 mod knots;
@@ -30,6 +31,7 @@ pub(crate) mod spoke;
 
 pub use boundary::Boundary;
 pub use error::{SurfaceError, SurfaceFault};
+pub use face::{FaceFit, MeshFace};
 pub use file::PatchFile;
 pub use forms::{Curvatures, Forms, continue_line};
 pub use mesh::{Mesh, NearestPoint};

@@ -26,7 +26,7 @@ pub use error::SurfacePathError;
 pub use lines::{SurfacePath, plan_path};
 pub use options::{FeedAlong, PathOptions, Strategy};
 pub use sequence::{Part, Speeds, Symmetry, parts_of, program_of};
-pub use setup::{PathSetup, SurfaceSetup, TaughtFile, TaughtWhen};
+pub use setup::{FaceSource, PathSetup, SurfaceSetup, TaughtFile, TaughtWhen};
 pub use solve::{Segment, copies, solve};
 pub use taught::TaughtPoints;
 pub use wheel::ContactWheel;

@@ -10,17 +10,59 @@ use super::error::SurfacePathError;
 use super::lines::{SurfacePath, plan_path};
 use super::options::{FeedAlong, PathOptions, Strategy};
 use super::wheel::ContactWheel;
-use crate::surface::{MeshFile, PatchFile};
+use crate::surface::{MeshFace, MeshFile, PatchFile, SurfaceError, SurfaceFault};
 
 /// The face to be finished.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceSetup {
-    /// File of the patch.
-    pub patch: PathBuf,
+    /// Where the patch comes from.
+    pub face: FaceSource,
     /// The whole workpiece as a closed mesh, in the patch's frame.
     pub body: Option<MeshFile>,
     /// Where the patch stands.
     pub world_from_patch: Isometry3<f64>,
+}
+
+/// Where a patch comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FaceSource {
+    /// File of the patch.
+    Patch(PathBuf),
+    /// A face of a mesh.
+    Mesh(MeshFace),
+}
+
+impl FaceSource {
+    /// Reads the patch, or fits it.
+    ///
+    /// # Errors
+    /// As [`PatchFile::load`] and [`MeshFace::load`].
+    pub fn load(&self) -> Result<PatchFile, SurfaceError> {
+        match self {
+            Self::Patch(file) => PatchFile::load(file),
+            Self::Mesh(face) => face.load(),
+        }
+    }
+
+    /// The key of a path job that names the file.
+    #[must_use]
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::Patch(_) => "surface.patch",
+            Self::Mesh(_) => "surface.mesh.file",
+        }
+    }
+
+    /// The key of a path job whose value a fault is about.
+    #[must_use]
+    pub fn key_of(&self, fault: &SurfaceFault) -> &'static str {
+        match (self, fault) {
+            (Self::Mesh(_), SurfaceFault::OffThePart { .. }) => "surface.mesh.point_mm",
+            (Self::Mesh(_), SurfaceFault::Deviates { .. }) => "surface.mesh.deviation_mm",
+            (Self::Mesh(_), SurfaceFault::FaceTurns { .. }) => "surface.mesh.crease_deg",
+            _ => self.key(),
+        }
+    }
 }
 
 /// The lines on the patch.

@@ -152,7 +152,7 @@ impl FileTable {
         let taught = taught.map(|table| table.resolve(&folder)).collect();
         let faults = check.into_faults();
         document.refuse(faults)?;
-        let (Some(path), Some(program)) = (path, program) else {
+        let (Some(path), Some(program), Some(surface)) = (path, program, surface) else {
             // A table that does not resolve has recorded a fault.
             return Err(document.problem("name", "the path job cannot be resolved"));
         };

@@ -5,9 +5,9 @@ use std::path::Path;
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::Deserialize;
-use truecut_plan::surface::MeshFile;
+use truecut_plan::surface::{MeshFace, MeshFile};
 use truecut_plan::surface_path::{
-    AxisRule, ContactWheel, FeedAlong, PathOptions, PathSetup, Strategy, SurfaceSetup,
+    AxisRule, ContactWheel, FaceSource, FeedAlong, PathOptions, PathSetup, Strategy, SurfaceSetup,
 };
 
 use crate::check::Check;
@@ -17,9 +17,12 @@ use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm};
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SurfaceTable {
-    /// File of the patch, relative to this file.
-    patch: String,
-    /// Closed mesh of the whole workpiece (.stl or .obj) in the patch's frame, relative to this
+    /// File of the patch, relative to this file. Default: none; one of `patch` and `mesh` must be
+    /// there.
+    patch: Option<String>,
+    /// A face of a part's mesh in its place: a patch is fitted to it.
+    mesh: Option<MeshFaceTable>,
+    /// Closed mesh of the whole workpiece (.stl, .obj or .ply) in the patch's frame, relative to this
     /// file; the wheel must not gouge it either.
     body: Option<String>,
     /// Length of the mesh's unit. Default: 1.
@@ -29,6 +32,48 @@ pub(super) struct SurfaceTable {
     xyz_mm: Option<[f64; 3]>,
     /// Roll, pitch and yaw of the patch's frame about the world's x, y, z. Default: [0, 0, 0].
     rpy_deg: Option<[f64; 3]>,
+}
+
+/// A face of a mesh, picked by a point and a crease angle.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct MeshFaceTable {
+    /// Mesh of the whole part (.stl, .obj or .ply), relative to this file. Its frame is the
+    /// patch's.
+    file: String,
+    /// Length of the mesh's unit. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]
+    unit_mm: Option<f64>,
+    /// A point on the face, in the mesh's frame; `truecut part` names one for each.
+    point_mm: [f64; 3],
+    /// Triangles that turn by this or more from one to the next belong to two faces. Default: 30.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 180.0, "x-rule" = "an angle between two triangles"))]
+    crease_deg: Option<f64>,
+    /// How far the patch may lie off the mesh, its chords included. Default: 0.03.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "no patch lies on all triangles"))]
+    deviation_mm: Option<f64>,
+    /// The direction that lines along u follow as nearly as they can, in the mesh's frame. Default:
+    /// the longer one of the face.
+    u_along: Option<[f64; 3]>,
+}
+
+const DEFAULT_CREASE_DEG: f64 = 30.0;
+const DEFAULT_DEVIATION_MM: f64 = 0.03;
+
+impl MeshFaceTable {
+    fn resolve(self, folder: &Path, check: &mut Check) -> MeshFace {
+        let u_along = (self.u_along).and_then(|way| check.direction("surface.mesh.u_along", way));
+        MeshFace {
+            mesh: MeshFile {
+                file: folder.join(self.file),
+                unit_m: from_mm(self.unit_mm.unwrap_or(1.0)),
+            },
+            point_m: self.point_mm.map(from_mm).into(),
+            crease_rad: from_deg(self.crease_deg.unwrap_or(DEFAULT_CREASE_DEG)),
+            deviation_m: from_mm(self.deviation_mm.unwrap_or(DEFAULT_DEVIATION_MM)),
+            u_along: u_along.map(Vector3::from),
+        }
+    }
 }
 
 /// The contact wheel.
@@ -114,20 +159,34 @@ pub(super) struct PathTable {
 }
 
 impl SurfaceTable {
-    pub(super) fn resolve(self, folder: &Path, check: &mut Check) -> SurfaceSetup {
+    /// `None` after recording a fault.
+    pub(super) fn resolve(self, folder: &Path, check: &mut Check) -> Option<SurfaceSetup> {
         if self.body.is_none() {
             let because = "there is no `surface.body` whose unit it could be";
             check.ignored("surface", &["body_unit_mm"], because);
         }
         let unit_m = from_mm(self.body_unit_mm.unwrap_or(1.0));
-        SurfaceSetup {
-            patch: folder.join(self.patch),
+        let face = match (self.patch, self.mesh) {
+            (Some(patch), None) => FaceSource::Patch(folder.join(patch)),
+            (None, Some(mesh)) => FaceSource::Mesh(mesh.resolve(folder, check)),
+            (Some(_), Some(_)) => {
+                let because = "`surface.mesh` gives the face";
+                check.ignored("surface", &["patch"], because);
+                return None;
+            }
+            (None, None) => {
+                let who = "the face (or a table `surface.mesh`)";
+                return check.needed("surface", "patch", None, who);
+            }
+        };
+        Some(SurfaceSetup {
+            face,
             body: self.body.map(|name| MeshFile {
                 file: folder.join(name),
                 unit_m,
             }),
             world_from_patch: place(self.xyz_mm, self.rpy_deg),
-        }
+        })
     }
 }
 

@@ -51,6 +51,7 @@ fn setup(surface: Box<dyn Surface + Send>, wheel: BeltWheel) -> BeltSetup {
     let patch = Arc::new(PatchFile {
         surface,
         boundary: None,
+        fit: None,
     });
     let cells = Cells::of(&patch, 1e-3);
     BeltSetup {
