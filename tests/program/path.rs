@@ -237,6 +237,18 @@ fn the_schema_of_the_path_job_is_printed() {
     assert!(schema.pointer("/properties/wheel").is_some());
 }
 
+/// What is told of a part as JSON names the viewer's file, which is there.
+#[test]
+fn a_part_in_json_names_its_drawing() {
+    let desk = Desk::new();
+    let file = repository().join("assets/surfaces/crowned_block.obj");
+    let output = desk.truecut(&["part", file.to_str().unwrap(), "--json"]);
+    assert!(output.status.success(), "{}", told(&output));
+    let part: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(part["faces"].as_array().unwrap().len(), 6);
+    assert!(desk.path(part["rrd"].as_str().unwrap()).is_file(), "{part}");
+}
+
 /// Every shipped path job is planned, and its program leads along its path.
 #[test]
 fn shipped_path_jobs_are_planned_and_read_back() {

@@ -125,6 +125,9 @@ pub struct SchemaArguments {
     /// Of robot.toml
     #[arg(long, conflicts_with_all = ["path", "identification"])]
     pub robot: bool,
+    /// Of the file of a surface's patch
+    #[arg(long, conflicts_with_all = ["path", "identification", "robot"])]
+    pub surface: bool,
 }
 
 impl SchemaArguments {
@@ -134,6 +137,8 @@ impl SchemaArguments {
             truecut_scenario::Identification::json_schema()
         } else if self.robot {
             truecut_arm::config::json_schema().to_value()
+        } else if self.surface {
+            truecut_plan::surface::PatchFile::json_schema()
         } else if self.path {
             truecut_scenario::PathJob::json_schema()
         } else {

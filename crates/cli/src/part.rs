@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use serde::Serialize;
 use truecut_plan::surface::part::{FaceKind, Part, PartEdge, PartFace, PartOptions};
 use truecut_recording::{Unit, significant};
 use truecut_telemetry::{FaceShown, PartShown, write_part};
@@ -15,6 +16,15 @@ use crate::text::{self, Align, headed, show, table};
 
 /// Faces and edges that are listed; JSON has all.
 const LISTED: usize = 40;
+
+/// The report as JSON.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    part: &'a Part,
+    /// The viewer's file.
+    rrd: &'a Path,
+}
 
 /// Prints the report and writes the viewer's file.
 pub fn part(arguments: &PartArguments) -> Result<ExitStatus, Failure> {
@@ -34,7 +44,8 @@ pub fn part(arguments: &PartArguments) -> Result<ExitStatus, Failure> {
     let rrd = folder.join("part.rrd");
     draw(&format!("{name}: part"), &printed, &part, &rrd)?;
     if arguments.json {
-        return crate::print(&text::json(&part)?);
+        let rrd = &rrd;
+        return crate::print(&text::json(&Told { part: &part, rrd })?);
     }
     crate::print(&format!("{printed}\n  {}\n", rrd.display()))
 }

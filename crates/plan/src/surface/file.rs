@@ -16,6 +16,7 @@
 use std::path::Path;
 
 use nalgebra::{Unit, Vector3};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -27,19 +28,55 @@ use crate::bounds::OutOfBounds;
 /// Normals are checked at this many places along each parameter.
 const CHECKED: usize = 25;
 
-#[derive(Deserialize)]
+/// Kinds, for the schema.
+#[derive(JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[allow(dead_code)]
+enum Kind {
+    /// A rational B-spline surface.
+    Nurbs,
+    /// A parallelogram.
+    Plane,
+}
+
+/// A patch of a surface: a B-spline surface or a plane, in a frame of its own.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "truecut surface")]
 struct RawPatch {
+    /// What the patch is.
+    #[schemars(with = "Kind")]
     kind: Spanned<String>,
+    /// A direction out of the part, of any length, less than 90 degrees from every normal.
+    #[schemars(with = "[f64; 3]")]
     outside: Spanned<[f64; 3]>,
+    /// Degrees along u and v, 1 to 7 (nurbs).
+    #[schemars(with = "Option<[usize; 2]>")]
     degree: Option<Spanned<[usize; 2]>>,
+    /// Knots along u, as many as points and degree and one, none below the one before (nurbs).
+    #[schemars(with = "Option<Vec<f64>>")]
     knots_u: Option<Spanned<Vec<f64>>>,
+    /// Knots along v (nurbs).
+    #[schemars(with = "Option<Vec<f64>>")]
     knots_v: Option<Spanned<Vec<f64>>>,
+    /// A row for each u, in it a point for each v (nurbs).
+    #[schemars(with = "Option<Vec<Vec<[f64; 3]>>>")]
     control_points_mm: Option<Spanned<Vec<Vec<[f64; 3]>>>>,
+    /// Weights of the control points, of the same shape, above 0. Default: all 1 (nurbs).
+    #[schemars(with = "Option<Vec<Vec<f64>>>")]
     weights: Option<Spanned<Vec<Vec<f64>>>>,
+    /// The corner u = v = 0 (plane).
+    #[schemars(with = "Option<[f64; 3]>")]
     corner_mm: Option<Spanned<[f64; 3]>>,
+    /// The side along u, from the corner (plane).
+    #[schemars(with = "Option<[f64; 3]>")]
     side_u_mm: Option<Spanned<[f64; 3]>>,
+    /// The side along v, from the corner (plane).
+    #[schemars(with = "Option<[f64; 3]>")]
     side_v_mm: Option<Spanned<[f64; 3]>>,
+    /// Corners of a closed line on the face, the first repeated at the end. Default: the borders of
+    /// the patch bound the face.
+    #[schemars(with = "Option<Vec<[f64; 3]>>")]
     boundary_mm: Option<Spanned<Vec<[f64; 3]>>>,
 }
 
@@ -59,6 +96,12 @@ impl std::fmt::Debug for PatchFile {
 }
 
 impl PatchFile {
+    /// JSON Schema of a patch's file, for editors.
+    #[must_use]
+    pub fn json_schema() -> serde_json::Value {
+        schemars::schema_for!(RawPatch).to_value()
+    }
+
     /// Reads a patch.
     ///
     /// # Errors
@@ -231,10 +274,8 @@ pub(super) fn check_normals(surface: &dyn Surface, outside: [f64; 3]) -> Result<
     };
     let domain = surface.domain();
     for i in 0..CHECKED * CHECKED {
-        let at = |range: [f64; 2], k: usize| {
-            let share = k as f64 / (CHECKED - 1) as f64;
-            range[0] + share * (range[1] - range[0])
-        };
+        let share = |k: usize| k as f64 / (CHECKED - 1) as f64;
+        let at = |range: [f64; 2], k: usize| range[0] + share(k) * (range[1] - range[0]);
         let (u, v) = (at(domain.u, i / CHECKED), at(domain.v, i % CHECKED));
         let forms = Forms::at(&surface.jet(u, v), u, v)?;
         let cosine = forms.normal.dot(&outward);
@@ -270,9 +311,8 @@ mod tests {
         let (text, path) = asset("hub_spoke.toml");
         let spoke = PatchFile::from_text(&text, &path).expect("a patch").surface;
         let k = |u, v| Forms::of(&spoke.jet(u, v)).expect("regular").curvatures();
-        let all: Vec<_> = (0..400)
-            .map(|i| k((i / 20) as f64 / 19.0, (i % 20) as f64 / 19.0))
-            .collect();
+        let at = |i: usize| k((i / 20) as f64 / 19.0, (i % 20) as f64 / 19.0);
+        let all: Vec<_> = (0..400).map(at).collect();
         assert!(
             all.iter().any(|k| k.min_per_m * k.max_per_m < 0.0),
             "bumps have saddles between them"
@@ -281,6 +321,27 @@ mod tests {
             all.iter().all(|k| k.min_per_m > -1.0 / 0.05),
             "a wheel of 50 mm radius fits"
         );
+    }
+
+    /// The schema knows the keys that are read, each with what it means.
+    #[test]
+    fn the_schema_has_every_key() {
+        let schema = PatchFile::json_schema();
+        let known = schema["properties"].as_object().expect("properties");
+        let is_told = |key: &serde_json::Value| key["description"].is_string();
+        assert!(known.values().all(is_told), "{schema}");
+        assert_eq!(schema["required"], serde_json::json!(["kind", "outside"]));
+        for name in ["hub_spoke.toml", "mould_top.toml"] {
+            let table: toml::Table = asset(name).0.parse().expect("a table");
+            assert!(table.keys().all(|key| known.contains_key(key)), "{table}");
+        }
+        // A key that the schema knows is read: of a wrong type it is refused at its line.
+        for key in known.keys() {
+            let odd = format!("{key} = {{ odd = 1 }}\n");
+            let refused = PatchFile::from_text(&odd, Path::new("odd.toml"));
+            let told = refused.expect_err("another type").to_string();
+            assert!(told.starts_with("odd.toml:1: invalid type"), "{told}");
+        }
     }
 
     #[test]

@@ -61,10 +61,28 @@ impl Side {
 }
 
 impl Chart {
+    /// By its four sides, if the face has as many, else in a rectangle.
     pub(super) fn of(
         outer: &Loop,
         normal: &Unit<Vector3<f64>>,
         u_along: Option<&Vector3<f64>>,
+    ) -> Self {
+        Self::laid(outer, normal, u_along, true)
+    }
+
+    pub(super) fn in_rectangle(
+        outer: &Loop,
+        normal: &Unit<Vector3<f64>>,
+        u_along: Option<&Vector3<f64>>,
+    ) -> Self {
+        Self::laid(outer, normal, u_along, false)
+    }
+
+    fn laid(
+        outer: &Loop,
+        normal: &Unit<Vector3<f64>>,
+        u_along: Option<&Vector3<f64>>,
+        by_sides: bool,
     ) -> Self {
         let origin_m = outer.points_m[0];
         let least = normal.iamin();
@@ -76,7 +94,7 @@ impl Chart {
         let line: Vec<Vector2<f64>> = outer.points_m.iter().map(seen).collect();
         let size_m = line.iter().map(|p| p.norm()).fold(0.0, f64::max);
         let corners = corners(&line, CORNER_SHARE * size_m);
-        let has_four_sides = corners.len() == 4;
+        let has_four_sides = by_sides && corners.len() == 4;
         // Once round counter-clockwise, from corner to corner.
         let around: Vec<Vec<Vector2<f64>>> = if has_four_sides {
             (0..4)

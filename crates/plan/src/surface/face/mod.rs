@@ -97,8 +97,15 @@ impl MeshFace {
         let vertices_m = part.vertices_m();
         let normal = check_graph(vertices_m, &triangles, &part.faces[face].normal.into())?;
         let (outer, holes) = outline::loops(vertices_m, &triangles, &normal)?;
-        let chart = Chart::of(&outer, &normal, self.u_along.as_ref());
-        let samples = samples::taken(vertices_m, &triangles, &chart)?;
+        let u_along = self.u_along.as_ref();
+        let mut chart = Chart::of(&outer, &normal, u_along);
+        let mut taken = samples::taken(vertices_m, &triangles, &chart);
+        // Four sides may be bent so far that what Coons blends between them folds.
+        if matches!(taken, Err(SurfaceFault::FaceFolds { .. })) && chart.has_four_sides {
+            chart = Chart::in_rectangle(&outer, &normal, u_along);
+            taken = samples::taken(vertices_m, &triangles, &chart);
+        }
+        let samples = taken?;
         let fitted = fit::fit(&samples, &chart, self.deviation_m)?;
         check_normals(&fitted.patch, normal.into_inner().into())?;
         let boundary = boundary(&chart, &outer, &holes, 0.25 * self.deviation_m)?;
