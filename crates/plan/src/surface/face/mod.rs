@@ -1,5 +1,6 @@
 //! A face of a part's mesh as a patch: picked by a point and a crease angle, laid over the unit
-//! square, fitted by a cubic B-spline surface whose deviation from the mesh is measured and bounded.
+//! square, fitted by a cubic B-spline surface whose deviation from the mesh is measured and
+//! bounded.
 //!
 //! The face must be a graph over the plane across its mean normal. A face with four corners is laid
 //! over the square side by side, so that lines of constant parameters run along its sides; any
