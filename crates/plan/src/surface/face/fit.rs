@@ -106,24 +106,24 @@ fn off_m(patch: &NurbsPatch, sample: &Sample) -> f64 {
 /// Halves the spans that hold a vertex which lies farther off; whether there were any, and no more
 /// control points than are taken.
 fn refined(breaks: &mut [Vec<f64>; 2], samples: &[Sample], off_m: &[f64], aim_m: f64) -> bool {
-    for k in 0..2 {
-        let spans = breaks[k].len() - 1;
+    for (k, breaks) in breaks.iter_mut().enumerate() {
+        let spans = breaks.len() - 1;
         let mut wanted = vec![false; spans];
         for (sample, off) in samples.iter().zip(off_m) {
             if sample.is_vertex && *off > aim_m {
-                let span = breaks[k].partition_point(|b| *b <= sample.uv[k]);
+                let span = breaks.partition_point(|b| *b <= sample.uv[k]);
                 wanted[span.clamp(1, spans) - 1] = true;
             }
         }
         let middles: Vec<f64> = (0..spans)
             .filter(|span| wanted[*span])
-            .map(|span| 0.5 * (breaks[k][span] + breaks[k][span + 1]))
+            .map(|span| 0.5 * (breaks[span] + breaks[span + 1]))
             .collect();
-        if middles.is_empty() || breaks[k].len() + middles.len() + DEGREE - 1 > MOST_POINTS {
+        if middles.is_empty() || breaks.len() + middles.len() + DEGREE - 1 > MOST_POINTS {
             return false;
         }
-        breaks[k].extend(middles);
-        breaks[k].sort_by(f64::total_cmp);
+        breaks.extend(middles);
+        breaks.sort_by(f64::total_cmp);
     }
     true
 }
