@@ -4,6 +4,7 @@
 use crate::{BAD_INPUT, CLAIM_FAILED, DIVERGED, Desk, claim};
 
 const OVERLOADED: i32 = 6;
+const PLACEHOLDERS: i32 = 7;
 
 /// A desk with a scenario of every kind in `all`; the slide's drive gives 20 kN. A load of 30 kN
 /// that is there at once swings nearly as far again beyond its rest: 3 times 20 kN less what half a
@@ -207,4 +208,98 @@ fn running_a_folder_points_to_check() {
     assert_eq!(output.status.code(), Some(BAD_INPUT));
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("truecut check all"), "{said}");
+}
+
+/// An arm of six equal axes, one above the other, whose links have these masses and inertias.
+fn stacked_arm(masses_kg: [f64; 6], inertias_kg_m2: [f64; 6]) -> String {
+    let mut text = "<robot name=\"stack\"><link name=\"base\"/>".to_owned();
+    let mut parent = "base".to_owned();
+    for (index, (mass, inertia)) in masses_kg.iter().zip(inertias_kg_m2).enumerate() {
+        let axis = ["0 0 1", "0 1 0"][index % 2];
+        text += &format!(
+            "<joint name=\"j{index}\" type=\"revolute\"><parent link=\"{parent}\"/>\
+             <child link=\"l{index}\"/><origin xyz=\"0 0 0.3\"/><axis xyz=\"{axis}\"/>\
+             <limit lower=\"-3\" upper=\"3\" effort=\"1e6\" velocity=\"9\"/></joint>\
+             <link name=\"l{index}\"><inertial><origin xyz=\"0 0 0.1\"/><mass value=\"{mass}\"/>\
+             <inertia ixx=\"{inertia}\" iyy=\"{inertia}\" izz=\"{inertia}\" ixy=\"0\" ixz=\"0\" \
+             iyz=\"0\"/></inertial></link>"
+        );
+        parent = format!("l{index}");
+    }
+    text + "</robot>"
+}
+
+#[test]
+fn an_arm_of_placeholders_fails_by_two_signs_and_not_by_one() {
+    let desk = Desk::new();
+    let own_kg = [90.0, 70.0, 40.0, 20.0, 10.0, 5.0];
+    let own = [4.0, 3.0, 1.0, 0.5, 0.2, 0.1];
+    let arms = [
+        ("own", own_kg, own, 0, ""),
+        ("one_mass", [30.0; 6], own, 0, "have the same mass, 30 kg"),
+        ("one_inertia", own_kg, [1.0; 6], 0, "have the same inertia"),
+        ("light", own_kg.map(|kg| 1e-2 * kg), own, 0, "than in any"),
+        ("both", [1.0; 6], [1.0; 6], PLACEHOLDERS, "same inertia"),
+        ("light_alike", [0.1; 6], own, PLACEHOLDERS, "than in any"),
+    ];
+    let joint = |index| {
+        format!(
+            "[[joint]]\nname = \"j{index}\"\nstiffness_nm_per_rad = 1e6\n\
+             damping_nm_s_per_rad = 1e3\n[joint.source]\nstiffness = \"a test\"\n\
+             damping = \"a test\"\n"
+        )
+    };
+    let joints: String = (0..6).map(joint).collect();
+    std::fs::write(desk.path("robot.toml"), joints).unwrap();
+    for (name, masses, inertias, code, told) in arms {
+        let urdf = format!("{name}.urdf");
+        std::fs::write(desk.path(&urdf), stacked_arm(masses, inertias)).unwrap();
+        let text = format!(
+            "name = \"Rig {name}\"\n[robot]\nurdf = \"{urdf}\"\ndrive = \"position\"\n\
+             posture_deg = [0, 20, 0, 40, 0, 30]\n[run]\nduration_s = 0.05\n\
+             [process.load]\nconstant_n = [10, 0, 0]\n{}",
+            claim("gives way", "max = 1000")
+        );
+        std::fs::write(desk.path(&format!("{name}.toml")), text).unwrap();
+        let run = ["run", &format!("{name}.toml"), "--no-rrd"];
+        desk.ends(0, &[&run[..], &["--set", "run.placeholders=warn"]].concat());
+        let out = desk.ends(code, &run);
+        assert!(out.contains(told), "{out}");
+        assert_eq!(out.contains("✗ rests on placeholders"), code != 0, "{out}");
+        assert!(out.contains("✓ gives way"), "{out}");
+    }
+    let junit = ["check", "both.toml", "own.toml", "--junit", "junit.xml"];
+    desk.ends(PLACEHOLDERS, &junit);
+    let junit = std::fs::read_to_string(desk.path("junit.xml")).unwrap();
+    assert!(run_case(&junit, "both").contains("<failure"), "{junit}");
+    assert!(!run_case(&junit, "own").contains("<failure"), "{junit}");
+    let summary = std::fs::read_to_string(desk.path("out/light_alike/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let signs = &summary["outcome"]["placeholders"]["signs"];
+    assert!(signs.as_str().unwrap().contains("same mass"), "{signs}");
+}
+
+#[test]
+fn what_a_file_says_does_not_act_on_the_terminal_and_long_lines_are_cut() {
+    let desk = Desk::new();
+    let key = "x".repeat(100_000);
+    let texts = [
+        format!("name = \"a\"\n{key} = 1\n"),
+        "name = \"a\"\n# \u{1b}]0;mine\u{7}\nbad = \"\u{9b}31m\"\n".to_owned(),
+        format!("name = \"a\" # \u{1b}[31m\n[run]\nduration_s = \"{key}\"\n"),
+    ];
+    for text in texts {
+        std::fs::write(desk.path("bad.toml"), text).unwrap();
+        let output = desk.truecut(&["run", "bad.toml"]);
+        assert_eq!(output.status.code(), Some(BAD_INPUT));
+        let said = String::from_utf8(output.stderr).unwrap();
+        let acts = |c: char| c.is_control() && c != '\n';
+        assert!(!said.contains(acts), "{said:?}");
+        assert!(
+            said.lines().all(|line| line.chars().count() < 500),
+            "{}",
+            said.len()
+        );
+        assert!(said.contains("bad.toml:"), "{said}");
+    }
 }

@@ -151,7 +151,9 @@ impl Robot {
             return Err(error);
         }
         chain.notes.extend(estimated_masses(&tree));
-        chain.notes.extend(doubts::notes(&chain));
+        let doubts = doubts::of(&chain);
+        chain.notes.extend(doubts.notes);
+        chain.placeholders = doubts.placeholders;
         Ok(Self {
             name: settings.name.unwrap_or_else(|| chain.name.clone()),
             frames: Frames {

@@ -178,6 +178,8 @@ pub struct Chain {
     pub tip: String,
     /// What was merged, chosen or left out when the file was read; one sentence each.
     pub notes: Vec<String>,
+    /// Why masses and inertias seem to be placeholders, if they do.
+    pub placeholders: Option<String>,
 }
 
 /// The frames of a robot, each fixed to the last link.

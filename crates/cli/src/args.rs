@@ -27,7 +27,7 @@ pub use stability::{LobesArguments, PostureArguments};
 ///
 /// Exit codes: 0 good, 1 a claim failed or a robot program cannot be run as written, 2 bad input,
 /// 3 a run diverged, 4 the cross-check disagrees, 5 a run ended in chatter, 6 a drive is
-/// overloaded.
+/// overloaded, 7 masses or inertias of the arm are placeholders.
 #[derive(Debug, Parser)]
 #[command(name = "truecut", version)]
 pub struct Arguments {

@@ -23,6 +23,8 @@ pub enum ExitStatus {
     Chatter = 5,
     /// More was asked of a drive than it gives.
     Overloaded = 6,
+    /// A run's masses or inertias are no arm's.
+    Placeholders = 7,
 }
 
 impl ExitStatus {
@@ -36,6 +38,7 @@ impl ExitStatus {
         match outcome {
             Outcome::Completed => ExitStatus::Good,
             Outcome::Overloaded { .. } => ExitStatus::Overloaded,
+            Outcome::Placeholders { .. } => ExitStatus::Placeholders,
             Outcome::Diverged { .. } | Outcome::Interrupted => ExitStatus::Diverged,
             Outcome::Chatter { .. } => ExitStatus::Chatter,
         }
@@ -43,11 +46,9 @@ impl ExitStatus {
 
     /// ExitStatus of a sweep and its claims.
     pub fn of_sweep(table: &SweepTable, claims: &[ClaimResult]) -> ExitStatus {
-        let unfinished = table.unfinished.iter().flatten();
-        let overloaded = table.count_overloaded().min(1);
-        unfinished
+        let faults = table.faults.iter().flatten();
+        faults
             .map(|run| ExitStatus::of_outcome(&run.outcome))
-            .chain(std::iter::repeat_n(ExitStatus::Overloaded, overloaded))
             .fold(ExitStatus::of_claims(claims), ExitStatus::and)
     }
 
@@ -59,17 +60,18 @@ impl ExitStatus {
         }
     }
 
-    /// The more severe of two: bad input before divergence, chatter, overload, disagreement and a
-    /// failed claim.
+    /// The more severe of two: bad input before divergence, chatter, overload, placeholders,
+    /// disagreement and a failed claim.
     pub fn and(self, other: ExitStatus) -> ExitStatus {
         let gravity = |status| match status {
             ExitStatus::Good => 0,
             ExitStatus::ClaimFailed => 1,
             ExitStatus::Disagrees => 2,
-            ExitStatus::Overloaded => 3,
-            ExitStatus::Chatter => 4,
-            ExitStatus::Diverged => 5,
-            ExitStatus::BadInput => 6,
+            ExitStatus::Placeholders => 3,
+            ExitStatus::Overloaded => 4,
+            ExitStatus::Chatter => 5,
+            ExitStatus::Diverged => 6,
+            ExitStatus::BadInput => 7,
         };
         if gravity(other) > gravity(self) {
             other
@@ -91,11 +93,12 @@ mod tests {
 
     #[test]
     fn the_gravest_status_wins_whatever_the_order() {
-        use ExitStatus::{BadInput, Chatter, ClaimFailed, Disagrees, Diverged, Good, Overloaded};
+        use ExitStatus::*;
         let by_gravity = [
             Good,
             ClaimFailed,
             Disagrees,
+            Placeholders,
             Overloaded,
             Chatter,
             Diverged,

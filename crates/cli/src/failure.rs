@@ -1,10 +1,11 @@
 //! Errors of the program, as one report on standard error.
 
+use std::ops::Range;
 use std::path::Path;
 
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use truecut_arm::{ArmError, ArmErrorKind};
-use truecut_scenario::{Identification, Scenario, ScenarioError};
+use truecut_scenario::{Identification, Scenario, ScenarioError, excerpt, harmless_text};
 use truecut_sim::SimError;
 use truecut_sim::run::RunError;
 use truecut_telemetry::FileError;
@@ -143,8 +144,8 @@ impl Failure {
 
 fn described(text: impl Into<String>, help: Option<String>) -> MietteDiagnostic {
     MietteDiagnostic {
-        help,
-        ..MietteDiagnostic::new(text)
+        help: help.as_deref().map(harmless_text),
+        ..MietteDiagnostic::new(harmless_text(&text.into()))
     }
 }
 
@@ -160,23 +161,25 @@ fn in_lines(
     help: Option<String>,
 ) -> Option<Failure> {
     let source = truecut_files::read_text(path).ok()?;
-    let label = |(index, (line, label)): (usize, &(usize, String))| {
+    let span = |(line, _): &(usize, String)| {
         let lines = source.split_inclusive('\n').take(line.checked_sub(1)?);
         let start: usize = lines.map(str::len).sum();
         let rest = source.get(start..)?.lines().next().unwrap_or_default();
-        let span = (
-            start + rest.len() - rest.trim_start().len(),
-            rest.trim().len(),
-        );
+        let first = start + rest.len() - rest.trim_start().len();
+        Some(first..first + rest.trim().len())
+    };
+    let mut spans: Vec<Range<usize>> = labels.iter().map(span).collect::<Option<_>>()?;
+    let source = excerpt(&source, &mut spans);
+    let label = |(index, ((_, label), span)): (usize, (&(usize, String), Range<usize>))| {
         let of = if index == 0 {
             LabeledSpan::new_primary_with_span
         } else {
             LabeledSpan::new_with_span
         };
-        Some(of(Some(label.clone()), span))
+        of(Some(harmless_text(label)), span)
     };
-    let labels: Option<Vec<LabeledSpan>> = labels.iter().enumerate().map(label).collect();
-    let report = Report::new(described(text, help).with_labels(labels?));
+    let labels: Vec<LabeledSpan> = labels.iter().zip(spans).enumerate().map(label).collect();
+    let report = Report::new(described(text, help).with_labels(labels));
     let source = NamedSource::new(path.display().to_string(), source);
     Some(Failure(report.with_source_code(source)))
 }

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use truecut::SweepOutputs;
 use truecut::outputs::{SWEEP_OUTCOME, write_file};
-use truecut_recording::{ClaimResult, Outcome, short_number, significant};
+use truecut_recording::{ClaimResult, short_number, significant};
 use truecut_scenario::Scenario;
-use truecut_sim::sweep::{Column, SweepTable};
+use truecut_sim::sweep::{Column, Fault, SweepTable};
 
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
@@ -44,14 +44,11 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
     let rows = table.rows.iter().enumerate().map(|(index, row)| {
         let cells = table.columns.iter().zip(row);
         let cells = cells.map(|(column, value)| cell(column, *value));
-        let unfinished = table.unfinished[index].as_ref().map(|run| &run.outcome);
-        let outcome = match (unfinished, &table.overloaded[index]) {
-            (Some(Outcome::Chatter { .. }), _) => "✗ chatter",
-            (Some(_), _) => "✗ diverged",
-            (None, Some(_)) => "✗ overloaded",
-            (None, None) => "completed",
+        let outcome = match &table.faults[index] {
+            Some(fault) => format!("✗ {}", text::ended(fault)),
+            None => "completed".to_owned(),
         };
-        cells.chain([outcome.to_owned()]).collect()
+        cells.chain([outcome]).collect()
     });
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
     let mut aligns = vec![Align::Right; table.columns.len()];
@@ -158,14 +155,15 @@ fn without_value(
     let values = curves.iter().flat_map(|curve| &curve.points);
     let lowest = values.map(|point| point.1).filter(|y| y.is_finite());
     let lowest = lowest.reduce(f64::min).unwrap_or(0.0);
-    let rows = || table.rows.iter().zip(&table.unfinished);
+    let rows = || table.rows.iter().zip(&table.faults);
     let kinds = [
         (true, "no value: the run ended early", PINK),
         (false, "no value in a completed run", BLACK),
     ];
     let layer = |(is_early, label, colour)| {
-        let missing = rows().filter(|(row, unfinished)| {
-            unfinished.is_some() == is_early && members.iter().any(|i| row[*i].is_nan())
+        let missing = rows().filter(|(row, fault)| {
+            fault.as_ref().is_some_and(Fault::ended_early) == is_early
+                && members.iter().any(|i| row[*i].is_nan())
         });
         let points: Vec<(f64, f64)> = missing.map(|(row, _)| (row[over], lowest)).collect();
         (!points.is_empty()).then(|| Layer::circles(label, points, colour))
@@ -198,8 +196,7 @@ fn curves_of(table: &SweepTable, index: usize, over: usize, outer: Option<usize>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use truecut_recording::UserUnit;
-    use truecut_sim::sweep::Unfinished;
+    use truecut_recording::{Outcome, UserUnit};
 
     fn column(name: &str, unit: &str, is_axis: bool) -> Column {
         Column {
@@ -212,7 +209,7 @@ mod tests {
     #[test]
     fn axes_have_titles_and_missing_values_are_marked_and_explained() {
         let nan = f64::NAN;
-        let early = Unfinished {
+        let early = Fault {
             outcome: Outcome::Chatter {
                 time_s: 0.1,
                 amplitude_m: 1e-3,
@@ -232,8 +229,7 @@ mod tests {
                 vec![200.0, nan, 3.0, 0.6],
                 vec![300.0, nan, nan, nan],
             ],
-            unfinished: vec![None, None, Some(early)],
-            overloaded: vec![None, None, None],
+            faults: vec![None, None, Some(early)],
         };
         let [lengths, shares] = &panels(&table)[..] else {
             panic!("two units");
@@ -254,8 +250,7 @@ mod tests {
         assert_eq!(marks(shares, "completed run"), None);
         let whole = SweepTable {
             rows: table.rows[..1].to_vec(),
-            unfinished: vec![None],
-            overloaded: vec![None],
+            faults: vec![None],
             ..table
         };
         assert!(

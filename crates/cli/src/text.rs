@@ -7,7 +7,7 @@ pub use comfy_table::CellAlignment as Align;
 use comfy_table::presets;
 use serde::Serialize;
 use truecut_recording::{ClaimResult, Outcome, Scalar, Unit, UserUnit, significant};
-use truecut_sim::sweep::SweepTable;
+use truecut_sim::sweep::{Fault, SweepTable};
 
 use crate::failure::Failure;
 
@@ -107,23 +107,37 @@ fn belt_faults(all: &[Scalar]) -> String {
 /// Fraction of the time on the face that a carrier may need to leave its stop at touch-down.
 const LEAST_STOPPED: f64 = 0.05;
 
-/// How many rows a sweep has, and in how many of them a run diverged, ended in chatter or
-/// overloaded a drive.
+/// How many rows a sweep has, and in how many of them a run did not end well, and how.
 pub fn count_rows(table: &SweepTable) -> String {
-    let ended = table.unfinished.iter().flatten();
-    let chatter = ended.filter(|run| matches!(run.outcome, Outcome::Chatter { .. }));
-    let chatter = chatter.count();
+    let ends: Vec<&str> = table.faults.iter().flatten().map(ended).collect();
     let mut text = format!("{} rows", table.rows.len());
-    for (count, how) in [
-        (table.count_unfinished() - chatter, "diverged"),
-        (chatter, "ended in chatter"),
-        (table.count_overloaded(), "overloaded"),
+    for (end, how) in [
+        (DIVERGED, DIVERGED),
+        (CHATTER, "ended in chatter"),
+        (OVERLOADED, OVERLOADED),
+        (PLACEHOLDERS, "on placeholders"),
     ] {
+        let count = ends.iter().filter(|found| **found == end).count();
         if count > 0 {
             text += &format!(", ✗ {count} {how}");
         }
     }
     text
+}
+
+const DIVERGED: &str = "diverged";
+const CHATTER: &str = "chatter";
+const OVERLOADED: &str = "overloaded";
+const PLACEHOLDERS: &str = "placeholders";
+
+/// How the run of a row ended, in a word.
+pub fn ended(fault: &Fault) -> &'static str {
+    match &fault.outcome {
+        Outcome::Chatter { .. } => CHATTER,
+        Outcome::Overloaded { .. } => OVERLOADED,
+        Outcome::Placeholders { .. } => PLACEHOLDERS,
+        Outcome::Completed | Outcome::Interrupted | Outcome::Diverged { .. } => DIVERGED,
+    }
 }
 
 /// The claims, one per line: whether it holds, its value and bounds, and why it must hold.

@@ -142,6 +142,12 @@ pub enum Outcome {
         /// The limit with its unit.
         limit: String,
     },
+    /// It ran to its end, but with masses or inertias that no arm has: its numbers say nothing of
+    /// the real one. All that was recorded is there.
+    Placeholders {
+        /// What they are told by.
+        signs: String,
+    },
     /// It was stopped from outside; what was recorded until then is there. Readers find the same of
     /// a stream without an end mark: its program was killed while it ran.
     Interrupted,
@@ -176,7 +182,15 @@ pub enum Outcome {
 impl Outcome {
     /// Whether the run came to its end, so that numbers over the whole of it exist.
     pub fn reached_end(&self) -> bool {
-        matches!(self, Outcome::Completed | Outcome::Overloaded { .. })
+        matches!(self, Outcome::Completed) || self.fails_at_its_end()
+    }
+
+    /// Whether the run came to its end and fails all the same, whatever its claims say.
+    pub fn fails_at_its_end(&self) -> bool {
+        matches!(
+            self,
+            Outcome::Overloaded { .. } | Outcome::Placeholders { .. }
+        )
     }
 }
 
@@ -185,6 +199,13 @@ impl std::fmt::Display for Outcome {
         match self {
             Outcome::Completed => formatter.write_str("completed"),
             Outcome::Interrupted => formatter.write_str("was interrupted"),
+            Outcome::Placeholders { signs } => {
+                write!(
+                    formatter,
+                    "rests on placeholders: {signs}; give the arm's own values in robot.toml, or \
+                     estimate them with `truecut robot init`"
+                )
+            }
             Outcome::Overloaded {
                 time_s,
                 joint,

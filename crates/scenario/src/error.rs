@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
+use crate::excerpt::{excerpt, harmless_text};
 use crate::fault::Fault;
 
 /// Why a scenario could not be loaded.
@@ -51,13 +52,16 @@ pub struct Problem {
 
 impl Problem {
     pub(crate) fn new(fault: Fault, place: Place) -> Problem {
+        let mut span = [place.span];
+        let text = excerpt(&place.text, &mut span);
+        let [span] = span;
         Problem {
             key: fault.path.join("."),
-            message: fault.message,
-            help: fault.help,
-            label: fault.label,
-            text: NamedSource::new(place.source_name, place.text),
-            span: place.span.into(),
+            message: harmless_text(&fault.message),
+            help: fault.help.as_deref().map(harmless_text),
+            label: harmless_text(&fault.label),
+            text: NamedSource::new(place.source_name, text),
+            span: span.into(),
             line: place.line,
         }
     }

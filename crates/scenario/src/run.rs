@@ -20,14 +20,16 @@ pub struct RunSpec {
     /// Factor by which deflections are exaggerated in the second, transparent arm of the 3-D view.
     pub deflection_scale: f64,
     /// What it comes to if more is asked of a drive than it gives.
-    pub overload: OverloadRule,
+    pub overload: FaultRule,
+    /// What it comes to if masses and inertias of the arm seem to be placeholders.
+    pub placeholders: FaultRule,
 }
 
-/// What an overloaded drive does to a run's verdict.
+/// What it does to the verdict of a run that came to its end that it says little of the real arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum OverloadRule {
-    /// The run ends as overloaded and fails.
+pub enum FaultRule {
+    /// The run's outcome says so, and it fails.
     #[default]
     Fail,
     /// The run's text says so, and its verdict is left to the claims.
@@ -55,7 +57,11 @@ pub(crate) struct RunTable {
     deflection_scale: Option<f64>,
     /// What an overloaded drive does to the verdict: "fail", or "warn" where only the text of the
     /// run says so. Default: "fail".
-    overload: Option<OverloadRule>,
+    overload: Option<FaultRule>,
+    /// What it does to the verdict that masses and inertias of the arm seem to be placeholders (two
+    /// of three: all links have the same mass; all have the same inertia; no machine of that reach
+    /// has that mass): "fail", or "warn" where only the notes say so. Default: "fail".
+    placeholders: Option<FaultRule>,
 }
 
 /// Longest run, s: what is meant as longer is mostly a slip in a feed or a unit.
@@ -88,6 +94,7 @@ impl RunTable {
             record_interval_s: self.record_interval_ms.map(from_ms),
             deflection_scale: self.deflection_scale.unwrap_or(DEFAULT_DEFLECTION_SCALE),
             overload: self.overload.unwrap_or_default(),
+            placeholders: self.placeholders.unwrap_or_default(),
         };
         run.check_length(check);
         run.check_intervals(check);

@@ -53,6 +53,8 @@ pub(crate) struct Cell {
     /// Kinetic and potential energy at the last step, J.
     energy_j: (f64, f64),
     torque_use: TorqueUse,
+    /// Why the arm's masses are not its own, where that fails the run.
+    placeholders: Option<String>,
     deflection: Option<PathDeflection>,
     scalars: Vec<Scalar>,
     /// Nothing but rows is asked for.
@@ -230,7 +232,11 @@ impl Cell {
         }
         let findings = self.process.finish();
         if outcome == Outcome::Completed {
-            outcome = self.torque_use.outcome(self.scenario.run.overload);
+            // What is asked of the drives rests on the masses, too.
+            outcome = match self.placeholders.take() {
+                Some(signs) => Outcome::Placeholders { signs },
+                None => self.torque_use.outcome(self.scenario.run.overload),
+            };
         }
         self.scalars.extend(self.torque_use.scalar());
         self.scalars.extend(findings.scalars);

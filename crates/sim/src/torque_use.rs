@@ -4,7 +4,7 @@ use crate::build::Prepared;
 use crate::plant::Plant;
 use truecut_arm::{FrameId, Joint, directional_stiffness};
 use truecut_recording::{Outcome, Scalar, Unit};
-use truecut_scenario::{DriveKind, OverloadRule};
+use truecut_scenario::{DriveKind, FaultRule};
 
 /// The largest share of its limit that a drive was asked for.
 pub(crate) struct TorqueUse {
@@ -72,16 +72,14 @@ impl TorqueUse {
 impl TorqueUse {
     /// How a run that came to its end has ended: overloaded, if more was asked of a drive than it
     /// gives and the scenario's rule is that this fails.
-    pub(crate) fn outcome(&self, rule: OverloadRule) -> Outcome {
+    pub(crate) fn outcome(&self, rule: FaultRule) -> Outcome {
         match self.limits.get(self.joint) {
-            Some(drive) if self.largest > 1.0 && rule == OverloadRule::Fail => {
-                Outcome::Overloaded {
-                    time_s: self.time_s,
-                    joint: drive.name.clone(),
-                    share: self.largest,
-                    limit: format!("{} {}", drive.value, drive.unit),
-                }
-            }
+            Some(drive) if self.largest > 1.0 && rule == FaultRule::Fail => Outcome::Overloaded {
+                time_s: self.time_s,
+                joint: drive.name.clone(),
+                share: self.largest,
+                limit: format!("{} {}", drive.value, drive.unit),
+            },
             _ => Outcome::Completed,
         }
     }

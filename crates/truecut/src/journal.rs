@@ -12,7 +12,7 @@ use truecut_files::{read_text, watched};
 use truecut_recording::{Outcome, SinkError};
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Run, RunError};
-use truecut_sim::sweep::{Sweep, SweepTable, TableRow, Unfinished};
+use truecut_sim::sweep::{Fault, Sweep, SweepTable, TableRow};
 use truecut_telemetry::{FileError, Reason};
 
 use crate::outputs;
@@ -45,8 +45,7 @@ struct Line {
     row: usize,
     /// As texts, since JSON has neither infinity nor a number that is none.
     values: Vec<String>,
-    unfinished: Option<(Outcome, String)>,
-    overloaded: Option<String>,
+    fault: Option<(Outcome, String)>,
 }
 
 impl<'a> SweepOutputs<'a> {
@@ -138,8 +137,7 @@ fn append(file: &mut File, index: usize, row: &TableRow) -> std::io::Result<()> 
     let line = Line {
         row: index,
         values: row.values.iter().map(f64::to_string).collect(),
-        unfinished: (row.unfinished.as_ref()).map(|it| (it.outcome.clone(), it.why.clone())),
-        overloaded: row.overloaded.clone(),
+        fault: (row.fault.as_ref()).map(|it| (it.outcome.clone(), it.why.clone())),
     };
     file.write_all(format!("{}\n", serde_json::to_string(&line)?).as_bytes())
 }
@@ -149,8 +147,7 @@ impl Line {
         let values = self.values.iter().map(|value| value.parse().ok());
         let row = TableRow {
             values: values.collect::<Option<Vec<f64>>>()?,
-            unfinished: (self.unfinished).map(|(outcome, why)| Unfinished { outcome, why }),
-            overloaded: self.overloaded,
+            fault: (self.fault).map(|(outcome, why)| Fault { outcome, why }),
         };
         Some((self.row, row))
     }

@@ -163,9 +163,9 @@
 //! assert!(slides(0) && slides(1) && !slides(2) && !slides(3), "{:?}", table.rows);
 //! // Its claims are judged on the table, by the worst row.
 //! assert!(!table.claims(&swept)[0].holds);
-//! // Where a run did not come to its end the row's results are NaN, and `unfinished` says why; a
-//! // claim on a column with such a row does not hold.
-//! assert!(table.unfinished.iter().all(Option::is_none));
+//! // Where a run did not come to its end the row's results are NaN, and `faults` says why; a claim
+//! // on a column with such a row does not hold.
+//! assert!(table.faults.iter().all(Option::is_none));
 //!
 //! // The same sweep with its files: each row is on the disk as soon as it is made. Where the
 //! // program is killed, the next call goes on from there, if scenario, files and version are the

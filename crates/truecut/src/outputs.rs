@@ -136,7 +136,7 @@ impl Outputs {
 }
 
 /// Name of the column of a sweep's table that says how a row's runs ended: `completed`, which did
-/// not come to its end, and why, or which drive was overloaded.
+/// not come to its end, and why, or why they fail all the same.
 pub const SWEEP_OUTCOME: &str = "outcome";
 const SWEEP: &str = "sweep.parquet";
 const SWEEP_TEXT: &str = "sweep.csv";

@@ -19,8 +19,8 @@ use std::sync::Arc;
 use truecut_arm::JointKind;
 use truecut_core::sensor::{ChannelModel, Sensor};
 use truecut_recording::{ChannelSpec, Measured, Role, UnknownName};
-use truecut_scenario::Scenario;
 use truecut_scenario::effect::Target;
+use truecut_scenario::{FaultRule, Scenario};
 
 /// Largest recording, bytes.
 const LARGEST_RECORDING_BYTES: f64 = 2e9;
@@ -111,6 +111,8 @@ impl Cell {
             steps,
             energy_j: (0.0, 0.0),
             torque_use: TorqueUse::new(&prepared),
+            placeholders: (prepared.robot.chain.placeholders.clone())
+                .filter(|_| scenario.run.placeholders == FaultRule::Fail),
             deflection,
             rows_only: false,
             scalars: plant_scalars(&prepared),

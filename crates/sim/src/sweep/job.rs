@@ -29,19 +29,32 @@ pub struct Entry {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SweepRow {
     pub values: Vec<Entry>,
-    /// A run that did not come to its end; then the threshold and every column are NaN, since a
-    /// metric over a part of a run is no result.
-    pub unfinished: Option<Unfinished>,
-    /// Which drive was asked for more than it gives in the run that the columns are of.
-    pub overloaded: Option<String>,
+    /// What is wrong with the run that the columns are of. If it did not come to its end, the
+    /// threshold and every column are NaN, since a metric over a part of a run is no result.
+    pub fault: Option<Fault>,
 }
 
-/// A run that did not come to its end.
+/// A run that did not come to its end, or that fails all the same.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Unfinished {
+pub struct Fault {
     pub outcome: Outcome,
-    /// Which run it was, and why it ended.
+    /// Which run it was, and how it ended.
     pub why: String,
+}
+
+impl Fault {
+    /// Whether the run did not come to its end.
+    pub fn ended_early(&self) -> bool {
+        !self.outcome.reached_end()
+    }
+
+    fn of(recording: &Recording, which: &str) -> Option<Fault> {
+        let outcome = &recording.outcome;
+        (*outcome != Outcome::Completed).then(|| Fault {
+            outcome: outcome.clone(),
+            why: format!("{which}{outcome}"),
+        })
+    }
 }
 
 impl SweepRow {
@@ -130,35 +143,25 @@ fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
                 value,
                 unit: None,
             });
-            row.unfinished = last.unfinished;
+            row.fault = last.fault;
             last.recording
         }
         None => {
             let recording = record(&job.scenario, &job.overrides, progress)?;
-            row.unfinished = unfinished(&recording, "");
+            row.fault = Fault::of(&recording, "");
             recording
         }
     };
-    row.overloaded = matches!(recording.outcome, Outcome::Overloaded { .. })
-        .then(|| recording.outcome.to_string());
+    let ended_early = row.fault.as_ref().is_some_and(Fault::ended_early);
     for column in &job.sweep.columns {
         let metric = column.metric.evaluate(&recording)?;
         row.values.push(Entry {
             name: column.name.clone(),
-            value: row.unfinished.as_ref().map_or(metric.value, |_| f64::NAN),
+            value: if ended_early { f64::NAN } else { metric.value },
             unit: Some(metric.unit),
         });
     }
     Ok(row)
-}
-
-/// How a run ended if it did not come to its end; `which` stands before that.
-fn unfinished(recording: &Recording, which: &str) -> Option<Unfinished> {
-    let outcome = &recording.outcome;
-    (!outcome.reached_end()).then(|| Unfinished {
-        outcome: outcome.clone(),
-        why: format!("{which}{outcome}"),
-    })
 }
 
 /// Bisects for the smallest value at which the metric meets its limit, and gives the run there, or
@@ -182,11 +185,11 @@ fn search(
     };
     let (mut low, mut high) = (bisect.from, bisect.to);
     let mut best = run_at(high)?;
-    if best.unfinished.is_some() || !best.meets_limit {
+    if best.ended_early() || !best.meets_limit {
         return Ok((f64::NAN, best));
     }
     let lowest = run_at(low)?;
-    if lowest.unfinished.is_some() {
+    if lowest.ended_early() {
         return Ok((f64::NAN, lowest));
     }
     if lowest.meets_limit {
@@ -195,7 +198,7 @@ fn search(
     while high - low > bisect.tolerance * high.abs() {
         let middle = 0.5 * (low + high);
         let tried = run_at(middle)?;
-        if tried.unfinished.is_some() {
+        if tried.ended_early() {
             return Ok((f64::NAN, tried));
         }
         if tried.meets_limit {
@@ -212,7 +215,13 @@ fn search(
 struct SearchRun {
     meets_limit: bool,
     recording: Recording,
-    unfinished: Option<Unfinished>,
+    fault: Option<Fault>,
+}
+
+impl SearchRun {
+    fn ended_early(&self) -> bool {
+        self.fault.as_ref().is_some_and(Fault::ended_early)
+    }
 }
 
 fn search_run(
@@ -227,7 +236,7 @@ fn search_run(
     let metric = bisect.metric.evaluate(&recording)?;
     Ok(SearchRun {
         meets_limit: metric.value <= bisect.limit,
-        unfinished: unfinished(
+        fault: Fault::of(
             &recording,
             &format!("the trial at {} = {value} ", bisect.key),
         ),

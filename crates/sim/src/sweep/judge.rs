@@ -59,7 +59,7 @@ impl SweepTable {
         });
         let worst = row.map(|row| values[row]).filter(|value| value.is_finite());
         let row_name = row.map_or_else(|| "no row".to_owned(), |row| self.row_name(row));
-        let run = row.and_then(|row| self.unfinished[row].as_ref());
+        let run = row.and_then(|row| self.faults[row].as_ref());
         let why = run.map_or("the row has no value", |run| run.why.as_str());
         let note = worst.is_none().then(|| why.to_owned());
         let metric = match &claim.over {

@@ -8,5 +8,5 @@ mod job;
 mod judge;
 mod table;
 
-pub use job::{Entry, Job, SweepRow, Unfinished, jobs, run_job};
+pub use job::{Entry, Fault, Job, SweepRow, jobs, run_job};
 pub use table::{Column, Done, Sweep, SweepTable, TableRow, sweep};

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use truecut_recording::{UserUnit, short_number};
 use truecut_scenario::Scenario;
 
-use super::job::{Job, SweepRow, Unfinished, jobs, run_job};
+use super::job::{Fault, Job, SweepRow, jobs, run_job};
 use crate::run::{Run, RunError};
 
 /// The results of a sweep: a row for each job, the last axis running fastest.
@@ -18,11 +18,8 @@ pub struct SweepTable {
     pub columns: Vec<Column>,
     /// Values in the unit of their column.
     pub rows: Vec<Vec<f64>>,
-    /// For each row, that of its runs which did not come to its end.
-    pub unfinished: Vec<Option<Unfinished>>,
-    /// For each row, which drive was asked for more than it gives in the run that its values are
-    /// of.
-    pub overloaded: Vec<Option<String>>,
+    /// For each row, what is wrong with that of its runs which its values are of.
+    pub faults: Vec<Option<Fault>>,
 }
 
 /// A column of a sweep's results.
@@ -61,10 +58,8 @@ impl Column {
 pub struct TableRow {
     /// Values in the unit of their column.
     pub values: Vec<f64>,
-    /// That of its runs which did not come to its end.
-    pub unfinished: Option<Unfinished>,
-    /// Which drive was asked for more than it gives.
-    pub overloaded: Option<String>,
+    /// What is wrong with that of its runs which the values are of.
+    pub fault: Option<Fault>,
 }
 
 /// A sweep that is asked for.
@@ -142,13 +137,11 @@ impl<'a> Sweep<'a> {
         let mut table = SweepTable {
             columns,
             rows: Vec::new(),
-            unfinished: Vec::new(),
-            overloaded: Vec::new(),
+            faults: Vec::new(),
         };
         for row in rows {
             table.rows.push(row.values);
-            table.unfinished.push(row.unfinished);
-            table.overloaded.push(row.overloaded);
+            table.faults.push(row.fault);
         }
         Ok(table)
     }
@@ -171,8 +164,7 @@ impl<'a> Sweep<'a> {
         advance(1.0);
         let row = TableRow {
             values: values(columns, &made),
-            unfinished: made.unfinished,
-            overloaded: made.overloaded,
+            fault: made.fault,
         };
         (self.done)(index, &row)?;
         Ok(row)
@@ -242,18 +234,13 @@ impl SweepTable {
 
     /// In how many rows a run did not come to its end.
     pub fn count_unfinished(&self) -> usize {
-        self.unfinished.iter().flatten().count()
-    }
-
-    /// In how many rows a drive was overloaded.
-    pub fn count_overloaded(&self) -> usize {
-        self.overloaded.iter().flatten().count()
+        let faults = self.faults.iter().flatten();
+        faults.filter(|fault| fault.ended_early()).count()
     }
 
     /// How the runs of a row ended, if not well.
     pub fn fault(&self, row: usize) -> Option<&str> {
-        let unfinished = self.unfinished[row].as_ref().map(|run| run.why.as_str());
-        unfinished.or(self.overloaded[row].as_deref())
+        self.faults[row].as_ref().map(|fault| fault.why.as_str())
     }
 
     /// The row by the values of its axes: `mu = 0.1, bore_mm = 32`; its number where there are no
