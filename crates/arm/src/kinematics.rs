@@ -15,8 +15,8 @@ impl Joint {
 }
 
 impl Robot {
-    /// Poses of all links that move, those of followers too ([`Chain::moving`]), at posture `q`
-    /// (rad or m, in chain order), world from link.
+    /// Poses of all links that move, those of followers too ([`crate::Chain::moving`]), at posture
+    /// `q` (rad or m, in chain order), world from link.
     ///
     /// # Panics
     /// If `q` does not have one value per joint; check outside input with [`Robot::check_posture`].
