@@ -104,6 +104,11 @@ impl Cell {
         self.rows_only = true;
     }
 
+    /// A row at every step, whatever the scenario says.
+    pub fn keep_every_step(&mut self) {
+        self.steps_per_row = 1;
+    }
+
     /// Ends the run early: [`ROWS_BEYOND`] rows after the first one that is not before `time_s`.
     pub fn end_after(&mut self, time_s: f64) {
         let rows = (time_s / self.row_interval_s()).ceil().max(0.0) as usize + ROWS_BEYOND;

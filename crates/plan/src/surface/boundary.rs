@@ -106,8 +106,10 @@ impl Boundary {
         let mut crossings = 0;
         let lines = std::iter::once(&self.corners_m).chain(&self.holes_m);
         for (line, corners_m) in lines.enumerate() {
-            let seen = seen(corners_m, centre_m, axes);
-            for (side, (a, b)) in sides(&seen).enumerate() {
+            let corners: Vec<_> = (corners_m.iter())
+                .map(|corner_m| seen(corner_m, centre_m, &axes))
+                .collect();
+            for (side, (a, b)) in sides(&corners).enumerate() {
                 let crosses =
                     (a.y > 0.0) != (b.y > 0.0) && a.x - a.y * (b.x - a.x) / (b.y - a.y) > 0.0;
                 crossings += usize::from(crosses);
@@ -142,8 +144,11 @@ impl Boundary {
             Vector3::y()
         };
         let x = (x - normal.into_inner() * normal.dot(&x)).normalize();
-        let seen = seen(&self.corners_m, &self.corners_m[0], [x, normal.cross(&x)]);
-        let sides: Vec<_> = sides(&seen).collect();
+        let axes = [x, normal.cross(&x)];
+        let corners: Vec<_> = (self.corners_m.iter())
+            .map(|corner_m| seen(corner_m, &self.corners_m[0], &axes))
+            .collect();
+        let sides: Vec<_> = sides(&corners).collect();
         for first in 0..count {
             for second in first + 1..count {
                 let neighbours = second == first + 1 || (first == 0 && second == count - 1);
@@ -164,17 +169,14 @@ impl Boundary {
     }
 }
 
-/// Corners in the plane of two square directions of length 1.
-fn seen(
-    corners_m: &[Vector3<f64>],
+/// A point in the plane of two square directions of length 1.
+pub(super) fn seen(
+    point_m: &Vector3<f64>,
     centre_m: &Vector3<f64>,
-    axes: [Vector3<f64>; 2],
-) -> Vec<Vector2<f64>> {
-    let corner = |p: &Vector3<f64>| {
-        let from = p - centre_m;
-        Vector2::new(from.dot(&axes[0]), from.dot(&axes[1]))
-    };
-    corners_m.iter().map(corner).collect()
+    axes: &[Vector3<f64>; 2],
+) -> Vector2<f64> {
+    let from = point_m - centre_m;
+    Vector2::new(from.dot(&axes[0]), from.dot(&axes[1]))
 }
 
 fn sides(corners: &[Vector2<f64>]) -> impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> {

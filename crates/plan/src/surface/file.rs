@@ -28,24 +28,17 @@ use crate::bounds::OutOfBounds;
 /// Normals are checked at this many places along each parameter.
 const CHECKED: usize = 25;
 
-/// Kinds, for the schema.
-#[derive(JsonSchema)]
-#[serde(rename_all = "snake_case")]
-#[allow(dead_code)]
-enum Kind {
-    /// A rational B-spline surface.
-    Nurbs,
-    /// A parallelogram.
-    Plane,
-}
+/// What a patch may be: a rational B-spline surface, a parallelogram.
+const NURBS: &str = "nurbs";
+const PLANE: &str = "plane";
 
 /// A patch of a surface: a B-spline surface or a plane, in a frame of its own.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "truecut surface")]
 struct RawPatch {
-    /// What the patch is.
-    #[schemars(with = "Kind")]
+    /// What the patch is: a rational B-spline surface (nurbs) or a parallelogram (plane).
+    #[schemars(with = "String", extend("enum" = [NURBS, PLANE]))]
     kind: Spanned<String>,
     /// A direction out of the part, of any length, less than 90 degrees from every normal.
     #[schemars(with = "[f64; 3]")]
@@ -160,14 +153,14 @@ impl RawPatch {
             ("side_v_mm", self.side_v_mm.is_some()),
         ];
         match self.kind.get_ref().as_str() {
-            "nurbs" => {
-                idle("nurbs", &of_planes)?;
+            NURBS => {
+                idle(NURBS, &of_planes)?;
                 self.nurbs()
             }
-            "plane" => {
-                idle("plane", &of_nurbs)?;
+            PLANE => {
+                idle(PLANE, &of_nurbs)?;
                 let need = |value: &Option<Spanned<[f64; 3]>>, key| {
-                    get(value, key, "plane").map(|mm| metres(*mm))
+                    get(value, key, PLANE).map(|mm| metres(*mm))
                 };
                 Ok(Box::new(PlanePatch::new(
                     need(&self.corner_mm, "corner_mm")?,
@@ -183,7 +176,7 @@ impl RawPatch {
     }
 
     fn nurbs(&self) -> Result<Box<dyn Surface + Send>, SurfaceFault> {
-        let points = get(&self.control_points_mm, "control_points_mm", "nurbs")?;
+        let points = get(&self.control_points_mm, "control_points_mm", NURBS)?;
         let points: Vec<Vec<_>> = points
             .iter()
             .map(|row| row.iter().map(|p| metres(*p)).collect())
@@ -194,10 +187,10 @@ impl RawPatch {
             .as_ref()
             .map_or_else(ones, |w| w.get_ref().clone());
         let knots = [
-            get(&self.knots_u, "knots_u", "nurbs")?.clone(),
-            get(&self.knots_v, "knots_v", "nurbs")?.clone(),
+            get(&self.knots_u, "knots_u", NURBS)?.clone(),
+            get(&self.knots_v, "knots_v", NURBS)?.clone(),
         ];
-        let degree = *get(&self.degree, "degree", "nurbs")?;
+        let degree = *get(&self.degree, "degree", NURBS)?;
         Ok(Box::new(NurbsPatch::new(degree, knots, &points, &weights)?))
     }
 

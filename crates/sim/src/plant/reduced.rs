@@ -19,10 +19,9 @@
 //!
 //! An arm that *travels* (a commanded path, free revolute joints, or a swing under given forces
 //! with nothing in contact) has poses, Jacobians and velocity products computed anew in every step;
-//! mass and recurrence are renewed when a revolute
-//! joint has turned by [`RENEWAL_RAD`]. In between, `(M(q) - M) a` is one torque more, with the
-//! acceleration `a` [`Foreseen`] from the two instants before: a correction of a percent or two of
-//! the torque, and itself good to a percent or so.
+//! mass and recurrence are renewed when a revolute joint has turned by [`RENEWAL_RAD`]. In between,
+//! `(M(q) - M) a` is one torque more, with the acceleration `a` [`Foreseen`] from the two instants
+//! before: a correction of a percent or two of the torque, and itself good to a percent or so.
 
 mod frames;
 

@@ -3,6 +3,7 @@
 
 use nalgebra::{Matrix2, Unit, Vector2, Vector3};
 
+use super::super::boundary::seen;
 use super::outline::{Loop, kept};
 
 /// A line turns by this at least where it has a corner, rad.
@@ -61,24 +62,8 @@ impl Side {
 }
 
 impl Chart {
-    /// By its four sides, if the face has as many, else in a rectangle.
+    /// Lays a face out by its four sides, if it has as many and shall be, else in a rectangle.
     pub(super) fn of(
-        outer: &Loop,
-        normal: &Unit<Vector3<f64>>,
-        u_along: Option<&Vector3<f64>>,
-    ) -> Self {
-        Self::laid(outer, normal, u_along, true)
-    }
-
-    pub(super) fn in_rectangle(
-        outer: &Loop,
-        normal: &Unit<Vector3<f64>>,
-        u_along: Option<&Vector3<f64>>,
-    ) -> Self {
-        Self::laid(outer, normal, u_along, false)
-    }
-
-    fn laid(
         outer: &Loop,
         normal: &Unit<Vector3<f64>>,
         u_along: Option<&Vector3<f64>>,
@@ -88,10 +73,9 @@ impl Chart {
         let least = normal.iamin();
         let x = normal.cross(&Vector3::ith(least, 1.0)).normalize();
         let axes = [x, normal.cross(&x)];
-        let seen = |p: &Vector3<f64>| {
-            Vector2::new((p - origin_m).dot(&axes[0]), (p - origin_m).dot(&axes[1]))
-        };
-        let line: Vec<Vector2<f64>> = outer.points_m.iter().map(seen).collect();
+        let line: Vec<Vector2<f64>> = (outer.points_m.iter())
+            .map(|point_m| seen(point_m, &origin_m, &axes))
+            .collect();
         let size_m = line.iter().map(|p| p.norm()).fold(0.0, f64::max);
         let corners = corners(&line, CORNER_SHARE * size_m);
         let has_four_sides = by_sides && corners.len() == 4;
@@ -115,11 +99,6 @@ impl Chart {
             size_m,
             has_four_sides,
         }
-    }
-
-    fn seen(&self, point_m: &Vector3<f64>) -> Vector2<f64> {
-        let from = point_m - self.origin_m;
-        Vector2::new(from.dot(&self.axes[0]), from.dot(&self.axes[1]))
     }
 
     /// Mean lengths along u and v, m.
@@ -149,7 +128,7 @@ impl Chart {
     /// Parameters of a point, seen along the mean normal; `None` if it has none, as where sides
     /// fold the square.
     pub(super) fn place(&self, point_m: &Vector3<f64>) -> Option<[f64; 2]> {
-        let wanted = self.seen(point_m);
+        let wanted = seen(point_m, &self.origin_m, &self.axes);
         let mut uv = Vector2::new(0.5, 0.5);
         for _ in 0..STEPS {
             let [at, along_u, along_v] = self.at(uv.x, uv.y);
@@ -169,7 +148,7 @@ impl Chart {
 
     /// Whether both points lie on one side of the square.
     pub(super) fn on_one_side(&self, a: &Vector3<f64>, b: &Vector3<f64>, within_m: f64) -> bool {
-        let [a, b] = [a, b].map(|p| self.seen(p));
+        let [a, b] = [a, b].map(|p| seen(p, &self.origin_m, &self.axes));
         self.sides.iter().any(|side| {
             let [from, to] = side.ends();
             let way = (to - from).normalize();

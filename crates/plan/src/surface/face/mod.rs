@@ -99,11 +99,11 @@ impl MeshFace {
         let normal = check_graph(vertices_m, &triangles, &part.faces[face].normal.into())?;
         let (outer, holes) = outline::loops(vertices_m, &triangles, &normal)?;
         let u_along = self.u_along.as_ref();
-        let mut chart = Chart::of(&outer, &normal, u_along);
+        let mut chart = Chart::of(&outer, &normal, u_along, true);
         let mut taken = samples::taken(vertices_m, &triangles, &chart);
         // Four sides may be bent so far that what Coons blends between them folds.
         if matches!(taken, Err(SurfaceFault::FaceFolds { .. })) && chart.has_four_sides {
-            chart = Chart::in_rectangle(&outer, &normal, u_along);
+            chart = Chart::of(&outer, &normal, u_along, false);
             taken = samples::taken(vertices_m, &triangles, &chart);
         }
         let samples = taken?;

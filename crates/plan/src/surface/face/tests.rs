@@ -375,4 +375,15 @@ fn faces_that_cannot_be_fitted_are_refused() {
         &face_at(arch.point_m(0.5, 0.5)),
     );
     assert!(told.contains("the limit is 0.0300 mm"), "{told}");
+    // It meets the walls at its ends by less than the crease angle, so that they belong to it.
+    let steep = Arch {
+        bow_m: 0.25,
+        wide_m: 0.1,
+    };
+    let told = refuse(
+        &meshed(&steep, 2, [120, 8]),
+        &face_at(steep.point_m(0.5, 0.5)),
+    );
+    assert!(told.contains("stands at 90.0 deg"), "{told}");
+    assert!(told.contains("by 75 deg"), "{told}");
 }
