@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use truecut_telemetry::{read_ipc_stream, read_parquet};
 
-use super::{BAD_INPUT, Desk};
+use super::{BAD_INPUT, Desk, sweep};
 
 const GROWING: [&str; 2] = ["recording.arrows", "sweep.rows.jsonl"];
 
@@ -65,10 +65,8 @@ fn a_full_disk_leaves_the_earlier_result_whole() {
 #[test]
 fn a_full_disk_leaves_the_earlier_table_of_a_sweep() {
     let desk = Desk::new();
-    let axis = "[[sweep.axis]]\nkey = \"run.duration_s\"\nvalues = [0.1, 0.2]\n\
-                [[sweep.column]]\nname = \"swing\"\nmetric = \"peak\"\n\
-                channel = \"tool.displacement_x\"\nunit = \"um\"\n";
-    desk.scenario("swept", "duration_s = 0.1", axis);
+    let axis = sweep("run.duration_s", "0.1, 0.2");
+    desk.scenario("swept", "duration_s = 0.1", &axis);
     desk.ends(0, &["run", "swept.toml"]);
     let folder = desk.path("out/swept");
     let earlier = files(&folder);
@@ -203,15 +201,12 @@ fn pipes_and_devices_are_no_input() {
 /// A sweep of rows that take a moment each.
 fn swept(desk: &Desk, rows: usize) {
     let values: Vec<String> = (1..=rows).map(|row| format!("{}", 10 * row)).collect();
-    let axis = format!(
-        "[[sweep.axis]]\nkey = \"process.load.release_n.0\"\nvalues = [{}]\n\
-         [[sweep.column]]\nname = \"swing\"\nmetric = \"peak\"\n\
-         channel = \"tool.displacement_x\"\nunit = \"um\"\n\
-         [[sweep.column]]\nname = \"never\"\nmetric = \"first_time_above\"\n\
-         channel = \"tool.displacement_x\"\nthreshold = 1e9\nthreshold_unit = \"m\"\nunit = \"s\"\n",
-        values.join(", ")
-    );
-    desk.scenario("swept", "duration_s = 4", &axis);
+    let axis = sweep("process.load.release_n.0", &values.join(", "));
+    // A second column has no value in any row.
+    let never = "[[sweep.column]]\nname = \"never\"\nmetric = \"first_time_above\"\n\
+                 channel = \"tool.displacement_x\"\nthreshold = 1e9\nthreshold_unit = \"m\"\n\
+                 unit = \"s\"\n";
+    desk.scenario("swept", "duration_s = 4", &(axis + never));
 }
 
 #[test]

@@ -90,6 +90,15 @@ fn claim(name: &str, bound: &str) -> String {
     )
 }
 
+/// A sweep over the values of a key, of how far the tool swings.
+fn sweep(key: &str, values: &str) -> String {
+    format!(
+        "[[sweep.axis]]\nkey = \"{key}\"\nvalues = [{values}]\n\
+         [[sweep.column]]\nname = \"swing\"\nmetric = \"peak\"\n\
+         channel = \"tool.displacement_x\"\nunit = \"um\"\n"
+    )
+}
+
 #[test]
 fn a_run_prints_claims_and_leaves_its_files() {
     let desk = Desk::new();

@@ -8,7 +8,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 use truecut_recording::{Outcome, Summary};
 use truecut_telemetry::read_parquet;
 
-use super::{Desk, claim};
+use super::{Desk, claim, sweep};
 
 fn start(desk: &Desk, arguments: &[&str]) -> Child {
     let mut command = desk.command(arguments);
@@ -92,10 +92,8 @@ fn what_has_not_begun_when_a_signal_comes_is_not_run_and_keeps_what_an_earlier_r
 #[test]
 fn a_sweep_still_ends_at_the_first_signal() {
     let desk = Desk::new();
-    let axis = "[[sweep.axis]]\nkey = \"run.duration_s\"\nvalues = [3000, 3001]\n\
-                [[sweep.column]]\nname = \"swing\"\nmetric = \"peak\"\n\
-                channel = \"tool.displacement_x\"\nunit = \"um\"\n";
-    desk.scenario("swept", "duration_s = 3000", axis);
+    let axis = sweep("run.duration_s", "3000, 3001");
+    desk.scenario("swept", "duration_s = 3000", &axis);
     let mut child = start(&desk, &["run", "swept.toml"]);
     std::thread::sleep(Duration::from_millis(700));
     assert!(child.try_wait().unwrap().is_none(), "the sweep had ended");
