@@ -12,7 +12,7 @@ pub(super) fn claims_table(recording: &Recording, claims: &[ClaimResult]) -> Str
     let failed = claims.iter().filter(|claim| !claim.holds).count();
     let mut text = format!("## {}\n\n", recording.header.scenario_name);
     if recording.outcome != Outcome::Completed {
-        text += &format!("**The run {}.**\n\n", recording.outcome);
+        text += &format!("✖ **The run {}.**\n\n", recording.outcome);
     }
     text += &match (claims.len(), failed) {
         // None made, or none judged: a run that was stopped, a file that was converted.
@@ -128,7 +128,8 @@ mod tests {
         };
         let text = claims_table(&stopped, &[]);
         assert!(
-            text.contains("**The run was interrupted.**") && text.contains("No claim was judged.")
+            text.contains("✖ **The run was interrupted.**")
+                && text.contains("No claim was judged.")
         );
     }
 
