@@ -19,6 +19,8 @@ import traceback
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
+import mujoco
+
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from drawn import ROOT  # noqa: E402
@@ -56,7 +58,9 @@ def one_set(
     seed: int, mode: str, family: str, work: Path, program: list[str], threads: int, kind: str | None = None
 ) -> dict | None:
     """Draws, labels, asks and judges one set."""
-    folder = work / f"{seed}"
+    folder = work / f"{seed}_{mode}"
+    # runs that diverge are met where they end
+    mujoco.set_mju_user_warning(lambda _message: None)
     shutil.rmtree(folder, ignore_errors=True)
     try:
         case = draw_case(seed, mode, family, folder, kind)
@@ -69,7 +73,7 @@ def one_set(
         return found
     except Exception:
         # a set that cannot be made says nothing of the program; it is counted
-        (work / f"{seed}_failed.txt").write_text(traceback.format_exc(), encoding="utf-8")
+        (work / f"{seed}_{mode}_failed.txt").write_text(traceback.format_exc(), encoding="utf-8")
         return None
 
 

@@ -193,7 +193,7 @@ def test_a_few_sets_from_end_to_end(tmp_path):
     drawn = [("inverse", "clean"), ("inverse", "all joints"), ("inverse", "strong"), ("load", "clean")]
     for seed, (mode, family) in enumerate(drawn):
         verdict = run.one_set(SEED + seed, mode, family, tmp_path, [PROGRAM], 2)
-        assert verdict is not None, (tmp_path / f"{SEED + seed}_failed.txt").read_text()
+        assert verdict is not None, (tmp_path / f"{SEED + seed}_{mode}_failed.txt").read_text()
         assert verdict["told"] in ("named", "ambiguous", "unknown_cause", "nothing_beyond_noise"), verdict
         found.append(verdict)
     figures = summary(json.loads(json.dumps(found)))

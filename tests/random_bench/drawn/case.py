@@ -201,6 +201,8 @@ def _measure(draw: np.random.Generator, case: Case) -> None:
         step = draw.uniform(0.5, 1.5) * sigma
         written = np.round(written / step) * step
     honest = written - clean
+    # what a look at the samples would show, steps included
+    seen = honest.std(axis=0)
     if draw.random() < 0.2:
         case.nuisances.append("spikes")
         at = draw.random(written.shape) < 0.002
@@ -221,7 +223,7 @@ def _measure(draw: np.random.Generator, case: Case) -> None:
     stated = bool(draw.random() < 0.3)
     if stated:
         case.nuisances.append("noise stated")
-    case.scenario = experiment.write([float(x) for x in sigma] if stated else None)
+    case.scenario = experiment.write([float(x) for x in seen] if stated else None)
     columns = {"t": stamps} | {name: values for name, (_, _, values) in experiment.inputs().items()}
     if case.mode == "inverse" and draw.random() < 0.3:
         case.nuisances.append("encoder")

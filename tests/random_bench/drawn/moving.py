@@ -13,6 +13,8 @@ from .laws import Foreign, ForeignLaw
 
 # a command that stands still has no spline of its own
 STILL_SAMPLES = 5
+# of an angle, a torque or a place: nothing that is drawn comes near
+LARGE = 1e6
 
 
 class Moving(Arm):
@@ -93,4 +95,7 @@ class Moving(Arm):
                 d.qfrc_applied[:] = pushed
                 d.qfrc_applied[own] += applied
             mujoco.mj_step(m, d)
-        return t[: count + 1 : every], self._channels(np.array(rows))
+        found = np.array(rows)
+        if not (np.isfinite(found).all() and np.abs(found).max() < LARGE):
+            raise RuntimeError("the run diverged")
+        return t[: count + 1 : every], self._channels(found)

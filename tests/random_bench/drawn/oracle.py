@@ -204,10 +204,13 @@ class Oracle:
                 best = (Rival((effect,), loss), shape)
         return best
 
-    def payload(self, residual: np.ndarray, beside: np.ndarray | None) -> tuple[Rival, tuple[float, ...]]:
+    def payload(self, residual: np.ndarray, beside: np.ndarray | None):
         """Mass and first moments together, which are all but linear."""
         (mass,) = scales(self.experiment, "payload", None)
-        traces = [self.columns("payload", None, shape)[0][:, 0] for shape in shapes(self.experiment, "payload", None)]
+        try:
+            traces = [self.columns("payload", None, x)[0][:, 0] for x in shapes(self.experiment, "payload", None)]
+        except RuntimeError:
+            return None
         columns = without(np.stack([traces[0], *(trace - traces[0] for trace in traces[1:])], axis=1), beside)
         amount = np.linalg.lstsq(columns, residual, rcond=None)[0]
         left = residual - columns @ amount
