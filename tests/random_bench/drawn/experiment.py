@@ -151,8 +151,8 @@ class Inverse(Experiment):
         if self.links:
             self.uncertain = [Uncertain(f"robot.link.{j}.mass_factor", "relative", 0.03) for j in range(joints)]
         self.arm.write(folder)
-        # half a sample early and late for delays
-        self.fine = np.linspace(-0.1, self.duration_s + 0.1, round((self.duration_s + 0.2) * 2.0 * self.rate_hz))
+        # earlier and later for delays; straight lines between these err by some 1e-5
+        self.fine = np.linspace(-0.1, self.duration_s + 0.1, round((self.duration_s + 0.2) * 4.0 * self.rate_hz))
         self.q, self.v, self.a = self.motion(self.fine)
 
     def motion(self, time_s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -196,7 +196,9 @@ class Inverse(Experiment):
         key = ("needed", repr(payload), tuple(factors))
         if key not in self.kept:
             self.kept[key] = (self.fine, self.needed(payload, factors))
-        found = self.kept[key][1] + self.arm.rotor * self.a
+        # rotors are inertias, too; masses of links are not
+        rotor = self.arm.rotor * (1.0 if self.links else of_one[0])
+        found = self.kept[key][1] + rotor * self.a
         for j in range(self.joints):
             mine = [e for e in effects if e.target == j + 1]
             if mine:
