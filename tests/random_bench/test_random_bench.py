@@ -21,7 +21,7 @@ from bench.dataset import write_csv  # noqa: E402
 from drawn.case import draw_case  # noqa: E402
 from drawn.experiment import MODES, Forward, Inverse, Load  # noqa: E402
 from drawn.judge import interval, summary  # noqa: E402
-from drawn.laws import Foreign, against, sized  # noqa: E402
+from drawn.laws import IN_INVERSE, Foreign, against, sized  # noqa: E402
 from drawn.library import resized  # noqa: E402
 from drawn.moving import Moving  # noqa: E402
 from drawn.noise import COLOURS, draw_noise  # noqa: E402
@@ -70,9 +70,9 @@ def test_verify_drive_torques_are_those_that_move_the_arm(seed, tmp_path):
     data = mujoco.MjData(model)
     for k in range(0, experiment.fine.size, 97):
         data.qpos[:], data.qvel[:] = experiment.q[k], experiment.v[k]
-        passed = torque[k, joint - 1]
+        passed = torque[k, joint - 1] - model.dof_armature[joint - 1] * experiment.a[k, joint - 1]
         friction = np.zeros(experiment.joints)
-        # what passes the transmission is the whole torque: a fifth of it rubs, and three more
+        # of what passes the transmission, which is all but the rotor's, a fifth rubs; and three more
         friction[-1] = np.sign(experiment.v[k, -1]) * (3.0 + 0.2 * abs(passed))
         data.qfrc_applied[:] = torque[k] - friction
         mujoco.mj_forward(model, data)
@@ -177,6 +177,36 @@ def test_crosscheck_mujoco_drawn_arms_move_as_the_program_says(mode, tmp_path):
             name = channel["channel"]
             spread = float(np.std(outputs[:, moves][:, [n for n, _ in experiment.outputs].index(name)]))
             assert channel["level"]["rms_error"] < 2e-3 * spread, (seed, name, channel["level"], shifts)
+
+
+@pytest.mark.parametrize("kind", (*IN_INVERSE, "payload", "sensor_gain", "sensor_delay", "clock_delay"))
+def test_crosscheck_mujoco_effects_of_drive_torques_are_those_of_the_program(kind, tmp_path):
+    """A scenario that has the effect misses data without noise by less than a tenth of what the effect changes."""
+    seed = sorted((*IN_INVERSE, "payload", "sensor_gain", "sensor_delay", "clock_delay")).index(kind)
+    case = draw_case(SEED + 50 + seed, "inverse", "strong", tmp_path, kind)
+    experiment = case.experiment
+    experiment.time = np.arange(experiment.time.size) / experiment.rate_hz
+    outputs, nominal = experiment.predict(case.truth), experiment.predict()
+    columns = {"t": experiment.time} | {name: values for name, (_, _, values) in experiment.inputs().items()}
+    columns |= {f"y{i + 1}": values for i, values in enumerate(outputs.T)}
+    write_csv(case.data, columns)
+    (effect,) = case.truth
+    text = f'[[effect]]\nkind = "{effect.kind}"\n'
+    if effect.target is not None:
+        text += f"joint = {effect.target}\n" if isinstance(effect.target, int) else f'channel = "{effect.target}"\n'
+    text += "".join(f"{key} = {float(value)!r}\n" for key, value in effect.values.items())
+    scenario = case.scenario.with_name("with_effect.toml")
+    scenario.write_text(case.scenario.read_text(encoding="utf-8") + text, encoding="utf-8")
+    command = [PROGRAM, "compare", scenario, "--data", case.data, "--out", tmp_path / "out"]
+    subprocess.run(command, check=True, capture_output=True)
+    found = json.loads(next((tmp_path / "out").rglob("compare.json")).read_text(encoding="utf-8"))
+    change = experiment.compared(outputs - nominal)
+    names = [name for name, _ in experiment.outputs]
+    for channel in found["channels"]:
+        own = float(np.std(change[:, names.index(channel["channel"])]))
+        spread = float(np.std(outputs[:, names.index(channel["channel"])]))
+        assert channel["level"]["rms_error"] < 0.1 * own + 2e-3 * spread, (channel, own, spread)
+    assert shown or kind in ("sensor_gain", "sensor_delay", "clock_delay", "joint_offset")
 
 
 def test_seeds_say_everything(tmp_path):

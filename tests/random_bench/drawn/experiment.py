@@ -198,12 +198,13 @@ class Inverse(Experiment):
             self.kept[key] = (self.fine, self.needed(payload, factors))
         # rotors are inertias, too; masses of links are not
         rotor = self.arm.rotor * (1.0 if self.links else of_one[0])
-        found = self.kept[key][1] + rotor * self.a
+        found = self.kept[key][1].copy()
         for j in range(self.joints):
             mine = [e for e in effects if e.target == j + 1]
             if mine:
                 found[:, j] += against(mine, found[:, j], self.fine, self.q[:, j], self.v[:, j], self.v)
-        return self.fine, found
+        # the drive turns its rotor itself: that does not pass through the transmission
+        return self.fine, found + rotor * self.a
 
     def compared(self, values: np.ndarray) -> np.ndarray:
         """Below the cutoff, as the program filters drive forces."""
