@@ -1,6 +1,8 @@
 //! Verdicts that a pipeline can trust: each way in which a run ends, in exit code, table, JUnit and
 //! summary.
 
+use std::path::Path;
+
 use crate::{BAD_INPUT, CLAIM_FAILED, DIVERGED, Desk, claim};
 
 const OVERLOADED: i32 = 6;
@@ -301,5 +303,54 @@ fn what_a_file_says_does_not_act_on_the_terminal_and_long_lines_are_cut() {
             said.len()
         );
         assert!(said.contains("bad.toml:"), "{said}");
+    }
+}
+
+/// A run, a sweep and a check of an arm whose values are estimates say so, once in each place; of
+/// one that is measured they do not.
+#[test]
+fn estimates_that_act_are_told_in_text_summary_and_junit() {
+    let desk = desk();
+    let told = "estimated, not measured: stiffness and damping of slide; results are as uncertain";
+    let urdf = desk.path("arm.urdf");
+    let rig = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/rig_1dof");
+    std::fs::copy(rig.join("robot.urdf"), &urdf).unwrap();
+    let config = std::fs::read_to_string(rig.join("robot.toml")).unwrap();
+    let known = toml::from_str::<toml::Table>(&config).unwrap();
+    for (name, source, is_estimate) in [
+        ("guessed", "estimated: by a rule", true),
+        ("measured", "hammer test", false),
+    ] {
+        let mut config = known.clone();
+        let joint = &mut config["joint"][0];
+        for value in ["stiffness", "damping"] {
+            joint["source"][value] = source.into();
+        }
+        for value in ["dry_friction", "rotor_inertia", "servo"] {
+            if let Some(other) = joint["source"].get_mut(value) {
+                *other = "data sheet".into();
+            }
+        }
+        let text = toml::to_string(&config).unwrap();
+        std::fs::write(desk.path(&format!("{name}_robot.toml")), text).unwrap();
+        desk.scenario(name, "duration_s = 0.1", "");
+        let robot = format!("urdf = 'arm.urdf'\nconfig = '{name}_robot.toml'\n[run]");
+        let path = desk.path(&format!("{name}.toml"));
+        let text = std::fs::read_to_string(&path).unwrap();
+        let (head, rest) = text.split_once("urdf = ").unwrap();
+        let (_, rest) = rest.split_once("[run]").unwrap();
+        std::fs::write(&path, format!("{head}{robot}{rest}")).unwrap();
+        let file = format!("{name}.toml");
+        let expected = usize::from(is_estimate);
+        let times = |text: &str| text.matches(told).count();
+        assert_eq!(times(&desk.ends(0, &["run", &file])), expected, "{name}");
+        let summary = desk.path(&format!("out/{name}/summary.json"));
+        assert_eq!(times(&std::fs::read_to_string(summary).unwrap()), expected);
+        assert_eq!(times(&desk.ends(0, &["check", &file])), expected, "{name}");
+        let junit = std::fs::read_to_string(desk.path("out/junit.xml")).unwrap();
+        assert_eq!(times(run_case(&junit, name)), expected, "{junit}");
+        // Free joints have no transmission that could be guessed.
+        let free = ["run", &file, "--no-rrd", "--set", "robot.drive=force"];
+        assert_eq!(times(&desk.ends(0, &free)), 0, "{name}");
     }
 }

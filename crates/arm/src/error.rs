@@ -306,6 +306,11 @@ pub enum ArmErrorKind {
     NoPoses,
     #[error("row {row}: {message}")]
     PostureTable { row: usize, message: String },
+    #[error(
+        "link \"{link}\" carries a payload, but has no mass of its own: give it in the URDF, in [[link]], or by \
+         `truecut robot init`"
+    )]
+    LoadWithoutLink { link: String },
     #[error("{0}")]
     Implausible(String),
     #[error("{quantity} is {value}; it must be {rule}")]

@@ -73,6 +73,10 @@ impl IkSolver<'_> {
         self.robot
     }
 
+    pub(crate) fn options(&self) -> &BranchOptions {
+        &self.options
+    }
+
     /// All postures that put `frame` at a pose, revolute joints in (−π, π], position limits not
     /// asked.
     ///

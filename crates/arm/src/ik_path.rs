@@ -36,6 +36,9 @@ impl IkSolver<'_> {
         options: &PathOptions,
     ) -> Result<Vec<Vec<f64>>, ArmError> {
         self.robot().check_length(start)?;
+        if let Some(path) = self.with_slides_still(poses, frame, start, options) {
+            return Ok(path);
+        }
         let mut path: Vec<Vec<f64>> = Vec::with_capacity(poses.len());
         for (index, pose) in poses.iter().enumerate() {
             let before = path.last().map_or(start, Vec::as_slice);
@@ -52,6 +55,39 @@ impl IkSolver<'_> {
             path.push(next);
         }
         Ok(path)
+    }
+
+    /// The same of an arm with more joints than a pose asks for, with its slides where the start
+    /// has them; `None` if there are none to spare, or the arm cannot follow so. A step of least
+    /// length would weigh metres against radians.
+    fn with_slides_still(
+        &self,
+        poses: &[Isometry3<f64>],
+        frame: FrameId,
+        start: &[f64],
+        options: &PathOptions,
+    ) -> Option<Vec<Vec<f64>>> {
+        let robot = self.robot();
+        let slides: Vec<usize> = robot.slides().collect();
+        if slides.is_empty() || robot.dof() < slides.len() + 6 {
+            return None;
+        }
+        let places: Vec<f64> = slides.iter().map(|&at| start[at]).collect();
+        let held = robot.with_slides_at(&places).ok()?;
+        let is_slide = |at: &usize| slides.contains(at);
+        let turning: Vec<usize> = (0..robot.dof()).filter(|at| !is_slide(at)).collect();
+        let rest: Vec<f64> = turning.iter().map(|&at| start[at]).collect();
+        let solver = held.ik_solver(self.options());
+        let path = solver.follow(poses, frame, &rest, options).ok()?;
+        let whole = path.iter().map(|found| {
+            let mut q = start.to_vec();
+            turning
+                .iter()
+                .zip(found)
+                .for_each(|(&at, value)| q[at] = *value);
+            q
+        });
+        Some(whole.collect())
     }
 
     /// Where branches are found by a search over the joints' ranges only, the posture to which the

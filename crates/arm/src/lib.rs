@@ -61,6 +61,8 @@ mod dynamics;
 mod equilibrium;
 mod error;
 pub mod estimate;
+mod estimated;
+mod held;
 mod ik;
 mod ik_branches;
 mod ik_path;
@@ -99,6 +101,7 @@ pub use compliance::{
 pub use drawing::{DrawnLink, DrawnMesh};
 pub use dynamics::{Dynamics, Energy};
 pub use error::{ArmError, ArmErrorKind};
+pub use estimated::TransmissionValue;
 pub use ik::IkOptions;
 pub use ik_branches::{BranchOptions, IkSolver, tool_pose};
 pub use ik_path::PathOptions;

@@ -7,6 +7,7 @@ use crate::bounds::Masses;
 use crate::config::{Config, ConfigFile};
 use crate::doubts;
 use crate::error::{ArmError, ArmErrorKind, several};
+use crate::estimated::is_estimate;
 use crate::merge::to_chain;
 use crate::meshes;
 use crate::model::{Frames, Robot};
@@ -150,7 +151,7 @@ impl Robot {
         if let Some(error) = several(faults) {
             return Err(error);
         }
-        chain.notes.extend(estimated_masses(&tree));
+        chain.estimated_masses = estimated_masses(&tree);
         let doubts = doubts::of(&chain);
         chain.notes.extend(doubts.notes);
         chain.placeholders = doubts.placeholders;
@@ -170,15 +171,14 @@ impl Robot {
     }
 }
 
-/// Which masses are estimated.
-fn estimated_masses(tree: &Tree) -> Option<String> {
+/// Links whose masses are estimates.
+fn estimated_masses(tree: &Tree) -> Vec<String> {
     let is_estimated = |link: &&TreeLink| {
-        let source = link.mass_source.as_ref();
-        link.mass_kg > 0.0 && source.is_some_and(|source| source.starts_with("estimated"))
+        let source = link.mass_source.as_deref();
+        link.mass_kg > 0.0 && source.is_some_and(is_estimate)
     };
     let links = tree.links.iter().filter(is_estimated);
-    let names: Vec<&str> = links.map(|link| link.name.as_str()).collect();
-    (!names.is_empty()).then(|| format!("the masses of {} are estimated", names.join(", ")))
+    links.map(|link| link.name.clone()).collect()
 }
 
 /// A robot's file as it is read: its own text, or what its xacro comes to.

@@ -65,6 +65,7 @@ pub(crate) fn to_chain(
             .unwrap_or_else(|| MergedBody::default().into_link("")),
         tip: tree.links[tip].name.clone(),
         notes,
+        estimated_masses: Vec::new(),
         placeholders: None,
     };
     Ok((chain, last_link_from_flange))

@@ -178,6 +178,8 @@ pub struct Chain {
     pub tip: String,
     /// What was merged, chosen or left out when the file was read; one sentence each.
     pub notes: Vec<String>,
+    /// Links of the robot's file whose masses are estimates, by their sources.
+    pub estimated_masses: Vec<String>,
     /// Why masses and inertias seem to be placeholders, if they do.
     pub placeholders: Option<String>,
 }

@@ -8,6 +8,7 @@ use crate::compliance::{
     planar_principal, translational,
 };
 use crate::error::{ArmError, ArmErrorKind};
+use crate::estimated::TransmissionValue;
 use crate::model::{FrameId, JointKind, Link, Robot, TransmissionSources};
 use crate::moving::Moving;
 use crate::tangent::Load;
@@ -161,6 +162,7 @@ impl Robot {
             }
         }
         let mut notes = self.chain.notes.clone();
+        notes.extend(self.estimates(&TransmissionValue::ALL));
         notes.extend(self.unchecked_drives());
         let mut missing = Vec::new();
         let modes = match self.modes(posture, None) {

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::compliance::translational;
 use crate::estimate::STIFFNESS_FACTOR;
+use crate::estimated::is_estimate;
 use crate::model::{FrameId, Robot};
 use crate::tangent::Load;
 
@@ -30,8 +31,7 @@ impl Robot {
         let joints = self.chain.joints.iter().enumerate();
         let estimated = joints.filter(|(_, joint)| {
             let transmission = &joint.transmission;
-            transmission.stiffness.is_some()
-                && transmission.sources.stiffness.starts_with("estimated")
+            transmission.stiffness.is_some() && is_estimate(&transmission.sources.stiffness)
         });
         let estimated: Vec<usize> = estimated.map(|(index, _)| index).collect();
         let name = |index: &usize| self.chain.joints[*index].name.clone();

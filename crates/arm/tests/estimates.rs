@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use truecut_arm::estimate::{DataSheet, Estimated, robot_toml};
-use truecut_arm::{ArmError, Masses, Packages, Reading, Robot};
+use truecut_arm::{ArmError, Masses, Packages, Reading, Robot, TransmissionValue};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -72,7 +72,7 @@ fn regress_estimates_of_known_arms() {
     let posture = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95].map(f64::to_radians);
     let level = [0.0, 20.0, -20.0, 0.0, -60.0, 0.0].map(f64::to_radians);
     for (name, mass_kg, payload_kg, q, hz, factor) in [
-        ("irb6600_175_255", 1700.0, 175.0, posture, 11.29, 1.70),
+        ("irb6600_175_255", 1700.0, 175.0, posture, 8.01, 1.20),
         ("hp20", 268.0, 20.0, level, 13.67, 1.01),
     ] {
         let urdf = asset(name);
@@ -140,13 +140,31 @@ fn an_arm_without_masses_gets_them_and_runs() {
             assert!(source.starts_with("estimated: "), "{source}");
         }
     }
+    let told = robot
+        .estimates(&TransmissionValue::ALL)
+        .expect("it says so");
+    let of_joints = "; stiffness, damping, rotor inertia and servo of all 6 joints; ";
     assert!(
-        robot
-            .chain
-            .notes
-            .iter()
-            .any(|note| note.contains("are estimated"))
+        told.starts_with("estimated, not measured: masses of base_link, link_1, ")
+            && told.contains(of_joints),
+        "{told}"
     );
+    // Values that nobody asks about are not told, and one that is measured is not either.
+    let mut robot = robot;
+    robot.chain.joints[2].transmission.sources.stiffness = "hammer test".to_owned();
+    let told = robot
+        .estimates(&[TransmissionValue::Stiffness])
+        .expect("five are");
+    let five = "; stiffness of joint_1, joint_2, joint_4, joint_5, joint_6; ";
+    assert!(told.contains(five) && !told.contains("damping"), "{told}");
+    let notes = robot
+        .report(&robot.default_posture())
+        .expect("a report")
+        .notes;
+    let lines = notes
+        .iter()
+        .filter(|note| note.contains("masses of base_link"));
+    assert_eq!(lines.count(), 1, "{notes:?}");
     // The rule for damping holds at the posture that it is made at.
     let modes = robot.modes(&robot.default_posture(), None).expect("modes");
     assert!((modes.damping_ratio[0] / 0.02 - 1.0).abs() < 1e-3);

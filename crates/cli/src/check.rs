@@ -12,6 +12,7 @@ use truecut_recording::ClaimResult;
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Run, Runs};
 use truecut_sim::sweep::sweep;
+use truecut_sim::{Robots, estimates};
 
 use crate::args::CheckArguments;
 use crate::exit_status::ExitStatus;
@@ -54,11 +55,11 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
     let found = find_scenarios(&arguments.paths)?;
     let files = found.scenarios;
     (files.iter()).try_for_each(|file| Failure::if_same(&arguments.junit, file))?;
-    let runs = Runs::default();
+    let shared = (&Runs::default(), &Robots::new());
     let progress = Progress::new(files.len(), "checking");
     let checked: Vec<Checked> = files
         .par_iter()
-        .map(|file| check_one(file, arguments, &runs, &progress.run()))
+        .map(|file| check_one(file, arguments, shared, &progress.run()))
         .collect();
     drop(progress);
     write_junit(&checked, &arguments.junit)?;
@@ -84,7 +85,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
 fn check_one(
     file: &Path,
     arguments: &CheckArguments,
-    runs: &Runs,
+    shared: (&Runs, &Robots),
     progress: &RunProgress,
 ) -> Checked {
     let started = Instant::now();
@@ -95,8 +96,10 @@ fn check_one(
         .and_then(|scenario| {
             name.clone_from(&scenario.name);
             notes = scenario.notes();
+            // What is wrong with the robot's files the run tells.
+            notes.extend(estimates(&scenario, shared.1).ok().flatten());
             let out = kept_in(file, arguments);
-            judge_scenario(&scenario, out.as_deref(), runs, progress)
+            judge_scenario(&scenario, out.as_deref(), shared.0, progress)
         });
     Checked {
         file: file.to_owned(),
@@ -265,6 +268,9 @@ fn run_case(one: &Checked) -> TestCase {
     };
     let mut case = TestCase::new(format!("{} runs", one.name), status);
     case.set_time(one.took);
+    if !one.notes.is_empty() {
+        case.set_system_out(text::notes(&one.notes));
+    }
     case
 }
 

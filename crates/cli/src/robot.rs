@@ -37,7 +37,8 @@ fn describe(arguments: &RobotArguments, urdf: &Path) -> Result<ExitStatus, Failu
         return crate::print(&table);
     }
     if let Some(asked) = &arguments.ik {
-        return print_postures(&kinematics()?, asked, arguments);
+        let slides = arguments.slide_mm.as_deref();
+        return print_postures(&with_slides(kinematics()?, slides)?, asked, arguments);
     }
     let robot = match read(Masses::Needed) {
         Err(error) if matches!(error.kind(), ArmErrorKind::MasslessMovingLink { .. }) => {
@@ -137,4 +138,37 @@ fn posture(robot: &Robot, written: &[f64]) -> Result<Vec<f64>, Failure> {
         JointKind::Prismatic => value / 1e3,
     };
     Ok(joints.iter().zip(written).map(si).collect())
+}
+
+/// The arm with its slides where the option has them, mm; as it is without the option.
+pub fn with_slides(robot: Robot, places_mm: Option<&[f64]>) -> Result<Robot, Failure> {
+    let Some(places_mm) = places_mm else {
+        return Ok(robot);
+    };
+    let count = robot.slides().count();
+    if places_mm.len() != count {
+        return Err(Failure::message(format!(
+            "--slide-mm has {} values, but the arm has {count} slides",
+            places_mm.len()
+        )));
+    }
+    let places_m: Vec<f64> = places_mm.iter().map(|place| place / 1e3).collect();
+    (robot.with_slides_at(&places_m)).map_err(|error| Failure::message(error.message()))
+}
+
+/// What a reader of a robot program must know of slides, by their places in m.
+pub fn slides_note(places_m: &[f64]) -> String {
+    let places = places_m
+        .iter()
+        .map(|place| format!("{:.1} mm", place * 1e3));
+    format!(
+        "slides of the arm stand still at {}: the program does not drive them; frames are those of the world",
+        places.collect::<Vec<_>>().join(", ")
+    )
+}
+
+/// The same by an option, mm; none without it.
+pub fn of_slides(places_mm: Option<&[f64]>) -> Option<String> {
+    let places_mm = places_mm?.iter().map(|place| place / 1e3);
+    Some(slides_note(&places_mm.collect::<Vec<_>>()))
 }

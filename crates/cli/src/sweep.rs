@@ -7,6 +7,7 @@ use truecut::outputs::{SWEEP_OUTCOME, write_file};
 use truecut_recording::{ClaimResult, short_number, significant};
 use truecut_scenario::Scenario;
 use truecut_sim::sweep::{Column, Fault, SweepTable};
+use truecut_sim::{Robots, estimates};
 
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
@@ -54,10 +55,11 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
     let mut aligns = vec![Align::Right; table.columns.len()];
     aligns.push(Align::Left);
     let mut text = format!(
-        "{}\n  {}\n{}\n{}",
+        "{}\n  {}\n{}{}\n{}",
         scenario.name,
         text::count_rows(table),
         text::notes(scenario.notes()),
+        text::notes(estimates(scenario, &Robots::new()).ok().flatten()),
         text::table(&aligns, &rows)
     );
     for row in 0..table.rows.len() {

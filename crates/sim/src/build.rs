@@ -6,6 +6,7 @@ use self::start::at_start;
 use crate::command::JointCommand;
 use crate::effect::{self, Altered, Effects};
 use crate::error::SimError;
+use crate::estimates;
 use crate::measurement::Sensors;
 use crate::plant::{Drive, JointLaw};
 use crate::posture::check_limits;
@@ -117,6 +118,7 @@ impl Prepared {
                 * (touched.translation.vector - unloaded.vector),
         });
         let mut notes = altered.robot.chain.notes.clone();
+        notes.extend(estimates::acting(spec, &nominal));
         notes.extend(scenario.notes());
         notes.extend(path_note);
         notes.extend(process.notes());

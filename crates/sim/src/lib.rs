@@ -31,6 +31,7 @@ mod effect;
 pub mod elastic;
 mod engine;
 mod error;
+mod estimates;
 mod guard;
 pub mod loads;
 pub mod measurement;
@@ -54,6 +55,7 @@ mod travel_view;
 
 pub use effect::misfit;
 pub use error::SimError;
+pub use estimates::estimates;
 pub use mjcf::export_mjcf;
 pub use replay::inverse::{Forces, InverseModel};
 pub use replay::start::{FoundStart, found_start};

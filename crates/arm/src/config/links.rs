@@ -4,10 +4,10 @@
 use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
 
 use super::ConfigFile;
-use super::raw::RawLink;
+use super::raw::{RawLink, RawPayload};
 use crate::bounds;
 use crate::error::{ArmError, ArmErrorKind};
-use crate::tree::Tree;
+use crate::tree::{Tree, TreeLink};
 use crate::urdf::known_names;
 
 /// Part by which the links' masses may miss their stated sum; data sheets round to a kilogram.
@@ -41,6 +41,13 @@ impl ConfigFile<'_> {
         if faults.len() == before {
             faults.extend(self.check_sum(tree).err());
         }
+        // The sum is that of the arm as it is sold.
+        for raw in &self.raw.payload {
+            if let Err(kind) = loaded(raw, tree) {
+                let line = reader.line(raw.link.span().start);
+                faults.push(ArmError::in_file(self.path, line, kind));
+            }
+        }
     }
 
     fn check_sum(&self, tree: &Tree) -> Result<(), ArmError> {
@@ -60,35 +67,106 @@ impl ConfigFile<'_> {
 
 /// Enters the mass of one link; leaves the link as it is where that is wrong.
 fn entered(raw: &RawLink, tree: &mut Tree) -> Result<(), ArmErrorKind> {
-    let name = raw.name.get_ref();
-    let names = tree.links.iter().map(|link| link.name.as_str());
-    let hint = known_names(names);
-    let Some(link) = tree.links.iter_mut().find(|link| link.name == *name) else {
-        return Err(ArmErrorKind::UnknownConfigLink {
-            link: name.clone(),
-            hint,
-        });
-    };
-    if raw.source.trim().is_empty() {
-        return Err(ArmErrorKind::LinkWithoutSource { link: name.clone() });
-    }
-    let mut numbers = raw.center_m.iter().chain(&raw.inertia_kg_m2);
-    if !(raw.mass_kg.is_finite() && numbers.all(|value| value.is_finite())) {
-        return Err(ArmErrorKind::LinkNotFinite { link: name.clone() });
-    }
-    let [xx, yy, zz, xy, xz, yz] = raw.inertia_kg_m2;
-    let mut given = link.clone();
-    given.mass_kg = raw.mass_kg;
-    given.link_from_inertial = Isometry3::from_parts(
-        Translation3::from(Vector3::from(raw.center_m)),
-        nalgebra::UnitQuaternion::identity(),
-    );
-    given.inertia_kg_m2 = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-    given.mass_source = Some(raw.source.trim().to_owned());
-    let fault = bounds::link_fault(&given).or_else(|| bounds::tensor_fault(&given));
-    if let Some((_, kind)) = fault {
-        return Err(kind);
-    }
+    let at = numbered(raw.name.get_ref(), tree)?;
+    let link = &mut tree.links[at];
+    let given = given(
+        link,
+        raw.mass_kg,
+        raw.center_m,
+        raw.inertia_kg_m2,
+        &raw.source,
+    )?;
     *link = given;
     Ok(())
+}
+
+/// A link with other mass, centre and inertia.
+fn given(
+    link: &TreeLink,
+    mass_kg: f64,
+    center_m: [f64; 3],
+    inertia_kg_m2: [f64; 6],
+    source: &str,
+) -> Result<TreeLink, ArmErrorKind> {
+    if source.trim().is_empty() {
+        return Err(ArmErrorKind::LinkWithoutSource {
+            link: link.name.clone(),
+        });
+    }
+    let mut numbers = center_m.iter().chain(&inertia_kg_m2);
+    if !(mass_kg.is_finite() && numbers.all(|value| value.is_finite())) {
+        return Err(ArmErrorKind::LinkNotFinite {
+            link: link.name.clone(),
+        });
+    }
+    let [xx, yy, zz, xy, xz, yz] = inertia_kg_m2;
+    let mut given = link.clone();
+    given.mass_kg = mass_kg;
+    given.link_from_inertial = Isometry3::from(Translation3::from(Vector3::from(center_m)));
+    given.inertia_kg_m2 = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    given.mass_source = Some(source.trim().to_owned());
+    let fault = bounds::link_fault(&given).or_else(|| bounds::tensor_fault(&given));
+    match fault {
+        Some((_, kind)) => Err(kind),
+        None => Ok(given),
+    }
+}
+
+/// Adds what a link carries to its own mass; leaves the link as it is where that is wrong.
+fn loaded(raw: &RawPayload, tree: &mut Tree) -> Result<(), ArmErrorKind> {
+    let name = raw.link.get_ref();
+    let at = numbered(name, tree)?;
+    let link = &tree.links[at];
+    let load = given(
+        link,
+        raw.mass_kg,
+        raw.center_m,
+        raw.inertia_kg_m2,
+        &raw.source,
+    )?;
+    if load.mass_kg == 0.0 {
+        return Err(ArmErrorKind::Argument {
+            quantity: "mass_kg of a payload",
+            value: 0.0,
+            rule: "above 0",
+        });
+    }
+    let is_moved = link.parent_joint.is_some_and(|j| tree.joints[j].moves());
+    if link.mass_kg == 0.0 && is_moved {
+        // Else the load would pass for the link, of which nobody said what it weighs.
+        return Err(ArmErrorKind::LoadWithoutLink { link: name.clone() });
+    }
+    let parts = [&load, link].map(|part| {
+        let turn = part.link_from_inertial.rotation.to_rotation_matrix();
+        let inertia = turn * part.inertia_kg_m2 * turn.transpose();
+        (
+            part.mass_kg,
+            part.link_from_inertial.translation.vector,
+            inertia,
+        )
+    });
+    let mass_kg = parts[0].0 + parts[1].0;
+    let center_m = (parts[0].1 * parts[0].0 + parts[1].1 * parts[1].0) / mass_kg;
+    let about = parts.map(|(mass_kg, at_m, inertia)| {
+        let cross = (at_m - center_m).cross_matrix();
+        inertia - cross * cross * mass_kg
+    });
+    let whole = &mut tree.links[at];
+    whole.mass_kg = mass_kg;
+    whole.link_from_inertial = Isometry3::from(Translation3::from(center_m));
+    whole.inertia_kg_m2 = about[0] + about[1];
+    tree.notes.push(format!(
+        "link \"{name}\" carries {} kg more than its own mass: {}",
+        raw.mass_kg,
+        raw.source.trim()
+    ));
+    Ok(())
+}
+
+fn numbered(name: &str, tree: &Tree) -> Result<usize, ArmErrorKind> {
+    let found = tree.links.iter().position(|link| link.name == name);
+    found.ok_or_else(|| ArmErrorKind::UnknownConfigLink {
+        link: name.to_owned(),
+        hint: known_names(tree.links.iter().map(|link| link.name.as_str())),
+    })
 }

@@ -25,6 +25,9 @@ pub(super) struct RawConfig {
     /// Masses of links in place of the URDF's.
     #[serde(default)]
     pub(super) link: Vec<RawLink>,
+    /// What is mounted on links beside what they are: cables, dress packs, valves, a spindle.
+    #[serde(default)]
+    pub(super) payload: Vec<RawPayload>,
 }
 
 /// Frames relative to the flange, the tip link of the URDF.
@@ -171,6 +174,24 @@ pub(super) struct RawLink {
     /// Centre of mass in the link frame, m.
     pub(super) center_m: [f64; 3],
     /// Inertia about the centre, in link axes, kg m²: xx, yy, zz, xy, xz, yz.
+    pub(super) inertia_kg_m2: [f64; 6],
+    /// Where the values come from.
+    pub(super) source: String,
+}
+
+/// Mass that a link carries, in addition to its own.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPayload {
+    /// Name of the link in the URDF.
+    #[schemars(with = "String")]
+    pub(super) link: Spanned<String>,
+    /// Mass, kg, above 0.
+    pub(super) mass_kg: f64,
+    /// Centre of mass in the link frame, m.
+    pub(super) center_m: [f64; 3],
+    /// Inertia about the centre, in link axes, kg m²: xx, yy, zz, xy, xz, yz. Default: a point.
+    #[serde(default)]
     pub(super) inertia_kg_m2: [f64; 6],
     /// Where the values come from.
     pub(super) source: String,

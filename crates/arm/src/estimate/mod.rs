@@ -12,6 +12,8 @@ mod volume;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use nalgebra::Isometry3;
+
 use crate::bounds::Masses;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::load::Source;
@@ -45,7 +47,12 @@ pub struct Estimated {
 
 /// Stiffness of a joint over the torque that it is sized for, 1/rad (1/m for a slide).
 const STIFFNESS_PER_TORQUE: f64 = 450.0;
+/// The same of a rotary joint that gravity cannot load, since its axis is always vertical: it is
+/// measured at less than half of what such a torque would ask for.
+const STIFFNESS_PER_TORQUE_UPRIGHT: f64 = 200.0;
 const STIFFNESS_PER_FORCE: f64 = 1e4;
+/// By how much a vertical axis may lean, as files write it, rad.
+const UPRIGHT_RAD: f64 = 1e-3;
 /// Inertia of motor and gear on the joint side over that torque, s².
 const ROTOR_PER_TORQUE: f64 = 0.02;
 /// Largest torque of a drive over that torque.
@@ -64,6 +71,8 @@ const ROTOR_FACTOR: f64 = 2.5;
 /// A joint as it is estimated, in its own units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct JointEstimate {
+    /// Over the torque or force that the joint is sized for.
+    stiffness_per_torque: f64,
     stiffness: f64,
     rotor_inertia: f64,
     velocity_gain: f64,
@@ -209,6 +218,25 @@ fn design_torque(chain: &Chain, lengths: &Lengths, joint: usize, payload_kg: f64
     9.81 * (links.sum::<f64>() + payload)
 }
 
+/// Whether a rotary joint's axis is vertical in all postures: itself, and those of all rotary joints
+/// before it.
+fn is_upright(chain: &Chain, joint: usize) -> bool {
+    let zero = vec![0.0; chain.joints.len()];
+    let mut world_from_link = Isometry3::identity();
+    for body in chain.moving() {
+        world_from_link *= body.parent_from_link(&zero);
+        let axis = world_from_link * body.axis.into_inner();
+        let turns = body.kind == JointKind::Revolute;
+        if turns && axis.x.hypot(axis.y) > UPRIGHT_RAD {
+            return false;
+        }
+        if body.joint == chain.joints[joint].name {
+            return true;
+        }
+    }
+    false
+}
+
 fn joint_estimate(
     chain: &Chain,
     lengths: &Lengths,
@@ -217,6 +245,7 @@ fn joint_estimate(
 ) -> JointEstimate {
     let torque = design_torque(chain, lengths, joint, payload_kg);
     let per_torque = match chain.joints[joint].kind {
+        JointKind::Revolute if is_upright(chain, joint) => STIFFNESS_PER_TORQUE_UPRIGHT,
         JointKind::Revolute => STIFFNESS_PER_TORQUE,
         JointKind::Prismatic => STIFFNESS_PER_FORCE,
     };
@@ -224,6 +253,7 @@ fn joint_estimate(
     let effort = chain.joints[joint].limits.map(|limits| limits.effort);
     let (torque_limit, limit) = limits::limit(effort, torque);
     JointEstimate {
+        stiffness_per_torque: per_torque,
         stiffness: per_torque * torque,
         rotor_inertia,
         velocity_gain: VELOCITY_LOOP_RAD_S * rotor_inertia,

@@ -4,8 +4,7 @@ use std::fmt::Write as _;
 
 use super::{
     DataSheet, Draft, FIRST_MODE_DAMPING, JointEstimate, LIMIT_PER_TORQUE, LimitRule, LinkMass,
-    MASS_FACTOR, MassRule, ROTOR_FACTOR, ROTOR_PER_TORQUE, STIFFNESS_FACTOR, STIFFNESS_PER_FORCE,
-    STIFFNESS_PER_TORQUE, VELOCITY_LOOP_RAD_S,
+    MASS_FACTOR, MassRule, ROTOR_FACTOR, ROTOR_PER_TORQUE, STIFFNESS_FACTOR, VELOCITY_LOOP_RAD_S,
 };
 use crate::model::{Chain, JointKind};
 
@@ -118,7 +117,7 @@ fn joint(
                 "velocity_gain_nm_s_per_rad",
                 "torque_limit_nm",
             ],
-            format!("{STIFFNESS_PER_TORQUE} per rad"),
+            format!("{} per rad", estimate.stiffness_per_torque),
             "torque",
         ),
         JointKind::Prismatic => (
@@ -129,7 +128,7 @@ fn joint(
                 "velocity_gain_n_s_per_m",
                 "force_limit_n",
             ],
-            format!("{STIFFNESS_PER_FORCE} per m"),
+            format!("{} per m", estimate.stiffness_per_torque),
             "force",
         ),
     };

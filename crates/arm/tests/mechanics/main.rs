@@ -3,6 +3,7 @@
 
 mod branches;
 mod dynamics;
+mod held;
 mod inverse_kinematics;
 mod modal;
 mod ortho_parallel;

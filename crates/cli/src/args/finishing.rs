@@ -29,6 +29,14 @@ pub struct CamArguments {
     /// Link whose frame is the flange [default: the end of the chain]
     #[arg(long, value_name = "LINK")]
     pub tip: Option<String>,
+    /// Where the slides of the arm stand while the program runs, in chain order
+    #[arg(
+        long,
+        value_name = "A,B,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub slide_mm: Option<Vec<f64>>,
     /// Language of the robot program [default: rapid]
     #[arg(long, value_parser = dialects())]
     pub dialect: Option<String>,
@@ -91,6 +99,14 @@ pub struct ProgramArguments {
     /// Link whose frame is the flange [default: the end of the chain]
     #[arg(long, value_name = "LINK")]
     pub tip: Option<String>,
+    /// Where the slides of the arm stand while the program runs, in chain order
+    #[arg(
+        long,
+        value_name = "A,B,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub slide_mm: Option<Vec<f64>>,
     /// Path that the program is held against: the path.csv written with it
     #[arg(long, value_name = "CSV")]
     pub path: Option<PathBuf>,

@@ -78,6 +78,16 @@ pub struct RobotArguments {
         conflicts_with = "fk"
     )]
     pub ik: Option<String>,
+    /// Where the slides of the arm stand for --ik, in chain order: a track is driven to a place, and
+    /// the arm reaches from there. Without it slides move, and postures are samples
+    #[arg(
+        long,
+        value_name = "A,B,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        requires = "ik"
+    )]
+    pub slide_mm: Option<Vec<f64>>,
     /// The frame that --ik puts at the pose
     #[arg(long, value_enum, default_value = "tool", requires = "ik")]
     pub frame: Frame,

@@ -18,6 +18,7 @@ use crate::args::{CamArguments, PathArguments};
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::program::run_through;
+use crate::robot::{of_slides, with_slides};
 
 /// Most frames of the recording.
 const FRAMES: usize = 5000;
@@ -53,6 +54,10 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     let mut program = cam::follow(&robot, head, &read, file, &setup, &travel)
         .map_err(|error| refused(file, &error))?;
     program.notes.extend(maker_note(dialect, &robot));
+    program
+        .notes
+        .extend(dialect.limits_note().map(str::to_owned));
+    program.notes.extend(of_slides(cam.slide_mm.as_deref()));
     let replay = program.replay(&robot, &ReplayOptions::default());
     let written = write(
         arguments, &robot, dialect, &settings, &read, &program, &replay,
@@ -71,6 +76,7 @@ fn robot(cam: &CamArguments, file: &Path) -> Result<Robot, Failure> {
     })?;
     let robot = Robot::load_kinematics(urdf, None, cam.tip.as_deref())
         .map_err(|error| Failure::arm(&error))?;
+    let robot = with_slides(robot, cam.slide_mm.as_deref())?;
     match robot
         .chain
         .joints
@@ -81,7 +87,8 @@ fn robot(cam: &CamArguments, file: &Path) -> Result<Robot, Failure> {
         Some(slide) => Err(Failure::at(
             urdf,
             format!(
-                "joint `{}` is a slide: robot programs are written for rotary arms",
+                "joint `{}` is a slide: robot programs are written for rotary arms; say with --slide-mm \
+                 where it stands",
                 slide.name
             ),
         )),

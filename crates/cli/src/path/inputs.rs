@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use truecut_arm::{JointKind, Robot};
+use truecut_arm::Robot;
 use truecut_plan::surface::{Mesh, MeshUse, PatchFile, SurfaceError};
 use truecut_plan::surface_path::{SurfacePathError, TaughtPoints};
 use truecut_scenario::PathJob;
@@ -73,30 +73,44 @@ fn robot(job: &PathJob) -> Result<Robot, Failure> {
         Some(_) => Failure::arm(&error),
         None => job.problem("robot.urdf", error.to_string()).into(),
     })?;
+    let robot = with_slides(job, robot)?;
     check_joints(job, &robot)?;
     Ok(robot)
 }
 
-/// A robot program moves rotary joints only, and the start posture must have a value for each.
+/// Slides stand where the start posture has them: a robot program moves rotary joints only.
+fn with_slides(job: &PathJob, robot: Robot) -> Result<Robot, Failure> {
+    let places_m = &job.robot.posture_m;
+    let count = robot.slides().count();
+    if places_m.len() == count {
+        if count == 0 {
+            return Ok(robot);
+        }
+        let held = robot.with_slides_at(places_m);
+        return held.map_err(|error| job.problem("robot.posture_mm", error.message()).into());
+    }
+    let message = match robot.slides().next() {
+        None => format!(
+            "`robot.posture_mm` has {} values, but the arm has no slides",
+            places_m.len()
+        ),
+        Some(first) => format!(
+            "`robot.posture_mm` has {} values, but the arm has {count} slides, joint `{}` the first: a robot \
+             program moves rotary joints alone, and slides stand where this says",
+            places_m.len(),
+            robot.chain.joints[first].name
+        ),
+    };
+    let key = match places_m.is_empty() {
+        true => "robot.urdf",
+        false => "robot.posture_mm",
+    };
+    Err(job.problem(key, message).into())
+}
+
+/// The start posture must have a value for each rotary joint.
 fn check_joints(job: &PathJob, robot: &Robot) -> Result<(), Failure> {
     let arm = &job.robot;
-    let slide = (robot.chain.joints.iter()).find(|joint| joint.kind == JointKind::Prismatic);
-    if let Some(slide) = slide {
-        let message = format!(
-            "`robot.urdf` is an arm with a slide, joint `{}`, but robot programs are written for \
-             arms of rotary joints alone; \
-             `process.belt` takes slides, too",
-            slide.name
-        );
-        return Err(job.problem("robot.urdf", message).into());
-    }
-    if !arm.posture_m.is_empty() {
-        let message = format!(
-            "`robot.posture_mm` has {} values, but the arm has no slides",
-            arm.posture_m.len()
-        );
-        return Err(job.problem("robot.posture_mm", message).into());
-    }
     if arm.posture_rad.len() != robot.dof() {
         let message = format!(
             "`robot.posture_deg` has {} values, but the arm has {} joints",

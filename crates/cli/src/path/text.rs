@@ -9,6 +9,7 @@ use truecut_plan::surface_path::{Contact, Segment};
 use truecut_recording::{Unit, significant};
 
 use super::{PlannedPath, durations_s};
+use crate::robot::slides_note;
 use crate::text::{self, Align, fastest_joint, row, show, table};
 
 /// Findings that are listed individually.
@@ -177,7 +178,14 @@ fn notes(answer: &PlannedPath<'_>) -> String {
     if more > 0 {
         text.push_str(&format!("  note: and {more} more of this kind\n"));
     }
+    let slides_m = &answer.job.robot.posture_m;
+    if !slides_m.is_empty() {
+        text.push_str(&format!("  note: {}\n", slides_note(slides_m)));
+    }
     if let Some(note) = maker_note(answer.job.program.dialect, &answer.inputs.robot) {
+        text.push_str(&format!("  note: {note}\n"));
+    }
+    if let Some(note) = answer.job.program.dialect.limits_note() {
         text.push_str(&format!("  note: {note}\n"));
     }
     text.push_str(

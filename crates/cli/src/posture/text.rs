@@ -53,6 +53,7 @@ pub fn summary(answer: &PostureAnswer<'_>) -> String {
         text.push_str(&uncertain.told(answer));
     }
     text.push_str(&text::notes(&answer.missing));
+    text.push_str(&text::notes(answer.study.estimates()));
     if !answer.scenario.effects.is_empty() {
         text.push_str("  note: the plan is for the nominal arm; effects act in runs only\n");
     }

@@ -11,6 +11,7 @@ use truecut_recording::{Unit, significant};
 use crate::args::ProgramArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
+use crate::robot::{of_slides, with_slides};
 use crate::text::{Align, fastest_joint, row, show, table};
 use deviation::Deviation;
 
@@ -27,8 +28,12 @@ const ALLOWED_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
 pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
     let robot = Robot::load_kinematics(&arguments.robot, None, arguments.tip.as_deref())
         .map_err(|error| Failure::arm(&error))?;
+    let robot = with_slides(robot, arguments.slide_mm.as_deref())?;
     let base = frame(arguments.base_xyz_mm, arguments.base_rpy_deg);
-    let program = read::read(arguments, &robot, &base)?;
+    let mut program = read::read(arguments, &robot, &base)?;
+    program
+        .notes
+        .extend(of_slides(arguments.slide_mm.as_deref()));
     let path = (arguments.path.as_ref())
         .map(|path| deviation::path_of(path, robot.dof()))
         .transpose()?;

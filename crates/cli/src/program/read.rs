@@ -42,6 +42,8 @@ pub fn read(
     if let Some(note) = maker_note(dialect, robot) {
         program.notes.push(note);
     }
+    let limits = dialect.limits_note().map(str::to_owned);
+    program.notes.extend(limits);
     if program.moves.is_empty() {
         return Err(Failure::at(path, "the program has no move"));
     }

@@ -37,6 +37,10 @@ pub trait Dialect: Debug + Sync {
     fn makers(&self) -> &'static [&'static str] {
         &[]
     }
+    /// What its controllers limit that no URDF says, and so is not checked.
+    fn limits_note(&self) -> Option<&'static str> {
+        None
+    }
     /// How closely a program comes back that was written and read.
     fn resolution(&self) -> Resolution;
     /// How it holds the angle of a turntable.

@@ -137,6 +137,7 @@ fn robot(joints: Vec<Joint>, links: Vec<Link>, frames: [Isometry3<f64>; 3]) -> R
             base: link("base".into(), 0.0, Matrix3::zeros()),
             tip: "tip".into(),
             notes: Vec::new(),
+            estimated_masses: Vec::new(),
             placeholders: None,
         },
         frames: Frames {

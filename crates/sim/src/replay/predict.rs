@@ -3,6 +3,8 @@
 use super::inverse::InverseModel;
 use super::steady::SteadyModel;
 use crate::error::SimError;
+use crate::estimates::estimates;
+use crate::robots::Robots;
 use truecut_recording::{Header, Measured};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 
@@ -29,6 +31,7 @@ pub(crate) fn predict(
     let ProcessSpec::Replay(replay) = &scenario.process else {
         return Ok(None);
     };
+    let mut assumed = None;
     let (columns, compared, note) = match replay.mode {
         ReplayMode::Forward => return Ok(None),
         ReplayMode::Observe => {
@@ -45,11 +48,13 @@ pub(crate) fn predict(
                 "inverse dynamics: coordinates smoothed at {differentiate_cutoff_hz} Hz and differentiated, drive \
                  forces at {compare_cutoff_hz} Hz, Butterworth of order 4, forward and backward"
             );
+            assumed = estimates(scenario, &Robots::new())?;
             (model.predict(&[])?, model.measured().clone(), note)
         }
     };
     let mut notes = measured.notes.clone();
     notes.push(note);
+    notes.extend(assumed);
     notes.extend(scenario.notes());
     let header = Header {
         scenario_name: scenario.name.clone(),

@@ -11,6 +11,8 @@ use truecut_recording::{Body, Geometry, Pose, Shape};
 const GHOST_RGBA: [u8; 4] = [150, 155, 160, 90];
 /// Colour of a workpiece.
 const STEEL_RGBA: [u8; 4] = [120, 128, 138, 255];
+/// Colour of what is cut, as that of a rim.
+const CUT_RGBA: [u8; 4] = [255, 200, 60, 255];
 /// Side of the workpiece, m.
 const WORKPIECE_M: f64 = 0.4;
 /// Thickness of the workpiece, m.
@@ -120,7 +122,7 @@ pub(crate) fn plate_with_hole(radius_m: f64, backward: bool) -> Vec<Shape> {
         .map(|(half_extents_m, at)| steel(Geometry::Box { half_extents_m }, Pose::translation(at)));
     let rim = Shape {
         geometry: ring(rim_m, radius_m, 2e-3, 96),
-        color_rgba: [255, 200, 60, 255],
+        color_rgba: CUT_RGBA,
         body_from_shape: Pose::IDENTITY,
     };
     bars.chain([rim]).collect()
@@ -152,14 +154,58 @@ pub(crate) fn body(process_from_mesh: &Isometry3<f64>, mesh: &Mesh) -> Vec<Shape
     vec![steel(geometry, pose(process_from_mesh))]
 }
 
-/// The stock under a straight path of this length along `feed` (process axes) that begins at the
-/// origin: its upper face is the depth of cut above the tip.
-pub(crate) fn slab(feed: Vector3<f64>, length_m: f64, width_m: f64, depth_m: f64) -> Vec<Shape> {
-    let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), feed.z.atan2(feed.y));
-    let centre = feed * (0.5 * length_m) + Vector3::x() * (0.5 * THICKNESS_M - depth_m);
-    let half_extents_m = [0.5 * THICKNESS_M, 0.5 * length_m + width_m, width_m];
-    let at = pose(&Isometry3::from_parts(centre.into(), turn));
-    vec![steel(Geometry::Box { half_extents_m }, at)]
+/// What a straight pass leaves of its stock, in the milling frame: x along the feed from the
+/// path's start, z up from the teeth's lowest point.
+pub(crate) struct Milled {
+    pub length_m: f64,
+    pub cutter_radius_m: f64,
+    /// From where to where across the feed the teeth cut.
+    pub across_m: [f64; 2],
+    pub depth_m: f64,
+}
+
+impl Milled {
+    /// The floor that is cut, coloured, in the stock with the walls that remain: where the teeth
+    /// reach across by their full radius they leave a wall.
+    pub(crate) fn shapes(&self, process_from_milling: &Isometry3<f64>) -> Vec<Shape> {
+        let (radius, depth) = (self.cutter_radius_m, self.depth_m);
+        let beyond = 4.0 * radius;
+        let ends = [-beyond, self.length_m + beyond];
+        let ahead = [self.length_m + radius, self.length_m + beyond];
+        let [right, left] = self.across_m;
+        let mut boxes = vec![
+            (STEEL_RGBA, [ends, [-beyond, beyond], [-THICKNESS_M, 0.0]]),
+            (STEEL_RGBA, [ahead, [right, left], [0.0, depth]]),
+            (
+                CUT_RGBA,
+                [[-beyond, ahead[0]], [right, left], [0.0, 0.05 * depth]],
+            ),
+        ];
+        let is_wall = |at_m: f64| at_m.abs() >= radius * (1.0 - 1e-6);
+        if is_wall(left) {
+            boxes.push((STEEL_RGBA, [ends, [left, beyond], [0.0, depth]]));
+        }
+        if is_wall(right) {
+            boxes.push((STEEL_RGBA, [ends, [-beyond, right], [0.0, depth]]));
+        }
+        let shape = |(color_rgba, sides): ([u8; 4], [[f64; 2]; 3])| {
+            let centre = sides.map(|[from, to]| 0.5 * (from + to));
+            Shape {
+                geometry: Geometry::Box {
+                    half_extents_m: sides.map(|[from, to]| 0.5 * (to - from)),
+                },
+                color_rgba,
+                body_from_shape: pose(
+                    &(process_from_milling
+                        * Isometry3::from_parts(
+                            Vector3::from(centre).into(),
+                            UnitQuaternion::identity(),
+                        )),
+                ),
+            }
+        };
+        boxes.into_iter().map(shape).collect()
+    }
 }
 
 /// The block under a rectangular face, whose frame has the origin in a corner and z along the

@@ -17,7 +17,7 @@ pub use runs::{StabilityRun, stability_runs};
 use std::sync::Arc;
 
 use nalgebra::{Unit, Vector3};
-use truecut_arm::{FrameId, OpwGeometry, Robot, Wrist};
+use truecut_arm::{FrameId, OpwGeometry, Robot, TransmissionValue, Wrist};
 use truecut_core::chatter::TipMode;
 use truecut_plan::motion::branch::BranchWish;
 use truecut_plan::motion::straight::SolvedPath;
@@ -160,7 +160,17 @@ impl MillingStudy {
     pub fn notes(&self, modes: &[TipMode]) -> Vec<String> {
         let mut notes = milling_notes(&self.cut.nominal);
         notes.extend(damping::damping_notes(modes));
+        notes.extend(self.estimates());
         notes
+    }
+
+    /// What of the arm's values is estimated and decides its modes.
+    pub fn estimates(&self) -> Option<String> {
+        let values = match self.robot.damping_ratios.is_empty() {
+            true => &[TransmissionValue::Stiffness, TransmissionValue::Damping][..],
+            false => &[TransmissionValue::Stiffness],
+        };
+        self.robot.estimates(values)
     }
 
     /// A plan in the terms of a scenario file.

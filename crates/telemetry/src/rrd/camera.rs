@@ -29,7 +29,8 @@ pub(super) fn whole(scene: &Scene) -> Camera {
 
 /// The workpiece from near by, from the arm's side. `None` if there is none, or no arm.
 pub(super) fn near_tool(scene: &Scene) -> Option<Camera> {
-    let target = place_of(workpiece(scene)?);
+    let workpiece = workpiece(scene)?;
+    let target = place_of(workpiece);
     let last_link = scene
         .bodies
         .iter()
@@ -48,11 +49,22 @@ pub(super) fn near_tool(scene: &Scene) -> Option<Camera> {
     };
     let direction: Vector3<f64> = 0.5 * from_workpiece + 0.8 * away * side + 0.4 * Vector3::z();
     Some(Camera {
-        position_m: (target + 0.75 * direction.normalize()).into(),
+        position_m: (target + away_m(workpiece) * direction.normalize()).into(),
         target_m: target.into(),
     })
 }
 
+/// From how far a workpiece is seen: a small one, and the tool that it is for, from nearer by.
+fn away_m(workpiece: &Body) -> f64 {
+    let shapes = workpiece.shapes.iter();
+    let reaches = shapes.map(|shape| {
+        Vector3::from(shape.body_from_shape.translation_m).norm() + reach(&shape.geometry)
+    });
+    (3.0 * reaches.fold(0.0, f64::max)).clamp(NEAREST_M, FARTHEST_M)
+}
+
+const NEAREST_M: f64 = 0.15;
+const FARTHEST_M: f64 = 0.75;
 /// Less than this part of a tool's way aside is upright.
 const UPRIGHT: f64 = 0.1;
 /// Parts of its height that a view from above is wide: it stands beside two others.
@@ -222,7 +234,7 @@ mod tests {
             let near = near_tool(&scene).expect("a view");
             let from = Vector3::from(near.position_m) - Vector3::from(near.target_m);
             assert!(
-                (from.norm() - 0.75).abs() < 1e-9 && from.z > 0.0,
+                (from.norm() - 3.0 * 0.2).abs() < 1e-9 && from.z > 0.0,
                 "{near:?}"
             );
             assert!(from.dot(&Vector3::new(-1.0, 0.2, 0.0)) > 0.2, "{near:?}");

@@ -11,9 +11,15 @@ const WIDTH: f32 = 760.0;
 /// As [`WIDTH`].
 const HEIGHT: f32 = 180.0;
 /// What the view must show across: the drawing, with room for the numbers on its left.
-pub(super) const ACROSS: [f64; 2] = [-50.0, 780.0];
+const ACROSS: [f64; 2] = [-50.0, 780.0];
 /// What it must show down: the drawing, with room for the labels above and below.
-pub(super) const DOWN: [f64; 2] = [-36.0, 238.0];
+pub(super) const DOWN: [f64; 2] = [-36.0, 244.0];
+/// A legend of names no longer than this stands beside the drawing, where it hides no curve.
+const SHORT_NAME: usize = 20;
+/// How much wider the view is for it.
+const LEGEND: f64 = 170.0;
+/// Height of a row of a legend.
+const ROW: f32 = 27.0;
 
 const GREY: [u8; 3] = [170, 170, 170];
 const DARK: [u8; 3] = [70, 70, 70];
@@ -58,6 +64,22 @@ struct Drawing {
 }
 
 impl Chart {
+    /// What the view must show across.
+    pub(super) fn across(&self) -> [f64; 2] {
+        let beside = if self.has_legend_beside() {
+            LEGEND
+        } else {
+            0.0
+        };
+        [ACROSS[0], ACROSS[1] + beside]
+    }
+
+    fn has_legend_beside(&self) -> bool {
+        let mut lengths = self.curves.iter().map(|curve| curve.name.chars().count());
+        let is_empty = self.curves.iter().all(|curve| curve.name.is_empty());
+        !is_empty && lengths.all(|length| length <= SHORT_NAME)
+    }
+
     /// Draws the chart under an entity; it does not depend on time.
     pub(super) fn log(&self, stream: &Store, entity: &str) -> Logged<()> {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
@@ -71,8 +93,17 @@ impl Chart {
             texts: Vec::new(),
         };
         drawing.axes(&self.x_label, &self.y_label);
-        for (row, curve) in self.curves.iter().enumerate() {
-            drawing.curve(row, curve);
+        let left = match self.has_legend_beside() {
+            true => WIDTH + 0.55 * LEGEND as f32,
+            false => 0.68 * WIDTH,
+        };
+        for curve in &self.curves {
+            drawing.curve(curve);
+        }
+        let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
+        for (row, curve) in named.enumerate() {
+            let at = [left, 16.0 + ROW * row as f32];
+            drawing.text(at, curve.name.clone(), curve.color);
         }
         drawing.log(stream, entity)
     }
@@ -113,8 +144,8 @@ impl Drawing {
         self.text([0.25 * WIDTH, -16.0], y_label.to_owned(), WHITE);
     }
 
-    /// The curve, its marks, and its row in the legend.
-    fn curve(&mut self, row: usize, curve: &Curve) {
+    /// The curve and its marks.
+    fn curve(&mut self, curve: &Curve) {
         let color = curve.color;
         let mut lines = Vec::new();
         // A point that cannot be drawn breaks the line.
@@ -140,11 +171,6 @@ impl Drawing {
                     .push((at, text.to_owned(), color, Radius::new_ui_points(4.0)));
             }
         }
-        self.text(
-            [0.68 * WIDTH, 16.0 + 24.0 * row as f32],
-            curve.name.clone(),
-            color,
-        );
     }
 
     fn log(self, stream: &Store, entity: &str) -> Logged<()> {

@@ -15,13 +15,16 @@ use crate::error::failed;
 
 /// Where the text is logged.
 const TEXT: &str = "/text";
+/// Charts that stand one above the other on a page; lower ones would have no room for the names of
+/// their axes. The rest lie behind the last.
+const MOST_ROWS: usize = 3;
 
 /// Charts that stand one above the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartPage {
     /// Title of its tab.
     pub title: String,
-    /// From the top.
+    /// From the top; from the third on behind each other if there are more than three.
     pub charts: Vec<Chart>,
 }
 
@@ -54,8 +57,13 @@ pub(super) fn log_pages(stream: &Store, layout: &Layout, pages: &[ChartPage]) ->
         for (c, chart) in page.charts.iter().enumerate() {
             let entity = format!("/charts/{p}/{c}");
             let drawn = Drawn::of(chart.clone(), stream, entity)?;
-            rows.push((1.0, chart_view(layout, &drawn)?));
+            rows.push(chart_view(layout, &drawn)?);
         }
+        if rows.len() > MOST_ROWS {
+            let behind = rows.split_off(MOST_ROWS - 1);
+            rows.push(layout.tabs(&behind)?);
+        }
+        let rows = rows.into_iter().map(|row| (1.0, row)).collect();
         tabs.push(layout.titled_stack(&page.title, rows)?);
     }
     layout.pages(tabs)

@@ -10,7 +10,7 @@ use re_sdk_types::components::Color;
 use truecut_recording::{Camera, Field, Header, Recording, Scene};
 
 use super::blueprint::{Layout, Part};
-use super::chart::{ACROSS, DOWN};
+use super::chart::DOWN;
 use super::field::{END, SCALE};
 use super::results::{ABOUT, Drawn, SCENARIO};
 use super::series::FOOT_STATE;
@@ -129,7 +129,7 @@ fn least_axis(group: &Group, recording: &Recording) -> Option<ScalarAxis> {
 
 pub(super) fn chart_view(layout: &Layout, chart: &Drawn) -> Logged<Part> {
     let range = re_sdk_types::datatypes::Range2D {
-        x_range: ACROSS.into(),
+        x_range: chart.across.into(),
         y_range: DOWN.into(),
     };
     let bounds = VisualBounds2D::new(range);

@@ -17,6 +17,7 @@ mod store;
 mod surface;
 mod verdict;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use re_chunk::TimeColumn;
@@ -52,7 +53,10 @@ pub struct RrdSink {
 }
 
 struct OpenRecording {
+    path: PathBuf,
     stream: Store,
+    /// Messages that hold until the end is known: a word in place of the claims, a first layout.
+    until_end: Range<usize>,
     groups: Vec<Group>,
     scene: SceneLogger,
     foot: Option<FootState>,
@@ -97,7 +101,7 @@ impl Sink for RrdSink {
 impl OpenRecording {
     fn begin(path: &Path, header: &Header) -> Result<OpenRecording, Failure> {
         let name = &header.scenario_name;
-        let stream = Store::file(fresh(path)?, application(name), name)?;
+        let stream = Store::kept(fresh(path)?, application(name), name)?;
         let groups = groups(&header.channels);
         series::begin(&stream, &groups)?;
         let scene = SceneLogger::begin(&stream, &header.scene)?;
@@ -107,9 +111,12 @@ impl OpenRecording {
             results::SCENARIO,
             results::scenario(&header.scenario_text),
         )?;
+        let before = stream.count();
         log_text(&stream, verdict::CLAIMS, verdict::under_way(header))?;
         layout::send(&stream, header, &groups, foot.is_some(), None)?;
         Ok(OpenRecording {
+            path: path.to_owned(),
+            until_end: before..stream.count(),
             stream,
             groups,
             scene,
@@ -127,8 +134,10 @@ impl OpenRecording {
         self.scene.frames(&self.stream, chunk.frames)
     }
 
+    /// The end's word is put first, so that a viewer shows it while a large file still loads.
     fn finish(self, recording: &Recording, claims: &[ClaimResult]) -> Result<(), Failure> {
         let stream = &self.stream;
+        let last = stream.count();
         log_text(
             stream,
             verdict::CLAIMS,
@@ -152,7 +161,10 @@ impl OpenRecording {
             Some(&at_end),
         )?;
         self.scene.finish(stream)?;
-        self.stream.finish()
+        let (until_end, stream) = (self.until_end, self.stream);
+        write_whole(&self.path, |file| {
+            stream.finish_again(file.try_clone()?, &until_end, last)
+        })
     }
 }
 

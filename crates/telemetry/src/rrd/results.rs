@@ -31,14 +31,19 @@ const LEAST_SHARE: f64 = 0.01;
 pub(super) struct Drawn {
     pub(super) entity: String,
     pub(super) title: String,
+    /// What its view must show across.
+    pub(super) across: [f64; 2],
 }
 
 impl Drawn {
     /// Logs a chart.
     pub(super) fn of(chart: Chart, stream: &Store, entity: String) -> Logged<Drawn> {
         chart.log(stream, &entity)?;
-        let title = chart.title;
-        Ok(Drawn { entity, title })
+        Ok(Drawn {
+            entity,
+            across: chart.across(),
+            title: chart.title,
+        })
     }
 }
 

@@ -7,6 +7,7 @@
 use std::cell::RefCell;
 use std::error::Error;
 use std::fs::File;
+use std::ops::Range;
 
 use re_build_info::CrateVersion;
 use re_chunk::{Chunk, ChunkComponents, ChunkId, ChunkResult, EntityPath, RowId, TimeColumn};
@@ -24,12 +25,17 @@ pub(super) type Failure = Box<dyn Error + Send + Sync>;
 /// What writing into a store yields.
 pub(super) type Logged<T> = Result<T, Failure>;
 
+/// Messages that say what a recording is: its store, and its properties.
+const OPENING: usize = 2;
+
 /// A store and where its messages go.
 pub(super) struct Store {
     id: StoreId,
     /// At which rows are logged that are not static.
     now: TimePoint,
     target: RefCell<Target>,
+    /// What has been sent, for a file that is put into another order at its end.
+    kept: RefCell<Option<Vec<LogMsg>>>,
 }
 
 enum Target {
@@ -40,13 +46,22 @@ enum Target {
 impl Store {
     /// The recording of a file. Every message is with the operating system once it is logged.
     pub(super) fn file(file: File, application: ApplicationId, name: &str) -> Logged<Store> {
-        let encoder = Encoder::new_eager(
-            CrateVersion::LOCAL,
-            EncodingOptions::PROTOBUF_COMPRESSED,
-            file,
-        )?;
-        let target = Target::File(Box::new(encoder));
-        let store = Store::begin(StoreKind::Recording, application, target)?;
+        Store::recording(file, application, name, None)
+    }
+
+    /// The same, of which what comes last can be put first: see [`Store::finish_again`].
+    pub(super) fn kept(file: File, application: ApplicationId, name: &str) -> Logged<Store> {
+        Store::recording(file, application, name, Some(Vec::new()))
+    }
+
+    fn recording(
+        file: File,
+        application: ApplicationId,
+        name: &str,
+        kept: Option<Vec<LogMsg>>,
+    ) -> Logged<Store> {
+        let target = Target::File(Box::new(encoder(file)?));
+        let store = Store::begin(StoreKind::Recording, application, target, kept)?;
         let about = RecordingInfo::new()
             .with_start_time(Timestamp::now())
             .with_name(name);
@@ -57,19 +72,25 @@ impl Store {
     /// A layout, of which the viewer reads what stands at the first of its times.
     pub(super) fn layout(application: ApplicationId) -> Logged<Store> {
         let target = Target::Memory(Vec::new());
-        let mut store = Store::begin(StoreKind::Blueprint, application, target)?;
+        let mut store = Store::begin(StoreKind::Blueprint, application, target, None)?;
         let timeline = Timeline::new_sequence("blueprint");
         store.now.insert(timeline, TimeInt::ZERO);
         Ok(store)
     }
 
-    fn begin(kind: StoreKind, application: ApplicationId, target: Target) -> Logged<Store> {
+    fn begin(
+        kind: StoreKind,
+        application: ApplicationId,
+        target: Target,
+        kept: Option<Vec<LogMsg>>,
+    ) -> Logged<Store> {
         let id = StoreId::random(kind, application);
         let info = StoreInfo::new(id.clone(), StoreSource::Other("truecut".to_owned()));
         let store = Store {
             id,
             now: TimePoint::default(),
             target: RefCell::new(target),
+            kept: RefCell::new(kept),
         };
         store.send(LogMsg::SetStoreInfo(SetStoreInfo {
             row_id: *RowId::new(),
@@ -152,16 +173,49 @@ impl Store {
         }
     }
 
+    /// How many messages are there.
+    pub(super) fn count(&self) -> usize {
+        self.kept.borrow().as_ref().map_or(0, Vec::len)
+    }
+
+    /// Writes the file anew: what the store is, then all from the message `last` on, then the rest
+    /// but for `superseded`, which `last` says anew. A viewer shows a file while it loads, and so
+    /// has the end's word from the first moment on.
+    pub(super) fn finish_again(
+        self,
+        file: File,
+        superseded: &Range<usize>,
+        last: usize,
+    ) -> Logged<()> {
+        let messages = self.kept.into_inner().unwrap_or_default();
+        let mut encoder = encoder(file)?;
+        let opening = 0..OPENING;
+        let order = opening.chain(last..messages.len()).chain(OPENING..last);
+        for at in order.filter(|at| !superseded.contains(at)) {
+            encoder.append(&messages[at])?;
+        }
+        Ok(encoder.finish()?)
+    }
+
     fn chunk(&self, chunk: ChunkResult<Chunk>) -> Logged<()> {
         let message = chunk?.to_arrow_msg()?;
         self.send(LogMsg::ArrowMsg(self.id.clone(), message))
     }
 
     fn send(&self, message: LogMsg) -> Logged<()> {
+        if let Some(kept) = &mut *self.kept.borrow_mut() {
+            // Its arrays are shared, not copied.
+            kept.push(message.clone());
+        }
         match &mut *self.target.borrow_mut() {
             Target::File(encoder) => drop(encoder.append(&message)?),
             Target::Memory(messages) => messages.push(message),
         }
         Ok(())
     }
+}
+
+fn encoder(file: File) -> Logged<Encoder<File>> {
+    let options = EncodingOptions::PROTOBUF_COMPRESSED;
+    Ok(Encoder::new_eager(CrateVersion::LOCAL, options, file)?)
 }

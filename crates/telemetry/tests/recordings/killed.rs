@@ -50,6 +50,21 @@ fn a_run_that_is_left_alone_is_complete() {
     );
     let messages = rrd_messages(&folder.path().join("recording.rrd"));
     assert!(messages.whole, "nothing torn at the end");
+    // A viewer shows a file while it loads: the layout of the end, and so the claims that stand
+    // before it, come before all rows, and no other layout is in the file.
+    let file = folder.path().join("recording.rrd");
+    let activations = kinds(&file)
+        .into_iter()
+        .enumerate()
+        .filter(|(_, kind)| *kind == ACTIVATE);
+    let activations: Vec<usize> = activations.map(|(at, _)| at).collect();
+    assert_eq!(activations.len(), 1, "{activations:?}");
+    let curves = 3 * 30;
+    assert!(
+        activations[0] + curves < messages.count,
+        "{activations:?} of {}",
+        messages.count
+    );
 }
 
 #[test]
@@ -94,6 +109,25 @@ fn a_run_that_is_killed_leaves_what_it_had_written() {
         "a message for each curve and chunk: {expected}"
     );
     assert_eq!(killed.count, expected);
+}
+
+/// Kind of a message that makes a layout the one that is shown.
+const ACTIVATE: u64 = 3;
+
+/// Kinds of the messages of an `.rrd`, in their order.
+fn kinds(path: &Path) -> Vec<u64> {
+    let bytes = std::fs::read(path).unwrap();
+    let number = |at: usize| {
+        let eight = bytes.get(at..at + 8)?;
+        Some(u64::from_le_bytes(eight.try_into().unwrap()))
+    };
+    let mut kinds = Vec::new();
+    let mut at = 12;
+    while let (Some(kind), Some(length)) = (number(at), number(at + 8)) {
+        kinds.push(kind);
+        at += 16 + usize::try_from(length).unwrap();
+    }
+    kinds
 }
 
 struct Messages {

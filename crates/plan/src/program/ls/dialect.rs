@@ -79,6 +79,13 @@ impl Dialect for Ls {
         &["fanuc", "lrmate"]
     }
 
+    fn limits_note(&self) -> Option<&'static str> {
+        Some(
+            "limits of the third joint are the URDF's, between upper arm and forearm; those that the \
+             controller sets to J3 against the horizontal are not checked",
+        )
+    }
+
     /// Half of the last decimals: 0.001 mm on three axes, 0.001° of three angles; speeds 0.1 mm/s
     /// and 1 %.
     fn resolution(&self) -> Resolution {

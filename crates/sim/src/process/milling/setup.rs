@@ -6,7 +6,7 @@ use crate::motion::straight;
 use crate::process::setup::Motion;
 use crate::process::{Milling, MillingSetup, ProcessSetup, SetupContext};
 use crate::scene::{Tooling, shapes};
-use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
@@ -57,16 +57,23 @@ pub(crate) fn setup(
     let world_from_process = robot.world_from_process(&posture);
     let actual = context.effects.milling.on(spec);
     let setup = milling([spec, &actual], robot, &posture, &world_from_process)?;
-    let feed = setup.process_from_milling * Vector3::x();
-    let (length_m, cut) = (spec.path.length_m, spec.cut);
+    let cut = spec.cut;
     let radius_m = cut.cutter.radius_m;
-    let width_m = 4.0 * radius_m;
+    let stock = cut.engagement.stock(&cut.cutter, cut.axial_depth_m);
+    let milled = shapes::Milled {
+        length_m: spec.path.length_m,
+        cutter_radius_m: radius_m,
+        across_m: [stock.y_min_m, stock.y_max_m].map(|y| y.clamp(-radius_m, radius_m)),
+        depth_m: cut.axial_depth_m,
+    };
+    let turn = UnitQuaternion::from_rotation_matrix(&setup.process_from_milling);
+    let process_from_milling = Isometry3::from_parts(Translation3::identity(), turn);
     Ok(ProcessSetup::new(Milling::new(setup), posture)
         .holding(Tooling::end_mill(
             radius_m,
             cut.axial_depth_m.max(2.0 * radius_m) + 2.0 * radius_m,
         ))
-        .on(move || shapes::slab(feed, length_m, width_m, cut.axial_depth_m))
+        .on(move || milled.shapes(&process_from_milling))
         .led_by(Motion::Straight(path, spec.feed_m_per_s)))
 }
 
