@@ -17,8 +17,16 @@ pub(super) const SPECTRA: &str = "/spectra";
 /// Above all profiles.
 pub(super) const PROFILES: &str = "/profiles";
 
-/// Vibration of an arm is below this; above it a spectrum would show nothing.
-const HIGHEST_HZ: f64 = 60.0;
+/// Vibration of an arm is mostly below this, and a spectrum shows so far at least.
+const LEAST_RANGE_HZ: f64 = 60.0;
+/// Lines are looked for up to here: teeth may shake an arm's wrist, or the tool.
+const HIGHEST_HZ: f64 = 1500.0;
+/// A line of at least this share of the largest belongs into the picture.
+const WORTH_SEEING: f64 = 0.3;
+/// How much further than its last such line a spectrum goes.
+const BEYOND_LINE: f64 = 1.25;
+/// More points than this are no more than a screen shows.
+const MOST_POINTS: usize = 4000;
 /// Below this a ramp shows, not a vibration.
 const LOWEST_HZ: f64 = 2.0;
 /// The scalar that names the frequency of chatter, and how many bins from it its line may stand.
@@ -65,8 +73,11 @@ pub(super) fn log_spectra(
                 amplitude_spectrum_up_to(&recording.time_s, columns(series), HIGHEST_HZ)?,
             ))
         });
+        let spectra: Vec<_> = spectra.collect();
+        let range_hz = range_hz(spectra.iter().map(|(_, spectrum)| spectrum));
         let mut curves: Vec<Curve> = spectra
-            .map(|(series, spectrum)| spectrum_curve(series, &spectrum, group.least))
+            .iter()
+            .map(|(series, spectrum)| spectrum_curve(series, spectrum, group.least, range_hz))
             .collect();
         if curves.is_empty() {
             continue;
@@ -92,9 +103,35 @@ pub(super) fn log_spectra(
     Ok(drawn)
 }
 
-fn spectrum_curve(series: &Series, spectrum: &Spectrum, least: f64) -> Curve {
+/// How far spectra that share a chart are shown: as far as an arm vibrates, and beyond where one
+/// of the large lines stands.
+fn range_hz<'a>(spectra: impl Iterator<Item = &'a Spectrum>) -> f64 {
+    let lines = spectra.flat_map(|spectrum| spectrum.lines([LOWEST_HZ, HIGHEST_HZ], 3, 0.1));
+    let lines: Vec<Line> = lines.collect();
+    let largest = (lines.iter()).fold(0.0, |largest: f64, line| largest.max(line.amplitude));
+    let worth = lines
+        .iter()
+        .filter(|line| line.amplitude >= WORTH_SEEING * largest);
+    let last_hz = worth.fold(0.0, |last: f64, line| last.max(line.frequency_hz));
+    match last_hz <= LEAST_RANGE_HZ {
+        true => LEAST_RANGE_HZ,
+        false => BEYOND_LINE * last_hz,
+    }
+}
+
+/// Points as a screen shows them: of many side by side the highest.
+fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let every = points.len().div_ceil(MOST_POINTS).max(1);
+    let highest = points.chunks(every).filter_map(|some| {
+        let highest = some.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        highest.copied()
+    });
+    highest.collect()
+}
+
+fn spectrum_curve(series: &Series, spectrum: &Spectrum, least: f64, range_hz: f64) -> Curve {
     let shown = |amplitude: f64| series.unit.from_si(amplitude);
-    let mut lines = spectrum.lines([LOWEST_HZ, HIGHEST_HZ], 3, 0.1);
+    let mut lines = spectrum.lines([LOWEST_HZ, range_hz], 3, 0.1);
     lines.retain(|line| line.amplitude >= LEAST_SHARE * least);
     let in_words = |line: &Line| {
         format!(
@@ -118,13 +155,17 @@ fn spectrum_curve(series: &Series, spectrum: &Spectrum, least: f64) -> Curve {
     });
     // What a ramp leaves at the left end is no vibration, and would set the scale.
     let points = spectrum.frequency_hz.iter().zip(&spectrum.amplitude);
-    let points = points.skip_while(|(frequency_hz, _)| **frequency_hz < LOWEST_HZ);
+    let points = points
+        .skip_while(|(frequency_hz, _)| **frequency_hz < LOWEST_HZ)
+        .take_while(|(frequency_hz, _)| **frequency_hz <= range_hz);
     Curve {
         name: format!("{}: {named}", series.legend),
         color: series.color,
-        points: points
-            .map(|(frequency_hz, amplitude)| (*frequency_hz, shown(*amplitude)))
-            .collect(),
+        points: thinned(
+            points
+                .map(|(frequency_hz, amplitude)| (*frequency_hz, shown(*amplitude)))
+                .collect(),
+        ),
         marks: marks.collect(),
         dots: false,
     }
@@ -289,5 +330,33 @@ mod tests {
         assert_eq!(mark("rim.width", &line), None);
         let none = [Scalar::new(CHATTER_HZ, Unit::Hertz, f64::NAN, "")];
         assert_eq!(mark("milling.acceleration_spectrum_x", &none), None);
+    }
+
+    /// A line of half the size of the arm's own widens the picture to itself, a tenth does not.
+    #[test]
+    fn a_spectrum_reaches_to_its_large_lines() {
+        let time_s: Vec<f64> = (0..10_000).map(|k| 2e-4 * f64::from(k)).collect();
+        for tooth_hz in [35.0, 83.0, 200.0, 640.0, 1210.0] {
+            for (share, is_worth) in [(0.5, true), (0.1, false)] {
+                let wave = |hz: f64, t: f64| (std::f64::consts::TAU * hz * t).sin();
+                let values: Vec<f64> = time_s
+                    .iter()
+                    .map(|t| 3e-6 * (wave(12.0, *t) + share * wave(tooth_hz, *t)))
+                    .collect();
+                let spectrum = amplitude_spectrum_up_to(&time_s, &values, HIGHEST_HZ);
+                let found_hz = range_hz(spectrum.iter());
+                let expected_hz = match is_worth && tooth_hz > LEAST_RANGE_HZ {
+                    true => BEYOND_LINE * tooth_hz,
+                    false => LEAST_RANGE_HZ,
+                };
+                assert!(
+                    (found_hz / expected_hz - 1.0).abs() < 0.01,
+                    "{found_hz} Hz for {expected_hz} Hz"
+                );
+            }
+        }
+        let many = (0..9_000).map(|k| (f64::from(k), if k == 4_321 { 1.0 } else { 0.1 }));
+        let few = thinned(many.collect());
+        assert!(few.len() <= MOST_POINTS && few.contains(&(4_321.0, 1.0)));
     }
 }
