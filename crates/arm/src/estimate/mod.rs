@@ -218,7 +218,7 @@ fn design_torque(chain: &Chain, lengths: &Lengths, joint: usize, payload_kg: f64
     9.81 * (links.sum::<f64>() + payload)
 }
 
-/// Whether a rotary joint's axis is vertical in all postures: itself, and those of all rotary joints
+/// Whether a rotary joint's axis is vertical in all postures: itself, and those of all rotary ones
 /// before it.
 fn is_upright(chain: &Chain, joint: usize) -> bool {
     let zero = vec![0.0; chain.joints.len()];

@@ -78,8 +78,8 @@ pub struct RobotArguments {
         conflicts_with = "fk"
     )]
     pub ik: Option<String>,
-    /// Where the slides of the arm stand for --ik, in chain order: a track is driven to a place, and
-    /// the arm reaches from there. Without it slides move, and postures are samples
+    /// Where the slides of the arm stand for --ik, in chain order: a track is driven to a place,
+    /// and the arm reaches from there. Without it slides move, and postures are samples
     #[arg(
         long,
         value_name = "A,B,…",
