@@ -236,7 +236,9 @@ fn may_open(name: &str) -> bool {
 fn files_are_read_and_written_in_one_room() {
     let mut past = Vec::new();
     for (name, text) in sources() {
-        let production = text.split("#[cfg(test)]").next().unwrap_or_default();
+        // Up to its module of tests; what else is compiled for tests alone keeps the rule, too.
+        let tests = "#[cfg(test)]\nmod tests {";
+        let production = text.split(tests).next().unwrap_or_default();
         if !may_open(&name) {
             let calls = PAST_FILES.iter().filter(|call| production.contains(**call));
             past.extend(calls.map(|call| format!("{name}: {call}")));

@@ -88,7 +88,7 @@ impl<'a> ConfigFile<'a> {
     /// # Errors
     /// Every key, type and length that is wrong.
     pub(crate) fn parse(text: &'a str, path: &'a Path) -> Result<Self, ArmError> {
-        let reader = ConfigReader { text, path };
+        let reader = ConfigReader::new(text, path);
         let broken = structure::check(text).into_iter();
         let broken = broken.map(|b| reader.error(b.at, ArmErrorKind::Toml(b.message)));
         if let Some(error) = several(broken.collect()) {
@@ -106,10 +106,7 @@ impl<'a> ConfigFile<'a> {
     }
 
     fn reader(&self) -> ConfigReader<'a> {
-        ConfigReader {
-            text: self.text,
-            path: self.path,
-        }
+        ConfigReader::new(self.text, self.path)
     }
 
     /// Enters the transmissions into `chain`; adds what is wrong to `faults`.
@@ -225,18 +222,20 @@ impl Rule {
 }
 
 struct ConfigReader<'a> {
-    text: &'a str,
     path: &'a Path,
+    /// Where the lines end, bytes.
+    ends: Vec<usize>,
 }
 
-impl ConfigReader<'_> {
+impl<'a> ConfigReader<'a> {
+    fn new(text: &str, path: &'a Path) -> Self {
+        let ends = text.match_indices('\n').map(|(at, _)| at).collect();
+        Self { path, ends }
+    }
+
     /// 1-based line of a byte offset.
     fn line(&self, offset: usize) -> usize {
-        let end = offset.min(self.text.len());
-        1 + self.text.as_bytes()[..end]
-            .iter()
-            .filter(|&&b| b == b'\n')
-            .count()
+        1 + self.ends.partition_point(|end| *end < offset)
     }
 
     fn error(&self, offset: usize, kind: ArmErrorKind) -> ArmError {

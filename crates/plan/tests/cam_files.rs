@@ -198,6 +198,21 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         4,
         &["does not close", "9.9", "10.0000 mm"],
     ),
+    (
+        "far_arc.nc",
+        4,
+        &["radius of an arc in mm is 9000", "at most 1000000 mm"],
+    ),
+    (
+        "far_point.nc",
+        3,
+        &["a coordinate in mm is 109", "at most 1000000 mm"],
+    ),
+    (
+        "far_circle.apt",
+        4,
+        &["radius of CIRCLE in mm is 1000000000", "at most 1000000 mm"],
+    ),
     ("whole_turn_by_radius.nc", 4, &["chord", "needs I, J, K"]),
     (
         "arc_without_centre.nc",

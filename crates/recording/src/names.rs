@@ -5,12 +5,20 @@
 /// contains the other.
 pub fn nearest<'a>(wanted: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let folded = wanted.to_lowercase();
-    let scored = candidates
-        .into_iter()
+    let letters = folded.chars().count();
+    let holds = |name: &str| !folded.is_empty() && name.to_lowercase().contains(&folded);
+    // As many letters must come or go as the lengths differ by: most names need no distance, and
+    // a word of a million letters costs nothing.
+    let may_be_near = |name: &&str| {
+        let other = name.chars().count();
+        letters.abs_diff(other) * 3 <= letters.max(other) || holds(name)
+    };
+    let scored = (candidates.into_iter())
+        .filter(may_be_near)
         .map(|name| (distance(&folded, &name.to_lowercase()), name));
     let (edits, name) = scored.min_by_key(|(edits, _)| *edits)?;
-    let length = folded.chars().count().max(name.chars().count());
-    let contained = !folded.is_empty() && name.to_lowercase().contains(&folded);
+    let length = letters.max(name.chars().count());
+    let contained = holds(name);
     (edits * 3 <= length || (edits == 1 && length > 1) || contained).then_some(name)
 }
 
@@ -42,5 +50,7 @@ mod tests {
             "nothing near: no guess"
         );
         assert_eq!(nearest("x", std::iter::empty()), None);
+        // The distance of this one would take minutes.
+        assert_eq!(nearest(&"imagina".repeat(100_000), names), None);
     }
 }

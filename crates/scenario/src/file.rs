@@ -24,6 +24,9 @@ pub(crate) fn read<T: DeserializeOwned>(
     Ok((tables, document))
 }
 
+/// Most faults that are told at once: each is shown within the text of its file.
+const MOST_FAULTS: usize = 100;
+
 impl Document {
     /// What is read, as JSON that fits the schema.
     pub fn checked(&self, format: Format) -> Result<Json, ScenarioError> {
@@ -39,7 +42,13 @@ impl Document {
     }
 
     /// An error of the faults that were found; none if there are none.
-    pub fn refuse(&self, faults: Vec<Fault>) -> Result<(), ScenarioError> {
+    pub fn refuse(&self, mut faults: Vec<Fault>) -> Result<(), ScenarioError> {
+        if faults.len() > MOST_FAULTS {
+            let rest = faults.len() - MOST_FAULTS;
+            faults.truncate(MOST_FAULTS);
+            let last = &mut faults[MOST_FAULTS - 1];
+            last.message += &format!("; {rest} more faults are not shown");
+        }
         let located = faults.into_iter().map(|fault| self.locate(fault));
         let mut problems: Vec<Problem> = located.collect();
         // Overrides first, then in the order of the file.

@@ -26,6 +26,9 @@ pub enum Reason {
     /// Not a Parquet file, or a broken one.
     #[error(transparent)]
     Parquet(#[from] parquet::errors::ParquetError),
+    /// Lengths or contents that contradict each other.
+    #[error("the file is damaged: {0}")]
+    Damaged(String),
     /// Readable, but not a recording.
     #[error("not a recording: {0}")]
     NotARecording(String),

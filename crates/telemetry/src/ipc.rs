@@ -5,7 +5,7 @@
 //! stream began.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Write};
+use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,7 +15,9 @@ use arrow::ipc::writer::StreamWriter;
 use truecut_files::fresh;
 use truecut_recording::{Chunk, ClaimResult, Header, Outcome, Recording, Sink, SinkError};
 
+use crate::contained::contained;
 use crate::error::{FileError, Reason, failed};
+use crate::frames::{self, End};
 use crate::table;
 
 /// Streams rows into a file; every chunk is with the operating system when [`Sink::chunk`] returns,
@@ -91,26 +93,29 @@ impl Sink for IpcSink {
 /// then [`Outcome::Interrupted`], and a note says where the rows end.
 ///
 /// # Errors
-/// A file that cannot be read, that does not begin as an Arrow stream, or whose columns are not a
-/// recording's.
+/// A file that cannot be read, that does not begin as an Arrow stream or is damaged before its end,
+/// or whose columns are not a recording's.
 pub fn read_ipc_stream(path: &Path) -> Result<Recording, FileError> {
-    let failed = |reason: Reason| FileError::new(path, reason);
-    let file = truecut_files::open(path).map_err(|error| failed(error.into()))?;
-    let mut reader =
-        StreamReader::try_new(BufReader::new(file), None).map_err(|error| failed(error.into()))?;
-    let not_ours = |reason: String| failed(Reason::NotARecording(reason));
-    let mut recording = table::recording_from_schema(&reader.schema()).map_err(not_ours)?;
-    // A batch that cannot be read is the torn end of a stream whose writer was killed.
-    while let Some(Ok(batch)) = reader.next() {
-        table::append(&mut recording, &batch).map_err(not_ours)?;
+    contained(|| read_stream(path)).map_err(|reason| FileError::new(path, reason))
+}
+
+fn read_stream(path: &Path) -> Result<Recording, Reason> {
+    let mut file = truecut_files::open(path)?;
+    let (whole, end) = frames::whole(&mut file)?;
+    file.rewind()?;
+    let messages = BufReader::new(file.try_clone()?.take(whole));
+    let reader = StreamReader::try_new(messages, None)?;
+    let mut recording =
+        table::recording_from_schema(&reader.schema()).map_err(Reason::NotARecording)?;
+    for batch in reader {
+        table::append(&mut recording, &batch?).map_err(Reason::NotARecording)?;
     }
-    let mut rest = String::new();
-    let ending = reader
-        .get_mut()
-        .read_to_string(&mut rest)
-        .ok()
-        .and_then(|_| table::ending_from_json(&rest).ok());
-    match ending {
+    // The last line is missing, or torn, where the writer was killed before it.
+    let mut last = String::new();
+    file.seek(SeekFrom::Start(whole))?;
+    let is_text = end == End::Marked && file.read_to_string(&mut last).is_ok();
+    let ending = is_text.then(|| table::ending_from_json(&last).ok());
+    match ending.flatten() {
         Some(table::Ending {
             outcome,
             scalars,

@@ -57,11 +57,13 @@
 mod axis;
 mod background;
 mod columns;
+mod contained;
 #[cfg(any(test, feature = "contract"))]
 pub mod contract;
 mod decimate;
 mod display;
 mod error;
+mod frames;
 mod ipc;
 mod measured;
 mod parquet_file;

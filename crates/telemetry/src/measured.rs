@@ -9,6 +9,7 @@ use arrow::datatypes::{DataType, TimeUnit};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use truecut_recording::measured::{Column, Table};
 
+use crate::contained::contained;
 use crate::error::{FileError, Reason};
 
 /// Reads a table of numbers, by the ending of its name: `.csv` (also `.txt`, `.tsv`) or `.parquet`.
@@ -26,7 +27,7 @@ pub fn read_table(path: &Path, header: bool) -> Result<Table, FileError> {
     let ending = path.extension().and_then(|ending| ending.to_str());
     let read = match ending.map(str::to_ascii_lowercase).as_deref() {
         Some("csv" | "txt" | "tsv") => csv_table(path, header),
-        Some("parquet") => parquet_table(path),
+        Some("parquet") => contained(|| parquet_table(path)),
         _ => Err(Reason::UnknownTable),
     };
     let mut table = read.map_err(|reason| FileError::new(path, reason))?;

@@ -13,6 +13,7 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use truecut_files::{fresh, write_whole};
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
+use crate::contained::contained;
 use crate::error::{FileError, Reason, failed};
 use crate::table;
 
@@ -198,7 +199,7 @@ pub fn read_parquet(path: &Path) -> Result<Recording, FileError> {
         }
         Ok(recording)
     };
-    read().map_err(|reason: Reason| FileError::new(path, reason))
+    contained(read).map_err(|reason| FileError::new(path, reason))
 }
 
 /// Reads a recording by the ending of its name: `.parquet` or `.arrows`.

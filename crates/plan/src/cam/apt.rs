@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::{UnitVector3, Vector3};
 
-use super::{Attitude, CamOptions, CamPath, CamPoint, check_count, direction};
+use super::{Attitude, CamOptions, CamPath, CamPoint, check_count, check_far, direction};
 use crate::arc::Arc;
 use crate::program::number::finite;
 use crate::program::reading::Notes;
@@ -165,6 +165,7 @@ impl AptReader<'_> {
                     "above zero",
                 )?;
                 let centre = Vector3::new(x, y, z) * self.unit_m;
+                check_far("the radius of CIRCLE", radius_m)?;
                 self.circle = Some((centre, direction(Vector3::new(i, j, k))?, radius_m));
             }
             "GODLTA" => {

@@ -78,6 +78,9 @@ impl Default for CamOptions {
     }
 }
 
+/// Farthest that a path may lie from its origin, and largest radius of an arc.
+const FARTHEST_M: f64 = 1000.0;
+
 /// Whether a file's ending is one of those that are read as paths from CAM.
 #[must_use]
 pub fn is_cam(file: &Path) -> bool {
@@ -115,7 +118,18 @@ pub fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamPath, Pr
         let kind = ProgramErrorKind::Truncated { missing };
         return Err(ProgramError::in_file(file, last, kind));
     }
+    for point in &path.points {
+        check_far("a coordinate", point.place_m.amax())
+            .map_err(|kind| ProgramError::in_file(file, point.line, kind))?;
+    }
     Ok(path)
+}
+
+/// Refuses what no arm is large enough for. Chords of such arcs would fill the memory.
+fn check_far(what: &str, value_m: f64) -> Result<(), ProgramErrorKind> {
+    let rule = format!("at most {} mm: no arm reaches that far", FARTHEST_M * 1e3);
+    let is_near = value_m.abs() <= FARTHEST_M;
+    ProgramErrorKind::unless(is_near, &format!("{what} in mm"), value_m * 1e3, rule)
 }
 
 /// Refuses more points than are planned for.

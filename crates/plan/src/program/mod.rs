@@ -138,7 +138,7 @@ pub fn maker_note(dialect: &dyn Dialect, robot: &Robot) -> Option<String> {
 /// # Errors
 /// If the file cannot be read, or is neither.
 pub fn read_text(file: &Path) -> std::io::Result<String> {
-    let bytes = std::fs::read(file)?;
+    let bytes = truecut_files::read(file)?;
     if let Ok(text) = std::str::from_utf8(&bytes) {
         return Ok(text.trim_start_matches('\u{feff}').to_owned());
     }
