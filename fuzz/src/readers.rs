@@ -143,7 +143,7 @@ pub const READERS: &[Reader] = &[
         name: "recording",
         seeds: recordings,
         read: |case| said(read_recording(&case.written())),
-        commands: &[&["view", "CASE"], &["view", "--rrd", "CASE"]],
+        commands: &[&["view", "--rrd", "CASE"]],
     },
     Reader {
         name: "cam",
