@@ -85,7 +85,8 @@ impl Arc {
 
     /// How many chords lie within a distance of the arc.
     pub fn chords(&self, within_m: f64) -> usize {
-        let half = (1.0 - (within_m / self.radius_m()).min(1.0)).acos();
+        // acos(1 - w/r) without the difference, which is lost where the radius is large.
+        let half = 2.0 * (within_m / (2.0 * self.radius_m())).min(0.5).sqrt().asin();
         (self.turn_rad / (2.0 * half)).ceil().max(1.0) as usize
     }
 }

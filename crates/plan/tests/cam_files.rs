@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
-use truecut_plan::cam::{self, Attitude, CamOptions, CamPath, MOST_POINTS, WorkSetup};
+use truecut_plan::cam::{self, Attitude, CamOptions, CamPath, WorkSetup};
+use truecut_plan::program::MOST_POINTS;
 use truecut_plan::program::{Program, ProgramError, Tool, TravelOptions};
 
 fn read(text: &str, name: &str) -> Result<CamPath, ProgramError> {
@@ -201,7 +202,7 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     (
         "far_arc.nc",
         4,
-        &["radius of an arc in mm is 9000", "at most 1000000 mm"],
+        &["radius of a circle in mm is 9000000000000", "write a line"],
     ),
     (
         "far_point.nc",
@@ -211,7 +212,7 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     (
         "far_circle.apt",
         4,
-        &["radius of CIRCLE in mm is 1000000000", "at most 1000000 mm"],
+        &["radius of a circle in mm is 1000000000000", "write a line"],
     ),
     ("whole_turn_by_radius.nc", 4, &["chord", "needs I, J, K"]),
     (

@@ -183,6 +183,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     ),
     ("level.LS", 5, &["CNT is 101", "0 to 100"]),
     ("if.MOD", 11, &["`IF`", "MoveJ, MoveL"]),
+    (
+        "far_circle.script",
+        16,
+        &["a coordinate in mm is 2147483648", "no arm reaches"],
+    ),
     ("two_tools.MOD", 11, &["`tool0`", "one tool is read"]),
     (
         "calls_itself.MOD",

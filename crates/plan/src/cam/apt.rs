@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::{UnitVector3, Vector3};
 
-use super::{Attitude, CamOptions, CamPath, CamPoint, check_count, check_far, direction};
+use super::{Attitude, CamOptions, CamPath, CamPoint, direction};
 use crate::arc::Arc;
 use crate::program::number::finite;
 use crate::program::reading::Notes;
@@ -165,7 +165,7 @@ impl AptReader<'_> {
                     "above zero",
                 )?;
                 let centre = Vector3::new(x, y, z) * self.unit_m;
-                check_far("the radius of CIRCLE", radius_m)?;
+                ProgramErrorKind::unless_too_large(radius_m)?;
                 self.circle = Some((centre, direction(Vector3::new(i, j, k))?, radius_m));
             }
             "GODLTA" => {
@@ -293,7 +293,7 @@ impl AptReader<'_> {
         if let Some((centre, about, radius_m)) = self.circle.take() {
             places = self.arc(centre, about, radius_m, to)?;
         }
-        check_count(self.path.points.len() + places.len() + 1)?;
+        ProgramErrorKind::unless_too_many(self.path.points.len() + places.len() + 1)?;
         let count = places.len() + 1;
         let from_axis = self.axis;
         for (k, place_m) in places.into_iter().chain([to]).enumerate() {
@@ -334,7 +334,7 @@ impl AptReader<'_> {
             format!("at most {} mm", ARC_CLOSES_M * 1e3),
         )?;
         let count = arc.chords(self.options.chord_m);
-        check_count(count)?;
+        ProgramErrorKind::unless_too_many(count)?;
         Ok((1..count)
             .map(|k| arc.at(k as f64 / count as f64))
             .collect())

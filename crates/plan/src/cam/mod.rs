@@ -18,8 +18,6 @@ pub use follow::{WorkSetup, follow};
 
 use crate::program::{ProgramError, ProgramErrorKind};
 
-/// Most points of a path: what postures are planned for in bounded memory.
-pub const MOST_POINTS: usize = 500_000;
 /// Endings of files and what reads them.
 const GCODE: [&str; 7] = ["nc", "gcode", "ngc", "tap", "cnc", "mpf", "eia"];
 const APT: [&str; 4] = ["apt", "cls", "cl", "aptsource"];
@@ -78,9 +76,6 @@ impl Default for CamOptions {
     }
 }
 
-/// Farthest that a path may lie from its origin, and largest radius of an arc.
-const FARTHEST_M: f64 = 1000.0;
-
 /// Whether a file's ending is one of those that are read as paths from CAM.
 #[must_use]
 pub fn is_cam(file: &Path) -> bool {
@@ -119,23 +114,10 @@ pub fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamPath, Pr
         return Err(ProgramError::in_file(file, last, kind));
     }
     for point in &path.points {
-        check_far("a coordinate", point.place_m.amax())
+        ProgramErrorKind::unless_too_far(&point.place_m)
             .map_err(|kind| ProgramError::in_file(file, point.line, kind))?;
     }
     Ok(path)
-}
-
-/// Refuses what no arm is large enough for. Chords of such arcs would fill the memory.
-fn check_far(what: &str, value_m: f64) -> Result<(), ProgramErrorKind> {
-    let rule = format!("at most {} mm: no arm reaches that far", FARTHEST_M * 1e3);
-    let is_near = value_m.abs() <= FARTHEST_M;
-    ProgramErrorKind::unless(is_near, &format!("{what} in mm"), value_m * 1e3, rule)
-}
-
-/// Refuses more points than are planned for.
-fn check_count(count: usize) -> Result<(), ProgramErrorKind> {
-    let rule = format!("at most {MOST_POINTS}: cut the file, or allow longer chords");
-    ProgramErrorKind::unless(count <= MOST_POINTS, "the number of points", count, rule)
 }
 
 /// The direction of a vector that has a length.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use super::{Attitude, CamPath, CamPoint, check_count, direction};
+use super::{Attitude, CamPath, CamPoint, direction};
 use crate::program::number::finite;
 use crate::program::{ProgramError, ProgramErrorKind};
 
@@ -82,7 +82,7 @@ pub(super) fn read(text: &str, file: &Path) -> Result<CamPath, ProgramError> {
                 Some(mm_per_s * 1e-3)
             }
         };
-        check_count(path.points.len() + 1).map_err(|kind| at(line, kind))?;
+        ProgramErrorKind::unless_too_many(path.points.len() + 1).map_err(|kind| at(line, kind))?;
         path.points.push(CamPoint {
             line,
             place_m: Vector3::from_vec(numbers(&place)?) * 1e-3,

@@ -2,10 +2,18 @@
 
 use std::fmt::Display;
 
+use nalgebra::Vector3;
 use thiserror::Error;
 use truecut_arm::Placed;
 
 use crate::bounds::OutOfBounds;
+
+/// Most points of a path: what postures are planned for in bounded memory.
+pub const MOST_POINTS: usize = 500_000;
+/// Farthest that a path may lie from its origin.
+const FARTHEST_M: f64 = 1000.0;
+/// Largest radius of a circle: rounding moves its places by 0.2 nm.
+const LARGEST_RADIUS_M: f64 = 1e6;
 
 /// A fault with the place it was found at.
 pub type ProgramError = Placed<ProgramErrorKind>;
@@ -140,6 +148,27 @@ pub enum ProgramErrorKind {
 impl ProgramErrorKind {
     pub(crate) fn value(what: impl Display, value: impl Display, rule: impl Display) -> Self {
         OutOfBounds::new(what, value, rule).into()
+    }
+
+    /// Refuses more points than are planned for.
+    pub(crate) fn unless_too_many(count: usize) -> Result<(), Self> {
+        let rule = format!("at most {MOST_POINTS}: cut the file, or allow longer chords");
+        Self::unless(count <= MOST_POINTS, "the number of points", count, rule)
+    }
+
+    /// Refuses a place that no arm reaches.
+    pub(crate) fn unless_too_far(place_m: &Vector3<f64>) -> Result<(), Self> {
+        let far_m = place_m.amax();
+        let rule = format!("at most {} mm: no arm reaches that far", FARTHEST_M * 1e3);
+        let is_near = far_m <= FARTHEST_M;
+        Self::unless(is_near, "a coordinate in mm", far_m * 1e3, rule)
+    }
+
+    /// Refuses the radius of a circle whose places would be lost in rounding.
+    pub(crate) fn unless_too_large(radius_m: f64) -> Result<(), Self> {
+        let what = "the radius of a circle in mm";
+        let rule = format!("at most {:e}: write a line", LARGEST_RADIUS_M * 1e3);
+        Self::unless(radius_m <= LARGEST_RADIUS_M, what, radius_m * 1e3, rule)
     }
 
     /// Refuses a value that does not hold to a rule.

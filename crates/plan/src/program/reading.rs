@@ -174,6 +174,9 @@ fn chords(
             })?;
             let (from, to) = (before.pose(head, robot), step.pose(head, robot));
             let places = [&from, &via, &to].map(|pose| pose.translation.vector);
+            for place in &places {
+                ProgramErrorKind::unless_too_far(place).map_err(at)?;
+            }
             let arc = Arc::through(places).ok_or_else(|| {
                 at(ProgramErrorKind::value(
                     "the circle",
@@ -185,6 +188,9 @@ fn chords(
             let count = arc
                 .chords(CHORD_M)
                 .max((turn_rad / CHORD_RAD).ceil() as usize);
+            ProgramErrorKind::unless_too_large(arc.radius_m()).map_err(at)?;
+            let total = all.len().saturating_add(count);
+            ProgramErrorKind::unless_too_many(total).map_err(at)?;
             for k in 1..count {
                 let share = k as f64 / count as f64;
                 let turn = from.rotation.try_slerp(&to.rotation, share, 1e-9);

@@ -7,7 +7,7 @@ use nalgebra::{UnitVector3, Vector3};
 use super::ARC_CLOSES_M;
 use super::state::{MotionMode, State};
 use crate::arc::Arc;
-use crate::cam::{check_count, check_far, direction};
+use crate::cam::direction;
 use crate::program::ProgramErrorKind;
 
 impl State<'_> {
@@ -57,7 +57,7 @@ impl State<'_> {
         };
         let arc = Arc::about(&about, centre, from, to, true);
         let radius_m = arc.radius_m();
-        check_far("the radius of an arc", radius_m)?;
+        ProgramErrorKind::unless_too_large(radius_m)?;
         ProgramErrorKind::unless(
             arc.growth_m.abs() <= ARC_CLOSES_M && radius_m > 1e-9,
             "the arc does not close: in mm its radii at start and end differ by",
@@ -68,7 +68,7 @@ impl State<'_> {
         let count = arc
             .chords(self.options.chord_m)
             .max((turned_rad / 0.02).ceil() as usize);
-        check_count(self.path.points.len() + count)?;
+        ProgramErrorKind::unless_too_many(self.path.points.len().saturating_add(count))?;
         for k in 1..count {
             let share = k as f64 / count as f64;
             let axis = from_axis.into_inner().lerp(&self.axis, share);

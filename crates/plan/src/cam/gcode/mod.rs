@@ -30,7 +30,7 @@ pub fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamPath, Pr
         }
     }
     let last = text.lines().count().max(1);
-    super::check_count(state.path.points.len())
+    ProgramErrorKind::unless_too_many(state.path.points.len())
         .map_err(|kind: ProgramErrorKind| ProgramError::in_file(file, last, kind))?;
     Ok(state.end())
 }

@@ -259,7 +259,7 @@ impl<'a> State<'a> {
             self.push(to, self.axis, feed, line);
         }
         self.place_m = to;
-        super::super::check_count(self.path.points.len())
+        ProgramErrorKind::unless_too_many(self.path.points.len())
     }
 
     /// The tool's axis: by I, J, K on a line, or turned by A about x, B about y, C about z.
