@@ -102,7 +102,7 @@ impl Desk {
     }
 
     fn call(&self, arguments: &[&str], case: &Path) -> Output {
-        let robot = root().join("assets/robots/irb6600_175_255/robot.urdf");
+        let robot = root().join("assets/robots/hp20/robot.urdf");
         let words = arguments.iter().map(|word| match *word {
             "CASE" => case.as_os_str().to_owned(),
             "ROBOT" => robot.clone().into_os_string(),

@@ -332,7 +332,7 @@ fn program(case: &Case) -> Result<(), String> {
         ),
     };
     thread_local! {
-        static ROBOT: Robot = Robot::load(&root().join("assets/robots/irb6600_175_255/robot.urdf"), None, None)
+        static ROBOT: Robot = Robot::load(&root().join("assets/robots/hp20/robot.urdf"), None, None)
             .expect("an arm");
     }
     ROBOT.with(|robot| {

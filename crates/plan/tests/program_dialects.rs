@@ -186,7 +186,7 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     (
         "far_circle.script",
         16,
-        &["a coordinate in mm is 2147483648", "no arm reaches"],
+        &["a coordinate in mm is 2147484548", "no arm reaches"],
     ),
     ("two_tools.MOD", 11, &["`tool0`", "one tool is read"]),
     (
