@@ -247,13 +247,27 @@ pub(crate) fn choose(
         .tooth_period_s()
         .filter(|_| process.steps_with_teeth())
     {
-        return Ok(period / (period / step).ceil());
+        let count = (period / step).ceil();
+        return Ok(period
+            / if scheme.is_exact() {
+                graded(count)
+            } else {
+                count
+            });
     }
     let whole = match run.record_interval_s {
         Some(interval) if scheme.is_exact() => interval,
         _ => run.duration_s,
     };
     Ok(whole_part(whole, step))
+}
+
+/// The next of numbers a fifth apart. In a search that varies a mode of the tool the step then
+/// stays as it is, and with it its error; one that follows the mode makes predictions jump.
+fn graded(count: f64) -> f64 {
+    ((4.0 * count.log2() * (1.0 - ROUNDING)).ceil() / 4.0)
+        .exp2()
+        .ceil()
 }
 
 /// The longest whole part of `whole` that is no longer than `step`. An interval read off times in

@@ -120,7 +120,7 @@ class Experiment:
     def _one_pass(self, effects: tuple[Effect, ...], shifts: tuple[float, ...], standing_still: float | None):
         shifts = shifts or (0.0,) * len(self.uncertain)
         what = {"effects": [e.as_dict() for e in effects], "shifts": shifts, "still": standing_still}
-        key = json.dumps(what, sort_keys=True) + str(self) + _sources(self.name)
+        key = json.dumps(what, sort_keys=True) + str(self) + _sources(self.path)
         path = CACHE / f"{self.name}-{hashlib.sha256(key.encode()).hexdigest()[:20]}.npy"
         if path.exists():
             return np.load(path)
@@ -165,7 +165,7 @@ class Experiment:
 
 
 @functools.cache
-def _sources(name: str) -> str:
+def _sources(scenario: Path) -> str:
     """Hash of everything that a run depends on besides its arguments."""
     robots = sorted((ROOT / "assets" / "robots").glob("*/robot.*"))
     reference = sorted((ROOT / "tests" / "crosscheck" / "truecut_reference").glob("*.py"))
@@ -174,7 +174,7 @@ def _sources(name: str) -> str:
     found = hashlib.sha256()
     # a belt's path job and face and a brush's taught postures stand beside their scenarios
     beside = [*SCENARIOS.glob("belt_*.toml"), *SCENARIOS.glob("*.csv")]
-    for path in [*robots, *reference, *mine, SCENARIOS / f"{name}.toml", *sorted(beside)]:
+    for path in [*robots, *reference, *mine, scenario, *sorted(beside)]:
         found.update(path.read_bytes())
     return found.hexdigest()
 

@@ -27,6 +27,9 @@ pub(super) struct Fit {
 }
 
 const MAX_ITERATIONS: usize = 14;
+/// And so many more for each number of an effect that is not a size: what follows a frequency or a
+/// place is far from linear.
+const FOR_A_SHAPE: usize = 7;
 /// The first steps are taken under white noise: what is to be found is still in the residual, and
 /// its autoregression would hide it.
 const WHITE_ITERATIONS: usize = 2;
@@ -45,7 +48,7 @@ pub(super) fn fit(
     warm: bool,
 ) -> Result<Fit, PredictError> {
     let mut running = Running::begin(problem, start, rows, orders, warm)?;
-    running.advance(MAX_ITERATIONS)?;
+    running.advance(usize::MAX)?;
     Ok(running.finish())
 }
 
@@ -56,6 +59,7 @@ pub(super) struct Running<'a, 'b> {
     /// Iterations under white noise.
     white: usize,
     iterations: usize,
+    most: usize,
     converged: bool,
     stuck: bool,
     jacobian: Vec<Columns>,
@@ -89,9 +93,14 @@ impl<'a, 'b> Running<'a, 'b> {
             point: start,
             damping: 1e-3,
             decrement: f64::INFINITY,
+            close: false,
         };
         let white = if warm { 0 } else { WHITE_ITERATIONS };
+        let effects = solver.point.effects.iter();
+        let infos = effects.flat_map(|found| problem.infos(found.candidate));
+        let shapes = infos.filter(|info| !info.is_size).count();
         Ok(Self {
+            most: MAX_ITERATIONS + FOR_A_SHAPE * shapes,
             noise: solver.noise(white == 0),
             white,
             iterations: 0,
@@ -146,12 +155,15 @@ impl<'a, 'b> Running<'a, 'b> {
             }
             self.noise = self.solver.noise(self.iterations >= self.white);
         }
+        // Derivatives of what follows a frequency hold for short steps: a fit may creep about its
+        // end.
+        self.converged |= self.iterations >= self.most && self.solver.close;
         Ok(())
     }
 
     /// Whether it has ended.
     pub fn has_ended(&self) -> bool {
-        self.converged || self.stuck || self.iterations >= MAX_ITERATIONS
+        self.converged || self.stuck || self.iterations >= self.most
     }
 
     /// Current value of minus twice the log-likelihood.

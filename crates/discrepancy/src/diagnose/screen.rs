@@ -42,6 +42,9 @@ pub(super) fn nuisance<'a>(problem: &Problem, base: &'a Fit) -> (Vec<&'a Columns
     )
 }
 
+/// So often a size at which nothing can be predicted is brought nearer to one at which it could.
+const NEARER: usize = 4;
+
 /// A model that one more effect may extend, and what it explains by itself of the training rows.
 struct Extension<'a> {
     problem: &'a Problem<'a>,
@@ -172,14 +175,28 @@ impl<'a> Extension<'a> {
         found
     }
 
+    /// The prediction at the sizes that were found. Where it cannot be made, in a cut that chatters
+    /// there, say, the sizes come nearer to those of the signature, at which it can.
+    fn nearer(&self, entry: &mut Ranked) -> Option<Columns> {
+        for _ in 0..NEARER {
+            let (candidate, values) = (entry.candidate(), entry.start.clone());
+            let found = Found { candidate, values };
+            if let Ok(predicted) = (self.problem).predict(&with(&self.base.point, found)) {
+                return Some(predicted);
+            }
+            for &i in &entry.signature.sizes {
+                entry.start[i] = 0.5 * (entry.start[i] + entry.signature.values[i]);
+            }
+        }
+        None
+    }
+
     /// Takes the signature anew at the sizes that were found.
     fn refine(&self, entry: &mut Ranked) {
         let (problem, base) = (self.problem, self.base);
         let infos = problem.infos(entry.candidate());
         for _ in 0..2 {
-            let (candidate, values) = (entry.candidate(), entry.start.clone());
-            let found = Found { candidate, values };
-            let Ok(predicted) = problem.predict(&with(&base.point, found)) else {
+            let Some(predicted) = self.nearer(entry) else {
                 return;
             };
             let fit = self.fit(&[&difference(&predicted, &base.predicted, 1.0)]);
@@ -196,9 +213,10 @@ impl<'a> Extension<'a> {
                 entry.start[i] = value.clamp(infos[i].min, infos[i].max);
             }
             if near {
-                break;
+                return;
             }
         }
+        self.nearer(entry);
     }
 }
 

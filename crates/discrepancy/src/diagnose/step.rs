@@ -44,6 +44,13 @@ pub(super) struct Solver<'a, 'b> {
     pub damping: f64,
     /// Of the last step.
     pub decrement: f64,
+    /// Whether that is within a standard error.
+    pub close: bool,
+}
+
+/// Whether a step that would lower the weighted squares by so much is within a standard error.
+fn is_close(decrement: f64, squares: f64) -> bool {
+    decrement < 1.0 + 1e-3 * squares
 }
 
 impl Solver<'_, '_> {
@@ -79,6 +86,7 @@ impl Solver<'_, '_> {
         let undamped = self.solve(&normal, &gradient, 0.0);
         let decrement = gradient.dot(&undamped);
         self.decrement = decrement;
+        self.close = is_close(decrement, before);
         if decrement < 0.02 + 1e-5 * before {
             return Step::Converged;
         }
@@ -110,7 +118,7 @@ impl Solver<'_, '_> {
         }
         let wanted = gradient.dot(&self.solve(&normal, &gradient, ACCURACY.powi(2)));
         Step::Stuck {
-            close: wanted < 1.0 + 1e-3 * before,
+            close: is_close(wanted, before),
         }
     }
 

@@ -7,6 +7,7 @@
 mod cache;
 mod candidates;
 mod experiments;
+mod jumps;
 mod noise;
 mod observation;
 pub(crate) mod parallel;
@@ -18,8 +19,8 @@ mod stiff;
 #[cfg(test)]
 mod tests;
 
+use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
-use truecut_recording::{ChannelSpec, UnknownName};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 use truecut_scenario::{DriveKind, ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
 use truecut_sim::facts::{RobotFacts, robot_facts};
@@ -28,6 +29,7 @@ use truecut_sim::run::{self, Engine, Rows};
 use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel};
 
 use self::cache::{Cache, RunKey};
+use self::jumps::Jumps;
 pub use self::parallel::Thinning;
 use crate::diagnose::Observation;
 use crate::model::{Candidate, Columns, Experiment, Model, PredictError};
@@ -54,6 +56,8 @@ pub struct Trial {
     runs: Cache<RunKey, Rows>,
     /// Runs with a shorter step are not made, s.
     shortest_step_s: f64,
+    /// Samples beside jumps of a force.
+    jumps: Jumps,
     /// Of each joint, the greatest speed at which a friction's fall with speed can be told from
     /// other friction.
     fall_speeds: Vec<f64>,
@@ -66,6 +70,9 @@ pub struct Trial {
 /// A run of the search may need so many times the steps of the nominal one; what is faster is
 /// beyond what the data show.
 const FINEST: f64 = 4.0;
+/// In milling also so many times the samples, in which modes of the tool up to two fifths of their
+/// rate can be stepped.
+const FINEST_OF_DATA: f64 = 16.0;
 
 /// Most steps of one run: a diagnosis makes thousands of runs.
 const MOST_STEPS: f64 = 1e6;
@@ -133,6 +140,12 @@ impl Trial {
         started.uncertain.extend(start.unknowns);
         let scenario = &started;
         let mut thinning = None;
+        let run_s = |measured| reduced(scenario, measured, &robots).time_step_s();
+        let (jumps, bridged) = match scenario.process {
+            ProcessSpec::Milling(_) => Jumps::bridged(scenario, measured, run_s(measured)?),
+            _ => (Jumps::default(), measured.clone()),
+        };
+        let measured = &bridged;
         let (engine, recording, used, channels) = match mode(scenario) {
             Some(ReplayMode::Inverse { .. }) => {
                 let model = Box::new(InverseModel::new(scenario, measured)?);
@@ -150,7 +163,7 @@ impl Trial {
             _ => {
                 check_length(scenario, measured, &robots)?;
                 let rows = reduced(scenario, measured, &robots).rows(&[], None)?;
-                let channels = outputs(scenario, measured, &rows)?;
+                let channels = observation::outputs(scenario, measured, &rows)?;
                 (Kind::Forward, Some(rows), measured.clone(), channels)
             }
         };
@@ -173,7 +186,13 @@ impl Trial {
         let signals = signals::Signals::new(scenario, measured, &facts, recording.as_ref());
         let shortest_step_s = match &engine {
             Kind::Inverse { .. } | Kind::Steady(_) => 0.0,
-            Kind::Forward => reduced(scenario, measured, &robots).time_step_s()? / FINEST,
+            Kind::Forward => {
+                let of_data_s = match scenario.process {
+                    ProcessSpec::Milling(_) => measured.interval_s() / FINEST_OF_DATA,
+                    _ => f64::INFINITY,
+                };
+                of_data_s.min(run_s(measured)? / FINEST)
+            }
         };
         let (candidates, untold) = candidates::candidates(scenario, &signals, &channels);
         let mut measured = measured.clone();
@@ -199,6 +218,7 @@ impl Trial {
             rigid: Cache::default(),
             runs: Cache::default(),
             shortest_step_s,
+            jumps,
             fall_speeds: signals.fall_speeds(),
             stiff: Vec::new(),
             observation,
@@ -351,43 +371,4 @@ fn mode(scenario: &Scenario) -> Option<ReplayMode> {
 fn column<'a>(rows: &'a Rows, name: &str) -> Option<&'a Vec<f64>> {
     let mut pairs = rows.channels.iter().zip(&rows.columns);
     pairs.find_map(|(spec, column)| (spec.name == name).then_some(column))
-}
-
-/// The channels of the run that were measured, in the order of the data.
-fn outputs(
-    scenario: &Scenario,
-    measured: &Measured,
-    rows: &Rows,
-) -> Result<Vec<ChannelSpec>, SimError> {
-    let mapped = |name: &str| {
-        let data = scenario.data.as_ref();
-        data.and_then(|data| (data.mapping.channels.iter()).position(|one| one.channel == name))
-    };
-    let key = |name: &str| {
-        mapped(name).map_or_else(
-            || "data".to_owned(),
-            |i| format!("data.channel.{i}.channel"),
-        )
-    };
-    (measured.outputs())
-        .map(|output| {
-            let name = &output.spec.name;
-            let known = || rows.channels.iter().map(|spec| spec.name.as_str());
-            let simulated =
-                (rows.channels.iter().find(|spec| spec.name == *name)).ok_or_else(|| {
-                    let error = UnknownName::new("channel", name, known());
-                    SimError::scenario(key(name), error.to_string())
-                })?;
-            if simulated.unit != output.spec.unit {
-                let accepted: Vec<&str> = simulated.unit.accepted_symbols().collect();
-                let message = format!(
-                    "channel {name} is given in {}, but its unit must be one of {}",
-                    output.spec.unit,
-                    accepted.join(", ")
-                );
-                return Err(SimError::scenario(key(name), message));
-            }
-            Ok(simulated.clone())
-        })
-        .collect()
 }

@@ -218,7 +218,7 @@ pub(super) fn without_memory(values: &[f64], valid: &[bool]) -> f64 {
 }
 
 /// Stretches of samples that are marked.
-fn runs(marked: &[bool]) -> Vec<std::ops::Range<usize>> {
+pub(super) fn runs(marked: &[bool]) -> Vec<std::ops::Range<usize>> {
     let mut found = Vec::new();
     let mut start = None;
     for (k, marked) in marked.iter().chain(std::iter::once(&false)).enumerate() {

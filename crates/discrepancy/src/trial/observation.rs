@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
+use truecut_recording::{ChannelSpec, UnknownName};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
-use truecut_sim::InverseModel;
 use truecut_sim::run::Rows;
+use truecut_sim::{InverseModel, SimError};
 
 use super::{column, parallel, sampling};
 use crate::diagnose::{Fine, Observation, Output, Regressor};
@@ -138,6 +138,45 @@ fn rate(values: &[f64], interval_s: f64) -> Vec<f64> {
             let (before, after) = (i.saturating_sub(1), (i + 1).min(last));
             let span = (after - before) as f64 * interval_s;
             ratio(values[after] - values[before], span)
+        })
+        .collect()
+}
+
+/// The channels of the run that were measured, in the order of the data.
+pub(super) fn outputs(
+    scenario: &Scenario,
+    measured: &Measured,
+    rows: &Rows,
+) -> Result<Vec<ChannelSpec>, SimError> {
+    let mapped = |name: &str| {
+        let data = scenario.data.as_ref();
+        data.and_then(|data| (data.mapping.channels.iter()).position(|one| one.channel == name))
+    };
+    let key = |name: &str| {
+        mapped(name).map_or_else(
+            || "data".to_owned(),
+            |i| format!("data.channel.{i}.channel"),
+        )
+    };
+    (measured.outputs())
+        .map(|output| {
+            let name = &output.spec.name;
+            let known = || rows.channels.iter().map(|spec| spec.name.as_str());
+            let simulated =
+                (rows.channels.iter().find(|spec| spec.name == *name)).ok_or_else(|| {
+                    let error = UnknownName::new("channel", name, known());
+                    SimError::scenario(key(name), error.to_string())
+                })?;
+            if simulated.unit != output.spec.unit {
+                let accepted: Vec<&str> = simulated.unit.accepted_symbols().collect();
+                let message = format!(
+                    "channel {name} is given in {}, but its unit must be one of {}",
+                    output.spec.unit,
+                    accepted.join(", ")
+                );
+                return Err(SimError::scenario(key(name), message));
+            }
+            Ok(simulated.clone())
         })
         .collect()
 }

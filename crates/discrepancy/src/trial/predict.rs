@@ -1,7 +1,7 @@
 //! Predictions at the times of the data: by inverse dynamics, by means, or by runs of which the
 //! last are kept.
 
-use truecut_recording::Outcome;
+use truecut_recording::{ChannelSpec, Outcome};
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{ClockEffect, Effect, SensorEffect, Typed};
 use truecut_sim::SimError;
@@ -125,12 +125,20 @@ impl Trial {
     }
 
     pub(super) fn at_the_data(&self, rows: &Rows) -> Columns {
-        let column = |values: &Vec<f64>| {
+        let column = |(spec, values): (&ChannelSpec, &Vec<f64>)| {
             let stretches = self.stretches_s.iter();
-            stretches
+            let mut sampled: Vec<f64> = stretches
                 .flat_map(|times| sampling::at(&rows.time_s, values, times))
-                .collect()
+                .collect();
+            if self.jumps.concern(&spec.name) {
+                self.jumps.bridge(&mut sampled);
+            }
+            sampled
         };
-        rows.columns.iter().map(column).collect()
+        rows.channels
+            .iter()
+            .zip(&rows.columns)
+            .map(column)
+            .collect()
     }
 }

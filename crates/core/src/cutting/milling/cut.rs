@@ -236,6 +236,9 @@ impl MillingCut {
         for (i, pass) in passes.iter().enumerate() {
             let before = (tooth + teeth - (i + 1) % teeth) % teeth;
             let radius_m = p.cutter.tooth_radius_m(before);
+            if pass.at_most_m(radius_m, &ray) <= surface_m {
+                continue;
+            }
             if let Some(left_m) = pass.left_m(radius_m, &ray) {
                 surface_m = surface_m.max(left_m);
             }
@@ -243,7 +246,8 @@ impl MillingCut {
                 return 0.0;
             }
         }
-        p.stock.inside_m(centre_m + ray.outward * surface_m, tip_m)
+        // No longer than its ray, by rounding either.
+        (p.stock.inside_m(centre_m + ray.outward * surface_m, tip_m)).min(reach_m - surface_m)
     }
 
     fn add_slice(
@@ -266,8 +270,8 @@ impl MillingCut {
         let reach = p.cutter.tooth_radius_m(slice.tooth);
         if !p.cutter.flank.is_sharp() {
             let slope = (rate_m_per_rad.x * sin + rate_m_per_rad.y * cos) / reach;
-            let flank = p.cutter.flank.per_slope();
-            let sizes = flank.forces_n(slope * slice.thick_m, 0.0);
+            let flank = p.cutter.flank.per_outward_slope();
+            let sizes = flank.forces_n(slope.max(0.0) * slice.thick_m, 0.0);
             force += on_tool_n(slice.angle_rad, sizes.tangential_n, sizes.radial_n, 0.0);
         }
         let arm = Vector3::new(reach * sin, reach * cos, slice.height_m);

@@ -9,6 +9,7 @@
 
 use super::memory::{Passed, Trace};
 use nalgebra::Vector2;
+use std::f64::consts::FRAC_PI_2;
 
 /// An earlier pass as the teeth of now see it.
 #[derive(Debug, Clone, Copy)]
@@ -42,7 +43,7 @@ pub(super) struct Ray {
 }
 
 /// The step of Newton's method that is the last: it leaves an error of the order of its square.
-const LAST_STEP_RAD: f64 = 1e-6;
+const LAST_STEP_RAD: f64 = 1e-5;
 const MOST_STEPS: usize = 12;
 /// Part of its undisturbed speed below which a tip counts as nearly turning back.
 const SLOW: f64 = 0.1;
@@ -73,6 +74,21 @@ impl EarlierPass<'_> {
             displacement_m - self.now_m + Vector2::new(fed_m, 0.0),
             rate + Vector2::new(self.feed_m_per_rad, 0.0),
         )
+    }
+
+    /// No crossing lies further from the axis of now than this, m, by the places that the axis has
+    /// been to: a crossing's shift has `r |sin δ| <= |o|`, and its distance is `o·n + r cos δ`.
+    pub fn at_most_m(&self, radius_m: f64, ray: &Ray) -> f64 {
+        let Axis::Moved(trace) = self.axis else {
+            return f64::INFINITY;
+        };
+        let across = ray.outward.x.abs();
+        let off_m =
+            trace.furthest_from_m(self.now_m) + self.fed_m + self.feed_m_per_rad * FRAC_PI_2;
+        // asin x <= x π/2
+        let shift_rad = FRAC_PI_2 * (off_m / radius_m).min(1.0);
+        let moved_m = trace.furthest_m(ray.outward) - self.now_m.dot(&ray.outward);
+        radius_m + moved_m - self.fed_m * ray.outward.x + self.feed_m_per_rad * shift_rad * across
     }
 
     /// Distance from the axis of now beyond which a tooth at `radius_m` left material on a ray;
@@ -134,6 +150,53 @@ fn bisect(of: impl Fn(f64) -> f64, (mut low, at_low): (f64, f64), mut high: f64)
             low = middle;
         } else {
             high = middle;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+    use std::f64::consts::TAU;
+
+    /// Whatever the axis has done, no crossing lies further out than the bound by which passes are
+    /// left out; for small motion the bound is no more than the box of the motion away.
+    #[test]
+    fn verify_no_pass_reaches_beyond_its_bound() {
+        let (radius_m, feed_m) = (6e-3, 0.1e-3);
+        for (turn, size_m) in [(1.0, 5e-6), (2.3, 60e-6), (3.7, 0.8e-3), (0.6, 3e-3)] {
+            let mut trace = Trace::new(20.0, Vector3::zeros());
+            let at = |k: u32| 0.02 * f64::from(k);
+            for k in 0..1200 {
+                let wave = Vector3::new((turn * at(k)).sin(), (1.7 * turn * at(k)).cos(), 0.0);
+                trace.commit(at(k), size_m * wave);
+            }
+            let mut nearest_m = f64::INFINITY;
+            for k in 0..4000_u32 {
+                let now_rad = 14.0 + 0.0023 * f64::from(k);
+                let m = f64::from(1 + k % 8);
+                let pass = EarlierPass {
+                    axis: Axis::Moved(&trace),
+                    then_rad: now_rad - 0.5 * TAU / 2.0 * m * 0.5,
+                    now_m: trace.at(now_rad).displacement_m.xy(),
+                    fed_m: feed_m * m,
+                    feed_m_per_rad: feed_m * 4.0 / TAU,
+                    reach_rad: FRAC_PI_2,
+                    unshifted: (Vector2::zeros(), Vector2::zeros()),
+                };
+                let (sin, cos) = (0.37 * f64::from(k)).sin_cos();
+                let ray = Ray {
+                    outward: Vector2::new(sin, cos),
+                    along: Vector2::new(cos, -sin),
+                };
+                let most_m = pass.at_most_m(radius_m, &ray);
+                if let Some(left_m) = pass.placed().left_m(radius_m, &ray) {
+                    assert!(left_m <= most_m + 1e-12, "{size_m} {k}: {left_m} {most_m}");
+                    nearest_m = nearest_m.min(most_m - left_m);
+                }
+            }
+            assert!(nearest_m < 5.0 * size_m, "{size_m}: {nearest_m}");
         }
     }
 }

@@ -3,19 +3,22 @@
 //! A land of width V_B along the cutting speed v stands at the edge's radius. While the edge moves
 //! outwards at ṙ, material behind it stands higher by up to V_B ṙ/v, so that the land displaces
 //! `½ V_B² ṙ/v` per height of the edge, and is pushed off by K_sp times that; while the edge moves
-//! inwards the land is free. Over a cycle of a vibration that takes out as much energy as
+//! inwards the land is free. That is the law of runs. Over a cycle of a vibration it takes out as
+//! much energy as
 //!
 //! `F_r = ¼ K_sp V_B² b ṙ/v`
 //!
-//! in both directions (`wu1989`, `chiou1998`, `ahmadi2012`), which is the law here, with friction
-//! μ F_r along the tooth's motion (`docs/physics/milling_forces.md`, Process damping).
+//! in both directions (`wu1989`, `chiou1998`, `ahmadi2012`), which is the law of limits. Both come
+//! with friction μ F_r along the tooth's motion (`docs/physics/milling_forces.md`, Process
+//! damping).
 
 use crate::cutting::chamfer::CuttingCoefficients;
 
 /// Flank of a tooth in a material. By default it is sharp: no force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Flank {
-    /// ¼ K_sp V_B²: radial force per height of the edge and slope ṙ/v of its path, N/m.
+    /// ¼ K_sp V_B²: radial force per height of the edge and slope ṙ/v of its path in the mean of
+    /// both directions, N/m.
     pub per_slope_n_per_m: f64,
     /// μ between flank and workpiece.
     pub mu: f64,
@@ -34,7 +37,17 @@ impl Flank {
         self.per_slope_n_per_m == 0.0
     }
 
-    /// The law as that of a chip whose place the slope takes: coefficients in N/m per slope.
+    /// The law of runs, while the edge moves outwards.
+    pub fn per_outward_slope(&self) -> CuttingCoefficients {
+        let both_ways = Self {
+            per_slope_n_per_m: 2.0 * self.per_slope_n_per_m,
+            ..*self
+        };
+        both_ways.per_slope()
+    }
+
+    /// The law of limits as that of a chip whose place the slope takes: coefficients in N/m per
+    /// slope.
     pub fn per_slope(&self) -> CuttingCoefficients {
         CuttingCoefficients {
             axial_pa: 0.0,

@@ -22,6 +22,20 @@ pub(super) struct Entry {
     pub follows: Option<Signal>,
 }
 
+/// Frequencies from which a tool's mode is looked for, a twelfth apart: one struck by every tooth
+/// rings for some periods, and a model that is further out of tune is out of phase before the end.
+const TOOL_FREQUENCIES_HZ: [f64; 48] = geometric(30.0, 13.0 / 12.0);
+
+const fn geometric<const N: usize>(first: f64, ratio: f64) -> [f64; N] {
+    let mut values = [first; N];
+    let mut i = 1;
+    while i < N {
+        values[i] = values[i - 1] * ratio;
+        i += 1;
+    }
+    values
+}
+
 effects! {
 /// The law of one joint.
 Joint: JointEffect on Joint(joint: usize = *joint) {
@@ -207,7 +221,7 @@ Milling: MillingEffect on Whole {
             = same("compliance_m_per_n", Unit::MetrePerNewton, 0.0, 0.0, 1e-3),
         frequency_hz: "Natural frequency with the arm's tool point held"
             = same("frequency_hz", Unit::Hertz, 500.0, 5.0, 20000.0)
-                .shape().starts(&[60.0, 120.0, 250.0, 500.0, 1000.0]),
+                .shape().starts(&TOOL_FREQUENCIES_HZ),
         damping_ratio: "Damping ratio"
             = same("damping_ratio", Unit::One, 0.03, 0.0, 0.9).shape(),
     }

@@ -258,8 +258,9 @@ fn verify_teeth_meet_nothing_before_the_stock() {
     assert!((chip(11) - p.feed_per_tooth_m).abs() < 1e-12);
 }
 
-/// What worn flanks add to the force on a tool that moves, meaned over a revolution, is the
-/// averaged cut's part that follows velocity; helix and tangential friction included.
+/// What worn flanks add to the force on a tool that moves, meaned over a revolution and over both
+/// senses of a velocity, is the averaged cut's part that follows velocity; helix and tangential
+/// friction included. A tooth that moves inwards is free.
 #[test]
 fn verify_worn_flanks_resist_the_velocity() {
     let (spindle_rad_s, depth_m) = (TAU * 10.0, 3e-3);
@@ -268,23 +269,28 @@ fn verify_worn_flanks_resist_the_velocity() {
         Engagement::SLOT,
         Engagement::down(5e-3, 16e-3).expect("partial"),
     ];
-    for (engagement, helix_angle_rad) in engagements.into_iter().zip([0.5, 0.0]) {
+    for (engagement, (helix_angle_rad, teeth)) in engagements.into_iter().zip([(0.5, 3), (0.0, 1)])
+    {
         let cutter = Cutter {
             helix_angle_rad,
             flank: Flank::worn(4e13, 0.15e-3, 0.3),
-            ..Cutter::straight(8e-3, 3)
+            ..Cutter::straight(8e-3, teeth)
         };
         let cut = MillingCut::new(parameters(cutter, engagement, depth_m), None);
         let samples = 1440;
         let mut mean = Vector3::zeros();
         for i in 0..samples {
             let still = still(TAU * f64::from(i) / f64::from(samples) + 1e-3);
-            let moving = ToolState {
-                displacement_m_per_rad: velocity / spindle_rad_s,
+            let moving = |sense: f64| ToolState {
+                displacement_m_per_rad: velocity * sense / spindle_rad_s,
                 ..still
             };
-            let [moved, rested] = [moving, still].map(|state| cut.evaluate(&state));
-            mean += (moved.force_on_tool_n - rested.force_on_tool_n) / f64::from(samples);
+            let [out, back, rested] = [moving(1.0), moving(-1.0), still]
+                .map(|state| cut.evaluate(&state).force_on_tool_n);
+            if helix_angle_rad == 0.0 && cutter.teeth == 1 {
+                assert!(out == rested || back == rested);
+            }
+            mean += 0.5 * (out - back) / f64::from(samples);
         }
         let nominal = NominalCut {
             cutter,

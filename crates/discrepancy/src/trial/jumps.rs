@@ -1,0 +1,271 @@
+//! Samples beside jumps of a milling force.
+//!
+//! The force jumps where a tooth enters or leaves with a chip. A sample there says when the tooth
+//! does, to a part of a step, and how fast the sensor follows; of anything else it says as much as
+//! the samples around it. Simulation and sensor agree about it to a part of the jump only, which is
+//! larger than the noise. So these samples are bridged, measured and predicted ones alike: a line
+//! between the samples before and after takes their place.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::ops::Range;
+
+use truecut_recording::measured::Measured;
+use truecut_scenario::{MillingSpec, ProcessSpec, Scenario};
+
+use super::noise::runs;
+
+/// A tooth enters or leaves with a jump if it cuts more than this part of its largest force there.
+const LEAST_JUMP: f64 = 0.01;
+/// A helical edge enters over a time. In more steps than these, the force rises, it does not jump.
+const MOST_STEPS: f64 = 8.0;
+/// A run's rows are means over a step, the cubic between them reaches to the second row.
+const REACH_STEPS: f64 = 2.5;
+/// And a sample may be the mean of what was since the last one.
+const REACH_SAMPLES: f64 = 1.0;
+/// Where more than this part of the samples lies beside jumps, none is bridged.
+const MOST_BRIDGED: f64 = 0.5;
+
+/// What is bridged.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Jumps {
+    /// Samples of all stretches, one after another; before and after each range is another sample
+    /// of its stretch.
+    bridges: Vec<Range<usize>>,
+    /// Where a stretch begins or ends beside a jump.
+    open: Vec<Range<usize>>,
+}
+
+impl Jumps {
+    /// Those of a scenario and its data in a run with this step, and the data with them bridged.
+    pub fn bridged(scenario: &Scenario, measured: &Measured, step_s: f64) -> (Jumps, Measured) {
+        let jumps = Jumps::new(scenario, &measured.stretches_s(), step_s);
+        let mut bridged = measured.clone();
+        let mut outputs = measured.outputs();
+        if jumps.count() > 0 && outputs.any(|one| jumps.concern(&one.spec.name)) {
+            bridged.notes.push(format!(
+                "{} samples lie beside jumps of the cutting force, where a tooth enters or leaves; lines bridge them, measured \
+                 and simulated",
+                jumps.count()
+            ));
+            jumps.bridge_measured(&mut bridged);
+        }
+        (jumps, bridged)
+    }
+
+    /// Those of a scenario at the times of measured samples, in a run with this step.
+    fn new(scenario: &Scenario, stretches_s: &[Vec<f64>], step_s: f64) -> Jumps {
+        let ProcessSpec::Milling(milling) = &scenario.process else {
+            return Jumps::default();
+        };
+        let angles = jumps_rad(milling);
+        let lag_s = edge_lag_rad(milling) / milling.spindle_rad_s;
+        if angles.is_empty() || lag_s > MOST_STEPS * step_s {
+            return Jumps::default();
+        }
+        let pitch_rad = TAU / milling.cut.cutter.teeth as f64;
+        let mut jumps = Jumps::default();
+        let mut first = 0;
+        for times in stretches_s {
+            let reach_s = (REACH_STEPS * step_s).max(REACH_SAMPLES * interval_s(times));
+            let is_beside = |time_s: f64| {
+                let turned = milling.start_angle_rad + milling.spindle_rad_s * time_s;
+                angles.iter().any(|angle| {
+                    // Since the tip of the last tooth passed; the rest of its edge follows.
+                    let since_s = (turned - angle).rem_euclid(pitch_rad) / milling.spindle_rad_s;
+                    let period_s = pitch_rad / milling.spindle_rad_s;
+                    since_s <= lag_s + reach_s || period_s - since_s <= reach_s
+                })
+            };
+            let beside: Vec<bool> = times.iter().map(|time| is_beside(*time)).collect();
+            for run in runs(&beside) {
+                let has_ends = run.start > 0 && run.end < times.len();
+                let list = match has_ends {
+                    true => &mut jumps.bridges,
+                    false => &mut jumps.open,
+                };
+                list.push(first + run.start..first + run.end);
+            }
+            first += times.len();
+        }
+        if jumps.count() as f64 > MOST_BRIDGED * first as f64 {
+            return Jumps::default();
+        }
+        jumps
+    }
+
+    /// Number of samples that are bridged.
+    fn count(&self) -> usize {
+        self.bridges.iter().map(ExactSizeIterator::len).sum()
+    }
+
+    /// Whether a channel of the run jumps with the teeth.
+    pub fn concern(&self, channel: &str) -> bool {
+        JUMPING.contains(&channel)
+    }
+
+    /// Bridges a column that is predicted.
+    pub fn bridge(&self, values: &mut [f64]) {
+        for range in &self.bridges {
+            line(values, range);
+        }
+    }
+
+    /// Bridges the outputs that were measured. What has no valid sample on both sides is not valid.
+    fn bridge_measured(&self, measured: &mut Measured) {
+        let outputs = measured.channels.iter_mut();
+        for output in outputs.filter(|one| self.concern(&one.spec.name)) {
+            for range in &self.bridges {
+                let valid = output.valid[range.start - 1] && output.valid[range.end];
+                output.valid[range.clone()].fill(valid);
+                if valid {
+                    line(&mut output.values, range);
+                }
+            }
+            for range in &self.open {
+                output.valid[range.clone()].fill(false);
+            }
+        }
+    }
+}
+
+/// Channels of a milling pass that follow the chips.
+const JUMPING: [&str; 7] = [
+    "milling.force_x",
+    "milling.force_y",
+    "milling.force_z",
+    "milling.torque",
+    "milling.chip_thickness",
+    "milling.teeth_in_cut",
+    "milling.in_cut",
+];
+
+/// Angles at which teeth enter or leave with a jump of their force.
+fn jumps_rad(milling: &MillingSpec) -> Vec<f64> {
+    let cut = &milling.cut;
+    let k = &cut.coefficients;
+    let chip_n_per_m = k.tangential_pa.hypot(k.radial_pa) * cut.feed_per_tooth_m;
+    let edge_n_per_m = k.edge_tangential_n_per_m.hypot(k.edge_radial_n_per_m);
+    let arc = &cut.engagement;
+    let size = |angle: f64| chip_n_per_m * angle.sin().max(0.0) + edge_n_per_m;
+    let thickest_rad = FRAC_PI_2.clamp(arc.entry_rad, arc.exit_rad);
+    [arc.entry_rad, arc.exit_rad]
+        .into_iter()
+        .filter(|angle| size(*angle) > LEAST_JUMP * size(thickest_rad))
+        .collect()
+}
+
+/// By how much the edge at the top of the cut lags behind the tip.
+fn edge_lag_rad(milling: &MillingSpec) -> f64 {
+    let cutter = &milling.cut.cutter;
+    cutter.lag_rad_per_m().abs() * milling.cut.axial_depth_m
+}
+
+fn interval_s(times_s: &[f64]) -> f64 {
+    match times_s {
+        [first, .., last] => (last - first) / (times_s.len() - 1) as f64,
+        _ => 0.0,
+    }
+}
+
+fn line(values: &mut [f64], range: &Range<usize>) {
+    let (before, after) = (values[range.start - 1], values[range.end]);
+    let count = range.len() as f64 + 1.0;
+    for (i, value) in values[range.clone()].iter_mut().enumerate() {
+        *value = before + (after - before) * (i as f64 + 1.0) / count;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn scenario(engagement: &str, helix_deg: f64, rpm: f64) -> Scenario {
+        let text = format!(
+            r#"
+name = "half immersion"
+[robot]
+urdf = "../../assets/robots/rig_milling/robot.urdf"
+gravity = false
+[process.milling]
+spindle_rpm = {rpm}
+feed_mm_per_tooth = 0.1
+axial_depth_mm = 1.0
+engagement = "{engagement}"
+{}
+start_angle_deg = 20
+[process.milling.cutter]
+diameter_mm = 16
+teeth = 4
+helix_deg = {helix_deg}
+[process.milling.cutting]
+tangential_mpa = 800
+radial_mpa = 240
+[process.milling.path]
+direction = [1, 0, 0]
+length_mm = 10
+[run]
+duration_s = 1.0
+"#,
+            if engagement == "slot" {
+                ""
+            } else {
+                "radial_depth_mm = 8"
+            }
+        );
+        let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/milling/test.toml");
+        Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"))
+    }
+
+    fn times() -> Vec<Vec<f64>> {
+        vec![(0..1001).map(|k| 1e-3 * f64::from(k)).collect()]
+    }
+
+    /// Up-milling at half immersion: teeth leave at a quarter of a turn, one every 50 ms, the first
+    /// 70° after the start.
+    #[test]
+    fn verify_samples_beside_the_exit_are_bridged() {
+        let jumps = Jumps::new(&scenario("up", 0.0, 300.0), &times(), 0.5e-3);
+        let leaves_s = |k: usize| (70.0 / 360.0) * 0.2 + 0.05 * k as f64;
+        // The exit at 38.9 ms is one of all that come every 50 ms.
+        let mut expected = Vec::new();
+        for k in 0..20 {
+            let near = |row: &usize| (1e-3 * *row as f64 - leaves_s(k)).abs() <= 1.25e-3;
+            expected.extend((0..1001).filter(near));
+        }
+        let found: Vec<usize> = jumps.bridges.iter().cloned().flatten().collect();
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn what_does_not_jump_is_left_alone() {
+        for (scenario, why) in [
+            (
+                scenario("slot", 0.0, 300.0),
+                "chips of a slot begin and end with nothing",
+            ),
+            (scenario("up", 40.0, 30.0), "a helical edge leaves slowly"),
+            (scenario("up", 0.0, 6000.0), "teeth pass every third sample"),
+        ] {
+            let jumps = Jumps::new(&scenario, &times(), 0.2e-3);
+            assert_eq!(jumps.count(), 0, "{why}");
+        }
+    }
+
+    /// A line stays a line, whatever its samples beside jumps were.
+    #[test]
+    fn verify_a_line_is_bridged_by_itself() {
+        let jumps = Jumps::new(&scenario("down", 0.0, 300.0), &times(), 0.5e-3);
+        let straight: Vec<f64> = (0..1001).map(|k| 3.0 - 0.01 * f64::from(k)).collect();
+        let mut values = straight.clone();
+        for range in &jumps.bridges {
+            values[range.clone()].fill(f64::NAN);
+        }
+        assert!(jumps.count() > 40);
+        jumps.bridge(&mut values);
+        for (found, expected) in values.iter().zip(&straight) {
+            assert!((found - expected).abs() < 1e-12);
+        }
+    }
+}
