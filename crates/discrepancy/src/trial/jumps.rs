@@ -204,7 +204,7 @@ tangential_mpa = 800
 radial_mpa = 240
 [process.milling.path]
 direction = [1, 0, 0]
-length_mm = 10
+length_mm = 100
 [run]
 duration_s = 1.0
 "#,
