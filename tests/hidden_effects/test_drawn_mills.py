@@ -19,7 +19,7 @@ def test_verify_sizes_of_what_is_drawn(tmp_path):
     not chatter by the averaged chip; flanks damp by 0.15 to 0.8 of what the machine does."""
     drawn = 0
     for seed in range(900, 930):
-        machine = drawn_mills._draw(np.random.default_rng([seed, 0]), seed, tmp_path)
+        machine = drawn_mills._draw(np.random.default_rng([seed, 0]), f"drawn_mill_{seed}", tmp_path)
         if machine is None:
             continue
         drawn += 1
@@ -27,12 +27,12 @@ def test_verify_sizes_of_what_is_drawn(tmp_path):
         cut, robot = scenario.process, scenario.robot
         mass = drawn_mills.MASS_KG * robot.inertia_scale
         damping = drawn_mills.DAMPING_N_S_PER_M * robot.damping_scale
-        mode = machine.tool_mode.values
+        mode = machine.of("tool_mode").values
         moved = 1.0 / (mode["compliance_m_per_n"] * (2.0 * math.pi * mode["frequency_hz"]) ** 2)
         assert moved < 0.1501 * mass
         chip = cut.tangential_pa * cut.axial_depth_m
         assert chip * mode["compliance_m_per_n"] < mode["damping_ratio"]
-        slope = machine.process_damping.values["per_slope_n_per_m"]
+        slope = machine.of("milling_process_damping").values["per_slope_n_per_m"]
         damper = slope * cut.axial_depth_m / (0.5 * cut.diameter_m * cut.spindle_rad_per_s)
         assert 0.149 < damper / damping < 0.801
         assert math.isclose(cut.tooth_period_s, machine.experiment.tooth_period_s, rel_tol=1e-4)

@@ -24,7 +24,7 @@ pub(super) struct Entry {
 
 /// Frequencies from which a tool's mode is looked for, a twelfth apart: one struck by every tooth
 /// rings for some periods, and a model that is further out of tune is out of phase before the end.
-const TOOL_FREQUENCIES_HZ: [f64; 48] = geometric(30.0, 13.0 / 12.0);
+const TOOL_FREQUENCIES_HZ: [f64; 64] = geometric(30.0, 13.0 / 12.0);
 
 const fn geometric<const N: usize>(first: f64, ratio: f64) -> [f64; N] {
     let mut values = [first; N];
