@@ -15,6 +15,7 @@ mod predict;
 mod sampling;
 mod signals;
 mod speeds;
+mod steps;
 mod stiff;
 #[cfg(test)]
 mod tests;
@@ -56,6 +57,8 @@ pub struct Trial {
     runs: Cache<RunKey, Rows>,
     /// Runs with a shorter step are not made, s.
     shortest_step_s: f64,
+    /// Nor with a longer one, s.
+    longest_step_s: f64,
     /// Samples beside jumps of a force.
     jumps: Jumps,
     /// Of each joint, the greatest speed at which a friction's fall with speed can be told from
@@ -218,11 +221,13 @@ impl Trial {
             rigid: Cache::default(),
             runs: Cache::default(),
             shortest_step_s,
+            longest_step_s: f64::INFINITY,
             jumps,
             fall_speeds: signals.fall_speeds(),
             stiff: Vec::new(),
             observation,
         };
+        trial.find_step()?;
         trial.stiff = trial.least_compliances();
         Ok(trial)
     }

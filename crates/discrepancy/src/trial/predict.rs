@@ -113,11 +113,14 @@ impl Trial {
             .iter()
             .map(|spec| spec.name.as_str())
             .collect();
-        let run = run::Run {
+        let failed = |error: SimError| PredictError(error.to_string());
+        let run = |scenario| run::Run {
             engine,
             ..reduced(scenario, &self.measured, &self.robots)
         };
-        let rows = (run.rows(&names, until_s)).map_err(|error| PredictError(error.to_string()))?;
+        let stepped = (self.with_step(scenario, &run(scenario))).map_err(failed)?;
+        let run = run(stepped.as_ref());
+        let rows = (run.rows(&names, until_s)).map_err(failed)?;
         match rows.outcome {
             Outcome::Completed => Ok(rows),
             outcome => Err(PredictError(outcome.to_string())),
