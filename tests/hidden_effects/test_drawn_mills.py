@@ -10,7 +10,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from bench import drawn_mills  # noqa: E402
+from bench import drawn_mills, experiment  # noqa: E402
 from truecut_reference import scenario as scenario_file  # noqa: E402
 
 
@@ -41,3 +41,26 @@ def test_verify_sizes_of_what_is_drawn(tmp_path):
         own_hz = math.sqrt(stiffness / mass) / (2.0 * math.pi)
         assert 2.5 * own_hz < mode["frequency_hz"] * (1.0 + 1e-4)
     assert drawn > 5
+
+
+def test_verify_tools_of_fast_machines(tmp_path):
+    """As the literature has them, and with a cut that does not chatter by the averaged chip."""
+    for seed in range(900, 930):
+        machine = drawn_mills._draw_fast(np.random.default_rng([seed, 0]), f"drawn_mill_fast_{seed}", tmp_path)
+        cut = scenario_file.load(machine.experiment.path, {}).process
+        mode = machine.of("tool_mode").values
+        assert 5e6 <= 1.0 / mode["compliance_m_per_n"] <= 40e6
+        assert 400.0 <= mode["frequency_hz"] <= 3000.0 < 0.4 * machine.experiment.rate_hz
+        assert 0.02 <= mode["damping_ratio"] <= 0.05
+        chip = cut.tangential_pa * cut.axial_depth_m * mode["compliance_m_per_n"]
+        assert 0.2999 < chip / mode["damping_ratio"] < 0.9001
+        assert 0.01 <= cut.diameter_m <= 0.025
+        assert cut.length_m > cut.feed_m_per_s * machine.experiment.duration_s
+
+
+def test_each_draw_has_runs_of_its_own(tmp_path):
+    """Attempts of one seed differ, and so do the files that their runs are kept by."""
+    names = [f"drawn_mill_fast_1_{attempt}" for attempt in range(2)]
+    draws = [drawn_mills._draw_fast(np.random.default_rng([1, i]), name, tmp_path) for i, name in enumerate(names)]
+    first, second = (str(machine.experiment) + experiment._sources(machine.experiment.path) for machine in draws)
+    assert first != second

@@ -70,7 +70,8 @@ def _draw(rng: np.random.Generator, name: str, folder: Path, part: float | None)
         "spin_rpm": rng.uniform(400.0, 1200.0),
         "tilt_deg": 20,
         "mu": rng.uniform(0.2, 0.5),
-        "eccentricity_um": 1e3 * indentation * (drawn if part is None else part),
+        # none at all has no angle, which is refused
+        "eccentricity_um": max(1.0, 1e3 * indentation * (drawn if part is None else part)),
         "eccentricity_angle_deg": rng.uniform(0.0, 360.0),
         "radius_mm": rng.uniform(15.0, 30.0),
         "youngs_modulus_mpa": rng.uniform(5.0, 12.0),
