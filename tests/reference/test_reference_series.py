@@ -35,6 +35,7 @@ def test_tails_of_distributions():
     assert stats.norm.sf(1.959964) == approx(0.025, rel=1e-5)
     assert stats.norm.sf(10.0) == approx(7.619853e-24, rel=1e-6)
     assert stats.chi2.sf([18.307, 29.588], 10) == approx([0.05, 0.001], rel=2e-4)
+    assert stats.chi2.ppf(0.5, 1) == approx(0.454936, rel=1e-6)
     assert stats.f.sf(3.325835, 5, 10) == approx(0.05, rel=1e-5)
     assert stats.t.sf(2.570582, 5) == approx(0.025, rel=1e-5)
 
