@@ -188,6 +188,11 @@ fn pipes_and_devices_are_no_input() {
     let device = "it is a device, not a file";
     refused(&["robot", "endless.urdf"], device);
     refused(&["part", "endless.stl"], device);
+    let robot = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../assets/robots/hp20/robot.urdf"
+    );
+    refused(&["program", "endless.jbi", "--robot", robot], device);
     refused(&["view", "endless.parquet"], device);
     refused(&["view", "endless.arrows"], device);
     let urdf = "robot.urdf=endless.urdf";

@@ -202,10 +202,13 @@ def test_crosscheck_mujoco_effects_of_drive_torques_are_those_of_the_program(kin
     found = json.loads(next((tmp_path / "out").rglob("compare.json")).read_text(encoding="utf-8"))
     change = experiment.compared(outputs - nominal)
     names = [name for name, _ in experiment.outputs]
+    shown = False
     for channel in found["channels"]:
         own = float(np.std(change[:, names.index(channel["channel"])]))
         spread = float(np.std(outputs[:, names.index(channel["channel"])]))
         assert channel["level"]["rms_error"] < 0.1 * own + 2e-3 * spread, (channel, own, spread)
+        # without what the reversals of friction leave
+        shown |= channel["level"]["rms_error"] < 0.1 * own
     assert shown or kind in ("sensor_gain", "sensor_delay", "clock_delay", "joint_offset")
 
 

@@ -330,10 +330,18 @@ fn listed(faults: &[ArmError]) -> String {
     format!("{} faults: {}", faults.len(), all.join("; "))
 }
 
+/// Most faults of a file that are told at once: each is shown within the text of its file.
+const MOST_FAULTS: usize = 100;
+
 /// One error of all faults of a file, at the first of them; none if there are none.
 pub(crate) fn several(mut faults: Vec<ArmError>) -> Option<ArmError> {
     faults.sort_by_key(ArmError::line);
     let path = faults.first()?.path().map(Path::to_owned);
+    if faults.len() > MOST_FAULTS {
+        let rest = format!("{} more faults are not shown", faults.len() - MOST_FAULTS);
+        faults.truncate(MOST_FAULTS);
+        faults.push(ArmErrorKind::Toml(rest).into());
+    }
     let line = faults[0].line();
     if faults.len() == 1 {
         return faults.pop();

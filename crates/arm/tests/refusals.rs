@@ -326,6 +326,19 @@ fn all_faults_of_a_config_are_told_at_once() {
     }
 }
 
+/// Each is shown within the text of its file: thousands would take minutes to print.
+#[test]
+fn of_very_many_faults_the_first_are_told() {
+    let text = "[[joint]]\nname = \"trun\"\n".repeat(1000);
+    let error = with_config(&text).expect_err("no such joint");
+    let ArmErrorKind::Several(faults) = error.kind() else {
+        panic!("{error}");
+    };
+    assert_eq!(faults.len(), 101, "{error}");
+    assert_eq!(faults[99].line(), Some(200));
+    assert_eq!(faults[100].message(), "900 more faults are not shown");
+}
+
 #[test]
 fn every_faulty_config_is_refused_with_its_reason() {
     for (text, line, quotes) in CONFIG_FAULTS {
