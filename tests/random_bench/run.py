@@ -95,8 +95,13 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     if options.report and options.kind:
         parser.error("a report draws every kind")
-    commit, changed = git("rev-parse", "HEAD"), bool(git("status", "--porcelain", "--untracked-files=no"))
-    first = seed_of_commit(commit) if options.report else options.seed
+    commit, changed, first = None, None, options.seed
+    if options.report:
+        try:
+            commit, changed = git("rev-parse", "HEAD"), bool(git("status", "--porcelain", "--untracked-files=no"))
+        except subprocess.CalledProcessError as error:
+            parser.error(f"a report takes its seeds from the commit: {error.stderr.strip()}")
+        first = seed_of_commit(commit)
     jobs = plan(first, options.skip + options.count, options.mode or list(MODES), options.family or list(FAMILIES))
     work = ROOT / "target" / "random_bench" / str(first)
     work.mkdir(parents=True, exist_ok=True)
