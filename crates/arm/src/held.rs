@@ -1,8 +1,9 @@
 //! An arm whose slides stand still: a linear track is driven to a place, and the arm works there.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Translation3};
 
 use crate::error::{ArmError, ArmErrorKind};
+use crate::mass_sum::MassSum;
 use crate::meshes::LinkMesh;
 use crate::model::{JointKind, Link, Robot, Visual};
 use crate::moving::motion;
@@ -87,22 +88,13 @@ impl Robot {
 impl Link {
     /// Makes another link part of this one.
     fn take(&mut self, other: Link, own_from_other: &Isometry3<f64>) {
-        let mass_kg = self.mass_kg + other.mass_kg;
-        let turn = *own_from_other.rotation.to_rotation_matrix().matrix();
-        let other_com_m = (own_from_other * nalgebra::Point3::from(other.com_m)).coords;
-        let com_m = if mass_kg > 0.0 {
-            (self.com_m * self.mass_kg + other_com_m * other.mass_kg) / mass_kg
-        } else {
-            Vector3::zeros()
-        };
-        let about = |from_m: &Vector3<f64>, mass_kg: f64| {
-            let cross = (from_m - com_m).cross_matrix();
-            -cross * cross * mass_kg
-        };
-        let turned = turn * other.inertia_about_com_kg_m2 * turn.transpose();
-        self.inertia_about_com_kg_m2 +=
-            about(&self.com_m, self.mass_kg) + turned + about(&other_com_m, other.mass_kg);
-        (self.mass_kg, self.com_m) = (mass_kg, com_m);
+        let mut masses = MassSum::default();
+        let own_centre = Isometry3::from(Translation3::from(self.com_m));
+        let other_centre = own_from_other * Isometry3::from(Translation3::from(other.com_m));
+        masses.add(self.mass_kg, &own_centre, &self.inertia_about_com_kg_m2);
+        masses.add(other.mass_kg, &other_centre, &other.inertia_about_com_kg_m2);
+        self.mass_kg = masses.mass_kg;
+        (self.com_m, self.inertia_about_com_kg_m2) = masses.about_centre();
         let visuals = other.visuals.into_iter().map(|visual| Visual {
             link_from_visual: own_from_other * visual.link_from_visual,
             ..visual

@@ -68,6 +68,7 @@ mod ik_branches;
 mod ik_path;
 mod kinematics;
 mod load;
+mod mass_sum;
 mod merge;
 mod meshes;
 mod mjcf;

@@ -1,9 +1,10 @@
 //! From a tree and its tip to a serial chain: what is fixed is merged, side branches at zero.
 
-use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
+use nalgebra::{Isometry3, Unit};
 
 use crate::bounds::{self, Masses};
 use crate::error::{ArmError, ArmErrorKind};
+use crate::mass_sum::MassSum;
 use crate::meshes::LinkMesh;
 use crate::model::{Chain, Joint, JointKind, Link, MAX_JOINTS, Transmission, Visual};
 use crate::moving::Follower;
@@ -36,7 +37,7 @@ pub(crate) fn to_chain(
             body.collect(tree, link, &pose, &path, &mut notes);
         }
         if let Some((j, _)) = segment.joint
-            && body.mass_kg == 0.0
+            && body.masses.mass_kg == 0.0
         {
             if masses == Masses::Needed {
                 return Err(massless(tree, j));
@@ -290,9 +291,7 @@ fn chain_joint(
 /// Everything that moves as one, in the frame of its first link.
 #[derive(Default)]
 struct MergedBody {
-    mass_kg: f64,
-    first_moment_kg_m: Vector3<f64>,
-    inertia_about_origin_kg_m2: Matrix3<f64>,
+    masses: MassSum,
     visuals: Vec<Visual>,
     meshes: Vec<LinkMesh>,
 }
@@ -340,13 +339,7 @@ impl MergedBody {
     fn add(&mut self, tree: &Tree, index: usize, body_from_link: &Isometry3<f64>) {
         let link = &tree.links[index];
         let pose = body_from_link * link.link_from_inertial;
-        let turn = *pose.rotation.to_rotation_matrix().matrix();
-        let com_m = pose.translation.vector;
-        let cross = com_m.cross_matrix();
-        self.mass_kg += link.mass_kg;
-        self.first_moment_kg_m += com_m * link.mass_kg;
-        self.inertia_about_origin_kg_m2 +=
-            turn * link.inertia_kg_m2 * turn.transpose() - cross * cross * link.mass_kg;
+        self.masses.add(link.mass_kg, &pose, &link.inertia_kg_m2);
         self.visuals
             .extend(link.visuals.iter().map(|visual| Visual {
                 link_from_visual: body_from_link * visual.link_from_visual,
@@ -359,17 +352,12 @@ impl MergedBody {
     }
 
     fn into_link(self, name: &str) -> Link {
-        let com_m = if self.mass_kg > 0.0 {
-            self.first_moment_kg_m / self.mass_kg
-        } else {
-            Vector3::zeros()
-        };
-        let cross = com_m.cross_matrix();
+        let (com_m, inertia_about_com_kg_m2) = self.masses.about_centre();
         Link {
             name: name.to_owned(),
-            mass_kg: self.mass_kg,
+            mass_kg: self.masses.mass_kg,
             com_m,
-            inertia_about_com_kg_m2: self.inertia_about_origin_kg_m2 + cross * cross * self.mass_kg,
+            inertia_about_com_kg_m2,
             visuals: self.visuals,
             meshes: self.meshes,
         }

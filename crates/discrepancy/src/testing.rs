@@ -1,8 +1,52 @@
-//! Noise of known colour, the same in every run.
+//! Noise of known colour, the same in every run; a milling scenario.
+
+use std::path::Path;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use truecut_scenario::Scenario;
+
+/// A slot on one spring, whose force and slide are measured, with other values of some keys.
+pub fn milling(changes: &[(&str, &str)]) -> Scenario {
+    let text = r#"
+name = "milled"
+[robot]
+urdf = "../../assets/robots/rig_milling/robot.urdf"
+gravity = false
+[process.milling]
+spindle_rpm = 300
+feed_mm_per_tooth = 0.1
+axial_depth_mm = 1.0
+engagement = "slot"
+start_angle_deg = 20
+[process.milling.cutter]
+diameter_mm = 16
+teeth = 4
+[process.milling.cutting]
+tangential_mpa = 800
+radial_mpa = 240
+[process.milling.path]
+direction = [1, 0, 0]
+length_mm = 100
+[run]
+duration_s = 1.0
+[data]
+time = "t"
+[[data.channel]]
+column = "fx"
+channel = "milling.force_x"
+unit = "N"
+[[data.channel]]
+column = "x"
+channel = "joint1.position"
+unit = "m"
+"#;
+    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/milling/test.toml");
+    let own = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
+    let changes: Vec<_> = changes.iter().map(own).collect();
+    Scenario::from_str(&at, text, &changes).unwrap_or_else(|error| panic!("{error:?}"))
+}
 
 /// Kinds of noise.
 #[derive(Clone, Copy, Debug)]

@@ -116,6 +116,22 @@ class Arm:
             found.append(torque + law.link(q[i], q_rate[i]) - passive)
         return found
 
+    def pushed_at_rest(self) -> np.ndarray | float:
+        """What else acts on all of MuJoCo's joints before the run."""
+        return 0.0
+
+    def pushed(self, t: float) -> np.ndarray | float:
+        """The same in the run."""
+        return 0.0
+
+    def handed_on(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The command and its rate as springs and dampers hand them on over the steps that begin at these times."""
+        middle = t + 0.5 * self.h
+        return self.command(middle), self.command_rate(middle)
+
+    def before(self, t: float, rate: list[float]) -> None:
+        """Tells what else changes with time the instant and the rates for which torques are asked next."""
+
     def settle(self) -> None:
         """Rest under gravity on the first command, nothing wound up by friction."""
         m, d = self.model, self.data
@@ -123,7 +139,8 @@ class Arm:
         d.qpos[self.first : self.first + self.n] = theta
         for _ in range(500):
             q = d.qpos[self.first : self.first + self.n]
-            d.qfrc_applied[self.first : self.first + self.n] = self.extra(theta, still, q, still, False)
+            d.qfrc_applied[:] = self.pushed_at_rest()
+            d.qfrc_applied[self.first : self.first + self.n] += self.extra(theta, still, q, still, False)
             mujoco.mj_forward(m, d)
             change = (d.qfrc_passive + d.qfrc_applied - d.qfrc_bias) / self.all_stiffness
             d.qpos[:] += 0.7 * change
@@ -142,7 +159,7 @@ class Arm:
         count = round(self.duration_s / h)
         t = h * np.arange(count + 1)
         at, at_rate = self.command(t).tolist(), self.command_rate(t).tolist()
-        half, half_rate = self.command(t + 0.5 * h).tolist(), self.command_rate(t + 0.5 * h).tolist()
+        led, led_rate = (values.tolist() for values in self.handed_on(t))
         own = slice(self.first, self.first + self.n)
         tool = d.site("tool")
         rubbing = [i for i, law in enumerate(self.laws) if law.rubs]
@@ -156,10 +173,12 @@ class Arm:
                 rows.append((*q, *torque, *tool.xpos))
             middle = [x + 0.5 * h * y + 0.125 * h * h * z for x, y, z in zip(q, v, a)]
             rate = [y + 0.5 * h * z for y, z in zip(v, a)]
-            applied = np.array(self.extra(half[k], half_rate[k], middle, rate, True))
+            self.before(t[k] + 0.5 * h, rate)
+            applied = np.array(self.extra(led[k], led_rate[k], middle, rate, True))
             if rubbing:
                 applied += self.friction(k * h, applied, q, v, torque, rubbing)
-            d.qfrc_applied[own] = applied
+            d.qfrc_applied[:] = self.pushed(t[k] + 0.5 * h)
+            d.qfrc_applied[own] += applied
             mujoco.mj_step(m, d)
         return t[::every], self._channels(np.array(rows))
 

@@ -19,7 +19,7 @@ import numpy as np
 from . import ROOT
 from .cases import LEVELS, Case
 from .effects import Effect
-from .experiment import ALL, Experiment
+from .experiment import ALL, DrawnExperiment
 from .noise import COLOURS, rms
 from .signature import size_of
 
@@ -98,23 +98,7 @@ relative = 0.02
 
 
 @dataclass(frozen=True)
-class DrawnMill(Experiment):
-    """An experiment whose scenario was drawn."""
-
-    folder: str = field(default="", repr=False)
-
-    @property
-    def path(self) -> Path:
-        """The scenario file."""
-        return Path(self.folder) / f"{self.name}.toml"
-
-    def __str__(self) -> str:
-        # runs are kept by this; what its sensors err by says nothing of a run
-        return f"{self.name} {self.rate_hz} {self.duration_s} {self.step_s}"
-
-
-@dataclass(frozen=True)
-class _Mill(DrawnMill):
+class _Mill(DrawnExperiment):
     tooth_period_s: float = field(default=0.0, repr=False)
 
 

@@ -8,7 +8,7 @@ sensors of a quarter of the ordinary error see its grains: a change of five time
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,7 @@ import scipy.signal
 from .cases import LEVELS, Case
 from .drawn_mills import BEST_SENSOR, LEAST_STRONG
 from .effects import Effect
-from .experiment import ALL, POLISH_EDGE, SCENARIOS, Experiment
+from .experiment import ALL, POLISH_EDGE, SCENARIOS, DrawnExperiment, Experiment
 from .noise import AR1_COEFFICIENT, rms
 from .signature import change_of, nominal_signatures, scaled, size_of
 
@@ -27,26 +27,10 @@ TRIES = 40
 
 
 @dataclass(frozen=True)
-class DrawnWheel(Experiment):
-    """An experiment whose scenario was drawn."""
-
-    folder: str = field(default="", repr=False)
-
-    @property
-    def path(self) -> Path:
-        """The scenario file."""
-        return Path(self.folder) / f"{self.name}.toml"
-
-    def __str__(self) -> str:
-        # runs are kept by this; what its sensors err by says nothing of a run
-        return f"{self.name} {self.rate_hz} {self.duration_s} {self.step_s}"
-
-
-@dataclass(frozen=True)
 class Machine:
     """A wheel, its grains, and by how many deviations its nominal values are off."""
 
-    experiment: DrawnWheel
+    experiment: DrawnExperiment
     grains: Effect
     shifts: tuple[float, ...]
 
@@ -92,7 +76,7 @@ def _draw(rng: np.random.Generator, name: str, folder: Path, part: float | None)
     shifts = np.clip(rng.standard_normal(2), -1.5, 1.5)
     grains = Effect("wheel_edge_grains", None, {"share": round(float(rng.uniform(0.2, 0.9)), 3)})
     measured = (POLISH_EDGE.rate_hz, POLISH_EDGE.duration_s, POLISH_EDGE.step_s, POLISH_EDGE.band_hz)
-    experiment = DrawnWheel(name, *measured, POLISH_EDGE.reference_noise, folder=str(folder))
+    experiment = DrawnExperiment(name, *measured, POLISH_EDGE.reference_noise, folder=str(folder))
     # sensors with errors of a hundredth of what they measure; of the places as in the bench
     nominal = rms(experiment.outputs_of()[:, :2])
     noise = tuple(float(f"{0.01 * size:.3g}") for size in nominal)

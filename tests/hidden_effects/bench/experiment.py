@@ -164,6 +164,22 @@ class Experiment:
         return np.stack(outputs, axis=1)
 
 
+@dataclass(frozen=True)
+class DrawnExperiment(Experiment):
+    """An experiment whose scenario was drawn."""
+
+    folder: str = field(default="", repr=False)
+
+    @property
+    def path(self) -> Path:
+        """The scenario file."""
+        return Path(self.folder) / f"{self.name}.toml"
+
+    def __str__(self) -> str:
+        # runs are kept by this; what its sensors err by says nothing of a run
+        return f"{self.name} {self.rate_hz} {self.duration_s} {self.step_s}"
+
+
 @functools.cache
 def _sources(scenario: Path) -> str:
     """Hash of everything that a run depends on besides its arguments."""

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
-import os
-import subprocess
-import time
 from collections import Counter
 from dataclasses import asdict, dataclass, field
 
+from bench import runner
 from bench.effects import KINDS
 from bench.score import Answer, is_cause, name_of
 from scipy.stats import beta
@@ -17,7 +14,6 @@ from scipy.stats import beta
 from .case import Case
 from .oracle import Label
 
-TIME_LIMIT_S = 120.0
 MOST_ALTERNATIVES = 3
 # how many of its Cramér-Rao deviations a friction of an arm whose joints all rub must have to count
 SURE = 6.0
@@ -61,18 +57,7 @@ class Verdict:
 
 def ask(program: list[str], case: Case, threads: int) -> Answer:
     """One diagnosis."""
-    out = case.scenario.parent / "answer"
-    command = [*program, "diagnose", str(case.scenario), "--data", str(case.data), "--out", str(out)]
-    began = time.perf_counter()
-    variables = os.environ | {"RAYON_NUM_THREADS": str(threads)}
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, env=variables, timeout=TIME_LIMIT_S)
-        code, messages = done.returncode, done.stdout + done.stderr
-    except subprocess.TimeoutExpired:
-        code, messages = -1, f"no answer within {TIME_LIMIT_S:g} s"
-    seconds = time.perf_counter() - began
-    written = sorted(out.rglob("diagnosis.json")) if code == 0 else []
-    return Answer(code, json.loads(written[0].read_text(encoding="utf-8")) if written else None, messages, seconds)
+    return runner.ask(program, case.scenario, case.data, case.scenario.parent / "answer", threads)
 
 
 def judge(case: Case, label: Label, answer: Answer) -> Verdict:

@@ -38,64 +38,41 @@ class Moving(Arm):
         mujoco.mj_jacSite(self.model, self.data, self.jacobian, None, self.data.site("tool").id)
         return self.jacobian.T @ force
 
+    def pushed_at_rest(self) -> np.ndarray | float:
+        """Of the force that will be let go."""
+        if self.release is None:
+            return 0.0
+        mujoco.mj_forward(self.model, self.data)
+        return self.at_tool(self.release)
+
+    def pushed(self, t: float) -> np.ndarray | float:
+        """Of the force at this time."""
+        return 0.0 if self.force is None else self.at_tool(self.force(t))
+
+    def handed_on(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Over a step that is the command's mean."""
+        edges = np.append(t, t[-1] + self.h)
+        way = self.command.antiderivative()(edges)
+        return np.diff(way, axis=0) / self.h, np.diff(self.command(edges), axis=0) / self.h
+
+    def before(self, t: float, rate: list[float]) -> None:
+        """For laws outside the library."""
+        for law in self.strange:
+            law.now = t, rate[law.foreign.other]
+
     def settle(self) -> None:
-        """Rest under gravity and the force that will be let go."""
-        m, d, own = self.model, self.data, slice(self.first, self.first + self.n)
-        theta, still = self.command(0.0), [0.0] * self.n
-        d.qpos[own] = theta
-        for _ in range(500):
-            q = d.qpos[own]
-            mujoco.mj_forward(m, d)
-            d.qfrc_applied[:] = 0.0 if self.release is None else self.at_tool(self.release)
-            d.qfrc_applied[own] += self.extra(theta, still, q, still, False)
-            mujoco.mj_forward(m, d)
-            change = (d.qfrc_passive + d.qfrc_applied - d.qfrc_bias) / self.all_stiffness
-            d.qpos[:] += 0.7 * change
-            if np.max(np.abs(change)) < 1e-13:
-                break
-        else:
-            raise RuntimeError("static equilibrium not found")
-        d.qfrc_applied[:] = 0.0
-        d.qfrc_applied[own] = self.extra(theta, still, d.qpos[own], still, False)
-        mujoco.mj_forward(m, d)
-        for i, law in enumerate(self.laws):
-            law.start(law.windup(theta[i], 0.0, d.qpos[self.first + i], 0.0)[0])
+        """As for an arm that nobody pushes; the force is let go in the end."""
+        super().settle()
+        own = slice(self.first, self.first + self.n)
+        at_rest, still = self.data.qpos[own].copy(), [0.0] * self.n
+        self.data.qfrc_applied[:] = 0.0
+        self.data.qfrc_applied[own] = self.extra(self.command(0.0), still, at_rest, still, False)
+        mujoco.mj_forward(self.model, self.data)
 
     def run(self, every: int) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Times and channels at every step that is a multiple of `every`."""
-        self.settle()
-        m, d, h = self.model, self.data, self.h
-        count = round(self.duration_s / h)
-        t = h * np.arange(count + 2)
-        way = self.command.antiderivative()(t)
-        at, at_rate = self.command(t).tolist(), self.command_rate(t).tolist()
-        # what a spring hands on over a step is the command's mean
-        mean, mean_rate = (np.diff(way, axis=0) / h).tolist(), (np.diff(self.command(t), axis=0) / h).tolist()
-        own = slice(self.first, self.first + self.n)
-        tool = d.site("tool")
-        rubbing = [i for i, law in enumerate(self.laws) if law.rubs]
-        rows = []
-        for k in range(count + 1):
-            q, v, a = d.qpos[own].tolist(), d.qvel[own].tolist(), d.qacc[own].tolist()
-            torque = [
-                law.transmission(*law.windup(at[k][i], at_rate[k][i], q[i], v[i])) for i, law in enumerate(self.laws)
-            ]
-            if k % every == 0:
-                rows.append((*q, *torque, *tool.xpos))
-            middle = [x + 0.5 * h * y + 0.125 * h * h * z for x, y, z in zip(q, v, a)]
-            rate = [y + 0.5 * h * z for y, z in zip(v, a)]
-            for law in self.strange:
-                law.now = t[k] + 0.5 * h, rate[law.foreign.other]
-            applied = np.array(self.extra(mean[k], mean_rate[k], middle, rate, True))
-            if rubbing:
-                applied += self.friction(k * h, applied, q, v, torque, rubbing)
-            d.qfrc_applied[own] = applied
-            if self.force is not None:
-                pushed = self.at_tool(self.force(t[k] + 0.5 * h))
-                d.qfrc_applied[:] = pushed
-                d.qfrc_applied[own] += applied
-            mujoco.mj_step(m, d)
-        found = np.array(rows)
-        if not (np.isfinite(found).all() and np.abs(found).max() < LARGE):
-            raise RuntimeError("the run diverged")
-        return t[: count + 1 : every], self._channels(found)
+        times, channels = super().run(every)
+        for values in channels.values():
+            if not (np.isfinite(values).all() and np.abs(values).max() < LARGE):
+                raise RuntimeError("the run diverged")
+        return times, channels

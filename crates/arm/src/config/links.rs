@@ -7,6 +7,7 @@ use super::ConfigFile;
 use super::raw::{RawLink, RawPayload};
 use crate::bounds;
 use crate::error::{ArmError, ArmErrorKind};
+use crate::mass_sum::MassSum;
 use crate::tree::{Tree, TreeLink};
 use crate::urdf::known_names;
 
@@ -136,25 +137,15 @@ fn loaded(raw: &RawPayload, tree: &mut Tree) -> Result<(), ArmErrorKind> {
         // Else the load would pass for the link, of which nobody said what it weighs.
         return Err(ArmErrorKind::LoadWithoutLink { link: name.clone() });
     }
-    let parts = [&load, link].map(|part| {
-        let turn = part.link_from_inertial.rotation.to_rotation_matrix();
-        let inertia = turn * part.inertia_kg_m2 * turn.transpose();
-        (
-            part.mass_kg,
-            part.link_from_inertial.translation.vector,
-            inertia,
-        )
-    });
-    let mass_kg = parts[0].0 + parts[1].0;
-    let center_m = (parts[0].1 * parts[0].0 + parts[1].1 * parts[1].0) / mass_kg;
-    let about = parts.map(|(mass_kg, at_m, inertia)| {
-        let cross = (at_m - center_m).cross_matrix();
-        inertia - cross * cross * mass_kg
-    });
+    let mut masses = MassSum::default();
+    for part in [&load, link] {
+        masses.add(part.mass_kg, &part.link_from_inertial, &part.inertia_kg_m2);
+    }
+    let (center_m, inertia_kg_m2) = masses.about_centre();
     let whole = &mut tree.links[at];
-    whole.mass_kg = mass_kg;
+    whole.mass_kg = masses.mass_kg;
     whole.link_from_inertial = Isometry3::from(Translation3::from(center_m));
-    whole.inertia_kg_m2 = about[0] + about[1];
+    whole.inertia_kg_m2 = inertia_kg_m2;
     tree.notes.push(format!(
         "link \"{name}\" carries {} kg more than its own mass: {}",
         raw.mass_kg,

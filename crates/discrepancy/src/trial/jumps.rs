@@ -177,45 +177,20 @@ fn line(values: &mut [f64], range: &Range<usize>) {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
+    use crate::testing::milling;
 
     fn scenario(engagement: &str, helix_deg: f64, rpm: f64) -> Scenario {
-        let text = format!(
-            r#"
-name = "half immersion"
-[robot]
-urdf = "../../assets/robots/rig_milling/robot.urdf"
-gravity = false
-[process.milling]
-spindle_rpm = {rpm}
-feed_mm_per_tooth = 0.1
-axial_depth_mm = 1.0
-engagement = "{engagement}"
-{}
-start_angle_deg = 20
-[process.milling.cutter]
-diameter_mm = 16
-teeth = 4
-helix_deg = {helix_deg}
-[process.milling.cutting]
-tangential_mpa = 800
-radial_mpa = 240
-[process.milling.path]
-direction = [1, 0, 0]
-length_mm = 100
-[run]
-duration_s = 1.0
-"#,
-            if engagement == "slot" {
-                ""
-            } else {
-                "radial_depth_mm = 8"
-            }
-        );
-        let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/milling/test.toml");
-        Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"))
+        let [helix, rpm] = [helix_deg, rpm].map(|number| number.to_string());
+        let mut changes = vec![
+            ("process.milling.engagement", engagement),
+            ("process.milling.cutter.helix_deg", &helix),
+            ("process.milling.spindle_rpm", &rpm),
+        ];
+        if engagement != "slot" {
+            changes.push(("process.milling.radial_depth_mm", "8"));
+        }
+        milling(&changes)
     }
 
     fn times() -> Vec<Vec<f64>> {

@@ -14,6 +14,8 @@ use truecut_sim::run::{self, Engine};
 
 use super::{Trial, reduced};
 use crate::model::Columns;
+use crate::stats::rms;
+use crate::stats::spectrum::line;
 
 /// With the step halved no output may move by more than this part of its deviation from a line.
 const MOST_MOVED: f64 = 1e-3;
@@ -41,10 +43,10 @@ impl Trial {
             self.longest_step_s = step_s;
             self.shortest_step_s = self.shortest_step_s.min(step_s * (1.0 - ROUNDING));
             let Some(now) = self.nominal_run() else { break };
-            let moved = now.iter().zip(&before).map(|(now, before)| {
-                let apart: Vec<f64> = now.iter().zip(before).map(|(a, b)| a - b).collect();
-                root_mean_square(&apart) / from_a_line(now).max(f64::MIN_POSITIVE)
-            });
+            let moved = now
+                .iter()
+                .zip(&before)
+                .map(|(now, before)| apart(now, before) / from_a_line(now).max(f64::MIN_POSITIVE));
             let most = moved.fold(0.0, f64::max);
             before = now;
             if most < MOST_MOVED {
@@ -80,79 +82,47 @@ impl Trial {
     }
 }
 
-fn root_mean_square(values: &[f64]) -> f64 {
-    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
-}
-
 /// Deviation from the line that fits best.
 fn from_a_line(values: &[f64]) -> f64 {
-    let count = values.len().max(1) as f64;
-    let middle = 0.5 * (count - 1.0);
-    let mean = values.iter().sum::<f64>() / count;
-    let pairs = || {
-        values
-            .iter()
-            .enumerate()
-            .map(|(k, x)| (k as f64 - middle, x - mean))
-    };
-    let spread: f64 = pairs().map(|(k, _)| k * k).sum();
-    let slope = pairs().map(|(k, x)| k * x).sum::<f64>() / spread.max(f64::MIN_POSITIVE);
-    let left: Vec<f64> = pairs().map(|(k, x)| x - slope * k).collect();
-    root_mean_square(&left)
+    let (mean, slope, middle) = line(values, &vec![true; values.len()]);
+    let rows = values.iter().enumerate();
+    let left: Vec<f64> = rows
+        .map(|(row, value)| value - mean - slope * (row as f64 - middle))
+        .collect();
+    rms(&left)
+}
+
+/// Root mean square of the differences.
+fn apart(one: &[f64], other: &[f64]) -> f64 {
+    let differences: Vec<f64> = one.iter().zip(other).map(|(a, b)| a - b).collect();
+    rms(&differences)
 }
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use truecut_recording::{ChannelSpec, Measured, MeasuredChannel, Role, Unit};
 
     use super::*;
+    use crate::testing::milling;
 
     /// A machine of 21 kg at 17 Hz that cuts with three teeth, 31 a second.
-    fn milled(step: &str) -> Trial {
-        let text = format!(
-            r#"
-name = "milled"
-[robot]
-urdf = "../../assets/robots/rig_milling/robot.urdf"
-gravity = false
-inertia_scale = 530
-stiffness_scale = 0.18
-damping_scale = 35
-[process.milling]
-spindle_rpm = 610
-feed_mm_per_tooth = 0.1
-axial_depth_mm = 0.03
-engagement = "down"
-radial_depth_mm = 8
-ramp_mm = 0.02
-[process.milling.cutter]
-diameter_mm = 16
-teeth = 3
-[process.milling.cutting]
-tangential_mpa = 800
-radial_mpa = 240
-[process.milling.path]
-direction = [1, 0, 0]
-length_mm = 4
-[run]
-duration_s = 0.6
-{step}
-[data]
-time = "t"
-[[data.channel]]
-column = "fx"
-channel = "milling.force_x"
-unit = "N"
-[[data.channel]]
-column = "x"
-channel = "joint1.position"
-unit = "m"
-"#
-        );
-        let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/milling/test.toml");
-        let scenario = Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
+    fn milled(step: Option<(&str, &str)>) -> Trial {
+        let changes = [
+            ("robot.inertia_scale", "530"),
+            ("robot.stiffness_scale", "0.18"),
+            ("robot.damping_scale", "35"),
+            ("process.milling.spindle_rpm", "610"),
+            ("process.milling.axial_depth_mm", "0.03"),
+            ("process.milling.engagement", "down"),
+            ("process.milling.radial_depth_mm", "8"),
+            ("process.milling.ramp_mm", "0.02"),
+            ("process.milling.start_angle_deg", "0"),
+            ("process.milling.cutter.teeth", "3"),
+            ("process.milling.path.length_mm", "4"),
+            ("run.duration_s", "0.6"),
+        ];
+        let changes: Vec<_> = changes.into_iter().chain(step).collect();
+        let scenario = milling(&changes);
         let channel = |name: &str, unit, size: f64| MeasuredChannel {
             spec: ChannelSpec::new(name, unit, ""),
             role: Role::Output,
@@ -177,22 +147,21 @@ unit = "m"
     /// differ from step to step at any step. A step that the scenario asks for stays.
     #[test]
     fn verify_error_of_a_search_by_a_step_of_a_hundredth_of_a_millisecond() {
-        let mut trial = milled("");
+        let mut trial = milled(None);
         let mut told = |longest_step_s: Option<f64>| {
             trial.longest_step_s = longest_step_s.unwrap_or(trial.longest_step_s);
             trial.nominal_run().expect("a cut that does not chatter")
         };
         let found = told(None);
         let [exact, coarse] = [0.01e-3, f64::INFINITY].map(|step_s| told(Some(step_s)));
-        let error = |of: &Columns| {
-            let pairs = of[1].iter().zip(&exact[1]);
-            let apart: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
-            root_mean_square(&apart) / from_a_line(&exact[1])
-        };
+        let error = |of: &Columns| apart(&of[1], &exact[1]) / from_a_line(&exact[1]);
         let (found, coarse) = (error(&found), error(&coarse));
         assert!(found < 0.5 * MOST_MOVED, "{found}");
         assert!(coarse > MOST_MOVED, "{coarse}");
-        assert_eq!(milled("time_step_ms = 0.3").longest_step_s, f64::INFINITY);
+        assert_eq!(
+            milled(Some(("run.time_step_ms", "0.3"))).longest_step_s,
+            f64::INFINITY
+        );
     }
 
     #[test]
