@@ -3,9 +3,9 @@
 cross-checks against MuJoCo, the fast part of the hidden-effects bench, the random bench's own parts, the commands that
 the documents show.
 
-Makes `.venv` with the pinned packages of `tests/requirements.txt` on the first call. Tests that are skipped are named
-with their reason. The last line sums up both parts as `N passed, N failed, N skipped`; the exit code is 0 only if
-nothing failed.
+Makes `.venv` with the packages of `tests/requirements.txt`, pinned by their hashes, on the first call. Tests that are
+skipped are named with their reason. The last line sums up both parts as `N passed, N failed, N skipped`; the exit code
+is 0 only if nothing failed.
 """
 
 from __future__ import annotations
@@ -65,7 +65,8 @@ def environment() -> Path:
     made = subprocess.run([find_python(), "-m", "venv", "--clear", ENVIRONMENT])
     if made.returncode != 0:
         sys.exit("cannot make .venv (on Debian: apt install python3-venv)")
-    install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", REQUIREMENTS]
+    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    install = [*pip, "--require-hashes", "-r", REQUIREMENTS]
     if subprocess.run(install).returncode != 0:
         sys.exit(f"cannot install {REQUIREMENTS.relative_to(ROOT)} into .venv")
     stamp.write_text(pins)

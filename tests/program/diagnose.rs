@@ -136,6 +136,63 @@ fn diagnose_looks_at_its_folder_first() {
     );
 }
 
+/// The example with its motion prescribed and its drive torques asked for.
+const BACKWARDS: [(&str, &str); 6] = [
+    (
+        "mode = \"forward\"",
+        "mode = \"inverse\"\ndifferentiate_cutoff_hz = 20\ncompare_cutoff_hz = 15",
+    ),
+    ("joint1.command", "joint1.angle"),
+    ("joint2.command", "joint2.angle"),
+    ("joint1.transmission_torque", "joint1.drive_torque"),
+    ("joint2.transmission_torque", "joint2.drive_torque"),
+    (
+        "[[data.channel]]\ncolumn = \"height_mm\"\nchannel = \"tool.position_z\"\nunit = \"mm\"\n",
+        "[fit]\nunknowns = [\"coulomb\", \"offset\"]\n",
+    ),
+];
+
+/// What acts beside measured data and is an estimate is told once by each command; what does not
+/// act is not: a rotor beside a motor that follows its command, a spring in inverse dynamics.
+#[test]
+fn estimates_that_act_are_told_beside_measured_data() {
+    let desk = desk();
+    let scenario = std::fs::read_to_string(desk.path("elbow.toml")).unwrap();
+    let arm = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/arm_2r");
+    let known = std::fs::read_to_string(arm.join("robot.toml")).unwrap();
+    let guessed = known.replace("chosen: about", "estimated: about");
+    assert_ne!(guessed, known);
+    std::fs::write(desk.path("guessed.toml"), guessed).unwrap();
+    let with_guess = scenario.replace("posture_deg", "config = \"guessed.toml\"\nposture_deg");
+    std::fs::write(desk.path("guess.toml"), &with_guess).unwrap();
+    let backwards = (BACKWARDS.iter()).fold(with_guess, |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    });
+    std::fs::write(desk.path("backwards.toml"), backwards).unwrap();
+    let springs = "estimated, not measured: stiffness of all 2 joints";
+    let rotors = "estimated, not measured: rotor inertia of all 2 joints";
+    for (arguments, told) in [
+        (&["compare", "elbow.toml"][..], None),
+        (&["compare", "guess.toml"], Some(springs)),
+        (
+            &["diagnose", "guess.toml", "--max-runs", "5"],
+            Some(springs),
+        ),
+        (&["compare", "backwards.toml"], Some(rotors)),
+        (&["fit", "backwards.toml"], Some(rotors)),
+        (
+            &["diagnose", "backwards.toml", "--max-runs", "5"],
+            Some(rotors),
+        ),
+    ] {
+        let text = desk.ends(0, arguments);
+        let all = text.matches("estimated, not measured").count();
+        assert_eq!(all, usize::from(told.is_some()), "{arguments:?}: {text}");
+        assert!(told.is_none_or(|told| text.contains(told)), "{text}");
+    }
+}
+
 /// What is said with exit code 2.
 fn refused(desk: &Desk, arguments: &[&str]) -> String {
     let output = desk.truecut(arguments);

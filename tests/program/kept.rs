@@ -1,6 +1,7 @@
 //! What stays of an earlier result when the next one does not come to its end.
 
 use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
@@ -79,6 +80,65 @@ fn a_full_disk_leaves_the_earlier_table_of_a_sweep() {
     let (code, err) = ends_where_files_end(&desk, &arguments, 1024);
     assert_eq!(code, Some(BAD_INPUT), "{err}");
     assert!(files(&folder) == earlier);
+}
+
+/// A run of an hour says before its first step how much it will be.
+#[test]
+fn a_long_run_tells_beforehand_what_it_takes() {
+    let desk = Desk::new();
+    desk.scenario("long", "duration_s = 3000\nrecord_interval_ms = 1", "");
+    let mut child = desk
+        .command(&["run", "long.toml"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut told = String::new();
+    let mut lines = BufReader::new(child.stderr.take().unwrap());
+    lines.read_line(&mut told).unwrap();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(told.contains(" steps, 3000001 rows of "), "{told}");
+    assert!(told.contains("MB in memory, and on the disk"), "{told}");
+}
+
+/// A scalar that the run has not is known after it only: what it cost to compute stays.
+#[test]
+fn a_claim_that_cannot_be_judged_does_not_cost_the_run() {
+    let desk = Desk::new();
+    let claim = "[[claim]]\nname = 'a slip'\nscalar = 'plant.torque_used'\nmax = 1\nunit = '1'\nreason = 'none'\n";
+    desk.scenario("slip", "duration_s = 0.2", claim);
+    let output = desk.truecut(&["run", "slip.toml", "--no-rrd"]);
+    assert_eq!(output.status.code(), Some(BAD_INPUT));
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        told.contains("plant.torque_used") && told.contains("slip.toml:"),
+        "{told}"
+    );
+    assert!(
+        told.contains("the run is kept: out/slip/recording.parquet"),
+        "{told}"
+    );
+    let rows = read_parquet(&desk.path("out/slip/recording.parquet")).unwrap();
+    assert!(rows.time_s.last().is_some_and(|end_s| *end_s > 0.19));
+    assert!(desk.path("out/slip/summary.json").exists());
+}
+
+/// A path that the run does not finish is told, whatever process works along it.
+#[test]
+fn a_path_that_is_not_finished_is_told() {
+    let desk = Desk::new();
+    let belt = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../scenarios/finishing/crowned_block_belt.toml"
+    );
+    let arguments = ["run", belt, "--no-rrd", "--set", "run.duration_s=0.5"];
+    let output = desk.truecut(&arguments);
+    let told = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        told.contains("run.duration_s is 0.5000 s, the process takes "),
+        "{told}"
+    );
 }
 
 #[test]

@@ -41,6 +41,7 @@ impl From<RunError> for Failure {
                 Failure::arm_with(&error, Some(help))
             }
             RunError::Data { message, help } => Failure::advised(message, help),
+            RunError::Unjudged { error, .. } => (*error).into(),
             RunError::Metric { .. } | RunError::Sink(_) => Failure::message(error.to_string()),
         }
     }

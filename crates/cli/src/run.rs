@@ -4,10 +4,10 @@ use std::process::ExitCode;
 
 use rayon::prelude::*;
 use truecut::data;
-use truecut::outputs::Outputs;
-use truecut_recording::{Outcome, Unit};
+use truecut::outputs::{Outputs, size};
+use truecut_recording::{Outcome, SinkError, Unit};
 use truecut_scenario::Scenario;
-use truecut_sim::run::{Finished, Run, Runs};
+use truecut_sim::run::{Extent, Finished, Run, RunError, Runs};
 
 use crate::args::RunArguments;
 use crate::exit_status::ExitStatus;
@@ -16,6 +16,11 @@ use crate::progress::{Progress, RunProgress};
 use crate::signals::Signals;
 use crate::sweep;
 use crate::text;
+
+/// From so many steps, and so many bytes, on a run tells beforehand what it will take: minutes, and
+/// a part of the memory that is felt.
+const MANY_STEPS: usize = 3_000_000;
+const MANY_BYTES: u64 = 250_000_000;
 
 /// Runs every scenario given; sweeps after the single runs, since each of them fills all cores. A
 /// signal stops single runs at a step, with their files whole; what has not begun then does not
@@ -78,13 +83,39 @@ fn run_one(
         references: Some(runs),
         sinks: outputs.sinks(),
         progress: &|part| progress.set(part),
+        before: &|extent| may_begin(scenario, &outputs, extent),
         stop: Some(signals.stop()),
         ..Run::of(scenario)
     }
-    .execute()?;
+    .execute();
+    let finished = match finished {
+        // A slip in a claim does not cost the run.
+        Err(RunError::Unjudged { error, recording }) => {
+            outputs.finish(&recording, &[])?;
+            eprintln!("  the run is kept: {}", outputs.main_file().display());
+            return Err((*error).into());
+        }
+        other => other?,
+    };
     outputs.finish(&finished.recording, &finished.claims)?;
     let status = ExitStatus::of_run(&finished.recording.outcome, &finished.claims);
     Ok((printed(scenario, &finished, &outputs), status))
+}
+
+/// Tells what a run will take if that is much; refuses what the disk cannot hold.
+fn may_begin(scenario: &Scenario, outputs: &Outputs, extent: &Extent) -> Result<(), SinkError> {
+    outputs.check_room(extent)?;
+    if extent.steps >= MANY_STEPS || extent.bytes() >= MANY_BYTES {
+        eprintln!(
+            "  {}: {} steps, {} rows of {} channels: {} in memory, and on the disk while it runs",
+            scenario.name,
+            extent.steps,
+            extent.rows,
+            extent.channels,
+            size(extent.bytes())
+        );
+    }
+    Ok(())
 }
 
 fn printed(scenario: &Scenario, finished: &Finished, outputs: &Outputs) -> String {

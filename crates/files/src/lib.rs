@@ -4,9 +4,11 @@
 #![warn(missing_docs)]
 
 mod input;
+mod room;
 mod watched;
 mod whole;
 
 pub use input::{MOST_BYTES, MOST_TEXT_BYTES, open, read, read_text};
+pub use room::room_bytes;
 pub use watched::watched;
 pub use whole::{fresh, write_whole};

@@ -97,6 +97,7 @@ impl Prepared {
             &gravity,
         )?;
         let path_note = made.note();
+        let unfinished = made.unfinished(scenario.run.duration_s);
         let is_path = made.follows_path();
         let (tooling, surface_normal) = (made.tooling, made.surface_normal);
         let (mut process, workpiece) = (made.process, made.workpiece);
@@ -121,6 +122,7 @@ impl Prepared {
         notes.extend(estimates::acting(spec, &nominal));
         notes.extend(scenario.notes());
         notes.extend(path_note);
+        notes.extend(unfinished);
         notes.extend(process.notes());
         Ok(Self {
             friction: friction(&altered, kind),

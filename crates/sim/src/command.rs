@@ -124,20 +124,23 @@ pub(crate) struct Samples {
 
 impl Samples {
     /// Cubic Hermite interpolation with central differences (one-sided at both ends) as slopes: the
-    /// velocity is the derivative of the position, and both are continuous.
+    /// velocity is the derivative of the position, and both are continuous. Behind the last sample
+    /// it goes on as it ended: the last step of a run may lie a fraction of a step behind, and a
+    /// command that stopped there at once would ask a jump of the drives.
     fn at(&self, t_s: f64, position: &mut [f64], velocity: &mut [f64]) {
         let last = self.postures.len() - 1;
         let x = (t_s / self.interval_s).clamp(0.0, last as f64);
         let k = (x.floor() as usize).min(last.saturating_sub(1));
         let u = x - k as f64;
-        let moves = last > 0 && (0.0..=last as f64 * self.interval_s).contains(&t_s);
+        let moves = last > 0 && t_s >= 0.0;
+        let behind_s = (t_s - last as f64 * self.interval_s).max(0.0);
         for joint in 0..position.len() {
             let knot = |i: usize| self.postures[i][joint];
             let ends = [knot(k), knot((k + 1).min(last))];
             let slopes = [k, k + 1].map(|i| slope(knot, last, i));
             let [value, rate] = hermite(ends, slopes, u);
-            position[joint] = value;
             velocity[joint] = if moves { rate / self.interval_s } else { 0.0 };
+            position[joint] = value + velocity[joint] * behind_s;
         }
     }
 }
@@ -260,11 +263,9 @@ mod tests {
             assert!((v - (10.0 * t - 2.0)).abs() < 1e-11, "{t}");
         }
         assert_eq!(at(0.49).0, parabola(0.49));
-        assert_eq!(
-            at(7.0),
-            (parabola(0.49), 0.0),
-            "stands still behind the end"
-        );
+        let (end, rate) = at(0.49);
+        assert!(rate > 0.0);
+        assert_eq!(at(0.4901), (end + 1e-4 * rate, rate), "goes on behind it");
     }
 
     #[test]

@@ -3,10 +3,10 @@
 use crate::error::SimError;
 use crate::robots::Robots;
 use truecut_arm::{Robot, TransmissionValue};
-use truecut_scenario::{DriveKind, RobotSpec, Scenario};
+use truecut_scenario::{DriveKind, ProcessSpec, ReplayMode, RobotSpec, Scenario};
 
-/// A sentence on the masses and on the values of transmissions that act in runs of a scenario and
-/// are estimates by the sources in `robot.toml`; `None` if none is.
+/// A sentence on the masses and on the values of transmissions that act in runs of a scenario, or
+/// in its inverse dynamics, and are estimates by the sources in `robot.toml`; `None` if none is.
 ///
 /// # Errors
 /// Whatever is wrong with the robot's files.
@@ -15,7 +15,22 @@ pub fn estimates(scenario: &Scenario, robots: &Robots) -> Result<Option<String>,
         return Ok(None);
     }
     let robot = robots.robot(&scenario.robot)?;
-    Ok(acting(&scenario.robot, &robot))
+    Ok(match replay_mode(scenario) {
+        // Springs and dampers pass on what moves the links, whatever they are.
+        Some(ReplayMode::Inverse { .. }) => {
+            use TransmissionValue::{DryFriction, RotorInertia};
+            robot.estimates(&[DryFriction, RotorInertia])
+        }
+        Some(ReplayMode::Observe) => None,
+        Some(ReplayMode::Forward) | None => acting(&scenario.robot, &robot),
+    })
+}
+
+fn replay_mode(scenario: &Scenario) -> Option<ReplayMode> {
+    match &scenario.process {
+        ProcessSpec::Replay(replay) => Some(replay.mode),
+        _ => None,
+    }
 }
 
 /// The same of a robot that has been read.

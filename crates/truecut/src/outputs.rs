@@ -4,10 +4,10 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use truecut_files::write_whole;
+use truecut_files::{room_bytes, write_whole};
 use truecut_recording::{Chunk, ClaimResult, Recording, Sink, SinkError, Summary};
 use truecut_scenario::Scenario;
-use truecut_sim::run::RunError;
+use truecut_sim::run::{Extent, RunError};
 use truecut_sim::sweep::SweepTable;
 use truecut_telemetry::{
     Background, Column, FileError, IpcSink, ParquetSink, Reason, RrdSink, Values, write_columns,
@@ -94,6 +94,38 @@ impl Outputs {
             sinks.push(Box::new(RrdSink::new(self.files.path(VIEWER))));
         }
         vec![Box::new(Background::new(sinks))]
+    }
+
+    /// Refuses a run whose rows the disk has no room for, before its first step: for
+    /// [`Run::before`](truecut_sim::run::Run::before). What Parquet and the viewer's file take
+    /// beside them depends on the rows.
+    ///
+    /// # Errors
+    /// Rows that take more than is free.
+    pub fn check_room(&self, extent: &Extent) -> Result<(), SinkError> {
+        match room_bytes(self.files.folder()) {
+            Ok(Some(free)) => self.fits(extent, free),
+            // Whatever cannot be asked shows when it is written to.
+            Ok(None) | Err(_) => Ok(()),
+        }
+    }
+
+    fn fits(&self, extent: &Extent, free_bytes: u64) -> Result<(), SinkError> {
+        if extent.bytes() <= free_bytes {
+            return Ok(());
+        }
+        let (rows, channels) = (extent.rows, extent.channels);
+        let text = format!(
+            "{rows} rows of {channels} channels take {} while the run goes on, but {} are free on the disk; \
+             raise run.record_interval_ms, or give another folder by --out",
+            size(extent.bytes()),
+            size(free_bytes)
+        );
+        Err(SinkError::new(
+            self.path(STREAM).display().to_string(),
+            "begin",
+            text,
+        ))
     }
 
     /// Writes all files of a recording that is in memory; the viewer's file has curves only, since
@@ -224,9 +256,59 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
         .map_err(|error| failed(path, error))
 }
 
+/// Bytes as people say them.
+pub fn size(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    match bytes {
+        ..1e6 => format!("{:.1} kB", bytes / 1e3),
+        ..1e9 => format!("{:.1} MB", bytes / 1e6),
+        _ => format!("{:.2} GB", bytes / 1e9),
+    }
+}
+
 fn failed(path: &Path, error: std::io::Error) -> FileError {
     FileError {
         path: path.to_owned(),
         reason: Reason::Io(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows that fit are taken to the byte; those that do not are refused with what they take and
+    /// what is free.
+    #[test]
+    fn rows_that_the_disk_cannot_hold_are_refused_before_the_run() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../scenarios/arm/free_decay.toml"
+        );
+        let scenario = Scenario::load(file.as_ref(), &[]).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let outputs = Outputs::prepare(folder.path(), &scenario, false).unwrap();
+        let told = std::sync::Mutex::new(None);
+        let run = truecut_sim::run::Run {
+            engine: truecut_sim::run::Engine::REDUCED,
+            before: &|extent| {
+                *told.lock().unwrap() = Some(*extent);
+                outputs.check_room(extent)
+            },
+            ..truecut_sim::run::Run::of(&scenario)
+        };
+        let recording = run.execute().unwrap().recording;
+        let extent = told.into_inner().unwrap().unwrap();
+        assert_eq!(extent.rows, recording.time_s.len());
+        assert_eq!(extent.channels, recording.columns.len());
+        let bytes = 8 * (recording.time_s.len() * (recording.columns.len() + 1)) as u64;
+        assert_eq!(extent.bytes(), bytes);
+        assert!(outputs.fits(&extent, bytes).is_ok());
+        let told = outputs.fits(&extent, bytes - 1).unwrap_err().to_string();
+        assert!(told.contains("recording.arrows: cannot begin: "), "{told}");
+        assert!(
+            told.contains(&size(bytes)) && told.contains("record_interval_ms"),
+            "{told}"
+        );
     }
 }

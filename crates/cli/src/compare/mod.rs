@@ -11,6 +11,7 @@ use truecut_discrepancy::compare::{CompareError, Comparison, compare_recordings}
 use truecut_recording::{Measured, Recording};
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Claims, Run};
+use truecut_sim::{Robots, estimates};
 
 use crate::args::CompareArguments;
 use crate::failure::Failure;
@@ -48,8 +49,10 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
     let turning = scenario.process.facts().rate_rad_s;
     let turning = turning.map(|rad_s| rad_s / std::f64::consts::TAU);
     let spindle_hz = arguments.rpm.map(|rpm| rpm / 60.0).or(turning);
-    let comparison = compare_recordings(&simulated, &measured, spindle_hz)
+    let mut comparison = compare_recordings(&simulated, &measured, spindle_hz)
         .map_err(|error| refused(scenario, &measured, &error))?;
+    let assumed = estimates(scenario, &Robots::new());
+    (comparison.notes).extend(assumed.map_err(|error| Failure::sim(scenario, error))?);
     let folder = arguments.out.join(scenario.stem()).join(FOLDER);
     let written = write(&folder, &comparison, &simulated, &measured)?;
     crate::print(&text::printed(&scenario.name, &comparison, &written))?;

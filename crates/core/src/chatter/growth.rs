@@ -8,6 +8,10 @@
 //! is no longer small beside the feed per tooth, teeth leave the cut and nothing is linear any
 //! more. A motion that never is small has the slope of its levels as they are, from the quietest to
 //! the loudest after it.
+//!
+//! A tool that is knocked on its way, where its path turns or its teeth meet an edge, rings anew. A
+//! level that leaps within a window is no growth, which is even: the slope is that of the levels
+//! after the last leap, or, where they are few, the common one of all between leaps.
 
 use nalgebra::Vector3;
 
@@ -188,16 +192,65 @@ fn as_it_is(levels: &[(f64, f64)], floor_m: f64) -> std::ops::Range<usize> {
     all.end - (all.len() as f64 * LATE) as usize..all.end
 }
 
-/// Slope of evenly spaced values, per step.
+/// Slope of evenly spaced values, per step: after the last leap, or the common one between leaps.
 fn slope(values: &[f64]) -> f64 {
-    let middle = 0.5 * (values.len() - 1) as f64;
+    let parts = between_leaps(values);
+    let last = (parts.iter()).rfind(|part| part.len() >= FEWEST_WINDOWS);
+    let taken = last.map_or(&parts[..], std::slice::from_ref);
     let (mut sum, mut squares) = (0.0, 0.0);
-    for (i, value) in values.iter().enumerate() {
-        let x = i as f64 - middle;
-        sum += x * value;
-        squares += x * x;
+    for part in taken {
+        let middle = 0.5 * (part.len() - 1) as f64;
+        for (i, value) in values[part.clone()].iter().enumerate() {
+            let x = i as f64 - middle;
+            sum += x * value;
+            squares += x * x;
+        }
     }
     sum / squares
+}
+
+/// Windows this far apart share no sample.
+const APART: usize = 2;
+/// A leap is over within so many windows: a knock enters a window and is all that is in it once it
+/// lies in the next that shares no sample. What rises for longer grows.
+const LEAP_WINDOWS: usize = 2 * APART;
+/// So many median deviations beyond the median rise from a window to the next are not of the
+/// motion's own unevenness.
+const UNEVEN: f64 = 6.0;
+
+/// Parts of a series of logarithms of levels without leaps, of two values at least: all of it where
+/// the parts are next to nothing. A level at least doubles in a leap, beside its usual rise.
+fn between_leaps(values: &[f64]) -> Vec<std::ops::Range<usize>> {
+    let rises: Vec<f64> = values.windows(APART + 1).map(|w| w[APART] - w[0]).collect();
+    if rises.len() < FEWEST_WINDOWS {
+        return std::iter::once(0..values.len()).collect();
+    }
+    let usual = median(&rises);
+    let uneven = median(&rises.iter().map(|r| (r - usual).abs()).collect::<Vec<_>>());
+    let most = usual + (UNEVEN * uneven).max(std::f64::consts::LN_2);
+    let mut parts = Vec::new();
+    let mut start = 0;
+    let mut i = 0;
+    while i < rises.len() {
+        let length = rises[i..].iter().take_while(|rise| **rise > most).count();
+        if (1..=LEAP_WINDOWS).contains(&length) {
+            parts.push(start..i + 1);
+            start = i + length - 1 + APART;
+        }
+        i += length.max(1);
+    }
+    parts.push(start..values.len());
+    parts.retain(|part| part.len() >= 2);
+    match parts.iter().map(ExactSizeIterator::len).sum::<usize>() {
+        FEWEST_WINDOWS.. => parts,
+        _ => std::iter::once(0..values.len()).collect(),
+    }
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
 }
 
 #[cfg(test)]
@@ -242,6 +295,43 @@ mod tests {
                     "{rate} instead of {rate_per_s}"
                 );
             }
+        }
+    }
+
+    /// A stable tool that is knocked again and again has the rate at which it dies away, not that
+    /// of the knocks, however large and wherever they fall; a growing one that is knocked grows.
+    #[test]
+    fn knocks_are_no_growth() {
+        let options = GrowthOptions {
+            period_s: 6.25e-3,
+            linear_m: 1e-4,
+        };
+        let knocks = [1.31, 3.87, 4.13, 5.49];
+        for (rate_per_s, shift_s) in [(-3.0, 0.0), (-3.0, 0.11), (-1.5, 0.05), (0.5, 0.0)] {
+            // Each knock is louder than all before it in a motion that dies away.
+            let sizes_m = knocks.map(|at: f64| 1e-9 * (1.2 * at).exp());
+            let motion: Vec<Vector3<f64>> = (0..80_000)
+                .map(|i| {
+                    let t = i as f64 * STEP_S;
+                    let mut x = 3e-4 + 1e-5 * t + 2e-5 * (TAU * t / options.period_s).sin();
+                    let mut ring = |since: f64, size: f64| {
+                        if since > 0.0 {
+                            x += size * (rate_per_s * since).exp() * (TAU * 9.3 * since).sin();
+                        }
+                    };
+                    ring(t, 1e-7);
+                    for (at, size) in knocks.iter().zip(sizes_m) {
+                        ring(t - at - shift_s, size);
+                    }
+                    Vector3::new(x, 0.0, 0.0)
+                })
+                .collect();
+            let found = growth(&motion, STEP_S, &options).expect("long enough");
+            let rate = found.rate_per_s.expect("linear");
+            assert!(
+                (rate - rate_per_s).abs() < 0.3 * rate_per_s.abs(),
+                "{rate} instead of {rate_per_s}, {shift_s}"
+            );
         }
     }
 

@@ -15,7 +15,7 @@ mod solve;
 use serde::Serialize;
 use truecut_recording::Measured;
 use truecut_scenario::{FitSpec, Scenario};
-use truecut_sim::{InverseModel, SimError};
+use truecut_sim::{InverseModel, Robots, SimError, estimates};
 
 use self::base::{Base, Group};
 use self::columns::{Column, columns};
@@ -138,6 +138,7 @@ pub fn fit(
             .push(parameter(group, &columns, &solution, i, half));
     }
     report.combinations = combinations(&base, &columns, &report.parameters, &solution, half);
+    report.notes.extend(estimates(scenario, &Robots::new())?);
     if solution.undetermined > 0 {
         report.notes.push(format!(
             "{} directions of the parameters do not show in these data and stay as the scenario has them",

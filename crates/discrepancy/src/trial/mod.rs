@@ -27,7 +27,7 @@ use truecut_scenario::{DriveKind, ProcessSpec, ReplayMode, RobotSpec, Scenario, 
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::found_start;
 use truecut_sim::run::{self, Engine, Rows};
-use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel};
+use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel, estimates};
 
 use self::cache::{Cache, RunKey};
 use self::jumps::Jumps;
@@ -207,6 +207,7 @@ impl Trial {
         measured
             .notes
             .extend(uncommanded(scenario, &measured, facts.joints.len()));
+        measured.notes.extend(estimates(scenario, &robots)?);
         let mut trial = Trial {
             candidates,
             scenario: scenario.clone(),

@@ -12,6 +12,7 @@ use crate::loads::Attachment;
 use crate::plant::{Plant, RapierPlant, ReducedPlant};
 use crate::posture::joint_limits;
 use crate::robots::Robots;
+use crate::run::Extent;
 use crate::scene::Setting;
 use crate::step_size::Scheme;
 use crate::torque_use::{TorqueUse, servo_note, unchecked_note};
@@ -132,10 +133,20 @@ impl Cell {
         })
     }
 
+    /// What the run comes to if it reaches its end.
+    pub fn extent(&self) -> Extent {
+        Extent {
+            steps: self.steps,
+            rows: self.steps / self.steps_per_row + 1,
+            channels: self.channels.len(),
+        }
+    }
+
     /// A recording is held in memory as a whole.
     fn check_memory(&self, scenario: &Scenario) -> Result<(), SimError> {
-        let (rows, channels) = (self.steps / self.steps_per_row + 1, self.channels.len());
-        let bytes = rows as f64 * channels as f64 * 8.0;
+        let extent = self.extent();
+        let (rows, channels) = (extent.rows, extent.channels);
+        let bytes = extent.bytes() as f64;
         if bytes <= LARGEST_RECORDING_BYTES {
             return Ok(());
         }

@@ -34,6 +34,7 @@ pub(crate) use milling::{linear_share, notes as milling_notes};
 pub use polish::{Polish, PolishSetup};
 pub use quantity::Quantity;
 pub use replay::{ForceSamples, Replay};
+pub(crate) use setup::cut_short;
 pub use setup::{ProcessSetup, SetupContext};
 pub use wheel::Wheel;
 

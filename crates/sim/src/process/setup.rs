@@ -169,6 +169,14 @@ impl ProcessSetup {
         }
     }
 
+    /// A note on a planned path that the run, asked to take `asked_s`, does not finish.
+    pub(crate) fn unfinished(&self, asked_s: f64) -> Option<String> {
+        match &self.motion {
+            Motion::Planned(path) => cut_short(asked_s, path.duration_s),
+            _ => None,
+        }
+    }
+
     /// What there is to say of the path.
     pub(crate) fn note(&self) -> Option<String> {
         match &self.motion {
@@ -236,4 +244,14 @@ pub(crate) fn check_drive(process: &ProcessSpec, kind: DriveKind) -> Result<(), 
         )),
         _ => Ok(()),
     }
+}
+
+/// A note on a run of `duration_s` whose process takes `natural_s` by itself, if it ends before.
+pub(crate) fn cut_short(duration_s: f64, natural_s: f64) -> Option<String> {
+    (duration_s < natural_s * (1.0 - 1e-9)).then(|| {
+        format!(
+            "run.duration_s is {duration_s:.4} s, the process takes {natural_s:.4} s by itself: what \
+             is reported is of an unfinished process"
+        )
+    })
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use truecut_arm::{ArmError, ArmErrorKind};
-use truecut_recording::{MetricError, SinkError};
+use truecut_recording::{MetricError, Recording, SinkError};
 use truecut_scenario::{Scenario, ScenarioError};
 
 use crate::error::SimError;
@@ -37,6 +37,14 @@ pub enum RunError {
         message: String,
         /// What to do about it.
         help: Option<String>,
+    },
+    /// A claim that cannot be judged, of a run that has come to its end: its recording is whole.
+    #[error("{error}")]
+    Unjudged {
+        /// What is wrong with the claim.
+        error: Box<RunError>,
+        /// The run.
+        recording: Box<Recording>,
     },
     /// The recording cannot be written.
     #[error("{0}")]

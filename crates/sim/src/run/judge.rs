@@ -77,6 +77,7 @@ impl Run<'_> {
             references: None,
             sinks: Vec::new(),
             progress: self.progress,
+            before: self.before,
             stop: self.stop,
         }
         .kept_in(runs)

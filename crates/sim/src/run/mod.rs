@@ -29,6 +29,6 @@ mod runs;
 
 pub use crate::engine::Engine;
 pub use error::RunError;
-pub use request::{Claims, Finished, ReadData, Run};
+pub use request::{Claims, Extent, Finished, ReadData, Run};
 pub use rows::Rows;
 pub use runs::Runs;

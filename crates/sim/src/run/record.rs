@@ -7,6 +7,7 @@ use truecut_scenario::Scenario;
 
 use super::request::{Claims, Run};
 use crate::error::SimError;
+use crate::process::cut_short;
 use crate::replay::predict::{Prediction, predict};
 
 /// A run that has ended, with its sinks still open for the claims.
@@ -25,13 +26,10 @@ type Sinks = Vec<Box<dyn Sink + Send>>;
 /// of what is there by that time.
 fn unfinished(scenario: &Scenario) -> Option<String> {
     let natural_s = scenario.process.facts().natural_duration_s?;
-    let duration_s = scenario.run.duration_s;
-    (natural_s.is_finite() && duration_s < natural_s * (1.0 - 1e-9)).then(|| {
-        format!(
-            "run.duration_s is {duration_s:.4} s, the process takes {natural_s:.4} s by itself: what \
-             is reported is of an unfinished process"
-        )
-    })
+    // Of a path that was laid for the run, only the plant's builder knows how long it takes.
+    natural_s
+        .is_finite()
+        .then(|| cut_short(scenario.run.duration_s, natural_s))?
 }
 
 impl Run<'_> {
@@ -62,6 +60,7 @@ impl Run<'_> {
             scenario.check_claims(&header)?;
             scenario.check_bands(cell.row_interval_s())?;
         }
+        (self.before)(&cell.extent())?;
         let time_step_s = cell.time_step_s();
         let build_s = started.elapsed().as_secs_f64();
         let started = Instant::now();

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 
-use truecut_recording::{ClaimResult, Measured, Outcome, Recording, Sink};
+use truecut_recording::{ClaimResult, Measured, Outcome, Recording, Sink, SinkError};
 use truecut_scenario::{Scenario, ScenarioError};
 
 use super::error::RunError;
@@ -27,6 +27,26 @@ pub enum Claims {
 
 /// Reads the measured data of a scenario that names some; `None` for one that needs none.
 pub type ReadData = fn(&Scenario) -> Result<Option<Measured>, RunError>;
+
+/// What a run comes to if it reaches its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Extent {
+    /// Steps of the plant.
+    pub steps: usize,
+    /// Rows of the recording.
+    pub rows: usize,
+    /// Channels of the recording, without the time.
+    pub channels: usize,
+}
+
+impl Extent {
+    /// Bytes of the rows and their times, eight for each number: what the recording takes in memory
+    /// and, while the run goes on, in its stream on the disk.
+    pub fn bytes(&self) -> u64 {
+        let numbers = self.rows as u64 * (self.channels as u64 + 1);
+        8 * numbers
+    }
+}
 
 /// A run that is to be made; write what differs from [`Run::of`].
 pub struct Run<'a> {
@@ -52,6 +72,9 @@ pub struct Run<'a> {
     /// Is told the part done, from 0 to 1; more than once from the start if claims refer to other
     /// runs.
     pub progress: &'a dyn Fn(f64),
+    /// Is told what the run will come to before its first step, and may refuse it; not of a
+    /// scenario that is predicted without a plant.
+    pub before: &'a dyn Fn(&Extent) -> Result<(), SinkError>,
     /// Stops the run at the next step once it is set, from another thread or a signal. The
     /// recording then ends there with [`Outcome::Interrupted`], its files are whole, and no claim
     /// is judged.
@@ -97,6 +120,7 @@ impl<'a> Run<'a> {
             references: None,
             sinks: Vec::new(),
             progress: &|_| {},
+            before: &|_| Ok(()),
             stop: None,
         }
     }
@@ -115,12 +139,20 @@ impl<'a> Run<'a> {
         let at = |error| RunError::of(&scenario, error);
         let recorded = self.record(&scenario, measured, sinks).map_err(at)?;
         let stopped = recorded.recording.outcome == Outcome::Interrupted;
-        let claims = match self.claims {
-            Claims::Judge if !stopped => self.judge_in(&scenario, &recorded.recording)?,
-            _ => Vec::new(),
+        let judged = match self.claims {
+            Claims::Judge if !stopped => self.judge_in(&scenario, &recorded.recording),
+            _ => Ok(Vec::new()),
+        };
+        let (claims, unjudged) = match judged {
+            Ok(claims) => (claims, None),
+            Err(error) => (Vec::new(), Some(Box::new(error))),
         };
         let closed = recorded.sinks.close(&recorded.recording, &claims);
         closed.map_err(RunError::Sink)?;
+        if let Some(error) = unjudged {
+            let recording = Box::new(recorded.recording);
+            return Err(RunError::Unjudged { error, recording });
+        }
         Ok(Finished {
             recording: recorded.recording,
             claims,
