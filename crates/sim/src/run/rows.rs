@@ -26,9 +26,8 @@ const MET: f64 = 1e-6;
 impl Run<'_> {
     /// Runs with nothing kept but the rows of the channels named (all if none is named): no energy
     /// balance, no findings, no claims, no sinks. With measured data, whatever the process, rows
-    /// come at the data's times as nearly as the steps allow; where steps of rapier do not meet
-    /// these, at every step. With `until_s` the run ends there, but for a few rows more, so that
-    /// whoever reads between rows finds neighbours.
+    /// come at the data's times, or at every step where steps do not meet these. With `until_s` the
+    /// run ends there, but for a few rows more, so that whoever reads between rows finds neighbours.
     ///
     /// # Errors
     /// Whatever makes the scenario unfit to run; a step shorter than the engine may take; a channel
@@ -90,8 +89,9 @@ impl Run<'_> {
         scenario.run.record_interval_s = Some(interval_s);
         let mut cell = self.cell(&scenario, self.measured)?;
         let is_met = (cell.row_interval_s() / interval_s - 1.0).abs() < MET;
-        if !is_met && self.engine == Engine::Rapier {
-            // Whoever reads between rows finds near ones.
+        if !is_met {
+            // Whoever reads between rows finds near ones: steps of rapier, and of milling, whose
+            // force jumps and whose tool rings between two samples.
             cell.keep_every_step();
         }
         Ok(cell)

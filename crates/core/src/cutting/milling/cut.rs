@@ -72,6 +72,11 @@ impl MillingCut {
         self.finished.as_ref()
     }
 
+    /// Collects walls and floor no longer.
+    pub fn drop_finished(&mut self) {
+        self.finished = None;
+    }
+
     /// Loads on the tool at a state; changes nothing.
     pub fn evaluate(&self, state: &ToolState) -> MillingLoads {
         let p = &self.parameters;
@@ -89,7 +94,6 @@ impl MillingCut {
         let lag = p.cutter.lag_rad_per_m();
         let slices = self.slices(engaged_m);
         let slice_m = engaged_m / slices as f64;
-        let passes = self.earlier_passes(state);
         let centre = self.centre_m(state);
         for tooth in 0..p.cutter.teeth {
             let tip_rad = p.cutter.tooth_angle_rad(tooth, state.rotation_rad);
@@ -97,7 +101,7 @@ impl MillingCut {
             for slice in 0..slices {
                 let height_m = slice_m * (slice as f64 + 0.5);
                 let angle_rad = tip_rad - lag * height_m;
-                let chip_m = self.chip_m(tooth, angle_rad, centre, &passes);
+                let chip_m = self.chip_m(tooth, angle_rad, centre, state);
                 if chip_m > 0.0 {
                     cuts = true;
                     let slice = Slice {
@@ -186,30 +190,33 @@ impl MillingCut {
         Vector2::new(nominal_m, 0.0) + state.displacement_m.xy()
     }
 
-    fn earlier_passes(&self, state: &ToolState) -> Vec<EarlierPass<'_>> {
+    /// Earlier passes that a tooth may meet.
+    fn pass_count(&self) -> usize {
+        let p = &self.parameters;
+        match p.regeneration {
+            true => p.passes.max(1),
+            false => p.cutter.teeth,
+        }
+    }
+
+    /// The pass of the m-th tooth before.
+    fn earlier_pass(&self, m: usize, state: &ToolState) -> EarlierPass<'_> {
         let p = &self.parameters;
         let pitch_rad = p.cutter.pitch_rad();
         // What a tooth that moves has ahead of now it has not left yet.
-        let (count, axis, ahead_rad) = if p.regeneration {
-            (p.passes.max(1), Axis::Moved(&self.trace), pitch_rad)
+        let (axis, ahead_rad) = if p.regeneration {
+            (Axis::Moved(&self.trace), pitch_rad)
         } else {
-            let steady_m = p.steady_displacement_m.xy();
-            (p.cutter.teeth, Axis::Steady(steady_m), FRAC_PI_2)
+            (Axis::Steady(p.steady_displacement_m.xy()), FRAC_PI_2)
         };
-        let none = Vector2::zeros();
-        let pass = |m: usize| {
-            let pass = EarlierPass {
-                axis,
-                then_rad: state.rotation_rad - pitch_rad * m as f64,
-                now_m: state.displacement_m.xy(),
-                fed_m: p.feed_per_tooth_m * m as f64,
-                feed_m_per_rad: p.feed_per_revolution_m() / TAU,
-                reach_rad: (ahead_rad * m as f64).min(FRAC_PI_2),
-                unshifted: (none, none),
-            };
-            pass.placed()
-        };
-        (1..=count).map(pass).collect()
+        EarlierPass {
+            axis,
+            then_rad: state.rotation_rad - pitch_rad * m as f64,
+            now_m: state.displacement_m.xy(),
+            fed_m: p.feed_per_tooth_m * m as f64,
+            feed_m_per_rad: p.feed_per_revolution_m() / TAU,
+            reach_rad: (ahead_rad * m as f64).min(FRAC_PI_2),
+        }
     }
 
     /// Chip thickness of a tooth at φ, m. No chip reaches further back than the axis.
@@ -218,7 +225,7 @@ impl MillingCut {
         tooth: usize,
         angle_rad: f64,
         centre_m: Vector2<f64>,
-        passes: &[EarlierPass<'_>],
+        state: &ToolState,
     ) -> f64 {
         let p = &self.parameters;
         let teeth = p.cutter.teeth;
@@ -233,8 +240,9 @@ impl MillingCut {
             return 0.0;
         }
         let mut surface_m = 0.0_f64;
-        for (i, pass) in passes.iter().enumerate() {
-            let before = (tooth + teeth - (i + 1) % teeth) % teeth;
+        for m in 1..=self.pass_count() {
+            let pass = self.earlier_pass(m, state);
+            let before = (tooth + teeth - m % teeth) % teeth;
             let radius_m = p.cutter.tooth_radius_m(before);
             if pass.at_most_m(radius_m, &ray) <= surface_m {
                 continue;

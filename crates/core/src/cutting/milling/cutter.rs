@@ -66,6 +66,9 @@ impl Cutter {
     /// Radius on which tooth `tooth` runs, m. Counted against the rotation: tooth 1 follows tooth
     /// 0, and tooth numbers beyond N count on.
     pub fn tooth_radius_m(&self, tooth: usize) -> f64 {
+        if self.runout.offset_m == 0.0 {
+            return self.radius_m;
+        }
         let behind = self.pitch_rad() * (tooth % self.teeth) as f64;
         self.radius_m + self.runout.offset_m * (self.runout.angle_rad + behind).cos()
     }

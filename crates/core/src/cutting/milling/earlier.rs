@@ -24,8 +24,6 @@ pub(super) struct EarlierPass<'a> {
     pub feed_m_per_rad: f64,
     /// How far to either side of φ crossings are looked for, rad.
     pub reach_rad: f64,
-    /// The axis then minus the axis now at no shift, and its change with rotation.
-    pub unshifted: (Vector2<f64>, Vector2<f64>),
 }
 
 /// How the earlier axis was displaced.
@@ -51,12 +49,6 @@ const SLOW: f64 = 0.1;
 const INTERVALS: usize = 256;
 
 impl EarlierPass<'_> {
-    /// The pass with its place at no shift, which all teeth share.
-    pub fn placed(mut self) -> Self {
-        self.unshifted = self.offset(0.0);
-        self
-    }
-
     /// The axis then minus the axis now, and its change with rotation.
     fn offset(&self, shift_rad: f64) -> (Vector2<f64>, Vector2<f64>) {
         let (displacement_m, rate) = match self.axis {
@@ -94,9 +86,12 @@ impl EarlierPass<'_> {
     /// Distance from the axis of now beyond which a tooth at `radius_m` left material on a ray;
     /// `None` if it did not cross it.
     pub fn left_m(&self, radius_m: f64, ray: &Ray) -> Option<f64> {
-        let (mut shift, mut offset) = (0.0_f64, self.unshifted);
+        // Where a tool that does not vibrate crossed it, but for terms of third order.
+        let across_m = ray.along.x * self.fed_m;
+        let speed_m = radius_m + ray.along.x * self.feed_m_per_rad;
+        let mut shift = (across_m / speed_m).clamp(-self.reach_rad, self.reach_rad);
         for _ in 0..MOST_STEPS {
-            let (offset_m, rate) = offset;
+            let (offset_m, rate) = self.offset(shift);
             let (sin, cos) = shift.sin_cos();
             let speed = radius_m * cos + rate.dot(&ray.along);
             if speed < SLOW * radius_m {
@@ -111,7 +106,6 @@ impl EarlierPass<'_> {
             if shift.abs() > self.reach_rad {
                 break;
             }
-            offset = self.offset(shift);
         }
         self.outermost_m(radius_m, ray)
     }
@@ -183,7 +177,6 @@ mod tests {
                     fed_m: feed_m * m,
                     feed_m_per_rad: feed_m * 4.0 / TAU,
                     reach_rad: FRAC_PI_2,
-                    unshifted: (Vector2::zeros(), Vector2::zeros()),
                 };
                 let (sin, cos) = (0.37 * f64::from(k)).sin_cos();
                 let ray = Ray {
@@ -191,7 +184,7 @@ mod tests {
                     along: Vector2::new(cos, -sin),
                 };
                 let most_m = pass.at_most_m(radius_m, &ray);
-                if let Some(left_m) = pass.placed().left_m(radius_m, &ray) {
+                if let Some(left_m) = pass.left_m(radius_m, &ray) {
                     assert!(left_m <= most_m + 1e-12, "{size_m} {k}: {left_m} {most_m}");
                     nearest_m = nearest_m.min(most_m - left_m);
                 }

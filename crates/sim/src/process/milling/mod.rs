@@ -131,12 +131,18 @@ pub struct Milling {
     modes_m: Vec<f64>,
     /// When the cut's law ended, s, and the rule that was broken.
     broken: Option<(f64, &'static str)>,
+    /// Nothing is kept for findings.
+    rows_only: bool,
 }
 
 /// Values of the last committed step.
 #[derive(Debug, Clone, Copy, Default)]
 struct MillingStep {
-    loads: Option<MillingLoads>,
+    /// Averaged over the step.
+    force_on_tool_n: Vector3<f64>,
+    moment_on_tool_n_m: Vector3<f64>,
+    /// Where the cut stood, if a step was committed.
+    at: Option<CutState>,
     deflection_m: Vector3<f64>,
     rotation_rad: f64,
     wall_error_m: f64,
@@ -154,6 +160,7 @@ impl Milling {
             modes: Modes::default(),
             modes_m: Vec::new(),
             broken: None,
+            rows_only: false,
         }
     }
 
@@ -189,27 +196,6 @@ impl Milling {
         )
     }
 
-    /// The cut a time ahead of a state.
-    fn cut_at(&self, state: &ToolState, ahead_s: f64) -> MillingLoads {
-        let s = &self.setup;
-        let (deflection_m, rate) = self.deflection(state);
-        let time_s = state.time_s + ahead_s;
-        let share = s.depth_share(s.distance_m(time_s));
-        let mut displacement_m = deflection_m + rate * ahead_s;
-        // On the wedge the stock's face is lower, which for the edge is the same as a tool that
-        // stands higher.
-        displacement_m.z += s.parameters.stock.top_m * (1.0 - share);
-        if !s.parameters.regeneration {
-            // The steady tool is deflected by its share of the force only.
-            displacement_m += s.mean_deflection_m * (1.0 - share);
-        }
-        self.cut.evaluate(&CutState {
-            rotation_rad: self.rotation_rad(time_s),
-            displacement_m,
-            displacement_m_per_rad: rate / s.spec.spindle_rad_s,
-        })
-    }
-
     fn wrench(&self, force: &Vector3<f64>, moment: &Vector3<f64>) -> Wrench {
         let axes = &self.setup.process_from_milling;
         Wrench {
@@ -240,13 +226,13 @@ impl Milling {
         self.last.wall_error_m = cutter.radius_m - cutter.tooth_radius_m(tooth) - side * y_m;
     }
 
-    fn keep(&mut self, time_s: f64, rate: &Vector3<f64>, loads: &MillingLoads) {
-        if self.setup.distance_m(time_s) < self.setup.settled_m() {
+    fn keep(&mut self, time_s: f64, rate: &Vector3<f64>) {
+        if self.rows_only || self.setup.distance_m(time_s) < self.setup.settled_m() {
             return;
         }
         self.history.add(&self.last.deflection_m, rate);
         let force = &mut self.history.force;
-        force.add(self.last.rotation_rad, &loads.force_on_tool_n);
+        force.add(self.last.rotation_rad, &self.last.force_on_tool_n);
     }
 }
 
@@ -263,7 +249,8 @@ impl Process for Milling {
         if !s.starts_in_cut() && !parameters.regeneration {
             parameters.steady_displacement_m += s.mean_deflection_m;
         }
-        self.cut = MillingCut::new(parameters, Some(self.surface()));
+        let surface = (!self.rows_only).then(|| self.surface());
+        self.cut = MillingCut::new(parameters, surface);
         let period_s = self.setup.tooth_period_s();
         let cycles = self.setup.fastest_mode_hz * period_s;
         self.history.stride = stride(period_s / start.time_step_s, cycles);
@@ -279,7 +266,7 @@ impl Process for Milling {
     }
 
     fn channels(&self) -> Vec<ChannelSpec> {
-        let mut channels = quantity::channels(report::quantities(&self.setup, &self.last));
+        let mut channels = quantity::channels(report::quantities(&self.setup, &self.last, None));
         channels.extend(modes::channels("milling", &self.setup.spec.attached));
         channels
     }
@@ -288,7 +275,7 @@ impl Process for Milling {
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         for part in 0..PARTS {
             let ahead = (part as f64 + 0.5) / PARTS as f64 - 0.5;
-            let cut = self.cut_at(state, ahead * self.step_s);
+            let cut = (self.cut).evaluate(&self.cut_state(state, ahead * self.step_s));
             force += cut.force_on_tool_n / PARTS as f64;
             moment += cut.moment_on_tool_n_m / PARTS as f64;
         }
@@ -303,11 +290,7 @@ impl Process for Milling {
 
     fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, _dt_s: f64) {
         let wrench = &loads.wrenches[0];
-        let loads = MillingLoads {
-            force_on_tool_n: self.setup.in_milling(&wrench.force_n),
-            moment_on_tool_n_m: self.setup.in_milling(&wrench.moment_n_m),
-            ..self.cut_at(state, 0.0)
-        };
+        let of_chips = self.cut_state(state, 0.0);
         let (deflection_m, rate) = self.deflection(state);
         let rotation_rad = self.rotation_rad(state.time_s);
         self.note_wall(rotation_rad, &deflection_m);
@@ -319,13 +302,16 @@ impl Process for Milling {
         self.broken = tip::broken_rule(&self.cut, &at).map(|rule| (state.time_s, rule));
         self.cut.commit(&at);
         self.last = MillingStep {
-            loads: Some(loads),
+            force_on_tool_n: self.setup.in_milling(&wrench.force_n),
+            moment_on_tool_n_m: self.setup.in_milling(&wrench.moment_n_m),
+            at: Some(of_chips),
             deflection_m,
             rotation_rad,
             ..self.last
         };
-        self.keep(state.time_s, &rate, &loads);
-        self.move_modes(state, &loads.force_on_tool_n);
+        self.keep(state.time_s, &rate);
+        let force_n = self.last.force_on_tool_n;
+        self.move_modes(state, &force_n);
     }
 
     fn ended(&self) -> Option<Outcome> {
@@ -337,12 +323,20 @@ impl Process for Milling {
     }
 
     fn record(&self, row: &mut Vec<f64>) {
-        quantity::record(report::quantities(&self.setup, &self.last), row);
+        quantity::record(self.quantities(), row);
         row.extend(&self.modes_m);
     }
 
+    fn keep_rows_only(&mut self) {
+        self.rows_only = true;
+        self.cut.drop_finished();
+    }
+
     fn finish(&mut self) -> Findings {
-        report::findings(self)
+        match self.rows_only {
+            true => Findings::default(),
+            false => report::findings(self),
+        }
     }
 
     fn static_loads(&self) -> Loads {
@@ -377,15 +371,8 @@ impl Process for Milling {
     }
 
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
-        let force = self
-            .last
-            .loads
-            .map_or_else(Vector3::zeros, |loads| loads.force_on_tool_n);
-        vec![(
-            "cutting",
-            Attachment::Tool,
-            self.setup.process_from_milling * force,
-        )]
+        let force = self.setup.process_from_milling * self.last.force_on_tool_n;
+        vec![("cutting", Attachment::Tool, force)]
     }
 
     fn notes(&self) -> Vec<String> {

@@ -1,6 +1,6 @@
 //! What a milling pass reports: channels, forces, vibration, the finished surface.
 
-use super::{Milling, MillingSetup, MillingStep, MillingTheory};
+use super::{Milling, MillingLoads, MillingSetup, MillingStep, MillingTheory};
 use crate::process::Findings;
 use crate::process::quantity::{self, Quantity};
 use nalgebra::Vector3;
@@ -31,20 +31,16 @@ const SPECTRUM_MODES: f64 = 1.5;
 /// not all cut.
 const MARGIN_REVOLUTIONS: f64 = 2.0;
 
-/// What is recorded of a step: the cut, and of a pass that finishes a wall what is left on that.
+/// What is recorded of a step: the cut, with its chips at the instant, and of a pass that finishes
+/// a wall what is left on that.
 pub(super) fn quantities(
     setup: &MillingSetup,
     last: &MillingStep,
+    at_the_instant: Option<MillingLoads>,
 ) -> impl Iterator<Item = Quantity> {
-    let zero = Vector3::zeros();
-    let (force, torque, chip_m, teeth) = last.loads.map_or((zero, 0.0, 0.0, 0), |loads| {
-        let torque = loads.moment_on_tool_n_m.z;
-        (
-            loads.force_on_tool_n,
-            torque,
-            loads.thickest_chip_m,
-            loads.teeth_in_cut,
-        )
+    let (force, torque) = (last.force_on_tool_n, last.moment_on_tool_n_m.z);
+    let (chip_m, teeth) = (at_the_instant).map_or((0.0, 0), |loads| {
+        (loads.thickest_chip_m, loads.teeth_in_cut)
     });
     let (teeth, in_cut) = (teeth as f64, f64::from(u8::from(teeth > 0)));
     let (deflection, angle_rad) = (last.deflection_m, last.rotation_rad.rem_euclid(TAU));

@@ -1,12 +1,42 @@
-//! Modes of tool and workpiece in a milling run: counted from the path, in the milling frame.
+//! Where the tip of a milling tool stands, with modes of tool and workpiece: counted from the path,
+//! in the milling frame.
 
 use nalgebra::Vector3;
 
-use super::{CutState, Milling, MillingCut};
+use super::{CutState, Milling, MillingCut, report};
 use crate::process::ToolState;
 use crate::process::modes::{Modes, TipMotion};
+use crate::process::quantity::Quantity;
 
 impl Milling {
+    /// Where the cut stands a time ahead of a state.
+    pub(super) fn cut_state(&self, state: &ToolState, ahead_s: f64) -> CutState {
+        let s = &self.setup;
+        let (deflection_m, rate) = self.deflection(state);
+        let time_s = state.time_s + ahead_s;
+        let share = s.depth_share(s.distance_m(time_s));
+        let mut displacement_m = deflection_m + rate * ahead_s;
+        // On the wedge the stock's face is lower, which for the edge is the same as a tool that
+        // stands higher.
+        displacement_m.z += s.parameters.stock.top_m * (1.0 - share);
+        if !s.parameters.regeneration {
+            // The steady tool is deflected by its share of the force only.
+            displacement_m += s.mean_deflection_m * (1.0 - share);
+        }
+        CutState {
+            rotation_rad: self.rotation_rad(time_s),
+            displacement_m,
+            displacement_m_per_rad: rate / s.spec.spindle_rad_s,
+        }
+    }
+
+    /// What is recorded of the step last committed. Chips are looked at in recorded steps alone;
+    /// what a tooth meets was left half a pitch before, so that it is the same after the step.
+    pub(super) fn quantities(&self) -> impl Iterator<Item = Quantity> {
+        let loads = self.last.at.map(|at| self.cut.evaluate(&at));
+        report::quantities(&self.setup, &self.last, loads)
+    }
+
     /// Deflection of the arm's tool point from its path and its rate, milling frame.
     pub(super) fn arm_motion(&self, state: &ToolState) -> TipMotion {
         let s = &self.setup;
