@@ -5,7 +5,7 @@ sampled at 10 kHz, with a tool as the literature has them: 400 to 3000 Hz, 5 to 
 
 A machine is kept if the reference cuts steadily on it, as it is and with what is hidden (what differs between a tooth and
 the next has died away before the end), and if sensors of a quarter of the ordinary error see what is hidden: the RMS that it
-changes, nominal values refitted, is five times theirs in one channel at least.
+changes, nominal values refitted, samples beside jumps of the force left out, is five times theirs in one channel at least.
 """
 
 from __future__ import annotations
@@ -30,6 +30,8 @@ TRIES = 40
 HEAVIEST = 0.15
 # A steady cut differs from tooth to tooth by less than this part of its deviation, in the last fifth of the run.
 STEADY = 0.05
+# Samples nearer to a jump than so many are not counted.
+BESIDE = 1.5
 # No sensor errs by less than this part of what an ordinary one does.
 BEST_SENSOR = 0.25
 # A strong effect is so many times the noise at least.
@@ -100,6 +102,27 @@ relative = 0.02
 @dataclass(frozen=True)
 class _Mill(DrawnExperiment):
     tooth_period_s: float = field(default=0.0, repr=False)
+
+    def beside_jumps(self) -> np.ndarray:
+        """Samples within one and a half of where a tooth enters or leaves."""
+        cut = self.table["process"]["milling"]
+        reached = math.acos(2.0 * cut["radial_depth_mm"] / cut["cutter"]["diameter_mm"] - 1.0)
+        angles = (0.0, math.pi - reached) if cut["engagement"] == "up" else (reached, math.pi)
+        beside = np.zeros(self.time_s.size, dtype=bool)
+        for angle in angles:
+            first_s = (angle - math.radians(cut["start_angle_deg"])) / (cut["spindle_rpm"] * math.pi / 30.0)
+            since = np.mod(self.time_s - first_s, self.tooth_period_s)
+            beside |= np.minimum(since, self.tooth_period_s - since) < BESIDE / self.rate_hz
+        return beside
+
+    def seen(self, outputs: np.ndarray) -> np.ndarray:
+        """Forces with lines in the place of samples beside jumps: what a deflection moves there, by the moment at which a
+        tooth leaves, is many times what it changes elsewhere, and no sensor has it."""
+        kept = ~self.beside_jumps()
+        bridged = outputs.copy()
+        for column in range(2):
+            bridged[:, column] = np.interp(self.time_s, self.time_s[kept], outputs[kept, column])
+        return bridged
 
 
 @dataclass(frozen=True)

@@ -103,6 +103,10 @@ class Experiment:
         """Times of the samples, pass after pass."""
         return np.arange(self.passes * self.pass_time_s.size) / self.rate_hz
 
+    def seen(self, outputs: np.ndarray) -> np.ndarray:
+        """What counts of outputs (SI, a row per sample) when it is asked how much shows."""
+        return outputs
+
     def command(self) -> np.ndarray | None:
         """Commanded joint coordinates at the samples, a row per instant; None where the process has its own."""
         return motion.commands(self.name, self.time_s) if "replay" in self.table["process"] else None

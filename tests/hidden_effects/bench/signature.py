@@ -20,7 +20,7 @@ REFIT_SIGMAS = 3.0
 
 def scaled(experiment: Experiment, outputs: np.ndarray) -> np.ndarray:
     """Outputs in units of the reference noise, within the band."""
-    return in_band(outputs, experiment.rate_hz, experiment.band_hz) / np.array(experiment.reference_noise)
+    return in_band(experiment.seen(outputs), experiment.rate_hz, experiment.band_hz) / np.array(experiment.reference_noise)
 
 
 @functools.cache
