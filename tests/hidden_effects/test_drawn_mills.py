@@ -64,3 +64,29 @@ def test_each_draw_has_runs_of_its_own(tmp_path):
     draws = [drawn_mills._draw_fast(np.random.default_rng([1, i]), name, tmp_path) for i, name in enumerate(names)]
     first, second = (str(machine.experiment) + experiment._sources(machine.experiment.path) for machine in draws)
     assert first != second
+
+
+def test_verify_samples_beside_jumps(tmp_path):
+    """By the angle of each tooth at each sample; a line is bridged by itself, and the slide is left alone."""
+    for seed in range(900, 915):
+        machine = drawn_mills._draw_fast(np.random.default_rng([seed, 0]), f"drawn_mill_fast_{seed}", tmp_path)
+        mill = machine.experiment
+        cut = mill.table["process"]["milling"]
+        speed, teeth = cut["spindle_rpm"] * 2.0 * math.pi / 60.0, cut["cutter"]["teeth"]
+        wall_deg, reach = (0.0, 1.0) if cut["engagement"] == "up" else (180.0, -1.0)
+        face = reach * (1.0 - 2.0 * cut["radial_depth_mm"] / cut["cutter"]["diameter_mm"])
+        expected = np.zeros(mill.time_s.size, dtype=bool)
+        for tooth in range(teeth):
+            angle = math.radians(cut["start_angle_deg"]) + speed * mill.time_s - 2.0 * math.pi * tooth / teeth
+            for jump in (math.radians(wall_deg), math.acos(face)):
+                apart = np.abs(np.angle(np.exp(1j * (angle - jump))))
+                expected |= apart < 1.5 / mill.rate_hz * speed
+        assert (mill.beside_jumps() != expected).sum() <= 2  # by rounding of the speed in the file
+        assert 0.0 < expected.mean() < 0.5
+        line = np.outer(1.0 + 3.0 * mill.time_s, np.ones(3))
+        inner = slice(4, -4)
+        assert np.allclose(mill.seen(line)[inner], line[inner])
+        noise = np.random.default_rng(seed).standard_normal(line.shape)
+        assert np.array_equal(mill.seen(noise)[:, 2], noise[:, 2])
+        kept = ~mill.beside_jumps()
+        assert np.array_equal(mill.seen(noise)[kept], noise[kept])
