@@ -162,8 +162,8 @@ mod tests {
         Trial::new(&scenario, &measured).unwrap_or_else(|e| panic!("{e}"))
     }
 
-    /// What a search is told of forces and slide errs by less than half a thousandth of what varies,
-    /// which the default step misses by far. A step that the scenario asks for stays.
+    /// What a search is told of forces and slide errs by less than half a thousandth of what
+    /// varies, which the default step misses by far. A step that the scenario asks for stays.
     #[test]
     fn verify_error_of_a_search_by_a_step_of_a_hundredth_of_a_millisecond() {
         let mut trial = milled(None);

@@ -27,7 +27,8 @@ impl Run<'_> {
     /// Runs with nothing kept but the rows of the channels named (all if none is named): no energy
     /// balance, no findings, no claims, no sinks. With measured data, whatever the process, rows
     /// come at the data's times, or at every step where steps do not meet these. With `until_s` the
-    /// run ends there, but for a few rows more, so that whoever reads between rows finds neighbours.
+    /// run ends there, but for a few rows more, so that whoever reads between rows finds
+    /// neighbours.
     ///
     /// # Errors
     /// Whatever makes the scenario unfit to run; a step shorter than the engine may take; a channel
