@@ -67,6 +67,7 @@ def test_crosscheck_mujoco_diagnosis_names_the_friction_of_every_joint(truecut, 
     found = {(one["kind"], one["target"]): one["parameters"] for one in diagnosis["causes"]}
     print(diagnosis["verdict"], diagnosis["reason"], sorted(found), diagnosis["work"])
     assert diagnosis["verdict"] == "named"
+    assert not any(kind.endswith("_delay") for kind, _ in found)
     for joint in range(1, arm.joints + 1):
         for kind in ("viscous", "coulomb"):
             one = found[f"joint_{kind}", f"joint{joint}"]

@@ -55,6 +55,12 @@ pub trait Model: Sync {
         Vec::new()
     }
 
+    /// Candidates, by their number, that are looked for beside causes found alone, all at once at
+    /// the end: by itself each is too much like a friction.
+    fn late(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
     /// One column for each channel, at the samples of the data.
     ///
     /// # Errors

@@ -49,21 +49,27 @@ class Arm:
                 f"offset {joint + 1}": float(draw.uniform(-3, 3)),
             }
         self.urdf = "".join(text) + "</robot>"
-        time = np.arange(0, duration_s, 1 / RATE_HZ)
-        self.time, turn = time, 2 * np.pi * 0.125 * time[:, None]
-        rate = 2 * np.pi * 0.125
+        self.time = time = np.arange(0, duration_s, 1 / RATE_HZ)
         reach = np.where(self.slides, 0.3, 1.0)
-        self.q, self.v, self.a = (np.zeros((len(time), self.joints)) for _ in range(3))
-        for harmonic in range(1, 6):
-            sine, cosine = (draw.normal(0, 0.5 / harmonic, self.joints) * reach for _ in range(2))
-            wave, other = np.sin(harmonic * turn), np.cos(harmonic * turn)
-            self.q += sine * wave + cosine * other
-            self.v += (harmonic * rate) * (sine * other - cosine * wave)
-            self.a -= (harmonic * rate) ** 2 * (sine * wave + cosine * other)
+        self.waves = [
+            [draw.normal(0, 0.5 / harmonic, self.joints) * reach for _ in range(2)] for harmonic in range(1, 6)
+        ]
+        self.q, self.v, self.a = self.moved(time)
         self.noise = np.zeros_like(self.q)
         size, colour = draw.uniform(0.3, 1.5), draw.uniform(0, 0.9)
         for k in range(1, len(time)):
             self.noise[k] = colour * self.noise[k - 1] + size * draw.normal(size=self.joints)
+
+    def moved(self, time: np.ndarray) -> list[np.ndarray]:
+        """Coordinates, velocities and accelerations: five harmonics of 0.125 Hz."""
+        moved = [np.zeros((len(time), self.joints)) for _ in range(3)]
+        for harmonic, (sine, cosine) in enumerate(self.waves, 1):
+            rate = 2 * np.pi * 0.125 * harmonic
+            wave, other = np.sin(rate * time[:, None]), np.cos(rate * time[:, None])
+            moved[0] += sine * wave + cosine * other
+            moved[1] += rate * (sine * other - cosine * wave)
+            moved[2] -= rate**2 * (sine * wave + cosine * other)
+        return moved
 
     def drive_forces(self) -> np.ndarray:
         model = mujoco.MjModel.from_xml_string(self.urdf)

@@ -27,6 +27,7 @@ mod features;
 mod fit;
 mod floor;
 mod gate;
+mod late;
 mod memory;
 mod noise;
 mod pairs;

@@ -15,6 +15,8 @@ pub(super) struct Problem<'a> {
     pub data: &'a Observation,
     pub options: &'a Options,
     pub candidates: Vec<Candidate>,
+    /// Those of them that are looked for at the end.
+    pub late: Vec<usize>,
     pub nominal: &'a [UncertainSpec],
     pub split: Split,
     /// Least innovation that noise can have, for each channel: data have finitely many digits.
@@ -85,6 +87,7 @@ impl<'a> Problem<'a> {
             data,
             options,
             candidates: model.candidates(),
+            late: model.late(),
             nominal: model.nominal(),
             split: Split::new(data),
             floor: floor.collect(),
@@ -197,6 +200,15 @@ impl<'a> Problem<'a> {
             kind: candidate.kind,
             target: candidate.target.clone(),
             values: found.values.clone(),
+        }
+    }
+
+    /// An effect that does nothing yet.
+    pub fn neutral(&self, candidate: usize) -> Found {
+        let infos = self.infos(candidate).iter();
+        Found {
+            candidate,
+            values: infos.map(|info| info.neutral).collect(),
         }
     }
 

@@ -48,9 +48,10 @@ pub(super) fn tests(problem: &Problem, point: &Point) -> usize {
     grids.map(|levels| levels.len()).sum()
 }
 
-/// Candidates that the point does not hold.
+/// Candidates that the point does not hold, but those that are looked for at the end.
 fn absent(problem: &Problem, point: &Point) -> impl Iterator<Item = usize> {
-    (0..problem.candidates.len()).filter(|candidate| !point.holds(*candidate))
+    (0..problem.candidates.len())
+        .filter(|candidate| !point.holds(*candidate) && !problem.late.contains(candidate))
 }
 
 /// A signature so many times the residual is taken anew at a smaller size: the effect, if it is

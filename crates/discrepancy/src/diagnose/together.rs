@@ -8,7 +8,7 @@ use super::choice::{LEAST_T, criterion};
 use super::fit::{Fit, fit};
 use super::memory::stands_out;
 use super::noise::{add_columns, dot};
-use super::problem::{Found, Point, Problem};
+use super::problem::{Point, Problem};
 use super::screen::critical;
 use super::search::{DECISIVE, Outcome, Search, settled};
 use crate::model::Columns;
@@ -19,17 +19,10 @@ impl Search<'_, '_> {
     pub(super) fn together(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
         let problem = self.problem;
         let mut start = outcome.base.point.clone();
-        let neutral = |candidate: usize| Found {
-            candidate,
-            values: problem
-                .infos(candidate)
-                .iter()
-                .map(|info| info.neutral)
-                .collect(),
-        };
+        let additive = problem.model.additive();
         start
             .effects
-            .extend(problem.model.additive().into_iter().map(neutral));
+            .extend(additive.into_iter().map(|one| problem.neutral(one)));
         if start.effects.len() < 2 {
             return Ok(false);
         }
@@ -73,7 +66,7 @@ impl Search<'_, '_> {
 
 /// The point without effects that do not stand out beside the others, the weakest first; the rest
 /// moves along, linearly. `None` where no effect is left.
-fn thinned(problem: &Problem, fit: &Fit, tests: usize) -> Option<Point> {
+pub(super) fn thinned(problem: &Problem, fit: &Fit, tests: usize) -> Option<Point> {
     let mut local = Local::new(problem, fit)?;
     loop {
         let mut gains: Vec<(f64, usize)> = (0..local.effects.len())

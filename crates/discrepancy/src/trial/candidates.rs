@@ -40,7 +40,7 @@ pub(super) fn candidates(
             }
             match scale(scenario, signals, &effect) {
                 None => {
-                    let of_the_reason = untold.entry(why_untold(scenario, kind)).or_default();
+                    let of_the_reason = untold.entry(why_untold(kind)).or_default();
                     of_the_reason.push(effect.to_string());
                 }
                 Some(scale) => all.push(Candidate {
@@ -61,10 +61,9 @@ pub(super) fn candidates(
     (all, untold.into_iter().map(told).collect())
 }
 
-/// Whether it is a delay of drive forces that are measured. A scenario may have one; a search does
-/// not propose it: on a measured arm, whose currents lag by 6 to 22 ms from joint to joint, it
-/// named one delay of 17 ms, with which a payload was fitted worse.
-fn delays_drive_forces(scenario: &Scenario, kind: EffectKind) -> bool {
+/// Whether it is a delay of drive forces that are measured. It is looked for beside other causes
+/// alone: by itself a search took it for all that is of friction's shape.
+pub(super) fn delays_drive_forces(scenario: &Scenario, kind: EffectKind) -> bool {
     let late = matches!(kind, EffectKind::ClockDelay | EffectKind::SensorDelay);
     let ProcessSpec::Replay(replay) = &scenario.process else {
         return false;
@@ -72,11 +71,8 @@ fn delays_drive_forces(scenario: &Scenario, kind: EffectKind) -> bool {
     late && matches!(replay.mode, ReplayMode::Inverse { .. })
 }
 
-fn why_untold(scenario: &Scenario, kind: EffectKind) -> &'static str {
+fn why_untold(kind: EffectKind) -> &'static str {
     match kind.name() {
-        _ if delays_drive_forces(scenario, kind) => {
-            "of measured drive forces a delay is not yet told reliably"
-        }
         "joint_load_friction" => "under so even a load it is dry friction",
         "joint_ripple" => "the joint turns too little for a ripple",
         "cutting_runout" | "cutting_worn_tooth" => "with a single edge it is a depth offset",
@@ -101,9 +97,6 @@ fn targets(kind: EffectKind, signals: &Signals, channels: &[ChannelSpec]) -> Vec
 /// A typical distance from neutral for each parameter; `None` if the effect cannot show. Each
 /// family's are written as an effect of that size.
 fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<f64>> {
-    if delays_drive_forces(scenario, effect.kind) {
-        return None;
-    }
     let parts = scenario.process.facts().parts;
     let scale = match effect.typed()? {
         Typed::Joint(joint, effect) => joint_scale(&signals.joints[joint], effect)?.values(),

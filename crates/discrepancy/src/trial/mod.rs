@@ -307,6 +307,12 @@ impl Model for Trial {
             .collect()
     }
 
+    fn late(&self) -> Vec<usize> {
+        let late = |kind| candidates::delays_drive_forces(&self.scenario, kind);
+        let all = 0..self.candidates.len();
+        all.filter(|&i| late(self.candidates[i].kind)).collect()
+    }
+
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
         self.predicted(nominal, effects, None)
     }

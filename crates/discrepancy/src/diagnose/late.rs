@@ -1,0 +1,117 @@
+//! Delays of what measures the drive forces of an arm, beside the causes found or by
+//! themselves: of each channel its own, or one of all where they agree.
+//!
+//! A delay by itself looks like friction, and friction like a delay: a torque that lags is one that
+//! goes with the velocity. So both are fitted at once, to all channels.
+
+use rayon::prelude::*;
+use truecut_scenario::effect::Target;
+
+use super::DiagnoseError;
+use super::choice::{LEAST_T, criterion};
+use super::fit::{Fit, fit};
+use super::problem::{Found, Point, Problem};
+use super::search::{DECISIVE, Outcome, Search, settled};
+use super::together::thinned;
+use crate::stats::mean;
+
+/// Delays that differ from their mean by less than this part of the interval of the samples are
+/// one: when a friction changes its sign is known to a sample.
+const ALIKE: f64 = 0.5;
+
+impl Search<'_, '_> {
+    /// Takes the delays that stand out beside the causes found, if any, and all that adds up, if
+    /// the model is clearly better for them.
+    pub(super) fn delays(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
+        let problem = self.problem;
+        let train = &problem.split.train;
+        let own: Vec<usize> = (problem.late.iter().copied())
+            .filter(|&one| problem.candidates[one].target != Target::Whole)
+            .collect();
+        if own.is_empty() {
+            return Ok(());
+        }
+        let mut start = outcome.chosen.point.clone();
+        let others = problem.model.additive().into_iter().chain(own);
+        let absent: Vec<Found> = others
+            .filter(|&one| !start.holds(one))
+            .map(|one| problem.neutral(one))
+            .collect();
+        start.effects.extend(absent);
+        let tests = outcome.tests.max(start.effects.len());
+        let Ok(all) = fit(problem, start, train, &outcome.orders, true) else {
+            return Ok(());
+        };
+        let (all, orders) = settled(problem, all)?;
+        let Some(point) = thinned(problem, &all, tests).filter(|one| is_late(problem, one)) else {
+            return Ok(());
+        };
+        let (found, orders) = settled(problem, fit(problem, point, train, &orders, true)?)?;
+        let (found, orders) = self.common(found, orders)?;
+        let paired = self.paired(&outcome.chosen, &found);
+        let better = criterion(problem, &found, &orders) + DECISIVE
+            < criterion(problem, &outcome.chosen, &orders);
+        if better && paired.t() > LEAST_T && paired.practical >= problem.options.min_gain {
+            outcome.rivals = beside(problem, &outcome.rivals, &found, &orders);
+            (outcome.chosen, outcome.orders) = (found, orders);
+        }
+        Ok(())
+    }
+
+    /// One delay of all that is measured in place of those of each channel, where these agree as
+    /// nearly as samples tell, or where it does as well for its number of parameters.
+    fn common(&self, found: Fit, orders: Vec<usize>) -> Result<(Fit, Vec<usize>), DiagnoseError> {
+        let problem = self.problem;
+        let mut late = problem.late.iter().copied();
+        let clock = late.find(|&one| problem.candidates[one].target == Target::Whole);
+        let delays: Vec<f64> = (of_delays(problem, &found.point).iter())
+            .map(|delay| delay.values[0])
+            .collect();
+        let Some(clock) = clock.filter(|_| delays.len() > 1) else {
+            return Ok((found, orders));
+        };
+        let common_s = mean(&delays);
+        let room_s = ALIKE * problem.candidates[clock].scale[0];
+        let agree = delays.len() + 1 == problem.late.len()
+            && delays.iter().all(|one| (one - common_s).abs() < room_s);
+        let mut one = problem.neutral(clock);
+        one.values[0] = common_s;
+        let mut point = found.point.clone();
+        point
+            .effects
+            .retain(|own| !problem.late.contains(&own.candidate));
+        point.effects.push(one);
+        let train = &problem.split.train;
+        let (common, own) = settled(problem, fit(problem, point, train, &orders, true)?)?;
+        let better = criterion(problem, &common, &orders) < criterion(problem, &found, &orders);
+        match agree || better {
+            true => Ok((common, own)),
+            false => Ok((found, orders)),
+        }
+    }
+}
+
+fn of_delays<'a>(problem: &Problem, point: &'a Point) -> Vec<&'a Found> {
+    let effects = point.effects.iter();
+    effects
+        .filter(|one| problem.late.contains(&one.candidate))
+        .collect()
+}
+
+fn is_late(problem: &Problem, point: &Point) -> bool {
+    !of_delays(problem, point).is_empty()
+}
+
+/// Other models with the same delays.
+fn beside(problem: &Problem, rivals: &[Fit], found: &Fit, orders: &[usize]) -> Vec<Fit> {
+    let delays = of_delays(problem, &found.point);
+    let fits = rivals.par_iter().filter_map(|rival| {
+        let mut point = rival.point.clone();
+        point
+            .effects
+            .extend(delays.iter().map(|one| (*one).clone()));
+        let end = fit(problem, point, &problem.split.train, orders, true).ok()?;
+        (end.converged && end.point.effects.len() == found.point.effects.len()).then_some(end)
+    });
+    fits.collect()
+}
