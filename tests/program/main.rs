@@ -2,6 +2,7 @@
 
 mod results;
 
+mod cam;
 mod compare;
 mod diagnose;
 mod identify;

@@ -26,7 +26,7 @@ fn job(desk: &Desk, name: &str, changes: &[(&str, &str)]) -> String {
     file.to_str().unwrap().to_owned()
 }
 
-fn told(output: &std::process::Output) -> String {
+pub(super) fn told(output: &std::process::Output) -> String {
     let (out, err) = (&output.stdout, &output.stderr);
     format!(
         "{}{}",
@@ -35,7 +35,7 @@ fn told(output: &std::process::Output) -> String {
     )
 }
 
-fn hp20() -> String {
+pub(super) fn hp20() -> String {
     let urdf = repository().join("assets/robots/hp20/robot.urdf");
     urdf.to_str().unwrap().to_owned()
 }

@@ -9,8 +9,8 @@ use crate::model::{FrameId, Robot};
 use crate::opw::ArmBranch;
 
 /// Flange poses for postures given as CSV: one row per posture, joint coordinates in chain order
-/// (rad or m) separated by commas. Empty rows, rows that start with `#` and a first row without any
-/// number (a heading) are skipped.
+/// (rad or m) separated by commas; a column whose heading ends in `_deg` or `_mm` is in that unit.
+/// Empty rows, rows that start with `#` and a first row without any number (a heading) are skipped.
 ///
 /// The answer is CSV with a heading: position x, y, z (m) and the rotation matrix row by row, world
 /// from flange, each number in the shortest form that reads back exactly.
@@ -20,11 +20,8 @@ use crate::opw::ArmBranch;
 /// without any posture.
 pub fn fk_table(robot: &Robot, postures_csv: &str) -> Result<String, ArmError> {
     let mut out = csv::Writer::from_writer(Vec::new());
-    let mut postures = 0;
     out.write_record(HEAD).expect(IN_MEMORY);
-    for (row, cells) in rows(postures_csv) {
-        let q = parse_row(&cells, row, robot.dof())?;
-        postures += 1;
+    for (_, q) in postures(robot, postures_csv)? {
         let pose = robot.world_from_frame(&q, FrameId::Flange);
         let matrix = pose.rotation.to_rotation_matrix();
         let position = pose.translation.vector;
@@ -32,12 +29,67 @@ pub fn fk_table(robot: &Robot, postures_csv: &str) -> Result<String, ArmError> {
         let numbers = position.iter().chain(rows.iter()).map(|v| format!("{v:?}"));
         out.write_record(numbers).expect(IN_MEMORY);
     }
-    if postures == 0 {
-        let joints = robot.dof();
-        return Err(ArmErrorKind::NoPostures { joints }.into());
-    }
     let bytes = out.into_inner().expect(IN_MEMORY);
     Ok(String::from_utf8(bytes).expect("numbers are text"))
+}
+
+/// What must be told of a table as [`fk_table`] reads it: the first value outside a joint's limits,
+/// and how many rows have such values. Degrees read as radians lie outside, nearly always.
+///
+/// # Errors
+/// As [`fk_table`].
+pub fn outside_limits_note(robot: &Robot, postures_csv: &str) -> Result<Option<String>, ArmError> {
+    let all = postures(robot, postures_csv)?;
+    let outside = all.iter().filter_map(|(row, q)| {
+        let error = robot.check_posture(q).err()?;
+        Some((*row, error.message()))
+    });
+    let outside: Vec<(usize, String)> = outside.collect();
+    Ok(outside.first().map(|(row, message)| {
+        format!(
+            "row {row}: {message}; {} of {} rows are outside limits. Postures are read in rad and m; \
+             a heading such as j1_deg or j1_mm gives the unit of its column",
+            outside.len(),
+            all.len()
+        )
+    }))
+}
+
+/// Postures of a table with their rows, rad and m.
+fn postures(robot: &Robot, csv: &str) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
+    let joints = robot.dof();
+    let units = units(csv);
+    let one = |(row, cells): (usize, Vec<&str>)| {
+        let mut q = parse_row(&cells, row, joints)?;
+        for (value, unit) in q.iter_mut().zip(&units) {
+            *value *= unit;
+        }
+        Ok((row, q))
+    };
+    let all: Vec<(usize, Vec<f64>)> = rows(csv).map(one).collect::<Result<_, ArmError>>()?;
+    if all.is_empty() {
+        return Err(ArmErrorKind::NoPostures { joints }.into());
+    }
+    Ok(all)
+}
+
+/// Units of the columns in rad and m, as the heading gives them; none without one.
+fn units(csv: &str) -> Vec<f64> {
+    let first = csv.lines().next().unwrap_or_default();
+    let cells: Vec<&str> = first.split(',').map(str::trim).collect();
+    if !is_heading(&cells) {
+        return Vec::new();
+    }
+    let unit = |name: &&str| match name.rsplit_once('_') {
+        Some((_, "deg")) => 1_f64.to_radians(),
+        Some((_, "mm")) => 1e-3,
+        _ => 1.0,
+    };
+    cells.iter().map(unit).collect()
+}
+
+fn is_heading(cells: &[&str]) -> bool {
+    cells.iter().all(|cell| cell.parse::<f64>().is_err())
 }
 
 /// The rows that hold numbers, counted from 1.
@@ -45,7 +97,7 @@ fn rows(csv: &str) -> impl Iterator<Item = (usize, Vec<&str>)> {
     csv.lines().enumerate().filter_map(|(i, row)| {
         let row = row.trim();
         let cells: Vec<_> = row.split(',').map(str::trim).collect();
-        let heading = i == 0 && cells.iter().all(|cell| cell.parse::<f64>().is_err());
+        let heading = i == 0 && is_heading(&cells);
         let is_empty = row.is_empty() || row.starts_with('#') || heading;
         (!is_empty).then_some((i + 1, cells))
     })

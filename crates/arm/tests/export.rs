@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use roxmltree::{Document, Node};
-use truecut_arm::report::fk_table;
+use truecut_arm::report::{fk_table, outside_limits_note};
 use truecut_arm::{FrameId, MjcfDrive, MjcfOptions, Robot, standard_gravity_m_s2, to_mjcf};
 
 const POSTURE_DEG: [f64; 6] = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95];
@@ -254,6 +254,31 @@ fn the_table_of_flange_poses_reads_back_exactly() {
     assert_eq!(values[..3], pose.translation.vector.as_slice()[..]);
     assert_eq!(values[4], matrix[(0, 1)]);
     assert_eq!(values[9], matrix[(2, 0)]);
+}
+
+/// Degrees without a word of it are told by the limits that they break; a heading that says the
+/// unit gives the poses of the same postures in radians.
+#[test]
+fn degrees_are_read_by_their_heading_and_told_without_one() {
+    let robot = asset("irb6600_175_255");
+    let rows = [[10.0, 20.0, -30.0, 40.0, 50.0, -60.0], [0.0; 6]];
+    let table = |head: &str, unit: f64| {
+        let cells = rows.map(|row| {
+            row.map(|value: f64| format!("{:?}", value * unit))
+                .join(",")
+        });
+        format!("{head}{}\n", cells.join("\n"))
+    };
+    let rad = table("", 1_f64.to_radians());
+    let deg = table("j1_deg,j2_deg,j3_deg,j4_deg,j5_deg,j6_deg\n", 1.0);
+    let read = |text: &str| fk_table(&robot, text).expect("good");
+    assert_eq!(read(&rad), read(&deg));
+    let note = |text: &str| outside_limits_note(&robot, text).expect("good");
+    assert_eq!((note(&rad), note(&deg)), (None, None));
+    let told = note(&table("", 1.0)).expect("degrees read as radians");
+    for part in ["row 1", "joint_1", "10", "1 of 2 rows", "rad", "j1_deg"] {
+        assert!(told.contains(part), "`{part}` is not in: {told}");
+    }
 }
 
 #[test]

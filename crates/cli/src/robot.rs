@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use truecut::outputs::write_file;
 use truecut_arm::estimate::{DataSheet, robot_toml};
-use truecut_arm::report::{fk_table, ik_csv, ik_rows, poses};
+use truecut_arm::report::{fk_table, ik_csv, ik_rows, outside_limits_note, poses};
 use truecut_arm::{ArmErrorKind, CONFIG_FILE_NAME, JointKind, Masses, Robot, expanded_urdf};
 
 use crate::args::{InitArguments, RobotArguments, RobotCommand};
@@ -33,7 +33,13 @@ fn describe(arguments: &RobotArguments, urdf: &Path) -> Result<ExitStatus, Failu
     let kinematics = || read(Masses::NotNeeded).map_err(|error| Failure::arm(&error));
     if let Some(file) = &arguments.fk {
         let text = truecut_files::read_text(file).map_err(|error| Failure::at(file, error))?;
-        let table = fk_table(&kinematics()?, &text).map_err(|error| Failure::at(file, error))?;
+        let robot = kinematics()?;
+        let table = fk_table(&robot, &text).map_err(|error| Failure::at(file, error))?;
+        let note = outside_limits_note(&robot, &text).map_err(|error| Failure::at(file, error))?;
+        if let Some(note) = note {
+            // Beside the table, not in it.
+            eprintln!("note: {}: {note}", file.display());
+        }
         return crate::print(&table);
     }
     if let Some(asked) = &arguments.ik {
@@ -124,7 +130,7 @@ fn write_estimate(init: &InitArguments) -> Result<ExitStatus, Failure> {
 }
 
 /// Degrees to radians for rotary joints, millimetres to metres for prismatic ones.
-fn posture(robot: &Robot, written: &[f64]) -> Result<Vec<f64>, Failure> {
+pub fn posture(robot: &Robot, written: &[f64]) -> Result<Vec<f64>, Failure> {
     let joints = &robot.chain.joints;
     if written.len() != joints.len() {
         return Err(Failure::message(format!(
@@ -171,4 +177,14 @@ pub fn slides_note(places_m: &[f64]) -> String {
 pub fn of_slides(places_mm: Option<&[f64]>) -> Option<String> {
     let places_mm = places_mm?.iter().map(|place| place / 1e3);
     Some(slides_note(&places_mm.collect::<Vec<_>>()))
+}
+
+/// What a reader must know of an arm without a `robot.toml`.
+pub fn without_tool(robot: &Robot) -> Option<String> {
+    robot.config_path.is_none().then(|| {
+        format!(
+            "there is no {CONFIG_FILE_NAME} beside the URDF and no --config: the tool point is the \
+             flange's, no tool is known"
+        )
+    })
 }

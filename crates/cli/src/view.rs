@@ -17,7 +17,12 @@ const GET_VIEWER: &str = "pip install rerun-sdk==0.36.3";
 /// Opens or lists the file.
 pub fn view(arguments: &ViewArguments) -> Result<ExitStatus, Failure> {
     let file = &arguments.file;
-    if !file.exists() || file.is_dir() {
+    if file.is_dir() {
+        let text = format!("{}: is a folder, not a recording", file.display());
+        let help = "name a file in it: run.rrd opens in the viewer, run.parquet is listed";
+        return Err(Failure::with_help(text, help));
+    }
+    if !file.exists() {
         return Err(Failure::at(file, "no such file"));
     }
     if file.extension().is_some_and(|extension| extension == "rrd") {

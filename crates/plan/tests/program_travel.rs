@@ -44,7 +44,8 @@ fn length(path: &[Vec<f64>]) -> f64 {
     legs.sum()
 }
 
-/// All sequences of postures are tried; joint moves, so that none is forbidden.
+/// All sequences of postures are tried from the start nearest to the middle of the ranges; joint
+/// moves, so that none is forbidden.
 #[test]
 fn verify_travel_is_the_shortest_of_all_sequences() {
     let mut points = vec![
@@ -85,12 +86,24 @@ fn verify_travel_is_the_shortest_of_all_sequences() {
         })
         .collect();
     assert!(all.iter().all(|postures| postures.len() >= 4));
+    let middle = |q: &Vec<f64>| {
+        let joints = robot.chain.joints.iter().zip(q);
+        let each = joints.map(|(joint, q)| {
+            let limits = joint.limits.unwrap();
+            let (middle, half) = (limits.lower + limits.upper, limits.upper - limits.lower);
+            ((2.0 * q - middle) / half).powi(2)
+        });
+        each.sum::<f64>()
+    };
+    let starts = all[0].iter();
+    let rest = starts
+        .min_by(|a, b| middle(a).total_cmp(&middle(b)))
+        .unwrap();
+    assert_eq!(&found[0], rest);
     let mut best = f64::INFINITY;
-    for a in &all[0] {
-        for b in &all[1] {
-            for c in &all[2] {
-                best = best.min(length(&[a.clone(), b.clone(), c.clone()]));
-            }
+    for b in &all[1] {
+        for c in &all[2] {
+            best = best.min(length(&[rest.clone(), b.clone(), c.clone()]));
         }
     }
     assert!(

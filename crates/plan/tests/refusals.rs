@@ -173,3 +173,31 @@ fn other_arms_are_refused() {
         "{refused:?}"
     );
 }
+
+/// A coordinate that no workpiece has is told with its bound; just within it, it is read.
+#[test]
+fn a_part_beyond_all_reach_is_refused_with_its_bound() {
+    use truecut_arm::MeshData;
+    use truecut_plan::surface::part::{Part, PartOptions};
+    let options = PartOptions {
+        unit_m: 1e-3,
+        crease_rad: 0.5,
+        weld_m: None,
+    };
+    let triangle_at = |far_m: f64| {
+        let corner = |x: f64, y: f64| Vector3::new(far_m + x, y, 0.0) * 1e3;
+        let data = MeshData {
+            vertices: vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)],
+            triangles: vec![[0, 1, 2]],
+            against_stated_normal: Vec::new(),
+        };
+        Part::of(data, &options, &|_| {})
+    };
+    assert!(triangle_at(9.9e4).is_ok());
+    assert!(triangle_at(-9.9e4).is_ok());
+    for far_m in [1.01e5, -1.01e5, 1e32] {
+        let error = triangle_at(far_m).err().expect("far").to_string();
+        assert!(error.contains("a coordinate (m)"), "{error}");
+        assert!(error.contains("at most 1e5"), "{error}");
+    }
+}

@@ -122,6 +122,25 @@ fn taught_points_are_mixed_with_planned_segments() {
     assert!((taught.postures[1][1] - 8.5_f64.to_radians()).abs() < 1e-15);
 }
 
+/// The table that `truecut path` writes serves: the columns of the joints are found by their names.
+#[test]
+fn taught_columns_are_found_by_name_and_others_left_aside() {
+    let robot = robot();
+    let read = |text: &str| TaughtPoints::from_text(text, Path::new("path.csv"), &robot);
+    let bare = read("j1,j2,j3,j4,j5,j6\n-6,7,-34,-4,-31,-81\n-5,8.5,-33,-4,-32,-80\n");
+    let table = "point,line,x_mm,j6,j1,j2,j3,j4,j5,feed_mm_per_s\n\
+                 0,2,1080.0,-81,-6,7,-34,-4,-31,\n1,3,1081.0,-80,-5,8.5,-33,-4,-32,20.000\n";
+    assert_eq!(read(table).expect("a table"), bare.expect("taught points"));
+    for (text, told) in [
+        ("j1,j2,j3,j4,j5,j6,j6\n0,0,0,0,0,0,0\n", "once each"),
+        ("j1,j2,j3,j4,j5,j6,j7\n0,0,0,0,0,0,0\n", "6 joints"),
+        ("x_mm,j1,j2,j3,j4,j5,j6\n0,0,0,0,0,0\n", "7 columns"),
+    ] {
+        let error = read(text).expect_err(text).to_string();
+        assert!(error.contains(told), "{error}");
+    }
+}
+
 #[test]
 fn taught_files_with_faults_are_refused_by_line() {
     let robot = robot();

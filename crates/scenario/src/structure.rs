@@ -9,6 +9,7 @@ use truecut_recording::nearest;
 
 use crate::fault::Fault;
 use crate::format::Format;
+use crate::process::not_one;
 use crate::schema::{
     choices, is_table, kinds, of_tag, property, property_names, required, without_null,
 };
@@ -17,10 +18,22 @@ use crate::suggest::same_quantity;
 /// Every rule of a format's schema that the table breaks, in the order of the file where it has
 /// one.
 pub(crate) fn check_file(schema: &Json, format: Format, table: &Table) -> Vec<Fault> {
-    match format.misread(table) {
+    let one = format
+        .misread(table)
+        .or_else(|| many_processes(schema, table));
+    match one {
         Some(fault) => vec![fault],
         None => check_against(schema, table),
     }
+}
+
+/// More than one process is one fault: what is missing in each of them is not what is wrong.
+fn many_processes(schema: &Json, table: &Table) -> Option<Fault> {
+    let processes = table.get("process")?.as_table_like()?;
+    let names: Vec<&str> = property_names(without_null(property(schema, "process")?)).collect();
+    let given = processes.iter().map(|(name, _)| name);
+    let given: Vec<&str> = given.filter(|name| names.contains(name)).collect();
+    (given.len() > 1).then(|| not_one(&given, &names))
 }
 
 /// Every rule of a schema that the table breaks.

@@ -26,6 +26,9 @@ pub struct CamArguments {
     /// URDF file of the arm; its robot.toml gives the tool frame, z into the workpiece
     #[arg(long, value_name = "URDF")]
     pub robot: Option<PathBuf>,
+    /// Transmission data and tool frame [default: robot.toml beside the URDF]
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
     /// Link whose frame is the flange [default: the end of the chain]
     #[arg(long, value_name = "LINK")]
     pub tip: Option<String>,
@@ -37,6 +40,15 @@ pub struct CamArguments {
         allow_hyphen_values = true
     )]
     pub slide_mm: Option<Vec<f64>>,
+    /// Posture near to which the path shall begin, one value a rotary joint [default: the middle of
+    /// the joints' ranges]
+    #[arg(
+        long,
+        value_name = "A,B,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub posture_deg: Option<Vec<f64>>,
     /// Language of the robot program [default: rapid]
     #[arg(long, value_parser = dialects())]
     pub dialect: Option<String>,
@@ -64,7 +76,8 @@ pub struct CamArguments {
     /// How far chords may lie off an arc [default: 0.01]
     #[arg(long, value_name = "MM", value_parser = above_zero)]
     pub chord_mm: Option<f64>,
-    /// Turn about the tool's axis [default: the one of least travel]
+    /// Turn about the tool's axis [default: the one that keeps the joints nearest to the middle of
+    /// their ranges, or to --posture-deg]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     pub spin_deg: Option<f64>,
     /// Speed in rapid traverse [default: 250]
@@ -96,6 +109,9 @@ pub struct ProgramArguments {
     /// URDF file of the robot that runs it; its robot.toml gives the tool frame of jobs
     #[arg(long, value_name = "URDF")]
     pub robot: PathBuf,
+    /// Transmission data and tool frame [default: robot.toml beside the URDF]
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
     /// Link whose frame is the flange [default: the end of the chain]
     #[arg(long, value_name = "LINK")]
     pub tip: Option<String>,

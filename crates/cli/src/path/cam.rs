@@ -7,7 +7,7 @@ use truecut::outputs::write_file;
 use truecut_arm::{JointKind, Robot};
 use truecut_plan::cam::{self, CamOptions, CamPath, WorkSetup};
 use truecut_plan::program::{
-    Dialect, Motion, Options, Program, ProgramError, Replay, ReplayOptions, Settings,
+    Dialect, Motion, Options, Program, ProgramError, Replay, ReplayOptions, Settings, Start,
     TravelOptions, dialect_named, maker_note, read_text,
 };
 use truecut_recording::{ChannelSpec, Chunk, Header, Outcome, Recording, Sink, Unit};
@@ -18,7 +18,7 @@ use crate::args::{CamArguments, PathArguments};
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::program::run_through;
-use crate::robot::{of_slides, with_slides};
+use crate::robot::{of_slides, posture, with_slides, without_tool};
 
 /// Most frames of the recording.
 const FRAMES: usize = 5000;
@@ -38,6 +38,8 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
         },
     };
     let read = cam::read(&text, file, &options).map_err(|error| refused(file, &error))?;
+    check_spin(cam, &read, file)?;
+    let posture = start_posture(cam, &robot)?;
     let head = head(cam, dialect, &settings, &robot, file)?;
     let setup = WorkSetup {
         world_from_work: crate::program::frame(cam.work_xyz_mm, cam.work_rpy_deg),
@@ -51,8 +53,10 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
         largest_step: std::f64::consts::PI,
         ..TravelOptions::default()
     };
-    let mut program = cam::follow(&robot, head, &read, file, &setup, &travel)
-        .map_err(|error| refused(file, &error))?;
+    let start = posture.as_deref().map_or(Start::AtRest, Start::Near);
+    let program = cam::follow_from(start, &robot, head, &read, file, &setup, &travel);
+    let mut program = program.map_err(|error| refused(file, &error))?;
+    program.notes.extend(without_tool(&robot));
     program.notes.extend(maker_note(dialect, &robot));
     program
         .notes
@@ -74,7 +78,7 @@ fn robot(cam: &CamArguments, file: &Path) -> Result<Robot, Failure> {
         let text = "a path from CAM needs --robot, the URDF of the arm that follows it";
         Failure::at(file, text)
     })?;
-    let robot = Robot::load_kinematics(urdf, None, cam.tip.as_deref())
+    let robot = Robot::load_kinematics(urdf, cam.config.as_deref(), cam.tip.as_deref())
         .map_err(|error| Failure::arm(&error))?;
     let robot = with_slides(robot, cam.slide_mm.as_deref())?;
     match robot
@@ -93,6 +97,32 @@ fn robot(cam: &CamArguments, file: &Path) -> Result<Robot, Failure> {
             ),
         )),
     }
+}
+
+/// Refuses a turn about the tool's axis that would change nothing.
+fn check_spin(cam: &CamArguments, read: &CamPath, file: &Path) -> Result<(), Failure> {
+    match cam.spin_deg {
+        Some(deg) if !read.leaves_turn_free() => Err(Failure::with_help(
+            format!(
+                "{}: --spin-deg {deg} has no effect: the file gives the whole attitude of the tool at \
+                 every point",
+                file.display()
+            ),
+            "leave it out; a turn is free where a file gives the tool's axis alone",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// The posture of `--posture-deg`, rad.
+fn start_posture(cam: &CamArguments, robot: &Robot) -> Result<Option<Vec<f64>>, Failure> {
+    let Some(written) = &cam.posture_deg else {
+        return Ok(None);
+    };
+    let posture = posture(robot, written)?;
+    let checked = robot.check_posture(&posture);
+    checked.map_err(|error| Failure::message(format!("--posture-deg: {}", error.message())))?;
+    Ok(Some(posture))
 }
 
 fn dialect(cam: &CamArguments) -> Result<&'static dyn Dialect, Failure> {
@@ -155,6 +185,19 @@ fn refused(file: &Path, error: &ProgramError) -> Failure {
     Failure::in_file(Some(path), error.line(), error.message(), help)
 }
 
+/// What a dialect cannot say: at the line that the point comes from.
+fn unwritten(file: &Path, read: &CamPath, error: &ProgramError) -> Failure {
+    let point = error.kind().path_point();
+    let line = point
+        .and_then(|at| read.points.get(at))
+        .map(|point| point.line);
+    let help = match line {
+        Some(_) => "--posture-deg and --spin-deg choose other postures, --dialect another language",
+        None => "--option and --dialect say how the program is written",
+    };
+    Failure::in_file(Some(file), line, error.message(), help.to_owned())
+}
+
 fn write(
     arguments: &PathArguments,
     robot: &Robot,
@@ -169,7 +212,7 @@ fn write(
     // First what can be refused.
     let files = dialect
         .write(program, robot, settings)
-        .map_err(|error| Failure::at(&arguments.file, error))?;
+        .map_err(|error| unwritten(&arguments.file, read, &error))?;
     let (points, recording) = (folder.join("path.csv"), folder.join("path.rrd"));
     let table = table(read, program, robot.dof());
     write_file(

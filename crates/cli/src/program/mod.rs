@@ -11,7 +11,7 @@ use truecut_recording::{Unit, significant};
 use crate::args::ProgramArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::robot::{of_slides, with_slides};
+use crate::robot::{of_slides, with_slides, without_tool};
 use crate::text::{Align, fastest_joint, row, show, table};
 use deviation::Deviation;
 
@@ -26,7 +26,8 @@ const ALLOWED_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
 /// Reads, replays, compares and prints. Fails for a program that the robot cannot run, or that
 /// deviates from its path.
 pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
-    let robot = Robot::load_kinematics(&arguments.robot, None, arguments.tip.as_deref())
+    let (config, tip) = (arguments.config.as_deref(), arguments.tip.as_deref());
+    let robot = Robot::load_kinematics(&arguments.robot, config, tip)
         .map_err(|error| Failure::arm(&error))?;
     let robot = with_slides(robot, arguments.slide_mm.as_deref())?;
     let base = frame(arguments.base_xyz_mm, arguments.base_rpy_deg);
@@ -34,6 +35,7 @@ pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
     program
         .notes
         .extend(of_slides(arguments.slide_mm.as_deref()));
+    program.notes.extend(without_tool(&robot));
     let path = (arguments.path.as_ref())
         .map(|path| deviation::path_of(path, robot.dof()))
         .transpose()?;

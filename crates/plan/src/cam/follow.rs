@@ -7,8 +7,8 @@ use truecut_arm::Robot;
 
 use super::{Attitude, CamPath, CamPoint};
 use crate::program::{
-    Motion, Move, PathPoint, Program, ProgramError, SpindleSwitch, TravelOptions, Zone,
-    shortest_travel,
+    Motion, Move, PathPoint, Program, ProgramError, SpindleSwitch, Start, TravelOptions, Zone,
+    along_lines,
 };
 
 /// Turns about the tool's axis that are tried where none is given.
@@ -20,8 +20,8 @@ const SAMPLES: usize = 40;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorkSetup {
     pub world_from_work: Isometry3<f64>,
-    /// Turn about the tool's axis against the work frame's x, rad; `None` chooses the one of least
-    /// travel.
+    /// Turn about the tool's axis against the work frame's x, rad; `None` chooses the one whose
+    /// postures cost least on the whole, by [`Start::cost`].
     pub spin_rad: Option<f64>,
     /// Speed in rapid traverse, on a line.
     pub rapid_m_per_s: f64,
@@ -31,7 +31,8 @@ pub struct WorkSetup {
     pub zone_m: Option<f64>,
 }
 
-/// A program through a path; `head` gives all but the moves.
+/// A program through a path; `head` gives all but the moves. It begins where the arm lies nearest to
+/// rest ([`Start::AtRest`]).
 ///
 /// # Errors
 /// With the line of the file that the first point comes from which the arm cannot reach.
@@ -43,11 +44,37 @@ pub fn follow(
     setup: &WorkSetup,
     options: &TravelOptions,
 ) -> Result<Program, ProgramError> {
-    let spin_rad = setup
-        .spin_rad
-        .unwrap_or_else(|| chosen(robot, &head, path, setup, options));
-    let points = points(&head, &path.points, setup, spin_rad);
-    let found = postures(robot, &head, &points, options);
+    follow_from(Start::AtRest, robot, head, path, file, setup, options)
+}
+
+/// As [`follow`], with the first posture near to another one.
+///
+/// # Errors
+/// As [`follow`].
+pub fn follow_from(
+    start: Start<'_>,
+    robot: &Robot,
+    head: Program,
+    path: &CamPath,
+    file: &Path,
+    setup: &WorkSetup,
+    options: &TravelOptions,
+) -> Result<Program, ProgramError> {
+    let turned = path.leaves_turn_free();
+    let task = Task {
+        start,
+        robot,
+        head: &head,
+        path,
+        setup,
+        options,
+    };
+    let spins = match setup.spin_rad {
+        Some(spin_rad) => vec![spin_rad],
+        None if turned => task.spins(),
+        None => vec![0.0],
+    };
+    let (spin_rad, points, found) = task.first_of(&spins);
     let postures = found.map_err(|error| {
         let line = error
             .kind()
@@ -76,15 +103,14 @@ pub fn follow(
         on: *on,
     };
     let mut notes = path.notes.clone();
-    if setup.spin_rad.is_none()
-        && path
-            .points
-            .iter()
-            .any(|p| matches!(p.attitude, Attitude::Axis(_)))
-    {
+    if setup.spin_rad.is_none() && turned {
         let deg = spin_rad.to_degrees().round();
+        let near = match start {
+            Start::AtRest => "the middle of their ranges",
+            Start::Near(_) => "the posture given",
+        };
         notes.push(format!(
-            "the tool is turned by {deg} deg about its axis: least travel of the joints"
+            "the tool is turned by {deg} deg about its axis: the joints stay nearest to {near}"
         ));
     }
     Ok(Program {
@@ -95,46 +121,78 @@ pub fn follow(
     })
 }
 
-fn postures(
-    robot: &Robot,
-    head: &Program,
-    points: &[PathPoint],
-    options: &TravelOptions,
-) -> Result<Vec<Vec<f64>>, ProgramError> {
-    let tool = &head.tool.flange_from_tool;
-    shortest_travel(robot, tool, &head.world_from_base, points, None, options)
+/// What is needed to find postures at one turn of the tool.
+struct Task<'a> {
+    start: Start<'a>,
+    robot: &'a Robot,
+    head: &'a Program,
+    path: &'a CamPath,
+    setup: &'a WorkSetup,
+    options: &'a TravelOptions,
 }
 
-/// The turn about the tool's axis by which the joints travel least, 0 if none can be followed.
-fn chosen(
-    robot: &Robot,
-    head: &Program,
-    path: &CamPath,
-    setup: &WorkSetup,
-    options: &TravelOptions,
-) -> f64 {
-    let every = path.points.len().div_ceil(SAMPLES).max(1);
-    let mut few: Vec<CamPoint> = path.points.iter().step_by(every).copied().collect();
-    few.extend(path.points.last());
-    // Samples lie far apart.
-    let options = TravelOptions {
-        largest_step: f64::INFINITY,
-        ..*options
-    };
-    let travel = |k: usize| {
-        let spin_rad = std::f64::consts::TAU * k as f64 / SPINS as f64;
-        let points = points(head, &few, setup, spin_rad);
-        let postures = postures(robot, head, &points, &options).ok()?;
-        let step = |pair: &[Vec<f64>]| {
-            let each = pair[0].iter().zip(&pair[1]);
-            each.map(|(a, b)| (b - a).powi(2)).sum::<f64>().sqrt()
+impl Task<'_> {
+    /// Postures at the first of these turns at which the path can be followed; else the fault of
+    /// the first.
+    fn first_of(&self, spins: &[f64]) -> (f64, Vec<PathPoint>, Postures) {
+        let mut refused: Option<(f64, Vec<PathPoint>, ProgramError)> = None;
+        for &spin_rad in spins {
+            // Where one turn failed, another may be at an end as soon.
+            if let Some(point) = refused
+                .as_ref()
+                .and_then(|(.., error)| error.kind().path_point())
+            {
+                let here = &self.path.points[point..=point];
+                let here = points(self.head, here, self.setup, spin_rad);
+                if self.postures(&here).is_err() {
+                    continue;
+                }
+            }
+            let all = points(self.head, &self.path.points, self.setup, spin_rad);
+            match self.postures(&all) {
+                Ok(found) => return (spin_rad, all, Ok(found)),
+                Err(error) => {
+                    refused.get_or_insert((spin_rad, all, error));
+                }
+            }
+        }
+        match refused {
+            Some((spin_rad, all, error)) => (spin_rad, all, Err(error)),
+            None => (0.0, Vec::new(), Ok(Vec::new())),
+        }
+    }
+
+    fn postures(&self, points: &[PathPoint]) -> Postures {
+        let frames = [&self.head.tool.flange_from_tool, &self.head.world_from_base];
+        along_lines(self.robot, frames, points, self.start, self.options)
+    }
+
+    /// Turns about the tool's axis by the mean cost of the postures at some points of the path,
+    /// least first; those at which these points cannot be reached go last.
+    fn spins(&self) -> Vec<f64> {
+        let every = self.path.points.len().div_ceil(SAMPLES).max(1);
+        let mut few: Vec<CamPoint> = self.path.points.iter().step_by(every).copied().collect();
+        few.extend(self.path.points.last());
+        let cost = |spin_rad: f64| {
+            // Samples lie far apart: between them the arm moves as it likes.
+            let mut points = points(self.head, &few, self.setup, spin_rad);
+            points.iter_mut().for_each(|point| point.motion = FREE);
+            let found = self.postures(&points).ok()?;
+            let each = found.iter().map(|q| self.start.cost(self.robot, q));
+            Some(each.sum::<f64>() / found.len() as f64)
         };
-        Some((spin_rad, postures.windows(2).map(step).sum::<f64>()))
-    };
-    let all = (0..SPINS).filter_map(travel);
-    let least = all.min_by(|a, b| a.1.total_cmp(&b.1));
-    least.map_or(0.0, |(spin_rad, _)| spin_rad)
+        let spin_rad = |k: usize| std::f64::consts::TAU * k as f64 / SPINS as f64;
+        let rated = (0..SPINS).map(|k| (cost(spin_rad(k)).unwrap_or(f64::INFINITY), spin_rad(k)));
+        let mut rated: Vec<(f64, f64)> = rated.collect();
+        rated.sort_by(|a, b| a.0.total_cmp(&b.0));
+        rated.into_iter().map(|(_, spin_rad)| spin_rad).collect()
+    }
 }
+
+type Postures = Result<Vec<Vec<f64>>, ProgramError>;
+
+/// A move that may turn joints as far as limits let it.
+const FREE: Motion = Motion::Joint { share: 1.0 };
 
 fn points(head: &Program, path: &[CamPoint], setup: &WorkSetup, spin_rad: f64) -> Vec<PathPoint> {
     let base_from_work = head.world_from_base.inverse() * setup.world_from_work;

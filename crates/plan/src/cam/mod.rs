@@ -14,7 +14,7 @@ use std::path::Path;
 
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 
-pub use follow::{WorkSetup, follow};
+pub use follow::{WorkSetup, follow, follow_from};
 
 use crate::program::{ProgramError, ProgramErrorKind};
 
@@ -55,6 +55,15 @@ pub struct CamPath {
     pub spindle_rpm: Option<f64>,
     /// What was left aside, with lines.
     pub notes: Vec<String>,
+}
+
+impl CamPath {
+    /// Whether the turn about the tool's axis is free at any point.
+    #[must_use]
+    pub fn leaves_turn_free(&self) -> bool {
+        let free = |point: &CamPoint| matches!(point.attitude, Attitude::Axis(_));
+        self.points.iter().any(free)
+    }
 }
 
 /// How a file is read.

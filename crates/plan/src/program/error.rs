@@ -182,12 +182,14 @@ impl ProgramErrorKind {
     }
 
     /// The path point that a fault of a posture belongs to.
-    pub(crate) fn path_point(&self) -> Option<usize> {
+    #[must_use]
+    pub fn path_point(&self) -> Option<usize> {
         match self {
             Self::OutOfReach { path_point }
             | Self::OutsideLimits { path_point, .. }
             | Self::Singular { path_point, .. }
-            | Self::Jump { path_point, .. } => Some(*path_point),
+            | Self::Jump { path_point, .. }
+            | Self::Unspeakable { path_point, .. } => Some(*path_point),
             _ => None,
         }
     }

@@ -56,6 +56,7 @@ mod setup;
 #[cfg(test)]
 mod shipped_dialects;
 mod source;
+mod start;
 mod travel;
 pub mod urscript;
 mod zones;
@@ -72,6 +73,7 @@ pub use inspect::{Finding, FindingKind};
 pub use moves::{Motion, Move, PathPoint, Program, SpindleSwitch, Tool, Zone};
 pub use replay::{Replay, ReplayOptions, ReplayRow};
 pub use setup::ProgramSetup;
+pub use start::{Start, along_lines};
 pub use travel::{TravelOptions, shortest_travel};
 pub use zones::ZoneReport;
 

@@ -1,11 +1,14 @@
 //! Which branch the arm takes along a path: the one of shortest travel.
 
+use std::cmp::Ordering;
+
 use nalgebra::Isometry3;
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, IkSolver, Robot};
 
 use super::error::{ProgramError, ProgramErrorKind};
 use super::moves::{Motion, Move, PathPoint, Program, Tool, Zone};
+use super::start::Start;
 use crate::singularity::SingularityLimits;
 
 /// When a posture or a step of the arm counts as possible.
@@ -72,22 +75,41 @@ impl Program {
     }
 }
 
-/// Cheapest route to a posture: what it costs, and the posture before.
+/// Cheapest route to a posture: the rank of its start, what it costs, and the posture before.
 #[derive(Clone, Copy)]
-struct Route {
+pub(super) struct Route {
+    /// Goes before the cost: of two routes the one whose start ranks first is cheaper.
+    rank: usize,
     cost: f64,
     from: usize,
 }
 
-const UNREACHED: Route = Route {
-    cost: f64::INFINITY,
-    from: usize::MAX,
-};
+impl Route {
+    pub(super) const UNREACHED: Route = Route {
+        rank: usize::MAX,
+        cost: f64::INFINITY,
+        from: usize::MAX,
+    };
+
+    pub(super) fn beginning(rank: usize, cost: f64) -> Self {
+        Route {
+            rank,
+            cost,
+            from: usize::MAX,
+        }
+    }
+
+    fn cmp(&self, other: &Route) -> Ordering {
+        let by_cost = || self.cost.total_cmp(&other.cost);
+        self.rank.cmp(&other.rank).then_with(by_cost)
+    }
+}
 
 /// Postures along a path, over all branches of the inverse kinematics and all whole turns within
-/// limits, that minimise the sum of the distances from point to point (root of the sum of squared
-/// joint motions), that from a posture before the first included if `start` gives one. Found by
-/// dynamic programming, so no other choice is shorter.
+/// limits. Without a posture before the first (`start`) the path begins in the posture of least
+/// [cost](Start::cost) from which all points are reached, [`Start::AtRest`]. From there, the sum of
+/// the distances from point to point (root of the sum of squared joint motions) is least, the way
+/// from `start` included. Found by dynamic programming, so no other choice is shorter.
 ///
 /// # Errors
 /// At the first point that is out of reach, within no limits, singular in all postures, or to which
@@ -102,23 +124,53 @@ pub fn shortest_travel(
 ) -> Result<Vec<Vec<f64>>, ProgramError> {
     let solver = robot.ik_solver(&BranchOptions::default());
     let tool_from_flange = flange_from_tool.inverse();
+    let flange = |point: &PathPoint| world_from_base * point.base_from_tool * tool_from_flange;
+    let columns = survey(robot, &solver, points, &flange, options)?;
+    let Some(first) = columns.first() else {
+        return Ok(Vec::new());
+    };
+    let begun: Vec<Route> = match start {
+        Some(start) => {
+            let from_start = first.iter().map(|q| distance(start, q).0);
+            from_start.map(|cost| Route::beginning(0, cost)).collect()
+        }
+        None => {
+            let ranks = Start::AtRest.ranks(robot, first).into_iter();
+            ranks.map(|rank| Route::beginning(rank, 0.0)).collect()
+        }
+    };
+    chain(robot, points, &columns, begun, options)
+}
+
+/// Postures at each point that keep limits and distances.
+pub(super) fn survey(
+    robot: &Robot,
+    solver: &IkSolver,
+    points: &[PathPoint],
+    flange: &(dyn Fn(&PathPoint) -> Isometry3<f64> + Sync),
+    options: &TravelOptions,
+) -> Result<Vec<Vec<Vec<f64>>>, ProgramErrorKind> {
     let survey = |(path_point, point): (usize, &PathPoint)| {
-        let flange = world_from_base * point.base_from_tool * tool_from_flange;
-        candidates(robot, &solver, path_point, &flange, &options.singularity)
+        let world_from_flange = flange(point);
+        let limits = &options.singularity;
+        candidates(robot, solver, path_point, &world_from_flange, limits)
     };
     let columns = points.par_iter().enumerate().map(survey);
     // Collected in order, so that the first fault of the path is reported, whichever thread finds
     // one first.
     let columns: Vec<Result<Vec<Vec<f64>>, ProgramErrorKind>> = columns.collect();
-    let columns: Vec<Vec<Vec<f64>>> = columns.into_iter().collect::<Result<_, _>>()?;
-    let Some(first) = columns.first() else {
-        return Ok(Vec::new());
-    };
-    let begun = first.iter().map(|q| Route {
-        cost: start.map_or(0.0, |start| distance(start, q).0),
-        from: usize::MAX,
-    });
-    let mut routes: Vec<Vec<Route>> = vec![begun.collect()];
+    columns.into_iter().collect()
+}
+
+/// The cheapest chain through the postures at the points, from routes to those of the first.
+pub(super) fn chain(
+    robot: &Robot,
+    points: &[PathPoint],
+    columns: &[Vec<Vec<f64>>],
+    begun: Vec<Route>,
+    options: &TravelOptions,
+) -> Result<Vec<Vec<f64>>, ProgramError> {
+    let mut routes: Vec<Vec<Route>> = vec![begun];
     for (i, point) in points.iter().enumerate().skip(1) {
         let largest = match point.motion {
             Motion::Joint { .. } => f64::INFINITY,
@@ -134,7 +186,7 @@ pub fn shortest_travel(
         }
         routes.push(reached);
     }
-    Ok(walk_back(&columns, &routes))
+    Ok(walk_back(columns, &routes))
 }
 
 /// The chain of least travel through columns of rated postures, the ratings added to it.
@@ -146,10 +198,7 @@ pub(super) fn rated_chain(columns: &[Vec<(f64, Vec<f64>)>]) -> Vec<Vec<f64>> {
         let reached = column.iter().map(|(rating, q)| {
             let route = match routes.last() {
                 Some(before) => cheapest(&bare[i - 1], before, q, f64::INFINITY),
-                None => Route {
-                    cost: 0.0,
-                    from: usize::MAX,
-                },
+                None => Route::beginning(0, 0.0),
             };
             Route {
                 cost: route.cost + rating,
@@ -224,7 +273,7 @@ pub(super) fn outside(robot: &Robot, path_point: usize, branches: &[Vec<f64>]) -
 }
 
 /// Root of the sum of squared joint motions, and the widest of them.
-fn distance(from: &[f64], to: &[f64]) -> (f64, f64) {
+pub(super) fn distance(from: &[f64], to: &[f64]) -> (f64, f64) {
     let mut squares = 0.0;
     let mut widest: f64 = 0.0;
     for (a, b) in from.iter().zip(to) {
@@ -236,16 +285,20 @@ fn distance(from: &[f64], to: &[f64]) -> (f64, f64) {
 }
 
 fn cheapest(before: &[Vec<f64>], routes: &[Route], to: &[f64], largest: f64) -> Route {
-    let mut best = UNREACHED;
+    let mut best = Route::UNREACHED;
     for (from, (q, route)) in before.iter().zip(routes).enumerate() {
         // No route from here is cheaper than the route to here.
-        if route.cost >= best.cost {
+        if route.cmp(&best).is_ge() {
             continue;
         }
         let (length, widest) = distance(q, to);
-        let cost = route.cost + length;
-        if widest <= largest && cost < best.cost {
-            best = Route { cost, from };
+        let longer = Route {
+            rank: route.rank,
+            cost: route.cost + length,
+            from,
+        };
+        if widest <= largest && longer.cmp(&best).is_lt() {
+            best = longer;
         }
     }
     best
@@ -283,10 +336,7 @@ fn jump(
 
 fn walk_back(columns: &[Vec<Vec<f64>>], routes: &[Vec<Route>]) -> Vec<Vec<f64>> {
     let last = routes.last().map(Vec::as_slice).unwrap_or_default();
-    let cheapest = last
-        .iter()
-        .enumerate()
-        .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+    let cheapest = last.iter().enumerate().min_by(|a, b| a.1.cmp(b.1));
     let mut at = cheapest.map_or(0, |(k, _)| k);
     let mut path = Vec::with_capacity(columns.len());
     for (column, routes) in columns.iter().zip(routes).rev() {

@@ -1,7 +1,8 @@
 //! Taught points: postures recorded on the arm, in a CSV file.
 //!
-//! A heading `j1,j2,…,jn`, then a row for each point, a column for each joint, degrees (mm for
-//! prismatic joints).
+//! A heading with the columns `j1`, `j2`, … `jn`, then a row for each point, degrees (mm for
+//! prismatic joints). Columns of other names are left aside, so that the `path.csv` of `truecut
+//! path` serves, too.
 
 use std::path::Path;
 
@@ -20,8 +21,8 @@ impl TaughtPoints {
     /// Reads a file for an arm.
     ///
     /// # Errors
-    /// If the file cannot be read, its heading or a row has not one column a joint, a cell is not a
-    /// finite number, a posture breaks the arm's limits, or there is no row.
+    /// If the file cannot be read, its heading has not one column a joint, a row has not as many
+    /// cells as the heading, a cell of a joint is not a finite number, a posture breaks the arm's limits, or there is no row.
     pub fn load(path: &Path, robot: &Robot) -> Result<Self, SurfacePathError> {
         let text = truecut_files::read_text(path).map_err(|e| SurfacePathError::Taught {
             file: path.display().to_string(),
@@ -48,34 +49,28 @@ impl TaughtPoints {
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());
         let mut postures = Vec::new();
+        let mut heading: Option<(Vec<usize>, usize)> = None;
         for (index, record) in reader.records().enumerate() {
             let record = record.map_err(|e| fault(index as u64 + 1, e.to_string()))?;
             let line = record
                 .position()
                 .map_or(index as u64 + 1, csv::Position::line);
-            if index == 0 {
-                let expected: Vec<_> = (1..=joints).map(|j| format!("j{j}")).collect();
-                if record.iter().ne(expected.iter().map(String::as_str)) {
-                    let found = record.iter().collect::<Vec<_>>().join(",");
-                    return Err(fault(
-                        line,
-                        format!(
-                            "the heading is \"{found}\"; the arm has {joints} joints, so it must be \"{}\"",
-                            expected.join(",")
-                        ),
-                    ));
-                }
+            let Some((columns, width)) = &heading else {
+                let columns =
+                    columns_of(&record, joints).map_err(|message| fault(line, message))?;
+                heading = Some((columns, record.len()));
                 continue;
-            }
-            if record.len() != joints {
+            };
+            if record.len() != *width {
                 let found = record.len();
                 return Err(fault(
                     line,
-                    format!("{found} values; the arm has {joints} joints"),
+                    format!("{found} values; the heading has {width} columns"),
                 ));
             }
             let mut posture = Vec::with_capacity(joints);
-            for (joint, cell) in robot.chain.joints.iter().zip(&record) {
+            for (joint, column) in robot.chain.joints.iter().zip(columns) {
+                let cell = &record[*column];
                 let value: Option<f64> = cell.parse().ok().filter(|v: &f64| v.is_finite());
                 let Some(value) = value else {
                     let name = &joint.name;
@@ -102,4 +97,26 @@ impl TaughtPoints {
         }
         Ok(Self { postures })
     }
+}
+
+/// Where the columns of the joints stand in a heading.
+fn columns_of(heading: &csv::StringRecord, joints: usize) -> Result<Vec<usize>, String> {
+    let names: Vec<String> = (1..=joints).map(|j| format!("j{j}")).collect();
+    let at = |name: &String| {
+        let mut found = (0..heading.len()).filter(|column| heading[*column] == **name);
+        // A name that stands twice would leave open which column is meant.
+        found.next().filter(|_| found.next().is_none())
+    };
+    let more = heading
+        .iter()
+        .any(|name| *name == format!("j{}", joints + 1));
+    let columns: Option<Vec<usize>> = names.iter().map(at).collect();
+    columns.filter(|_| !more).ok_or_else(|| {
+        format!(
+            "the heading is \"{}\"; the arm has {joints} joints, so it must have the columns \"{}\" \
+             once each, and none of a further joint",
+            heading.iter().collect::<Vec<_>>().join(","),
+            names.join(",")
+        )
+    })
 }

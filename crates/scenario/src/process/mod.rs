@@ -179,7 +179,8 @@ impl ProcessTable {
     }
 }
 
-fn not_one(given: &[&str], names: &[&str]) -> Fault {
+/// The fault of a scenario that has not exactly one process.
+pub(crate) fn not_one(given: &[&str], names: &[&str]) -> Fault {
     let known = list(names);
     match given.last() {
         None => Fault::key(

@@ -26,6 +26,10 @@ pub use faces::{FaceKind, PartFace};
 use topology::Topology;
 pub use units::SuspectedUnit;
 
+/// Farthest coordinate, m: a double is rounded by some 1e-11 m there, and more would be lost in
+/// squares and volumes.
+const FARTHEST_M: f64 = 1e5;
+
 /// Vertices closer than this share of the part's diagonal count as one, unless it is said
 /// otherwise: a few roundings of the single precision of STL.
 pub const WELD_SHARE: f64 = 1e-6;
@@ -170,6 +174,15 @@ impl Part {
         )?;
         let unit_m = options.unit_m;
         let [low, high] = extent(&data.vertices);
+        let farthest_m = low.amax().max(high.amax()) * unit_m;
+        let rule =
+            format!("at most {FARTHEST_M:e}: no workpiece lies further out; is the unit right?");
+        OutOfBounds::unless(
+            farthest_m <= FARTHEST_M,
+            "a coordinate (m)",
+            farthest_m,
+            rule,
+        )?;
         let diagonal_m = (high - low).norm() * unit_m;
         let is_extended = diagonal_m.is_finite() && diagonal_m > 0.0;
         let rule = "finite and above 0";

@@ -1,0 +1,287 @@
+//! The first posture of a path: which of an arm's branches and whole turns it begins in.
+
+use nalgebra::Isometry3;
+use rayon::prelude::*;
+use truecut_arm::{BranchOptions, FrameId, IkSolver, Joint, JointKind, Robot};
+
+use super::error::ProgramError;
+use super::moves::{Motion, PathPoint};
+use super::replay::ReplayOptions;
+use super::travel::{Route, TravelOptions, chain, distance, survey};
+
+/// Costs that differ by less are one: postures that mirror each other, to rounding.
+const SAME_COST: f64 = 1e-9;
+/// Postures that agree to this in every joint are one, rad.
+const SAME_POSTURE_RAD: f64 = 1e-6;
+/// A joint turns by less between two places of a line: another branch of the wrist or of the
+/// shoulder lies half a turn away.
+const OTHER_BRANCH_RAD: f64 = std::f64::consts::FRAC_PI_2;
+
+/// What the first posture of a path shall lie near to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Start<'a> {
+    /// The middle of the joints' ranges.
+    AtRest,
+    /// This posture, rad or m.
+    Near(&'a [f64]),
+}
+
+impl Start<'_> {
+    /// What is least of the posture chosen: the sum over the joints of the squared distance from
+    /// what it shall lie near to, each as a share of half the joint's range.
+    #[must_use]
+    pub fn cost(&self, robot: &Robot, posture: &[f64]) -> f64 {
+        let joints = robot.chain.joints.iter().zip(posture);
+        let each = joints.enumerate().map(|(i, (joint, q))| {
+            let (middle, half) = middle_and_half(joint);
+            let near = match self {
+                Start::AtRest => middle,
+                Start::Near(posture) => posture.get(i).copied().unwrap_or(middle),
+            };
+            ((q - near) / half).powi(2)
+        });
+        each.sum()
+    }
+
+    /// Costs by their order; those that are equal to rounding have the same place in it.
+    pub(super) fn ranks(&self, robot: &Robot, postures: &[Vec<f64>]) -> Vec<usize> {
+        let costs: Vec<f64> = postures.iter().map(|q| self.cost(robot, q)).collect();
+        let mut order: Vec<usize> = (0..costs.len()).collect();
+        order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+        let mut ranks = vec![0; costs.len()];
+        for pair in order.windows(2) {
+            let same = costs[pair[1]] - costs[pair[0]] < SAME_COST;
+            ranks[pair[1]] = ranks[pair[0]] + usize::from(!same);
+        }
+        ranks
+    }
+}
+
+/// Middle of a joint's range and half its width. Without both limits: zero (a limit that excludes
+/// it) and half a turn, or a metre.
+fn middle_and_half(joint: &Joint) -> (f64, f64) {
+    let (low, high) = joint
+        .limits
+        .map_or((f64::NEG_INFINITY, f64::INFINITY), |l| (l.lower, l.upper));
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    if half.is_finite() && half > 0.0 {
+        return (middle, half);
+    }
+    let half = match joint.kind {
+        JointKind::Revolute => std::f64::consts::PI,
+        JointKind::Prismatic => 1.0,
+    };
+    (0.0_f64.max(low).min(high), half)
+}
+
+/// Postures along points of which all but the first are reached on lines: from the start of least
+/// [cost](Start::cost) from which the arm keeps its limits all along the lines, whole turns
+/// included. If there is none: from the one that gets furthest, so that running through the program
+/// tells what stops it. An arm without a closed form, and a path that has moves by joints, is looked
+/// at at the points alone.
+///
+/// # Errors
+/// As [`shortest_travel`](super::shortest_travel).
+pub fn along_lines(
+    robot: &Robot,
+    [flange_from_tool, world_from_base]: [&Isometry3<f64>; 2],
+    points: &[PathPoint],
+    start: Start<'_>,
+    options: &TravelOptions,
+) -> Result<Vec<Vec<f64>>, ProgramError> {
+    let solver = robot.ik_solver(&BranchOptions::default());
+    let tool_from_flange = flange_from_tool.inverse();
+    let flange = |point: &PathPoint| world_from_base * point.base_from_tool * tool_from_flange;
+    let columns = survey(robot, &solver, points, &flange, options)?;
+    let Some(first) = columns.first() else {
+        return Ok(Vec::new());
+    };
+    let ranks = start.ranks(robot, first);
+    let begin = |allowed: &dyn Fn(usize) -> bool| {
+        let begun = ranks.iter().enumerate().map(|(i, rank)| match allowed(i) {
+            true => Route::beginning(*rank, 0.0),
+            false => Route::UNREACHED,
+        });
+        chain(robot, points, &columns, begun.collect(), options)
+    };
+    let are_lines = |point: &PathPoint| matches!(point.motion, Motion::Linear { .. });
+    if solver.geometry().is_none() || !points.iter().skip(1).all(are_lines) {
+        return begin(&|_| true);
+    }
+    let leg = |i: usize| {
+        let line = Line {
+            robot,
+            solver: &solver,
+            ends: [&columns[i - 1], &columns[i]],
+        };
+        let pair = [&points[i - 1], &points[i]];
+        line.successors(pair, |pose| world_from_base * pose * tool_from_flange)
+    };
+    let legs: Vec<Vec<Option<usize>>> = (1..points.len()).into_par_iter().map(leg).collect();
+    let length = |way: &[usize]| {
+        let at = |point: usize| &columns[point][way[point]];
+        let steps = (1..way.len()).map(|point| distance(at(point - 1), at(point)).0);
+        steps.sum::<f64>()
+    };
+    let mut order: Vec<usize> = (0..first.len()).collect();
+    order.sort_by_key(|at| ranks[*at]);
+    let mut best: Option<(usize, f64, Vec<usize>)> = None;
+    let mut reached = vec![0; first.len()];
+    for at in order {
+        if best.as_ref().is_some_and(|(rank, ..)| *rank < ranks[at]) {
+            break;
+        }
+        let way = way(at, &legs);
+        reached[at] = way.len();
+        let travel = length(&way);
+        let is_whole = way.len() == points.len();
+        if is_whole && best.as_ref().is_none_or(|(_, least, _)| travel < *least) {
+            best = Some((ranks[at], travel, way));
+        }
+    }
+    if let Some((.., way)) = best {
+        let postures = way.iter().zip(&columns);
+        return Ok(postures.map(|(at, column)| column[*at].clone()).collect());
+    }
+    let furthest = reached.iter().max().copied().unwrap_or(0);
+    begin(&|at| reached[at] == furthest).or_else(|_| begin(&|_| true))
+}
+
+/// Where a start leads, point by point, as far as it can be followed.
+fn way(start: usize, legs: &[Vec<Option<usize>>]) -> Vec<usize> {
+    let mut way = vec![start];
+    let mut at = start;
+    for leg in legs {
+        let Some(next) = leg[at] else { break };
+        way.push(next);
+        at = next;
+    }
+    way
+}
+
+/// A line between two points and the postures at its ends.
+struct Line<'a> {
+    robot: &'a Robot,
+    solver: &'a IkSolver<'a>,
+    ends: [&'a Vec<Vec<f64>>; 2],
+}
+
+/// A branch followed along a line: where it began, where it is, and between what its joints stood.
+struct Follower {
+    begun: Vec<f64>,
+    now: Vec<f64>,
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
+impl Line<'_> {
+    /// For each posture at the start of the line, the one at its end to which it leads within
+    /// limits.
+    fn successors(
+        &self,
+        [from, to]: [&PathPoint; 2],
+        flange: impl Fn(&Isometry3<f64>) -> Isometry3<f64>,
+    ) -> Vec<Option<usize>> {
+        // Postures that are whole turns apart move alike.
+        let mut followers: Vec<Option<Follower>> = Vec::new();
+        let mut of: Vec<usize> = Vec::with_capacity(self.ends[0].len());
+        for q in self.ends[0] {
+            let alike = |known: &Option<Follower>| {
+                known
+                    .as_ref()
+                    .is_some_and(|known| widest(&turns_off(&known.begun, q)) < SAME_POSTURE_RAD)
+            };
+            let known = followers.iter().position(alike);
+            of.push(known.unwrap_or(followers.len()));
+            if known.is_none() {
+                followers.push(Some(Follower::at(q)));
+            }
+        }
+        let count = places(&from.base_from_tool, &to.base_from_tool);
+        for k in 1..=count {
+            let t = k as f64 / count as f64;
+            let between = (k < count).then(|| {
+                let pose = from
+                    .base_from_tool
+                    .try_lerp_slerp(&to.base_from_tool, t, 1e-9)
+                    .unwrap_or(to.base_from_tool);
+                self.solver.branches(&flange(&pose), FrameId::Flange)
+            });
+            let here = between.as_ref().unwrap_or(self.ends[1]);
+            for follower in &mut followers {
+                *follower = follower.take().and_then(|one| one.led_to(here));
+            }
+        }
+        let ends = self.ends[0].iter().zip(of);
+        let end = |(q, of): (&Vec<f64>, usize)| self.end(q, followers[of].as_ref()?);
+        ends.map(end).collect()
+    }
+
+    /// Where a posture arrives that moves as a follower did.
+    fn end(&self, q: &[f64], follower: &Follower) -> Option<usize> {
+        let turned = |i: usize| q[i] - follower.begun[i];
+        let within = |(i, joint): (usize, &Joint)| {
+            joint.limits.is_none_or(|l| {
+                follower.low[i] + turned(i) >= l.lower - SAME_POSTURE_RAD
+                    && follower.high[i] + turned(i) <= l.upper + SAME_POSTURE_RAD
+            })
+        };
+        if !self.robot.chain.joints.iter().enumerate().all(within) {
+            return None;
+        }
+        let same = |end: &Vec<f64>| {
+            let each = end.iter().zip(&follower.now).enumerate();
+            let mut apart = each.map(|(i, (end, now))| (end - now - turned(i)).abs());
+            apart.all(|apart| apart < SAME_POSTURE_RAD)
+        };
+        self.ends[1].iter().position(same)
+    }
+}
+
+impl Follower {
+    fn at(q: &[f64]) -> Self {
+        let q = || q.to_vec();
+        Self {
+            begun: q(),
+            now: q(),
+            low: q(),
+            high: q(),
+        }
+    }
+
+    /// One place further: in the posture nearest by; `None` if that is on another branch.
+    fn led_to(mut self, here: &[Vec<f64>]) -> Option<Self> {
+        let steps = here.iter().map(|q| turns_off(&self.now, q));
+        let step = steps.min_by(|a, b| widest(a).total_cmp(&widest(b)))?;
+        if widest(&step) >= OTHER_BRANCH_RAD {
+            return None;
+        }
+        for (i, by) in step.into_iter().enumerate() {
+            self.now[i] += by;
+            self.low[i] = self.low[i].min(self.now[i]);
+            self.high[i] = self.high[i].max(self.now[i]);
+        }
+        Some(self)
+    }
+}
+
+/// The way from a posture to another without whole turns, joint by joint; arms with a closed form
+/// have rotary joints only.
+fn turns_off(from: &[f64], to: &[f64]) -> Vec<f64> {
+    let turn = std::f64::consts::TAU;
+    let each = from.iter().zip(to).map(|(a, b)| b - a);
+    each.map(|by| by - turn * (by / turn).round()).collect()
+}
+
+fn widest(step: &[f64]) -> f64 {
+    step.iter().fold(0.0, |widest, by| by.abs().max(widest))
+}
+
+/// Places at which a line is looked at, as they are when a program is run through.
+fn places(from: &Isometry3<f64>, to: &Isometry3<f64>) -> usize {
+    let options = ReplayOptions::default();
+    let path_m = (to.translation.vector - from.translation.vector).norm();
+    let turn_rad = from.rotation.angle_to(&to.rotation);
+    let count = (path_m / options.step_m).max(turn_rad / options.step_rad);
+    count.ceil().max(1.0) as usize
+}
