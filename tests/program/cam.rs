@@ -1,4 +1,4 @@
-//! `truecut path` of poses: where the arm begins, which tool it has; `truecut program` with the same.
+//! `truecut path` of poses: where the arm begins, and which tool it has; `truecut program` with it.
 
 use super::Desk;
 use super::path::{hp20, told};

@@ -1,10 +1,13 @@
 //! The formats of files that this crate reads. A file of another format gets one error, not one for
 //! each of its keys.
 
+use serde_json::Value as Json;
 use strum::VariantArray;
 use toml_edit::Table;
 
 use crate::fault::Fault;
+use crate::process::not_one;
+use crate::schema::{property, property_names, without_null};
 
 /// A format, told by a table that no other has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, VariantArray)]
@@ -57,6 +60,15 @@ impl Format {
         let fault = Fault::key(key, message, format!("of {}", other.name()));
         Some(fault.with_help(format!("`{}` takes {}", other.command(), other.name())))
     }
+}
+
+/// More than one process is one fault: what is missing in each of them is not what is wrong.
+pub(crate) fn many_processes(schema: &Json, table: &Table) -> Option<Fault> {
+    let processes = table.get("process")?.as_table_like()?;
+    let names: Vec<&str> = property_names(without_null(property(schema, "process")?)).collect();
+    let given = processes.iter().map(|(name, _)| name);
+    let given: Vec<&str> = given.filter(|name| names.contains(name)).collect();
+    (given.len() > 1).then(|| not_one(&given, &names))
 }
 
 #[cfg(test)]

@@ -8,8 +8,7 @@ use toml_edit::{Item, Table, TableLike, Value};
 use truecut_recording::nearest;
 
 use crate::fault::Fault;
-use crate::format::Format;
-use crate::process::not_one;
+use crate::format::{Format, many_processes};
 use crate::schema::{
     choices, is_table, kinds, of_tag, property, property_names, required, without_null,
 };
@@ -25,15 +24,6 @@ pub(crate) fn check_file(schema: &Json, format: Format, table: &Table) -> Vec<Fa
         Some(fault) => vec![fault],
         None => check_against(schema, table),
     }
-}
-
-/// More than one process is one fault: what is missing in each of them is not what is wrong.
-fn many_processes(schema: &Json, table: &Table) -> Option<Fault> {
-    let processes = table.get("process")?.as_table_like()?;
-    let names: Vec<&str> = property_names(without_null(property(schema, "process")?)).collect();
-    let given = processes.iter().map(|(name, _)| name);
-    let given: Vec<&str> = given.filter(|name| names.contains(name)).collect();
-    (given.len() > 1).then(|| not_one(&given, &names))
 }
 
 /// Every rule of a schema that the table breaks.

@@ -66,8 +66,8 @@ pub struct RobotArguments {
         allow_hyphen_values = true
     )]
     pub posture_deg: Option<Vec<f64>>,
-    /// Print flange poses for the postures in this CSV file, one posture a row: rad and m, or as the
-    /// heading says (j1_deg, j1_mm)
+    /// Print flange poses for the postures in this CSV file, one posture a row: rad and m, or as
+    /// the heading says (j1_deg, j1_mm)
     #[arg(long, value_name = "FILE")]
     pub fk: Option<PathBuf>,
     /// Print all postures for a pose `x,y,z,roll,pitch,yaw` (m and rad), or for the poses in this

@@ -31,8 +31,8 @@ pub struct WorkSetup {
     pub zone_m: Option<f64>,
 }
 
-/// A program through a path; `head` gives all but the moves. It begins where the arm lies nearest to
-/// rest ([`Start::AtRest`]).
+/// A program through a path; `head` gives all but the moves. It begins where the arm lies nearest
+/// to rest ([`Start::AtRest`]).
 ///
 /// # Errors
 /// With the line of the file that the first point comes from which the arm cannot reach.

@@ -77,8 +77,8 @@ fn middle_and_half(joint: &Joint) -> (f64, f64) {
 /// Postures along points of which all but the first are reached on lines: from the start of least
 /// [cost](Start::cost) from which the arm keeps its limits all along the lines, whole turns
 /// included. If there is none: from the one that gets furthest, so that running through the program
-/// tells what stops it. An arm without a closed form, and a path that has moves by joints, is looked
-/// at at the points alone.
+/// tells what stops it. Of an arm without a closed form, and of a path that has moves by joints,
+/// the points alone are looked at.
 ///
 /// # Errors
 /// As [`shortest_travel`](super::shortest_travel).

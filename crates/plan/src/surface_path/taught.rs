@@ -22,7 +22,8 @@ impl TaughtPoints {
     ///
     /// # Errors
     /// If the file cannot be read, its heading has not one column a joint, a row has not as many
-    /// cells as the heading, a cell of a joint is not a finite number, a posture breaks the arm's limits, or there is no row.
+    /// cells as the heading, a cell of a joint is not a finite number, a posture breaks the arm's
+    /// limits, or there is no row.
     pub fn load(path: &Path, robot: &Robot) -> Result<Self, SurfacePathError> {
         let text = truecut_files::read_text(path).map_err(|e| SurfacePathError::Taught {
             file: path.display().to_string(),
