@@ -196,7 +196,7 @@ fn a_part_beyond_all_reach_is_refused_with_its_bound() {
     assert!(triangle_at(9.9e4).is_ok());
     assert!(triangle_at(-9.9e4).is_ok());
     for far_m in [1.01e5, -1.01e5, 1e32] {
-        let error = triangle_at(far_m).err().expect("far").to_string();
+        let error = triangle_at(far_m).expect_err("far").to_string();
         assert!(error.contains("a coordinate (m)"), "{error}");
         assert!(error.contains("at most 1e5"), "{error}");
     }
