@@ -220,11 +220,9 @@ fn mistakes_are_told_as_in_a_table_of_the_workspace() {
     );
     assert_eq!(line, Some(7));
     let (two, _) = refused(&TEXT.replace("[[claim]]", "[process.load]\n[[claim]]"));
-    assert!(two.contains("2 processes (load, drilling)"), "{two}");
-    assert!(
-        two.ends_with("[process.replay] and [process.drilling]"),
-        "{two}"
-    );
+    assert!(two.contains("2 processes (drilling, load)"), "{two}");
+    assert!(two.contains("exactly one of [process.belt]"), "{two}");
+    assert!(two.contains("[process.drilling], [process.load]"), "{two}");
 }
 
 #[test]

@@ -201,15 +201,15 @@ impl Line<'_> {
         for k in 1..=count {
             let t = k as f64 / count as f64;
             let between = (k < count).then(|| {
-                let pose = from
-                    .base_from_tool
+                from.base_from_tool
                     .try_lerp_slerp(&to.base_from_tool, t, 1e-9)
-                    .unwrap_or(to.base_from_tool);
-                self.solver.branches(&flange(&pose), FrameId::Flange)
             });
-            let here = between.as_ref().unwrap_or(self.ends[1]);
+            // The end, too, by all branches: of those that are allowed there the nearest may be
+            // another.
+            let pose = between.flatten().unwrap_or(to.base_from_tool);
+            let here = self.solver.branches(&flange(&pose), FrameId::Flange);
             for follower in &mut followers {
-                *follower = follower.take().and_then(|one| one.led_to(here));
+                *follower = follower.take().and_then(|one| one.led_to(&here));
             }
         }
         let ends = self.ends[0].iter().zip(of);
