@@ -12,6 +12,7 @@ import pathlib
 import conftest
 import pytest
 import test_published_robots
+import test_xacro
 
 ASSETS = pathlib.Path(__file__).resolve().parents[2] / "assets/robots"
 #: Factors of the stiffness and of a link's mass in `docs/physics/estimates.md`.
@@ -92,6 +93,28 @@ def test_regress_irb6600_against_the_interval_of_its_estimate(truecut, tmp_path)
     assert all(math.isclose(factor, figure, rel_tol=5e-3) for factor, figure in zip(factors, (1.524, 0.7595, 0.945)))
     assert low_hz <= first_mode(known) <= high_hz
     assert all(1 / STIFFNESS <= factor <= STIFFNESS for factor in factors)
+
+
+PUBLISHED = pytest.mark.skipif(not test_xacro.PUBLISHED, reason="TRUECUT_ROBOTS is not set")
+
+
+@pytest.mark.parametrize(
+    ("name", "mass_kg", "payload_kg"),
+    [("irb6600", 1700, 175), ("hp20", 268, 20), pytest.param("gp25", 250, 25, marks=PUBLISHED)],
+)
+def test_every_mode_of_an_estimated_arm_is_damped_as_arms_are(truecut, name, mass_kg, payload_kg, tmp_path):
+    """Within the interval that is stated, fast modes of light wrists, too, which one ratio to stiffness damps by 193 %."""
+    if name == "gp25":
+        urdf = pathlib.Path(test_xacro.PUBLISHED) / "motoman_gp25_support/urdf/gp25.xacro"
+        posture = (0, 0, 0, 0, -45, 0)
+    else:
+        urdf = ASSETS / {"irb6600": "irb6600_175_255", "hp20": "hp20"}[name] / "robot.urdf"
+        posture = (0, 20, -20, 0, -60, 0)
+    config = estimated(truecut, urdf, None, mass_kg, payload_kg, tmp_path)
+    modes = report(truecut, urdf, None, posture, config)["modes"]
+    ratios = [mode["damping_ratio"] for mode in modes]
+    conftest.FIGURES.append(f"{name}, estimated: modes damped by {', '.join(f'{100 * ratio:.1f}' for ratio in ratios)} %")
+    assert len(ratios) == 6 and all(0.01 < ratio < 0.06 for ratio in ratios), ratios
 
 
 @pytest.mark.parametrize(("name", "mass_kg", "payload_kg"), [("ur10e", 33.5, 12.5), ("panda", 18, 3)])

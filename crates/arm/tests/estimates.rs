@@ -165,9 +165,10 @@ fn an_arm_without_masses_gets_them_and_runs() {
         .iter()
         .filter(|note| note.contains("masses of base_link"));
     assert_eq!(lines.count(), 1, "{notes:?}");
-    // The rule for damping holds at the posture that it is made at.
+    // Every mode is damped as the rule's interval has it, the fastest, too.
     let modes = robot.modes(&robot.default_posture(), None).expect("modes");
-    assert!((modes.damping_ratio[0] / 0.02 - 1.0).abs() < 1e-3);
+    let is_usual = |ratio: &f64| (0.01..0.06).contains(ratio);
+    assert!(modes.damping_ratio.iter().all(is_usual), "{modes:?}");
 }
 
 #[test]

@@ -18,6 +18,7 @@ use crate::bounds::Masses;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::load::Source;
 use crate::merge::{joints_to, to_chain};
+use crate::modal::Modes;
 use crate::model::{Chain, JointKind, Robot};
 use crate::packages::Packages;
 use limits::LimitRule;
@@ -61,8 +62,8 @@ const LIMIT_PER_TORQUE: f64 = 2.0;
 const STAND_OFF: f64 = 0.1;
 /// Bandwidth of the velocity loop on the rotor, rad/s; the position loop has a tenth of it.
 const VELOCITY_LOOP_RAD_S: f64 = 200.0;
-/// Damping ratio of the first mode.
-const FIRST_MODE_DAMPING: f64 = 0.02;
+/// Damping ratio of the modes.
+const MODE_DAMPING: f64 = 0.02;
 /// Factors by which a value may be off to both sides.
 pub(crate) const STIFFNESS_FACTOR: f64 = 2.5;
 const MASS_FACTOR: f64 = 3.0;
@@ -122,6 +123,7 @@ pub fn robot_toml(
     let modes = robot.modes(&robot.default_posture(), None)?;
     let model = Draft {
         first_hz: modes.frequency_hz[0],
+        damping_s: damping_s(&modes, &joints),
         softest_n_per_m: robot.softest_n_per_m(&robot.default_posture()),
     };
     let text = text::write(&chain, &sheet, &given, &joints, Some(&model));
@@ -131,8 +133,26 @@ pub fn robot_toml(
 /// What the estimated arm is like at its default posture.
 struct Draft {
     first_hz: f64,
+    /// Damping over stiffness of each joint, s.
+    damping_s: Vec<f64>,
     /// At the tool, in its softest direction.
     softest_n_per_m: Option<f64>,
+}
+
+/// Damping over stiffness of each joint so that modes are damped by [`MODE_DAMPING`]: 2ζ/ω,
+/// averaged over the modes by their parts of the joint's compliance, Σ φ²/ω² = 1/k. One ratio of
+/// damping to stiffness for all joints would damp a wrist of little mass, whose mode is a hundred
+/// times as fast as the first, by more than 100 %.
+fn damping_s(modes: &Modes, joints: &[JointEstimate]) -> Vec<f64> {
+    let of_joint = |(at, joint): (usize, &JointEstimate)| {
+        let parts = modes.frequency_hz.iter().enumerate().map(|(mode, hz)| {
+            let omega = std::f64::consts::TAU * hz;
+            let part = joint.stiffness * (modes.shapes[(at, mode)] / omega).powi(2);
+            2.0 * MODE_DAMPING / omega * part
+        });
+        parts.sum()
+    };
+    joints.iter().enumerate().map(of_joint).collect()
 }
 
 fn check(sheet: &DataSheet) -> Result<(), ArmError> {

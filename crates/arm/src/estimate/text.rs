@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::{
-    DataSheet, Draft, FIRST_MODE_DAMPING, JointEstimate, LIMIT_PER_TORQUE, LimitRule, LinkMass,
-    MASS_FACTOR, MassRule, ROTOR_FACTOR, ROTOR_PER_TORQUE, STIFFNESS_FACTOR, VELOCITY_LOOP_RAD_S,
+    DataSheet, Draft, JointEstimate, LIMIT_PER_TORQUE, LimitRule, LinkMass, MASS_FACTOR,
+    MODE_DAMPING, MassRule, ROTOR_FACTOR, ROTOR_PER_TORQUE, STIFFNESS_FACTOR, VELOCITY_LOOP_RAD_S,
 };
 use crate::model::{Chain, JointKind};
 
@@ -14,7 +14,7 @@ fn number(value: f64, digits: usize) -> String {
     format!("{:?}", rounded.unwrap_or(value))
 }
 
-/// The file. Damping needs the frequency of the first mode, and is left out without a draft.
+/// The file. Damping needs the modes, and is left out without a draft.
 pub(super) fn write(
     chain: &Chain,
     sheet: &DataSheet,
@@ -23,15 +23,15 @@ pub(super) fn write(
     draft: Option<&Draft>,
 ) -> String {
     let mut text = head(chain, sheet, draft);
-    let first_hz = draft.map(|draft| draft.first_hz);
     for mass in masses {
         link(&mut text, mass, sheet.mass_kg.unwrap_or_default());
     }
     if let Some(total_kg) = sheet.mass_kg {
         let _ = writeln!(text, "[masses]\ntotal_kg = {}\n", number(total_kg, 9));
     }
-    for (own, estimate) in chain.joints.iter().zip(joints) {
-        joint(&mut text, &own.name, own.kind, estimate, first_hz);
+    for (at, (own, estimate)) in chain.joints.iter().zip(joints).enumerate() {
+        let damping_s = draft.map(|draft| draft.damping_s[at]);
+        joint(&mut text, &own.name, own.kind, estimate, damping_s);
     }
     text
 }
@@ -106,7 +106,7 @@ fn joint(
     name: &str,
     kind: JointKind,
     estimate: &JointEstimate,
-    first_hz: Option<f64>,
+    damping_s: Option<f64>,
 ) {
     let (units, per_torque, torque) = match kind {
         JointKind::Revolute => (
@@ -133,17 +133,15 @@ fn joint(
         ),
     };
     let [stiffness, damping, rotor, velocity, limit] = units;
-    let seconds = first_hz.map(|hz| FIRST_MODE_DAMPING / (std::f64::consts::PI * hz));
     let mut sources = format!(
         "stiffness = \"estimated: {per_torque} times the {torque} that gravity asks of the stretched arm with its payload; within a factor of {STIFFNESS_FACTOR}\"\n"
     );
     let mut values = vec![(stiffness, estimate.stiffness)];
-    if let (Some(seconds), Some(hz)) = (seconds, first_hz) {
+    if let Some(seconds) = damping_s {
         values.push((damping, estimate.stiffness * seconds));
         let _ = writeln!(
             sources,
-            "damping = \"estimated: a damping ratio of {FIRST_MODE_DAMPING} at the first mode, {} Hz; 0.01 to 0.06 are seen\"",
-            number(hz, 3)
+            "damping = \"estimated: a damping ratio of {MODE_DAMPING} in the modes in which the joint gives way; 0.01 to 0.06 are seen\""
         );
     }
     values.push((rotor, estimate.rotor_inertia));
