@@ -1,15 +1,15 @@
 //! Paths from CAM: what is read, and what is refused with its line, its value and the rule.
 
 mod assets;
+mod cam_run;
 
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
-use truecut_plan::cam::{self, Attitude, CamOptions, CamPath, WorkSetup};
-use truecut_plan::program::MOST_POINTS;
-use truecut_plan::program::{Program, ProgramError, Tool, TravelOptions};
+use truecut_plan::cam::{self, Attitude, CamOptions, CamPath};
+use truecut_plan::program::{MOST_POINTS, Program, ProgramError, Start};
 
 fn read(text: &str, name: &str) -> Result<CamPath, ProgramError> {
     cam::read(text, Path::new(name), &CamOptions::default())
@@ -295,29 +295,9 @@ fn every_faulty_path_is_refused_with_file_line_value_and_rule() {
 }
 
 fn follow(text: &str, file: &Path) -> Result<Program, ProgramError> {
-    let robot = assets::robot("hp20");
     let path = cam::read(text, file, &CamOptions::default())?;
-    let head = Program {
-        name: "PLATE".to_owned(),
-        comment: String::new(),
-        tool: Tool::of(&robot, "wheel", 0),
-        world_from_base: Isometry3::identity(),
-        moves: Vec::new(),
-        spindle: Vec::new(),
-        notes: Vec::new(),
-    };
-    let setup = WorkSetup {
-        world_from_work: Isometry3::translation(0.9, 0.0, 0.3),
-        spin_rad: None,
-        rapid_m_per_s: 0.25,
-        joint_share: 0.25,
-        zone_m: None,
-    };
-    let options = TravelOptions {
-        largest_step: PI,
-        ..TravelOptions::default()
-    };
-    cam::follow(&robot, head, &path, file, &setup, &options)
+    let before = Isometry3::translation(0.9, 0.0, 0.3);
+    cam_run::follow(Start::AtRest, &assets::robot("hp20"), &path, file, before)
 }
 
 #[test]

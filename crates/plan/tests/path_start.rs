@@ -1,6 +1,7 @@
 //! Where a path from CAM begins: branch and whole turns of its first posture.
 
 mod assets;
+mod cam_run;
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -9,10 +10,8 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use truecut_arm::{BranchOptions, Elbow, FrameId, PathOptions, Robot, Shoulder};
 use truecut_plan::SingularityLimits;
-use truecut_plan::cam::{self, Attitude, CamPath, CamPoint, WorkSetup};
-use truecut_plan::program::{
-    FindingKind, Program, ProgramError, ReplayOptions, Start, Tool, TravelOptions,
-};
+use truecut_plan::cam::{Attitude, CamPath, CamPoint};
+use truecut_plan::program::{FindingKind, Program, ProgramError, ReplayOptions, Start};
 
 /// The arms of the tree, and one with the ranges of a published GP25: of six joints three may turn
 /// by more than a whole turn, and middles lie off zero.
@@ -51,35 +50,8 @@ fn followed(
         points: poses.iter().enumerate().map(point).collect(),
         ..CamPath::default()
     };
-    let head = Program {
-        name: "START".to_owned(),
-        comment: String::new(),
-        tool: Tool::of(robot, "tool", 0),
-        world_from_base: Isometry3::identity(),
-        moves: Vec::new(),
-        spindle: Vec::new(),
-        notes: Vec::new(),
-    };
-    let setup = WorkSetup {
-        world_from_work: Isometry3::identity(),
-        spin_rad: None,
-        rapid_m_per_s: 0.25,
-        joint_share: 0.25,
-        zone_m: None,
-    };
-    let options = TravelOptions {
-        largest_step: PI,
-        ..TravelOptions::default()
-    };
-    cam::follow_from(
-        start,
-        robot,
-        head,
-        &path,
-        Path::new("poses.csv"),
-        &setup,
-        &options,
-    )
+    let file = Path::new("poses.csv");
+    cam_run::follow(start, robot, &path, file, Isometry3::identity())
 }
 
 /// A posture by shares of the joints' ranges, and lines from there: the tool moves by centimetres

@@ -288,17 +288,27 @@ mod tests {
         let scenario = Scenario::load(file.as_ref(), &[]).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let outputs = Outputs::prepare(folder.path(), &scenario, false).unwrap();
-        let told = std::sync::Mutex::new(None);
+        let told = std::sync::Mutex::new(Vec::new());
         let run = truecut_sim::run::Run {
             engine: truecut_sim::run::Engine::REDUCED,
             before: &|extent| {
-                *told.lock().unwrap() = Some(*extent);
+                told.lock().unwrap().push(*extent);
                 outputs.check_room(extent)
             },
             ..truecut_sim::run::Run::of(&scenario)
         };
         let recording = run.execute().unwrap().recording;
-        let extent = told.into_inner().unwrap().unwrap();
+        // The run that a claim refers to writes nothing.
+        assert!(
+            scenario
+                .claims
+                .iter()
+                .any(|claim| claim.relative_to.is_some())
+        );
+        let told = told.into_inner().unwrap();
+        let [extent] = told[..] else {
+            panic!("once, of the run itself: {told:?}");
+        };
         assert_eq!(extent.rows, recording.time_s.len());
         assert_eq!(extent.channels, recording.columns.len());
         let bytes = 8 * (recording.time_s.len() * (recording.columns.len() + 1)) as u64;

@@ -54,7 +54,7 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
         ..TravelOptions::default()
     };
     let start = posture.as_deref().map_or(Start::AtRest, Start::Near);
-    let program = cam::follow_from(start, &robot, head, &read, file, &setup, &travel);
+    let program = cam::follow(start, &robot, head, &read, file, &setup, &travel);
     let mut program = program.map_err(|error| refused(file, &error))?;
     program.notes.extend(without_tool(&robot));
     program.notes.extend(maker_note(dialect, &robot));

@@ -31,27 +31,12 @@ pub struct WorkSetup {
     pub zone_m: Option<f64>,
 }
 
-/// A program through a path; `head` gives all but the moves. It begins where the arm lies nearest
-/// to rest ([`Start::AtRest`]).
+/// A program through a path, which begins in the posture nearest to `start` of those from which the
+/// arm can follow it; `head` gives all but the moves.
 ///
 /// # Errors
 /// With the line of the file that the first point comes from which the arm cannot reach.
 pub fn follow(
-    robot: &Robot,
-    head: Program,
-    path: &CamPath,
-    file: &Path,
-    setup: &WorkSetup,
-    options: &TravelOptions,
-) -> Result<Program, ProgramError> {
-    follow_from(Start::AtRest, robot, head, path, file, setup, options)
-}
-
-/// As [`follow`], with the first posture near to another one.
-///
-/// # Errors
-/// As [`follow`].
-pub fn follow_from(
     start: Start<'_>,
     robot: &Robot,
     head: Program,

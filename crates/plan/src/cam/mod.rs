@@ -14,7 +14,7 @@ use std::path::Path;
 
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 
-pub use follow::{WorkSetup, follow, follow_from};
+pub use follow::{WorkSetup, follow};
 
 use crate::program::{ProgramError, ProgramErrorKind};
 

@@ -20,6 +20,16 @@ pub struct ReplayOptions {
     pub singularity: SingularityLimits,
 }
 
+impl ReplayOptions {
+    /// Places at which a line is looked at, its end with them.
+    pub(super) fn places(&self, from: &Isometry3<f64>, to: &Isometry3<f64>) -> usize {
+        let path_m = (to.translation.vector - from.translation.vector).norm();
+        let turn_rad = from.rotation.angle_to(&to.rotation);
+        let count = (path_m / self.step_m).max(turn_rad / self.step_rad);
+        count.ceil().max(1.0) as usize
+    }
+}
+
 impl Default for ReplayOptions {
     /// 1 mm, 1°.
     fn default() -> Self {
@@ -148,9 +158,7 @@ impl Program {
     ) -> Leg {
         let (from, to) = (&before.base_from_tool, &step.base_from_tool);
         let path_m = (to.translation.vector - from.translation.vector).norm();
-        let turn_rad = from.rotation.angle_to(&to.rotation);
-        let count = (path_m / options.step_m).max(turn_rad / options.step_rad);
-        let count = count.ceil().max(1.0) as usize;
+        let count = options.places(from, to);
         let solver = robot.ik_solver(&BranchOptions::default());
         let geometry = OpwGeometry::of(robot);
         let mut leg = Leg::default();

@@ -7,7 +7,7 @@ use truecut_arm::{BranchOptions, FrameId, IkSolver, Joint, JointKind, Robot};
 use super::error::ProgramError;
 use super::moves::{Motion, PathPoint};
 use super::replay::ReplayOptions;
-use super::travel::{Route, TravelOptions, chain, distance, survey};
+use super::travel::{Route, TravelOptions, chain, distance, flange_at, survey};
 
 /// Costs that differ by less are one: postures that mirror each other, to rounding.
 const SAME_COST: f64 = 1e-9;
@@ -78,21 +78,19 @@ fn middle_and_half(joint: &Joint) -> (f64, f64) {
 /// [cost](Start::cost) from which the arm keeps its limits all along the lines, whole turns
 /// included. If there is none: from the one that gets furthest, so that running through the program
 /// tells what stops it. Of an arm without a closed form, and of a path that has moves by joints,
-/// the points alone are looked at.
+/// the points alone are looked at. `frames` are the tool in the flange and the base in the world.
 ///
 /// # Errors
 /// As [`shortest_travel`](super::shortest_travel).
 pub fn along_lines(
     robot: &Robot,
-    [flange_from_tool, world_from_base]: [&Isometry3<f64>; 2],
+    frames: [&Isometry3<f64>; 2],
     points: &[PathPoint],
     start: Start<'_>,
     options: &TravelOptions,
 ) -> Result<Vec<Vec<f64>>, ProgramError> {
     let solver = robot.ik_solver(&BranchOptions::default());
-    let tool_from_flange = flange_from_tool.inverse();
-    let flange = |point: &PathPoint| world_from_base * point.base_from_tool * tool_from_flange;
-    let columns = survey(robot, &solver, points, &flange, options)?;
+    let columns = survey(robot, &solver, frames, points, options)?;
     let Some(first) = columns.first() else {
         return Ok(Vec::new());
     };
@@ -115,7 +113,7 @@ pub fn along_lines(
             ends: [&columns[i - 1], &columns[i]],
         };
         let pair = [&points[i - 1], &points[i]];
-        line.successors(pair, |pose| world_from_base * pose * tool_from_flange)
+        line.successors(pair, frames)
     };
     let legs: Vec<Vec<Option<usize>>> = (1..points.len()).into_par_iter().map(leg).collect();
     let length = |way: &[usize]| {
@@ -180,7 +178,7 @@ impl Line<'_> {
     fn successors(
         &self,
         [from, to]: [&PathPoint; 2],
-        flange: impl Fn(&Isometry3<f64>) -> Isometry3<f64>,
+        frames: [&Isometry3<f64>; 2],
     ) -> Vec<Option<usize>> {
         // Postures that are whole turns apart move alike.
         let mut followers: Vec<Option<Follower>> = Vec::new();
@@ -197,7 +195,8 @@ impl Line<'_> {
                 followers.push(Some(Follower::at(q)));
             }
         }
-        let count = places(&from.base_from_tool, &to.base_from_tool);
+        // As when the program is run through.
+        let count = ReplayOptions::default().places(&from.base_from_tool, &to.base_from_tool);
         for k in 1..=count {
             let t = k as f64 / count as f64;
             let between = (k < count).then(|| {
@@ -207,7 +206,7 @@ impl Line<'_> {
             // The end, too, by all branches: of those that are allowed there the nearest may be
             // another.
             let pose = between.flatten().unwrap_or(to.base_from_tool);
-            let here = self.solver.branches(&flange(&pose), FrameId::Flange);
+            let here = (self.solver).branches(&flange_at(frames, &pose), FrameId::Flange);
             for follower in &mut followers {
                 *follower = follower.take().and_then(|one| one.led_to(&here));
             }
@@ -275,13 +274,4 @@ fn turns_off(from: &[f64], to: &[f64]) -> Vec<f64> {
 
 fn widest(step: &[f64]) -> f64 {
     step.iter().fold(0.0, |widest, by| by.abs().max(widest))
-}
-
-/// Places at which a line is looked at, as they are when a program is run through.
-fn places(from: &Isometry3<f64>, to: &Isometry3<f64>) -> usize {
-    let options = ReplayOptions::default();
-    let path_m = (to.translation.vector - from.translation.vector).norm();
-    let turn_rad = from.rotation.angle_to(&to.rotation);
-    let count = (path_m / options.step_m).max(turn_rad / options.step_rad);
-    count.ceil().max(1.0) as usize
 }

@@ -123,9 +123,8 @@ pub fn shortest_travel(
     options: &TravelOptions,
 ) -> Result<Vec<Vec<f64>>, ProgramError> {
     let solver = robot.ik_solver(&BranchOptions::default());
-    let tool_from_flange = flange_from_tool.inverse();
-    let flange = |point: &PathPoint| world_from_base * point.base_from_tool * tool_from_flange;
-    let columns = survey(robot, &solver, points, &flange, options)?;
+    let frames = [flange_from_tool, world_from_base];
+    let columns = survey(robot, &solver, frames, points, options)?;
     let Some(first) = columns.first() else {
         return Ok(Vec::new());
     };
@@ -142,16 +141,24 @@ pub fn shortest_travel(
     chain(robot, points, &columns, begun, options)
 }
 
+/// The flange in the world where the tool stands at a pose in the base frame.
+pub(super) fn flange_at(
+    [flange_from_tool, world_from_base]: [&Isometry3<f64>; 2],
+    base_from_tool: &Isometry3<f64>,
+) -> Isometry3<f64> {
+    world_from_base * base_from_tool * flange_from_tool.inverse()
+}
+
 /// Postures at each point that keep limits and distances.
 pub(super) fn survey(
     robot: &Robot,
     solver: &IkSolver,
+    frames: [&Isometry3<f64>; 2],
     points: &[PathPoint],
-    flange: &(dyn Fn(&PathPoint) -> Isometry3<f64> + Sync),
     options: &TravelOptions,
 ) -> Result<Vec<Vec<Vec<f64>>>, ProgramErrorKind> {
     let survey = |(path_point, point): (usize, &PathPoint)| {
-        let world_from_flange = flange(point);
+        let world_from_flange = flange_at(frames, &point.base_from_tool);
         let limits = &options.singularity;
         candidates(robot, solver, path_point, &world_from_flange, limits)
     };

@@ -25,11 +25,10 @@ type Sinks = Vec<Box<dyn Sink + Send>>;
 /// A note on a run that ends before its process does by itself: widths, claims and scalars are then
 /// of what is there by that time.
 fn unfinished(scenario: &Scenario) -> Option<String> {
-    let natural_s = scenario.process.facts().natural_duration_s?;
     // Of a path that was laid for the run, only the plant's builder knows how long it takes.
-    natural_s
-        .is_finite()
-        .then(|| cut_short(scenario.run.duration_s, natural_s))?
+    let natural_s = scenario.process.facts().natural_duration_s;
+    let natural_s = natural_s.filter(|natural_s| natural_s.is_finite())?;
+    cut_short(scenario.run.duration_s, natural_s)
 }
 
 impl Run<'_> {
