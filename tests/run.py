@@ -10,6 +10,7 @@ is 0 only if nothing failed.
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import os
 import re
@@ -129,6 +130,7 @@ def run_pytest(python: Path) -> Counts:
 
 def main() -> int:
     """Runs both parts, whatever comes of the first."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     python = environment()
     rust = run_cargo(python)
     scripts = run_pytest(python)
