@@ -120,7 +120,9 @@ def run_pytest(python: Path) -> Counts:
         report = Path(folder) / "report.xml"
         # MuJoCo runs on one core: files of tests run side by side
         side_by_side = ["-n", "auto", "--dist", "loadfile"]
-        command = [python, "-m", "pytest", "-q", *side_by_side, f"--junitxml={report}", *PYTHON_TESTS]
+        # what a test wrote is of use only if it failed, and takes gigabytes
+        kept = ["-o", "tmp_path_retention_policy=failed", "-o", "tmp_path_retention_count=1"]
+        command = [python, "-m", "pytest", "-q", *side_by_side, *kept, f"--junitxml={report}", *PYTHON_TESTS]
         ended = subprocess.run(command, cwd=ROOT)
         counts = count_pytest(report) if report.exists() else Counts(0, 1)
     if ended.returncode != 0:

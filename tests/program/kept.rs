@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use truecut_telemetry::{read_ipc_stream, read_parquet};
 
-use super::{BAD_INPUT, Desk, sweep};
+use super::{BAD_INPUT, Desk, LONG, sweep, wait_for_rows};
 
 const GROWING: [&str; 2] = ["recording.arrows", "sweep.rows.jsonl"];
 
@@ -86,7 +86,7 @@ fn a_full_disk_leaves_the_earlier_table_of_a_sweep() {
 #[test]
 fn a_long_run_tells_beforehand_what_it_takes() {
     let desk = Desk::new();
-    desk.scenario("long", "duration_s = 3000\nrecord_interval_ms = 1", "");
+    desk.scenario("long", LONG, "");
     let mut child = desk
         .command(&["run", "long.toml"])
         .stdout(Stdio::null())
@@ -98,7 +98,7 @@ fn a_long_run_tells_beforehand_what_it_takes() {
     lines.read_line(&mut told).unwrap();
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(told.contains(" steps, 3000001 rows of "), "{told}");
+    assert!(told.contains(" steps, 300001 rows of "), "{told}");
     assert!(told.contains("MB in memory, and on the disk"), "{told}");
 }
 
@@ -144,23 +144,20 @@ fn a_path_that_is_not_finished_is_told() {
 #[test]
 fn a_killed_run_leaves_the_earlier_result_and_its_own_rows() {
     let desk = Desk::new();
-    let lines = "duration_s = 0.2\nrecord_interval_ms = 1";
-    desk.scenario("long", lines, "");
-    desk.ends(0, &["run", "long.toml"]);
+    desk.scenario("long", LONG, "");
+    desk.ends(0, &["run", "long.toml", "--set", "run.duration_s=0.2"]);
     let folder = desk.path("out/long");
     let earlier = files(&folder);
     let mut draw = ChaCha8Rng::seed_from_u64(9);
     for _ in 0..4 {
         let mut child = desk
-            .command(&["run", "long.toml", "--set", "run.duration_s=3000"])
+            .command(&["run", "long.toml"])
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
         let stream = folder.join("recording.arrows");
-        while stream.metadata().map_or(0, |it| it.len()) < 100_000 {
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        wait_for_rows(&mut child, &stream, 100_000);
         std::thread::sleep(Duration::from_millis(u64::from(draw.next_u32() % 200)));
         child.kill().unwrap();
         child.wait().unwrap();

@@ -13,7 +13,7 @@ mod stability;
 mod verdicts;
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
 use tempfile::TempDir;
@@ -25,6 +25,11 @@ const BAD_INPUT: i32 = 2;
 const DIVERGED: i32 = 3;
 /// A run ended in chatter.
 const CHATTER: i32 = 5;
+
+/// The length of a run that goes on for many seconds, with small rows and few of them: what it may
+/// take on the disk stays under 50 MB.
+const LONG_S: f64 = 300.0;
+const LONG: &str = "duration_s = 300\ntime_step_ms = 0.02\nrecord_interval_ms = 1";
 
 /// A folder with scenarios, and the program run in it.
 struct Desk {
@@ -81,6 +86,15 @@ impl Desk {
             "{arguments:?}\n{out}{err}"
         );
         out.into_owned()
+    }
+}
+
+/// Waits until a run that is under way has so many bytes of rows on the disk.
+fn wait_for_rows(child: &mut Child, stream: &Path, bytes: u64) {
+    while stream.metadata().map_or(0, |meta| meta.len()) < bytes {
+        let ended = child.try_wait().unwrap();
+        assert!(ended.is_none(), "the run ended, {ended:?}, with fewer rows");
+        std::thread::sleep(Duration::from_millis(5));
     }
 }
 
@@ -256,7 +270,7 @@ fn check_finds_scenarios_and_one_bad_one_does_not_hide_the_others() {
 #[test]
 fn a_killed_run_leaves_what_it_had_recorded() {
     let desk = Desk::new();
-    desk.scenario("long", "duration_s = 3000\nrecord_interval_ms = 1", "");
+    desk.scenario("long", LONG, "");
     let arguments = ["run", "long.toml", "--no-rrd"];
     let mut child = desk
         .command(&arguments)
@@ -264,13 +278,7 @@ fn a_killed_run_leaves_what_it_had_recorded() {
         .spawn()
         .unwrap();
     let stream = desk.path("out/long/recording.arrows");
-    while stream.metadata().map_or(0, |meta| meta.len()) < 500_000 {
-        assert!(
-            child.try_wait().unwrap().is_none(),
-            "nothing was written while the run was under way"
-        );
-        std::thread::sleep(Duration::from_millis(10));
-    }
+    wait_for_rows(&mut child, &stream, 500_000);
     child.kill().unwrap();
     assert!(
         !child.wait().unwrap().success(),

@@ -8,7 +8,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 use truecut_recording::{Outcome, Summary};
 use truecut_telemetry::read_parquet;
 
-use super::{Desk, claim, sweep};
+use super::{Desk, LONG, LONG_S, claim, sweep, wait_for_rows};
 
 fn start(desk: &Desk, arguments: &[&str]) -> Child {
     let mut command = desk.command(arguments);
@@ -33,22 +33,15 @@ fn ended_by(child: Child, name: &str, code: i32) -> String {
     out
 }
 
-/// Waits until a run has rows on disk.
-fn wait_for_rows(desk: &Desk, stream: &str) {
-    while desk.path(stream).metadata().map_or(0, |meta| meta.len()) < 200_000 {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-}
-
 #[test]
 fn a_run_that_a_signal_stops_at_any_time_has_whole_files_that_agree() {
     let desk = Desk::new();
     let limit = claim("swings", "min = 1");
-    desk.scenario("long", "duration_s = 3000\nrecord_interval_ms = 1", &limit);
+    desk.scenario("long", LONG, &limit);
     let mut draw = ChaCha8Rng::seed_from_u64(25);
     for trial in 0..6 {
-        let child = start(&desk, &["run", "long.toml"]);
-        wait_for_rows(&desk, "out/long/recording.arrows");
+        let mut child = start(&desk, &["run", "long.toml"]);
+        wait_for_rows(&mut child, &desk.path("out/long/recording.arrows"), 200_000);
         std::thread::sleep(Duration::from_millis(u64::from(draw.next_u32() % 300)));
         let (name, code) = [("INT", 130), ("TERM", 143)][trial % 2];
         let out = ended_by(child, name, code);
@@ -58,7 +51,7 @@ fn a_run_that_a_signal_stops_at_any_time_has_whole_files_that_agree() {
         );
         let read = read_parquet(&desk.path("out/long/recording.parquet")).unwrap();
         assert_eq!(read.outcome, Outcome::Interrupted);
-        assert!(read.time_s.len() > 100 && *read.time_s.last().unwrap() < 3000.0);
+        assert!(read.time_s.len() > 100 && *read.time_s.last().unwrap() < LONG_S);
         let text = std::fs::read_to_string(desk.path("out/long/summary.json")).unwrap();
         let summary: Summary = serde_json::from_str(&text).unwrap();
         assert_eq!(summary.outcome, Outcome::Interrupted);
@@ -72,14 +65,14 @@ fn a_run_that_a_signal_stops_at_any_time_has_whole_files_that_agree() {
 #[test]
 fn what_has_not_begun_when_a_signal_comes_is_not_run_and_keeps_what_an_earlier_run_left() {
     let desk = Desk::new();
-    desk.scenario("long", "duration_s = 3000\nrecord_interval_ms = 1", "");
+    desk.scenario("long", LONG, "");
     desk.scenario("swing", "duration_s = 0.1", "");
     desk.ends(0, &["run", "swing.toml", "--no-rrd"]);
     let before = std::fs::read(desk.path("out/swing/summary.json")).unwrap();
     // One job: the second scenario waits for the first.
     let arguments = ["run", "long.toml", "swing.toml", "--no-rrd", "--jobs", "1"];
-    let child = start(&desk, &arguments);
-    wait_for_rows(&desk, "out/long/recording.arrows");
+    let mut child = start(&desk, &arguments);
+    wait_for_rows(&mut child, &desk.path("out/long/recording.arrows"), 200_000);
     let out = ended_by(child, "INT", 130);
     assert!(
         out.contains("Rig swing\n  not run: stopped by a signal"),
@@ -92,8 +85,8 @@ fn what_has_not_begun_when_a_signal_comes_is_not_run_and_keeps_what_an_earlier_r
 #[test]
 fn a_sweep_still_ends_at_the_first_signal() {
     let desk = Desk::new();
-    let axis = sweep("run.duration_s", "3000, 3001");
-    desk.scenario("swept", "duration_s = 3000", &axis);
+    let axis = sweep("run.duration_s", "300, 301");
+    desk.scenario("swept", LONG, &axis);
     let mut child = start(&desk, &["run", "swept.toml"]);
     std::thread::sleep(Duration::from_millis(700));
     assert!(child.try_wait().unwrap().is_none(), "the sweep had ended");
