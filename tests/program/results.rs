@@ -191,6 +191,14 @@ fn a_run_says_what_is_asked_of_the_drives_and_what_the_servo_gives_way() {
     let pushed = "process.load.release_n=[40000, 0, 0]";
     let out = desk.ends(6, &["run", "hold.toml", "--no-rrd", "--set", pushed]);
     assert!(out.contains("✗ DRIVE OVERLOADED: "), "{out}");
+    // A servo is never asked for more than it has; that it gives all is told in its place.
+    let driven = ["--set", "robot.drive=servo", "--set", pushed];
+    let out = desk.ends(
+        0,
+        &[&["run", "hold.toml", "--no-rrd"], &driven[..]].concat(),
+    );
+    assert!(out.contains("! SERVO SATURATED for "), "{out}");
+    assert!(!servo.contains("SERVO SATURATED"), "{servo}");
 }
 
 #[test]

@@ -33,4 +33,4 @@ def test_rows_are_found_anew():
     found = tool.shell.at(depth / radius)[0] * tool.modulus * radius**2
     assert found == approx(force, rel=2e-3)
     *wheel, depth, at, force = rows("edge")[0]
-    assert wheels.obstacle(wheels.wheel(*wheel), depth, at, 81) == approx(force, rel=0.01)
+    assert wheels.cut(wheels.wheel(*wheel), depth, at, 43) == approx(force, rel=0.01)

@@ -21,7 +21,7 @@ from truecut_reference.polish import Tool  # noqa: E402
 from truecut_reference.shell import Shell  # noqa: E402
 
 SEED = 20_261_124
-BELTS, SHELLS, EDGES = 16, 12, 6
+BELTS, SHELLS, EDGES, WIDER = 16, 12, 6, 12
 
 
 def belt(rng):
@@ -47,14 +47,26 @@ def shell(rng):
     return radius, thickness * radius, poisson, young, pressure, part * radius, force
 
 
-def obstacle(tool, depth, edge, nodes=141):
-    """What a face that ends at `edge` presses: a layer at least as deep as the wheel on the face, free beyond."""
+def cut(tool, depth, edge, nodes=75):
+    """Force on a face that ends at `edge`: of the whole patch, so that its bed need not be right, only what the edge takes."""
+    whole = tool.shell.at(depth / tool.radius)[0] * tool.modulus * tool.radius**2
+    far = 10.0 * tool.radius
+    return whole * obstacle(tool, depth, edge, nodes) / obstacle(tool, depth, far, nodes)
+
+
+def obstacle(tool, depth, edge, nodes=75):
+    """What a face that ends at `edge` presses: a layer at least as deep as the wheel on the face, free beyond.
+
+    `nodes` to the overlap's length; the grid reaches as far as the stretched layer is moved.
+    """
     u0, _, _, log_tread = tool.patch(depth)
-    tread, reach = np.exp(log_tread), 1.9 * np.sqrt(2 * tool.radius * u0)
+    tread, half = np.exp(log_tread), np.sqrt(2 * tool.radius * u0)
+    reach = half * (1.3 + 2.9 * np.sqrt(tool.tension / (2 * tool.radius) * np.sqrt(tread / u0)))
+    nodes = 2 * int(np.ceil(0.5 * nodes * reach / half)) + 1
     line = np.linspace(-reach, reach, nodes)
     h = line[1] - line[0]
     # a row of nodes on the edge
-    x, y = np.meshgrid(line + edge - line[np.argmin(np.abs(line - edge))], line, indexing="ij")
+    x, y = np.meshgrid(line + min(edge, reach) - line[np.argmin(np.abs(line - edge))], line, indexing="ij")
     asked, face = (u0 - (x**2 + y**2) / (2 * tool.radius)).ravel(), (x <= edge + 1e-9).ravel()
     one, second = sparse.identity(nodes), sparse.diags([1.0, -2.0, 1.0], [-1, 0, 1], shape=(nodes, nodes))
     pulls = (sparse.kron(second, one) + sparse.kron(one, second)).tocsr() * tool.tension / h**2
@@ -101,12 +113,23 @@ def edge(rng):
     depth = radius * rng.uniform(0.022, 0.06)
     tool = wheel(radius, thickness, poisson, young, pressure)
     at = rng.uniform(-0.5, 0.9) * tool.patch(depth)[2]
-    return radius, thickness, poisson, young, pressure, depth, at, obstacle(tool, depth, at)
+    return radius, thickness, poisson, young, pressure, depth, at, cut(tool, depth, at)
+
+
+def wider(rng):
+    """The same from softer wheels under more air, that hang farther off the face."""
+    radius, poisson, young = rng.uniform(10e-3, 40e-3), rng.uniform(0.3, 0.495), 10 ** rng.uniform(6.0, 7.0)
+    thickness, pressure = radius * rng.uniform(0.05, 0.4), rng.uniform(0.03e6, 0.3e6)
+    depth = radius * 10 ** rng.uniform(-2.3, -1.2)
+    tool = wheel(radius, thickness, poisson, young, pressure)
+    at = rng.uniform(-0.9, 0.8) * tool.patch(depth)[2]
+    return radius, thickness, poisson, young, pressure, depth, at, cut(tool, depth, at)
 
 
 if __name__ == "__main__":
-    rng = np.random.default_rng(SEED)
+    rng, other = np.random.default_rng(SEED), np.random.default_rng(SEED + 1)
     print("# python tests/reference/wheels.py > crates/core/tests/wheels.csv")
-    for kind, draw, count in (("belt", belt, BELTS), ("shell", shell, SHELLS), ("edge", edge, EDGES)):
+    drawn = (("belt", belt, BELTS, rng), ("shell", shell, SHELLS, rng), ("edge", edge, EDGES, rng), ("edge", wider, WIDER, other))
+    for kind, draw, count, rng in drawn:
         for _ in range(count):
             print(kind, *(f"{value:.6g}" for value in draw(rng)), sep=",", flush=True)

@@ -152,16 +152,17 @@ impl Robot {
             return Err(error);
         }
         chain.estimated_masses = estimated_masses(&tree);
-        let doubts = doubts::of(&chain);
+        let frames = Frames {
+            last_link_from_flange,
+            flange_from_tool: settings.flange_from_tool,
+            flange_from_foot: settings.flange_from_foot,
+        };
+        let doubts = doubts::of(&chain, &frames);
         chain.notes.extend(doubts.notes);
         chain.placeholders = doubts.placeholders;
         Ok(Self {
             name: settings.name.unwrap_or_else(|| chain.name.clone()),
-            frames: Frames {
-                last_link_from_flange,
-                flange_from_tool: settings.flange_from_tool,
-                flange_from_foot: settings.flange_from_foot,
-            },
+            frames,
             chain,
             urdf_path: urdf.1.to_owned(),
             config_path,

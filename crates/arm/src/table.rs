@@ -2,15 +2,16 @@
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion};
 use serde::Serialize;
+use truecut_files::{CellRow, Cells};
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::ik_branches::BranchOptions;
 use crate::model::{FrameId, Robot};
 use crate::opw::ArmBranch;
 
-/// Flange poses for postures given as CSV: one row per posture, joint coordinates in chain order
-/// (rad or m) separated by commas; a column whose heading ends in `_deg` or `_mm` is in that unit.
-/// Empty rows, rows that start with `#` and a first row without any number (a heading) are skipped.
+/// Flange poses for postures given as CSV ([`Cells`]): one row per posture, joint coordinates in
+/// chain order, rad or m; a column whose heading ends in `_deg` or `_mm` is in that unit. Empty
+/// rows, rows that start with `#` and a first row without any number (a heading) are skipped.
 ///
 /// The answer is CSV with a heading: position x, y, z (m) and the rotation matrix row by row, world
 /// from flange, each number in the shortest form that reads back exactly.
@@ -58,65 +59,64 @@ pub fn outside_limits_note(robot: &Robot, postures_csv: &str) -> Result<Option<S
 /// Postures of a table with their rows, rad and m.
 fn postures(robot: &Robot, csv: &str) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
     let joints = robot.dof();
-    let units = units(csv);
-    let one = |(row, cells): (usize, Vec<&str>)| {
-        let mut q = parse_row(&cells, row, joints)?;
-        for (value, unit) in q.iter_mut().zip(&units) {
-            *value *= unit;
-        }
-        Ok((row, q))
-    };
-    let all: Vec<(usize, Vec<f64>)> = rows(csv).map(one).collect::<Result<_, ArmError>>()?;
-    if all.is_empty() {
+    let rows = numbers(csv)?;
+    if rows.is_empty() {
         return Err(ArmErrorKind::NoPostures { joints }.into());
     }
-    Ok(all)
+    if let Some((row, other)) = rows.iter().find(|(_, q)| q.len() != joints) {
+        let message = format!("{} values; the chain has {joints} joints", other.len());
+        return Err(ArmErrorKind::PostureTable { row: *row, message }.into());
+    }
+    Ok(rows)
 }
 
-/// Units of the columns in rad and m, as the heading gives them; none without one.
-fn units(csv: &str) -> Vec<f64> {
-    let first = csv.lines().next().unwrap_or_default();
-    let cells: Vec<&str> = first.split(',').map(str::trim).collect();
-    if !is_heading(&cells) {
-        return Vec::new();
-    }
-    let unit = |name: &&str| match name.rsplit_once('_') {
+/// Rows of numbers in rad and m, with their lines. A first row without any number is a heading,
+/// which may give units: `_deg`, `_mm`.
+fn numbers(text: &str) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
+    let fault = |row, message| ArmError::from(ArmErrorKind::PostureTable { row, message });
+    let cells = Cells::of(text).map_err(|error| fault(error.line, error.message))?;
+    let is_none = |cell: &String| cells.number(cell).is_none();
+    let heading = (cells.rows.first()).filter(|first| first.cells.iter().all(is_none));
+    let units: Vec<f64> = heading.map_or_else(Vec::new, |heading| {
+        heading.cells.iter().map(|name| unit(name)).collect()
+    });
+    let rows = cells.rows.iter().skip(usize::from(heading.is_some()));
+    let one = |row: &CellRow| {
+        let number = |(index, cell): (usize, &String)| {
+            let found = cells.number(cell).filter(|it| it.is_finite());
+            let found = found
+                .ok_or_else(|| fault(row.line, format!("\"{cell}\" is not a finite number")))?;
+            Ok(found * units.get(index).copied().unwrap_or(1.0))
+        };
+        let numbers = row.cells.iter().enumerate().map(number);
+        Ok((row.line, numbers.collect::<Result<_, ArmError>>()?))
+    };
+    rows.map(one).collect()
+}
+
+/// Of a column in rad and m, by the end of its name.
+fn unit(name: &str) -> f64 {
+    match name.rsplit_once('_') {
         Some((_, "deg")) => 1_f64.to_radians(),
         Some((_, "mm")) => 1e-3,
         _ => 1.0,
-    };
-    cells.iter().map(unit).collect()
+    }
 }
 
-fn is_heading(cells: &[&str]) -> bool {
-    cells.iter().all(|cell| cell.parse::<f64>().is_err())
-}
-
-/// The rows that hold numbers, counted from 1.
-fn rows(csv: &str) -> impl Iterator<Item = (usize, Vec<&str>)> {
-    csv.lines().enumerate().filter_map(|(i, row)| {
-        let row = row.trim();
-        let cells: Vec<_> = row.split(',').map(str::trim).collect();
-        let heading = i == 0 && is_heading(&cells);
-        let is_empty = row.is_empty() || row.starts_with('#') || heading;
-        (!is_empty).then_some((i + 1, cells))
-    })
-}
-
-/// Poses given as CSV: rows of six numbers, position (m) and roll, pitch, yaw (rad, fixed axes x,
-/// y, z as in URDF), or of twelve, as [`fk_table`] gives them.
+/// Poses given as CSV ([`Cells`]): rows of six numbers, position (m) and roll, pitch, yaw (rad,
+/// fixed axes x, y, z as in URDF), or of twelve, as [`fk_table`] gives them; a column whose heading
+/// ends in `_deg` or `_mm` is in that unit.
 ///
 /// # Errors
 /// Names the row (1-based): a count that is neither, a number that is none, a matrix that is no
 /// rotation; a table without any pose.
 pub fn poses(csv: &str) -> Result<Vec<Isometry3<f64>>, ArmError> {
     let mut found = Vec::new();
-    for (row, cells) in rows(csv) {
+    for (row, numbers) in numbers(csv)? {
         let fault = |message: &str| {
             let message = message.to_owned();
             ArmError::from(ArmErrorKind::PostureTable { row, message })
         };
-        let numbers = finite(&cells, row)?;
         let rotation = match numbers.len() {
             6 => UnitQuaternion::from_euler_angles(numbers[3], numbers[4], numbers[5]),
             12 => {
@@ -206,25 +206,3 @@ const HEAD: [&str; 12] = [
     "x_m", "y_m", "z_m", "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33",
 ];
 const IN_MEMORY: &str = "memory can be written to";
-
-fn parse_row(cells: &[&str], row: usize, joints: usize) -> Result<Vec<f64>, ArmError> {
-    let fault = |message| ArmError::from(ArmErrorKind::PostureTable { row, message });
-    if cells.len() != joints {
-        let found = cells.len();
-        return Err(fault(format!(
-            "{found} values; the chain has {joints} joints"
-        )));
-    }
-    finite(cells, row)
-}
-
-fn finite(cells: &[&str], row: usize) -> Result<Vec<f64>, ArmError> {
-    let number = |cell: &&str| match cell.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => {
-            let message = format!("\"{cell}\" is not a finite number");
-            Err(ArmErrorKind::PostureTable { row, message }.into())
-        }
-    };
-    cells.iter().map(number).collect()
-}

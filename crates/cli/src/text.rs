@@ -75,6 +75,14 @@ pub fn headline(all: &[Scalar]) -> String {
             format!("  largest drive torque: {shown} of its limit ({what})\n")
         });
     }
+    if let Some(saturated) = all.iter().find(|one| one.name == "plant.torque_saturated") {
+        let what = saturated.description.split_once(": ");
+        text.push_str(&format!(
+            "  ! SERVO SATURATED for {} ({}): it gives all that it can, and the arm does not follow\n",
+            seconds(saturated.value),
+            what.map_or("", |(_, what)| what)
+        ));
+    }
     text.push_str(&belt_faults(all));
     text
 }

@@ -64,25 +64,21 @@ fn verify_shells_under_air() {
     }
 }
 
-/// The edge's reaction is found in planes across it; this says how good that is. The layer counts
-/// most where the middle of the patch is off the face and the air is strong beside the rubber.
+/// The grid of the obstacle problem has an error of its own, of up to half of a per cent.
 #[test]
 fn verify_patches_that_an_edge_cuts() {
     let rows = rows("edge");
-    assert_eq!(rows.len(), 6);
+    assert_eq!(rows.len(), 18);
     let face = Face::rectangle(1.0, 1.0).unwrap();
-    for row in rows {
-        let wheel = pneumatic(&row);
+    let offs = rows.iter().map(|row| {
+        let wheel = pneumatic(row);
         let patch = wheel.patch(&wheel.shell(), row[5]);
         let pose = Isometry2::translation(row[6] - 1.0, -0.5);
         let (rest, rule) = (Sliding::default(), Quadrature::new(24));
         let loads = patch.loads(&face, &pose, &rest, &rule, |_| {});
-        let off = loads.normal_n / row[7] - 1.0;
-        let tolerance = match (row[6] > 0.0, row[4] / row[3]) {
-            (true, _) => 0.005,
-            (false, air) if air < 0.05 => 0.015,
-            (false, _) => 0.08,
-        };
-        assert!(off.abs() < tolerance, "{row:?}: {off}");
-    }
+        loads.normal_n / row[7] - 1.0
+    });
+    let offs: Vec<f64> = offs.collect();
+    println!("{offs:.4?}");
+    assert!(offs.iter().all(|off| off.abs() < 0.01), "{offs:.4?}");
 }

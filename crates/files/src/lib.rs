@@ -3,11 +3,13 @@
 
 #![warn(missing_docs)]
 
+mod cells;
 mod input;
 mod room;
 mod watched;
 mod whole;
 
+pub use cells::{CellRow, Cells, CellsError, number};
 pub use input::{MOST_BYTES, MOST_TEXT_BYTES, open, read, read_text};
 pub use room::room_bytes;
 pub use watched::watched;

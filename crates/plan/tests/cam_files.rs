@@ -326,6 +326,43 @@ fn the_tool_points_against_its_axis_into_the_work() {
     );
 }
 
+/// Whatever delimits the cells, in whatever unit the columns are named.
+#[test]
+fn poses_of_other_units_and_delimiters_are_the_same_path() {
+    let read =
+        |text: &str| cam::read(text, Path::new("p.csv"), &CamOptions::default()).expect(text);
+    let plain = read(
+        "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,feed_mm_per_s\n100.5,-20,3,180,0,90,\n101.5,-20,3,180,0,90,15\n",
+    );
+    let turned = std::f64::consts::PI;
+    let others = [
+        "x_mm;y_mm;z_mm;roll_deg;pitch_deg;yaw_deg;feed_mm_per_s\r\n100,5;-20;3;180;0;90;\r\n101,5;-20;3;180;0;90;15\r\n"
+            .to_owned(),
+        "x_m\ty_m\tz_m\troll_deg\tpitch_deg\tyaw_deg\tfeed_mm_per_min\n.1005\t-.02\t.003\t180\t0\t90\t\n\
+         .1015\t-.02\t.003\t180\t0\t90\t900\n"
+            .to_owned(),
+        format!(
+            "feed_m_per_s,yaw_rad,roll_rad,pitch_rad,x_mm,y_mm,z_mm\r,{0},{turned},0,100.5,-20,3\r.015,{0},{turned},0,\
+             101.5,-20,3\r",
+            0.5 * turned
+        ),
+    ];
+    for text in others {
+        let other = read(&text);
+        assert_eq!(other.points.len(), 2, "{text}");
+        for (a, b) in plain.points.iter().zip(&other.points) {
+            assert!((a.place_m - b.place_m).norm() < 1e-12, "{text}");
+            let feeds = [a, b].map(|it| it.feed_m_per_s.unwrap_or(0.0));
+            assert!((feeds[0] - feeds[1]).abs() < 1e-12, "{text}");
+            let (cam::Attitude::Whole(a), cam::Attitude::Whole(b)) = (&a.attitude, &b.attitude)
+            else {
+                panic!("{text}");
+            };
+            assert!(a.angle_to(b) < 1e-9, "{text}");
+        }
+    }
+}
+
 /// A million lines: refused by the number of their points, at the line of the first one too many.
 #[test]
 fn a_million_lines_are_refused_at_the_first_point_too_many() {

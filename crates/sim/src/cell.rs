@@ -243,7 +243,7 @@ impl Cell {
                 None => self.torque_use.outcome(self.scenario.run.overload),
             };
         }
-        self.scalars.extend(self.torque_use.scalar());
+        self.scalars.extend(self.torque_use.scalars());
         self.scalars.extend(findings.scalars);
         Ok(RunEnd {
             scalars: self.scalars,

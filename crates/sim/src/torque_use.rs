@@ -6,17 +6,24 @@ use truecut_arm::{FrameId, Joint, directional_stiffness};
 use truecut_recording::{Outcome, Scalar, Unit};
 use truecut_scenario::{DriveKind, FaultRule};
 
-/// The largest share of its limit that a drive was asked for.
+/// How near to its limit, as a part of it, a torque is that was cut off.
+const CUT_OFF: f64 = 1e-9;
+
+/// The largest share of its limit that a drive was asked for, and how long servos gave all that
+/// they can.
 pub(crate) struct TorqueUse {
     limits: Vec<DriveLimit>,
     largest: f64,
     joint: usize,
     time_s: f64,
+    dt_s: f64,
 }
 
 /// What a drive can give.
 struct DriveLimit {
     joint: usize,
+    /// Steps in which its servo gave all that it can.
+    saturated: u64,
     name: String,
     /// N m or N.
     value: f64,
@@ -30,6 +37,7 @@ impl TorqueUse {
             .filter(|(_, joint)| limit(joint).is_finite())
             .map(|(index, joint)| DriveLimit {
                 joint: index,
+                saturated: 0,
                 name: joint.name.clone(),
                 value: limit(joint),
                 unit: joint.kind.effort_unit(),
@@ -39,21 +47,47 @@ impl TorqueUse {
             largest: 0.0,
             joint: 0,
             time_s: 0.0,
+            dt_s: 0.0,
         }
     }
 
     /// Takes the drives' torques at an instant.
     pub(crate) fn watch(&mut self, time_s: f64, plant: &dyn Plant) {
-        for (at, drive) in self.limits.iter().enumerate() {
+        self.dt_s = plant.time_step_s();
+        for (at, drive) in self.limits.iter_mut().enumerate() {
             let share = plant.drive_torque(drive.joint).abs() / drive.value;
+            // A servo cuts its torque off there; a drive of another kind is asked for more.
+            drive.saturated += u64::from((share - 1.0).abs() < CUT_OFF);
             if share > self.largest {
                 (self.largest, self.joint, self.time_s) = (share, at, time_s);
             }
         }
     }
 
-    /// The result; `None` if no joint has a limit.
-    pub(crate) fn scalar(&self) -> Option<Scalar> {
+    /// The results; none if no joint has a limit.
+    pub(crate) fn scalars(&self) -> impl Iterator<Item = Scalar> {
+        self.largest().into_iter().chain(self.longest_saturated())
+    }
+
+    /// How long the servo that saturates most gave all that it can.
+    fn longest_saturated(&self) -> Option<Scalar> {
+        let drive = self.limits.iter().max_by_key(|drive| drive.saturated)?;
+        if drive.saturated == 0 {
+            return None;
+        }
+        let text = format!(
+            "Time for which a servo was at its torque limit: joint `{}`, limit {} {}",
+            drive.name, drive.value, drive.unit
+        );
+        Some(Scalar::new(
+            "plant.torque_saturated",
+            Unit::Second,
+            drive.saturated as f64 * self.dt_s,
+            text,
+        ))
+    }
+
+    fn largest(&self) -> Option<Scalar> {
         let drive = self.limits.get(self.joint)?;
         let text = format!(
             "Largest torque asked of a drive, as a share of its limit: joint `{}`, limit {} {}, at \

@@ -7,6 +7,7 @@ use arrow::compute::cast;
 use arrow::compute::kernels::cast_utils::string_to_timestamp_nanos;
 use arrow::datatypes::{DataType, TimeUnit};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use truecut_files::{CellRow, Cells};
 use truecut_recording::measured::{Column, Table};
 
 use crate::contained::contained;
@@ -35,12 +36,6 @@ pub fn read_table(path: &Path, header: bool) -> Result<Table, FileError> {
     Ok(table)
 }
 
-/// One row of a text file, with its line.
-struct CsvRow {
-    line: usize,
-    cells: Vec<String>,
-}
-
 fn csv_table(path: &Path, header: bool) -> Result<Table, Reason> {
     let bytes = truecut_files::read(path)?;
     if let Some(other) = not_utf8(&bytes) {
@@ -49,9 +44,12 @@ fn csv_table(path: &Path, header: bool) -> Result<Table, Reason> {
         )));
     }
     let text = String::from_utf8_lossy(&bytes);
-    let text = text.trim_start_matches('\u{feff}');
-    let (rows, decimal_comma) = rows(text)?;
-    let mut rows = rows.into_iter().peekable();
+    let cells = Cells::of(&text).map_err(|error| Reason::Line {
+        line: error.line,
+        message: error.message,
+    })?;
+    let decimal_comma = cells.decimal_comma;
+    let mut rows = cells.rows.into_iter().peekable();
     let Some(first) = rows.peek() else {
         return Err(Reason::NotATable("there is no row".into()));
     };
@@ -108,52 +106,7 @@ fn not_utf8(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// The rows of a text, without comments and empty lines, and whether a comma in a cell is decimal:
-/// where commas delimit, it is not. A row is a line.
-fn rows(text: &str) -> Result<(Vec<CsvRow>, bool), Reason> {
-    let lines: Vec<(usize, &str)> = (text.lines().enumerate())
-        .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
-        .map(|(index, line)| (index + 1, line))
-        .collect();
-    let Some(delimiter) = lines.first().and_then(|(_, first)| delimiter(first)) else {
-        // Columns that stand under each other: any number of blanks between two of them.
-        let row = |&(line, text): &(usize, &str)| CsvRow {
-            line,
-            cells: text.split_whitespace().map(str::to_owned).collect(),
-        };
-        return Ok((lines.iter().map(row).collect(), true));
-    };
-    let kept: Vec<&str> = lines.iter().map(|(_, text)| *text).collect();
-    let kept = kept.join("\n");
-    let mut reader = csv::ReaderBuilder::new()
-        .delimiter(delimiter)
-        .has_headers(false)
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(kept.as_bytes());
-    let mut rows = Vec::with_capacity(lines.len());
-    for (record, &(line, _)) in reader.records().zip(&lines) {
-        rows.push(CsvRow {
-            line,
-            cells: record?.iter().map(str::to_owned).collect(),
-        });
-    }
-    if let Some(&(line, _)) = lines.get(rows.len()) {
-        let message = "a quoted cell goes on over several lines".to_owned();
-        return Err(Reason::Line { line, message });
-    }
-    Ok((rows, delimiter != b','))
-}
-
-/// What stands between the cells of a line; `None` for blanks. A semicolon comes first: where it
-/// delimits, commas are decimal. A single column has no delimiter; any will do.
-fn delimiter(line: &str) -> Option<u8> {
-    let found = [';', '\t', ','].into_iter().find(|one| line.contains(*one));
-    let single = line.split_whitespace().count() == 1;
-    found.map(|one| one as u8).or(single.then_some(b','))
-}
-
-fn names(first: &CsvRow, header: bool) -> Result<Vec<String>, Reason> {
+fn names(first: &CellRow, header: bool) -> Result<Vec<String>, Reason> {
     if !header {
         return Ok((1..=first.cells.len())
             .map(|number| number.to_string())
@@ -191,10 +144,7 @@ fn names(first: &CsvRow, header: bool) -> Result<Vec<String>, Reason> {
 fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
     match cell {
         "" | "NA" | "na" | "N/A" | "null" => Some(f64::NAN),
-        other if decimal_comma => {
-            (other.replacen(',', ".", 1).parse().ok()).or_else(|| stamp(other))
-        }
-        other => other.parse().ok().or_else(|| stamp(other)),
+        other => truecut_files::number(other, decimal_comma).or_else(|| stamp(other)),
     }
 }
 

@@ -16,6 +16,7 @@ import numpy as np
 import scipy.interpolate
 import scipy.optimize
 
+from .edge_share import edge_share
 from .led_run import LedRun
 from .plant import Plant
 from .shell import Shell
@@ -212,6 +213,8 @@ class Tool:
             reaction = np.maximum(overhang + on_face, 0.0)
             # outside it falls by overhang + rising, inside by what the face does not hold of the rise
             tilt = 0.5 * (overhang + rising + (rising - on_face)) / self.tension
+            layer = 0.5 * self.tension / self.radius * math.sqrt(tread / u0)
+            reaction = edge_share(layer, distance / whole) * reaction
             normals = np.broadcast_to(outward, at.shape)
             found.append(np.column_stack([at, reaction * piece, tilt, normals]))
         return np.concatenate(found).T

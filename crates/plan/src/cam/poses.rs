@@ -1,18 +1,105 @@
-//! Poses in CSV: one row a point, the units in the names of the columns.
+//! Poses in a table: one row a point, the units in the names of the columns.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use truecut_files::{CellRow, Cells};
 
 use super::{Attitude, CamPath, CamPoint, direction};
 use crate::program::number::finite;
 use crate::program::{ProgramError, ProgramErrorKind};
 
-const PLACE: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
-const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
-const TURNS: [&str; 3] = ["roll_deg", "pitch_deg", "yaw_deg"];
-const AXIS: [&str; 3] = ["i", "j", "k"];
-const FEED: &str = "feed_mm_per_s";
+/// Columns of one quantity under the names that they may have, each with its unit in SI.
+type Names<const N: usize> = &'static [([&'static str; N], f64)];
+
+const PLACE: Names<3> = &[
+    (["x_mm", "y_mm", "z_mm"], 1e-3),
+    (["x_m", "y_m", "z_m"], 1.0),
+];
+const QUATERNION: Names<4> = &[(["qw", "qx", "qy", "qz"], 1.0)];
+const TURNS: Names<3> = &[
+    (["roll_deg", "pitch_deg", "yaw_deg"], PI / 180.0),
+    (["roll_rad", "pitch_rad", "yaw_rad"], 1.0),
+];
+const AXIS: Names<3> = &[(["i", "j", "k"], 1.0)];
+const FEED: Names<1> = &[
+    (["feed_mm_per_s"], 1e-3),
+    (["feed_mm_per_min"], 1e-3 / 60.0),
+    (["feed_m_per_s"], 1.0),
+];
+
+/// Where the numbers of a quantity stand, and their unit in SI.
+struct Columns<const N: usize> {
+    at: [usize; N],
+    unit: f64,
+}
+
+/// A row, with the names of its columns.
+struct Row<'a> {
+    table: &'a Cells,
+    heads: &'a CellRow,
+    row: &'a CellRow,
+}
+
+impl Row<'_> {
+    fn numbers<const N: usize>(&self, of: &Columns<N>) -> Result<[f64; N], ProgramErrorKind> {
+        let mut found = [0.0; N];
+        for (number, &column) in found.iter_mut().zip(&of.at) {
+            let cell = self.table.plain(&self.row.cells[column]);
+            *number = of.unit * finite(&cell, &self.heads.cells[column])?;
+        }
+        Ok(found)
+    }
+}
+
+fn columns<const N: usize>(heads: &CellRow, names: Names<N>) -> Option<Columns<N>> {
+    let column = |name: &&str| heads.cells.iter().position(|head| head == name);
+    names.iter().find_map(|(names, unit)| {
+        let at: Vec<usize> = names.iter().map(&column).collect::<Option<_>>()?;
+        Some(Columns {
+            at: at.try_into().ok()?,
+            unit: *unit,
+        })
+    })
+}
+
+/// How the tool stands, as a file gives it.
+enum Stands {
+    Quaternion(Columns<4>),
+    Turns(Columns<3>),
+    Axis(Columns<3>),
+}
+
+impl Stands {
+    fn of(heads: &CellRow) -> Option<Stands> {
+        (columns(heads, QUATERNION).map(Stands::Quaternion))
+            .or_else(|| columns(heads, TURNS).map(Stands::Turns))
+            .or_else(|| columns(heads, AXIS).map(Stands::Axis))
+    }
+
+    fn attitude(&self, row: &Row<'_>) -> Result<Attitude, ProgramErrorKind> {
+        match self {
+            Stands::Quaternion(columns) => {
+                let [w, i, j, k] = row.numbers(columns)?;
+                let q = Quaternion::new(w, i, j, k);
+                let (square, what) = (q.norm_squared(), "the sum of squares of qw to qz");
+                let is_one = (square - 1.0).abs() <= 1e-3;
+                ProgramErrorKind::unless(is_one, what, square, "1, to 1e-3")?;
+                Ok(Attitude::Whole(UnitQuaternion::from_quaternion(q)))
+            }
+            Stands::Turns(columns) => {
+                let [roll, pitch, yaw] = row.numbers(columns)?;
+                let turned = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+                Ok(Attitude::Whole(turned))
+            }
+            Stands::Axis(columns) => {
+                let axis = Vector3::from(row.numbers(columns)?);
+                direction(axis).map(Attitude::Axis)
+            }
+        }
+    }
+}
 
 /// Reads poses.
 ///
@@ -20,76 +107,67 @@ const FEED: &str = "feed_mm_per_s";
 /// If a column is missing or the attitude is not given, and at values that are none.
 pub(super) fn read(text: &str, file: &Path) -> Result<CamPath, ProgramError> {
     let at = |line: usize, kind| ProgramError::in_file(file, line, kind);
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
-    let broken = |error: csv::Error| {
-        let line = error.position().map_or(1, |place| place.line() as usize);
-        let rule = "rows of as many cells as there are columns";
-        at(line, ProgramErrorKind::value("the table", error, rule))
-    };
-    let heads = reader.headers().map_err(broken)?.clone();
-    let column = |name: &str| heads.iter().position(|head| head == name);
-    let all = |names: &[&str]| {
-        names
-            .iter()
-            .map(|name| column(name))
-            .collect::<Option<Vec<_>>>()
-    };
+    let rule = "rows of as many cells as there are columns";
+    let table = Cells::of(text).map_err(|error| {
+        at(
+            error.line,
+            ProgramErrorKind::value("the table", error.message, rule),
+        )
+    })?;
     let missing = |what: &str| at(1, ProgramErrorKind::unexpected("the head", what));
-    let place = all(&PLACE).ok_or_else(|| missing("one with the columns x_mm, y_mm, z_mm"))?;
-    let feed = column(FEED).ok_or_else(|| missing("one with the column feed_mm_per_s"))?;
-    let (turns, quaternion, axis) = (all(&TURNS), all(&QUATERNION), all(&AXIS));
-    if turns.is_none() && quaternion.is_none() && axis.is_none() {
-        return Err(missing(
-            "one that gives the attitude: qw, qx, qy, qz, or roll_deg, pitch_deg, yaw_deg, or the \
+    let place_names = "one with the columns x_mm, y_mm, z_mm, or x_m, y_m, z_m";
+    let heads = table.rows.first().ok_or_else(|| missing(place_names))?;
+    let place = columns(heads, PLACE).ok_or_else(|| missing(place_names))?;
+    let feed = columns(heads, FEED).ok_or_else(|| {
+        missing("one with the column feed_mm_per_s, feed_mm_per_min or feed_m_per_s")
+    })?;
+    let stands = Stands::of(heads).ok_or_else(|| {
+        missing(
+            "one that gives the attitude: qw, qx, qy, qz, or roll_deg, pitch_deg, yaw_deg (or _rad), or the \
              axis i, j, k;",
-        ));
-    }
+        )
+    })?;
     let mut path = CamPath::default();
-    for row in reader.records() {
-        let row = row.map_err(broken)?;
-        let line = row.position().map_or(0, |place| place.line() as usize);
-        let number = |column: usize| finite(&row[column], &heads[column]).map_err(|k| at(line, k));
-        let numbers = |columns: &[usize]| {
-            let each = columns.iter().map(|column| number(*column));
-            each.collect::<Result<Vec<f64>, _>>()
-        };
-        let attitude = if let Some(columns) = &quaternion {
-            let parts = numbers(columns)?;
-            let q = Quaternion::new(parts[0], parts[1], parts[2], parts[3]);
-            let (square, what) = (q.norm_squared(), "the sum of squares of qw to qz");
-            ProgramErrorKind::unless((square - 1.0).abs() <= 1e-3, what, square, "1, to 1e-3")
-                .map_err(|kind| at(line, kind))?;
-            Attitude::Whole(UnitQuaternion::from_quaternion(q))
-        } else if let Some(columns) = &turns {
-            let parts = numbers(columns)?;
-            let [roll, pitch, yaw] = [parts[0], parts[1], parts[2]].map(f64::to_radians);
-            Attitude::Whole(UnitQuaternion::from_euler_angles(roll, pitch, yaw))
-        } else {
-            let parts = numbers(axis.as_deref().unwrap_or_default())?;
-            let axis = direction(Vector3::from_column_slice(&parts));
-            Attitude::Axis(axis.map_err(|kind| at(line, kind))?)
-        };
-        // An empty cell is a move in rapid traverse.
-        let feed_m_per_s = match row[feed].is_empty() {
-            true => None,
-            false => {
-                let mm_per_s = number(feed)?;
-                ProgramErrorKind::unless(mm_per_s > 0.0, FEED, mm_per_s, "above zero")
-                    .map_err(|kind| at(line, kind))?;
-                Some(mm_per_s * 1e-3)
-            }
-        };
+    for row in &table.rows[1..] {
+        let line = row.line;
+        if row.cells.len() != heads.cells.len() {
+            let found = format!("a row of {} cells", row.cells.len());
+            return Err(at(line, ProgramErrorKind::value("the table", found, rule)));
+        }
         ProgramErrorKind::unless_too_many(path.points.len() + 1).map_err(|kind| at(line, kind))?;
-        path.points.push(CamPoint {
-            line,
-            place_m: Vector3::from_vec(numbers(&place)?) * 1e-3,
-            attitude,
-            feed_m_per_s,
-            stops: false,
-        });
+        let row = Row {
+            table: &table,
+            heads,
+            row,
+        };
+        let point = point(&row, &place, &stands, &feed).map_err(|kind| at(line, kind))?;
+        path.points.push(point);
     }
     Ok(path)
+}
+
+fn point(
+    row: &Row<'_>,
+    place: &Columns<3>,
+    stands: &Stands,
+    feed: &Columns<1>,
+) -> Result<CamPoint, ProgramErrorKind> {
+    // An empty cell is a move in rapid traverse.
+    let [column] = feed.at;
+    let feed_m_per_s = if row.row.cells[column].is_empty() {
+        None
+    } else {
+        let [m_per_s] = row.numbers(feed)?;
+        let given = &row.row.cells[column];
+        let name = &row.heads.cells[column];
+        ProgramErrorKind::unless(m_per_s > 0.0, name, given, "above zero")?;
+        Some(m_per_s)
+    };
+    Ok(CamPoint {
+        line: row.row.line,
+        place_m: Vector3::from(row.numbers(place)?),
+        attitude: stands.attitude(row)?,
+        feed_m_per_s,
+        stops: false,
+    })
 }

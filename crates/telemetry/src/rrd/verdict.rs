@@ -6,6 +6,8 @@ use truecut_recording::{ClaimResult, Header, Outcome, Recording, significant};
 pub(super) const CLAIMS: &str = "/claims";
 /// The scalar that says how far the most loaded drive is used.
 const TORQUE_USE: &str = "plant.torque_use_max";
+/// The scalar that says how long a servo was at its torque limit.
+const SATURATED: &str = "plant.torque_saturated";
 
 /// Claims, the load of the robot, notes.
 pub(super) fn claims_table(recording: &Recording, claims: &[ClaimResult]) -> String {
@@ -65,6 +67,15 @@ fn robot_load(recording: &Recording) -> String {
         text += &format!(
             "{what} {} % of its limit{joint}.\n",
             significant(percent, 3)
+        );
+    }
+    let mut scalars = recording.scalars.iter().rev();
+    if let Some(saturated) = scalars.find(|scalar| scalar.name == SATURATED) {
+        let joint = saturated.description.split_once(": ");
+        text += &format!(
+            "**Servo saturated** for {} s ({}): it gives all that it can, and the arm does not follow.\n",
+            significant(saturated.value, 3),
+            one_cell(joint.map_or("", |(_, joint)| joint))
         );
     }
     text

@@ -1,5 +1,6 @@
 //! Quadrature of a patch over the face, and of the line reactions along its edges.
 
+use super::edge_share::edge_share;
 use super::{EdgePoint, Layer, Patch, PatchLoads, Shape, Sliding};
 use crate::wheel::face::{Face, Side};
 use crate::wheel::quadrature::{ACROSS_NODES, Across, DISC_NODES, Disc, Quadrature};
@@ -296,6 +297,17 @@ impl Patch {
         (reaction, tilt_rad)
     }
 
+    /// Of the reaction that planes across a side give, what the side bears.
+    fn edge_share(&self, side: &Side) -> f64 {
+        let Shape::Point { radius_m } = self.shape else {
+            return 1.0;
+        };
+        let bed_pa = self.bed.pressure_pa(self.bed_indentation_m);
+        let layer = self.bed.tension_n_per_m / (2.0 * radius_m * bed_pa);
+        let distance_m = side.from_m.coords.dot(&side.outward);
+        edge_share(layer, distance_m / self.undeformed_half_length_m())
+    }
+
     pub(super) fn add_edge(
         &self,
         side: &Side,
@@ -325,6 +337,7 @@ impl Patch {
         if spread <= 0.0 {
             return;
         }
+        let share = self.edge_share(side);
         for (node, weight) in quadrature.for_share(1.0) {
             let (sin, cos) = (middle + spread * node).sin_cos();
             let at = side.from_m + (near + half * sin) * along;
@@ -336,7 +349,7 @@ impl Patch {
                     at_m: at,
                     length_m: piece,
                     outward: side.outward,
-                    force_n: reaction * piece,
+                    force_n: share * reaction * piece,
                     sliding_w: 0.0,
                 };
                 add(point, tilt_rad);

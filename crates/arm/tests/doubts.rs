@@ -1,0 +1,108 @@
+//! Robot files in other units, and flanges that do not point out of the wrist.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use proptest::prelude::*;
+use truecut_arm::Robot;
+
+/// An arm with the last joint along x; offsets in the file's unit, limits in the file's unit, and
+/// the turn of its flange.
+fn urdf(offsets: &[f64], limits: &[(f64, f64)], flange_rpy: [f64; 3]) -> String {
+    let inertia = r#"<inertia ixx="1" iyy="1.2" izz="0.8" ixy="0" ixz="0" iyz="0"/>"#;
+    let mut text = "<robot name=\"drawn\">\n<link name=\"l0\"/>\n".to_owned();
+    for (i, (offset, (lower, upper))) in offsets.iter().zip(limits).enumerate() {
+        let axis = if i + 1 == offsets.len() {
+            "1 0 0"
+        } else {
+            "0 1 0"
+        };
+        let mass = 5.0 + i as f64;
+        let next = i + 1;
+        writeln!(
+            text,
+            "<link name=\"l{next}\"><inertial><mass value=\"{mass}\"/>{inertia}</inertial></link>\n\
+             <joint name=\"j{next}\" type=\"revolute\"><parent link=\"l{i}\"/><child link=\"l{next}\"/>\
+             <origin xyz=\"{offset} 0 0\"/><axis xyz=\"{axis}\"/>\
+             <limit lower=\"{lower}\" upper=\"{upper}\" velocity=\"3\" effort=\"500\"/></joint>"
+        )
+        .unwrap();
+    }
+    let [r, p, y] = flange_rpy;
+    let last = offsets.len();
+    write!(
+        text,
+        "<link name=\"tool0\"/><joint name=\"end\" type=\"fixed\"><parent link=\"l{last}\"/>\
+         <child link=\"tool0\"/><origin xyz=\"{} 0 0\" rpy=\"{r} {p} {y}\"/></joint>\n</robot>",
+        0.1 * offsets[0]
+    )
+    .unwrap();
+    text
+}
+
+fn notes(text: &str) -> Vec<String> {
+    let robot = Robot::from_texts((text, Path::new("drawn.urdf")), None, None).unwrap();
+    robot.chain.notes
+}
+
+fn told(notes: &[String], of: &str) -> bool {
+    notes.iter().any(|note| note.contains(of))
+}
+
+/// Joints with their offset, m, and limits, rad, as arms have them.
+fn arms() -> impl Strategy<Value = Vec<(f64, (f64, f64))>> {
+    let joint = (0.05..0.9_f64, (-6.9..-0.7_f64, 0.7..6.9_f64));
+    prop::collection::vec(joint, 4..=7)
+}
+
+/// The z axis along the last joint's, x.
+const OUTWARDS: [f64; 3] = [0.0, std::f64::consts::FRAC_PI_2, 0.0];
+
+proptest! {
+    #[test]
+    fn an_arm_in_metres_and_radians_is_believed_and_one_in_other_units_told(joints in arms()) {
+        let (offsets, limits): (Vec<f64>, Vec<_>) = joints.into_iter().unzip();
+        let plain = notes(&urdf(&offsets, &limits, OUTWARDS));
+        for of in ["metres", "radians", "lies across"] {
+            prop_assert!(!told(&plain, of), "{plain:?}");
+        }
+        let in_mm: Vec<f64> = offsets.iter().map(|x| 1e3 * x).collect();
+        let other = notes(&urdf(&in_mm, &limits, OUTWARDS));
+        prop_assert!(told(&other, "are metres; in millimetres it were"), "{other:?}");
+        prop_assert!(!told(&other, "radians"), "{other:?}");
+        let in_deg: Vec<_> = (limits.iter())
+            .map(|(lower, upper)| (lower.to_degrees().min(-90.0), upper.to_degrees()))
+            .collect();
+        let other = notes(&urdf(&offsets, &in_deg, OUTWARDS));
+        prop_assert!(told(&other, "these look like degrees"), "{other:?}");
+        prop_assert!(!told(&other, "metres"), "{other:?}");
+    }
+
+    /// What the note asks for puts the z axis along the wrist, away from it.
+    #[test]
+    fn a_flange_across_the_wrist_is_told_with_the_turn_that_mends_it(
+        joints in arms(),
+        about_z in prop::sample::select(vec![0.0, 90.0, 180.0, -90.0]),
+        about_y in prop::sample::select(vec![0.0, 180.0]),
+    ) {
+        let (offsets, limits): (Vec<f64>, Vec<_>) = joints.into_iter().unzip();
+        let across = [0.0, f64::to_radians(about_y), f64::to_radians(about_z)];
+        let text = urdf(&offsets, &limits, across);
+        let notes = notes(&text);
+        let note = notes.iter().find(|note| note.contains("lies across"));
+        prop_assert!(note.is_some(), "{notes:?}");
+        let turn = note.unwrap().split("rpy_deg = ").nth(1).unwrap();
+        let config = format!("[frames.tool]\nrpy_deg = {turn}\n");
+        let robot = Robot::from_texts(
+            (&text, Path::new("drawn.urdf")),
+            Some((&config, Path::new("robot.toml"))),
+            None,
+        )
+        .unwrap();
+        prop_assert!(!told(&robot.chain.notes, "lies across"));
+        let frames = robot.frames;
+        let z = (frames.last_link_from_flange * frames.flange_from_tool).rotation
+            * nalgebra::Vector3::z();
+        prop_assert!((z - nalgebra::Vector3::x()).norm() < 1e-9, "{z}");
+    }
+}
