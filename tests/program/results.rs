@@ -194,7 +194,7 @@ fn a_run_says_what_is_asked_of_the_drives_and_what_the_servo_gives_way() {
     // A servo is never asked for more than it has; that it gives all is told in its place.
     let driven = ["--set", "robot.drive=servo", "--set", pushed];
     let out = desk.ends(
-        0,
+        DIVERGED,
         &[&["run", "hold.toml", "--no-rrd"], &driven[..]].concat(),
     );
     assert!(out.contains("! SERVO SATURATED for "), "{out}");
