@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -90,3 +91,17 @@ def test_verify_samples_beside_jumps(tmp_path):
         assert np.array_equal(mill.seen(noise)[:, 2], noise[:, 2])
         kept = ~mill.beside_jumps()
         assert np.array_equal(mill.seen(noise)[kept], noise[kept])
+
+
+def test_verify_the_reference_errs_less_than_sensors(tmp_path, monkeypatch):
+    """A diagnosis of clean data must not find the step of the program that made them: what is left of it, by a run of twice
+    the step, is below a tenth of what the quietest sensors err by."""
+    monkeypatch.setattr(experiment, "CACHE", tmp_path / "cache")
+    for draw, seed in ((drawn_mills._draw_fast, 930), (drawn_mills._draw, 932)):
+        machine = draw(np.random.default_rng([seed, 0]), f"drawn_mill_{seed}", tmp_path)
+        mill = machine.experiment
+        fine, coarse = (replace(mill, step_s=k * mill.step_s).outputs_of() for k in (1.0, 2.0))
+        noise = drawn_mills._with_noise(machine, fine, np.random.default_rng(seed)).experiment.reference_noise
+        # of second order: twice the step errs by three times as much more
+        left = np.sqrt(np.mean(((fine - coarse)[~mill.beside_jumps()] / 3.0) ** 2, axis=0))
+        assert np.all(left < 0.1 * 0.5 * np.array(noise)), (left, noise)

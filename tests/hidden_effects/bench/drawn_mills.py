@@ -276,7 +276,8 @@ def _draw(rng: np.random.Generator, name: str, folder: Path) -> Machine | None:
     _write(rng, name, folder, slide, cut, duration_s)
     # at rates of 1 kHz what is hidden shows below a fifth of that
     measured = (1000.0, duration_s, 0.05e-3, 200.0, (1.0, 1.0, 1e-6))
-    experiment = _Mill(name, *measured, folder=str(folder), tooth_period_s=1.0 / cut["tooth_hz"])
+    tooth_s = 1.0 / cut["tooth_hz"]
+    experiment = _Mill(name, *measured, folder=str(folder), tooth_period_s=tooth_s, refined=0.4)
     worn = Effect("milling_process_damping", None, {"per_slope_n_per_m": slope})
     return Machine(experiment, (Effect("tool_mode", None, mode), worn))
 
