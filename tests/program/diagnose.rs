@@ -5,6 +5,8 @@ use super::*;
 
 use std::collections::BTreeMap;
 
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 use truecut_discrepancy::diagnose::{Diagnosis, Verdict};
 
 /// Play that the data hold, rad.
@@ -94,6 +96,112 @@ fn diagnose_interrupted_leaves_the_users_files_as_they_are() {
         child.wait().unwrap();
         assert_eq!(files(&desk), before, "after {milliseconds} ms");
     }
+}
+
+/// The answer's files, without what takes another time each time.
+fn answer(desk: &Desk, folder: &str) -> (Diagnosis, String) {
+    let read = |name: &str| std::fs::read_to_string(desk.path(folder).join(name)).unwrap();
+    let mut found: Diagnosis = serde_json::from_str(&read("diagnosis.json")).unwrap();
+    found.work.seconds = 0.0;
+    (found, read("extended.toml"))
+}
+
+/// A diagnosis that is stopped at random moments, by signals that it catches and by one that it
+/// cannot, comes to the same answer, without the simulations that it had made; files of an earlier
+/// answer stay until then.
+#[cfg(unix)]
+#[test]
+fn a_diagnosis_that_is_stopped_goes_on_where_it_was() {
+    let desk = desk();
+    desk.ends(0, &["diagnose", "elbow.toml", "--out", "whole"]);
+    let folder = desk.path("out/elbow");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("diagnosis.json"), "earlier").unwrap();
+    let journal = folder.join("diagnosis.runs");
+    let mut draw = ChaCha8Rng::seed_from_u64(25_25);
+    let mut before = 0;
+    for signal in ["INT", "KILL", "TERM"] {
+        let mut child = desk
+            .command(&["diagnose", "elbow.toml"])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let bytes = || journal.metadata().map_or(0, |it| it.len());
+        while bytes() <= before + 1000 {
+            assert!(
+                child.try_wait().unwrap().is_none(),
+                "{signal}: it had ended"
+            );
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        std::thread::sleep(Duration::from_millis(u64::from(draw.next_u32() % 50)));
+        let line = format!("kill -{signal} {}", child.id());
+        assert!(
+            Command::new("sh")
+                .args(["-c", &line])
+                .status()
+                .unwrap()
+                .success()
+        );
+        let output = child.wait_with_output().unwrap();
+        let told = String::from_utf8_lossy(&output.stdout);
+        let code = match signal {
+            "INT" => Some(130),
+            "TERM" => Some(143),
+            _ => None,
+        };
+        assert_eq!(output.status.code(), code, "{signal}: {told}");
+        assert!(
+            code.is_none() || told.contains("stopped by a signal, without an answer"),
+            "{told}"
+        );
+        assert!(
+            bytes() > before,
+            "{signal}: {} bytes after {before}",
+            bytes()
+        );
+        before = bytes();
+        let kept = std::fs::read_to_string(folder.join("diagnosis.json")).unwrap();
+        assert_eq!(kept, "earlier");
+    }
+    // A prediction torn by the kill, and one whose bytes were damaged: both are made again.
+    let mut bytes = std::fs::read(&journal).unwrap();
+    bytes.truncate(bytes.len() - 5);
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 0x40;
+    std::fs::write(&journal, &bytes).unwrap();
+    let told = desk.ends(0, &["diagnose", "elbow.toml"]);
+    assert!(
+        told.contains("simulations were kept from a diagnosis that was stopped"),
+        "{told}"
+    );
+    assert!(answer(&desk, "out/elbow") == answer(&desk, "whole/elbow"));
+    assert!(!journal.exists() && !folder.join(".part").exists());
+}
+
+/// Of other data, or with another version of them, nothing is taken over.
+#[cfg(unix)]
+#[test]
+fn simulations_of_another_diagnosis_are_not_taken_over() {
+    let desk = desk();
+    let journal = desk.path("out/elbow/diagnosis.runs");
+    let mut child = desk.command(&["diagnose", "elbow.toml"]).spawn().unwrap();
+    while journal.metadata().map_or(0, |it| it.len()) < 1000 {
+        assert!(child.try_wait().unwrap().is_none(), "it had ended");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // One writer a folder.
+    let told = refused(&desk, &["diagnose", "elbow.toml"]);
+    assert!(
+        told.contains("another run is writing into this folder"),
+        "{told}"
+    );
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let text = std::fs::read_to_string(desk.path("elbow.csv")).unwrap();
+    std::fs::write(desk.path("elbow.csv"), format!("{text}\n")).unwrap();
+    let told = desk.ends(0, &["diagnose", "elbow.toml", "--max-runs", "5"]);
+    assert!(!told.contains("were kept"), "{told}");
 }
 
 #[test]

@@ -83,16 +83,112 @@ fn what_has_not_begun_when_a_signal_comes_is_not_run_and_keeps_what_an_earlier_r
 }
 
 #[test]
-fn a_sweep_still_ends_at_the_first_signal() {
+fn a_sweep_that_a_signal_stops_keeps_its_rows_and_goes_on() {
     let desk = Desk::new();
-    let axis = sweep("run.duration_s", "300, 301");
+    let axis = sweep("run.duration_s", "0.1, 0.2, 300, 301");
     desk.scenario("swept", LONG, &axis);
-    let mut child = start(&desk, &["run", "swept.toml"]);
+    let journal = desk.path("out/swept/sweep.rows.jsonl");
+    let mut child = start(&desk, &["run", "swept.toml", "--jobs", "1"]);
+    while std::fs::read_to_string(&journal).map_or(0, |text| text.lines().count()) < 3 {
+        assert!(child.try_wait().unwrap().is_none(), "the sweep had ended");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let out = ended_by(child, "INT", 130);
+    assert!(
+        out.contains("stopped by a signal: 2 rows are kept"),
+        "{out}"
+    );
+    assert!(!desk.path("out/swept/sweep.parquet").exists());
+    let text = std::fs::read_to_string(&journal).unwrap();
+    assert_eq!(text.lines().count(), 3, "no row of a run that was stopped");
+}
+
+#[test]
+fn a_check_that_a_signal_stops_keeps_the_verdicts_that_there_are() {
+    let desk = Desk::new();
+    let limit = claim("swings", "min = 1");
+    // One job: in this order.
+    desk.scenario("a_swing", "duration_s = 0.1", &limit);
+    desk.scenario("b_stands", "duration_s = 0.1", &claim("stands", "max = 0"));
+    desk.scenario("c_long", LONG, &limit);
+    desk.scenario("d_swept", LONG, &sweep("run.duration_s", "300, 301"));
+    desk.scenario("e_swing", "duration_s = 0.1", &limit);
+    let files =
+        ["a_swing", "b_stands", "c_long", "d_swept", "e_swing"].map(|it| format!("{it}.toml"));
+    let files = files.each_ref().map(String::as_str);
+    let mut draw = ChaCha8Rng::seed_from_u64(2530);
+    for trial in 0..4 {
+        // The sweep is begun in every other trial, since the long run is then not asked for.
+        let with_run = trial < 2;
+        let asked: Vec<&str> = files
+            .iter()
+            .copied()
+            .filter(|it| with_run || *it != "c_long.toml")
+            .collect();
+        let out = ["--out", "failed", "--jobs", "1"];
+        let mut child = start(&desk, &[&["check"], &asked[..], &out].concat());
+        // What fails is written as soon as it has its verdict.
+        let failed = desk.path("failed/b_stands/summary.json");
+        while !failed.exists() {
+            assert!(child.try_wait().unwrap().is_none(), "it had ended");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        std::thread::sleep(Duration::from_millis(u64::from(draw.next_u32() % 400)));
+        let (name, code) = [("INT", 130), ("TERM", 143)][trial % 2];
+        let out = ended_by(child, name, code);
+        std::fs::remove_file(&failed).unwrap();
+        assert!(
+            out.contains("✓ a_swing.toml") && out.contains("✗ b_stands.toml"),
+            "{out}"
+        );
+        let left = asked.len() - 2;
+        assert!(
+            out.contains(&format!(
+                "1 of {} scenarios hold, {left} without a verdict",
+                asked.len()
+            )),
+            "{out}"
+        );
+        let line = |file: &str| {
+            out.lines()
+                .find(|line| line.contains(file))
+                .unwrap()
+                .to_owned()
+        };
+        assert!(
+            line("e_swing").ends_with("not run: stopped by a signal"),
+            "{out}"
+        );
+        let junit = std::fs::read_to_string(desk.path("out/junit.xml")).unwrap();
+        let count = |what: &str| junit.matches(what).count();
+        assert_eq!(
+            (count("<testsuite "), count("<skipped"), count("<failure")),
+            (asked.len(), left, 1),
+            "{junit}"
+        );
+    }
+}
+
+/// The run that a claim refers to is stopped: nothing is judged on a part of it.
+#[test]
+fn a_claim_is_not_judged_on_a_part_of_the_run_that_it_refers_to() {
+    let desk = Desk::new();
+    let reference = "relative_to = { set = { \"run.duration_s\" = 300 } }\nmin = 0";
+    let claim = claim("as far", reference).replace("\"um\"", "\"1\"");
+    let length = "duration_s = 0.1\ntime_step_ms = 0.02\nrecord_interval_ms = 1";
+    desk.scenario("short", length, &claim);
+    let mut child = start(&desk, &["run", "short.toml", "--no-rrd"]);
+    wait_for_rows(&mut child, &desk.path("out/short/recording.arrows"), 1);
+    // The reference takes many seconds, the run itself a moment.
     std::thread::sleep(Duration::from_millis(700));
-    assert!(child.try_wait().unwrap().is_none(), "the sweep had ended");
-    send(&child, "INT");
-    // Ended by the signal itself, so that a shell's loop ends, too; or by the program, if it had
-    // not come to the sweep.
-    let code = child.wait().unwrap().code();
-    assert!(matches!(code, None | Some(130)), "{code:?}");
+    let out = ended_by(child, "INT", 130);
+    assert!(out.contains("claims not judged: 1"), "{out}");
+    let out = desk.path("checked.xml");
+    let arguments = ["check", "short.toml", "--junit", out.to_str().unwrap()];
+    let mut child = start(&desk, &arguments);
+    std::thread::sleep(Duration::from_millis(1000));
+    assert!(child.try_wait().unwrap().is_none(), "it had ended");
+    ended_by(child, "TERM", 143);
+    let junit = std::fs::read_to_string(&out).unwrap();
+    assert_eq!(junit.matches("<skipped").count(), 1, "{junit}");
 }

@@ -2,16 +2,17 @@
 //! XML.
 
 use std::path::{Component, Path, PathBuf};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use rayon::prelude::*;
 use truecut::data;
 use truecut::outputs::{Outputs, write_file, write_sweep};
-use truecut_recording::ClaimResult;
+use truecut_recording::{ClaimResult, Outcome};
 use truecut_scenario::Scenario;
-use truecut_sim::run::{Run, Runs};
-use truecut_sim::sweep::sweep;
+use truecut_sim::run::{Run, RunError, Runs};
+use truecut_sim::sweep::Sweep;
 use truecut_sim::{Robots, estimates};
 
 use crate::args::CheckArguments;
@@ -19,16 +20,37 @@ use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::find::find_scenarios;
 use crate::progress::{Progress, RunProgress};
+use crate::signals::Signals;
 use crate::text::{self, Align};
+
+/// Of a scenario that had not begun when a signal came, and of one that had.
+const NOT_RUN: &str = "not run: stopped by a signal";
+const STOPPED: &str = "stopped by a signal";
 
 /// A scenario that was checked.
 struct Checked {
     file: PathBuf,
     name: String,
     notes: Vec<String>,
-    /// ExitStatus, or the report of why it cannot run.
-    result: Result<Judged, String>,
+    result: Judgement,
     took: Duration,
+}
+
+enum Judgement {
+    Judged(Judged),
+    /// The report of why it cannot run.
+    Refused(String),
+    /// A signal came before there was a verdict: what there is instead.
+    Stopped(String),
+}
+
+impl Judgement {
+    fn judged(&self) -> Option<&Judged> {
+        match self {
+            Judgement::Judged(judged) => Some(judged),
+            Judgement::Refused(_) | Judgement::Stopped(_) => None,
+        }
+    }
 }
 
 struct Judged {
@@ -49,8 +71,10 @@ fn left_out(others: &[PathBuf]) -> Option<String> {
     (!names.is_empty()).then(|| format!("not scenarios, left out: {}", names.join(", ")))
 }
 
-/// Checks every file found; a scenario with bad input does not keep the others from running.
-pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
+/// Checks every file found; a scenario with bad input does not keep the others from running. A
+/// signal stops what runs at a step: the verdicts that there are by then are written all the same.
+pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
+    let signals = Signals::catch()?;
     arguments.common.use_jobs()?;
     let found = find_scenarios(&arguments.paths)?;
     let files = found.scenarios;
@@ -59,7 +83,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
     let progress = Progress::new(files.len(), "checking");
     let checked: Vec<Checked> = files
         .par_iter()
-        .map(|file| check_one(file, arguments, shared, &progress.run()))
+        .map(|file| check_one(file, arguments, shared, &progress.run(), &signals))
         .collect();
     drop(progress);
     write_junit(&checked, &arguments.junit)?;
@@ -71,15 +95,14 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitStatus, Failure> {
     crate::print(&text::notes(notes))?;
     crate::print(&text::notes(left_out(&found.others)))?;
     for one in &checked {
-        if let Err(report) = &one.result {
+        if let Judgement::Refused(report) = &one.result {
             crate::complain(report);
         }
     }
     crate::print(&format!("  {}\n", summary(&checked, arguments)))?;
-    Ok(checked
-        .iter()
-        .map(status_of)
-        .fold(ExitStatus::Good, ExitStatus::and))
+    let all = checked.iter().map(status_of);
+    let all = all.fold(ExitStatus::Good, ExitStatus::and);
+    Ok(signals.exit_code().map_or(all.into(), ExitCode::from))
 }
 
 fn check_one(
@@ -87,25 +110,34 @@ fn check_one(
     arguments: &CheckArguments,
     shared: (&Runs, &Robots),
     progress: &RunProgress,
+    signals: &Signals,
 ) -> Checked {
     let started = Instant::now();
     let mut name = file.display().to_string();
     let mut notes = Vec::new();
+    let began = !signals.came();
     let result = Scenario::load(file, &arguments.common.set)
         .map_err(Failure::from)
         .and_then(|scenario| {
             name.clone_from(&scenario.name);
             notes = scenario.notes();
+            if !began {
+                return Ok(Judgement::Stopped(NOT_RUN.to_owned()));
+            }
             // What is wrong with the robot's files the run tells.
             notes.extend(estimates(&scenario, shared.1).ok().flatten());
             let out = kept_in(file, arguments);
-            judge_scenario(&scenario, out.as_deref(), shared.0, progress)
+            judge_scenario(&scenario, out.as_deref(), shared.0, progress, signals)
         });
+    let refused = |failure| {
+        let report = miette::Report::from(failure);
+        Judgement::Refused(format!("{report:?}"))
+    };
     Checked {
         file: file.to_owned(),
         name,
         notes,
-        result: result.map_err(|failure| format!("{:?}", miette::Report::from(failure))),
+        result: result.unwrap_or_else(refused),
         took: started.elapsed(),
     }
 }
@@ -124,63 +156,93 @@ fn judge_scenario(
     out: Option<&Path>,
     runs: &Runs,
     progress: &RunProgress,
-) -> Result<Judged, Failure> {
+    signals: &Signals,
+) -> Result<Judgement, Failure> {
     if scenario.sweep.is_some() {
-        let table = sweep(scenario, &|part| progress.set(part))?;
+        let sweep = Sweep {
+            progress: &|part| progress.set(part),
+            stop: Some(signals.stop()),
+            ..Sweep::of(scenario)
+        };
+        let table = match sweep.execute() {
+            Err(RunError::Stopped) => return Ok(Judgement::Stopped(STOPPED.to_owned())),
+            other => other?,
+        };
         let claims = table.claims(scenario);
         let status = ExitStatus::of_sweep(&table, &claims);
         if let Some(out) = out.filter(|_| status != ExitStatus::Good) {
             write_sweep(out, scenario, &table)?;
         }
-        return Ok(Judged {
+        return Ok(Judgement::Judged(Judged {
             run: ExitStatus::of_sweep(&table, &[]),
-            status: ExitStatus::of_sweep(&table, &claims),
+            status,
             outcome: text::count_rows(&table),
             claims,
-        });
+        }));
     }
     if data::is_left_open(scenario) {
-        return Ok(Judged {
+        return Ok(Judgement::Judged(Judged {
             run: ExitStatus::Good,
             status: ExitStatus::Good,
             outcome: "not run: names no measured data".to_owned(),
             claims: Vec::new(),
-        });
+        }));
     }
+    judge_run(scenario, out, runs, progress, signals)
+}
+
+fn judge_run(
+    scenario: &Scenario,
+    out: Option<&Path>,
+    runs: &Runs,
+    progress: &RunProgress,
+    signals: &Signals,
+) -> Result<Judgement, Failure> {
     let run = Run {
         read_data: Some(data::replayed),
         references: Some(runs),
         progress: &|part| progress.set(part),
+        stop: Some(signals.stop()),
         ..Run::of(scenario)
     };
     // Kept because claims of other scenarios may refer to it.
     let recording = run.kept_in(runs)?;
-    let claims = run.judge(&recording)?;
+    if recording.outcome == Outcome::Interrupted {
+        let time_s = recording.time_s.last().copied().unwrap_or(0.0);
+        let after = text::seconds(time_s);
+        return Ok(Judgement::Stopped(format!("{STOPPED} after {after} of it")));
+    }
+    let claims = match run.judge(&recording) {
+        Err(RunError::Stopped) => return Ok(Judgement::Stopped(STOPPED.to_owned())),
+        other => other?,
+    };
     let status = ExitStatus::of_run(&recording.outcome, &claims);
     if let Some(out) = out.filter(|_| status != ExitStatus::Good) {
         let outputs = Outputs::prepare(out, scenario, true)?;
         outputs.write(&recording, &claims)?;
     }
-    Ok(Judged {
+    Ok(Judgement::Judged(Judged {
         run: ExitStatus::of_run(&recording.outcome, &[]),
         status,
         outcome: recording.outcome.to_string(),
         claims,
-    })
+    }))
 }
 
+/// Of a scenario that a signal stopped nothing is said: the program's code tells of the signal.
 fn status_of(checked: &Checked) -> ExitStatus {
-    checked
-        .result
-        .as_ref()
-        .map_or(ExitStatus::BadInput, |judged| judged.status)
+    match &checked.result {
+        Judgement::Judged(judged) => judged.status,
+        Judgement::Refused(_) => ExitStatus::BadInput,
+        Judgement::Stopped(_) => ExitStatus::Good,
+    }
 }
 
 fn table(checked: &[Checked]) -> String {
     let mut rows = Vec::new();
     for one in checked {
         let (mark, outcome, claims) = match &one.result {
-            Ok(judged) => {
+            Judgement::Judged(judged) => {
                 let mark = if judged.status == ExitStatus::Good {
                     "✓"
                 } else {
@@ -193,7 +255,8 @@ fn table(checked: &[Checked]) -> String {
                     format!("{held}/{} claims", judged.claims.len()),
                 )
             }
-            Err(_) => ("✗", "bad input".to_owned(), String::new()),
+            Judgement::Refused(_) => ("✗", "bad input".to_owned(), String::new()),
+            Judgement::Stopped(how) => ("✗", how.clone(), String::new()),
         };
         let took = text::seconds(one.took.as_secs_f64());
         rows.push(vec![
@@ -202,7 +265,7 @@ fn table(checked: &[Checked]) -> String {
             took,
             outcome,
         ]);
-        let judged = one.result.as_ref().ok();
+        let judged = one.result.judged();
         for claim in judged.into_iter().flat_map(|judged| &judged.claims) {
             if !claim.holds {
                 let name = format!("    ✗ {}", claim.name);
@@ -224,15 +287,24 @@ fn table(checked: &[Checked]) -> String {
 fn summary(checked: &[Checked], arguments: &CheckArguments) -> String {
     let good = checked
         .iter()
-        .filter(|one| status_of(one) == ExitStatus::Good)
+        .filter(|one| {
+            one.result
+                .judged()
+                .is_some_and(|it| it.status == ExitStatus::Good)
+        })
         .count();
     let all = checked.len();
+    let stopped = |one: &&Checked| matches!(one.result, Judgement::Stopped(_));
+    let left = match checked.iter().filter(stopped).count() {
+        0 => String::new(),
+        left => format!(", {left} without a verdict: stopped by a signal"),
+    };
     let kept = match &arguments.out {
         Some(out) if good < all => format!("; what failed is in {}", out.display()),
         _ => String::new(),
     };
     format!(
-        "{good} of {all} scenarios hold; JUnit XML in {}{kept}",
+        "{good} of {all} scenarios hold{left}; JUnit XML in {}{kept}",
         arguments.junit.display()
     )
 }
@@ -243,7 +315,7 @@ fn write_junit(checked: &[Checked], junit: &Path) -> Result<(), Failure> {
         let mut suite = TestSuite::new(one.file.display().to_string());
         suite.set_time(one.took);
         suite.add_test_case(run_case(one));
-        let judged = one.result.as_ref().ok();
+        let judged = one.result.judged();
         for claim in judged.into_iter().flat_map(|judged| &judged.claims) {
             suite.add_test_case(claim_case(claim));
         }
@@ -256,15 +328,20 @@ fn write_junit(checked: &[Checked], junit: &Path) -> Result<(), Failure> {
 }
 
 /// The run itself is a test case: failed if it diverges, ends in chatter or overloads a drive, an
-/// error if it cannot start.
+/// error if it cannot start, skipped if a signal came before its end.
 fn run_case(one: &Checked) -> TestCase {
     let status = match &one.result {
-        Ok(Judged {
+        Judgement::Judged(Judged {
             run: ExitStatus::Good,
             ..
         }) => TestCaseStatus::success(),
-        Ok(Judged { outcome, .. }) => non_success(NonSuccessKind::Failure, outcome),
-        Err(report) => non_success(NonSuccessKind::Error, report),
+        Judgement::Judged(Judged { outcome, .. }) => non_success(NonSuccessKind::Failure, outcome),
+        Judgement::Refused(report) => non_success(NonSuccessKind::Error, report),
+        Judgement::Stopped(how) => {
+            let mut skipped = TestCaseStatus::skipped();
+            skipped.set_message(how);
+            skipped
+        }
     };
     let mut case = TestCase::new(format!("{} runs", one.name), status);
     case.set_time(one.took);

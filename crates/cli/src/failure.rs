@@ -42,7 +42,9 @@ impl From<RunError> for Failure {
             }
             RunError::Data { message, help } => Failure::advised(message, help),
             RunError::Unjudged { error, .. } => (*error).into(),
-            RunError::Metric { .. } | RunError::Sink(_) => Failure::message(error.to_string()),
+            RunError::Metric { .. } | RunError::Sink(_) | RunError::Stopped => {
+                Failure::message(error.to_string())
+            }
         }
     }
 }

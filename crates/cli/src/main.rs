@@ -50,12 +50,12 @@ fn main() -> ExitCode {
 fn dispatch(command: Command) -> Result<ExitCode, Failure> {
     let status = match command {
         Command::Run(arguments) => return run::run(&arguments),
-        Command::Check(arguments) => check::check(&arguments),
+        Command::Check(arguments) => return check::check(&arguments),
         Command::View(arguments) => view::view(&arguments),
         Command::ExportMjcf(arguments) => mjcf::export(&arguments),
         Command::Crosscheck(arguments) => crosscheck::crosscheck(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
-        Command::Diagnose(arguments) => diagnose::diagnose(&arguments),
+        Command::Diagnose(arguments) => return diagnose::diagnose(&arguments),
         Command::Fit(arguments) => fit::fit(&arguments),
         Command::Lobes(arguments) => lobes::lobes(&arguments),
         Command::Posture(arguments) => posture::posture(&arguments),

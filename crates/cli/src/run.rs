@@ -23,11 +23,10 @@ const MANY_STEPS: usize = 3_000_000;
 const MANY_BYTES: u64 = 250_000_000;
 
 /// Runs every scenario given; sweeps after the single runs, since each of them fills all cores. A
-/// signal stops single runs at a step, with their files whole; what has not begun then does not
-/// begin.
+/// signal stops runs at a step: those of a single scenario with their files whole, those of sweeps
+/// with the rows that were done. What has not begun then does not begin.
 pub fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
-    let signals =
-        Signals::catch().map_err(|error| Failure::message(format!("signals: {error}")))?;
+    let signals = Signals::catch()?;
     let scenarios = arguments.load()?;
     let (sweeps, singles): (Vec<_>, Vec<_>) = scenarios
         .iter()
@@ -48,17 +47,15 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
         crate::print(&text)?;
         all = all.and(status);
     }
-    if let Some(code) = signals.exit_code() {
-        for scenario in sweeps {
-            crate::print(&not_run(scenario))?;
-        }
-        return Ok(code.into());
-    }
-    signals.end_at_once();
     for scenario in sweeps {
-        all = all.and(sweep::run_and_write(scenario, &arguments.out)?);
+        if signals.came() {
+            crate::print(&not_run(scenario))?;
+            continue;
+        }
+        let status = sweep::run_and_write(scenario, &arguments.out, signals.stop())?;
+        all = all.and(status);
     }
-    Ok(all.into())
+    Ok(signals.exit_code().map_or(all.into(), ExitCode::from))
 }
 
 fn not_run(scenario: &Scenario) -> String {

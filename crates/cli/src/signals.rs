@@ -1,11 +1,13 @@
 //! SIGINT and SIGTERM: the first asks what runs to stop at a step and write what it has, the second
-//! ends the program at once. Work that cannot stop half-way ends at the first, as without this.
+//! ends the program at once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
+
+use crate::failure::Failure;
 
 /// A shell's exit code for a program that a signal ended is this and the signal's number.
 const BY_SIGNAL: usize = 128;
@@ -15,8 +17,6 @@ pub struct Signals {
     stop: Arc<AtomicBool>,
     /// 0 until one came.
     number: Arc<AtomicUsize>,
-    /// Whether what goes on cannot stop at a step.
-    at_once: Arc<AtomicBool>,
 }
 
 impl Signals {
@@ -24,26 +24,23 @@ impl Signals {
     ///
     /// # Errors
     /// A handler that the system refuses.
-    pub fn catch() -> std::io::Result<Signals> {
+    pub fn catch() -> Result<Signals, Failure> {
+        Signals::caught().map_err(|error| Failure::message(format!("signals: {error}")))
+    }
+
+    fn caught() -> std::io::Result<Signals> {
         let signals = Signals {
             stop: Arc::default(),
             number: Arc::default(),
-            at_once: Arc::default(),
         };
         for number in [SIGINT, SIGTERM] {
             let code = BY_SIGNAL as i32 + number;
-            flag::register_conditional_default(number, Arc::clone(&signals.at_once))?;
             // In this order: the flag is set by the first signal, so that the second finds it.
             flag::register_conditional_shutdown(number, code, Arc::clone(&signals.stop))?;
             flag::register_usize(number, Arc::clone(&signals.number), number as usize)?;
             flag::register(number, Arc::clone(&signals.stop))?;
         }
         Ok(signals)
-    }
-
-    /// From now on a signal ends the program.
-    pub fn end_at_once(&self) {
-        self.at_once.store(true, Ordering::Relaxed);
     }
 
     /// Set once a signal came.

@@ -1,11 +1,13 @@
 //! Sweeps: run with progress, printed as a table, drawn as curves.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use truecut::SweepOutputs;
 use truecut::outputs::{SWEEP_OUTCOME, write_file};
 use truecut_recording::{ClaimResult, short_number, significant};
 use truecut_scenario::Scenario;
+use truecut_sim::run::RunError;
 use truecut_sim::sweep::{Column, Fault, SweepTable};
 use truecut_sim::{Robots, estimates};
 
@@ -15,11 +17,26 @@ use crate::figure::{BLACK, Figure, Layer, Legend, PINK, Panel, Style};
 use crate::progress::Progress;
 use crate::text::{self, Align};
 
-/// Runs a sweep with progress, prints its table and writes `sweep.parquet` and `sweep.svg`.
-pub fn run_and_write(scenario: &Scenario, out: &Path) -> Result<ExitStatus, Failure> {
+/// Runs a sweep with progress, prints its table and writes `sweep.parquet` and `sweep.svg`; one
+/// that is stopped leaves the rows that are done.
+pub fn run_and_write(
+    scenario: &Scenario,
+    out: &Path,
+    stop: &AtomicBool,
+) -> Result<ExitStatus, Failure> {
     let outputs = SweepOutputs::prepare(out, scenario)?;
     let kept = outputs.kept();
-    let table = Progress::of_one("sweeping", |progress| outputs.run(progress))?;
+    let swept = Progress::of_one("sweeping", |progress| outputs.run(progress, Some(stop)));
+    let table = match swept {
+        Err(RunError::Stopped) => {
+            let done = outputs.done();
+            return crate::print(&format!(
+                "{}\n  stopped by a signal: {done} rows are kept, and the same call goes on from there\n\n",
+                scenario.name
+            ));
+        }
+        other => other?,
+    };
     let claims = table.claims(scenario);
     let svg = outputs.finish(&table)?.with_extension("svg");
     let figure = Figure {

@@ -13,4 +13,4 @@ pub use cells::{CellRow, Cells, CellsError, number};
 pub use input::{MOST_BYTES, MOST_TEXT_BYTES, open, read, read_text};
 pub use room::room_bytes;
 pub use watched::watched;
-pub use whole::{fresh, write_whole};
+pub use whole::{continued, fresh, write_whole};

@@ -67,6 +67,23 @@ pub fn write_whole<E: From<io::Error>>(
     Ok(aside.keep()?)
 }
 
+/// A file to read and to write further at its end; empty if there is none of that name yet, or what
+/// has the name is no file. A link of that name is replaced, what it leads to stays.
+///
+/// # Errors
+/// A name that cannot be given, a file that cannot be opened.
+pub fn continued(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    options.read(true).append(true);
+    match path.symlink_metadata() {
+        Ok(there) if there.is_file() => return options.open(path),
+        Ok(_) => std::fs::remove_file(path)?,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
+    }
+    options.create_new(true).open(path)
+}
+
 /// A file to write at once under its name, in place of what has that name. A link of that name is
 /// replaced, what it leads to stays.
 ///

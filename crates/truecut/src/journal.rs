@@ -5,6 +5,7 @@ use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
@@ -29,6 +30,7 @@ pub struct SweepOutputs<'a> {
     files: Staged,
     kept: BTreeMap<usize, TableRow>,
     journal: Mutex<File>,
+    done: AtomicUsize,
 }
 
 /// The first line.
@@ -70,6 +72,7 @@ impl<'a> SweepOutputs<'a> {
         Ok(SweepOutputs {
             scenario,
             files,
+            done: kept.len().into(),
             kept,
             journal: Mutex::new(journal),
         })
@@ -80,15 +83,26 @@ impl<'a> SweepOutputs<'a> {
         self.kept.len()
     }
 
-    /// Runs the rows that are left. `progress` is told the part of all rows that is done, 0 to 1.
+    /// How many rows are on the disk.
+    pub fn done(&self) -> usize {
+        self.done.load(Ordering::Relaxed)
+    }
+
+    /// Runs the rows that are left, until `stop` is set. `progress` is told the part of all rows
+    /// that is done, 0 to 1.
     ///
     /// # Errors
-    /// As [`truecut_sim::sweep::sweep`]; a row that cannot be written.
-    pub fn run(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<SweepTable, RunError> {
+    /// As [`Sweep::execute`]; a row that cannot be written.
+    pub fn run(
+        &self,
+        progress: &(dyn Fn(f64) + Sync),
+        stop: Option<&AtomicBool>,
+    ) -> Result<SweepTable, RunError> {
         let sweep = Sweep {
             kept: Some(&self.kept),
             done: &|index, row| self.keep(index, row),
             progress,
+            stop,
             ..Sweep::of(self.scenario)
         };
         sweep.execute()
@@ -105,7 +119,9 @@ impl<'a> SweepOutputs<'a> {
     fn keep(&self, index: usize, row: &TableRow) -> Result<(), RunError> {
         let mut file = self.journal.lock().unwrap_or_else(PoisonError::into_inner);
         append(&mut file, index, row)
-            .map_err(|error| unwritten_at(&self.files.folder().join(JOURNAL), error))
+            .map_err(|error| unwritten_at(&self.files.folder().join(JOURNAL), error))?;
+        self.done.fetch_add(1, Ordering::Relaxed);
+        Ok(())
     }
 }
 

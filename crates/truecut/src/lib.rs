@@ -171,7 +171,7 @@
 //! // program is killed, the next call goes on from there, if scenario, files and version are the
 //! // same. A folder has one writer; that of the run is held as long as `files` above is there.
 //! let files = truecut::SweepOutputs::prepare(&out.path().join("swept"), &swept)?;
-//! let same = files.run(&|_part| {})?;
+//! let same = files.run(&|_part| {}, None)?;
 //! assert_eq!(same, table);
 //! assert!(files.finish(&same)?.ends_with("foot/sweep.parquet"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -339,6 +339,7 @@
 pub mod data;
 mod journal;
 pub mod outputs;
+mod predictions;
 mod staged;
 
 pub use truecut_arm as arm;
@@ -352,6 +353,7 @@ pub use truecut_telemetry as telemetry;
 
 pub use journal::SweepOutputs;
 pub use outputs::Outputs;
+pub use predictions::KeptModel;
 pub use staged::Staged;
 pub use truecut_scenario::Scenario;
 pub use truecut_sim::run::{Claims, Engine, Finished, Run, RunError, Runs};

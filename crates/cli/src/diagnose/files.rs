@@ -1,6 +1,6 @@
 //! Files that a diagnosis writes, all in its own folder; the user's files are only read.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use truecut_discrepancy::trial::Trial;
 use truecut_scenario::Scenario;
@@ -16,15 +16,17 @@ const EXTENDED: &str = "extended.toml";
 const EXPERIMENT: &str = "experiment.toml";
 const REPORT: &str = "report.html";
 const VIEWER: &str = "diagnosis.rrd";
+/// Predictions of a search that goes on, or was stopped.
+const RUNS: &str = "diagnosis.runs";
 
-/// Makes the folder before the search starts. Files of an earlier diagnosis stay until there is a
-/// new one.
+/// Makes the folder before the search starts and locks it. Files of an earlier diagnosis stay until
+/// there is a new one.
 ///
 /// # Errors
 /// A folder that cannot be written to, or in which an answer would replace what is being diagnosed.
-pub fn prepare(scenario: &Scenario, folder: &Path, data: &str) -> Result<(), Failure> {
+pub fn prepare(scenario: &Scenario, folder: &Path, data: &str) -> Result<Staged, Failure> {
     spare_inputs([scenario.path(), Path::new(data)], folder)?;
-    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
+    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER, RUNS] {
         let path = folder.join(name);
         if path.is_dir() {
             let text = "it is a folder, but a file of this name is to be written";
@@ -32,12 +34,16 @@ pub fn prepare(scenario: &Scenario, folder: &Path, data: &str) -> Result<(), Fai
         }
     }
     // What cannot be begun now could not be written after the search.
-    Staged::begin(folder)?;
-    Ok(())
+    Ok(Staged::begin(folder)?)
+}
+
+/// Where the predictions of the search are kept.
+pub fn runs(files: &Staged) -> PathBuf {
+    files.folder().join(RUNS)
 }
 
 fn spare_inputs(inputs: [&Path; 2], folder: &Path) -> Result<(), Failure> {
-    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER] {
+    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER, RUNS] {
         let Ok(there) = folder.join(name).canonicalize() else {
             continue;
         };
@@ -55,13 +61,14 @@ fn spare_inputs(inputs: [&Path; 2], folder: &Path) -> Result<(), Failure> {
 }
 
 /// Writes the answer, the extended scenario, the experiment proposed, the report and the curves.
+/// What was kept of the search has served.
 pub fn write(
     scenario: &Scenario,
-    folder: &Path,
+    files: &Staged,
     trial: &Trial,
     confirmed: &Confirmed,
 ) -> Result<Written, Failure> {
-    let files = Staged::begin(folder)?;
+    let folder = files.folder();
     let answer = &confirmed.answer;
     let mut written = Written {
         report: folder.join(REPORT),
@@ -85,7 +92,7 @@ pub fn write(
     viewer::write(trial, confirmed, &text, &files.path(VIEWER))?;
     let json = text::json(&answer.diagnosis)?;
     write_file(&files.path(ANSWER), json.as_bytes())?;
-    files.publish(&[EXTENDED, EXPERIMENT, REPORT, VIEWER, ANSWER])?;
+    files.publish(&[RUNS, EXTENDED, EXPERIMENT, REPORT, VIEWER, ANSWER])?;
     Ok(written)
 }
 

@@ -6,13 +6,16 @@ mod report;
 mod text;
 mod viewer;
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
+use std::process::ExitCode;
 
-use truecut::data;
+use truecut::{KeptModel, data};
 use truecut_discrepancy::confirmed::Confirmed;
 use truecut_discrepancy::diagnose::{self, DiagnoseError, Progress, Stage};
 use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::{Thinning, Trial};
+use truecut_files::watched;
 use truecut_recording::short_number;
 use truecut_scenario::Scenario;
 
@@ -20,6 +23,7 @@ use crate::args::DiagnoseArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::PatientBar;
+use crate::signals::Signals;
 
 /// The files that were written and are worth naming.
 pub struct Written {
@@ -28,29 +32,72 @@ pub struct Written {
     pub extended: Option<PathBuf>,
 }
 
-/// Diagnoses, writes the files, prints the answer.
-pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitStatus, Failure> {
+/// Diagnoses, writes the files, prints the answer. A signal stops the search at its next
+/// simulation; those that were made are kept, and the next diagnosis of the same goes on from
+/// there.
+pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
+    let signals = Signals::catch()?;
     let scenario = &arguments.common.load(&arguments.scenario)?;
     let options = arguments.options();
-    let data = data::measured(scenario, arguments.data.as_deref())?;
-    let folder = arguments.out.join(scenario.stem());
-    files::prepare(scenario, &folder, &data.source)?;
-    let trial = Trial::new(scenario, &data).map_err(|error| Failure::sim(scenario, error))?;
-    let runs = options.max_predictions as u64;
-    let bar = PatientBar::new(runs, "{msg:32} {wide_bar} {pos} runs  {elapsed}");
+    let (prepared, read) = watched(|| -> Result<_, Failure> {
+        let data = data::measured(scenario, arguments.data.as_deref())?;
+        let folder = arguments.out.join(scenario.stem());
+        let files = files::prepare(scenario, &folder, &data.source)?;
+        let trial = Trial::new(scenario, &data).map_err(|error| Failure::sim(scenario, error))?;
+        Ok((data, files, trial))
+    });
+    let (data, files, trial) = prepared?;
+    let runs = files::runs(&files);
+    let model = KeptModel::new(
+        &trial,
+        &runs,
+        &identity(scenario, read),
+        Some(signals.stop()),
+    )
+    .map_err(|error| Failure::at(&runs, error))?;
+    let most = options.max_predictions as u64;
+    let bar = PatientBar::new(most, "{msg:32} {wide_bar} {pos} runs  {elapsed}");
     let show = |now: Progress| {
         bar.tell(|bar| {
             bar.set_message(words(now.stage));
             bar.set_position(now.predictions as u64);
         });
     };
-    let answer = diagnose::diagnose(&trial, &trial.observation, &options, &show)
-        .map_err(|error| refused(&trial, scenario, &data.source, &error))?;
+    let answer = diagnose::diagnose(&model, &trial.observation, &options, &show);
     drop(bar);
+    if let Some(code) = signals.exit_code() {
+        crate::print(&format!(
+            "{}\n  stopped by a signal, without an answer: {} simulations are kept in {}, and the same call goes on \
+             from there\n\n",
+            scenario.name,
+            model.made(),
+            runs.display()
+        ))?;
+        return Ok(code.into());
+    }
+    let answer = answer.map_err(|error| {
+        // There is nothing to go on with.
+        let _ = std::fs::remove_file(&runs);
+        refused(&trial, scenario, &data.source, &error)
+    })?;
+    if model.kept() > 0 {
+        crate::print(&format!(
+            "{} simulations were kept from a diagnosis that was stopped\n",
+            model.kept()
+        ))?;
+    }
     let confirmed = Confirmed::of(&trial, answer);
-    let written = files::write(scenario, &folder, &trial, &confirmed)?;
+    let written = files::write(scenario, &files, &trial, &confirmed)?;
     crate::print(&text::printed(&trial, &confirmed, &written))?;
-    Ok(ExitStatus::Good)
+    Ok(ExitStatus::Good.into())
+}
+
+/// What must be the same for predictions to be the same: the scenario as it runs, what it reads,
+/// the version.
+fn identity(scenario: &Scenario, read: u64) -> String {
+    let mut digest = DefaultHasher::new();
+    (scenario.effective_text(), read, env!("CARGO_PKG_VERSION")).hash(&mut digest);
+    format!("{:016x}", digest.finish())
 }
 
 /// The fault, at the key of the scenario that it is about.

@@ -49,6 +49,9 @@ pub enum RunError {
     /// The recording cannot be written.
     #[error("{0}")]
     Sink(SinkError),
+    /// [`Run::stop`](super::Run::stop) was set before there was an answer.
+    #[error("stopped from outside")]
+    Stopped,
 }
 
 impl From<ScenarioError> for RunError {

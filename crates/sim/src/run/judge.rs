@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use truecut_recording::{ClaimResult, ClaimSpec, Recording, RunReference};
+use truecut_recording::{ClaimResult, ClaimSpec, Outcome, Recording, RunReference};
 use truecut_scenario::Scenario;
 
 use super::error::RunError;
@@ -13,7 +13,7 @@ impl Run<'_> {
     /// Judges the claims on a recording of this run that there is already.
     ///
     /// # Errors
-    /// A claim that cannot be judged, or whose reference cannot run.
+    /// A claim that cannot be judged, or whose reference cannot run or is stopped.
     pub fn judge(&self, recording: &Recording) -> Result<Vec<ClaimResult>, RunError> {
         self.judge_in(&*self.resolved()?, recording)
     }
@@ -43,6 +43,11 @@ impl Run<'_> {
             Some(reference) => Some(self.referred(scenario, index, reference, runs)?),
             None => None,
         };
+        // A part of the reference is none.
+        let cut = |reference: &Arc<Recording>| reference.outcome == Outcome::Interrupted;
+        if reference.as_ref().is_some_and(cut) {
+            return Err(RunError::Stopped);
+        }
         claim
             .evaluate(recording, reference.as_deref())
             .map_err(|error| {

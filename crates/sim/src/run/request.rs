@@ -77,7 +77,8 @@ pub struct Run<'a> {
     pub before: &'a dyn Fn(&Extent) -> Result<(), SinkError>,
     /// Stops the run at the next step once it is set, from another thread or a signal. The
     /// recording then ends there with [`Outcome::Interrupted`], its files are whole, and no claim
-    /// is judged.
+    /// is judged. It has that outcome, with all its rows, where a run that a claim refers to was
+    /// stopped.
     pub stop: Option<&'a AtomicBool>,
 }
 
@@ -137,7 +138,7 @@ impl<'a> Run<'a> {
         let read = self.read(&scenario)?;
         let measured = self.measured.or(read.as_ref());
         let at = |error| RunError::of(&scenario, error);
-        let recorded = self.record(&scenario, measured, sinks).map_err(at)?;
+        let mut recorded = self.record(&scenario, measured, sinks).map_err(at)?;
         let stopped = recorded.recording.outcome == Outcome::Interrupted;
         let judged = match self.claims {
             Claims::Judge if !stopped => self.judge_in(&scenario, &recorded.recording),
@@ -145,6 +146,10 @@ impl<'a> Run<'a> {
         };
         let (claims, unjudged) = match judged {
             Ok(claims) => (claims, None),
+            Err(RunError::Stopped) => {
+                recorded.recording.outcome = Outcome::Interrupted;
+                (Vec::new(), None)
+            }
             Err(error) => (Vec::new(), Some(Box::new(error))),
         };
         let closed = recorded.sinks.close(&recorded.recording, &claims);

@@ -1,5 +1,7 @@
 //! One combination of a sweep's values, run alone.
 
+use std::sync::atomic::AtomicBool;
+
 use crate::error::SimError;
 use crate::run::Run;
 use truecut_recording::{Outcome, Recording, Unit};
@@ -107,7 +109,16 @@ fn number(value: f64) -> String {
 /// What makes a scenario unfit to run at these values, or a column that its recording does not
 /// have.
 pub fn run_job(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
-    row(job, progress).map_err(|error| of_row(job, error))
+    run_job_until(job, progress, None)
+}
+
+/// The same, unless it is stopped: the row's fault then is that its run was interrupted.
+pub(super) fn run_job_until(
+    job: &Job,
+    progress: &dyn Fn(f64),
+    stop: Option<&AtomicBool>,
+) -> Result<SweepRow, SimError> {
+    row(job, progress, stop).map_err(|error| of_row(job, error))
 }
 
 /// An error that says in which of many rows it came; what overrides have made invalid names the key
@@ -126,7 +137,7 @@ fn of_row(job: &Job, error: SimError) -> SimError {
     }
 }
 
-fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
+fn row(job: &Job, progress: &dyn Fn(f64), stop: Option<&AtomicBool>) -> Result<SweepRow, SimError> {
     let mut row = SweepRow::default();
     for (key, value) in &job.overrides {
         row.values.push(Entry {
@@ -137,7 +148,7 @@ fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
     }
     let recording = match &job.sweep.bisect {
         Some(bisect) => {
-            let (value, last) = search(job, bisect, progress)?;
+            let (value, last) = search(job, bisect, progress, stop)?;
             row.values.push(Entry {
                 name: bisect.name.clone(),
                 value,
@@ -147,7 +158,7 @@ fn row(job: &Job, progress: &dyn Fn(f64)) -> Result<SweepRow, SimError> {
             last.recording
         }
         None => {
-            let recording = record(&job.scenario, &job.overrides, progress)?;
+            let recording = record(&job.scenario, &job.overrides, progress, stop)?;
             row.fault = Fault::of(&recording, "");
             recording
         }
@@ -172,14 +183,14 @@ fn search(
     job: &Job,
     bisect: &BisectSpec,
     progress: &dyn Fn(f64),
+    stop: Option<&AtomicBool>,
 ) -> Result<(f64, SearchRun), SimError> {
     let halvings = ((bisect.to - bisect.from) / (bisect.tolerance * bisect.to.abs())).log2();
     let most = halvings.max(0.0).ceil() + 2.0;
     let made = std::cell::Cell::new(0.0);
     let run_at = |value| {
-        let tried = search_run(job, bisect, value, &|part| {
-            progress((made.get() + part) / most)
-        });
+        let tell = |part| progress((made.get() + part) / most);
+        let tried = search_run(job, bisect, value, &tell, stop);
         made.set(made.get() + 1.0);
         tried
     };
@@ -229,10 +240,11 @@ fn search_run(
     bisect: &BisectSpec,
     value: f64,
     progress: &dyn Fn(f64),
+    stop: Option<&AtomicBool>,
 ) -> Result<SearchRun, SimError> {
     let mut overrides = job.overrides.clone();
     overrides.push((bisect.key.clone(), format!("{value:?}")));
-    let recording = record(&job.scenario, &overrides, progress)?;
+    let recording = record(&job.scenario, &overrides, progress, stop)?;
     let metric = bisect.metric.evaluate(&recording)?;
     Ok(SearchRun {
         meets_limit: metric.value <= bisect.limit,
@@ -249,10 +261,12 @@ fn record(
     scenario: &Scenario,
     overrides: &[(String, String)],
     progress: &dyn Fn(f64),
+    stop: Option<&AtomicBool>,
 ) -> Result<Recording, SimError> {
     Run {
         overrides: overrides.to_vec(),
         progress,
+        stop,
         ..Run::of(scenario)
     }
     .recording()

@@ -3,12 +3,13 @@
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
-use truecut_recording::{UserUnit, short_number};
+use truecut_recording::{Outcome, UserUnit, short_number};
 use truecut_scenario::Scenario;
 
-use super::job::{Fault, Job, SweepRow, jobs, run_job};
+use super::job::{Fault, Job, SweepRow, jobs, run_job_until};
 use crate::run::{Run, RunError};
 
 /// The results of a sweep: a row for each job, the last axis running fastest.
@@ -87,6 +88,9 @@ pub struct Sweep<'a> {
     pub done: &'a Done<'a>,
     /// Told the part done, from 0 to 1.
     pub progress: &'a (dyn Fn(f64) + Sync),
+    /// Stops its runs at their next step once it is set; [`RunError::Stopped`] is the answer then.
+    /// Rows that were done by that time have been told.
+    pub stop: Option<&'a AtomicBool>,
 }
 
 /// What is called with a row's number and the row.
@@ -112,6 +116,7 @@ impl<'a> Sweep<'a> {
             kept: None,
             done: &|_, _| Ok(()),
             progress: &|_| (),
+            stop: None,
         }
     }
 
@@ -119,7 +124,7 @@ impl<'a> Sweep<'a> {
     ///
     /// # Errors
     /// Whatever makes the scenario unfit to run, as it is or in one of the rows; metrics that its
-    /// runs do not have; what [`Sweep::done`] answers.
+    /// runs do not have; what [`Sweep::done`] answers; [`Sweep::stop`].
     pub fn execute(&self) -> Result<SweepTable, RunError> {
         // Mistakes in the metrics are to be found before the first run.
         Run::of(self.scenario).check()?;
@@ -160,7 +165,15 @@ impl<'a> Sweep<'a> {
             advance(1.0);
             return Ok(kept.clone());
         }
-        let made = run_job(job, &advance).map_err(|error| RunError::of(self.scenario, error))?;
+        if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+            return Err(RunError::Stopped);
+        }
+        let made = run_job_until(job, &advance, self.stop);
+        let made = made.map_err(|error| RunError::of(self.scenario, error))?;
+        let outcome = made.fault.as_ref().map(|fault| &fault.outcome);
+        if outcome == Some(&Outcome::Interrupted) {
+            return Err(RunError::Stopped);
+        }
         advance(1.0);
         let row = TableRow {
             values: values(columns, &made),
