@@ -16,6 +16,8 @@ const MILLING_FROM_THE_POSTURE: &str = include_str!("every_key/milling_from_the_
 
 const LOAD: &str = include_str!("every_key/load.toml");
 
+const LOAD_PATH: &str = include_str!("every_key/load_path.toml");
+
 /// `turn_rpm` and `start_deg` are written so that they are not changed: edges hold the angle all
 /// along this short way. They are changed in the text after this.
 const POLISH: &str = include_str!("every_key/polish.toml");
@@ -172,4 +174,5 @@ fn every_key_of_brushing_counts() {
 #[test]
 fn every_key_of_given_loads_counts() {
     check(LOAD, 13);
+    check(LOAD_PATH, 10);
 }

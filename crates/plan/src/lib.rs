@@ -53,6 +53,7 @@ pub mod map;
 pub mod motion;
 mod options;
 mod parts;
+pub mod path_file;
 mod plan;
 mod planner;
 pub mod precession;

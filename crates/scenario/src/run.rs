@@ -11,7 +11,7 @@ use crate::units::from_ms;
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunSpec {
     /// Simulated time; infinite for a replay that lasts as long as its data, and for polishing,
-    /// belt finishing and brushing that last as long as their paths.
+    /// belt finishing, brushing and paths from files that last as long as their paths.
     pub duration_s: f64,
     /// Time step; `None` leaves the choice to the simulator (see the README, "Numerics").
     pub time_step_s: Option<f64>,
@@ -41,8 +41,8 @@ pub enum FaultRule {
 #[serde(deny_unknown_fields)]
 pub(crate) struct RunTable {
     /// Simulated time. Default: what the process takes (chamfer: feed and dwell; wheel and milling:
-    /// one pass; polish: its raster; belt: its lines; brush: its taught postures; replay: its
-    /// data).
+    /// one pass; polish: its raster; belt: its lines; brush: its taught postures or path; load: its
+    /// path; replay: its data).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
     duration_s: Option<f64>,
     /// Time step. Default: the smallest of 0.25 ms, 1/60 of the fastest mode's period and 1/40 of

@@ -10,12 +10,13 @@
 //! [`interpolation`] holds the cubics between even knots, [`branch`] finds postures along poses,
 //! [`follow`] says what an arm cannot do. The motions of the processes are made of these: [`lines`]
 //! over a face, a raster with a precessing wheel ([`polish`]), a [`straight`] path, postures that
-//! were [`taught`].
+//! were [`taught`], a program by which an arm is [`led`].
 
 pub mod branch;
 pub mod follow;
 pub mod interpolation;
 pub mod joints;
+pub mod led;
 pub mod lines;
 pub mod polish;
 pub mod raster;

@@ -7,6 +7,7 @@ use thiserror::Error;
 use truecut_arm::Placed;
 
 use crate::bounds::OutOfBounds;
+use crate::motion::follow::FollowError;
 
 /// Most points of a path: what postures are planned for in bounded memory.
 pub const MOST_POINTS: usize = 500_000;
@@ -143,6 +144,17 @@ pub enum ProgramErrorKind {
         jump_deg: f64,
         largest_deg: f64,
     },
+    #[error("path point {path_point}: {error}")]
+    NotLed {
+        path_point: usize,
+        error: FollowError,
+    },
+    #[error(
+        "path point {path_point}: a turntable turns the workpiece, but must stand still where an arm is led along a file"
+    )]
+    TurntableMoves { path_point: usize },
+    #[error("the path holds one place, but must lead from one place to another")]
+    StandsStill,
 }
 
 impl ProgramErrorKind {
@@ -189,6 +201,8 @@ impl ProgramErrorKind {
             | Self::OutsideLimits { path_point, .. }
             | Self::Singular { path_point, .. }
             | Self::Jump { path_point, .. }
+            | Self::NotLed { path_point, .. }
+            | Self::TurntableMoves { path_point }
             | Self::Unspeakable { path_point, .. } => Some(*path_point),
             _ => None,
         }

@@ -1,4 +1,5 @@
-//! The `[process.brush]` table: a wheel brush deburrs edges of a mesh, led by taught postures.
+//! The `[process.brush]` table: a wheel brush deburrs edges of a mesh, led by taught postures or a
+//! path from a file.
 
 use std::path::{Path, PathBuf};
 
@@ -6,11 +7,13 @@ use nalgebra::Isometry3;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_core::wheel::brush::Brush;
+use truecut_plan::path_file::PathFile;
 use truecut_plan::surface::MeshFile;
 
 use crate::check::Check;
 use crate::fault::Fault;
 use crate::path_job::place;
+use crate::process::path_file::PathFileTable;
 use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room, WheelHold, WheelPart};
 use crate::robot::RobotSpec;
 use crate::units::{from_mm, from_mpa, from_rpm};
@@ -18,12 +21,8 @@ use crate::units::{from_mm, from_mpa, from_rpm};
 /// Brushing of edges. The brush's centre is the tool frame's origin, its axis the frame's y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrushSpec {
-    /// CSV file of the taught postures.
-    pub taught: PathBuf,
-    /// Speed of the tool from posture to posture.
-    pub feed_m_per_s: f64,
-    /// Top speed of joints on the way, share of their limits.
-    pub joint_share: f64,
+    /// What leads it.
+    pub way: BrushWay,
     /// Brush and bristles.
     pub brush: Brush,
     /// Right-handed about the tool's y axis.
@@ -38,6 +37,22 @@ pub struct BrushSpec {
     pub world_from_mesh: Isometry3<f64>,
     /// Edges that are deburred.
     pub edges: Vec<EdgeSpec>,
+}
+
+/// What leads a brush.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BrushWay {
+    /// Taught postures.
+    Taught {
+        /// CSV file of the postures.
+        file: PathBuf,
+        /// Speed of the tool from posture to posture.
+        feed_m_per_s: f64,
+        /// Top speed of joints on the way, share of their limits.
+        joint_share: f64,
+    },
+    /// A path from CAM, or a robot program.
+    Path(PathFile),
 }
 
 /// An edge of the workpiece.
@@ -57,12 +72,14 @@ pub struct EdgeSpec {
 pub(crate) struct BrushTable {
     /// CSV file of taught postures with a column j1, j2, … for each joint (degrees; mm for
     /// prismatic joints), relative to this file. The arm starts in the first one and ends in the
-    /// last one.
-    taught: String,
-    /// Speed of the tool from posture to posture.
+    /// last one. Or give [process.brush.path].
+    taught: Option<String>,
+    /// Path from a file in their place.
+    path: Option<PathFileTable>,
+    /// Speed of the tool from posture to posture (with taught).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the brush is fed along the edge"))]
-    feed_mm_per_s: f64,
-    /// Top speed of joints on the way, a fraction of their limits. Default: 0.25.
+    feed_mm_per_s: Option<f64>,
+    /// Top speed of joints on the way, a fraction of their limits (with taught). Default: 0.25.
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0, "x-rule" = "a fraction of the top speed"))]
     joint_speed: Option<f64>,
     /// Radius to the tips of the bristles.
@@ -141,7 +158,7 @@ const CLOSEST_PACKING: f64 = 0.9069;
 
 impl BrushTable {
     /// `None` after recording a fault. `folder` is that of the scenario file.
-    pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<BrushSpec> {
+    pub(crate) fn resolve(mut self, folder: &Path, check: &mut Check) -> Option<BrushSpec> {
         let faults = [
             self.still(),
             self.no_hub(),
@@ -150,15 +167,14 @@ impl BrushTable {
         ];
         let is_sound = faults.iter().all(Option::is_none);
         (faults.into_iter().flatten()).for_each(|fault| check.refuse(fault));
+        let way = self.way(folder, check);
         let edges: Vec<Option<EdgeSpec>> = (self.edge.into_iter().enumerate())
             .map(|(index, edge)| edge.resolve(index, check))
             .collect();
         is_sound.then_some(())?;
         let (workpiece, world_from_mesh) = self.workpiece.resolve(folder);
         Some(BrushSpec {
-            taught: folder.join(self.taught),
-            feed_m_per_s: from_mm(self.feed_mm_per_s),
-            joint_share: self.joint_speed.unwrap_or(DEFAULT_JOINT_SHARE),
+            way: way?,
             brush: Brush {
                 radius_m: from_mm(self.radius_mm),
                 width_m: from_mm(self.width_mm),
@@ -174,6 +190,25 @@ impl BrushTable {
             world_from_mesh,
             workpiece,
             edges: edges.into_iter().collect::<Option<_>>()?,
+        })
+    }
+
+    /// `None` after recording a fault.
+    fn way(&mut self, folder: &Path, check: &mut Check) -> Option<BrushWay> {
+        if let Some(path) = self.path.take() {
+            let because = "[process.brush.path] gives the way, its speeds and its joints' share";
+            let keys = ["taught", "feed_mm_per_s", "joint_speed"];
+            check.ignored(TABLE, &keys, because);
+            let path = path.resolve("process.brush.path", folder, check)?;
+            return Some(BrushWay::Path(path));
+        }
+        let who = "a brush without [process.brush.path]";
+        let taught = check.needed(TABLE, "taught", self.taught.take(), who);
+        let feed = check.needed(TABLE, "feed_mm_per_s", self.feed_mm_per_s, who);
+        Some(BrushWay::Taught {
+            file: folder.join(taught?),
+            feed_m_per_s: from_mm(feed?),
+            joint_share: self.joint_speed.unwrap_or(DEFAULT_JOINT_SHARE),
         })
     }
 
@@ -307,12 +342,15 @@ impl Room for BrushSpec {
                 "tool.displacement_x",
             ],
             knobs: KNOBS,
-            files: &["taught", "workpiece.mesh"],
+            files: &["taught", "path.file", "workpiece.mesh"],
             needs_drive: Some("brush"),
             needs_robot: true,
             modes: ModesIn::Scenario,
             replays: false,
-            posture: PostureFrom::Taught,
+            posture: match self.way {
+                BrushWay::Taught { .. } => PostureFrom::Taught,
+                BrushWay::Path(_) => PostureFrom::Path,
+            },
             parts: Parts {
                 wheel: Some(WheelPart {
                     hold: WheelHold::Path,
@@ -327,7 +365,9 @@ impl Room for BrushSpec {
     }
 
     fn lead(&self, _robot: &mut RobotSpec, check: &mut Check) {
-        let because = "the arm starts in the first taught posture";
-        check.ignored("robot", &["posture_deg", "posture_mm"], because);
+        if let BrushWay::Taught { .. } = self.way {
+            let because = "the arm starts in the first taught posture";
+            check.ignored("robot", &["posture_deg", "posture_mm"], because);
+        }
     }
 }

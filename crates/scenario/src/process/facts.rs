@@ -91,6 +91,8 @@ pub enum PostureFrom {
     Job(PathBuf),
     /// A taught program, whose first posture it is.
     Taught,
+    /// The first point of a path, near to the scenario's posture, if it gives one.
+    Path,
 }
 
 /// What of a process the families of effects find to act on.

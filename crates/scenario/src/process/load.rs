@@ -1,4 +1,5 @@
-//! The `[process.load]` table: given forces at the tool, for free decay, static load and sweeps.
+//! The `[process.load]` table: given forces at the tool, for free decay, static load, sweeps and
+//! plain motion along a path from a file.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -6,14 +7,17 @@ use std::path::Path;
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_plan::path_file::PathFile;
 
 use crate::check::Check;
+use crate::fault::Fault;
 use crate::foot::{FootSpec, FootTable};
+use crate::process::path_file::PathFileTable;
 use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room};
 use crate::units::from_deg;
 
 /// Given forces on the tool; what is not given is zero.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LoadSpec {
     /// Frame of `constant_n`, `release_n` and of the sweep's amplitude.
     pub frame: LoadFrame,
@@ -27,6 +31,8 @@ pub struct LoadSpec {
     pub rotating: Option<RotatingForce>,
     /// Pressure foot; `None` means that there is none.
     pub foot: Option<FootSpec>,
+    /// Path from CAM, or robot program, along which the arm is led; `None`: it holds its posture.
+    pub path: Option<PathFile>,
 }
 
 /// Frame in which a force is given.
@@ -78,6 +84,8 @@ pub(crate) struct LoadTable {
     rotating: Option<RotatingForceTable>,
     /// Pressure foot. Default: no foot.
     foot: Option<FootTable>,
+    /// Path from a file along which the arm is led. Default: it holds its posture.
+    path: Option<PathFileTable>,
 }
 
 /// A force whose frequency rises linearly over the run.
@@ -109,7 +117,8 @@ struct RotatingForceTable {
 }
 
 impl LoadTable {
-    pub(crate) fn resolve(self, check: &mut Check) -> LoadSpec {
+    /// `None` after recording a fault. `folder` is that of the scenario file.
+    pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<LoadSpec> {
         if self.constant_n.is_none() && self.release_n.is_none() && self.sweep.is_none() {
             let because = "none of constant_n, release_n and sweep is given";
             check.ignored("process.load", &["frame"], because);
@@ -132,7 +141,22 @@ impl LoadTable {
         });
         // Where nothing turns there is no vibration to be equivalent to.
         let turning_rad_s = rotating.map_or(1.0, |force| TAU * force.frequency_hz);
-        LoadSpec {
+        if self.path.is_some() && self.foot.is_some() {
+            let message = "`process.load.foot` presses on a workpiece, but must not where \
+                           [process.load.path] leads the arm: the tool is free on its way";
+            let fault = Fault::key(
+                "process.load.foot",
+                message.to_owned(),
+                "presses on the way",
+            );
+            check.refuse(fault);
+        }
+        let path = match self.path {
+            Some(path) => Some(path.resolve("process.load.path", folder, check)?),
+            None => None,
+        };
+        Some(LoadSpec {
+            path,
             frame: self.frame.unwrap_or_default(),
             constant_n: self.constant_n.unwrap_or_default().into(),
             release_n: self.release_n.unwrap_or_default().into(),
@@ -145,7 +169,7 @@ impl LoadTable {
             foot: self
                 .foot
                 .map(|foot| foot.resolve("process.load.foot", turning_rad_s, check)),
-        }
+        })
     }
 }
 
@@ -176,22 +200,28 @@ const KNOBS: &[Knob] = &[
 impl Room for LoadSpec {
     type Table = LoadTable;
 
-    fn resolve(table: LoadTable, _folder: &Path, check: &mut Check) -> Option<Self> {
-        Some(table.resolve(check))
+    fn resolve(table: LoadTable, folder: &Path, check: &mut Check) -> Option<Self> {
+        table.resolve(folder, check)
     }
 
     fn facts(&self) -> Facts {
         Facts {
             rate_rad_s: None,
-            natural_duration_s: None,
+            natural_duration_s: self.path.as_ref().map(|_| f64::INFINITY),
             signals: &["foot.normal_force", "tool.displacement_x"],
             knobs: KNOBS,
-            files: &[],
-            needs_drive: self.foot.as_ref().map(|_| "load.foot"),
+            files: &["path.file"],
+            needs_drive: match (&self.path, &self.foot) {
+                (Some(_), _) => Some("load.path"),
+                (None, foot) => foot.as_ref().map(|_| "load.foot"),
+            },
             needs_robot: true,
             modes: ModesIn::Scenario,
             replays: false,
-            posture: PostureFrom::Scenario,
+            posture: match self.path {
+                Some(_) => PostureFrom::Path,
+                None => PostureFrom::Scenario,
+            },
             parts: Parts {
                 foot: self.foot,
                 ..Parts::NONE

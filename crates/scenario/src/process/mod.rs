@@ -13,6 +13,7 @@ pub(crate) mod brush;
 pub(crate) mod chamfer;
 pub(crate) mod load;
 pub(crate) mod milling;
+pub(crate) mod path_file;
 pub(crate) mod polish;
 pub(crate) mod replay;
 pub(crate) mod wheel;
@@ -138,9 +139,9 @@ processes! {
     polish => Polish(PolishSpec),
     /// Finishing the face of a path job with a belt over a contact wheel.
     belt => Belt(BeltSpec),
-    /// Deburring edges with a wheel brush along taught postures.
+    /// Deburring edges with a wheel brush along taught postures, or a path from a file.
     brush => Brush(BrushSpec),
-    /// Given forces at the tool.
+    /// Given forces at the tool, at rest or along a path from a file.
     load => Load(LoadSpec),
     /// Measured inputs.
     replay => Replay(ReplaySpec),

@@ -1,10 +1,13 @@
-//! The motion of a brush along taught postures, and the edges that it deburrs.
+//! The motion of a brush along taught postures or a path from a file, and the edges that it
+//! deburrs.
 
+use super::path_file::{self, LedAlong, StartNear};
 use super::{BrushWork, KNOT_INTERVAL_S, PlannedMotion, Target};
 use crate::error::SimError;
 use crate::process::Station;
 use nalgebra::Vector3;
 use std::collections::HashSet;
+use std::path::Path;
 use std::sync::Arc;
 use truecut_arm::{FrameId, Robot};
 use truecut_core::wheel::edge_wear::EdgeWear;
@@ -12,9 +15,10 @@ use truecut_plan::motion::follow::{AtMm, FollowError, check_duration, check_spee
 use truecut_plan::motion::taught::{TaughtSpeeds, through_taught, tool_path_mm};
 use truecut_plan::surface::{LEAST_TURN_RAD, Mesh, MeshUse, SharpEdge};
 use truecut_plan::surface_path::TaughtPoints;
-use truecut_scenario::{BrushSpec, EdgeSpec, LONGEST_S};
+use truecut_scenario::{BrushSpec, BrushWay, EdgeSpec, LONGEST_S};
 
 const TAUGHT: &str = "process.brush.taught";
+const PATH: &str = "process.brush.path.file";
 
 /// A point of an edge may be so far from the mesh's edge: what is printed in a file is rounded.
 const ON_THE_EDGE_M: f64 = 0.05e-3;
@@ -25,17 +29,45 @@ const SAME_PLACE_M: f64 = 1e-6;
 /// Of the knots of the way one in so many is looked at for the depth of brush and hub.
 const LOOKED_AT: usize = 4;
 
-/// The motion along the taught postures.
-pub(crate) fn solve(spec: &BrushSpec, robot: &Robot) -> Result<PlannedMotion, SimError> {
-    let taught = taught(spec, robot)?;
-    let speeds = TaughtSpeeds {
-        feed_m_per_s: spec.feed_m_per_s,
-        joint_share: spec.joint_share,
+/// The motion of a brush; `start` is for paths from a file.
+pub(crate) fn solve(
+    spec: &BrushSpec,
+    robot: &Robot,
+    start: &StartNear,
+) -> Result<PlannedMotion, SimError> {
+    let (key, led) = match &spec.way {
+        BrushWay::Taught {
+            file,
+            feed_m_per_s,
+            joint_share,
+        } => {
+            let speeds = TaughtSpeeds {
+                feed_m_per_s: *feed_m_per_s,
+                joint_share: *joint_share,
+            };
+            (TAUGHT, through(file, speeds, robot)?)
+        }
+        BrushWay::Path(path) => (PATH, path_file::lead(path, PATH, robot, start)?),
     };
+    let work = work(spec)?;
+    let path_mm = tool_path_mm(robot, &led.knots);
+    let depth_m = deepest_m(spec, key, robot, &work, &led.knots, &|k| path_mm[k])?;
+    let note = told(spec, &work, &led, depth_m);
+    Ok(PlannedMotion {
+        knots: led.knots,
+        duration_s: led.duration_s,
+        note: Some(note),
+        target: Target::Edges(work),
+    })
+}
+
+/// The motion through taught postures.
+fn through(file: &Path, speeds: TaughtSpeeds, robot: &Robot) -> Result<LedAlong, SimError> {
+    let taught = taught(file, robot)?;
     let trajectory = through_taught(robot, &taught.postures, speeds).ok_or_else(|| {
         let message = format!(
             "{} holds one posture, played again and again: a brush is led from one posture to another",
-            spec.taught.display()
+            file.display()
         );
         SimError::scenario(TAUGHT, message)
     })?;
@@ -43,32 +75,27 @@ pub(crate) fn solve(spec: &BrushSpec, robot: &Robot) -> Result<PlannedMotion, Si
     let advice = "raise process.brush.feed_mm_per_s or process.brush.joint_speed";
     check_duration(trajectory.duration_s(), LONGEST_S, advice).map_err(refused)?;
     let sampled = trajectory.sampled(KNOT_INTERVAL_S);
-    let postures: Vec<Vec<f64>> = sampled.iter().map(|q| q.as_slice().to_vec()).collect();
-    let path_mm = tool_path_mm(robot, &postures);
+    let knots: Vec<Vec<f64>> = sampled.iter().map(|q| q.as_slice().to_vec()).collect();
+    let path_mm = tool_path_mm(robot, &knots);
     let at_mm = |k: usize| path_mm[k];
     let advice = "lower process.brush.joint_speed";
-    check_speeds(robot, &postures, KNOT_INTERVAL_S, &at_mm, "the way", advice).map_err(refused)?;
-    let duration_s = (postures.len() - 1) as f64 * KNOT_INTERVAL_S;
-    let work = work(spec)?;
-    let depth_m = deepest_m(spec, robot, &work, &postures, &at_mm)?;
-    let note = told(spec, &work, taught.postures.len(), duration_s, depth_m);
-    Ok(PlannedMotion {
-        knots: postures,
-        duration_s,
-        note: Some(note),
-        target: Target::Edges(work),
+    check_speeds(robot, &knots, KNOT_INTERVAL_S, &at_mm, "the way", advice).map_err(refused)?;
+    Ok(LedAlong {
+        duration_s: (knots.len() - 1) as f64 * KNOT_INTERVAL_S,
+        told: format!("{} taught postures", taught.postures.len()),
+        knots,
     })
 }
 
-fn taught(spec: &BrushSpec, robot: &Robot) -> Result<TaughtPoints, SimError> {
-    let text = truecut_files::read_text(&spec.taught).map_err(|error| {
-        let file = spec.taught.display();
+fn taught(file: &Path, robot: &Robot) -> Result<TaughtPoints, SimError> {
+    let text = truecut_files::read_text(file).map_err(|error| {
+        let file = file.display();
         SimError::scenario(
             TAUGHT,
             format!("cannot read the taught postures of {file}: {error}"),
         )
     })?;
-    TaughtPoints::from_text(&text, &spec.taught, robot)
+    TaughtPoints::from_text(&text, file, robot)
         .map_err(|error| SimError::scenario(TAUGHT, error.to_string()))
 }
 
@@ -76,6 +103,7 @@ fn taught(spec: &BrushSpec, robot: &Robot) -> Result<TaughtPoints, SimError> {
 /// its hub would strike.
 fn deepest_m(
     spec: &BrushSpec,
+    key: &str,
     robot: &Robot,
     work: &BrushWork,
     postures: &[Vec<f64>],
@@ -92,25 +120,19 @@ fn deepest_m(
         deepest_m = deepest_m.max(depth_m);
         if depth_m > 0.0 && depth(hub_m) > 0.0 {
             let message = format!(
-                "the brush's hub, radius {:.3} mm, would strike the workpiece {:.1} mm from the way's start: bristles of {:.3} mm leave no more; teach postures further away",
+                "the brush's hub, radius {:.3} mm, would strike the workpiece {:.1} mm from the way's start: bristles of {:.3} mm leave no more; lead it further away",
                 hub_m * 1e3,
                 at_mm(k),
                 spec.brush.free_length_m * 1e3
             );
-            return Err(SimError::scenario(TAUGHT, message));
+            return Err(SimError::scenario(key, message));
         }
     }
     Ok(deepest_m)
 }
 
 /// What there is to tell of the way.
-fn told(
-    spec: &BrushSpec,
-    work: &BrushWork,
-    postures: usize,
-    duration_s: f64,
-    depth_m: f64,
-) -> String {
+fn told(spec: &BrushSpec, work: &BrushWork, led: &LedAlong, depth_m: f64) -> String {
     let length_m: f64 = work.stations.iter().map(|station| station.length_m).sum();
     let lying_m = spec.brush.bristle().lying_m();
     let pressed = if depth_m == 0.0 {
@@ -125,7 +147,9 @@ fn told(
         format!("pressed in by up to {:.2} mm", depth_m * 1e3)
     };
     format!(
-        "brush: {postures} taught postures, {duration_s:.2} s, {:.0} mm of edge, {pressed}",
+        "brush: {}, {:.2} s, {:.0} mm of edge, {pressed}",
+        led.told,
+        led.duration_s,
         length_m * 1e3
     )
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod belt;
 pub(crate) mod brush;
+pub(crate) mod path_file;
 pub(crate) mod polish;
 pub(crate) mod solve;
 pub(crate) mod straight;
@@ -39,6 +40,8 @@ pub(crate) enum Target {
     Lines(BeltLines),
     /// A workpiece and its edges.
     Edges(BrushWork),
+    /// Nothing: the tool is free.
+    Nothing,
 }
 
 /// What a belt follows, and where.

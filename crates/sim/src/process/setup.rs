@@ -6,6 +6,7 @@ use crate::command::{JointCommand, StraightCommand};
 use crate::effect::Effects;
 use crate::error::SimError;
 use crate::motion::PlannedMotion;
+use crate::motion::path_file::StartNear;
 use crate::motion::solve::solved;
 use crate::posture;
 use crate::replay::forward::ForwardInputs;
@@ -52,7 +53,21 @@ impl<'a> SetupContext<'a> {
             PostureFrom::Scenario => given(),
             PostureFrom::Job(file) => given().map_err(|error| posture::of_job(error, &file)),
             PostureFrom::Taught => Ok(vec![0.0; self.robot.dof()]),
+            PostureFrom::Path => Ok(self.start_near()?.posture),
         }
+    }
+
+    /// Where the arm of a path may start: near to the scenario's posture, if it gives one.
+    pub(crate) fn start_near(&self) -> Result<StartNear, SimError> {
+        let spec = &self.scenario.robot;
+        let gives_none = spec.posture_rad.is_empty() && spec.posture_m.is_empty();
+        Ok(StartNear {
+            posture: match gives_none {
+                true => vec![0.0; self.robot.dof()],
+                false => posture::posture(spec, self.robot)?,
+            },
+            is_given: !spec.posture_rad.is_empty(),
+        })
     }
 
     /// Compliance of the driven arm at the foot, process axes, m/N.

@@ -11,15 +11,16 @@ use truecut_arm::{FrameId, Robot};
 use truecut_core::wheel::brush::Brush;
 use truecut_scenario::{BrushSpec, ProcessSpec};
 
-/// The process of a scenario along its taught postures, and its workpiece.
+/// The process of a scenario along its way, and its workpiece.
 pub(crate) fn setup(
     spec: &BrushSpec,
     context: &SetupContext<'_>,
 ) -> Result<ProcessSetup, SimError> {
     let robot = context.robot;
     let is_same = |other: &ProcessSpec| *other == context.scenario.process;
-    let solve = || motion::brush::solve(spec, robot);
-    let path = context.planned(&context.posture()?, is_same, solve)?;
+    let start = context.start_near()?;
+    let solve = || motion::brush::solve(spec, robot, &start);
+    let path = context.planned(&start.key(), is_same, solve)?;
     let Target::Edges(work) = &path.target else {
         return Err(SimError::scenario(
             "process.brush",

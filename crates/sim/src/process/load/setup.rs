@@ -2,14 +2,27 @@
 
 use super::Load;
 use crate::error::SimError;
+use crate::motion::{PlannedMotion, path_file};
 use crate::process::foot::setup::foot;
+use crate::process::setup::Motion;
 use crate::process::{ProcessSetup, SetupContext};
 use nalgebra::Vector3;
-use truecut_scenario::{ForceSweep, LoadFrame, LoadSpec};
+use std::sync::Arc;
+use truecut_plan::path_file::PathFile;
+use truecut_scenario::{ForceSweep, LoadFrame, LoadSpec, ProcessSpec};
 
 /// The process of a scenario.
 pub(crate) fn setup(spec: &LoadSpec, context: &SetupContext<'_>) -> Result<ProcessSetup, SimError> {
-    let posture = context.posture()?;
+    let way = (spec.path.as_ref())
+        .map(|path| way(path, context))
+        .transpose()?;
+    let (posture, run_s) = match &way {
+        Some(way) => {
+            let from = context.departure(way);
+            (from.posture, from.duration_s)
+        }
+        None => (context.posture()?, context.scenario.run.duration_s),
+    };
     let world_from_process = context.robot.world_from_process(&posture);
     let axes = |force: Vector3<f64>| match spec.frame {
         LoadFrame::Process => force,
@@ -23,7 +36,7 @@ pub(crate) fn setup(spec: &LoadSpec, context: &SetupContext<'_>) -> Result<Proce
             amplitude_n: axes(sweep.amplitude_n),
             ..sweep
         }),
-        ..*spec
+        ..spec.clone()
     };
     let foot = match &spec.foot {
         Some(spec) => {
@@ -32,6 +45,20 @@ pub(crate) fn setup(spec: &LoadSpec, context: &SetupContext<'_>) -> Result<Proce
         }
         None => None,
     };
-    let process = Load::new(forces, context.scenario.run.duration_s, foot);
-    Ok(ProcessSetup::new(process, posture))
+    let setup = ProcessSetup::new(Load::new(forces, run_s, foot), posture);
+    Ok(match way {
+        Some(way) => setup.led_by(Motion::Planned(way)),
+        None => setup,
+    })
+}
+
+/// The motion along the path.
+fn way(path: &PathFile, context: &SetupContext<'_>) -> Result<Arc<PlannedMotion>, SimError> {
+    let start = context.start_near()?;
+    let is_same = |other: &ProcessSpec| match other {
+        ProcessSpec::Load(other) => other.path.as_ref() == Some(path),
+        _ => false,
+    };
+    let solve = || path_file::solve(path, "process.load.path.file", context.robot, &start);
+    context.planned(&start.key(), is_same, solve)
 }

@@ -1,0 +1,206 @@
+//! A path from a file, CAM's or a robot program, that leads an arm.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::Isometry3;
+use truecut_arm::Robot;
+
+use crate::cam::{self, CamOptions, CamPath, WorkSetup};
+use crate::motion::led::{LedMotion, LedTask};
+use crate::program::{
+    Dialect, Frames, Program, ProgramError, ProgramErrorKind, Settings, Start, Tool, TravelOptions,
+    read_text,
+};
+
+/// Farthest that a program's tool may stand from the robot's to be the same, m and rad.
+const SAME_TOOL: f64 = 1e-6;
+
+/// A path in a file, and where it stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathFile {
+    pub file: PathBuf,
+    pub kind: PathFileKind,
+    /// Largest speed of a joint on lines, share of its top speed.
+    pub joint_share: f64,
+}
+
+/// What a file of a path is.
+#[derive(Debug, Clone)]
+pub enum PathFileKind {
+    /// G-code, APT or poses.
+    Cam {
+        options: CamOptions,
+        setup: WorkSetup,
+        /// What follows the path, in the robot's tool frame.
+        tool_from_tip: Isometry3<f64>,
+    },
+    /// A robot program, and its base frame where the file does not hold it.
+    Program {
+        dialect: &'static dyn Dialect,
+        world_from_base: Isometry3<f64>,
+    },
+}
+
+impl PartialEq for PathFileKind {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (
+                Self::Cam {
+                    options,
+                    setup,
+                    tool_from_tip,
+                },
+                Self::Cam {
+                    options: other_options,
+                    setup: other_setup,
+                    tool_from_tip: other_tip,
+                },
+            ) => options == other_options && setup == other_setup && tool_from_tip == other_tip,
+            (
+                Self::Program {
+                    dialect,
+                    world_from_base,
+                },
+                Self::Program {
+                    dialect: other_dialect,
+                    world_from_base: other_base,
+                },
+            ) => dialect.name() == other_dialect.name() && world_from_base == other_base,
+            _ => false,
+        }
+    }
+}
+
+/// An arm that is led along a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathFileMotion {
+    pub motion: LedMotion,
+    /// Points of the path.
+    pub points: usize,
+    /// Lines of the file that path points come from; empty of a robot program.
+    pub lines: Vec<usize>,
+    /// What was left aside.
+    pub notes: Vec<String>,
+}
+
+impl PathFile {
+    /// Reads the file and leads the arm, which has rotary joints only, along it.
+    ///
+    /// # Errors
+    /// With file and line: what is not understood, or where the arm cannot be led.
+    pub fn motion(
+        &self,
+        robot: &Robot,
+        start: Start<'_>,
+        interval_s: f64,
+        longest_s: f64,
+    ) -> Result<PathFileMotion, ProgramError> {
+        let (program, lines) = self.program(robot, start)?;
+        let task = LedTask {
+            robot,
+            program: &program,
+            joint_share: self.joint_share,
+            interval_s,
+            longest_s,
+        };
+        let motion = task.solve().map_err(|error| {
+            let point = error.kind().path_point();
+            let line = point.and_then(|point| lines.get(point).copied());
+            ProgramError::in_file(&self.file, line, error.into_kind())
+        })?;
+        Ok(PathFileMotion {
+            motion,
+            points: program.moves.len(),
+            lines,
+            notes: program.notes,
+        })
+    }
+
+    /// The path before an arm, and the lines that its points come from.
+    fn program(
+        &self,
+        robot: &Robot,
+        start: Start<'_>,
+    ) -> Result<(Program, Vec<usize>), ProgramError> {
+        let file = &self.file;
+        let tool = Tool::of(robot, "tool", 0);
+        match &self.kind {
+            PathFileKind::Cam {
+                options,
+                setup,
+                tool_from_tip,
+            } => {
+                let text = read_text(file)
+                    .map_err(|error| ProgramError::in_file(file, None, error.into()))?;
+                let path = cam::read(&text, file, options)?;
+                check_spin(setup, &path).map_err(|kind| ProgramError::in_file(file, None, kind))?;
+                let flange_from_tool = tool.flange_from_tool * tool_from_tip;
+                let tool = Tool {
+                    flange_from_tool,
+                    ..tool
+                };
+                let head = Program {
+                    name: String::new(),
+                    comment: String::new(),
+                    tool,
+                    world_from_base: Isometry3::identity(),
+                    moves: Vec::new(),
+                    spindle: Vec::new(),
+                    notes: Vec::new(),
+                };
+                // Lines may be long: what lies between their ends is looked at when it is followed.
+                let travel = TravelOptions {
+                    largest_step: std::f64::consts::PI,
+                    ..TravelOptions::default()
+                };
+                let program = cam::follow(start, robot, head, &path, file, setup, &travel)?;
+                Ok((program, path.points.iter().map(|one| one.line).collect()))
+            }
+            PathFileKind::Program {
+                dialect,
+                world_from_base,
+            } => {
+                let frames = Frames {
+                    tool: tool.clone(),
+                    world_from_base: *world_from_base,
+                };
+                let text = |path: &Path| read_text(path);
+                let settings = Settings::default();
+                let mut program = dialect.read(file, &text, robot, &frames, &settings)?;
+                if program.moves.is_empty() {
+                    let kind = ProgramErrorKind::StandsStill;
+                    return Err(ProgramError::in_file(file, None, kind));
+                }
+                program.notes.extend(other_tool(&program.tool, &tool));
+                Ok((program, Vec::new()))
+            }
+        }
+    }
+}
+
+/// Refuses a turn about the tool's axis that would change nothing.
+fn check_spin(setup: &WorkSetup, path: &CamPath) -> Result<(), ProgramErrorKind> {
+    let Some(spin_rad) = setup.spin_rad.filter(|_| !path.leaves_turn_free()) else {
+        return Ok(());
+    };
+    let rule = "left out: the file gives the whole attitude of the tool at every point";
+    let what = "the turn about the tool's axis in deg";
+    let deg = format!("{:.3}", spin_rad.to_degrees());
+    Err(ProgramErrorKind::value(what, deg, rule))
+}
+
+/// A note on a program whose tool is not the robot's.
+fn other_tool(programs: &Tool, robots: &Tool) -> Option<String> {
+    let (a, b) = (&programs.flange_from_tool, &robots.flange_from_tool);
+    let apart_m = (a.translation.vector - b.translation.vector).norm();
+    let apart_rad = a.rotation.angle_to(&b.rotation);
+    (apart_m > SAME_TOOL || apart_rad > SAME_TOOL).then(|| {
+        format!(
+            "the program's tool `{}` stands {:.3} mm and {:.3} deg from that of the robot: the flange \
+             goes as the program says",
+            programs.name,
+            apart_m * 1e3,
+            apart_rad.to_degrees()
+        )
+    })
+}

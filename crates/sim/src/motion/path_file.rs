@@ -1,0 +1,124 @@
+//! The motion along a path from a file.
+
+use super::{KNOT_INTERVAL_S, PlannedMotion, Target};
+use crate::error::SimError;
+use std::borrow::Cow;
+use truecut_arm::Robot;
+use truecut_plan::path_file::{PathFile, PathFileMotion};
+use truecut_plan::program::Start;
+use truecut_scenario::LONGEST_S;
+
+/// Corners that are rounded by less are not told, m.
+const LEAST_ROUNDED_M: f64 = 1e-6;
+
+/// Where the arm of a path may start.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct StartNear {
+    /// The posture that the scenario gives, of all joints; zero where it gives none.
+    pub posture: Vec<f64>,
+    /// Whether it gives one of the rotary joints.
+    pub is_given: bool,
+}
+
+impl StartNear {
+    /// What tells starts apart: no posture is another one than a posture of zeros.
+    pub fn key(&self) -> Vec<f64> {
+        let mut key = self.posture.clone();
+        key.push(f64::from(u8::from(self.is_given)));
+        key
+    }
+}
+
+/// An arm led along a file.
+pub(crate) struct LedAlong {
+    pub knots: Vec<Vec<f64>>,
+    pub duration_s: f64,
+    /// What there is to tell of it.
+    pub told: String,
+}
+
+/// The motion of an arm that only follows a path; `key` names the file in the scenario.
+pub(crate) fn solve(
+    path: &PathFile,
+    key: &str,
+    robot: &Robot,
+    start: &StartNear,
+) -> Result<PlannedMotion, SimError> {
+    let led = lead(path, key, robot, start)?;
+    Ok(PlannedMotion {
+        knots: led.knots,
+        duration_s: led.duration_s,
+        note: Some(format!("path: {}, {:.2} s", led.told, led.duration_s)),
+        target: Target::Nothing,
+    })
+}
+
+/// Leads an arm along a file, its slides where it starts.
+pub(crate) fn lead(
+    path: &PathFile,
+    key: &str,
+    robot: &Robot,
+    start: &StartNear,
+) -> Result<LedAlong, SimError> {
+    let slides: Vec<usize> = robot.slides().collect();
+    let turning: Vec<usize> = (0..robot.dof()).filter(|at| !slides.contains(at)).collect();
+    let held = match slides.is_empty() {
+        true => Cow::Borrowed(robot),
+        false => {
+            let places: Vec<f64> = slides.iter().map(|&at| start.posture[at]).collect();
+            Cow::Owned(robot.with_slides_at(&places)?)
+        }
+    };
+    let near: Vec<f64> = turning.iter().map(|&at| start.posture[at]).collect();
+    let from = match start.is_given {
+        true => Start::Near(&near),
+        false => Start::AtRest,
+    };
+    let found = path.motion(&held, from, KNOT_INTERVAL_S, LONGEST_S);
+    let found = found.map_err(|error| SimError::scenario(key, error.to_string()))?;
+    let told = told(path, &found);
+    let whole = |knot: Vec<f64>| {
+        let mut posture = start.posture.clone();
+        (turning.iter().zip(knot)).for_each(|(&at, value)| posture[at] = value);
+        posture
+    };
+    let knots: Vec<Vec<f64>> = found.motion.knots.into_iter().map(whole).collect();
+    Ok(LedAlong {
+        duration_s: (knots.len() - 1) as f64 * KNOT_INTERVAL_S,
+        knots,
+        told,
+    })
+}
+
+/// What there is to tell of a path.
+fn told(path: &PathFile, found: &PathFileMotion) -> String {
+    let place = |point: usize| match found.lines.get(point) {
+        Some(line) => format!("line {line}"),
+        None => format!("path point {point}"),
+    };
+    let motion = &found.motion;
+    let name = path.file.file_name().unwrap_or_default().to_string_lossy();
+    let length_mm = motion.length_m * 1e3;
+    let mut told = format!(
+        "{name}: {} points, {length_mm:.1} mm on lines",
+        found.points
+    );
+    let (off_m, at) = motion.off;
+    if off_m > LEAST_ROUNDED_M {
+        let off_mm = off_m * 1e3;
+        told.push_str(&format!(
+            ", corners rounded by up to {off_mm:.3} mm at {}",
+            place(at)
+        ));
+    }
+    if let Some((count, first)) = motion.slowed {
+        told.push_str(&format!(
+            ", {count} lines slower than their feed for the speed of a joint, the first at {}",
+            place(first)
+        ));
+    }
+    for note in &found.notes {
+        told.push_str(&format!("; {note}"));
+    }
+    told
+}
