@@ -150,6 +150,8 @@ pub struct Resolution {
     pub share: f64,
     /// Of a zone, m; `None` if the dialect tells only whether a point is stopped at.
     pub zone_m: Option<f64>,
+    /// Whether zones that overlap come back smaller, so that they do not.
+    pub parts_zones: bool,
 }
 
 /// How a dialect holds the angle of a turntable.

@@ -28,7 +28,7 @@ struct JobTable {
     date: Option<String>,
     /// How a job holds positions. Default: "rectangular". For jbi.
     positions: Option<PositionFormat>,
-    /// Number of the tool in the controller's table. Default: 0. For jbi and ls.
+    /// Number of the tool in the controller's table. Default: 0, of ls 1. For jbi and ls.
     #[schemars(range(min = 0, max = 255))]
     tool_number: Option<u8>,
 }
@@ -99,6 +99,7 @@ impl Dialect for Jbi {
             speed_m_per_s: 0.05e-3,
             share: 0.5e-4,
             zone_m: None,
+            parts_zones: false,
         }
     }
 

@@ -46,6 +46,7 @@ impl Dialect for Krl {
             speed_m_per_s: 0.5e-6,
             share: 0.5e-2,
             zone_m: Some(0.5e-6),
+            parts_zones: false,
         }
     }
 

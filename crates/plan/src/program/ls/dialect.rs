@@ -19,11 +19,14 @@ pub struct Ls;
 /// The dialect, for the list.
 pub static DIALECT: Ls = Ls;
 
+/// Tool frame where no option says it: 0 is the faceplate.
+const DEFAULT_TOOL: u8 = 1;
+
 /// Options of a program.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ProgramTable {
-    /// Number of the tool in the controller's table. Default: 0. For jbi and ls.
+    /// Number of the tool in the controller's table. Default: 0, of ls 1. For jbi and ls.
     #[schemars(range(min = 0, max = 255))]
     tool_number: Option<u8>,
     /// Number of the user frame. Default: 0. For ls.
@@ -96,6 +99,7 @@ impl Dialect for Ls {
             speed_m_per_s: 0.05e-3,
             share: 0.5e-2,
             zone_m: None,
+            parts_zones: false,
         }
     }
 
@@ -124,7 +128,8 @@ impl Dialect for Ls {
     }
 
     fn tool(&self, robot: &Robot, options: &Options) -> Result<Tool, OptionFault> {
-        let number = table::<ProgramTable>(options)?.tool_number.unwrap_or(0);
+        let number = table::<ProgramTable>(options)?.tool_number;
+        let number = number.unwrap_or(DEFAULT_TOOL);
         Ok(Tool::of(robot, "wheel", number))
     }
 

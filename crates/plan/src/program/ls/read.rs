@@ -103,6 +103,9 @@ pub(super) fn read(
         number: reader.number.unwrap_or(reader.head.tool.number),
         ..reader.head.tool
     };
+    if reader.number == Some(0) && !options.joint_positions {
+        reader.head.tool.flange_from_tool = Isometry3::identity();
+    }
     reader.head.notes = reader.notes.texts();
     follow(reader.head, reader.steps, robot, file)
 }

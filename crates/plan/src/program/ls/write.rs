@@ -15,6 +15,9 @@ const REMARK_CHARS: usize = 32;
 /// Most characters of the comment in the head.
 const COMMENT_CHARS: usize = 16;
 
+/// A tool that stands nearer to the faceplate is the faceplate, m and rad.
+const FACEPLATE: f64 = 1e-6;
+
 /// Writes a program.
 ///
 /// # Errors
@@ -36,6 +39,7 @@ pub(super) fn write(
         "printable ASCII without quotes",
     )?;
     program.check(robot)?;
+    check_tool(program, options)?;
     let geometry = OpwGeometry::of(robot).ok_or(ProgramErrorKind::NotOrthoParallel)?;
     let body = moves(program, options)?;
     let mut lines = head(program, body.len());
@@ -51,6 +55,22 @@ pub(super) fn write(
         name: format!("{}.LS", program.name),
         text: lines.join("\r\n") + "\r\n",
     }])
+}
+
+/// Positions of tool frame 0 are the faceplate's: those of a tool would lead the faceplate to where
+/// the tool shall be.
+fn check_tool(program: &Program, options: &LsOptions) -> Result<(), ProgramErrorKind> {
+    let tool = &program.tool;
+    let away_m = tool.flange_from_tool.translation.vector.norm();
+    let turned_rad = tool.flange_from_tool.rotation.angle();
+    let is_faceplate = away_m.max(turned_rad) < FACEPLATE;
+    let rule = format!(
+        "1 or more: frame 0 is the faceplate, and the tool stands {:.3} mm and {:.3} deg from it",
+        away_m * 1e3,
+        turned_rad.to_degrees()
+    );
+    let holds = tool.number > 0 || is_faceplate || options.joint_positions;
+    ProgramErrorKind::unless(holds, "the number of the tool frame", tool.number, rule)
 }
 
 fn head(program: &Program, count: usize) -> Vec<String> {

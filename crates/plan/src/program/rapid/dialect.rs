@@ -61,6 +61,7 @@ impl Dialect for Rapid {
             speed_m_per_s: 0.5e-6,
             share: 0.5e-6 / RapidOptions::default().joint_top_m_per_s,
             zone_m: Some(0.5e-6),
+            parts_zones: false,
         }
     }
 

@@ -47,6 +47,7 @@ impl Dialect for UrScript {
             speed_m_per_s: 0.5e-6,
             share: 0.5e-6,
             zone_m: Some(0.5e-6),
+            parts_zones: true,
         }
     }
 

@@ -9,10 +9,15 @@ use super::{
 use crate::program::dialect::{NOT_LOADED, ProgramFile, Settings};
 use crate::program::number::fixed;
 use crate::program::reading::nearest;
-use crate::program::{Motion, Program, ProgramError, ProgramErrorKind, Zone};
+use crate::program::{Motion, Move, Program, ProgramError, ProgramErrorKind, Zone};
 
 /// Blend of the points of which the program says nothing, between the first and the last.
 const BLEND_M: f64 = 1e-3;
+/// A blend is written to so much.
+const LEAST_BLEND_M: f64 = 1e-6;
+/// Share of the way between two points that a blend takes at most where it meets another: less than
+/// half of it, so that rounded places do not make them meet.
+const HALFWAY: f64 = 0.49;
 
 /// Writes a program as one function.
 ///
@@ -36,6 +41,7 @@ pub(super) fn write(
         })
     };
     let mut lines = head(program);
+    let blends = blends_m(program);
     let solver = robot.ik_solver(&BranchOptions::default());
     let mut before: Option<&[f64]> = None;
     let mut expected = 0;
@@ -50,14 +56,8 @@ pub(super) fn write(
             lines.push(format!("  {POINT}{}", step.path_point));
         }
         expected = step.path_point + 1;
-        let inner = i > 0 && i + 1 < program.moves.len();
-        let blend = match step.zone {
-            Zone::Within(zone_m) => zone_m.max(1e-6),
-            Zone::Unstated if inner => BLEND_M,
-            _ => 0.0,
-        };
-        let blend = match blend > 0.0 {
-            true => format!(", r={}", fixed(blend, 6)),
+        let blend = match blends[i] > 0.0 {
+            true => format!(", r={}", fixed(blends[i], 6)),
             false => String::new(),
         };
         // A line leads to the posture of its pose that is nearest: where another one is meant the
@@ -92,6 +92,30 @@ pub(super) fn write(
         name: format!("{}.script", program.name),
         text: lines.join("\n") + "\n",
     }])
+}
+
+/// Blend radius of each move, in whole micrometres. The controller skips a move whose blend overlaps
+/// with that of the move before or after: where they would, both reach no further than halfway.
+fn blends_m(program: &Program) -> Vec<f64> {
+    let moves = &program.moves;
+    let asked = |(i, step): (usize, &Move)| match step.zone {
+        Zone::Within(zone_m) => zone_m.max(LEAST_BLEND_M),
+        Zone::Unstated if i > 0 && i + 1 < moves.len() => BLEND_M,
+        _ => 0.0,
+    };
+    let asked: Vec<f64> = moves.iter().enumerate().map(asked).collect();
+    let mut blends = asked.clone();
+    for (i, pair) in moves.windows(2).enumerate() {
+        let [from, to] = [0, 1].map(|k| pair[k].base_from_tool.translation.vector);
+        let way_m = (to - from).norm();
+        if asked[i] + asked[i + 1] + 2.0 * LEAST_BLEND_M >= way_m {
+            let most_m = (HALFWAY * way_m / LEAST_BLEND_M).floor() * LEAST_BLEND_M;
+            for blend in &mut blends[i..i + 2] {
+                *blend = blend.min(most_m);
+            }
+        }
+    }
+    blends
 }
 
 fn head(program: &Program) -> Vec<String> {
