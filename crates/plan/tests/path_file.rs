@@ -229,7 +229,7 @@ fn what_cannot_be_led_is_told_with_its_line() {
         ),
     ] {
         let file = written(folder.path(), name, text);
-        let error = led(&cam(&file, work), &robot).err().expect(name);
+        let error = led(&cam(&file, work), &robot).expect_err(name);
         assert_eq!(error.line(), line, "{name}: {error}");
         assert_eq!(error.path(), Some(file.as_path()), "{name}");
         assert!(error.to_string().contains(says), "{name}: {error}");

@@ -356,8 +356,8 @@ fn a_fanuc_program_of_a_tool_is_not_written_in_the_faceplates_frame() {
     assert!(apart.norm() < 2e-6, "{flange}");
 }
 
-/// The controller skips a move whose blend overlaps with another: of points 1 mm apart blends of 3 mm
-/// come back as less than half of that, of those 30 mm apart as they are.
+/// The controller skips a move whose blend overlaps with another: of points 1 mm apart blends of
+/// 3 mm come back as less than half of that, of those 30 mm apart as they are.
 #[test]
 fn blends_of_a_script_do_not_overlap() {
     let dialect = dialect_named("urscript").expect("a dialect");

@@ -94,8 +94,9 @@ pub(super) fn write(
     }])
 }
 
-/// Blend radius of each move, in whole micrometres. The controller skips a move whose blend overlaps
-/// with that of the move before or after: where they would, both reach no further than halfway.
+/// Blend radius of each move, in whole micrometres. The controller skips a move whose blend
+/// overlaps with that of the move before or after: where they would, both reach no further than
+/// halfway.
 fn blends_m(program: &Program) -> Vec<f64> {
     let moves = &program.moves;
     let asked = |(i, step): (usize, &Move)| match step.zone {
