@@ -12,17 +12,21 @@ prints the table of `crates/core/src/wheel/patch/edge_share.rs`, a row for each 
 """
 
 import math
+import sys
+from pathlib import Path
 
 import numpy as np
 import scipy.optimize
 import scipy.sparse as sparse
 from scipy.sparse.linalg import spsolve
 
+sys.path.append(str(Path(__file__).parents[1] / "crosscheck"))
+from truecut_reference.edge_share import PLACES, STRETCHES  # noqa: E402
+
 # Relative radius in lengths of the patch: u = 1 - r².
 RADIUS = 0.5
-# sqrt(N/2Rq) / (1 + sqrt(N/2Rq)), and places of the edge: nodes of the table.
-STRETCHES = (0.075615, 0.166662, 0.285590, 0.414380, 0.533308, 0.624385)
-PLACES = (-0.951362, -0.806526, -0.538903, -0.189238, 0.189238, 0.538903, 0.806526)
+# An edge so far out cuts nothing.
+FAR = 3.0
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(160)
 # An edge that bears less of the whole force says nothing.
 LEAST = 0.01
@@ -129,15 +133,15 @@ def limit(n, edge):
 
 def share(n, edge, force=limit, whole=None):
     """Of the reaction in planes, so that the force falls from that of the whole patch as in two dimensions."""
-    free = planes(n, 3.0)[0]
+    free = planes(n, FAR)[0]
     inside, bears = planes(n, edge)
     if bears < LEAST * free:
         return math.nan
-    whole = force(n, 3.0) if whole is None else whole
+    whole = force(n, FAR) if whole is None else whole
     return (force(n, edge) / whole * free - inside) / bears
 
 
 if __name__ == "__main__":
-    for stretch in STRETCHES:
-        all_of_it = limit(layer(stretch), 3.0)
+    for stretch in STRETCHES[1:]:
+        all_of_it = limit(layer(stretch), FAR)
         print(*(f"{share(layer(stretch), place, whole=all_of_it):.4f}" for place in PLACES), sep=", ", flush=True)

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import edge_share
 import numpy as np
-import wheels  # noqa: F401  (puts the reference's folder on the path)
 from pytest import approx, mark
 from truecut_reference import edge_share as table
 

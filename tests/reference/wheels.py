@@ -3,7 +3,7 @@
 A belt over bonded rubber as an obstacle problem on a line, a shell under air ring by ring, and a
 point patch that an edge cuts as an obstacle problem in two dimensions (a layer on Hertz's bed).
 None of them takes the program's expansions; the first two solve the elasticity by
-`truecut_reference`, the third the layer's equation by Newton's iteration on an active set.
+`truecut_reference`, the third the layer's equation (`edge_share.py`).
 
     python tests/reference/wheels.py > crates/core/tests/wheels.csv
 """
@@ -12,8 +12,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import scipy.sparse as sparse
-from scipy.sparse.linalg import spsolve
+from edge_share import FAR, obstacle
 
 sys.path.append(str(Path(__file__).parents[1] / "crosscheck"))
 from truecut_reference.bonded import Layer, line_load  # noqa: E402
@@ -48,54 +47,15 @@ def shell(rng):
 
 
 def cut(tool, depth, edge, nodes=75):
-    """Force on a face that ends at `edge`: of the whole patch, so that its bed need not be right, only what the edge takes."""
-    whole = tool.shell.at(depth / tool.radius)[0] * tool.modulus * tool.radius**2
-    far = 10.0 * tool.radius
-    return whole * obstacle(tool, depth, edge, nodes) / obstacle(tool, depth, far, nodes)
+    """Force on a face that ends at `edge`: of the whole patch, so that its bed need not be right, only what the edge takes.
 
-
-def obstacle(tool, depth, edge, nodes=75):
-    """What a face that ends at `edge` presses: a layer at least as deep as the wheel on the face, free beyond.
-
-    `nodes` to the overlap's length; the grid reaches as far as the stretched layer is moved.
+    `nodes` to the overlap's length.
     """
     u0, _, _, log_tread = tool.patch(depth)
-    tread, half = np.exp(log_tread), np.sqrt(2 * tool.radius * u0)
-    reach = half * (1.3 + 2.9 * np.sqrt(tool.tension / (2 * tool.radius) * np.sqrt(tread / u0)))
-    nodes = 2 * int(np.ceil(0.5 * nodes * reach / half)) + 1
-    line = np.linspace(-reach, reach, nodes)
-    h = line[1] - line[0]
-    # a row of nodes on the edge
-    x, y = np.meshgrid(line + min(edge, reach) - line[np.argmin(np.abs(line - edge))], line, indexing="ij")
-    asked, face = (u0 - (x**2 + y**2) / (2 * tool.radius)).ravel(), (x <= edge + 1e-9).ravel()
-    one, second = sparse.identity(nodes), sparse.diags([1.0, -2.0, 1.0], [-1, 0, 1], shape=(nodes, nodes))
-    pulls = (sparse.kron(second, one) + sparse.kron(one, second)).tocsr() * tool.tension / h**2
-    # the root of the bed is rounded off where it begins
-    soft = 1e-4 * u0
-    w, touches = np.maximum(asked, 0.0), face & (asked > 0)
-    for _ in range(60):
-        free = ~touches
-        w[touches] = asked[touches]
-        for _ in range(40):
-            grows = 1 / np.sqrt(tread * (np.abs(w) + soft))
-            bed = w * grows
-            slope = grows - 0.5 * np.abs(w) * grows / (np.abs(w) + soft)
-            system = (pulls - sparse.diags(slope))[free][:, free]
-            step = spsolve(system.tocsc(), -(pulls @ w - bed)[free])
-            w[free] += step
-            if np.abs(step).max() < 1e-9 * u0:
-                break
-        pressed = bed_pa(w, tread, soft) - pulls @ w
-        now = np.where(touches, pressed > 0, face & (w < asked))
-        if (now == touches).all():
-            return float(pressed[touches].sum() * h * h)
-        touches = now
-    raise RuntimeError("no contact was found")
-
-
-def bed_pa(w, tread, soft):
-    """The bed's pressure."""
-    return w / np.sqrt(tread * (np.abs(w) + soft))
+    whole = tool.shell.at(depth / tool.radius)[0] * tool.modulus * tool.radius**2
+    layer = tool.tension / (2 * tool.radius) * np.sqrt(np.exp(log_tread) / u0)
+    at, h = edge / np.sqrt(2 * tool.radius * u0), 2.0 / nodes
+    return whole * obstacle(layer, at, h) / obstacle(layer, FAR, h)
 
 
 def wheel(radius, thickness, poisson, young, pressure):

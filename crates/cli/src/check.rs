@@ -164,9 +164,8 @@ fn judge_scenario(
             stop: Some(signals.stop()),
             ..Sweep::of(scenario)
         };
-        let table = match sweep.execute() {
-            Err(RunError::Stopped) => return Ok(Judgement::Stopped(STOPPED.to_owned())),
-            other => other?,
+        let Some(table) = unless_stopped(sweep.execute())? else {
+            return Ok(Judgement::Stopped(STOPPED.to_owned()));
         };
         let claims = table.claims(scenario);
         let status = ExitStatus::of_sweep(&table, &claims);
@@ -212,9 +211,8 @@ fn judge_run(
         let after = text::seconds(time_s);
         return Ok(Judgement::Stopped(format!("{STOPPED} after {after} of it")));
     }
-    let claims = match run.judge(&recording) {
-        Err(RunError::Stopped) => return Ok(Judgement::Stopped(STOPPED.to_owned())),
-        other => other?,
+    let Some(claims) = unless_stopped(run.judge(&recording))? else {
+        return Ok(Judgement::Stopped(STOPPED.to_owned()));
     };
     let status = ExitStatus::of_run(&recording.outcome, &claims);
     if let Some(out) = out.filter(|_| status != ExitStatus::Good) {
@@ -227,6 +225,14 @@ fn judge_run(
         outcome: recording.outcome.to_string(),
         claims,
     }))
+}
+
+/// What was made; `None` if a signal came before.
+fn unless_stopped<T>(made: Result<T, RunError>) -> Result<Option<T>, Failure> {
+    match made {
+        Err(RunError::Stopped) => Ok(None),
+        other => Ok(Some(other?)),
+    }
 }
 
 /// Of a scenario that a signal stopped nothing is said: the program's code tells of the signal.

@@ -93,11 +93,7 @@ impl Cells {
 
     /// A cell with a decimal point, for those who parse by themselves.
     pub fn plain<'a>(&self, cell: &'a str) -> Cow<'a, str> {
-        if self.decimal_comma && cell.contains(',') {
-            Cow::Owned(cell.replacen(',', ".", 1))
-        } else {
-            Cow::Borrowed(cell)
-        }
+        plain(cell, self.decimal_comma)
     }
 
     /// The number in a cell, with a decimal comma where commas do not delimit.
@@ -108,10 +104,14 @@ impl Cells {
 
 /// The number in a cell, with a decimal comma or without.
 pub fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
-    if decimal_comma {
-        cell.replacen(',', ".", 1).parse().ok()
+    plain(cell, decimal_comma).parse().ok()
+}
+
+fn plain(cell: &str, decimal_comma: bool) -> Cow<'_, str> {
+    if decimal_comma && cell.contains(',') {
+        Cow::Owned(cell.replacen(',', ".", 1))
     } else {
-        cell.parse().ok()
+        Cow::Borrowed(cell)
     }
 }
 

@@ -25,7 +25,7 @@ pub struct PathFile {
 }
 
 /// What a file of a path is.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum PathFileKind {
     /// G-code, APT or poses.
     Cam {
@@ -39,36 +39,6 @@ pub enum PathFileKind {
         dialect: &'static dyn Dialect,
         world_from_base: Isometry3<f64>,
     },
-}
-
-impl PartialEq for PathFileKind {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (
-                Self::Cam {
-                    options,
-                    setup,
-                    tool_from_tip,
-                },
-                Self::Cam {
-                    options: other_options,
-                    setup: other_setup,
-                    tool_from_tip: other_tip,
-                },
-            ) => options == other_options && setup == other_setup && tool_from_tip == other_tip,
-            (
-                Self::Program {
-                    dialect,
-                    world_from_base,
-                },
-                Self::Program {
-                    dialect: other_dialect,
-                    world_from_base: other_base,
-                },
-            ) => dialect.name() == other_dialect.name() && world_from_base == other_base,
-            _ => false,
-        }
-    }
 }
 
 /// An arm that is led along a file.

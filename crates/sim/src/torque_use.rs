@@ -17,6 +17,8 @@ pub(crate) struct TorqueUse {
     joint: usize,
     time_s: f64,
     dt_s: f64,
+    /// Whether the drives are servos, which cut their torque off at the limit.
+    cuts_off: bool,
 }
 
 /// What a drive can give.
@@ -48,6 +50,7 @@ impl TorqueUse {
             joint: 0,
             time_s: 0.0,
             dt_s: 0.0,
+            cuts_off: prepared.kind == DriveKind::Servo,
         }
     }
 
@@ -56,8 +59,7 @@ impl TorqueUse {
         self.dt_s = plant.time_step_s();
         for (at, drive) in self.limits.iter_mut().enumerate() {
             let share = plant.drive_torque(drive.joint).abs() / drive.value;
-            // A servo cuts its torque off there; a drive of another kind is asked for more.
-            drive.saturated += u64::from((share - 1.0).abs() < CUT_OFF);
+            drive.saturated += u64::from(self.cuts_off && (share - 1.0).abs() < CUT_OFF);
             if share > self.largest {
                 (self.largest, self.joint, self.time_s) = (share, at, time_s);
             }

@@ -17,14 +17,15 @@ use truecut_recording::ChannelSpec;
 use truecut_scenario::UncertainSpec;
 use truecut_scenario::effect::Effect;
 
-/// What is made faster than a disk takes it is not worth its room there.
-const BYTES_PER_S: f64 = 1e8;
+/// What takes less than ten times as long to make as a disk takes to hold it (1e8 bytes/s) is not
+/// worth its room there: a search is slower by a tenth at most.
+const BYTES_PER_S: f64 = 1e7;
 /// The file grows no further than this.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// A model whose predictions are kept in a file, so that a search that was stopped, by whatever,
 /// goes on where it was: asked the same again, the model answers from the file, to the bit. Only
-/// what takes longer to predict than to write is kept, up to 1 GiB.
+/// what takes much longer to predict than to write is kept, up to 1 GiB.
 ///
 /// A line that says of which search the file is, then for each prediction a line of JSON and its
 /// values, eight bytes for each. What was torn by a kill is no prediction.

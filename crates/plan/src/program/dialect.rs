@@ -91,6 +91,13 @@ pub trait Dialect: Debug + Sync {
     ) -> Result<Program, ProgramError>;
 }
 
+/// Path jobs tell dialects apart by their names.
+impl PartialEq for dyn Dialect {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
 /// The table of a dialect that has no options of its own.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
