@@ -36,22 +36,14 @@ fn six_axis() -> PathBuf {
 
 /// The robot at `urdf` with the text as its `robot.toml`.
 fn with(urdf: &Path, text: &str) -> Robot {
-    let folder = std::env::temp_dir().join(format!("truecut-estimates-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
-    let name = urdf
-        .with_extension("toml")
-        .display()
-        .to_string()
-        .replace(['/', '\\'], "_");
-    let config = folder.join(name);
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = folder.path().join("robot.toml");
     std::fs::write(&config, text).expect("written");
     let reading = Reading {
         config: Some(&config),
         ..Reading::default()
     };
-    let robot = Robot::read(urdf, &reading).unwrap_or_else(|error| panic!("{error}\n{text}"));
-    std::fs::remove_file(config).expect("removed");
-    robot
+    Robot::read(urdf, &reading).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
 fn asset(name: &str) -> PathBuf {
@@ -368,4 +360,60 @@ fn efforts_that_do_not_hold_the_arm_are_not_used() {
     let estimated = by_sheet(&urdf, sheet(Some(268.0), 20.0)).expect("estimated");
     std::fs::remove_file(&urdf).expect("removed");
     assert_eq!(estimated.notes, [""; 0]);
+}
+
+/// Names as XML allows them: quotes, backslashes, breaks, letters of any script.
+fn name() -> impl Strategy<Value = String> {
+    let one = prop::sample::select(vec![
+        "a", "J", "7", "-", "_", " ", ".", "#", "=", "[", "]", "{", "\"", "'", "\\", "\\u", "\t",
+        "\n", "ß", "漢", "µ", "\u{7f}", "\u{85}",
+    ]);
+    prop::collection::vec(one, 1..6).prop_map(|parts| parts.concat())
+}
+
+fn as_xml(name: &str) -> String {
+    name.chars()
+        .map(|letter| format!("&#{};", u32::from(letter)))
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// What is estimated for an arm of any names reads back: every joint and link has its values.
+    #[test]
+    fn an_estimate_reads_back_whatever_the_names(
+        names in prop::collection::vec(name(), 6),
+        arm in name(),
+        mass_kg in prop::option::of(150.0..400.0_f64),
+        payload_kg in 5.0..40.0_f64,
+    ) {
+        let text = std::fs::read_to_string(asset("hp20")).expect("the asset");
+        let mut text = text.replace("<robot name=\"hp20\"", &format!("<robot name=\"{}\"", as_xml(&arm)));
+        for (index, name) in names.iter().enumerate() {
+            // A number makes them differ.
+            for what in ["joint", "link"] {
+                let old = format!("\"{what}_{}\"", index + 1);
+                text = text.replace(&old, &format!("\"{}{index}\"", as_xml(name)));
+            }
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let urdf = folder.path().join("arm.urdf");
+        std::fs::write(&urdf, text).expect("written");
+        let nameless = Robot::load(&asset("hp20"), None, None).expect("the asset");
+        let estimated = by_sheet(&urdf, sheet(mass_kg, payload_kg));
+        // What a sheet refuses for its numbers it refuses for the asset, too.
+        let plain = by_sheet(&asset("hp20"), sheet(mass_kg, payload_kg));
+        prop_assert_eq!(estimated.is_ok(), plain.is_ok());
+        if let (Ok(estimated), Ok(plain)) = (estimated, plain) {
+            let robot = with(&urdf, &estimated.text);
+            let expected = with(&asset("hp20"), &plain.text);
+            prop_assert_eq!(masses(&robot), masses(&expected));
+            for (index, (joint, other)) in robot.chain.joints.iter().zip(&expected.chain.joints).enumerate() {
+                prop_assert_eq!(&joint.name, &format!("{}{index}", names[index]));
+                prop_assert_eq!(&joint.transmission, &other.transmission);
+                prop_assert!(joint.transmission != nameless.chain.joints[index].transmission);
+            }
+        }
+    }
 }

@@ -50,12 +50,12 @@ fn head(chain: &Chain, sheet: &DataSheet, draft: Option<&Draft>) -> String {
          #   damping     truecut identify with a hammer test\n\
          #   masses      the maker's CAD, or truecut diagnose with drive torques of slow and fast moves\n\
          #   servo       the controller's parameters\n{scatter}\n\
-         name = \"{} (estimated)\"\n\n\
-         # The tool point relative to the flange \"{}\": put the tool's length here.\n\
+         name = {}\n\n\
+         # The tool point relative to the flange {}: put the tool's length here.\n\
          [frames.tool]\nxyz_m = [0.0, 0.0, 0.0]\nrpy_deg = [0.0, 0.0, 0.0]\n\n",
         sheet.payload_kg,
-        escaped(&chain.name),
-        escaped(&chain.tip),
+        quoted(&format!("{} (estimated)", chain.name)),
+        one_line(&chain.tip),
     )
 }
 
@@ -72,8 +72,14 @@ fn scatter(sheet: &DataSheet, draft: Option<&Draft>) -> Option<String> {
     ))
 }
 
-fn escaped(name: &str) -> String {
-    name.replace('\\', "\\\\").replace('"', "\\\"")
+/// A name within a comment.
+fn one_line(name: &str) -> String {
+    format!("\"{}\"", name.escape_debug())
+}
+
+/// A name as TOML writes it, in quotes, whatever it holds.
+fn quoted(name: &str) -> String {
+    toml::Value::from(name).to_string()
 }
 
 fn link(text: &mut String, mass: &LinkMass, total_kg: f64) {
@@ -93,10 +99,10 @@ fn link(text: &mut String, mass: &LinkMass, total_kg: f64) {
     };
     let _ = write!(
         text,
-        "[[link]]\nname = \"{}\"\nmass_kg = {}\ncenter_m = [{x}, {y}, {z}]\n\
+        "[[link]]\nname = {}\nmass_kg = {}\ncenter_m = [{x}, {y}, {z}]\n\
          inertia_kg_m2 = [{inertia}]\n\
          source = \"estimated: {rule}\"\n\n",
-        escaped(&mass.link),
+        quoted(&mass.link),
         number(mass.mass_kg, 9),
     );
 }
@@ -161,7 +167,7 @@ fn joint(
         sources,
         "servo = \"estimated: velocity loop at {VELOCITY_LOOP_RAD_S} rad/s on the rotor, position loop at a tenth of it; {limit_rule}\""
     );
-    let _ = write!(text, "\n[[joint]]\nname = \"{}\"\n", escaped(name));
+    let _ = write!(text, "\n[[joint]]\nname = {}\n", quoted(name));
     let mut line = |key: &str, value: f64| {
         let _ = writeln!(text, "{key} = {}", number(value, 4));
     };

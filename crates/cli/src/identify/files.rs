@@ -49,7 +49,7 @@ pub fn entries(report: &StiffnessReport) -> String {
     let mut text = format!(
         "# Joint stiffness identified from {}; these entries take the place of those in \
          robot.toml.\n",
-        report.source
+        report.source.escape_debug()
     );
     for joint in &report.joints {
         // Writing into a String cannot fail.
@@ -65,7 +65,8 @@ pub fn entries(report: &StiffnessReport) -> String {
             _ => writeln!(
                 text,
                 "\n# {}: not identified ({:?})",
-                joint.name, joint.status
+                joint.name.escape_debug(),
+                joint.status
             ),
         };
     }

@@ -10,6 +10,7 @@ use truecut_plan::program::{
     Dialect, Motion, Options, Program, ProgramError, Replay, ReplayOptions, Settings, Start,
     TravelOptions, dialect_named, maker_note, read_text,
 };
+use truecut_plan::surface_path::joint_cells;
 use truecut_recording::{ChannelSpec, Chunk, Header, Outcome, Recording, Sink, Unit};
 use truecut_sim::travel_view;
 use truecut_telemetry::RrdSink;
@@ -214,7 +215,7 @@ fn write(
         .write(program, robot, settings)
         .map_err(|error| unwritten(&arguments.file, read, &error))?;
     let (points, recording) = (folder.join("path.csv"), folder.join("path.rrd"));
-    let table = table(read, program, robot.dof());
+    let table = table(read, program, robot);
     write_file(
         &points,
         &table.map_err(|error| Failure::at(&points, error))?,
@@ -230,7 +231,7 @@ fn write(
 }
 
 /// One row a path point: line of the file, pose in the world, posture.
-fn table(read: &CamPath, program: &Program, joints: usize) -> csv::Result<Vec<u8>> {
+fn table(read: &CamPath, program: &Program, robot: &Robot) -> csv::Result<Vec<u8>> {
     let mut out = csv::Writer::from_writer(Vec::new());
     let heads = [
         "point",
@@ -247,7 +248,7 @@ fn table(read: &CamPath, program: &Program, joints: usize) -> csv::Result<Vec<u8
         "qz",
     ];
     let names = heads.map(str::to_owned).into_iter();
-    let names = names.chain((1..=joints).map(|j| format!("j{j}")));
+    let names = names.chain((1..=robot.dof()).map(|j| format!("j{j}")));
     out.write_record(names.chain(["feed_mm_per_s".to_owned()]))?;
     for (step, source) in program.moves.iter().zip(&read.points) {
         let pose = program.world_from_base * step.base_from_tool;
@@ -256,11 +257,7 @@ fn table(read: &CamPath, program: &Program, joints: usize) -> csv::Result<Vec<u8
         cells.extend(source.place_m.iter().map(|m| format!("{:.6}", m * 1e3)));
         cells.extend([t.x, t.y, t.z].map(|mm| format!("{mm:.6}")));
         cells.extend([q.w, q.i, q.j, q.k].map(|part| format!("{part:.9}")));
-        cells.extend(
-            step.posture
-                .iter()
-                .map(|rad| format!("{:.6}", rad.to_degrees())),
-        );
+        cells.extend(joint_cells(robot, &step.posture));
         cells.push(match step.motion {
             Motion::Linear { speed_m_per_s } => format!("{:.3}", speed_m_per_s * 1e3),
             Motion::Joint { .. } => String::new(),

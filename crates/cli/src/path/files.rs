@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use truecut_plan::program::{Motion, Move, Program, ProgramError, ProgramFile};
-use truecut_plan::surface_path::{Contact, Part, Segment};
+use truecut_plan::surface_path::{Contact, Part, Segment, joint_cells};
 
 use super::{PlannedPath, figure, view};
 use crate::failure::Failure;
@@ -60,7 +60,8 @@ fn table(answer: &PlannedPath<'_>) -> csv::Result<Vec<u8>> {
             // The tool is lifted at the first pose of a line.
             let contact = line
                 .and_then(|(line, depths)| Some((line.get(k.checked_sub(1)?)?, *depths.get(k)?)));
-            out.write_record(row(&answer.program, part, step, contact))?;
+            let joints = joint_cells(&answer.inputs.robot, &step.posture);
+            out.write_record(row(&answer.program, part, step, joints, contact))?;
         }
     }
     out.into_inner().map_err(|error| error.into_error().into())
@@ -95,6 +96,7 @@ fn row(
     program: &Program,
     part: &Part,
     step: &Move,
+    joints: Vec<String>,
     contact: Option<(&Contact, f64)>,
 ) -> Vec<String> {
     let pose = program.world_from_base * step.base_from_tool;
@@ -111,7 +113,7 @@ fn row(
     cells.extend([t.x, t.y, t.z].map(|mm| format!("{mm:.6}")));
     cells.extend([q.w, q.i, q.j, q.k].map(|part| format!("{part:.9}")));
     cells.push(step.turntable_rad.map(angle).unwrap_or_default());
-    cells.extend(step.posture.iter().map(|rad| angle(*rad)));
+    cells.extend(joints);
     cells.extend(match step.motion {
         Motion::Linear { speed_m_per_s } => [format!("{:.3}", speed_m_per_s * 1e3), String::new()],
         Motion::Joint { share } => [String::new(), format!("{:.2}", share * 100.0)],

@@ -28,5 +28,5 @@ pub use options::{FeedAlong, PathOptions, Strategy};
 pub use sequence::{Part, Speeds, Symmetry, parts_of, program_of};
 pub use setup::{FaceSource, PathSetup, SurfaceSetup, TaughtFile, TaughtWhen};
 pub use solve::{Segment, copies, solve};
-pub use taught::TaughtPoints;
+pub use taught::{TaughtPoints, joint_cells};
 pub use wheel::ContactWheel;

@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use truecut_arm::{JointKind, Robot};
+use truecut_arm::{Joint, JointKind, Robot};
 
 use super::error::SurfacePathError;
 
@@ -80,10 +80,7 @@ impl TaughtPoints {
                         format!("\"{cell}\" for joint \"{name}\" is not a finite number"),
                     ));
                 };
-                posture.push(match joint.kind {
-                    JointKind::Revolute => value.to_radians(),
-                    JointKind::Prismatic => value * 1e-3,
-                });
+                posture.push(coordinate(joint.kind, value));
             }
             robot
                 .check_posture(&posture)
@@ -97,6 +94,39 @@ impl TaughtPoints {
             ));
         }
         Ok(Self { postures })
+    }
+}
+
+/// Digits after the point of a coordinate that is written, degrees or mm.
+const DIGITS: usize = 6;
+
+/// A posture as cells of such a file, to a millionth of a degree (mm); a joint at its limit stays
+/// within it.
+pub fn joint_cells(robot: &Robot, posture: &[f64]) -> Vec<String> {
+    let joints = robot.chain.joints.iter().zip(posture);
+    let cell = |(joint, value): (&Joint, &f64)| {
+        let written = |value: f64| match joint.kind {
+            JointKind::Revolute => format!("{:.DIGITS$}", value.to_degrees()),
+            JointKind::Prismatic => format!("{:.DIGITS$}", value * 1e3),
+        };
+        let is_inside = |text: &str| {
+            let read = text.parse().map(|value| coordinate(joint.kind, value));
+            (joint.limits.zip(read.ok()))
+                .is_none_or(|(limits, read)| (limits.lower..=limits.upper).contains(&read))
+        };
+        let last_digit = coordinate(joint.kind, 0.1_f64.powi(DIGITS as i32));
+        let around = [*value, value - last_digit, value + last_digit];
+        let mut inside = around.into_iter().map(written).filter(|it| is_inside(it));
+        inside.next().unwrap_or_else(|| written(*value))
+    };
+    joints.map(cell).collect()
+}
+
+/// A coordinate as the chain has it, of degrees or mm.
+fn coordinate(kind: JointKind, value: f64) -> f64 {
+    match kind {
+        JointKind::Revolute => value.to_radians(),
+        JointKind::Prismatic => value * 1e-3,
     }
 }
 
