@@ -289,3 +289,32 @@ constant_n = [{force_n}, 0.0, 0.0]
     let free = (25.0e3 - 20.0e3) / (100.0 + 5.0) * 0.1;
     assert!(velocity > 0.8 * free, "{velocity} against {free}");
 }
+
+/// A servo that cannot hold the load of the start: its rotor is accelerated from the first instant.
+/// Taken as if that began half a step earlier or later, the motion would be of first order.
+#[test]
+fn verify_a_saturated_servo_starts_in_second_order() {
+    let let_go = |step_ms: f64| {
+        run(&format!(
+            r#"
+name = "servo"
+[robot]
+urdf = "../../assets/robots/rig_1dof/robot.urdf"
+gravity = false
+drive = "servo"
+[run]
+duration_s = 0.02
+time_step_ms = {step_ms}
+overload = "warn"
+[process.load]
+release_n = [30.0e3, 0.0, 0.0]
+"#
+        ))
+    };
+    let saturated = let_go(0.05);
+    let torque = column(&saturated, "joint1.drive_force");
+    assert!(torque.iter().all(|it| it.abs() > 19.9e3), "{torque:?}");
+    let order = order(let_go, 0.025);
+    println!("order of a saturated start {order:.3}");
+    assert!(order >= 1.8, "{order}");
+}

@@ -27,6 +27,8 @@ pub struct Drive {
     /// Motor velocities at the last two half steps (servo only).
     half: Vec<f64>,
     half_before: Vec<f64>,
+    /// Whether the velocities stand at half steps: until the first step they are those of t = 0.
+    started: bool,
     dt_s: f64,
     /// Torque that the static load of the start asks of the motor, fed forward by the servo.
     feed_forward: Vec<f64>,
@@ -62,6 +64,7 @@ impl Drive {
             command_velocity: zeros.clone(),
             half: zeros.clone(),
             half_before: zeros.clone(),
+            started: false,
             dt_s,
             feed_forward: zeros,
             coupled: None,
@@ -189,43 +192,52 @@ impl Drive {
     }
 
     /// Steps the rotors over one step by the same leapfrog as the arm: torques at this instant,
-    /// velocity from half step to half step. Velocity-dependent torques take the mean of both half
-    /// steps, so they neither lag nor damp falsely; a saturated drive is a constant torque.
+    /// velocities at half steps, the first of half a step before the start: else a rotor that its
+    /// servo does not hold there (saturated, or rid of its load) would lead by half a step's Δv.
     pub fn advance(&mut self, state: &mut JointState) {
         if self.kind != DriveKind::Servo {
             return;
         }
-        for (i, joint) in self.joints.iter().enumerate() {
-            let Some(servo) = joint.servo.filter(|_| !joint.rigid) else {
-                continue;
-            };
-            let v = self.half[i];
-            let now = state.motion(i);
-            // The rotor carries the transmission's torque times the gear's true ratio (virtual
-            // work).
-            let gear = joint.law.gear(now.motor);
-            let (position_part, damping) = joint.on_rotor(&now);
-            let transmission = gear * (position_part - damping * now.velocity);
-            let damping = damping * gear * gear;
-            let wish = servo.position_gain_per_s * (state.command[i] - state.motor[i])
-                + servo.velocity_feed_forward * self.command_velocity[i];
-            let at = |gain: f64| {
-                // (M + dt/2 c) Δv = dt (τ - c v), c the sum of all velocity gains
-                let c = damping + gain;
-                let torque = gain * wish + self.feed_forward[i] - transmission - c * v;
-                self.dt_s * torque / (joint.rotor + 0.5 * self.dt_s * c)
-            };
-            let mut change = at(servo.velocity_gain);
-            let drive = servo.velocity_gain * (wish - (v + 0.5 * change)) + self.feed_forward[i];
-            if drive.abs() > servo.torque_limit {
-                let c = damping;
-                let torque = servo.torque_limit.copysign(drive) - transmission - c * v;
-                change = self.dt_s * torque / (joint.rotor + 0.5 * self.dt_s * c);
+        for i in 0..self.joints.len() {
+            let mut v = self.half[i];
+            if !self.started {
+                v -= 0.5 * self.rotor_change(i, state, v).unwrap_or(0.0);
             }
-            self.half_before[i] = v;
-            self.half[i] = v + change;
-            state.motor_velocity[i] = v + 0.5 * change;
+            if let Some(change) = self.rotor_change(i, state, v) {
+                self.half_before[i] = v;
+                self.half[i] = v + change;
+                state.motor_velocity[i] = v + 0.5 * change;
+            }
         }
+        self.started = true;
+    }
+
+    /// The change of a rotor's velocity in a step that begins with `v`. Velocity-dependent torques
+    /// take the mean of both half steps; a saturated drive is a constant torque.
+    fn rotor_change(&self, i: usize, state: &JointState, v: f64) -> Option<f64> {
+        let joint = &self.joints[i];
+        let servo = joint.servo.filter(|_| !joint.rigid)?;
+        let now = state.motion(i);
+        // The rotor carries the transmission's torque times the gear's true ratio (virtual work).
+        let gear = joint.law.gear(now.motor);
+        let (position_part, damping) = joint.on_rotor(&now);
+        let transmission = gear * (position_part - damping * now.velocity);
+        let damping = damping * gear * gear;
+        let wish = servo.position_gain_per_s * (state.command[i] - state.motor[i])
+            + servo.velocity_feed_forward * self.command_velocity[i];
+        let at = |gain: f64| {
+            // (M + dt/2 c) Δv = dt (τ - c v), c the sum of all velocity gains
+            let c = damping + gain;
+            let torque = gain * wish + self.feed_forward[i] - transmission - c * v;
+            self.dt_s * torque / (joint.rotor + 0.5 * self.dt_s * c)
+        };
+        let change = at(servo.velocity_gain);
+        let drive = servo.velocity_gain * (wish - (v + 0.5 * change)) + self.feed_forward[i];
+        if drive.abs() <= servo.torque_limit {
+            return Some(change);
+        }
+        let torque = servo.torque_limit.copysign(drive) - transmission - damping * v;
+        Some(self.dt_s * torque / (joint.rotor + 0.5 * self.dt_s * damping))
     }
 
     /// The transmission's torque at this instant, from the state as it is now known.
@@ -356,19 +368,18 @@ mod tests {
         let rate = Uniform::new(-0.4, 0.4).unwrap();
         let mut seen = [0; 3];
         for _ in 0..3000 {
-            let joint = joint();
+            let before = rate.sample(&mut rng);
             let mut drive = Drive {
                 kind: DriveKind::Servo,
-                joints: vec![joint],
+                joints: vec![joint()],
                 command_velocity: vec![0.0],
-                half: vec![rate.sample(&mut rng)],
-                half_before: vec![0.0],
+                half: vec![before],
+                half_before: vec![before],
+                started: true,
                 dt_s: STEP_S,
                 feed_forward: vec![0.0],
                 coupled: None,
             };
-            drive.half_before.copy_from_slice(&drive.half);
-            let before = drive.half[0];
             let mut state = JointState::at_rest(&[-windup.sample(&mut rng)], &[0.0]);
             state.velocity[0] = rate.sample(&mut rng);
             let command = Command {
