@@ -212,6 +212,14 @@ def test_crosscheck_mujoco_effects_of_drive_torques_are_those_of_the_program(kin
     assert shown or kind in ("sensor_gain", "sensor_delay", "clock_delay", "joint_offset")
 
 
+@pytest.mark.parametrize("seed", [910_000, 910_001])
+def test_crosscheck_mujoco_a_payload_off_the_flange_is_named(seed, tmp_path):
+    """Light, its centre a hand's breadth off a light last link: by its mass alone, at the flange, it is not seen."""
+    found = run.one_set(seed, "inverse", "strong", tmp_path, [PROGRAM], 2, "payload")
+    assert found is not None and found["separable"]
+    assert (found["told"], found["named"]) == ("named", ["payload"]), found
+
+
 def test_seeds_say_everything(tmp_path):
     """The same seed gives the same files; another one does not."""
     one, same, other = (

@@ -20,8 +20,7 @@ def dilogarithm(x):
     return integrate.quad(lambda t: -np.log1p(-t) / t, 0, x)[0]
 
 
-def low_pass_of_a_ramp(time_constant, start, end, step, rest):
-    """T y' + y = x over a step on which x runs straight from start to end, y = rest at first."""
-    slope = (end - start) / step
-    rates = lambda t, y: (start + slope * t - y) / time_constant
+def low_pass_of_a_parabola(time_constant, coefficients, step, rest):
+    """T y' + y = x over a step, x a polynomial (highest power first), y = rest at first."""
+    rates = lambda t, y: (np.polyval(coefficients, t) - y) / time_constant
     return integrate.solve_ivp(rates, [0, step], [rest], rtol=1e-10, atol=1e-12).y[0, -1]

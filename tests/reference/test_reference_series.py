@@ -23,11 +23,12 @@ def test_filter_without_delay(order, cutoff, rate, expected):
     assert found[PLACES] == approx(expected, abs=1e-9)
 
 
-def test_low_pass_is_exact_on_ramps():
-    time_constant, step, x0, x1, y0 = 0.3, 0.2, 1.0, 4.0, -2.0
-    e = np.exp(-step / time_constant)
-    closed = e * y0 + (1 - e) * x0 + (x1 - x0) * (1 - time_constant / step * (1 - e))
-    found = series.low_pass_of_a_ramp(time_constant, x0, x1, step, y0)
+def test_low_pass_is_exact_on_parabolas():
+    time_constant, step, y0 = 0.3, 0.2, -2.0
+    x = np.poly1d([7.0, -3.0, 1.0])
+    settled = x - time_constant * x.deriv() + time_constant**2 * x.deriv(2)
+    closed = settled(step) + (y0 - settled(0.0)) * np.exp(-step / time_constant)
+    found = series.low_pass_of_a_parabola(time_constant, x.coefficients, step, y0)
     assert found == approx(closed, rel=1e-7)
 
 

@@ -25,6 +25,7 @@ fn measured(scenario: &Scenario, late_s: f64) -> Measured {
         values: (0..count).map(|k| (0.1 * k as f64).sin()).collect(),
         valid: vec![true; count],
         noise: None,
+        white_kept: 1.0,
     });
     let pass = |k: usize| Pass {
         samples: k * SAMPLES_OF_A_PASS..(k + 1) * SAMPLES_OF_A_PASS,

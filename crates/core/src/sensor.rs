@@ -35,11 +35,17 @@ impl Default for ChannelModel {
 
 impl ChannelModel {
     /// Measures a whole column in place; `time_s` rises. Before the first sample and after the last
-    /// one the channel holds its value.
+    /// one the channel holds its value. What arrives late follows from what was there by then.
     pub fn apply(&self, time_s: &[f64], values: &mut [f64]) {
         if self.delay_s != 0.0 {
-            let late: Vec<f64> = (time_s.iter())
-                .map(|t| interpolate(time_s, values, t - self.delay_s))
+            let rows = time_s.len();
+            let known = |row: usize| if self.delay_s > 0.0 { row + 1 } else { rows };
+            let wanted = time_s.iter().map(|t| t - self.delay_s).enumerate();
+            let late: Vec<f64> = wanted
+                .map(|(row, t)| {
+                    let after = time_s[..known(row)].partition_point(|sample| *sample <= t);
+                    interpolate(|i| (time_s[i], values[i]), known(row), after, t)
+                })
                 .collect();
             values.copy_from_slice(&late);
         }
@@ -54,22 +60,44 @@ impl ChannelModel {
     }
 }
 
-/// Linear interpolation, held beyond the ends.
-fn interpolate(time_s: &[f64], values: &[f64], t: f64) -> f64 {
-    let after = time_s.partition_point(|sample| *sample < t);
-    if after == 0 || after == time_s.len() {
-        return values[after.min(time_s.len() - 1)];
+/// Hermite's cubic between the samples `after - 1` and `after` of `count`, third order for slopes
+/// by three samples each; held beyond the ends.
+fn interpolate(
+    sample: impl Fn(usize) -> (f64, f64),
+    count: usize,
+    after: usize,
+    time_s: f64,
+) -> f64 {
+    if after == 0 || after == count {
+        return sample(after.min(count - 1)).1;
     }
-    between(
-        (time_s[after - 1], values[after - 1]),
-        (time_s[after], values[after]),
-        t,
-    )
+    let ((t0, y0), (t1, y1)) = (sample(after - 1), sample(after));
+    let secant = |i: usize| {
+        let ((t0, y0), (t1, y1)) = (sample(i), sample(i + 1));
+        (t1 - t0, (y1 - y0) / (t1 - t0))
+    };
+    let (step, slope) = secant(after - 1);
+    let before = (after >= 2).then(|| secant(after - 2));
+    let beyond = (after + 1 < count).then(|| secant(after));
+    // by a parabola through the sample and two neighbours: those beside it, or the next two
+    let beside = |(h, d): (f64, f64)| (step * d + h * slope) / (step + h);
+    let beyond_slope = |(h, d): (f64, f64)| slope + step * (slope - d) / (step + h);
+    let first = before.map(beside).or(beyond.map(beyond_slope));
+    let second = beyond.map(beside).or(before.map(beyond_slope));
+    let (u, v) = (first.unwrap_or(slope), second.unwrap_or(slope));
+    let part = (time_s - t0) / (t1 - t0);
+    let rest = 1.0 - part;
+    let bend = part * rest * step * ((u - slope) * rest - (v - slope) * part);
+    y0 + (y1 - y0) * part + bend
 }
 
-fn between(before: (f64, f64), after: (f64, f64), t: f64) -> f64 {
-    let part = (t - before.0) / (after.0 - before.0);
-    before.1 + (after.1 - before.1) * part
+#[derive(Debug, Clone, Copy)]
+struct Filtered {
+    time_s: f64,
+    input: f64,
+    output: f64,
+    /// Interval before the sample and the input's slope over it; `None` at the first.
+    before: Option<(f64, f64)>,
 }
 
 /// A sensor that is fed one sample after the other.
@@ -78,8 +106,8 @@ pub struct Sensor {
     model: ChannelModel,
     /// Samples that the delay still needs, oldest first.
     history: VecDeque<(f64, f64)>,
-    /// Time, input and output of the low pass at the last sample.
-    filtered: Option<(f64, f64, f64)>,
+    /// What the low pass was at the last sample.
+    filtered: Option<Filtered>,
 }
 
 impl Sensor {
@@ -109,29 +137,47 @@ impl Sensor {
         }
         self.history.push_back((time_s, value));
         let wanted = time_s - self.model.delay_s;
-        // Two samples stay: those around the wanted time.
-        while self.history.len() > 2 && self.history[1].0 <= wanted {
+        // those around the wanted time stay, and one before them
+        while self.history.len() > 3 && self.history[2].0 <= wanted {
             self.history.pop_front();
         }
-        match (self.history.front(), self.history.get(1)) {
-            (Some(before), Some(after)) if before.0 <= wanted => between(*before, *after, wanted),
-            (Some(first), _) => first.1,
-            (None, _) => value,
-        }
+        let after = self.history.partition_point(|(t, _)| *t <= wanted);
+        interpolate(|i| self.history[i], self.history.len(), after, wanted)
     }
 
-    /// `τ y' + y = x`, exact for an input that is linear between samples.
+    /// `τ y' + y = x`, exact for an input on the parabola through the last three samples, at rest
+    /// before the first.
     fn low_pass(&mut self, time_s: f64, value: f64) -> f64 {
         let tau = self.model.low_pass_s;
         if tau <= 0.0 {
             return value;
         }
-        let output = self.filtered.map_or(value, |(t, x, y)| {
-            let step = time_s - t;
-            let lag = tau * (value - x) / step;
-            value - lag + (y - x + lag) * (-step / tau).exp()
+        let Some(last) = self.filtered else {
+            self.filtered = Some(Filtered {
+                time_s,
+                input: value,
+                output: value,
+                before: None,
+            });
+            return value;
+        };
+        let step = time_s - last.time_s;
+        let slope = (value - last.input) / step;
+        // half the second derivative
+        let bend = (last.before).map_or(0.0, |(h, d)| (slope - d) / (step + h));
+        // x - τ x' + τ² x'' solves the equation; the rest dies away
+        let settled = |input: f64, slope: f64| input - tau * slope + 2.0 * tau * tau * bend;
+        let (from, to) = (
+            settled(last.input, slope - bend * step),
+            settled(value, slope + bend * step),
+        );
+        let output = to + (last.output - from) * (-step / tau).exp();
+        self.filtered = Some(Filtered {
+            time_s,
+            input: value,
+            output,
+            before: Some((step, slope)),
         });
-        self.filtered = Some((time_s, value, output));
         output
     }
 }
@@ -162,6 +208,35 @@ mod tests {
         }
     }
 
+    /// Third order: a parabola arrives exactly, and an error is an eighth with half the interval.
+    #[test]
+    fn verify_what_is_smooth_arrives_late_to_third_order() {
+        let error = |dt: f64, delay_s: f64, f: fn(f64) -> f64| {
+            let model = ChannelModel {
+                delay_s,
+                ..ChannelModel::default()
+            };
+            let (time, mut values) = column(dt, (0.5 / dt).round() as usize, f);
+            model.apply(&time, &mut values);
+            let inner = time
+                .iter()
+                .zip(values)
+                .filter(|(t, _)| **t > 0.1 && **t < 0.4);
+            inner.fold(0.0_f64, |worst, (t, got)| {
+                worst.max((got - f(t - delay_s)).abs())
+            })
+        };
+        for delay in [0.0003, 0.0027, 0.0131, -0.0052] {
+            assert!(error(1e-3, delay, |t| 3.0 * t * t - t) < 1e-13, "{delay}");
+            let swing = |t: f64| (250.0 * t).sin();
+            // the interval's part that a delay leaves stays the same
+            let (coarse, fine) = (error(1e-3, delay, swing), error(5e-4, 0.5 * delay, swing));
+            assert!(coarse < 3e-3, "{delay}: {coarse}");
+            let order = (coarse / fine).log2();
+            assert!((2.8..4.3).contains(&order), "{delay}: {order}");
+        }
+    }
+
     /// A ramp behind a low pass is late by the time constant: `y = t - τ (1 - exp(-t / τ))`.
     #[test]
     fn verify_low_pass_of_a_ramp_at_any_sample_interval() {
@@ -177,6 +252,30 @@ mod tests {
                 assert!((got - expected).abs() < 1e-12, "{dt} {t}");
             }
         }
+    }
+
+    /// The steady answer to a swing: its amplitude and phase to third order in the interval.
+    #[test]
+    fn verify_low_pass_of_a_swing_to_third_order() {
+        let (omega, tau) = (250.0_f64, 0.004);
+        let error = |dt: f64| {
+            let (time, mut values) = column(dt, (0.5 / dt).round() as usize, |t| (omega * t).sin());
+            let model = ChannelModel {
+                low_pass_s: tau,
+                ..ChannelModel::default()
+            };
+            model.apply(&time, &mut values);
+            let steady =
+                |t: f64| (omega * t - (omega * tau).atan()).sin() / (omega * tau).hypot(1.0);
+            let late = time.iter().zip(values).filter(|(t, _)| **t > 0.3);
+            late.fold(0.0_f64, |worst, (t, got)| {
+                worst.max((got - steady(*t)).abs())
+            })
+        };
+        let (coarse, fine) = (error(1e-3), error(5e-4));
+        assert!(coarse < 2e-3, "{coarse}");
+        let order = (coarse / fine).log2();
+        assert!((2.8..3.3).contains(&order), "{order}");
     }
 
     #[test]

@@ -49,6 +49,7 @@ fn data(rate_hz: f64, samples: usize, channels: Vec<(&str, Unit, Role, Vec<f64>)
                 valid: vec![true; values.len()],
                 values,
                 noise: None,
+                white_kept: 1.0,
             })
             .collect(),
         notes: Vec::new(),

@@ -44,6 +44,7 @@ fn measured() -> Measured {
             valid: vec![true; values.len()],
             values,
             noise: None,
+            white_kept: 1.0,
         }
     });
     Measured {

@@ -172,7 +172,36 @@ impl<'a> Extension<'a> {
             found.gain = (self.zero - fit.objective).max(0.0);
             break;
         }
-        found
+        match self.with_moments(signature) {
+            Some(better) if better.gain > found.gain => better,
+            _ => found,
+        }
+    }
+
+    /// The same with the signature's moments beside its size.
+    fn with_moments(&self, signature: &Signature) -> Option<Ranked> {
+        let (&[size], false) = (&*signature.sizes, signature.moments.is_empty()) else {
+            return None;
+        };
+        let infos = self.problem.infos(signature.candidate);
+        let moments = signature.moments.iter().map(|moment| &moment.column);
+        let columns: Vec<&Columns> = signature.columns.iter().chain(moments).collect();
+        let fit = self.fit(&columns);
+        let (factor, rest) = fit.coefficients.split_first()?;
+        let secant = signature.values[size] - infos[size].neutral;
+        let mut start = signature.values.clone();
+        start[size] = infos[size].neutral + factor * secant;
+        for (moment, coefficient) in signature.moments.iter().zip(rest) {
+            start[moment.parameter] += moment.reach * coefficient / factor;
+        }
+        let possible =
+            (start.iter().zip(infos)).all(|(value, info)| (info.min..=info.max).contains(value));
+        possible.then(|| Ranked {
+            signature: signature.clone(),
+            start,
+            others: Vec::new(),
+            gain: (self.zero - fit.objective).max(0.0),
+        })
     }
 
     /// The prediction at the sizes that were found. Where it cannot be made, in a cut that chatters

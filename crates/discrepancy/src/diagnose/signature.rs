@@ -2,6 +2,7 @@
 //! backlash or dry friction have no derivative at zero.
 
 use rayon::prelude::*;
+use truecut_scenario::effect::EffectKind;
 
 use super::derivatives::difference;
 use super::fit::Fit;
@@ -20,6 +21,20 @@ pub(super) struct Signature {
     pub sizes: Vec<usize>,
     /// Change of the prediction for each of them alone.
     pub columns: Vec<Columns>,
+    /// What else changes the prediction in proportion to the size.
+    pub moments: Vec<Moment>,
+}
+
+/// A parameter whose product with the size adds to the change, as a payload's mass times its centre
+/// does: with mass and first moments the change is linear, wherever the centre is.
+#[derive(Debug, Clone)]
+pub(super) struct Moment {
+    /// Index of the parameter.
+    pub parameter: usize,
+    /// How far it was moved, at the size of the signature.
+    pub reach: f64,
+    /// What that changed.
+    pub column: Columns,
 }
 
 /// Signatures of all candidates that the point does not hold, over their grids of starts.
@@ -91,14 +106,48 @@ impl Screening<'_, '_> {
             let columns: Option<Vec<Columns>> = (sizes.iter())
                 .map(|&chosen| self.taken(candidate, &mut values, chosen))
                 .collect();
-            ladder.extend(columns.map(|columns| Signature {
+            let Some(columns) = columns else { continue };
+            ladder.push(Signature {
+                moments: self.moments(candidate, &values, &sizes, &columns),
                 candidate,
                 values,
                 sizes: sizes.clone(),
                 columns,
-            }));
+            });
         }
         ladder
+    }
+
+    /// The moments of a candidate that has some, each at the size in `values`.
+    fn moments(
+        &self,
+        candidate: usize,
+        values: &[f64],
+        sizes: &[usize],
+        columns: &[Columns],
+    ) -> Vec<Moment> {
+        let (&[size], [column]) = (sizes, columns) else {
+            return Vec::new();
+        };
+        let of_candidate = &self.problem.candidates[candidate];
+        if of_candidate.kind != EffectKind::Payload {
+            return Vec::new();
+        }
+        let moment = |parameter: usize| {
+            let reach = of_candidate.scale[parameter];
+            let mut moved = values.to_vec();
+            moved[parameter] += reach;
+            let change = self.change(candidate, &moved, size, values[size])?;
+            Some(Moment {
+                parameter,
+                reach,
+                column: difference(&change, column, 1.0),
+            })
+        };
+        (0..values.len())
+            .filter(|parameter| *parameter != size)
+            .filter_map(moment)
+            .collect()
     }
 
     /// How large a change is beside the residual, in the channel where it is largest.

@@ -15,6 +15,7 @@ mod predict;
 mod sampling;
 mod signals;
 mod speeds;
+mod spikes;
 mod steps;
 mod stiff;
 #[cfg(test)]
@@ -142,6 +143,7 @@ impl Trial {
         };
         started.uncertain.extend(start.unknowns);
         let scenario = &started;
+        let measured = &spikes::bridged(scenario, measured);
         let mut thinning = None;
         let run_s = |measured| reduced(scenario, measured, &robots).time_step_s();
         let (jumps, bridged) = match scenario.process {

@@ -149,6 +149,7 @@ mod tests {
             values: (0..600).map(|k| size * f64::from(k).sin()).collect(),
             valid: vec![true; 600],
             noise: None,
+            white_kept: 1.0,
         };
         let measured = Measured {
             source: "made".into(),

@@ -43,6 +43,7 @@ unit = "m"
             .collect(),
         valid: vec![true; 400],
         noise: None,
+        white_kept: 1.0,
     };
     let measured = Measured {
         source: "made".into(),

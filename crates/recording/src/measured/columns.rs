@@ -48,6 +48,7 @@ pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError>
             values,
             valid,
             noise: channel.noise.map(|noise| noise * series.white_share(&base)),
+            white_kept: series.white_kept(&base),
         });
     }
     let time_s = base.times();

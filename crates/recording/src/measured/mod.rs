@@ -126,6 +126,9 @@ pub struct MeasuredChannel {
     pub valid: Vec<bool>,
     /// Known standard deviation of its noise, SI.
     pub noise: Option<f64>,
+    /// Mean part of white noise's variance that is left where the values lie between the file's
+    /// samples; 1 at the samples themselves.
+    pub white_kept: f64,
 }
 
 impl Measured {

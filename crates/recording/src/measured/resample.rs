@@ -56,48 +56,59 @@ impl Series {
         median_interval_s(&self.time_s)
     }
 
-    /// Value at `t` between the samples around it, and whether they are at most `max_gap_s` apart:
-    /// on the cubic through the two on either side, where these are no further apart than stamps
-    /// jitter, else on the line. A time within `slack_s` of a sample is that sample's: times are
-    /// rounded. `from` remembers the place between calls with rising times.
-    fn at(
+    /// Mean square, over the base, of what interpolation leaves of white noise of the size one.
+    pub fn white_kept(&self, base: &Base) -> f64 {
+        if base.interval_s / self.interval_s() > FASTER {
+            return 1.0;
+        }
+        let squares = self.on(base.start_s, base.interval_s, base.samples);
+        squares.map(|place| place.squares()).sum::<f64>() / base.samples as f64
+    }
+
+    /// Where on the series uniform times lie.
+    fn on(
         &self,
-        t: f64,
-        max_gap_s: f64,
-        [slack_s, most_apart_s]: [f64; 2],
-        from: &mut usize,
-    ) -> (f64, bool) {
+        start_s: f64,
+        interval_s: f64,
+        samples: usize,
+    ) -> impl Iterator<Item = Place> + '_ {
+        let nearness_s = [SLACK * interval_s, JITTER * self.interval_s()];
+        let mut from = 0;
+        (0..samples).map(move |k| self.at(start_s + k as f64 * interval_s, nearness_s, &mut from))
+    }
+
+    /// Where `t` is between the samples around it: on the cubic through the two on either side,
+    /// where these are no further apart than stamps jitter, else on the line. A time within
+    /// `slack_s` of a sample is that sample's: times are rounded. `from` remembers the place
+    /// between calls with rising times.
+    fn at(&self, t: f64, [slack_s, most_apart_s]: [f64; 2], from: &mut usize) -> Place {
         let last = self.time_s.len() - 1;
         while *from + 1 < last && self.time_s[*from + 1] <= t + slack_s {
             *from += 1;
         }
-        let (a, b) = (*from, *from + 1);
-        let (t0, t1) = (self.time_s[a], self.time_s[b]);
-        let (y0, y1) = (self.values[a], self.values[b]);
+        let (row, next) = (*from, *from + 1);
+        let (t0, t1) = (self.time_s[row], self.time_s[next]);
         if t <= t0 + slack_s {
-            return (y0, t0 - t <= max_gap_s);
+            let apart_s = t0 - t;
+            return Place::Sample { row, apart_s };
         }
         if t >= t1 - slack_s {
-            return (y1, t - t1 <= max_gap_s);
+            let apart_s = t - t1;
+            return Place::Sample { row: next, apart_s };
         }
-        let part = (t - t0) / (t1 - t0);
-        let line = y0 + (y1 - y0) * part;
-        let value = self.cubic(a, t, most_apart_s).unwrap_or(line);
-        (value, t1 - t0 <= max_gap_s)
+        let apart_s = t1 - t0;
+        let part = (t - t0) / apart_s;
+        self.cubic(row, t, most_apart_s)
+            .unwrap_or(Place::Line { row, part, apart_s })
     }
-}
 
-impl Series {
-    /// Value at `t` of the cubic through the samples from the one before `row` on; `None` where two
-    /// of them lie further apart than `most_apart_s`, or one is missing.
-    fn cubic(&self, row: usize, t: f64, most_apart_s: f64) -> Option<f64> {
+    /// The cubic through the samples from the one before `row` on, at `t`; `None` where two of them
+    /// lie further apart than `most_apart_s`, or one is missing.
+    fn cubic(&self, row: usize, t: f64, most_apart_s: f64) -> Option<Place> {
         let first = row.checked_sub(1)?;
         let times = self.time_s.get(first..first + 4)?;
-        let values = &self.values[first..first + 4];
-        if times
-            .windows(2)
-            .any(|pair| pair[1] - pair[0] > most_apart_s)
-        {
+        let apart = times.windows(2).map(|pair| pair[1] - pair[0]);
+        if apart.fold(0.0, f64::max) > most_apart_s {
             return None;
         }
         let weight = |i: usize| -> f64 {
@@ -106,7 +117,61 @@ impl Series {
                 .map(|j| (t - times[j]) / (times[i] - times[j]))
                 .product()
         };
-        Some((0..4).map(|i| weight(i) * values[i]).sum())
+        Some(Place::Cubic {
+            first,
+            weights: std::array::from_fn(weight),
+            apart_s: times[2] - times[1],
+        })
+    }
+}
+
+/// A time beside the samples of a series; how far apart those it lies between are, or how far off
+/// the nearest is.
+enum Place {
+    Sample {
+        row: usize,
+        apart_s: f64,
+    },
+    Line {
+        row: usize,
+        part: f64,
+        apart_s: f64,
+    },
+    Cubic {
+        first: usize,
+        weights: [f64; 4],
+        apart_s: f64,
+    },
+}
+
+impl Place {
+    fn value(&self, values: &[f64]) -> f64 {
+        match self {
+            Place::Sample { row, .. } => values[*row],
+            Place::Line { row, part, .. } => {
+                let (y0, y1) = (values[*row], values[row + 1]);
+                y0 + (y1 - y0) * part
+            }
+            Place::Cubic { first, weights, .. } => {
+                let terms = weights.iter().zip(&values[*first..]);
+                terms.map(|(weight, value)| weight * value).sum()
+            }
+        }
+    }
+
+    fn apart_s(&self) -> f64 {
+        let (Place::Sample { apart_s, .. }
+        | Place::Line { apart_s, .. }
+        | Place::Cubic { apart_s, .. }) = self;
+        *apart_s
+    }
+
+    fn squares(&self) -> f64 {
+        match self {
+            Place::Sample { .. } => 1.0,
+            Place::Line { part, .. } => (1.0 - part).powi(2) + part.powi(2),
+            Place::Cubic { weights, .. } => weights.iter().map(|w| w * w).sum(),
+        }
     }
 }
 
@@ -248,16 +313,7 @@ fn on_grid(
     samples: usize,
     max_gap_s: f64,
 ) -> (Vec<f64>, Vec<bool>) {
-    let mut from = 0;
-    let nearness_s = [SLACK * interval_s, JITTER * series.interval_s()];
-    (0..samples)
-        .map(|k| {
-            series.at(
-                start_s + k as f64 * interval_s,
-                max_gap_s,
-                nearness_s,
-                &mut from,
-            )
-        })
+    (series.on(start_s, interval_s, samples))
+        .map(|place| (place.value(&series.values), place.apart_s() <= max_gap_s))
         .unzip()
 }

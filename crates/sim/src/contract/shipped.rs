@@ -69,6 +69,7 @@ fn measured() -> Measured {
             valid: vec![true; time_s.len()],
             values: time_s.iter().map(sway).collect(),
             noise: None,
+            white_kept: 1.0,
         }
     });
     Measured {

@@ -2,6 +2,7 @@
 
 mod arm;
 mod chatter;
+mod crossings;
 mod forces;
 mod limits;
 mod reduced;

@@ -18,6 +18,9 @@ use super::sweep::on_tool_n;
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+/// Part of a tooth's radius beyond which its chip is not looked for at a face.
+const THICKEST: f64 = 0.1;
+
 /// What the cut does to the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MillingLoads {
@@ -116,6 +119,24 @@ impl MillingCut {
             loads.teeth_in_cut += usize::from(cuts);
         }
         loads
+    }
+
+    /// Whether tip and root of a straight edge's chip lie within the faces of the stock. Where no
+    /// face is near the tip the root is taken to be where that is.
+    pub fn ends_in_stock(&self, tooth: usize, state: &ToolState) -> [bool; 2] {
+        let p = &self.parameters;
+        if p.stock.top_m <= state.displacement_m.z {
+            return [false; 2];
+        }
+        let ray = Ray::at(p.cutter.tooth_angle_rad(tooth, state.rotation_rad));
+        let centre_m = self.centre_m(state);
+        let reach_m = p.cutter.tooth_radius_m(tooth);
+        let is_in = |along_m: f64| p.stock.contains(centre_m + ray.outward * along_m);
+        let tip = is_in(reach_m);
+        if is_in((1.0 - THICKEST) * reach_m) == tip {
+            return [tip; 2];
+        }
+        [tip, is_in(self.surface_m(tooth, &ray, state).min(reach_m))]
     }
 
     /// The tool has come to this state: its teeth leave their surface. To be called once a step,
@@ -228,34 +249,42 @@ impl MillingCut {
         state: &ToolState,
     ) -> f64 {
         let p = &self.parameters;
-        let teeth = p.cutter.teeth;
-        let (sin, cos) = angle_rad.sin_cos();
-        let ray = Ray {
-            outward: Vector2::new(sin, cos),
-            along: Vector2::new(cos, -sin),
-        };
+        let ray = Ray::at(angle_rad);
         let reach_m = p.cutter.tooth_radius_m(tooth);
         let tip_m = centre_m + ray.outward * reach_m;
         if p.stock.inside_m(centre_m, tip_m) == 0.0 {
             return 0.0;
         }
+        let surface_m = self.surface_m(tooth, &ray, state);
+        if surface_m >= reach_m {
+            return 0.0;
+        }
+        // No longer than its ray, by rounding either.
+        (p.stock.inside_m(centre_m + ray.outward * surface_m, tip_m)).min(reach_m - surface_m)
+    }
+
+    /// How far from the axis the surface begins that earlier teeth have left, m; where it lies
+    /// beyond the tooth, at the tooth or further out.
+    fn surface_m(&self, tooth: usize, ray: &Ray, state: &ToolState) -> f64 {
+        let p = &self.parameters;
+        let teeth = p.cutter.teeth;
+        let reach_m = p.cutter.tooth_radius_m(tooth);
         let mut surface_m = 0.0_f64;
         for m in 1..=self.pass_count() {
             let pass = self.earlier_pass(m, state);
             let before = (tooth + teeth - m % teeth) % teeth;
             let radius_m = p.cutter.tooth_radius_m(before);
-            if pass.at_most_m(radius_m, &ray) <= surface_m {
+            if pass.at_most_m(radius_m, ray) <= surface_m {
                 continue;
             }
-            if let Some(left_m) = pass.left_m(radius_m, &ray) {
+            if let Some(left_m) = pass.left_m(radius_m, ray) {
                 surface_m = surface_m.max(left_m);
             }
             if surface_m >= reach_m {
-                return 0.0;
+                break;
             }
         }
-        // No longer than its ray, by rounding either.
-        (p.stock.inside_m(centre_m + ray.outward * surface_m, tip_m)).min(reach_m - surface_m)
+        surface_m
     }
 
     fn add_slice(

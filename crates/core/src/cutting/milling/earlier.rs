@@ -40,6 +40,17 @@ pub(super) struct Ray {
     pub along: Vector2<f64>,
 }
 
+impl Ray {
+    /// Of a tooth at φ.
+    pub fn at(angle_rad: f64) -> Ray {
+        let (sin, cos) = angle_rad.sin_cos();
+        Ray {
+            outward: Vector2::new(sin, cos),
+            along: Vector2::new(cos, -sin),
+        }
+    }
+}
+
 /// The step of Newton's method that is the last: it leaves an error of the order of its square.
 const LAST_STEP_RAD: f64 = 1e-5;
 const MOST_STEPS: usize = 12;

@@ -36,6 +36,7 @@ fn measured(channels: &[(&str, Role)]) -> Measured {
         values: angle(),
         valid: vec![true; SAMPLES],
         noise: None,
+        white_kept: 1.0,
     };
     Measured {
         source: "file.csv".into(),

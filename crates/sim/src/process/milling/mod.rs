@@ -6,6 +6,7 @@
 //! half of it), lets the cut begin (under way, through the face of the stock, or on a wedge) and
 //! keeps what is reported at the end.
 
+mod crossings;
 mod history;
 mod report;
 pub(crate) mod setup;
@@ -30,7 +31,7 @@ use truecut_core::cutting::milling::dexel::{FinishedSurface, RayGrid, Wall};
 use truecut_recording::{ChannelSpec, Outcome};
 use truecut_scenario::MillingSpec;
 
-/// Parts of a step at whose middles the force is taken.
+/// Parts of a step at whose middles the force is taken; stretches between crossings have their own.
 const PARTS: usize = 4;
 /// Rays of a finished surface per feed mark.
 const RAYS_PER_MARK: f64 = 8.0;
@@ -273,11 +274,16 @@ impl Process for Milling {
 
     fn evaluate(&self, state: &ToolState) -> Loads {
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-        for part in 0..PARTS {
-            let ahead = (part as f64 + 0.5) / PARTS as f64 - 0.5;
-            let cut = (self.cut).evaluate(&self.cut_state(state, ahead * self.step_s));
-            force += cut.force_on_tool_n / PARTS as f64;
-            moment += cut.moment_on_tool_n_m / PARTS as f64;
+        for stretch in self.stretches(state).windows(2) {
+            let length = stretch[1] - stretch[0];
+            let parts = (length * PARTS as f64).ceil();
+            let share = length / parts;
+            for part in 0..parts as usize {
+                let ahead = stretch[0] + (part as f64 + 0.5) * share;
+                let cut = (self.cut).evaluate(&self.cut_state(state, ahead * self.step_s));
+                force += cut.force_on_tool_n * share;
+                moment += cut.moment_on_tool_n_m * share;
+            }
         }
         let mut loads = Loads::from(self.wrench(&force, &moment));
         if let Some(differs) = self.modes.on_arm_n(&self.arm_motion(state), &force) {
