@@ -163,6 +163,20 @@ fn the_sense_of_the_wheel_shows_in_what_it_removes() {
         short.contains("run.duration_s is 3.0000 s") && short.contains("unfinished"),
         "{short}"
     );
+    let checked = [
+        "check",
+        plate,
+        "--set",
+        "run.duration_s=3",
+        "--junit",
+        "short.xml",
+    ];
+    let checked = String::from_utf8(desk.truecut(&checked).stdout).unwrap();
+    let junit = std::fs::read_to_string(desk.path("short.xml")).unwrap();
+    assert!(
+        checked.contains("of an unfinished process") && junit.contains("of an unfinished process"),
+        "{checked}"
+    );
     let against = ["--set", "process.wheel.spin=against"];
     let out = desk.ends(
         CLAIM_FAILED,

@@ -11,6 +11,7 @@ use truecut::data;
 use truecut::outputs::{Outputs, write_file, write_sweep};
 use truecut_recording::{ClaimResult, Outcome};
 use truecut_scenario::Scenario;
+use truecut_sim::process::tells_unfinished;
 use truecut_sim::run::{Run, RunError, Runs};
 use truecut_sim::sweep::Sweep;
 use truecut_sim::{Robots, estimates};
@@ -60,6 +61,8 @@ struct Judged {
     status: ExitStatus,
     outcome: String,
     claims: Vec<ClaimResult>,
+    /// That the run ended before its process did: the claims hold for a part of it.
+    unfinished: Option<String>,
 }
 
 /// A sentence on the files that are no scenarios.
@@ -133,6 +136,9 @@ fn check_one(
         let report = miette::Report::from(failure);
         Judgement::Refused(format!("{report:?}"))
     };
+    if let Ok(Judgement::Judged(judged)) = &result {
+        notes.extend(judged.unfinished.clone());
+    }
     Checked {
         file: file.to_owned(),
         name,
@@ -177,6 +183,7 @@ fn judge_scenario(
             status,
             outcome: text::count_rows(&table),
             claims,
+            unfinished: None,
         }));
     }
     if data::is_left_open(scenario) {
@@ -185,6 +192,7 @@ fn judge_scenario(
             status: ExitStatus::Good,
             outcome: "not run: names no measured data".to_owned(),
             claims: Vec::new(),
+            unfinished: None,
         }));
     }
     judge_run(scenario, out, runs, progress, signals)
@@ -224,6 +232,12 @@ fn judge_run(
         status,
         outcome: recording.outcome.to_string(),
         claims,
+        unfinished: (recording
+            .header
+            .notes
+            .iter()
+            .find(|note| tells_unfinished(note)))
+        .cloned(),
     }))
 }
 

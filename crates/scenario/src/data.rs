@@ -44,7 +44,7 @@ pub(crate) struct DataTable {
     /// Rate at which the data is used. Default: the median rate of the file.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
     resample_hz: Option<f64>,
-    /// Longest gap that is bridged by a straight line. Default: 0.05.
+    /// Longest gap that is bridged, in inputs by a cubic, in outputs by a line. Default: 0.05.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "a gap has a length"))]
     max_gap_s: Option<f64>,
     /// Times of the file at which the process begins anew, each time as the scenario says: one for

@@ -51,6 +51,28 @@ fn verify_all_branches_of_two_robots() {
     }
 }
 
+/// Limits in degrees that a file gives as radians: six joints have 111 turns each, more postures
+/// than any memory holds. Those with the fewest turns are given, the posture asked for among them.
+#[test]
+fn limits_of_hundreds_of_turns_give_few_postures() {
+    let mut robot = HP20.robot(0.0);
+    for joint in &mut robot.chain.joints {
+        joint.limits = Some(Limits {
+            lower: -349.0,
+            upper: 349.0,
+            velocity: f64::INFINITY,
+            effort: f64::INFINITY,
+        });
+    }
+    let solver = robot.ik_solver(&BranchOptions::default());
+    for q in spread(20) {
+        let flange = robot.world_from_frame(&q, FrameId::Flange);
+        let found = solver.branches(&flange, FrameId::Flange);
+        assert!(found.len() <= 8 * 1024, "{}", found.len());
+        assert!(found.iter().any(|f| apart(f, &q) <= 1e-6), "{q:?}");
+    }
+}
+
 /// Frames of the file have no part in it: the same axes under other joint frames and on a tilted
 /// base are the same arm.
 #[test]

@@ -1,6 +1,6 @@
 //! From columns to channels: times, units, masks, checks.
 
-use super::resample::{Base, Series, resample};
+use super::resample::{Base, Gaps, Series, missing_rows, resample};
 use super::{
     ChannelMapping, DataError, MIN_SAMPLES, Mapping, Measured, MeasuredChannel, Pass, Role, Table,
     TimeBase,
@@ -11,7 +11,7 @@ use crate::unit::significant;
 /// Maps the columns of `table` to channels on one uniform time base.
 ///
 /// Samples are masked where the file has no number and where the sensor is at its end. Gaps up to
-/// `max_gap_s` are bridged by straight lines; in longer ones the result is not valid. A channel
+/// `max_gap_s` are bridged; in longer ones the result is not valid. A channel
 /// that is sampled faster than the result is smoothed first, without delay, so that nothing folds
 /// back.
 ///
@@ -25,9 +25,23 @@ pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError>
     }
     let base = Base::new(table, mapping, &time_s, &series)?;
     let mut notes = base.notes(mapping);
+    let missing = missing_rows(&time_s);
+    if missing > 0 {
+        notes.push(format!(
+            "{missing} rows seem to be missing: what drives the model is bridged there by cubics, what is compared \
+             by lines"
+        ));
+    }
     let mut channels = Vec::new();
     for (channel, series) in mapping.channels.iter().zip(&series) {
-        let (values, valid) = resample(series, &base, mapping.max_gap_s);
+        let gaps = Gaps {
+            bridged_s: mapping.max_gap_s,
+            smoothly_s: match channel.role {
+                Role::Input => mapping.max_gap_s,
+                Role::Output => 0.0,
+            },
+        };
+        let (values, valid) = resample(series, &base, gaps);
         notes.extend(series.note(channel));
         let masked = valid.iter().filter(|valid| !**valid).count();
         if masked > 0 {

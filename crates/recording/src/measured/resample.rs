@@ -61,18 +61,20 @@ impl Series {
         if base.interval_s / self.interval_s() > FASTER {
             return 1.0;
         }
-        let squares = self.on(base.start_s, base.interval_s, base.samples);
+        let squares = self.on(base.start_s, base.interval_s, base.samples, 0.0);
         squares.map(|place| place.squares()).sum::<f64>() / base.samples as f64
     }
 
-    /// Where on the series uniform times lie.
+    /// Where on the series uniform times lie; cubics cross gaps of `smooth_gap_s`.
     fn on(
         &self,
         start_s: f64,
         interval_s: f64,
         samples: usize,
+        smooth_gap_s: f64,
     ) -> impl Iterator<Item = Place> + '_ {
-        let nearness_s = [SLACK * interval_s, JITTER * self.interval_s()];
+        let most_apart_s = smooth_gap_s.max(JITTER * self.interval_s());
+        let nearness_s = [SLACK * interval_s, most_apart_s];
         let mut from = 0;
         (0..samples).map(move |k| self.at(start_s + k as f64 * interval_s, nearness_s, &mut from))
     }
@@ -269,22 +271,37 @@ impl Base {
     }
 }
 
+/// Gaps in a channel, s.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gaps {
+    /// Longest that is bridged.
+    pub bridged_s: f64,
+    /// Longest that is bridged by a cubic: what drives a model kicks it at the ends of a line.
+    pub smoothly_s: f64,
+}
+
+/// Rows that seem to be missing between rising times.
+pub(super) fn missing_rows(time_s: &[f64]) -> usize {
+    let interval_s = median_interval_s(time_s);
+    let steps = time_s
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]) / interval_s);
+    steps
+        .filter(|step| *step > JITTER)
+        .map(|step| step.round() as usize - 1)
+        .sum()
+}
+
 /// Values and validity of a channel at the times of `base`.
-pub(super) fn resample(series: &Series, base: &Base, max_gap_s: f64) -> (Vec<f64>, Vec<bool>) {
+pub(super) fn resample(series: &Series, base: &Base, gaps: Gaps) -> (Vec<f64>, Vec<bool>) {
     let ratio = base.interval_s / series.interval_s();
     if ratio <= FASTER {
-        return on_grid(
-            series,
-            base.start_s,
-            base.interval_s,
-            base.samples,
-            max_gap_s,
-        );
+        return on_grid(series, base.start_s, base.interval_s, base.samples, gaps);
     }
     let every = ratio.ceil() as usize;
     let fine_s = base.interval_s / every as f64;
     let fine = (base.samples - 1) * every + 1;
-    let (values, valid) = on_grid(series, base.start_s, fine_s, fine, max_gap_s);
+    let (values, valid) = on_grid(series, base.start_s, fine_s, fine, gaps);
     let filter = Butterworth::low_pass(
         ANTI_ALIAS_ORDER,
         ANTI_ALIAS_SHARE / base.interval_s,
@@ -311,9 +328,12 @@ fn on_grid(
     start_s: f64,
     interval_s: f64,
     samples: usize,
-    max_gap_s: f64,
+    gaps: Gaps,
 ) -> (Vec<f64>, Vec<bool>) {
-    (series.on(start_s, interval_s, samples))
-        .map(|place| (place.value(&series.values), place.apart_s() <= max_gap_s))
+    (series.on(start_s, interval_s, samples, gaps.smoothly_s))
+        .map(|place| {
+            let is_bridged = place.apart_s() <= gaps.bridged_s;
+            (place.value(&series.values), is_bridged)
+        })
         .unzip()
 }

@@ -35,7 +35,7 @@ pub use polish::{Polish, PolishSetup};
 pub use quantity::Quantity;
 pub use replay::{ForceSamples, Replay};
 pub(crate) use setup::cut_short;
-pub use setup::{ProcessSetup, SetupContext};
+pub use setup::{ProcessSetup, SetupContext, tells_unfinished};
 pub use wheel::Wheel;
 
 use crate::loads::{Attachment, ContactOutcomes, Loads};

@@ -261,12 +261,19 @@ pub(crate) fn check_drive(process: &ProcessSpec, kind: DriveKind) -> Result<(), 
     }
 }
 
+/// How the note ends on a run that ends before its process does.
+const UNFINISHED: &str = "what is reported is of an unfinished process";
+
+/// Whether a note of a run says that it ended before its process did.
+pub fn tells_unfinished(note: &str) -> bool {
+    note.ends_with(UNFINISHED)
+}
+
 /// A note on a run of `duration_s` whose process takes `natural_s` by itself, if it ends before.
 pub(crate) fn cut_short(duration_s: f64, natural_s: f64) -> Option<String> {
     (duration_s < natural_s * (1.0 - 1e-9)).then(|| {
         format!(
-            "run.duration_s is {duration_s:.4} s, the process takes {natural_s:.4} s by itself: what \
-             is reported is of an unfinished process"
+            "run.duration_s is {duration_s:.4} s, the process takes {natural_s:.4} s by itself: {UNFINISHED}"
         )
     })
 }
