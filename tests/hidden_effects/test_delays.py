@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize_scalar
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
@@ -22,8 +23,9 @@ from bench import motion  # noqa: E402
 from bench.arm import Arm  # noqa: E402
 from bench.dataset import write_csv  # noqa: E402
 from bench.effects import Effect  # noqa: E402
-from bench.noise import unit_noise  # noqa: E402
+from bench.noise import AR1_COEFFICIENT, unit_noise  # noqa: E402
 from bench.runner import ask  # noqa: E402
+from bench.sensors import low_pass  # noqa: E402
 from test_hidden_effects import PROGRAM  # noqa: E402
 from truecut_reference import scenario as scenario_file  # noqa: E402
 
@@ -179,8 +181,32 @@ HIDDEN = ("clock", "sensor", "friction", "nothing")
 FORWARD_SEEDS, INVERSE_SEEDS = range(61_000, 61_004), range(62_000, 62_006)
 
 
-def check(drawn: Drawn, hidden: str, channel: str, viscous: float, found: dict) -> None:
-    """The one cause that was hidden is the one that is named, with its size."""
+# Twice what a search asks of causes whose traces are alike (odds of 400 to 1): it has three fifths of the data.
+CLEARLY_APART = 24.0
+
+
+def delay_over_low_pass(drawn: Drawn, moved: tuple[np.ndarray, np.ndarray], measured: dict) -> float:
+    """By how much minus twice the log-likelihood of the sensor's delay is below that of a low pass, whose trace is
+    nearest to it: each fitted to MuJoCo's own run, the memory of the noise known."""
+    times, output, data = moved[0], moved[1][:, drawn.number - 1], measured[f"f{drawn.number}"]
+    memory = AR1_COEFFICIENT if drawn.seed % 2 else 0.0
+    path = CubicSpline(times, output)
+
+    def left(predicted: np.ndarray) -> float:
+        off = data - predicted
+        return float(np.sum((off[1:] - memory * off[:-1]) ** 2))
+
+    laws = (
+        lambda size: path(np.clip(drawn.time - size, 0.0, None)),
+        lambda size: np.interp(drawn.time, times, low_pass(times, output, size)),
+    )
+    delay, slow = (minimize_scalar(lambda size, law=law: left(law(size)), bounds=(1e-4, 0.03)).fun for law in laws)
+    return (data.size - 1) * np.log(slow / delay)
+
+
+def check(drawn: Drawn, hidden: str, channel: str, viscous: float, found: dict, *, is_apart: bool = True) -> None:
+    """The one cause that was hidden is the one that is named, with its size; where the data hardly tell it from its
+    neighbour, it comes first."""
     if hidden == "nothing":
         assert found["verdict"] == "nothing_beyond_noise", (drawn.seed, found["reason"])
         return
@@ -189,7 +215,8 @@ def check(drawn: Drawn, hidden: str, channel: str, viscous: float, found: dict) 
         "sensor": ("sensor_delay", channel, drawn.delay_s),
         "friction": ("joint_viscous", f"joint{drawn.number}", viscous),
     }[hidden]
-    assert found["verdict"] == "named", (drawn.seed, found["verdict"], found["reason"])
+    right = ("named",) if is_apart else ("named", "ambiguous")
+    assert found["verdict"] in right, (drawn.seed, found["verdict"], found["reason"])
     (cause,) = found["causes"]
     assert (cause["kind"], cause["target"]) == (kind, target), (drawn.seed, cause)
     (parameter,) = cause["parameters"].values()
@@ -212,8 +239,10 @@ def test_crosscheck_mujoco_delay_of_a_forward_replay(hidden, tmp_path):
         if hidden == "friction":
             moved = drawn.moved([Effect("joint_viscous", number, {"viscous_n_m_s_per_rad": viscous})])
         delays = {"clock": np.ones(outputs), "sensor": np.eye(outputs)[number - 1]}.get(hidden, np.zeros(outputs))
-        found = named(drawn.forward(), drawn.measured(*moved, drawn.delay_s * delays))
-        check(drawn, hidden, f"joint{number}.transmission_torque", viscous, found)
+        measured = drawn.measured(*moved, drawn.delay_s * delays)
+        found = named(drawn.forward(), measured)
+        is_apart = hidden != "sensor" or delay_over_low_pass(drawn, moved, measured) > CLEARLY_APART
+        check(drawn, hidden, f"joint{number}.transmission_torque", viscous, found, is_apart=is_apart)
 
 
 @pytest.mark.parametrize("hidden", ["friction", "nothing"])
