@@ -1,25 +1,20 @@
 //! Inverse kinematics with all branches.
 
-use std::f64::consts::TAU;
-
 use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::ik::IkOptions;
-use crate::model::{FrameId, Joint, JointKind, Robot};
+use crate::model::{FrameId, JointKind, Robot};
 use crate::opw::{OpwGeometry, wrap};
+use crate::turns::turned;
 
 /// Postures that agree to this in every joint, modulo whole turns, count as one.
 const SAME_POSTURE: f64 = 1e-6;
 
 /// What is left of a pose (m and rad together) by a posture that counts as exact.
 const CLOSED_FORM_TOLERANCE: f64 = 1e-10;
-/// Turns of a joint from zero that are looked at, if that makes no more postures of one than
-/// [`MOST_PLACES`].
-const MOST_TURNS: i64 = 12;
-const MOST_PLACES: f64 = 1024.0;
 
 /// How solutions of arms without a closed form are looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,7 +112,10 @@ impl IkSolver<'_> {
         frame: FrameId,
     ) -> Vec<Vec<f64>> {
         let branches = self.branches(world_from_target, frame);
-        branches.iter().flat_map(|q| self.turned(q)).collect()
+        branches
+            .iter()
+            .flat_map(|q| turned(&self.robot.chain.joints, q))
+            .collect()
     }
 
     /// The posture within limits that puts `frame` at a pose and lies nearest to `from` (shortest
@@ -142,10 +140,13 @@ impl IkSolver<'_> {
         from: &[f64],
     ) -> Result<Vec<f64>, ArmErrorKind> {
         let branches = self.branches(world_from_target, frame);
-        let mut turned = branches.iter().map(|q| self.near(q, from)).collect();
+        let mut nearest = branches.iter().map(|q| self.near(q, from)).collect();
         let within = |q: &Vec<f64>| self.robot.check_posture(q).is_ok();
-        let mut candidates: Vec<Vec<f64>> = branches.iter().flat_map(|q| self.turned(q)).collect();
-        candidates.append(&mut turned);
+        let mut candidates: Vec<Vec<f64>> = branches
+            .iter()
+            .flat_map(|q| turned(&self.robot.chain.joints, q))
+            .collect();
+        candidates.append(&mut nearest);
         candidates.retain(within);
         let nearest = candidates
             .into_iter()
@@ -282,37 +283,6 @@ impl IkSolver<'_> {
         })
     }
 
-    /// The posture with every joint turned to every place within its limits; with the fewer turns
-    /// from zero, the more places there would be: limits of hundreds of turns are degrees.
-    fn turned(&self, q: &[f64]) -> Vec<Vec<f64>> {
-        let mut most = MOST_TURNS;
-        let places = loop {
-            let joints = self.robot.chain.joints.iter().zip(q);
-            let places: Vec<Vec<f64>> = joints
-                .map(|(joint, &value)| places(joint, value, most))
-                .collect();
-            let count: f64 = places.iter().map(|places| places.len() as f64).product();
-            if count <= MOST_PLACES || most == 0 {
-                break places;
-            }
-            most -= 1;
-        };
-        let mut postures = vec![Vec::new()];
-        for places in places {
-            postures = postures
-                .iter()
-                .flat_map(|posture: &Vec<f64>| {
-                    places.iter().map(|place| {
-                        let mut longer = posture.clone();
-                        longer.push(*place);
-                        longer
-                    })
-                })
-                .collect();
-        }
-        postures
-    }
-
     /// The posture with every revolute joint turned as near to another posture as whole turns bring
     /// it.
     fn near(&self, q: &[f64], to: &[f64]) -> Vec<f64> {
@@ -325,24 +295,6 @@ impl IkSolver<'_> {
             });
         values.collect()
     }
-}
-
-/// Where a joint is within its limits, at most so many turns from `value`.
-fn places(joint: &Joint, value: f64, most_turns: i64) -> Vec<f64> {
-    let (low, high) = joint
-        .limits
-        .map_or((f64::NEG_INFINITY, f64::INFINITY), |l| (l.lower, l.upper));
-    let turns = if joint.kind == JointKind::Prismatic || !(high - low).is_finite() {
-        0..=0
-    } else {
-        let first = ((low - value) / TAU).ceil() as i64;
-        let last = ((high - value) / TAU).floor() as i64;
-        first.max(-most_turns)..=last.min(most_turns)
-    };
-    turns
-        .map(|turn| value + TAU * turn as f64)
-        .filter(|value| (low..=high).contains(value))
-        .collect()
 }
 
 /// Length of the way between two postures, rad and m together.

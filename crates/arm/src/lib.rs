@@ -88,6 +88,7 @@ mod tangent;
 mod tip;
 mod tip_modes;
 mod tree;
+mod turns;
 mod undrawn;
 mod urdf;
 mod visual;
