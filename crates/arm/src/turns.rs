@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use crate::model::{Joint, JointKind};
 
-/// Turns of a joint from zero that are looked at, if that makes no more postures of one than
+/// Turns of a joint to either side that are looked at, if that makes no more postures of one than
 /// [`MOST_PLACES`].
 const MOST_TURNS: i64 = 12;
 const MOST_PLACES: f64 = 1024.0;
 
-/// The posture with every joint turned to every place within its limits; with the fewer turns
-/// from zero, the more places there would be: limits of hundreds of turns are degrees.
+/// The posture with every joint turned to every place within its limits; to fewer about its least
+/// turn, at least to one, where there would be too many: limits of hundreds of turns are degrees.
 pub(crate) fn turned(joints: &[Joint], q: &[f64]) -> Vec<Vec<f64>> {
     let mut most = MOST_TURNS;
     let places = loop {
@@ -39,7 +39,8 @@ pub(crate) fn turned(joints: &[Joint], q: &[f64]) -> Vec<Vec<f64>> {
     postures
 }
 
-/// Where a joint is within its limits, at most so many turns from `value`.
+/// Where a joint is within its limits, at most so many turns to either side of the one that is
+/// nearest to `value`.
 fn places(joint: &Joint, value: f64, most_turns: i64) -> Vec<f64> {
     let (low, high) = joint
         .limits
@@ -49,7 +50,8 @@ fn places(joint: &Joint, value: f64, most_turns: i64) -> Vec<f64> {
     } else {
         let first = ((low - value) / TAU).ceil() as i64;
         let last = ((high - value) / TAU).floor() as i64;
-        first.max(-most_turns)..=last.min(most_turns)
+        let least = 0_i64.max(first).min(last);
+        first.max(least.saturating_sub(most_turns))..=last.min(least.saturating_add(most_turns))
     };
     turns
         .map(|turn| value + TAU * turn as f64)

@@ -250,24 +250,32 @@ fn two_runs_are_identical_to_the_bit() {
     assert_eq!(a.columns, b.columns);
 }
 
-/// A servo without integral action gives way by `F / (k_v k_p)`, behind it the transmission by
-/// `F / K`; and a force beyond its limit is not held at all.
-#[test]
-fn verify_servo_droops_and_saturates() {
-    let servo = |force_n: f64, duration_s: f64| {
-        run(&format!(
-            r#"
+/// The mass of `rig_1dof` on a servo.
+fn on_a_servo(of_the_run: &str, load: &str) -> Recording {
+    run(&format!(
+        r#"
 name = "servo"
 [robot]
 urdf = "../../assets/robots/rig_1dof/robot.urdf"
 gravity = false
 drive = "servo"
 [run]
-duration_s = {duration_s}
+{of_the_run}
 [process.load]
-constant_n = [{force_n}, 0.0, 0.0]
+{load}
 "#
-        ))
+    ))
+}
+
+/// A servo without integral action gives way by `F / (k_v k_p)`, behind it the transmission by
+/// `F / K`; and a force beyond its limit is not held at all.
+#[test]
+fn verify_servo_droops_and_saturates() {
+    let servo = |force_n: f64, duration_s: f64| {
+        on_a_servo(
+            &format!("duration_s = {duration_s}"),
+            &format!("constant_n = [{force_n}, 0.0, 0.0]"),
+        )
     };
     let held = servo(500.0, 3.0);
     assert_eq!(held.outcome, Outcome::Completed);
@@ -295,21 +303,10 @@ constant_n = [{force_n}, 0.0, 0.0]
 #[test]
 fn verify_a_saturated_servo_starts_in_second_order() {
     let let_go = |step_ms: f64| {
-        run(&format!(
-            r#"
-name = "servo"
-[robot]
-urdf = "../../assets/robots/rig_1dof/robot.urdf"
-gravity = false
-drive = "servo"
-[run]
-duration_s = 0.02
-time_step_ms = {step_ms}
-overload = "warn"
-[process.load]
-release_n = [30.0e3, 0.0, 0.0]
-"#
-        ))
+        on_a_servo(
+            &format!("duration_s = 0.02\ntime_step_ms = {step_ms}\noverload = \"warn\""),
+            "release_n = [30.0e3, 0.0, 0.0]",
+        )
     };
     let saturated = let_go(0.05);
     let torque = column(&saturated, "joint1.drive_force");

@@ -5,46 +5,44 @@
 //! be off by up to half a part of the jump: an error of first order, of one sign or the other from
 //! tooth to tooth. Edges on a helix cross height by height, each with a small part of the force.
 
-use super::{CutState, Milling};
+use super::Milling;
 use crate::process::ToolState;
 
+/// Of a step, as parts of it from its middle.
+pub(super) const START: f64 = -0.5;
+pub(super) const END: f64 = 0.5;
 /// Halvings that find a crossing, to a millionth of a step.
 const HALVINGS: usize = 20;
 
 impl Milling {
-    /// Bounds of the stretches of a step over which no edge crosses a face, rising, from -1/2 to
-    /// 1/2 of the step.
-    pub(super) fn stretches(&self, state: &ToolState) -> Vec<f64> {
-        let mut bounds = vec![-0.5, 0.5];
+    /// Moments of a step at which an edge crosses a face, rising, as parts of it from its middle.
+    pub(super) fn crossings(&self, state: &ToolState) -> Vec<f64> {
+        let mut found = Vec::new();
         let cutter = &self.setup.parameters.cutter;
-        if cutter.lag_rad_per_m() == 0.0 {
-            let at = |ahead: f64| self.cut_state(state, ahead * self.step_s);
-            for tooth in 0..cutter.teeth {
-                self.add_crossings(tooth, &at, &mut bounds);
-            }
-            bounds.sort_by(f64::total_cmp);
+        if cutter.lag_rad_per_m() != 0.0 {
+            return found;
         }
-        bounds
-    }
-
-    fn add_crossings(&self, tooth: usize, at: &impl Fn(f64) -> CutState, bounds: &mut Vec<f64>) {
-        let ends = |ahead: f64| self.cut.ends_in_stock(tooth, &at(ahead));
-        let (start, end) = (bounds[0], bounds[1]);
-        let (before, after) = (ends(start), ends(end));
-        for one in 0..2 {
-            if before[one] != after[one] {
-                bounds.push(crossing(|ahead| ends(ahead)[one], start, end));
+        let at = |ahead: f64| self.cut_state(state, ahead * self.step_s);
+        let [first, last] = [at(START), at(END)];
+        for tooth in 0..cutter.teeth {
+            let before = self.cut.ends_in_stock(tooth, &first);
+            let after = self.cut.ends_in_stock(tooth, &last);
+            for end in (0..2).filter(|end| before[*end] != after[*end]) {
+                let is_in = |ahead| self.cut.ends_in_stock(tooth, &at(ahead))[end];
+                found.push(crossing(is_in, before[end]));
             }
         }
+        found.sort_by(f64::total_cmp);
+        found
     }
 }
 
-/// Where a condition changes between two places at which it differs.
-fn crossing(holds: impl Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
-    let at_low = holds(low);
+/// Where a condition changes that holds at the end of a step if it does not at its start.
+fn crossing(holds: impl Fn(f64) -> bool, at_start: bool) -> f64 {
+    let (mut low, mut high) = (START, END);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        if holds(middle) == at_low {
+        if holds(middle) == at_start {
             low = middle;
         } else {
             high = middle;

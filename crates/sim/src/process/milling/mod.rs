@@ -274,16 +274,17 @@ impl Process for Milling {
 
     fn evaluate(&self, state: &ToolState) -> Loads {
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-        for stretch in self.stretches(state).windows(2) {
-            let length = stretch[1] - stretch[0];
-            let parts = (length * PARTS as f64).ceil();
-            let share = length / parts;
+        let mut start = crossings::START;
+        for end in (self.crossings(state).into_iter()).chain([crossings::END]) {
+            let parts = ((end - start) * PARTS as f64).ceil();
+            let share = (end - start) / parts;
             for part in 0..parts as usize {
-                let ahead = stretch[0] + (part as f64 + 0.5) * share;
+                let ahead = start + (part as f64 + 0.5) * share;
                 let cut = (self.cut).evaluate(&self.cut_state(state, ahead * self.step_s));
                 force += cut.force_on_tool_n * share;
                 moment += cut.moment_on_tool_n_m * share;
             }
+            start = end;
         }
         let mut loads = Loads::from(self.wrench(&force, &moment));
         if let Some(differs) = self.modes.on_arm_n(&self.arm_motion(state), &force) {
