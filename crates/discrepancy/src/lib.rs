@@ -8,6 +8,7 @@
 //! | [`fit`] | links, rotors and friction of all joints by one least-squares fit |
 //! | [`identify`] | joint stiffness and modes from measurements of the arm itself |
 //! | [`model`] | the interface that the search needs of a simulation |
+//! | [`spikes`] | samples that stand alone, far off their neighbours |
 //! | [`trial`] | a scenario and its data as such a model |
 //! | [`stats`] | statistics that are valid under coloured noise |
 
@@ -19,6 +20,7 @@ pub mod diagnose;
 pub mod fit;
 pub mod identify;
 pub mod model;
+pub mod spikes;
 pub mod stats;
 pub mod trial;
 

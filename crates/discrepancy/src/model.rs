@@ -83,6 +83,13 @@ pub trait Model: Sync {
         self.predict(nominal, effects)
     }
 
+    /// Whether effects are such as a machine may have. Predictions are made for others as well, so
+    /// that a fit passes by them, but none may end there.
+    fn may_be(&self, effects: &[Effect]) -> bool {
+        let _ = effects;
+        true
+    }
+
     /// Whether the machine runs steadily by itself: that a prediction stands still is then no lack
     /// of excitation.
     fn is_steady(&self) -> bool {

@@ -8,6 +8,7 @@ use std::path::Path;
 use truecut::data;
 use truecut::outputs::write_file;
 use truecut_discrepancy::compare::{CompareError, Comparison, compare_recordings};
+use truecut_discrepancy::spikes;
 use truecut_recording::{Measured, Recording};
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Claims, Run};
@@ -53,6 +54,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
         .map_err(|error| refused(scenario, &measured, &error))?;
     let assumed = estimates(scenario, &Robots::new());
     (comparison.notes).extend(assumed.map_err(|error| Failure::sim(scenario, error))?);
+    (comparison.notes).extend(spikes::notes(scenario, &measured));
     let folder = arguments.out.join(scenario.stem()).join(FOLDER);
     let written = write(&folder, &comparison, &simulated, &measured)?;
     crate::print(&text::printed(&scenario.name, &comparison, &written))?;

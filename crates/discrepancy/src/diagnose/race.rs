@@ -74,7 +74,7 @@ impl<'a, 'b> Runner<'a, 'b> {
         }
     }
 
-    fn end(mut self) -> FitTrial {
+    fn end(mut self, problem: &Problem) -> FitTrial {
         let iterations = self.running.as_ref().map_or(0, Running::iterations);
         self.advance(usize::MAX);
         FitTrial {
@@ -82,10 +82,21 @@ impl<'a, 'b> Runner<'a, 'b> {
             iterations: (self.running.as_ref()).map_or(iterations, Running::iterations),
             end: match self.given_up {
                 Some(reason) => Err(PredictError(reason.into())),
-                None => self.running.map(Running::finish),
+                None => self.running.and_then(|running| possible(problem, running)),
             },
         }
     }
+}
+
+/// The fit, unless it ended where no machine is.
+fn possible(problem: &Problem, running: Running) -> Result<Fit, PredictError> {
+    let fit = running.finish();
+    if problem.model.may_be(&problem.effects(&fit.point)) {
+        return Ok(fit);
+    }
+    Err(PredictError(
+        "it ended at a mode that moves most of the arm's mass".into(),
+    ))
 }
 
 /// Fits to the training rows from all starts.
@@ -105,7 +116,10 @@ pub(super) fn run(
             runner.given_up = runner.given_up.or(reason);
         }
     }
-    runners.into_par_iter().map(Runner::end).collect()
+    runners
+        .into_par_iter()
+        .map(|runner| runner.end(problem))
+        .collect()
 }
 
 /// Fits to stop, and why.

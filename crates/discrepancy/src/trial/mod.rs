@@ -15,7 +15,6 @@ mod predict;
 mod sampling;
 mod signals;
 mod speeds;
-mod spikes;
 mod steps;
 mod stiff;
 #[cfg(test)]
@@ -24,7 +23,7 @@ mod tests;
 use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
-use truecut_scenario::{DriveKind, ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
+use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::found_start;
 use truecut_sim::run::{self, Engine, Rows};
@@ -67,6 +66,10 @@ pub struct Trial {
     fall_speeds: Vec<f64>,
     /// Base compliances below which the change is taken as proportional.
     stiff: Vec<(Target, f64)>,
+    /// The arm's mass at its tool, where a mode of the tool may be found, kg.
+    mass_at_tool_kg: Option<f64>,
+    /// No mode of the tool is faster.
+    fastest_mode_hz: f64,
     /// The data as the search sees them.
     pub observation: Observation,
 }
@@ -75,8 +78,10 @@ pub struct Trial {
 /// beyond what the data show.
 const FINEST: f64 = 4.0;
 /// In milling also so many times the samples, in which modes of the tool up to two fifths of their
-/// rate can be stepped.
-const FINEST_OF_DATA: f64 = 16.0;
+/// rate can be stepped, also if they move a quarter of the arm's mass.
+const FINEST_OF_DATA: f64 = 75.0;
+/// A mode of the tool is looked for up to this part of the rate of the samples.
+const FASTEST_MODE: f64 = 0.4;
 
 /// Most steps of one run: a diagnosis makes thousands of runs.
 const MOST_STEPS: f64 = 1e6;
@@ -143,7 +148,7 @@ impl Trial {
         };
         started.uncertain.extend(start.unknowns);
         let scenario = &started;
-        let measured = &spikes::bridged(scenario, measured);
+        let measured = &crate::spikes::bridged(scenario, measured);
         let mut thinning = None;
         let run_s = |measured| reduced(scenario, measured, &robots).time_step_s();
         let (jumps, bridged) = match scenario.process {
@@ -200,15 +205,18 @@ impl Trial {
             }
         };
         let (candidates, untold) = candidates::candidates(scenario, &signals, &channels);
+        let fastest_mode_hz = FASTEST_MODE / measured.interval_s();
         let mut measured = measured.clone();
         measured.notes.extend(untold);
         let samples = measured.time_s.len();
         measured
             .notes
             .extend(thinning.and_then(|thinning| thinning.told(samples)));
-        measured
-            .notes
-            .extend(uncommanded(scenario, &measured, facts.joints.len()));
+        measured.notes.extend(observation::uncommanded(
+            scenario,
+            &measured,
+            facts.joints.len(),
+        ));
         measured.notes.extend(estimates(scenario, &robots)?);
         let mut trial = Trial {
             candidates,
@@ -228,10 +236,13 @@ impl Trial {
             jumps,
             fall_speeds: signals.fall_speeds(),
             stiff: Vec::new(),
+            mass_at_tool_kg: None,
+            fastest_mode_hz,
             observation,
         };
         trial.find_step()?;
         trial.stiff = trial.least_compliances();
+        trial.mass_at_tool_kg = trial.mass_at_tool_kg();
         Ok(trial)
     }
 
@@ -330,6 +341,10 @@ impl Model for Trial {
         self.predicted(nominal, effects, Some(last_s + EARLIEST_S))
     }
 
+    fn may_be(&self, effects: &[Effect]) -> bool {
+        Trial::may_be(self, effects)
+    }
+
     fn is_steady(&self) -> bool {
         matches!(self.engine, Kind::Steady(_))
     }
@@ -350,28 +365,6 @@ impl Model for Trial {
         let rows = self.run(&scenario, self.reduced(), None)?;
         Ok(self.at_the_data(&rows))
     }
-}
-
-/// A sentence on the joints of a replay that no column commands, where others are.
-fn uncommanded(scenario: &Scenario, measured: &Measured, joints: usize) -> Option<String> {
-    if mode(scenario) != Some(ReplayMode::Forward) || scenario.robot.drive == DriveKind::Force {
-        return None;
-    }
-    let commanded = |joint: &usize| {
-        let name = format!("joint{joint}.command");
-        measured.inputs().any(|input| input.spec.name == name)
-    };
-    let (with, without): (Vec<usize>, Vec<usize>) = (1..=joints).partition(commanded);
-    let named: Vec<String> = without
-        .iter()
-        .map(|joint| format!("joint{joint}"))
-        .collect();
-    (!with.is_empty() && !without.is_empty()).then(|| {
-        format!(
-            "no column commands {}: held at the posture that the data begin with, or the scenario gives",
-            named.join(", ")
-        )
-    })
 }
 
 fn mode(scenario: &Scenario) -> Option<ReplayMode> {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use truecut_recording::measured::Measured;
 use truecut_recording::{ChannelSpec, UnknownName};
-use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
+use truecut_scenario::{DriveKind, ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::run::Rows;
 use truecut_sim::{InverseModel, SimError};
 
@@ -179,4 +179,32 @@ pub(super) fn outputs(
             Ok(simulated.clone())
         })
         .collect()
+}
+
+/// A sentence on the joints of a replay that no column commands, where others are.
+pub(super) fn uncommanded(
+    scenario: &Scenario,
+    measured: &Measured,
+    joints: usize,
+) -> Option<String> {
+    if super::mode(scenario) != Some(ReplayMode::Forward)
+        || scenario.robot.drive == DriveKind::Force
+    {
+        return None;
+    }
+    let commanded = |joint: &usize| {
+        let name = format!("joint{joint}.command");
+        measured.inputs().any(|input| input.spec.name == name)
+    };
+    let (with, without): (Vec<usize>, Vec<usize>) = (1..=joints).partition(commanded);
+    let named: Vec<String> = without
+        .iter()
+        .map(|joint| format!("joint{joint}"))
+        .collect();
+    (!with.is_empty() && !without.is_empty()).then(|| {
+        format!(
+            "no column commands {}: held at the posture that the data begin with, or the scenario gives",
+            named.join(", ")
+        )
+    })
 }

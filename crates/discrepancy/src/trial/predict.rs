@@ -39,6 +39,7 @@ impl Trial {
     ) -> Result<Columns, PredictError> {
         let failed = |error: SimError| PredictError(error.to_string());
         self.check_speeds(effects)?;
+        self.check_modes(effects)?;
         match &self.engine {
             Kind::Forward => self.extrapolated(nominal, effects, until_s),
             Kind::Steady(model) => model.predict(effects).map_err(failed),

@@ -1,15 +1,17 @@
 //! What a search may propose.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use truecut_recording::{ChannelSpec, Measured, MeasuredChannel, Role, Unit};
 use truecut_scenario::Scenario;
-use truecut_scenario::effect::{Effect, EffectKind};
+use truecut_scenario::effect::{Effect, EffectKind, Target};
 
 use super::Trial;
 use crate::model::Model;
 
 const RATE_HZ: f64 = 1000.0;
+const SAMPLES: i32 = 400;
 
 /// A mass on a slide that is pushed by measured forces and has no transmission.
 fn pushed() -> (Scenario, Measured) {
@@ -35,26 +37,128 @@ unit = "m"
 "#;
     let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/replay/of_a_test.toml");
     let scenario = Scenario::from_str(&at, text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
-    let channel = |name: &str, unit, role, size: f64| MeasuredChannel {
+    let measured = swinging(vec![
+        ("joint1.drive_force", Unit::Newton, Role::Input, 40.0),
+        ("joint1.position", Unit::Metre, Role::Output, 0.003),
+    ]);
+    (scenario, measured)
+}
+
+/// Sines of these sizes.
+fn swinging(channels: Vec<(&str, Unit, Role, f64)>) -> Measured {
+    let channel = |(name, unit, role, size): (&str, Unit, Role, f64)| MeasuredChannel {
         spec: ChannelSpec::new(name, unit, ""),
         role,
-        values: (0..400)
+        values: (0..SAMPLES)
             .map(|k| size * (12.0 * f64::from(k) / RATE_HZ).sin())
             .collect(),
-        valid: vec![true; 400],
+        valid: vec![true; SAMPLES as usize],
         noise: None,
         white_kept: 1.0,
     };
-    let measured = Measured {
+    Measured {
         source: "made".into(),
-        time_s: (0..400).map(|k| f64::from(k) / RATE_HZ).collect(),
-        channels: vec![
-            channel("joint1.drive_force", Unit::Newton, Role::Input, 40.0),
-            channel("joint1.position", Unit::Metre, Role::Output, 0.003),
-        ],
+        time_s: (0..SAMPLES).map(|k| f64::from(k) / RATE_HZ).collect(),
+        channels: channels.into_iter().map(channel).collect(),
         ..Measured::default()
-    };
+    }
+}
+
+/// A slide of some mass that gives way along the feed of a cut, and its data.
+fn milled(mass_kg: f64) -> (Scenario, Measured) {
+    // The robot's file has 39.93 g, 1.34 N/um and 5.09 N s/m.
+    let factor = mass_kg / 0.03993;
+    let text = format!(
+        r#"
+name = "milled"
+[robot]
+urdf = "../../assets/robots/rig_milling/robot.urdf"
+gravity = false
+inertia_scale = {factor}
+stiffness_scale = {}
+damping_scale = {}
+[process.milling]
+spindle_rpm = 450
+feed_mm_per_tooth = 0.1
+axial_depth_mm = 0.4
+engagement = "down"
+radial_depth_mm = 4.0
+[process.milling.cutter]
+diameter_mm = 12
+teeth = 4
+[process.milling.cutting]
+tangential_mpa = 800
+radial_mpa = 300
+[process.milling.path]
+direction = [1, 0, 0]
+length_mm = 2.0
+[run]
+duration_s = 0.4
+[data]
+time = "t"
+[[data.channel]]
+column = "f"
+channel = "milling.force_x"
+unit = "N"
+[[data.channel]]
+column = "q"
+channel = "joint1.position"
+unit = "m"
+"#,
+        // at 20 Hz and 4 %
+        mass_kg * 15791.0 / 1.34004965e6,
+        mass_kg * 10.05 / 5.0890039,
+    );
+    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/milling/of_a_test.toml");
+    let scenario = Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
+    let measured = swinging(vec![
+        ("milling.force_x", Unit::Newton, Role::Output, 40.0),
+        ("joint1.position", Unit::Metre, Role::Output, 1e-5),
+    ]);
     (scenario, measured)
+}
+
+fn tool_mode(compliance_m_per_n: f64, frequency_hz: f64) -> Effect {
+    Effect {
+        kind: EffectKind::ToolMode,
+        target: Target::Whole,
+        values: vec![compliance_m_per_n, frequency_hz, 0.04],
+    }
+}
+
+#[test]
+fn tool_modes_grow_out_of_nothing_without_a_jump_and_are_no_heavier_than_the_arm() {
+    for (mass_kg, hz) in [(30.0, 90.0), (140.0, 240.0)] {
+        let (scenario, measured) = milled(mass_kg);
+        let trial = Trial::new(&scenario, &measured).unwrap_or_else(|e| panic!("{e}"));
+        let found = trial.mass_at_tool_kg.unwrap();
+        assert!(
+            (found / mass_kg - 1.0).abs() < 0.02,
+            "{found} of {mass_kg} kg"
+        );
+
+        let weighing = |kg: f64| tool_mode(1.0 / (kg * (TAU * hz).powi(2)), hz);
+        let deflection = |effect| trial.predict(&[], &[effect]).unwrap().swap_remove(1);
+        let apart = |a: &[f64], b: &[f64]| {
+            let pairs = a.iter().zip(b);
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let nominal = trial.predict(&[], &[]).unwrap().swap_remove(1);
+        let quarter = deflection(weighing(0.25 * found));
+        let effect = apart(&quarter, &nominal);
+        assert!(effect > 0.0);
+        assert!(apart(&deflection(weighing(1e6 * found)), &nominal) < 1e-5 * effect);
+        let beside = deflection(weighing(0.2501 * found));
+        assert!(apart(&beside, &quarter) < 0.01 * effect);
+
+        for (part, is_one) in [(0.1, true), (0.4, true), (0.6, false), (20.0, false)] {
+            assert_eq!(trial.may_be(&[weighing(part * found)]), is_one, "{part}");
+        }
+        let fast = trial
+            .predict(&[], &[tool_mode(1e-8, 0.41 * RATE_HZ)])
+            .unwrap_err();
+        assert!(fast.0.contains("faster than the 400.0 Hz"), "{fast}");
+    }
 }
 
 #[test]

@@ -19,30 +19,52 @@ const PASSES: usize = 5;
 const CUBIC: usize = 4;
 const NEIGHBOURS: usize = 2 * AROUND;
 
-/// The data with spikes of outputs replaced by what their neighbours say. Where a tool touches
-/// something a peak may be the process's, and stays.
-pub(super) fn bridged(scenario: &Scenario, measured: &Measured) -> Measured {
+/// The data with spikes of outputs replaced by what their neighbours say, with a note on each
+/// channel that had some.
+pub(crate) fn bridged(scenario: &Scenario, measured: &Measured) -> Measured {
     let mut bridged = measured.clone();
+    for (index, found) in replaced(scenario, &mut bridged) {
+        let note = told(&measured.channels[index], found);
+        bridged
+            .notes
+            .push(format!("{note}, and were replaced by that"));
+    }
+    bridged
+}
+
+/// Sentences on outputs that have spikes, for data that are taken as they are.
+pub fn notes(scenario: &Scenario, measured: &Measured) -> Vec<String> {
+    let found = replaced(scenario, &mut measured.clone()).into_iter();
+    let note = |(index, found): (usize, usize)| {
+        let note = told(&measured.channels[index], found);
+        format!("{note}; they are compared as they are")
+    };
+    found.map(note).collect()
+}
+
+fn told(channel: &MeasuredChannel, found: usize) -> String {
+    format!(
+        "{}: {found} of {} samples are spikes, more than {SPIKE} deviations off what their \
+         neighbours say",
+        channel.spec.name,
+        channel.values.len()
+    )
+}
+
+/// Replaces spikes of outputs; the channels that had some, by index, and how many. Where a tool
+/// touches something a peak may be the process's, and stays.
+fn replaced(scenario: &Scenario, measured: &mut Measured) -> Vec<(usize, usize)> {
     if !matches!(
         scenario.process,
         ProcessSpec::Load(_) | ProcessSpec::Replay(_)
     ) {
-        return bridged;
+        return Vec::new();
     }
     let cubic = Cubic::new();
-    let outputs = bridged.channels.iter_mut();
-    for channel in outputs.filter(|channel| channel.role == Role::Output) {
-        let found = replace(channel, &cubic);
-        if found > 0 {
-            bridged.notes.push(format!(
-                "{}: {found} of {} samples are spikes, more than {SPIKE} deviations off what their \
-                 neighbours say, and were replaced by that",
-                channel.spec.name,
-                channel.values.len()
-            ));
-        }
-    }
-    bridged
+    let outputs = measured.channels.iter_mut().enumerate();
+    let outputs = outputs.filter(|(_, channel)| channel.role == Role::Output);
+    let found = outputs.map(|(index, channel)| (index, replace(channel, &cubic)));
+    found.filter(|(_, found)| *found > 0).collect()
 }
 
 /// Replaces spikes of a channel; how many there were.
