@@ -17,6 +17,8 @@ from .signature import angle_deg
 
 SAME_TRACE_DEG = 10.0
 BAD_INPUT = 2
+# Odds of 20 to 1, as a difference of minus twice the log-likelihood.
+DECISIVE = 6.0
 VERDICTS = ("nothing_beyond_noise", "named", "ambiguous", "unknown_cause", "not_identifiable", "fit_failed")
 
 
@@ -49,6 +51,12 @@ class Answer:
         for other in others:
             flat += other["causes"] if "causes" in other else [other]
         return self.causes + flat
+
+    @property
+    def contradicts_itself(self) -> bool:
+        """Whether causes are named although the next best explanation is likelier by odds of more than 20 to 1."""
+        next_best = (self.diagnosis or {}).get("runner_up")
+        return self.verdict == "named" and next_best is not None and next_best["criterion_difference"] < -DECISIVE
 
 
 @dataclass
@@ -130,6 +138,8 @@ def _ambiguous(case: Case, answer: Answer) -> tuple[bool, str]:
 def judge(case: Case, answer: Answer) -> tuple[bool, str]:
     """Whether the answer is right, and why."""
     verdict, causes = answer.verdict, answer.causes
+    if answer.contradicts_itself:
+        return False, "named beside a likelier next best"
     if case.expected == "refused":
         return verdict == "refused", f"{verdict}, expected exit code 2"
     if case.expected == "nothing":

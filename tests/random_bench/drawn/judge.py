@@ -94,6 +94,8 @@ def judge(case: Case, label: Label, answer: Answer) -> Verdict:
 
 def _is_right(case: Case, label: Label, answer: Answer, known, missing, extra) -> bool:
     verdict = answer.verdict
+    if answer.contradicts_itself:
+        return False
     if case.family == "clean":
         return verdict == "nothing_beyond_noise"
     if case.family == "outside":

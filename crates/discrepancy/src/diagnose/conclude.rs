@@ -142,12 +142,13 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
 }
 
 /// Where the model chosen was reached through a larger one, no rival has as many effects. The
-/// closest single explanation is reported all the same, but is no alternative: the larger model was
-/// preferred to it.
+/// closest single explanation is reported all the same, but is no alternative, since the larger
+/// model was preferred to it, unless it is the likelier one: then blocks that neither was fitted to
+/// speak for one and the likelihood of all for the other.
 fn next_best(problem: &Problem, outcome: &Outcome) -> Vec<Rival> {
     let mut found = rivals(problem, outcome, &outcome.singles);
     found.truncate(1);
-    found.iter_mut().for_each(|rival| rival.as_good = false);
+    (found.iter_mut()).for_each(|rival| rival.as_good &= rival.criterion_difference < 0.0);
     found
 }
 

@@ -142,24 +142,32 @@ impl Search<'_, '_> {
 
     /// Takes a pair that was fitted to begin with where it says clearly more with no more
     /// parameters: an effect that can do much alone is added first, and no exchange of one effect
-    /// for another leads from it to two that are there.
-    pub(super) fn prefer_a_pair(&self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
+    /// for another leads from it to two that are there. Likewise a single effect, where those that
+    /// were taken on the way to the one chosen have gone since.
+    pub(super) fn prefer_the_first(&self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
         let problem = self.problem;
-        if outcome.chosen.point.effects.is_empty() {
+        let chosen = &outcome.chosen;
+        if chosen.point.effects.is_empty() {
             return Ok(());
         }
         let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);
-        let here = value(&outcome.chosen) - DECISIVE;
-        let better = outcome.pairs.iter().filter(|pair| {
-            weight(problem, pair) <= weight(problem, &outcome.chosen) && value(pair) < here
-        });
-        let best = better.min_by(|a, b| value(a).total_cmp(&value(b))).cloned();
-        if let Some(pair) = best {
-            let last = std::mem::replace(&mut outcome.chosen, pair.clone());
-            outcome.rivals = std::mem::take(&mut outcome.pairs);
+        let here = value(chosen) - DECISIVE;
+        let better =
+            |fit: &&Fit| weight(problem, fit) <= weight(problem, chosen) && value(fit) < here;
+        let pairs = outcome.pairs.iter().filter(better);
+        let singles = outcome.singles.iter().filter(better);
+        let singles = singles.filter(|single| self.paired(chosen, single).gain > 0.0);
+        let all = pairs.chain(singles);
+        let best = all.min_by(|a, b| value(a).total_cmp(&value(b))).cloned();
+        if let Some(best) = best {
+            outcome.rivals = match best.point.effects.len() {
+                1 => outcome.singles.clone(),
+                _ => std::mem::take(&mut outcome.pairs),
+            };
+            let last = std::mem::replace(&mut outcome.chosen, best.clone());
             outcome.rivals.push(last);
-            outcome.rivals.retain(|rival| rival.point != pair.point);
-            (outcome.chosen, outcome.orders) = settled(problem, pair)?;
+            outcome.rivals.retain(|rival| rival.point != best.point);
+            (outcome.chosen, outcome.orders) = settled(problem, best)?;
         }
         Ok(())
     }

@@ -128,7 +128,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
             }
         }
     }
-    search.prefer_a_pair(&mut outcome)?;
+    search.prefer_the_first(&mut outcome)?;
     search.delays(&mut outcome)?;
     outcome.failed = search.failed && outcome.chosen.point.effects.is_empty();
     outcome.fits = search.fits;
