@@ -1,7 +1,7 @@
 //! What looks like a placeholder rather than a value: files are published so, and a run with them
 //! gives numbers like any other.
 
-use crate::model::{Chain, Frames, Joint, JointKind, Link};
+use crate::model::{Chain, Frames, Joint, JointKind, Link, standard_gravity_m_s2};
 use std::f64::consts::TAU;
 
 /// Fewest joints of what is an arm; a rig of one or two may have any masses.
@@ -16,8 +16,12 @@ const MOST_REACH_M: f64 = 10.0;
 /// Most turns to either side of a joint that an industrial arm has: cables do not bear more, and a
 /// wrist without end has no limits. A quarter of a turn in degrees would be 14 turns in radians.
 const MOST_TURNS: f64 = 12.0;
+/// An origin is turned by no more than a whole turn, and rounding.
+const MOST_TURN_RAD: f64 = 6.5;
 /// Larger limits stand for none.
 const NO_LIMIT_RAD: f64 = 1000.0;
+/// Drives with springs in series, the softest that there are, give way by half of it.
+const MOST_WINDUP_RAD: f64 = 0.1;
 /// A tool's frame is along the last axis, or across it, within this cosine.
 const RIGHT_ANGLE: f64 = 0.02;
 
@@ -53,15 +57,27 @@ pub(crate) fn of(chain: &Chain, frames: &Frames) -> Doubts {
     if elastic.peek().is_some() && elastic.all(|t| t.damping == 0.0) {
         notes.push("no joint has damping: vibration never dies away".to_owned());
     }
-    notes.extend(of_lengths(chain));
-    notes.extend(of_limits(chain));
+    notes.extend(of_geometry(chain, frames));
     if chain.joints.len() >= FEWEST_JOINTS {
-        notes.extend(of_tool_axis(chain, frames));
+        notes.extend(of_tool_point(chain, frames));
+        notes.extend(of_windup(chain));
     }
     Doubts {
         notes,
         placeholders: (signs.len() >= 2).then(|| signs.join("; ")),
     }
+}
+
+/// Looks at lengths, limits and the flange, which the robot's file gives, whatever else is known.
+pub(crate) fn of_geometry(chain: &Chain, frames: &Frames) -> Vec<String> {
+    let mut notes: Vec<String> = of_lengths(chain)
+        .into_iter()
+        .chain(of_limits(chain))
+        .collect();
+    if chain.joints.len() >= FEWEST_JOINTS {
+        notes.extend(of_tool_axis(chain, frames));
+    }
+    notes
 }
 
 fn all_alike(links: &[Link], of: impl Fn(&Link) -> f64) -> bool {
@@ -140,6 +156,78 @@ fn of_limits(chain: &Chain) -> Option<String> {
          rad: angles of a robot's file are radians, and these look like degrees",
         doubtful.len(),
         limited.len(),
+        joint.name
+    ))
+}
+
+/// A tool that is longer than the arm.
+fn of_tool_point(chain: &Chain, frames: &Frames) -> Option<String> {
+    let (reach_m, off_m) = (
+        reach_m(chain),
+        frames.flange_from_tool.translation.vector.norm(),
+    );
+    (off_m > reach_m && reach_m > LEAST_REACH_M).then(|| {
+        format!(
+            "the tool point is {off_m:.4} m off the flange, and the joints reach {reach_m:.4} m: \
+             frames.tool has xyz_m in metres"
+        )
+    })
+}
+
+/// A transmission that the arm's own weight winds up, stretched out, by more than any does.
+fn of_windup(chain: &Chain) -> Option<String> {
+    // From each joint to the centres of what it carries, along the chain.
+    let torque = |joint: usize| -> f64 {
+        let mut lever_m = 0.0;
+        let carried = chain
+            .joints
+            .iter()
+            .zip(&chain.links)
+            .enumerate()
+            .skip(joint);
+        let weights = carried.map(|(index, (own, link))| {
+            if index > joint {
+                lever_m += own.parent_from_joint.translation.vector.norm();
+            }
+            link.mass_kg * (lever_m + link.com_m.norm())
+        });
+        standard_gravity_m_s2().norm() * weights.sum::<f64>()
+    };
+    let windups = chain
+        .joints
+        .iter()
+        .enumerate()
+        .filter_map(|(index, joint)| {
+            let stiffness = joint.transmission.stiffness?;
+            let rotary = joint.kind == JointKind::Revolute;
+            rotary.then(|| (joint, stiffness, torque(index) / stiffness))
+        });
+    let (joint, stiffness, windup) = windups.max_by(|a, b| a.2.total_cmp(&b.2))?;
+    (windup > MOST_WINDUP_RAD).then(|| {
+        format!(
+            "the arm's weight, stretched out, would wind the joint \"{}\" up by {:.1} deg ({:.0} deg is more than \
+             any arm's): its stiffness is {stiffness} N m/rad",
+            joint.name,
+            windup.to_degrees(),
+            MOST_WINDUP_RAD.to_degrees()
+        )
+    })
+}
+
+/// Origins turned in degrees.
+pub(crate) fn of_turns(urdf: &urdf_rs::Robot) -> Option<String> {
+    let furthest = |joint: &urdf_rs::Joint| {
+        let turns = joint.origin.rpy.0.map(f64::abs);
+        turns.into_iter().fold(0.0, f64::max)
+    };
+    let joints = urdf.joints.iter().map(|joint| (joint, furthest(joint)));
+    let far: Vec<_> = joints.filter(|(_, turn)| *turn > MOST_TURN_RAD).collect();
+    let (joint, turn) = far.first()?;
+    Some(format!(
+        "{} of {} joints have an origin turned by more than a whole turn, the joint \"{}\" by {turn} rad: angles \
+         of a robot's file are radians, and these look like degrees",
+        far.len(),
+        urdf.joints.len(),
         joint.name
     ))
 }

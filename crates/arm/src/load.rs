@@ -140,6 +140,7 @@ impl Robot {
         };
         chain.notes.splice(0..0, note);
         chain.notes.append(&mut tree.notes);
+        chain.notes.append(&mut tree.doubts);
         chain.notes.extend(not_drawn);
         let (settings, config_path) = match config {
             Some(config) => (

@@ -6,12 +6,14 @@ use truecut_files::{CellRow, Cells};
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::ik_branches::BranchOptions;
-use crate::model::{FrameId, Robot};
+use crate::model::{FrameId, JointKind, Robot};
 use crate::opw::ArmBranch;
 
 /// Flange poses for postures given as CSV ([`Cells`]): one row per posture, joint coordinates in
-/// chain order, rad or m; a column whose heading ends in `_deg` or `_mm` is in that unit. Empty
-/// rows, rows that start with `#` and a first row without any number (a heading) are skipped.
+/// chain order, rad or m; a column whose heading ends in `_deg` or `_mm` is in that unit. Where the
+/// heading names the joints (`j1_deg`, or their own names) among other columns, these alone are
+/// read, and without a unit they are in degrees and mm: so `path.csv`, taught points and what
+/// [`ik_csv`] writes serve, too. Empty rows and rows that start with `#` are skipped.
 ///
 /// The answer is CSV with a heading: position x, y, z (m) and the rotation matrix row by row, world
 /// from flange, each number in the shortest form that reads back exactly.
@@ -59,39 +61,149 @@ pub fn outside_limits_note(robot: &Robot, postures_csv: &str) -> Result<Option<S
 /// Postures of a table with their rows, rad and m.
 fn postures(robot: &Robot, csv: &str) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
     let joints = robot.dof();
-    let rows = numbers(csv)?;
+    let table = Table::of(csv)?;
+    let rows = match table.of_joints(robot) {
+        Some(columns) => table.numbers(&columns)?,
+        None => table
+            .all_numbers()
+            .map_err(|error| table.unnamed(robot, error))?,
+    };
     if rows.is_empty() {
         return Err(ArmErrorKind::NoPostures { joints }.into());
     }
     if let Some((row, other)) = rows.iter().find(|(_, q)| q.len() != joints) {
         let message = format!("{} values; the chain has {joints} joints", other.len());
-        return Err(ArmErrorKind::PostureTable { row: *row, message }.into());
+        let error = ArmErrorKind::PostureTable { row: *row, message }.into();
+        return Err(table.unnamed(robot, error));
     }
     Ok(rows)
 }
 
-/// Rows of numbers in rad and m, with their lines. A first row without any number is a heading,
-/// which may give units: `_deg`, `_mm`.
-fn numbers(text: &str) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
-    let fault = |row, message| ArmError::from(ArmErrorKind::PostureTable { row, message });
-    let cells = Cells::of(text).map_err(|error| fault(error.line, error.message))?;
-    let is_none = |cell: &String| cells.number(cell).is_none();
-    let heading = (cells.rows.first()).filter(|first| first.cells.iter().all(is_none));
-    let units: Vec<f64> = heading.map_or_else(Vec::new, |heading| {
-        heading.cells.iter().map(|name| unit(name)).collect()
-    });
-    let rows = cells.rows.iter().skip(usize::from(heading.is_some()));
-    let one = |row: &CellRow| {
-        let number = |(index, cell): (usize, &String)| {
-            let found = cells.number(cell).filter(|it| it.is_finite());
-            let found = found
-                .ok_or_else(|| fault(row.line, format!("\"{cell}\" is not a finite number")))?;
-            Ok(found * units.get(index).copied().unwrap_or(1.0))
+/// Rows of a table. A first row without any number is a heading, which may give units: `_deg`,
+/// `_mm`.
+struct Table {
+    cells: Cells,
+    has_heading: bool,
+}
+
+/// A column that is read, and what its numbers are times to be in rad and m.
+type Column = (usize, f64);
+
+impl Table {
+    fn of(text: &str) -> Result<Table, ArmError> {
+        let cells = Cells::of(text).map_err(|error| fault(error.line, error.message))?;
+        let is_none = |cell: &String| cells.number(cell).is_none();
+        let first = cells.rows.first();
+        let has_heading = first.is_some_and(|first| first.cells.iter().all(is_none));
+        Ok(Table { cells, has_heading })
+    }
+
+    fn heading(&self) -> &[String] {
+        match self.cells.rows.first() {
+            Some(first) if self.has_heading => &first.cells,
+            _ => &[],
+        }
+    }
+
+    /// Columns of the joints by their names, or `j1`, `j2`, …, each with a unit or without, among
+    /// others that are left aside; `None` where the heading does not name each of them once.
+    fn of_joints(&self, robot: &Robot) -> Option<Vec<Column>> {
+        let heading = self.heading();
+        let joints = robot.chain.joints.iter().enumerate();
+        let columns: Option<Vec<Column>> = joints
+            .map(|(index, joint)| {
+                let short = format!("j{}", index + 1);
+                let own = heading.iter().enumerate().filter_map(|(column, cell)| {
+                    let factor = [joint.name.as_str(), &short].iter().find_map(|name| {
+                        match cell.strip_prefix(name)? {
+                            // as taught points have them
+                            "" if heading.len() > robot.dof() => Some(of_taught(joint.kind)),
+                            "" | "_rad" | "_m" => Some(1.0),
+                            "_deg" | "_mm" => Some(unit(cell)),
+                            _ => None,
+                        }
+                    })?;
+                    Some((column, factor))
+                });
+                let own: Vec<Column> = own.collect();
+                match *own {
+                    [one] => Some(one),
+                    _ => None,
+                }
+            })
+            .collect();
+        columns
+    }
+
+    fn numbers(&self, columns: &[Column]) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
+        self.each(|row| {
+            let number = |&(column, factor): &Column| {
+                let cell = row.cells.get(column).map_or("", String::as_str);
+                Ok(self.number(row.line, cell)? * factor)
+            };
+            columns.iter().map(number).collect()
+        })
+    }
+
+    fn all_numbers(&self) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
+        let units: Vec<f64> = self.heading().iter().map(|name| unit(name)).collect();
+        self.each(|row| {
+            let number = |(index, cell): (usize, &String)| {
+                let unit = units.get(index).copied().unwrap_or(1.0);
+                Ok(self.number(row.line, cell)? * unit)
+            };
+            row.cells.iter().enumerate().map(number).collect()
+        })
+    }
+
+    fn each(
+        &self,
+        read: impl Fn(&CellRow) -> Result<Vec<f64>, ArmError>,
+    ) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
+        let rows = self.cells.rows.iter().skip(usize::from(self.has_heading));
+        rows.map(|row| Ok((row.line, read(row)?))).collect()
+    }
+
+    fn number(&self, line: usize, cell: &str) -> Result<f64, ArmError> {
+        let found = self.cells.number(cell).filter(|it| it.is_finite());
+        found.ok_or_else(|| fault(line, format!("\"{cell}\" is not a finite number")))
+    }
+
+    /// The error of a table whose heading does not name the joints, told with what it has.
+    fn unnamed(&self, robot: &Robot, error: ArmError) -> ArmError {
+        let ArmErrorKind::PostureTable { row, message } = error.kind() else {
+            return error;
         };
-        let numbers = row.cells.iter().enumerate().map(number);
-        Ok((row.line, numbers.collect::<Result<_, ArmError>>()?))
-    };
-    rows.map(one).collect()
+        let heading = self.heading();
+        if heading.is_empty() {
+            return error;
+        }
+        let joints = robot.chain.joints.iter();
+        let joints: Vec<&str> = joints.map(|joint| joint.name.as_str()).collect();
+        let slides = match robot.slides().count() {
+            0 => "",
+            _ => "; --slide-mm says where slides stand that the table has no columns for",
+        };
+        let message = format!(
+            "{message}. The heading ({}) does not name each joint once: {}, or j1 to j{}{slides}",
+            heading.join(", "),
+            joints.join(", "),
+            joints.len()
+        );
+        fault(*row, message)
+    }
+}
+
+fn fault(row: usize, message: String) -> ArmError {
+    ArmErrorKind::PostureTable { row, message }.into()
+}
+
+/// Of a coordinate in degrees or mm.
+fn of_taught(kind: JointKind) -> f64 {
+    match kind {
+        JointKind::Revolute => 1_f64.to_radians(),
+        JointKind::Prismatic => 1e-3,
+    }
 }
 
 /// Of a column in rad and m, by the end of its name.
@@ -112,7 +224,7 @@ fn unit(name: &str) -> f64 {
 /// rotation; a table without any pose.
 pub fn poses(csv: &str) -> Result<Vec<Isometry3<f64>>, ArmError> {
     let mut found = Vec::new();
-    for (row, numbers) in numbers(csv)? {
+    for (row, numbers) in Table::of(csv)?.all_numbers()? {
         let fault = |message: &str| {
             let message = message.to_owned();
             ArmError::from(ArmErrorKind::PostureTable { row, message })

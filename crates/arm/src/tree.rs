@@ -106,6 +106,8 @@ pub(crate) struct Tree {
     pub(crate) root: usize,
     /// What was left out of the file.
     pub(crate) notes: Vec<String>,
+    /// What speaks against its values.
+    pub(crate) doubts: Vec<String>,
 }
 
 impl Tree {

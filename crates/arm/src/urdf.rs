@@ -6,6 +6,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Vector3};
 use urdf_rs::JointType;
 
+use crate::doubts;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::meshes;
 use crate::model::Limits;
@@ -37,6 +38,7 @@ pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
         joints: Vec::with_capacity(urdf.joints.len()),
         root: 0,
         notes,
+        doubts: doubts::of_turns(&urdf).into_iter().collect(),
     };
     for (urdf_joint, lines) in joints {
         let joint = joint(urdf_joint, lines, &index, path)?;

@@ -78,6 +78,40 @@ proptest! {
         prop_assert!(!told(&other, "metres"), "{other:?}");
     }
 
+    /// Origins in degrees, a tool in mm given as m, and springs a thousand times too soft.
+    #[test]
+    fn turns_in_degrees_long_tools_and_soft_springs_are_told(joints in arms(), turn in 7.0..360.0_f64) {
+        let (offsets, limits): (Vec<f64>, Vec<_>) = joints.into_iter().unzip();
+        let reach_m: f64 = offsets.iter().skip(1).sum();
+        let turned = notes(&urdf(&offsets, &limits, [0.0, turn, 0.0]));
+        prop_assert!(told(&turned, "turned by more than a whole turn"), "{turned:?}");
+
+        let text = urdf(&offsets, &limits, OUTWARDS);
+        // The weight of all links at the end of the arm, and its centre.
+        let weight_n = 9.81 * (0..offsets.len()).map(|i| 5.0 + i as f64).sum::<f64>();
+        let with = |tool_m: f64, windup_rad: f64| {
+            let mut config = format!("[frames.tool]\nxyz_m = [0, 0, {tool_m}]\n");
+            for joint in 1..=offsets.len() {
+                let stiffness = weight_n * reach_m / windup_rad;
+                write!(
+                    config,
+                    "[[joint]]\nname = \"j{joint}\"\nstiffness_nm_per_rad = {stiffness}\ndamping_nm_s_per_rad = 1.0\n\
+                     source = {{ stiffness = \"drawn\", damping = \"drawn\" }}\n"
+                )
+                .unwrap();
+            }
+            let settings = Some((config.as_str(), Path::new("robot.toml")));
+            Robot::from_texts((&text, Path::new("drawn.urdf")), settings, None).unwrap().chain.notes
+        };
+        let sound = with(0.9 * reach_m, 0.01);
+        for of in ["whole turn", "off the flange", "would wind"] {
+            prop_assert!(!told(&sound, of), "{sound:?}");
+        }
+        prop_assert!(told(&with(1.1 * reach_m, 0.01), "off the flange, and the joints reach"));
+        // The first joint carries all, the centres of some links nearer than its end.
+        prop_assert!(told(&with(0.1, 10.0), "would wind the joint"));
+    }
+
     /// What the note asks for puts the z axis along the wrist, away from it.
     #[test]
     fn a_flange_across_the_wrist_is_told_with_the_turn_that_mends_it(

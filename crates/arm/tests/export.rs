@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use roxmltree::{Document, Node};
-use truecut_arm::report::{fk_table, outside_limits_note};
+use truecut_arm::report::{fk_table, ik_csv, ik_rows, outside_limits_note};
 use truecut_arm::{FrameId, MjcfDrive, MjcfOptions, Robot, standard_gravity_m_s2, to_mjcf};
 
 const POSTURE_DEG: [f64; 6] = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95];
@@ -254,6 +254,40 @@ fn the_table_of_flange_poses_reads_back_exactly() {
     assert_eq!(values[..3], pose.translation.vector.as_slice()[..]);
     assert_eq!(values[4], matrix[(0, 1)]);
     assert_eq!(values[9], matrix[(2, 0)]);
+}
+
+/// What `ik_csv` writes, and the columns of a `path.csv`, which has more and in degrees.
+#[test]
+fn tables_whose_headings_name_the_joints_are_read_among_other_columns() {
+    let robot = asset("irb6600_175_255");
+    let own = POSTURE_DEG.map(f64::to_radians);
+    let pose = robot.world_from_frame(&own, FrameId::Flange);
+    let postures = ik_csv(&robot, &ik_rows(&robot, &[pose], FrameId::Flange));
+    let read = |table: &str| -> Vec<Vec<f64>> {
+        let answer = fk_table(&robot, table).unwrap_or_else(|error| panic!("{error}"));
+        let rows = answer.lines().skip(1);
+        rows.map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect())
+            .collect()
+    };
+    let found = read(&postures);
+    assert_eq!(found.len() + 1, postures.lines().count());
+    for row in &found {
+        for (value, wanted) in row.iter().zip(pose.translation.vector.iter()) {
+            assert!((value - wanted).abs() < 1e-9, "{row:?}");
+        }
+    }
+
+    let [a, b, c, d, e, f] = POSTURE_DEG;
+    let path = format!("point,qw,j6,j1,j2,j3,j4,j5,feed\n7,1,{f},{a},{b},{c},{d},{e},\n");
+    let only = own.map(|value| format!("{value:?}")).join(",");
+    assert_eq!(read(&path), read(&only));
+
+    let slides = asset("rig_milling");
+    for table in ["point,feed\n1,2\n", "point,j1,j1,feed\n1,2,3,4\n"] {
+        let told = fk_table(&slides, table).unwrap_err().to_string();
+        assert!(told.contains("does not name each joint once"), "{told}");
+        assert!(told.contains("(point, "), "{told}");
+    }
 }
 
 /// Degrees without a word of it are told by the limits that they break; a heading that says the

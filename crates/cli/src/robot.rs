@@ -33,7 +33,7 @@ fn describe(arguments: &RobotArguments, urdf: &Path) -> Result<ExitStatus, Failu
     let kinematics = || read(Masses::NotNeeded).map_err(|error| Failure::arm(&error));
     if let Some(file) = &arguments.fk {
         let text = truecut_files::read_text(file).map_err(|error| Failure::at(file, error))?;
-        let robot = kinematics()?;
+        let robot = with_slides(kinematics()?, arguments.slide_mm.as_deref())?;
         let table = fk_table(&robot, &text).map_err(|error| Failure::at(file, error))?;
         let note = outside_limits_note(&robot, &text).map_err(|error| Failure::at(file, error))?;
         if let Some(note) = note {
@@ -44,7 +44,20 @@ fn describe(arguments: &RobotArguments, urdf: &Path) -> Result<ExitStatus, Failu
     }
     if let Some(asked) = &arguments.ik {
         let slides = arguments.slide_mm.as_deref();
-        return print_postures(&with_slides(kinematics()?, slides)?, asked, arguments);
+        let robot = with_slides(kinematics()?, slides)?;
+        if slides.is_none() && robot.slides().count() > 0 {
+            eprintln!(
+                "note: slides of the arm move, so that postures are samples of many; --slide-mm puts \
+                 them at a place"
+            );
+        }
+        return print_postures(&robot, asked, arguments);
+    }
+    if arguments.slide_mm.is_some() {
+        return Err(Failure::with_help(
+            "--slide-mm is for --fk and --ik",
+            "--posture-deg has a value for each joint, slides included",
+        ));
     }
     let robot = match read(Masses::Needed) {
         Err(error) if matches!(error.kind(), ArmErrorKind::MasslessMovingLink { .. }) => {
@@ -133,11 +146,14 @@ fn write_estimate(init: &InitArguments) -> Result<ExitStatus, Failure> {
 pub fn posture(robot: &Robot, written: &[f64]) -> Result<Vec<f64>, Failure> {
     let joints = &robot.chain.joints;
     if written.len() != joints.len() {
-        return Err(Failure::message(format!(
-            "--posture-deg has {} values, but the chain has {} joints",
-            written.len(),
-            joints.len()
-        )));
+        return Err(Failure::with_help(
+            format!(
+                "--posture-deg has {} values, but the chain has {} joints",
+                written.len(),
+                joints.len()
+            ),
+            "one value for each joint, slides included, but for those that --slide-mm puts at a place",
+        ));
     }
     let si = |(joint, value): (&truecut_arm::Joint, &f64)| match joint.kind {
         JointKind::Revolute => value.to_radians(),

@@ -15,6 +15,7 @@ use std::path::Path;
 use nalgebra::Isometry3;
 
 use crate::bounds::Masses;
+use crate::doubts;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::load::Source;
 use crate::merge::{joints_to, to_chain};
@@ -113,6 +114,10 @@ pub fn robot_toml(
     let settings = Some((draft.as_str(), Path::new("robot.toml")));
     let robot = Robot::from_texts((source.text(), urdf), settings, tip)
         .map_err(|error| source.at_origin(urdf, error))?;
+    // What speaks against the file itself: lengths and angles in other units, a flange across the
+    // wrist.
+    notes.append(&mut tree.doubts);
+    notes.extend(doubts::of_geometry(&robot.chain, &robot.frames));
     let sized = |index| design_torque(&chain, &lengths, index, sheet.payload_kg);
     notes.extend(limits::replace_weak(
         &robot,

@@ -67,7 +67,8 @@ pub struct RobotArguments {
     )]
     pub posture_deg: Option<Vec<f64>>,
     /// Print flange poses for the postures in this CSV file, one posture a row: rad and m, or as
-    /// the heading says (j1_deg, j1_mm)
+    /// the heading says (j1_deg, j1_mm). Among other columns those that name joints are read, in
+    /// degrees and mm where their names do not say: a path.csv, taught points, what --ik prints
     #[arg(long, value_name = "FILE")]
     pub fk: Option<PathBuf>,
     /// Print all postures for a pose `x,y,z,roll,pitch,yaw` (m and rad), or for the poses in this
@@ -79,14 +80,15 @@ pub struct RobotArguments {
         conflicts_with = "fk"
     )]
     pub ik: Option<String>,
-    /// Where the slides of the arm stand for --ik, in chain order: a track is driven to a place,
-    /// and the arm reaches from there. Without it slides move, and postures are samples
+    /// Where the slides of the arm stand, in chain order, for --ik (a track is driven to a place,
+    /// and the arm reaches from there; without it slides move, and postures are samples) and for
+    /// --fk (of a table that has no columns for them)
     #[arg(
         long,
         value_name = "A,B,…",
         value_delimiter = ',',
         allow_hyphen_values = true,
-        requires = "ik"
+        conflicts_with_all = ["urdf_text", "posture_deg"]
     )]
     pub slide_mm: Option<Vec<f64>>,
     /// The frame that --ik puts at the pose

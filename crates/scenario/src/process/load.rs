@@ -72,9 +72,10 @@ pub struct RotatingForce {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LoadTable {
-    /// Frame of the forces. Default: "process".
+    /// Frame of constant_n, release_n and sweep. Default: "process", whose X lies along the
+    /// spindle; in "world" z is up.
     frame: Option<LoadFrame>,
-    /// Force from t = 0 on. Default: none.
+    /// Force from t = 0 on, in `frame`. Default: none.
     constant_n: Option<[f64; 3]>,
     /// Force before t = 0, gone at t = 0. Default: none.
     release_n: Option<[f64; 3]>,
