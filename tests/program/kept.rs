@@ -63,6 +63,109 @@ fn a_full_disk_leaves_the_earlier_result_whole() {
     assert!(files(&folder) != earlier);
 }
 
+/// What a command has read, by whatever name, it does not write over: the robot, its settings.
+#[test]
+fn what_was_read_is_not_written_over() {
+    let desk = Desk::new();
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/rig_1dof");
+    for name in ["robot.urdf", "robot.toml"] {
+        std::fs::copy(robots.join(name), desk.path(name)).unwrap();
+    }
+    let text = "name = \"Own\"\n[robot]\nurdf = 'robot.urdf'\n[run]\nduration_s = 0.01\n\
+                [process.load]\nrelease_n = [100, 0, 0]\n";
+    std::fs::write(desk.path("own.toml"), text).unwrap();
+    std::os::unix::fs::symlink("robot.toml", desk.path("alias")).unwrap();
+    let earlier = files(desk.folder.path());
+    let over = |target: &str| {
+        [
+            desk.truecut(&["export-mjcf", "own.toml", "-o", target]),
+            desk.truecut(&["check", "own.toml", "--junit", target]),
+        ]
+    };
+    for target in ["robot.urdf", "robot.toml", "alias", "own.toml"] {
+        for output in over(target) {
+            let err = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(BAD_INPUT), "{target}: {err}");
+            assert!(err.contains("cannot be what is written"), "{target}: {err}");
+            assert!(files(desk.folder.path()) == earlier, "{target}");
+        }
+    }
+    for output in over("another") {
+        assert_eq!(output.status.code(), Some(0));
+    }
+}
+
+/// A `robot.toml` that cannot be read is not taken for none.
+#[test]
+fn settings_that_cannot_be_read_are_an_error() {
+    let desk = Desk::new();
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/rig_1dof");
+    std::fs::copy(robots.join("robot.urdf"), desk.path("robot.urdf")).unwrap();
+    desk.ends(0, &["robot", "robot.urdf"]);
+    let settings = desk.path("robot.toml");
+    let refused = || {
+        let output = desk.truecut(&["robot", "robot.urdf"]);
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(BAD_INPUT), "{err}");
+        assert!(err.contains("robot.toml: cannot read the file"), "{err}");
+    };
+    std::os::unix::fs::symlink("nowhere", &settings).unwrap();
+    refused();
+    std::fs::remove_file(&settings).unwrap();
+    std::fs::create_dir(&settings).unwrap();
+    refused();
+}
+
+/// A run whose rows, and a file whose contents, would take more memory than may be used are refused
+/// before anything is begun; with enough they go on.
+#[test]
+fn what_takes_more_memory_than_may_be_used_is_refused_beforehand() {
+    let desk = Desk::new();
+    desk.scenario("swing", "duration_s = 0.5", "");
+    desk.ends(0, &["run", "swing.toml", "--max-memory", "1G"]);
+    let earlier = files(&desk.path("out/swing"));
+    let refused = |arguments: &[&str], parts: &[&str]| {
+        let output = desk.truecut(arguments);
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(
+            output.status.code(),
+            Some(BAD_INPUT),
+            "{arguments:?}: {err}"
+        );
+        for part in parts {
+            assert!(err.contains(part), "`{part}` is not in: {err}");
+        }
+        assert!(files(&desk.path("out/swing")) == earlier);
+    };
+    let longer = "run.duration_s=5";
+    refused(
+        &["run", "swing.toml", "--set", longer, "--max-memory", "100k"],
+        &[
+            "run.record_interval_ms",
+            "bytes in memory",
+            "at most 100000",
+        ],
+    );
+    let urdf =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/rig_1dof/robot.urdf");
+    std::fs::write(desk.path("places.csv"), "0.001\n".repeat(10_000)).unwrap();
+    refused(
+        &[
+            "--max-memory",
+            "400k",
+            "robot",
+            urdf.to_str().unwrap(),
+            "--fk",
+            "places.csv",
+        ],
+        &["places.csv", "it has 60000 bytes", "up to 50000"],
+    );
+    for size in ["0", "-1", "2X", "much", "1e30"] {
+        let option = format!("--max-memory={size}");
+        refused(&["run", "swing.toml", &option], &["2G or 500M", size]);
+    }
+}
+
 #[test]
 fn a_full_disk_leaves_the_earlier_table_of_a_sweep() {
     let desk = Desk::new();

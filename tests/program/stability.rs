@@ -30,8 +30,28 @@ fn lobes_draws_tabulates_and_runs() {
     let size = ["--size", "12", "--runs", "2"];
     let arguments = [&["lobes", example.to_str().unwrap()][..], &range, &size].concat();
     let printed = told(&desk, &arguments);
+    // The same at speeds of the diagram that leave it out.
+    let coarse = [
+        "--rpm",
+        "100,250",
+        "--deepest",
+        "0.4",
+        "--size",
+        "3",
+        "--runs",
+        "0",
+    ];
+    let out = ["--out", "out/coarse"];
+    let elsewhere = told(&desk, &[&arguments[..2], &coarse, &out].concat());
+    let own = |text: &str| -> String {
+        let line = text
+            .lines()
+            .find(|line| line.contains("limits at 600.0 rpm"));
+        line.unwrap().to_owned()
+    };
+    assert_eq!(own(&printed), own(&elsewhere));
     for wanted in [
-        "limits near 600.0 rpm",
+        "limits at 600.0 rpm",
         "2 of 2 runs do what the theory says",
         "mode coupling",
     ] {
@@ -145,10 +165,7 @@ fn lobes_say_what_is_missing_above_the_modes_of_the_arm() {
         "0",
     ];
     let printed = told(&desk, &[&arguments[..], &["--set", SLOW]].concat());
-    for wanted in [
-        "limits near 1500 rpm: spectral",
-        "% in every mode of the arm",
-    ] {
+    for wanted in ["limits at 1500 rpm: spectral", "% in every mode of the arm"] {
         assert!(printed.contains(wanted), "{wanted}:\n{printed}");
     }
     let fast = [
@@ -159,7 +176,7 @@ fn lobes_say_what_is_missing_above_the_modes_of_the_arm() {
     ];
     let printed = told(&desk, &[&arguments[..], &fast].concat());
     for wanted in [
-        "limits near 12000 rpm: not known",
+        "limits at 12000 rpm: not known",
         "above 2569 rpm teeth pass at more than twice the frequency of the fastest mode, 85.6 Hz",
         "[[process.milling.cutter.mode]]",
     ] {

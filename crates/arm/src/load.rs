@@ -84,7 +84,8 @@ impl Robot {
         let beside = urdf.with_file_name(CONFIG_FILE_NAME);
         let config_path = match reading.config {
             Some(path) => Some(path.to_owned()),
-            None => beside.is_file().then_some(beside),
+            // Whatever has its name is meant to be it: a link that leads nowhere is not passed by.
+            None => beside.symlink_metadata().is_ok().then_some(beside),
         };
         let config = match config_path {
             Some(path) => Some((read(&path)?, path)),

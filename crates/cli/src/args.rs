@@ -33,6 +33,10 @@ pub use stability::{LobesArguments, PostureArguments};
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
+    /// Most memory that may be used, such as 2G: files whose contents would take more, and runs
+    /// whose rows would, are refused beforehand [default: the limit of the control group, if any]
+    #[arg(long, global = true, value_name = "BYTES", value_parser = number::bytes)]
+    pub max_memory: Option<u64>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -80,7 +84,7 @@ pub struct Common {
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_set)]
     pub set: Vec<(String, String)>,
     /// How many runs may go on at once [default: one for each core]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = number::count)]
     pub jobs: Option<std::num::NonZeroUsize>,
 }
 

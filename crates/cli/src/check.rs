@@ -89,8 +89,10 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
         .map(|file| check_one(file, arguments, shared, &progress.run(), &signals))
         .collect();
     drop(progress);
-    write_junit(&checked, &arguments.junit)?;
+    // Verdicts are told also where the file that is to hold them is one that was read.
     crate::print(&table(&checked))?;
+    Failure::if_read(&arguments.junit)?;
+    write_junit(&checked, &arguments.junit)?;
     let notes = checked.iter().flat_map(|one| {
         let file = one.file.display();
         one.notes.iter().map(move |note| format!("{file}: {note}"))

@@ -69,11 +69,19 @@ impl Failure {
     /// Refuses to write over a file that is read.
     pub fn if_same(out: &Path, read: &Path) -> Result<(), Failure> {
         let place = |path: &Path| path.canonicalize().ok();
-        if place(out).is_some_and(|out| Some(out) == place(read)) {
-            return Err(Failure::at(
-                out,
-                "is what is read and cannot be what is written, too",
-            ));
+        let is_same = place(out).is_some_and(|out| Some(out) == place(read));
+        Failure::if_written_over(out, is_same)
+    }
+
+    /// A failure if `out` is a file that was read: a robot's, its settings, measured data.
+    pub fn if_read(out: &Path) -> Result<(), Failure> {
+        Failure::if_written_over(out, truecut_files::was_read(out))
+    }
+
+    fn if_written_over(out: &Path, is_read: bool) -> Result<(), Failure> {
+        if is_read {
+            let text = "is what is read and cannot be what is written, too";
+            return Err(Failure::at(out, text));
         }
         Ok(())
     }

@@ -38,6 +38,9 @@ use crate::failure::Failure;
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     install_reporter();
+    if let Some(bytes) = arguments.max_memory {
+        truecut_files::limit_memory(bytes);
+    }
     match dispatch(arguments.command) {
         Ok(status) => status,
         Err(failure) => {

@@ -13,7 +13,7 @@ pub fn export(arguments: &ExportArguments) -> Result<ExitStatus, Failure> {
     let scenario = Scenario::load(&arguments.scenario, &arguments.set)?;
     let mjcf =
         truecut_sim::export_mjcf(&scenario).map_err(|error| Failure::sim(&scenario, error))?;
-    Failure::if_same(&arguments.output, &arguments.scenario)?;
+    Failure::if_read(&arguments.output)?;
     // The path was typed by hand; a missing folder is likely a typing error.
     truecut_files::write_whole(&arguments.output, |file| file.write_all(mjcf.as_bytes()))
         .map_err(|error: io::Error| Failure::at(&arguments.output, error))?;

@@ -121,13 +121,19 @@ fn faces(all: &[PartFace]) -> String {
             ),
             FaceKind::Freeform => ("freeform", String::new()),
         };
-        let normal = face.normal.map(|x| format!("{:.3}", x + 0.0)).join(" ");
+        let direction = |d: [f64; 3]| d.map(|x| format!("{:.3}", x + 0.0)).join(" ");
+        let towards = match face.shape {
+            FaceKind::Cylindrical {
+                axis, axis_at_m, ..
+            } => format!("axis {} at {}", direction(axis), point(&axis_at_m)),
+            FaceKind::Planar | FaceKind::Freeform => direction(face.normal),
+        };
         vec![
             face.number.to_string(),
             kind.to_owned(),
             show(Unit::SquareMetre, face.area_m2),
             point(&face.on_face_m),
-            normal,
+            towards,
             radius,
             face.triangles.to_string(),
         ]
@@ -138,7 +144,7 @@ fn faces(all: &[PartFace]) -> String {
         "shape",
         "area",
         "a point (mm)",
-        "mean normal",
+        "mean normal, or axis (mm)",
         "radius (mm)",
         "triangles",
     ];

@@ -6,6 +6,7 @@ use truecut::outputs::write_file;
 use truecut_arm::estimate::{DataSheet, robot_toml};
 use truecut_arm::report::{fk_table, ik_csv, ik_rows, outside_limits_note, poses};
 use truecut_arm::{ArmErrorKind, CONFIG_FILE_NAME, JointKind, Masses, Robot, expanded_urdf};
+use truecut_recording::significant;
 
 use crate::args::{InitArguments, RobotArguments, RobotCommand};
 use crate::exit_status::ExitStatus;
@@ -94,10 +95,21 @@ fn print_postures(
     };
     let rows = ik_rows(robot, &poses, arguments.frame.into());
     let is_reached = |pose: usize| rows.iter().any(|row| row.pose == pose && row.within_limits);
-    let status = if (1..=poses.len()).all(is_reached) {
-        ExitStatus::Good
-    } else {
-        ExitStatus::ClaimFailed
+    let missed: Vec<usize> = (1..=poses.len()).filter(|it| !is_reached(*it)).collect();
+    let status = match missed.first() {
+        None => ExitStatus::Good,
+        Some(first) => {
+            let place = poses[first - 1].translation.vector;
+            eprintln!(
+                "note: {} of {} poses have no posture within limits, the first of them pose {first}, at ({}, {}, {}) m",
+                missed.len(),
+                poses.len(),
+                significant(place.x, 4),
+                significant(place.y, 4),
+                significant(place.z, 4)
+            );
+            ExitStatus::ClaimFailed
+        }
     };
     if arguments.json {
         crate::print(&text::json(&rows)?)?;
@@ -130,6 +142,7 @@ fn write_estimate(init: &InitArguments) -> Result<ExitStatus, Failure> {
     let tip = source.tip.as_deref();
     let estimated = robot_toml(&init.urdf, tip, &packages, &arguments, sheet)
         .map_err(|error| Failure::arm(&error))?;
+    Failure::if_read(&out)?;
     write_file(&out, estimated.text.as_bytes())?;
     let notes = estimated.notes.iter();
     let notes: String = notes.map(|note| format!("  note: {note}\n")).collect();

@@ -4,6 +4,7 @@ use std::fs::{File, FileType, Metadata};
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
+use crate::memory::largest_file;
 use crate::watched::{note_bytes, note_opened};
 
 /// Largest file of data, of a mesh or of a robot program, bytes: what is read is held in memory.
@@ -14,8 +15,9 @@ pub const MOST_TEXT_BYTES: u64 = 64 << 20;
 /// Opens a file for reading.
 ///
 /// # Errors
-/// A file that is not there or cannot be opened, larger than [`MOST_BYTES`], or no file: of a pipe
-/// or a device nobody knows how much will come.
+/// A file that is not there or cannot be opened, larger than [`MOST_BYTES`] or an eighth of the
+/// memory that may be used ([`crate::limit_memory`]), or no file: of a pipe or a device nobody
+/// knows how much will come.
 pub fn open(path: &Path) -> Result<File> {
     let file = opened(path, MOST_BYTES)?;
     note_opened(path, &file.metadata()?);
@@ -60,7 +62,8 @@ fn opened(path: &Path, most: u64) -> Result<File> {
 fn held(path: &Path, most: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     // A file that grows while it is read ends at the limit, too.
-    opened(path, most)?.take(most + 1).read_to_end(&mut bytes)?;
+    let taken = most.min(largest_file()).saturating_add(1);
+    opened(path, most)?.take(taken).read_to_end(&mut bytes)?;
     too_large(bytes.len() as u64, most)?;
     note_bytes(path, &bytes);
     Ok(bytes)
@@ -76,14 +79,21 @@ fn check(found: &Metadata, most: u64) -> Result<()> {
 }
 
 fn too_large(bytes: u64, most: u64) -> Result<()> {
-    if bytes <= most {
+    let within = largest_file();
+    if bytes <= most.min(within) {
         return Ok(());
     }
-    let text = format!(
-        "it has {} MiB; files of this kind are read up to {} MiB",
-        bytes.div_ceil(1 << 20),
-        most >> 20
-    );
+    let text = if bytes > most {
+        format!(
+            "it has {} MiB; files of this kind are read up to {} MiB",
+            bytes.div_ceil(1 << 20),
+            most >> 20
+        )
+    } else {
+        format!(
+            "it has {bytes} bytes; with the memory that may be used, files are read up to {within}"
+        )
+    };
     Err(Error::new(ErrorKind::FileTooLarge, text))
 }
 

@@ -5,12 +5,14 @@
 
 mod cells;
 mod input;
+mod memory;
 mod room;
 mod watched;
 mod whole;
 
 pub use cells::{CellRow, Cells, CellsError, number};
 pub use input::{MOST_BYTES, MOST_TEXT_BYTES, open, read, read_text};
+pub use memory::{limit_memory, memory_limit};
 pub use room::room_bytes;
-pub use watched::watched;
+pub use watched::{was_read, watched};
 pub use whole::{continued, fresh, write_whole};

@@ -1,13 +1,32 @@
 //! What was read: so that an answer can be told to be that of the same files.
 
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::fs::Metadata;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 thread_local! {
     /// Digest of what this thread has read, while somebody wants to know.
     static READ: RefCell<Option<DefaultHasher>> = const { RefCell::new(None) };
+}
+
+/// Where all files are that the process has read.
+static EVER_READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Whether the process has read the file at `path`, by whatever name: what is written there would
+/// take its place.
+pub fn was_read(path: &Path) -> bool {
+    let read = EVER_READ.lock().unwrap_or_else(PoisonError::into_inner);
+    path.canonicalize().is_ok_and(|path| read.contains(&path))
+}
+
+fn note_read(path: &Path) {
+    if let Ok(path) = path.canonicalize() {
+        let mut read = EVER_READ.lock().unwrap_or_else(PoisonError::into_inner);
+        read.insert(path);
+    }
 }
 
 /// Does something, and gives a number that depends on the name and the content of every file that
@@ -27,9 +46,11 @@ fn note(what: impl FnOnce(&mut DefaultHasher)) {
 }
 
 pub(crate) fn note_bytes(path: &Path, bytes: &[u8]) {
+    note_read(path);
     note(|digest| (path, bytes).hash(digest));
 }
 
 pub(crate) fn note_opened(path: &Path, found: &Metadata) {
+    note_read(path);
     note(|digest| (path, found.len(), found.modified().ok()).hash(digest));
 }

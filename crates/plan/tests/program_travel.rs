@@ -152,7 +152,10 @@ fn what_stops_a_path_is_named_with_point_and_joint() {
     let near = point(1.5, 0.0, 0.9, down());
     let far = travel(&[near, point(4.0, 0.0, 0.9, down())], &options).unwrap_err();
     assert!(
-        matches!(far.kind(), ProgramErrorKind::OutOfReach { path_point: 1 }),
+        matches!(
+            far.kind(),
+            ProgramErrorKind::OutOfReach { path_point: 1, .. }
+        ),
         "{far}"
     );
 

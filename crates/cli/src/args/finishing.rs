@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use truecut_plan::program::DIALECTS;
 
-use super::number::{above_zero, three};
+use super::number::{above_zero, number, three};
 
 #[derive(Debug, Args)]
 pub struct PathArguments {
@@ -74,20 +74,20 @@ pub struct CamArguments {
     #[arg(long, value_parser = ["mm", "inch"])]
     pub unit: Option<String>,
     /// How far chords may lie off an arc [default: 0.01]
-    #[arg(long, value_name = "MM", value_parser = above_zero)]
+    #[arg(long, value_name = "MM", value_parser = chord)]
     pub chord_mm: Option<f64>,
     /// Turn about the tool's axis [default: the one that keeps the joints nearest to the middle of
     /// their ranges, or to --posture-deg]
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", value_parser = turn, allow_hyphen_values = true)]
     pub spin_deg: Option<f64>,
     /// Speed in rapid traverse [default: 250]
-    #[arg(long, value_name = "SPEED", value_parser = above_zero)]
+    #[arg(long, value_name = "SPEED", value_parser = speed)]
     pub rapid_mm_per_s: Option<f64>,
     /// Speed of the move to the first point, fraction of the top speed [default: 0.25]
     #[arg(long, value_name = "FRACTION", value_parser = above_zero)]
     pub joint_speed: Option<f64>,
     /// Within what points are passed; 0 stops at each [default: the dialect's]
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = zone, allow_hyphen_values = true)]
     pub zone_mm: Option<f64>,
     /// Digital output that runs the spindle: a name in RAPID, else a number
     #[arg(long, value_name = "OUTPUT")]
@@ -95,6 +95,37 @@ pub struct CamArguments {
     /// Acceleration of the tool on lines, for the cycle time
     #[arg(long, value_name = "M/S2", value_parser = above_zero)]
     pub acceleration_m_per_s2: Option<f64>,
+}
+
+/// Faster than any robot by far, mm/s.
+const FASTEST_MM_PER_S: f64 = 100_000.0;
+/// Larger than any part, mm.
+const LARGEST_MM: f64 = 10_000.0;
+/// Turns beyond this are a slip, degrees.
+const MOST_TURNED_DEG: f64 = 3600.0;
+
+fn speed(text: &str) -> Result<f64, String> {
+    let rule = format!("must be a number above 0 and at most {FASTEST_MM_PER_S}");
+    number(
+        text,
+        |value| value > 0.0 && value <= FASTEST_MM_PER_S,
+        &rule,
+    )
+}
+
+fn chord(text: &str) -> Result<f64, String> {
+    let rule = format!("must be a number above 0 and at most {LARGEST_MM}");
+    number(text, |value| value > 0.0 && value <= LARGEST_MM, &rule)
+}
+
+fn zone(text: &str) -> Result<f64, String> {
+    let rule = format!("must be a number from 0 to {LARGEST_MM}");
+    number(text, |value| (0.0..=LARGEST_MM).contains(&value), &rule)
+}
+
+fn turn(text: &str) -> Result<f64, String> {
+    let rule = format!("must be a number from -{MOST_TURNED_DEG} to {MOST_TURNED_DEG}");
+    number(text, |value| value.abs() <= MOST_TURNED_DEG, &rule)
 }
 
 /// Names of all dialects.

@@ -12,6 +12,12 @@ pub fn number(text: &str, holds: impl Fn(f64) -> bool, rule: &str) -> Result<f64
     value.ok_or_else(|| rule.to_owned())
 }
 
+/// A whole number of at least 1.
+pub fn count(text: &str) -> Result<std::num::NonZeroUsize, String> {
+    text.parse()
+        .map_err(|_| "must be a whole number of at least 1".to_owned())
+}
+
 /// Three finite numbers with commas between.
 pub fn three(text: &str) -> Result<[f64; 3], String> {
     let rule = "must be three numbers with commas between, such as 900,0,350";
@@ -22,4 +28,22 @@ pub fn three(text: &str) -> Result<[f64; 3], String> {
         *value = number(part.trim(), |_| true, rule)?;
     }
     Ok(numbers)
+}
+
+/// A number of bytes, with k, M, G or T for powers of a thousand.
+pub fn bytes(text: &str) -> Result<u64, String> {
+    let rule = "must be a number of bytes of at least 1, such as 2G or 500M";
+    let units = [("k", 1e3), ("K", 1e3), ("M", 1e6), ("G", 1e9), ("T", 1e12)];
+    let unit = units.iter().find_map(|(unit, factor)| {
+        let number = text.strip_suffix(unit)?;
+        Some((number, *factor))
+    });
+    let (digits, factor) = unit.unwrap_or((text, 1.0));
+    let most = u64::MAX as f64;
+    let value = number(
+        digits,
+        |value| (1.0..most).contains(&(value * factor)),
+        rule,
+    )?;
+    Ok((value * factor) as u64)
 }

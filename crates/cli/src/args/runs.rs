@@ -84,10 +84,10 @@ pub struct DiagnoseArguments {
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
     /// Most simulations that the search may make [default: 2500]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = super::number::count)]
     max_runs: Option<std::num::NonZeroUsize>,
     /// Most causes that are named together [default: 4]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = super::number::count)]
     max_causes: Option<std::num::NonZeroUsize>,
     #[command(flatten)]
     pub common: Common,

@@ -223,12 +223,37 @@ pub fn unexplained(diagnosis: &Diagnosis) -> String {
         errors.noise_source != NoiseSource::Bound && errors.noise_floor > 0.0
     });
     let ratios = known.map(|(name, errors)| (errors.after / errors.noise_floor, name));
-    match ratios.max_by(|a, b| a.0.total_cmp(&b.0)) {
-        Some((ratio, name)) => format!(
-            "{share} of the discrepancy beyond noise; most is left of {name}, {} times its noise",
-            significant(ratio, 3)
-        ),
+    let told = match ratios.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((ratio, name)) => {
+            let share = match percent {
+                0.0 if ratio > SURELY => "nothing that is surely",
+                _ => &format!("{share} of the discrepancy"),
+            };
+            let ratio = significant(ratio, 3);
+            format!("{share} beyond noise; most is left of {name}, {ratio} times its noise")
+        }
         None => format!("{share} of the discrepancy, if noise is all that has a memory"),
+    };
+    told + &unbounded(diagnosis)
+}
+
+/// More than so many times the noise is no scatter of what is left.
+const SURELY: f64 = 1.2;
+/// Noise that may be so many times smaller than what is left is as good as unknown.
+const HARDLY_KNOWN: f64 = 3.0;
+
+/// The channel whose noise is known least: what is left of it may be noise, or nearly all of it not.
+fn unbounded(diagnosis: &Diagnosis) -> String {
+    let bound = (diagnosis.channels.iter()).filter(|(_, errors)| {
+        errors.noise_source == NoiseSource::Bound && errors.noise_without_memory > 0.0
+    });
+    let ratios = bound.map(|(name, errors)| (errors.after / errors.noise_without_memory, name));
+    match ratios.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((ratio, name)) if ratio > HARDLY_KNOWN => format!(
+            "; of {name} the noise is not known: what is left may be all noise, or {} times it",
+            significant(ratio, 2)
+        ),
+        _ => String::new(),
     }
 }
 

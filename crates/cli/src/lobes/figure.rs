@@ -45,7 +45,7 @@ fn depths(diagram: &Diagram<'_>) -> Panel {
             ));
         }
     }
-    if let Some((name, other)) = &diagram.other {
+    if let Some((name, other, _)) = &diagram.other {
         let points = other.spindle_rad_s.iter().zip(&other.limit);
         let points = points.map(|(speed, limit)| {
             let mm = limit.map_or(f64::NAN, |limit| limit.depth_m * 1e3);

@@ -26,11 +26,13 @@ struct Diagram<'a> {
     study: MillingStudy,
     posture: Vec<f64>,
     lobes: Lobes,
+    /// At the scenario's own speed, which need not be one of the diagram's.
+    own: Lobes,
     runs: Vec<StabilityRun>,
     /// Fastest speed up to which limits are known, rad/s, and what is missing beyond it.
     known: Option<(f64, String)>,
-    /// The diagram with the arm's other damping, and what that is.
-    other: Option<(String, Lobes)>,
+    /// The diagram with the arm's other damping, what that is, and the same at the own speed.
+    other: Option<(String, Lobes, Lobes)>,
     uncertain: Option<uncertain::Uncertain>,
     /// Sentences on the damping.
     notes: Vec<String>,
@@ -42,6 +44,9 @@ const RANGE: [f64; 2] = [0.1, 1.25];
 const BEYOND_LIMIT: f64 = 1.2;
 const BEYOND_DEPTH: f64 = 3.0;
 
+/// Fewest depths that are tried at the scenario's own speed.
+const OWN_DEPTHS: usize = 100;
+
 /// Computes the diagram, simulates the runs, prints and writes.
 pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
     let scenario = &arguments.common.load(&arguments.scenario)?;
@@ -51,19 +56,27 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
     let modes = study.modes(&posture).map_err(failed)?;
     let known = study.known_to_rad_s(&modes);
     let request = request(arguments, &study, &modes, known);
-    let computed = |what: &str, robot: &Robot| {
+    let own_request = LobeRequest {
+        spindle_rad_s: [study.cut.spindle_rad_s; 2],
+        speeds: 2,
+        depths: request.depths.max(OWN_DEPTHS),
+        ..request
+    };
+    let computed = |what: &str, robot: &Robot, request: &LobeRequest| {
         let modes = |speed: f64| study.modes_of(robot, &posture, speed);
         let lobes = Progress::of_one(what, |progress| {
-            truecut_plan::lobes::lobes(&modes, &study.cut, &request, progress)
+            truecut_plan::lobes::lobes(&modes, &study.cut, request, progress)
         });
         let lobes = lobes.map_err(|error| failed(in_scenario(error)))?;
         Ok::<_, Failure>(lobes.known_to(known.unwrap_or(f64::INFINITY)))
     };
-    let lobes = computed("stability diagram", &study.robot)?;
+    let lobes = computed("stability diagram", &study.robot, &request)?;
+    let own = computed("limits at the own speed", &study.robot, &own_request)?;
     let other = match study.other_damping(&posture).map_err(failed)? {
         Some(other) => {
-            let found = computed("the other damping", &other.robot)?;
-            Some((other.name, found))
+            let found = computed("the other damping", &other.robot, &request)?;
+            let own = computed("the other damping", &other.robot, &own_request)?;
+            Some((other.name, found, own))
         }
         None => None,
     };
@@ -83,6 +96,7 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
         study,
         posture,
         lobes,
+        own,
         runs,
     };
     let written = files::write(&diagram, &arguments.out)?;

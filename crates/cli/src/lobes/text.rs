@@ -30,12 +30,6 @@ pub fn summary(diagram: &Diagram<'_>) -> String {
         .collect();
     let mut text = format!("  posture {} deg\n", degrees.join(", "));
     let deepest = lobes.depth_m.last().copied().unwrap_or(0.0);
-    let at_speed = |limits: &[Option<Crossing>]| {
-        let speeds = lobes.spindle_rad_s.iter().enumerate();
-        let off = |s: &f64| (s - cut.spindle_rad_s).abs();
-        let nearest = speeds.min_by(|a, b| off(a.1).total_cmp(&off(b.1)));
-        nearest.and_then(|(i, _)| limits[i])
-    };
     let shown = |limit: Option<Crossing>| match limit {
         Some(limit) => format!(
             "{} at {} Hz",
@@ -44,19 +38,19 @@ pub fn summary(diagram: &Diagram<'_>) -> String {
         ),
         None => format!("none down to {}", text::show(Unit::Metre, deepest)),
     };
-    let near = significant(rpm(cut.spindle_rad_s), 4);
+    let at = significant(rpm(cut.spindle_rad_s), 4);
     let is_known = (diagram.known.as_ref()).is_none_or(|(to, _)| cut.spindle_rad_s <= *to);
     text.push_str(&if is_known {
         format!(
-            "  limits near {near} rpm: spectral elements {}, zero order {}\n",
-            shown(at_speed(&lobes.limit)),
-            shown(at_speed(&lobes.zero_order)),
+            "  limits at {at} rpm: spectral elements {}, zero order {}\n",
+            shown(diagram.own.limit[0]),
+            shown(diagram.own.zero_order[0]),
         )
     } else {
-        format!("  limits near {near} rpm: not known\n")
+        format!("  limits at {at} rpm: not known\n")
     });
-    if let Some((name, other)) = diagram.other.as_ref().filter(|_| is_known) {
-        let limit = shown(at_speed(&other.limit));
+    if let Some((name, _, own)) = diagram.other.as_ref().filter(|_| is_known) {
+        let limit = shown(own.limit[0]);
         text.push_str(&format!("  with {name}: spectral elements {limit}\n"));
     }
     if let Some(uncertain) = &diagram.uncertain {

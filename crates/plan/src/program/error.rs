@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 use thiserror::Error;
 use truecut_arm::Placed;
 
@@ -115,8 +115,14 @@ pub enum ProgramErrorKind {
         flags: String,
         excess_deg: f64,
     },
-    #[error("path point {path_point}: the pose is out of the arm's reach")]
-    OutOfReach { path_point: usize },
+    #[error(
+        "path point {path_point}: the pose is out of the arm's reach; the flange would be at ({:.1}, {:.1}, {:.1}) mm in the world",
+        .flange_mm[0], .flange_mm[1], .flange_mm[2]
+    )]
+    OutOfReach {
+        path_point: usize,
+        flange_mm: [f64; 3],
+    },
     #[error(
         "path point {path_point}: every posture breaks joint limits; the nearest breaks those of joint \"{joint}\" by {excess_deg:.3} deg"
     )]
@@ -197,7 +203,7 @@ impl ProgramErrorKind {
     #[must_use]
     pub fn path_point(&self) -> Option<usize> {
         match self {
-            Self::OutOfReach { path_point }
+            Self::OutOfReach { path_point, .. }
             | Self::OutsideLimits { path_point, .. }
             | Self::Singular { path_point, .. }
             | Self::Jump { path_point, .. }
@@ -205,6 +211,14 @@ impl ProgramErrorKind {
             | Self::TurntableMoves { path_point }
             | Self::Unspeakable { path_point, .. } => Some(*path_point),
             _ => None,
+        }
+    }
+
+    pub(crate) fn out_of_reach(path_point: usize, world_from_flange: &Isometry3<f64>) -> Self {
+        let flange_mm = (world_from_flange.translation.vector * 1e3).into();
+        Self::OutOfReach {
+            path_point,
+            flange_mm,
         }
     }
 

@@ -60,7 +60,10 @@ impl<'a> Resolver<'a> {
         }
         let least = rated.iter().map(|(excess, _)| *excess);
         let Some(least) = least.min_by(f64::total_cmp) else {
-            return Err(ProgramErrorKind::OutOfReach { path_point });
+            return Err(ProgramErrorKind::out_of_reach(
+                path_point,
+                world_from_flange,
+            ));
         };
         if least > SLACK_RAD {
             return Err(ProgramErrorKind::NoPostureWithFlags {

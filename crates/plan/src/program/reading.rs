@@ -236,7 +236,7 @@ fn unflagged(
     let all = solver.within_limits(world_from_flange, FrameId::Flange);
     if all.is_empty() {
         let branches = solver.branches(world_from_flange, FrameId::Flange);
-        return Err(outside(robot, path_point, &branches));
+        return Err(outside(robot, path_point, world_from_flange, &branches));
     }
     Ok(all.into_iter().map(|q| (0.0, q)).collect())
 }
@@ -267,6 +267,6 @@ pub(super) fn nearest(
         .min_by(|a, b| distance(a).total_cmp(&distance(b)));
     least.ok_or_else(|| {
         let branches = solver.branches(world_from_flange, flange);
-        outside(robot, path_point, &branches)
+        outside(robot, path_point, world_from_flange, &branches)
     })
 }

@@ -229,7 +229,7 @@ fn candidates(
     let all = solver.within_limits(world_from_flange, FrameId::Flange);
     if all.is_empty() {
         let branches = solver.branches(world_from_flange, FrameId::Flange);
-        return Err(outside(robot, path_point, &branches));
+        return Err(outside(robot, path_point, world_from_flange, &branches));
     }
     let Some(geometry) = solver.geometry() else {
         return Ok(all);
@@ -241,23 +241,27 @@ fn candidates(
             .iter()
             .map(|q| limits.nearest(&geometry.singularity_distance(q)));
         let furthest = shares.max_by(|a, b| a.share.total_cmp(&b.share));
-        return Err(
-            furthest.map_or(ProgramErrorKind::OutOfReach { path_point }, |near| {
-                ProgramErrorKind::Singular {
-                    path_point,
-                    kind: near.kind,
-                    joint: robot.chain.joints[near.joint].name.clone(),
-                    distance: near.distance,
-                    least: near.least,
-                }
-            }),
-        );
+        return Err(furthest.map_or(
+            ProgramErrorKind::out_of_reach(path_point, world_from_flange),
+            |near| ProgramErrorKind::Singular {
+                path_point,
+                kind: near.kind,
+                joint: robot.chain.joints[near.joint].name.clone(),
+                distance: near.distance,
+                least: near.least,
+            },
+        ));
     }
     Ok(kept)
 }
 
 /// Why no posture is within limits.
-pub(super) fn outside(robot: &Robot, path_point: usize, branches: &[Vec<f64>]) -> ProgramErrorKind {
+pub(super) fn outside(
+    robot: &Robot,
+    path_point: usize,
+    world_from_flange: &Isometry3<f64>,
+    branches: &[Vec<f64>],
+) -> ProgramErrorKind {
     let worst = |q: &Vec<f64>| {
         let joints = robot.chain.joints.iter().zip(q);
         let excess = joints.filter_map(|(joint, q)| {
@@ -270,7 +274,7 @@ pub(super) fn outside(robot: &Robot, path_point: usize, branches: &[Vec<f64>]) -
     };
     let least = branches.iter().filter_map(worst);
     match least.min_by(|a, b| a.1.total_cmp(&b.1)) {
-        None => ProgramErrorKind::OutOfReach { path_point },
+        None => ProgramErrorKind::out_of_reach(path_point, world_from_flange),
         Some((joint, by)) => ProgramErrorKind::OutsideLimits {
             path_point,
             joint: joint.name.clone(),

@@ -2,7 +2,7 @@
 
 use crate::error::SimError;
 use truecut_arm::{JointKind, Robot};
-use truecut_recording::{Measured, MeasuredChannel, Unit, nearest};
+use truecut_recording::{Measured, MeasuredChannel, Unit, nearest, significant};
 use truecut_scenario::Scenario;
 
 /// What a measured channel may be of a joint.
@@ -138,7 +138,8 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    /// Refuses coordinates beyond the joint's limits, which are mostly coordinates in another unit.
+    /// Refuses coordinates beyond the joint's limits, which are mostly coordinates in another unit,
+    /// and such as move far faster than it can, which are mostly times in another unit.
     pub(crate) fn within_limits(
         &self,
         robot: &Robot,
@@ -151,7 +152,21 @@ impl<'a> Source<'a> {
         };
         let outside = |value: &&f64| **value < limits.lower || **value > limits.upper;
         let Some(value) = channel.values.iter().find(outside) else {
-            return Ok(());
+            let speed = fast(&channel.values) / self.measured.interval_s();
+            let may_be = MOST_OVER_SPEED * limits.velocity;
+            if limits.velocity <= 0.0 || speed <= may_be {
+                return Ok(());
+            }
+            let unit = channel.spec.unit;
+            let message = format!(
+                "channel {} moves by {} {unit}/s, but joint `{}` by {} {unit}/s at most: is `data.time_unit` right, \
+                 and the column's unit?",
+                channel.spec.name,
+                significant(speed, 4),
+                joint.name,
+                significant(limits.velocity, 4)
+            );
+            return Err(self.error(&channel.spec.name, message));
         };
         let unit = channel.spec.unit;
         let message = format!(
@@ -161,4 +176,22 @@ impl<'a> Source<'a> {
         );
         Err(self.error(&channel.spec.name, message))
     }
+}
+
+/// A command faster than so many times the joint's limit is no command of that joint.
+const MOST_OVER_SPEED: f64 = 20.0;
+/// Part of the steps between samples that may be larger: spikes, a jump.
+const JUMPS: f64 = 0.01;
+
+/// A large step between samples, without the few largest.
+fn fast(values: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = values
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs())
+        .collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let rank = ((1.0 - JUMPS) * (steps.len() - 1) as f64) as usize;
+    *steps.select_nth_unstable_by(rank, f64::total_cmp).1
 }

@@ -59,7 +59,9 @@ impl Run<'_> {
             scenario.check_claims(&header)?;
             scenario.check_bands(cell.row_interval_s())?;
         }
-        (self.before)(&cell.extent())?;
+        let extent = cell.extent();
+        extent.check_memory()?;
+        (self.before)(&extent)?;
         let time_step_s = cell.time_step_s();
         let build_s = started.elapsed().as_secs_f64();
         let started = Instant::now();

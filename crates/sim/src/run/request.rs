@@ -46,6 +46,22 @@ impl Extent {
         let numbers = self.rows as u64 * (self.channels as u64 + 1);
         8 * numbers
     }
+
+    /// Refuses rows that take more memory than may be used.
+    pub(super) fn check_memory(&self) -> Result<(), SimError> {
+        let limit = truecut_files::memory_limit();
+        if self.bytes() <= limit {
+            return Ok(());
+        }
+        let message = format!(
+            "`run.record_interval_ms`: {} rows of {} channels take {} bytes in memory, but at most {limit} may be \
+             used (--max-memory): record fewer rows, or a shorter run",
+            self.rows,
+            self.channels,
+            self.bytes()
+        );
+        Err(SimError::scenario("run.record_interval_ms", message))
+    }
 }
 
 /// A run that is to be made; write what differs from [`Run::of`].

@@ -60,7 +60,7 @@ impl State<'_> {
         ProgramErrorKind::unless_too_large(radius_m)?;
         ProgramErrorKind::unless(
             arc.growth_m.abs() <= ARC_CLOSES_M && radius_m > 1e-9,
-            "the arc does not close: in mm its radii at start and end differ by",
+            "the arc does not close: the difference of its radii at start and end, mm,",
             format!("{:.4}", arc.growth_m.abs() * 1e3),
             format!("at most {} mm apart, and above zero", ARC_CLOSES_M * 1e3),
         )?;
