@@ -242,7 +242,8 @@ const SURELY: f64 = 1.2;
 /// Noise that may be so many times smaller than what is left is as good as unknown.
 const HARDLY_KNOWN: f64 = 3.0;
 
-/// The channel whose noise is known least: what is left of it may be noise, or nearly all of it not.
+/// The channel whose noise is known least: what is left of it may be noise, or nearly all of it
+/// not.
 fn unbounded(diagnosis: &Diagnosis) -> String {
     let bound = (diagnosis.channels.iter()).filter(|(_, errors)| {
         errors.noise_source == NoiseSource::Bound && errors.noise_without_memory > 0.0
