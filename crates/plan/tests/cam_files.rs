@@ -48,6 +48,27 @@ fn modes_hold_until_they_are_changed() {
     assert_eq!(lines, [2, 3, 4, 5]);
 }
 
+/// A file that was cut short anywhere says so, if it was to end with what it began with.
+#[test]
+fn a_file_without_its_end_is_told() {
+    let whole = "%\nG21 G90\nG0 X1 Y1 Z5\nG1 Z0 F600\nX20\nY50\n";
+    let is_told = |text: &str| {
+        let notes = gcode(text).notes;
+        notes
+            .iter()
+            .any(|note| note.contains("it may be cut short"))
+    };
+    for end in ["M30\n%\n", "M2\n", "%\n"] {
+        assert!(!is_told(&format!("{whole}{end}")), "{end}");
+    }
+    assert!(!is_told(&whole[2..]), "no tape, no end");
+    for length in whole.find("Z5").unwrap()..whole.len() {
+        let text = &whole[..length];
+        let read = read(text, "x.nc");
+        assert!(read.is_err() || is_told(text), "{text}");
+    }
+}
+
 /// Length of a helix: the root of the squares of turn and rise. Chords that lie within a millionth
 /// of the radius are too short by a third of that.
 #[test]

@@ -98,6 +98,38 @@ proptest! {
         prop_assert!((near / both - 1.0).abs() < 0.01, "{near} {both}");
     }
 
+    /// Where the path turns back, as between plunge and retract, the tool stays short of the end by
+    /// v T (1/4 − 1/π²), which is told with the line that leads there.
+    #[test]
+    fn verify_a_reversal_is_short_by_what_is_told(
+        feed_mm_s in 10.0_f64..80.0,
+        turn in 0.6 * PI..PI,
+    ) {
+        let robot = assets::robot("hp20");
+        let folder = tempfile::tempdir().unwrap();
+        let back = |turn: f64| -> (f64, usize, f64) {
+            let [x, y] = [50.0 + 40.0 * turn.cos(), 40.0 * turn.sin()];
+            let text = format!(
+                "G21 G90 F{:.6}\nG1 X0 Y0 Z0\nG1 X50\nG1 X{x:.6} Y{y:.6}\nM30\n",
+                feed_mm_s * 60.0
+            );
+            let file = written(folder.path(), "back.nc", &text);
+            let work = Isometry3::translation(0.9, -0.02, 0.35);
+            let found = cam(&file, work).motion(&robot, Start::AtRest, 1e-4, LONGEST_S).unwrap();
+            let (off_m, point) = found.motion.off;
+            let furthest = (places(&found, &robot, &work).iter()).map(|place| place.x).fold(0.0, f64::max);
+            (off_m, found.lines[point], 0.05 - furthest)
+        };
+        let (told, line, short) = back(PI);
+        let expected = feed_mm_s * 1e-3 * WINDOW_S * 2.0 * MEAN_AFTER;
+        prop_assert!((told / expected - 1.0).abs() < 0.01, "{told} {expected}");
+        prop_assert!((short / expected - 1.0).abs() < 0.01, "{short} {expected}");
+        prop_assert!([3, 4].contains(&line), "{line}");
+        // Between a right angle and a half turn: no less than it stays short.
+        let (told, _, short) = back(turn);
+        prop_assert!(told >= 0.999 * short && short > 0.0, "{told} {short}");
+    }
+
     /// A program of lines and moves by joints, written in each dialect, leads through all its
     /// poses; of those that are stopped at, exactly.
     #[test]

@@ -46,8 +46,8 @@ pub struct LedMotion {
     pub knots: Vec<Vec<f64>>,
     /// Length of the lines, m.
     pub length_m: f64,
-    /// Farthest that the tool comes off its lines where corners are blended, m, and the path point
-    /// next to it.
+    /// Farthest that the tool comes off its lines where corners are blended, or stays short of one
+    /// at which it turns back, m, and the path point next to it.
     pub off: (f64, usize),
     /// Lines that are slower than their feed, since a joint would be too fast, and the first of
     /// their path points.
@@ -280,6 +280,33 @@ impl Growing<'_> {
                 self.motion.off = (off_m, moves[at].path_point);
             }
         }
+        let corners = (first + 1..last).map(|at| (self.short_of(at, places), moves[at].path_point));
+        let shortest = corners.max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some(short) = shortest.filter(|short| short.0 > self.motion.off.0) {
+            self.motion.off = short;
+        }
+    }
+
+    /// By how much the blended places stay short of a corner at which the path turns back, along
+    /// the line that leads there: on the lines themselves, so that nothing else tells.
+    fn short_of(&self, at: usize, places: &[Place]) -> f64 {
+        let moves = &self.task.program.moves;
+        let [before, corner, after] =
+            [at - 1, at, at + 1].map(|at| moves[at].base_from_tool.translation.vector);
+        let Some(towards) = (corner - before).try_normalize(0.0) else {
+            return 0.0;
+        };
+        if towards.dot(&(after - corner)) >= 0.0 {
+            return 0.0;
+        }
+        let index = at as f64;
+        let low = places.partition_point(|one| one.at_move() < index - 1.0);
+        let high = places.partition_point(|one| one.at_move() <= index + 1.0);
+        let reached = places[low..high]
+            .iter()
+            .map(|one| towards.dot(&(one.place_m() - corner)));
+        let furthest = reached.fold(f64::NEG_INFINITY, f64::max);
+        if furthest.is_finite() { -furthest } else { 0.0 }
     }
 
     fn check_duration(&self, duration_s: f64, at: usize) -> Result<(), ProgramError> {

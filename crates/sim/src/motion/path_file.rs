@@ -107,7 +107,7 @@ fn told(path: &PathFile, found: &PathFileMotion) -> String {
     if off_m > LEAST_ROUNDED_M {
         let off_mm = off_m * 1e3;
         told.push_str(&format!(
-            ", corners rounded by up to {off_mm:.3} mm at {}",
+            ", corners rounded, or turned short of, by up to {off_mm:.3} mm at {}",
             place(at)
         ));
     }

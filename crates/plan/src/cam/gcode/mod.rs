@@ -21,15 +21,26 @@ const ARC_CLOSES_M: f64 = 1e-5;
 /// cutter's radius, canned cycles, subprograms, a feed that is missing, an arc that does not close.
 pub fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamPath, ProgramError> {
     let mut state = State::new(options);
+    let (mut tapes, mut ends) = (0, false);
     for (i, line) in text.lines().enumerate() {
+        tapes += usize::from(line.trim_start().starts_with('%'));
         let done = words::block(line).and_then(|words| state.block(&words, i + 1));
         match done {
             Ok(true) => {}
-            Ok(false) => break,
+            Ok(false) => {
+                ends = true;
+                break;
+            }
             Err(kind) => return Err(ProgramError::in_file(file, i + 1, kind)),
         }
     }
     let last = text.lines().count().max(1);
+    if tapes == 1 && !ends {
+        state.note(
+            last,
+            "the file begins with % and ends with neither % nor M2 nor M30: it may be cut short",
+        );
+    }
     ProgramErrorKind::unless_too_many(state.path.points.len())
         .map_err(|kind: ProgramErrorKind| ProgramError::in_file(file, last, kind))?;
     Ok(state.end())

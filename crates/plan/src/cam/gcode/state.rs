@@ -74,6 +74,10 @@ impl<'a> State<'a> {
         }
     }
 
+    pub fn note(&mut self, line: usize, text: &str) {
+        self.notes.add(line, text);
+    }
+
     pub fn end(self) -> CamPath {
         CamPath {
             notes: self.notes.texts(),
