@@ -258,8 +258,8 @@ def test_verify_judge_of_single_effects():
     assert not score(case, _answer("nothing_beyond_noise")).right
     assert not score(case, Answer(101, None, "", 1.0)).right
     beside = _answer("named", coulomb)
-    for difference, right in ((40.0, True), (-1.0, True), (-40.0, False)):
-        beside.diagnosis["runner_up"] = {"causes": [], "criterion_difference": difference}
+    for difference, angle, right in ((40.0, 60.0, True), (-1.0, 60.0, True), (-40.0, 1.3, True), (-40.0, 60.0, False)):
+        beside.diagnosis["runner_up"] = {"causes": [], "criterion_difference": difference, "angle_deg": angle}
         assert score(case, beside).right == right
 
 

@@ -54,9 +54,12 @@ class Answer:
 
     @property
     def contradicts_itself(self) -> bool:
-        """Whether causes are named although the next best explanation is likelier by odds of more than 20 to 1."""
+        """Whether causes are named although the next best explanation is likelier by odds of more than 20 to 1, and not
+        the same with more parameters: a law that holds the one named as its limit lies on its trace."""
         next_best = (self.diagnosis or {}).get("runner_up")
-        return self.verdict == "named" and next_best is not None and next_best["criterion_difference"] < -DECISIVE
+        if self.verdict != "named" or next_best is None or next_best["angle_deg"] < SAME_TRACE_DEG:
+            return False
+        return next_best["criterion_difference"] < -DECISIVE
 
 
 @dataclass
