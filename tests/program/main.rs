@@ -87,6 +87,18 @@ impl Desk {
         );
         out.into_owned()
     }
+
+    /// Standard error of a call that must be refused, with these parts in it.
+    fn refused(&self, arguments: &[&str], parts: &[&str]) -> String {
+        let output = self.truecut(arguments);
+        let err = String::from_utf8_lossy(&output.stderr);
+        let code = output.status.code();
+        assert_eq!(code, Some(BAD_INPUT), "{arguments:?}: {err}");
+        for part in parts {
+            assert!(err.contains(part), "`{part}` is not in: {err}");
+        }
+        err.into_owned()
+    }
 }
 
 /// Waits until a run that is under way has so many bytes of rows on the disk.

@@ -124,7 +124,6 @@ fn write_estimate(init: &InitArguments) -> Result<ExitStatus, Failure> {
         Some(out) => out.clone(),
         None => init.urdf.with_file_name(CONFIG_FILE_NAME),
     };
-    Failure::if_same(&out, &init.urdf)?;
     if out.exists() && !init.force {
         return Err(Failure::with_help(
             format!("{} is there already", out.display()),

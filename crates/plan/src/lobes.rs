@@ -21,7 +21,7 @@ pub struct LobeRequest {
     pub spindle_rad_s: [f64; 2],
     /// Deepest cut, m.
     pub deepest_m: f64,
-    /// Number of speeds, two at least, and of depths, one at least.
+    /// Number of speeds and of depths, one at least; a single speed is the slowest.
     pub speeds: usize,
     pub depths: usize,
 }
@@ -59,9 +59,9 @@ pub fn lobes(
     request: &LobeRequest,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Lobes, PlanError> {
-    let (speeds, depths) = (request.speeds.max(2), request.depths.max(1));
+    let (speeds, depths) = (request.speeds.max(1), request.depths.max(1));
     let [slow, fast] = request.spindle_rad_s;
-    let speed = |i: usize| slow + (fast - slow) * i as f64 / (speeds - 1) as f64;
+    let speed = |i: usize| slow + (fast - slow) * i as f64 / (speeds - 1).max(1) as f64;
     let spindle_rad_s: Vec<f64> = (0..speeds).map(speed).collect();
     let depth = |j: usize| request.deepest_m * j as f64 / depths as f64;
     let depth_m: Vec<f64> = (1..=depths).map(depth).collect();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use truecut_plan::program::DIALECTS;
 
-use super::number::{above_zero, number, three};
+use super::number::{above_zero, above_zero_to, three, within};
 
 #[derive(Debug, Args)]
 pub struct PathArguments {
@@ -105,27 +105,19 @@ const LARGEST_MM: f64 = 10_000.0;
 const MOST_TURNED_DEG: f64 = 3600.0;
 
 fn speed(text: &str) -> Result<f64, String> {
-    let rule = format!("must be a number above 0 and at most {FASTEST_MM_PER_S}");
-    number(
-        text,
-        |value| value > 0.0 && value <= FASTEST_MM_PER_S,
-        &rule,
-    )
+    above_zero_to(text, FASTEST_MM_PER_S)
 }
 
 fn chord(text: &str) -> Result<f64, String> {
-    let rule = format!("must be a number above 0 and at most {LARGEST_MM}");
-    number(text, |value| value > 0.0 && value <= LARGEST_MM, &rule)
+    above_zero_to(text, LARGEST_MM)
 }
 
 fn zone(text: &str) -> Result<f64, String> {
-    let rule = format!("must be a number from 0 to {LARGEST_MM}");
-    number(text, |value| (0.0..=LARGEST_MM).contains(&value), &rule)
+    within(text, 0.0..=LARGEST_MM)
 }
 
 fn turn(text: &str) -> Result<f64, String> {
-    let rule = format!("must be a number from -{MOST_TURNED_DEG} to {MOST_TURNED_DEG}");
-    number(text, |value| value.abs() <= MOST_TURNED_DEG, &rule)
+    within(text, -MOST_TURNED_DEG..=MOST_TURNED_DEG)
 }
 
 /// Names of all dialects.

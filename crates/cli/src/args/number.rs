@@ -1,8 +1,22 @@
 //! Numbers of the command line.
 
+use std::ops::RangeInclusive;
+
 /// A finite number above zero.
 pub fn above_zero(text: &str) -> Result<f64, String> {
     number(text, |value| value > 0.0, "must be a number above 0")
+}
+
+/// A number above zero and no larger than `most`.
+pub fn above_zero_to(text: &str, most: f64) -> Result<f64, String> {
+    let rule = format!("must be a number above 0 and at most {most}");
+    number(text, |value| value > 0.0 && value <= most, &rule)
+}
+
+/// A number in a range, its ends included.
+pub fn within(text: &str, range: RangeInclusive<f64>) -> Result<f64, String> {
+    let rule = format!("must be a number from {} to {}", range.start(), range.end());
+    number(text, |value| range.contains(&value), &rule)
 }
 
 /// A finite number that holds to a rule.

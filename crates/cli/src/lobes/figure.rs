@@ -45,8 +45,9 @@ fn depths(diagram: &Diagram<'_>) -> Panel {
             ));
         }
     }
-    if let Some((name, other, _)) = &diagram.other {
-        let points = other.spindle_rad_s.iter().zip(&other.limit);
+    if let Some(other) = &diagram.other {
+        let (name, lobes) = (&other.name, &other.lobes);
+        let points = lobes.spindle_rad_s.iter().zip(&lobes.limit);
         let points = points.map(|(speed, limit)| {
             let mm = limit.map_or(f64::NAN, |limit| limit.depth_m * 1e3);
             (rpm(*speed), if mm <= deepest_mm { mm } else { f64::NAN })

@@ -74,7 +74,7 @@ fn limit_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {
     let other = diagram
         .other
         .as_ref()
-        .map(|(_, other, _)| Column::numbers("other_damping_depth", "mm", depth(&other.limit)));
+        .map(|other| Column::numbers("other_damping_depth", "mm", depth(&other.lobes.limit)));
     let mut columns = vec![
         Column::numbers("spindle_speed", "rpm", speeds.collect()),
         Column::numbers("limit_depth", "mm", depth(&lobes.limit)),

@@ -22,7 +22,7 @@ pub fn json(diagram: &Diagram<'_>) -> Result<String, Failure> {
             "limit": limit(lobes.limit[i]),
             "limit_error_m": lobes.limit_error_m[i],
             "zero_order": limit(lobes.zero_order[i]),
-            "other_damping_limit": other.and_then(|(_, other, _)| limit(other.limit[i])),
+            "other_damping_limit": other.and_then(|other| limit(other.lobes.limit[i])),
         })
     });
     let runs = diagram.runs.iter().map(|run| {
@@ -41,7 +41,7 @@ pub fn json(diagram: &Diagram<'_>) -> Result<String, Failure> {
         "deepest_m": lobes.depth_m.last().copied().unwrap_or(0.0),
         // Speed above which nothing is said, since modes of the tool are missing.
         "not_known_above_rad_s": diagram.known.as_ref().map(|(above, _)| above),
-        "other_damping": other.map(|(name, ..)| name),
+        "other_damping": other.map(|other| &other.name),
         "speeds": speeds.collect::<Vec<_>>(),
         // The same at all speeds.
         "mode_coupling": limit(lobes.mode_coupling),

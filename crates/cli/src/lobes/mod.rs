@@ -31,11 +31,19 @@ struct Diagram<'a> {
     runs: Vec<StabilityRun>,
     /// Fastest speed up to which limits are known, rad/s, and what is missing beyond it.
     known: Option<(f64, String)>,
-    /// The diagram with the arm's other damping, what that is, and the same at the own speed.
-    other: Option<(String, Lobes, Lobes)>,
+    other: Option<Other>,
     uncertain: Option<uncertain::Uncertain>,
     /// Sentences on the damping.
     notes: Vec<String>,
+}
+
+/// The diagram with the arm's other damping.
+struct Other {
+    /// What that is.
+    name: String,
+    lobes: Lobes,
+    /// At the scenario's own speed.
+    own: Lobes,
 }
 
 /// Default range of speeds, as fractions of the scenario's.
@@ -58,7 +66,7 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
     let request = request(arguments, &study, &modes, known);
     let own_request = LobeRequest {
         spindle_rad_s: [study.cut.spindle_rad_s; 2],
-        speeds: 2,
+        speeds: 1,
         depths: request.depths.max(OWN_DEPTHS),
         ..request
     };
@@ -73,11 +81,11 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
     let lobes = computed("stability diagram", &study.robot, &request)?;
     let own = computed("limits at the own speed", &study.robot, &own_request)?;
     let other = match study.other_damping(&posture).map_err(failed)? {
-        Some(other) => {
-            let found = computed("the other damping", &other.robot, &request)?;
-            let own = computed("the other damping", &other.robot, &own_request)?;
-            Some((other.name, found, own))
-        }
+        Some(other) => Some(Other {
+            lobes: computed("the other damping", &other.robot, &request)?,
+            own: computed("the other damping", &other.robot, &own_request)?,
+            name: other.name,
+        }),
         None => None,
     };
     let uncertain = uncertain::uncertain(scenario, &study, &posture, &lobes, known)?;

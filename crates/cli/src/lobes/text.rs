@@ -49,8 +49,8 @@ pub fn summary(diagram: &Diagram<'_>) -> String {
     } else {
         format!("  limits at {at} rpm: not known\n")
     });
-    if let Some((name, _, own)) = diagram.other.as_ref().filter(|_| is_known) {
-        let limit = shown(own.limit[0]);
+    if let Some(other) = diagram.other.as_ref().filter(|_| is_known) {
+        let (name, limit) = (&other.name, shown(other.own.limit[0]));
         text.push_str(&format!("  with {name}: spectral elements {limit}\n"));
     }
     if let Some(uncertain) = &diagram.uncertain {

@@ -17,7 +17,7 @@ use crate::model::{Columns, PredictError};
 
 /// Halvings and doublings that are tried.
 const TRIES: i32 = 40;
-/// Bisections of the mass that the arm has at its tool, which is then known to some percent.
+/// Bisections of the mass that the arm has at its tool, which is then known to a percent.
 const BISECTIONS: i32 = 12;
 /// A mode of the tool is simulated up to this part of the arm's mass at its tool.
 const MOST_MASS: f64 = 0.25;

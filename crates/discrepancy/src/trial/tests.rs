@@ -9,6 +9,7 @@ use truecut_scenario::effect::{Effect, EffectKind, Target};
 
 use super::Trial;
 use crate::model::Model;
+use crate::testing;
 
 const RATE_HZ: f64 = 1000.0;
 const SAMPLES: i32 = 400;
@@ -64,58 +65,27 @@ fn swinging(channels: Vec<(&str, Unit, Role, f64)>) -> Measured {
     }
 }
 
-/// A slide of some mass that gives way along the feed of a cut, and its data.
+/// A slide of some mass, at 20 Hz and 4 %, that gives way along the feed of a cut, and its data.
 fn milled(mass_kg: f64) -> (Scenario, Measured) {
     // The robot's file has 39.93 g, 1.34 N/um and 5.09 N s/m.
-    let factor = mass_kg / 0.03993;
-    let text = format!(
-        r#"
-name = "milled"
-[robot]
-urdf = "../../assets/robots/rig_milling/robot.urdf"
-gravity = false
-inertia_scale = {factor}
-stiffness_scale = {}
-damping_scale = {}
-[process.milling]
-spindle_rpm = 450
-feed_mm_per_tooth = 0.1
-axial_depth_mm = 0.4
-engagement = "down"
-radial_depth_mm = 4.0
-[process.milling.cutter]
-diameter_mm = 12
-teeth = 4
-[process.milling.cutting]
-tangential_mpa = 800
-radial_mpa = 300
-[process.milling.path]
-direction = [1, 0, 0]
-length_mm = 2.0
-[run]
-duration_s = 0.4
-[data]
-time = "t"
-[[data.channel]]
-column = "f"
-channel = "milling.force_x"
-unit = "N"
-[[data.channel]]
-column = "q"
-channel = "joint1.position"
-unit = "m"
-"#,
-        // at 20 Hz and 4 %
-        mass_kg * 15791.0 / 1.34004965e6,
-        mass_kg * 10.05 / 5.0890039,
-    );
-    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/milling/of_a_test.toml");
-    let scenario = Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
+    let scales = [
+        ("robot.inertia_scale", mass_kg / 0.03993),
+        ("robot.stiffness_scale", mass_kg * 15791.0 / 1.34004965e6),
+        ("robot.damping_scale", mass_kg * 10.05 / 5.0890039),
+    ];
+    let scales = scales.map(|(key, value)| (key, value.to_string()));
+    let mut changes: Vec<(&str, &str)> =
+        scales.iter().map(|(key, value)| (*key, &**value)).collect();
+    changes.extend([
+        ("process.milling.axial_depth_mm", "0.4"),
+        ("process.milling.spindle_rpm", "450"),
+        ("run.duration_s", "0.4"),
+    ]);
     let measured = swinging(vec![
         ("milling.force_x", Unit::Newton, Role::Output, 40.0),
         ("joint1.position", Unit::Metre, Role::Output, 1e-5),
     ]);
-    (scenario, measured)
+    (testing::milling(&changes), measured)
 }
 
 fn tool_mode(compliance_m_per_n: f64, frequency_hz: f64) -> Effect {
