@@ -70,6 +70,7 @@ class Laws:
     wheel = WheelProcess
     foot_normal = FootNormal
     foot_friction = FootFriction
+    plant = Plant
 
 
 def process_for(
@@ -100,10 +101,10 @@ def simulate(
     `command` moves the joints of a process that travels; otherwise the command stands still.
     """
     began = time.perf_counter()
-    plant = Plant(model, scenario.robot)
+    plant = laws.plant(model, scenario.robot)
     if isinstance(scenario.process, Milling) and command is not None:
         # The path says where the arm begins, the command where on the path.
-        plant = Plant(model, scenario.robot, plant.rigid_posture(command.joints[0]))
+        plant = laws.plant(model, scenario.robot, plant.rigid_posture(command.joints[0]))
     process = process_for(scenario, plant, longest_step_s, command, laws)
     force_tool, force_foot = process.start_loads()
     plant.settle(force_tool, force_foot, getattr(process, "moment", None))

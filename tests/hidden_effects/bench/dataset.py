@@ -26,14 +26,20 @@ def noise_scale(case: Case) -> float:
     return size_of(ALL[case.experiment], case.truth, case.shifts) / case.level
 
 
+def noise_of(case: Case, count: int, channels: int) -> np.ndarray:
+    """What is added to the true outputs."""
+    experiment = ALL[case.experiment]
+    noise = unit_noise(case.colour, count, channels, experiment.rate_hz, experiment.band_hz, case.seed)
+    return noise * noise_scale(case) * np.array(experiment.reference_noise)
+
+
 def measurement(case: Case) -> tuple[dict[str, np.ndarray], dict]:
     """Columns of the data file in their units, and what only the judge may know."""
     experiment = ALL[case.experiment]
     scale = noise_scale(case)
     clean = experiment.outputs_of(case.truth, case.shifts, case.still)
     count, channels = clean.shape
-    noise = unit_noise(case.colour, count, channels, experiment.rate_hz, experiment.band_hz, case.seed)
-    noise = noise * scale * np.array(experiment.reference_noise)
+    noise = noise_of(case, count, channels)
     measured = clean + noise
     draw = np.random.default_rng([case.seed, 31])
     if case.damage == "quantised":

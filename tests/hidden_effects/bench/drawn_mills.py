@@ -11,7 +11,7 @@ changes, nominal values refitted, samples beside jumps of the force left out, is
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +19,7 @@ import numpy as np
 from . import ROOT
 from .cases import LEVELS, Case
 from .effects import Effect
-from .experiment import ALL, DrawnExperiment
+from .experiment import ALL, DrawnExperiment, Milled
 from .noise import COLOURS, rms
 from .signature import size_of
 
@@ -30,8 +30,6 @@ TRIES = 40
 HEAVIEST = 0.15
 # A steady cut differs from tooth to tooth by less than this part of its deviation, in the last fifth of the run.
 STEADY = 0.05
-# Samples nearer to a jump than so many are not counted.
-BESIDE = 1.5
 # No sensor errs by less than this part of what an ordinary one does.
 BEST_SENSOR = 0.25
 # A strong effect is so many times the noise at least.
@@ -105,8 +103,7 @@ REFINED = 0.05
 
 
 @dataclass(frozen=True)
-class _Mill(DrawnExperiment):
-    tooth_period_s: float = field(default=0.0, repr=False)
+class _Mill(Milled, DrawnExperiment):
     refined: float = 1.0
 
     def __str__(self) -> str:
@@ -118,27 +115,6 @@ class _Mill(DrawnExperiment):
             return super()._run(effects, shifts, standing_still)
         fine = replace(self, step_s=self.step_s * self.refined, refined=1.0)
         return fine._run(effects, shifts, standing_still)
-
-    def beside_jumps(self) -> np.ndarray:
-        """Samples within one and a half of where a tooth enters or leaves."""
-        cut = self.table["process"]["milling"]
-        reached = math.acos(2.0 * cut["radial_depth_mm"] / cut["cutter"]["diameter_mm"] - 1.0)
-        angles = (0.0, math.pi - reached) if cut["engagement"] == "up" else (reached, math.pi)
-        beside = np.zeros(self.time_s.size, dtype=bool)
-        for angle in angles:
-            first_s = (angle - math.radians(cut["start_angle_deg"])) / (cut["spindle_rpm"] * math.pi / 30.0)
-            since = np.mod(self.time_s - first_s, self.tooth_period_s)
-            beside |= np.minimum(since, self.tooth_period_s - since) < BESIDE / self.rate_hz
-        return beside
-
-    def seen(self, outputs: np.ndarray) -> np.ndarray:
-        """Forces with lines in the place of samples beside jumps: what a deflection moves there, by the moment at which a
-        tooth leaves, is many times what it changes elsewhere, and no sensor has it."""
-        kept = ~self.beside_jumps()
-        bridged = outputs.copy()
-        for column in range(2):
-            bridged[:, column] = np.interp(self.time_s, self.time_s[kept], outputs[kept, column])
-        return bridged
 
 
 @dataclass(frozen=True)
@@ -276,8 +252,7 @@ def _draw(rng: np.random.Generator, name: str, folder: Path) -> Machine | None:
     _write(rng, name, folder, slide, cut, duration_s)
     # at rates of 1 kHz what is hidden shows below a fifth of that
     measured = (1000.0, duration_s, 0.05e-3, 200.0, (1.0, 1.0, 1e-6))
-    tooth_s = 1.0 / cut["tooth_hz"]
-    experiment = _Mill(name, *measured, folder=str(folder), tooth_period_s=tooth_s, refined=0.4)
+    experiment = _Mill(name, *measured, folder=str(folder), refined=0.4)
     worn = Effect("milling_process_damping", None, {"per_slope_n_per_m": slope})
     return Machine(experiment, (Effect("tool_mode", None, mode), worn))
 
@@ -295,8 +270,7 @@ def _draw_fast(rng: np.random.Generator, name: str, folder: Path) -> Machine:
     duration_s = 0.3
     _write(rng, name, folder, slide, cut, duration_s)
     measured = (10_000.0, duration_s, 0.1e-3, 4000.0, (1.0, 1.0, 1e-6))
-    tooth_s = 1.0 / cut["tooth_hz"]
-    experiment = _Mill(name, *measured, folder=str(folder), tooth_period_s=tooth_s, refined=REFINED)
+    experiment = _Mill(name, *measured, folder=str(folder), refined=REFINED)
     return Machine(experiment, (Effect("tool_mode", None, mode),))
 
 

@@ -29,8 +29,26 @@ from truecut_reference.tool_modes import with_modes
 from truecut_reference.wheel import Command, WheelProcess
 
 from .effects import Effect
+from .hidden_joints import HiddenJoints
 
 RUN_UP_S = 0.1
+# Effects with a law here, beside those of joints.
+IN_CHAMFERS = (
+    "cutting_coefficient",
+    "cutting_edge_force",
+    "cutting_runout",
+    "cutting_hole_offset",
+    "cutting_worn_tooth",
+    "cutting_wear",
+    "cutting_depth_offset",
+    "spindle_speed",
+    "foot_friction",
+    "foot_friction_falling",
+    "foot_pressure_loss",
+    "foot_seal_stiction",
+)
+IN_WHEELS = ("wheel_stiffness", "wheel_eccentricity")
+IN_MILLING = ("milling_process_damping", "tool_mode")
 Values = dict[str, dict[str, float]]
 
 
@@ -196,9 +214,17 @@ def straight_path(wheel: Wheel, start: np.ndarray, duration_s: float) -> Command
 WEAR_LAND_M = 0.1e-3
 
 
-def run_milling(scenario: Scenario, effects: Values, step_s: float) -> Result:
+def _known(effects: Values, kinds: tuple[str, ...]) -> None:
+    """Refuses an effect that a run would leave out."""
+    left_out = sorted(set(effects) - set(kinds))
+    if left_out:
+        raise ValueError(f"no law for {', '.join(left_out)} in this process")
+
+
+def run_milling(scenario: Scenario, effects: Values, in_joints: list[Effect], step_s: float) -> Result:
     """A pass fed along a single slide. The reference lets the land overlap what its edge left, and its modes are bodies
     on springs."""
+    _known(effects, IN_MILLING)
     spec = scenario.process
     damping = effects.get("milling_process_damping", {"per_slope_n_per_m": 0.0})["per_slope_n_per_m"]
     if damping:
@@ -222,14 +248,19 @@ def run_milling(scenario: Scenario, effects: Values, step_s: float) -> Result:
     t = np.linspace(0.0, scenario.duration_s, round(scenario.duration_s / 1e-3) + 1)
     joints = np.zeros((t.size, 1 + len(modes)))
     joints[:, 0] = spec.feed_m_per_s * t
-    return simulate(scenario, model, step_s, command=Command(t, joints))
+    command, laws = Command(t, joints), Laws()
+    if in_joints:
+        laws.plant = partial(HiddenJoints, effects=in_joints, command=command)
+    return simulate(scenario, model, step_s, command=command, laws=laws)
 
 
 def run(scenario: Scenario, effects: list[Effect], step_s: float) -> Result:
     """The scenario's run with the effects; sensors are not among them."""
-    values = {effect.kind: effect.values for effect in effects}
+    in_joints = [effect for effect in effects if effect.kind.startswith("joint_")]
+    values = {effect.kind: effect.values for effect in effects if effect not in in_joints}
     if isinstance(scenario.process, Milling):
-        return run_milling(scenario, values, step_s)
+        return run_milling(scenario, values, in_joints, step_s)
+    _known(values, IN_WHEELS if isinstance(scenario.process, Wheel) else IN_CHAMFERS)
     model = urdf_model.from_urdf(scenario.robot)
     actual_step_s = [0.0]
     laws = Laws()
@@ -247,4 +278,6 @@ def run(scenario: Scenario, effects: list[Effect], step_s: float) -> Result:
     if isinstance(scenario.process, Wheel):
         start = np.array(scenario.robot.posture_m)
         command = straight_path(scenario.process, start, scenario.duration_s)
+    if in_joints:
+        laws.plant = partial(HiddenJoints, effects=in_joints, command=command)
     return simulate(scenario, model, step_s, command=command, laws=laws)

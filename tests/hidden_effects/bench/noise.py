@@ -39,3 +39,21 @@ def unit_noise(colour: str, count: int, channels: int, rate_hz: float, band_hz: 
     else:
         raise ValueError(f"no noise of colour {colour}")
     return found / rms(in_band(found, rate_hz, band_hz))
+
+
+def density(colour: str, hz: np.ndarray, rate_hz: float, band_hz: float) -> np.ndarray:
+    """Variance per bin of a transform, divided by the number of samples, of noise with an RMS of 1 within the band."""
+    if colour == "white":
+        found = np.ones_like(hz)
+    elif colour == "ar1":
+        found = np.abs(1.0 - AR1_COEFFICIENT * np.exp(-2j * np.pi * hz / rate_hz)) ** -2
+    elif colour == "one_over_f":
+        # it has no mean: its first bin stands for that, which is no smaller than what a fit leaves of it
+        found = 1.0 / np.maximum(hz, hz[1])
+    else:
+        raise ValueError(f"no noise of colour {colour}")
+    both = np.where((hz == 0.0) | (hz == 0.5 * rate_hz), 1.0, 2.0)
+    if colour == "one_over_f":
+        both[0] = 0.0
+    of_band = np.sum((both * found)[hz <= band_hz]) / (2 * (hz.size - 1))
+    return found / of_band

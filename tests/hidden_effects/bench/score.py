@@ -1,7 +1,8 @@
 """Whether an answer is right.
 
 A single effect is right when it is named first, or stands in an ambiguous set of which every other member, as the
-program sized it, leaves a trace within 10 degrees of the truth's in the generator's own simulation.
+program sized it, leaves a trace within 10 degrees of the truth's in the generator's own simulation, or is not told from
+the truth by an oracle at odds of 20 to 1.
 """
 
 from __future__ import annotations
@@ -13,12 +14,33 @@ from dataclasses import dataclass, field
 from .cases import Case
 from .effects import KINDS, OUTSIDE, Effect
 from .experiment import ALL
+from .oracle import Oracle
 from .signature import angle_deg
 
 SAME_TRACE_DEG = 10.0
 BAD_INPUT = 2
 # Odds of 20 to 1, as a difference of minus twice the log-likelihood.
 DECISIVE = 6.0
+# Parameters of joints that slide, as the generator calls them on any joint.
+ON_SLIDES = {
+    "viscous_n_s_per_m": "viscous_n_m_s_per_rad",
+    "viscous_positive_n_s_per_m": "viscous_positive_n_m_s_per_rad",
+    "viscous_negative_n_s_per_m": "viscous_negative_n_m_s_per_rad",
+    "friction_n": "friction_n_m",
+    "friction_positive_n": "friction_positive_n_m",
+    "friction_negative_n": "friction_negative_n_m",
+    "excess_n": "excess_n_m",
+    "speed_m_per_s": "speed_rad_per_s",
+    "gap_m": "gap_rad",
+    "amplitude_n": "amplitude_n_m",
+    "yield_windup_m": "yield_windup_rad",
+    "cubic_n_per_m3": "cubic_n_m_per_rad3",
+    "cosine_m": "cosine_rad",
+    "sine_m": "sine_rad",
+    "cosine_n": "cosine_n_m",
+    "sine_n": "sine_n_m",
+    "force_n": "force_n_m",
+}
 VERDICTS = ("nothing_beyond_noise", "named", "ambiguous", "unknown_cause", "not_identifiable", "fit_failed")
 
 
@@ -111,6 +133,10 @@ def sized(cause: dict) -> Effect | None:
         return None
     sizes, shapes = KINDS[cause["kind"]]
     values = {key: entry["value"] for key, entry in cause.get("parameters", {}).items()}
+    if cause["kind"].startswith("joint_"):
+        if "cosine_m" in values:
+            values["cycles"] *= 2.0 * math.pi  # per metre; the generator's are radians per metre
+        values = {ON_SLIDES.get(key, key): value for key, value in values.items()}
     if set(values) != {*sizes, *shapes}:
         return None
     return Effect(cause["kind"], target_of(cause), values)
@@ -127,6 +153,22 @@ def same_trace(case: Case, cause: dict) -> bool:
         return False  # a size that the generator cannot simulate leaves no trace to compare
 
 
+def told_apart(case: Case, causes: list[dict]) -> list[dict]:
+    """Those causes, as sized by the program, that one who knows the noise's spectrum tells from the truth."""
+    if not causes or case.damage:
+        return causes
+    oracle = Oracle(case)
+
+    def is_told(cause: dict) -> bool:
+        effect = sized(cause)
+        try:
+            return effect is None or oracle.tells((effect,))
+        except (RuntimeError, ValueError, KeyError, FloatingPointError):
+            return True  # what the generator cannot simulate is no explanation
+
+    return [cause for cause in causes if is_told(cause)]
+
+
 def _ambiguous(case: Case, answer: Answer) -> tuple[bool, str]:
     truth = case.truth[0]
     if not any(is_cause(cause, truth) for cause in answer.members):
@@ -134,8 +176,9 @@ def _ambiguous(case: Case, answer: Answer) -> tuple[bool, str]:
     others = [cause for cause in answer.members if not is_cause(cause, truth)]
     if not others:
         return False, "ambiguous between nothing"
-    apart = [name_of(cause) for cause in others if not same_trace(case, cause)]
-    return (False, f"the generator tells {', '.join(apart)} from {truth.name}") if apart else (True, "same trace")
+    apart = told_apart(case, [cause for cause in others if not same_trace(case, cause)])
+    told = ", ".join(name_of(cause) for cause in apart)
+    return (False, f"the generator tells {told} from {truth.name}") if apart else (True, "not told apart")
 
 
 def judge(case: Case, answer: Answer) -> tuple[bool, str]:

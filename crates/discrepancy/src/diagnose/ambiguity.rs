@@ -75,7 +75,16 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
         })
         .collect();
     rivals.sort_by(|a, b| a.criterion_difference.total_cmp(&b.criterion_difference));
-    rivals.dedup_by(|a, b| kinds(&a.fit.point) == kinds(&b.fit.point));
+    // The best end of each, whatever lies between two of them.
+    let mut seen: Vec<Vec<usize>> = Vec::new();
+    rivals.retain(|rival| {
+        let own = kinds(&rival.fit.point);
+        let is_new = !seen.contains(&own);
+        if is_new {
+            seen.push(own);
+        }
+        is_new
+    });
     // Generalisations are removed from the alternatives, too.
     let points: Vec<Point> = rivals
         .iter()

@@ -7,7 +7,7 @@ use truecut_recording::Unit;
 use truecut_scenario::effect::Target;
 
 use super::floor::NoiseSource;
-use super::problem::{Found, Problem};
+use super::problem::{Found, Point, Problem};
 use super::race::FitTrial;
 use crate::model::Candidate;
 
@@ -213,6 +213,9 @@ pub struct Diagnosis {
     pub causes: Vec<Cause>,
     /// Equally good explanations; empty for verdicts other than `ambiguous`.
     pub alternatives: Vec<Alternative>,
+    /// Further explanations that the data do not exclude, less likely than those.
+    #[serde(default)]
+    pub further: Vec<String>,
     /// The next best explanation, if any was fitted.
     pub runner_up: Option<Alternative>,
     /// Part of the discrepancy beyond noise that the causes leave unexplained.
@@ -239,21 +242,26 @@ pub struct Diagnosis {
 
 impl FitRecord {
     pub(super) fn new(problem: &Problem, trial: &FitTrial) -> FitRecord {
-        let name = |found: &Found| {
-            let candidate = &problem.candidates[found.candidate];
-            match target_name(candidate) {
-                Some(target) => format!("{} {target}", candidate.kind.name()),
-                None => candidate.kind.name().to_string(),
-            }
-        };
         let end = trial.end.as_ref();
         FitRecord {
-            effects: trial.start.effects.iter().map(name).collect(),
+            effects: names(problem, &trial.start),
             converged: end.is_ok_and(|fit| fit.converged),
             iterations: end.map_or(trial.iterations, |fit| fit.iterations),
             failure: end.err().map(ToString::to_string),
         }
     }
+}
+
+/// Kinds and targets of a point's effects, in words.
+pub(super) fn names(problem: &Problem, point: &Point) -> Vec<String> {
+    let name = |found: &Found| {
+        let candidate = &problem.candidates[found.candidate];
+        match target_name(candidate) {
+            Some(target) => format!("{} {target}", candidate.kind.name()),
+            None => candidate.kind.name().to_string(),
+        }
+    };
+    point.effects.iter().map(name).collect()
 }
 
 /// The name of a target as channels and answers have it.

@@ -5,7 +5,7 @@ mod test_part;
 use rayon::prelude::*;
 
 use super::ambiguity::{Rival, experiments, rivals};
-use super::answer::{Diagnosis, VERSION, Verdict};
+use super::answer::{Diagnosis, VERSION, Verdict, names};
 use super::ceiling::{Bound, bound};
 use super::doubts::doubts;
 use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
@@ -24,8 +24,8 @@ use crate::stats::{deviation, ratio};
 const PREVAILS: f64 = 2.0;
 /// Least fraction of detectable candidates for the experiment to be informative.
 const LEAST_VISIBLE: f64 = 0.05;
-/// Other explanations that are reported at most.
-const MOST_RIVALS: usize = 6;
+/// Other explanations that stand beside the causes at most; of more only the names are told.
+const MOST_ALTERNATIVES: usize = 2;
 
 /// The diagnosis where no output changes.
 pub(super) fn not_excited(problem: &Problem, before: Columns, missing: Vec<String>) -> Answer {
@@ -122,9 +122,15 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
         true => next_best(problem, outcome),
         false => rivals,
     };
-    let described: Vec<&Rival> = (rivals.iter().take(MOST_RIVALS).enumerate())
-        .filter(|(i, rival)| *i == 0 || rival.as_good)
-        .map(|(_, rival)| rival)
+    let (told, more) = told(&rivals);
+    diagnosis.further = (more.iter())
+        .map(|rival| names(problem, &rival.fit.point).join(" + "))
+        .collect();
+    let described: Vec<&Rival> = (rivals.iter().take(1))
+        .chain(
+            told.into_iter()
+                .filter(|rival| !std::ptr::eq(*rival, &rivals[0])),
+        )
         .collect();
     let answers = (described.par_iter())
         .map(|rival| alternative(problem, rival, &outcome.orders))
@@ -139,6 +145,13 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
         diagnosis.experiments = experiments(problem, &outcome.chosen, &rival.fit);
     }
     Ok(diagnosis)
+}
+
+/// Of rivals, closest first, those among which the data do not decide: the likeliest, and the rest.
+fn told(rivals: &[Rival]) -> (Vec<&Rival>, Vec<&Rival>) {
+    let mut as_good: Vec<&Rival> = rivals.iter().filter(|rival| rival.as_good).collect();
+    let more = as_good.split_off(as_good.len().min(MOST_ALTERNATIVES));
+    (as_good, more)
 }
 
 /// Where the model chosen was reached through a larger one, no rival has as many effects. The
@@ -205,7 +218,13 @@ fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis
     } else {
         (
             Verdict::Ambiguous,
-            "Several causes explain the discrepancy alike.".into(),
+            match diagnosis.further.as_slice() {
+                [] => "Several causes explain the discrepancy alike.".into(),
+                further => format!(
+                    "Several causes explain the discrepancy alike; less likely, and not excluded: {}.",
+                    further.join(", ")
+                ),
+            },
         )
     };
     // A budget that ended the search is told first.
@@ -225,6 +244,7 @@ fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis
     }
     if !matches!(diagnosis.verdict, Verdict::Ambiguous) {
         diagnosis.alternatives.clear();
+        diagnosis.further.clear();
         diagnosis.experiments.clear();
     }
 }

@@ -35,6 +35,7 @@ mod problem;
 mod race;
 mod resonance;
 mod revise;
+mod scan;
 mod screen;
 mod search;
 mod signature;

@@ -220,7 +220,8 @@ impl Search<'_, '_> {
             let alpha = problem.options.family_wise_error;
             r.gain > STRONG * critical(alpha, outcome.tests, r.start.len())
         });
-        let trials = self.fit_all(starts, &outcome.orders, Race::Extending(base));
+        let mut trials = self.fit_all(starts, &outcome.orders, Race::Extending(base));
+        trials.extend(self.scanned(base, &trials, &outcome.orders));
         self.failed |= trials.is_empty() && strong;
         if base.point.effects.is_empty() {
             let of = |count: usize| {
