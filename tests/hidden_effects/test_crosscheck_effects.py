@@ -16,12 +16,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bench import ROOT, dataset  # noqa: E402
 from bench.cases import Case  # noqa: E402
 from bench.experiment import ALL, Experiment  # noqa: E402
-from bench.library import BELT, BRUSH, CLOCK, POLISHING, POLISHING_EDGE, SINGLES  # noqa: E402
+from bench.library import BELT, BRUSH, CLOCK, POLISHING, POLISHING_EDGE, SINGLES, TILT  # noqa: E402
 from bench.noise import rms  # noqa: E402
 
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 TARGET_KEY = {int: "joint", str: "channel"}
-TEMPLATES = SINGLES + POLISHING + BELT + BRUSH + POLISHING_EDGE + CLOCK
+TEMPLATES = SINGLES + POLISHING + BELT + BRUSH + POLISHING_EDGE + CLOCK + TILT
 
 
 def recorded(experiment: Experiment, effects: tuple, folder: Path) -> np.ndarray:
@@ -34,7 +34,7 @@ def recorded(experiment: Experiment, effects: tuple, folder: Path) -> np.ndarray
         text = text.replace(f'{key} = "', f'{key} = "{experiment.path.parent}/')
     for effect in effects:
         text += f'\n[[effect]]\nkind = "{effect.kind}"\n'
-        if effect.kind == "base_compliance":
+        if effect.kind in ("base_compliance", "base_tilt"):
             text += f'axis = "{effect.target}"\n'
         elif effect.target is not None:
             target = effect.target if isinstance(effect.target, int) else f'"{effect.target}"'

@@ -30,6 +30,7 @@ from bench.library import (  # noqa: E402
     POLISHING_EDGE,
     SINGLES,
     STRANGERS,
+    TILT,
     TORQUE,
 )
 from bench.noise import COLOURS, in_band, rms, unit_noise  # noqa: E402
@@ -41,7 +42,7 @@ from truecut_reference import urdf_model  # noqa: E402
 from truecut_reference.simulate import simulate  # noqa: E402
 
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
-TEMPLATES = SINGLES + POLISHING + BELT + BRUSH + POLISHING_EDGE + MILLING + CLOCK
+TEMPLATES = SINGLES + POLISHING + BELT + BRUSH + POLISHING_EDGE + MILLING + CLOCK + TILT
 EACH_TEMPLATE = pytest.mark.parametrize("template", TEMPLATES, ids=lambda t: f"{t.experiment}-{t.kind}-{t.target}")
 
 

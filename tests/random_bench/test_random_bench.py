@@ -179,10 +179,14 @@ def test_crosscheck_mujoco_drawn_arms_move_as_the_program_says(mode, tmp_path):
             assert channel["level"]["rms_error"] < 2e-3 * spread, (seed, name, channel["level"], shifts)
 
 
-@pytest.mark.parametrize("kind", (*IN_INVERSE, "payload", "sensor_gain", "sensor_delay", "clock_delay"))
+# new ones at the end: the place says which case is drawn
+ACT_ON_TORQUES = (*sorted((*IN_INVERSE, "payload", "sensor_gain", "sensor_delay", "clock_delay")), "base_tilt")
+
+
+@pytest.mark.parametrize("kind", ACT_ON_TORQUES)
 def test_crosscheck_mujoco_effects_of_drive_torques_are_those_of_the_program(kind, tmp_path):
     """A scenario that has the effect misses data without noise by less than a tenth of what the effect changes."""
-    seed = sorted((*IN_INVERSE, "payload", "sensor_gain", "sensor_delay", "clock_delay")).index(kind)
+    seed = ACT_ON_TORQUES.index(kind)
     case = draw_case(SEED + 50 + seed, "inverse", "strong", tmp_path, kind)
     experiment = case.experiment
     experiment.time = np.arange(experiment.time.size) / experiment.rate_hz
@@ -193,7 +197,8 @@ def test_crosscheck_mujoco_effects_of_drive_torques_are_those_of_the_program(kin
     (effect,) = case.truth
     text = f'[[effect]]\nkind = "{effect.kind}"\n'
     if effect.target is not None:
-        text += f"joint = {effect.target}\n" if isinstance(effect.target, int) else f'channel = "{effect.target}"\n'
+        key = "axis" if kind == "base_tilt" else "channel"
+        text += f"joint = {effect.target}\n" if isinstance(effect.target, int) else f'{key} = "{effect.target}"\n'
     text += "".join(f"{key} = {float(value)!r}\n" for key, value in effect.values.items())
     scenario = case.scenario.with_name("with_effect.toml")
     scenario.write_text(case.scenario.read_text(encoding="utf-8") + text, encoding="utf-8")

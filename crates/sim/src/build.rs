@@ -69,7 +69,8 @@ impl Prepared {
         nominal.refuse_followers(NO_FOLLOWERS)?;
         let kind = drive_kind(spec, &nominal)?;
         let effects = Effects::of(scenario, &nominal)?;
-        let gravity_m_s2 = gravity_m_s2(spec);
+        let level_m_s2 = gravity_m_s2(spec);
+        let gravity_m_s2 = effects.gravity_on_base(level_m_s2);
         let made = process::set_up(&SetupContext {
             scenario,
             robot: &nominal,
@@ -81,8 +82,10 @@ impl Prepared {
         let mut world_from_process = nominal.world_from_process(&made.posture);
         let duration_s = made.duration_s(scenario.run.duration_s);
         let gravity = Load::gravity(gravity_m_s2);
-        let sag = (spec.hold_against_sag && kind != DriveKind::Force).then_some(&gravity);
-        // The controller knows the nominal robot only; what it does not know shows in the run.
+        // The controller knows the nominal robot only, on a level base; what it does not know shows
+        // in the run.
+        let level = Load::gravity(level_m_s2);
+        let sag = (spec.hold_against_sag && kind != DriveKind::Force).then_some(&level);
         let command = made.command(&nominal, &world_from_process, duration_s, sag)?;
         check_limits(&nominal, &command)?;
         let mut altered = effect::alter(&nominal, &effects)?;

@@ -111,6 +111,7 @@ fn size(kind: EffectKind) -> Vec<f64> {
         K::JointOffset => vec![60.0],
         K::Payload => vec![12.0, 0.0, 0.05, 0.1],
         K::BaseCompliance => vec![1e-7],
+        K::BaseTilt => vec![0.01],
         K::CuttingEdgeForce => vec![4e3, 5e3, 6e3],
         K::CuttingRunout => vec![5e-6, 3e-6],
         K::CuttingHoleOffset => vec![2e-5, -1e-5],

@@ -66,6 +66,36 @@ fn verify_base_tilts_under_the_arm() {
     assert!(still < 1e-9, "it starts at rest: {still}");
 }
 
+/// On a base that stands turned by α about y a carriage slides down the slope, to +x, by
+/// `m g sinα / k`; about x it does not.
+#[test]
+fn verify_carriage_slides_down_a_tilted_base() {
+    let scenario = load(
+        "rig_1dof",
+        "posture_mm = [100]",
+        "duration_s = 0.01",
+        "constant_n = [0.0, 0.0, 0.0]",
+    );
+    for (angle, axis) in [(0.03, 1), (-0.4, 1), (0.3, 0)] {
+        let effect = Effect {
+            values: vec![angle],
+            ..Effect::neutral(EffectKind::BaseTilt, Target::Axis(axis))
+        };
+        let with = run(&scenario, &[effect]);
+        let slid = column(&with, "joint1.position")[0] - 0.1;
+        let expected = if axis == 1 {
+            100.0 * 9.81 * f64::sin(angle) / 1e6
+        } else {
+            0.0
+        };
+        assert!((slid - expected).abs() < 1e-12, "{slid} for {expected}");
+        let still = column(&with, "joint1.velocity")
+            .iter()
+            .fold(0.0, |a: f64, v| a.max(v.abs()));
+        assert!(still < 1e-9, "it starts at rest: {still}");
+    }
+}
+
 /// A rigid carriage on a tilting base is a torsional oscillator: `ω² = 1 / (C (I + m x²))`.
 #[test]
 fn verify_base_swings_at_its_frequency() {

@@ -12,6 +12,7 @@ import math
 import mujoco
 import numpy as np
 import scipy.interpolate
+from scipy.spatial.transform import Rotation
 from truecut_reference import urdf_model
 from truecut_reference.scenario import Robot
 
@@ -78,6 +79,16 @@ def _on_a_tilting_base(urdf: str, axis: str) -> str:
     return urdf.replace("</robot>", joint)
 
 
+def gravity_on_base(effects: list[Effect]) -> np.ndarray:
+    """Gravity in the frame of a base that stands turned about an axis."""
+    found = np.array([0.0, 0.0, -GRAVITY_M_PER_S2])
+    for effect in effects:
+        if effect.kind == "base_tilt":
+            axis = np.array([1.0 if a == effect.target else 0.0 for a in "xyz"])
+            found = Rotation.from_rotvec(-effect.values["angle_rad"] * axis).apply(found)
+    return found
+
+
 class Arm:
     """One run. Joints of the chain are numbers 0 .. n - 1; MuJoCo may have one before and one after them."""
 
@@ -86,7 +97,7 @@ class Arm:
         self.data = mujoco.MjData(m)
         m.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
         m.opt.timestep = step_s
-        m.opt.gravity[:] = (0.0, 0.0, -GRAVITY_M_PER_S2 if robot.gravity else 0.0)
+        m.opt.gravity[:] = gravity_on_base(effects) if robot.gravity else (0.0, 0.0, 0.0)
         m.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
         self.h = step_s
         self.n = command.shape[1]

@@ -29,6 +29,7 @@ from .library import (
     POLISHING_PAIR,
     SINGLES,
     STRANGERS,
+    TILT,
     TORQUE,
     single,
 )
@@ -93,7 +94,7 @@ def all_cases(seeds: str) -> list[Case]:
     """Every case of the bench."""
     draw = _Draw(seeds)
     makers = (_clean, _singles, _pairs, _strangers, _inseparable, _excitation, _late, _damaged, _units)
-    makers += (_polishing, _belt, _brush, _edge, _milling, _clock)
+    makers += (_polishing, _belt, _brush, _edge, _milling, _clock, _tilt)
     return [case for maker in makers for case in maker(draw)]
 
 
@@ -227,6 +228,10 @@ def _milling(draw: _Draw) -> list[Case]:
 
 def _clock(draw: _Draw) -> list[Case]:
     return _led_singles(draw, "clock", CLOCK, 120)
+
+
+def _tilt(draw: _Draw) -> list[Case]:
+    return _led_singles(draw, "tilt", TILT, 130)
 
 
 def _led_singles(draw: _Draw, name: str, templates: tuple, key: int) -> list[Case]:

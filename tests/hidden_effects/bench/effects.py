@@ -23,6 +23,7 @@ KINDS: dict[str, tuple[dict[str, float], tuple[str, ...]]] = {
     "joint_offset": ({"force_n_m": 0.0}, ()),
     "payload": ({"mass_kg": 0.0}, ("center_x_m", "center_y_m", "center_z_m")),
     "base_compliance": ({"compliance_rad_per_n_m": 0.0}, ()),
+    "base_tilt": ({"angle_rad": 0.0}, ()),
     "cutting_coefficient": ({"factor": 1.0}, ()),
     "cutting_edge_force": ({"axial_n_per_m": 0.0, "radial_n_per_m": 0.0, "tangential_n_per_m": 0.0}, ()),
     "cutting_runout": ({"cosine_m": 0.0, "sine_m": 0.0}, ()),

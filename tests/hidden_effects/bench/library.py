@@ -140,6 +140,9 @@ CLOCK = (
     Template("two_joint", "clock_delay", None, {"delay_s": 0.004}),
 )
 
+# The base does not stand level.
+TILT = (Template("two_joint", "base_tilt", "y", {"angle_rad": 0.02}),)
+
 
 def single(kind: str, experiment: str = "axis") -> Template:
     """The first template of a kind on an experiment."""

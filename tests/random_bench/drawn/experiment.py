@@ -9,7 +9,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 from bench import motion, sensors
-from bench.arm import model_of
+from bench.arm import gravity_on_base, model_of
 from bench.effects import Effect
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, filtfilt
@@ -173,7 +173,7 @@ class Inverse(Experiment):
     def needed(self, effects: list[Effect], mass_factors: np.ndarray) -> np.ndarray:
         """Torques without friction."""
         model = model_of(self.robot, effects)
-        model.opt.gravity[:] = (0.0, 0.0, -9.81)
+        model.opt.gravity[:] = gravity_on_base(effects)
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
         model.jnt_stiffness[:] = 0.0
         model.dof_damping[:] = 0.0
@@ -192,10 +192,10 @@ class Inverse(Experiment):
         """Fine times and torques."""
         of_one = np.array([1.0 + one.deviation * shift for one, shift in zip(self.uncertain, shifts)])
         factors = of_one if self.links else np.full(self.joints, of_one[0])
-        payload = [e for e in effects if e.kind == "payload"]
-        key = ("needed", repr(payload), tuple(factors))
+        built = [e for e in effects if e.kind in ("payload", "base_tilt")]
+        key = ("needed", repr(built), tuple(factors))
         if key not in self.kept:
-            self.kept[key] = (self.fine, self.needed(payload, factors))
+            self.kept[key] = (self.fine, self.needed(built, factors))
         # rotors are inertias, too; masses of links are not
         rotor = self.arm.rotor * (1.0 if self.links else of_one[0])
         found = self.kept[key][1].copy()

@@ -30,6 +30,8 @@ def kinds(experiment: Experiment) -> list[tuple[str, int | str | None]]:
         of_channels = MORE_SENSORS
     found: list[tuple[str, int | str | None]] = [(kind, joint) for kind in of_joints for joint in joints]
     found.append(("payload", None))
+    # gravity points along z
+    found += [("base_tilt", axis) for axis in "xy"]
     if experiment.mode != "inverse":
         found += [("base_compliance", axis) for axis in "xyz"]
     if len(experiment.outputs) > 1 and not experiment.lag_deviation_s:
@@ -61,6 +63,8 @@ def scales(experiment: Experiment, kind: str, target) -> list[float]:
         }[kind]
     if kind == "payload":
         return [0.05 * experiment.moving_mass_kg]
+    if kind == "base_tilt":
+        return [0.01]
     if kind == "base_compliance":
         return [0.05 / float(np.max(experiment.arm.stiffness))]
     if kind in ("clock_delay", "sensor_delay"):
@@ -112,7 +116,7 @@ def draw_known(draw: np.random.Generator, experiment: Experiment, kind: str, tar
     elif kind in ("joint_counterbalance", "joint_ripple"):
         turn = draw.uniform(0.0, 2.0 * np.pi)
         amount = 1.4 * np.array([np.cos(turn), np.sin(turn)])
-    elif kind in ("joint_offset", "sensor_offset", "sensor_drift", "sensor_gain", "joint_stiffness"):
+    elif kind in ("base_tilt", "joint_offset", "sensor_offset", "sensor_drift", "sensor_gain", "joint_stiffness"):
         amount *= draw.choice([-1.0, 1.0])
     (shape,) = shapes(experiment, kind, target, draw)
     return effect_at(experiment, kind, target, list(size * amount), shape)
@@ -136,6 +140,8 @@ def is_possible(effect) -> bool:
     v = getattr(effect, "values", {})
     if "factor" in v:
         return 0.3 < v["factor"] < 10.0
+    if abs(v.get("angle_rad", 0.0)) > 0.3:
+        return False
     return v.get("share", 0.0) < 0.5 and abs(v.get("delay_s", 0.0)) < 0.05
 
 

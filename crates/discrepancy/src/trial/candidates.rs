@@ -203,6 +203,9 @@ fn base_scale(signals: &Signals, effect: BaseEffect) -> BaseEffect {
         BaseEffect::Compliance { .. } => BaseEffect::Compliance {
             compliance_rad_per_n_m: SHARE / stiffest,
         },
+        BaseEffect::Tilt { .. } => BaseEffect::Tilt {
+            angle_rad: SHARE * SHARE,
+        },
     }
 }
 

@@ -165,7 +165,7 @@ impl Trial {
     /// The least compliance that the search simulates.
     fn least(&self, effect: &Effect) -> Option<f64> {
         match effect.typed()? {
-            Typed::Base(..) => {
+            Typed::Base(_, BaseEffect::Compliance { .. }) => {
                 let known = self.stiff.iter().find(|(t, _)| *t == effect.target);
                 known.map(|(_, least)| *least)
             }

@@ -4,7 +4,8 @@ use crate::error::SimError;
 use truecut_arm::{JointKind, Robot};
 use truecut_core::friction::{FootFriction, FrictionLaw};
 use truecut_scenario::effect::{
-    ClockEffect, Effect, EffectKind, FootEffect, Model, SensorEffect, Target, Typed, WheelEffect,
+    BaseEffect, ClockEffect, Effect, EffectKind, FootEffect, Model, SensorEffect, Target, Typed,
+    WheelEffect,
 };
 use truecut_scenario::{DriveKind, Parts, ProcessSpec, ReplayMode, Scenario, WheelHold};
 
@@ -47,7 +48,8 @@ pub fn misfit(scenario: &Scenario, effect: &Effect) -> Option<String> {
     }
     let (name, parts) = (scenario.process.name(), scenario.process.facts().parts);
     let why = match effect.typed()? {
-        Typed::Joint(..) | Typed::Robot(_) | Typed::Base(..) => None,
+        Typed::Joint(..) | Typed::Robot(_) | Typed::Base(_, BaseEffect::Compliance { .. }) => None,
+        Typed::Base(axis, BaseEffect::Tilt { .. }) => tilt_misfit(scenario, axis),
         Typed::Clock(_) | Typed::Sensor(..) => None,
         Typed::Cutting(_) if model == Model::Steady => {
             return (!turns(&scenario.process)).then(|| no_part(effect, model));
@@ -130,6 +132,18 @@ fn wrong_keys(scenario: &Scenario, index: usize, robot: &Robot, joint: usize) ->
         robot.chain.joints[joint].name,
         effect.kind.name()
     ))
+}
+
+/// World axis along which gravity points.
+const VERTICAL: usize = 2;
+
+fn tilt_misfit(scenario: &Scenario, axis: usize) -> Option<&'static str> {
+    if !scenario.robot.gravity {
+        return Some("without gravity (robot.gravity = false) no direction is level");
+    }
+    (axis == VERTICAL).then_some(
+        "gravity points along z, about which a turned base stands as level as before; x and y tilt it",
+    )
 }
 
 fn cutting_misfit(parts: &Parts) -> Option<&'static str> {

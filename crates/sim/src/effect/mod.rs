@@ -13,12 +13,12 @@ mod start;
 pub use check::misfit;
 
 pub(crate) use process::{CuttingEffects, FootEffects, MillingEffects, WheelEffects};
-pub(crate) use robot::{Altered, alter, point_inertia};
+pub(crate) use robot::{Altered, add_payload, alter, point_inertia};
 pub(crate) use start::{at_rest, base_at_rest};
 
 use crate::error::SimError;
 use crate::measurement::Sensors;
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
 use truecut_arm::{Joint, JointKind, Robot};
 use truecut_core::joint_law::{BoucWen, Counterbalance, JointLaw, LinkFriction, Ripple};
@@ -33,6 +33,8 @@ pub(crate) struct Effects {
     pub payload: Option<Payload>,
     /// World axis and compliance (rad/(N m)) of every tilt of the base.
     pub base: Vec<(usize, f64)>,
+    /// World axis and angle (rad) of every turn in which the base stands, in their order.
+    pub tilts: Vec<(usize, f64)>,
     pub cutting: CuttingEffects,
     pub milling: MillingEffects,
     pub foot: FootEffects,
@@ -122,6 +124,7 @@ impl Effects {
                     compliance_rad_per_n_m,
                 },
             ) => self.base.push((axis, compliance_rad_per_n_m)),
+            Typed::Base(axis, BaseEffect::Tilt { angle_rad }) => self.tilts.push((axis, angle_rad)),
             Typed::Cutting(effect) => self.cutting.add(effect),
             Typed::Milling(effect) => self.milling.add(effect),
             Typed::Foot(effect) => self.foot.add(effect),
@@ -129,6 +132,19 @@ impl Effects {
             Typed::Clock(effect) => self.sensors.add_clock(effect),
             Typed::Sensor(channel, effect) => self.sensors.add(channel, effect),
         }
+    }
+}
+
+impl Effects {
+    /// Gravity as a base feels it that stands as the effects have it: the arm and its part stay
+    /// where they are in the base's frame.
+    pub(crate) fn gravity_on_base(&self, level_m_s2: Vector3<f64>) -> Vector3<f64> {
+        let turned = |gravity: Vector3<f64>, (axis, angle_rad): &(usize, f64)| {
+            let mut direction = Vector3::zeros();
+            direction[*axis] = -*angle_rad;
+            Rotation3::new(direction) * gravity
+        };
+        self.tilts.iter().fold(level_m_s2, turned)
     }
 }
 

@@ -94,7 +94,7 @@ pub(crate) fn point_inertia(mass_kg: f64, lever_m: &Vector3<f64>) -> Matrix3<f64
 }
 
 /// Merges a point mass with the last link.
-fn add_payload(robot: &mut Robot, payload: &Payload) -> Result<(), SimError> {
+pub(crate) fn add_payload(robot: &mut Robot, payload: &Payload) -> Result<(), SimError> {
     let flange = robot.last_link_from_frame(FrameId::Flange);
     let at = (flange * nalgebra::Point3::from(payload.flange_from_center_m)).coords;
     let Some(link) = robot.chain.links.last_mut() else {

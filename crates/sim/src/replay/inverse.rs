@@ -12,10 +12,11 @@ use super::motion::Motion;
 use super::regressors::BodyRegressors;
 use super::{check_part, in_force, refused, sense};
 use crate::channels::drive_spec;
-use crate::effect::{Effects, JointEffects, Payload};
+use crate::effect::{Effects, JointEffects, Payload, add_payload};
 use crate::error::SimError;
 use crate::robots::Robots;
 use nalgebra::{Point3, Vector3};
+use std::sync::Arc;
 use truecut_arm::{Dynamics, FrameId, Robot};
 use truecut_core::joint_law::LinkFriction;
 use truecut_recording::filter::Butterworth;
@@ -43,6 +44,8 @@ pub struct InverseModel {
 /// [`InverseModel::nominal_for`].
 #[derive(Debug, Clone)]
 pub struct Forces {
+    /// The arm that they are of.
+    robot: Arc<Robot>,
     /// Of the drives, filtered.
     drive: Vec<Vec<f64>>,
     /// What the transmissions pass on to the links, without a filter.
@@ -210,15 +213,19 @@ impl InverseModel {
             self.check(effect)?;
         }
         let sum = Effects::sum(all, &self.robot.chain.joints);
+        let tilted = self.on_tilted_base(nominal, &sum)?;
+        let nominal = tilted.as_ref().unwrap_or(nominal);
         let mut columns = nominal.drive.clone();
-        if let Some(payload) = &sum.payload {
+        // On a tilted base it is built in.
+        let payload = sum.payload.as_ref().filter(|_| tilted.is_none());
+        if let Some(payload) = payload {
             let center = self.center(payload);
             (self.body).add_point_mass(payload.mass_kg, &center, &mut columns);
         }
         for (at, &joint) in self.joints.iter().enumerate() {
             let effects = &sum.joints[joint];
             if !effects.is_built_in() {
-                let against = self.against(at, effects, &sum, &nominal.passed_on[at]);
+                let against = self.against(at, effects, payload, &nominal.passed_on[at]);
                 for (sum, force) in columns[at].iter_mut().zip(against) {
                     *sum += force;
                 }
@@ -227,6 +234,26 @@ impl InverseModel {
         // Sensors see the sum of all torques, so they come last.
         sense(&sum, &self.specs, &self.measured.time_s, &mut columns);
         Ok(columns)
+    }
+
+    /// Forces of the same arm, payload included, where gravity comes from another direction; `None`
+    /// on a level base.
+    fn on_tilted_base(
+        &self,
+        level: &Forces,
+        effects: &Effects,
+    ) -> Result<Option<Forces>, SimError> {
+        if effects.tilts.is_empty() {
+            return Ok(None);
+        }
+        let mut robot = Robot::clone(&level.robot);
+        if let Some(payload) = &effects.payload {
+            add_payload(&mut robot, payload)?;
+        }
+        let motion = self
+            .motion
+            .under(|gravity| effects.gravity_on_base(gravity));
+        Ok(Some(nominal(&robot, &motion, &self.joints, &self.filter)))
     }
 
     /// Refuses an effect that plays no part in inverse dynamics, or is on what is not predicted.
@@ -258,7 +285,7 @@ impl InverseModel {
         &self,
         at: usize,
         effects: &JointEffects,
-        all: &Effects,
+        payload: Option<&Payload>,
         passed_on: &[f64],
     ) -> Vec<f64> {
         let joint = self.joints[at];
@@ -268,7 +295,7 @@ impl InverseModel {
         let share = effects.friction.load_share;
         if share != 0.0 {
             let mut needed = passed_on.to_vec();
-            if let Some(payload) = &all.payload {
+            if let Some(payload) = payload {
                 let center = self.center(payload);
                 (self.body).add_raw(payload.mass_kg, &center, at, &mut needed);
             }
@@ -364,5 +391,9 @@ fn nominal(robot: &Robot, motion: &Motion, joints: &[usize], filter: &Butterwort
             .collect();
         drive.push(filter.zero_phase(&with_rotor));
     }
-    Forces { drive, passed_on }
+    Forces {
+        robot: Arc::new(robot.clone()),
+        drive,
+        passed_on,
+    }
 }

@@ -42,6 +42,14 @@ impl Motion {
         })
     }
 
+    /// The same motion under another gravity.
+    pub fn under(&self, changed: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Motion {
+        Motion {
+            gravity_m_s2: changed(self.gravity_m_s2),
+            ..self.clone()
+        }
+    }
+
     /// Unrelated states of all joints: coordinates, speeds and accelerations even between -pi and
     /// pi, SI. The same in every call.
     pub fn of_any_states(&self, states: usize) -> Motion {

@@ -159,6 +159,11 @@ Base: BaseEffect on Axis(axis: usize = *axis) {
         compliance_rad_per_n_m: "Tilt per moment"
             = same("compliance_rad_per_n_m", Unit::RadianPerNewtonMetre, 0.0, 0.0, 1.0),
     }
+    BaseTilt "base_tilt" is Tilt in [Driven, Free, Inverse]:
+        "The base does not stand level: it is turned about a world axis, and gravity with it." {
+        angle_rad: "Angle of the base about the axis"
+            = same("angle_rad", Unit::Radian, 0.0, -1.6, 1.6),
+    }
 }
 /// Cutting edge and spindle.
 Cutting: CuttingEffect on Whole {
