@@ -141,7 +141,7 @@ CLOCK = (
 )
 
 # The base does not stand level.
-TILT = (Template("two_joint", "base_tilt", "y", {"angle_rad": 0.02}),)
+TILT = (Template("two_joint", "base_tilt", "y", {"angle_rad": 0.05}),)
 
 
 def single(kind: str, experiment: str = "axis") -> Template:

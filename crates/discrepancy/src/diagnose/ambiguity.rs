@@ -31,6 +31,8 @@ pub(super) struct Rival {
 /// than the model's own error, and the odds must be 400 to 1.
 const NEAR_DEG: f64 = 6.0;
 const DECISIVE_OF_NEAR: f64 = 12.0;
+/// Odds of 400 to 1 by the information criterion, which charges a model for its numbers.
+const UNLIKELY: f64 = 12.0;
 
 /// All rivals of the model chosen among these fits, closest first.
 pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<Rival> {
@@ -58,7 +60,9 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
             } else {
                 DECISIVE
             };
-            let close = likelihood < decisive;
+            // Numbers that only let it fit as well count as well: what a mode at any frequency with
+            // any damping explains no better is no rival of a damper.
+            let close = likelihood < decisive && difference < UNLIKELY;
             // A generalisation with the same prediction is no alternative, nor is one that fits
             // worse for its parameters.
             let more = generalises(problem, &rival.point, &chosen.point)

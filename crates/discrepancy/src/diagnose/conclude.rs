@@ -25,7 +25,7 @@ const PREVAILS: f64 = 2.0;
 /// Least fraction of detectable candidates for the experiment to be informative.
 const LEAST_VISIBLE: f64 = 0.05;
 /// Other explanations that stand beside the causes at most; of more only the names are told.
-const MOST_ALTERNATIVES: usize = 2;
+const MOST_ALTERNATIVES: usize = 3;
 
 /// The diagnosis where no output changes.
 pub(super) fn not_excited(problem: &Problem, before: Columns, missing: Vec<String>) -> Answer {
