@@ -96,6 +96,29 @@ fn verify_carriage_slides_down_a_tilted_base() {
     }
 }
 
+/// Turned about x and y at once a base stands turned about the axis between them by the length of
+/// both angles, in whatever order they are written: `g sin|a| a_y/|a|` along x.
+#[test]
+fn verify_two_tilts_are_one_turn() {
+    let scenario = load(
+        "rig_1dof",
+        "posture_mm = [100]",
+        "duration_s = 0.01",
+        "constant_n = [0.0, 0.0, 0.0]",
+    );
+    let tilt = |angle, axis| Effect {
+        values: vec![angle],
+        ..Effect::neutral(EffectKind::BaseTilt, Target::Axis(axis))
+    };
+    let (x, y) = (0.35, -0.2);
+    let slid = |effects: &[Effect]| column(&run(&scenario, effects), "joint1.position")[0] - 0.1;
+    let length = f64::hypot(x, y);
+    let expected = 100.0 * 9.81 * length.sin() * y / length / 1e6;
+    let found = slid(&[tilt(x, 0), tilt(y, 1)]);
+    assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
+    assert_eq!(found.to_bits(), slid(&[tilt(y, 1), tilt(x, 0)]).to_bits());
+}
+
 /// A rigid carriage on a tilting base is a torsional oscillator: `ω² = 1 / (C (I + m x²))`.
 #[test]
 fn verify_base_swings_at_its_frequency() {

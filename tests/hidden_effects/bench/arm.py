@@ -81,12 +81,11 @@ def _on_a_tilting_base(urdf: str, axis: str) -> str:
 
 def gravity_on_base(effects: list[Effect]) -> np.ndarray:
     """Gravity in the frame of a base that stands turned about an axis."""
-    found = np.array([0.0, 0.0, -GRAVITY_M_PER_S2])
+    turn = np.zeros(3)
     for effect in effects:
         if effect.kind == "base_tilt":
-            axis = np.array([1.0 if a == effect.target else 0.0 for a in "xyz"])
-            found = Rotation.from_rotvec(-effect.values["angle_rad"] * axis).apply(found)
-    return found
+            turn["xyz".index(effect.target)] += effect.values["angle_rad"]
+    return Rotation.from_rotvec(-turn).apply([0.0, 0.0, -GRAVITY_M_PER_S2])
 
 
 class Arm:

@@ -33,7 +33,7 @@ pub(crate) struct Effects {
     pub payload: Option<Payload>,
     /// World axis and compliance (rad/(N m)) of every tilt of the base.
     pub base: Vec<(usize, f64)>,
-    /// World axis and angle (rad) of every turn in which the base stands, in their order.
+    /// World axis and angle (rad) of every turn in which the base stands.
     pub tilts: Vec<(usize, f64)>,
     pub cutting: CuttingEffects,
     pub milling: MillingEffects,
@@ -137,14 +137,14 @@ impl Effects {
 
 impl Effects {
     /// Gravity as a base feels it that stands as the effects have it: the arm and its part stay
-    /// where they are in the base's frame.
+    /// where they are in the base's frame. Turns about x and y are one about the axis between them,
+    /// whatever their order.
     pub(crate) fn gravity_on_base(&self, level_m_s2: Vector3<f64>) -> Vector3<f64> {
-        let turned = |gravity: Vector3<f64>, (axis, angle_rad): &(usize, f64)| {
-            let mut direction = Vector3::zeros();
-            direction[*axis] = -*angle_rad;
-            Rotation3::new(direction) * gravity
-        };
-        self.tilts.iter().fold(level_m_s2, turned)
+        let mut turn = Vector3::zeros();
+        for (axis, angle_rad) in &self.tilts {
+            turn[*axis] += angle_rad;
+        }
+        Rotation3::new(-turn) * level_m_s2
     }
 }
 
