@@ -9,6 +9,7 @@ use truecut::data;
 use truecut::outputs::write_file;
 use truecut_discrepancy::compare::{CompareError, Comparison, compare_recordings};
 use truecut_discrepancy::spikes;
+use truecut_discrepancy::trial::for_comparison;
 use truecut_recording::{Measured, Recording};
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Claims, Run};
@@ -41,7 +42,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
         };
         run.execute()
     })?;
-    let (simulated, measured) = (finished.recording, finished.compared.unwrap_or(measured));
+    let (simulated, whole) = (finished.recording, finished.compared.unwrap_or(measured));
     if !simulated.outcome.reached_end() {
         let outcome = crate::text::outcome(&simulated.outcome);
         crate::print(&format!("{}\n  {outcome}\n", scenario.name))?;
@@ -50,11 +51,18 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
     let turning = scenario.process.facts().rate_rad_s;
     let turning = turning.map(|rad_s| rad_s / std::f64::consts::TAU);
     let spindle_hz = arguments.rpm.map(|rpm| rpm / 60.0).or(turning);
+    let spiky = spikes::notes(scenario, &whole);
+    let thinned = for_comparison(scenario, &whole);
+    let (measured, note) = match thinned {
+        Some((measured, note)) => (measured, Some(note)),
+        None => (whole, None),
+    };
     let mut comparison = compare_recordings(&simulated, &measured, spindle_hz)
         .map_err(|error| refused(scenario, &measured, &error))?;
     let assumed = estimates(scenario, &Robots::new());
     (comparison.notes).extend(assumed.map_err(|error| Failure::sim(scenario, error))?);
-    (comparison.notes).extend(spikes::notes(scenario, &measured));
+    comparison.notes.extend(note);
+    comparison.notes.extend(spiky);
     let folder = arguments.out.join(scenario.stem()).join(FOLDER);
     let written = write(&folder, &comparison, &simulated, &measured)?;
     crate::print(&text::printed(&scenario.name, &comparison, &written))?;

@@ -31,7 +31,7 @@ use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel, estimates
 
 use self::cache::{Cache, RunKey};
 use self::jumps::Jumps;
-pub use self::parallel::Thinning;
+pub use self::parallel::{Thinning, for_comparison};
 use crate::diagnose::Observation;
 use crate::model::{Candidate, Columns, Experiment, Model, PredictError};
 

@@ -80,6 +80,15 @@ impl Thinning {
     }
 }
 
+/// Filtered drive forces as a comparison takes them, as thin as a search does, with a note; `None`
+/// where none are filtered, or all samples serve. Beyond the cutoff a filtered series falls further
+/// than the background of its spectrum is followed, and its edge would be told as lines.
+pub fn for_comparison(scenario: &Scenario, filtered: &Measured) -> Option<(Measured, String)> {
+    let thinning = Thinning::of(scenario, filtered)?;
+    let note = thinning.told(filtered.time_s.len())?;
+    Some((thinned(filtered, thinning.every), note))
+}
+
 /// The filter's cutoff, where drive forces are filtered.
 fn cutoff_hz(scenario: &Scenario) -> Option<f64> {
     let ProcessSpec::Replay(replay) = &scenario.process else {
