@@ -52,7 +52,7 @@ def test_verify_evidence_of_white_noise():
     trace = AXIS.outputs_of(SET.truth, SET.shifts) - AXIS.outputs_of((), SET.shifts)
     found = [Oracle(replace(SET, seed=seed)).evidence(()) for seed in range(60)]
     oracle = Oracle(SET)
-    left = oracle._refitted(trace, prior=False)
+    left = oracle.refitted(trace)
     expected = float(left @ left)
     # twice the deviation of the mean: the evidence of a trace of size d has a deviation of 2 d
     bound = 4.0 * np.sqrt(expected / 60.0) + 2.0

@@ -179,6 +179,19 @@ def test_crosscheck_mujoco_drawn_arms_move_as_the_program_says(mode, tmp_path):
             assert channel["level"]["rms_error"] < 2e-3 * spread, (seed, name, channel["level"], shifts)
 
 
+def _write_evenly(case, outputs: np.ndarray) -> None:
+    """Outputs of a case at even times in place of its data."""
+    inputs = {name: values for name, (_, _, values) in case.experiment.inputs().items()}
+    columns = {"t": case.experiment.time} | inputs | {f"y{i + 1}": values for i, values in enumerate(outputs.T)}
+    write_csv(case.data, columns)
+
+
+def _compared(scenario: Path, data: Path, out: Path) -> dict:
+    """What `truecut compare` writes."""
+    subprocess.run([PROGRAM, "compare", scenario, "--data", data, "--out", out], check=True, capture_output=True)
+    return json.loads(next(out.rglob("compare.json")).read_text(encoding="utf-8"))
+
+
 # new ones at the end: the place says which case is drawn
 ACT_ON_TORQUES = (*sorted((*IN_INVERSE, "payload", "sensor_gain", "sensor_delay", "clock_delay")), "base_tilt")
 
@@ -191,9 +204,7 @@ def test_crosscheck_mujoco_effects_of_drive_torques_are_those_of_the_program(kin
     experiment = case.experiment
     experiment.time = np.arange(experiment.time.size) / experiment.rate_hz
     outputs, nominal = experiment.predict(case.truth), experiment.predict()
-    columns = {"t": experiment.time} | {name: values for name, (_, _, values) in experiment.inputs().items()}
-    columns |= {f"y{i + 1}": values for i, values in enumerate(outputs.T)}
-    write_csv(case.data, columns)
+    _write_evenly(case, outputs)
     (effect,) = case.truth
     text = f'[[effect]]\nkind = "{effect.kind}"\n'
     if effect.target is not None:
@@ -202,9 +213,7 @@ def test_crosscheck_mujoco_effects_of_drive_torques_are_those_of_the_program(kin
     text += "".join(f"{key} = {float(value)!r}\n" for key, value in effect.values.items())
     scenario = case.scenario.with_name("with_effect.toml")
     scenario.write_text(case.scenario.read_text(encoding="utf-8") + text, encoding="utf-8")
-    command = [PROGRAM, "compare", scenario, "--data", case.data, "--out", tmp_path / "out"]
-    subprocess.run(command, check=True, capture_output=True)
-    found = json.loads(next((tmp_path / "out").rglob("compare.json")).read_text(encoding="utf-8"))
+    found = _compared(scenario, case.data, tmp_path / "out")
     change = experiment.compared(outputs - nominal)
     names = [name for name, _ in experiment.outputs]
     shown = False
@@ -230,12 +239,8 @@ def test_crosscheck_mujoco_filtered_noise_has_no_lines(tmp_path):
         experiment.time = np.arange(experiment.time.size) / experiment.rate_hz
         outputs = experiment.predict()
         noise = np.random.default_rng([SEED, k]).standard_normal(outputs.shape) * 0.02 * outputs.std(axis=0)
-        columns = {"t": experiment.time} | {name: values for name, (_, _, values) in experiment.inputs().items()}
-        columns |= {f"y{i + 1}": values for i, values in enumerate((outputs + noise).T)}
-        write_csv(case.data, columns)
-        command = [PROGRAM, "compare", case.scenario, "--data", case.data, "--out", folder / "out"]
-        subprocess.run(command, check=True, capture_output=True)
-        found = json.loads(next((folder / "out").rglob("compare.json")).read_text(encoding="utf-8"))
+        _write_evenly(case, outputs + noise)
+        found = _compared(case.scenario, case.data, folder / "out")
         if any("the record is short" in note for note in found["notes"]):
             continue
         channels += len(found["channels"])

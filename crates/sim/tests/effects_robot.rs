@@ -66,33 +66,34 @@ fn verify_base_tilts_under_the_arm() {
     assert!(still < 1e-9, "it starts at rest: {still}");
 }
 
-/// On a base that stands turned by α about y a carriage slides down the slope, to +x, by
-/// `m g sinα / k`; about x it does not.
-#[test]
-fn verify_carriage_slides_down_a_tilted_base() {
+/// How far a carriage slides, and how fast it moves at most, on a base that stands turned by these
+/// angles about these axes.
+fn slid_on(turns: &[(f64, usize)]) -> (f64, f64) {
     let scenario = load(
         "rig_1dof",
         "posture_mm = [100]",
         "duration_s = 0.01",
         "constant_n = [0.0, 0.0, 0.0]",
     );
+    let effects = turns.iter().map(|(angle, axis)| Effect {
+        values: vec![*angle],
+        ..Effect::neutral(EffectKind::BaseTilt, Target::Axis(*axis))
+    });
+    let with = run(&scenario, &effects.collect::<Vec<_>>());
+    let rates = column(&with, "joint1.velocity").iter();
+    let fastest = rates.fold(0.0, |a: f64, v| a.max(v.abs()));
+    (column(&with, "joint1.position")[0] - 0.1, fastest)
+}
+
+/// On a base that stands turned by α about y a carriage rests down the slope, to +x, by
+/// `m g sinα / k`; about x it does not slide.
+#[test]
+fn verify_carriage_slides_down_a_tilted_base() {
     for (angle, axis) in [(0.03, 1), (-0.4, 1), (0.3, 0)] {
-        let effect = Effect {
-            values: vec![angle],
-            ..Effect::neutral(EffectKind::BaseTilt, Target::Axis(axis))
-        };
-        let with = run(&scenario, &[effect]);
-        let slid = column(&with, "joint1.position")[0] - 0.1;
-        let expected = if axis == 1 {
-            100.0 * 9.81 * f64::sin(angle) / 1e6
-        } else {
-            0.0
-        };
-        assert!((slid - expected).abs() < 1e-12, "{slid} for {expected}");
-        let still = column(&with, "joint1.velocity")
-            .iter()
-            .fold(0.0, |a: f64, v| a.max(v.abs()));
-        assert!(still < 1e-9, "it starts at rest: {still}");
+        let slope = if axis == 1 { f64::sin(angle) } else { 0.0 };
+        let (slid, fastest) = slid_on(&[(angle, axis)]);
+        assert!((slid - 100.0 * 9.81 * slope / 1e6).abs() < 1e-12, "{slid}");
+        assert!(fastest < 1e-9, "it starts at rest: {fastest}");
     }
 }
 
@@ -100,23 +101,12 @@ fn verify_carriage_slides_down_a_tilted_base() {
 /// both angles, in whatever order they are written: `g sin|a| a_y/|a|` along x.
 #[test]
 fn verify_two_tilts_are_one_turn() {
-    let scenario = load(
-        "rig_1dof",
-        "posture_mm = [100]",
-        "duration_s = 0.01",
-        "constant_n = [0.0, 0.0, 0.0]",
-    );
-    let tilt = |angle, axis| Effect {
-        values: vec![angle],
-        ..Effect::neutral(EffectKind::BaseTilt, Target::Axis(axis))
-    };
     let (x, y) = (0.35, -0.2);
-    let slid = |effects: &[Effect]| column(&run(&scenario, effects), "joint1.position")[0] - 0.1;
     let length = f64::hypot(x, y);
+    let (slid, _) = slid_on(&[(x, 0), (y, 1)]);
     let expected = 100.0 * 9.81 * length.sin() * y / length / 1e6;
-    let found = slid(&[tilt(x, 0), tilt(y, 1)]);
-    assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
-    assert_eq!(found.to_bits(), slid(&[tilt(y, 1), tilt(x, 0)]).to_bits());
+    assert!((slid - expected).abs() < 1e-12, "{slid} for {expected}");
+    assert_eq!(slid.to_bits(), slid_on(&[(y, 1), (x, 0)]).0.to_bits());
 }
 
 /// A rigid carriage on a tilting base is a torsional oscillator: `ω² = 1 / (C (I + m x²))`.

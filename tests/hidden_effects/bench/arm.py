@@ -22,11 +22,10 @@ except ModuleNotFoundError:  # Python 3.10
     import tomli as tomllib
 
 from .effects import Effect
-from .joint_law import JointLaw
+from .joint_law import JointLaw, stopping
 
 GRAVITY_M_PER_S2 = 9.81
 TILT = "base_tilt"
-SWEEPS = 30
 
 
 def model_of(robot: Robot, effects: list[Effect]) -> mujoco.MjModel:
@@ -193,21 +192,15 @@ class Arm:
         return t[::every], self._channels(np.array(rows))
 
     def friction(self, t: float, applied: np.ndarray, q, v, torque, rubbing: list[int]) -> np.ndarray:
-        """Torque of dry friction over the coming step, by bounded impulses (projected Gauss-Seidel)."""
+        """Torque of dry friction over the coming step."""
         d, h, own = self.data, self.h, slice(self.first, self.first + self.n)
         mass = np.zeros((self.model.nv, self.model.nv))
         mujoco.mj_fullM(self.model, d, mass)
         mobility = np.linalg.inv(mass)[own, own]
         # the acceleration at hand holds what was applied over the last step
         free = d.qvel[own] + h * (d.qacc[own] + mobility @ (applied - d.qfrc_applied[own]))
-        impulse = np.zeros(self.n)
         bounds = {i: self.laws[i].friction_bounds(t, q[i], v[i], torque[i]) for i in rubbing}
-        for _ in range(1 if len(rubbing) == 1 else SWEEPS):
-            for i in rubbing:
-                low, high = bounds[i]
-                end = free[i] + float(mobility[i] @ impulse)
-                impulse[i] = min(max(impulse[i] - end / mobility[i, i], low * h), high * h)
-        return impulse / h
+        return stopping(free, mobility, bounds, h)
 
     def _channels(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         found = {}

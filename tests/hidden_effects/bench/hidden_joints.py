@@ -15,7 +15,7 @@ from truecut_reference.scenario import Robot
 from truecut_reference.wheel import Command
 
 from .effects import Effect
-from .joint_law import JointLaw
+from .joint_law import JointLaw, stopping
 
 
 class HiddenJoints(Plant):
@@ -43,6 +43,7 @@ class HiddenJoints(Plant):
         self._t = 0.0
         self._moves = False
         self._rubbed = np.zeros(self.nv)
+        self._rubbing = [i for i, law in enumerate(self.laws) if law.rubs]
         for law, theta, q in zip(self.laws, self._led(0.0)[0], self.q0):
             law.start(law.windup(theta, 0.0, q, 0.0)[0])
 
@@ -82,24 +83,20 @@ class HiddenJoints(Plant):
         middle = d.qpos + 0.5 * h * d.qvel + 0.125 * h * h * d.qacc
         rate = d.qvel + 0.5 * h * d.qacc
         d.qfrc_applied += self._beyond(self._led(self._t + 0.5 * h), middle, rate, True)
-        if any(law.rubs for law in self.laws):
+        if self._rubbing:
             self._rubbed = self._friction(h)
             d.qfrc_applied += self._rubbed
         super().step(h)
         self._t += h
 
     def _friction(self, h: float) -> np.ndarray:
-        """Torque of dry friction over the step, joint by joint; the acceleration at hand holds that of the last one."""
+        """Torque of dry friction over the step; the acceleration at hand holds that of the last one."""
         d = self.data
         theta, theta_rate = self._led(self._t)
         mobility = np.linalg.inv(self.mass_matrix())
-        free = d.qvel + h * (d.qacc - mobility @ self._rubbed)
-        found = np.zeros(self.nv)
-        for i, law in enumerate(self.laws):
-            if not law.rubs:
-                continue
+        bounds = {}
+        for i in self._rubbing:
+            law = self.laws[i]
             load = law.static(*law.windup(theta[i], theta_rate[i], d.qpos[i], d.qvel[i]))
-            low, high = law.friction_bounds(self._t, d.qpos[i], d.qvel[i], load)
-            found[i] = min(max(-(free[i] + h * mobility[i] @ found) / (h * mobility[i, i]), low), high)
-        return found
-
+            bounds[i] = law.friction_bounds(self._t, d.qpos[i], d.qvel[i], load)
+        return stopping(d.qvel + h * (d.qacc - mobility @ self._rubbed), mobility, bounds, h)

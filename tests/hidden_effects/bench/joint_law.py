@@ -14,7 +14,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from .effects import Effect
+
+SWEEPS = 30
 
 
 @dataclass
@@ -158,3 +162,14 @@ class JointLaw:
             ratio = rate / self.excess_speed
             more += self.excess * math.exp(-ratio * ratio)
         return -(self.friction_positive + more), self.friction_negative + more
+
+
+def stopping(free: np.ndarray, mobility: np.ndarray, bounds: dict[int, tuple[float, float]], step_s: float) -> np.ndarray:
+    """Torques of dry friction over a step at whose end the joints would have the velocities `free`: impulses within their
+    bounds that stop what they can (projected Gauss-Seidel)."""
+    impulse = np.zeros(free.size)
+    for _ in range(1 if len(bounds) == 1 else SWEEPS):
+        for i, (low, high) in bounds.items():
+            end = free[i] + float(mobility[i] @ impulse)
+            impulse[i] = min(max(impulse[i] - end / mobility[i, i], low * step_s), high * step_s)
+    return impulse / step_s

@@ -8,7 +8,6 @@ odds of more than 20 : 1 to the other.
 from __future__ import annotations
 
 import dataclasses
-import math
 
 import numpy as np
 
@@ -17,9 +16,8 @@ from .dataset import noise_scale, noise_of
 from .effects import KINDS, OUTSIDE, Effect
 from .experiment import ALL
 from .noise import density
+from .whitened import DECISIVE, Whitened
 
-ODDS = 20.0
-DECISIVE = 2.0 * math.log(ODDS)
 # step of a derivative, as a part of a number
 STEP = 0.02
 
@@ -29,28 +27,26 @@ class Oracle:
 
     def __init__(self, case: Case) -> None:
         self.case, self.experiment = case, ALL[case.experiment]
-        truth = self._predict(case.truth)
-        count, rate = truth.shape[0], self.experiment.rate_hz
+        self.truth = self._predict(case.truth)
+        count, rate, band = self.truth.shape[0], self.experiment.rate_hz, self.experiment.band_hz
         hz = np.fft.rfftfreq(count, 1.0 / rate)
-        # beyond the band nothing is hidden, and a reference may err by what no sensor has
-        self.bins = hz <= self.experiment.band_hz
         rms = noise_scale(case) * np.array(self.experiment.reference_noise)
-        power = density(case.colour, hz, rate, self.experiment.band_hz)[self.bins] * count
-        power[1:] *= 0.5  # half of it in the sine, half in the cosine
-        self.weights = 1.0 / (np.sqrt(power)[:, None] * rms)
-        self.noise = noise_of(case, count, truth.shape[1])
-        columns = [self._white(self._slope_of_shift(i)) for i in range(len(self.experiment.uncertain))]
-        nuisances = np.array(columns).reshape(len(columns), -1).T
-        self.base = np.linalg.qr(np.vstack([nuisances, np.eye(len(columns))]))[0]
-        self.truth = truth
-        own = self._refitted(self.noise)
-        tangents = np.stack([self._refitted(column, prior=False) for column in self._tangents()], axis=1)
-        basis = np.linalg.qr(tangents)[0]
+        one = density(case.colour, hz, rate, band)
+        # beyond the band nothing is hidden, and a reference may err by what no sensor has
+        self.whitened = Whitened(hz <= band, [one * level**2 for level in rms], count)
+        self.whitened.refit([self._slope_of_shift(i) for i in range(len(self.experiment.uncertain))])
+        self.noise = noise_of(case, count, self.truth.shape[1])
+        own = self.refitted(self.noise, case.shifts)
+        basis, _ = np.linalg.qr(np.stack([self.refitted(column) for column in self._tangents()], axis=1))
         self.least = float(np.sum((own - basis @ (basis.T @ own)) ** 2))
+
+    def refitted(self, values: np.ndarray, shifts: tuple[float, ...] = ()) -> np.ndarray:
+        """Values of the outputs that can be seen, white, nominal numbers refitted."""
+        return self.whitened.refitted(self.experiment.seen(values), shifts)
 
     def evidence(self, effects: tuple[Effect, ...]) -> float:
         """Of the truth against these effects, as they are sized."""
-        left = self._refitted(self.truth + self.noise - self._predict(effects))
+        left = self.refitted(self.truth + self.noise - self._predict(effects), self.case.shifts)
         return float(left @ left) - self.least
 
     def tells(self, effects: tuple[Effect, ...]) -> bool:
@@ -60,22 +56,11 @@ class Oracle:
     def _predict(self, effects: tuple[Effect, ...]) -> np.ndarray:
         return self.experiment.outputs_of(effects, self.case.shifts)
 
-    def _white(self, values: np.ndarray) -> np.ndarray:
-        """Independent numbers of variance 1, if the values are noise."""
-        bins = np.fft.rfft(self.experiment.seen(values), axis=0)[self.bins] * self.weights
-        return np.concatenate([bins.real.ravel(), bins.imag[1:].ravel()])
-
-    def _refitted(self, values: np.ndarray, prior: bool = True) -> np.ndarray:
-        """What nominal numbers do not explain; their priors are rows of their own, and the truth is off by the shifts."""
-        shifts = -np.array(self.case.shifts) if prior and self.case.shifts else np.zeros(self.base.shape[1])
-        long = np.append(self._white(values), shifts)
-        return long - self.base @ (self.base.T @ long)
-
     def _slope_of_shift(self, i: int) -> np.ndarray:
         shifts = self.case.shifts or (0.0,) * len(self.experiment.uncertain)
         up, down = (tuple(x + sign * 0.2 * (j == i) for j, x in enumerate(shifts)) for sign in (1.0, -1.0))
         of = self.experiment.outputs_of
-        return (of(self.case.truth, up) - of(self.case.truth, down)) / 0.4
+        return self.experiment.seen(of(self.case.truth, up) - of(self.case.truth, down)) / 0.4
 
     def _tangents(self) -> list[np.ndarray]:
         """Change of the outputs with each number of the truth."""

@@ -13,13 +13,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from bench.effects import KINDS
+from bench.whitened import DECISIVE, Whitened
 
 from .case import Case
 from .laws import Foreign, sized
 from .library import GENERAL, is_possible, kinds, scales, shapes
 
-ODDS = 20.0
-DECISIVE = 2.0 * math.log(ODDS)
 TOP_HZ = 60.0
 REFINED = 3
 ROUNDS = 2
@@ -55,33 +54,17 @@ class Oracle:
         count, rate = case.clean.shape[0], self.experiment.rate_hz
         hz = np.fft.rfftfreq(count, 1.0 / rate)
         top = self.experiment.band_hz if case.mode == "inverse" else min(TOP_HZ, 0.45 * rate)
-        self.bins = hz <= top
-        self.weights = []
-        for one in case.noise:
-            power = count * one.density(hz)[self.bins]
-            power[1:] *= 0.5  # half of it in the sine, half in the cosine
-            self.weights.append(1.0 / np.sqrt(power))
+        self.whitened = Whitened(hz <= top, [one.density(hz) for one in case.noise], count)
+        self.white, self.refitted, self.rows = self.whitened.white, self.whitened.refitted, self.whitened.rows
         self.traces: dict[tuple, np.ndarray] = {}
-        self.rows = case.noisy.shape[1] * (2 * int(self.bins.sum()) - 1)
         # slopes are taken where the truth is: a swing's phase is no straight line of a mass
         self.experiment.fast = True
-        nuisances = [self.white(self.slope_of_shift(i)) for i in range(self.experiment.shifts)]
+        slopes = [self.slope_of_shift(i) for i in range(self.experiment.shifts)]
         self.experiment.fast = False
-        self.nuisances = np.array(nuisances).reshape(len(nuisances), self.rows).T
-        # a prior is a row of its own
-        self.nuisances = np.vstack([self.nuisances, np.eye(len(nuisances))])
-        self.base, _ = np.linalg.qr(self.nuisances)
+        self.whitened.refit(slopes)
         self.start = self.refitted(case.noisy - self.predict(), case.shifts)
         self.experiment.fast = True
         self.nominal = self.predict()
-
-    def white(self, values: np.ndarray) -> np.ndarray:
-        """Independent numbers of variance 1, if the values are noise."""
-        found = []
-        for column, weight in zip(values.T, self.weights):
-            bins = np.fft.rfft(column)[self.bins] * weight
-            found += [bins.real, bins.imag[1:]]
-        return np.concatenate(found)
 
     def predict(self, effects: tuple = ()) -> np.ndarray:
         """With the nominal numbers as they truly are."""
@@ -91,12 +74,6 @@ class Oracle:
         """Change of the outputs per deviation of the i-th nominal number."""
         up, down = ([x + sign * 0.2 * (j == i) for j, x in enumerate(self.case.shifts)] for sign in (1.0, -1.0))
         return (self.experiment.predict((), tuple(up)) - self.experiment.predict((), tuple(down))) / 0.4
-
-    def refitted(self, values: np.ndarray, shifts: tuple[float, ...] = ()) -> np.ndarray:
-        """The same, with nominal numbers refitted. Of a residual: how far they are from what the scenario says."""
-        prior = -np.array(shifts) if shifts else np.zeros(self.nuisances.shape[1])
-        long = np.append(self.white(values), prior)
-        return long - self.base @ (self.base.T @ long)
 
     def change(self, effects: tuple) -> np.ndarray:
         """What effects change, white and refitted."""

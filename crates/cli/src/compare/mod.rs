@@ -52,16 +52,11 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
     let turning = turning.map(|rad_s| rad_s / std::f64::consts::TAU);
     let spindle_hz = arguments.rpm.map(|rpm| rpm / 60.0).or(turning);
     let spiky = spikes::notes(scenario, &whole);
-    let thinned = for_comparison(scenario, &whole);
-    let (measured, note) = match thinned {
-        Some((measured, note)) => (measured, Some(note)),
-        None => (whole, None),
-    };
+    let measured = for_comparison(scenario, whole);
     let mut comparison = compare_recordings(&simulated, &measured, spindle_hz)
         .map_err(|error| refused(scenario, &measured, &error))?;
     let assumed = estimates(scenario, &Robots::new());
     (comparison.notes).extend(assumed.map_err(|error| Failure::sim(scenario, error))?);
-    comparison.notes.extend(note);
     comparison.notes.extend(spiky);
     let folder = arguments.out.join(scenario.stem()).join(FOLDER);
     let written = write(&folder, &comparison, &simulated, &measured)?;

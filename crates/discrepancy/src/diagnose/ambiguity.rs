@@ -28,11 +28,11 @@ pub(super) struct Rival {
 }
 
 /// Signatures closer than this, in degrees, are practically equal: their difference is no larger
-/// than the model's own error, and the odds must be 400 to 1.
+/// than the model's own error, and the odds must be overwhelming.
 const NEAR_DEG: f64 = 6.0;
-const DECISIVE_OF_NEAR: f64 = 12.0;
-/// Odds of 400 to 1 by the information criterion, which charges a model for its numbers.
-const UNLIKELY: f64 = 12.0;
+/// Odds of 400 to 1, as a difference of minus twice the log-likelihood, or of the information
+/// criterion, which charges a model for its numbers.
+const OVERWHELMING: f64 = 12.0;
 
 /// All rivals of the model chosen among these fits, closest first.
 pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<Rival> {
@@ -56,13 +56,13 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
             let likelihood = difference - (size(rival) - size(chosen)) * n.ln();
             let angle_deg = angle(problem, outcome, rival);
             let decisive = if angle_deg < NEAR_DEG {
-                DECISIVE_OF_NEAR
+                OVERWHELMING
             } else {
                 DECISIVE
             };
             // Numbers that only let it fit as well count as well: what a mode at any frequency with
             // any damping explains no better is no rival of a damper.
-            let close = likelihood < decisive && difference < UNLIKELY;
+            let close = likelihood < decisive && difference < OVERWHELMING;
             // A generalisation with the same prediction is no alternative, nor is one that fits
             // worse for its parameters.
             let more = generalises(problem, &rival.point, &chosen.point)

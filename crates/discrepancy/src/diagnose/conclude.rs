@@ -122,15 +122,15 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
         true => next_best(problem, outcome),
         false => rivals,
     };
-    let (told, more) = told(&rivals);
-    diagnosis.further = (more.iter())
-        .map(|rival| names(problem, &rival.fit.point).join(" + "))
+    let as_good: Vec<usize> = (0..rivals.len()).filter(|&i| rivals[i].as_good).collect();
+    let (told, further) = as_good.split_at(as_good.len().min(MOST_ALTERNATIVES));
+    diagnosis.further = (further.iter())
+        .map(|&i| names(problem, &rivals[i].fit.point).join(" + "))
         .collect();
-    let described: Vec<&Rival> = (rivals.iter().take(1))
-        .chain(
-            told.into_iter()
-                .filter(|rival| !std::ptr::eq(*rival, &rivals[0])),
-        )
+    // The next best is reported even where it is no alternative.
+    let described: Vec<&Rival> = (rivals.iter().enumerate())
+        .filter(|(i, _)| *i == 0 || told.contains(i))
+        .map(|(_, rival)| rival)
         .collect();
     let answers = (described.par_iter())
         .map(|rival| alternative(problem, rival, &outcome.orders))
@@ -145,13 +145,6 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
         diagnosis.experiments = experiments(problem, &outcome.chosen, &rival.fit);
     }
     Ok(diagnosis)
-}
-
-/// Of rivals, closest first, those among which the data do not decide: the likeliest, and the rest.
-fn told(rivals: &[Rival]) -> (Vec<&Rival>, Vec<&Rival>) {
-    let mut as_good: Vec<&Rival> = rivals.iter().filter(|rival| rival.as_good).collect();
-    let more = as_good.split_off(as_good.len().min(MOST_ALTERNATIVES));
-    (as_good, more)
 }
 
 /// Where the model chosen was reached through a larger one, no rival has as many effects. The

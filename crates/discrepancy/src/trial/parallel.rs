@@ -80,13 +80,16 @@ impl Thinning {
     }
 }
 
-/// Filtered drive forces as a comparison takes them, as thin as a search does, with a note; `None`
-/// where none are filtered, or all samples serve. Beyond the cutoff a filtered series falls further
-/// than the background of its spectrum is followed, and its edge would be told as lines.
-pub fn for_comparison(scenario: &Scenario, filtered: &Measured) -> Option<(Measured, String)> {
-    let thinning = Thinning::of(scenario, filtered)?;
-    let note = thinning.told(filtered.time_s.len())?;
-    Some((thinned(filtered, thinning.every), note))
+/// Data as they are compared with a run: drive forces that were filtered as thin as a search takes
+/// them, with a note, all else as it is. Beyond the cutoff a filtered series falls further than the
+/// background of its spectrum is followed, and its edge would be told as lines.
+pub fn for_comparison(scenario: &Scenario, measured: Measured) -> Measured {
+    let Some(thinning) = Thinning::of(scenario, &measured).filter(|one| one.every > 1) else {
+        return measured;
+    };
+    let mut used = thinned(&measured, thinning.every);
+    used.notes.extend(thinning.told(measured.time_s.len()));
+    used
 }
 
 /// The filter's cutoff, where drive forces are filtered.

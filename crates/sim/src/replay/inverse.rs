@@ -10,6 +10,7 @@ use super::drive_forces::{FILTER_ORDER, filtered};
 use super::inputs::{JointQuantity, Source, joint_channel};
 use super::motion::Motion;
 use super::regressors::BodyRegressors;
+use super::rigid::{Forces, forces, nominal};
 use super::{check_part, in_force, refused, sense};
 use crate::channels::drive_spec;
 use crate::effect::{Effects, JointEffects, Payload, add_payload};
@@ -17,7 +18,7 @@ use crate::error::SimError;
 use crate::robots::Robots;
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
-use truecut_arm::{Dynamics, FrameId, Robot};
+use truecut_arm::{FrameId, Robot};
 use truecut_core::joint_law::LinkFriction;
 use truecut_recording::filter::Butterworth;
 use truecut_recording::{ChannelSpec, Measured, Role};
@@ -28,7 +29,7 @@ use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario};
 /// anything.
 #[derive(Debug, Clone)]
 pub struct InverseModel {
-    robot: Robot,
+    robot: Arc<Robot>,
     /// Joints whose drive force is predicted, in the order of `measured.channels`.
     joints: Vec<usize>,
     measured: Measured,
@@ -38,18 +39,6 @@ pub struct InverseModel {
     nominal: Forces,
     body: BodyRegressors,
     scenario: Scenario,
-}
-
-/// Forces (torques) without effects, one column per predicted joint; see
-/// [`InverseModel::nominal_for`].
-#[derive(Debug, Clone)]
-pub struct Forces {
-    /// The arm that they are of.
-    robot: Arc<Robot>,
-    /// Of the drives, filtered.
-    drive: Vec<Vec<f64>>,
-    /// What the transmissions pass on to the links, without a filter.
-    passed_on: Vec<Vec<f64>>,
 }
 
 impl InverseModel {
@@ -62,7 +51,7 @@ impl InverseModel {
     /// no part here.
     pub fn new(scenario: &Scenario, measured: &Measured) -> Result<InverseModel, SimError> {
         let (differentiate_hz, compare_hz) = cutoffs(scenario)?;
-        let robot = crate::build::load_robot(&scenario.robot)?;
+        let robot = Arc::new(crate::build::load_robot(&scenario.robot)?);
         let source = Source { scenario, measured };
         let joints = outputs(&robot, &source)?;
         let rate = measured.rate_hz();
@@ -246,14 +235,19 @@ impl InverseModel {
         if effects.tilts.is_empty() {
             return Ok(None);
         }
-        let mut robot = Robot::clone(&level.robot);
+        let mut robot = level.robot.clone();
         if let Some(payload) = &effects.payload {
-            add_payload(&mut robot, payload)?;
+            add_payload(Arc::make_mut(&mut robot), payload)?;
         }
-        let motion = self
-            .motion
-            .under(|gravity| effects.gravity_on_base(gravity));
-        Ok(Some(nominal(&robot, &motion, &self.joints, &self.filter)))
+        let gravity_m_s2 = effects.gravity_on_base(self.motion.gravity_m_s2);
+        let (motion, filter) = (&self.motion, &self.filter);
+        Ok(Some(forces(
+            &robot,
+            motion,
+            &gravity_m_s2,
+            &self.joints,
+            filter,
+        )))
     }
 
     /// Refuses an effect that plays no part in inverse dynamics, or is on what is not predicted.
@@ -373,27 +367,4 @@ fn outputs(robot: &Robot, source: &Source<'_>) -> Result<Vec<usize>, SimError> {
         return Err(SimError::scenario("data.channel", message));
     }
     Ok(joints)
-}
-
-/// Rigid arm, rotors and the dry friction of robot.toml, filtered: `[joint][sample]`.
-fn nominal(robot: &Robot, motion: &Motion, joints: &[usize], filter: &Butterworth) -> Forces {
-    let mut passed_on = motion.inverse_dynamics(&mut Dynamics::new(robot), joints);
-    let mut drive = Vec::with_capacity(joints.len());
-    for (column, &joint) in passed_on.iter_mut().zip(joints) {
-        let transmission = &robot.chain.joints[joint].transmission;
-        let friction = LinkFriction::coulomb(transmission.dry_friction);
-        for (sum, v) in column.iter_mut().zip(&motion.velocity[joint]) {
-            *sum += friction.force(*v);
-        }
-        let with_rotor = column.iter().zip(&motion.acceleration[joint]);
-        let with_rotor: Vec<f64> = with_rotor
-            .map(|(passed_on, a)| passed_on + transmission.rotor_inertia * a)
-            .collect();
-        drive.push(filter.zero_phase(&with_rotor));
-    }
-    Forces {
-        robot: Arc::new(robot.clone()),
-        drive,
-        passed_on,
-    }
 }

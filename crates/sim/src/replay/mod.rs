@@ -9,6 +9,7 @@
 //! | [`start`] | starts that are read off the data as unknowns |
 //! | [`steady`] | a steady machine: means, and a cut that turns |
 //! | `predict` | replays without a plant |
+//! | `rigid` | drive forces of the rigid arm along a motion |
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod beginning;
@@ -19,6 +20,7 @@ pub mod inverse;
 mod motion;
 pub(crate) mod predict;
 mod regressors;
+pub(crate) mod rigid;
 pub mod start;
 pub mod steady;
 

@@ -14,7 +14,7 @@ pub(super) struct Motion {
     pub position: Vec<Vec<f64>>,
     pub velocity: Vec<Vec<f64>>,
     pub acceleration: Vec<Vec<f64>>,
-    gravity_m_s2: Vector3<f64>,
+    pub gravity_m_s2: Vector3<f64>,
 }
 
 impl Motion {
@@ -42,14 +42,6 @@ impl Motion {
         })
     }
 
-    /// The same motion under another gravity.
-    pub fn under(&self, changed: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Motion {
-        Motion {
-            gravity_m_s2: changed(self.gravity_m_s2),
-            ..self.clone()
-        }
-    }
-
     /// Unrelated states of all joints: coordinates, speeds and accelerations even between -pi and
     /// pi, SI. The same in every call.
     pub fn of_any_states(&self, states: usize) -> Motion {
@@ -75,8 +67,14 @@ impl Motion {
         }
     }
 
-    /// Inverse dynamics at every sample: `[joint][sample]` for the joints asked for.
-    pub fn inverse_dynamics(&self, dynamics: &mut Dynamics, joints: &[usize]) -> Vec<Vec<f64>> {
+    /// Inverse dynamics under a gravity at every sample: `[joint][sample]` for the joints asked
+    /// for.
+    pub fn inverse_dynamics(
+        &self,
+        dynamics: &mut Dynamics,
+        gravity_m_s2: &Vector3<f64>,
+        joints: &[usize],
+    ) -> Vec<Vec<f64>> {
         let n = self.position.len();
         let samples = self.position.first().map_or(0, Vec::len);
         let mut columns = vec![Vec::with_capacity(samples); joints.len()];
@@ -91,7 +89,7 @@ impl Motion {
             at(&self.position, k, &mut q);
             at(&self.velocity, k, &mut v);
             at(&self.acceleration, k, &mut a);
-            dynamics.inverse_dynamics_into(&q, &v, &a, &self.gravity_m_s2, &mut tau);
+            dynamics.inverse_dynamics_into(&q, &v, &a, gravity_m_s2, &mut tau);
             for (column, &joint) in columns.iter_mut().zip(joints) {
                 column.push(tau[joint]);
             }

@@ -35,7 +35,7 @@ impl BodyRegressors {
             body.mass_kg = mass;
             body.com_m = center;
             body.inertia_about_com_kg_m2 = inertia;
-            motion.inverse_dynamics(&mut Dynamics::new(&robot), joints)
+            motion.inverse_dynamics(&mut Dynamics::new(&robot), &motion.gravity_m_s2, joints)
         };
         let zero = Matrix3::zeros();
         let mut columns = vec![run(1.0, Vector3::zeros(), zero)];
