@@ -92,8 +92,14 @@ enum RoleName {
 const DEFAULT_MAX_GAP_S: f64 = 0.05;
 
 impl DataTable {
-    /// `None` after recording a fault.
-    pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<DataSpec> {
+    /// `None` after recording a fault. Where the tool `touches` something a peak may be the
+    /// process's, and stays.
+    pub(crate) fn resolve(
+        self,
+        folder: &Path,
+        touches: bool,
+        check: &mut Check,
+    ) -> Option<DataSpec> {
         let (time, unit) = (self.time.as_deref(), self.time_unit.as_deref());
         let time = time_base(time, unit, self.rate_hz, "data", check);
         let window_s = [
@@ -128,6 +134,7 @@ impl DataTable {
                 resample_hz: self.resample_hz,
                 max_gap_s: self.max_gap_s.unwrap_or(DEFAULT_MAX_GAP_S),
                 starts_s: self.starts_s.unwrap_or_default(),
+                bridge_spikes: !touches,
                 channels,
             },
         })

@@ -285,7 +285,8 @@ impl ScenarioTable {
         if let Some(process) = &process {
             process.lead(&mut robot, &mut check);
         }
-        let data = (self.data).and_then(|data| data.resolve(&folder, &mut check));
+        let touches = !matches!(process, Some(ProcessSpec::Load(_) | ProcessSpec::Replay(_)));
+        let data = (self.data).and_then(|data| data.resolve(&folder, touches, &mut check));
         let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
             .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
             .collect();

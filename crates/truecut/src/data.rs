@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use truecut_recording::Measured;
-use truecut_recording::measured::measured as map;
+use truecut_recording::measured::{DataError, TimeBase, measured as map};
 use truecut_scenario::{DataSpec, Scenario};
 use truecut_sim::run::RunError;
 use truecut_telemetry::read_table;
@@ -72,14 +72,31 @@ fn load(scenario: &Scenario, data: &DataSpec, file: Option<&Path>) -> Result<Mea
                        with --data FILE";
         return Err(scenario.problem("data", message).into());
     };
-    // An error in a file that the scenario names is reported at that key of the scenario.
-    let failed = |message: String| match file {
+    // An error in a file that the scenario names is reported at the key of the scenario that asks
+    // for what is wrong there.
+    let failed = |key: &str, message: String| match file {
         Some(_) => RunError::Data {
             message,
             help: None,
         },
-        None => scenario.problem("data.file", message).into(),
+        None => scenario.problem(key, message).into(),
     };
-    let table = read_table(path, data.header).map_err(|error| failed(error.to_string()))?;
-    map(&table, &data.mapping).map_err(|error| failed(error.to_string()))
+    let table =
+        read_table(path, data.header).map_err(|error| failed("data.file", error.to_string()))?;
+    map(&table, &data.mapping).map_err(|error| failed(&key(data, &error), error.to_string()))
+}
+
+/// The key of the scenario that asks for what the data do not have.
+fn key(data: &DataSpec, error: &DataError) -> String {
+    let (DataError::NoColumn { column, .. } | DataError::Channel { column, .. }) = error else {
+        return "data.file".to_owned();
+    };
+    if matches!(&data.mapping.time, TimeBase::Column { column: time, .. } if time == column) {
+        return "data.time".to_owned();
+    }
+    let mut channels = data.mapping.channels.iter();
+    match channels.position(|one| one.column == *column) {
+        Some(index) => format!("data.channel.{index}.column"),
+        None => "data.file".to_owned(),
+    }
 }

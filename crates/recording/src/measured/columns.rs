@@ -2,8 +2,8 @@
 
 use super::resample::{Base, Gaps, Series, missing_rows, resample};
 use super::{
-    ChannelMapping, DataError, MIN_SAMPLES, Mapping, Measured, MeasuredChannel, Pass, Role, Table,
-    TimeBase,
+    ChannelMapping, DataError, MIN_SAMPLES, Mapping, Measured, MeasuredChannel, Pass, Role, SPIKE,
+    Table, TimeBase, replace_spikes,
 };
 use crate::recording::ChannelSpec;
 use crate::unit::significant;
@@ -11,18 +11,19 @@ use crate::unit::significant;
 /// Maps the columns of `table` to channels on one uniform time base.
 ///
 /// Samples are masked where the file has no number and where the sensor is at its end. Gaps up to
-/// `max_gap_s` are bridged; in longer ones the result is not valid. A channel
-/// that is sampled faster than the result is smoothed first, without delay, so that nothing folds
+/// `max_gap_s` are bridged; in longer ones the result is not valid. An output that never changes is
+/// left out. A channel that is sampled faster than the result is smoothed first, without delay, so that nothing folds
 /// back.
 ///
 /// # Errors
-/// A missing column, times that do not rise, too few samples, an output that never changes.
+/// A missing column, times that do not rise, too few samples, outputs of which none changes.
 pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError> {
     let (rows, time_s) = times(table, mapping)?;
     let mut series = Vec::new();
     for channel in &mapping.channels {
         series.push(read(table, mapping, channel, &rows, &time_s)?);
     }
+    refuse_all_constant(table, mapping, &series)?;
     let base = Base::new(table, mapping, &time_s, &series)?;
     let mut notes = base.notes(mapping);
     let missing = missing_rows(&time_s);
@@ -32,8 +33,16 @@ pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError>
              by lines"
         ));
     }
+    notes.extend(read_twice(mapping));
     let mut channels = Vec::new();
-    for (channel, series) in mapping.channels.iter().zip(&series) {
+    for (channel, series) in mapping.channels.iter().zip(&mut series) {
+        if constant(channel, series) {
+            notes.push(left_out(channel, series));
+            continue;
+        }
+        if mapping.bridge_spikes && channel.role == Role::Output && series.is_smoothed(&base) {
+            notes.extend(without_spikes(channel, series));
+        }
         let gaps = Gaps {
             bridged_s: mapping.max_gap_s,
             smoothly_s: match channel.role {
@@ -191,11 +200,15 @@ fn read(
     };
     for (&row, &t) in rows.iter().zip(time_s) {
         let reading = column[row];
-        if !reading.is_finite() {
-            series.missing += 1;
-        } else if (channel.saturation).is_some_and(|[low, high]| reading <= low || reading >= high)
-        {
-            series.saturated += 1;
+        let is_at_end =
+            (channel.saturation).is_some_and(|[low, high]| reading <= low || reading >= high);
+        if !reading.is_finite() || is_at_end {
+            let count = match is_at_end {
+                true => &mut series.saturated,
+                false => &mut series.missing,
+            };
+            *count += 1;
+            series.first_masked.get_or_insert_with(|| table.place(row));
         } else if (reading * factor).abs() > LARGEST {
             return Err(refuse(format!(
                 "{}: {reading:e} is not a measurement, which is at most {LARGEST:e} in SI units; leave the cell empty, or \
@@ -227,12 +240,75 @@ fn check(series: &Series, mapping: &Mapping, channel: &ChannelMapping) -> Result
             series.saturated
         ));
     }
-    let first = series.values[0];
-    if channel.role == Role::Output && series.values.iter().all(|value| *value == first) {
-        return Err(format!(
-            "every sample is {first} {}, so that nothing was measured",
-            channel.unit.unit
-        ));
-    }
     Ok(())
+}
+
+/// Sentences on columns that are two channels.
+fn read_twice(mapping: &Mapping) -> impl Iterator<Item = String> + '_ {
+    let channels = mapping.channels.iter().enumerate();
+    channels.filter_map(|(index, channel)| {
+        let mut before = mapping.channels[..index].iter();
+        let first = before.find(|one| one.column == channel.column)?;
+        Some(format!(
+            "column \"{}\" is read twice, as {} and as {}: check the columns",
+            channel.column, first.channel, channel.channel
+        ))
+    })
+}
+
+/// An output whose samples are all the same: a sensor that is off, or steps coarser than what it
+/// was to show.
+fn constant(channel: &ChannelMapping, series: &Series) -> bool {
+    let first = series.values[0];
+    channel.role == Role::Output && series.values.iter().all(|value| *value == first)
+}
+
+fn left_out(channel: &ChannelMapping, series: &Series) -> String {
+    format!(
+        "{}: column \"{}\" is left out: every sample is {} {}, so that nothing was measured; check the column",
+        channel.channel, channel.column, series.values[0], channel.unit.unit
+    )
+}
+
+fn refuse_all_constant(
+    table: &Table,
+    mapping: &Mapping,
+    series: &[Series],
+) -> Result<(), DataError> {
+    let outputs = || {
+        let pairs = mapping.channels.iter().zip(series);
+        pairs.filter(|(channel, _)| channel.role == Role::Output)
+    };
+    let Some((channel, series)) = outputs().next() else {
+        return Ok(());
+    };
+    if !outputs().all(|(channel, series)| constant(channel, series)) {
+        return Ok(());
+    }
+    let others = match outputs().count() {
+        1 => String::new(),
+        count => format!("; none of the {count} outputs changes"),
+    };
+    Err(DataError::Channel {
+        source_name: table.source.clone(),
+        column: channel.column.clone(),
+        channel: channel.channel.clone(),
+        message: format!(
+            "every sample is {} {}, so that nothing was measured{others}",
+            series.values[0], channel.unit.unit
+        ),
+    })
+}
+
+/// The channel's spikes replaced; the sentence on them.
+fn without_spikes(channel: &ChannelMapping, series: &mut Series) -> Option<String> {
+    let samples = series.values.len();
+    let found = replace_spikes(&mut series.values, &vec![true; samples]);
+    (found > 0).then(|| {
+        format!(
+            "{}: {found} of {samples} samples are spikes, more than {SPIKE} deviations off what their \
+             neighbours say, and were replaced by that before the channel was smoothed",
+            channel.channel
+        )
+    })
 }

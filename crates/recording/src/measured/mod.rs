@@ -7,12 +7,14 @@
 mod columns;
 mod error;
 mod resample;
+mod spikes;
 mod table;
 #[cfg(test)]
 mod tests;
 
 pub use columns::{LARGEST, measured};
 pub use error::DataError;
+pub use spikes::{SPIKE, replace_spikes};
 pub use table::{Column, Table};
 
 use std::ops::Range;
@@ -84,6 +86,10 @@ pub struct Mapping {
     /// Times of the file at which the process begins anew, rising; empty if it begins once, with
     /// the first sample.
     pub starts_s: Vec<f64>,
+    /// Whether single samples of an output that are far off their neighbours are a logger's faults
+    /// and not the process's: they are replaced where the channel is smoothed, which would spread
+    /// them.
+    pub bridge_spikes: bool,
     /// The channels, in the order of the result.
     pub channels: Vec<ChannelMapping>,
 }

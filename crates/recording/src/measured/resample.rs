@@ -26,24 +26,30 @@ pub(super) struct Series {
     pub missing: usize,
     /// Rows at the end of the sensor's range.
     pub saturated: usize,
+    /// The first of those rows, for messages.
+    pub first_masked: Option<String>,
 }
 
 impl Series {
     pub fn note(&self, channel: &ChannelMapping) -> Option<String> {
-        (self.missing + self.saturated > 0).then(|| {
-            format!(
-                "{}: masked rows: {} without a number, {} saturated",
-                channel.channel, self.missing, self.saturated
-            )
-        })
+        let first = self.first_masked.as_ref()?;
+        Some(format!(
+            "{}: masked rows: {} without a number, {} saturated; the first is {first}",
+            channel.channel, self.missing, self.saturated
+        ))
+    }
+
+    /// Whether it is sampled faster than the result, and so smoothed.
+    pub fn is_smoothed(&self, base: &Base) -> bool {
+        base.interval_s / self.interval_s() > FASTER
     }
 
     /// Part of the standard deviation of white noise that resampling leaves.
     pub fn white_share(&self, base: &Base) -> f64 {
         let interval_s = self.interval_s();
-        match base.interval_s / interval_s <= FASTER {
-            true => 1.0,
-            false => Butterworth::white_share(
+        match self.is_smoothed(base) {
+            false => 1.0,
+            true => Butterworth::white_share(
                 ANTI_ALIAS_ORDER,
                 ANTI_ALIAS_SHARE / base.interval_s,
                 1.0 / interval_s,
@@ -58,7 +64,7 @@ impl Series {
 
     /// Mean square, over the base, of what interpolation leaves of white noise of the size one.
     pub fn white_kept(&self, base: &Base) -> f64 {
-        if base.interval_s / self.interval_s() > FASTER {
+        if self.is_smoothed(base) {
             return 1.0;
         }
         let squares = self.on(base.start_s, base.interval_s, base.samples, 0.0);
@@ -294,11 +300,10 @@ pub(super) fn missing_rows(time_s: &[f64]) -> usize {
 
 /// Values and validity of a channel at the times of `base`.
 pub(super) fn resample(series: &Series, base: &Base, gaps: Gaps) -> (Vec<f64>, Vec<bool>) {
-    let ratio = base.interval_s / series.interval_s();
-    if ratio <= FASTER {
+    if !series.is_smoothed(base) {
         return on_grid(series, base.start_s, base.interval_s, base.samples, gaps);
     }
-    let every = ratio.ceil() as usize;
+    let every = (base.interval_s / series.interval_s()).ceil() as usize;
     let fine_s = base.interval_s / every as f64;
     let fine = (base.samples - 1) * every + 1;
     let (values, valid) = on_grid(series, base.start_s, fine_s, fine, gaps);

@@ -49,6 +49,7 @@ fn mapping() -> Mapping {
         resample_hz: None,
         starts_s: Vec::new(),
         max_gap_s: 0.0105,
+        bridge_spikes: true,
         channels: vec![channel("sine", "joint1.position", "mm")],
     }
 }
@@ -274,7 +275,7 @@ fn times_that_do_not_rise_are_refused_with_their_row() {
 }
 
 #[test]
-fn an_output_that_never_changes_is_refused_and_an_input_is_not() {
+fn outputs_that_never_change_are_left_out_and_refused_if_there_is_no_other() {
     let mut constant = table(300);
     constant.columns[0].values.fill(0.0);
     let text = refusal(&constant, &mapping());
@@ -282,9 +283,55 @@ fn an_output_that_never_changes_is_refused_and_an_input_is_not() {
         text.contains("every sample is 0 m, so that nothing was measured"),
         "{text}"
     );
+    let mut driven = mapping();
+    driven.channels[0].role = Role::Input;
+    assert!(measured(&constant, &driven).is_ok());
+
+    let mut two = mapping();
+    two.channels.push(channel("ramp", "joint2.position", "m"));
+    let found = measured(&constant, &two).unwrap();
+    let names = found.channels.iter().map(|one| one.spec.name.as_str());
+    assert_eq!(names.collect::<Vec<_>>(), ["joint2.position"]);
+    let told = "joint1.position: column \"sine\" is left out: every sample is 0 m";
+    assert!(found.notes.iter().any(|note| note.starts_with(told)));
+
+    constant.columns[1].values.fill(2.5);
+    let text = refusal(&constant, &two);
+    let all = "every sample is 0 m, so that nothing was measured; none of the 2 outputs changes";
+    assert!(text.contains(all), "{text}");
+}
+
+/// A spike of 1e5 times the signal in a channel that is thinned: the result is that of the clean
+/// channel up to a thousandth of it, where the process lets spikes be replaced.
+#[test]
+fn verify_spikes_do_not_spread_where_a_channel_is_thinned() {
+    let clean = table(4000);
     let mut mapping = mapping();
-    mapping.channels[0].role = Role::Input;
-    assert!(measured(&constant, &mapping).is_ok());
+    mapping.resample_hz = Some(100.0);
+    let expected = measured(&clean, &mapping).unwrap();
+    for at in [40, 1003, 2500, 3988] {
+        let mut spiky = clean.clone();
+        spiky.columns[0].values[at] += 3e5;
+        let found = measured(&spiky, &mapping).unwrap();
+        let pairs = found.channels[0]
+            .values
+            .iter()
+            .zip(&expected.channels[0].values);
+        let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(worst < 3e-6, "{worst}");
+        assert!(
+            found
+                .notes
+                .iter()
+                .any(|note| note.contains("1 of 4000 samples are spikes"))
+        );
+        let kept = Mapping {
+            bridge_spikes: false,
+            ..mapping.clone()
+        };
+        let kept = measured(&spiky, &kept).unwrap();
+        assert!(kept.channels[0].values.iter().any(|x| x.abs() > 1.0));
+    }
 }
 
 #[test]
