@@ -49,6 +49,12 @@ pub trait Model: Sync {
     /// The effects that may be looked for.
     fn candidates(&self) -> Vec<Candidate>;
 
+    /// Curves that may show what no candidate explains, each with the ends over which it is given;
+    /// their scale is that of any of their values.
+    fn curves(&self) -> Vec<(Candidate, [f64; 2])> {
+        Vec::new()
+    }
+
     /// Candidates, by their number, that each add to the outputs in proportion to their sizes, and
     /// of which all may be there at once.
     fn additive(&self) -> Vec<usize> {

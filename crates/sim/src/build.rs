@@ -227,7 +227,7 @@ fn friction(altered: &Altered, kind: DriveKind) -> Vec<LinkFriction> {
             };
             LinkFriction {
                 dry: effect.dry.map(|dry| of_drive + dry),
-                ..*effect
+                ..effect.clone()
             }
         })
         .collect()

@@ -198,7 +198,9 @@ fn line(plant: &mut dyn Plant, joint: usize, law: &LinkFriction) -> Line {
     let response = plant.mobility(&unit);
     Line {
         joint,
-        law: law.under(plant.joints().transmission[joint]),
+        law: law
+            .at(plant.joints().position[joint])
+            .under(plant.joints().transmission[joint]),
         largest: response.amax(),
         response,
         velocity_before: plant.half_step_velocity()[joint],

@@ -26,6 +26,7 @@ impl Sensors {
                 Some(Typed::Clock(effect)) => sensors.add_clock(effect),
                 Some(
                     Typed::Joint(..)
+                    | Typed::Curve(..)
                     | Typed::Robot(_)
                     | Typed::Base(..)
                     | Typed::Cutting(_)

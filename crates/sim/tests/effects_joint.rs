@@ -297,6 +297,75 @@ fn verify_counterbalance_relieves_the_transmission() {
     assert!(drift < 1e-9, "it starts at rest: {drift}");
 }
 
+/// A curve through a spring's torque relieves the transmission as the spring does, at rest and in
+/// motion: what is left is the spline's own error, the fourth power of the distance of its values.
+#[test]
+fn verify_a_curve_over_the_position_is_the_spring_it_follows() {
+    let scenario = load(
+        "irb6600_175_255",
+        ARM_POSTURE,
+        "duration_s = 0.2",
+        "release_n = [800.0, -600.0, 900.0]",
+    );
+    let (cosine, sine) = (900.0, -400.0);
+    let spring = run(
+        &scenario,
+        &[joint(EffectKind::JointCounterbalance, 1, &[cosine, sine])],
+    );
+    let angles = column(&spring, "joint2.angle");
+    let low = angles.iter().copied().fold(f64::INFINITY, f64::min) - 0.05;
+    let error = |places: usize| {
+        let high = low + 0.4;
+        let at = |i: usize| low + (high - low) * i as f64 / (places - 1) as f64;
+        let torque = |i: usize| cosine * at(i).cos() + sine * at(i).sin();
+        let values: Vec<f64> = [low, high]
+            .into_iter()
+            .chain((0..places).map(torque))
+            .collect();
+        let curve = run(
+            &scenario,
+            &[joint(EffectKind::JointPositionCurve, 1, &values)],
+        );
+        let pairs = column(&curve, "joint2.angle").iter().zip(angles);
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let swing = angles
+        .iter()
+        .map(|a| (a - angles[0]).abs())
+        .fold(0.0, f64::max);
+    let [coarse, fine] = [5, 33].map(error);
+    assert!(
+        fine < 1e-4 * swing && fine < coarse,
+        "{fine} {coarse} of {swing}"
+    );
+}
+
+/// Constant friction over the position is Coulomb's to the bit; friction that rises with the speed
+/// is the viscous one by direction.
+#[test]
+fn verify_curves_of_friction_have_the_named_laws_as_limits() {
+    let scenario = decay(50.0, 0.5);
+    let x = |effects: &[Effect]| column(&run(&scenario, effects), "joint1.position").clone();
+    let dry = x(&[joint(EffectKind::JointCoulomb, 0, &[3.0])]);
+    for values in [&[-1.0, 1.0, 3.0][..], &[-1.0, 1.0, 3.0, 3.0, 3.0, 3.0]] {
+        assert_eq!(
+            x(&[joint(EffectKind::JointFrictionByPosition, 0, values)]),
+            dry
+        );
+    }
+    let viscous = x(&[joint(
+        EffectKind::JointAsymmetricViscous,
+        0,
+        &[200.0, 200.0],
+    )]);
+    let line = [0.0, 2.0, 0.0, 100.0, 200.0, 300.0, 400.0];
+    let curve = x(&[joint(EffectKind::JointFrictionBySpeed, 0, &line)]);
+    let largest = viscous.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    let pairs = curve.iter().zip(&viscous);
+    let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-9 * largest, "{apart} of {largest}");
+}
+
 /// The servo's rotor starts at rest with effects as without, and follows the motor side of the
 /// ripple.
 #[test]

@@ -260,6 +260,10 @@ impl Model for KeptModel<'_> {
         self.model.additive()
     }
 
+    fn curves(&self) -> Vec<(Candidate, [f64; 2])> {
+        self.model.curves()
+    }
+
     fn late(&self) -> Vec<usize> {
         self.model.late()
     }

@@ -120,7 +120,7 @@ def _draw_truth(draw: np.random.Generator, case: Case, nominal: np.ndarray, only
     if family == "all joints":
         return _all_joints(draw, experiment)
     if family == "outside":
-        return (_at_level(draw, case, draw_foreign(draw, experiment), nominal),)
+        return (_at_level(draw, case, draw_foreign(draw, experiment, only), nominal),)
     found: list[Effect] = []
     for _ in range(2 if family == "pair" else 1):
         # every kind is as likely as any other, then its target

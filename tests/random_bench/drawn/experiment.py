@@ -225,6 +225,10 @@ class Inverse(Experiment):
         text += f'[process.replay]\nmode = "inverse"\ndifferentiate_cutoff_hz = {cut_hz}\n'
         return text + f"compare_cutoff_hz = {self.band_hz}\n"
 
+    def motion_of(self, joint: int) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinate and velocity of a joint, counted from 1."""
+        return self.q[:, joint - 1], self.v[:, joint - 1]
+
     def signals(self) -> list[dict[str, float]]:
         """Sizes that effects go by."""
         _, torque = self.run((), (0.0,) * len(self.uncertain))
@@ -280,6 +284,11 @@ class Sprung(Experiment):
         time_s, channels = arm.run(every=1)
         self.last = channels
         return time_s, np.stack([channels[name] for name, _ in self.outputs], axis=1)
+
+    def motion_of(self, joint: int) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinate and velocity of a joint, counted from 1, as it ran last."""
+        q = self.last[f"joint{joint}.angle"]
+        return q, np.gradient(q) / (self.duration_s / q.size)
 
     def signals(self) -> list[dict[str, float]]:
         """Sizes that effects go by."""

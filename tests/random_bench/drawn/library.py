@@ -145,11 +145,11 @@ def is_possible(effect) -> bool:
     return v.get("share", 0.0) < 0.5 and abs(v.get("delay_s", 0.0)) < 0.05
 
 
-def draw_foreign(draw: np.random.Generator, experiment: Experiment) -> Foreign:
-    """A law outside the library, on a joint or on a channel."""
+def draw_foreign(draw: np.random.Generator, experiment: Experiment, only: str | None = None) -> Foreign:
+    """A law outside the library, on a joint or on a channel; of a form, on a joint, if one is asked for."""
     joints = experiment.joints
     numbers = tuple(float(x) for x in draw.uniform(0.0, 1.0, 4))
-    if draw.random() < 0.15:
+    if draw.random() < 0.15 and only is None:
         i = int(draw.integers(len(experiment.outputs)))
         place, spread = experiment.place_kept[i], experiment.spread_kept[i]
         form = str(draw.choice(SENSOR_FORMS))
@@ -158,7 +158,7 @@ def draw_foreign(draw: np.random.Generator, experiment: Experiment) -> Foreign:
     target = int(draw.integers(1, joints + 1))
     one = experiment.signals_kept[target - 1]
     other = int(draw.choice([j for j in range(joints) if j != target - 1])) if joints > 1 else 0
-    form = str(draw.choice(forms))
+    form = str(draw.choice(forms)) if only is None else only.removeprefix("outside_")
     speed = experiment.signals_kept[other]["speed"] if form == "coupling" else one["speed"]
     return Foreign(
         form, target, 0.1 * one["effort"], numbers, one["place"], one["travel"], speed, experiment.duration_s, other

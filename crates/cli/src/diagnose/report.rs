@@ -8,7 +8,7 @@ use truecut_recording::{UserUnit, significant};
 
 use super::Confirmed;
 use super::text;
-use crate::figure::{BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, largest, thinned};
+use crate::figure::{BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, Style, largest, thinned};
 use crate::text::reading_unit;
 
 /// Points of a curve that a page can show.
@@ -35,6 +35,7 @@ pub fn html(trial: &Trial, confirmed: &Confirmed) -> String {
                 p { "Data: " (diagnosis.data) }
                 p.verdict { b { (text::headline(diagnosis)) } br; (diagnosis.reason) }
                 (causes(diagnosis))
+                (unnamed(diagnosis))
                 (others(diagnosis))
                 (gain(diagnosis))
                 h2 { "Measured, nominal, extended" }
@@ -77,6 +78,43 @@ fn causes(diagnosis: &Diagnosis) -> Markup {
     html! {
         (table("Causes", &head, rows))
         (table("Nominal values refitted", &["key", "before", "after"], nominal))
+    }
+}
+
+/// What has no name, drawn with its band.
+fn unnamed(diagnosis: &Diagnosis) -> Markup {
+    let Some(found) = &diagnosis.curve else {
+        return html! {};
+    };
+    let along = match found.kind.as_str() {
+        "joint_friction_by_speed" => "speed",
+        _ => "position",
+    };
+    let places = || found.x.iter().copied();
+    let bounds = || places().zip(found.low.iter().zip(&found.high));
+    let bounded = || bounds().filter_map(|(x, (low, high))| Some((x, (*low)?, (*high)?)));
+    let band = Style::Band(bounded().map(|(_, low, _)| low).collect());
+    let upper = bounded().map(|(x, _, high)| (x, high));
+    let layers = vec![
+        Layer::new("95 % band", upper, band, ORANGE),
+        Layer::line(&found.kind, places().zip(found.value.iter().copied()), BLUE),
+    ];
+    let figure = Figure {
+        title: format!("{} of {}", found.kind, found.target),
+        panels: vec![Panel::new(
+            "Unknown: what no effect of the library has the shape of",
+            format!("{along} of {} [{}]", found.target, found.x_unit),
+            format!("{} [{}]", text::curve_of(&found.kind), found.unit),
+            layers,
+        )],
+        columns: 1,
+        legend: Legend::Above,
+    };
+    html! {
+        h2 { "Unknown, shown as a curve" }
+        p { "Odds against the model without it: " (text::odds(found.log10_odds))
+            ". extended.toml carries it as an [[effect]]." }
+        (PreEscaped(figure.to_svg()))
     }
 }
 

@@ -68,6 +68,14 @@ pub fn name(cause: &Cause) -> String {
     }
 }
 
+/// What a curve gives.
+pub fn curve_of(kind: &str) -> &'static str {
+    match kind {
+        "joint_position_curve" => "on the link",
+        _ => "friction",
+    }
+}
+
 /// Odds from their decimal logarithm; beyond a million they say more of the noise's model than of
 /// the cause.
 pub fn odds(log10: f64) -> String {

@@ -1,11 +1,15 @@
 //! Friction between a link and its bearings: dry, growing with the load, viscous by direction,
-//! higher at low speed.
+//! higher at low speed, by curves over place and speed.
 
+use std::sync::Arc;
+
+use super::Curve;
 use crate::roots::newton_within;
 
 /// Friction of one joint, by direction (0: while the coordinate grows, 1: while it falls):
-/// `F_s + c_s |v| + E exp(-(v / v_s)²)`, against the motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// `F_s + c_s |v| + E exp(-(v / v_s)²)` and what curves over place and speed add, against the
+/// motion; never with it.
+#[derive(Debug, Clone, PartialEq)]
 pub struct LinkFriction {
     /// Dry friction F_s, N m (N).
     pub dry: [f64; 2],
@@ -18,6 +22,10 @@ pub struct LinkFriction {
     pub excess: f64,
     /// Speed v_s by which the excess has fallen to 1/e, rad/s (m/s).
     pub stribeck_speed: f64,
+    /// Dry friction over the coordinate, N m (N); see [`LinkFriction::at`].
+    pub by_position: Option<Arc<Curve>>,
+    /// Friction over the speed, N m (N).
+    pub by_speed: Option<Arc<Curve>>,
 }
 
 impl LinkFriction {
@@ -29,13 +37,30 @@ impl LinkFriction {
             viscous: [0.0; 2],
             excess: 0.0,
             stribeck_speed: 1.0,
+            by_position: None,
+            by_speed: None,
         }
     }
 
     /// Whether it never does anything.
     pub fn is_none(&self) -> bool {
         let dry = self.dry == [0.0; 2] && self.load_share == 0.0;
-        dry && self.viscous == [0.0; 2] && self.excess == 0.0
+        let curved = self.by_position.is_some() || self.by_speed.is_some();
+        dry && self.viscous == [0.0; 2] && self.excess == 0.0 && !curved
+    }
+
+    /// The law at a place of the link: what the curve over the coordinate adds there is dry
+    /// friction.
+    pub fn at(&self, position: f64) -> Self {
+        let Some(curve) = &self.by_position else {
+            return self.clone();
+        };
+        let added = curve.value(position);
+        Self {
+            dry: self.dry.map(|dry| dry + added),
+            by_position: None,
+            ..self.clone()
+        }
     }
 
     /// The law while the transmission passes on `load`, N m (N): tooth forces and bearings press
@@ -44,7 +69,7 @@ impl LinkFriction {
         let pressed = self.load_share * load.abs();
         Self {
             dry: self.dry.map(|dry| dry + pressed),
-            ..*self
+            ..self.clone()
         }
     }
 
@@ -67,16 +92,19 @@ impl LinkFriction {
 
     /// Size of the friction at a speed in one direction, N m (N).
     pub fn level(&self, direction: usize, speed: f64) -> f64 {
-        let dry = self.dry[direction] + self.viscous[direction] * speed;
-        if self.excess == 0.0 {
-            dry
-        } else {
-            dry + self.excess * (-(speed / self.stribeck_speed).powi(2)).exp()
+        let mut level = self.dry[direction] + self.viscous[direction] * speed;
+        if self.excess != 0.0 {
+            level += self.excess * (-(speed / self.stribeck_speed).powi(2)).exp();
         }
+        if let Some(curve) = &self.by_speed {
+            level += curve.value(speed);
+        }
+        level.max(0.0)
     }
 
     /// What a drive must give against the friction of a link that moves at `velocity`, N m (N);
-    /// nothing at rest. The share of the load is not in it: see [`LinkFriction::under`].
+    /// nothing at rest. The share of the load is not in it, nor the place: see
+    /// [`LinkFriction::under`] and [`LinkFriction::at`].
     pub fn force(&self, velocity: f64) -> f64 {
         if velocity == 0.0 {
             return 0.0;
@@ -93,7 +121,11 @@ impl LinkFriction {
         } else {
             -2.0 * self.excess * x / self.stribeck_speed * (-x * x).exp()
         };
-        self.viscous[direction] + falling
+        let curved = self
+            .by_speed
+            .as_ref()
+            .map_or(0.0, |curve| curve.slope(speed));
+        self.viscous[direction] + falling + curved
     }
 }
 
@@ -154,8 +186,8 @@ fn slide(inverse_mass: f64, before: f64, free: f64, law: &LinkFriction, dt_s: f6
     if most <= 0.0 || defect(most) <= 0.0 {
         return None;
     }
-    if law.viscous == [0.0; 2] && law.excess == 0.0 {
-        return Some(-sign * law.dry[direction] * dt_s);
+    if law.viscous == [0.0; 2] && law.excess == 0.0 && law.by_speed.is_none() {
+        return Some(-sign * law.level(direction, 0.0) * dt_s);
     }
     let start = dt_s * law.level(direction, speed_at(0.0));
     let p = newton_within([0.0, most], start, 1e-15 * most, |p| {
@@ -256,6 +288,8 @@ mod tests {
                 viscous: [c0, c1],
                 excess,
                 stribeck_speed: v_s,
+                by_position: None,
+                by_speed: None,
             };
             let (dt, free) = (2.5e-4, before + change);
             let p = solve_link_friction(1.0 / mass, before, free, &law, dt);

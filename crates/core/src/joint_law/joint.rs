@@ -1,9 +1,11 @@
 //! All that a joint does beyond spring and damper, but for the friction of its bearings.
 
-use super::{BoucWen, Counterbalance, Ripple};
+use std::sync::Arc;
+
+use super::{BoucWen, Counterbalance, Curve, Ripple};
 
 /// What a joint's transmission and link do beyond spring and damper.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointLaw {
     /// Viscous friction on the link, N m s/rad (N s/m).
     pub viscous: f64,
@@ -16,6 +18,8 @@ pub struct JointLaw {
     pub counterbalance: Option<Counterbalance>,
     /// Constant torque on the link, N m (N).
     pub offset: f64,
+    /// Torque on the link over its coordinate, N m (N).
+    pub curve: Option<Arc<Curve>>,
 }
 
 impl JointLaw {
@@ -30,24 +34,27 @@ impl JointLaw {
             hysteresis: _,
             counterbalance: _,
             offset: _,
+            curve: _,
         } = self;
         let elastic = *gap == 0.0 && *cubic == 0.0 && ripple.is_none();
         elastic && !self.loads_link()
     }
 
-    /// What acts on the link beside the transmission and friction: a constant torque and a spring.
-    fn on_link(&self) -> (f64, Option<Counterbalance>) {
+    /// What acts on the link beside the transmission and friction: a constant torque, a spring and
+    /// a curve.
+    fn on_link(&self) -> (f64, Option<Counterbalance>, Option<&Curve>) {
         // By name, so that a new part of the law is placed here or there, not forgotten.
         let Self {
             counterbalance,
             offset,
+            curve,
             viscous: _,
             gap: _,
             cubic: _,
             hysteresis: _,
             ripple: _,
-        } = *self;
-        (offset, counterbalance)
+        } = self;
+        (*offset, *counterbalance, curve.as_deref())
     }
 
     /// Where the link sees the motor, rad (m).
@@ -63,19 +70,21 @@ impl JointLaw {
 
     /// Torque on the link that does not come through the transmission, N m (N).
     pub fn link_torque(&self, q: f64) -> f64 {
-        let (offset, spring) = self.on_link();
-        offset + spring.map_or(0.0, |spring| spring.torque(q))
+        let (offset, spring, curve) = self.on_link();
+        let spring = spring.map_or(0.0, |spring| spring.torque(q));
+        offset + spring + curve.map_or(0.0, |curve| curve.value(q))
     }
 
     /// Potential energy of [`JointLaw::link_torque`], J.
     pub fn link_energy_j(&self, q: f64) -> f64 {
-        let (offset, spring) = self.on_link();
-        spring.map_or(0.0, |spring| spring.energy_j(q)) - offset * q
+        let (offset, spring, curve) = self.on_link();
+        let spring = spring.map_or(0.0, |spring| spring.energy_j(q));
+        spring - offset * q - curve.map_or(0.0, |curve| curve.integral(q))
     }
 
     /// Whether [`JointLaw::link_torque`] is ever there.
     pub fn loads_link(&self) -> bool {
-        let (offset, spring) = self.on_link();
-        offset != 0.0 || spring.is_some()
+        let (offset, spring, curve) = self.on_link();
+        offset != 0.0 || spring.is_some() || curve.is_some()
     }
 }

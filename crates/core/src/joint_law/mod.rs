@@ -5,10 +5,12 @@
 //! m, N, N/m for a prismatic one. The wind-up of a transmission is motor coordinate minus link
 //! coordinate.
 
+mod curve;
 mod friction;
 mod joint;
 mod transmission;
 
+pub use curve::Curve;
 pub use friction::{LinkFriction, solve_link_friction};
 pub use joint::JointLaw;
 pub use transmission::{BoucWen, Elastic, Ripple, beyond_gap};

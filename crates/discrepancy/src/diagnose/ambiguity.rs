@@ -32,7 +32,7 @@ pub(super) struct Rival {
 const NEAR_DEG: f64 = 6.0;
 /// Odds of 400 to 1, as a difference of minus twice the log-likelihood, or of the information
 /// criterion, which charges a model for its numbers.
-const OVERWHELMING: f64 = 12.0;
+pub(super) const OVERWHELMING: f64 = 12.0;
 
 /// All rivals of the model chosen among these fits, closest first.
 pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<Rival> {

@@ -148,6 +148,29 @@ pub struct CorrelatedSignal {
     pub t: f64,
 }
 
+/// A law without a name: what a joint does beyond the causes, over its position or speed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct UnknownCurve {
+    /// Name of the effect that carries it.
+    pub kind: String,
+    /// `joint1`.
+    pub target: String,
+    /// Places, in `x_unit`, evenly over the range of the data.
+    pub x: Vec<f64>,
+    /// Symbol of the unit.
+    pub x_unit: String,
+    /// Force or torque there, in `unit`.
+    pub value: Vec<f64>,
+    /// Lower end of its 95 % interval, place by place; null where the data do not bound it.
+    pub low: Vec<Option<f64>>,
+    /// Upper end.
+    pub high: Vec<Option<f64>>,
+    /// Symbol of the unit.
+    pub unit: String,
+    /// Decimal logarithm of the odds against the model without it, by Schwarz's criterion.
+    pub log10_odds: f64,
+}
+
 /// What any model could still gain.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Ceiling {
@@ -211,6 +234,9 @@ pub struct Diagnosis {
     /// Effects that explain the discrepancy, the strongest first. With `unknown_cause`, those that
     /// explain a part.
     pub causes: Vec<Cause>,
+    /// What has no name, as a curve, with `unknown_cause`; null where none predicts it.
+    #[serde(default)]
+    pub curve: Option<UnknownCurve>,
     /// Equally good explanations; empty for verdicts other than `ambiguous`.
     pub alternatives: Vec<Alternative>,
     /// Further explanations that the data do not exclude, less likely than those.

@@ -1,12 +1,13 @@
 //! From the end of the search to the answer.
 
 mod test_part;
+mod unnamed;
 
 use rayon::prelude::*;
 
 use super::ambiguity::{Rival, experiments, rivals};
 use super::answer::{Diagnosis, VERSION, Verdict, names};
-use super::ceiling::{Bound, bound};
+use super::ceiling::{Bound, bound as bound_on};
 use super::doubts::doubts;
 use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
 use super::fit::{Fit, fit};
@@ -82,7 +83,7 @@ pub(super) fn conclude(
     problem.report(Stage::Ceiling);
     // One needs hardly any simulations, the other many, some of them in sequence.
     let (bound, described) = rayon::join(
-        || bound(problem, &base, &last, &outcome.signatures),
+        || bound_on(problem, &base, &last, &outcome.signatures),
         || described(problem, &outcome, &last),
     );
     let mut diagnosis = described?;
@@ -94,6 +95,21 @@ pub(super) fn conclude(
     diagnosis.channels = errors;
     judge(problem, excess, &outcome, &mut diagnosis);
     test_part::open_test(problem, &base, &last, &mut diagnosis);
+    let last = match unnamed::curve(problem, &outcome, &last, diagnosis.verdict)? {
+        None => last,
+        Some(shown) => {
+            let ended = &shown.fit;
+            let bound = bound_on(problem, &base, ended, &outcome.signatures);
+            let errors = standard_errors(problem, ended, &problem.split.development)?;
+            diagnosis.ceiling = bound.ceiling.clone();
+            diagnosis.unexplained_fraction = unexplained(problem, &base, ended, &bound);
+            diagnosis.channels = test_part::errors(problem, &before, &base, ended, &bound, &floors);
+            diagnosis.causes = causes(problem, ended, &errors)?;
+            diagnosis.nominal = nominal(problem, ended, &errors);
+            unnamed::tell(problem, &last, &shown, &mut diagnosis);
+            shown.fit
+        }
+    };
     diagnosis.fits = outcome.fits;
     Ok(Answer {
         effects: problem.effects(&last.point),

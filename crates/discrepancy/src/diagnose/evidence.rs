@@ -27,6 +27,7 @@ const Z95: f64 = 1.959_964;
 const Z95_ONE_SIDED: f64 = 1.644_854;
 /// Largest detectable size, in typical sizes, for an effect to count as within reach.
 const REACH: f64 = 3.0;
+/// Those that have a name.
 pub(super) fn causes(
     problem: &Problem,
     fit: &Fit,
@@ -37,6 +38,9 @@ pub(super) fn causes(
     for (i, found) in fit.point.effects.iter().enumerate() {
         let own = &errors[position..position + found.values.len()];
         position += found.values.len();
+        if problem.curves().contains(&found.candidate) {
+            continue;
+        }
         let evidence = evidence(problem, fit, i)?;
         causes.push(cause(problem, found, own, evidence));
     }

@@ -19,6 +19,7 @@ mod answer;
 mod ceiling;
 mod choice;
 mod conclude;
+mod curve;
 mod data;
 mod derivatives;
 mod doubts;
@@ -54,7 +55,7 @@ use crate::compare::{Pair, UnitSuspicion, unit_suspicion};
 use crate::model::{Columns, Model, PredictError};
 pub use answer::{
     Alternative, Cause, Ceiling, ChannelErrors, CorrelatedSignal, Diagnosis, Evidence, FitRecord,
-    Nominal, Parameter, Proposal, SmallestSeen, Verdict, Work,
+    Nominal, Parameter, Proposal, SmallestSeen, UnknownCurve, Verdict, Work,
 };
 pub use data::{Fine, MIN_SAMPLES, Observation, Output, Regressor};
 pub use floor::{NoiseSample, NoiseSource};

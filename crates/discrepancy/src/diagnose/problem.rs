@@ -14,7 +14,10 @@ pub(super) struct Problem<'a> {
     pub model: &'a dyn Model,
     pub data: &'a Observation,
     pub options: &'a Options,
+    /// Those of the search, then curves.
     pub candidates: Vec<Candidate>,
+    /// What is given of each curve.
+    curves: Vec<Given>,
     /// Those of them that are looked for at the end.
     pub late: Vec<usize>,
     pub nominal: &'a [UncertainSpec],
@@ -30,6 +33,32 @@ pub(super) struct Problem<'a> {
 pub(super) struct Found {
     pub candidate: usize,
     pub values: Vec<f64>,
+}
+
+/// What a curve is given by, and what is fitted of it.
+struct Given {
+    ends: [f64; 2],
+    /// Of each of its values.
+    infos: Vec<ParameterInfo>,
+}
+
+/// Values of curves, coarse and fine; a screening takes the second.
+pub(super) const PLACES: [usize; 4] = [9, 21, 45, 90];
+
+/// A curve with so many values.
+fn of_places(candidate: &Candidate, ends: [f64; 2], places: usize) -> (Candidate, Given) {
+    let info = candidate
+        .kind
+        .parameters()
+        .last()
+        .expect("a curve has values");
+    let given = Given {
+        ends,
+        infos: vec![*info; places],
+    };
+    let mut curve = candidate.clone();
+    curve.scale = vec![candidate.scale[0]; places];
+    (curve, given)
 }
 
 /// Nominal parameters and effects.
@@ -65,6 +94,10 @@ pub(super) struct Variable {
 /// One part in so many of the predictions is kept for the conclusion.
 const KEPT_PART: usize = 10;
 
+/// Standard deviation of a curve's values before the data are seen, in typical sizes: as large as
+/// all that the joint carries. Where the data do not go, a curve is not there.
+const OF_A_CURVE: f64 = 10.0;
+
 /// A nominal parameter is refitted within so many standard deviations; a larger change is not due
 /// to uncertainty.
 const WITHIN_SIGMA: f64 = 3.0;
@@ -82,11 +115,15 @@ impl<'a> Problem<'a> {
             let rms = (squares.sum::<f64>() / output.values.len() as f64).sqrt();
             (1e-9 * rms).max(1e-150)
         });
+        let (curves, given): (Vec<Candidate>, Vec<Given>) = (model.curves().iter())
+            .flat_map(|(candidate, ends)| PLACES.map(|places| of_places(candidate, *ends, places)))
+            .unzip();
         Problem {
             model,
             data,
             options,
-            candidates: model.candidates(),
+            candidates: [model.candidates(), curves].concat(),
+            curves: given,
             late: model.late(),
             nominal: model.nominal(),
             split: Split::new(data),
@@ -194,12 +231,32 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
+    /// The candidates that the search looks for.
+    pub fn searched(&self) -> std::ops::Range<usize> {
+        0..self.candidates.len() - self.curves.len()
+    }
+
+    /// The candidates that are curves.
+    pub fn curves(&self) -> std::ops::Range<usize> {
+        self.searched().end..self.candidates.len()
+    }
+
+    fn given(&self, candidate: usize) -> Option<&Given> {
+        let curve = candidate.checked_sub(self.searched().end)?;
+        self.curves.get(curve)
+    }
+
+    /// The ends of a curve, which are given and not fitted; none of what is no curve.
+    fn ends(&self, candidate: usize) -> &[f64] {
+        self.given(candidate).map_or(&[], |given| &given.ends)
+    }
+
     pub fn effect(&self, found: &Found) -> Effect {
         let candidate = &self.candidates[found.candidate];
         Effect {
             kind: candidate.kind,
             target: candidate.target.clone(),
-            values: found.values.clone(),
+            values: [self.ends(found.candidate), &found.values].concat(),
         }
     }
 
@@ -212,8 +269,12 @@ impl<'a> Problem<'a> {
         }
     }
 
-    pub fn infos(&self, candidate: usize) -> &'static [ParameterInfo] {
-        self.candidates[candidate].kind.parameters()
+    /// Its parameters that are fitted.
+    pub fn infos(&self, candidate: usize) -> &[ParameterInfo] {
+        match self.given(candidate) {
+            Some(given) => &given.infos,
+            None => self.candidates[candidate].kind.parameters(),
+        }
     }
 
     pub fn start(&self) -> Point {
@@ -241,14 +302,21 @@ impl<'a> Problem<'a> {
             });
         let effects = point.effects.iter().flat_map(|found| {
             let scales = &self.candidates[found.candidate].scale;
+            let is_curve = self.given(found.candidate).is_some();
             let rows = self.infos(found.candidate).iter().zip(scales);
             rows.zip(&found.values)
-                .map(|((info, scale), value)| Variable {
+                .map(move |((info, scale), value)| Variable {
                     value: *value,
                     step: (0.01 * distance(info, *value)).max(1e-4 * scale),
                     min: info.min,
                     max: info.max,
-                    prior: Prior::default(),
+                    prior: match is_curve {
+                        false => Prior::default(),
+                        true => Prior {
+                            offset: value - info.neutral,
+                            precision: 1.0 / (OF_A_CURVE * scale),
+                        },
+                    },
                 })
         });
         nominal.chain(effects).collect()

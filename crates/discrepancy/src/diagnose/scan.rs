@@ -29,7 +29,7 @@ impl Search<'_, '_> {
         let gain = |trial: &Fit| base.objective - trial.objective;
         let most = of_one.iter().map(|trial| gain(trial)).fold(0.0, f64::max);
         let mut found = Vec::new();
-        for candidate in 0..problem.candidates.len() {
+        for candidate in problem.searched() {
             let Some(shape) = many_shaped(problem, candidate) else {
                 continue;
             };

@@ -72,7 +72,7 @@ pub(super) fn rank(
         .filter(|signature| !base.point.holds(signature.candidate))
         .map(|signature| extension.ranked(signature))
         .collect();
-    let mut best: Vec<Ranked> = (0..problem.candidates.len())
+    let mut best: Vec<Ranked> = (problem.searched())
         .filter_map(|candidate| extension.best_of(candidate, &ranked))
         .collect();
     let n = problem.split.train.len() as f64;

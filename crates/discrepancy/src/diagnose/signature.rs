@@ -65,7 +65,7 @@ pub(super) fn tests(problem: &Problem, point: &Point) -> usize {
 
 /// Candidates that the point does not hold, but those that are looked for at the end.
 fn absent(problem: &Problem, point: &Point) -> impl Iterator<Item = usize> {
-    (0..problem.candidates.len())
+    (problem.searched())
         .filter(|candidate| !point.holds(*candidate) && !problem.late.contains(candidate))
 }
 

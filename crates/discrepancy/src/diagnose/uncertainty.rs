@@ -19,6 +19,63 @@ pub(super) fn standard_errors(
     fit: &Fit,
     rows: &Rows,
 ) -> Result<Vec<Option<f64>>, DiagnoseError> {
+    let variables = problem.variables(&fit.point).len();
+    let mut errors = vec![None; variables];
+    let Some(normal) = normal(problem, fit, rows)? else {
+        return Ok(errors);
+    };
+    for (a, &i) in normal.felt.iter().enumerate() {
+        let variance = normal.inverse[(a, a)] * normal.widening(a).powi(2);
+        let error = variance.sqrt() * normal.scale[a];
+        // A variance inflated so much by the other variables is rounding.
+        errors[i] = (normal.inverse[(a, a)] < 1e8 && error.is_finite()).then_some(error);
+    }
+    Ok(errors)
+}
+
+/// Covariance of the fit's variables, as wide as their standard errors; zero for those that the
+/// data do not feel. None where they do not determine the others.
+///
+/// # Errors
+/// The simulation cannot be run around the fit.
+pub(super) fn covariance(
+    problem: &Problem,
+    fit: &Fit,
+    rows: &Rows,
+) -> Result<Option<DMatrix<f64>>, DiagnoseError> {
+    let variables = problem.variables(&fit.point).len();
+    let Some(normal) = normal(problem, fit, rows)? else {
+        return Ok(None);
+    };
+    let mut whole = DMatrix::zeros(variables, variables);
+    let size = |a: usize| normal.widening(a) * normal.scale[a];
+    for (a, &i) in normal.felt.iter().enumerate() {
+        for (b, &j) in normal.felt.iter().enumerate() {
+            whole[(i, j)] = normal.inverse[(a, b)] * size(a) * size(b);
+        }
+    }
+    Ok(Some(whole))
+}
+
+/// Normal equations at a fit's end, in scaled variables.
+struct Normal {
+    /// Variables that the data feel.
+    felt: Vec<usize>,
+    scale: Vec<f64>,
+    inverse: DMatrix<f64>,
+    /// Variances by leaving out blocks.
+    jackknife: Option<DVector<f64>>,
+}
+
+impl Normal {
+    /// How much wider the spread over blocks is.
+    fn widening(&self, a: usize) -> f64 {
+        let jackknife = self.jackknife.as_ref().map_or(0.0, |v| v[a]);
+        (jackknife / self.inverse[(a, a)]).max(1.0).sqrt()
+    }
+}
+
+fn normal(problem: &Problem, fit: &Fit, rows: &Rows) -> Result<Option<Normal>, DiagnoseError> {
     let variables = problem.variables(&fit.point);
     let columns = jacobian(problem, rows, &fit.point, &fit.predicted, Vec::new())?;
     let columns: Vec<Vec<f64>> = columns.iter().map(|x| fit.noise.whiten(x, rows)).collect();
@@ -40,18 +97,16 @@ pub(super) fn standard_errors(
         (dot(columns[a], columns[b]) + own) * scale[a] * scale[b]
     });
     let gradient = DVector::from_fn(k, |a, _| dot(columns[a], &target) * scale[a]);
-    let mut errors = vec![None; variables.len()];
     let Some(inverse) = normal.clone().cholesky().map(|c| c.inverse()) else {
-        return Ok(errors);
+        return Ok(None);
     };
     let jackknife = leave_out(problem, rows, &columns, &target, &normal, &gradient, &scale);
-    for (a, &i) in felt.iter().enumerate() {
-        let variance = inverse[(a, a)].max(jackknife.as_ref().map_or(0.0, |v| v[a]));
-        let error = variance.sqrt() * scale[a];
-        // A variance inflated so much by the other variables is rounding.
-        errors[i] = (inverse[(a, a)] < 1e8 && error.is_finite()).then_some(error);
-    }
-    Ok(errors)
+    Ok(Some(Normal {
+        felt,
+        scale,
+        inverse,
+        jackknife,
+    }))
 }
 
 /// A variable counts if the step of its finite difference, about a ten-thousandth of its typical

@@ -20,7 +20,7 @@ use super::signals::{JointSignals, Signals};
 use crate::model::Candidate;
 
 /// Part of a signal that a typical effect changes.
-const SHARE: f64 = 0.1;
+pub(super) const SHARE: f64 = 0.1;
 
 /// Every effect that applies to the scenario, would tell and is not in it already; and a sentence
 /// on those that apply and would not tell.
@@ -31,7 +31,11 @@ pub(super) fn candidates(
 ) -> (Vec<Candidate>, Vec<String>) {
     let mut all = Vec::new();
     let mut untold: BTreeMap<&str, Vec<String>> = BTreeMap::new();
-    for kind in EffectKind::ALL.iter().copied() {
+    for kind in EffectKind::ALL
+        .iter()
+        .copied()
+        .filter(|kind| !kind.is_curve())
+    {
         for target in targets(kind, signals, channels) {
             let effect = Effect::neutral(kind, target);
             let known = |own: &Effect| own.kind == kind && own.target == effect.target;
@@ -99,6 +103,8 @@ fn targets(kind: EffectKind, signals: &Signals, channels: &[ChannelSpec]) -> Vec
 fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<f64>> {
     let parts = scenario.process.facts().parts;
     let scale = match effect.typed()? {
+        // No candidates of the search: see `curves`.
+        Typed::Curve(..) => return None,
         Typed::Joint(joint, effect) => joint_scale(&signals.joints[joint], effect)?.values(),
         Typed::Robot(effect) => robot_scale(signals, effect).values(),
         Typed::Base(_, effect) => base_scale(signals, effect).values(),

@@ -6,6 +6,7 @@
 
 mod cache;
 mod candidates;
+mod curves;
 mod experiments;
 mod jumps;
 mod noise;
@@ -48,6 +49,8 @@ pub struct Trial {
     facts: RobotFacts,
     channels: Vec<ChannelSpec>,
     candidates: Vec<Candidate>,
+    /// Curves for what has no name, each with its ends.
+    curves: Vec<(Candidate, [f64; 2])>,
     engine: Kind,
     robots: Robots,
     /// Drive forces of the arm without effects, for robots that were asked for last.
@@ -220,6 +223,7 @@ impl Trial {
         measured.notes.extend(estimates(scenario, &robots)?);
         let mut trial = Trial {
             candidates,
+            curves: curves::curves(scenario, &signals),
             scenario: scenario.clone(),
             start: start.keys,
             stretches_s: measured.stretches_s(),
@@ -307,6 +311,10 @@ impl Model for Trial {
 
     fn candidates(&self) -> Vec<Candidate> {
         self.candidates.clone()
+    }
+
+    fn curves(&self) -> Vec<(Candidate, [f64; 2])> {
+        self.curves.clone()
     }
 
     fn additive(&self) -> Vec<usize> {

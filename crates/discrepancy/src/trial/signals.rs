@@ -2,6 +2,7 @@
 
 use truecut_recording::measured::Measured;
 use truecut_scenario::Scenario;
+use truecut_scenario::effect::EffectKind;
 use truecut_sim::facts::RobotFacts;
 use truecut_sim::run::Rows;
 
@@ -26,6 +27,10 @@ pub(super) struct JointSignals {
     pub fastest: f64,
     /// Standard deviation of the coordinate.
     pub travel: f64,
+    /// The coordinate from end to end.
+    range: [f64; 2],
+    /// Speed that it exceeds in one sample of a hundred, over several samples.
+    sustained: f64,
     /// Root mean square of the drive force or torque.
     pub effort: f64,
     /// Standard deviation of its magnitude, as a part of that.
@@ -73,6 +78,8 @@ impl Signals {
                     fastest: velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
                         / interval_s,
                     travel: deviation(&coordinate),
+                    range: ends(&coordinate),
+                    sustained: sustained(&coordinate) / interval_s,
                     effort: rms(&efforts),
                     effort_varies: deviation(&magnitudes) / rms(&efforts),
                 }
@@ -95,6 +102,43 @@ impl Signals {
             .map(|joint| FALL_PART * joint.fastest)
             .collect()
     }
+}
+
+impl JointSignals {
+    /// From end to end of what a curve of this kind is given over; `None` where nothing moves.
+    pub(super) fn ends(&self, kind: EffectKind) -> Option<[f64; 2]> {
+        let ends = match kind {
+            EffectKind::JointFrictionBySpeed => [0.0, self.sustained],
+            _ => self.range,
+        };
+        let moves = self.travel > LEAST_TRAVEL && ends[1] - ends[0] > LEAST_TRAVEL;
+        moves.then_some(ends)
+    }
+}
+
+/// A joint that moves by less, rad (m) or as much a second, shows no curve.
+const LEAST_TRAVEL: f64 = 1e-6;
+/// Samples over which a speed is taken: between two of them it is noise.
+const SPEED_OVER: usize = 6;
+
+fn ends(values: &[f64]) -> [f64; 2] {
+    let finite = finite(values);
+    [
+        finite.iter().copied().fold(f64::INFINITY, f64::min),
+        finite.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    ]
+}
+
+fn sustained(values: &[f64]) -> f64 {
+    let pairs = values.windows(SPEED_OVER + 1);
+    let mut speeds: Vec<f64> = finite(
+        &pairs
+            .map(|window| (window[SPEED_OVER] - window[0]).abs() / SPEED_OVER as f64)
+            .collect::<Vec<_>>(),
+    );
+    speeds.sort_by(f64::total_cmp);
+    let last = speeds.len().saturating_sub(1);
+    speeds.get(last - last / 100).copied().unwrap_or(0.0)
 }
 
 /// At its fastest the joint must be beyond the fall: at twice its speed 2 % of the excess are left.

@@ -12,8 +12,8 @@ use crate::unit::significant;
 ///
 /// Samples are masked where the file has no number and where the sensor is at its end. Gaps up to
 /// `max_gap_s` are bridged; in longer ones the result is not valid. An output that never changes is
-/// left out. A channel that is sampled faster than the result is smoothed first, without delay, so that nothing folds
-/// back.
+/// left out. A channel that is sampled faster than the result is smoothed first, without delay, so
+/// that nothing folds back.
 ///
 /// # Errors
 /// A missing column, times that do not rise, too few samples, outputs of which none changes.

@@ -8,12 +8,13 @@ mod catalogue;
 pub(crate) mod table;
 pub(crate) mod text;
 
+use truecut_core::joint_law::Curve;
 use truecut_recording::Unit;
 
 pub use catalogue::{
-    BaseEffect, ClockEffect, CuttingEffect, EffectKind, Family, FootEffect, JointEffect,
-    MillingEffect, Model, ParameterInfo, RobotEffect, SensorEffect, Signal, TargetKind, Typed,
-    WheelEffect,
+    BaseEffect, ClockEffect, CurveEffect, CuttingEffect, EffectKind, Family, FootEffect,
+    JointEffect, MillingEffect, Model, ParameterInfo, RobotEffect, SensorEffect, Signal,
+    TargetKind, Typed, WheelEffect,
 };
 
 /// Unit of a key of the catalogue; a key has the same one in every kind.
@@ -48,9 +49,13 @@ pub struct Effect {
     pub kind: EffectKind,
     /// What it acts on; fits [`EffectKind::target`].
     pub target: Target,
-    /// One value for each of [`EffectKind::parameters`], in their units.
+    /// One value for each of [`EffectKind::parameters`], in their units; of a curve's last as many
+    /// as it has places.
     pub values: Vec<f64>,
 }
+
+/// Most values of a curve.
+pub(crate) const MOST_PLACES: usize = 200;
 
 impl Effect {
     /// The effect at the size at which it changes nothing.
@@ -80,11 +85,15 @@ impl Effect {
                 "`{self}`: an effect of this kind does not act on that"
             ));
         }
-        if self.values.len() != known.len() {
+        let most = match self.kind.is_curve() {
+            true => known.len() - 1 + MOST_PLACES,
+            false => known.len(),
+        };
+        if !(known.len()..=most).contains(&self.values.len()) {
             let (got, needs) = (self.values.len(), known.len());
             return Err(format!("`{self}` has {got} values, but must have {needs}"));
         }
-        for (info, value) in known.iter().zip(&self.values) {
+        for (info, value) in self.infos().zip(&self.values) {
             if !(info.min..=info.max).contains(value) {
                 return Err(format!(
                     "`{}` of `{self}` is {value}, but must be from {} to {}",
@@ -93,6 +102,29 @@ impl Effect {
             }
         }
         Ok(())
+    }
+
+    /// What each value is: the last for all that a curve has of it.
+    fn infos(&self) -> impl Iterator<Item = &'static ParameterInfo> {
+        let known = self.kind.parameters();
+        known.iter().chain(known.iter().last().into_iter().cycle())
+    }
+
+    /// The values that have a name of their own; `None` if there are too few of a curve.
+    fn named(&self) -> Option<&[f64]> {
+        match self.kind.is_curve() {
+            true => self.values.get(..self.kind.parameters().len()),
+            false => Some(&self.values),
+        }
+    }
+
+    /// The curve of an effect that is one ([`EffectKind::is_curve`]).
+    pub fn curve(&self) -> Option<Curve> {
+        let (ends, values) = match self.kind.is_curve() {
+            true => self.values.split_at_checked(2)?,
+            false => return None,
+        };
+        Curve::new(ends[0], ends[1], values)
     }
 
     /// Whether the effect has a parameter with this key and within these bounds; then it is set.
@@ -111,7 +143,7 @@ impl Effect {
 
     /// Whether the effect, by its size, changes nothing.
     pub fn is_neutral(&self) -> bool {
-        let sizes = self.kind.parameters().iter().zip(&self.values);
+        let sizes = self.infos().zip(&self.values);
         sizes
             .filter(|(p, _)| p.is_size)
             .all(|(p, v)| *v == p.neutral)

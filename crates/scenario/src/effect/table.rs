@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value as Json, json};
 
-use super::{Effect, EffectKind, ParameterInfo, Target, TargetKind};
+use super::{Effect, EffectKind, MOST_PLACES, ParameterInfo, Target, TargetKind};
 use crate::check::Check;
 use crate::fault::Fault;
 
@@ -69,6 +69,11 @@ impl JsonSchema for EffectTable {
                 properties.insert(key.into(), number_schema(key));
             }
         }
+        for info in EffectKind::ALL.iter().filter_map(|kind| listed(*kind)) {
+            for key in [info.key, info.rotary_key] {
+                properties.insert(key.into(), list_schema(key));
+            }
+        }
         let variants: Vec<Json> = EffectKind::ALL.iter().map(|kind| variant(*kind)).collect();
         schemars::json_schema!({
             "type": "object",
@@ -103,6 +108,11 @@ fn target_schema(key: &str) -> Json {
 
 /// Schema of a number wherever it stands; its bounds depend on the kind.
 fn number_schema(key: &str) -> Json {
+    json!({ "type": "number", "description": kinds_with(key) })
+}
+
+/// A sentence on the kinds that have a key.
+fn kinds_with(key: &str) -> String {
     let has = |kind: &&EffectKind| {
         let mut known = kind.parameters().iter();
         known.any(|info| key == info.key || key == info.rotary_key)
@@ -110,7 +120,17 @@ fn number_schema(key: &str) -> Json {
     let kinds: Vec<&str> = (EffectKind::ALL.iter().filter(has))
         .map(|kind| kind.name())
         .collect();
-    json!({ "type": "number", "description": format!("Of {}.", kinds.join(", ")) })
+    format!("Of {}.", kinds.join(", "))
+}
+
+/// The parameter that is given as a list, if the kind has one.
+fn listed(kind: EffectKind) -> Option<&'static ParameterInfo> {
+    let last = kind.parameters().last();
+    last.filter(|_| kind.is_curve())
+}
+
+fn list_schema(key: &str) -> Json {
+    json!({ "type": "array", "items": { "type": "number" }, "description": kinds_with(key) })
 }
 
 /// Schema of the entries of one kind.
@@ -128,13 +148,24 @@ fn variant(kind: EffectKind) -> Json {
     }
     for info in kind.parameters() {
         for key in [info.key, info.rotary_key] {
-            let schema = json!({
+            let rule = format!("{} of {}", uncapitalised(info.description), kind.name());
+            let mut schema = json!({
                 "type": "number",
                 "minimum": info.min,
                 "maximum": info.max,
-                "x-rule": format!("{} of {}", uncapitalised(info.description), kind.name()),
+                "x-rule": rule,
                 "description": info.description,
             });
+            if listed(kind).is_some_and(|listed| listed.key == info.key) {
+                schema = json!({
+                    "type": "array",
+                    "items": schema,
+                    "minItems": 1,
+                    "maxItems": MOST_PLACES,
+                    "x-rule": rule,
+                    "description": info.description,
+                });
+            }
             properties.insert(key.into(), schema);
         }
         if info.is_size && !info.depends_on_joint() {
@@ -196,17 +227,20 @@ impl EffectTable {
     fn resolve(&self, path: &str, check: &mut Check) -> Option<(Effect, Option<bool>)> {
         let kind = EffectKind::from_name(self.0.get("kind")?.as_str()?)?;
         let target = self.target(kind)?;
-        let given = |key: &str| self.0.get(key).and_then(Json::as_f64);
+        let given = |key: &str| match self.0.get(key)? {
+            Json::Array(list) => list.iter().map(Json::as_f64).collect(),
+            one => Some(vec![one.as_f64()?]),
+        };
         let mut rotary = None;
         let mut values = Vec::with_capacity(kind.parameters().len());
         for info in kind.parameters() {
             let mut pick = (given(info.key), false);
             if info.depends_on_joint() {
                 let of_rotary = given(info.rotary_key);
+                let both = of_rotary.is_some() && pick.0.is_some();
                 if of_rotary.is_some() {
                     pick = (of_rotary, true);
                 }
-                let both = of_rotary.is_some() && given(info.key).is_some();
                 let mixed = pick.0.is_some() && rotary.is_some_and(|other| other != pick.1);
                 if both || mixed {
                     check.refuse(mixed_keys(path, info, kind));
@@ -220,7 +254,7 @@ impl EffectTable {
                 check.refuse(missing_size(path, info, kind));
                 return None;
             }
-            values.push(pick.0.unwrap_or(info.neutral));
+            values.extend(pick.0.unwrap_or_else(|| vec![info.neutral]));
         }
         let effect = Effect {
             kind,

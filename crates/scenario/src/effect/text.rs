@@ -97,7 +97,8 @@ fn set_values(table: &mut dyn TableLike, effect: &Effect, rotary: bool) {
             .any(|info| table.contains_key(key(info)))
     };
     let rotary = uses(|info| info.rotary_key) || (rotary && !uses(|info| info.key));
-    for (info, value) in known.iter().zip(&effect.values) {
+    let scalars = known.len() - usize::from(effect.kind.is_curve());
+    for (info, value) in known.iter().take(scalars).zip(&effect.values) {
         let key = if rotary { info.rotary_key } else { info.key };
         let old = table.get(key).and_then(Item::as_value);
         let same = |old: &Value| {
@@ -111,6 +112,14 @@ fn set_values(table: &mut dyn TableLike, effect: &Effect, rotary: bool) {
             *new.decor_mut() = old.decor().clone();
         }
         table.insert(key, Item::Value(new));
+    }
+    if let Some(info) = known.get(scalars) {
+        let key = if rotary { info.rotary_key } else { info.key };
+        let list: Array = effect.values[scalars..]
+            .iter()
+            .map(|v| number(*v))
+            .collect();
+        table.insert(key, Item::Value(Value::Array(list)));
     }
 }
 

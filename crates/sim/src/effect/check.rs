@@ -23,6 +23,15 @@ pub(super) fn applies(scenario: &Scenario, index: usize, robot: &Robot) -> Resul
             return refuse("kind", message);
         }
     }
+    if effect.kind.is_curve() && effect.values[0] >= effect.values[1] {
+        let (from, to) = (effect.values[0], effect.values[1]);
+        let message = format!(
+            "the curve ends at {to}, but must end beyond its first knot at {from}: nothing lies between"
+        );
+        let rotary = robot_is_rotary(robot, effect);
+        let info = &effect.kind.parameters()[1];
+        return refuse(if rotary { info.rotary_key } else { info.key }, message);
+    }
     if let Some(
         Typed::Sensor(_, SensorEffect::Delay { delay_s })
         | Typed::Clock(ClockEffect::Delay { delay_s }),
@@ -39,6 +48,13 @@ pub(super) fn applies(scenario: &Scenario, index: usize, robot: &Robot) -> Resul
     }
 }
 
+fn robot_is_rotary(robot: &Robot, effect: &Effect) -> bool {
+    match effect.target {
+        Target::Joint(joint) => robot.chain.joints[joint].kind == JointKind::Revolute,
+        Target::Whole | Target::Axis(_) | Target::Channel(_) => false,
+    }
+}
+
 /// Why the effect, at any size, has nothing to act on in the model that the scenario is about;
 /// `None` if it has. What this refuses, neither a run takes nor a search proposes.
 pub fn misfit(scenario: &Scenario, effect: &Effect) -> Option<String> {
@@ -48,7 +64,10 @@ pub fn misfit(scenario: &Scenario, effect: &Effect) -> Option<String> {
     }
     let (name, parts) = (scenario.process.name(), scenario.process.facts().parts);
     let why = match effect.typed()? {
-        Typed::Joint(..) | Typed::Robot(_) | Typed::Base(_, BaseEffect::Compliance { .. }) => None,
+        Typed::Joint(..)
+        | Typed::Curve(..)
+        | Typed::Robot(_)
+        | Typed::Base(_, BaseEffect::Compliance { .. }) => None,
         Typed::Base(axis, BaseEffect::Tilt { .. }) => tilt_misfit(scenario, axis),
         Typed::Clock(_) | Typed::Sensor(..) => None,
         Typed::Cutting(_) if model == Model::Steady => {

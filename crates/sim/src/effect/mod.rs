@@ -20,10 +20,13 @@ use crate::error::SimError;
 use crate::measurement::Sensors;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use truecut_arm::{Joint, JointKind, Robot};
-use truecut_core::joint_law::{BoucWen, Counterbalance, JointLaw, LinkFriction, Ripple};
+use truecut_core::joint_law::{BoucWen, Counterbalance, Curve, JointLaw, LinkFriction, Ripple};
 use truecut_scenario::Scenario;
-use truecut_scenario::effect::{BaseEffect, Effect, JointEffect, RobotEffect, Typed};
+use truecut_scenario::effect::{
+    BaseEffect, Effect, EffectKind, JointEffect, RobotEffect, Target, Typed,
+};
 
 /// All effects of a scenario.
 #[derive(Debug, Clone, Default)]
@@ -44,7 +47,7 @@ pub(crate) struct Effects {
 }
 
 /// What acts in one joint.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct JointEffects {
     pub stiffness_factor: f64,
     pub damping_factor: f64,
@@ -95,9 +98,12 @@ impl Effects {
         };
         for effect in effects {
             // Those of neutral size are left out, so that a run with them is the nominal one.
-            if !effect.is_neutral()
-                && let Some(typed) = effect.typed()
-            {
+            if effect.is_neutral() {
+                continue;
+            }
+            if let (Target::Joint(joint), Some(curve)) = (&effect.target, effect.curve()) {
+                sum.joints[*joint].add_curve(effect.kind, curve);
+            } else if let Some(typed) = effect.typed() {
                 sum.add(typed, joints);
             }
         }
@@ -107,6 +113,8 @@ impl Effects {
     fn add(&mut self, effect: Typed<'_>, joints: &[Joint]) {
         match effect {
             Typed::Joint(joint, effect) => self.joints[joint].add(effect, joints[joint].kind),
+            // All its values: see `add_curve`.
+            Typed::Curve(..) => {}
             Typed::Robot(RobotEffect::Payload {
                 mass_kg,
                 center_x_m,
@@ -153,13 +161,22 @@ impl JointEffects {
     /// motion, so the drive gives it; what pushes the link by itself the drive need not. Without
     /// friction that grows with the load, which depends on all that is passed on.
     pub(crate) fn against(&self, position: f64, velocity: f64) -> f64 {
-        let friction = self.friction.force(velocity) + self.law.viscous * velocity;
+        let friction = self.friction.at(position).force(velocity) + self.law.viscous * velocity;
         friction - self.law.link_torque(position)
     }
 
     /// Whether the robot's own numbers hold them, without a law beyond spring and damper.
     pub(crate) fn is_built_in(&self) -> bool {
         self.law == JointLaw::default() && self.friction.is_none()
+    }
+
+    fn add_curve(&mut self, kind: EffectKind, curve: Curve) {
+        let place = match kind {
+            EffectKind::JointFrictionByPosition => &mut self.friction.by_position,
+            EffectKind::JointFrictionBySpeed => &mut self.friction.by_speed,
+            _ => &mut self.law.curve,
+        };
+        *place = Some(Arc::new(curve));
     }
 
     fn add(&mut self, effect: JointEffect, kind: JointKind) {

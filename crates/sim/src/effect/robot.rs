@@ -50,12 +50,12 @@ pub(crate) fn alter(nominal: &Robot, effects: &Effects) -> Result<Altered, SimEr
         robot.chain.links.insert(0, link);
     }
     let base = std::iter::repeat_n(super::JointEffects::default(), base_joints);
-    let all: Vec<_> = base.chain(effects.joints.iter().copied()).collect();
+    let all: Vec<_> = base.chain(effects.joints.iter().cloned()).collect();
     Ok(Altered {
         robot,
         base_joints,
-        laws: all.iter().map(|joint| joint.law).collect(),
-        friction: all.iter().map(|joint| joint.friction).collect(),
+        laws: all.iter().map(|joint| joint.law.clone()).collect(),
+        friction: all.iter().map(|joint| joint.friction.clone()).collect(),
     })
 }
 

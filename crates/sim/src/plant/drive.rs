@@ -54,7 +54,7 @@ impl Drive {
                 } else {
                     kind
                 };
-                JointDrive::new(kind, &joint.transmission, *law)
+                JointDrive::new(kind, &joint.transmission, law.clone())
             })
             .collect();
         let zeros = vec![0.0; joints.len()];

@@ -5,7 +5,7 @@ use truecut_core::joint_law::{Elastic, JointLaw};
 use truecut_scenario::DriveKind;
 
 /// Drive of one joint with the memory of its transmission.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct JointDrive {
     pub kind: DriveKind,
     pub rotor: f64,

@@ -102,7 +102,7 @@ macro_rules! effects {
                         let Target::$Target $(($bound))? = &self.target else {
                             return None;
                         };
-                        Typed::$Family($($given,)? $Effect::of(self.kind, &self.values)?)
+                        Typed::$Family($($given,)? $Effect::of(self.kind, self.named()?)?)
                     })+
                 })
             }

@@ -140,6 +140,45 @@ Joint: JointEffect on Joint(joint: usize = *joint) {
             = joint("force_n", Unit::Newton, "force_n_m", Unit::NewtonMetre, 0.0, -1e9, 1e9),
     }
 }
+/// A law of a joint without a name, by values at even places over its position or its speed. Of
+/// these the named one is the first; the whole is [`Effect::curve`].
+Curve: CurveEffect on Joint(joint: usize = *joint) {
+    JointPositionCurve "joint_position_curve" is Position in [Driven, Free, Inverse]:
+        "A force on the link that follows its position: a natural cubic spline, constant beyond its ends." {
+        from: "Position of the first value"
+            = joint("from_m", Unit::Metre, "from_rad", Unit::Radian, 0.0, -1e4, 1e4)
+                .shape(),
+        to: "Position of the last value"
+            = joint("to_m", Unit::Metre, "to_rad", Unit::Radian, 1.0, -1e4, 1e4)
+                .shape(),
+        value: "Values at even places, a list"
+            = joint("forces_n", Unit::Newton, "torques_n_m", Unit::NewtonMetre, 0.0, -1e9, 1e9),
+    }
+    JointFrictionByPosition "joint_friction_by_position" is FrictionByPosition in [Driven, Free, Inverse]:
+        "Dry friction that follows the position, beyond the other: a natural cubic spline; all friction \
+         together is never below zero." {
+        from: "Position of the first value"
+            = joint("from_m", Unit::Metre, "from_rad", Unit::Radian, 0.0, -1e4, 1e4)
+                .shape(),
+        to: "Position of the last value"
+            = joint("to_m", Unit::Metre, "to_rad", Unit::Radian, 1.0, -1e4, 1e4)
+                .shape(),
+        value: "Values at even places, a list"
+            = joint("frictions_n", Unit::Newton, "frictions_n_m", Unit::NewtonMetre, 0.0, -1e9, 1e9),
+    }
+    JointFrictionBySpeed "joint_friction_by_speed" is FrictionBySpeed in [Driven, Free, Inverse]:
+        "Friction that follows the speed, in both directions alike, beyond the other: a natural cubic \
+         spline; all friction together is never below zero." {
+        from: "Speed of the first value"
+            = joint("from_m_per_s", Unit::MetrePerSecond, "from_rad_per_s", Unit::RadianPerSecond, 0.0, 0.0, 1e4)
+                .shape(),
+        to: "Speed of the last value"
+            = joint("to_m_per_s", Unit::MetrePerSecond, "to_rad_per_s", Unit::RadianPerSecond, 1.0, 0.0, 1e4)
+                .shape(),
+        value: "Values at even places, a list"
+            = joint("frictions_n", Unit::Newton, "frictions_n_m", Unit::NewtonMetre, 0.0, -1e9, 1e9),
+    }
+}
 /// The build of the robot.
 Robot: RobotEffect on Whole {
     Payload "payload" is Payload in [Driven, Free, Inverse]: "A mass at the flange." {

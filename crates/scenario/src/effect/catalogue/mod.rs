@@ -5,8 +5,8 @@ mod list;
 mod parameter;
 
 pub use list::{
-    BaseEffect, ClockEffect, CuttingEffect, EffectKind, Family, FootEffect, JointEffect,
-    MillingEffect, RobotEffect, SensorEffect, Typed, WheelEffect,
+    BaseEffect, ClockEffect, CurveEffect, CuttingEffect, EffectKind, Family, FootEffect,
+    JointEffect, MillingEffect, RobotEffect, SensorEffect, Typed, WheelEffect,
 };
 
 use truecut_recording::Unit;
@@ -123,6 +123,12 @@ impl EffectKind {
     /// The signal that its trace follows, if it is one of the mixtures that are looked for.
     pub fn follows(self) -> Option<Signal> {
         self.entry().follows
+    }
+
+    /// Whether it is a curve without a name: its first two parameters are the ends over which it is
+    /// given, and there are as many values of the third as are wanted.
+    pub fn is_curve(self) -> bool {
+        self.family() == Family::Curve
     }
 
     /// Whether it holds `other` as a limit.

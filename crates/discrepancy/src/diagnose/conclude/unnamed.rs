@@ -1,0 +1,71 @@
+//! What has no name, in the answer.
+
+use crate::diagnose::DiagnoseError;
+use crate::diagnose::answer::{Diagnosis, Verdict, names};
+use crate::diagnose::curve::{Shown, shown};
+use crate::diagnose::fit::Fit;
+use crate::diagnose::problem::Problem;
+use crate::diagnose::search::Outcome;
+use crate::diagnose::validate::rms;
+use crate::stats::ratio;
+
+/// The curve that shows what the causes leave: on any joint where the cause is unknown, on those
+/// that have a cause where causes are named, whose shape it may not be.
+pub(super) fn curve(
+    problem: &Problem,
+    outcome: &Outcome,
+    last: &Fit,
+    verdict: Verdict,
+) -> Result<Option<Shown>, DiagnoseError> {
+    match verdict {
+        Verdict::UnknownCause => shown(problem, outcome, last, true),
+        Verdict::Named => shown(problem, outcome, last, false),
+        Verdict::NothingBeyondNoise
+        | Verdict::Ambiguous
+        | Verdict::NotIdentifiable
+        | Verdict::FitFailed => Ok(None),
+    }
+}
+
+/// The verdict with a curve: where it stands, how sure it is, and what it takes away on data that
+/// it was not fitted to.
+pub(super) fn tell(problem: &Problem, last: &Fit, shown: &Shown, diagnosis: &mut Diagnosis) {
+    let curve = &shown.curve;
+    let what = match (curve.kind.as_str(), curve.unit.as_str()) {
+        ("joint_position_curve", "N") => "a force that follows the position",
+        ("joint_position_curve", _) => "a torque that follows the position",
+        ("joint_friction_by_position", _) => "a friction that follows the position",
+        _ => "a friction that follows the speed",
+    };
+    let test = &problem.split.test;
+    let [without, with] = [last, &shown.fit].map(|fit| rms(&fit.residual, test));
+    let gain = |c: &usize| ratio(without[*c], with[*c]);
+    let most = (0..without.len()).max_by(|a, b| gain(a).total_cmp(&gain(b)));
+    let told = most.map(|c| {
+        let spec = &problem.model.channels()[c];
+        let number = |x: f64| truecut_recording::significant(x, 3);
+        format!(
+            " On data it was not fitted to, the error of `{}` falls from {} to {} {}.",
+            spec.name,
+            number(without[c]),
+            number(with[c]),
+            spec.unit
+        )
+    });
+    let instead = match (diagnosis.verdict, last.point.effects.is_empty()) {
+        (Verdict::Named, _) => format!(
+            "{} would explain the discrepancy, but not its shape: it",
+            names(problem, &last.point).join(" + ")
+        ),
+        (_, true) => "No effect known explains the discrepancy; it".to_owned(),
+        (_, false) => "The effects known do not explain the discrepancy; what is left".to_owned(),
+    };
+    diagnosis.verdict = Verdict::UnknownCause;
+    diagnosis.reason = format!(
+        "{instead} looks like {what} of {}, shown as a curve (odds 1 : 1e{:.0} against the model without it).{}",
+        curve.target,
+        curve.log10_odds,
+        told.unwrap_or_default()
+    );
+    diagnosis.curve = Some(curve.clone());
+}

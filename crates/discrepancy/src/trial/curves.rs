@@ -1,0 +1,38 @@
+//! Curves for what has no name, each over the motion of its joint.
+
+use truecut_scenario::Scenario;
+use truecut_scenario::effect::{Effect, EffectKind, Target};
+use truecut_sim::misfit;
+
+use super::candidates::SHARE;
+use super::signals::Signals;
+use crate::model::Candidate;
+
+/// Curves over the position and the speed of every joint that moves, from end to end of its motion.
+pub(super) fn curves(scenario: &Scenario, signals: &Signals) -> Vec<(Candidate, [f64; 2])> {
+    let kinds = EffectKind::ALL
+        .iter()
+        .copied()
+        .filter(|kind| kind.is_curve());
+    let of_kind = |kind: EffectKind| {
+        let joints = signals.joints.iter().enumerate();
+        joints.filter_map(move |(index, joint)| {
+            let effect = Effect::neutral(kind, Target::Joint(index));
+            let known = |own: &Effect| own.kind == kind && own.target == effect.target;
+            let ends = joint.ends(kind)?;
+            let size = SHARE * joint.effort;
+            let shows = size.is_finite() && size > 0.0;
+            if !shows || misfit(scenario, &effect).is_some() || scenario.effects.iter().any(known) {
+                return None;
+            }
+            let candidate = Candidate {
+                kind,
+                rotary: joint.rotary,
+                target: effect.target,
+                scale: vec![size],
+            };
+            Some((candidate, ends))
+        })
+    };
+    kinds.flat_map(of_kind).collect()
+}
