@@ -1,6 +1,6 @@
 //! Bodies about an arm, and the pairs of them that must not touch.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use truecut_arm::{LinkSolids, Robot};
 
 use super::body::{Body, Piece, of_hull, of_shape, piece};
@@ -69,6 +69,8 @@ impl Cell {
         for (index, one) in setup.carried.iter().enumerate() {
             let solid = one.form.load();
             let solid = solid.map_err(|fault| at(&format!("carried.{index}.shape.mesh"), fault))?;
+            check_reach(&one.name, &solid, &one.flange_from_form)
+                .map_err(|fault| at(&format!("carried.{index}.name"), fault))?;
             cell.take_carried(one, solid, last, &(flange * one.flange_from_form));
         }
         for tool in &own.tools {
@@ -86,11 +88,15 @@ impl Cell {
                 .form
                 .load()
                 .map_err(|fault| at("part.shape.mesh", fault))?;
+            check_reach(&part.name, &solid, &part.world_from_form)
+                .map_err(|fault| at("part.shape", fault))?;
             cell.take_standing(&part.name, solid, &part.world_from_form, Kind::Part);
         }
         for (index, one) in setup.fixtures.iter().enumerate() {
             let solid = one.form.load();
             let solid = solid.map_err(|fault| at(&format!("fixture.{index}.shape.mesh"), fault))?;
+            check_reach(&one.name, &solid, &one.world_from_form)
+                .map_err(|fault| at(&format!("fixture.{index}.name"), fault))?;
             cell.take_standing(&one.name, solid, &one.world_from_form, Kind::Fixture);
         }
         cell.check_names(setup)?;
@@ -130,7 +136,11 @@ impl Cell {
         let mut pieces: Vec<Piece> = (link.shapes.iter())
             .map(|(shape, at)| of_shape(shape, at))
             .collect();
-        let hulls = link.meshes_m.iter();
+        let is_near = |points: &&Vec<Vector3<f64>>| {
+            // What is not a number is not near, either.
+            points.iter().all(|point| point.norm() <= FURTHEST_M)
+        };
+        let hulls = link.meshes_m.iter().filter(is_near);
         pieces.extend(hulls.filter_map(|points| Some(of_hull(hull::of_points(points)?, None))));
         if link.is_rod && !pieces.is_empty() {
             self.notes.push(format!(
@@ -277,6 +287,23 @@ impl Cell {
 
 /// The name of the part that a job gives.
 const PART: &str = "part";
+
+/// How far bodies may reach, m: further than any cell.
+const FURTHEST_M: f64 = 1e4;
+
+fn check_reach(name: &str, solid: &Solid, at: &Isometry3<f64>) -> Result<(), CellFault> {
+    let corners = solid.corners_m();
+    let corners = corners.iter().map(|corner| corner.norm());
+    let away_m = corners.fold(at.translation.vector.norm(), f64::max);
+    match away_m <= FURTHEST_M {
+        true => Ok(()),
+        false => Err(CellFault::TooFar {
+            name: name.to_owned(),
+            away_m,
+            limit_m: FURTHEST_M,
+        }),
+    }
+}
 
 fn at(key: &str, fault: CellFault) -> CellError {
     CellError {

@@ -1,8 +1,10 @@
 //! Distances of two bodies.
 
 use nalgebra::{Isometry3, Point3, Vector3};
+use parry3d_f64::math::Pose as ParryPose;
+use parry3d_f64::partitioning::BvhNode;
 use parry3d_f64::query;
-use parry3d_f64::shape::SharedShape;
+use parry3d_f64::shape::{Cuboid, Shape, SharedShape, TriMesh};
 
 use super::cell::{Cell, Pair};
 use crate::surface::to_parry_pose;
@@ -18,6 +20,33 @@ pub(super) struct Apart {
 
 /// Bodies whose balls are further beyond a bar than this are not looked at, m.
 const FAR_M: f64 = 0.1;
+
+/// Distance of a convex body from the triangles of a mesh, m; `None` if it is not below `far_m`.
+/// A box of the tree counts by its distance from the body: boxes about the body, by which parry
+/// orders triangles, leave thousands of them beside a long link.
+fn from_mesh(
+    mesh: &TriMesh,
+    mesh_from_other: &ParryPose,
+    other: &dyn Shape,
+    far_m: f64,
+) -> Option<f64> {
+    let of_box = |node: &BvhNode, _| {
+        let about = node.aabb();
+        let at = ParryPose::from_translation(about.center());
+        let own = Cuboid::new(about.half_extents());
+        // What parry cannot tell is looked into.
+        query::distance(&at, &own, mesh_from_other, other).map_or(0.0, |found| found.distance)
+    };
+    let of_triangle = |index: u32, _| {
+        let own = mesh.triangle(index);
+        let found = query::distance(&ParryPose::identity(), &own, mesh_from_other, other);
+        Some(found.map_or(0.0, |found| found.distance))
+    };
+    let nearest = mesh
+        .bvh()
+        .find_best(far_m.min(f64::MAX), of_box, of_triangle);
+    nearest.map(|(_, found_m)| found_m)
+}
 
 impl Cell {
     /// How far a pair is apart. What is known to be further than `bar_m` is not looked at closely.
@@ -52,7 +81,20 @@ impl Cell {
                         continue;
                     }
                 }
-                let found_m = from(&one.shape, &one.frame_from_shape);
+                let found_m = match one.shape.as_trimesh() {
+                    Some(mesh) => {
+                        let mesh_from_other = (at_a * one.frame_from_shape).inverse() * pose;
+                        let way = to_parry_pose(&mesh_from_other);
+                        let far_m = bar_m + slack_m;
+                        let Some(found_m) = from_mesh(mesh, &way, other.shape.as_ref(), far_m)
+                        else {
+                            apart.bound_m = apart.bound_m.min(bar_m);
+                            continue;
+                        };
+                        (found_m - slack_m).max(0.0)
+                    }
+                    None => from(&one.shape, &one.frame_from_shape),
+                };
                 apart.least_m = apart.least_m.min(found_m);
                 apart.bound_m = apart.bound_m.min(found_m);
             }

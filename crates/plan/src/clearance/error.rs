@@ -21,6 +21,14 @@ pub enum CellFault {
     /// A mesh that cannot be read.
     #[error(transparent)]
     Mesh(#[from] SurfaceError),
+    #[error(
+        "\"{name}\" reaches {away_m:.3e} m from the origin of its frame or of the world; at most {limit_m} m are looked at"
+    )]
+    TooFar {
+        name: String,
+        away_m: f64,
+        limit_m: f64,
+    },
     #[error("the mesh has no size: none of its {triangles} triangles has an area")]
     NoSize { triangles: usize },
     #[error(

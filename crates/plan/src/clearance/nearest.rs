@@ -240,7 +240,8 @@ impl Cell {
             let ends = [posture.as_slice(), stations[station + 1].posture.as_slice()];
             let rest_m = self.motion_m(robot, one.pair, &frames, ends);
             if rest_m > budget_m {
-                way += (1.0 - way) * budget_m / rest_m;
+                // Bodies of more than 100 m get no smaller steps than this.
+                way += (1.0 - way) * (budget_m / rest_m).max(1e-4);
                 budget_m = 0.0;
             } else {
                 budget_m -= rest_m;
