@@ -3,6 +3,7 @@
 mod results;
 
 mod cam;
+mod clearance;
 mod compare;
 mod diagnose;
 mod identify;
