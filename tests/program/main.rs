@@ -8,6 +8,7 @@ mod compare;
 mod diagnose;
 mod identify;
 mod kept;
+mod maps;
 mod path;
 mod signals;
 mod stability;
