@@ -6,6 +6,7 @@ use parry3d_f64::partitioning::BvhNode;
 use parry3d_f64::query;
 use parry3d_f64::shape::{Cuboid, Shape, SharedShape, TriMesh};
 
+use super::body::Piece;
 use super::cell::{Cell, Pair};
 use crate::surface::to_parry_pose;
 
@@ -59,6 +60,8 @@ impl Cell {
         };
         for one in &a.pieces {
             for other in &b.pieces {
+                // What is no nearer than another piece does not matter, either.
+                let bar_m = bar_m.min(apart.least_m);
                 let way = at_a * Point3::from(one.centre_m) - at_b * Point3::from(other.centre_m);
                 let balls_m = way.norm() - one.radius_m - other.radius_m;
                 if balls_m >= bar_m + FAR_M {
@@ -136,7 +139,8 @@ impl Cell {
         };
         b.pieces.iter().any(|piece| {
             let point = frames[b.frame] * Point3::from(piece.inner_m);
-            solid.holds(&(at.inverse() * point).coords)
+            let is_about = |own: &Piece| (point.coords - own.centre_m).norm() <= own.radius_m;
+            a.pieces.iter().any(is_about) && solid.holds(&(at.inverse() * point).coords)
         })
     }
 }

@@ -231,7 +231,7 @@ impl Cell {
                     return;
                 }
                 let tolerance_m = TOLERANCE_M.max(TOLERANCE_SHARE * apart.bound_m);
-                budget_m = (apart.bound_m - bar_m).max(2.0 * tolerance_m);
+                budget_m = (apart.bound_m - bar_m).max(0.0) + 2.0 * tolerance_m;
                 begins = false;
             }
             if is_last {
