@@ -11,7 +11,7 @@ use truecut_plan::program::{Frames, Settings, Tool};
 use truecut_plan::program::{dialect_of, read_text};
 use truecut_plan::surface::part::{Part, PartOptions};
 use truecut_plan::surface::{Mesh, MeshUse, PatchFile};
-use truecut_scenario::{Identification, PathJob};
+use truecut_scenario::{CellFile, Identification, PathJob};
 use truecut_telemetry::{read_recording, read_table};
 
 use crate::seeds::{Seed, root, seeds};
@@ -77,6 +77,15 @@ pub const READERS: &[Reader] = &[
         seeds: path_jobs,
         read: |case| said(PathJob::from_str(case.path, &case.text())),
         commands: &[&["path", "CASE"]],
+    },
+    Reader {
+        name: "cell",
+        seeds: cells,
+        read: |case| {
+            let at_flange = nalgebra::Isometry3::identity();
+            said(CellFile::from_str(case.path, &case.text(), &at_flange))
+        },
+        commands: &[&["path", "x.nc", "--robot", "ROBOT", "--cell", "CASE"]],
     },
     Reader {
         name: "identification",
@@ -187,6 +196,10 @@ fn runnable() -> Vec<Seed> {
 
 fn path_jobs() -> Vec<Seed> {
     seeds(EVERYWHERE, &["toml"], has("surface"))
+}
+
+fn cells() -> Vec<Seed> {
+    seeds(EVERYWHERE, &["toml"], has("[fixture]"))
 }
 
 fn identifications() -> Vec<Seed> {

@@ -53,14 +53,15 @@ fn notes<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
 
 /// What is wrong with how a command of the program took the fixture; empty if nothing is.
 fn complaints(command: &str, file: &Path) -> Vec<String> {
+    complaints_of(&[command, file.to_str().unwrap()], file)
+}
+
+/// As [`complaints`], of a command that names the file in its own way.
+fn complaints_of(command: &[&str], file: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(file).unwrap();
     let out = tempfile::tempdir().unwrap();
-    let mut arguments = vec![
-        command,
-        file.to_str().unwrap(),
-        "--out",
-        out.path().to_str().unwrap(),
-    ];
+    let mut arguments = command.to_vec();
+    arguments.extend(["--out", out.path().to_str().unwrap()]);
     for set in notes(&text, "set") {
         arguments.extend(["--set", set]);
     }
@@ -297,6 +298,30 @@ fn every_bad_path_job_is_refused_with_place_value_and_rule() {
     let mut wrong = Vec::new();
     for file in fixtures("path", "toml", 28) {
         let complaints = complaints("path", &file);
+        if !complaints.is_empty() {
+            wrong.push(format!("{}: {}", file.display(), complaints.join("\n  ")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+/// Cells are read before the path that goes through them.
+#[test]
+fn every_bad_cell_is_refused_with_place_value_and_rule() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let robot = root.join("assets/robots/hp20/robot.urdf");
+    let mut wrong = Vec::new();
+    for file in fixtures("cell", "toml", 10) {
+        let cell = file.to_str().unwrap();
+        let command = [
+            "path",
+            "x.nc",
+            "--robot",
+            robot.to_str().unwrap(),
+            "--cell",
+            cell,
+        ];
+        let complaints = complaints_of(&command, &file);
         if !complaints.is_empty() {
             wrong.push(format!("{}: {}", file.display(), complaints.join("\n  ")));
         }

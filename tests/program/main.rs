@@ -3,10 +3,12 @@
 mod results;
 
 mod cam;
+mod clearance;
 mod compare;
 mod diagnose;
 mod identify;
 mod kept;
+mod maps;
 mod path;
 mod signals;
 mod stability;

@@ -105,5 +105,6 @@ impl Link {
             ..mesh
         });
         self.meshes.extend(meshes);
+        self.solids.take(other.solids, own_from_other);
     }
 }

@@ -83,6 +83,7 @@ mod placed;
 pub mod report;
 mod report_estimates;
 mod report_text;
+mod solids;
 mod table;
 mod tangent;
 mod tip;
@@ -113,11 +114,12 @@ pub use mjcf::{MjcfDrive, MjcfOptions, to_mjcf};
 pub use modal::{LinearArm, Modes};
 pub use model::{
     Chain, FrameId, Frames, Joint, JointKind, Limits, Link, MAX_JOINTS, Robot, Servo, Shape,
-    ToolLoad, Transmission, TransmissionSources, Visual, standard_gravity_m_s2,
+    Solids, ToolLoad, Transmission, TransmissionSources, Visual, standard_gravity_m_s2,
 };
 pub use moving::{Follower, Moving};
 pub use opw::{ArmBranch, Elbow, OpwGeometry, Shoulder, SingularityDistance, Wrist};
 pub use packages::Packages;
 pub use placed::Placed;
 pub use report::RobotReport;
+pub use solids::LinkSolids;
 pub use tangent::Load;

@@ -6,7 +6,7 @@ use crate::bounds::{self, Masses};
 use crate::error::{ArmError, ArmErrorKind};
 use crate::mass_sum::MassSum;
 use crate::meshes::LinkMesh;
-use crate::model::{Chain, Joint, JointKind, Link, MAX_JOINTS, Transmission, Visual};
+use crate::model::{Chain, Joint, JointKind, Link, MAX_JOINTS, Solids, Transmission, Visual};
 use crate::moving::Follower;
 use crate::tree::{Freedom, Tree};
 
@@ -294,6 +294,7 @@ struct MergedBody {
     masses: MassSum,
     visuals: Vec<Visual>,
     meshes: Vec<LinkMesh>,
+    solids: Solids,
 }
 
 impl MergedBody {
@@ -349,6 +350,7 @@ impl MergedBody {
             link_from_mesh: body_from_link * mesh.link_from_mesh,
             ..mesh.clone()
         }));
+        self.solids.take(link.solids.clone(), body_from_link);
     }
 
     fn into_link(self, name: &str) -> Link {
@@ -360,6 +362,7 @@ impl MergedBody {
             inertia_about_com_kg_m2,
             visuals: self.visuals,
             meshes: self.meshes,
+            solids: self.solids,
         }
     }
 }

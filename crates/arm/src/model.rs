@@ -162,6 +162,16 @@ pub struct Link {
     pub visuals: Vec<Visual>,
     /// Files to draw, see [`Robot::drawn_links`].
     pub meshes: Vec<LinkMesh>,
+    /// What may touch something else, see [`Robot::solids`].
+    pub solids: Solids,
+}
+
+/// What of a link takes up room: the shapes and meshes that a URDF has for collision, else those
+/// that it has to be seen, each in the link's frame.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Solids {
+    pub shapes: Vec<(Shape, Isometry3<f64>)>,
+    pub meshes: Vec<LinkMesh>,
 }
 
 /// A serial chain. `links[i]` is moved by `joints[i]`, and its frame is that joint's frame.

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::meshes::{LinkMesh, MeshReference};
-use crate::model::{JointKind, Limits, Visual};
+use crate::model::{JointKind, Limits, Solids, Visual};
 use crate::moving::motion;
 use crate::urdf::known_names;
 use crate::xml::ElementLines;
@@ -36,6 +36,7 @@ pub(crate) struct TreeLink {
     pub(crate) meshes: Vec<MeshReference>,
     /// Those that are drawn and were found on disk.
     pub(crate) drawn: Vec<LinkMesh>,
+    pub(crate) solids: Solids,
     pub(crate) parent_joint: Option<usize>,
     pub(crate) child_joints: Vec<usize>,
 }

@@ -9,7 +9,7 @@ use urdf_rs::JointType;
 use crate::doubts;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::meshes;
-use crate::model::Limits;
+use crate::model::{Limits, Solids};
 use crate::tree::{Freedom, Mimic, Tree, TreeJoint, TreeLink};
 use crate::undrawn;
 use crate::visual::{Palette, color, palette, pose, visual};
@@ -18,7 +18,7 @@ use crate::xml::{ElementLines, UrdfLines, scan};
 /// Reads `text` as the URDF at `path` and checks what does not depend on the choice of a tip.
 pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
     let (text, notes) = undrawn::taken_out(text);
-    let meshes = meshes::references(&text);
+    let (meshes, solids) = meshes::references(&text);
     let (lines, text) = scan(&text, path)?;
     let urdf = urdf_rs::read_from_string(&text).map_err(|error| {
         let message = error.to_string().replace('\n', " ");
@@ -46,6 +46,9 @@ pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
     }
     connect(&mut tree)?;
     tree.root = find_root(&tree)?;
+    for (link, own) in tree.links.iter_mut().zip(solids) {
+        link.solids.shapes = own;
+    }
     for ((link, own), urdf) in tree.links.iter_mut().zip(meshes).zip(&urdf.links) {
         link.meshes = own;
         let seen = link.meshes.iter_mut().filter(|mesh| !mesh.is_collision);
@@ -115,6 +118,7 @@ fn link(urdf: &urdf_rs::Link, lines: ElementLines, palette: &Palette) -> TreeLin
         mass_source: None,
         meshes: Vec::new(),
         drawn: Vec::new(),
+        solids: Solids::default(),
         visuals,
         parent_joint: None,
         child_joints: Vec::new(),

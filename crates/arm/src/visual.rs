@@ -21,7 +21,15 @@ pub(crate) fn palette(urdf: &urdf_rs::Robot) -> Palette<'_> {
 
 /// The visual, `None` if it is a mesh.
 pub(crate) fn visual(urdf: &urdf_rs::Visual, palette: &Palette) -> Option<Visual> {
-    let shape = match &urdf.geometry {
+    Some(Visual {
+        shape: shape(&urdf.geometry)?,
+        link_from_visual: pose(&urdf.origin),
+        color_rgba: color(urdf, palette).unwrap_or(DEFAULT_RGBA),
+    })
+}
+
+fn shape(geometry: &Geometry) -> Option<Shape> {
+    Some(match geometry {
         Geometry::Box { size } => Shape::Box {
             half_extents_m: Vector3::from(size.0) * 0.5,
         },
@@ -35,11 +43,6 @@ pub(crate) fn visual(urdf: &urdf_rs::Visual, palette: &Palette) -> Option<Visual
         },
         &Geometry::Sphere { radius } => Shape::Sphere { radius_m: radius },
         Geometry::Mesh { .. } => return None,
-    };
-    Some(Visual {
-        shape,
-        link_from_visual: pose(&urdf.origin),
-        color_rgba: color(urdf, palette).unwrap_or(DEFAULT_RGBA),
     })
 }
 

@@ -72,8 +72,8 @@ pub enum Command {
     Identify(IdentifyArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
     Robot(RobotArguments),
-    /// Print the JSON Schema of the scenario file, the identification file, the path job or
-    /// robot.toml
+    /// Print the JSON Schema of the scenario file, the identification file, the path job, the
+    /// cell, a surface or robot.toml
     Schema(SchemaArguments),
 }
 
@@ -132,6 +132,9 @@ pub struct SchemaArguments {
     /// Of the file of a surface's patch
     #[arg(long, conflicts_with_all = ["path", "identification", "robot"])]
     pub surface: bool,
+    /// Of the cell
+    #[arg(long, conflicts_with_all = ["path", "identification", "robot", "surface"])]
+    pub cell: bool,
 }
 
 impl SchemaArguments {
@@ -143,6 +146,8 @@ impl SchemaArguments {
             truecut_arm::config::json_schema().to_value()
         } else if self.surface {
             truecut_plan::surface::PatchFile::json_schema()
+        } else if self.cell {
+            truecut_scenario::CellFile::json_schema()
         } else if self.path {
             truecut_scenario::PathJob::json_schema()
         } else {

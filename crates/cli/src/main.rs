@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod clearance;
 mod compare;
 mod crosscheck;
 mod diagnose;

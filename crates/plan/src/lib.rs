@@ -45,6 +45,7 @@ mod assessment;
 mod bounds;
 pub mod cam;
 mod chain;
+pub mod clearance;
 mod criterion;
 mod error;
 mod intervals;

@@ -130,12 +130,29 @@ impl Recorder {
         !self.sinks.is_empty() && time_s >= self.next_frame_s - 1e-9
     }
 
+    /// Whether frames are of any use: what is seen is not kept without a sink.
+    pub fn takes_frames(&self) -> bool {
+        !self.sinks.is_empty()
+    }
+
     /// A frame; dropped if none is due yet.
     ///
     /// # Panics
     /// If it has not one pose for each body, one force for each arrow and one set of values for
     /// each field of the scene.
     pub fn push_frame(&mut self, frame: Frame) {
+        self.take_frame(frame, false);
+    }
+
+    /// The last frame of a run, whether one is due or not.
+    ///
+    /// # Panics
+    /// As [`Recorder::push_frame`].
+    pub fn push_last_frame(&mut self, frame: Frame) {
+        self.take_frame(frame, true);
+    }
+
+    fn take_frame(&mut self, frame: Frame, is_last: bool) {
         let scene = &self.recording.header.scene;
         assert_eq!(
             frame.poses.len(),
@@ -152,7 +169,7 @@ impl Recorder {
             scene.fields.len(),
             "one set of values for each field"
         );
-        if !self.frame_is_due(frame.time_s) {
+        if !is_last && !self.frame_is_due(frame.time_s) {
             return;
         }
         // Counted from the due time, not from the frame's, so that the rate does not drift with the

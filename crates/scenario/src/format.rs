@@ -15,6 +15,7 @@ pub(crate) enum Format {
     Scenario,
     PathJob,
     Identification,
+    Cell,
 }
 
 impl Format {
@@ -23,6 +24,7 @@ impl Format {
             Format::Scenario => &["process"],
             Format::PathJob => &["surface", "wheel", "path", "program"],
             Format::Identification => &["stiffness", "modes"],
+            Format::Cell => &["fixture", "carried", "part"],
         }
     }
 
@@ -31,6 +33,7 @@ impl Format {
             Format::Scenario => "a scenario",
             Format::PathJob => "a path job",
             Format::Identification => "an identification",
+            Format::Cell => "a cell",
         }
     }
 
@@ -40,6 +43,7 @@ impl Format {
             Format::Scenario => "truecut run",
             Format::PathJob => "truecut path",
             Format::Identification => "truecut identify",
+            Format::Cell => "truecut program --cell",
         }
     }
 

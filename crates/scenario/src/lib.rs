@@ -45,6 +45,7 @@
 #![warn(missing_docs)]
 
 mod adjust;
+mod cell;
 mod check;
 mod claim;
 mod column;
@@ -84,6 +85,7 @@ mod units;
 mod windows;
 
 pub use adjust::{JointSpec, LinkSpec};
+pub use cell::CellFile;
 pub use data::DataSpec;
 pub use error::{Problem, ScenarioError};
 pub use excerpt::{excerpt, harmless_text};

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use toml_edit::{DocumentMut, Item, Value};
 
 /// Keys of every scenario that hold the path of a file, relative to its folder.
-const PATHS: [&str; 3] = ["robot.urdf", "robot.config", "data.file"];
+const PATHS: [&str; 4] = ["robot.urdf", "robot.config", "data.file", "cell"];
 
 /// Rewrites relative paths of a text from folder `from` so that they hold in folder `to`. `files`
 /// are the dotted keys of its process that hold paths.

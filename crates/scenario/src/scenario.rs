@@ -48,6 +48,8 @@ pub struct Scenario {
     /// Modes of tool and workpiece beside the arm's, of processes that do not have them in their
     /// own table.
     pub attached: AttachedModes,
+    /// File of what stands about the arm, for clearances.
+    pub cell: Option<PathBuf>,
     /// What must hold of the run; empty if the scenario is a sweep.
     pub claims: Vec<ClaimSpec>,
     /// Values of keys to run at, if the scenario is a sweep.
@@ -330,6 +332,7 @@ impl ScenarioTable {
             run,
             process,
             attached: attached.unwrap_or_default(),
+            cell: self.cell.map(|file| folder.join(file)),
             claims,
             sweep,
             effects: effects.effects,

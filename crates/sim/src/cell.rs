@@ -171,14 +171,20 @@ impl Cell {
             if let Some(row) = row {
                 recorder.push_row(time_s, row)?;
             }
-            if recorder.frame_is_due(time_s) {
+            // The last frame has what the process left in the end.
+            let is_last = step >= cell.steps && recorder.takes_frames();
+            if is_last || recorder.frame_is_due(time_s) {
                 let stage = stage
                     .get_or_insert_with(|| Stage::new(cell.setting.clone(), cell.process.as_ref()));
-                let shows = step >= next_shown || step + shown_every / 10 >= cell.steps;
+                let shows = is_last || step >= next_shown;
                 if shows {
                     next_shown = step + shown_every;
                 }
-                recorder.push_frame(cell.frame(stage, time_s, shows));
+                let frame = cell.frame(stage, time_s, shows);
+                match is_last {
+                    true => recorder.push_last_frame(frame),
+                    false => recorder.push_frame(frame),
+                }
             }
             if step % STEPS_PER_REPORT == 0 {
                 progress(step as f64 / cell.steps as f64);

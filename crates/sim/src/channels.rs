@@ -67,18 +67,24 @@ fn base_specs(axis: &str) -> [ChannelSpec; 3] {
     ]
 }
 
+/// Channel of a joint's link coordinate; `number` counts from 1.
+pub(crate) fn position_name(number: usize, kind: JointKind) -> String {
+    match kind {
+        JointKind::Revolute => format!("joint{number}.angle"),
+        JointKind::Prismatic => format!("joint{number}.position"),
+    }
+}
+
 fn joint_specs(number: usize, joint: &Joint) -> [ChannelSpec; 5] {
     let (name, kind) = (&joint.name, joint.kind);
-    let (coordinate, position, velocity, effort, torque) = match kind {
+    let (position, velocity, effort, torque) = match kind {
         JointKind::Revolute => (
-            "angle",
             Unit::Radian,
             Unit::RadianPerSecond,
             Unit::NewtonMetre,
             "transmission_torque",
         ),
         JointKind::Prismatic => (
-            "position",
             Unit::Metre,
             Unit::MetrePerSecond,
             Unit::Newton,
@@ -92,8 +98,13 @@ fn joint_specs(number: usize, joint: &Joint) -> [ChannelSpec; 5] {
             format!("{text}, joint `{name}`"),
         )
     };
+    let coordinate = ChannelSpec::new(
+        position_name(number, kind),
+        position,
+        format!("Link coordinate, joint `{name}`"),
+    );
     [
-        spec(coordinate, position, "Link coordinate"),
+        coordinate,
         spec("velocity", velocity, "Link velocity"),
         spec("command", position, "Commanded coordinate"),
         spec(torque, effort, "What the transmission exerts on the link"),

@@ -62,5 +62,5 @@ pub use replay::rigid::Forces;
 pub use replay::start::{FoundStart, found_start};
 pub use replay::steady::SteadyModel;
 pub use robots::Robots;
-pub use scene::{arm_view, mesh_body};
+pub use scene::{Surroundings, arm_view, mesh_body};
 pub use travel_view::travel_view;

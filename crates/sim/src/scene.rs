@@ -7,7 +7,7 @@ mod view;
 
 pub(crate) use shapes::arm_bodies;
 pub use tooling::{Held, Tooling};
-pub use view::{arm_view, mesh_body};
+pub use view::{Surroundings, arm_view, mesh_body};
 
 use crate::loads::Attachment;
 use crate::plant::Plant;

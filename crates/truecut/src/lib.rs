@@ -338,6 +338,7 @@
 
 pub mod data;
 mod journal;
+mod maps;
 pub mod outputs;
 mod predictions;
 mod staged;

@@ -13,6 +13,7 @@ use truecut_telemetry::{
     Background, Column, FileError, IpcSink, ParquetSink, Reason, RrdSink, Values, write_columns,
 };
 
+use crate::maps::{MAP_MESH, MAP_TABLE, MAP_TEXT, MapSink};
 use crate::staged::Staged;
 
 /// The files of one scenario, in a folder named like it. They get their places together, by
@@ -78,9 +79,14 @@ impl Outputs {
 
     /// The other files.
     pub fn other_files(&self) -> Vec<&'static str> {
-        let all = [VIEWER, RECORDING, SUMMARY];
+        let all = [VIEWER, RECORDING, MAP_TABLE, MAP_TEXT, MAP_MESH, SUMMARY];
         let main = if self.rrd { VIEWER } else { RECORDING };
-        let written = |name: &&'static str| *name != main && (self.rrd || *name != VIEWER);
+        let is_map = |name: &str| [MAP_TABLE, MAP_TEXT, MAP_MESH].contains(&name);
+        let written = |name: &&'static str| {
+            *name != main
+                && (self.rrd || *name != VIEWER)
+                && (!is_map(name) || self.path(name).is_file())
+        };
         all.into_iter().filter(written).collect()
     }
 
@@ -89,6 +95,7 @@ impl Outputs {
         let mut sinks: Vec<Box<dyn Sink + Send>> = vec![
             Box::new(IpcSink::new(self.path(STREAM))),
             Box::new(ParquetSink::new(self.files.path(RECORDING))),
+            Box::new(MapSink::new(|name| self.files.path(name))),
         ];
         if self.rrd {
             sinks.push(Box::new(RrdSink::new(self.files.path(VIEWER))));
@@ -162,8 +169,9 @@ impl Outputs {
         let summary = serde_json::to_string_pretty(&Summary::new(recording, claims))
             .map_err(|error| failed(&path, error.into()))?;
         write_file(&path, format!("{summary}\n").as_bytes())?;
-        self.files
-            .publish(&[VIEWER, RECORDING, STREAM, MODEL, COMPARISON, SUMMARY])
+        self.files.publish(&[
+            VIEWER, RECORDING, STREAM, MODEL, COMPARISON, MAP_TABLE, MAP_TEXT, MAP_MESH, SUMMARY,
+        ])
     }
 }
 

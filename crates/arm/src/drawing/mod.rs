@@ -4,12 +4,12 @@ mod light;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
-use crate::meshes::{LinkMesh, read};
+use crate::meshes::{LinkMesh, Part, read};
 use crate::model::{FrameId, Robot, Shape, Visual};
 use crate::visual::DEFAULT_RGBA;
 
 /// Radius of a link that is drawn from joint to joint, as a part of the arm's length.
-const RADIUS_PER_LENGTH: f64 = 0.03;
+pub(crate) const RADIUS_PER_LENGTH: f64 = 0.03;
 
 /// What is drawn of a link, in its frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,7 +61,7 @@ impl Robot {
     }
 
     /// Where base and links end, each in its frame: at the next joint, or at the flange.
-    fn ends(&self) -> impl Iterator<Item = Vector3<f64>> {
+    pub(crate) fn ends(&self) -> impl Iterator<Item = Vector3<f64>> {
         let moving = self.chain.moving();
         let ends = moving.map(|body| body.parent_from_joint.translation.vector);
         ends.chain([self
@@ -72,6 +72,11 @@ impl Robot {
 }
 
 fn of_file(mesh: &LinkMesh) -> Result<Vec<DrawnMesh>, String> {
+    Ok(light::thinned(placed(mesh)?, mesh.color_rgba))
+}
+
+/// The triangles of a link's mesh, in the link's frame.
+pub(crate) fn placed(mesh: &LinkMesh) -> Result<Vec<Part>, String> {
     let place = |corner: Vector3<f64>| {
         let scaled = corner.component_mul(&mesh.scale);
         mesh.link_from_mesh.rotation * scaled + mesh.link_from_mesh.translation.vector
@@ -86,11 +91,11 @@ fn of_file(mesh: &LinkMesh) -> Result<Vec<DrawnMesh>, String> {
         }
     }
     let parts = parts.into_iter().filter(|part| !part.triangles.is_empty());
-    Ok(light::thinned(parts.collect(), mesh.color_rgba))
+    Ok(parts.collect())
 }
 
 /// A capsule from the origin to a point.
-fn rod(end: &Vector3<f64>, radius_m: f64) -> Visual {
+pub(crate) fn rod(end: &Vector3<f64>, radius_m: f64) -> Visual {
     let down = || UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
     let rotation = UnitQuaternion::rotation_between(&Vector3::z(), end).unwrap_or_else(down);
     Visual {

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
+use crate::model::Shape;
 use crate::packages::Packages;
 use crate::tree::{Tree, TreeLink};
 
@@ -54,6 +55,12 @@ pub(crate) fn find(tree: &mut Tree, urdf: &Path, packages: &Packages) -> Option<
             seen => seen,
         };
         link.drawn = drawn;
+        link.solids.meshes = self::found(link, true, folder, packages).0;
+        if link.solids.meshes.is_empty() && link.solids.shapes.is_empty() {
+            let seen = link.visuals.iter();
+            link.solids.shapes = seen.map(|one| (one.shape, one.link_from_visual)).collect();
+            link.solids.meshes.clone_from(&link.drawn);
+        }
         missing.extend(faults);
     }
     let first = missing.first()?;
@@ -116,19 +123,23 @@ pub(crate) fn located(file: &str, folder: &Path, packages: &Packages) -> Result<
     Ok(path)
 }
 
-/// The meshes of every link, in file order; numbers that cannot be read count as not given, since
-/// nothing but volumes and pictures depends on them.
-pub(crate) fn references(text: &str) -> Vec<Vec<MeshReference>> {
+/// Primitive shapes, each in the frame of its link.
+type Shapes = Vec<(Shape, Isometry3<f64>)>;
+
+/// The meshes of every link and its primitive shapes for collision, in file order; numbers that
+/// cannot be read count as not given, since nothing but volumes, clearances and pictures depends on
+/// them.
+pub(crate) fn references(text: &str) -> (Vec<Vec<MeshReference>>, Vec<Shapes>) {
     let options = ParsingOptions {
         allow_dtd: true,
         ..ParsingOptions::default()
     };
     let Ok(document) = Document::parse_with_options(text, options) else {
-        return Vec::new();
+        return (Vec::new(), Vec::new());
     };
     let links = document.root_element().children();
     let links = links.filter(|node| node.has_tag_name("link"));
-    links.map(|link| of_link(&link)).collect()
+    links.map(|link| (of_link(&link), solids(&link))).unzip()
 }
 
 fn of_link(link: &Node) -> Vec<MeshReference> {
@@ -138,22 +149,67 @@ fn of_link(link: &Node) -> Vec<MeshReference> {
             return None;
         }
         let mesh = shape.descendants().find(|node| node.has_tag_name("mesh"))?;
-        let origin = shape.children().find(|node| node.has_tag_name("origin"));
-        let numbers = |name| origin.and_then(|origin| three(origin.attribute(name)?));
-        let [x, y, z] = numbers("xyz").unwrap_or_default();
-        let [roll, pitch, yaw] = numbers("rpy").unwrap_or_default();
         Some(MeshReference {
             file: mesh.attribute("filename")?.trim().to_owned(),
             scale: Vector3::from(mesh.attribute("scale").and_then(three).unwrap_or([1.0; 3])),
-            link_from_mesh: Isometry3::from_parts(
-                Translation3::new(x, y, z),
-                UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-            ),
+            link_from_mesh: origin(&shape),
             is_collision,
             color_rgba: None,
         })
     });
     shapes.collect()
+}
+
+/// Primitive shapes for collision; those without a size are left out.
+fn solids(link: &Node) -> Shapes {
+    let shapes = link
+        .children()
+        .filter(|node| node.has_tag_name("collision"));
+    let solids = shapes.filter_map(|shape| {
+        let geometry = shape
+            .children()
+            .find(|node| node.has_tag_name("geometry"))?;
+        let own = geometry.children().find(Node::is_element)?;
+        let size = |name: &str| {
+            let size: f64 = own.attribute(name)?.trim().parse().ok()?;
+            (size.is_finite() && size > 0.0).then_some(size)
+        };
+        let solid = match own.tag_name().name() {
+            "box" => {
+                let sides = own.attribute("size").and_then(three)?;
+                let has_size = sides.iter().all(|side| *side > 0.0);
+                has_size.then(|| Shape::Box {
+                    half_extents_m: Vector3::from(sides) * 0.5,
+                })?
+            }
+            "cylinder" => Shape::Cylinder {
+                radius_m: size("radius")?,
+                length_m: size("length")?,
+            },
+            "capsule" => Shape::Capsule {
+                radius_m: size("radius")?,
+                length_m: size("length")?,
+            },
+            "sphere" => Shape::Sphere {
+                radius_m: size("radius")?,
+            },
+            _ => return None,
+        };
+        Some((solid, origin(&shape)))
+    });
+    solids.collect()
+}
+
+/// Where a shape stands on its link.
+fn origin(shape: &Node) -> Isometry3<f64> {
+    let origin = shape.children().find(|node| node.has_tag_name("origin"));
+    let numbers = |name| origin.and_then(|origin| three(origin.attribute(name)?));
+    let [x, y, z] = numbers("xyz").unwrap_or_default();
+    let [roll, pitch, yaw] = numbers("rpy").unwrap_or_default();
+    Isometry3::from_parts(
+        Translation3::new(x, y, z),
+        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    )
 }
 
 fn three(text: &str) -> Option<[f64; 3]> {

@@ -95,6 +95,9 @@ pub struct CamArguments {
     /// Acceleration of the tool on lines, for the cycle time
     #[arg(long, value_name = "M/S2", value_parser = above_zero)]
     pub acceleration_m_per_s2: Option<f64>,
+    /// Cell (.toml): part, fixtures and what the flange carries, which must not touch
+    #[arg(long, value_name = "FILE")]
+    pub cell: Option<PathBuf>,
 }
 
 /// Faster than any robot by far, mm/s.
@@ -164,6 +167,9 @@ pub struct ProgramArguments {
     /// Roll, pitch and yaw of a job's base frame in the world
     #[arg(long, value_name = "R,P,Y", value_parser = three, allow_hyphen_values = true)]
     pub base_rpy_deg: Option<[f64; 3]>,
+    /// Cell (.toml): part, fixtures and what the flange carries, which must not touch
+    #[arg(long, value_name = "FILE")]
+    pub cell: Option<PathBuf>,
 }
 
 /// What `truecut program` reads.

@@ -6,6 +6,7 @@ use serde_json::Value;
 use truecut::outputs::write_file;
 use truecut_arm::{JointKind, Robot};
 use truecut_plan::cam::{self, CamOptions, CamPath, WorkSetup};
+use truecut_plan::clearance::Station;
 use truecut_plan::program::{
     Dialect, Motion, Options, Program, ProgramError, Replay, ReplayOptions, Settings, Start,
     TravelOptions, dialect_named, maker_note, read_text,
@@ -15,10 +16,12 @@ use truecut_recording::{ChannelSpec, Chunk, Header, Outcome, Recording, Sink, Un
 use truecut_sim::travel_view;
 use truecut_telemetry::RrdSink;
 
+use super::files::{slide_cells, slide_heads};
 use crate::args::{CamArguments, PathArguments};
+use crate::clearance::Checked;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::program::run_through;
+use crate::program::{RunThrough, run_through};
 use crate::robot::{of_slides, posture, with_slides, without_tool};
 
 /// Most frames of the recording.
@@ -30,6 +33,8 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     let robot = robot(cam, file)?;
     let dialect = dialect(cam)?;
     let settings = settings(cam, dialect, file)?;
+    let cell = cam.cell.as_deref();
+    let cell = cell.map(|file| Checked::cell(&robot, file)).transpose()?;
     let text = read_text(file).map_err(|error| Failure::at(file, error))?;
     let options = CamOptions {
         chord_m: cam.chord_mm.unwrap_or(0.01) * 1e-3,
@@ -40,8 +45,51 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     };
     let read = cam::read(&text, file, &options).map_err(|error| refused(file, &error))?;
     check_spin(cam, &read, file)?;
-    let posture = start_posture(cam, &robot)?;
-    let head = head(cam, dialect, &settings, &robot, file)?;
+    let program = followed(arguments, &robot, dialect, &settings, &read)?;
+    let replay = program.replay(&robot, &ReplayOptions::default());
+    let clearance = cell.map(|cell| {
+        let is_rapid = |point: usize| read.points[point].feed_m_per_s.is_none();
+        let stations = Station::of_replay(&program, &replay, is_rapid);
+        Checked::of(&robot, cell, stations)
+    });
+    let planned = Planned {
+        robot: &robot,
+        read: &read,
+        program: &program,
+        replay: &replay,
+        clearance: clearance.as_ref(),
+    };
+    let written = write(arguments, dialect, &settings, &planned)?;
+    let name = |point: usize| {
+        let line = read.points[point].line;
+        format!("line {line}, path point {point}")
+    };
+    let status = run_through(&RunThrough {
+        robot: &robot,
+        program: &program,
+        replay: &replay,
+        deviation: None,
+        clearance: clearance.as_ref(),
+        point_name: &name,
+        acceleration_m_per_s2: cam.acceleration_m_per_s2,
+    })?;
+    if let Some((first, rest)) = written.split_first() {
+        crate::print(&format!("\n{}", crate::text::written(first, rest)))?;
+    }
+    Ok(status)
+}
+
+/// The program of a path that was read, with what there is to note.
+fn followed(
+    arguments: &PathArguments,
+    robot: &Robot,
+    dialect: &dyn Dialect,
+    settings: &Settings,
+    read: &CamPath,
+) -> Result<Program, Failure> {
+    let (file, cam) = (&arguments.file, &arguments.cam);
+    let posture = start_posture(cam, robot)?;
+    let head = head(cam, dialect, settings, robot, file)?;
     let setup = WorkSetup {
         world_from_work: crate::program::frame(cam.work_xyz_mm, cam.work_rpy_deg),
         spin_rad: cam.spin_deg.map(f64::to_radians),
@@ -55,23 +103,24 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
         ..TravelOptions::default()
     };
     let start = posture.as_deref().map_or(Start::AtRest, Start::Near);
-    let program = cam::follow(start, &robot, head, &read, file, &setup, &travel);
+    let program = cam::follow(start, robot, head, read, file, &setup, &travel);
     let mut program = program.map_err(|error| refused(file, &error))?;
-    program.notes.extend(without_tool(&robot));
-    program.notes.extend(maker_note(dialect, &robot));
+    program.notes.extend(without_tool(robot));
+    program.notes.extend(maker_note(dialect, robot));
     program
         .notes
         .extend(dialect.limits_note().map(str::to_owned));
     program.notes.extend(of_slides(cam.slide_mm.as_deref()));
-    let replay = program.replay(&robot, &ReplayOptions::default());
-    let written = write(
-        arguments, &robot, dialect, &settings, &read, &program, &replay,
-    )?;
-    let status = run_through(&robot, &program, &replay, None, cam.acceleration_m_per_s2)?;
-    if let Some((first, rest)) = written.split_first() {
-        crate::print(&format!("\n{}", crate::text::written(first, rest)))?;
-    }
-    Ok(status)
+    Ok(program)
+}
+
+/// What is planned of a file, before it is written.
+struct Planned<'a> {
+    robot: &'a Robot,
+    read: &'a CamPath,
+    program: &'a Program,
+    replay: &'a Replay,
+    clearance: Option<&'a Checked>,
 }
 
 fn robot(cam: &CamArguments, file: &Path) -> Result<Robot, Failure> {
@@ -201,13 +250,11 @@ fn unwritten(file: &Path, read: &CamPath, error: &ProgramError) -> Failure {
 
 fn write(
     arguments: &PathArguments,
-    robot: &Robot,
     dialect: &dyn Dialect,
     settings: &Settings,
-    read: &CamPath,
-    program: &Program,
-    replay: &Replay,
+    planned: &Planned<'_>,
 ) -> Result<Vec<PathBuf>, Failure> {
+    let (robot, read, program) = (planned.robot, planned.read, planned.program);
     let stem = arguments.file.file_stem().unwrap_or_default();
     let folder = arguments.out.join(stem);
     // First what can be refused.
@@ -215,14 +262,18 @@ fn write(
         .write(program, robot, settings)
         .map_err(|error| unwritten(&arguments.file, read, &error))?;
     let (points, recording) = (folder.join("path.csv"), folder.join("path.rrd"));
-    let table = table(read, program, robot);
+    let slides_mm = arguments.cam.slide_mm.as_deref().unwrap_or_default();
+    let slides_m: Vec<f64> = slides_mm.iter().map(|mm| mm * 1e-3).collect();
+    let table = table(read, program, robot, &slides_m);
     write_file(
         &points,
         &table.map_err(|error| Failure::at(&points, error))?,
     )?;
-    record(robot, program, replay, &recording)?;
+    record(planned, &recording)?;
     let mut written = vec![points, recording];
-    for one in files {
+    // What collides gets no program.
+    let holds = planned.clearance.is_none_or(Checked::holds);
+    for one in files.into_iter().filter(|_| holds) {
         let file = folder.join(one.name);
         write_file(&file, one.text.as_bytes())?;
         written.push(file);
@@ -231,7 +282,12 @@ fn write(
 }
 
 /// One row a path point: line of the file, pose in the world, posture.
-fn table(read: &CamPath, program: &Program, robot: &Robot) -> csv::Result<Vec<u8>> {
+fn table(
+    read: &CamPath,
+    program: &Program,
+    robot: &Robot,
+    slides_m: &[f64],
+) -> csv::Result<Vec<u8>> {
     let mut out = csv::Writer::from_writer(Vec::new());
     let heads = [
         "point",
@@ -249,6 +305,7 @@ fn table(read: &CamPath, program: &Program, robot: &Robot) -> csv::Result<Vec<u8
     ];
     let names = heads.map(str::to_owned).into_iter();
     let names = names.chain((1..=robot.dof()).map(|j| format!("j{j}")));
+    let names = names.chain(slide_heads(slides_m));
     out.write_record(names.chain(["feed_mm_per_s".to_owned()]))?;
     for (step, source) in program.moves.iter().zip(&read.points) {
         let pose = program.world_from_base * step.base_from_tool;
@@ -258,6 +315,7 @@ fn table(read: &CamPath, program: &Program, robot: &Robot) -> csv::Result<Vec<u8
         cells.extend([t.x, t.y, t.z].map(|mm| format!("{mm:.6}")));
         cells.extend([q.w, q.i, q.j, q.k].map(|part| format!("{part:.9}")));
         cells.extend(joint_cells(robot, &step.posture));
+        cells.extend(slide_cells(slides_m));
         cells.push(match step.motion {
             Motion::Linear { speed_m_per_s } => format!("{:.3}", speed_m_per_s * 1e3),
             Motion::Joint { .. } => String::new(),
@@ -268,7 +326,8 @@ fn table(read: &CamPath, program: &Program, robot: &Robot) -> csv::Result<Vec<u8
 }
 
 /// The arm along the path, and its joints over time, for the viewer.
-fn record(robot: &Robot, program: &Program, replay: &Replay, file: &Path) -> Result<(), Failure> {
+fn record(planned: &Planned<'_>, file: &Path) -> Result<(), Failure> {
+    let (robot, program, replay) = (planned.robot, planned.program, planned.replay);
     let failed = |error: truecut_recording::SinkError| Failure::message(error.to_string());
     if let Some(folder) = file.parent() {
         std::fs::create_dir_all(folder).map_err(|error| Failure::at(folder, error))?;
@@ -276,27 +335,38 @@ fn record(robot: &Robot, program: &Program, replay: &Replay, file: &Path) -> Res
     let every = replay.rows.len().div_ceil(FRAMES).max(1);
     // Turns on the spot take no time here: a viewer shows one row an instant.
     let mut rows: Vec<(f64, &[f64])> = Vec::new();
-    for row in replay.rows.iter().step_by(every) {
+    let mut clearance_m = Vec::new();
+    let over = planned.clearance.map(|own| own.over_stations(robot, every));
+    for (k, row) in replay.rows.iter().step_by(every).enumerate() {
         if rows.last().is_none_or(|(time_s, _)| row.time_s > *time_s) {
             rows.push((row.time_s, &row.posture));
+            clearance_m.extend(over.as_ref().map(|over| over[k]));
         }
     }
-    let (scene, frames) = travel_view(robot, &rows);
+    let about = planned.clearance.map(Checked::surroundings);
+    let (scene, frames) = travel_view(robot, &rows, about.unwrap_or_default());
     let joints = robot.chain.joints.iter().enumerate();
     let channel = |(i, joint): (usize, &truecut_arm::Joint)| {
         let name = format!("joint{}.angle", i + 1);
         ChannelSpec::new(name, Unit::Radian, format!("angle of {}", joint.name))
     };
+    let mut channels: Vec<ChannelSpec> = joints.map(channel).collect();
+    let time_s: Vec<f64> = rows.iter().map(|(time_s, _)| *time_s).collect();
+    let column = |joint: usize| rows.iter().map(|(_, posture)| posture[joint]).collect();
+    let mut columns: Vec<Vec<f64>> = (0..robot.dof()).map(column).collect();
+    // Where there is nothing that could be met, there is no clearance.
+    if !clearance_m.is_empty() && clearance_m.iter().all(|m| m.is_finite()) {
+        let what = "distance of the two bodies that are nearest to each other";
+        channels.push(ChannelSpec::new("cell.clearance", Unit::Metre, what));
+        columns.push(clearance_m);
+    }
     let header = Header {
         scenario_name: program.name.clone(),
         scenario_text: String::new(),
-        channels: joints.map(channel).collect(),
+        channels,
         scene,
         notes: program.notes.clone(),
     };
-    let time_s: Vec<f64> = rows.iter().map(|(time_s, _)| *time_s).collect();
-    let column = |joint: usize| rows.iter().map(|(_, posture)| posture[joint]).collect();
-    let columns: Vec<Vec<f64>> = (0..robot.dof()).map(column).collect();
     let mut sink = RrdSink::new(file);
     sink.begin(&header).map_err(failed)?;
     let chunk = Chunk {

@@ -11,7 +11,8 @@ use crate::figure::{BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, th
 /// Most points of a curve.
 const POINTS: usize = 1500;
 
-/// Four panels: lines on the face, widths and depths along them, joint angles, joint speeds.
+/// Five panels: lines on the face, widths and depths along them, joint angles, joint speeds,
+/// clearance.
 pub fn figure(answer: &PlannedPath<'_>) -> Figure {
     Figure {
         title: format!("{}: path", answer.job.name),
@@ -20,6 +21,7 @@ pub fn figure(answer: &PlannedPath<'_>) -> Figure {
             along(answer),
             joints(answer),
             speeds(answer),
+            clearance(answer),
         ],
         columns: 2,
         legend: Legend::Above,
@@ -157,4 +159,19 @@ fn speeds(answer: &PlannedPath<'_>) -> Panel {
         "speed over its limit",
         layers.collect(),
     )
+}
+
+/// Places at which the clearance is drawn.
+const CLEARANCES: usize = 400;
+
+/// Clearance of the nearest bodies over time.
+fn clearance(answer: &PlannedPath<'_>) -> Panel {
+    let rows = &answer.replay.rows;
+    let every = rows.len().div_ceil(CLEARANCES).max(1);
+    let clearance = (answer.clearance).over_stations(&answer.inputs.robot, every);
+    let times = rows.iter().step_by(every).map(|row| row.time_s);
+    let curve = times.zip(clearance).filter(|(_, m)| m.is_finite());
+    let curve: Vec<(f64, f64)> = curve.map(|(time_s, m)| (time_s, m * 1e3)).collect();
+    let layers = vec![Layer::line("", curve, BLUE)];
+    Panel::new("Clearance", "time [s]", "nearest bodies [mm]", layers)
 }

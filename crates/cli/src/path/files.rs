@@ -21,7 +21,8 @@ pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failu
     let rrd = folder.join("path.rrd");
     view::show(answer, &written, &rrd)?;
     written.push(rrd);
-    for one in program {
+    // What collides gets no program.
+    for one in program.into_iter().filter(|_| answer.clearance.holds()) {
         let file = folder.join(one.name);
         write_file(&file, one.text.as_bytes())?;
         written.push(file);
@@ -45,7 +46,9 @@ fn table(answer: &PlannedPath<'_>) -> csv::Result<Vec<u8>> {
     let mut out = csv::Writer::from_writer(Vec::new());
     let joints = (1..=answer.inputs.robot.dof()).map(|j| format!("j{j}"));
     let before = BEFORE_JOINTS.map(str::to_owned).into_iter();
-    out.write_record(before.chain(joints).chain(AFTER_JOINTS.map(str::to_owned)))?;
+    let slides_m = &answer.job.robot.posture_m;
+    let heads = joints.chain(slide_heads(slides_m));
+    out.write_record(before.chain(heads).chain(AFTER_JOINTS.map(str::to_owned)))?;
     let mut moves = answer.program.moves.iter();
     let is_taught = |part: &&Part| matches!(part.segment, Segment::Taught(_));
     let before = answer.parts.iter().take_while(is_taught).count();
@@ -60,11 +63,22 @@ fn table(answer: &PlannedPath<'_>) -> csv::Result<Vec<u8>> {
             // The tool is lifted at the first pose of a line.
             let contact = line
                 .and_then(|(line, depths)| Some((line.get(k.checked_sub(1)?)?, *depths.get(k)?)));
-            let joints = joint_cells(&answer.inputs.robot, &step.posture);
+            let mut joints = joint_cells(&answer.inputs.robot, &step.posture);
+            joints.extend(slide_cells(slides_m));
             out.write_record(row(&answer.program, part, step, joints, contact))?;
         }
     }
     out.into_inner().map_err(|error| error.into_error().into())
+}
+
+/// Columns of where slides stand.
+pub fn slide_heads(places_m: &[f64]) -> impl Iterator<Item = String> {
+    (1..=places_m.len()).map(|slide| format!("slide{slide}_mm"))
+}
+
+/// Where slides stand: the same in every row, since programs move rotary joints alone.
+pub fn slide_cells(places_m: &[f64]) -> impl Iterator<Item = String> + '_ {
+    places_m.iter().map(|m| format!("{:.6}", m * 1e3))
 }
 
 const BEFORE_JOINTS: [&str; 13] = [

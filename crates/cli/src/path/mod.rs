@@ -7,11 +7,13 @@ mod inputs;
 mod text;
 mod view;
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use rayon::prelude::*;
+use truecut_plan::clearance::{Carried, Form, Own, Station};
 use truecut_plan::motion::joints::slowest_joint_s;
 use truecut_plan::program::{
-    Finding, FindingKind, Motion, Move, Program, ProgramErrorKind, TravelOptions,
+    Finding, FindingKind, Motion, Move, Program, ProgramErrorKind, Replay, ReplayOptions,
+    TravelOptions,
 };
 use truecut_plan::surface::Mesh;
 use truecut_plan::surface_path::{
@@ -20,6 +22,7 @@ use truecut_plan::surface_path::{
 use truecut_scenario::PathJob;
 
 use crate::args::PathArguments;
+use crate::clearance::Checked;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -36,6 +39,9 @@ struct PlannedPath<'a> {
     /// Indentation of the wheel in patch and body at each pose of each line, m: `[line][pose]`.
     depth_m: Vec<Vec<f64>>,
     findings: Vec<Finding>,
+    clearance: Checked,
+    /// The program run through: the places at which clearances are looked at.
+    replay: Replay,
 }
 
 /// Poses between two updates of the progress bar.
@@ -60,11 +66,15 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     let inputs = Inputs::load(&job)?;
     let answer = answer(&job, &inputs)?;
     let written = files::write(&answer, &arguments.out)?;
-    crate::print(&text::printed(&answer, &written))
+    crate::print(&text::printed(&answer, &written))?;
+    Ok(match answer.clearance.holds() {
+        true => ExitStatus::Good,
+        false => ExitStatus::ClaimFailed,
+    })
 }
 
 fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, Failure> {
-    let progress = Progress::new(3, "path");
+    let progress = Progress::new(4, "path");
     let run = progress.run();
     let path = (job.path.lines(&job.wheel, &inputs.patch)).map_err(|error| refused(job, &error))?;
     drop(run);
@@ -80,6 +90,9 @@ fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, F
         return Err(too_fast(job, fast));
     }
     drop(run);
+    let run = progress.run();
+    let (clearance, replay) = clearance(job, inputs, &program)?;
+    drop(run);
     Ok(PlannedPath {
         job,
         inputs,
@@ -88,7 +101,42 @@ fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, F
         program,
         depth_m,
         findings,
+        clearance,
+        replay,
     })
+}
+
+/// How near arm, wheel and what is carried come to the part, its copies and what stands about it.
+fn clearance(
+    job: &PathJob,
+    inputs: &Inputs,
+    program: &Program,
+) -> Result<(Checked, Replay), Failure> {
+    let mesh = inputs.body.as_ref().unwrap_or(&inputs.patch_mesh);
+    let at = job.surface.world_from_patch;
+    let places: Vec<Isometry3<f64>> = match &job.symmetry {
+        Some(symmetry) => symmetry.places().map(|copy| copy * at).collect(),
+        None => vec![at],
+    };
+    // A cylinder's axis is its z, the wheel's is the tool's y.
+    let about_y = Isometry3::rotation(Vector3::x() * std::f64::consts::FRAC_PI_2);
+    let wheel = Carried {
+        name: "wheel".to_owned(),
+        form: Form::Cylinder {
+            radius_m: job.wheel.radius_m,
+            length_m: job.wheel.width_m,
+        },
+        flange_from_form: program.tool.flange_from_tool * about_y,
+        cuts: true,
+    };
+    let own = Own {
+        part: places.into_iter().map(|place| (mesh, place)).collect(),
+        tools: vec![wheel],
+    };
+    let cell = Checked::cell_of_job(&inputs.robot, job.cell.as_deref(), &own)?;
+    let replay = program.replay(&inputs.robot, &ReplayOptions::default());
+    let stations = Station::of_replay(program, &replay, |_| false);
+    Ok((Checked::of(&inputs.robot, cell, stations), replay))
 }
 
 /// Indentation of the whole wheel in the whole patch and body, at every pose.

@@ -22,6 +22,10 @@ pub fn printed(answer: &PlannedPath<'_>, written: &[PathBuf]) -> String {
         &[Align::Left, Align::Right, Align::Left],
         &rows(answer),
     ));
+    text.push_str(&answer.clearance.faults(&|point| name(answer, point)));
+    if !answer.clearance.holds() {
+        text.push_str("  ✗ no program is written: what collides is not to be run\n");
+    }
     text.push_str(&notes(answer));
     if let Some((first, rest)) = written.split_first() {
         text.push_str(&format!("\n{}", text::written(first, rest)));
@@ -107,7 +111,48 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
     ]);
     let hardest = hardest(answer, &durations);
     rows.extend(hardest.map(|(share, joint, point)| fastest_joint(share, &joint, point)));
+    rows.push(answer.clearance.row(&|point| name(answer, point)));
     rows
+}
+
+/// A path point with the segment that it belongs to.
+fn name(answer: &PlannedPath<'_>, point: usize) -> String {
+    let mut first = 0;
+    for part in &answer.parts {
+        let (count, kind) = match &part.segment {
+            Segment::Planned(poses) => (poses.len(), "segment"),
+            Segment::Taught(points) => (points.postures.len(), "taught segment"),
+        };
+        if point < first + count {
+            let copy = match answer.job.symmetry {
+                Some(_) => format!(" of copy {}", part.copy + 1),
+                None => String::new(),
+            };
+            return format!("path point {point} ({kind} {}{copy})", part.index + 1);
+        }
+        first += count;
+    }
+    format!("path point {point}")
+}
+
+/// What clearances are of.
+fn checked_note(answer: &PlannedPath<'_>) -> String {
+    let about = match answer.job.cell {
+        Some(_) => "",
+        None => {
+            ", without fixtures and spindle: a cell has these (`cell = \"FILE\"`, `truecut schema --cell`)"
+        }
+    };
+    let table = match answer.job.symmetry {
+        Some(symmetry) if symmetry.turntable => {
+            "; the part is taken as it stands at the lines, not while the turntable turns"
+        }
+        _ => "",
+    };
+    format!(
+        "clearances are those of the whole program, moves between lines too{about}; the wheel is \
+         held against the part by its depth on lines, by its clearance elsewhere{table}"
+    )
 }
 
 /// How near the patch comes to the face of the mesh.
@@ -178,6 +223,9 @@ fn notes(answer: &PlannedPath<'_>) -> String {
     if more > 0 {
         text.push_str(&format!("  note: and {more} more of this kind\n"));
     }
+    for note in answer.clearance.notes() {
+        text.push_str(&format!("  note: {note}\n"));
+    }
     let slides_m = &answer.job.robot.posture_m;
     if !slides_m.is_empty() {
         text.push_str(&format!("  note: {}\n", slides_note(slides_m)));
@@ -188,9 +236,6 @@ fn notes(answer: &PlannedPath<'_>) -> String {
     if let Some(note) = answer.job.program.dialect.limits_note() {
         text.push_str(&format!("  note: {note}\n"));
     }
-    text.push_str(
-        "  note: only the wheel is checked, where it grinds and where it is lifted; the spindle, \
-         the arm and the moves between are not\n",
-    );
+    text.push_str(&format!("  note: {}\n", checked_note(answer)));
     text
 }

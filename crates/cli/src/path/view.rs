@@ -19,7 +19,10 @@ pub fn show(answer: &PlannedPath<'_>, written: &[PathBuf], rrd: &Path) -> Result
     let (job, inputs) = (answer.job, answer.inputs);
     let at = &job.surface.world_from_patch;
     let workpiece = inputs.body.as_ref().unwrap_or(&inputs.patch_mesh);
-    let standing = vec![mesh_body("workpiece", at, workpiece)];
+    let mut about = answer.clearance.surroundings();
+    about
+        .standing
+        .insert(0, mesh_body("workpiece", at, workpiece));
     let moves = &answer.program.moves;
     let mut time_s = 0.0;
     let times = durations_s(answer).into_iter().map(|step_s| {
@@ -33,7 +36,7 @@ pub fn show(answer: &PlannedPath<'_>, written: &[PathBuf], rrd: &Path) -> Result
         (times[at], moves[at].posture.as_slice())
     });
     let tooling = Tooling::drum([job.wheel.radius_m, job.wheel.width_m]);
-    let (scene, frames) = arm_view(&inputs.robot, &tooling, stops, standing);
+    let (scene, frames) = arm_view(&inputs.robot, &tooling, stops, about);
     let title = format!("{}: path", job.name);
     let source = truecut_files::read_text(job.path()).unwrap_or_default();
     let shown = PlanShown {
@@ -50,11 +53,10 @@ pub fn show(answer: &PlannedPath<'_>, written: &[PathBuf], rrd: &Path) -> Result
     write_plan(rrd, &shown).map_err(|error| Failure::message(error.to_string()))
 }
 
-/// Where the wheel touches, line by line, world.
+/// Where the wheel touches, line by line, and where bodies come nearest to each other, world.
 fn lines(answer: &PlannedPath<'_>, world_from_patch: &Isometry3<f64>) -> Vec<Vec<[f64; 3]>> {
     let place = |point| (world_from_patch * Point3::from(point)).coords.into();
     let lines = answer.path.lines.iter();
-    lines
-        .map(|line| line.iter().map(|contact| place(contact.point_m)).collect())
-        .collect()
+    let lines = lines.map(|line| line.iter().map(|contact| place(contact.point_m)).collect());
+    lines.chain(answer.clearance.nearest()).collect()
 }

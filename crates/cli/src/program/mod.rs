@@ -5,10 +5,12 @@ mod read;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use truecut_arm::Robot;
+use truecut_plan::clearance::Station;
 use truecut_plan::program::{FindingKind, Motion, Program, Replay, ReplayOptions, ZoneReport};
 use truecut_recording::{Unit, significant};
 
 use crate::args::ProgramArguments;
+use crate::clearance::Checked;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::robot::{of_slides, with_slides, without_tool};
@@ -42,24 +44,50 @@ pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
     let replay = program.replay(&robot, &ReplayOptions::default());
     let deviation = (path.as_ref()).map(|path| Deviation::of(&program, path));
     let deviation = deviation.transpose()?;
-    let acceleration = arguments.acceleration_m_per_s2;
-    run_through(&robot, &program, &replay, deviation.as_ref(), acceleration)
+    let cell = arguments.cell.as_deref();
+    let cell = cell.map(|file| Checked::cell(&robot, file)).transpose()?;
+    let clearance = cell.map(|cell| {
+        let stations = Station::of_replay(&program, &replay, |_| false);
+        Checked::of(&robot, cell, stations)
+    });
+    let name = |point: usize| format!("path point {point}");
+    run_through(&RunThrough {
+        robot: &robot,
+        program: &program,
+        replay: &replay,
+        deviation: deviation.as_ref(),
+        clearance: clearance.as_ref(),
+        point_name: &name,
+        acceleration_m_per_s2: arguments.acceleration_m_per_s2,
+    })
+}
+
+/// What came of running a program through.
+pub struct RunThrough<'a> {
+    pub robot: &'a Robot,
+    pub program: &'a Program,
+    pub replay: &'a Replay,
+    pub deviation: Option<&'a Deviation>,
+    pub clearance: Option<&'a Checked>,
+    /// Tells a path point.
+    pub point_name: &'a dyn Fn(usize) -> String,
+    pub acceleration_m_per_s2: Option<f64>,
 }
 
 /// Prints what came of running a program through, and says whether the robot can run it.
-pub fn run_through(
-    robot: &Robot,
-    program: &Program,
-    replay: &Replay,
-    deviation: Option<&Deviation>,
-    acceleration_m_per_s2: Option<f64>,
-) -> Result<ExitStatus, Failure> {
-    let zones = program.zones(acceleration_m_per_s2);
-    crate::print(&printed(robot, program, replay, deviation, &zones))?;
+pub fn run_through(run: &RunThrough<'_>) -> Result<ExitStatus, Failure> {
+    let zones = run.program.zones(run.acceleration_m_per_s2);
+    crate::print(&printed(run, &zones))?;
     let grave = |kind: &FindingKind| !matches!(kind, FindingKind::NearSingularity { .. });
-    let holds = !replay.findings.iter().any(|finding| grave(&finding.kind))
-        && deviation
-            .is_none_or(|d| d.position_m.value <= ALLOWED_M && d.attitude_rad.value <= ALLOWED_RAD);
+    let near =
+        |d: &Deviation| d.position_m.value <= ALLOWED_M && d.attitude_rad.value <= ALLOWED_RAD;
+    let holds = !run
+        .replay
+        .findings
+        .iter()
+        .any(|finding| grave(&finding.kind))
+        && run.deviation.is_none_or(near)
+        && run.clearance.is_none_or(Checked::holds);
     Ok(if holds {
         ExitStatus::Good
     } else {
@@ -76,13 +104,8 @@ pub fn frame(xyz_mm: Option<[f64; 3]>, rpy_deg: Option<[f64; 3]>) -> Isometry3<f
     )
 }
 
-fn printed(
-    robot: &Robot,
-    program: &Program,
-    replay: &Replay,
-    deviation: Option<&Deviation>,
-    zones: &ZoneReport,
-) -> String {
+fn printed(run: &RunThrough<'_>, zones: &ZoneReport) -> String {
+    let (program, replay) = (run.program, run.replay);
     let lines = (program.moves.iter()).filter(|m| matches!(m.motion, Motion::Linear { .. }));
     let mut text = format!(
         "{}: {} moves, {} of them on lines, tool \"{}\"\n\n",
@@ -96,10 +119,11 @@ fn printed(
     let mut rows = vec![row("time", format!("{} s", significant(time_s, 4)), places)];
     rows.extend(of_zones(zones, time_s));
     if let Some((share, joint, point)) = replay.fastest {
-        let joint = &robot.chain.joints[joint].name;
+        let joint = &run.robot.chain.joints[joint].name;
         rows.push(fastest_joint(share, joint, point));
     }
-    rows.extend(deviation.into_iter().flat_map(beside_path));
+    rows.extend(run.deviation.into_iter().flat_map(beside_path));
+    rows.extend(run.clearance.map(|own| own.row(run.point_name)));
     text.push_str(&table(&[Align::Left, Align::Right, Align::Left], &rows));
     if replay.findings.is_empty() {
         text.push_str(
@@ -114,7 +138,10 @@ fn printed(
     if more > 0 {
         text.push_str(&format!("  ✗ and {more} more\n"));
     }
-    for note in &program.notes {
+    let faults = run.clearance.map(|own| own.faults(run.point_name));
+    text.push_str(&faults.unwrap_or_default());
+    let of_cell = run.clearance.iter().flat_map(|own| own.notes());
+    for note in program.notes.iter().chain(of_cell) {
         text.push_str(&format!("  note: {note}\n"));
     }
     text

@@ -104,7 +104,7 @@ impl Mesh {
     }
 }
 
-fn to_parry(pose: &Isometry3<f64>) -> Pose {
+pub(crate) fn to_parry(pose: &Isometry3<f64>) -> Pose {
     let (t, q) = (pose.translation.vector, pose.rotation);
     Pose::from_parts(
         ParryVector::new(t.x, t.y, t.z),

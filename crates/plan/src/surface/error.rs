@@ -148,7 +148,7 @@ pub enum SurfaceFault {
     #[error("the face touches itself in the corner at {at} mm; lines around a face must not")]
     PinchedFace { at: String },
     #[error(
-        "the face cannot be laid out flat: it lies over itself at {at} mm, seen along its mean normal; it must not"
+        "the face cannot be laid out flat: it lies over itself at {at}, seen along its mean normal; it must not"
     )]
     FaceFolds { at: String },
     #[error(

@@ -46,7 +46,7 @@ impl Mesh {
 }
 
 /// Vertices and triangles of a file, whatever they are.
-pub(super) fn read_mesh(path: &Path) -> Result<MeshData, SurfaceError> {
+pub(crate) fn read_mesh(path: &Path) -> Result<MeshData, SurfaceError> {
     MeshData::load(path).map_err(|error| {
         let line = error.line;
         SurfaceError::in_file(path, line, SurfaceFault::Syntax(error.message))

@@ -30,6 +30,7 @@ mod primitives;
 pub(crate) mod spoke;
 
 pub use boundary::Boundary;
+pub(crate) use depth::to_parry as to_parry_pose;
 pub use error::{SurfaceError, SurfaceFault};
 pub use face::{FaceFit, MeshFace};
 pub use file::PatchFile;
@@ -38,6 +39,7 @@ pub use mesh::{Mesh, NearestPoint};
 pub use mesh_checks::MeshUse;
 pub use mesh_edges::{LEAST_TURN_RAD, SharpEdge};
 pub use mesh_files::MeshFile;
+pub(crate) use mesh_files::read_mesh;
 pub use nurbs::NurbsPatch;
 pub use primitives::PlanePatch;
 

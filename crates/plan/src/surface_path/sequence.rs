@@ -1,6 +1,6 @@
 //! From lines and taught points, for one copy or many, to a robot program.
 
-use nalgebra::{Unit, Vector3};
+use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use truecut_arm::{FrameId, Robot};
 
 use super::error::SurfacePathError;
@@ -17,6 +17,18 @@ pub struct Symmetry {
     pub axis: Unit<Vector3<f64>>,
     /// Whether a turntable brings each copy to where the first one was; else the arm goes to each.
     pub turntable: bool,
+}
+
+impl Symmetry {
+    /// Where the copies stand against the first one, which is the first.
+    pub fn places(&self) -> impl Iterator<Item = Isometry3<f64>> {
+        let centre = Translation3::from(self.centre_m);
+        let (axis, count) = (self.axis, self.count);
+        (0..count).map(move |k| {
+            let angle = std::f64::consts::TAU * k as f64 / count as f64;
+            centre * UnitQuaternion::from_axis_angle(&axis, angle) * centre.inverse()
+        })
+    }
 }
 
 /// A segment of one copy.

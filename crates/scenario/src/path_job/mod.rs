@@ -7,7 +7,7 @@
 mod motion;
 mod tables;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 use schemars::JsonSchema;
@@ -46,6 +46,8 @@ pub struct PathJob {
     pub taught: Vec<TaughtFile>,
     /// The robot program.
     pub program: ProgramSetup,
+    /// File of what stands about the arm, for clearances.
+    pub cell: Option<PathBuf>,
     document: Document,
 }
 
@@ -72,6 +74,9 @@ struct FileTable {
     taught: Option<Vec<motion::TaughtTable>>,
     /// The robot program.
     program: motion::ProgramTable,
+    /// File of the cell, relative to this file: what stands about the arm and what it carries.
+    /// Default: none; clearances are those from the part alone.
+    cell: Option<String>,
 }
 
 /// The arm that leads the wheel.
@@ -165,6 +170,7 @@ impl FileTable {
             symmetry,
             taught,
             program,
+            cell: self.cell.map(|file| folder.join(file)),
             document,
         })
     }

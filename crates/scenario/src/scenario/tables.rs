@@ -33,6 +33,9 @@ pub(crate) struct ScenarioTable {
     pub tool: Option<ToolTable>,
     /// The workpiece, where it bends. Default: it is rigid.
     pub workpiece: Option<WorkpieceTable>,
+    /// File of the cell, relative to the scenario file: part, fixtures and what the flange carries.
+    /// The run then tells how near bodies come, as the scalar `cell.clearance`. Default: none.
+    pub cell: Option<String>,
     /// What must hold of the run.
     pub claim: Option<Vec<ClaimTable>>,
     /// What the nominal model leaves out.

@@ -123,6 +123,7 @@ fn link(name: String, mass_kg: f64, inertia_about_com_kg_m2: Matrix3<f64>) -> Li
         inertia_about_com_kg_m2,
         visuals: Vec::new(),
         meshes: Vec::new(),
+        solids: Default::default(),
     }
 }
 

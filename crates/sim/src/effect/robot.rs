@@ -84,6 +84,7 @@ fn tilt(axis: usize, compliance_rad_per_n_m: f64) -> (Joint, Link) {
         inertia_about_com_kg_m2: Matrix3::zeros(),
         visuals: Vec::new(),
         meshes: Vec::new(),
+        solids: Default::default(),
     };
     (joint, link)
 }

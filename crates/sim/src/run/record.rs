@@ -5,6 +5,7 @@ use std::time::Instant;
 use truecut_recording::{Measured, OpenSinks, Outcome, Recorder, Recording, Sink};
 use truecut_scenario::Scenario;
 
+use super::clearance;
 use super::request::{Claims, Run};
 use crate::error::SimError;
 use crate::process::cut_short;
@@ -46,6 +47,7 @@ impl Run<'_> {
             return self.record_prediction(scenario, measured, prediction, build_s, sinks);
         }
         let cell = self.cell(scenario, measured)?;
+        let about = clearance::About::of(scenario, self.robots)?;
         // Without sinks nobody sees the scene.
         let mut header = match sinks.is_empty() {
             true => cell.header(),
@@ -54,6 +56,8 @@ impl Run<'_> {
         header
             .notes
             .extend(measured.into_iter().flat_map(|data| data.notes.clone()));
+        let left_out = about.iter().flat_map(|about| about.notes());
+        header.notes.extend(left_out.cloned());
         header.notes.extend(unfinished(scenario));
         if self.claims != Claims::Ignore {
             scenario.check_claims(&header)?;
@@ -67,7 +71,11 @@ impl Run<'_> {
         let started = Instant::now();
         let mut recorder = Recorder::new(header, sinks)?;
         let end = cell.run(&mut recorder, self.progress, self.stop)?;
-        let (recording, sinks) = recorder.finish(end.scalars, end.profiles, end.outcome)?;
+        let (mut recording, sinks) = recorder.finish(end.scalars, end.profiles, end.outcome)?;
+        if let Some(about) = &about {
+            let clearance = about.clearance(&recording);
+            recording.scalars.push(clearance);
+        }
         Ok(Recorded {
             recording,
             sinks,

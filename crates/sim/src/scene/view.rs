@@ -2,11 +2,65 @@
 
 use nalgebra::Isometry3;
 use truecut_arm::{FrameId, Robot};
+use truecut_plan::clearance::{Cell, Solid};
 use truecut_plan::surface::Mesh;
-use truecut_recording::{Body, Frame, Pose, Scene};
+use truecut_recording::{Body, Frame, Geometry, Pose, Scene, Shape};
 
 use super::tooling::{Tooling, on_last_link};
 use super::{arm_bodies, pose, shapes};
+
+/// Colour of what stands about a part.
+const FIXTURE_RGBA: [u8; 4] = [150, 140, 120, 255];
+/// Colour of what the flange carries.
+const CARRIED_RGBA: [u8; 4] = [95, 105, 120, 255];
+
+/// What stands about an arm and what it carries, to be drawn.
+#[derive(Debug, Clone, Default)]
+pub struct Surroundings {
+    pub standing: Vec<Body>,
+    /// On the last link, in its frame.
+    pub carried: Vec<Shape>,
+}
+
+impl Surroundings {
+    /// Fixtures and what is carried of a cell, and its part, if that is not drawn by itself.
+    pub fn of(cell: &Cell) -> Self {
+        let shape = |solid: &Solid, at: &Isometry3<f64>, color_rgba| Shape {
+            geometry: geometry(solid),
+            color_rgba,
+            body_from_shape: pose(at),
+        };
+        let standing = cell.standing().enumerate();
+        let standing = standing.map(|(index, (name, solid, at))| Body {
+            path: format!("cell/{index}_{name}"),
+            shapes: vec![shape(solid, &Isometry3::identity(), FIXTURE_RGBA)],
+            initial_pose: pose(at),
+        });
+        let carried = cell.carried();
+        Self {
+            standing: standing.collect(),
+            carried: carried
+                .map(|(_, solid, at)| shape(solid, at, CARRIED_RGBA))
+                .collect(),
+        }
+    }
+}
+
+fn geometry(solid: &Solid) -> Geometry {
+    match solid {
+        Solid::Box { sides_m } => Geometry::Box {
+            half_extents_m: (sides_m * 0.5).into(),
+        },
+        &Solid::Cylinder { radius_m, length_m } => Geometry::Cylinder { radius_m, length_m },
+        Solid::Mesh {
+            vertices_m,
+            triangles,
+        } => Geometry::Mesh {
+            vertices_m: vertices_m.iter().map(|v| (*v).into()).collect(),
+            triangles: triangles.clone(),
+        },
+    }
+}
 
 /// The arm at the first stop with its tool, beside bodies that stand still, and a frame for each
 /// stop: when, s, and in which posture. Nothing without a stop.
@@ -14,7 +68,7 @@ pub fn arm_view<'a>(
     robot: &Robot,
     tooling: &Tooling,
     stops: impl ExactSizeIterator<Item = (f64, &'a [f64])> + Clone,
-    standing: Vec<Body>,
+    about: Surroundings,
 ) -> (Scene, Vec<Frame>) {
     let Some((_, first)) = stops.clone().next() else {
         return (Scene::default(), Vec::new());
@@ -24,7 +78,9 @@ pub fn arm_view<'a>(
     if let Some(last) = bodies.last_mut() {
         let held = on_last_link(robot, first, &world_from_tool, tooling);
         last.shapes.extend(held);
+        last.shapes.extend(about.carried);
     }
+    let standing = about.standing;
     let still: Vec<Pose> = standing.iter().map(|body| body.initial_pose).collect();
     bodies.extend(standing);
     let frames = stops.map(|(time_s, posture)| {

@@ -6,7 +6,7 @@ use truecut_recording::{Body, Frame, Geometry, Pose, Scene};
 
 use super::MillingStudy;
 use crate::scene::shapes::steel;
-use crate::scene::{Tooling, arm_view, pose};
+use crate::scene::{Surroundings, Tooling, arm_view, pose};
 
 /// Size of the block of stock across the path and down, m.
 const STOCK_M: [f64; 2] = [0.2, 0.05];
@@ -18,7 +18,11 @@ impl MillingStudy {
         let feed_m_per_s = self.cut.feed_m_per_s();
         let stops = plan.points.iter();
         let stops = stops.map(|point| (point.along_m / feed_m_per_s, point.posture.as_slice()));
-        arm_view(&self.robot, &self.tooling(), stops, vec![self.stock(plan)])
+        let about = Surroundings {
+            standing: vec![self.stock(plan)],
+            carried: Vec::new(),
+        };
+        arm_view(&self.robot, &self.tooling(), stops, about)
     }
 
     /// The cutter of the cut.

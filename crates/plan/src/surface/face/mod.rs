@@ -107,9 +107,10 @@ impl MeshFace {
             taken = samples::taken(vertices_m, &triangles, &chart);
         }
         let samples = taken?;
+        // Before the fit: what lies over itself has no patch, and would be told to deviate.
+        let boundary = boundary(&chart, &outer, &holes, 0.25 * self.deviation_m)?;
         let fitted = fit::fit(&samples, &chart, self.deviation_m)?;
         check_normals(&fitted.patch, normal.into_inner().into())?;
-        let boundary = boundary(&chart, &outer, &holes, 0.25 * self.deviation_m)?;
         Ok(PatchFile {
             surface: Box::new(fitted.patch),
             boundary,
@@ -227,7 +228,12 @@ fn boundary(
         points.push(points[0]);
         points
     };
-    let mut made = Boundary::new(&closed(outer))?;
+    let mut made = Boundary::new(&closed(outer)).map_err(|fault| match fault {
+        SurfaceFault::SelfIntersecting { at, .. } => SurfaceFault::FaceFolds {
+            at: format!("{at} m"),
+        },
+        other => other,
+    })?;
     for hole in holes {
         made.add_hole(&closed(hole))?;
     }

@@ -61,7 +61,7 @@ pub(super) fn taken(
         let uv = chart
             .place(point_m)
             .ok_or_else(|| SurfaceFault::FaceFolds {
-                at: place(&(point_m * 1e3)),
+                at: format!("{} mm", place(&(point_m * 1e3))),
             })?;
         Ok(Sample {
             uv,
