@@ -5,6 +5,7 @@ mod results;
 mod cam;
 mod compare;
 mod diagnose;
+mod excite;
 mod identify;
 mod kept;
 mod path;

@@ -8,14 +8,14 @@ use super::columns::columns;
 
 /// Unknowns that no motion tells apart, as one.
 #[derive(Debug, Clone)]
-pub(super) struct Group {
+pub(crate) struct Group {
     /// Columns and their factors; the first has the factor 1 and stands for all.
     pub members: Vec<(usize, f64)>,
 }
 
 /// Base parameters of a set of columns.
 #[derive(Debug)]
-pub(super) struct Base {
+pub(crate) struct Base {
     pub groups: Vec<Group>,
 }
 
@@ -39,10 +39,16 @@ impl Base {
         model: &InverseModel,
         spec: &FitSpec,
     ) -> Result<Base, SimError> {
-        let anywhere = columns(scenario, &model.in_any_state(STATES), spec, 1)?;
+        let anywhere = columns(scenario, &any_state(model), spec, 1)?;
+        let values: Vec<_> = anywhere.into_iter().map(|column| column.values).collect();
+        Ok(Base::of(&values))
+    }
+
+    /// Of columns in unrelated states, `[column][channel][state]`.
+    pub fn of(anywhere: &[Vec<Vec<f64>>]) -> Base {
         let joined = anywhere
             .iter()
-            .map(|column| DVector::from_vec(column.values.concat()));
+            .map(|values| DVector::from_vec(values.concat()));
         let joined: Vec<DVector<f64>> = joined.collect();
         let largest = joined
             .iter()
@@ -87,8 +93,13 @@ impl Base {
                 }
             }
         }
-        Ok(base)
+        base
     }
+}
+
+/// The arm in states in which columns are compared.
+pub(crate) fn any_state(model: &InverseModel) -> InverseModel {
+    model.in_any_state(STATES)
 }
 
 /// A direction of the space that the columns kept span.

@@ -10,7 +10,7 @@ use crate::trial::parallel::picked;
 
 /// One unknown.
 #[derive(Debug, Clone)]
-pub(super) struct Column {
+pub(crate) struct Column {
     pub name: String,
     pub unit: &'static str,
     /// What the scenario has.
@@ -39,7 +39,7 @@ const INERTIAL: [(&str, &str); 10] = [
 ///
 /// # Errors
 /// A joint that the chain lacks, or whose drive force was not measured.
-pub(super) fn columns(
+pub(crate) fn columns(
     scenario: &Scenario,
     model: &InverseModel,
     spec: &FitSpec,
