@@ -102,7 +102,7 @@ pub(crate) struct ExciteTable {
     noise_share: Option<f64>,
     /// Seed of everything that is drawn. Default: 1.
     seed: Option<u32>,
-    /// Motions that the search tries. Default: 4000 for inverse dynamics, 200 where each is a run.
+    /// Motions that the search tries. Default: 8000 for inverse dynamics, 200 where each is a run.
     #[schemars(extend("minimum" = 1, "maximum" = 1000000, "x-rule" = "a search ends"))]
     evaluations: Option<u32>,
     /// Limits beyond those of the robot's files, one table a joint.

@@ -29,7 +29,7 @@ def drawn_urdf(seed: int, joints: int) -> str:
             f'<link name="link_{joint + 1}"><inertial><origin xyz="{centre[0]} {centre[1]} {centre[2]}"/>'
             f'<mass value="{mass}"/><inertia ixx="{moments[0]}" iyy="{moments[1]}" izz="{moments[2]}" ixy="0" ixz="0" '
             f'iyz="0"/></inertial></link><joint name="joint_{joint + 1}" type="revolute"><origin xyz="{places[joint][0]} '
-            f'{places[joint][1]} {places[joint][2]}" rpy="{draw.choice([-1.5708, 1.5708])} 0 {draw.uniform(-1, 1)}"/>'
+            f'{places[joint][1]} {places[joint][2]}" rpy="{draw.choice([-0.5, 0.5]) * np.pi} 0 {draw.uniform(-1, 1)}"/>'
             f'<parent link="{f"link_{joint}" if joint else "base"}"/><child link="link_{joint + 1}"/><axis xyz="0 0 1"/>'
             f'<limit lower="{lower}" upper="{upper}" effort="{effort}" velocity="{draw.uniform(1, 4)}"/></joint>'
         )

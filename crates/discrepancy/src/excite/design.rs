@@ -10,13 +10,14 @@ use super::limits::Limits;
 use super::model::{Jacobian, Kind, Model};
 use super::parameters::Parameters;
 use super::report::{AssumedNoise, Condition, ExciteReport, ExpectedError};
+use super::unknowns::refused;
 use super::{Excitation, Random, Request, search, separation};
 use crate::stats::rms;
 
 /// Samples of a period of the highest harmonic with which the search looks at a motion.
-const SAMPLES_A_WAVE: usize = 20;
+const SAMPLES_A_WAVE: usize = 14;
 /// Motions that the search tries, by inverse dynamics and by runs.
-const EVALUATIONS: [usize; 2] = [4000, 200];
+const EVALUATIONS: [usize; 2] = [8000, 200];
 /// Searches, each from one of the best random motions on.
 const SEARCHES: usize = 2;
 /// What is added to the cost of a motion that the drives cannot hold, for each time their limit.
@@ -63,6 +64,7 @@ impl Design<'_> {
             .map(|(_, motion)| model.whole(motion, time_s))
             .collect::<Result<_, _>>()?;
         check_rows(scenario, &whole[0], parameters.leaders.len())?;
+        check_shown(&parameters, &whole)?;
         let noise: Vec<f64> = (model.noisy_outputs().iter().enumerate())
             .map(|(channel, (_, stated))| {
                 let all: Vec<f64> = whole
@@ -260,6 +262,23 @@ impl Design<'_> {
             }),
         })
     }
+}
+
+/// Refuses what is asked for and changes nothing along any of the random motions.
+fn check_shown(parameters: &Parameters, whole: &[Jacobian]) -> Result<(), SimError> {
+    for &asked in &parameters.asked {
+        let mut columns = whole
+            .iter()
+            .map(|one| &one.columns[parameters.leaders[asked]]);
+        if columns.all(|column| column.iter().flatten().all(|value| *value == 0.0)) {
+            return Err(refused(format!(
+                "is \"{}\", which no motion can show: it changes none of the outputs along {} random ones",
+                parameters.names[asked],
+                whole.len()
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses a motion that leaves too few rows.

@@ -144,7 +144,8 @@ impl Model {
         Ok(())
     }
 
-    /// Effects without a size are looked at at a typical one: play, say, shows nothing at size zero.
+    /// Effects without a size are looked at at a typical one: play, say, shows nothing at size
+    /// zero.
     fn take_typical_sizes(
         &mut self,
         measured: &Measured,

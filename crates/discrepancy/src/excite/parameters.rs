@@ -23,6 +23,11 @@ pub(super) struct Parameters {
     pub precisions: Vec<f64>,
 }
 
+/// A fit gives directions no change of which singular values, columns scaled, are below this part
+/// of the largest: angles that a URDF rounds to four decimals leave parts of 1e-6 of what no motion
+/// shows.
+const LEAST_SHOWN: f64 = 1e-4;
+
 impl Parameters {
     /// Of drive forces those that unrelated states tell apart; of runs all.
     ///
@@ -30,7 +35,7 @@ impl Parameters {
     /// A parameter asked for that no motion can show, or tell from the others.
     pub fn new(model: &Model) -> Result<Parameters, SimError> {
         let groups = match model.anywhere()? {
-            Some(columns) => Base::of(&columns).groups,
+            Some(columns) => Base::of(&columns, LEAST_SHOWN).groups,
             None => (0..model.names.len())
                 .map(|unknown| Group {
                     members: vec![(unknown, 1.0)],

@@ -11,6 +11,9 @@ use super::model::{Jacobian, Kind, Model};
 use super::unknowns::What;
 use crate::trial::sampling;
 
+/// Predicts the outputs of a scenario with effects, `[channel][row]`.
+type Predict<'a> = dyn Fn(&Scenario, &[Effect]) -> Result<Vec<Vec<f64>>, SimError> + 'a;
+
 impl Model {
     /// Derivatives of runs along a motion.
     pub(super) fn forward(
@@ -78,7 +81,7 @@ impl Model {
     pub(super) fn differences(
         &self,
         scenario: &Scenario,
-        predict: &dyn Fn(&Scenario, &[Effect]) -> Result<Vec<Vec<f64>>, SimError>,
+        predict: &Predict<'_>,
         all: &mut Vec<Vec<Vec<f64>>>,
     ) -> Result<(), SimError> {
         let effects = &self.unknowns.effects;

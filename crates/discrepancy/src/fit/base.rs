@@ -41,11 +41,12 @@ impl Base {
     ) -> Result<Base, SimError> {
         let anywhere = columns(scenario, &any_state(model), spec, 1)?;
         let values: Vec<_> = anywhere.into_iter().map(|column| column.values).collect();
-        Ok(Base::of(&values))
+        Ok(Base::of(&values, NEW))
     }
 
-    /// Of columns in unrelated states, `[column][channel][state]`.
-    pub fn of(anywhere: &[Vec<Vec<f64>>]) -> Base {
+    /// Of columns in unrelated states, `[column][channel][state]`. A column of unit length of which
+    /// less than `least` is left by those before it is a sum of them.
+    pub fn of(anywhere: &[Vec<Vec<f64>>], least: f64) -> Base {
         let joined = anywhere
             .iter()
             .map(|values| DVector::from_vec(values.concat()));
@@ -58,7 +59,7 @@ impl Base {
         let mut kept: Vec<Direction> = Vec::new();
         for (index, column) in joined.iter().enumerate() {
             let norm = column.norm();
-            if norm <= NEW * largest {
+            if norm <= least * largest {
                 continue;
             }
             let mut left = column / norm;
@@ -75,7 +76,7 @@ impl Base {
                 }
             }
             let rest = left.norm();
-            if rest > NEW {
+            if rest > least {
                 let mut of_columns = -factors.resize_vertically(kept.len() + 1, 0.0);
                 of_columns[kept.len()] = 1.0 / norm;
                 kept.push(Direction {
@@ -87,7 +88,7 @@ impl Base {
                 });
             } else {
                 for (group, factor) in base.groups.iter_mut().zip(factors.iter()) {
-                    if (factor * norm).abs() > FACTOR {
+                    if (factor * norm).abs() > FACTOR.max(least) {
                         group.members.push((index, factor * norm));
                     }
                 }
