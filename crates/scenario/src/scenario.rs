@@ -203,8 +203,8 @@ impl Scenario {
         Ok(extended)
     }
 
-    /// The scenario as a TOML text for a file in `folder`, with a planned motion in the place of its
-    /// data; overrides are written into it.
+    /// The scenario as a TOML text for a file in `folder`, with a planned motion in the place of
+    /// its data; overrides are written into it.
     pub fn excited_text(&self, folder: &Path, motion: &PlannedMotion) -> String {
         let mut document = self.document.effective_document().clone();
         // The motion lies in that folder: its path is not moved.

@@ -20,10 +20,9 @@ use crate::progress::Progress;
 pub fn excite(arguments: &ExciteArguments) -> Result<ExitStatus, Failure> {
     let scenario = &arguments.load()?;
     let diagnosis = (arguments.diagnosis.as_deref()).map(read).transpose()?;
-    let has_data = scenario
-        .data
-        .as_ref()
-        .is_some_and(|data| data.file.is_some());
+    // A motion may be planned before there are data of any.
+    let named = scenario.data.as_ref().and_then(|data| data.file.as_ref());
+    let has_data = named.is_some_and(|file| file.exists());
     let present = match arguments.data.is_some() || has_data {
         true => Some(data::measured(scenario, arguments.data.as_deref())?),
         false => None,

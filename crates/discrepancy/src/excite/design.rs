@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use truecut_plan::motion::excitation::{SampledMotion, SeriesForm, SeriesSpace};
+use truecut_recording::ChannelSpec;
 use truecut_scenario::{Criterion, Scenario};
 use truecut_sim::SimError;
 
@@ -65,16 +66,7 @@ impl Design<'_> {
             .collect::<Result<_, _>>()?;
         check_rows(scenario, &whole[0], parameters.leaders.len())?;
         check_shown(&parameters, &whole)?;
-        let noise: Vec<f64> = (model.noisy_outputs().iter().enumerate())
-            .map(|(channel, (_, stated))| {
-                let all: Vec<f64> = whole
-                    .iter()
-                    .flat_map(|one| one.outputs[channel].clone())
-                    .collect();
-                let assumed = scenario.excite.noise_share * rms(&all);
-                stated.unwrap_or(assumed).max(f64::MIN_POSITIVE.sqrt())
-            })
-            .collect();
+        let noise = noise(scenario, &model, &whole);
         let random: Vec<Information> = whole
             .iter()
             .map(|one| parameters.information(one, &noise))
@@ -83,22 +75,7 @@ impl Design<'_> {
             .map(|one| one.clone().with_prior(&parameters.precisions).errors())
             .collect();
         let units = (0..parameters.leaders.len()).map(|i| median(errors.iter().map(|e| e[i])));
-        let times_s = match model.kind {
-            Kind::Inverse(_) => {
-                let count = SAMPLES_A_WAVE * form.harmonics;
-                (0..count)
-                    .map(|k| form.period_s() * k as f64 / count as f64)
-                    .collect()
-            }
-            Kind::Forward => {
-                let of_period = |t: &&f64| **t <= form.period_s() * (1.0 + 1e-9);
-                time_s
-                    .iter()
-                    .take_while(of_period)
-                    .copied()
-                    .collect::<Vec<f64>>()
-            }
-        };
+        let times_s = rough_times(&model, form, time_s);
         let rows = |one: &Jacobian| one.counts.iter().flatten().filter(|c| **c).count() as f64;
         let factor = rows(&whole[0]) / (times_s.len() * noise.len()) as f64;
         Ok(Design {
@@ -261,6 +238,34 @@ impl Design<'_> {
                 separation::separation(diagnosis, &self.model, own, planned, present)
             }),
         })
+    }
+}
+
+/// Noise of a sample of each output: as it is stated, or a share of the output along the motions.
+fn noise(scenario: &Scenario, model: &Model, whole: &[Jacobian]) -> Vec<f64> {
+    let of_channel = |(channel, (_, stated)): (usize, &(ChannelSpec, Option<f64>))| {
+        let columns = whole.iter().map(|one| one.outputs[channel].as_slice());
+        let assumed = scenario.excite.noise_share * rms(&columns.collect::<Vec<_>>().concat());
+        stated.unwrap_or(assumed).max(f64::MIN_POSITIVE.sqrt())
+    };
+    (model.noisy_outputs().iter().enumerate())
+        .map(of_channel)
+        .collect()
+}
+
+/// Times at which the search looks at a motion: of one period.
+fn rough_times(model: &Model, form: SeriesForm, time_s: &[f64]) -> Vec<f64> {
+    match model.kind {
+        Kind::Inverse(_) => {
+            let count = SAMPLES_A_WAVE * form.harmonics;
+            let time = |k: usize| form.period_s() * k as f64 / count as f64;
+            (0..count).map(time).collect()
+        }
+        Kind::Forward => {
+            let end_s = form.period_s() * (1.0 + 1e-9);
+            let of_period = time_s.iter().take_while(|time| **time <= end_s);
+            of_period.copied().collect()
+        }
     }
 }
 

@@ -107,7 +107,6 @@ fn bounds(
         ..JointLimits::default()
     });
     let (known, of_drive) = arm.bounds(joint);
-    let (name, unit) = arm.joint(joint);
     let infinite = f64::INFINITY;
     let least = |own: Option<f64>, file: f64| own.unwrap_or(infinite).min(file);
     let range = JointRange {
@@ -117,46 +116,7 @@ fn bounds(
         acceleration: own.acceleration.unwrap_or(infinite),
     };
     let effort = least(own.effort, of_drive);
-    let missing = |what: &str, keys: &str| {
-        let message = format!(
-            "joint {} `{}` has no limit of its {what}, neither in the robot's files nor here: give {keys} in an \
-             [[excite.joint]]",
-            joint + 1,
-            name
-        );
-        Err(SimError::scenario("excite.joint", message))
-    };
-    let rotary = unit == "rad";
-    let keys = |rotary_keys: &'static str, others: &'static str| {
-        if rotary { rotary_keys } else { others }
-    };
-    if !(range.lower.is_finite() && range.upper.is_finite()) {
-        return missing(
-            "range",
-            keys("lower_deg and upper_deg", "lower_mm and upper_mm"),
-        );
-    }
-    if range.lower >= range.upper {
-        let message = format!(
-            "joint {} `{}` may go from {:.4} to {:.4} {} only: nothing lies between",
-            joint + 1,
-            name,
-            range.lower,
-            range.upper,
-            unit
-        );
-        return Err(SimError::scenario("excite.joint", message));
-    }
-    if range.speed.is_infinite() {
-        return missing("speed", keys("speed_deg_per_s", "speed_mm_per_s"));
-    }
-    if range.acceleration.is_infinite() && effort.is_infinite() {
-        let what = keys(
-            "acceleration_deg_per_s2 or torque_n_m",
-            "acceleration_m_per_s2 or force_n",
-        );
-        return missing("acceleration or drive", what);
-    }
+    check(joint, arm.joint(joint), &range, effort)?;
     let share = spec.limit_share;
     let [middle, half] = [0.5, 0.5 * share].map(|part| part * (range.upper - range.lower));
     Ok((
@@ -168,6 +128,46 @@ fn bounds(
         },
         share * effort,
     ))
+}
+
+/// Refuses a joint that may do anything, or nothing.
+fn check(
+    joint: usize,
+    (name, unit): (&str, &str),
+    range: &JointRange,
+    effort: f64,
+) -> Result<(), SimError> {
+    let number = joint + 1;
+    let missing = |what: &str, rotary: &str, prismatic: &str| {
+        let keys = if unit == "rad" { rotary } else { prismatic };
+        let message = format!(
+            "joint {number} `{name}` has no limit of its {what}, neither in the robot's files nor here: give {keys} in an \
+             [[excite.joint]]"
+        );
+        Err(SimError::scenario("excite.joint", message))
+    };
+    let (lower, upper) = (range.lower, range.upper);
+    if !(lower.is_finite() && upper.is_finite()) {
+        let (rotary, prismatic) = ("lower_deg and upper_deg", "lower_mm and upper_mm");
+        return missing("range", rotary, prismatic);
+    }
+    if lower >= upper {
+        let message = format!(
+            "joint {number} `{name}` may go from {lower:.4} to {upper:.4} {unit} only: nothing lies between"
+        );
+        return Err(SimError::scenario("excite.joint", message));
+    }
+    if range.speed.is_infinite() {
+        return missing("speed", "speed_deg_per_s", "speed_mm_per_s");
+    }
+    if range.acceleration.is_infinite() && effort.is_infinite() {
+        return missing(
+            "acceleration or drive",
+            "acceleration_deg_per_s2 or torque_n_m",
+            "acceleration_m_per_s2 or force_n",
+        );
+    }
+    Ok(())
 }
 
 impl Limits {
