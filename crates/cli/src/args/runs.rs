@@ -126,7 +126,7 @@ pub struct ExciteArguments {
     /// of this name are programmed in, if any]
     #[arg(long, value_name = "NAME")]
     pub dialect: Option<String>,
-    /// Option of that language, e.g. date=2026-01-31T12:00; may be repeated
+    /// Option of that language, e.g. "date=2026-01-31 12:00"; may be repeated
     #[arg(long = "program-option", value_name = "KEY=VALUE", value_parser = super::parse_set)]
     pub program_options: Vec<(String, String)>,
     /// Folder for outputs; the scenario gets a folder of its own in it

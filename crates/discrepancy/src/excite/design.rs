@@ -19,8 +19,6 @@ use crate::stats::rms;
 const SAMPLES_A_WAVE: usize = 14;
 /// Motions that the search tries, by inverse dynamics and by runs.
 const EVALUATIONS: [usize; 2] = [8000, 200];
-/// Searches, each from one of the best random motions on.
-const SEARCHES: usize = 2;
 /// What is added to the cost of a motion that the drives cannot hold, for each time their limit.
 const BEYOND_DRIVES: f64 = 1e3;
 
@@ -128,14 +126,10 @@ impl Design<'_> {
             self.cost_of(information.times(self.rough.factor))
         };
         let costs = self.random.iter().map(|one| self.cost_of(one.clone()));
-        let mut order: Vec<(usize, f64)> = costs.enumerate().collect();
-        order.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let starts = order
-            .iter()
-            .take(SEARCHES)
-            .map(|(index, _)| random[*index].0.clone());
+        let best = costs.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        let start = random[best.map_or(0, |(index, _)| index)].0.clone();
         let tell = |tried: usize| progress(tried as f64 / evaluations as f64);
-        let (_, numbers) = search::search(starts.collect(), spec.seed, evaluations, &cost, &tell);
+        let (_, numbers) = search::search(start, spec.seed, evaluations, &cost, &tell);
         Ok((numbers, evaluations))
     }
 

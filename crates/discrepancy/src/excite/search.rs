@@ -1,15 +1,13 @@
 //! The search for the best motion: an evolution strategy with covariance adaptation
 //! (`hansen2016`) from random motions on, the same for the same seed.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::convert::Infallible;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use basin::{CmaEs, CostFunction, DenseMatrix, Executor, PopulationProgress};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
 
 /// Deviation of the numbers of the first generation about those that it begins with.
 const FIRST_STEP: f64 = 0.4;
@@ -26,9 +24,9 @@ pub(super) fn drawn(dimension: usize, seed: u64, index: usize) -> Vec<f64> {
 }
 
 struct Objective<'a> {
-    cost: &'a (dyn Fn(&[f64]) -> f64 + Sync),
-    tried: &'a AtomicUsize,
-    progress: &'a (dyn Fn(usize) + Sync),
+    cost: &'a dyn Fn(&[f64]) -> f64,
+    tried: Cell<usize>,
+    progress: &'a dyn Fn(usize),
     /// The least cost with its numbers.
     best: RefCell<(f64, Vec<f64>)>,
 }
@@ -44,7 +42,8 @@ impl CostFunction for Kept<'_, '_> {
     fn cost(&self, numbers: &Vec<f64>) -> Result<f64, Infallible> {
         let objective = self.0;
         let cost = (objective.cost)(numbers);
-        (objective.progress)(objective.tried.fetch_add(1, Ordering::Relaxed) + 1);
+        objective.tried.set(objective.tried.get() + 1);
+        (objective.progress)(objective.tried.get());
         let mut best = objective.best.borrow_mut();
         if cost < best.0 {
             *best = (cost, numbers.clone());
@@ -53,35 +52,22 @@ impl CostFunction for Kept<'_, '_> {
     }
 }
 
-/// The best numbers found within about so many trials, and their cost: of searches from each of the
-/// starts on, which share the trials.
+/// The best numbers found from `start` on within about so many trials, and their cost.
 pub(super) fn search(
-    starts: Vec<Vec<f64>>,
+    start: Vec<f64>,
     seed: u64,
     evaluations: usize,
-    cost: &(dyn Fn(&[f64]) -> f64 + Sync),
-    progress: &(dyn Fn(usize) + Sync),
+    cost: &dyn Fn(&[f64]) -> f64,
+    progress: &dyn Fn(usize),
 ) -> (f64, Vec<f64>) {
-    let tried = AtomicUsize::new(0);
-    let share = evaluations.div_ceil(starts.len());
-    let ends: Vec<(f64, Vec<f64>)> = (starts.into_par_iter())
-        .map(|start| {
-            let objective = Objective {
-                cost,
-                progress,
-                tried: &tried,
-                best: RefCell::new((f64::INFINITY, start.clone())),
-            };
-            from(start, seed, share, objective)
-        })
-        .collect();
-    let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    best.unwrap_or((f64::INFINITY, Vec::new()))
-}
-
-fn from(start: Vec<f64>, seed: u64, evaluations: usize, objective: Objective) -> (f64, Vec<f64>) {
     let generation = CmaEs::<Vec<f64>, DenseMatrix>::default_lambda(start.len()) + 1;
     let generations = evaluations.div_ceil(generation).saturating_sub(1).max(1);
+    let objective = Objective {
+        cost,
+        progress,
+        tried: Cell::new(0),
+        best: RefCell::new((f64::INFINITY, start.clone())),
+    };
     let solver = CmaEs::<_, DenseMatrix>::new(seed, FIRST_STEP).with_eigen_update_period(REFRESHED);
     let kept = Kept(&objective);
     let executor = Executor::new(kept, solver, PopulationProgress::from_point(start));
