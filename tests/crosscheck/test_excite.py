@@ -93,7 +93,7 @@ def test_crosscheck_mujoco_estimates_spread_half_as_much(truecut, tmp_path):
     """A random seven-axis arm: noise moves the estimates of `truecut fit` by what is told, and by half of what it moves them
     by in random motions of the same duration within the same limits."""
     machine, head = drawn(tmp_path, 53_010, 7)
-    scenario = machine.write(tmp_path, head, LINKS, "evaluations = 2000\n")
+    scenario = machine.write(tmp_path, head, LINKS, "evaluations = 6000\n")
     report, out = planned(truecut, scenario)
     draw = np.random.default_rng(1)
     told = np.array([one["planned"] for one in report["parameters"]])
