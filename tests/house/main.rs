@@ -18,7 +18,7 @@ const MAY_DEPEND_ON: &[(&str, &[&str])] = &[
         &["plan", "scenario", "recording", "arm", "core", "files"],
     ),
     ("telemetry", &["recording", "files"]),
-    ("discrepancy", &["sim", "scenario", "recording"]),
+    ("discrepancy", &["sim", "plan", "scenario", "recording"]),
     (
         "truecut",
         &[

@@ -120,6 +120,18 @@ fn every_bad_fit_is_refused_with_place_value_and_rule() {
 }
 
 #[test]
+fn every_bad_excitation_is_refused_with_place_value_and_rule() {
+    let mut wrong = Vec::new();
+    for file in fixtures("excite", "toml", 14) {
+        let complaints = complaints("excite", &file);
+        if !complaints.is_empty() {
+            wrong.push(format!("{}: {}", file.display(), complaints.join("\n  ")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+#[test]
 fn every_bad_identification_is_refused_with_place_value_and_rule() {
     let mut wrong = Vec::new();
     for file in fixtures("identify", "toml", 16) {

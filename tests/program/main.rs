@@ -6,6 +6,7 @@ mod cam;
 mod clearance;
 mod compare;
 mod diagnose;
+mod excite;
 mod identify;
 mod kept;
 mod maps;

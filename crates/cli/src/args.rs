@@ -18,8 +18,8 @@ pub use finishing::{CamArguments, PathArguments, ProgramArguments};
 pub use part::PartArguments;
 pub use robot::{InitArguments, RobotArguments, RobotCommand};
 pub use runs::{
-    CheckArguments, CompareArguments, CrosscheckArguments, DiagnoseArguments, FitArguments,
-    RunArguments,
+    CheckArguments, CompareArguments, CrosscheckArguments, DiagnoseArguments, ExciteArguments,
+    FitArguments, RunArguments,
 };
 pub use stability::{LobesArguments, PostureArguments};
 
@@ -57,6 +57,8 @@ pub enum Command {
     Diagnose(DiagnoseArguments),
     /// Fit links, rotors and friction of all joints to measured motion and drive forces at once
     Fit(FitArguments),
+    /// Plan a motion within all limits that makes friction, links or causes identifiable
+    Excite(ExciteArguments),
     /// Stability diagram of a milling scenario: limit depth over spindle speed, with simulated runs
     Lobes(LobesArguments),
     /// Choose the arm's postures along the path of a milling scenario so that the cut is stable

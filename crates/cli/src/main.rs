@@ -6,6 +6,7 @@ mod clearance;
 mod compare;
 mod crosscheck;
 mod diagnose;
+mod excite;
 mod exit_status;
 mod failure;
 mod figure;
@@ -61,6 +62,7 @@ fn dispatch(command: Command) -> Result<ExitCode, Failure> {
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Diagnose(arguments) => return diagnose::diagnose(&arguments),
         Command::Fit(arguments) => fit::fit(&arguments),
+        Command::Excite(arguments) => excite::excite(&arguments),
         Command::Lobes(arguments) => lobes::lobes(&arguments),
         Command::Posture(arguments) => posture::posture(&arguments),
         Command::Part(arguments) => part::part(&arguments),

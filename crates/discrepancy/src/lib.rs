@@ -5,6 +5,7 @@
 //! | [`compare`] | how simulation and measurement differ, without naming causes |
 //! | [`diagnose`] | the search for effects that explain measured data |
 //! | [`confirmed`] | the result of that search, confirmed in the full model |
+//! | [`excite`] | a motion that makes parameters identifiable |
 //! | [`fit`] | links, rotors and friction of all joints by one least-squares fit |
 //! | [`identify`] | joint stiffness and modes from measurements of the arm itself |
 //! | [`model`] | the interface that the search needs of a simulation |
@@ -17,6 +18,7 @@
 pub mod compare;
 pub mod confirmed;
 pub mod diagnose;
+pub mod excite;
 pub mod fit;
 pub mod identify;
 pub mod model;

@@ -17,6 +17,7 @@ use crate::data::DataSpec;
 use crate::document::Document;
 use crate::effect::{Effect, table, text};
 use crate::error::{ScenarioError, read_text};
+use crate::excite::{ExciteSpec, PlannedMotion};
 use crate::fault::Fault;
 use crate::fit::FitSpec;
 use crate::format::Format;
@@ -65,6 +66,8 @@ pub struct Scenario {
     pub uncertain: Vec<UncertainSpec>,
     /// Unknowns of a fit of drive forces, if the scenario says them.
     pub fit: Option<FitSpec>,
+    /// A motion that is asked for; as without keys if the scenario says nothing of it.
+    pub excite: ExciteSpec,
     /// Effects that were added in memory.
     added: Vec<Effect>,
     /// Values that were set in memory, SI, by key.
@@ -202,6 +205,17 @@ impl Scenario {
         Ok(extended)
     }
 
+    /// The scenario as a TOML text for a file in `folder`, with a planned motion in the place of
+    /// its data; overrides are written into it.
+    pub fn excited_text(&self, folder: &Path, motion: &PlannedMotion) -> String {
+        let mut document = self.document.effective_document().clone();
+        // The motion lies in that folder: its path is not moved.
+        document.remove("data");
+        relocate::relocate(&mut document, &self.process.files(), &self.folder(), folder);
+        motion.write(&mut document);
+        document.to_string()
+    }
+
     /// The scenario as a TOML text with the overrides and `effects` written into it as `[[effect]]`
     /// entries: one of the same kind and target takes the new values, others are appended; comments
     /// stay.
@@ -293,6 +307,7 @@ impl ScenarioTable {
             .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
             .collect();
         let fit = (self.fit).map(|fit| fit.resolve(process.as_ref(), &mut check));
+        let excite = (self.excite).map(|excite| excite.resolve(&mut check));
         let facts = process.as_ref().map(ProcessSpec::facts);
         let attached = facts
             .as_ref()
@@ -340,6 +355,7 @@ impl ScenarioTable {
             data,
             uncertain,
             fit,
+            excite: excite.unwrap_or_default(),
             added: Vec::new(),
             set: Vec::new(),
             document: Arc::new(document),

@@ -107,6 +107,46 @@ pub struct FitArguments {
     pub common: Common,
 }
 
+#[derive(Debug, Args)]
+pub struct ExciteArguments {
+    /// Scenario file with [process.replay] and a [data] table that says what will be measured
+    pub scenario: PathBuf,
+    /// What the motion is to show: unknowns of [fit] (links, coulomb), effects (joint_coulomb.2),
+    /// keys of [[uncertain]] [default: all that the scenario leaves open]
+    #[arg(long = "for", value_name = "NAME", value_delimiter = ',')]
+    asked: Vec<String>,
+    /// The diagnosis.json of an ambiguous verdict, whose explanations the motion is to tell apart
+    #[arg(long, value_name = "FILE", conflicts_with = "asked")]
+    pub diagnosis: Option<PathBuf>,
+    /// Measured data (.csv or .parquet) whose motion is compared with [default: the file that the
+    /// scenario names, if any]
+    #[arg(long, value_name = "FILE")]
+    pub data: Option<PathBuf>,
+    /// Language of the robot program: jbi, krl, ls, rapid, urscript [default: the one that robots
+    /// of this name are programmed in, if any]
+    #[arg(long, value_name = "NAME")]
+    pub dialect: Option<String>,
+    /// Option of that language, e.g. "date=2026-01-31 12:00"; may be repeated
+    #[arg(long = "program-option", value_name = "KEY=VALUE", value_parser = super::parse_set)]
+    pub program_options: Vec<(String, String)>,
+    /// Folder for outputs; the scenario gets a folder of its own in it
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+impl ExciteArguments {
+    /// The scenario, with what is asked for on the command line.
+    pub fn load(&self) -> Result<Scenario, Failure> {
+        let mut scenario = self.common.load(&self.scenario)?;
+        if !self.asked.is_empty() {
+            scenario.excite.asked = Some(self.asked.clone());
+        }
+        Ok(scenario)
+    }
+}
+
 impl RunArguments {
     /// Every scenario, loaded before any runs.
     pub fn load(&self) -> Result<Vec<Scenario>, Failure> {

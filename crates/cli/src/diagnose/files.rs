@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use truecut_discrepancy::diagnose::{Diagnosis, Verdict};
+use truecut_discrepancy::excite;
 use truecut_discrepancy::trial::Trial;
 use truecut_scenario::Scenario;
 
@@ -74,6 +76,7 @@ pub fn write(
         report: folder.join(REPORT),
         viewer: folder.join(VIEWER),
         extended: None,
+        excite: excite(scenario, &answer.diagnosis, &folder.join(ANSWER)),
     };
     let text = extended(scenario, trial, confirmed, folder)?;
     if !answer.effects.is_empty() {
@@ -94,6 +97,20 @@ pub fn write(
     write_file(&files.path(ANSWER), json.as_bytes())?;
     files.publish(&[RUNS, EXTENDED, EXPERIMENT, REPORT, VIEWER, ANSWER])?;
     Ok(written)
+}
+
+/// The command that plans a motion which tells the causes apart; `None` where no motion is planned,
+/// or the causes are not ambiguous.
+fn excite(scenario: &Scenario, diagnosis: &Diagnosis, answer: &Path) -> Option<String> {
+    let is_ambiguous =
+        diagnosis.verdict == Verdict::Ambiguous && !diagnosis.alternatives.is_empty();
+    (is_ambiguous && excite::can_plan(scenario)).then(|| {
+        format!(
+            "truecut excite {} --diagnosis {}",
+            scenario.path().display(),
+            answer.display()
+        )
+    })
 }
 
 /// The user's file with refitted values and effects; relative paths lead from the new folder to the

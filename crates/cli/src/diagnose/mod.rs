@@ -30,6 +30,8 @@ pub struct Written {
     pub report: PathBuf,
     pub viewer: PathBuf,
     pub extended: Option<PathBuf>,
+    /// The command that plans a motion which tells the causes apart, where one can.
+    pub excite: Option<String>,
 }
 
 /// Diagnoses, writes the files, prints the answer. A signal stops the search at its next

@@ -293,6 +293,11 @@ pub fn printed(trial: &Trial, confirmed: &Confirmed, written: &Written) -> Strin
     }
     text.push_str(&causes(diagnosis));
     text.push_str(&alternatives(diagnosis));
+    if let Some(command) = &written.excite {
+        text.push_str(&format!(
+            "  a motion that tells them apart, and by how much the odds grow: {command}\n"
+        ));
+    }
     text.push_str(&gain(diagnosis));
     text.push_str(&seen(diagnosis));
     text.push_str(&rest(confirmed));

@@ -8,14 +8,14 @@ use super::columns::columns;
 
 /// Unknowns that no motion tells apart, as one.
 #[derive(Debug, Clone)]
-pub(super) struct Group {
+pub(crate) struct Group {
     /// Columns and their factors; the first has the factor 1 and stands for all.
     pub members: Vec<(usize, f64)>,
 }
 
 /// Base parameters of a set of columns.
 #[derive(Debug)]
-pub(super) struct Base {
+pub(crate) struct Base {
     pub groups: Vec<Group>,
 }
 
@@ -39,10 +39,17 @@ impl Base {
         model: &InverseModel,
         spec: &FitSpec,
     ) -> Result<Base, SimError> {
-        let anywhere = columns(scenario, &model.in_any_state(STATES), spec, 1)?;
+        let anywhere = columns(scenario, &any_state(model), spec, 1)?;
+        let values: Vec<_> = anywhere.into_iter().map(|column| column.values).collect();
+        Ok(Base::of(&values, NEW))
+    }
+
+    /// Of columns in unrelated states, `[column][channel][state]`. A column of unit length of which
+    /// less than `least` is left by those before it is a sum of them.
+    pub fn of(anywhere: &[Vec<Vec<f64>>], least: f64) -> Base {
         let joined = anywhere
             .iter()
-            .map(|column| DVector::from_vec(column.values.concat()));
+            .map(|values| DVector::from_vec(values.concat()));
         let joined: Vec<DVector<f64>> = joined.collect();
         let largest = joined
             .iter()
@@ -52,7 +59,7 @@ impl Base {
         let mut kept: Vec<Direction> = Vec::new();
         for (index, column) in joined.iter().enumerate() {
             let norm = column.norm();
-            if norm <= NEW * largest {
+            if norm <= least * largest {
                 continue;
             }
             let mut left = column / norm;
@@ -69,7 +76,7 @@ impl Base {
                 }
             }
             let rest = left.norm();
-            if rest > NEW {
+            if rest > least {
                 let mut of_columns = -factors.resize_vertically(kept.len() + 1, 0.0);
                 of_columns[kept.len()] = 1.0 / norm;
                 kept.push(Direction {
@@ -81,14 +88,19 @@ impl Base {
                 });
             } else {
                 for (group, factor) in base.groups.iter_mut().zip(factors.iter()) {
-                    if (factor * norm).abs() > FACTOR {
+                    if (factor * norm).abs() > FACTOR.max(least) {
                         group.members.push((index, factor * norm));
                     }
                 }
             }
         }
-        Ok(base)
+        base
     }
+}
+
+/// The arm in states in which columns are compared.
+pub(crate) fn any_state(model: &InverseModel) -> InverseModel {
+    model.in_any_state(STATES)
 }
 
 /// A direction of the space that the columns kept span.

@@ -1,6 +1,7 @@
 //! Drive forces per unit of each unknown.
 
 use nalgebra::Matrix3;
+use rayon::prelude::*;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 use truecut_scenario::{CoupledMotor, FitSpec, Scenario, Unknown};
 use truecut_sim::facts::robot_facts;
@@ -10,7 +11,7 @@ use crate::trial::parallel::picked;
 
 /// One unknown.
 #[derive(Debug, Clone)]
-pub(super) struct Column {
+pub(crate) struct Column {
     pub name: String,
     pub unit: &'static str,
     /// What the scenario has.
@@ -39,7 +40,7 @@ const INERTIAL: [(&str, &str); 10] = [
 ///
 /// # Errors
 /// A joint that the chain lacks, or whose drive force was not measured.
-pub(super) fn columns(
+pub(crate) fn columns(
     scenario: &Scenario,
     model: &InverseModel,
     spec: &FitSpec,
@@ -63,10 +64,11 @@ pub(super) fn columns(
     for unknown in &spec.unknowns {
         match unknown {
             Unknown::Links => {
-                let links = 0..model.robot().dof();
-                all.extend(
-                    links.flat_map(|link| builder.link(link, &format!("link {}", link + 1))),
-                );
+                let links = (0..model.robot().dof()).into_par_iter();
+                let each: Vec<Vec<Column>> = links
+                    .map(|link| builder.link(link, &format!("link {}", link + 1)))
+                    .collect();
+                all.extend(each.into_iter().flatten());
             }
             Unknown::Payload => {
                 all.extend(builder.link(model.robot().dof() - 1, "payload"));

@@ -8,8 +8,8 @@
 //! out in turn: that gives the error on data that were not fitted and, as the jackknife of blocks
 //! (`kunsch1989`), intervals that hold in coloured noise.
 
-mod base;
-mod columns;
+pub(crate) mod base;
+pub(crate) mod columns;
 mod solve;
 
 use serde::Serialize;
@@ -175,7 +175,7 @@ fn parameter(
 }
 
 /// Factors and names as a sum; those of parameters that are there in traces only are left out.
-fn sum_of<'a>(terms: impl Iterator<Item = (f64, &'a str)>) -> String {
+pub(crate) fn sum_of<'a>(terms: impl Iterator<Item = (f64, &'a str)>) -> String {
     let mut text = String::new();
     for (factor, name) in terms {
         let sign = match (text.is_empty(), factor < 0.0) {

@@ -13,7 +13,7 @@ mod noise;
 mod observation;
 pub(crate) mod parallel;
 mod predict;
-mod sampling;
+pub(crate) mod sampling;
 mod signals;
 mod speeds;
 mod steps;

@@ -3,7 +3,7 @@
 /// Values at `times_s` by Hermite's cubic through the rows, with slopes from their neighbours
 /// (Catmull and Rom): third order between equal steps, exact at the rows. Beyond the ends the first
 /// and last rows hold.
-pub(super) fn at(rows_s: &[f64], values: &[f64], times_s: &[f64]) -> Vec<f64> {
+pub(crate) fn at(rows_s: &[f64], values: &[f64], times_s: &[f64]) -> Vec<f64> {
     let mut row = 0;
     let last = rows_s.len().saturating_sub(1);
     (times_s.iter())

@@ -13,6 +13,7 @@
 //! were [`taught`], a program by which an arm is [`led`].
 
 pub mod branch;
+pub mod excitation;
 pub mod follow;
 pub mod interpolation;
 pub mod joints;

@@ -110,9 +110,9 @@ pub fn dialect_named(name: &str) -> Option<&'static dyn Dialect> {
     DIALECTS.iter().copied().find(|one| one.name() == name)
 }
 
-/// What the robot's name tells against a dialect: that it is another maker's.
+/// The dialect in which robots of this name are programmed, if the name tells it.
 #[must_use]
-pub fn maker_note(dialect: &dyn Dialect, robot: &Robot) -> Option<String> {
+pub fn dialect_for(robot: &Robot) -> Option<&'static dyn Dialect> {
     let text = format!("{} {}", robot.name, robot.chain.name).to_lowercase();
     let words: Vec<&str> = text.split(|c: char| !c.is_alphanumeric()).collect();
     // A maker's name, or the first letters of its models: irb6600.
@@ -124,8 +124,14 @@ pub fn maker_note(dialect: &dyn Dialect, robot: &Robot) -> Option<String> {
         let mut makers = one.makers().iter();
         makers.any(|maker| words.iter().any(|word| of(word, maker)))
     };
-    let other = DIALECTS.iter().find(|one| named(**one))?;
-    (!named(dialect)).then(|| {
+    DIALECTS.iter().copied().find(|one| named(*one))
+}
+
+/// What the robot's name tells against a dialect: that it is another maker's.
+#[must_use]
+pub fn maker_note(dialect: &dyn Dialect, robot: &Robot) -> Option<String> {
+    let other = dialect_for(robot)?;
+    (other.name() != dialect.name()).then(|| {
         format!(
             "{} is named as an arm that is programmed in {}, not in {}",
             robot.name,

@@ -6,6 +6,7 @@ use serde::Deserialize;
 use crate::claim::ClaimTable;
 use crate::data::DataTable;
 use crate::effect::table::EffectTable;
+use crate::excite::ExciteTable;
 use crate::fit::FitTable;
 use crate::modes::{ToolTable, WorkpieceTable};
 use crate::process::ProcessTable;
@@ -48,4 +49,6 @@ pub(crate) struct ScenarioTable {
     pub uncertain: Option<Vec<UncertainTable>>,
     /// Unknowns of a least-squares fit of drive forces (`truecut fit`).
     pub fit: Option<FitTable>,
+    /// A motion that makes parameters identifiable (`truecut excite`).
+    pub excite: Option<ExciteTable>,
 }

@@ -20,6 +20,7 @@ use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Robot};
 use truecut_core::joint_law::LinkFriction;
+use truecut_plan::motion::excitation::SampledMotion;
 use truecut_recording::filter::Butterworth;
 use truecut_recording::{ChannelSpec, Measured, Role};
 use truecut_scenario::effect::{Effect, Target};
@@ -161,9 +162,24 @@ impl InverseModel {
     /// The same arm in states that have nothing to do with one another, unfiltered: what its drive
     /// forces cannot tell apart there, no motion tells apart.
     pub fn in_any_state(&self, states: usize) -> InverseModel {
+        self.along(self.motion.of_any_states(states))
+    }
+
+    /// The same arm along another motion of all joints, at its times, unfiltered.
+    pub fn in_motion(&self, motion: &SampledMotion, times_s: &[f64]) -> InverseModel {
+        let along = self.along(Motion::of(motion, self.motion.gravity_m_s2));
+        InverseModel {
+            measured: Measured {
+                time_s: times_s.to_vec(),
+                ..Measured::default()
+            },
+            ..along
+        }
+    }
+
+    fn along(&self, motion: Motion) -> InverseModel {
         let rate_hz = self.measured.rate_hz();
         let filter = Butterworth::low_pass(FILTER_ORDER, rate_hz, rate_hz);
-        let motion = self.motion.of_any_states(states);
         InverseModel {
             nominal: nominal(&self.robot, &motion, &self.joints, &filter),
             body: BodyRegressors::new(

@@ -2,6 +2,7 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
+//! | [`along`] | drive forces that a planned motion asks for |
 //! | `beginning` | where a measured joint begins |
 //! | `forward` | commands and forces in, motion out |
 //! | `inputs` | which measured channel drives what, and whether it may |
@@ -12,6 +13,7 @@
 //! | `rigid` | drive forces of the rigid arm along a motion |
 #![deny(clippy::wildcard_enum_match_arm)]
 
+pub mod along;
 mod beginning;
 mod drive_forces;
 pub(crate) mod forward;

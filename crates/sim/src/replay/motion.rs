@@ -5,6 +5,7 @@ use crate::build::gravity_m_s2;
 use crate::error::SimError;
 use nalgebra::Vector3;
 use truecut_arm::{Dynamics, Robot};
+use truecut_plan::motion::excitation::SampledMotion;
 use truecut_recording::Role;
 use truecut_recording::filter::{Butterworth, differentiate};
 
@@ -40,6 +41,16 @@ impl Motion {
             position,
             gravity_m_s2: gravity_m_s2(&source.scenario.robot),
         })
+    }
+
+    /// A motion that is known with its derivatives.
+    pub fn of(motion: &SampledMotion, gravity_m_s2: Vector3<f64>) -> Motion {
+        Motion {
+            position: motion.position.clone(),
+            velocity: motion.velocity.clone(),
+            acceleration: motion.acceleration.clone(),
+            gravity_m_s2,
+        }
     }
 
     /// Unrelated states of all joints: coordinates, speeds and accelerations even between -pi and
