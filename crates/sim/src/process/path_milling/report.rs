@@ -127,7 +127,7 @@ fn sizes(milling: &PathMilling, findings: &mut Findings) {
     let (at_m, level_m) = kept.strongest().unwrap_or((f64::NAN, f64::NAN));
     findings.scalars.extend(quantity::scalars([
         Quantity::new("path_milling.stock_removed", Unit::CubicMetre, removed_m3)
-            .text("Volume that teeth have taken of the stock"),
+            .text("Volume that teeth have taken of the stock, down to the depths of the path"),
         Quantity::new("path_milling.target_removed", Unit::CubicMetre, target_m3)
             .text("Volume that the path as written takes of it"),
         Quantity::new("path_milling.chip_volume", Unit::CubicMetre, milling.last.removed_m3)
@@ -276,9 +276,14 @@ fn part(milling: &PathMilling) -> PartMesh {
     let mut part = PartMesh::default();
     for triangle in stock.triangles_m() {
         let level = triangle.iter().all(|corner| corner.z == triangle[0].z);
+        let heights = triangle.map(|corner| corner.z);
+        let middle_m = 0.5
+            * (heights.iter().fold(f64::INFINITY, |a, b| a.min(*b))
+                + heights.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)));
+        let layer = (target.layers()).partition_point(|one| one.top_m <= middle_m);
         let left = triangle.map(|corner| match level {
             true => floors[nearest(stock, &corner)],
-            false => wall_left_m(stock, target, &corner),
+            false => wall_left_m(target, layer, &corner),
         });
         part.triangles_m
             .push(triangle.map(|corner| [corner.x, corner.y, corner.z].map(|x| x as f32)));
@@ -299,14 +304,10 @@ fn nearest(stock: &LayeredStock, place_m: &Vector3<f64>) -> usize {
     index(at.x, columns) + columns * index(at.y, rows)
 }
 
-/// How far a corner of a wall stands out of the target; not a number on the block's faces.
-fn wall_left_m(stock: &LayeredStock, target: &LayeredStock, corner: &Vector3<f64>) -> f64 {
-    let (least, most) = (stock.block.least_m, stock.block.most_m);
+/// How far a corner of a layer's wall stands out of the target; not a number on the block's faces.
+fn wall_left_m(target: &LayeredStock, layer: usize, corner: &Vector3<f64>) -> f64 {
+    let (least, most) = (target.block.least_m, target.block.most_m);
     let on_face = (0..2).any(|axis| corner[axis] == least[axis] || corner[axis] == most[axis]);
-    let above = target
-        .layers()
-        .partition_point(|one| one.top_m <= corner.z + 1e-9);
-    let layer = above.min(target.layers().len() - 1);
     match on_face {
         true => f64::NAN,
         false => -target.beyond_m(layer, &corner.xy()),
