@@ -193,8 +193,8 @@ fn verify_immersion_on_an_arc() {
     }
 }
 
-/// Volumes of a slot that ends in the block, of a widened hole's sector by chips, and of two depths:
-/// exact solids, and the chips' own sum.
+/// A slot that ends in the block: the exact solid, by the stock, by the chips and as the path means
+/// it.
 #[test]
 fn verify_removed_volume_of_slots_and_by_chips() {
     for seed in 30..34 {

@@ -7,10 +7,10 @@ use crate::cutting::milling::dexel::{FinishedSurface, RayGrid, Wall};
 use crate::cutting::milling::engagement::Stock;
 use crate::cutting::milling::layered::walls::Side;
 
-/// The same tool, vibrating, cuts a block by this law and by that of the straight cut. Where nothing
-/// older than two revolutions matters, forces are equal but for outlines on the grid; in the mean
-/// they are, the walls to 0.1 um (the straight law keeps a wall's arcs over two revolutions' feed
-/// alone, which vibration of 5 um does not exceed).
+/// The same tool, vibrating, cuts a block by this law and by that of the straight cut. Where
+/// nothing older than two revolutions matters, forces are equal but for outlines on the grid; in
+/// the mean they are, the walls to 0.1 um (the straight law keeps a wall's arcs over two
+/// revolutions' feed alone, which vibration of 5 um does not exceed).
 #[test]
 fn verify_straight_cut_is_that_of_the_straight_law() {
     for seed in 50..55 {
