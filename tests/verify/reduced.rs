@@ -123,8 +123,8 @@ const BOUNDS: [Bound; 18] = [
     (
         "milling/pocket.toml",
         Some("1.7"),
-        [1e-3, 1e-2],
-        [1e-3, 1e-2],
+        [1e-5, 0.1],
+        [1e-5, 1e-4],
     ),
     ("diagnosis/elbow.toml", None, [1e-4, 1e-3], [1e-5, 4e-4]),
 ];
