@@ -60,6 +60,9 @@ const BELT_HELD: &str = include_str!("every_key/belt_held.toml");
 
 const BELT_COMPLIANT: &str = include_str!("every_key/belt_compliant.toml");
 
+/// Roll and pitch of the work frame would lean the tool, and are left out.
+const PATH_MILLING: &str = include_str!("every_key/path_milling.toml");
+
 const BRUSH: &str = include_str!("every_key/brush.toml");
 
 fn run(text: &str, overrides: &[(String, String)]) -> Recording {
@@ -151,6 +154,11 @@ fn every_key_of_the_wheel_counts() {
 fn every_key_of_milling_counts() {
     check(MILLING, 36);
     check(MILLING_FROM_THE_POSTURE, 12);
+}
+
+#[test]
+fn every_key_of_milling_along_a_path_counts() {
+    check(PATH_MILLING, 36);
 }
 
 #[test]

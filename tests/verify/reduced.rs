@@ -28,12 +28,13 @@ const TOOL: [&str; 3] = [
     "tool.displacement_z",
 ];
 /// Forces that are compared: the first that a run has, of its process or of its transmissions.
-const FORCES: [&[&str]; 6] = [
+const FORCES: [&[&str]; 7] = [
     &[
         "dynamometer.force_x",
         "dynamometer.force_y",
         "dynamometer.force_z",
     ],
+    &["path_milling.force_x", "path_milling.force_y"],
     &["wheel.normal_force"],
     &["brush.bristle_force"],
     &["polish.normal_force"],
@@ -52,7 +53,7 @@ type Bound = (&'static str, Option<&'static str>, [f64; 2], [f64; 2]);
 /// What differs at rapier's step is the linearisation, and what rapier errs by itself: the reduced
 /// plant meets process forces to fourth order, rapier to second. With a free rod chip regeneration
 /// magnifies any difference.
-const BOUNDS: [Bound; 17] = [
+const BOUNDS: [Bound; 18] = [
     ("arm/contour.toml", None, [1e-4, 5e-3], [1e-4, 5e-3]),
     ("arm/free_decay.toml", None, [0.04, 0.03], [0.04, 0.03]),
     ("arm/frequency_sweep.toml", None, [0.01, 0.01], [0.01, 0.01]),
@@ -118,6 +119,12 @@ const BOUNDS: [Bound; 17] = [
         Some("3.0"),
         [1e-6, 1e-4],
         [1e-6, 1e-4],
+    ),
+    (
+        "milling/pocket.toml",
+        Some("1.7"),
+        [1e-5, 0.1],
+        [1e-5, 1e-4],
     ),
     ("diagnosis/elbow.toml", None, [1e-4, 1e-3], [1e-5, 4e-4]),
 ];

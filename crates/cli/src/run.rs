@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use rayon::prelude::*;
 use truecut::data;
-use truecut::outputs::{Outputs, size};
+use truecut::outputs::{Outputs, PART, PART_ERROR, size};
 use truecut_recording::{Outcome, SinkError, Unit};
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Extent, Finished, Run, RunError, Runs};
@@ -94,6 +94,9 @@ fn run_one(
         }
         other => other?,
     };
+    if let Some(part) = &finished.part {
+        outputs.write_part(part)?;
+    }
     outputs.finish(&finished.recording, &finished.claims)?;
     let status = ExitStatus::of_run(&finished.recording.outcome, &finished.claims);
     Ok((printed(scenario, &finished, &outputs), status))
@@ -143,10 +146,14 @@ fn printed(scenario: &Scenario, finished: &Finished, outputs: &Outputs) -> Strin
         ));
     }
     text.push_str(&format!("\n{}", text::headline(&recording.scalars)));
+    let mut beside = outputs.other_files();
+    if finished.part.is_some() {
+        beside.extend([PART, PART_ERROR]);
+    }
     text.push_str(&format!(
         "\n  {}   (look at it: truecut view; beside it: {})\n\n",
         outputs.main_file().display(),
-        outputs.other_files().join(", ")
+        beside.join(", ")
     ));
     text
 }

@@ -8,8 +8,8 @@ use truecut_arm::Robot;
 use crate::cam::{self, CamOptions, CamPath, WorkSetup};
 use crate::motion::led::{LedMotion, LedTask};
 use crate::program::{
-    Dialect, Frames, Program, ProgramError, ProgramErrorKind, Settings, Start, Tool, TravelOptions,
-    read_text,
+    Dialect, Frames, Motion, Move, Program, ProgramError, ProgramErrorKind, Settings, Start, Tool,
+    TravelOptions, read_text,
 };
 
 /// Farthest that a program's tool may stand from the robot's to be the same, m and rad.
@@ -51,6 +51,64 @@ pub struct PathFileMotion {
     pub lines: Vec<usize>,
     /// What was left aside.
     pub notes: Vec<String>,
+    /// The path as written.
+    pub way: Way,
+}
+
+/// A path as it is written, point by point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Way {
+    /// The work frame of a path from CAM, the base frame of a program.
+    pub world_from_work: Isometry3<f64>,
+    pub points: Vec<WayPoint>,
+}
+
+/// A point of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WayPoint {
+    pub work_from_tool: Isometry3<f64>,
+    pub posture: Vec<f64>,
+    /// Speed on the straight way there; `None`: by joints.
+    pub speed_m_per_s: Option<f64>,
+    /// Whether the way there is one of rapid traverse, or by joints.
+    pub rapid: bool,
+    /// Line of the file, of a path from CAM.
+    pub line: Option<usize>,
+}
+
+/// What a file holds, before an arm.
+struct Read {
+    program: Program,
+    /// Lines that its points come from, and which points are reached in rapid traverse; empty of a
+    /// robot program.
+    lines: Vec<usize>,
+    rapid: Vec<bool>,
+    world_from_work: Isometry3<f64>,
+}
+
+impl Read {
+    fn way(&self) -> Way {
+        let program = &self.program;
+        let work_from_base = self.world_from_work.inverse() * program.world_from_base;
+        let point = |one: &Move| {
+            let speed_m_per_s = match one.motion {
+                Motion::Linear { speed_m_per_s } => Some(speed_m_per_s),
+                Motion::Joint { .. } => None,
+            };
+            let rapid = self.rapid.get(one.path_point).copied();
+            WayPoint {
+                work_from_tool: work_from_base * one.base_from_tool,
+                posture: one.posture.clone(),
+                speed_m_per_s,
+                rapid: rapid.unwrap_or(false) || speed_m_per_s.is_none(),
+                line: self.lines.get(one.path_point).copied(),
+            }
+        };
+        Way {
+            world_from_work: self.world_from_work,
+            points: program.moves.iter().map(point).collect(),
+        }
+    }
 }
 
 impl PathFile {
@@ -65,7 +123,9 @@ impl PathFile {
         interval_s: f64,
         longest_s: f64,
     ) -> Result<PathFileMotion, ProgramError> {
-        let (program, lines) = self.program(robot, start)?;
+        let read = self.read(robot, start)?;
+        let way = read.way();
+        let Read { program, lines, .. } = read;
         let task = LedTask {
             robot,
             program: &program,
@@ -83,15 +143,12 @@ impl PathFile {
             points: program.moves.len(),
             lines,
             notes: program.notes,
+            way,
         })
     }
 
-    /// The path before an arm, and the lines that its points come from.
-    fn program(
-        &self,
-        robot: &Robot,
-        start: Start<'_>,
-    ) -> Result<(Program, Vec<usize>), ProgramError> {
+    /// The path before an arm.
+    fn read(&self, robot: &Robot, start: Start<'_>) -> Result<Read, ProgramError> {
         let file = &self.file;
         let tool = Tool::of(robot, "tool", 0);
         match &self.kind {
@@ -124,7 +181,13 @@ impl PathFile {
                     ..TravelOptions::default()
                 };
                 let program = cam::follow(start, robot, head, &path, file, setup, &travel)?;
-                Ok((program, path.points.iter().map(|one| one.line).collect()))
+                let points = path.points.iter();
+                Ok(Read {
+                    program,
+                    lines: points.clone().map(|one| one.line).collect(),
+                    rapid: points.map(|one| one.feed_m_per_s.is_none()).collect(),
+                    world_from_work: setup.world_from_work,
+                })
             }
             PathFileKind::Program {
                 dialect,
@@ -142,7 +205,12 @@ impl PathFile {
                     return Err(ProgramError::in_file(file, None, kind));
                 }
                 program.notes.extend(other_tool(&program.tool, &tool));
-                Ok((program, Vec::new()))
+                Ok(Read {
+                    world_from_work: program.world_from_base,
+                    program,
+                    lines: Vec::new(),
+                    rapid: Vec::new(),
+                })
             }
         }
     }

@@ -65,6 +65,7 @@ pub(crate) struct Cell {
 pub(crate) struct RunEnd {
     pub scalars: Vec<Scalar>,
     pub profiles: Vec<truecut_recording::Profile>,
+    pub part: Option<truecut_recording::PartMesh>,
     pub outcome: Outcome,
 }
 
@@ -254,6 +255,7 @@ impl Cell {
         Ok(RunEnd {
             scalars: self.scalars,
             profiles: findings.profiles,
+            part: findings.part,
             outcome,
         })
     }

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use truecut_files::{room_bytes, write_whole};
-use truecut_recording::{Chunk, ClaimResult, Recording, Sink, SinkError, Summary};
+use truecut_recording::{Chunk, ClaimResult, PartMesh, Recording, Sink, SinkError, Summary};
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Extent, RunError};
 use truecut_sim::sweep::SweepTable;
@@ -44,6 +44,10 @@ pub struct Outputs {
 const RECORDING: &str = "recording.parquet";
 const STREAM: &str = "recording.arrows";
 const VIEWER: &str = "recording.rrd";
+/// The workpiece as it is left, of a process that keeps it as a body.
+pub const PART: &str = "part.stl";
+/// The same with its errors.
+pub const PART_ERROR: &str = "part.ply";
 const SUMMARY: &str = "summary.json";
 /// The robot for MuJoCo, written by a cross-check.
 pub const MODEL: &str = "model.xml";
@@ -158,6 +162,17 @@ impl Outputs {
         })
     }
 
+    /// Writes the workpiece as it is left: `part.stl`, its surface in millimetres, and `part.ply`,
+    /// the same with what is left beyond the target at each corner, um, for viewers that colour by
+    /// a `quality`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_part(&self, part: &PartMesh) -> Result<(), FileError> {
+        write_file(&self.files.path(PART), &part.to_stl())?;
+        write_file(&self.files.path(PART_ERROR), &part.to_ply())
+    }
+
     /// Writes `summary.json`, and gives all files their places: those of an earlier run go, the
     /// stream goes since the Parquet file has its rows. A summary is there only beside the files
     /// of its run.
@@ -170,7 +185,8 @@ impl Outputs {
             .map_err(|error| failed(&path, error.into()))?;
         write_file(&path, format!("{summary}\n").as_bytes())?;
         self.files.publish(&[
-            VIEWER, RECORDING, STREAM, MODEL, COMPARISON, MAP_TABLE, MAP_TEXT, MAP_MESH, SUMMARY,
+            VIEWER, RECORDING, STREAM, MODEL, COMPARISON, MAP_TABLE, MAP_TEXT, MAP_MESH, PART,
+            PART_ERROR, SUMMARY,
         ])
     }
 }

@@ -120,13 +120,13 @@ pub(super) fn one_of<T>(
 }
 
 /// What coefficients say of worn flanks.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Indentation {
     pub n_per_m3: Option<f64>,
     pub mu: Option<f64>,
     pub wear_land_m: Option<f64>,
     /// Key at which a wear land that is wrong is told.
-    pub wear_land: &'static str,
+    pub wear_land: String,
 }
 
 impl CuttingTable {
@@ -143,7 +143,7 @@ impl CuttingTable {
     }
 
     /// What is said of worn flanks; `wear_land` is where a wear land that is wrong is told.
-    pub(super) fn indentation(&self, wear_land: &'static str) -> Indentation {
+    pub(super) fn indentation(&self, wear_land: String) -> Indentation {
         Indentation {
             n_per_m3: self.indentation_n_per_mm3.map(from_n_per_mm3),
             mu: self.flank_friction,

@@ -14,6 +14,7 @@ pub(crate) mod chamfer;
 pub(crate) mod load;
 pub(crate) mod milling;
 pub(crate) mod path_file;
+pub(crate) mod path_milling;
 pub(crate) mod polish;
 pub(crate) mod replay;
 pub(crate) mod wheel;
@@ -135,6 +136,8 @@ processes! {
     wheel => Wheel(WheelSpec),
     /// Milling along a straight line.
     milling => Milling(MillingSpec),
+    /// Milling of stock along a path from a file.
+    path_milling => PathMilling(PathMillingSpec),
     /// Polishing a face with a soft wheel in precession.
     polish => Polish(PolishSpec),
     /// Finishing the face of a path job with a belt over a contact wheel.

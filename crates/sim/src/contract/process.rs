@@ -172,7 +172,9 @@ fn findings(process: &mut dyn Process, subject: &Subject) -> Findings {
 /// things, which is not a number; infinite it is not.
 pub fn findings_are_finite_and_named_once(make: Make) {
     let (mut process, subject) = split(make());
-    let Findings { scalars, profiles } = findings(process.as_mut(), &subject);
+    let Findings {
+        scalars, profiles, ..
+    } = findings(process.as_mut(), &subject);
     let names: BTreeSet<_> = scalars.iter().map(|scalar| &scalar.name).collect();
     assert_eq!(names.len(), scalars.len(), "{names:?}");
     for scalar in &scalars {

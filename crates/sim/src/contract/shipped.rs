@@ -170,6 +170,7 @@ shipped! {
     load_sweep: "arm/frequency_sweep.toml" [];
     milling_nominal: "milling/nominal_surface.toml" [];
     milling_own: "milling/own_surface.toml" [];
+    path_milling: "milling/pocket.toml" [];
     polish: "finishing/mould_free.toml" [super::COARSE];
     replay: "diagnosis/elbow.toml" [];
     wheel: "wheel/plate.toml" [];

@@ -83,6 +83,7 @@ fn through(file: &Path, speeds: TaughtSpeeds, robot: &Robot) -> Result<LedAlong,
     Ok(LedAlong {
         duration_s: (knots.len() - 1) as f64 * KNOT_INTERVAL_S,
         told: format!("{} taught postures", taught.postures.len()),
+        way: None,
         knots,
     })
 }

@@ -14,6 +14,7 @@ use nalgebra::Isometry3;
 use std::sync::Arc;
 use truecut_arm::{Load, Robot};
 use truecut_plan::motion::lines::CopyAt;
+use truecut_plan::path_file::Way;
 use truecut_plan::surface::{Mesh, PatchFile};
 use truecut_plan::surface_path::SurfacePath;
 
@@ -40,6 +41,8 @@ pub(crate) enum Target {
     Lines(BeltLines),
     /// A workpiece and its edges.
     Edges(BrushWork),
+    /// Nothing but the path as it is written.
+    Way(Way),
     /// Nothing: the tool is free.
     Nothing,
 }

@@ -4,7 +4,7 @@ use super::{KNOT_INTERVAL_S, PlannedMotion, Target};
 use crate::error::SimError;
 use std::borrow::Cow;
 use truecut_arm::Robot;
-use truecut_plan::path_file::{PathFile, PathFileMotion};
+use truecut_plan::path_file::{PathFile, PathFileMotion, Way};
 use truecut_plan::program::Start;
 use truecut_scenario::LONGEST_S;
 
@@ -35,6 +35,8 @@ pub(crate) struct LedAlong {
     pub duration_s: f64,
     /// What there is to tell of it.
     pub told: String,
+    /// The path as written.
+    pub way: Option<Way>,
 }
 
 /// The motion of an arm that only follows a path; `key` names the file in the scenario.
@@ -49,7 +51,7 @@ pub(crate) fn solve(
         knots: led.knots,
         duration_s: led.duration_s,
         note: Some(format!("path: {}, {:.2} s", led.told, led.duration_s)),
-        target: Target::Nothing,
+        target: led.way.map_or(Target::Nothing, Target::Way),
     })
 }
 
@@ -82,11 +84,13 @@ pub(crate) fn lead(
         (turning.iter().zip(knot)).for_each(|(&at, value)| posture[at] = value);
         posture
     };
+    let way = found.way;
     let knots: Vec<Vec<f64>> = found.motion.knots.into_iter().map(whole).collect();
     Ok(LedAlong {
         duration_s: (knots.len() - 1) as f64 * KNOT_INTERVAL_S,
         knots,
         told,
+        way: Some(way),
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::setup::{self, ProcessSetup, SetupContext};
 use super::yielding::Yielding;
-use super::{belt, brush, chamfer, custom, load, milling, polish, replay, wheel};
+use super::{belt, brush, chamfer, custom, load, milling, path_milling, polish, replay, wheel};
 use crate::error::SimError;
 use truecut_scenario::ProcessSpec;
 
@@ -18,6 +18,7 @@ pub(crate) fn set_up(context: &SetupContext<'_>) -> Result<ProcessSetup, SimErro
         ProcessSpec::Chamfer(spec) => chamfer::setup::setup(spec, context),
         ProcessSpec::Load(spec) => load::setup::setup(spec, context),
         ProcessSpec::Milling(spec) => milling::setup::setup(spec, context),
+        ProcessSpec::PathMilling(spec) => path_milling::setup::setup(spec, context),
         ProcessSpec::Polish(spec) => polish::setup::setup(spec, context),
         ProcessSpec::Replay(spec) => replay::setup::setup(spec, context),
         ProcessSpec::Wheel(spec) => wheel::setup::setup(spec, context),

@@ -13,6 +13,7 @@ mod foot;
 mod load;
 mod milling;
 mod modes;
+mod path_milling;
 mod pending_removal;
 mod polish;
 mod quantity;
@@ -31,6 +32,7 @@ pub use foot::{Foot, FootParameters};
 pub use load::Load;
 pub use milling::{Milling, MillingSetup, MillingTheory};
 pub(crate) use milling::{linear_share, notes as milling_notes};
+pub use path_milling::{PathMilling, PathMillingSetup};
 pub use polish::{Polish, PolishSetup};
 pub use quantity::Quantity;
 pub use replay::{ForceSamples, Replay};
@@ -41,7 +43,7 @@ pub use wheel::Wheel;
 use crate::loads::{Attachment, ContactOutcomes, Loads};
 pub use crate::scene::{Held, Tooling};
 use nalgebra::{Isometry3, Vector3};
-use truecut_recording::{ChannelSpec, Field, Outcome, Profile, Scalar};
+use truecut_recording::{ChannelSpec, Field, Outcome, PartMesh, Profile, Scalar};
 
 /// Motion of one frame of the robot, in process axes, relative to where it stood after touch-down.
 #[derive(Debug, Clone, Copy, Default)]
@@ -86,6 +88,8 @@ fn slope_n_per_m(depth_m: f64, force_n: impl Fn(f64) -> f64) -> f64 {
 pub struct Findings {
     pub scalars: Vec<Scalar>,
     pub profiles: Vec<Profile>,
+    /// The workpiece as it is left, in its own frame, if the process keeps it as a body.
+    pub part: Option<PartMesh>,
 }
 
 /// What is known when the arm stands at its start.

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use truecut_recording::{Measured, OpenSinks, Outcome, Recorder, Recording, Sink};
+use truecut_recording::{Measured, OpenSinks, Outcome, PartMesh, Recorder, Recording, Sink};
 use truecut_scenario::Scenario;
 
 use super::clearance;
@@ -19,6 +19,7 @@ pub(super) struct Recorded {
     pub build_s: f64,
     pub run_s: f64,
     pub compared: Option<Measured>,
+    pub part: Option<PartMesh>,
 }
 
 type Sinks = Vec<Box<dyn Sink + Send>>;
@@ -83,6 +84,7 @@ impl Run<'_> {
             build_s,
             run_s: started.elapsed().as_secs_f64(),
             compared: None,
+            part: end.part,
         })
     }
 
@@ -120,6 +122,7 @@ impl Run<'_> {
             build_s,
             run_s: started.elapsed().as_secs_f64(),
             compared: Some(compared),
+            part: None,
         })
     }
 }

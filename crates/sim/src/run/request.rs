@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 
-use truecut_recording::{ClaimResult, Measured, Outcome, Recording, Sink, SinkError};
+use truecut_recording::{ClaimResult, Measured, Outcome, PartMesh, Recording, Sink, SinkError};
 use truecut_scenario::{Scenario, ScenarioError};
 
 use super::error::RunError;
@@ -114,6 +114,8 @@ pub struct Finished {
     /// The measured data in the form that the recording is to be compared with, where no plant ran:
     /// filtered as the prediction is.
     pub compared: Option<Measured>,
+    /// The workpiece as it is left, if the process keeps it as a body.
+    pub part: Option<PartMesh>,
 }
 
 impl Finished {
@@ -181,6 +183,7 @@ impl<'a> Run<'a> {
             build_s: recorded.build_s,
             run_s: recorded.run_s,
             compared: recorded.compared,
+            part: recorded.part,
         })
     }
 

@@ -154,6 +154,17 @@ pub(crate) fn body(process_from_mesh: &Isometry3<f64>, mesh: &Mesh) -> Vec<Shape
     vec![steel(geometry, pose(process_from_mesh))]
 }
 
+/// A block of stock.
+pub(crate) fn stock(process_from_block: &Isometry3<f64>, half_m: &Vector3<f64>) -> Shape {
+    Shape {
+        geometry: Geometry::Box {
+            half_extents_m: (*half_m).into(),
+        },
+        color_rgba: STEEL_RGBA,
+        body_from_shape: pose(process_from_block),
+    }
+}
+
 /// What a straight pass leaves of its stock, in the milling frame: x along the feed from the
 /// path's start, z up from the teeth's lowest point.
 pub(crate) struct Milled {

@@ -45,7 +45,11 @@ pub(super) const TEMPLATES: &[Template] = &[
         DEFLECTION,
         Place::FrontWithSpectrum,
         1e-6,
-        &["tool.deflection_", "milling.deflection_"],
+        &[
+            "tool.deflection_",
+            "milling.deflection_",
+            "path_milling.deflection_",
+        ],
     ),
     front(
         "Tool displacement, process frame",
@@ -70,6 +74,12 @@ pub(super) const TEMPLATES: &[Template] = &[
         Place::Front,
         10.0,
         &["milling.force_"],
+    ),
+    front(
+        "Cutting force on the tool, work frame",
+        Place::Front,
+        10.0,
+        &["path_milling.force_"],
     ),
     front(
         "Left on the wall",

@@ -14,35 +14,13 @@ use super::dexel::FinishedSurface;
 use super::earlier::{Axis, EarlierPass, Ray};
 use super::memory::Trace;
 pub use super::parameters::{MillingParameters, ToolState};
-use super::sweep::on_tool_n;
-use nalgebra::{Vector2, Vector3};
+pub use super::slice::MillingLoads;
+use super::slice::Slice;
+use nalgebra::Vector2;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Part of a tooth's radius beyond which its chip is not looked for at a face.
 const THICKEST: f64 = 0.1;
-
-/// What the cut does to the tool.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MillingLoads {
-    /// Milling frame, N.
-    pub force_on_tool_n: Vector3<f64>,
-    /// About the tool point, milling frame, N m; its z part brakes the spindle.
-    pub moment_on_tool_n_m: Vector3<f64>,
-    /// Sum over all teeth of chip thickness times height, m².
-    pub chip_area_m2: f64,
-    /// Largest chip thickness of any slice, m.
-    pub thickest_chip_m: f64,
-    /// Teeth that cut anywhere along their edge.
-    pub teeth_in_cut: usize,
-}
-
-/// A piece of a tooth's edge, thin enough to have one angle.
-struct Slice {
-    tooth: usize,
-    angle_rad: f64,
-    height_m: f64,
-    thick_m: f64,
-}
 
 /// A milling pass: parameters, and the memory of what has been cut.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,13 +61,7 @@ impl MillingCut {
     /// Loads on the tool at a state; changes nothing.
     pub fn evaluate(&self, state: &ToolState) -> MillingLoads {
         let p = &self.parameters;
-        let mut loads = MillingLoads {
-            force_on_tool_n: Vector3::zeros(),
-            moment_on_tool_n_m: Vector3::zeros(),
-            chip_area_m2: 0.0,
-            thickest_chip_m: 0.0,
-            teeth_in_cut: 0,
-        };
+        let mut loads = MillingLoads::default();
         let engaged_m = p.stock.top_m - state.displacement_m.z;
         if engaged_m <= 0.0 {
             return loads;
@@ -108,12 +80,15 @@ impl MillingCut {
                 if chip_m > 0.0 {
                     cuts = true;
                     let slice = Slice {
-                        tooth,
+                        reach_m: p.cutter.tooth_radius_m(tooth),
                         angle_rad,
                         height_m,
                         thick_m: slice_m,
+                        chip_m,
+                        along_m_per_rad: p.feed_per_revolution_m() / TAU * angle_rad.cos(),
                     };
-                    self.add_slice(&mut loads, &slice, chip_m, &state.displacement_m_per_rad);
+                    let rate = &state.displacement_m_per_rad;
+                    loads.add(&p.cutter, &p.coefficients, &slice, rate);
                 }
             }
             loads.teeth_in_cut += usize::from(cuts);
@@ -285,37 +260,6 @@ impl MillingCut {
             }
         }
         surface_m
-    }
-
-    fn add_slice(
-        &self,
-        loads: &mut MillingLoads,
-        slice: &Slice,
-        chip_m: f64,
-        rate_m_per_rad: &Vector3<f64>,
-    ) {
-        let area = chip_m * slice.thick_m;
-        let p = &self.parameters;
-        let sizes = p.coefficients.forces_n(area, slice.thick_m);
-        let mut force = on_tool_n(
-            slice.angle_rad,
-            sizes.tangential_n,
-            sizes.radial_n,
-            sizes.axial_n,
-        );
-        let (sin, cos) = slice.angle_rad.sin_cos();
-        let reach = p.cutter.tooth_radius_m(slice.tooth);
-        if !p.cutter.flank.is_sharp() {
-            let slope = (rate_m_per_rad.x * sin + rate_m_per_rad.y * cos) / reach;
-            let flank = p.cutter.flank.per_outward_slope();
-            let sizes = flank.forces_n(slope.max(0.0) * slice.thick_m, 0.0);
-            force += on_tool_n(slice.angle_rad, sizes.tangential_n, sizes.radial_n, 0.0);
-        }
-        let arm = Vector3::new(reach * sin, reach * cos, slice.height_m);
-        loads.force_on_tool_n += force;
-        loads.moment_on_tool_n_m += arm.cross(&force);
-        loads.chip_area_m2 += area;
-        loads.thickest_chip_m = loads.thickest_chip_m.max(chip_m);
     }
 }
 

@@ -28,6 +28,7 @@
 //! | [`memory`] | where the tool stood when earlier teeth passed: the surface they left |
 //! | [`cut`] | forces of a vibrating tool against that surface |
 //! | [`dexel`] | the finished walls and floor as dexels |
+//! | [`layered`] | a cut along any path at constant depths in a body of stock |
 //! | [`finish`] | surface location error, roughness, chatter marks |
 
 pub mod cut;
@@ -37,9 +38,11 @@ mod earlier;
 pub mod engagement;
 pub mod finish;
 pub mod flank;
+pub mod layered;
 pub mod memory;
 pub mod nominal;
 mod parameters;
+mod slice;
 pub(crate) mod sweep;
 
 /// Why a milling cut cannot be what was asked for.

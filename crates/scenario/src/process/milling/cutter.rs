@@ -31,7 +31,7 @@ pub(super) enum EngagementName {
 /// A cylindrical end mill.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct CutterTable {
+pub(in crate::process) struct CutterTable {
     /// Diameter.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cutter has a diameter"))]
     diameter_mm: f64,
@@ -58,16 +58,16 @@ pub(super) struct CutterTable {
 
 impl CutterTable {
     /// Width of the wear land that the table gives.
-    pub(super) fn wear_land_m(&self) -> Option<f64> {
+    pub(in crate::process) fn wear_land_m(&self) -> Option<f64> {
         self.wear_land_mm.map(from_mm)
     }
 
-    /// With sharp flanks, and modes.
-    pub(super) fn resolve(
+    /// With sharp flanks, and modes; `table` is its own key.
+    pub(in crate::process) fn resolve(
         self,
+        table: &str,
         check: &mut Check,
     ) -> (Cutter, (Vec<AttachedMode>, Vec<SpeedTable>)) {
-        let table = "process.milling.cutter";
         let diameter_m = from_mm(self.diameter_mm);
         let runout_m = from_um(self.runout_um.unwrap_or(0.0));
         if runout_m == 0.0 {

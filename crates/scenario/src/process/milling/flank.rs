@@ -1,27 +1,26 @@
 //! The worn flank of a cutter: the wear land of `[process.milling.cutter]` or of the coefficients,
 //! and how the workpiece resists it.
 
-use truecut_core::cutting::milling::engagement::Engagement;
 use truecut_core::cutting::milling::flank::Flank;
 
 use crate::check::Check;
 use crate::fault::Fault;
 use crate::process::material::Indentation;
 
-const CUTTER: &str = "process.milling.cutter.wear_land_mm";
-
 impl Indentation {
-    /// The flank of a cutter of `radius_m`, whose own wear land counts before that of the material.
-    pub(super) fn resolve(
+    /// The flank of a cutter in `cutter` that cuts along an arc, whose own wear land counts before
+    /// that of the material.
+    pub(in crate::process) fn resolve(
         &self,
+        cutter: &str,
         own_wear_land_m: Option<f64>,
-        engagement: &Engagement,
-        radius_m: f64,
+        arc_m: f64,
         check: &mut Check,
     ) -> Flank {
+        let own = format!("{cutter}.wear_land_mm");
         let (key, wear_land_m) = match own_wear_land_m {
-            Some(own_m) => (CUTTER, own_m),
-            None => (self.wear_land, self.wear_land_m.unwrap_or(0.0)),
+            Some(own_m) => (own.as_str(), own_m),
+            None => (self.wear_land.as_str(), self.wear_land_m.unwrap_or(0.0)),
         };
         if wear_land_m == 0.0 {
             return Flank::default();
@@ -35,7 +34,6 @@ impl Indentation {
             check.refuse(Fault::value(key, message, "no resistance to it"));
             return Flank::default();
         };
-        let arc_m = radius_m * (engagement.exit_rad - engagement.entry_rad);
         if wear_land_m >= arc_m {
             let message = format!(
                 "`{key}`: the wear land is {} mm wide, but must be less than the {:.4} mm that a tooth \

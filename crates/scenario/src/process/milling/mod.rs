@@ -1,6 +1,6 @@
 //! The `[process.milling]` table: an end mill cuts along a straight line.
 
-mod cutter;
+pub(in crate::process) mod cutter;
 mod flank;
 mod path;
 mod planned;
@@ -150,7 +150,7 @@ impl MillingTable {
     /// `None` after recording a fault.
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<MillingSpec> {
         let own_wear_land_m = self.cutter.wear_land_m();
-        let (mut cutter, (tool, over_speed)) = self.cutter.resolve(check);
+        let (mut cutter, (tool, over_speed)) = self.cutter.resolve("process.milling.cutter", check);
         let attached = AttachedModes {
             tool,
             workpiece: (self.workpiece).map_or_else(Vec::new, |piece| {
@@ -176,9 +176,11 @@ impl MillingTable {
             diameter_m,
             check,
         );
-        let cutting = coefficients(self.material, self.cutting, folder, check);
+        let cutting = coefficients(TABLE, self.material, self.cutting, folder, check);
         if let (Some((_, indentation)), Some(engagement)) = (&cutting, &engagement) {
-            cutter.flank = indentation.resolve(own_wear_land_m, engagement, cutter.radius_m, check);
+            let arc_m = cutter.radius_m * (engagement.exit_rad - engagement.entry_rad);
+            let own = "process.milling.cutter";
+            cutter.flank = indentation.resolve(own, own_wear_land_m, arc_m, check);
         }
         let path = self.path.resolve(check);
         let (lead_in_m, ramp_m) = (
@@ -210,18 +212,19 @@ impl MillingTable {
 }
 
 /// Coefficients, and what they say of worn flanks; `None` after recording a fault.
-fn coefficients(
+pub(in crate::process) fn coefficients(
+    table: &str,
     material: Option<MaterialTable>,
     cutting: Option<CuttingTable>,
     folder: &Path,
     check: &mut Check,
 ) -> Option<(CuttingCoefficients, Indentation)> {
-    let (numbers, wear_land) = match one_of(TABLE, material, cutting, check)? {
+    let (numbers, wear_land) = match one_of(table, material, cutting, check)? {
         Given::Material(material) => (
-            material.read(TABLE, folder, check)?,
-            "process.milling.material.file",
+            material.read(table, folder, check)?,
+            format!("{table}.material.file"),
         ),
-        Given::Cutting(cutting) => (cutting, "process.milling.cutting.wear_land_mm"),
+        Given::Cutting(cutting) => (cutting, format!("{table}.cutting.wear_land_mm")),
     };
     Some((numbers.coefficients(), numbers.indentation(wear_land)))
 }

@@ -137,6 +137,7 @@ pub(super) fn findings(setup: &BeltSetup, worn: &[Worn], watch: &Watch) -> Findi
             .map(|one| across(setup, one))
             .into_iter()
             .collect(),
+        ..Findings::default()
     }
 }
 

@@ -105,6 +105,7 @@ pub(super) fn findings(setup: &BrushSetup, dose_j_per_m2: &[f64], watch: &Watch)
     Findings {
         scalars: quantity::scalars(quantities),
         profiles: profiles.collect(),
+        ..Findings::default()
     }
 }
 

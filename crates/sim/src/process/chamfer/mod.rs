@@ -307,6 +307,7 @@ impl Process for Chamfer {
         Findings {
             scalars: self.scalars(&surface, &width),
             profiles: vec![width],
+            ..Findings::default()
         }
     }
 

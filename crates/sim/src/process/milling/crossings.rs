@@ -9,8 +9,8 @@ use super::Milling;
 use crate::process::ToolState;
 
 /// Of a step, as parts of it from its middle.
-pub(super) const START: f64 = -0.5;
-pub(super) const END: f64 = 0.5;
+pub(in crate::process) const START: f64 = -0.5;
+pub(in crate::process) const END: f64 = 0.5;
 /// Halvings that find a crossing, to a millionth of a step.
 const HALVINGS: usize = 20;
 
@@ -38,7 +38,7 @@ impl Milling {
 }
 
 /// Where a condition changes that holds at the end of a step if it does not at its start.
-fn crossing(holds: impl Fn(f64) -> bool, at_start: bool) -> f64 {
+pub(in crate::process) fn crossing(holds: impl Fn(f64) -> bool, at_start: bool) -> f64 {
     let (mut low, mut high) = (START, END);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);

@@ -12,6 +12,7 @@ mod report;
 pub(crate) mod setup;
 mod tip;
 
+pub(super) use crossings::{END, START, crossing};
 pub(crate) use report::linear_share;
 pub use setup::MillingTheory;
 pub(crate) use setup::notes;
@@ -274,8 +275,8 @@ impl Process for Milling {
 
     fn evaluate(&self, state: &ToolState) -> Loads {
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-        let mut start = crossings::START;
-        for end in (self.crossings(state).into_iter()).chain([crossings::END]) {
+        let mut start = START;
+        for end in (self.crossings(state).into_iter()).chain([END]) {
             let parts = ((end - start) * PARTS as f64).ceil();
             let share = (end - start) / parts;
             for part in 0..parts as usize {

@@ -159,6 +159,7 @@ pub(super) fn findings(setup: &PolishSetup, surface: &Surface, watch: &Watch) ->
                 .chain(plane(watch)),
         ),
         profiles: vec![across(setup, surface)],
+        ..Findings::default()
     }
 }
 

@@ -163,6 +163,7 @@ impl Process for Wheel {
                 unit: Unit::Metre,
                 values: removed.to_vec(),
             }],
+            ..Findings::default()
         }
     }
 

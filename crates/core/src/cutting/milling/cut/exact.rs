@@ -6,6 +6,7 @@ use super::*;
 use crate::cutting::chamfer::CuttingCoefficients;
 use crate::cutting::milling::cutter::Cutter;
 use crate::cutting::milling::engagement::Engagement;
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 const RADIUS_M: f64 = 10e-3;

@@ -7,6 +7,7 @@ use crate::chatter::spectral_elements::SpectralElements;
 use crate::chatter::{DirectionalMatrix, TipMode};
 use crate::cutting::milling::cutter::Cutter;
 use crate::cutting::milling::engagement::Engagement;
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 struct Draws(u64);

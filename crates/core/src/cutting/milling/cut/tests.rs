@@ -6,6 +6,7 @@ use crate::cutting::milling::engagement::Engagement;
 use crate::cutting::milling::examples::aluminium;
 use crate::cutting::milling::flank::Flank;
 use crate::cutting::milling::nominal::NominalCut;
+use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 pub(super) fn parameters(

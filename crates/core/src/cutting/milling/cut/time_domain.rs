@@ -11,7 +11,7 @@ use crate::cutting::milling::cutter::Cutter;
 use crate::cutting::milling::engagement::Engagement;
 use crate::cutting::milling::examples::aluminium;
 use crate::cutting::milling::nominal::NominalCut;
-use nalgebra::{Matrix2, Vector4};
+use nalgebra::{Matrix2, Vector2, Vector3, Vector4};
 
 /// One direction x against its cut, RK4, in steps of which a whole number makes a tooth period.
 struct Oscillator {

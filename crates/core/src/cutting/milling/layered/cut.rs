@@ -1,0 +1,316 @@
+//! Forces of a vibrating tool in layered stock.
+//!
+//! The law of chips is that of the straight cut: along the ray from the axis through a tooth's tip
+//! the material begins where the outermost of the arcs of earlier passes ends, each found to
+//! rounding from the stored motion of the axis, which here is its place in the plane and not its
+//! distance from a line. Of the ray between there and the tip counts what lies in stock that no
+//! tooth had been to before the stored motion begins.
+
+use super::stock::LayeredStock;
+use super::walls::Walls;
+use crate::cutting::chamfer::CuttingCoefficients;
+use crate::cutting::milling::cutter::Cutter;
+use crate::cutting::milling::earlier::{Axis, EarlierPass, Ray};
+use crate::cutting::milling::memory::Trace;
+use crate::cutting::milling::slice::{MillingLoads, Slice};
+use nalgebra::Vector3;
+use std::f64::consts::FRAC_PI_2;
+
+/// Revolutions of which the motion is kept.
+const REVOLUTIONS: usize = 2;
+/// Edges with a helix are cut into slices that lag by no more than this, rad.
+const SLICE_LAG_RAD: f64 = 0.02;
+
+/// Where the tool is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ToolPlace {
+    /// Angle by which the spindle has turned, rad, not wrapped.
+    pub rotation_rad: f64,
+    /// The tip's centre, m.
+    pub place_m: Vector3<f64>,
+    /// Its vibration's change with rotation, m/rad; only a worn flank asks for it.
+    pub vibration_m_per_rad: Vector3<f64>,
+}
+
+/// A cut on any path.
+#[derive(Debug, Clone)]
+pub struct LayeredCut {
+    pub cutter: Cutter,
+    pub coefficients: CuttingCoefficients,
+    pub(super) stock: LayeredStock,
+    pub(super) walls: Walls,
+    /// Lowest place of the tip over each node, m.
+    pub(super) floor_m: Vec<f64>,
+    pub(super) trace: Trace,
+    /// Fastest motion of the axis in the stretch of memory now filled and in the one before, m/rad.
+    fastest_m_per_rad: [f64; 2],
+    stretch_rad: f64,
+    /// Up to where the stock is cut.
+    pub(super) cut_to: Option<(f64, Vector3<f64>)>,
+}
+
+/// What all teeth share of a state.
+struct Passes {
+    /// Rotation and place of the axis so many pitches before.
+    earlier: Vec<(f64, Vector3<f64>)>,
+    speed_m_per_rad: f64,
+}
+
+impl LayeredCut {
+    /// A tool at rest at a place outside of the stock.
+    pub fn new(
+        cutter: Cutter,
+        coefficients: CuttingCoefficients,
+        stock: LayeredStock,
+        walls: Walls,
+        start_m: Vector3<f64>,
+    ) -> Self {
+        let pitch_rad = cutter.pitch_rad();
+        let passes = REVOLUTIONS * cutter.teeth;
+        let span_rad = pitch_rad * (passes as f64 + 1.5) + FRAC_PI_2.max(pitch_rad);
+        let nodes = stock.nodes();
+        Self {
+            cutter,
+            coefficients,
+            floor_m: vec![f64::INFINITY; nodes[0] * nodes[1]],
+            stock,
+            walls,
+            trace: Trace::new(span_rad, start_m),
+            fastest_m_per_rad: [0.0; 2],
+            stretch_rad: f64::NEG_INFINITY,
+            cut_to: None,
+        }
+    }
+
+    pub fn stock(&self) -> &LayeredStock {
+        &self.stock
+    }
+
+    pub fn walls(&self) -> &Walls {
+        &self.walls
+    }
+
+    /// Lowest place of the tip over each node, m; infinite where it has not been.
+    pub fn floor_m(&self) -> &[f64] {
+        &self.floor_m
+    }
+
+    fn lag_rad(&self) -> f64 {
+        self.cutter.pitch_rad() * (REVOLUTIONS * self.cutter.teeth) as f64
+    }
+
+    /// Loads on the tool at a state; changes nothing.
+    pub fn evaluate(&self, at: &ToolPlace) -> MillingLoads {
+        let mut loads = MillingLoads::default();
+        let (cutter, axis_m) = (&self.cutter, at.place_m.xy());
+        let away_m = self.stock.block.outside_m(&axis_m);
+        let largest_m = cutter.radius_m + cutter.runout.offset_m.abs();
+        if away_m >= largest_m || at.place_m.z >= self.stock.block.most_m.z {
+            return loads;
+        }
+        let passes = self.passes(at);
+        let feed_m_per_rad = (at.place_m - passes.earlier[0].1).xy() / cutter.pitch_rad();
+        let mut in_cut = vec![false; cutter.teeth];
+        for (layer, [low_m, high_m]) in self.engaged(at.place_m.z) {
+            let lag = cutter.lag_rad_per_m();
+            let count = ((lag.abs() * (high_m - low_m) / SLICE_LAG_RAD).ceil() as usize).max(1);
+            let thick_m = (high_m - low_m) / count as f64;
+            for slice in 0..count {
+                let height_m = low_m + thick_m * (slice as f64 + 0.5) - at.place_m.z;
+                for (tooth, cuts) in in_cut.iter_mut().enumerate() {
+                    let tip_rad = cutter.tooth_angle_rad(tooth, at.rotation_rad);
+                    let angle_rad = tip_rad - lag * height_m;
+                    let chip_m = self.chip_m(layer, tooth, angle_rad, height_m, at, &passes);
+                    if chip_m <= 0.0 {
+                        continue;
+                    }
+                    *cuts = true;
+                    let slice = Slice {
+                        reach_m: cutter.tooth_radius_m(tooth),
+                        angle_rad,
+                        height_m,
+                        thick_m,
+                        chip_m,
+                        along_m_per_rad: feed_m_per_rad.dot(&Ray::at(angle_rad).along),
+                    };
+                    loads.add(cutter, &self.coefficients, &slice, &at.vibration_m_per_rad);
+                }
+            }
+        }
+        loads.teeth_in_cut = in_cut.iter().filter(|cuts| **cuts).count();
+        loads
+    }
+
+    /// Whether tip and root of a straight edge's chip lie in stock, at the lowest layer that it
+    /// reaches.
+    pub fn ends_in_stock(&self, tooth: usize, at: &ToolPlace) -> [bool; 2] {
+        let Some((layer, _)) = self.engaged(at.place_m.z).next() else {
+            return [false; 2];
+        };
+        let angle_rad = self.cutter.tooth_angle_rad(tooth, at.rotation_rad);
+        let ray = Ray::at(angle_rad);
+        let reach_m = self.cutter.tooth_radius_m(tooth);
+        let axis_m = at.place_m.xy();
+        let is_in = |along_m: f64| self.stock.is_left(layer, &(axis_m + ray.outward * along_m));
+        let tip = is_in(reach_m);
+        if self.stock.block.outside_m(&axis_m) >= 2.0 * reach_m {
+            return [tip; 2];
+        }
+        let surface_m = self.surface_m(tooth, &ray, 0.0, at, &self.passes(at));
+        [tip, is_in(surface_m.min(reach_m))]
+    }
+
+    /// The tool has come to this state. To be called once a step, with rising rotation.
+    pub fn commit(&mut self, at: &ToolPlace) {
+        if let Some((before_rad, before_m)) = self.trace.last() {
+            let speed = (at.place_m - before_m).xy().norm() / (at.rotation_rad - before_rad);
+            if at.rotation_rad - self.stretch_rad > 2.0 * self.lag_rad() {
+                self.fastest_m_per_rad = [0.0, self.fastest_m_per_rad[0]];
+                self.stretch_rad = at.rotation_rad;
+            }
+            self.fastest_m_per_rad[0] = self.fastest_m_per_rad[0].max(speed);
+        }
+        self.trace.commit(at.rotation_rad, at.place_m);
+        self.cut_up_to(at.rotation_rad - self.lag_rad());
+    }
+
+    /// Cuts the stock by all of the motion.
+    pub fn finish(&mut self) {
+        if let Some((rotation_rad, _)) = self.trace.last() {
+            self.cut_up_to(rotation_rad);
+        }
+    }
+
+    /// Whether a tooth's tip in the stock has come no further on its way since the last state: its
+    /// path loops, and the law of forces ends.
+    pub fn turns_back(&self, at: &ToolPlace) -> bool {
+        let Some((before_rad, before_m)) = self.trace.last() else {
+            return false;
+        };
+        let Some((layer, _)) = self.engaged(at.place_m.z).next() else {
+            return false;
+        };
+        let turned_rad = at.rotation_rad - before_rad;
+        let moved_m = (at.place_m - before_m).xy();
+        (0..self.cutter.teeth).any(|tooth| {
+            let radius_m = self.cutter.tooth_radius_m(tooth);
+            let advance_m = 2.0 * radius_m * (0.5 * turned_rad).sin();
+            if moved_m.norm() < advance_m {
+                return false;
+            }
+            let angle_rad = self.cutter.tooth_angle_rad(tooth, at.rotation_rad);
+            let along = Ray::at(angle_rad - 0.5 * turned_rad).along;
+            let tip_m = at.place_m.xy() + radius_m * Ray::at(angle_rad).outward;
+            moved_m.dot(&along) + advance_m <= 0.0 && self.stock.is_left(layer, &tip_m)
+        })
+    }
+
+    /// Layers that an edge reaches, from the lowest, with the heights between which it does.
+    pub(super) fn engaged(&self, tip_m: f64) -> impl Iterator<Item = (usize, [f64; 2])> + '_ {
+        let layers = self.stock.layers();
+        let belongs = layers.partition_point(|one| one.top_m <= tip_m);
+        // A tool sunk by little is deeper in the layer above.
+        let next = layers.get(belongs + 1);
+        let above = next.is_some_and(|one| tip_m > one.bottom_m - one.sunk_m());
+        let first = belongs + usize::from(above);
+        (first..layers.len()).map(move |layer| {
+            let low_m = match layer == first {
+                true => tip_m.max(layers[0].bottom_m),
+                false => layers[layer].bottom_m,
+            };
+            (layer, [low_m, layers[layer].top_m])
+        })
+    }
+
+    fn passes(&self, at: &ToolPlace) -> Passes {
+        let pitch_rad = self.cutter.pitch_rad();
+        let then = |m: usize| {
+            let then_rad = at.rotation_rad - pitch_rad * m as f64;
+            (then_rad, self.trace.at(then_rad).displacement_m)
+        };
+        let [now, before] = self.fastest_m_per_rad;
+        Passes {
+            earlier: (1..=REVOLUTIONS * self.cutter.teeth).map(then).collect(),
+            speed_m_per_rad: now.max(before),
+        }
+    }
+
+    fn chip_m(
+        &self,
+        layer: usize,
+        tooth: usize,
+        angle_rad: f64,
+        height_m: f64,
+        at: &ToolPlace,
+        passes: &Passes,
+    ) -> f64 {
+        let ray = Ray::at(angle_rad);
+        let reach_m = self.cutter.tooth_radius_m(tooth);
+        let axis_m = at.place_m.xy();
+        let tip_m = axis_m + ray.outward * reach_m;
+        // No chip is thicker than the way since the tooth before, and its difference in radius.
+        let moved_m = (passes.earlier[0].1 - at.place_m).xy().norm();
+        let shift_m = passes.speed_m_per_rad * FRAC_PI_2 * moved_m / reach_m;
+        let most_m = moved_m + shift_m + 2.0 * self.cutter.runout.offset_m.abs();
+        if self.stock.block.outside_m(&tip_m) > most_m {
+            return 0.0;
+        }
+        if self.stock.beyond_m(layer, &tip_m) < -most_m - self.stock.grid_m() {
+            return 0.0;
+        }
+        let surface_m = self.surface_m(tooth, &ray, height_m, at, passes);
+        if surface_m >= reach_m {
+            return 0.0;
+        }
+        let root_m = axis_m + ray.outward * surface_m;
+        (self.stock.inside_m(layer, &root_m, &tip_m)).min(reach_m - surface_m)
+    }
+
+    /// How far from the axis the surface begins that earlier teeth have left, m.
+    fn surface_m(
+        &self,
+        tooth: usize,
+        ray: &Ray,
+        height_m: f64,
+        at: &ToolPlace,
+        passes: &Passes,
+    ) -> f64 {
+        let (teeth, pitch_rad) = (self.cutter.teeth, self.cutter.pitch_rad());
+        let reach_m = self.cutter.tooth_radius_m(tooth);
+        let mut surface_m = 0.0_f64;
+        for (index, (then_rad, then_m)) in passes.earlier.iter().enumerate() {
+            let m = index + 1;
+            if then_m.z > at.place_m.z + height_m {
+                continue;
+            }
+            let radius_m = self
+                .cutter
+                .tooth_radius_m((tooth + teeth - m % teeth) % teeth);
+            let off_m = (then_m - at.place_m).xy();
+            let speed = passes.speed_m_per_rad;
+            // |δ| <= π/2 (|o| + V |δ|)/r bounds where the ray is crossed.
+            let slack = 1.0 - FRAC_PI_2 * speed / radius_m;
+            if slack > 0.5 {
+                let shift_rad = FRAC_PI_2 * off_m.norm() / radius_m / slack;
+                if radius_m + off_m.dot(&ray.outward) + speed * shift_rad <= surface_m {
+                    continue;
+                }
+            }
+            let pass = EarlierPass {
+                axis: Axis::Moved(&self.trace),
+                then_rad: *then_rad,
+                now_m: at.place_m.xy(),
+                fed_m: 0.0,
+                feed_m_per_rad: 0.0,
+                reach_rad: (pitch_rad * m as f64).min(FRAC_PI_2),
+            };
+            if let Some(left_m) = pass.left_m(radius_m, ray) {
+                surface_m = surface_m.max(left_m);
+            }
+            if surface_m >= reach_m {
+                break;
+            }
+        }
+        surface_m
+    }
+}

@@ -1,0 +1,361 @@
+//! A block of stock in layers on a plane grid.
+
+use nalgebra::{Vector2, Vector3};
+use std::ops::Range;
+
+/// Grids beyond what has been cut say no more than that it is so far, in spacings.
+const FAR: f64 = 4.0;
+/// Nodes within so many spacings of a cut know their distance.
+const KNOWN: f64 = 2.5;
+/// A tool that sinks by less than this part of a layer, or this, m, still cuts at that layer.
+const SUNK: f64 = 0.5;
+const MOST_SUNK_M: f64 = 0.1e-3;
+
+/// A box of stock, its faces along the axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Block {
+    pub least_m: Vector3<f64>,
+    pub most_m: Vector3<f64>,
+}
+
+impl Block {
+    /// Volume, m³.
+    pub fn volume_m3(&self) -> f64 {
+        (self.most_m - self.least_m).product()
+    }
+
+    /// Whether a place of the plane lies in it.
+    pub fn contains(&self, place_m: &Vector2<f64>) -> bool {
+        (self.least_m.x..=self.most_m.x).contains(&place_m.x)
+            && (self.least_m.y..=self.most_m.y).contains(&place_m.y)
+    }
+
+    /// How far a place of the plane lies outside, m.
+    pub fn outside_m(&self, place_m: &Vector2<f64>) -> f64 {
+        let beyond = |at: f64, least: f64, most: f64| (least - at).max(at - most).max(0.0);
+        let x = beyond(place_m.x, self.least_m.x, self.most_m.x);
+        let y = beyond(place_m.y, self.least_m.y, self.most_m.y);
+        x.hypot(y)
+    }
+
+    /// Shares of the way between two places within which it lies in the block.
+    fn clip(&self, from_m: &Vector2<f64>, along_m: &Vector2<f64>) -> (f64, f64) {
+        let (mut low, mut high) = (0.0_f64, 1.0_f64);
+        for axis in 0..2 {
+            let (start, rate) = (from_m[axis], along_m[axis]);
+            let (least, most) = (self.least_m[axis], self.most_m[axis]);
+            if rate == 0.0 {
+                if start < least || start > most {
+                    return (0.0, 0.0);
+                }
+                continue;
+            }
+            let (a, b) = ((least - start) / rate, (most - start) / rate);
+            low = low.max(a.min(b));
+            high = high.min(a.max(b));
+        }
+        (low, high.max(low))
+    }
+}
+
+/// A round hole through the block, along z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hole {
+    pub centre_m: Vector2<f64>,
+    pub radius_m: f64,
+}
+
+/// A layer of the block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    pub bottom_m: f64,
+    pub top_m: f64,
+    /// By node, x first: distance beyond what is cut, m.
+    beyond_m: Vec<f64>,
+}
+
+impl Layer {
+    pub fn height_m(&self) -> f64 {
+        self.top_m - self.bottom_m
+    }
+
+    /// How far below its bottom a tool still belongs to it.
+    pub fn sunk_m(&self) -> f64 {
+        MOST_SUNK_M.min(SUNK * self.height_m())
+    }
+
+    pub(super) fn values(&self) -> &[f64] {
+        &self.beyond_m
+    }
+}
+
+/// A part of the way of a tooth's tip: an arc about an axis that moves.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ToothArc {
+    turned_rad: f64,
+    /// Directions from the axis to the tooth at both ends.
+    outward: [Vector2<f64>; 2],
+    axis_m: [Vector2<f64>; 2],
+    pub radius_m: f64,
+}
+
+impl ToothArc {
+    /// Between two angles, of which the latter is the larger by far less than a turn.
+    pub fn new(angles_rad: [f64; 2], axis_m: [Vector2<f64>; 2], radius_m: f64) -> Self {
+        let outward = angles_rad.map(|angle| {
+            let (sin, cos) = angle.sin_cos();
+            Vector2::new(sin, cos)
+        });
+        Self {
+            turned_rad: angles_rad[1] - angles_rad[0],
+            outward,
+            axis_m,
+            radius_m,
+        }
+    }
+
+    /// Where on the arc a tooth points at a place: the share of the way, a little beyond its ends
+    /// included, and the axis then.
+    pub fn at(&self, place_m: &Vector2<f64>) -> Option<(f64, Vector2<f64>)> {
+        const BEYOND: f64 = 0.05;
+        let d = place_m - 0.5 * (self.axis_m[0] + self.axis_m[1]);
+        let [from, to] = &self.outward;
+        if d.dot(&(from + to)) <= 0.0 {
+            return None;
+        }
+        // A tooth moves along (cos, -sin).
+        let ahead = d.x * from.y - d.y * from.x;
+        let behind = d.x * to.y - d.y * to.x;
+        let share = ahead / (ahead - behind);
+        if !(-BEYOND..=1.0 + BEYOND).contains(&share) {
+            return None;
+        }
+        let axis_m = self.axis_m[0].lerp(&self.axis_m[1], share.clamp(0.0, 1.0));
+        Some((share, axis_m))
+    }
+
+    /// Least and greatest places that a ring between two radii reaches.
+    pub fn bounds(&self, [inner_m, outer_m]: [f64; 2]) -> [Vector2<f64>; 2] {
+        let way_m = (self.axis_m[1] - self.axis_m[0]).norm();
+        let margin_m = outer_m * self.turned_rad * self.turned_rad / 8.0 + way_m;
+        let none = Vector2::repeat(f64::INFINITY);
+        let mut bounds = [none, -none];
+        for outward in self.outward {
+            for radius in [inner_m, outer_m] {
+                let place = self.axis_m[0] + radius * outward;
+                bounds = [bounds[0].inf(&place), bounds[1].sup(&place)];
+            }
+        }
+        [
+            bounds[0].add_scalar(-margin_m),
+            bounds[1].add_scalar(margin_m),
+        ]
+    }
+}
+
+/// A block in layers, from the lowest up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayeredStock {
+    pub block: Block,
+    spacing_m: Vector2<f64>,
+    nodes: [usize; 2],
+    layers: Vec<Layer>,
+}
+
+impl LayeredStock {
+    /// A whole block but for holes, on a grid of at most `grid_m`, in layers between its faces and
+    /// these depths.
+    pub fn new(block: Block, holes: &[Hole], grid_m: f64, depths_m: &[f64]) -> Self {
+        let size = (block.most_m - block.least_m).xy();
+        let cells = size.map(|length| (length / grid_m - 1e-9).ceil().max(1.0));
+        let nodes = [cells.x as usize + 1, cells.y as usize + 1];
+        let mut bounds = vec![block.least_m.z, block.most_m.z];
+        let within = |z: &f64| *z > block.least_m.z && *z < block.most_m.z;
+        bounds.extend(depths_m.iter().copied().filter(within));
+        bounds.sort_by(f64::total_cmp);
+        bounds.dedup();
+        let mut stock = Self {
+            block,
+            spacing_m: size.component_div(&cells),
+            nodes,
+            layers: Vec::new(),
+        };
+        let far_m = FAR * stock.grid_m();
+        let beyond = |node: usize| {
+            let place = stock.place(node);
+            let holes = holes.iter();
+            let each = holes.map(|hole| (place - hole.centre_m).norm() - hole.radius_m);
+            each.fold(far_m, f64::min)
+        };
+        let beyond_m: Vec<f64> = (0..nodes[0] * nodes[1]).map(beyond).collect();
+        let layer = |pair: &[f64]| Layer {
+            bottom_m: pair[0],
+            top_m: pair[1],
+            beyond_m: beyond_m.clone(),
+        };
+        stock.layers = bounds.windows(2).map(layer).collect();
+        stock
+    }
+
+    /// The larger of both spacings.
+    pub fn grid_m(&self) -> f64 {
+        self.spacing_m.max()
+    }
+
+    pub fn nodes(&self) -> [usize; 2] {
+        self.nodes
+    }
+
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
+    }
+
+    pub fn place(&self, node: usize) -> Vector2<f64> {
+        let (column, row) = (node % self.nodes[0], node / self.nodes[0]);
+        let step = Vector2::new(column as f64, row as f64);
+        self.block.least_m.xy() + self.spacing_m.component_mul(&step)
+    }
+
+    /// Layers that a tool with its tip at a height cuts fully, as a range.
+    pub fn cut_by(&self, tip_m: f64) -> Range<usize> {
+        let uncut = self
+            .layers
+            .partition_point(|one| one.bottom_m + one.sunk_m() < tip_m);
+        uncut..self.layers.len()
+    }
+
+    /// How far a place lies beyond what is cut of a layer, m, in the block.
+    pub fn beyond_m(&self, layer: usize, place_m: &Vector2<f64>) -> f64 {
+        let at = (place_m - self.block.least_m.xy()).component_div(&self.spacing_m);
+        let index = |axis: usize| {
+            let last = self.nodes[axis] as f64 - 2.0;
+            at[axis].floor().clamp(0.0, last)
+        };
+        let (i, j) = (index(0), index(1));
+        let (u, v) = ((at.x - i).clamp(0.0, 1.0), (at.y - j).clamp(0.0, 1.0));
+        let first = i as usize + j as usize * self.nodes[0];
+        let values = &self.layers[layer].beyond_m;
+        let low = values[first] * (1.0 - u) + values[first + 1] * u;
+        let above = first + self.nodes[0];
+        let high = values[above] * (1.0 - u) + values[above + 1] * u;
+        low * (1.0 - v) + high * v
+    }
+
+    /// Whether there is material in a layer at a place.
+    pub fn is_left(&self, layer: usize, place_m: &Vector2<f64>) -> bool {
+        self.block.contains(place_m) && self.beyond_m(layer, place_m) > 0.0
+    }
+
+    /// Length of the way between two places that lies in the material of a layer, m.
+    pub fn inside_m(&self, layer: usize, from_m: &Vector2<f64>, to_m: &Vector2<f64>) -> f64 {
+        let along_m = to_m - from_m;
+        let (low, high) = self.block.clip(from_m, &along_m);
+        let length_m = along_m.norm() * (high - low);
+        if length_m <= 0.0 {
+            return 0.0;
+        }
+        let parts = (length_m / self.grid_m()).ceil().max(1.0);
+        let beyond = |part: f64| {
+            let share = low + (high - low) * part / parts;
+            self.beyond_m(layer, &(from_m + along_m * share))
+        };
+        let mut sum = 0.0;
+        let mut before = beyond(0.0);
+        for part in 1..=parts as usize {
+            let after = beyond(part as f64);
+            sum += match (before > 0.0, after > 0.0) {
+                (true, true) => 1.0,
+                (false, false) => 0.0,
+                (true, false) => before / (before - after),
+                (false, true) => after / (after - before),
+            };
+            before = after;
+        }
+        length_m * sum / parts
+    }
+
+    /// Columns and rows of the nodes between two places.
+    pub(super) fn between(&self, [least, most]: [Vector2<f64>; 2]) -> [Range<usize>; 2] {
+        let range = |axis: usize| {
+            let origin = self.block.least_m[axis];
+            let at = |x: f64| (x - origin) / self.spacing_m[axis];
+            let low = at(least[axis]).ceil().max(0.0) as usize;
+            let high = (at(most[axis]).floor() + 1.0).max(0.0) as usize;
+            low..high.min(self.nodes[axis]).max(low)
+        };
+        [range(0), range(1)]
+    }
+
+    /// Nodes of a rectangle.
+    pub(super) fn each(
+        &self,
+        [columns, rows]: [Range<usize>; 2],
+    ) -> impl Iterator<Item = usize> + use<> {
+        let width = self.nodes[0];
+        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
+    }
+
+    /// A tooth has run on an arc in a layer; between its passes the axis moves by `travel_m` at
+    /// most.
+    pub(super) fn cut_arc(&mut self, layer: usize, arc: &ToothArc, travel_m: f64) {
+        let known_m = KNOWN * self.grid_m();
+        let band_m = [
+            arc.radius_m - known_m - 2.0 * travel_m,
+            arc.radius_m + known_m,
+        ];
+        let bounds = arc.bounds([band_m[0].max(0.0), band_m[1]]);
+        let range = self.between(bounds);
+        for node in self.each(range) {
+            let place = self.place(node);
+            let Some((_, axis_m)) = arc.at(&place) else {
+                continue;
+            };
+            let distance_m = (place - axis_m).norm();
+            if (band_m[0]..=band_m[1]).contains(&distance_m) {
+                let value = &mut self.layers[layer].beyond_m[node];
+                *value = value.min(distance_m - arc.radius_m);
+            }
+        }
+    }
+
+    /// A cutter that does not vibrate has gone straight between two places at a depth. Tells
+    /// whether it took material, of nodes that lie well within.
+    pub fn cut_leg(&mut self, leg: [Vector3<f64>; 2], radius_m: f64, keeps: bool) -> bool {
+        let tip_m = leg[0].z.min(leg[1].z);
+        let layers = match keeps {
+            true => self.layers.partition_point(|one| one.top_m <= tip_m + 1e-9)..self.layers.len(),
+            false => self.cut_by(tip_m),
+        };
+        let (from, to) = (leg[0].xy(), leg[1].xy());
+        let known_m = KNOWN * self.grid_m();
+        let reach = Vector2::repeat(radius_m + known_m);
+        let range = self.between([from.inf(&to) - reach, from.sup(&to) + reach]);
+        let mut took = false;
+        for node in self.each(range) {
+            let beyond_m = off_line(&self.place(node), &from, &to) - radius_m;
+            if beyond_m > known_m {
+                continue;
+            }
+            let well_within = beyond_m < -self.grid_m();
+            for layer in &mut self.layers[layers.clone()] {
+                let value = &mut layer.beyond_m[node];
+                took |= well_within && *value > 0.0;
+                if !keeps {
+                    *value = value.min(beyond_m);
+                }
+            }
+        }
+        took
+    }
+}
+
+/// Distance of a place from a straight piece, m.
+pub(super) fn off_line(place: &Vector2<f64>, from: &Vector2<f64>, to: &Vector2<f64>) -> f64 {
+    let along = to - from;
+    let length2 = along.norm_squared();
+    let t = match length2 > 0.0 {
+        true => ((place - from).dot(&along) / length2).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    (place - from - along * t).norm()
+}

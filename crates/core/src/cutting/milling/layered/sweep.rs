@@ -1,0 +1,80 @@
+//! Stock, walls and floor as the teeth pass.
+
+use super::cut::LayeredCut;
+use super::stock::ToothArc;
+use nalgebra::Vector3;
+use std::f64::consts::TAU;
+
+/// Arcs by which the stock is cut are no longer, rad.
+const LONGEST_ARC_RAD: f64 = 0.15;
+
+impl LayeredCut {
+    /// Cuts by the motion up to a rotation.
+    pub(super) fn cut_up_to(&mut self, rotation_rad: f64) {
+        let (from_rad, from_m) = match self.cut_to {
+            Some(from) if from.0 < rotation_rad => from,
+            Some(_) => return,
+            None => {
+                self.cut_to = Some((rotation_rad, self.trace.at(rotation_rad).displacement_m));
+                return;
+            }
+        };
+        let parts = ((rotation_rad - from_rad) / LONGEST_ARC_RAD)
+            .ceil()
+            .max(1.0);
+        let mut before = (from_rad, from_m);
+        for part in 1..=parts as usize {
+            let at_rad = from_rad + (rotation_rad - from_rad) * part as f64 / parts;
+            let now = (at_rad, self.trace.at(at_rad).displacement_m);
+            self.cut_between(before, now);
+            before = now;
+        }
+        self.cut_to = Some(before);
+    }
+
+    fn cut_between(&mut self, from: (f64, Vector3<f64>), to: (f64, Vector3<f64>)) {
+        let tip_m = to.1.z;
+        let largest_m = self.cutter.radius_m + 4.0 * self.stock.grid_m();
+        if tip_m >= self.stock.block.most_m.z
+            || self.stock.block.outside_m(&to.1.xy()) > 1.1 * largest_m
+        {
+            return;
+        }
+        let earlier_m = self.trace.at(to.0 - self.cutter.pitch_rad()).displacement_m;
+        let travel_m = (earlier_m - to.1).xy().norm();
+        let lag = self.cutter.lag_rad_per_m();
+        for tooth in 0..self.cutter.teeth {
+            let arc = |height_m: f64| {
+                let angle_rad =
+                    self.cutter.tooth_angle_rad(tooth, from.0) - lag * (height_m - tip_m);
+                ToothArc::new(
+                    [angle_rad % TAU, angle_rad % TAU + (to.0 - from.0)],
+                    [from.1.xy(), to.1.xy()],
+                    self.cutter.tooth_radius_m(tooth),
+                )
+            };
+            let layers = self.stock.cut_by(tip_m);
+            for layer in layers.clone() {
+                let one = &self.stock.layers()[layer];
+                let arc = arc(0.5 * (one.bottom_m.max(tip_m) + one.top_m));
+                self.stock.cut_arc(layer, &arc, travel_m);
+                self.walls.cut(layer, &arc);
+            }
+            self.sweep_floor(&arc(tip_m), tip_m);
+        }
+    }
+
+    /// The end of a tooth, from the axis to its tip, has run over the floor.
+    fn sweep_floor(&mut self, arc: &ToothArc, tip_m: f64) {
+        let range = self.stock.between(arc.bounds([0.0, arc.radius_m]));
+        for node in self.stock.each(range) {
+            let place = self.stock.place(node);
+            let Some((_, axis_m)) = arc.at(&place) else {
+                continue;
+            };
+            if (place - axis_m).norm_squared() <= arc.radius_m * arc.radius_m {
+                self.floor_m[node] = self.floor_m[node].min(tip_m);
+            }
+        }
+    }
+}

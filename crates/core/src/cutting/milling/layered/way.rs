@@ -1,0 +1,215 @@
+//! The path of a milling tool as it is written: its depths, what it must not do, what it leaves.
+
+use super::stock::{Block, Hole, LayeredStock};
+use super::walls::{Side, Station};
+use nalgebra::{Vector2, Vector3};
+
+/// Heights that differ by no more are one depth, m.
+const SAME_DEPTH_M: f64 = 1e-6;
+/// Grids are no coarser than this part of the cutter's radius.
+pub const COARSEST: f64 = 0.125;
+/// Most nodes of a grid.
+pub const MOST_NODES: f64 = 16e6;
+/// Most stations of walls.
+const MOST_STATIONS: f64 = 20_000.0;
+
+/// A straight piece of a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leg {
+    pub from_m: Vector3<f64>,
+    pub to_m: Vector3<f64>,
+    /// Whether it is one of rapid traverse, or of joints.
+    pub rapid: bool,
+    /// Point of the path that it leads to.
+    pub point: usize,
+}
+
+impl Leg {
+    fn is_level(&self) -> bool {
+        (self.to_m.z - self.from_m.z).abs() <= SAME_DEPTH_M
+    }
+
+    fn length_m(&self) -> f64 {
+        (self.to_m - self.from_m).norm()
+    }
+}
+
+/// What a path does that a cutter cannot.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum WayFault {
+    #[error("the tool starts in the stock; it must start beside or above it")]
+    StartsInStock,
+    #[error(
+        "rapid traverse leads through the stock, to ({:.3}, {:.3}, {:.3}) mm; it must keep clear of it",
+        to_m.x * 1e3, to_m.y * 1e3, to_m.z * 1e3
+    )]
+    Rapid { point: usize, to_m: Vector3<f64> },
+    #[error(
+        "the depth changes by {:.4} mm in the stock; it must not: the ends of the teeth do not cut here, so the cutter \
+         cannot plunge or ramp. Enter from beside the stock, or through a [[process.path_milling.stock.hole]]",
+        drop_m * 1e3
+    )]
+    Plunge { point: usize, drop_m: f64 },
+    #[error("the path never cuts the stock; it must reach into it")]
+    Misses,
+    #[error(
+        "the path ends in air over {:.3} mm of its feed beyond the stock at ({:.3}, {:.3}) mm; the stock is smaller than the path",
+        air_m * 1e3, at_m.x * 1e3, at_m.y * 1e3
+    )]
+    Beyond {
+        point: usize,
+        air_m: f64,
+        at_m: Vector2<f64>,
+    },
+}
+
+impl WayFault {
+    /// Point of the path that it is about, if it is about one.
+    pub fn point(&self) -> Option<usize> {
+        match self {
+            Self::StartsInStock => Some(0),
+            Self::Misses => None,
+            Self::Rapid { point, .. } | Self::Plunge { point, .. } | Self::Beyond { point, .. } => {
+                Some(*point)
+            }
+        }
+    }
+}
+
+/// What a path means for a block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Meant {
+    /// The stock before the first cut.
+    pub stock: LayeredStock,
+    /// What a cutter that does not vibrate leaves of it on the path as written.
+    pub target: LayeredStock,
+    /// Walls that it leaves.
+    pub stations: Vec<Station>,
+}
+
+/// Farthest that feed may go on beyond the stock, in diameters.
+const MOST_AIR: f64 = 4.0;
+
+/// Follows a path through a block with a cutter of this radius.
+///
+/// # Errors
+/// The first thing that the cutter cannot do.
+pub fn follow(
+    legs: &[Leg],
+    block: Block,
+    holes: &[Hole],
+    radius_m: f64,
+    grid_m: f64,
+) -> Result<Meant, WayFault> {
+    let stock = LayeredStock::new(block, holes, grid_m, &depths_m(legs));
+    let mut target = stock.clone();
+    let mut cuts = false;
+    if let Some(first) = legs.first() {
+        let at = [first.from_m, first.from_m];
+        if target.cut_leg(at, radius_m, true) {
+            return Err(WayFault::StartsInStock);
+        }
+    }
+    for leg in legs {
+        let way = [leg.from_m, leg.to_m];
+        if leg.rapid || !leg.is_level() {
+            if !target.cut_leg(way, radius_m, true) {
+                continue;
+            }
+            return Err(match leg.rapid {
+                true => WayFault::Rapid {
+                    point: leg.point,
+                    to_m: leg.to_m,
+                },
+                false => WayFault::Plunge {
+                    point: leg.point,
+                    drop_m: leg.to_m.z - leg.from_m.z,
+                },
+            });
+        }
+        check_air(leg, &block, radius_m)?;
+        cuts |= target.cut_leg(way, radius_m, false);
+    }
+    if !cuts {
+        return Err(WayFault::Misses);
+    }
+    let stations = stations(legs, &stock, &target, radius_m);
+    Ok(Meant {
+        stock,
+        target,
+        stations,
+    })
+}
+
+/// Refuses feed at depth far beyond the stock.
+fn check_air(leg: &Leg, block: &Block, radius_m: f64) -> Result<(), WayFault> {
+    if leg.to_m.z >= block.most_m.z {
+        return Ok(());
+    }
+    let at_m = leg.to_m.xy();
+    let air_m = block.outside_m(&at_m);
+    if air_m <= 2.0 * MOST_AIR * radius_m {
+        return Ok(());
+    }
+    Err(WayFault::Beyond {
+        point: leg.point,
+        air_m,
+        at_m,
+    })
+}
+
+/// Depths of the path at which it feeds level.
+fn depths_m(legs: &[Leg]) -> Vec<f64> {
+    let level = legs.iter().filter(|leg| !leg.rapid && leg.is_level());
+    let mut depths: Vec<f64> = level.map(|leg| leg.from_m.z).collect();
+    depths.sort_by(f64::total_cmp);
+    depths.dedup_by(|a, b| (*a - *b).abs() <= SAME_DEPTH_M);
+    depths
+}
+
+/// Walls beside level feed: where the cutter's rim, across the path, ends what is cut.
+fn stations(
+    legs: &[Leg],
+    stock: &LayeredStock,
+    target: &LayeredStock,
+    radius_m: f64,
+) -> Vec<Station> {
+    let whole_m: f64 = legs.iter().map(Leg::length_m).sum();
+    let grid_m = stock.grid_m();
+    let spacing_m = grid_m.max(whole_m / MOST_STATIONS);
+    let mut found = Vec::new();
+    let mut begun_m = 0.0;
+    for leg in legs {
+        let length_m = leg.length_m();
+        let level = !leg.rapid && leg.is_level() && length_m > 0.0;
+        if level && leg.from_m.z < stock.block.most_m.z {
+            let along = (leg.to_m - leg.from_m).xy() / length_m;
+            let left = Vector2::new(-along.y, along.x);
+            let first = (begun_m / spacing_m).ceil() * spacing_m - begun_m;
+            let count = ((length_m - first) / spacing_m).floor() + 1.0;
+            for k in 0..count.max(0.0) as usize {
+                let way_m = first + spacing_m * k as f64;
+                let from_m = leg.from_m.xy() + along * way_m;
+                for (side, outward) in [(Side::Left, left), (Side::Right, -left)] {
+                    let wall_m = from_m + outward * radius_m;
+                    let layers = stock.cut_by(leg.from_m.z);
+                    found.extend(layers.filter_map(|layer| {
+                        let behind_m = wall_m + outward * grid_m;
+                        let stands = stock.is_left(layer, &behind_m)
+                            && target.is_left(layer, &behind_m)
+                            && target.beyond_m(layer, &wall_m) > -0.1 * grid_m;
+                        stands.then_some(Station {
+                            side,
+                            layer,
+                            along_m: begun_m + way_m,
+                            from_m,
+                            outward,
+                        })
+                    }));
+                }
+            }
+        }
+        begun_m += length_m;
+    }
+    found
+}

@@ -1,0 +1,70 @@
+//! The force of a thin piece of an edge on the tool.
+
+use super::cutter::Cutter;
+use super::sweep::on_tool_n;
+use crate::cutting::chamfer::CuttingCoefficients;
+use nalgebra::Vector3;
+
+/// What the cut does to the tool.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MillingLoads {
+    /// In the frame of the cut: z against the tool, angles from y towards x; N.
+    pub force_on_tool_n: Vector3<f64>,
+    /// About the tool point, same frame, N m; its z part brakes the spindle.
+    pub moment_on_tool_n_m: Vector3<f64>,
+    /// Sum over all teeth of chip thickness times height, m².
+    pub chip_area_m2: f64,
+    /// Volume that teeth take off while the spindle turns, m³/rad.
+    pub removal_m3_per_rad: f64,
+    /// Largest chip thickness of any slice, m.
+    pub thickest_chip_m: f64,
+    /// Teeth that cut anywhere along their edge.
+    pub teeth_in_cut: usize,
+}
+
+/// A piece of a tooth's edge, thin enough to have one angle.
+pub(super) struct Slice {
+    /// Radius on which the tooth runs.
+    pub reach_m: f64,
+    pub angle_rad: f64,
+    /// Above the tip.
+    pub height_m: f64,
+    pub thick_m: f64,
+    pub chip_m: f64,
+    /// Way of the axis along the tooth's motion, m/rad.
+    pub along_m_per_rad: f64,
+}
+
+impl MillingLoads {
+    /// Adds a slice of the edge of a tool that moves by `rate_m_per_rad`.
+    pub(super) fn add(
+        &mut self,
+        cutter: &Cutter,
+        coefficients: &CuttingCoefficients,
+        slice: &Slice,
+        rate_m_per_rad: &Vector3<f64>,
+    ) {
+        let area = slice.chip_m * slice.thick_m;
+        let sizes = coefficients.forces_n(area, slice.thick_m);
+        let mut force = on_tool_n(
+            slice.angle_rad,
+            sizes.tangential_n,
+            sizes.radial_n,
+            sizes.axial_n,
+        );
+        let (sin, cos) = slice.angle_rad.sin_cos();
+        let reach = slice.reach_m;
+        if !cutter.flank.is_sharp() {
+            let slope = (rate_m_per_rad.x * sin + rate_m_per_rad.y * cos) / reach;
+            let flank = cutter.flank.per_outward_slope();
+            let sizes = flank.forces_n(slope.max(0.0) * slice.thick_m, 0.0);
+            force += on_tool_n(slice.angle_rad, sizes.tangential_n, sizes.radial_n, 0.0);
+        }
+        let arm = Vector3::new(reach * sin, reach * cos, slice.height_m);
+        self.force_on_tool_n += force;
+        self.moment_on_tool_n_m += arm.cross(&force);
+        self.chip_area_m2 += area;
+        self.removal_m3_per_rad += area * (reach - 0.5 * slice.chip_m + slice.along_m_per_rad);
+        self.thickest_chip_m = self.thickest_chip_m.max(slice.chip_m);
+    }
+}

@@ -1,0 +1,130 @@
+//! What is kept of a pass by place.
+
+use super::MillingStep;
+use nalgebra::Vector3;
+use std::collections::VecDeque;
+
+/// Stretches of a path by which things are told.
+const STRETCHES: usize = 200;
+/// Shortest stretch, m.
+const SHORTEST_M: f64 = 0.5e-3;
+
+/// Sums over a stretch of the path.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Stretch {
+    count: u64,
+    force_n2: f64,
+    deflection_m2: f64,
+    /// Of the change of the deflection from one tooth to the next.
+    changes: u64,
+    change_m2: f64,
+}
+
+impl Stretch {
+    fn rms(square: f64, count: u64) -> f64 {
+        match count {
+            0 => f64::NAN,
+            count => (square / count as f64).sqrt(),
+        }
+    }
+
+    pub fn force_n(&self) -> f64 {
+        Self::rms(self.force_n2, self.count)
+    }
+
+    pub fn deflection_m(&self) -> f64 {
+        Self::rms(self.deflection_m2, self.count)
+    }
+
+    pub fn vibration_m(&self) -> f64 {
+        Self::rms(self.change_m2, self.changes)
+    }
+}
+
+/// What is kept for the report.
+#[derive(Debug, Clone)]
+pub(super) struct Kept {
+    pub stretch_m: f64,
+    pub stretches: Vec<Stretch>,
+    pub largest_force_n: f64,
+    pub largest_torque_n_m: f64,
+    pub largest_deflection_m: f64,
+    /// Steps since teeth cut last.
+    idle: usize,
+    /// Steps between two teeth that cut alike.
+    period: usize,
+    /// Deflections of the last period, the latest last.
+    before_m: VecDeque<Vector3<f64>>,
+}
+
+impl Kept {
+    pub fn new(length_m: f64) -> Self {
+        let stretch_m = (length_m / STRETCHES as f64).max(SHORTEST_M);
+        let count = (length_m / stretch_m).ceil() as usize + 1;
+        Self {
+            stretch_m,
+            stretches: vec![Stretch::default(); count],
+            largest_force_n: 0.0,
+            largest_torque_n_m: 0.0,
+            largest_deflection_m: 0.0,
+            idle: usize::MAX,
+            period: 1,
+            before_m: VecDeque::new(),
+        }
+    }
+
+    pub fn with_period(self, steps: f64) -> Self {
+        Self {
+            period: (steps.round() as usize).max(1),
+            ..self
+        }
+    }
+
+    /// A step; of an arm that swings in air nothing is kept.
+    pub fn add(&mut self, step: &MillingStep) {
+        self.idle = match step.cuts {
+            true => 0,
+            false => self.idle.saturating_add(1),
+        };
+        if self.idle > self.period {
+            self.before_m.clear();
+            return;
+        }
+        let index = ((step.along_m / self.stretch_m) as usize).min(self.stretches.len() - 1);
+        let stretch = &mut self.stretches[index];
+        let force_n = step.force_on_tool_n.norm();
+        let in_plane = step.deflection_m.xy();
+        stretch.count += 1;
+        stretch.force_n2 += force_n * force_n;
+        stretch.deflection_m2 += in_plane.norm_squared();
+        if self.before_m.len() == self.period {
+            let before = self.before_m.pop_front().unwrap_or_default();
+            stretch.changes += 1;
+            stretch.change_m2 += (in_plane - before.xy()).norm_squared();
+        }
+        self.before_m.push_back(step.deflection_m);
+        self.largest_force_n = self.largest_force_n.max(force_n);
+        let torque_n_m = step.moment_on_tool_n_m.z.abs();
+        self.largest_torque_n_m = self.largest_torque_n_m.max(torque_n_m);
+        self.largest_deflection_m = self.largest_deflection_m.max(in_plane.norm());
+    }
+
+    /// Half of the way between the extremes of the last period's deflections, m.
+    pub fn amplitude_m(&self) -> f64 {
+        let along = |axis: usize| {
+            let values = self.before_m.iter().map(|place| place[axis]);
+            let most = values.clone().fold(f64::NEG_INFINITY, f64::max);
+            let least = values.fold(f64::INFINITY, f64::min);
+            (0.5 * (most - least)).max(0.0)
+        };
+        along(0).hypot(along(1))
+    }
+
+    /// The stretch of the strongest vibration: its middle and its level, m.
+    pub fn strongest(&self) -> Option<(f64, f64)> {
+        let each = self.stretches.iter().enumerate();
+        let levels = each.map(|(k, one)| ((k as f64 + 0.5) * self.stretch_m, one.vibration_m()));
+        let known = levels.filter(|(_, level)| level.is_finite());
+        known.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}

@@ -1,0 +1,334 @@
+//! Milling of stock along a path from a file, at constant depths.
+//!
+//! The cut itself is [`LayeredCut`], in the path's work frame; this process moves it: the place of
+//! the tip is the arm's tool point with the modes of tool and workpiece, the force is averaged over
+//! each step, and what is reported is told by place: forces, deflection and vibration along the
+//! path, walls and floor against the path as it is written.
+
+mod crossings;
+mod kept;
+mod nominal;
+mod report;
+pub(crate) mod setup;
+
+use super::modes::{self, Modes, TipMotion};
+use super::quantity;
+use super::{ContactStiffness, Findings, Process, Start, ToolState};
+use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
+use crate::stability::known::beyond_table;
+use kept::Kept;
+use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
+use nominal::{NominalPath, OnPath};
+use std::f64::consts::TAU;
+use truecut_core::cutting::milling::cut::MillingLoads;
+use truecut_core::cutting::milling::layered::cut::{LayeredCut, ToolPlace};
+use truecut_core::cutting::milling::layered::walls::Walls;
+use truecut_core::cutting::milling::layered::way::{Leg, Meant};
+use truecut_recording::{ChannelSpec, Field, Outcome};
+use truecut_scenario::PathMillingSpec;
+
+/// Parts of a step at whose middles the force is taken.
+const PARTS: usize = 4;
+
+/// All that a pass is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathMillingSetup {
+    pub spec: PathMillingSpec,
+    /// Where the tool point would be without deflection.
+    nominal: NominalPath,
+    /// The path as it is written.
+    legs: Vec<Leg>,
+    /// Lines of the file that its points come from.
+    lines: Vec<Option<usize>>,
+    /// What it means for the stock.
+    meant: Meant,
+    pub world_from_work: Isometry3<f64>,
+    /// Takes components in the work frame to components in the process frame.
+    pub process_from_work: Rotation3<f64>,
+    /// Axes of the tool at the start in the work frame, as columns.
+    pub work_from_tool: Matrix3<f64>,
+    /// Largest part of the arm's mass at its tool point that a tool mode moves.
+    pub mode_share: f64,
+    /// Natural frequency of the fastest mode of arm, tool and workpiece.
+    pub fastest_mode_hz: f64,
+}
+
+impl PathMillingSetup {
+    fn work_from_world(&self) -> Matrix3<f64> {
+        let turn = self.world_from_work.rotation.inverse();
+        turn.to_rotation_matrix().into_inner()
+    }
+
+    /// A cut of the whole stock.
+    fn cut(&self, start_m: Vector3<f64>) -> LayeredCut {
+        let walls = Walls::new(self.meant.stations.clone(), self.spec.cutter.radius_m);
+        let stock = self.meant.stock.clone();
+        LayeredCut::new(
+            self.spec.cutter,
+            self.spec.coefficients,
+            stock,
+            walls,
+            start_m,
+        )
+    }
+}
+
+/// The process.
+#[derive(Debug, Clone)]
+pub struct PathMilling {
+    setup: PathMillingSetup,
+    cut: LayeredCut,
+    step_s: f64,
+    last: MillingStep,
+    kept: Kept,
+    modes: Modes,
+    /// Deflections of the modes at the step last committed.
+    modes_m: Vec<f64>,
+    /// When the cut's law ended, s.
+    broken_s: Option<f64>,
+    rows_only: bool,
+}
+
+/// Values of the last committed step.
+#[derive(Debug, Clone, Copy, Default)]
+struct MillingStep {
+    /// Averaged over the step, work frame.
+    force_on_tool_n: Vector3<f64>,
+    moment_on_tool_n_m: Vector3<f64>,
+    /// Where the cut stood, if a step was committed.
+    at: Option<ToolPlace>,
+    deflection_m: Vector3<f64>,
+    feed_m_per_s: Vector3<f64>,
+    along_m: f64,
+    /// Whether teeth cut.
+    cuts: bool,
+    /// By chips so far.
+    removed_m3: f64,
+}
+
+impl PathMilling {
+    pub fn new(setup: PathMillingSetup) -> Self {
+        Self {
+            cut: setup.cut(setup.nominal.at(0.0).place_m),
+            kept: Kept::new(setup.nominal.length_m()),
+            setup,
+            step_s: 0.0,
+            last: MillingStep::default(),
+            modes: Modes::default(),
+            modes_m: Vec::new(),
+            broken_s: None,
+            rows_only: false,
+        }
+    }
+
+    fn rotation_rad(&self, time_s: f64) -> f64 {
+        self.setup.spec.start_angle_rad + self.setup.spec.spindle_rad_s * time_s
+    }
+
+    /// Deflection of the arm's tool point from the path and its rate, work frame.
+    fn arm_motion(&self, state: &ToolState, on: &OnPath) -> TipMotion {
+        let s = &self.setup;
+        let tool = s.world_from_work.inverse() * state.world_from_tool;
+        let velocity = s.process_from_work.inverse() * state.tool.velocity_m_per_s;
+        TipMotion {
+            deflection_m: tool.translation.vector - on.place_m,
+            rate_m_per_s: velocity - on.velocity_m_per_s,
+        }
+    }
+
+    /// Deflection of the tip from the path and its rate, work frame.
+    fn deflection(&self, arm: &TipMotion) -> TipMotion {
+        let modes = self.modes.deflection(arm);
+        TipMotion {
+            deflection_m: arm.deflection_m + modes.deflection_m,
+            rate_m_per_s: arm.rate_m_per_s + modes.rate_m_per_s,
+        }
+    }
+
+    /// Where the cut stands a time ahead of an instant at which the tip is off the path.
+    fn place(&self, time_s: f64, off: &TipMotion, ahead_s: f64) -> ToolPlace {
+        let on = self.setup.nominal.at(time_s + ahead_s);
+        ToolPlace {
+            rotation_rad: self.rotation_rad(time_s + ahead_s),
+            place_m: on.place_m + off.deflection_m + off.rate_m_per_s * ahead_s,
+            vibration_m_per_rad: off.rate_m_per_s / self.setup.spec.spindle_rad_s,
+        }
+    }
+
+    fn wrench(&self, force: &Vector3<f64>, moment: &Vector3<f64>) -> Wrench {
+        let axes = &self.setup.process_from_work;
+        Wrench {
+            frame: Attachment::Tool,
+            force_n: axes * force,
+            moment_n_m: axes * moment,
+        }
+    }
+
+    /// Force and moment on the tip, averaged over a step.
+    fn mean_loads(&self, state: &ToolState) -> MillingLoads {
+        let on = self.setup.nominal.at(state.time_s);
+        let off = self.deflection(&self.arm_motion(state, &on));
+        let mut mean = MillingLoads::default();
+        let mut start = crossings::START;
+        let at = |ahead: f64| self.place(state.time_s, &off, ahead * self.step_s);
+        for end in self.crossings(at).into_iter().chain([crossings::END]) {
+            let parts = ((end - start) * PARTS as f64).ceil();
+            let share = (end - start) / parts;
+            for part in 0..parts as usize {
+                let cut = self.cut.evaluate(&at(start + (part as f64 + 0.5) * share));
+                mean.force_on_tool_n += cut.force_on_tool_n * share;
+                mean.moment_on_tool_n_m += cut.moment_on_tool_n_m * share;
+            }
+            start = end;
+        }
+        mean
+    }
+}
+
+impl Process for PathMilling {
+    fn begin(&mut self, start: &Start) {
+        self.step_s = start.time_step_s;
+        let s = &self.setup;
+        let offset_m = s.process_from_work.inverse() * start.tool_offset_m;
+        let axes = [&s.work_from_tool, &s.work_from_world()];
+        self.modes = Modes::new(&s.spec.attached, axes, start.time_step_s);
+        let foot = TipMotion {
+            deflection_m: offset_m,
+            ..TipMotion::default()
+        };
+        self.modes.rest(&foot, &Vector3::zeros());
+        let on = s.nominal.at(0.0);
+        self.cut = s.cut(on.place_m + offset_m);
+        let teeth = match s.spec.cutter.runout.offset_m == 0.0 {
+            true => 1,
+            false => s.spec.cutter.teeth,
+        };
+        let period_s = s.spec.tooth_period_s() * teeth as f64;
+        self.kept = Kept::new(s.nominal.length_m()).with_period(period_s / start.time_step_s);
+        self.last = MillingStep {
+            deflection_m: offset_m,
+            ..MillingStep::default()
+        };
+    }
+
+    fn channels(&self) -> Vec<ChannelSpec> {
+        let mut channels = quantity::channels(report::quantities(self));
+        channels.extend(modes::channels("path_milling", &self.setup.spec.attached));
+        channels
+    }
+
+    fn evaluate(&self, state: &ToolState) -> Loads {
+        let mean = self.mean_loads(state);
+        let (force, moment) = (mean.force_on_tool_n, mean.moment_on_tool_n_m);
+        let mut loads = Loads::from(self.wrench(&force, &moment));
+        let on = self.setup.nominal.at(state.time_s);
+        if let Some(differs) = self.modes.on_arm_n(&self.arm_motion(state, &on), &force) {
+            loads
+                .wrenches
+                .push(self.wrench(&differs, &Vector3::zeros()));
+        }
+        loads
+    }
+
+    fn commit(&mut self, state: &ToolState, loads: &Loads, _: &ContactOutcomes, dt_s: f64) {
+        let on = self.setup.nominal.at(state.time_s);
+        let arm = self.arm_motion(state, &on);
+        let off = self.deflection(&arm);
+        let at = self.place(state.time_s, &off, 0.0);
+        let work_from_process = self.setup.process_from_work.inverse();
+        let wrench = &loads.wrenches[0];
+        let removal = self.cut.evaluate(&at).removal_m3_per_rad;
+        let turned_rad = self.setup.spec.spindle_rad_s * dt_s;
+        self.last = MillingStep {
+            force_on_tool_n: work_from_process * wrench.force_n,
+            moment_on_tool_n_m: work_from_process * wrench.moment_n_m,
+            at: Some(at),
+            deflection_m: off.deflection_m,
+            feed_m_per_s: on.velocity_m_per_s,
+            along_m: on.along_m,
+            cuts: removal > 0.0,
+            removed_m3: self.last.removed_m3 + removal * turned_rad,
+        };
+        if self.cut.turns_back(&at) {
+            self.broken_s = Some(state.time_s);
+        }
+        self.cut.commit(&at);
+        if !self.rows_only {
+            self.kept.add(&self.last);
+        }
+        let axes = state.world_from_tool.rotation.to_rotation_matrix();
+        self.modes
+            .turn(&(self.setup.work_from_world() * axes.matrix()));
+        self.modes_m.clear();
+        self.modes_m.extend(self.modes.each_m(&arm));
+        self.modes.advance(&arm, &self.last.force_on_tool_n);
+    }
+
+    fn ended(&self) -> Option<Outcome> {
+        self.broken_s.map(|time_s| Outcome::Chatter {
+            time_s,
+            amplitude_m: self.kept.amplitude_m(),
+            rule: report::broken_rule(self),
+        })
+    }
+
+    fn record(&self, row: &mut Vec<f64>) {
+        quantity::record(report::quantities(self), row);
+        row.extend(&self.modes_m);
+    }
+
+    fn keep_rows_only(&mut self) {
+        self.rows_only = true;
+    }
+
+    fn finish(&mut self) -> Findings {
+        if self.rows_only {
+            return Findings::default();
+        }
+        self.cut.finish();
+        report::findings(self)
+    }
+
+    fn tooth_period_s(&self) -> Option<f64> {
+        Some(self.setup.spec.tooth_period_s())
+    }
+
+    fn steps_with_teeth(&self) -> bool {
+        true
+    }
+
+    fn fastest_mode_hz(&self) -> Option<f64> {
+        let attached = &self.setup.spec.attached;
+        let modes = attached.tool.iter().chain(&attached.workpiece);
+        let hz = modes.map(|mode| mode.natural_frequency_rad_s / TAU);
+        hz.max_by(f64::total_cmp)
+    }
+
+    fn mode_share(&self) -> f64 {
+        self.setup.mode_share
+    }
+
+    fn contact_stiffness(&self) -> Vec<ContactStiffness> {
+        Vec::new()
+    }
+
+    fn field(&self) -> Option<Field> {
+        Some(report::field(self))
+    }
+
+    fn field_values(&self) -> Vec<f32> {
+        report::field_values(self)
+    }
+
+    fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
+        let force = self.setup.process_from_work * self.last.force_on_tool_n;
+        vec![("cutting", Attachment::Tool, force)]
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let spec = &self.setup.spec;
+        beyond_table(&spec.attached, spec.spindle_rad_s)
+            .into_iter()
+            .collect()
+    }
+}

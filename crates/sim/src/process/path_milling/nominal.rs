@@ -1,0 +1,97 @@
+//! Where the tool point would be without deflection: the commanded path in the work frame.
+
+use nalgebra::{Isometry3, Vector3};
+use truecut_arm::{FrameId, Robot};
+use truecut_core::cutting::milling::layered::stock::LayeredStock;
+use truecut_plan::motion::interpolation::{hermite, slope};
+
+/// Places at even times, with cubics between them as between the commanded postures.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct NominalPath {
+    interval_s: f64,
+    places_m: Vec<Vector3<f64>>,
+    /// Way up to each place, m.
+    along_m: Vec<f64>,
+}
+
+/// A place of the path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct OnPath {
+    pub place_m: Vector3<f64>,
+    pub velocity_m_per_s: Vector3<f64>,
+    pub along_m: f64,
+}
+
+impl NominalPath {
+    /// Of an arm that is led through postures at even times.
+    pub fn new(
+        robot: &Robot,
+        knots: &[Vec<f64>],
+        interval_s: f64,
+        work_from_world: &Isometry3<f64>,
+    ) -> Self {
+        let place = |q: &Vec<f64>| {
+            let tool = work_from_world * robot.world_from_frame(q, FrameId::Tool);
+            tool.translation.vector
+        };
+        let places_m: Vec<Vector3<f64>> = knots.iter().map(place).collect();
+        let mut along_m = vec![0.0];
+        for pair in places_m.windows(2) {
+            along_m.push(along_m[along_m.len() - 1] + (pair[1] - pair[0]).norm());
+        }
+        Self {
+            interval_s,
+            places_m,
+            along_m,
+        }
+    }
+
+    /// Where a cutter that is led along changes its depth in stock, if it does.
+    pub fn sinks_into(&self, stock: &LayeredStock, radius_m: f64) -> Option<Vector3<f64>> {
+        let mut left = stock.clone();
+        for pair in self.places_m.windows(2) {
+            let tip_m = pair[0].z.min(pair[1].z);
+            if tip_m >= stock.block.most_m.z || stock.block.outside_m(&pair[1].xy()) > radius_m {
+                continue;
+            }
+            // Above what it is about to cut, by more than it may vibrate.
+            let next = left
+                .layers()
+                .partition_point(|one| one.top_m <= tip_m + 1e-9);
+            let layer = &left.layers()[next];
+            let is_at_depth = tip_m <= layer.bottom_m + layer.sunk_m();
+            if is_at_depth {
+                left.cut_leg([pair[0], pair[1]], radius_m, false);
+            } else if left.cut_leg([pair[0], pair[1]], radius_m, true) {
+                return Some(pair[1]);
+            }
+        }
+        None
+    }
+
+    pub fn length_m(&self) -> f64 {
+        self.along_m[self.along_m.len() - 1]
+    }
+
+    /// At a time; at rest behind the end.
+    pub fn at(&self, time_s: f64) -> OnPath {
+        let last = self.places_m.len() - 1;
+        let x = (time_s / self.interval_s).clamp(0.0, last as f64);
+        let k = (x.floor() as usize).min(last.saturating_sub(1));
+        let next = (k + 1).min(last);
+        let u = x - k as f64;
+        let (mut place_m, mut velocity_m_per_s) = (Vector3::zeros(), Vector3::zeros());
+        for axis in 0..3 {
+            let knot = |i: usize| self.places_m[i][axis];
+            let slopes = [k, k + 1].map(|i| slope(knot, last, i));
+            let [value, rate] = hermite([knot(k), knot(next)], slopes, u);
+            place_m[axis] = value;
+            velocity_m_per_s[axis] = rate / self.interval_s;
+        }
+        OnPath {
+            place_m,
+            velocity_m_per_s,
+            along_m: self.along_m[k] + u * (self.along_m[next] - self.along_m[k]),
+        }
+    }
+}

@@ -1,0 +1,367 @@
+//! What a pass along a path reports: channels; forces, vibration, walls and floor by place; the
+//! part as it is left.
+
+use super::PathMilling;
+use super::kept::Stretch;
+use crate::process::Findings;
+use crate::process::quantity::{self, Quantity};
+use nalgebra::{Isometry3, Vector3};
+use std::f64::consts::TAU;
+use truecut_core::cutting::milling::layered::stock::LayeredStock;
+use truecut_core::cutting::milling::layered::walls::{Side, Station};
+use truecut_recording::{Field, PartMesh, Profile, Scalar, Unit};
+
+/// Most cells along a side of what is drawn.
+const DRAWN: usize = 240;
+/// Height over the stock at which it is drawn, m.
+const DRAWN_ABOVE_M: f64 = 1e-4;
+
+/// What is recorded of a step: the cut, with its chips and immersion at the instant.
+pub(super) fn quantities(milling: &PathMilling) -> impl Iterator<Item = Quantity> {
+    let last = &milling.last;
+    let (force, torque) = (last.force_on_tool_n, last.moment_on_tool_n_m.z);
+    let loads = last.at.map(|at| milling.cut.evaluate(&at));
+    let immersion = last.at.and_then(|at| {
+        let feed = last.feed_m_per_s.xy();
+        (feed.norm() > 1e-9).then(|| milling.cut.immersion(&at, &feed))?
+    });
+    let immersion = immersion.unwrap_or_default();
+    let (chip_m, teeth) = loads.map_or((0.0, 0), |loads| {
+        (loads.thickest_chip_m, loads.teeth_in_cut)
+    });
+    let nominal_m = milling.setup.nominal.at(0.0).place_m;
+    let place = last.at.map_or(nominal_m, |at| at.place_m);
+    let rotation_rad = last.at.map_or(0.0, |at| at.rotation_rad.rem_euclid(TAU));
+    let deflection = last.deflection_m;
+    [
+        Quantity::new("path_milling.force_x", Unit::Newton, force.x)
+            .text("Cutting force on the tool, work frame x"),
+        Quantity::new("path_milling.force_y", Unit::Newton, force.y)
+            .text("Cutting force on the tool, work frame y"),
+        Quantity::new("path_milling.force_z", Unit::Newton, force.z)
+            .text("Cutting force on the tool, work frame z, into the spindle"),
+        Quantity::new("path_milling.torque", Unit::NewtonMetre, torque)
+            .text("Torque of the cut about the tool axis; positive brakes the spindle"),
+        Quantity::new("path_milling.position_x", Unit::Metre, place.x)
+            .text("Tip of the tool, work frame x"),
+        Quantity::new("path_milling.position_y", Unit::Metre, place.y)
+            .text("Tip of the tool, work frame y"),
+        Quantity::new("path_milling.position_z", Unit::Metre, place.z)
+            .text("Tip of the tool, work frame z"),
+        Quantity::new("path_milling.deflection_x", Unit::Metre, deflection.x)
+            .text("Tip of the tool minus its commanded place, work frame x"),
+        Quantity::new("path_milling.deflection_y", Unit::Metre, deflection.y)
+            .text("Tip of the tool minus its commanded place, work frame y"),
+        Quantity::new("path_milling.deflection_z", Unit::Metre, deflection.z)
+            .text("Tip of the tool minus its commanded place, work frame z"),
+        Quantity::new("path_milling.path_distance", Unit::Metre, last.along_m)
+            .text("Commanded way so far"),
+        Quantity::new("path_milling.chip_thickness", Unit::Metre, chip_m)
+            .text("Thickest chip of all teeth"),
+        Quantity::new("path_milling.teeth_in_cut", Unit::One, teeth as f64).text("Teeth that cut"),
+        Quantity::new(
+            "path_milling.entry_angle",
+            Unit::Radian,
+            immersion.entry_rad,
+        )
+        .text("Where the rim enters the stock, from the left of the feed towards it; 0 in air"),
+        Quantity::new("path_milling.exit_angle", Unit::Radian, immersion.exit_rad)
+            .text("Where it leaves the stock, likewise"),
+        Quantity::new(
+            "path_milling.engaged_angle",
+            Unit::Radian,
+            immersion.engaged_rad,
+        )
+        .text("Angle over which the rim is in stock, of all arcs together"),
+        Quantity::new(
+            "path_milling.removed_volume",
+            Unit::CubicMetre,
+            last.removed_m3,
+        )
+        .text("Volume of all chips so far"),
+        Quantity::new("path_milling.spindle_angle", Unit::Radian, rotation_rad)
+            .text("Angle of the first tooth, from the work frame's y towards its x, 0 to 2 pi"),
+    ]
+    .into_iter()
+}
+
+/// What ended a run that chatters, with the place.
+pub(super) fn broken_rule(milling: &PathMilling) -> String {
+    let at = milling.last.at.unwrap_or_default().place_m;
+    let setup = &milling.setup;
+    let off_m = |place: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>| {
+        let along = to - from;
+        let share = (place - from).dot(&along) / along.norm_squared().max(1e-18);
+        (place - from - along * share.clamp(0.0, 1.0)).norm()
+    };
+    let nearest = (setup.legs.iter())
+        .map(|leg| (off_m(&at, &leg.from_m, &leg.to_m), leg.point))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let line = nearest.and_then(|(_, point)| setup.lines.get(point).copied().flatten());
+    let line = line.map_or(String::new(), |line| format!(" (line {line} of the path)"));
+    format!(
+        "a tooth in the stock moves forwards; at ({:.2}, {:.2}, {:.2}) mm{line} paths of teeth loop",
+        at.x * 1e3,
+        at.y * 1e3,
+        at.z * 1e3
+    )
+}
+
+/// Scalars, profiles and the part at the end of the run.
+pub(super) fn findings(milling: &PathMilling) -> Findings {
+    let mut findings = Findings::default();
+    sizes(milling, &mut findings);
+    by_place(milling, &mut findings);
+    walls(milling, &mut findings);
+    floor(milling, &mut findings);
+    findings.part = Some(part(milling));
+    findings
+}
+
+fn sizes(milling: &PathMilling, findings: &mut Findings) {
+    let (kept, spec, meant) = (&milling.kept, &milling.setup.spec, &milling.setup.meant);
+    let whole_m3 = meant.stock.volume_m3();
+    let removed_m3 = whole_m3 - milling.cut.stock().volume_m3();
+    let target_m3 = whole_m3 - meant.target.volume_m3();
+    let power_w = kept.largest_torque_n_m * spec.spindle_rad_s;
+    let (at_m, level_m) = kept.strongest().unwrap_or((f64::NAN, f64::NAN));
+    findings.scalars.extend(quantity::scalars([
+        Quantity::new("path_milling.stock_removed", Unit::CubicMetre, removed_m3)
+            .text("Volume that teeth have taken of the stock, down to the depths of the path"),
+        Quantity::new("path_milling.target_removed", Unit::CubicMetre, target_m3)
+            .text("Volume that the path as written takes of it"),
+        Quantity::new("path_milling.chip_volume", Unit::CubicMetre, milling.last.removed_m3)
+            .text("Volume of all chips"),
+        Quantity::new("path_milling.largest_force", Unit::Newton, kept.largest_force_n)
+            .text("Largest cutting force, averaged over a step"),
+        Quantity::new("path_milling.largest_torque", Unit::NewtonMetre, kept.largest_torque_n_m)
+            .text("Largest torque of the cut"),
+        Quantity::new("path_milling.largest_power", Unit::Watt, power_w)
+            .text("Largest power of the cut"),
+        Quantity::new("path_milling.largest_deflection", Unit::Metre, kept.largest_deflection_m)
+            .text("Largest deflection in the plane of cut while teeth cut"),
+        Quantity::new("path_milling.vibration_level", Unit::Metre, level_m)
+            .text("Change of the deflection from one tooth to the next (with runout: one revolution), root mean square where it is largest"),
+        Quantity::new("path_milling.vibration_at", Unit::Metre, at_m)
+            .text("Way along the path to where that is"),
+    ]));
+}
+
+fn by_place(milling: &PathMilling, findings: &mut Findings) {
+    let kept = &milling.kept;
+    let mut add = |name: &str, text: &str, unit: Unit, of: fn(&Stretch) -> f64| {
+        let each = kept.stretches.iter().enumerate();
+        let known = each.filter_map(|(k, one)| {
+            let value = of(one);
+            (value.is_finite()).then_some(((k as f64 + 0.5) * kept.stretch_m, value))
+        });
+        let (axis, values) = known.unzip();
+        findings
+            .profiles
+            .push(profile(name, text, "path_position", axis, (unit, values)));
+    };
+    let text = "Cutting force by place, root mean square";
+    add("force", text, Unit::Newton, Stretch::force_n);
+    let text = "Deflection in the plane of cut by place while teeth cut, root mean square";
+    add("deflection", text, Unit::Metre, Stretch::deflection_m);
+    let text =
+        "Change of the deflection from one tooth to the next by place, root mean square: chatter";
+    add("vibration", text, Unit::Metre, Stretch::vibration_m);
+}
+
+fn profile(
+    name: &str,
+    text: &str,
+    axis_name: &str,
+    axis: Vec<f64>,
+    (unit, values): (Unit, Vec<f64>),
+) -> Profile {
+    Profile {
+        name: format!("path_milling.{name}"),
+        description: text.to_owned(),
+        axis_name: axis_name.into(),
+        axis_unit: Unit::Metre,
+        axis,
+        unit,
+        values,
+    }
+}
+
+fn walls(milling: &PathMilling, findings: &mut Findings) {
+    let cut: Vec<(&Station, f64)> = (milling.cut.walls().left_m())
+        .filter(|(_, left_m)| left_m.is_finite())
+        .collect();
+    let left: Vec<f64> = cut.iter().map(|(_, left)| *left).collect();
+    spread(findings, "wall_error", "the walls", &left);
+    for (side, name) in [(Side::Left, "left_wall"), (Side::Right, "right_wall")] {
+        let mut axis: Vec<f64> = Vec::new();
+        let mut values = Vec::new();
+        // Of the layers that a place of the path walls, the lowest comes first.
+        for (station, left_m) in cut.iter().filter(|(station, _)| station.side == side) {
+            if axis.last() != Some(&station.along_m) {
+                axis.push(station.along_m);
+                values.push(*left_m);
+            }
+        }
+        if axis.is_empty() {
+            continue;
+        }
+        let text = format!(
+            "Material left on the wall on the {} of the path as written, at half the depth of its layer",
+            if side == Side::Left { "left" } else { "right" }
+        );
+        let values = (Unit::Metre, values);
+        findings
+            .profiles
+            .push(profile(name, &text, "path_position", axis, values));
+    }
+}
+
+fn floor(milling: &PathMilling, findings: &mut Findings) {
+    let left: Vec<f64> = (floor_left_m(milling).into_iter())
+        .filter(|left| left.is_finite())
+        .collect();
+    spread(findings, "floor_error", "the floors", &left);
+}
+
+/// Mean, root mean square and extremes of what is left.
+fn spread(findings: &mut Findings, name: &str, of: &str, left_m: &[f64]) {
+    let count = left_m.len() as f64;
+    let or_nan = |value: f64| if left_m.is_empty() { f64::NAN } else { value };
+    let mean = left_m.iter().sum::<f64>() / count;
+    let rms = (left_m.iter().map(|left| left * left).sum::<f64>() / count).sqrt();
+    let most = or_nan(left_m.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+    let least = or_nan(left_m.iter().copied().fold(f64::INFINITY, f64::min));
+    let figures = [
+        ("", mean, "Mean of the material"),
+        ("_rms", rms, "Root mean square of the material"),
+        ("_largest", most, "Most material"),
+        (
+            "_least",
+            least,
+            "Least material (negative: too much was taken)",
+        ),
+    ];
+    for (suffix, value, text) in figures {
+        let text = format!("{text} left on {of} beyond the path as written");
+        let name = format!("path_milling.{name}{suffix}");
+        findings
+            .scalars
+            .push(Scalar::new(name, Unit::Metre, value, text));
+    }
+}
+
+/// Material left on floors by node; not a number where there is none, or no tooth has been.
+fn floor_left_m(milling: &PathMilling) -> Vec<f64> {
+    let target = &milling.setup.meant.target;
+    let floors = milling.cut.floor_m().iter().enumerate();
+    let left = floors.map(|(node, floor_m)| {
+        let place = target.place(node);
+        // Well within what the path takes, the lowest layer that it takes.
+        let cut = (0..target.layers().len())
+            .find(|layer| target.beyond_m(*layer, &place) < -target.grid_m());
+        let bottom_m = cut.map(|layer| target.layers()[layer].bottom_m);
+        match bottom_m.filter(|bottom| *bottom > target.block.least_m.z) {
+            Some(bottom_m) if floor_m.is_finite() => floor_m - bottom_m,
+            _ => f64::NAN,
+        }
+    });
+    left.collect()
+}
+
+/// The part with what is left beyond the target.
+fn part(milling: &PathMilling) -> PartMesh {
+    let (stock, target) = (milling.cut.stock(), &milling.setup.meant.target);
+    let floors = floor_left_m(milling);
+    let mut part = PartMesh::default();
+    for triangle in stock.triangles_m() {
+        let level = triangle.iter().all(|corner| corner.z == triangle[0].z);
+        let heights = triangle.map(|corner| corner.z);
+        let middle_m = 0.5
+            * (heights.iter().fold(f64::INFINITY, |a, b| a.min(*b))
+                + heights.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)));
+        let layer = (target.layers()).partition_point(|one| one.top_m <= middle_m);
+        let left = triangle.map(|corner| match level {
+            true => floors[nearest(stock, &corner)],
+            false => wall_left_m(target, layer, &corner),
+        });
+        part.triangles_m
+            .push(triangle.map(|corner| [corner.x, corner.y, corner.z].map(|x| x as f32)));
+        part.left_m.push(left.map(|left| left as f32));
+    }
+    part
+}
+
+/// The node nearest to a place.
+fn nearest(stock: &LayeredStock, place_m: &Vector3<f64>) -> usize {
+    let [columns, rows] = stock.nodes();
+    let size = (stock.block.most_m - stock.block.least_m).xy();
+    let at = (place_m - stock.block.least_m).xy().component_div(&size);
+    let index = |share: f64, count: usize| {
+        let at = (share * (count - 1) as f64).round().max(0.0) as usize;
+        at.min(count - 1)
+    };
+    index(at.x, columns) + columns * index(at.y, rows)
+}
+
+/// How far a corner of a layer's wall stands out of the target; not a number on the block's faces.
+fn wall_left_m(target: &LayeredStock, layer: usize, corner: &Vector3<f64>) -> f64 {
+    let (least, most) = (target.block.least_m, target.block.most_m);
+    let on_face = (0..2).any(|axis| corner[axis] == least[axis] || corner[axis] == most[axis]);
+    match on_face {
+        true => f64::NAN,
+        false => -target.beyond_m(layer, &corner.xy()),
+    }
+}
+
+/// The stock from above, by what has been taken of it.
+pub(super) fn field(milling: &PathMilling) -> Field {
+    let setup = &milling.setup;
+    let block = setup.spec.block;
+    let size = block.most_m - block.least_m;
+    let corner = Vector3::new(
+        block.least_m.x,
+        block.least_m.y,
+        block.most_m.z + DRAWN_ABOVE_M,
+    );
+    let deepest_m = (setup.legs.iter())
+        .map(|leg| block.most_m.z - leg.to_m.z.max(block.least_m.z))
+        .fold(0.0, f64::max);
+    Field {
+        path: "milled_depth".into(),
+        world_from_field: crate::scene::pose(
+            &(setup.world_from_work * Isometry3::translation(corner.x, corner.y, corner.z)),
+        ),
+        size_m: [size.x, size.y],
+        cells: drawn(milling.cut.stock()),
+        full_scale: deepest_m,
+        unit: Unit::Metre,
+        vertices_m: Vec::new(),
+    }
+}
+
+fn drawn(stock: &LayeredStock) -> [usize; 2] {
+    stock.nodes().map(|count| count.min(DRAWN))
+}
+
+pub(super) fn field_values(milling: &PathMilling) -> Vec<f32> {
+    let stock = milling.cut.stock();
+    let [columns, rows] = stock.nodes();
+    let [across, up] = drawn(stock);
+    let top_m = stock.block.most_m.z;
+    let at = |k: usize, drawn: usize, count: usize| k * (count - 1) / (drawn - 1).max(1);
+    let mut values = Vec::with_capacity(across * up);
+    for row in 0..up {
+        for column in 0..across {
+            let node = at(column, across, columns) + columns * at(row, up, rows);
+            let floor_m = milling.cut.floor_m()[node];
+            let depth_m = if floor_m.is_finite() {
+                top_m - floor_m
+            } else {
+                0.0
+            };
+            values.push(depth_m.max(0.0) as f32);
+        }
+    }
+    values
+}
