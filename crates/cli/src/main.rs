@@ -4,6 +4,7 @@ mod args;
 mod check;
 mod compare;
 mod crosscheck;
+mod data;
 mod diagnose;
 mod exit_status;
 mod failure;
@@ -58,6 +59,7 @@ fn dispatch(command: Command) -> Result<ExitCode, Failure> {
         Command::ExportMjcf(arguments) => mjcf::export(&arguments),
         Command::Crosscheck(arguments) => crosscheck::crosscheck(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
+        Command::Data(arguments) => data::data(&arguments),
         Command::Diagnose(arguments) => return diagnose::diagnose(&arguments),
         Command::Fit(arguments) => fit::fit(&arguments),
         Command::Lobes(arguments) => lobes::lobes(&arguments),

@@ -6,6 +6,7 @@
 
 use nalgebra::{SMatrix, SVector};
 use truecut_recording::measured::{Measured, MeasuredChannel, Role};
+use truecut_recording::{ChannelSpec, Unit};
 use truecut_scenario::{ProcessSpec, Scenario};
 
 /// In deviations of what the cubics miss, in the whole record and beside the sample alike.
@@ -40,6 +41,20 @@ pub fn notes(scenario: &Scenario, measured: &Measured) -> Vec<String> {
         format!("{note}; they are compared as they are")
     };
     found.map(note).collect()
+}
+
+/// How many values are spikes, of a column as it lies in a file; those that are no numbers are
+/// gaps.
+pub fn count(values: &[f64]) -> usize {
+    let mut channel = MeasuredChannel {
+        spec: ChannelSpec::new("", Unit::One, ""),
+        role: Role::Output,
+        valid: values.iter().map(|value| value.is_finite()).collect(),
+        values: values.to_owned(),
+        noise: None,
+        white_kept: 1.0,
+    };
+    replace(&mut channel, &Cubic::new())
 }
 
 fn told(channel: &MeasuredChannel, found: usize) -> String {
@@ -154,8 +169,6 @@ fn place(row: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use truecut_recording::{ChannelSpec, Unit};
-
     use super::*;
     use crate::testing::{Colour, noise};
 

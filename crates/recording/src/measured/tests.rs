@@ -24,6 +24,7 @@ fn table(rows: usize) -> Table {
             column("t", time),
         ],
         lines: (2..rows + 2).collect(),
+        ..Table::default()
     }
 }
 
