@@ -81,4 +81,5 @@ pub use rrd::{
     BeforeAfter, ChannelBeforeAfter, Chart, ChartPage, Curve, FaceShown, PartShown, PlanShown,
     PlanStation, RrdSink, write_before_after, write_charts, write_part, write_plan,
 };
+pub use table::record_batch;
 pub use tables::{read_table, read_tables};
