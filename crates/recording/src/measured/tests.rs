@@ -164,6 +164,7 @@ fn verify_jittered_stamps_cost_next_to_nothing() {
             column("t", time),
         ],
         lines: (2..1002).collect(),
+        ..Table::default()
     };
     let mut mapping = mapping();
     mapping.resample_hz = Some(125.0);

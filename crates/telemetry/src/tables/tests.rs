@@ -141,7 +141,7 @@ fn a_parquet_column_of_texts_is_refused_by_name() {
 fn a_preamble_and_a_row_of_units_are_no_part_of_the_table() {
     let preambles = [
         "",
-        "Bench 4; run 12\n",
+        "Bench4-run12\n",
         "Rate: 1000 Hz\nOperator: N. N.\n\n",
         "sep=|\n",
         "# comment\n\"Title, with a comma\"\n\n",
