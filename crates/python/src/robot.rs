@@ -18,8 +18,8 @@ const ROUNDED: f64 = 1e-6;
 /// A robot: a URDF or xacro, with its stiffness, drives and tool in a `robot.toml` beside it.
 ///
 /// Postures are lists of rad (m for slides), one value a joint from the base on. Poses are 4x4
-/// NumPy arrays from the world (root of the URDF, z up) to the frame, in m. `frame` is "flange", "tool"
-/// or "foot".
+/// NumPy arrays from the world (root of the URDF, z up) to the frame, in m. `frame` is "flange",
+/// "tool" or "foot".
 #[pyclass(frozen, module = "truecut")]
 pub struct Robot {
     inner: arm::Robot,

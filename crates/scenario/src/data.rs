@@ -14,7 +14,8 @@ use crate::column::{check_scale, read_unit, time_base};
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataSpec {
     /// The file, `.csv`, `.parquet`, `.arrow` or `.mcap`; relative paths are resolved
-    /// against the folder of the scenario file. `None` if it is named only when the scenario is used.
+    /// against the folder of the scenario file. `None` if it is named only when the scenario is
+    /// used.
     pub file: Option<PathBuf>,
     /// Whether the first row of a CSV file names the columns. Without, they are called "1", "2", ….
     pub header: bool,
@@ -26,8 +27,8 @@ pub struct DataSpec {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct DataTable {
-    /// CSV, Parquet, Arrow or MCAP file, relative to the scenario file. May be left out and named by
-    /// --data.
+    /// CSV, Parquet, Arrow or MCAP file, relative to the scenario file. May be left out and named
+    /// by --data.
     file: Option<String>,
     /// Whether the first row of a CSV file names the columns. Default: true.
     header: Option<bool>,
