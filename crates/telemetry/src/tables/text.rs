@@ -14,7 +14,10 @@ pub(super) fn text_table(path: &Path, header: bool) -> Result<Table, Reason> {
     let bytes = truecut_files::read(path)?;
     let (mut text, mut notes) = decoded(bytes)?;
     if header && let Some((first, last)) = preamble(&text) {
-        notes.push(format!("lines {first} to {last} are no part of the table"));
+        notes.push(match first == last {
+            true => format!("line {first} is no part of the table"),
+            false => format!("lines {first} to {last} are no part of the table"),
+        });
         text = blanked(&text, last);
     }
     let cells = Cells::of(&text).map_err(|error| Reason::Line {
@@ -110,8 +113,11 @@ fn preamble(text: &str) -> Option<(usize, usize)> {
         .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
         .collect();
     let (_, last) = lines.last()?;
+    // What does not stand in a line does not delimit it: else a decimal comma would join two cells.
+    let delimits = |delimiter: &Option<char>| delimiter.is_none_or(|one| last.contains(one));
     let (delimiter, cells) = [Some(';'), Some('\t'), Some(','), None]
         .into_iter()
+        .filter(delimits)
         .find_map(|delimiter| Some((delimiter, numbers(last, delimiter)?)))?;
     let data = (lines.iter()).position(|(_, line)| numbers(line, delimiter) == Some(cells))?;
     let is_head = |&(_, line): &(usize, &str)| {
