@@ -12,7 +12,7 @@ use truecut_plan::program::{dialect_of, read_text};
 use truecut_plan::surface::part::{Part, PartOptions};
 use truecut_plan::surface::{Mesh, MeshUse, PatchFile};
 use truecut_scenario::{CellFile, Identification, PathJob};
-use truecut_telemetry::{read_recording, read_table};
+use truecut_telemetry::{read_recording, read_table, read_tables};
 
 use crate::seeds::{Seed, root, seeds};
 
@@ -140,7 +140,13 @@ pub const READERS: &[Reader] = &[
         name: "table",
         seeds: tables,
         read: |case| said(read_table(&case.written(), true)),
-        commands: &[],
+        commands: &[&["data", "CASE"]],
+    },
+    Reader {
+        name: "log",
+        seeds: || seeds(&["tests/logs"], &["mcap"], |_, _| true),
+        read: |case| said(read_tables(&case.written(), true)),
+        commands: &[&["data", "CASE"]],
     },
     Reader {
         name: "columns",

@@ -53,6 +53,9 @@ pub enum Command {
     Crosscheck(CrosscheckArguments),
     /// Run a scenario, compare it with measured data, and report what the simulation gets wrong
     Compare(CompareArguments),
+    /// Print what is in a file of measured data: channels, units, rate, gaps, faults, and the lines
+    /// of a scenario that would read it
+    Data(DataArguments),
     /// Look for what the simulation lacks against measured data, name it, and extend the scenario
     Diagnose(DiagnoseArguments),
     /// Fit links, rotors and friction of all joints to measured motion and drive forces at once
@@ -88,6 +91,21 @@ pub struct Common {
     /// How many runs may go on at once [default: one for each core]
     #[arg(long, value_name = "N", value_parser = number::count)]
     pub jobs: Option<std::num::NonZeroUsize>,
+}
+
+#[derive(Debug, Args)]
+pub struct DataArguments {
+    /// Measured data: .csv, .txt, .tsv, .parquet, .arrow or .mcap
+    pub file: PathBuf,
+    /// The first row of a CSV file does not name the columns
+    #[arg(long)]
+    pub no_header: bool,
+    /// Print the lines for the scenario alone
+    #[arg(long, conflicts_with = "json")]
+    pub toml: bool,
+    /// Print everything as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]

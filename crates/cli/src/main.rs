@@ -5,6 +5,7 @@ mod check;
 mod clearance;
 mod compare;
 mod crosscheck;
+mod data;
 mod diagnose;
 mod excite;
 mod exit_status;
@@ -60,6 +61,7 @@ fn dispatch(command: Command) -> Result<ExitCode, Failure> {
         Command::ExportMjcf(arguments) => mjcf::export(&arguments),
         Command::Crosscheck(arguments) => crosscheck::crosscheck(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
+        Command::Data(arguments) => data::data(&arguments),
         Command::Diagnose(arguments) => return diagnose::diagnose(&arguments),
         Command::Fit(arguments) => fit::fit(&arguments),
         Command::Excite(arguments) => excite::excite(&arguments),

@@ -26,6 +26,13 @@ pub fn notes(scenario: &Scenario, measured: &Measured) -> Vec<String> {
     found.map(note).collect()
 }
 
+/// How many values are spikes, of a column as it lies in a file; those that are no numbers are
+/// gaps.
+pub fn count(values: &[f64]) -> usize {
+    let valid: Vec<bool> = values.iter().map(|value| value.is_finite()).collect();
+    replace_spikes(&mut values.to_owned(), &valid)
+}
+
 fn told(channel: &MeasuredChannel, found: usize) -> String {
     format!(
         "{}: {found} of {} samples are spikes, more than {SPIKE} deviations off what their \

@@ -13,8 +13,9 @@ use crate::column::{check_scale, read_unit, time_base};
 /// Measured data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataSpec {
-    /// The file, `.csv` or `.parquet`; relative paths are resolved against the folder of the
-    /// scenario file. `None` if it is named only when the scenario is used.
+    /// The file, `.csv`, `.parquet`, `.arrow` or `.mcap`; relative paths are resolved
+    /// against the folder of the scenario file. `None` if it is named only when the scenario is
+    /// used.
     pub file: Option<PathBuf>,
     /// Whether the first row of a CSV file names the columns. Without, they are called "1", "2", ….
     pub header: bool,
@@ -26,11 +27,13 @@ pub struct DataSpec {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct DataTable {
-    /// CSV or Parquet file, relative to the scenario file. May be left out and named by --data.
+    /// CSV, Parquet, Arrow or MCAP file, relative to the scenario file. May be left out and named
+    /// by --data.
     file: Option<String>,
     /// Whether the first row of a CSV file names the columns. Default: true.
     header: Option<bool>,
-    /// Column of the times. Either this or rate_hz is needed.
+    /// Column of the times; of an MCAP file "header_stamp" or "log_time". Either this or rate_hz is
+    /// needed.
     time: Option<String>,
     /// Unit of the times. Default: "s".
     time_unit: Option<String>,
@@ -61,7 +64,8 @@ pub(crate) struct DataTable {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct ChannelTable {
-    /// Name of the column, or its number from "1" on in a file without header.
+    /// Name of the column, its number from "1" on in a file without header, or topic and field of
+    /// a log, such as "/joint_states/position/joint_1".
     column: String,
     /// Channel that it is compared with, or that it drives.
     channel: String,

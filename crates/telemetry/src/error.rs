@@ -57,8 +57,23 @@ pub enum Reason {
     #[error("not a table of numbers: {0}")]
     NotATable(String),
     /// Neither of the endings of a table.
-    #[error("unknown kind of file; measured data ends in .csv, .txt or .parquet")]
+    #[error("unknown kind of file; measured data ends in .csv, .txt, .parquet, .arrow or .mcap")]
     UnknownTable,
+    /// A log where one table is needed.
+    #[error("a log has topics with times of their own; it is read as `data.file` of a scenario")]
+    LogForTable,
+    /// Not an MCAP file, a broken one, or one that ends too early.
+    #[error("{0}")]
+    Log(String),
+    /// A ROS 2 bag in SQLite.
+    #[error(
+        "a ROS 2 bag in SQLite is not read; make an MCAP file of it with \
+         `pip install rosbags` and `rosbags-convert --src BAG --dst NEW_BAG --dst-storage mcap`"
+    )]
+    Sqlite,
+    /// A folder, which a ROS 2 bag is.
+    #[error("it is a folder; of a ROS 2 bag, give the .mcap file in it")]
+    Folder,
     /// Neither of the endings that are known.
     #[error("unknown kind of file; recordings end in .parquet or .arrows")]
     UnknownKind,

@@ -7,7 +7,8 @@
 //! - `.parquet`, written at the end: every row and the results, the same bytes for the same run.
 //!   Read by [`read_parquet`] and any Parquet reader.
 //!
-//! Measured data comes in as CSV or as any Parquet file of numbers: [`read_table`].
+//! Measured data comes in as CSV, as any Parquet or Arrow file of numbers ([`read_table`]), or as a
+//! log of ROS 2 messages in an MCAP file ([`read_tables`]).
 //!
 //! Tables are SI, with `unit` and `description` in each column's metadata. The `.rrd` is for eyes:
 //! µm, mm and degrees, at most a thousand points a second of each channel, the smallest and largest
@@ -65,18 +66,20 @@ mod display;
 mod error;
 mod frames;
 mod ipc;
-mod measured;
+mod log;
 mod parquet_file;
 mod rrd;
 mod table;
+mod tables;
 
 pub use background::Background;
 pub use columns::{Column, Values, write_columns};
 pub use error::{FileError, Reason};
 pub use ipc::{IpcSink, read_ipc_stream};
-pub use measured::read_table;
 pub use parquet_file::{ParquetSink, read_parquet, read_recording, write_parquet};
 pub use rrd::{
     BeforeAfter, ChannelBeforeAfter, Chart, ChartPage, Curve, FaceShown, PartShown, PlanShown,
     PlanStation, RrdSink, write_before_after, write_charts, write_part, write_plan,
 };
+pub use table::record_batch;
+pub use tables::{read_table, read_tables};

@@ -83,6 +83,17 @@ pub(crate) fn batch<'a>(
     RecordBatch::try_new(Arc::clone(schema), arrays)
 }
 
+/// A recording's rows as one Arrow table: `time` in s, then one column a channel, 64-bit floats in
+/// SI without nulls, `unit` and `description` in the metadata of each field.
+///
+/// # Errors
+/// None of a recording whose columns are of one length.
+pub fn record_batch(recording: &Recording) -> Result<RecordBatch, arrow::error::ArrowError> {
+    let schema = Arc::new(schema(&recording.header));
+    let columns = recording.columns.iter().map(Vec::as_slice);
+    batch(&schema, &recording.time_s, columns)
+}
+
 /// What the schema says of a recording; its rows are still missing.
 pub(crate) fn recording_from_schema(schema: &Schema) -> Result<Recording, String> {
     let text = |key: &str| schema.metadata.get(key).cloned().unwrap_or_default();

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use truecut_recording::Measured;
-use truecut_recording::measured::{DataError, TimeBase, measured as map};
+use truecut_recording::measured::{DataError, TimeBase, measured_of as map};
 use truecut_scenario::{DataSpec, Scenario};
 use truecut_sim::run::RunError;
-use truecut_telemetry::read_table;
+use truecut_telemetry::read_tables;
 
 /// The data that a replay is driven by, from the file that the scenario names; `None` for scenarios
 /// that replay nothing. What [`Run::read_data`](crate::Run::read_data) takes.
@@ -81,9 +81,9 @@ fn load(scenario: &Scenario, data: &DataSpec, file: Option<&Path>) -> Result<Mea
         },
         None => scenario.problem(key, message).into(),
     };
-    let table =
-        read_table(path, data.header).map_err(|error| failed("data.file", error.to_string()))?;
-    map(&table, &data.mapping).map_err(|error| failed(&key(data, &error), error.to_string()))
+    let tables =
+        read_tables(path, data.header).map_err(|error| failed("data.file", error.to_string()))?;
+    map(&tables, &data.mapping).map_err(|error| failed(&key(data, &error), error.to_string()))
 }
 
 /// The key of the scenario that asks for what the data do not have.

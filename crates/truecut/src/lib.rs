@@ -337,6 +337,7 @@
 #![warn(missing_docs)]
 
 pub mod data;
+pub mod inspect;
 mod journal;
 mod maps;
 pub mod outputs;

@@ -1,12 +1,14 @@
 //! From columns to channels: times, units, masks, checks.
 
-use super::resample::{Base, Gaps, Series, missing_rows, resample};
+use super::clocks;
+use super::outputs::{constant, left_out, read_twice, refuse_all_constant, without_spikes};
+use super::resample::{Base, Gaps, Series, median_interval_s, missing_rows, resample};
 use super::{
-    ChannelMapping, DataError, MIN_SAMPLES, Mapping, Measured, MeasuredChannel, Pass, Role, SPIKE,
-    Table, TimeBase, replace_spikes,
+    ChannelMapping, DataError, MIN_SAMPLES, Mapping, Measured, MeasuredChannel, Pass, Role, Table,
+    Tables, TimeBase,
 };
 use crate::recording::ChannelSpec;
-use crate::unit::significant;
+use crate::unit::{UserUnit, significant};
 
 /// Maps the columns of `table` to channels on one uniform time base.
 ///
@@ -18,29 +20,129 @@ use crate::unit::significant;
 /// # Errors
 /// A missing column, times that do not rise, too few samples, outputs of which none changes.
 pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError> {
-    let (rows, time_s) = times(table, mapping)?;
-    let mut series = Vec::new();
-    for channel in &mapping.channels {
-        series.push(read(table, mapping, channel, &rows, &time_s)?);
+    // One table is its own list, without a copy of its columns.
+    let used = Used::of(table, mapping)?;
+    let places = vec![0; mapping.channels.len()];
+    assemble(&table.source, mapping, &[used], &places)
+}
+
+/// The same of a file with several tables, such as a log: each channel has the times of its own
+/// table. The result has the rate of the slowest of those that are used, so that nothing is
+/// invented between samples, unless the mapping says another.
+///
+/// # Errors
+/// As [`measured`]; topics that cannot be read; header stamps of clocks that disagree.
+pub fn measured_of(tables: &Tables, mapping: &Mapping) -> Result<Measured, DataError> {
+    if let [table] = &tables.tables[..] {
+        if tables.unread.is_empty() {
+            return measured(table, mapping);
+        }
     }
-    refuse_all_constant(table, mapping, &series)?;
-    let base = Base::new(table, mapping, &time_s, &series)?;
+    let (mut found, mut places) = (Vec::new(), Vec::new());
+    for channel in &mapping.channels {
+        let index = tables.index_of(&channel.column)?;
+        let place = found.iter().position(|one| *one == index);
+        places.push(place.unwrap_or(found.len()));
+        if place.is_none() {
+            found.push(index);
+        }
+    }
+    let chosen: Vec<&Table> = found.iter().map(|index| &tables.tables[*index]).collect();
+    clocks::agree(&tables.source, &chosen, mapping)?;
+    let used: Result<Vec<Used>, DataError> = (chosen.iter())
+        .map(|table| Used::of(table, mapping))
+        .collect();
+    assemble(&tables.source, mapping, &used?, &places)
+}
+
+/// The rows of a table that are used.
+struct Used<'a> {
+    table: &'a Table,
+    rows: Vec<usize>,
+    time_s: Vec<f64>,
+}
+
+impl Used<'_> {
+    fn of<'a>(table: &'a Table, mapping: &Mapping) -> Result<Used<'a>, DataError> {
+        let (rows, time_s) = times(table, mapping)?;
+        Ok(Used {
+            table,
+            rows,
+            time_s,
+        })
+    }
+}
+
+/// The channels of a mapping from the tables that hold them, `places` says which.
+fn assemble(
+    source: &str,
+    mapping: &Mapping,
+    used: &[Used],
+    places: &[usize],
+) -> Result<Measured, DataError> {
+    let mut series = Vec::new();
+    for (channel, place) in mapping.channels.iter().zip(places) {
+        series.push(read(&used[*place], mapping, channel)?);
+    }
+    let slowest = |a: &&Used, b: &&Used| {
+        median_interval_s(&a.time_s).total_cmp(&median_interval_s(&b.time_s))
+    };
+    // A mapping has channels, each of a table: there is one.
+    let empty: &[f64] = &[];
+    let base_s = used.iter().max_by(slowest).map_or(empty, |one| &one.time_s);
+    refuse_all_constant(source, mapping, &series)?;
+    let base = Base::new(source, mapping, base_s, &series)?;
     let mut notes = base.notes(mapping);
-    let missing = missing_rows(&time_s);
-    if missing > 0 {
-        notes.push(format!(
-            "{missing} rows seem to be missing: what drives the model is bridged there by cubics, what is compared \
-             by lines"
-        ));
+    for one in used {
+        notes.extend(one.table.notes.iter().cloned());
+        notes.extend(missing_note(one, used.len()));
     }
     notes.extend(read_twice(mapping));
+    let channels = channels(mapping, &mut series, &base, &mut notes);
+    let time_s = base.times();
+    let passes = passes(source, mapping, &base, &time_s)?;
+    if !passes.is_empty() {
+        notes.push(format!(
+            "{} passes, each from the process's own start",
+            passes.len()
+        ));
+    }
+    Ok(Measured {
+        source: source.to_owned(),
+        time_s,
+        passes,
+        channels,
+        notes,
+    })
+}
+
+fn missing_note(used: &Used, tables: usize) -> Option<String> {
+    let missing = missing_rows(&used.time_s);
+    let whose = match tables {
+        1 => String::new(),
+        _ => format!("{}: ", used.table.source),
+    };
+    (missing > 0).then(|| {
+        format!(
+            "{whose}{missing} rows seem to be missing: what drives the model is bridged there by cubics, what is \
+             compared by lines"
+        )
+    })
+}
+
+fn channels(
+    mapping: &Mapping,
+    series: &mut [Series],
+    base: &Base,
+    notes: &mut Vec<String>,
+) -> Vec<MeasuredChannel> {
     let mut channels = Vec::new();
-    for (channel, series) in mapping.channels.iter().zip(&mut series) {
+    for (channel, series) in mapping.channels.iter().zip(series) {
         if constant(channel, series) {
             notes.push(left_out(channel, series));
             continue;
         }
-        if mapping.bridge_spikes && channel.role == Role::Output && series.is_smoothed(&base) {
+        if mapping.bridge_spikes && channel.role == Role::Output && series.is_smoothed(base) {
             notes.extend(without_spikes(channel, series));
         }
         let gaps = Gaps {
@@ -50,7 +152,7 @@ pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError>
                 Role::Output => 0.0,
             },
         };
-        let (values, valid) = resample(series, &base, gaps);
+        let (values, valid) = resample(series, base, gaps);
         notes.extend(series.note(channel));
         let masked = valid.iter().filter(|valid| !**valid).count();
         if masked > 0 {
@@ -70,25 +172,11 @@ pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError>
             role: channel.role,
             values,
             valid,
-            noise: channel.noise.map(|noise| noise * series.white_share(&base)),
-            white_kept: series.white_kept(&base),
+            noise: channel.noise.map(|noise| noise * series.white_share(base)),
+            white_kept: series.white_kept(base),
         });
     }
-    let time_s = base.times();
-    let passes = passes(table, mapping, &base, &time_s)?;
-    if !passes.is_empty() {
-        notes.push(format!(
-            "{} passes, each from the process's own start",
-            passes.len()
-        ));
-    }
-    Ok(Measured {
-        source: table.source.clone(),
-        time_s,
-        passes,
-        channels,
-        notes,
-    })
+    channels
 }
 
 /// Fewest samples of a pass.
@@ -96,7 +184,7 @@ const MIN_PASS: usize = 60;
 
 /// The passes that begin at the mapping's starts; each ends where the next begins.
 fn passes(
-    table: &Table,
+    source: &str,
     mapping: &Mapping,
     base: &Base,
     time_s: &[f64],
@@ -114,7 +202,7 @@ fn passes(
         let samples = first(*start_s)..end;
         if samples.len() < MIN_PASS {
             return Err(DataError::File {
-                source_name: table.source.clone(),
+                source_name: source.to_owned(),
                 message: format!(
                     "the pass that starts at {} s has {} samples, but at least {MIN_PASS} are needed",
                     mapping.starts_s[index],
@@ -157,8 +245,8 @@ fn times(table: &Table, mapping: &Mapping) -> Result<(Vec<usize>, Vec<f64>), Dat
             return fail(row, message);
         }
         before = Some(t);
-        // Times are rounded; the ends belong to the window.
-        let slack = 1e-9 * (1.0 + t.abs());
+        // Times are rounded; the ends belong to the window. Seconds since 1970 are known to 0.2 µs.
+        let slack = 1e-9 + 4.0 * f64::EPSILON * t.abs();
         if t >= mapping.window_s[0] - slack && t <= mapping.window_s[1] + slack {
             rows.push(row);
             time_s.push(t);
@@ -182,13 +270,8 @@ fn times(table: &Table, mapping: &Mapping) -> Result<(Vec<usize>, Vec<f64>), Dat
 pub const LARGEST: f64 = 1e30;
 
 /// The valid samples of one channel, SI.
-fn read(
-    table: &Table,
-    mapping: &Mapping,
-    channel: &ChannelMapping,
-    rows: &[usize],
-    time_s: &[f64],
-) -> Result<Series, DataError> {
+fn read(used: &Used, mapping: &Mapping, channel: &ChannelMapping) -> Result<Series, DataError> {
+    let table = used.table;
     let column = table.column(&channel.column)?;
     let factor = channel.scale * channel.unit.si_factor;
     let mut series = Series::default();
@@ -198,7 +281,8 @@ fn read(
         channel: channel.channel.clone(),
         message,
     };
-    for (&row, &t) in rows.iter().zip(time_s) {
+    unit_agrees(table, channel).map_err(refuse)?;
+    for (&row, &t) in used.rows.iter().zip(&used.time_s) {
         let reading = column[row];
         let is_at_end =
             (channel.saturation).is_some_and(|[low, high]| reading <= low || reading >= high);
@@ -224,6 +308,27 @@ fn read(
     Ok(series)
 }
 
+/// A unit that the file gives its column is the one that the mapping says, where nothing scales it
+/// (a sign may).
+fn unit_agrees(table: &Table, channel: &ChannelMapping) -> Result<(), String> {
+    let Some(written) = table.units.get(&channel.column) else {
+        return Ok(());
+    };
+    match UserUnit::parse(written) {
+        Ok(found)
+            if channel.scale.abs() == 1.0
+                && (found.unit, found.si_factor) != (channel.unit.unit, channel.unit.si_factor) =>
+        {
+            Err(format!(
+                "the file gives its unit as \"{written}\", but the scenario as \"{}\"; \
+                 give the file's, or a `scale` that makes one of the other",
+                channel.unit.symbol
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn check(series: &Series, mapping: &Mapping, channel: &ChannelMapping) -> Result<(), String> {
     let twice = mapping
         .channels
@@ -241,74 +346,4 @@ fn check(series: &Series, mapping: &Mapping, channel: &ChannelMapping) -> Result
         ));
     }
     Ok(())
-}
-
-/// Sentences on columns that are two channels.
-fn read_twice(mapping: &Mapping) -> impl Iterator<Item = String> + '_ {
-    let channels = mapping.channels.iter().enumerate();
-    channels.filter_map(|(index, channel)| {
-        let mut before = mapping.channels[..index].iter();
-        let first = before.find(|one| one.column == channel.column)?;
-        Some(format!(
-            "column \"{}\" is read twice, as {} and as {}: check the columns",
-            channel.column, first.channel, channel.channel
-        ))
-    })
-}
-
-/// An output whose samples are all the same: a sensor that is off, or steps coarser than what it
-/// was to show.
-fn constant(channel: &ChannelMapping, series: &Series) -> bool {
-    let first = series.values[0];
-    channel.role == Role::Output && series.values.iter().all(|value| *value == first)
-}
-
-fn left_out(channel: &ChannelMapping, series: &Series) -> String {
-    format!(
-        "{}: column \"{}\" is left out: every sample is {} {}, so that nothing was measured; check the column",
-        channel.channel, channel.column, series.values[0], channel.unit.unit
-    )
-}
-
-fn refuse_all_constant(
-    table: &Table,
-    mapping: &Mapping,
-    series: &[Series],
-) -> Result<(), DataError> {
-    let outputs = || {
-        let pairs = mapping.channels.iter().zip(series);
-        pairs.filter(|(channel, _)| channel.role == Role::Output)
-    };
-    let Some((channel, series)) = outputs().next() else {
-        return Ok(());
-    };
-    if !outputs().all(|(channel, series)| constant(channel, series)) {
-        return Ok(());
-    }
-    let others = match outputs().count() {
-        1 => String::new(),
-        count => format!("; none of the {count} outputs changes"),
-    };
-    Err(DataError::Channel {
-        source_name: table.source.clone(),
-        column: channel.column.clone(),
-        channel: channel.channel.clone(),
-        message: format!(
-            "every sample is {} {}, so that nothing was measured{others}",
-            series.values[0], channel.unit.unit
-        ),
-    })
-}
-
-/// The channel's spikes replaced; the sentence on them.
-fn without_spikes(channel: &ChannelMapping, series: &mut Series) -> Option<String> {
-    let samples = series.values.len();
-    let found = replace_spikes(&mut series.values, &vec![true; samples]);
-    (found > 0).then(|| {
-        format!(
-            "{}: {found} of {samples} samples are spikes, more than {SPIKE} deviations off what their \
-             neighbours say, and were replaced by that before the channel was smoothed",
-            channel.channel
-        )
-    })
 }

@@ -4,18 +4,23 @@
 //! columns to channels, checks them, masks what is not a measurement, and resamples. Everything
 //! that was done to the data is said in [`Measured::notes`].
 
+mod clocks;
 mod columns;
 mod error;
+mod inspect;
+mod outputs;
 mod resample;
 mod spikes;
 mod table;
 #[cfg(test)]
 mod tests;
 
-pub use columns::{LARGEST, measured};
+pub use clocks::{HEADER_STAMP, LOG_TIME};
+pub use columns::{LARGEST, measured, measured_of};
 pub use error::DataError;
+pub use inspect::{ColumnFacts, Gap, TableFacts, TimeFacts, facts};
 pub use spikes::{SPIKE, replace_spikes};
-pub use table::{Column, Table};
+pub use table::{Column, Table, Tables};
 
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 //! One uniform time base for all channels.
 
-use super::{ChannelMapping, DataError, MIN_SAMPLES, Mapping, Table};
+use super::{ChannelMapping, DataError, MIN_SAMPLES, Mapping};
 use crate::filter::Butterworth;
 use crate::unit::significant;
 
@@ -11,7 +11,7 @@ const ANTI_ALIAS_SHARE: f64 = 0.4;
 /// A channel counts as faster than the result from this ratio of rates on.
 const FASTER: f64 = 1.2;
 /// Samples that are further apart, in median intervals, have a gap between them; cubics cross none.
-const JITTER: f64 = 1.8;
+pub(super) const JITTER: f64 = 1.8;
 /// Share of an interval within which two times are the same.
 const SLACK: f64 = 1e-6;
 /// Most samples of a result.
@@ -183,7 +183,7 @@ impl Place {
     }
 }
 
-fn median_interval_s(time_s: &[f64]) -> f64 {
+pub(super) fn median_interval_s(time_s: &[f64]) -> f64 {
     let mut intervals: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     intervals.sort_by(f64::total_cmp);
     intervals[intervals.len() / 2]
@@ -200,14 +200,14 @@ pub(super) struct Base {
 
 impl Base {
     pub fn new(
-        table: &Table,
+        source: &str,
         mapping: &Mapping,
         time_s: &[f64],
         series: &[Series],
     ) -> Result<Base, DataError> {
         let fail = |message: String| {
             Err(DataError::File {
-                source_name: table.source.clone(),
+                source_name: source.to_owned(),
                 message,
             })
         };

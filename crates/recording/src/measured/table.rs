@@ -1,4 +1,6 @@
-//! A table of numbers as a file holds it.
+//! Tables of numbers as a file holds them.
+
+use std::collections::BTreeMap;
 
 use super::DataError;
 use crate::names::nearest;
@@ -21,7 +23,86 @@ pub struct Table {
     pub columns: Vec<Column>,
     /// Line of the file that each row stands in; empty if the file has no lines.
     pub lines: Vec<usize>,
+    /// Units of columns, as the file writes them, where it does.
+    pub units: BTreeMap<String, String>,
+    /// What was found or done on reading, one sentence each.
+    pub notes: Vec<String>,
 }
+
+/// What a file of measured data holds: one table, or one for each topic of a log, with rows and
+/// times of its own.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Tables {
+    /// Where they come from, for messages.
+    pub source: String,
+    /// At least one. Names of columns that are in several (clocks) are alike in all that have them.
+    pub tables: Vec<Table>,
+    /// Topics that are there and cannot be read: name and reason.
+    pub unread: Vec<(String, String)>,
+}
+
+impl From<Table> for Tables {
+    fn from(table: Table) -> Tables {
+        Tables {
+            source: table.source.clone(),
+            tables: vec![table],
+            unread: Vec::new(),
+        }
+    }
+}
+
+impl Tables {
+    /// Which table has a column; the first, of those that several have.
+    ///
+    /// # Errors
+    /// A column that is not there; the nearest one is named, or why its topic cannot be read.
+    pub fn index_of(&self, column: &str) -> Result<usize, DataError> {
+        let mut tables = self.tables.iter();
+        let has = |table: &Table| table.columns.iter().any(|one| one.name == column);
+        if let Some(found) = tables.position(has) {
+            return Ok(found);
+        }
+        let mut unread = self.unread.iter();
+        let of_topic = |(topic, _): &&(String, String)| {
+            let rest = column.strip_prefix(topic.as_str());
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        if let Some((topic, why)) = unread.find(of_topic) {
+            return Err(DataError::File {
+                source_name: self.source.clone(),
+                message: format!("column \"{column}\": topic {topic} cannot be read: {why}"),
+            });
+        }
+        Err(self.no_column(column))
+    }
+
+    fn no_column(&self, column: &str) -> DataError {
+        let mut known: Vec<&str> = Vec::new();
+        for one in self.tables.iter().flat_map(|table| &table.columns) {
+            if !known.contains(&one.name.as_str()) {
+                known.push(&one.name);
+            }
+        }
+        let topics = self.tables.iter().map(|table| table.source.as_str());
+        let listed = match self.tables.len() {
+            0 | 1 => known.join(", "),
+            // A log has hundreds of columns: its topics, where that many would hide them.
+            _ if known.len() > MOST_LISTED => {
+                format!("the topics {}", topics.collect::<Vec<_>>().join(", "))
+            }
+            _ => known.join(", "),
+        };
+        DataError::NoColumn {
+            source_name: self.source.clone(),
+            column: column.to_owned(),
+            nearest: nearest(column, known.into_iter()).map(str::to_owned),
+            known: listed,
+        }
+    }
+}
+
+/// Most columns that a message lists by name.
+const MOST_LISTED: usize = 40;
 
 impl Table {
     /// Number of rows.

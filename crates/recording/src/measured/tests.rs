@@ -24,6 +24,7 @@ fn table(rows: usize) -> Table {
             column("t", time),
         ],
         lines: (2..rows + 2).collect(),
+        ..Table::default()
     }
 }
 
@@ -164,6 +165,7 @@ fn verify_jittered_stamps_cost_next_to_nothing() {
             column("t", time),
         ],
         lines: (2..1002).collect(),
+        ..Table::default()
     };
     let mut mapping = mapping();
     mapping.resample_hz = Some(125.0);

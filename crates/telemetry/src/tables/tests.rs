@@ -1,0 +1,229 @@
+//! Tables of every kind, as other programs write them.
+
+use super::*;
+use arrow::array::{
+    ArrayRef, Float32Array, Int16Array, RecordBatch, StringArray, TimestampNanosecondArray,
+};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{Compression, GzipLevel, ZstdLevel};
+use parquet::file::properties::WriterProperties;
+use std::sync::Arc;
+
+fn csv(text: &str, header: bool) -> Result<Table, FileError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bench.csv");
+    std::fs::write(&path, text).unwrap();
+    read_table(&path, header)
+}
+
+fn parquet(columns: Vec<(&str, ArrayRef)>) -> Result<Table, FileError> {
+    compressed(columns, Compression::UNCOMPRESSED)
+}
+
+fn compressed(
+    columns: Vec<(&str, ArrayRef)>,
+    compression: Compression,
+) -> Result<Table, FileError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bench.parquet");
+    let batch = RecordBatch::try_from_iter_with_nullable(
+        columns.into_iter().map(|(name, array)| (name, array, true)),
+    )
+    .unwrap();
+    let file = std::fs::File::create(&path).unwrap();
+    let how = WriterProperties::builder().set_compression(compression);
+    let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(how.build())).unwrap();
+    writer.write(&batch).unwrap();
+    writer.close().unwrap();
+    read_table(&path, true)
+}
+
+#[test]
+fn every_delimiter_gives_the_same_table() {
+    for delimiter in [",", ";", "\t", " ", "   ", ", "] {
+        let text = ["# bench", "t,q", "0,1.5", "", "# pause", "1,-2e3"]
+            .join("\n")
+            .replace(',', delimiter);
+        let table = csv(&text, true).unwrap();
+        assert_eq!(table.column("t").unwrap(), [0.0, 1.0], "{delimiter:?}");
+        assert_eq!(table.column("q").unwrap(), [1.5, -2e3], "{delimiter:?}");
+        assert_eq!(table.lines, [3, 6], "{delimiter:?}");
+    }
+}
+
+#[test]
+fn decimals_with_a_comma_and_stamps_are_read() {
+    for delimiter in ["; ", "\t", " "] {
+        let text = "t|q\n0,5|-1,25e-3\n1,0|2".replace('|', delimiter);
+        let table = csv(&text, true).unwrap();
+        assert_eq!(table.column("t").unwrap(), [0.5, 1.0], "{delimiter:?}");
+        assert_eq!(table.column("q").unwrap(), [-1.25e-3, 2.0], "{delimiter:?}");
+    }
+    let text = "t,q\n1970-01-02T00:00:00.250Z,1\n1970-01-02 02:00:01.5+02:00,2\n";
+    assert_eq!(
+        csv(text, true).unwrap().column("t").unwrap(),
+        [86_400.25, 86_401.5]
+    );
+    for thousands in ["t;q\n0,5,1;2\n", "t,q\n\"1,500\",2\n"] {
+        assert!(csv(thousands, true).is_err(), "{thousands}");
+    }
+}
+
+#[test]
+fn a_parquet_column_of_stamps_is_in_seconds() {
+    let stamps = TimestampNanosecondArray::from(vec![1_000_000, 2_500_000_000]);
+    let table = parquet(vec![("t", Arc::new(stamps) as ArrayRef)]).unwrap();
+    assert_eq!(table.column("t").unwrap(), [1e-3, 2.5]);
+}
+
+#[test]
+fn columns_without_names_are_numbered() {
+    let table = csv("\u{feff}0,1\n1,2\n", false).unwrap();
+    assert_eq!(table.column("2").unwrap(), [1.0, 2.0]);
+    assert_eq!(table.rows(), 2);
+}
+
+#[test]
+fn what_is_missing_is_not_a_number() {
+    let table = csv("t,q\n0,\n1,nan\n2,NA\n3,4\n", true).unwrap();
+    let q = table.column("q").unwrap();
+    assert!(q[..3].iter().all(|value| value.is_nan()) && q[3] == 4.0);
+}
+
+#[test]
+fn parquet_columns_of_any_number_are_read() {
+    let table = parquet(vec![
+        ("t", Arc::new(Int16Array::from(vec![0, 1, 2])) as ArrayRef),
+        (
+            "q",
+            Arc::new(Float32Array::from(vec![Some(0.5), None, Some(2.0)])),
+        ),
+    ])
+    .unwrap();
+    assert_eq!(table.column("t").unwrap(), [0.0, 1.0, 2.0]);
+    let q = table.column("q").unwrap();
+    assert!(q[0] == 0.5 && q[1].is_nan() && q[2] == 2.0);
+}
+
+/// What pandas, Polars and Arrow write by default or on request.
+#[test]
+fn parquet_is_read_however_it_is_compressed() {
+    let numbers: Vec<f32> = (0_i16..5000).map(|k| f32::from(k % 97)).collect();
+    for compression in [
+        Compression::UNCOMPRESSED,
+        Compression::SNAPPY,
+        Compression::ZSTD(ZstdLevel::default()),
+        Compression::GZIP(GzipLevel::default()),
+        Compression::LZ4_RAW,
+    ] {
+        let column = Arc::new(Float32Array::from(numbers.clone())) as ArrayRef;
+        let table = compressed(vec![("force", column)], compression).unwrap();
+        let read = table.column("force").unwrap();
+        assert!(
+            read.iter()
+                .copied()
+                .eq(numbers.iter().copied().map(f64::from))
+        );
+    }
+}
+
+#[test]
+fn a_parquet_column_of_texts_is_refused_by_name() {
+    let texts = Arc::new(StringArray::from(vec!["a"])) as ArrayRef;
+    let error = parquet(vec![("mode", texts)]).unwrap_err().to_string();
+    assert!(
+        error.ends_with("not a table of numbers: column \"mode\" is of type Utf8"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_preamble_and_a_row_of_units_are_no_part_of_the_table() {
+    let preambles = [
+        "",
+        "Bench4-run12\n",
+        "Rate: 1000 Hz\nOperator: N. N.\n\n",
+        "sep=|\n",
+        "# comment\n\"Title, with a comma\"\n\n",
+    ];
+    for preamble in preambles {
+        for units in ["", "s|N\n", "[s]|[N]\n", "(s)|-\n"] {
+            for delimiter in [";", "\t", ",", "  "] {
+                let text = format!("{preamble}t|force\n{units}0|1.5\n1|-2\n2|3\n");
+                let table = csv(&text.replace('|', delimiter), true).unwrap();
+                let what = format!("{preamble:?} {units:?} {delimiter:?}");
+                assert_eq!(table.column("t").unwrap(), [0.0, 1.0, 2.0], "{what}");
+                assert_eq!(table.column("force").unwrap(), [1.5, -2.0, 3.0], "{what}");
+                let above = preamble.lines().count() + units.lines().count() + 2;
+                assert_eq!(table.lines, [above, above + 1, above + 2], "{what}");
+                let unit = table.units.get("force").map(String::as_str);
+                let expected = match units {
+                    "" => None,
+                    units if units.contains('-') => Some("1"),
+                    _ => Some("N"),
+                };
+                assert_eq!(unit, expected, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_of_words_are_not_taken_for_a_preamble() {
+    for text in [
+        "t,q\n0,abc\n1,2\n",
+        "t,q\n--,--\n0,1\n",
+        "a,b\nt,q\n0,1\n",
+        "t,q\n1,2\n0,x\n",
+    ] {
+        assert!(csv(text, true).is_err(), "{text}");
+    }
+}
+
+#[test]
+fn latin_letters_units_in_names_and_commas_in_stamps_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bench.csv");
+    let text = b"Zeit;Weg [\xb5m];Kraft (kN)\n1970-01-01T00:00:01,250;1,5;2\n1970-01-01T00:00:02,250;2;3\n";
+    std::fs::write(&path, text).unwrap();
+    let table = read_table(&path, true).unwrap();
+    assert_eq!(table.column("Zeit").unwrap(), [1.25, 2.25]);
+    assert_eq!(table.column("Weg [µm]").unwrap(), [1.5, 2.0]);
+    assert_eq!(table.units["Weg [µm]"], "µm");
+    assert_eq!(table.units["Kraft (kN)"], "kN");
+    assert!(table.notes[0].contains("Latin-1"), "{:?}", table.notes);
+}
+
+#[test]
+fn arrow_files_and_streams_are_read() {
+    use arrow::ipc::writer::{FileWriter, IpcWriteOptions, StreamWriter};
+    let numbers = Arc::new(Int16Array::from(vec![Some(3), None, Some(-5)])) as ArrayRef;
+    let batch = RecordBatch::try_from_iter_with_nullable([("q", numbers, true)]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let of = |name: &str| folder.path().join(name);
+    let create = |name: &str| std::fs::File::create(of(name)).unwrap();
+    for compression in [
+        None,
+        Some(arrow::ipc::CompressionType::LZ4_FRAME),
+        Some(arrow::ipc::CompressionType::ZSTD),
+    ] {
+        let options = IpcWriteOptions::default()
+            .try_with_compression(compression)
+            .unwrap();
+        let mut file =
+            FileWriter::try_new_with_options(create("a.arrow"), &batch.schema(), options.clone())
+                .unwrap();
+        file.write(&batch).unwrap();
+        file.finish().unwrap();
+        let mut stream =
+            StreamWriter::try_new_with_options(create("a.arrows"), &batch.schema(), options)
+                .unwrap();
+        stream.write(&batch).unwrap();
+        stream.finish().unwrap();
+        for name in ["a.arrow", "a.arrows"] {
+            let table = read_table(&of(name), true).unwrap();
+            let q = table.column("q").unwrap();
+            assert!(q[0] == 3.0 && q[1].is_nan() && q[2] == -5.0, "{name}");
+        }
+    }
+}

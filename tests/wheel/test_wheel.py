@@ -1,0 +1,285 @@
+"""The Python package: built by the documented command, installed into a fresh venv, used as its page says."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import venv
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
+PAGE = ROOT / "docs" / "python.md"
+CHAMFER = "scenarios/chamfer/backward_sufficient.toml"
+
+
+@pytest.fixture(scope="session")
+def python(tmp_path_factory) -> Path:
+    """The interpreter of a fresh venv with the wheel and nothing else."""
+    folder = tmp_path_factory.mktemp("wheel")
+    command = [Path(sys.executable).parent / "maturin", "build", "--release", "--out", folder / "dist"]
+    command += ["--manifest-path", ROOT / "crates" / "python" / "Cargo.toml", "--target-dir", ROOT / "target"]
+    # the interpreter that it finds does not matter: one wheel is for all from 3.10 on
+    built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr
+    (wheel,) = (folder / "dist").glob("truecut-*.whl")
+    assert "-cp310-abi3-" in wheel.name
+    venv.create(folder / "venv", with_pip=False)
+    found = folder / "venv" / "bin" / "python"
+    install = [sys.executable, "-m", "pip", "--python", found, "install", "--quiet", "--no-index", wheel]
+    subprocess.run(install, check=True)
+    return found
+
+
+@pytest.fixture(scope="session")
+def with_arrays(python, tmp_path_factory) -> Path:
+    """The same, and the packages of these tests behind its own."""
+    packages = next(Path(path) for path in sys.path if path.endswith("site-packages"))
+    (own,) = (python.parents[1] / "lib").glob("python3.*/site-packages")
+    (own / "of_tests.pth").write_text(f"{packages}\n")
+    return python
+
+
+def run(python: Path, script: str, code: int = 0) -> str:
+    """Runs lines of Python where the scenarios are."""
+    ended = subprocess.run([python, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert ended.returncode == code, ended.stdout + ended.stderr
+    return ended.stdout
+
+
+def test_importing_needs_nothing_else(python):
+    if next((python.parents[1] / "lib").rglob("of_tests.pth"), None):
+        pytest.skip("another test has put packages beside it")
+    script = """
+import sys, time
+begun = time.perf_counter()
+import truecut
+took = time.perf_counter() - begun
+assert not {"numpy", "pyarrow", "pandas"} & set(sys.modules)
+r = truecut.load("scenarios/arm/static_load.toml").run(engine="reduced")
+assert len(r) > 1 and r.outcome == "completed", r
+assert r.channels["tool.displacement_y"] == "m"
+try:
+    r["tool.displacement_y"]
+except ModuleNotFoundError as error:
+    assert error.name == "numpy"
+else:
+    raise AssertionError("numpy is not there")
+print(took)
+"""
+    assert float(run(python, script)) < 0.5
+
+
+def test_the_page_runs(with_arrays):
+    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
+    assert len(blocks) >= 3
+    out = run(with_arrays, "\n".join(blocks))
+    assert "joint_backlash" in out and "process.chamfer.depth_mm" in out, out
+
+
+def test_the_front_page_runs(with_arrays):
+    (block,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    out = run(with_arrays, block + "\nassert table.num_columns == len(recording.channels) + 1\n")
+    assert out.startswith("True "), out
+
+
+def test_a_run_is_that_of_the_program_to_the_bit(with_arrays, tmp_path):
+    subprocess.run([PROGRAM, "run", CHAMFER, "--out", tmp_path, "--no-rrd"], cwd=ROOT, check=True, capture_output=True)
+    (file,) = tmp_path.rglob("recording.parquet")
+    script = f"""
+import truecut, numpy as np, pyarrow, pyarrow.parquet
+recording = truecut.load("{CHAMFER}").run()
+ours, table = pyarrow.table(recording), pyarrow.parquet.read_table({str(file)!r})
+assert ours.column_names == table.column_names
+for name in ours.column_names:
+    assert ours[name].to_numpy().tobytes() == table[name].to_numpy().tobytes(), name
+    assert np.array_equal(recording[name], table[name].to_numpy()), name
+# twice the same memory: nothing was copied
+first, second = (pyarrow.table(recording)["time"].chunk(0).buffers()[1].address for _ in range(2))
+assert first == second
+"""
+    run(with_arrays, script)
+
+
+def test_errors_have_their_place(python, tmp_path):
+    bad = tmp_path / "bad.toml"
+    text = (ROOT / CHAMFER).read_text().replace("../../assets", str(ROOT / "assets"))
+    lines = text.splitlines()
+    line = next(k for k, one in enumerate(lines) if one.startswith("depth_mm"))
+    lines[line] = "depth_mm = -3.0"
+    bad.write_text("\n".join(lines))
+    script = f"""
+import json, truecut
+told = []
+for make in (
+    lambda: truecut.load({str(bad)!r}),
+    lambda: truecut.load("missing.toml"),
+    lambda: truecut.load("{CHAMFER}").run({{"process.chamfer.depth": 1}}),
+    lambda: truecut.Robot("assets/robots/none.urdf"),
+    lambda: truecut.load("{CHAMFER}").compare(),
+    lambda: truecut.load("{CHAMFER}").sweep(),
+):
+    try:
+        make()
+    except truecut.TruecutError as error:
+        told.append([error.file, error.line, error.key, str(error)])
+for make, kind in (
+    (lambda: truecut.load("{CHAMFER}").run({{"process.chamfer.depth_mm": object()}}), TypeError),
+    (lambda: truecut.load("{CHAMFER}").run({{3: 1}}), TypeError),
+    (lambda: truecut.load("{CHAMFER}").run(engine="mujoco"), ValueError),
+    (lambda: truecut.load(3), TypeError),
+    (lambda: truecut.Robot("assets/robots/arm_2r/robot.urdf").jacobian([1.0]), ValueError),
+    (lambda: truecut.Robot("assets/robots/arm_2r/robot.urdf").jacobian([1.0, float("nan")]), ValueError),
+    (lambda: truecut.Robot("assets/robots/arm_2r/robot.urdf").inverse([[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]), ValueError),
+    (lambda: truecut.Robot("assets/robots/arm_2r/robot.urdf").forward(frame="wrist"), ValueError),
+):
+    try:
+        make()
+    except kind as error:
+        assert str(error)
+    else:
+        raise AssertionError(kind)
+print(json.dumps(told))
+"""
+    told = json.loads(run(python, script))
+    assert len(told) == 6, told
+    file, number, key, message = told[0]
+    assert (file, number, key) == (str(bad), line + 1, "process.chamfer.depth_mm")
+    assert f"bad.toml:{line + 1}: " in message and "-3" in message
+    assert "missing.toml" in told[1][3]
+    assert told[2][2] == "process.chamfer.depth" and "depth_mm" in told[2][3]
+    assert "none.urdf" in told[3][3]
+    assert "[data]" in told[4][3] and "[sweep]" in told[5][3]
+
+
+def test_ctrl_c_and_progress_stop_a_run(python, tmp_path):
+    script = f"""
+import truecut
+scenario = truecut.load("{CHAMFER}", {{"process.chamfer.dwell_revolutions": 2000}})
+def stop(part):
+    if part > 0:
+        raise LookupError(part)
+try:
+    scenario.run(progress=stop)
+except LookupError:
+    print("stopped", flush=True)
+try:
+    scenario.run()
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+    process = subprocess.Popen([python, "-c", script], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "stopped\n"
+    time.sleep(0.5)
+    begun = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=60)[0] == "interrupted\n"
+    assert process.returncode == 0 and time.monotonic() - begun < 5
+
+
+def test_threads_run_side_by_side(python):
+    """The lock is free while a run goes on: another thread counts meanwhile."""
+    script = f"""
+import threading, time, truecut
+scenario = truecut.load("{CHAMFER}")
+counted, done = 0, False
+def count():
+    global counted
+    while not done:
+        counted += 1
+        time.sleep(0.001)
+thread = threading.Thread(target=count)
+thread.start()
+begun = time.perf_counter()
+scenario.run()
+took = time.perf_counter() - begun
+done = True
+thread.join()
+assert counted > 50 * took, (counted, took)
+"""
+    run(python, script)
+
+
+def test_nothing_is_left_behind(with_arrays):
+    """Memory after many runs is that after a few."""
+    script = """
+import gc, resource, truecut, pyarrow
+def used_kb():
+    return int(next(line for line in open("/proc/self/status") if line.startswith("VmRSS")).split()[1])
+scenario = truecut.load("scenarios/arm/static_load.toml")
+def some(runs):
+    for _ in range(runs):
+        recording = scenario.run(engine="reduced")
+        pyarrow.table(recording)["time"].to_numpy()
+        recording["tool.displacement_y"]
+        try:
+            scenario.run({"run.duration_s": -1})
+        except truecut.TruecutError:
+            pass
+    gc.collect()
+    return used_kb()
+first = some(20)
+later = some(100)
+print(first, later)
+assert later < 1.1 * first + 4000, (first, later)
+"""
+    run(with_arrays, script)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_robot_agrees_with_itself(seed, with_arrays):
+    """At postures drawn at random: inverse kinematics find the pose of forward kinematics again, the Jacobian is its
+    difference quotient, stiffness the inverse of compliance, masses are positive."""
+    script = f"""
+import numpy as np, truecut
+draw = np.random.default_rng({seed})
+arm = truecut.Robot("assets/robots/irb6600_175_255/robot.urdf")
+found = 0
+for _ in range(10):
+    posture = np.array(arm.default_posture) + draw.uniform(-0.5, 0.5, len(arm.joints))
+    frame = draw.choice(["flange", "tool"])
+    pose = arm.forward(posture, frame)
+    postures = arm.inverse(pose, frame)
+    found += any(np.allclose(one, posture, atol=1e-6) for one in postures)
+    assert all(np.allclose(arm.forward(one, frame), pose, atol=1e-8) for one in postures)
+    for joint, column in enumerate(arm.jacobian(posture, frame).T):
+        step = np.zeros(len(posture))
+        step[joint] = 1e-6
+        there, back = arm.forward(posture + step, frame), arm.forward(posture - step, frame)
+        change = (there - back) / 2e-6
+        turning = change[:3, :3] @ pose[:3, :3].T
+        spin = [turning[2, 1], turning[0, 2], turning[1, 0]]
+        assert np.allclose(column, [*change[:3, 3], *spin], atol=1e-6)
+    assert np.allclose(arm.compliance(posture) @ arm.stiffness(posture), np.eye(6), atol=1e-6)
+    assert np.linalg.eigvalsh(arm.mass(posture)).min() > 0
+    modes = arm.modes(posture)
+    assert np.allclose(modes["shapes"].T @ arm.mass(posture) @ modes["shapes"], np.eye(6), atol=1e-6)
+assert found == 10, found
+"""
+    run(with_arrays, script)
+
+
+def test_stubs_are_those_of_the_module(python):
+    """Every public name and method of the module is in the stubs, and the other way round."""
+    import ast
+
+    tree = ast.parse((ROOT / "crates/python/python/truecut/__init__.pyi").read_text())
+    said = {
+        node.name: {one.name for one in node.body if isinstance(one, ast.FunctionDef)} - {"__init__"}
+        for node in tree.body
+        if isinstance(node, ast.ClassDef) and node.name != "TruecutError"
+    }
+    script = """
+import json, truecut
+plain = dir(object) + ["__module__"]
+print(json.dumps({name: [one for one in vars(getattr(truecut, name)) if one not in plain] for name in truecut.__all__ if isinstance(getattr(truecut, name), type) and name != "TruecutError"}))
+"""
+    found = {name: set(names) - {"__new__"} for name, names in json.loads(run(python, script)).items()}
+    assert found == said
