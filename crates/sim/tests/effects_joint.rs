@@ -345,7 +345,7 @@ fn verify_a_curve_over_the_position_is_the_spring_it_follows() {
 #[test]
 fn verify_curves_of_friction_have_the_named_laws_as_limits() {
     let scenario = decay(50.0, 0.5);
-    let x = |effects: &[Effect]| column(&run(&scenario, effects), "joint1.position").clone();
+    let x = |effects: &[Effect]| column(&run(&scenario, effects), "joint1.position").to_vec();
     let dry = x(&[joint(EffectKind::JointCoulomb, 0, &[3.0])]);
     for values in [&[-1.0, 1.0, 3.0][..], &[-1.0, 1.0, 3.0, 3.0, 3.0, 3.0]] {
         assert_eq!(

@@ -79,7 +79,12 @@ fn stage(kind: EffectKind) -> Scenario {
         // Two edges push the tool to no side, and the foot would not slide.
         Family::Foot => chamfer(1, 0.3),
         Family::Wheel => polish(),
-        Family::Joint | Family::Robot | Family::Base | Family::Clock | Family::Sensor => load(
+        Family::Joint
+        | Family::Curve
+        | Family::Robot
+        | Family::Base
+        | Family::Clock
+        | Family::Sensor => load(
             "irb6600_175_255",
             ARM_POSTURE,
             "duration_s = 0.1",

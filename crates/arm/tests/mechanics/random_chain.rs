@@ -95,6 +95,7 @@ pub fn body(name: &str, mass_kg: f64, com_m: Vector3<f64>, inertia: Matrix3<f64>
         inertia_about_com_kg_m2: inertia,
         visuals: Vec::new(),
         meshes: Vec::new(),
+        solids: Default::default(),
     }
 }
 

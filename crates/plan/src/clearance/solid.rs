@@ -120,7 +120,7 @@ impl Solid {
             Self::Cylinder { radius_m, length_m } => {
                 let rim = |k: usize| {
                     let (s, c) = (std::f64::consts::TAU * (k / 2) as f64 / RIM as f64).sin_cos();
-                    let end = if k % 2 == 0 { -0.5 } else { 0.5 };
+                    let end = if k.is_multiple_of(2) { -0.5 } else { 0.5 };
                     Vector3::new(radius_m * c, radius_m * s, end * length_m)
                 };
                 (0..2 * RIM).map(rim).collect()

@@ -33,10 +33,10 @@ pub fn measured(table: &Table, mapping: &Mapping) -> Result<Measured, DataError>
 /// # Errors
 /// As [`measured`]; topics that cannot be read; header stamps of clocks that disagree.
 pub fn measured_of(tables: &Tables, mapping: &Mapping) -> Result<Measured, DataError> {
-    if let [table] = &tables.tables[..] {
-        if tables.unread.is_empty() {
-            return measured(table, mapping);
-        }
+    if let [table] = &tables.tables[..]
+        && tables.unread.is_empty()
+    {
+        return measured(table, mapping);
     }
     let (mut found, mut places) = (Vec::new(), Vec::new());
     for channel in &mapping.channels {

@@ -178,9 +178,14 @@ fn time_unit(table: &Table, name: &str, values: &[f64]) -> UserUnit {
 fn rises(values: &[f64], but_for: f64) -> bool {
     let falls = values
         .windows(2)
-        .filter(|pair| !(pair[1] > pair[0]))
+        .filter(|pair| !is_later(pair[0], pair[1]))
         .count();
     values.len() > 1 && falls as f64 <= but_for * values.len() as f64
+}
+
+/// Whether the second is the later; what is no number is not.
+fn is_later(first: f64, second: f64) -> bool {
+    first < second
 }
 
 /// Whether most steps are about the median one.
@@ -194,7 +199,7 @@ fn is_even(values: &[f64]) -> bool {
 fn time_facts(table: &Table, name: String, unit: UserUnit) -> Option<TimeFacts> {
     let column = table.column(&name).ok()?;
     let time_s: Vec<f64> = column.iter().map(|value| value * unit.si_factor).collect();
-    let falls = |row: &usize| !(time_s[*row] > time_s[row - 1]);
+    let falls = |row: &usize| !is_later(time_s[row - 1], time_s[*row]);
     let mut falling = (1..time_s.len()).filter(falls);
     let first = falling.next();
     let not_rising = first.map(|row| (1 + falling.count(), table.place(row)));

@@ -95,7 +95,7 @@ impl Tables {
         DataError::NoColumn {
             source_name: self.source.clone(),
             column: column.to_owned(),
-            nearest: nearest(column, known.into_iter()).map(str::to_owned),
+            nearest: nearest(column, known).map(str::to_owned),
             known: listed,
         }
     }

@@ -24,9 +24,7 @@ use std::sync::Arc;
 use truecut_arm::{Joint, JointKind, Robot};
 use truecut_core::joint_law::{BoucWen, Counterbalance, Curve, JointLaw, LinkFriction, Ripple};
 use truecut_scenario::Scenario;
-use truecut_scenario::effect::{
-    BaseEffect, Effect, EffectKind, JointEffect, RobotEffect, Target, Typed,
-};
+use truecut_scenario::effect::{BaseEffect, CurveEffect, Effect, JointEffect, RobotEffect, Typed};
 
 /// All effects of a scenario.
 #[derive(Debug, Clone, Default)]
@@ -101,10 +99,10 @@ impl Effects {
             if effect.is_neutral() {
                 continue;
             }
-            if let (Target::Joint(joint), Some(curve)) = (&effect.target, effect.curve()) {
-                sum.joints[*joint].add_curve(effect.kind, curve);
-            } else if let Some(typed) = effect.typed() {
-                sum.add(typed, joints);
+            match effect.typed() {
+                Some(Typed::Curve(joint, law)) => sum.joints[joint].add_curve(law, effect.curve()),
+                Some(typed) => sum.add(typed, joints),
+                None => {}
             }
         }
         sum
@@ -113,7 +111,7 @@ impl Effects {
     fn add(&mut self, effect: Typed<'_>, joints: &[Joint]) {
         match effect {
             Typed::Joint(joint, effect) => self.joints[joint].add(effect, joints[joint].kind),
-            // All its values: see `add_curve`.
+            // By all its values: see `add_curve`.
             Typed::Curve(..) => {}
             Typed::Robot(RobotEffect::Payload {
                 mass_kg,
@@ -170,13 +168,14 @@ impl JointEffects {
         self.law == JointLaw::default() && self.friction.is_none()
     }
 
-    fn add_curve(&mut self, kind: EffectKind, curve: Curve) {
-        let place = match kind {
-            EffectKind::JointFrictionByPosition => &mut self.friction.by_position,
-            EffectKind::JointFrictionBySpeed => &mut self.friction.by_speed,
-            _ => &mut self.law.curve,
+    /// A law without a name, by all its values.
+    fn add_curve(&mut self, law: CurveEffect, curve: Option<Curve>) {
+        let place = match law {
+            CurveEffect::Position { .. } => &mut self.law.curve,
+            CurveEffect::FrictionByPosition { .. } => &mut self.friction.by_position,
+            CurveEffect::FrictionBySpeed { .. } => &mut self.friction.by_speed,
         };
-        *place = Some(Arc::new(curve));
+        *place = curve.map(Arc::new);
     }
 
     fn add(&mut self, effect: JointEffect, kind: JointKind) {

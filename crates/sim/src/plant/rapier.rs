@@ -321,7 +321,13 @@ mod tests {
             .join("../../assets/robots/irb6600_175_255/robot.urdf");
         let robot = Robot::load(&urdf, None, None).expect("asset");
         let q = [0.3, -0.2, 0.4, 0.1, 0.5, -0.3];
-        let drive = Drive::new(DriveKind::Force, &robot, 0, &[JointLaw::default(); 6], dt_s);
+        let drive = Drive::new(
+            DriveKind::Force,
+            &robot,
+            0,
+            &vec![JointLaw::default(); 6],
+            dt_s,
+        );
         RapierPlant::new(
             &robot,
             &q,
