@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use truecut_arm::Robot;
-use truecut_plan::clearance::{Approach, Cell, CellSetup, Clearances, Own, Place, Station};
+use truecut_plan::clearance::{Approach, Cell, Clearances, Own, Place, Station};
 use truecut_recording::Unit;
 use truecut_scenario::CellFile;
 use truecut_sim::Surroundings;
@@ -41,11 +41,7 @@ impl Checked {
     }
 
     /// The cell of a path job, which has a part and a tool of its own.
-    pub fn cell_of_job(robot: &Robot, file: Option<&Path>, own: &Own<'_>) -> Result<Cell, Failure> {
-        let Some(path) = file else {
-            let cell = Cell::new(robot, &CellSetup::default(), own);
-            return cell.map_err(|error| Failure::message(error.to_string()));
-        };
+    pub fn cell_of_job(robot: &Robot, path: &Path, own: &Own<'_>) -> Result<Cell, Failure> {
         let file = CellFile::load(path, &robot.frames.flange_from_tool)?;
         if file.setup.part.is_some() {
             let message = "`part` has no effect: the path job gives the part";

@@ -6,6 +6,7 @@ use truecut_plan::surface::outline;
 use truecut_plan::surface_path::Contact;
 
 use super::{PlannedPath, durations_s};
+use crate::clearance::Checked;
 use crate::figure::{BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, thinned};
 
 /// Most points of a curve.
@@ -16,13 +17,16 @@ const POINTS: usize = 1500;
 pub fn figure(answer: &PlannedPath<'_>) -> Figure {
     Figure {
         title: format!("{}: path", answer.job.name),
-        panels: vec![
-            on_face(answer),
-            along(answer),
-            joints(answer),
-            speeds(answer),
-            clearance(answer),
-        ],
+        panels: [
+            Some(on_face(answer)),
+            Some(along(answer)),
+            Some(joints(answer)),
+            Some(speeds(answer)),
+            answer.clearance.as_ref().map(|own| clearance(answer, own)),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
         columns: 2,
         legend: Legend::Above,
     }
@@ -165,10 +169,10 @@ fn speeds(answer: &PlannedPath<'_>) -> Panel {
 const CLEARANCES: usize = 400;
 
 /// Clearance of the nearest bodies over time.
-fn clearance(answer: &PlannedPath<'_>) -> Panel {
+fn clearance(answer: &PlannedPath<'_>, checked: &Checked) -> Panel {
     let rows = &answer.replay.rows;
     let every = rows.len().div_ceil(CLEARANCES).max(1);
-    let clearance = (answer.clearance).over_stations(&answer.inputs.robot, every);
+    let clearance = checked.over_stations(&answer.inputs.robot, every);
     let times = rows.iter().step_by(every).map(|row| row.time_s);
     let curve = times.zip(clearance).filter(|(_, m)| m.is_finite());
     let curve: Vec<(f64, f64)> = curve.map(|(time_s, m)| (time_s, m * 1e3)).collect();

@@ -22,7 +22,7 @@ pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failu
     view::show(answer, &written, &rrd)?;
     written.push(rrd);
     // What collides gets no program.
-    for one in program.into_iter().filter(|_| answer.clearance.holds()) {
+    for one in program.into_iter().filter(|_| answer.holds()) {
         let file = folder.join(one.name);
         write_file(&file, one.text.as_bytes())?;
         written.push(file);

@@ -39,9 +39,17 @@ struct PlannedPath<'a> {
     /// Indentation of the wheel in patch and body at each pose of each line, m: `[line][pose]`.
     depth_m: Vec<Vec<f64>>,
     findings: Vec<Finding>,
-    clearance: Checked,
+    /// Where the job names a cell.
+    clearance: Option<Checked>,
     /// The program run through: the places at which clearances are looked at.
     replay: Replay,
+}
+
+impl PlannedPath<'_> {
+    /// Whether nothing comes nearer than asked, as far as that is looked at.
+    fn holds(&self) -> bool {
+        self.clearance.as_ref().is_none_or(Checked::holds)
+    }
 }
 
 /// Poses between two updates of the progress bar.
@@ -67,7 +75,7 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     let answer = answer(&job, &inputs)?;
     let written = files::write(&answer, &arguments.out)?;
     crate::print(&text::printed(&answer, &written))?;
-    Ok(match answer.clearance.holds() {
+    Ok(match answer.holds() {
         true => ExitStatus::Good,
         false => ExitStatus::ClaimFailed,
     })
@@ -106,12 +114,17 @@ fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, F
     })
 }
 
-/// How near arm, wheel and what is carried come to the part, its copies and what stands about it.
+/// How near arm, wheel and what is carried come to the part, its copies and what stands about it,
+/// where the job names a cell.
 fn clearance(
     job: &PathJob,
     inputs: &Inputs,
     program: &Program,
-) -> Result<(Checked, Replay), Failure> {
+) -> Result<(Option<Checked>, Replay), Failure> {
+    let replay = program.replay(&inputs.robot, &ReplayOptions::default());
+    let Some(cell) = job.cell.as_deref() else {
+        return Ok((None, replay));
+    };
     let mesh = inputs.body.as_ref().unwrap_or(&inputs.patch_mesh);
     let at = job.surface.world_from_patch;
     let places: Vec<Isometry3<f64>> = match &job.symmetry {
@@ -133,10 +146,9 @@ fn clearance(
         part: places.into_iter().map(|place| (mesh, place)).collect(),
         tools: vec![wheel],
     };
-    let cell = Checked::cell_of_job(&inputs.robot, job.cell.as_deref(), &own)?;
-    let replay = program.replay(&inputs.robot, &ReplayOptions::default());
+    let cell = Checked::cell_of_job(&inputs.robot, cell, &own)?;
     let stations = Station::of_replay(program, &replay, |_| false);
-    Ok((Checked::of(&inputs.robot, cell, stations), replay))
+    Ok((Some(Checked::of(&inputs.robot, cell, stations)), replay))
 }
 
 /// Indentation of the whole wheel in the whole patch and body, at every pose.

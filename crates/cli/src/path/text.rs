@@ -9,6 +9,7 @@ use truecut_plan::surface_path::{Contact, Segment};
 use truecut_recording::{Unit, significant};
 
 use super::{PlannedPath, durations_s};
+use crate::clearance::Checked;
 use crate::robot::slides_note;
 use crate::text::{self, Align, fastest_joint, row, show, table};
 
@@ -22,8 +23,10 @@ pub fn printed(answer: &PlannedPath<'_>, written: &[PathBuf]) -> String {
         &[Align::Left, Align::Right, Align::Left],
         &rows(answer),
     ));
-    text.push_str(&answer.clearance.faults(&|point| name(answer, point)));
-    if !answer.clearance.holds() {
+    if let Some(checked) = &answer.clearance {
+        text.push_str(&checked.faults(&|point| name(answer, point)));
+    }
+    if !answer.holds() {
         text.push_str("  ✗ no program is written: what collides is not to be run\n");
     }
     text.push_str(&notes(answer));
@@ -111,7 +114,8 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
     ]);
     let hardest = hardest(answer, &durations);
     rows.extend(hardest.map(|(share, joint, point)| fastest_joint(share, &joint, point)));
-    rows.push(answer.clearance.row(&|point| name(answer, point)));
+    let checked = answer.clearance.as_ref();
+    rows.extend(checked.map(|checked| checked.row(&|point| name(answer, point))));
     rows
 }
 
@@ -137,12 +141,11 @@ fn name(answer: &PlannedPath<'_>, point: usize) -> String {
 
 /// What clearances are of.
 fn checked_note(answer: &PlannedPath<'_>) -> String {
-    let about = match answer.job.cell {
-        Some(_) => "",
-        None => {
-            ", without fixtures and spindle: a cell has these (`cell = \"FILE\"`, `truecut schema --cell`)"
-        }
-    };
+    if answer.clearance.is_none() {
+        return "collisions are not looked at: a cell says what stands about the arm \
+                (`cell = \"FILE\"`, `truecut schema --cell`)"
+            .to_owned();
+    }
     let table = match answer.job.symmetry {
         Some(symmetry) if symmetry.turntable => {
             "; the part is taken as it stands at the lines, not while the turntable turns"
@@ -150,7 +153,7 @@ fn checked_note(answer: &PlannedPath<'_>) -> String {
         _ => "",
     };
     format!(
-        "clearances are those of the whole program, moves between lines too{about}; the wheel is \
+        "clearances are those of the whole program, moves between lines too; the wheel is \
          held against the part by its depth on lines, by its clearance elsewhere{table}"
     )
 }
@@ -223,7 +226,7 @@ fn notes(answer: &PlannedPath<'_>) -> String {
     if more > 0 {
         text.push_str(&format!("  note: and {more} more of this kind\n"));
     }
-    for note in answer.clearance.notes() {
+    for note in answer.clearance.iter().flat_map(Checked::notes) {
         text.push_str(&format!("  note: {note}\n"));
     }
     let slides_m = &answer.job.robot.posture_m;

@@ -8,6 +8,7 @@ use truecut_sim::{arm_view, mesh_body};
 use truecut_telemetry::{PlanShown, write_plan};
 
 use super::{PlannedPath, durations_s, figure, text};
+use crate::clearance::Checked;
 use crate::failure::Failure;
 use crate::figure::charts_of;
 
@@ -19,7 +20,8 @@ pub fn show(answer: &PlannedPath<'_>, written: &[PathBuf], rrd: &Path) -> Result
     let (job, inputs) = (answer.job, answer.inputs);
     let at = &job.surface.world_from_patch;
     let workpiece = inputs.body.as_ref().unwrap_or(&inputs.patch_mesh);
-    let mut about = answer.clearance.surroundings();
+    let checked = answer.clearance.as_ref();
+    let mut about = checked.map(Checked::surroundings).unwrap_or_default();
     about
         .standing
         .insert(0, mesh_body("workpiece", at, workpiece));
@@ -58,5 +60,6 @@ fn lines(answer: &PlannedPath<'_>, world_from_patch: &Isometry3<f64>) -> Vec<Vec
     let place = |point| (world_from_patch * Point3::from(point)).coords.into();
     let lines = answer.path.lines.iter();
     let lines = lines.map(|line| line.iter().map(|contact| place(contact.point_m)).collect());
-    lines.chain(answer.clearance.nearest()).collect()
+    let nearest = answer.clearance.iter().flat_map(Checked::nearest);
+    lines.chain(nearest).collect()
 }

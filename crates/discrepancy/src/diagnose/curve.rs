@@ -24,6 +24,7 @@ use super::search::{Outcome, settled};
 use super::uncertainty::covariance;
 use super::validate::compare;
 use crate::model::Columns;
+use crate::stats::ratio;
 
 /// Curves that are fitted, the best of those that were looked at.
 const FITTED: usize = 3;
@@ -39,20 +40,22 @@ pub(super) struct Shown {
     pub curve: UnknownCurve,
 }
 
-/// The curve that explains what the model chosen does not, if one does; of joints that have causes
-/// only, unless `anywhere`.
+/// The curve that explains what the model chosen, `last`, does not, if one does. Where causes are
+/// named only curves on their joints are asked, and one that takes no more than the part of the
+/// discrepancy that causes may leave does not put them in doubt: no machine's friction is exactly
+/// Coulomb's. `base` is the model without causes.
 pub(super) fn shown(
     problem: &Problem,
     outcome: &Outcome,
-    last: &Fit,
-    anywhere: bool,
+    [base, last]: [&Fit; 2],
+    is_named: bool,
 ) -> Result<Option<Shown>, DiagnoseError> {
     let chosen = &outcome.chosen;
     let joints: Vec<&Target> = (chosen.point.effects.iter())
         .map(|found| &problem.candidates[found.candidate].target)
         .collect();
     let wanted: Vec<usize> = (problem.curves())
-        .filter(|&one| anywhere || joints.contains(&&problem.candidates[one].target))
+        .filter(|&one| !is_named || joints.contains(&&problem.candidates[one].target))
         .collect();
     for (trial, orders) in earning(problem, outcome, promising(problem, outcome, wanted)) {
         let mut ended = fit(
@@ -69,13 +72,26 @@ pub(super) fn shown(
         ended.predicted = predicted;
         let (rows, noise) = (&problem.split.test, &ended.noise);
         let test = compare(&last.residual, &ended.residual, noise, rows);
-        if test.gain > 0.0 && test.t() > LEAST_T {
+        let share = share(problem, [base, last, &ended]);
+        let matters = !is_named || share > problem.options.unknown_above;
+        if matters && test.gain > 0.0 && test.t() > LEAST_T {
             let gain = criterion(problem, chosen, &orders) - criterion(problem, &ended, &orders);
             let curve = told(problem, &ended, gain)?;
             return Ok(Some(Shown { fit: ended, curve }));
         }
     }
     Ok(None)
+}
+
+/// Part of the discrepancy that the curve explains beyond the causes.
+fn share(problem: &Problem, [base, last, ended]: [&Fit; 3]) -> f64 {
+    let rows = &problem.split.development;
+    let gain = |first: &Fit, second: &Fit| {
+        compare(&first.residual, &second.residual, &ended.noise, rows)
+            .gain
+            .max(0.0)
+    };
+    ratio(gain(last, ended), gain(base, last) + gain(last, ended))
 }
 
 /// Those that would explain most of what is left, by their traces at typical sizes, coarse and

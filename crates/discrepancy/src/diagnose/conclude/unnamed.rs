@@ -14,12 +14,12 @@ use crate::stats::ratio;
 pub(super) fn curve(
     problem: &Problem,
     outcome: &Outcome,
-    last: &Fit,
+    fits: [&Fit; 2],
     verdict: Verdict,
 ) -> Result<Option<Shown>, DiagnoseError> {
     match verdict {
-        Verdict::UnknownCause => shown(problem, outcome, last, true),
-        Verdict::Named => shown(problem, outcome, last, false),
+        Verdict::UnknownCause => shown(problem, outcome, fits, false),
+        Verdict::Named => shown(problem, outcome, fits, true),
         Verdict::NothingBeyondNoise
         | Verdict::Ambiguous
         | Verdict::NotIdentifiable
