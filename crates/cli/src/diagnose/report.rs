@@ -102,7 +102,7 @@ fn unnamed(diagnosis: &Diagnosis) -> Markup {
     let figure = Figure {
         title: format!("{} of {}", found.kind, found.target),
         panels: vec![Panel::new(
-            "Unknown: what no effect of the library has the shape of",
+            "",
             format!("{along} of {} [{}]", found.target, found.x_unit),
             format!("{} [{}]", text::curve_of(&found.kind), found.unit),
             layers,

@@ -62,9 +62,12 @@ pub(super) fn tell(problem: &Problem, last: &Fit, shown: &Shown, diagnosis: &mut
     };
     diagnosis.verdict = Verdict::UnknownCause;
     diagnosis.reason = format!(
-        "{instead} looks like {what} of {}, shown as a curve (odds 1 : 1e{:.0} against the model without it).{}",
+        "{instead} looks like {what} of {}, shown as a curve (odds against the model without it {}).{}",
         curve.target,
-        curve.log10_odds,
+        match curve.log10_odds {
+            6.0.. => "more than 1e6 : 1".to_owned(),
+            log10 => format!("{:.0} : 1", 10_f64.powf(log10)),
+        },
         told.unwrap_or_default()
     );
     diagnosis.curve = Some(curve.clone());
