@@ -175,7 +175,11 @@ try:
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 """
-    process = subprocess.Popen([python, "-c", script], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    # what is started in the background inherits that it does not listen to the signal
+    listening = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+    process = subprocess.Popen(
+        [python, "-c", script], cwd=ROOT, stdout=subprocess.PIPE, text=True, preexec_fn=listening
+    )
     assert process.stdout.readline() == "stopped\n"
     time.sleep(0.5)
     begun = time.monotonic()
