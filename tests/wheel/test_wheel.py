@@ -170,10 +170,11 @@ try:
     scenario.run(progress=stop)
 except LookupError:
     print("stopped", flush=True)
+parts = [0.0]
 try:
-    scenario.run()
+    scenario.run(progress=parts.append)
 except KeyboardInterrupt:
-    print("interrupted", flush=True)
+    print("interrupted", parts[-1] < 0.9, flush=True)
 """
     # what is started in the background inherits that it does not listen to the signal
     listening = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
@@ -182,10 +183,10 @@ except KeyboardInterrupt:
     )
     assert process.stdout.readline() == "stopped\n"
     time.sleep(0.5)
-    begun = time.monotonic()
     process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=60)[0] == "interrupted\n"
-    assert process.returncode == 0 and time.monotonic() - begun < 5
+    # long before its end
+    assert process.communicate(timeout=60)[0] == "interrupted True\n"
+    assert process.returncode == 0
 
 
 def test_threads_run_side_by_side(python):
@@ -201,12 +202,13 @@ def count():
         time.sleep(0.001)
 thread = threading.Thread(target=count)
 thread.start()
-begun = time.perf_counter()
+before = counted
 scenario.run()
-took = time.perf_counter() - begun
+during = counted - before
 done = True
 thread.join()
-assert counted > 50 * took, (counted, took)
+# while the lock is held none but the one that waits for it
+assert during > 5, during
 """
     run(python, script)
 

@@ -1,5 +1,6 @@
 //! Comparisons and diagnoses, as dictionaries.
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use pyo3::prelude::*;
@@ -16,8 +17,8 @@ use crate::values::of_serde;
 
 /// Limits of a diagnosis.
 pub struct Limits {
-    pub runs: Option<usize>,
-    pub causes: Option<usize>,
+    pub runs: Option<NonZeroUsize>,
+    pub causes: Option<NonZeroUsize>,
 }
 
 /// Why there is no report.
@@ -115,8 +116,10 @@ fn look_for_causes(
     let runs = folder.path().join("runs");
     let model = KeptModel::new(&trial, &runs, "", Some(attended.stop())).map_err(failed)?;
     let mut options = Options::default();
-    options.max_predictions = limits.runs.unwrap_or(options.max_predictions);
-    options.max_effects = limits.causes.unwrap_or(options.max_effects);
+    options.max_predictions = limits
+        .runs
+        .map_or(options.max_predictions, NonZeroUsize::get);
+    options.max_effects = limits.causes.map_or(options.max_effects, NonZeroUsize::get);
     let tell = |now: Progress| {
         attended.tell(now.predictions as f64 / now.max_predictions.max(1) as f64);
     };

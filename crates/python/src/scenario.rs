@@ -1,5 +1,6 @@
 //! Scenarios: read, changed, run, compared, diagnosed.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use pyo3::exceptions::PyValueError;
@@ -159,8 +160,8 @@ impl Scenario {
         data: Option<PathBuf>,
         overrides: Option<&Bound<'py, PyDict>>,
         progress: Option<&Bound<'py, PyAny>>,
-        max_runs: Option<usize>,
-        max_causes: Option<usize>,
+        max_runs: Option<NonZeroUsize>,
+        max_causes: Option<NonZeroUsize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let scenario = self.changed(py, overrides)?;
         let limits = reports::Limits {

@@ -36,7 +36,11 @@ pub fn inspect(path: &Path, header: bool) -> Result<Inspected, FileError> {
     let tables = read_tables(path, header)?;
     let looked_at = tables.tables.iter().map(|table| {
         let facts = facts(table);
-        let spikes = facts.columns.iter().map(|one| spikes::count(&one.values));
+        let values = |name: &str| table.column(name).unwrap_or_default();
+        let spikes = facts
+            .columns
+            .iter()
+            .map(|one| spikes::count(values(&one.name)));
         let spikes = spikes.collect();
         InspectedTable { facts, spikes }
     });

@@ -12,8 +12,10 @@ use truecut_scenario::Scenario;
 use crate::args::ExciteArguments;
 use crate::failure::Failure;
 
-/// Time between the places of a program, s.
+/// Most time between the places of a program, s.
 const BETWEEN_S: f64 = 0.2;
+/// Places in a period of the fastest wave, at least.
+const PLACES_A_WAVE: f64 = 10.0;
 /// Share of the top speed of the move to the start.
 const TO_THE_START: f64 = 0.1;
 /// Least share of the top speed that a move has: a controller that rounds it to nothing stops.
@@ -108,7 +110,10 @@ impl Language {
     fn program(&self, planned: &Excitation, tool: truecut_plan::program::Tool) -> Program {
         let interval_s = planned.time_s[1] - planned.time_s[0];
         let last = planned.time_s.len() - 1;
-        let every = ((BETWEEN_S / interval_s).round() as usize).clamp(1, last);
+        let report = &planned.report;
+        let fastest_s = report.duration_s / (report.periods * report.harmonics) as f64;
+        let between_s = BETWEEN_S.min(fastest_s / PLACES_A_WAVE);
+        let every = ((between_s / interval_s).round() as usize).clamp(1, last);
         let mut rows: Vec<usize> = (0..last).step_by(every).collect();
         rows.push(last);
         let posture = |row: usize| -> Vec<f64> {

@@ -118,6 +118,14 @@ pub struct AttachedModes {
 }
 
 impl AttachedModes {
+    /// Undamped frequency of the fastest mode, Hz; `None` without modes.
+    #[must_use]
+    pub fn fastest_hz(&self) -> Option<f64> {
+        let modes = self.tool.iter().chain(&self.workpiece);
+        let hz = modes.map(|mode| mode.natural_frequency_rad_s / std::f64::consts::TAU);
+        hz.max_by(f64::total_cmp)
+    }
+
     /// The modes at a spindle speed, rad/s.
     #[must_use]
     pub fn at(&self, spindle_rad_s: f64) -> Self {

@@ -92,6 +92,11 @@ impl LinkFriction {
 
     /// Size of the friction at a speed in one direction, N m (N).
     pub fn level(&self, direction: usize, speed: f64) -> f64 {
+        self.sum(direction, speed).max(0.0)
+    }
+
+    /// All parts together, which curves may lead below zero.
+    fn sum(&self, direction: usize, speed: f64) -> f64 {
         let mut level = self.dry[direction] + self.viscous[direction] * speed;
         if self.excess != 0.0 {
             level += self.excess * (-(speed / self.stribeck_speed).powi(2)).exp();
@@ -99,7 +104,7 @@ impl LinkFriction {
         if let Some(curve) = &self.by_speed {
             level += curve.value(speed);
         }
-        level.max(0.0)
+        level
     }
 
     /// What a drive must give against the friction of a link that moves at `velocity`, N m (N);
@@ -115,6 +120,9 @@ impl LinkFriction {
 
     /// Slope of the level over the speed.
     fn slope(&self, direction: usize, speed: f64) -> f64 {
+        if self.by_speed.is_some() && self.sum(direction, speed) < 0.0 {
+            return 0.0;
+        }
         let x = speed / self.stribeck_speed;
         let falling = if self.excess == 0.0 {
             0.0

@@ -64,7 +64,7 @@ impl Design<'_> {
             .collect::<Result<_, _>>()?;
         check_rows(scenario, &whole[0], parameters.leaders.len())?;
         check_shown(&parameters, &whole)?;
-        let noise = noise(scenario, &model, &whole);
+        let noise = noise(scenario, &model, &whole)?;
         let random: Vec<Information> = whole
             .iter()
             .map(|one| parameters.information(one, &noise))
@@ -128,9 +128,8 @@ impl Design<'_> {
         let costs = self.random.iter().map(|one| self.cost_of(one.clone()));
         let best = costs.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
         let start = random[best.map_or(0, |(index, _)| index)].0.clone();
-        let tell = |tried: usize| progress(tried as f64 / evaluations as f64);
-        let (_, numbers) = search::search(start, spec.seed, evaluations, &cost, &tell);
-        Ok((numbers, evaluations))
+        let tell = |tried: usize| progress((tried as f64 / evaluations as f64).min(1.0));
+        Ok(search::search(start, spec.seed, evaluations, &cost, &tell))
     }
 
     /// The motion of these numbers.
@@ -236,11 +235,22 @@ impl Design<'_> {
 }
 
 /// Noise of a sample of each output: as it is stated, or a share of the output along the motions.
-fn noise(scenario: &Scenario, model: &Model, whole: &[Jacobian]) -> Vec<f64> {
-    let of_channel = |(channel, (_, stated)): (usize, &(ChannelSpec, Option<f64>))| {
+///
+/// # Errors
+/// An output that is nothing along every motion, whose noise nobody states.
+fn noise(scenario: &Scenario, model: &Model, whole: &[Jacobian]) -> Result<Vec<f64>, SimError> {
+    let of_channel = |(channel, (spec, stated)): (usize, &(ChannelSpec, Option<f64>))| {
         let columns = whole.iter().map(|one| one.outputs[channel].as_slice());
         let assumed = scenario.excite.noise_share * rms(&columns.collect::<Vec<_>>().concat());
-        stated.unwrap_or(assumed).max(f64::MIN_POSITIVE.sqrt())
+        let noise = stated.unwrap_or(assumed);
+        if noise > 0.0 {
+            return Ok(noise);
+        }
+        let message = format!(
+            "`{}` is 0 along every random motion, so that no noise can be taken as a share of it: give its `noise`",
+            spec.name
+        );
+        Err(SimError::scenario("data", message))
     };
     (model.noisy_outputs().iter().enumerate())
         .map(of_channel)

@@ -91,7 +91,11 @@ impl Limits {
                 _ => high = middle,
             }
         }
-        Ok((kept, motion))
+        match low > 0.0 {
+            true => Ok((kept, motion)),
+            // An arm at rest shows nothing.
+            false => Err(effort),
+        }
     }
 }
 
@@ -150,6 +154,17 @@ fn check(
     if !(lower.is_finite() && upper.is_finite()) {
         let (rotary, prismatic) = ("lower_deg and upper_deg", "lower_mm and upper_mm");
         return missing("range", rotary, prismatic);
+    }
+    let zero = [
+        ("speed", range.speed),
+        ("acceleration", range.acceleration),
+        ("drive", effort),
+    ];
+    if let Some((what, _)) = zero.iter().find(|(_, limit)| *limit <= 0.0) {
+        let message = format!(
+            "joint {number} `{name}` has a {what} limit of 0: it cannot move; a placeholder in the robot's files?"
+        );
+        return Err(SimError::scenario("excite.joint", message));
     }
     if lower >= upper {
         let message = format!(

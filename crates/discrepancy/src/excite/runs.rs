@@ -27,9 +27,13 @@ impl Model {
         let mut all = Vec::with_capacity(self.names.len());
         self.differences(scenario, &predict, &mut all)?;
         let outputs: Vec<Vec<f64>> = predict(scenario, &self.unknowns.effects)?;
-        let counts = outputs
-            .iter()
-            .map(|column| vec![true; column.len()])
+        // A planned motion is measured throughout, data at hand where they are valid.
+        let valid = |name: &str| measured.outputs().find(|one| one.spec.name == name);
+        let counts = (self.outputs.iter().zip(&outputs))
+            .map(|(own, column)| match valid(&own.spec.name) {
+                Some(channel) if channel.valid.len() == column.len() => channel.valid.clone(),
+                _ => vec![true; column.len()],
+            })
             .collect();
         Ok(Jacobian {
             columns: all,

@@ -52,14 +52,14 @@ impl CostFunction for Kept<'_, '_> {
     }
 }
 
-/// The best numbers found from `start` on within about so many trials, and their cost.
+/// The best numbers found from `start` on within about so many trials, and how many were made.
 pub(super) fn search(
     start: Vec<f64>,
     seed: u64,
     evaluations: usize,
     cost: &dyn Fn(&[f64]) -> f64,
     progress: &dyn Fn(usize),
-) -> (f64, Vec<f64>) {
+) -> (Vec<f64>, usize) {
     let generation = CmaEs::<Vec<f64>, DenseMatrix>::default_lambda(start.len()) + 1;
     let generations = evaluations.div_ceil(generation).saturating_sub(1).max(1);
     let objective = Objective {
@@ -72,5 +72,6 @@ pub(super) fn search(
     let kept = Kept(&objective);
     let executor = Executor::new(kept, solver, PopulationProgress::from_point(start));
     let Ok(_) = executor.max_iter(generations as u64).run();
-    objective.best.into_inner()
+    let tried = objective.tried.get();
+    (objective.best.into_inner().1, tried)
 }

@@ -36,8 +36,9 @@ impl Cell {
                 }
             }
         }
-        // Levers are those at the beginning; joints that turn on the way change them by as much.
-        moved_m * (1.0 + turned_rad)
+        // Levers are those at the beginning; each grows at most by what the joints turn, times the
+        // levers of that moment.
+        moved_m * turned_rad.exp()
     }
 }
 

@@ -223,14 +223,14 @@ impl Cell {
                     Some(_) => one.least.0,
                     None => bar_m,
                 };
-                let is_within = station == 0 && begins && self.begins_within(one.pair, &frames);
+                let is_within = begins && self.begins_within(one.pair, &frames);
                 let apart = self.apart(one.pair, &frames, bar_m);
                 let found_m = if is_within { 0.0 } else { apart.least_m };
                 one.take(found_m, station, way, self.least_m);
                 if one.first_below.is_some() && one.least.0 == 0.0 {
                     return;
                 }
-                let tolerance_m = TOLERANCE_M.max(TOLERANCE_SHARE * apart.bound_m);
+                let tolerance_m = TOLERANCE_M.max(TOLERANCE_SHARE * bar_m.min(apart.bound_m));
                 budget_m = (apart.bound_m - bar_m).max(0.0) + 2.0 * tolerance_m;
                 begins = false;
             }

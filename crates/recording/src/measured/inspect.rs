@@ -83,8 +83,6 @@ pub struct ColumnFacts {
     pub still: Option<(usize, usize, f64)>,
     /// Rows at the smallest and at the largest value, in runs of three and more.
     pub at_ends: [usize; 2],
-    /// All its values, for what else is looked for.
-    pub values: Vec<f64>,
 }
 
 impl ColumnFacts {
@@ -196,6 +194,16 @@ fn is_even(values: &[f64]) -> bool {
     near as f64 > 0.9 * (values.len() - 1) as f64
 }
 
+/// Median time from a row to a later one: rows may have stamps in common. `None` where none rises.
+fn median_step_s(time_s: &[f64]) -> Option<f64> {
+    let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut steps: Vec<f64> = steps
+        .filter(|step| *step > 0.0 && step.is_finite())
+        .collect();
+    let middle = steps.len() / 2;
+    (middle < steps.len()).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
 fn time_facts(table: &Table, name: String, unit: UserUnit) -> Option<TimeFacts> {
     let column = table.column(&name).ok()?;
     let time_s: Vec<f64> = column.iter().map(|value| value * unit.si_factor).collect();
@@ -207,14 +215,15 @@ fn time_facts(table: &Table, name: String, unit: UserUnit) -> Option<TimeFacts> 
     if time_s.len() < 2 {
         return None;
     }
-    let median_s = median_interval_s(&time_s);
+    let median_s = median_step_s(&time_s)?;
     let (mut gaps, mut steady, mut lost_rows) = (Vec::new(), Vec::new(), 0);
     for pair in time_s.windows(2) {
         let length_s = pair[1] - pair[0];
         if length_s > JITTER * median_s {
             let from_s = pair[0];
             gaps.push(Gap { from_s, length_s });
-            lost_rows += ((length_s / median_s).round() as usize).saturating_sub(1);
+            let steps = (length_s / median_s).round() as usize;
+            lost_rows = steps.saturating_sub(1).saturating_add(lost_rows);
         } else if length_s.is_finite() {
             steady.push(length_s);
         }
@@ -270,7 +279,6 @@ fn column_facts(name: &str, values: &[f64], unit: Option<&String>) -> ColumnFact
         range: (numbers > 0).then_some([low, high]),
         still,
         at_ends,
-        values: values.to_owned(),
     }
 }
 
@@ -336,6 +344,21 @@ mod tests {
         assert_eq!(force.at_ends, [0, clipped]);
         let (_, rows, value) = force.still.unwrap();
         assert!(rows > 20 && value == 0.9);
+    }
+
+    /// Stamps in common, and one that nobody set among real ones: what rises is told, what does not
+    /// is counted.
+    #[test]
+    fn stamps_in_common_are_no_gaps_without_end() {
+        let pairs: Vec<f64> = (0..100).map(|k| f64::from(k / 3) * 0.01).collect();
+        let time = facts(&table(vec![("time_s", pairs), ("x", vec![0.0; 100])])).time;
+        let time = time.unwrap();
+        assert!((time.rate_hz - 100.0).abs() < 1e-6 && time.gaps.is_empty());
+        assert_eq!(time.not_rising.unwrap().0, 66);
+        let mut unset = vec![0.0; 60];
+        unset.extend((0..40).map(|k| 1.7e9 + f64::from(k) * 0.01));
+        let time = facts(&table(vec![("time_s", unset), ("x", vec![0.0; 100])])).time;
+        assert!((time.unwrap().rate_hz - 100.0).abs() < 1e-3);
     }
 
     #[test]

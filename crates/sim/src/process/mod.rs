@@ -20,6 +20,7 @@ mod quantity;
 mod replay;
 mod setup;
 mod step_cache;
+mod teeth;
 mod wheel;
 mod yielding;
 

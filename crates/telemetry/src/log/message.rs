@@ -139,6 +139,8 @@ impl<O: ByteOrder, T: Take> Walk<'_, O, T> {
             self.take.too_long(path);
             self.is_muted = true;
         }
+        // Of a list that is not told the names do not matter, however many.
+        let names = names.filter(|_| !self.is_muted);
         let names = names.filter(|names| names.len() == count && are_names(names));
         for index in 0..count {
             if !self.is_muted && !is_text {

@@ -6,25 +6,23 @@
 //! half of it), lets the cut begin (under way, through the face of the stock, or on a wedge) and
 //! keeps what is reported at the end.
 
-mod crossings;
 mod history;
 mod report;
 pub(crate) mod setup;
 mod tip;
 
-pub(super) use crossings::{END, START, crossing};
 pub(crate) use report::linear_share;
 pub use setup::MillingTheory;
 pub(crate) use setup::notes;
 
 use super::modes::{self, Modes};
 use super::quantity;
+use super::teeth::averaged;
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use crate::stability::known::beyond_table;
 use history::{History, stride};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use std::f64::consts::TAU;
 use truecut_core::cutting::milling::cut::{
     MillingCut, MillingLoads, MillingParameters, ToolState as CutState,
 };
@@ -32,8 +30,6 @@ use truecut_core::cutting::milling::dexel::{FinishedSurface, RayGrid, Wall};
 use truecut_recording::{ChannelSpec, Outcome};
 use truecut_scenario::MillingSpec;
 
-/// Parts of a step at whose middles the force is taken; stretches between crossings have their own.
-const PARTS: usize = 4;
 /// Rays of a finished surface per feed mark.
 const RAYS_PER_MARK: f64 = 8.0;
 /// Most rays of a finished surface.
@@ -274,19 +270,13 @@ impl Process for Milling {
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-        let mut start = START;
-        for end in (self.crossings(state).into_iter()).chain([END]) {
-            let parts = ((end - start) * PARTS as f64).ceil();
-            let share = (end - start) / parts;
-            for part in 0..parts as usize {
-                let ahead = start + (part as f64 + 0.5) * share;
-                let cut = (self.cut).evaluate(&self.cut_state(state, ahead * self.step_s));
-                force += cut.force_on_tool_n * share;
-                moment += cut.moment_on_tool_n_m * share;
-            }
-            start = end;
-        }
+        let mean = averaged(
+            &self.setup.parameters.cutter,
+            |ahead| self.cut_state(state, ahead * self.step_s),
+            |tooth, at| self.cut.ends_in_stock(tooth, at),
+            |at| self.cut.evaluate(at),
+        );
+        let (force, moment) = (mean.force_on_tool_n, mean.moment_on_tool_n_m);
         let mut loads = Loads::from(self.wrench(&force, &moment));
         if let Some(differs) = self.modes.on_arm_n(&self.arm_motion(state), &force) {
             loads
@@ -364,10 +354,7 @@ impl Process for Milling {
     }
 
     fn fastest_mode_hz(&self) -> Option<f64> {
-        let attached = &self.setup.spec.attached;
-        let modes = attached.tool.iter().chain(&attached.workpiece);
-        let hz = modes.map(|mode| mode.natural_frequency_rad_s / TAU);
-        hz.max_by(f64::total_cmp)
+        self.setup.spec.attached.fastest_hz()
     }
 
     fn mode_share(&self) -> f64 {

@@ -5,7 +5,6 @@
 //! each step, and what is reported is told by place: forces, deflection and vibration along the
 //! path, walls and floor against the path as it is written.
 
-mod crossings;
 mod kept;
 mod nominal;
 mod report;
@@ -13,22 +12,19 @@ pub(crate) mod setup;
 
 use super::modes::{self, Modes, TipMotion};
 use super::quantity;
+use super::teeth::averaged;
 use super::{ContactStiffness, Findings, Process, Start, ToolState};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use crate::stability::known::beyond_table;
 use kept::Kept;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 use nominal::{NominalPath, OnPath};
-use std::f64::consts::TAU;
 use truecut_core::cutting::milling::cut::MillingLoads;
 use truecut_core::cutting::milling::layered::cut::{LayeredCut, ToolPlace};
 use truecut_core::cutting::milling::layered::walls::Walls;
 use truecut_core::cutting::milling::layered::way::{Leg, Meant};
 use truecut_recording::{ChannelSpec, Field, Outcome};
 use truecut_scenario::PathMillingSpec;
-
-/// Parts of a step at whose middles the force is taken.
-const PARTS: usize = 4;
 
 /// All that a pass is made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -168,20 +164,12 @@ impl PathMilling {
     fn mean_loads(&self, state: &ToolState) -> MillingLoads {
         let on = self.setup.nominal.at(state.time_s);
         let off = self.deflection(&self.arm_motion(state, &on));
-        let mut mean = MillingLoads::default();
-        let mut start = crossings::START;
-        let at = |ahead: f64| self.place(state.time_s, &off, ahead * self.step_s);
-        for end in self.crossings(at).into_iter().chain([crossings::END]) {
-            let parts = ((end - start) * PARTS as f64).ceil();
-            let share = (end - start) / parts;
-            for part in 0..parts as usize {
-                let cut = self.cut.evaluate(&at(start + (part as f64 + 0.5) * share));
-                mean.force_on_tool_n += cut.force_on_tool_n * share;
-                mean.moment_on_tool_n_m += cut.moment_on_tool_n_m * share;
-            }
-            start = end;
-        }
-        mean
+        averaged(
+            &self.setup.spec.cutter,
+            |ahead| self.place(state.time_s, &off, ahead * self.step_s),
+            |tooth, at| self.cut.ends_in_stock(tooth, at),
+            |at| self.cut.evaluate(at),
+        )
     }
 }
 
@@ -298,10 +286,7 @@ impl Process for PathMilling {
     }
 
     fn fastest_mode_hz(&self) -> Option<f64> {
-        let attached = &self.setup.spec.attached;
-        let modes = attached.tool.iter().chain(&attached.workpiece);
-        let hz = modes.map(|mode| mode.natural_frequency_rad_s / TAU);
-        hz.max_by(f64::total_cmp)
+        self.setup.spec.attached.fastest_hz()
     }
 
     fn mode_share(&self) -> f64 {

@@ -58,7 +58,10 @@ impl NominalPath {
             let next = left
                 .layers()
                 .partition_point(|one| one.top_m <= tip_m + 1e-9);
-            let layer = &left.layers()[next];
+            // At the stock's top face, but for rounding.
+            let Some(layer) = left.layers().get(next) else {
+                continue;
+            };
             let is_at_depth = tip_m <= layer.bottom_m + layer.sunk_m();
             if is_at_depth {
                 left.cut_leg([pair[0], pair[1]], radius_m, false);

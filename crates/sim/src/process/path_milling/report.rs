@@ -281,7 +281,11 @@ fn part(milling: &PathMilling) -> PartMesh {
             * (heights.iter().fold(f64::INFINITY, |a, b| a.min(*b))
                 + heights.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)));
         let layer = (target.layers()).partition_point(|one| one.top_m <= middle_m);
+        let [from, along] = [triangle[1] - triangle[0], triangle[2] - triangle[0]];
+        let is_under = level && from.cross(&along).z < 0.0;
         let left = triangle.map(|corner| match level {
+            // The block's underside has no target.
+            true if is_under => f64::NAN,
             true => floors[nearest(stock, &corner)],
             false => wall_left_m(target, layer, &corner),
         });
@@ -304,10 +308,16 @@ fn nearest(stock: &LayeredStock, place_m: &Vector3<f64>) -> usize {
     index(at.x, columns) + columns * index(at.y, rows)
 }
 
+/// A corner so near to the block's face lies on it, m.
+const ON_FACE_M: f64 = 1e-12;
+
 /// How far a corner of a layer's wall stands out of the target; not a number on the block's faces.
 fn wall_left_m(target: &LayeredStock, layer: usize, corner: &Vector3<f64>) -> f64 {
     let (least, most) = (target.block.least_m, target.block.most_m);
-    let on_face = (0..2).any(|axis| corner[axis] == least[axis] || corner[axis] == most[axis]);
+    // Nodes are counted from one face: the last lies on the other but for rounding.
+    let near = |x: f64, face: f64| (x - face).abs() < ON_FACE_M;
+    let on_face =
+        (0..2).any(|axis| near(corner[axis], least[axis]) || near(corner[axis], most[axis]));
     match on_face {
         true => f64::NAN,
         false => -target.beyond_m(layer, &corner.xy()),

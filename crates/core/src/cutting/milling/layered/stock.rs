@@ -1,5 +1,6 @@
 //! A block of stock in layers on a plane grid.
 
+use super::way::SAME_DEPTH_M;
 use nalgebra::{Vector2, Vector3};
 use std::ops::Range;
 
@@ -170,7 +171,8 @@ impl LayeredStock {
         let cells = size.map(|length| (length / grid_m - 1e-9).ceil().max(1.0));
         let nodes = [cells.x as usize + 1, cells.y as usize + 1];
         let mut bounds = vec![block.least_m.z, block.most_m.z];
-        let within = |z: &f64| *z > block.least_m.z && *z < block.most_m.z;
+        let within =
+            |z: &f64| *z > block.least_m.z + SAME_DEPTH_M && *z < block.most_m.z - SAME_DEPTH_M;
         bounds.extend(depths_m.iter().copied().filter(within));
         bounds.sort_by(f64::total_cmp);
         bounds.dedup();

@@ -5,7 +5,9 @@ use super::walls::{Side, Station};
 use nalgebra::{Vector2, Vector3};
 
 /// Heights that differ by no more are one depth, m.
-const SAME_DEPTH_M: f64 = 1e-6;
+pub(super) const SAME_DEPTH_M: f64 = 1e-6;
+/// Pieces of a slanted leg that are looked at, each at its lower end.
+const PIECES: usize = 40;
 /// Grids are no coarser than this part of the cutter's radius.
 pub const COARSEST: f64 = 0.125;
 /// Most nodes of a grid.
@@ -113,7 +115,13 @@ pub fn follow(
     for leg in legs {
         let way = [leg.from_m, leg.to_m];
         if leg.rapid || !leg.is_level() {
-            if !target.cut_leg(way, radius_m, true) {
+            let at = |piece: usize| leg.from_m.lerp(&leg.to_m, piece as f64 / PIECES as f64);
+            let pieces = if leg.is_level() { 1 } else { PIECES };
+            let touches = match pieces {
+                1 => target.cut_leg(way, radius_m, true),
+                _ => (0..pieces).any(|k| target.cut_leg([at(k), at(k + 1)], radius_m, true)),
+            };
+            if !touches {
                 continue;
             }
             return Err(match leg.rapid {
