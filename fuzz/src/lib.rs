@@ -16,6 +16,7 @@
 //! `truecut-fuzz` runs as many as one has time for.
 
 pub mod campaign;
+mod columns;
 pub mod mutate;
 pub mod program;
 pub mod readers;

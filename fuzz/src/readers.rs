@@ -14,6 +14,7 @@ use truecut_plan::surface::{Mesh, MeshUse, PatchFile};
 use truecut_scenario::{CellFile, Identification, PathJob};
 use truecut_telemetry::{read_recording, read_table, read_tables};
 
+use crate::columns::columns;
 use crate::seeds::{Seed, root, seeds};
 
 /// Steps that a scenario is run for.
@@ -150,7 +151,7 @@ pub const READERS: &[Reader] = &[
     },
     Reader {
         name: "columns",
-        seeds: recordings,
+        seeds: || recordings().into_iter().chain(columns()).collect(),
         read: |case| said(read_table(&case.written(), true)),
         commands: &[],
     },

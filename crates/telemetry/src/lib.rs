@@ -57,6 +57,7 @@
 
 mod axis;
 mod background;
+mod bounded;
 mod columns;
 mod contained;
 #[cfg(any(test, feature = "contract"))]

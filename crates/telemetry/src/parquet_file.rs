@@ -13,6 +13,7 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use truecut_files::{fresh, write_whole};
 use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 
+use crate::bounded::Bounded;
 use crate::contained::contained;
 use crate::error::{FileError, Reason, failed};
 use crate::table;
@@ -191,7 +192,7 @@ impl Sink for ParquetSink {
 /// A file that cannot be read, or whose columns are not a recording's.
 pub fn read_parquet(path: &Path) -> Result<Recording, FileError> {
     let read = || {
-        let builder = ParquetRecordBatchReaderBuilder::try_new(truecut_files::open(path)?)?;
+        let builder = ParquetRecordBatchReaderBuilder::try_new(Bounded::open(path)?)?;
         let mut recording =
             table::recording_from_schema(builder.schema()).map_err(Reason::NotARecording)?;
         for batch in builder.with_batch_size(65_536).build()? {

@@ -129,11 +129,12 @@ fn time_column(table: &Table) -> Option<(String, UserUnit)> {
     }
     let named = table.columns.iter().find(|one| {
         let bare = bare_name(&one.name);
-        TIME_NAMES.contains(&bare.as_str()) && rises(&one.values, 0.01)
+        // Rows that share a stamp are told of; they make the column no other one.
+        TIME_NAMES.contains(&bare.as_str()) && rises(&one.values, 0.01, |a, b| a <= b)
     });
     let even = || {
         let mut columns = table.columns.iter();
-        columns.find(|one| rises(&one.values, 0.0) && is_even(&one.values))
+        columns.find(|one| rises(&one.values, 0.0, is_later) && is_even(&one.values))
     };
     let column = named.or_else(even)?;
     let unit = time_unit(table, &column.name, &column.values);
@@ -172,11 +173,11 @@ fn time_unit(table: &Table, name: &str, values: &[f64]) -> UserUnit {
     UserUnit::parse(by_name.unwrap_or(by_size)).unwrap_or_else(|_| Unit::Second.into())
 }
 
-/// Whether values rise from row to row, but for a share of the rows.
-fn rises(values: &[f64], but_for: f64) -> bool {
+/// Whether values rise from row to row, as `rise` says of two, but for a share of the rows.
+fn rises(values: &[f64], but_for: f64, rise: impl Fn(f64, f64) -> bool) -> bool {
     let falls = values
         .windows(2)
-        .filter(|pair| !is_later(pair[0], pair[1]))
+        .filter(|pair| !rise(pair[0], pair[1]))
         .count();
     values.len() > 1 && falls as f64 <= but_for * values.len() as f64
 }

@@ -10,7 +10,9 @@ use arrow::ipc::reader::{FileReader, StreamReader};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use truecut_recording::measured::{Column, Table};
 
+use crate::bounded::Bounded;
 use crate::error::Reason;
+use crate::frames::{self, End};
 
 /// What an Arrow file begins with; a stream does not.
 const ARROW_FILE: &[u8] = b"ARROW1";
@@ -18,7 +20,7 @@ const ARROW_FILE: &[u8] = b"ARROW1";
 const UNIT: &str = "unit";
 
 pub(super) fn parquet_table(path: &Path) -> Result<Table, Reason> {
-    let builder = ParquetRecordBatchReaderBuilder::try_new(truecut_files::open(path)?)?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(Bounded::open(path)?)?;
     let mut table = empty(builder.schema().fields())?;
     for batch in builder.with_batch_size(65_536).build()? {
         append(&mut table, &batch?)?;
@@ -32,9 +34,10 @@ pub(super) fn arrow_table(path: &Path) -> Result<Table, Reason> {
     (&mut file)
         .take(ARROW_FILE.len() as u64)
         .read_to_end(&mut head)?;
-    file.seek(SeekFrom::Start(0))?;
-    let file = BufReader::new(file);
     if head == ARROW_FILE {
+        frames::whole_file(&mut file)?;
+        file.rewind()?;
+        let file = BufReader::new(file);
         let reader = FileReader::try_new(file, None)?;
         let mut table = empty(reader.schema().fields())?;
         reader
@@ -42,7 +45,13 @@ pub(super) fn arrow_table(path: &Path) -> Result<Table, Reason> {
             .try_for_each(|batch| append(&mut table, &batch?))?;
         return Ok(table);
     }
-    let reader = StreamReader::try_new(file, None)?;
+    let (whole, end) = frames::whole(&mut file)?;
+    if end == End::Torn && whole < file.seek(SeekFrom::End(0))? {
+        let what = format!("the stream breaks off in the message at byte {whole}");
+        return Err(Reason::Damaged(what));
+    }
+    file.rewind()?;
+    let reader = StreamReader::try_new(BufReader::new(file.take(whole)), None)?;
     let mut table = empty(reader.schema().fields())?;
     reader
         .into_iter()
