@@ -8,10 +8,10 @@ use std::path::Path;
 
 use lz4_flex::frame::FrameDecoder;
 use mcap::McapError;
-use mcap::read::ChunkReader;
 use mcap::records::{ChunkHeader, Record};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
+use super::record::{each, parsed};
 use crate::error::Reason;
 
 /// Longest record, and largest chunk once it is unpacked, bytes. Recorders make chunks of about a
@@ -37,13 +37,15 @@ pub(super) fn records(
                 reader.notify_read(read);
             }
             LinearReadEvent::Record { data, opcode } => {
-                let record = mcap::parse_record(opcode, data);
+                let Some(record) = parsed(opcode, data)? else {
+                    continue;
+                };
                 let record = record.map_err(|error| told(&error, has_data_ended))?;
                 has_data_ended |= matches!(record, Record::DataEnd(_));
                 match record {
                     // The summary that follows says again what was said.
                     _ if has_data_ended => {}
-                    Record::Chunk { header, data } => chunk(header, &data, most, &mut take)?,
+                    Record::Chunk { header, data } => chunk(&header, &data, most, &mut take)?,
                     record => take(record)?,
                 }
             }
@@ -54,26 +56,19 @@ pub(super) fn records(
 
 /// The records of a chunk.
 fn chunk(
-    header: ChunkHeader,
+    header: &ChunkHeader,
     packed: &[u8],
     most: u64,
     take: &mut impl FnMut(Record) -> Result<(), Reason>,
 ) -> Result<(), Reason> {
-    let bytes = unpacked(&header, packed, most)?;
+    let bytes = unpacked(header, packed, most)?;
     if header.uncompressed_crc != 0 && header.uncompressed_crc != crc32fast::hash(&bytes) {
         return Err(damaged("the checksum of a chunk is another"));
     }
-    let plain = ChunkHeader {
-        compression: String::new(),
-        compressed_size: bytes.len() as u64,
-        uncompressed_size: bytes.len() as u64,
-        ..header
-    };
-    let records = ChunkReader::new(plain, &bytes).map_err(|error| told(&error, false))?;
-    for record in records {
-        take(record.map_err(|error| damaged(&error.to_string()))?)?;
-    }
-    Ok(())
+    each(&bytes, |opcode, data| match parsed(opcode, data)? {
+        Some(record) => take(record.map_err(|error| damaged(&error.to_string()))?),
+        None => Ok(()),
+    })
 }
 
 fn unpacked(header: &ChunkHeader, packed: &[u8], most: u64) -> Result<Vec<u8>, Reason> {

@@ -8,6 +8,7 @@ mod definitions;
 mod file;
 mod layout;
 mod message;
+mod record;
 mod topic;
 
 use std::collections::HashMap;
