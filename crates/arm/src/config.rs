@@ -89,6 +89,11 @@ impl<'a> ConfigFile<'a> {
     /// Every key, type and length that is wrong.
     pub(crate) fn parse(text: &'a str, path: &'a Path) -> Result<Self, ArmError> {
         let reader = ConfigReader::new(text, path);
+        if let Some(at) = truecut_files::too_deep(text) {
+            let most = truecut_files::MOST_NESTED;
+            let rule = format!("arrays and inline tables nest more than {most} deep");
+            return Err(reader.error(at, ArmErrorKind::Toml(rule)));
+        }
         let broken = structure::check(text).into_iter();
         let broken = broken.map(|b| reader.error(b.at, ArmErrorKind::Toml(b.message)));
         if let Some(error) = several(broken.collect()) {

@@ -41,6 +41,12 @@ struct Override {
     value: String,
 }
 
+/// What is wrong with a text that [`truecut_files::too_deep`] refuses.
+pub(crate) fn nested() -> String {
+    let most = truecut_files::MOST_NESTED;
+    format!("not read as TOML: arrays and inline tables nest more than {most} deep")
+}
+
 impl Document {
     /// Parses `text` and applies `overrides` in order; `schema` says what the file may hold.
     pub fn parse(
@@ -55,6 +61,10 @@ impl Document {
             let fault = Fault::value("", message, "here");
             Problem::new(fault, place_in_file(path, text, span))
         };
+        if let Some(at) = truecut_files::too_deep(text) {
+            let fault = Fault::value("", nested(), "one more");
+            return Err(Problem::new(fault, place_in_file(path, text, at..at + 1)).into());
+        }
         let written = toml_edit::Document::parse(text.to_owned()).map_err(syntax)?;
         let mut effective = text.parse::<DocumentMut>().map_err(syntax)?;
         let renamed = renamed::rename(effective.as_table_mut());

@@ -112,6 +112,11 @@ impl PatchFile {
     pub fn from_text(text: &str, path: &Path) -> Result<Self, SurfaceError> {
         let line = |at: usize| text[..at.min(text.len())].matches('\n').count() + 1;
         let error = |at: Option<usize>, fault| SurfaceError::in_file(path, at.map(line), fault);
+        if let Some(at) = truecut_files::too_deep(text) {
+            let most = truecut_files::MOST_NESTED;
+            let rule = format!("arrays and inline tables nest more than {most} deep");
+            return Err(error(Some(at), SurfaceFault::Syntax(rule)));
+        }
         let raw: RawPatch = toml::from_str(text).map_err(|e: toml::de::Error| {
             let fault = SurfaceFault::Syntax(e.message().replace('\n', "; "));
             error(e.span().map(|s| s.start), fault)

@@ -221,6 +221,9 @@ impl MaterialTable {
 
 /// Reads a material file, or says what is wrong with it.
 fn parse(text: &str) -> Result<MaterialFile, String> {
+    if truecut_files::too_deep(text).is_some() {
+        return Err(crate::document::nested());
+    }
     let document: toml_edit::DocumentMut = text
         .parse()
         .map_err(|error: toml_edit::TomlError| error.message().trim().to_owned())?;

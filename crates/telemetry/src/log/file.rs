@@ -17,6 +17,8 @@ use crate::error::Reason;
 /// Longest record, and largest chunk once it is unpacked, bytes. Recorders make chunks of about a
 /// megabyte.
 const MOST_BYTES: u64 = 1 << 30;
+/// Bytes read at once. A record is asked for whole; memory grows with what the file has of it.
+const PIECE: usize = 1 << 20;
 
 /// Gives each record of the data section to `take`; chunks are unpacked, and their checksums held.
 pub(super) fn records(
@@ -33,7 +35,7 @@ pub(super) fn records(
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| told(&error, has_data_ended))? {
             LinearReadEvent::ReadRequest(bytes) => {
-                let read = file.read(reader.insert(bytes))?;
+                let read = file.read(reader.insert(bytes.min(PIECE)))?;
                 reader.notify_read(read);
             }
             LinearReadEvent::Record { data, opcode } => {
