@@ -60,6 +60,23 @@ def test_verify_evidence_of_white_noise():
     assert abs(np.mean(found) - expected - len(effect.values)) < bound
 
 
+@pytest.mark.parametrize("colour", COLOURS)
+def test_verify_a_constant_tells_nothing_beside_noise_as_one_over_f(colour):
+    """Constants drawn for each output: beside noise of a finite spectrum at nothing the sum of their squares over its density
+    there, but for nominal numbers; beside 1/f none, and what varies counts as before."""
+    draw = np.random.default_rng(11)
+    oracle = Oracle(replace(SET, colour=colour))
+    constant = np.ones_like(oracle.truth) * draw.normal(size=oracle.truth.shape[1])
+    varying = np.sin(2.0 * np.pi * 7.0 * np.arange(len(constant)) / len(constant))[:, None] * constant
+    squares = [float(np.sum(oracle.whitened.white(values) ** 2)) for values in (constant, varying, constant + varying)]
+    count, level = len(constant), noise_scale(oracle.case) * np.array(AXIS.reference_noise)
+    at_rest = density(colour, np.fft.rfftfreq(count, 1.0 / AXIS.rate_hz), AXIS.rate_hz, AXIS.band_hz)[0]
+    expected = 0.0 if colour == "one_over_f" else float(np.sum(count * constant[0] ** 2 / (at_rest * level**2)))
+    assert abs(squares[0] - expected) < 1e-9 * (1.0 + expected)
+    assert squares[1] > 0.0
+    assert abs(squares[2] - squares[0] - squares[1]) < 1e-6 * squares[2]
+
+
 def test_verify_more_noise_hides_a_difference():
     """The same rival is told from the truth at a strong level and not where noise hides both; sizes near the truth's never
     are."""

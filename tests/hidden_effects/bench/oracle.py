@@ -1,7 +1,8 @@
 """What the data can tell, by one who knows the truth and the spectrum of the noise.
 
 Generalised least squares on the transforms of the series, each bin weighed by the density of the noise there; nominal
-numbers are refitted, with their priors, and so are those of the truth. Two explanations are told apart where one is at
+numbers are refitted, with their priors, and so are those of the truth. Of noise as 1/f the spectrum is known at the
+frequencies of the record, not its mean, which is what goes on below them. Two explanations are told apart where one is at
 odds of more than 20 : 1 to the other.
 """
 
@@ -32,6 +33,9 @@ class Oracle:
         hz = np.fft.rfftfreq(count, 1.0 / rate)
         rms = noise_scale(case) * np.array(self.experiment.reference_noise)
         one = density(case.colour, hz, rate, band)
+        if case.colour == "one_over_f":
+            # noise that grows towards ever lower frequencies has a mean; that the generator's is zero no record tells
+            one[0] = np.inf
         # beyond the band nothing is hidden, and a reference may err by what no sensor has
         self.whitened = Whitened(hz <= band, [one * level**2 for level in rms], count)
         self.whitened.refit([self._slope_of_shift(i) for i in range(len(self.experiment.uncertain))])
