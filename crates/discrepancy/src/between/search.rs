@@ -1,0 +1,363 @@
+//! From two recordings to what changed.
+
+use std::time::Instant;
+
+use super::answer::{
+    Answer, Changed, ChangedParameter, Changes, Compared, Rival, VERSION, Verdict,
+};
+use super::change::Change;
+use super::split::{both, twin};
+use super::{Between, BetweenError, Motion};
+use crate::diagnose::{
+    self, Alternative, Cause, DiagnoseError, Diagnosis, NoiseSource, Options, Progress,
+    UnknownCurve, Work, check_units, explain, likelihood,
+};
+use crate::model::Model;
+use crate::trial::Trial;
+use truecut_scenario::effect::Effect;
+
+/// Searches that are made anew, each with an effect more that both recordings share.
+const MOST_SHARED: usize = 3;
+/// Odds of 20 to 1, as a difference of minus twice the log-likelihood.
+const DECISIVE: f64 = 6.0;
+
+/// Looks for what changed from the first recording to the second.
+///
+/// # Errors
+/// Data that do not fit the model or do not suffice; a nominal model that cannot be simulated.
+pub fn changes(
+    pair: &Between,
+    options: &Options,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Answer, BetweenError> {
+    let begun = Instant::now();
+    let (first, second) = (&pair.first, &pair.second);
+    let of_first = diagnose::diagnose(first, &first.observation, options, progress)
+        .map_err(BetweenError::of(&first.observation.source))?;
+    check_second(second).map_err(BetweenError::of(&second.observation.source))?;
+    let failed = BetweenError::of(&pair.observation.source);
+    let mut shared = of_first.effects.clone();
+    let mut undecided = Vec::new();
+    let mut runs = of_first.diagnosis.work.predictions;
+    let (model, answer) = loop {
+        let model = Change::new(pair, &of_first.nominal, shared.clone());
+        let answer =
+            explain(&model, &pair.observation, options, progress, false).map_err(&failed)?;
+        runs += answer.diagnosis.work.predictions;
+        let last = shared.len() >= of_first.effects.len() + MOST_SHARED;
+        let none = answer.effects.is_empty() || pair.repeats() || last;
+        let also = match none {
+            true => None,
+            false => of_both(pair, &of_first.nominal, &shared, &model, &answer, options)
+                .map_err(&failed)?,
+        };
+        match also {
+            None => break (model, answer),
+            Some((effect, is_known)) => {
+                if !is_known {
+                    undecided.push(effect.to_string());
+                }
+                shared.push(effect);
+            }
+        }
+    };
+    let [before, after] = model.split(&answer.effects);
+    let mut found = told(pair, &model, &answer.diagnosis, undecided);
+    found.shared.clone_from(&of_first.diagnosis.causes);
+    if of_first.diagnosis.verdict == diagnose::Verdict::NotIdentifiable && answer.effects.is_empty()
+    {
+        found.verdict = Verdict::NotIdentifiable;
+        found.reason = format!("{} {}", first.measured().source, of_first.diagnosis.reason);
+        found.missing.clone_from(&of_first.diagnosis.missing);
+    }
+    if !pair.repeats() && found.verdict == Verdict::UnknownChange {
+        common_to_both(pair, &answer, &mut found);
+    }
+    found.work = Work {
+        predictions: runs,
+        seconds: begun.elapsed().as_secs_f64(),
+    };
+    Ok(Answer {
+        changes: found,
+        before,
+        after,
+        nominal: of_first.nominal,
+        unchanged: answer.before,
+        changed: answer.after,
+    })
+}
+
+/// Refuses units of the second recording that cannot be meant.
+fn check_second(second: &Trial) -> Result<(), DiagnoseError> {
+    second.observation.check(second.channels().len())?;
+    let numbers: Vec<f64> = second.nominal().iter().map(|one| one.value).collect();
+    let nominal = second.predict(&numbers, &[])?;
+    check_units(second, &second.observation, &nominal)
+}
+
+/// An effect that was named a change and explains both recordings as well where it acts in both:
+/// whether it certainly does.
+fn of_both(
+    pair: &Between,
+    own: &[f64],
+    shared: &[Effect],
+    model: &Change,
+    answer: &diagnose::Answer,
+    options: &Options,
+) -> Result<Option<(Effect, bool)>, DiagnoseError> {
+    let data = &pair.observation;
+    let with = likelihood(model, data, options, &answer.nominal, &answer.effects)?;
+    for (index, effect) in answer.effects.iter().enumerate() {
+        let known = twin(shared, &[], effect.kind, &effect.target);
+        if effect.kind.is_curve() || known.is_some() {
+            continue;
+        }
+        let [_, effect] = both(effect, None);
+        if effect.is_neutral() {
+            continue;
+        }
+        let mut others = answer.effects.clone();
+        others.remove(index);
+        let all: Vec<Effect> = shared.iter().cloned().chain([effect.clone()]).collect();
+        let rival = Change::new(pair, own, all);
+        let numbers: Vec<f64> = rival.nominal().iter().map(|one| one.value).collect();
+        let Ok(without) = likelihood(&rival, data, options, &numbers, &others) else {
+            continue;
+        };
+        if without - with < DECISIVE {
+            return Ok(Some((effect, without <= with)));
+        }
+    }
+    Ok(None)
+}
+
+/// The answer of the search in words of changes.
+fn told(pair: &Between, model: &Change, found: &Diagnosis, undecided: Vec<String>) -> Changes {
+    let compared = match pair.motion {
+        Motion::Repeated { later_s, unlike } => Compared {
+            repeated: true,
+            later_s: Some(later_s),
+            unlike: Some(unlike),
+        },
+        Motion::Different => Compared::default(),
+    };
+    let source = |trial: &Trial| trial.measured().source.clone();
+    let (verdict, reason) = verdict(found, &undecided);
+    let rival = |one: &Alternative| Rival {
+        changes: one
+            .causes
+            .iter()
+            .map(|cause| changed(pair, model, cause))
+            .collect(),
+        angle_deg: one.angle_deg,
+        criterion_difference: one.criterion_difference,
+    };
+    Changes {
+        version: VERSION,
+        scenario: found.scenario.clone(),
+        first: source(&pair.first),
+        second: source(&pair.second),
+        compared,
+        verdict,
+        reason,
+        changes: found
+            .causes
+            .iter()
+            .map(|cause| changed(pair, model, cause))
+            .collect(),
+        alternatives: found.alternatives.iter().map(rival).collect(),
+        runner_up: found.runner_up.as_ref().map(rival),
+        further: found.further.clone(),
+        curve: found.curve.clone(),
+        undecided,
+        unexplained_fraction: found.unexplained_fraction,
+        channels: found.channels.clone(),
+        smallest_seen: found.smallest_seen.clone(),
+        missing: found.missing.clone(),
+        doubts: found.doubts.clone(),
+        ceiling: found.ceiling.clone(),
+        ..Changes::default()
+    }
+}
+
+fn verdict(found: &Diagnosis, undecided: &[String]) -> (Verdict, String) {
+    use diagnose::Verdict as Of;
+    let alike = "Several changes explain what differs alike.";
+    match found.verdict {
+        Of::NothingBeyondNoise if undecided.is_empty() => (
+            Verdict::NothingChanged,
+            format!(
+                "Between the recordings nothing changed beyond noise ({}).",
+                noise(found)
+            ),
+        ),
+        Of::NothingBeyondNoise => (
+            Verdict::Ambiguous,
+            format!(
+                "The second recording shows {}; the first does not show whether it was there before.",
+                undecided.join(" and ")
+            ),
+        ),
+        Of::Named => (
+            Verdict::Changed,
+            format!(
+                "The changes named explain what differs up to noise ({}).",
+                noise(found)
+            ),
+        ),
+        Of::Ambiguous => (
+            Verdict::Ambiguous,
+            match found.further.as_slice() {
+                [] => alike.to_owned(),
+                further => format!(
+                    "{alike} Less likely, and not excluded: {}.",
+                    further.join(", ")
+                ),
+            },
+        ),
+        Of::UnknownCause => (Verdict::UnknownChange, unknown(found)),
+        Of::NotIdentifiable => (
+            Verdict::NotIdentifiable,
+            "The recordings would show next to none of the changes at their typical size."
+                .to_owned(),
+        ),
+        Of::FitFailed => (Verdict::FitFailed, found.reason.clone()),
+    }
+}
+
+fn noise(found: &Diagnosis) -> String {
+    let mut sources: Vec<&str> = (found.channels.values())
+        .map(|errors| match errors.noise_source {
+            NoiseSource::Bound => "known from nothing but what is left",
+            source => source.description(),
+        })
+        .collect();
+    sources.sort_unstable();
+    sources.dedup();
+    sources.join(", ")
+}
+
+fn unknown(found: &Diagnosis) -> String {
+    let what = match found.causes.is_empty() {
+        true => "Something changed that no effect known explains",
+        false => "The changes named do not explain all that differs",
+    };
+    let along = |curve: &UnknownCurve| {
+        let over = match curve.kind.as_str() {
+            "joint_friction_by_speed" => "speed",
+            _ => "position",
+        };
+        format!(
+            "it looks like a {} that follows the {over} of {}",
+            match curve.kind.as_str() {
+                "joint_position_curve" => "force",
+                _ => "friction",
+            },
+            curve.target
+        )
+    };
+    let signal = found.ceiling.correlated_signals.first();
+    let followed =
+        signal.map(|one| format!("what is left of `{}` follows {}", one.channel, one.signal));
+    let most = found.channels.iter().max_by(|a, b| {
+        let ratio = |one: &crate::diagnose::ChannelErrors| one.after / one.noise_floor;
+        ratio(a.1).total_cmp(&ratio(b.1))
+    });
+    let left = most.map(|(name, _)| format!("most is left of `{name}`"));
+    match found.curve.as_ref().map(along).or(followed).or(left) {
+        Some(told) => format!("{what}; {told}."),
+        None => format!("{what}."),
+    }
+}
+
+/// Where motions differ, what the model leaves of both recordings alike is no change.
+fn common_to_both(pair: &Between, answer: &diagnose::Answer, found: &mut Changes) {
+    if found.curve.is_some() {
+        return;
+    }
+    let rows = pair.first.observation.time_s.len();
+    let grows = pair
+        .observation
+        .outputs
+        .iter()
+        .zip(&answer.after)
+        .any(|(output, predicted)| {
+            let left: Vec<Option<f64>> = (output.values.iter().zip(&output.valid).zip(predicted))
+                .map(|((y, valid), p)| valid.then(|| y - p))
+                .collect();
+            let own =
+                |rows: &[Option<f64>]| -> Vec<f64> { rows.iter().copied().flatten().collect() };
+            diagnose::breaks_away_from(&own(&left[..rows]), &own(&left[rows..]))
+        });
+    if grows {
+        return;
+    }
+    found.verdict = match found.changes.is_empty() {
+        true => Verdict::NothingChanged,
+        false => Verdict::Changed,
+    };
+    found.reason = format!(
+        "{}; both recordings have something in common that no effect known explains, and a change that is smaller \
+         than that would not be seen.",
+        match found.changes.is_empty() {
+            true => "Nothing changed that can be seen",
+            false => "The changes named explain what the second recording has beyond the first",
+        }
+    );
+}
+
+/// A cause of the search as what it is before and after.
+fn changed(pair: &Between, model: &Change, cause: &Cause) -> Changed {
+    let candidates = model.candidates();
+    let own = candidates
+        .iter()
+        .find(|one| one.kind.name() == cause.kind && diagnose::target_name(one) == cause.target);
+    let sides = own.map(|own| {
+        let value = |key: &str| cause.parameters.get(key).map_or(0.0, |one| one.value);
+        let infos = own.kind.parameters().iter();
+        let keys: Vec<&str> = infos
+            .map(|info| {
+                if own.rotary {
+                    info.rotary_key
+                } else {
+                    info.key
+                }
+            })
+            .collect();
+        let effect = Effect {
+            kind: own.kind,
+            target: own.target.clone(),
+            values: keys.iter().map(|key| value(key)).collect(),
+        };
+        let held = &pair.second.scenario().effects;
+        let known = twin(model.shared(), held, own.kind, &own.target);
+        (keys, own.kind.parameters(), both(&effect, known))
+    });
+    let parameters = cause.parameters.iter().map(|(key, found)| {
+        let place = sides.as_ref().and_then(|(keys, infos, sides)| {
+            let at = keys.iter().position(|one| one == key)?;
+            let neutral = if infos[at].is_size {
+                infos[at].neutral
+            } else {
+                0.0
+            };
+            Some((sides[0].values[at], sides[1].values[at], neutral))
+        });
+        let (before, after, neutral) = place.unwrap_or((0.0, found.value, 0.0));
+        let parameter = ChangedParameter {
+            before,
+            after,
+            change: found.value - neutral,
+            low: found.low.map(|low| low - neutral),
+            high: found.high.map(|high| high - neutral),
+            unit: found.unit.clone(),
+        };
+        (key.clone(), parameter)
+    });
+    Changed {
+        kind: cause.kind.clone(),
+        target: cause.target.clone(),
+        parameters: parameters.collect(),
+        evidence: cause.evidence.clone(),
+    }
+}
