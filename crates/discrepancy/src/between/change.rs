@@ -10,8 +10,9 @@ use crate::model::{Candidate, Columns, Model, PredictError};
 use crate::trial::Trial;
 use crate::trial::cache::Cache;
 
-/// A value that both recordings share is refitted within three of these parts of its size.
-const SHARED_SIGMA: f64 = 0.3;
+/// A value that both recordings share is refitted within three of these parts of its size: what the
+/// first alone shows by another name may go.
+const SHARED_SIGMA: f64 = 0.5;
 
 /// Effects of the search are changes from the first recording to the second. Where the motion
 /// repeats, a prediction is the second's less the first's; elsewhere that of both, with numbers

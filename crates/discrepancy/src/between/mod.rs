@@ -12,6 +12,7 @@ mod change;
 mod join;
 mod motion;
 mod search;
+mod shared;
 mod split;
 
 use thiserror::Error;

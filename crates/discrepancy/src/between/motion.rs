@@ -170,8 +170,13 @@ pub(super) fn resampled(measured: Measured, interval_s: f64, first: f64) -> Meas
     let squares: Vec<f64> = (places.iter())
         .map(|place| weights(place - place.floor()).map(|w| w * w).iter().sum())
         .collect();
+    let at_an_end = |place: f64| place < 1.0 || place > last as f64 - 1.0;
     let channels = (measured.channels.iter()).map(|channel| {
-        let found: Vec<Option<f64>> = places.iter().map(|x| cubic(channel, *x)).collect();
+        let value = |place: &f64| match at_an_end(*place) {
+            true => at_end(channel, *place),
+            false => cubic(channel, *place),
+        };
+        let found: Vec<Option<f64>> = places.iter().map(value).collect();
         let near = |k: usize| channel.values[(places[k].round() as usize).min(last)];
         MeasuredChannel {
             values: (found.iter().enumerate())
@@ -187,6 +192,18 @@ pub(super) fn resampled(measured: Measured, interval_s: f64, first: f64) -> Meas
         time_s: (0..count).map(|k| k as f64 * interval_s).collect(),
         ..measured
     }
+}
+
+/// Value in the first or last interval, on the cubic through the four samples nearest to it.
+fn at_end(channel: &MeasuredChannel, place: f64) -> Option<f64> {
+    let first = match place < 1.0 {
+        true => 0,
+        false => channel.values.len().checked_sub(4)?,
+    };
+    let values = channel.values.get(first..first + 4)?;
+    let valid = channel.valid[first..first + 4].iter().all(|valid| *valid);
+    let weights = weights(place - (first + 1) as f64);
+    valid.then(|| weights.iter().zip(values).map(|(w, x)| w * x).sum())
 }
 
 #[cfg(test)]
@@ -252,6 +269,7 @@ mod tests {
             let rows = rows
                 .zip(&there.channels[0].valid)
                 .filter(|(_, valid)| **valid);
+            assert_eq!(rows.clone().count(), there.time_s.len());
             assert!(rows.clone().count() > 1400);
             for ((found, wanted), _) in rows {
                 assert!((found - wanted).abs() < 1e-5, "{found} {wanted}");

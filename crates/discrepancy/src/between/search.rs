@@ -7,19 +7,17 @@ use super::answer::{
 };
 use super::change::Change;
 use super::split::{both, twin};
-use super::{Between, BetweenError, Motion};
+use super::{Between, BetweenError, Motion, shared};
 use crate::diagnose::{
     self, Alternative, Cause, DiagnoseError, Diagnosis, NoiseSource, Options, Progress,
-    UnknownCurve, Work, check_units, explain, likelihood,
+    UnknownCurve, Work, check_units, explain,
 };
 use crate::model::Model;
 use crate::trial::Trial;
 use truecut_scenario::effect::Effect;
 
-/// Searches that are made anew, each with an effect more that both recordings share.
-const MOST_SHARED: usize = 3;
-/// Odds of 20 to 1, as a difference of minus twice the log-likelihood.
-const DECISIVE: f64 = 6.0;
+/// Searches that are made anew, each with other effects that both recordings share.
+const MOST_ANEW: usize = 3;
 
 /// Looks for what changed from the first recording to the second.
 ///
@@ -39,27 +37,25 @@ pub fn changes(
     let mut shared = of_first.effects.clone();
     let mut undecided = Vec::new();
     let mut runs = of_first.diagnosis.work.predictions;
+    let mut left = if pair.repeats() { 0 } else { MOST_ANEW };
     let (model, answer) = loop {
         let model = Change::new(pair, &of_first.nominal, shared.clone());
         let answer =
             explain(&model, &pair.observation, options, progress, false).map_err(&failed)?;
         runs += answer.diagnosis.work.predictions;
-        let last = shared.len() >= of_first.effects.len() + MOST_SHARED;
-        let none = answer.effects.is_empty() || pair.repeats() || last;
-        let also = match none {
+        let anew = match left == 0 || answer.effects.is_empty() {
             true => None,
-            false => of_both(pair, &of_first.nominal, &shared, &model, &answer, options)
-                .map_err(&failed)?,
-        };
-        match also {
-            None => break (model, answer),
-            Some((effect, is_known)) => {
-                if !is_known {
-                    undecided.push(effect.to_string());
-                }
-                shared.push(effect);
+            false => {
+                left -= 1;
+                let own = &of_first.nominal;
+                shared::anew(pair, own, &model, &answer, options).map_err(&failed)?
             }
-        }
+        };
+        let Some(anew) = anew else {
+            break (model, answer);
+        };
+        shared = anew.shared;
+        undecided.extend(anew.undecided);
     };
     let [before, after] = model.split(&answer.effects);
     let mut found = told(pair, &model, &answer.diagnosis, undecided);
@@ -93,42 +89,6 @@ fn check_second(second: &Trial) -> Result<(), DiagnoseError> {
     let numbers: Vec<f64> = second.nominal().iter().map(|one| one.value).collect();
     let nominal = second.predict(&numbers, &[])?;
     check_units(second, &second.observation, &nominal)
-}
-
-/// An effect that was named a change and explains both recordings as well where it acts in both:
-/// whether it certainly does.
-fn of_both(
-    pair: &Between,
-    own: &[f64],
-    shared: &[Effect],
-    model: &Change,
-    answer: &diagnose::Answer,
-    options: &Options,
-) -> Result<Option<(Effect, bool)>, DiagnoseError> {
-    let data = &pair.observation;
-    let with = likelihood(model, data, options, &answer.nominal, &answer.effects)?;
-    for (index, effect) in answer.effects.iter().enumerate() {
-        let known = twin(shared, &[], effect.kind, &effect.target);
-        if effect.kind.is_curve() || known.is_some() {
-            continue;
-        }
-        let [_, effect] = both(effect, None);
-        if effect.is_neutral() {
-            continue;
-        }
-        let mut others = answer.effects.clone();
-        others.remove(index);
-        let all: Vec<Effect> = shared.iter().cloned().chain([effect.clone()]).collect();
-        let rival = Change::new(pair, own, all);
-        let numbers: Vec<f64> = rival.nominal().iter().map(|one| one.value).collect();
-        let Ok(without) = likelihood(&rival, data, options, &numbers, &others) else {
-            continue;
-        };
-        if without - with < DECISIVE {
-            return Ok(Some((effect, without <= with)));
-        }
-    }
-    Ok(None)
 }
 
 /// The answer of the search in words of changes.
