@@ -67,9 +67,15 @@ impl<'a> Change<'a> {
         &self.shared
     }
 
-    /// Effects of the first and of the second recording, for changes.
-    pub fn split(&self, changes: &[Effect]) -> [Vec<Effect>; 2] {
-        split(&self.shared, &self.pair.second.scenario().effects, changes)
+    /// Numbers of the first recording's scenario, and what both share, as they were refitted.
+    pub fn settled(&self, nominal: &[f64]) -> (Vec<f64>, Vec<Effect>) {
+        let ([first, _], shared) = self.unpacked(nominal);
+        (first, shared)
+    }
+
+    /// Effects of the first and of the second recording, for changes of what both share.
+    pub fn split(&self, shared: &[Effect], changes: &[Effect]) -> [Vec<Effect>; 2] {
+        split(shared, &self.pair.second.scenario().effects, changes)
     }
 
     /// Numbers of both scenarios and what they share, of the numbers that are refitted.
@@ -188,7 +194,7 @@ impl Model for Change<'_> {
     }
 
     fn may_be(&self, effects: &[Effect]) -> bool {
-        let [before, after] = self.split(effects);
+        let [before, after] = self.split(&self.shared, effects);
         self.pair.first.may_be(&before) && self.pair.second.may_be(&after)
     }
 

@@ -10,9 +10,9 @@ use super::split::{both, twin};
 use super::{Between, BetweenError, Motion, shared};
 use crate::diagnose::{
     self, Alternative, Cause, DiagnoseError, Diagnosis, NoiseSource, Options, Progress,
-    UnknownCurve, Work, check_units, explain,
+    UnknownCurve, check_units, explain,
 };
-use crate::model::Model;
+use crate::model::{Columns, Model};
 use crate::trial::Trial;
 use truecut_scenario::effect::Effect;
 
@@ -33,51 +33,64 @@ pub fn changes(
     let of_first = diagnose::diagnose(first, &first.observation, options, progress)
         .map_err(BetweenError::of(&first.observation.source))?;
     check_second(second).map_err(BetweenError::of(&second.observation.source))?;
-    let failed = BetweenError::of(&pair.observation.source);
-    let mut shared = of_first.effects.clone();
-    let mut undecided = Vec::new();
-    let mut runs = of_first.diagnosis.work.predictions;
-    let mut left = if pair.repeats() { 0 } else { MOST_ANEW };
-    let (model, answer) = loop {
-        let model = Change::new(pair, &of_first.nominal, shared.clone());
-        let answer =
-            explain(&model, &pair.observation, options, progress, false).map_err(&failed)?;
-        runs += answer.diagnosis.work.predictions;
-        let anew = match left == 0 || answer.effects.is_empty() {
-            true => None,
-            false => {
-                left -= 1;
-                let own = &of_first.nominal;
-                shared::anew(pair, own, &model, &answer, options).map_err(&failed)?
-            }
-        };
-        let Some(anew) = anew else {
-            break (model, answer);
-        };
-        shared = anew.shared;
-        undecided.extend(anew.undecided);
-    };
-    let [before, after] = model.split(&answer.effects);
-    let mut found = told(pair, &model, &answer.diagnosis, undecided);
+    let mut answer = searched(pair, &of_first, options, progress)
+        .map_err(BetweenError::of(&pair.observation.source))?;
+    let found = &mut answer.changes;
     found.shared.clone_from(&of_first.diagnosis.causes);
-    if of_first.diagnosis.verdict == diagnose::Verdict::NotIdentifiable && answer.effects.is_empty()
+    if of_first.diagnosis.verdict == diagnose::Verdict::NotIdentifiable && found.changes.is_empty()
     {
         found.verdict = Verdict::NotIdentifiable;
         found.reason = format!("{} {}", first.measured().source, of_first.diagnosis.reason);
         found.missing.clone_from(&of_first.diagnosis.missing);
     }
-    if !pair.repeats() && found.verdict == Verdict::UnknownChange {
-        common_to_both(pair, &answer, &mut found);
-    }
-    found.work = Work {
-        predictions: runs,
-        seconds: begun.elapsed().as_secs_f64(),
+    found.work.predictions += of_first.diagnosis.work.predictions;
+    found.work.seconds = begun.elapsed().as_secs_f64();
+    Ok(answer)
+}
+
+/// The search for changes, made anew as long as it finds other effects that both recordings share.
+fn searched(
+    pair: &Between,
+    of_first: &diagnose::Answer,
+    options: &Options,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Answer, DiagnoseError> {
+    let own = &of_first.nominal;
+    let mut shared = of_first.effects.clone();
+    let mut undecided = Vec::new();
+    let mut predictions = 0;
+    let mut left = if pair.repeats() { 0 } else { MOST_ANEW };
+    let (model, answer) = loop {
+        let model = Change::new(pair, own, shared.clone());
+        let answer = explain(&model, &pair.observation, options, progress, false)?;
+        predictions += answer.diagnosis.work.predictions;
+        if left == 0 || answer.effects.is_empty() {
+            break (model, answer);
+        }
+        left -= 1;
+        let Some(anew) = shared::anew(pair, own, &model, &answer, options)? else {
+            break (model, answer);
+        };
+        shared = anew.shared;
+        undecided.extend(anew.undecided);
     };
+    let (nominal, shared) = model.settled(&answer.nominal);
+    let mut effects = answer.effects.clone();
+    let mut found = told(pair, &model, &shared, &answer.diagnosis, undecided);
+    if !pair.repeats() && found.verdict == Verdict::UnknownChange {
+        effects.retain(|effect| !effect.kind.is_curve());
+        match grows(pair, &model.predict(&answer.nominal, &effects)?) {
+            true => effects.clone_from(&answer.effects),
+            false => common_to_both(&mut found),
+        }
+    }
+    let [before, after] = model.split(&shared, &effects);
+    found.work.predictions = predictions;
     Ok(Answer {
         changes: found,
         before,
         after,
-        nominal: of_first.nominal,
+        nominal,
         unchanged: answer.before,
         changed: answer.after,
     })
@@ -92,7 +105,13 @@ fn check_second(second: &Trial) -> Result<(), DiagnoseError> {
 }
 
 /// The answer of the search in words of changes.
-fn told(pair: &Between, model: &Change, found: &Diagnosis, undecided: Vec<String>) -> Changes {
+fn told(
+    pair: &Between,
+    model: &Change,
+    shared: &[Effect],
+    found: &Diagnosis,
+    undecided: Vec<String>,
+) -> Changes {
     let compared = match pair.motion {
         Motion::Repeated { later_s, unlike } => Compared {
             repeated: true,
@@ -107,7 +126,7 @@ fn told(pair: &Between, model: &Change, found: &Diagnosis, undecided: Vec<String
         changes: one
             .causes
             .iter()
-            .map(|cause| changed(pair, model, cause))
+            .map(|cause| changed(pair, model, shared, cause))
             .collect(),
         angle_deg: one.angle_deg,
         criterion_difference: one.criterion_difference,
@@ -123,7 +142,7 @@ fn told(pair: &Between, model: &Change, found: &Diagnosis, undecided: Vec<String
         changes: found
             .causes
             .iter()
-            .map(|cause| changed(pair, model, cause))
+            .map(|cause| changed(pair, model, shared, cause))
             .collect(),
         alternatives: found.alternatives.iter().map(rival).collect(),
         runner_up: found.runner_up.as_ref().map(rival),
@@ -230,28 +249,25 @@ fn unknown(found: &Diagnosis) -> String {
     }
 }
 
-/// Where motions differ, what the model leaves of both recordings alike is no change.
-fn common_to_both(pair: &Between, answer: &diagnose::Answer, found: &mut Changes) {
-    if found.curve.is_some() {
-        return;
-    }
+/// Whether the second recording has clearly more that is left than the first has.
+fn grows(pair: &Between, predicted: &Columns) -> bool {
     let rows = pair.first.observation.time_s.len();
-    let grows = pair
-        .observation
-        .outputs
-        .iter()
-        .zip(&answer.after)
-        .any(|(output, predicted)| {
-            let left: Vec<Option<f64>> = (output.values.iter().zip(&output.valid).zip(predicted))
-                .map(|((y, valid), p)| valid.then(|| y - p))
-                .collect();
+    let outputs = pair.observation.outputs.iter().zip(predicted);
+    outputs
+        .map(|(output, predicted)| -> Vec<Option<f64>> {
+            let rows = output.values.iter().zip(&output.valid).zip(predicted);
+            rows.map(|((y, valid), p)| valid.then(|| y - p)).collect()
+        })
+        .any(|left| {
             let own =
                 |rows: &[Option<f64>]| -> Vec<f64> { rows.iter().copied().flatten().collect() };
             diagnose::breaks_away_from(&own(&left[..rows]), &own(&left[rows..]))
-        });
-    if grows {
-        return;
-    }
+        })
+}
+
+/// Where motions differ, what the model leaves of both recordings alike is no change.
+fn common_to_both(found: &mut Changes) {
+    found.curve = None;
     found.verdict = match found.changes.is_empty() {
         true => Verdict::NothingChanged,
         false => Verdict::Changed,
@@ -267,7 +283,7 @@ fn common_to_both(pair: &Between, answer: &diagnose::Answer, found: &mut Changes
 }
 
 /// A cause of the search as what it is before and after.
-fn changed(pair: &Between, model: &Change, cause: &Cause) -> Changed {
+fn changed(pair: &Between, model: &Change, shared: &[Effect], cause: &Cause) -> Changed {
     let candidates = model.candidates();
     let own = candidates
         .iter()
@@ -290,7 +306,7 @@ fn changed(pair: &Between, model: &Change, cause: &Cause) -> Changed {
             values: keys.iter().map(|key| value(key)).collect(),
         };
         let held = &pair.second.scenario().effects;
-        let known = twin(model.shared(), held, own.kind, &own.target);
+        let known = twin(shared, held, own.kind, &own.target);
         (keys, own.kind.parameters(), both(&effect, known))
     });
     let parameters = cause.parameters.iter().map(|(key, found)| {
