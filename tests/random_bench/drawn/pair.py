@@ -245,13 +245,14 @@ def ask(program: list[str], pair: Pair, threads: int) -> tuple[dict | None, str,
 
 
 def judge(pair: Pair, answer: dict | None, messages: str, seconds: float, label: Label) -> Told:
-    """Right is: of one change it is named and nothing else, or stands in a list of at most three; of none, silence."""
+    """Right is: of one change it is named and nothing else, or stands in a list of at most three; of none, that no change is
+    told: nothing changed, or (after another motion) that it cannot be told."""
     found = answer or {}
     changes, rivals = found.get("changes", []), found.get("alternatives", [])
     verdict = found.get("verdict", "refused")
     truth = pair.change[0] if pair.change else None
     if truth is None:
-        right = verdict == "nothing_changed"
+        right = verdict == "nothing_changed" or (verdict == "ambiguous" and not changes)
     elif verdict == "ambiguous":
         members = changes + [one for rival in rivals for one in rival["changes"]]
         right = any(is_cause(one, truth) for one in members) and len(rivals) < MOST_ALTERNATIVES

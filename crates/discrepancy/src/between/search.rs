@@ -9,8 +9,8 @@ use super::change::Change;
 use super::split::{both, twin};
 use super::{Between, BetweenError, Motion, shared};
 use crate::diagnose::{
-    self, Alternative, Cause, DiagnoseError, Diagnosis, NoiseSource, Options, Progress,
-    UnknownCurve, check_units, explain,
+    self, Alternative, Cause, ChannelErrors, DiagnoseError, Diagnosis, NoiseSource, Options,
+    Progress, UnknownCurve, check_units, explain,
 };
 use crate::model::{Columns, Model};
 use crate::trial::Trial;
@@ -79,9 +79,10 @@ fn searched(
     let mut found = told(pair, &model, &shared, &answer.diagnosis, undecided);
     if !pair.repeats() && found.verdict == Verdict::UnknownChange {
         effects.retain(|effect| !effect.kind.is_curve());
-        match grows(pair, &model.predict(&answer.nominal, &effects)?) {
-            true => effects.clone_from(&answer.effects),
-            false => common_to_both(&mut found),
+        let grows = grows(pair, &model.predict(&answer.nominal, &effects)?);
+        after_another_motion(grows, &mut found);
+        if found.changes.is_empty() {
+            effects.clear();
         }
     }
     let [before, after] = model.split(&shared, &effects);
@@ -239,7 +240,7 @@ fn unknown(found: &Diagnosis) -> String {
     let followed =
         signal.map(|one| format!("what is left of `{}` follows {}", one.channel, one.signal));
     let most = found.channels.iter().max_by(|a, b| {
-        let ratio = |one: &crate::diagnose::ChannelErrors| one.after / one.noise_floor;
+        let ratio = |one: &ChannelErrors| one.after / one.noise_floor;
         ratio(a.1).total_cmp(&ratio(b.1))
     });
     let left = most.map(|(name, _)| format!("most is left of `{name}`"));
@@ -265,21 +266,47 @@ fn grows(pair: &Between, predicted: &Columns) -> bool {
         })
 }
 
-/// Where motions differ, what the model leaves of both recordings alike is no change.
-fn common_to_both(found: &mut Changes) {
+/// After another motion what has no name is not called a change: the first recording may not show
+/// it. Changes that have one stay where they explain what they are about.
+fn after_another_motion(grows: bool, found: &mut Changes) {
     found.curve = None;
-    found.verdict = match found.changes.is_empty() {
-        true => Verdict::NothingChanged,
-        false => Verdict::Changed,
+    if !found.changes.is_empty() && are_explained(found) {
+        found.verdict = Verdict::Changed;
+        found.reason = "The changes named explain what the second recording has beyond the first; something that no \
+                        effect known explains is left, which after another motion need not be a change."
+            .to_owned();
+        return;
+    }
+    if found.changes.is_empty() && !grows {
+        found.verdict = Verdict::NothingChanged;
+        found.reason = "Nothing changed that can be seen; both recordings have something in common that no effect \
+                        known explains, and a change that is smaller than that would not be seen."
+            .to_owned();
+        return;
+    }
+    let name = |one: &Changed| match &one.target {
+        Some(target) => format!("{} {target}", one.kind),
+        None => one.kind.clone(),
     };
-    found.reason = format!(
-        "{}; both recordings have something in common that no effect known explains, and a change that is smaller \
-         than that would not be seen.",
-        match found.changes.is_empty() {
-            true => "Nothing changed that can be seen",
-            false => "The changes named explain what the second recording has beyond the first",
-        }
-    );
+    found.undecided.extend(found.changes.iter().map(name));
+    found.changes.clear();
+    found.verdict = Verdict::Ambiguous;
+    found.reason = "The second recording has something that no effect known explains; after another motion that need \
+                    not be a change. Repeating the motion of the first would tell."
+        .to_owned();
+}
+
+/// From this ratio of the variance left to that of the noise on, most of what is left is no noise.
+const PREVAILS: f64 = 2.0;
+
+/// Whether the changes explain, up to noise, the channel in which they explain most.
+fn are_explained(found: &Changes) -> bool {
+    let explained = |one: &ChannelErrors| {
+        let noise = one.noise_floor.powi(2).max(f64::MIN_POSITIVE);
+        (one.refitted.powi(2) - one.after.powi(2)) / noise
+    };
+    let most = (found.channels.values()).max_by(|a, b| explained(a).total_cmp(&explained(b)));
+    most.is_some_and(|one| one.after.powi(2) < PREVAILS * one.noise_floor.powi(2))
 }
 
 /// A cause of the search as what it is before and after.
