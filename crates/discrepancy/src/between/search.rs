@@ -43,6 +43,9 @@ pub fn changes(
         found.reason = format!("{} {}", first.measured().source, of_first.diagnosis.reason);
         found.missing.clone_from(&of_first.diagnosis.missing);
     }
+    if pair.repeats() && found.verdict == Verdict::UnknownChange {
+        no_more_than_of_one(&of_first.diagnosis, found);
+    }
     found.work.predictions += of_first.diagnosis.work.predictions;
     found.work.seconds = begun.elapsed().as_secs_f64();
     Ok(answer)
@@ -96,6 +99,28 @@ fn searched(
         changed: answer.after,
     })
 }
+
+/// Where nothing says that something changed but the size of what is left, beside a noise that is
+/// known: it has to be more than both recordings leave of themselves, as large as the first does.
+fn no_more_than_of_one(first: &Diagnosis, found: &mut Changes) {
+    let signals = &found.ceiling.correlated_signals;
+    if !found.changes.is_empty() || found.curve.is_some() || !signals.is_empty() {
+        return;
+    }
+    let is_more = (found.channels.iter()).any(|(name, errors)| {
+        let own = first.channels.get(name).map_or(0.0, |own| own.after);
+        errors.after.powi(2) > EXCESS * 2.0 * own.powi(2)
+    });
+    if !is_more {
+        found.verdict = Verdict::NothingChanged;
+        found.reason = "Between the recordings nothing changed that can be seen: they differ by more than the noise as \
+                        it is known, and by no more than the model leaves of each."
+            .to_owned();
+    }
+}
+
+/// Ratio of variances that noise of a hundred independent samples does not reach.
+const EXCESS: f64 = 1.5;
 
 /// Refuses units of the second recording that cannot be meant.
 fn check_second(second: &Trial) -> Result<(), DiagnoseError> {
