@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Makes the data of the shipped example, `scenarios/diagnosis/elbow.csv`: an arm whose elbow has play.
+"""Makes the data of the shipped example, `scenarios/diagnosis/elbow.csv`: an arm whose elbow has play; and
+`elbow_later.csv`, the same motion when the elbow has worn.
 
 The example's scenario is the bench's `two_joint` under another name; sensors have ordinary noise, the robot's masses
 are 1 % heavier than stated.
@@ -21,7 +22,9 @@ from bench.experiment import TWO_JOINT, Experiment  # noqa: E402
 from bench.noise import unit_noise  # noqa: E402
 
 DATA = ROOT / "scenarios" / "diagnosis" / "elbow.csv"
+LATER = DATA.with_name("elbow_later.csv")
 HIDDEN = Effect("joint_backlash", 2, {"gap_rad": 1.2e-3})
+WORN = Effect("joint_backlash", 2, {"gap_rad": 1.5e-3})
 # places after the point at which no sensor here has anything to say
 DECIMALS = {"t_s": 4, "command_1_deg": 7, "command_2_deg": 7, "torque_1_n_m": 3, "torque_2_n_m": 3, "height_mm": 3}
 
@@ -39,13 +42,14 @@ def measurement(e: Experiment, hidden: tuple[Effect, ...], seed: int) -> dict[st
     return found
 
 
-def columns() -> dict[str, np.ndarray]:
+def columns(hidden: Effect = HIDDEN, seed: int = 2024) -> dict[str, np.ndarray]:
     """The example's columns, rounded as in its file."""
-    found = measurement(TWO_JOINT, (HIDDEN,), 2024)
+    found = measurement(TWO_JOINT, (hidden,), seed)
     return {name: np.round(values, DECIMALS[name]) for name, values in found.items()}
 
 
 if __name__ == "__main__":
     DATA.parent.mkdir(parents=True, exist_ok=True)
-    write_csv(DATA, columns())
-    print(f"{DATA}: {DATA.stat().st_size / 1e3:.0f} kB")
+    for path, found in ((DATA, columns()), (LATER, columns(WORN, 2025))):
+        write_csv(path, found)
+        print(f"{path}: {path.stat().st_size / 1e3:.0f} kB")

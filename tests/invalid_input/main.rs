@@ -189,6 +189,52 @@ fn every_bad_diagnosis_is_refused_with_place_value_and_rule() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
+/// Two recordings of which nothing can be learnt about a change.
+#[test]
+fn every_bad_pair_of_recordings_is_refused() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let shipped = |name: &str| root.join("scenarios/diagnosis").join(name);
+    let fixtures: Vec<PathBuf> = fixtures("between", "csv", 4);
+    let bad = |name: &str| {
+        let found = fixtures.iter().find(|file| file.ends_with(name));
+        found.unwrap_or_else(|| panic!("{name}")).clone()
+    };
+    let same = shipped("elbow.csv");
+    for (second, wanted) in [
+        (same.clone(), "elbow.csv: both recordings are this file"),
+        (
+            bad("part_of_the_first.csv"),
+            "samples in a row are those of",
+        ),
+        (bad("without_height.csv"), "height_mm"),
+        (
+            bad("height_stands_still.csv"),
+            "tool.position_z is not measured here",
+        ),
+        (bad("too_short.csv"), "too_short.csv"),
+        (shipped("nowhere.csv"), "nowhere.csv"),
+    ] {
+        let out = tempfile::tempdir().unwrap();
+        let paths = [&shipped("elbow.toml"), &same, &second];
+        let [scenario, first, second] = paths.map(|path| path.to_str().unwrap());
+        let folder = out.path().to_str().unwrap();
+        let output = truecut(&[
+            "diagnose",
+            scenario,
+            "--between",
+            first,
+            second,
+            "--out",
+            folder,
+        ]);
+        let report = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(BAD_INPUT), "{second}: {report}");
+        assert!(report.contains(wanted), "{second}: {report}");
+        assert_eq!(report.matches('×').count(), 1, "{second}: {report}");
+        assert!(!report.contains("panicked"), "{second}: {report}");
+    }
+}
+
 /// The messages themselves are tested beside the reader of URDF files; here, that the program shows
 /// them with the line that they are about.
 #[test]
@@ -252,6 +298,19 @@ fn arguments_that_make_no_sense_are_refused() {
             "must be a number from 0 to less than 1",
         ),
         (&["fly"], "unrecognized subcommand"),
+        (&["diagnose", "x.toml", "--between", "a.csv"], "--between"),
+        (
+            &[
+                "diagnose",
+                "x.toml",
+                "--between",
+                "a.csv",
+                "b.csv",
+                "--data",
+                "c.csv",
+            ],
+            "cannot be used with",
+        ),
         (&["path", "x.nc"], "needs --robot"),
         (
             &["path", "x.nc", "--work-xyz-mm", "900,0"],

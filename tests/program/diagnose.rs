@@ -7,10 +7,14 @@ use std::collections::BTreeMap;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
+use truecut_discrepancy::between::{self, Changes};
 use truecut_discrepancy::diagnose::{Diagnosis, Verdict};
+use truecut_scenario::Scenario;
 
 /// Play that the data hold, rad.
 const PLAY_RAD: f64 = 1.2e-3;
+/// And later.
+const WORN_RAD: f64 = 1.5e-3;
 
 /// The example, copied to a desk.
 fn desk() -> Desk {
@@ -23,7 +27,9 @@ fn desk() -> Desk {
     let text = std::fs::read_to_string(folder.join("elbow.toml")).unwrap();
     let text = text.replace("../../assets", &root.join("assets").display().to_string());
     std::fs::write(desk.path("elbow.toml"), text).unwrap();
-    std::fs::copy(folder.join("elbow.csv"), desk.path("elbow.csv")).unwrap();
+    for name in ["elbow.csv", "elbow_later.csv"] {
+        std::fs::copy(folder.join(name), desk.path(name)).unwrap();
+    }
     desk
 }
 
@@ -68,6 +74,94 @@ fn diagnose_names_what_the_example_hides() {
     let report = std::fs::read_to_string(desk.path("out/elbow/report.html")).unwrap();
     assert!(report.contains("<svg") && report.contains("joint_backlash"));
     assert!(desk.path("out/elbow/diagnosis.rrd").exists());
+}
+
+/// The example's answer to what changed.
+fn changes(desk: &Desk) -> Changes {
+    let text = std::fs::read_to_string(desk.path("out/elbow/between.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+#[test]
+fn crosscheck_mujoco_play_that_grew_is_named_with_its_values_before_and_after() {
+    let desk = desk();
+    let told = desk.ends(
+        0,
+        &[
+            "diagnose",
+            "elbow.toml",
+            "--between",
+            "elbow.csv",
+            "elbow_later.csv",
+        ],
+    );
+    assert!(told.contains("CHANGED: joint_backlash on joint2"), "{told}");
+    let found = changes(&desk);
+    assert_eq!(found.verdict, between::Verdict::Changed);
+    assert!(found.compared.repeated);
+    let [change] = found.changes.as_slice() else {
+        panic!("one change, and no other: {:?}", found.changes);
+    };
+    assert_eq!(change.kind, "joint_backlash");
+    assert_eq!(change.target.as_deref(), Some("joint2"));
+    let gap = &change.parameters["gap_rad"];
+    let grown = WORN_RAD - PLAY_RAD;
+    assert!((gap.before / PLAY_RAD - 1.0).abs() < 0.02, "{gap:?}");
+    assert!((gap.after / WORN_RAD - 1.0).abs() < 0.02, "{gap:?}");
+    assert!((gap.change / grown - 1.0).abs() < 0.05, "{gap:?}");
+    let (low, high) = (gap.low.unwrap(), gap.high.unwrap());
+    assert!(low < grown && grown < high, "{gap:?}");
+    // What is there in both is told, and is no change.
+    assert_eq!(found.shared[0].kind, "joint_backlash");
+    let report = std::fs::read_to_string(desk.path("out/elbow/report.html")).unwrap();
+    assert!(report.contains("<svg") && report.contains("elbow_later.csv"));
+    for (name, size) in [("before", PLAY_RAD), ("after", WORN_RAD)] {
+        let path = format!("out/elbow/{name}.toml");
+        let scenario = Scenario::load(&desk.path(&path), &[]).unwrap();
+        let [effect] = scenario.effects.as_slice() else {
+            panic!("{name}: {:?}", scenario.effects);
+        };
+        assert!((effect.values[0] / size - 1.0).abs() < 0.02, "{effect:?}");
+        desk.ends(0, &["check", &path]);
+    }
+}
+
+/// Errors of two sensors on one measurement, each drawn by itself: play is in both, and none is
+/// told.
+#[test]
+fn what_is_in_both_recordings_is_no_change() {
+    let desk = desk();
+    let text = std::fs::read_to_string(desk.path("elbow.csv")).unwrap();
+    for (name, seed) in [("first.csv", 31), ("second.csv", 32)] {
+        let mut draw = ChaCha8Rng::seed_from_u64(seed);
+        // Uniform, of four times the deviation of what the sensors err by already.
+        let mut error = |most: f64| most * (f64::from(draw.next_u32()) / 2_f64.powi(31) - 1.0);
+        let mut lines = vec![text.lines().next().unwrap().to_owned()];
+        for line in text.lines().skip(1) {
+            let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+            let [t, a, b, one, two, height] = cells[..] else {
+                panic!("{line}");
+            };
+            let (one, two) = (one + error(6.0), two + error(1.7));
+            let height = height + error(0.5);
+            lines.push(format!("{t},{a},{b},{one:.3},{two:.3},{height:.3}"));
+        }
+        std::fs::write(desk.path(name), lines.join("\n") + "\n").unwrap();
+    }
+    let command = [
+        "diagnose",
+        "elbow.toml",
+        "--between",
+        "first.csv",
+        "second.csv",
+    ];
+    let told = desk.ends(0, &command);
+    assert!(told.contains("NOTHING CHANGED BEYOND NOISE"), "{told}");
+    let found = changes(&desk);
+    assert_eq!(found.verdict, between::Verdict::NothingChanged);
+    assert!(found.changes.is_empty() && !found.smallest_seen.is_empty());
+    assert_eq!(found.shared[0].kind, "joint_backlash");
+    assert!(!desk.path("out/elbow/after.toml").exists());
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
+//! | [`between`] | what changed between two recordings of one machine |
 //! | [`compare`] | how simulation and measurement differ, without naming causes |
 //! | [`diagnose`] | the search for effects that explain measured data |
 //! | [`confirmed`] | the result of that search, confirmed in the full model |
@@ -15,6 +16,7 @@
 
 #![warn(missing_docs)]
 
+pub mod between;
 pub mod compare;
 pub mod confirmed;
 pub mod diagnose;

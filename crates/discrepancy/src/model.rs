@@ -3,7 +3,7 @@
 use thiserror::Error;
 use truecut_recording::ChannelSpec;
 use truecut_scenario::UncertainSpec;
-use truecut_scenario::effect::{Effect, EffectKind, Target};
+use truecut_scenario::effect::{Effect, EffectKind, ParameterInfo, Target};
 
 /// One value per sample, for each channel.
 pub type Columns = Vec<Vec<f64>>;
@@ -48,6 +48,11 @@ pub trait Model: Sync {
 
     /// The effects that may be looked for.
     fn candidates(&self) -> Vec<Candidate>;
+
+    /// The parameters of a candidate, with the bounds within which they are looked for.
+    fn parameters(&self, candidate: &Candidate) -> Vec<ParameterInfo> {
+        candidate.kind.parameters().to_vec()
+    }
 
     /// Curves that may show what no candidate explains, each with the ends over which it is given;
     /// their scale is that of any of their values.

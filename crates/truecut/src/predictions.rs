@@ -15,7 +15,7 @@ use truecut_discrepancy::model::{Candidate, Columns, Experiment, Model, PredictE
 use truecut_files::continued;
 use truecut_recording::ChannelSpec;
 use truecut_scenario::UncertainSpec;
-use truecut_scenario::effect::Effect;
+use truecut_scenario::effect::{Effect, ParameterInfo};
 
 /// What takes less than ten times as long to make as a disk takes to hold it (1e8 bytes/s) is not
 /// worth its room there: a search is slower by a tenth at most.
@@ -254,6 +254,10 @@ impl Model for KeptModel<'_> {
 
     fn candidates(&self) -> Vec<Candidate> {
         self.model.candidates()
+    }
+
+    fn parameters(&self, candidate: &Candidate) -> Vec<ParameterInfo> {
+        self.model.parameters(candidate)
     }
 
     fn additive(&self) -> Vec<usize> {

@@ -20,6 +20,7 @@ const REPORT: &str = "report.html";
 const VIEWER: &str = "diagnosis.rrd";
 /// Predictions of a search that goes on, or was stopped.
 const RUNS: &str = "diagnosis.runs";
+const NAMES: [&str; 6] = [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER, RUNS];
 
 /// Makes the folder before the search starts and locks it. Files of an earlier diagnosis stay until
 /// there is a new one.
@@ -27,8 +28,8 @@ const RUNS: &str = "diagnosis.runs";
 /// # Errors
 /// A folder that cannot be written to, or in which an answer would replace what is being diagnosed.
 pub fn prepare(scenario: &Scenario, folder: &Path, data: &str) -> Result<Staged, Failure> {
-    spare_inputs([scenario.path(), Path::new(data)], folder)?;
-    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER, RUNS] {
+    spare_inputs(&[scenario.path(), Path::new(data)], folder, &NAMES)?;
+    for name in NAMES {
         let path = folder.join(name);
         if path.is_dir() {
             let text = "it is a folder, but a file of this name is to be written";
@@ -44,8 +45,12 @@ pub fn runs(files: &Staged) -> PathBuf {
     files.folder().join(RUNS)
 }
 
-fn spare_inputs(inputs: [&Path; 2], folder: &Path) -> Result<(), Failure> {
-    for name in [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER, RUNS] {
+/// Refuses a folder in which one of these files would replace an input.
+///
+/// # Errors
+/// As said.
+pub fn spare_inputs(inputs: &[&Path], folder: &Path, names: &[&str]) -> Result<(), Failure> {
+    for name in names {
         let Ok(there) = folder.join(name).canonicalize() else {
             continue;
         };

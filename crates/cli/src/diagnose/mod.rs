@@ -1,6 +1,7 @@
 //! `truecut diagnose`: what the simulation gets wrong about measured data, its cause, and what is
 //! gained.
 
+mod between;
 mod files;
 mod report;
 mod text;
@@ -38,6 +39,9 @@ pub struct Written {
 /// simulation; those that were made are kept, and the next diagnosis of the same goes on from
 /// there.
 pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
+    if let Some([first, second]) = arguments.between.as_deref() {
+        return between::diagnose(arguments, [first, second]);
+    }
     let signals = Signals::catch()?;
     let scenario = &arguments.common.load(&arguments.scenario)?;
     let options = arguments.options();

@@ -1,7 +1,7 @@
 //! The diagnosis as one HTML page with inline figures.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use truecut_discrepancy::diagnose::Diagnosis;
+use truecut_discrepancy::diagnose::{Diagnosis, SmallestSeen, UnknownCurve};
 use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::Trial;
 use truecut_recording::{UserUnit, significant};
@@ -12,9 +12,9 @@ use crate::figure::{BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, Style, la
 use crate::text::reading_unit;
 
 /// Points of a curve that a page can show.
-const POINTS: usize = 1200;
+pub(super) const POINTS: usize = 1200;
 
-const STYLE: &str = "body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
+pub(super) const STYLE: &str = "body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
 table{border-collapse:collapse;margin:.5rem 0}td,th{padding:.2rem .8rem;text-align:left;border-bottom:1px solid #ddd}\
 td.n{text-align:right}.verdict{font-size:1.3rem;padding:.6rem 1rem;background:#eef3f8;border-left:6px solid #0072b2}\
 svg{max-width:100%;height:auto}";
@@ -35,7 +35,7 @@ pub fn html(trial: &Trial, confirmed: &Confirmed) -> String {
                 p { "Data: " (diagnosis.data) }
                 p.verdict { b { (text::headline(diagnosis)) } br; (diagnosis.reason) }
                 (causes(diagnosis))
-                (unnamed(diagnosis))
+                (unnamed(diagnosis.curve.as_ref()))
                 (others(diagnosis))
                 (gain(diagnosis))
                 h2 { "Measured, nominal, extended" }
@@ -82,8 +82,8 @@ fn causes(diagnosis: &Diagnosis) -> Markup {
 }
 
 /// What has no name, drawn with its band.
-fn unnamed(diagnosis: &Diagnosis) -> Markup {
-    let Some(found) = &diagnosis.curve else {
+pub(super) fn unnamed(curve: Option<&UnknownCurve>) -> Markup {
+    let Some(found) = curve else {
         return html! {};
     };
     let along = match found.kind.as_str() {
@@ -113,7 +113,7 @@ fn unnamed(diagnosis: &Diagnosis) -> Markup {
     html! {
         h2 { "Unknown, shown as a curve" }
         p { "Odds against the model without it: " (text::odds(found.log10_odds))
-            ". extended.toml carries it as an [[effect]]." }
+            ". The scenario that is written carries it as an [[effect]]." }
         (PreEscaped(figure.to_svg()))
     }
 }
@@ -151,7 +151,13 @@ fn gain(diagnosis: &Diagnosis) -> Markup {
 }
 
 fn seen(diagnosis: &Diagnosis) -> Markup {
-    let rows = (diagnosis.smallest_seen.iter()).map(|one| {
+    let title = "The smallest effects that these data would have shown";
+    smallest(title, &diagnosis.smallest_seen)
+}
+
+/// What would have been seen, under this title.
+pub(super) fn smallest(title: &str, seen: &[SmallestSeen]) -> Markup {
+    let rows = (seen.iter()).map(|one| {
         let size = match one.size {
             Some(size) => text::with_unit(&significant(size, 3), &one.unit),
             None => "none within reach".to_owned(),
@@ -160,7 +166,6 @@ fn seen(diagnosis: &Diagnosis) -> Markup {
         cells(&[&format!("{} {target}", one.kind), &one.parameter, &size])
     });
     let head = ["effect", "parameter", "smallest size"];
-    let title = "The smallest effects that these data would have shown";
     table(title, &head, rows)
 }
 
@@ -255,7 +260,11 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
 }
 
 /// A table under its title; nothing where it has no rows. A row is its cells.
-fn table(title: &str, head: &[impl AsRef<str>], rows: impl Iterator<Item = Markup>) -> Markup {
+pub(super) fn table(
+    title: &str,
+    head: &[impl AsRef<str>],
+    rows: impl Iterator<Item = Markup>,
+) -> Markup {
     let mut rows = rows.peekable();
     if rows.peek().is_none() {
         return html! {};
@@ -270,7 +279,7 @@ fn table(title: &str, head: &[impl AsRef<str>], rows: impl Iterator<Item = Marku
 }
 
 /// Cells of a row, numbers to the right.
-fn cells(texts: &[impl AsRef<str>]) -> Markup {
+pub(super) fn cells(texts: &[impl AsRef<str>]) -> Markup {
     html! {
         @for text in texts.iter().map(AsRef::as_ref) {
             td.n[text.parse::<f64>().is_ok()] { (text) }

@@ -1,18 +1,21 @@
 //! The diagnosis as text, short enough to read in ten seconds.
 
+mod errors;
+
 use std::path::Path;
 
 use truecut_discrepancy::diagnose::{
-    Alternative, Cause, ChannelErrors, Diagnosis, NoiseSource, Nominal, Parameter, Verdict,
+    Alternative, Cause, Diagnosis, NoiseSource, Nominal, Parameter, SmallestSeen, Verdict,
 };
 use truecut_discrepancy::trial::Trial;
-use truecut_recording::{Unit, significant};
+use truecut_recording::significant;
 use truecut_scenario::effect::EffectKind;
 use truecut_scenario::key_unit;
 
+pub use self::errors::{held_out, rows_of_errors};
 use super::Confirmed;
 use super::Written;
-use crate::text::{self, Align, reading_unit};
+use crate::text::{self, Align};
 
 /// Most rows of the list of detectable sizes.
 const SEEN_ROWS: usize = 8;
@@ -157,35 +160,11 @@ pub fn in_unit_of_key(nominal: &Nominal) -> (f64, Parameter) {
     (shown(nominal.before), after)
 }
 
-/// The noise, or between what and what it is.
-fn noise(errors: &ChannelErrors, number: &dyn Fn(f64) -> String) -> String {
-    let (least, most) = (errors.noise_without_memory, errors.noise_floor);
-    match errors.noise_source {
-        NoiseSource::Bound if least > 0.0 => format!("{} to {}", number(least), number(most)),
-        NoiseSource::Bound => format!("<= {}", number(most)),
-        _ => number(most),
-    }
-}
-
 /// A header, and for each channel its errors on held-out data and the noise, in the unit in which
 /// one reads them.
 pub fn error_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
-    let mut rows = vec![vec!["".to_owned(), "nominal".to_owned()]];
     let refitted = !diagnosis.nominal.is_empty();
-    rows[0].extend(refitted.then(|| "refitted alone".to_owned()));
-    rows[0].extend(["extended", "noise", "", "noise known from"].map(str::to_owned));
-    for (channel, errors) in &diagnosis.channels {
-        let unit = errors.unit.parse().unwrap_or(Unit::One);
-        let unit = reading_unit(unit, errors.before.max(errors.noise_floor));
-        let number = |value: f64| significant(unit.from_si(value), 4);
-        let mut row = vec![channel.clone(), number(errors.before)];
-        row.extend(refitted.then(|| number(errors.refitted)));
-        row.extend([number(errors.after), noise(errors, &number)]);
-        row.push(with_unit("", &unit.symbol).trim().to_owned());
-        row.push(errors.noise_source.description().to_owned());
-        rows.push(row);
-    }
-    rows
+    rows_of_errors(&diagnosis.channels, ["nominal", "extended"], refitted)
 }
 
 /// Alternatives, or the next best explanation, and the experiment that would decide: what, how far.
@@ -324,23 +303,25 @@ fn alternatives(diagnosis: &Diagnosis) -> String {
 }
 
 fn gain(diagnosis: &Diagnosis) -> String {
-    if diagnosis.channels.is_empty() {
-        return String::new();
-    }
-    let rows = error_rows(diagnosis);
-    let mut aligns = vec![Align::Right; rows[0].len()];
-    let last = rows[0].len() - 1;
-    for side in [0, last - 1, last] {
-        aligns[side] = Align::Left;
-    }
-    titled("Error on held-out data (root mean square)", &aligns, &rows)
+    held_out(
+        "Error on held-out data (root mean square)",
+        &error_rows(diagnosis),
+    )
 }
 
 fn seen(diagnosis: &Diagnosis) -> String {
     if diagnosis.verdict != Verdict::NothingBeyondNoise {
         return String::new();
     }
-    let rows: Vec<Vec<String>> = (diagnosis.smallest_seen.iter())
+    smallest(
+        "These would have been seen (the others are in the report)",
+        &diagnosis.smallest_seen,
+    )
+}
+
+/// Sizes that would have been seen.
+pub fn smallest(title: &str, seen: &[SmallestSeen]) -> String {
+    let rows: Vec<Vec<String>> = (seen.iter())
         .filter_map(|one| {
             let size = one.size?;
             let target = one.target.as_deref().unwrap_or_default();
@@ -352,11 +333,7 @@ fn seen(diagnosis: &Diagnosis) -> String {
         })
         .take(SEEN_ROWS)
         .collect();
-    titled(
-        "These would have been seen (the others are in the report)",
-        &[Align::Left; 3],
-        &rows,
-    )
+    titled(title, &[Align::Left; 3], &rows)
 }
 
 fn rest(confirmed: &Confirmed) -> String {
@@ -387,7 +364,7 @@ fn rest(confirmed: &Confirmed) -> String {
     text
 }
 
-fn titled(title: &str, aligns: &[Align], rows: &[Vec<String>]) -> String {
+pub fn titled(title: &str, aligns: &[Align], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
     }

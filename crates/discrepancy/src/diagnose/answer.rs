@@ -291,7 +291,7 @@ pub(super) fn names(problem: &Problem, point: &Point) -> Vec<String> {
 }
 
 /// The name of a target as channels and answers have it.
-pub(super) fn target_name(candidate: &Candidate) -> Option<String> {
+pub(crate) fn target_name(candidate: &Candidate) -> Option<String> {
     match &candidate.target {
         Target::Whole => None,
         Target::Joint(index) => Some(format!("joint{}", index + 1)),

@@ -3,6 +3,8 @@
 mod test_part;
 mod unnamed;
 
+pub(crate) use test_part::breaks_away_from;
+
 use rayon::prelude::*;
 
 use super::ambiguity::{Rival, experiments, rivals};

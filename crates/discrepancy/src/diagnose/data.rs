@@ -80,7 +80,7 @@ pub struct Fine {
 pub const MIN_SAMPLES: usize = 200;
 
 impl Observation {
-    pub(super) fn check(&self, channels: usize) -> Result<(), DiagnoseError> {
+    pub(crate) fn check(&self, channels: usize) -> Result<(), DiagnoseError> {
         let n = self.time_s.len();
         if self.outputs.len() != channels {
             return Err(DiagnoseError::ChannelCount {

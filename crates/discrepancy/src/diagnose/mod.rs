@@ -53,10 +53,12 @@ use truecut_scenario::effect::Effect;
 
 use crate::compare::{Pair, UnitSuspicion, unit_suspicion};
 use crate::model::{Columns, Model, PredictError};
+pub(crate) use answer::target_name;
 pub use answer::{
     Alternative, Cause, Ceiling, ChannelErrors, CorrelatedSignal, Diagnosis, Evidence, FitRecord,
     Nominal, Parameter, Proposal, SmallestSeen, UnknownCurve, Verdict, Work,
 };
+pub(crate) use conclude::breaks_away_from;
 pub use data::{Fine, MIN_SAMPLES, Observation, Output, Regressor};
 pub use floor::{NoiseSample, NoiseSource};
 
@@ -210,12 +212,25 @@ pub fn diagnose(
     options: &Options,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Answer, DiagnoseError> {
+    explain(model, data, options, progress, true)
+}
+
+/// As [`diagnose`]; units are checked if asked for.
+pub(crate) fn explain(
+    model: &dyn Model,
+    data: &Observation,
+    options: &Options,
+    progress: &(dyn Fn(Progress) + Sync),
+    has_units: bool,
+) -> Result<Answer, DiagnoseError> {
     let begun = Instant::now();
     data.check(model.channels().len())?;
     let problem = problem::Problem::new(model, data, options, progress);
     problem.split.check()?;
     let before = problem.predict_whole(&problem.start())?;
-    check_units(model, data, &before)?;
+    if has_units {
+        check_units(model, data, &before)?;
+    }
     let mut answer = match gate::unexcited(&problem, &before) {
         Some(missing) => conclude::not_excited(&problem, before, missing),
         None => {
@@ -230,8 +245,29 @@ pub fn diagnose(
     Ok(answer)
 }
 
+/// Minus twice the log-likelihood of the data, with the numbers of these effects and the nominal ones
+/// fitted to all but the last part.
+///
+/// # Errors
+/// The simulation cannot be run.
+pub(crate) fn likelihood(
+    model: &dyn Model,
+    data: &Observation,
+    options: &Options,
+    nominal: &[f64],
+    effects: &[Effect],
+) -> Result<f64, DiagnoseError> {
+    let quiet = |_: Progress| {};
+    let problem = problem::Problem::new(model, data, options, &quiet);
+    let start = problem.at(nominal, effects);
+    let rows = &problem.split.development;
+    let residual = data.residual(&problem.predict(&start)?);
+    let orders = noise::Noise::orders(&residual, rows, &problem.floor);
+    Ok(fit::fit(&problem, start, rows, &orders, true)?.objective)
+}
+
 /// Refuses channels with a huge residual that another unit would remove.
-fn check_units(
+pub(crate) fn check_units(
     model: &dyn Model,
     data: &Observation,
     before: &Columns,

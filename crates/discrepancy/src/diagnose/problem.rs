@@ -16,6 +16,8 @@ pub(super) struct Problem<'a> {
     pub options: &'a Options,
     /// Those of the search, then curves.
     pub candidates: Vec<Candidate>,
+    /// The parameters of those of the search.
+    infos: Vec<Vec<ParameterInfo>>,
     /// What is given of each curve.
     curves: Vec<Given>,
     /// Those of them that are looked for at the end.
@@ -118,11 +120,13 @@ impl<'a> Problem<'a> {
         let (curves, given): (Vec<Candidate>, Vec<Given>) = (model.curves().iter())
             .flat_map(|(candidate, ends)| PLACES.map(|places| of_places(candidate, *ends, places)))
             .unzip();
+        let searched = model.candidates();
         Problem {
             model,
             data,
             options,
-            candidates: [model.candidates(), curves].concat(),
+            infos: searched.iter().map(|one| model.parameters(one)).collect(),
+            candidates: [searched, curves].concat(),
             curves: given,
             late: model.late(),
             nominal: model.nominal(),
@@ -273,7 +277,7 @@ impl<'a> Problem<'a> {
     pub fn infos(&self, candidate: usize) -> &[ParameterInfo] {
         match self.given(candidate) {
             Some(given) => &given.infos,
-            None => self.candidates[candidate].kind.parameters(),
+            None => &self.infos[candidate],
         }
     }
 
@@ -281,6 +285,26 @@ impl<'a> Problem<'a> {
         Point {
             nominal: self.nominal.iter().map(|p| p.value).collect(),
             effects: Vec::new(),
+        }
+    }
+
+    /// The point of effects that are candidates; others are left out.
+    pub fn at(&self, nominal: &[f64], effects: &[Effect]) -> Point {
+        let found = effects.iter().filter_map(|effect| {
+            let given = |i: usize| self.ends(i).len();
+            let is_meant = |i: &usize| {
+                let one = &self.candidates[*i];
+                one.kind == effect.kind
+                    && one.target == effect.target
+                    && self.infos(*i).len() + given(*i) == effect.values.len()
+            };
+            let candidate = (0..self.candidates.len()).find(is_meant)?;
+            let values = effect.values[given(candidate)..].to_vec();
+            Some(Found { candidate, values })
+        });
+        Point {
+            nominal: nominal.to_vec(),
+            effects: found.collect(),
         }
     }
 

@@ -19,7 +19,7 @@ pub(super) struct RunKey {
 
 /// Values by what they are for.
 #[derive(Debug)]
-pub(super) struct Cache<Key, Value> {
+pub(crate) struct Cache<Key, Value> {
     known: Mutex<VecDeque<(Key, Arc<Value>)>>,
 }
 
@@ -36,7 +36,7 @@ impl<Key, Value> Default for Cache<Key, Value> {
 
 impl<Key: PartialEq, Value> Cache<Key, Value> {
     /// The value for `key`, made by `make` if it is not known.
-    pub(super) fn get(
+    pub(crate) fn get(
         &self,
         key: Key,
         make: impl FnOnce() -> Result<Value, PredictError>,

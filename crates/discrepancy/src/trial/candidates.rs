@@ -5,31 +5,44 @@
 //! wind-up.
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod targets;
+
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use truecut_recording::ChannelSpec;
 use truecut_scenario::effect::{
     BaseEffect, ClockEffect, CuttingEffect, Effect, EffectKind, FootEffect, JointEffect,
-    MillingEffect, RobotEffect, SensorEffect, Target, TargetKind, Typed, WheelEffect,
+    MillingEffect, RobotEffect, SensorEffect, Target, Typed, WheelEffect,
 };
-use truecut_scenario::{FootSpec, ProcessSpec, ReplayMode, Scenario, WheelHold, WheelPart};
+use truecut_scenario::{FootSpec, ProcessSpec, Scenario, WheelHold, WheelPart};
 use truecut_sim::misfit;
 
+pub(super) use self::targets::delays_drive_forces;
+use self::targets::{targets, why_untold};
 use super::signals::{JointSignals, Signals};
 use crate::model::Candidate;
 
 /// Part of a signal that a typical effect changes.
 pub(super) const SHARE: f64 = 0.1;
 
-/// Every effect that applies to the scenario, would tell and is not in it already; and a sentence
-/// on those that apply and would not tell.
+/// Effects that may be looked for.
+pub(super) struct Known {
+    /// Every effect that applies to the scenario, would tell and is not in it already.
+    pub absent: Vec<Candidate>,
+    /// Those that are in it already.
+    pub held: Vec<Candidate>,
+    /// A sentence on those that apply and would not tell.
+    pub untold: Vec<String>,
+}
+
+/// Every effect that applies to the scenario.
 pub(super) fn candidates(
     scenario: &Scenario,
     signals: &Signals,
     channels: &[ChannelSpec],
-) -> (Vec<Candidate>, Vec<String>) {
-    let mut all = Vec::new();
+) -> Known {
+    let (mut absent, mut held) = (Vec::new(), Vec::new());
     let mut untold: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for kind in EffectKind::ALL
         .iter()
@@ -39,62 +52,41 @@ pub(super) fn candidates(
         for target in targets(kind, signals, channels) {
             let effect = Effect::neutral(kind, target);
             let known = |own: &Effect| own.kind == kind && own.target == effect.target;
-            if misfit(scenario, &effect).is_some() || scenario.effects.iter().any(known) {
+            if misfit(scenario, &effect).is_some() {
                 continue;
             }
+            let is_held = scenario.effects.iter().any(known);
             match scale(scenario, signals, &effect) {
+                None if is_held => {}
                 None => {
                     let of_the_reason = untold.entry(why_untold(kind)).or_default();
                     of_the_reason.push(effect.to_string());
                 }
-                Some(scale) => all.push(Candidate {
-                    kind,
-                    rotary: match effect.target {
-                        Target::Joint(joint) => signals.joints[joint].rotary,
-                        Target::Whole | Target::Axis(_) | Target::Channel(_) => false,
-                    },
-                    target: effect.target,
-                    scale,
-                }),
+                Some(scale) => {
+                    let candidate = Candidate {
+                        kind,
+                        rotary: match effect.target {
+                            Target::Joint(joint) => signals.joints[joint].rotary,
+                            Target::Whole | Target::Axis(_) | Target::Channel(_) => false,
+                        },
+                        target: effect.target,
+                        scale,
+                    };
+                    match is_held {
+                        true => held.push(candidate),
+                        false => absent.push(candidate),
+                    }
+                }
             }
         }
     }
     let told = |(why, effects): (&str, Vec<String>)| {
         format!("not looked for, since {why}: {}", effects.join(", "))
     };
-    (all, untold.into_iter().map(told).collect())
-}
-
-/// Whether it is a delay of drive forces that are measured. It is looked for beside other causes
-/// alone: by itself a search took it for all that is of friction's shape.
-pub(super) fn delays_drive_forces(scenario: &Scenario, kind: EffectKind) -> bool {
-    let late = matches!(kind, EffectKind::ClockDelay | EffectKind::SensorDelay);
-    let ProcessSpec::Replay(replay) = &scenario.process else {
-        return false;
-    };
-    late && matches!(replay.mode, ReplayMode::Inverse { .. })
-}
-
-fn why_untold(kind: EffectKind) -> &'static str {
-    match kind.name() {
-        "joint_load_friction" => "under so even a load it is dry friction",
-        "joint_ripple" => "the joint turns too little for a ripple",
-        "cutting_runout" | "cutting_worn_tooth" => "with a single edge it is a depth offset",
-        "wheel_eccentricity" => "the wheel does not turn",
-        "clock_delay" => "with one channel it is a delay of its sensor",
-        "wheel_removal" => "what is removed is not measured",
-        _ => "nothing in the nominal run gives it a size",
-    }
-}
-
-fn targets(kind: EffectKind, signals: &Signals, channels: &[ChannelSpec]) -> Vec<Target> {
-    match kind.target() {
-        TargetKind::Whole => vec![Target::Whole],
-        TargetKind::Joint => (0..signals.joints.len()).map(Target::Joint).collect(),
-        TargetKind::Axis => (0..3).map(Target::Axis).collect(),
-        TargetKind::Channel => (channels.iter())
-            .map(|spec| Target::Channel(spec.name.clone()))
-            .collect(),
+    Known {
+        absent,
+        held,
+        untold: untold.into_iter().map(told).collect(),
     }
 }
 

@@ -4,12 +4,12 @@
 //! prediction in rapier. Scenarios that replay measured motion backwards (mode "inverse") integrate
 //! nothing and need neither.
 
-mod cache;
+pub(crate) mod cache;
 mod candidates;
 mod curves;
 mod experiments;
 mod jumps;
-mod noise;
+pub(crate) mod noise;
 mod observation;
 pub(crate) mod parallel;
 mod predict;
@@ -49,6 +49,8 @@ pub struct Trial {
     facts: RobotFacts,
     channels: Vec<ChannelSpec>,
     candidates: Vec<Candidate>,
+    /// Effects of the scenario itself, whose sizes another recording may have changed.
+    held: Vec<Candidate>,
     /// Curves for what has no name, each with its ends.
     curves: Vec<(Candidate, [f64; 2])>,
     engine: Kind,
@@ -207,10 +209,10 @@ impl Trial {
                 of_data_s.min(run_s(measured)? / FINEST)
             }
         };
-        let (candidates, untold) = candidates::candidates(scenario, &signals, &channels);
+        let known = candidates::candidates(scenario, &signals, &channels);
         let fastest_mode_hz = FASTEST_MODE / measured.interval_s();
         let mut measured = measured.clone();
-        measured.notes.extend(untold);
+        measured.notes.extend(known.untold);
         let samples = measured.time_s.len();
         measured
             .notes
@@ -222,7 +224,8 @@ impl Trial {
         ));
         measured.notes.extend(estimates(scenario, &robots)?);
         let mut trial = Trial {
-            candidates,
+            candidates: known.absent,
+            held: known.held,
             curves: curves::curves(scenario, &signals),
             scenario: scenario.clone(),
             start: start.keys,

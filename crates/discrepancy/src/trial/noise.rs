@@ -7,7 +7,8 @@ use truecut_recording::measured::{Measured, MeasuredChannel};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::InverseModel;
 
-use self::period::{cubic, period, weights};
+use self::period::period;
+pub(crate) use self::period::{cubic, weights};
 use crate::diagnose::{NoiseSample, NoiseSource};
 use crate::stats::{deviation, mean};
 
@@ -201,7 +202,7 @@ fn carried(noise: f64, share: f64, raw: &MeasuredChannel, used: &MeasuredChannel
 
 /// Standard deviation of white noise on something smooth: the least of those by differences of
 /// several orders (`hall1990`), each of which takes what is left of the signal for noise.
-pub(super) fn without_memory(values: &[f64], valid: &[bool]) -> f64 {
+pub(crate) fn without_memory(values: &[f64], valid: &[bool]) -> f64 {
     let mut differences = values.to_vec();
     let mut factor = 1.0;
     let mut least = f64::INFINITY;

@@ -10,7 +10,7 @@ use truecut_sim::run::{self, Engine, Rows};
 
 use super::cache::RunKey;
 use super::{EARLIEST_S, Kind, Trial, parallel, reduced, sampling};
-use crate::model::{Columns, PredictError};
+use crate::model::{Candidate, Columns, PredictError};
 
 /// Whether a sensor shows what is still to come further ahead than that.
 fn comes_early(effect: &Effect) -> bool {
@@ -24,6 +24,16 @@ fn comes_early(effect: &Effect) -> bool {
 }
 
 impl Trial {
+    /// The scenario with the start that the data say.
+    pub(crate) fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// Effects that the scenario has itself, as candidates.
+    pub(crate) fn held(&self) -> &[Candidate] {
+        &self.held
+    }
+
     pub(super) fn reduced(&self) -> Engine {
         Engine::Reduced {
             shortest_step_s: self.shortest_step_s,

@@ -84,6 +84,12 @@ fn breaks_away(problem: &Problem, last: &Fit) -> bool {
     })
 }
 
+/// Whether what is left of one recording is clearly larger than what is left of another, about its
+/// mean.
+pub(crate) fn breaks_away_from(before: &[f64], after: &[f64]) -> bool {
+    is_larger(&centred(before), &centred(after), 8.0, 4.0)
+}
+
 /// A sample's square counts for at most so many times the mean square.
 const SINGLE: f64 = 16.0;
 

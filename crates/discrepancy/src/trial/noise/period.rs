@@ -91,7 +91,7 @@ pub(super) fn period(inputs: &[&MeasuredChannel]) -> Option<f64> {
 }
 
 /// Value between samples, on the cubic through the four around it; `None` where one is missing.
-pub(super) fn cubic(channel: &MeasuredChannel, place: f64) -> Option<f64> {
+pub(crate) fn cubic(channel: &MeasuredChannel, place: f64) -> Option<f64> {
     let nearest = place.round();
     if (place - nearest).abs() < 1e-6 {
         let row = nearest as usize;
@@ -106,7 +106,7 @@ pub(super) fn cubic(channel: &MeasuredChannel, place: f64) -> Option<f64> {
 }
 
 /// Weights of four samples, for the place `t` between the second and the third.
-pub(super) fn weights(t: f64) -> [f64; 4] {
+pub(crate) fn weights(t: f64) -> [f64; 4] {
     [
         -t * (t - 1.0) * (t - 2.0) / 6.0,
         (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,

@@ -1,0 +1,256 @@
+//! What changed between two recordings of one machine: wear, a loosened clamp, a new payload.
+//!
+//! What the model gets wrong of both is no change. Where the second recording repeats the motion of
+//! the first, their difference is explained: common errors of the model go with it, whatever they
+//! are. Where motions differ, effects that the first recording shows are carried to the second, all
+//! shared numbers are refitted to both, and what the second has beyond is a change if it is none in
+//! both. Either way changes are looked for by [`diagnose`](crate::diagnose), with its bars, odds,
+//! floors and held-out parts.
+
+mod answer;
+mod change;
+mod join;
+mod motion;
+mod search;
+mod shared;
+mod split;
+
+use thiserror::Error;
+use truecut_recording::measured::Measured;
+use truecut_scenario::Scenario;
+use truecut_sim::SimError;
+
+use crate::diagnose::{DiagnoseError, Observation};
+use crate::model::Model;
+use crate::trial::Trial;
+pub use answer::{Answer, Changed, ChangedParameter, Changes, Compared, Rival, Verdict};
+pub use motion::Motion;
+pub use search::changes;
+
+/// Two recordings of one machine, and the scenario that both are held against.
+pub struct Between {
+    /// The earlier.
+    pub first: Trial,
+    /// The later.
+    pub second: Trial,
+    /// How their motions compare.
+    pub motion: Motion,
+    /// Rows that belong together, where the motion repeats.
+    overlap: join::Overlap,
+    /// Numbers of the scenario that may be refitted, the same in both.
+    uncertain: usize,
+    /// What is explained: the difference, or both.
+    pub observation: Observation,
+}
+
+/// Two recordings between which no change can be looked for.
+#[derive(Debug, Error)]
+pub enum BetweenError {
+    /// A recording that the scenario cannot be held against.
+    #[error("{source_file}: {error}")]
+    Sim {
+        /// Where the recording comes from.
+        source_file: String,
+        /// Why.
+        error: Box<SimError>,
+    },
+    /// The same samples in both.
+    #[error(
+        "{second}: from {from_s:.6} s on, {rows} samples in a row are those of {first}, to the last digit; \
+         two recordings of a machine at different times never agree so far"
+    )]
+    SameSamples {
+        /// The earlier recording.
+        first: String,
+        /// The later one.
+        second: String,
+        /// Where in the later one.
+        from_s: f64,
+        /// How many.
+        rows: usize,
+    },
+    /// Channels of one that the other does not have.
+    #[error(
+        "{second} leaves {found} channels to be compared, {first} leaves {expected}: both must have the same ones"
+    )]
+    Channels {
+        /// The earlier recording.
+        first: String,
+        /// The later one.
+        second: String,
+        /// Names of the earlier one's.
+        expected: String,
+        /// Names of the later one's.
+        found: String,
+    },
+    /// Recordings of which the filter leaves another rate.
+    #[error(
+        "of {first} one sample in {}, of {second} one in {} is kept after the filter: a recording is too short; raise \
+         process.replay.compare_cutoff_hz",
+        every[0],
+        every[1]
+    )]
+    Thinning {
+        /// The earlier recording.
+        first: String,
+        /// The later one.
+        second: String,
+        /// Samples for one that is kept.
+        every: [usize; 2],
+    },
+    /// Data that a search cannot use.
+    #[error("{source_file}: {error}")]
+    Diagnose {
+        /// Where the data come from.
+        source_file: String,
+        /// Why.
+        error: DiagnoseError,
+    },
+}
+
+/// So many samples in a row are no chance.
+const SAME_ROWS: usize = 10;
+
+impl BetweenError {
+    /// Of the data of this source.
+    fn of(source: &str) -> impl Fn(DiagnoseError) -> BetweenError {
+        move |error| BetweenError::Diagnose {
+            source_file: source.to_owned(),
+            error,
+        }
+    }
+}
+
+impl Between {
+    /// Prepares both recordings: whether the motion repeats, and what is to be explained.
+    ///
+    /// # Errors
+    /// Data that do not fit the scenario; recordings that hold the same samples, or do not have the
+    /// same channels.
+    pub fn new(
+        scenario: &Scenario,
+        first: &Measured,
+        second: &Measured,
+    ) -> Result<Between, BetweenError> {
+        check_samples(first, second)?;
+        let trial = |measured: &Measured| {
+            Trial::new(scenario, measured).map_err(|error| BetweenError::Sim {
+                source_file: measured.source.clone(),
+                error: Box::new(error),
+            })
+        };
+        let same_rate = motion::resampled(second.clone(), first.interval_s(), 0.0);
+        let later = motion::later(first, &same_rate);
+        let first = trial(first)?;
+        let every = every(&first);
+        let (second, motion, rows) = match later {
+            None => (same_rate, Motion::Different, 0),
+            Some((lag, unlike)) => {
+                // The second is taken at places that are whole intervals from those kept of the
+                // first.
+                let whole = (lag + 1e-3).floor();
+                let skipped = (whole as i64).rem_euclid(every as i64);
+                let begins = (lag - whole).max(0.0) + skipped as f64;
+                let motion = Motion::Repeated {
+                    later_s: lag * same_rate.interval_s(),
+                    unlike,
+                };
+                let interval_s = same_rate.interval_s();
+                let second = motion::resampled(same_rate, interval_s, begins);
+                (second, motion, (whole as i64 - skipped) / every as i64)
+            }
+        };
+        let second = trial(&second)?;
+        check_alike(&first, &second)?;
+        let count = |trial: &Trial| trial.observation.time_s.len();
+        let overlap = join::Overlap::of([count(&first), count(&second)], rows);
+        let (a, b) = (&first.observation, &second.observation);
+        let observation = match motion {
+            Motion::Repeated { .. } => join::difference(a, b, overlap),
+            Motion::Different => join::one_after_the_other(a, b),
+        };
+        Ok(Between {
+            uncertain: scenario.uncertain.len(),
+            first,
+            second,
+            motion,
+            overlap,
+            observation,
+        })
+    }
+
+    /// Whether the second recording repeats the motion of the first.
+    pub fn repeats(&self) -> bool {
+        matches!(self.motion, Motion::Repeated { .. })
+    }
+}
+
+fn every(trial: &Trial) -> usize {
+    trial.thinning().map_or(1, |thinning| thinning.every)
+}
+
+/// Refuses recordings of which one holds samples of the other.
+fn check_samples(first: &Measured, second: &Measured) -> Result<(), BetweenError> {
+    let outputs = |measured: &Measured, row: usize| -> Option<Vec<u64>> {
+        let values = measured
+            .outputs()
+            .map(|one| one.valid[row].then(|| one.values[row].to_bits()));
+        values.collect()
+    };
+    let mut places = std::collections::HashMap::new();
+    for row in 0..first.time_s.len() {
+        if let Some(key) = outputs(first, row) {
+            places.entry(key).or_insert(row);
+        }
+    }
+    let (mut run, mut last) = (0, None);
+    for row in 0..second.time_s.len() {
+        let place = outputs(second, row).and_then(|key| places.get(&key).copied());
+        // Values that stand still are the same row again and again: they do not count.
+        run = match (place, last) {
+            (Some(place), Some(last)) if place == last + 1 => run + 1,
+            _ => 0,
+        };
+        last = place;
+        if run >= SAME_ROWS {
+            return Err(BetweenError::SameSamples {
+                first: first.source.clone(),
+                second: second.source.clone(),
+                from_s: second.time_s[row - run],
+                rows: run + 1,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses recordings that leave other channels, or another rate.
+fn check_alike(first: &Trial, second: &Trial) -> Result<(), BetweenError> {
+    let names = |trial: &Trial| {
+        let names: Vec<&str> = trial
+            .channels()
+            .iter()
+            .map(|one| one.name.as_str())
+            .collect();
+        names.join(", ")
+    };
+    let [expected, found] = [first, second].map(names);
+    let source = |trial: &Trial| trial.measured().source.clone();
+    if expected != found {
+        return Err(BetweenError::Channels {
+            first: source(first),
+            second: source(second),
+            expected,
+            found,
+        });
+    }
+    let every = [first, second].map(every);
+    if every[0] != every[1] {
+        return Err(BetweenError::Thinning {
+            first: source(first),
+            second: source(second),
+            every,
+        });
+    }
+    Ok(())
+}

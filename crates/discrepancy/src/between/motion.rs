@@ -1,0 +1,279 @@
+//! Whether two recordings repeat one motion, and by how much one of them is shifted in time.
+
+use truecut_recording::measured::{Measured, MeasuredChannel};
+
+use crate::stats::{deviation, mean};
+use crate::trial::noise::{cubic, weights, without_memory};
+
+/// How the motions of two recordings compare.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// The second repeats the first: what the model gets wrong of both goes with the difference.
+    Repeated {
+        /// By so much it comes later in its file, s.
+        later_s: f64,
+        /// Inputs differ by so much at most, beyond their noise, as a part of their deviation.
+        unlike: f64,
+    },
+    /// They differ, so that what is common has to be modelled.
+    Different,
+}
+
+/// Inputs that differ by less than this part of their deviation repeat: of what the model gets
+/// wrong of both, the difference then keeps no more than this part.
+const AGAIN: f64 = 0.02;
+/// By more than this, nothing near does.
+const UNLIKE: f64 = 0.5;
+/// Rows that are compared at most.
+const COMPARED: usize = 1500;
+/// Places at which the second recording may lie so that the first is like it; the nearest first.
+const PLACES: usize = 20;
+/// A shift of less than this part of an interval is none.
+const NO_SHIFT: f64 = 1e-3;
+
+/// An input in both recordings.
+struct Input<'a> {
+    first: &'a MeasuredChannel,
+    second: &'a MeasuredChannel,
+    /// The larger of both.
+    deviation: f64,
+    /// Variance of the noise of both, over the square of the deviation.
+    noise: f64,
+}
+
+impl<'a> Input<'a> {
+    fn of(first: &'a MeasuredChannel, second: &'a MeasuredChannel) -> Input<'a> {
+        let both = [first, second];
+        let deviation = both.map(|one| deviation(&one.values));
+        let deviation = deviation[0].max(deviation[1]);
+        let noises = both.map(|one| without_memory(&one.values, &one.valid).powi(2));
+        Input {
+            first,
+            second,
+            deviation,
+            noise: (noises[0] + noises[1]) / deviation.powi(2).max(f64::MIN_POSITIVE),
+        }
+    }
+
+    /// How unlike both are if the second comes `lag` intervals later.
+    fn unlike(&self, lag: f64, stride: usize) -> f64 {
+        let rows = (0..self.first.values.len()).step_by(stride);
+        let pairs = rows.filter_map(|row| {
+            let place = row as f64 + lag;
+            let later = (place >= 0.0)
+                .then(|| cubic(self.second, place))
+                .flatten()?;
+            self.first.valid[row].then(|| later - self.first.values[row])
+        });
+        let apart: Vec<f64> = pairs.collect();
+        let shorter = self.first.values.len().min(self.second.values.len());
+        if 2 * apart.len() * stride < shorter {
+            return f64::INFINITY;
+        }
+        if self.deviation <= 0.0 {
+            return match apart.iter().all(|x| *x == 0.0) {
+                true => 0.0,
+                false => f64::INFINITY,
+            };
+        }
+        let squares: Vec<f64> = apart.iter().map(|x| (x / self.deviation).powi(2)).collect();
+        // The mean of squares is known to a part of itself.
+        let own = (1.0 + 6.0 / (squares.len() as f64).sqrt()) * self.noise;
+        (mean(&squares) - own).max(0.0).sqrt()
+    }
+}
+
+/// Intervals by which the second recording comes later, and how unlike the inputs are there; `None`
+/// where it does not repeat the first. Both have the same interval.
+pub(super) fn later(first: &Measured, second: &Measured) -> Option<(f64, f64)> {
+    let inputs: Vec<Input> = (first.inputs())
+        .map(|one| {
+            let other = second.channel(&one.spec.name).ok()?;
+            Some(Input::of(one, other))
+        })
+        .collect::<Option<_>>()?;
+    if inputs.is_empty() || !first.passes.is_empty() || !second.passes.is_empty() {
+        return as_they_are(first, second, &inputs);
+    }
+    let [n, m] = [first.time_s.len(), second.time_s.len()];
+    let stride = (n / COMPARED).max(1);
+    let unlike = |lag: f64| -> f64 {
+        let mut most = 0.0_f64;
+        for input in &inputs {
+            most = most.max(input.unlike(lag, stride));
+            if most > UNLIKE {
+                break;
+            }
+        }
+        most
+    };
+    if unlike(0.0) < AGAIN / 10.0 {
+        return Some((0.0, unlike(0.0)));
+    }
+    let step = stride.min(4) as f64;
+    let reach = |count: usize| (count as f64 / 2.0 / step) as i64;
+    let lags: Vec<f64> = (-reach(n)..=reach(m)).map(|k| k as f64 * step).collect();
+    let coarse: Vec<f64> = lags.iter().map(|lag| unlike(*lag)).collect();
+    let at = |k: usize| coarse.get(k).copied().unwrap_or(f64::INFINITY);
+    let mut minima: Vec<usize> = (0..lags.len())
+        .filter(|&k| at(k) < UNLIKE && (k == 0 || at(k) <= at(k - 1)) && at(k) <= at(k + 1))
+        .collect();
+    minima.sort_by(|a, b| lags[*a].abs().total_cmp(&lags[*b].abs()));
+    let ends = minima.iter().take(PLACES).map(|&k| {
+        let lag = least(&unlike, lags[k] - step, lags[k] + step);
+        (lag, unlike(lag))
+    });
+    ends.filter(|end| end.1 < AGAIN).next()
+}
+
+/// Recordings of which each sample has its place: nothing drives them, or they begin several times.
+fn as_they_are(first: &Measured, second: &Measured, inputs: &[Input]) -> Option<(f64, f64)> {
+    let [a, b] = [first, second].map(|one| one.passes());
+    let interval_s = first.interval_s();
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * interval_s;
+    let same = a.len() == b.len()
+        && (a.iter().zip(&b)).all(|(a, b)| {
+            a.samples.start == b.samples.start
+                && near(
+                    first.time_s[a.samples.start] - a.start_s,
+                    second.time_s[b.samples.start] - b.start_s,
+                )
+        });
+    let most = inputs.iter().map(|input| input.unlike(0.0, 1));
+    let most = most.fold(0.0, f64::max);
+    (same && most < AGAIN).then_some((0.0, most))
+}
+
+/// Where the function is least, between these ends.
+fn least(of: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    while high - low > 1e-3 {
+        let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+        if of(a) < of(b) {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Samples of a recording from the place `first` on, in intervals of `interval_s`; itself where
+/// they are its own.
+pub(super) fn resampled(measured: Measured, interval_s: f64, first: f64) -> Measured {
+    let ratio = interval_s / measured.interval_s();
+    let last = measured.time_s.len() - 1;
+    if (ratio - 1.0).abs() * (last as f64) < NO_SHIFT && first < NO_SHIFT {
+        return measured;
+    }
+    let count = ((last as f64 - first) / ratio).floor() as usize + 1;
+    let places: Vec<f64> = (0..count).map(|k| first + k as f64 * ratio).collect();
+    let squares: Vec<f64> = (places.iter())
+        .map(|place| weights(place - place.floor()).map(|w| w * w).iter().sum())
+        .collect();
+    let at_an_end = |place: f64| place < 1.0 || place > last as f64 - 1.0;
+    let channels = (measured.channels.iter()).map(|channel| {
+        let value = |place: &f64| match at_an_end(*place) {
+            true => at_end(channel, *place),
+            false => cubic(channel, *place),
+        };
+        let found: Vec<Option<f64>> = places.iter().map(value).collect();
+        let near = |k: usize| channel.values[(places[k].round() as usize).min(last)];
+        MeasuredChannel {
+            values: (found.iter().enumerate())
+                .map(|(k, value)| value.unwrap_or_else(|| near(k)))
+                .collect(),
+            valid: found.iter().map(Option::is_some).collect(),
+            white_kept: channel.white_kept * mean(&squares),
+            ..channel.clone()
+        }
+    });
+    Measured {
+        channels: channels.collect(),
+        time_s: (0..count).map(|k| k as f64 * interval_s).collect(),
+        ..measured
+    }
+}
+
+/// Value in the first or last interval, on the cubic through the four samples nearest to it.
+fn at_end(channel: &MeasuredChannel, place: f64) -> Option<f64> {
+    let first = match place < 1.0 {
+        true => 0,
+        false => channel.values.len().checked_sub(4)?,
+    };
+    let values = channel.values.get(first..first + 4)?;
+    let valid = channel.valid[first..first + 4].iter().all(|valid| *valid);
+    let weights = weights(place - (first + 1) as f64);
+    valid.then(|| weights.iter().zip(values).map(|(w, x)| w * x).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use truecut_recording::measured::Role;
+    use truecut_recording::{ChannelSpec, Unit};
+
+    use super::*;
+    use crate::testing::{Colour, noise};
+
+    /// A swing of several harmonics, seen from `from` on, at this interval.
+    fn swing(seed: u64, from: f64, interval_s: f64, level: f64) -> Measured {
+        let drawn = noise(Colour::White, 1500, seed);
+        let at = |t: f64| {
+            let phase = 0.4 * seed as f64;
+            (t + phase).sin() + 0.5 * (2.3 * t + phase).cos() + 0.2 * (5.1 * t).sin()
+        };
+        let rows = drawn.iter().enumerate();
+        let values: Vec<f64> = rows
+            .map(|(k, n)| at(from + k as f64 * interval_s) + level * n)
+            .collect();
+        Measured {
+            source: "drawn".into(),
+            time_s: (0..1500).map(|k| k as f64 * interval_s).collect(),
+            channels: vec![MeasuredChannel {
+                spec: ChannelSpec::new("joint1.angle", Unit::Radian, "drawn"),
+                role: Role::Input,
+                valid: vec![true; values.len()],
+                values,
+                noise: None,
+                white_kept: 1.0,
+            }],
+            ..Measured::default()
+        }
+    }
+
+    #[test]
+    fn verify_a_shift_is_found_to_a_part_of_an_interval() {
+        for seed in 0..12 {
+            let shift = -2.0 + 0.37 * seed as f64;
+            for level in [0.0, 0.01] {
+                let first = swing(seed, 0.0, 0.01, level);
+                let second = swing(seed, -shift, 0.01, 0.9 * level);
+                let (lag, unlike) = later(&first, &second).expect("it repeats");
+                assert!((0.01 * lag - shift).abs() < 2e-3, "{lag} {shift}");
+                assert!(unlike < AGAIN, "{unlike}");
+            }
+            let other = swing(seed + 1, 0.0, 0.01, 0.0);
+            assert_eq!(later(&swing(seed, 0.0, 0.01, 0.0), &other), None);
+        }
+    }
+
+    #[test]
+    fn verify_samples_at_other_places_are_those_of_the_signal() {
+        for seed in 0..8 {
+            let first = 0.13 * seed as f64;
+            let there = resampled(swing(seed, 0.0, 0.01, 0.0), 0.0083, first);
+            let truth = swing(seed, 0.01 * first, 0.0083, 0.0);
+            let rows = there.channels[0]
+                .values
+                .iter()
+                .zip(&truth.channels[0].values);
+            let rows = rows
+                .zip(&there.channels[0].valid)
+                .filter(|(_, valid)| **valid);
+            assert_eq!(rows.clone().count(), there.time_s.len());
+            assert!(rows.clone().count() > 1400);
+            for ((found, wanted), _) in rows {
+                assert!((found - wanted).abs() < 1e-5, "{found} {wanted}");
+            }
+        }
+    }
+}

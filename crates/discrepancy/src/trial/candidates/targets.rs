@@ -1,0 +1,44 @@
+//! What kinds act on, and why some would not tell.
+
+use truecut_recording::ChannelSpec;
+use truecut_scenario::effect::{EffectKind, Target, TargetKind};
+use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
+
+use crate::trial::signals::Signals;
+
+/// Whether it is a delay of drive forces that are measured. It is looked for beside other causes
+/// alone: by itself a search took it for all that is of friction's shape.
+pub(in crate::trial) fn delays_drive_forces(scenario: &Scenario, kind: EffectKind) -> bool {
+    let late = matches!(kind, EffectKind::ClockDelay | EffectKind::SensorDelay);
+    let ProcessSpec::Replay(replay) = &scenario.process else {
+        return false;
+    };
+    late && matches!(replay.mode, ReplayMode::Inverse { .. })
+}
+
+pub(super) fn why_untold(kind: EffectKind) -> &'static str {
+    match kind.name() {
+        "joint_load_friction" => "under so even a load it is dry friction",
+        "joint_ripple" => "the joint turns too little for a ripple",
+        "cutting_runout" | "cutting_worn_tooth" => "with a single edge it is a depth offset",
+        "wheel_eccentricity" => "the wheel does not turn",
+        "clock_delay" => "with one channel it is a delay of its sensor",
+        "wheel_removal" => "what is removed is not measured",
+        _ => "nothing in the nominal run gives it a size",
+    }
+}
+
+pub(super) fn targets(
+    kind: EffectKind,
+    signals: &Signals,
+    channels: &[ChannelSpec],
+) -> Vec<Target> {
+    match kind.target() {
+        TargetKind::Whole => vec![Target::Whole],
+        TargetKind::Joint => (0..signals.joints.len()).map(Target::Joint).collect(),
+        TargetKind::Axis => (0..3).map(Target::Axis).collect(),
+        TargetKind::Channel => (channels.iter())
+            .map(|spec| Target::Channel(spec.name.clone()))
+            .collect(),
+    }
+}
