@@ -1,8 +1,10 @@
 //! What is kept of a pass by place.
 
 use super::MillingStep;
+use super::peak::Peak;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
+use truecut_core::cutting::milling::cut::MillingLoads;
 
 /// Stretches of a path by which things are told.
 const STRETCHES: usize = 200;
@@ -42,12 +44,11 @@ impl Stretch {
 }
 
 /// What is kept for the report.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Kept {
     pub stretch_m: f64,
     pub stretches: Vec<Stretch>,
-    pub largest_force_n: f64,
-    pub largest_torque_n_m: f64,
+    pub peak: Peak,
     pub largest_deflection_m: f64,
     /// Steps since teeth cut last.
     idle: usize,
@@ -64,8 +65,7 @@ impl Kept {
         Self {
             stretch_m,
             stretches: vec![Stretch::default(); count],
-            largest_force_n: 0.0,
-            largest_torque_n_m: 0.0,
+            peak: Peak::default(),
             largest_deflection_m: 0.0,
             idle: usize::MAX,
             period: 1,
@@ -80,9 +80,10 @@ impl Kept {
         }
     }
 
-    /// A step; of an arm that swings in air nothing is kept.
-    pub fn add(&mut self, step: &MillingStep) {
-        self.idle = match step.cuts {
+    /// A step; of an arm that swings in air nothing is kept. `loads_at` tells what acts at a part of
+    /// the step from its middle.
+    pub fn add(&mut self, step: &MillingStep, loads_at: impl Fn(f64) -> MillingLoads) {
+        self.idle = match step.loads.removal_m3_per_rad > 0.0 {
             true => 0,
             false => self.idle.saturating_add(1),
         };
@@ -103,9 +104,8 @@ impl Kept {
             stretch.change_m2 += (in_plane - before.xy()).norm_squared();
         }
         self.before_m.push_back(step.deflection_m);
-        self.largest_force_n = self.largest_force_n.max(force_n);
         let torque_n_m = step.moment_on_tool_n_m.z.abs();
-        self.largest_torque_n_m = self.largest_torque_n_m.max(torque_n_m);
+        self.peak.add(force_n, torque_n_m, loads_at);
         self.largest_deflection_m = self.largest_deflection_m.max(in_plane.norm());
     }
 

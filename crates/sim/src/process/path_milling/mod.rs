@@ -7,6 +7,7 @@
 
 mod kept;
 mod nominal;
+mod peak;
 mod report;
 pub(crate) mod setup;
 
@@ -96,8 +97,8 @@ struct MillingStep {
     deflection_m: Vector3<f64>,
     feed_m_per_s: Vector3<f64>,
     along_m: f64,
-    /// Whether teeth cut.
-    cuts: bool,
+    /// What acts there at that instant.
+    loads: MillingLoads,
     /// By chips so far.
     removed_m3: f64,
 }
@@ -161,9 +162,8 @@ impl PathMilling {
     }
 
     /// Force and moment on the tip, averaged over a step.
-    fn mean_loads(&self, state: &ToolState) -> MillingLoads {
-        let on = self.setup.nominal.at(state.time_s);
-        let off = self.deflection(&self.arm_motion(state, &on));
+    fn mean_loads(&self, state: &ToolState, arm: &TipMotion) -> MillingLoads {
+        let off = self.deflection(arm);
         averaged(
             &self.setup.spec.cutter,
             |ahead| self.place(state.time_s, &off, ahead * self.step_s),
@@ -206,11 +206,11 @@ impl Process for PathMilling {
     }
 
     fn evaluate(&self, state: &ToolState) -> Loads {
-        let mean = self.mean_loads(state);
+        let arm = self.arm_motion(state, &self.setup.nominal.at(state.time_s));
+        let mean = self.mean_loads(state, &arm);
         let (force, moment) = (mean.force_on_tool_n, mean.moment_on_tool_n_m);
         let mut loads = Loads::from(self.wrench(&force, &moment));
-        let on = self.setup.nominal.at(state.time_s);
-        if let Some(differs) = self.modes.on_arm_n(&self.arm_motion(state, &on), &force) {
+        if let Some(differs) = self.modes.on_arm_n(&arm, &force) {
             loads
                 .wrenches
                 .push(self.wrench(&differs, &Vector3::zeros()));
@@ -225,7 +225,8 @@ impl Process for PathMilling {
         let at = self.place(state.time_s, &off, 0.0);
         let work_from_process = self.setup.process_from_work.inverse();
         let wrench = &loads.wrenches[0];
-        let removal = self.cut.evaluate(&at).removal_m3_per_rad;
+        let loads = self.cut.evaluate(&at);
+        let removal = loads.removal_m3_per_rad;
         let turned_rad = self.setup.spec.spindle_rad_s * dt_s;
         self.last = MillingStep {
             force_on_tool_n: work_from_process * wrench.force_n,
@@ -234,16 +235,21 @@ impl Process for PathMilling {
             deflection_m: off.deflection_m,
             feed_m_per_s: on.velocity_m_per_s,
             along_m: on.along_m,
-            cuts: removal > 0.0,
+            loads,
             removed_m3: self.last.removed_m3 + removal * turned_rad,
         };
         if self.cut.turns_back(&at) {
             self.broken_s = Some(state.time_s);
         }
-        self.cut.commit(&at);
         if !self.rows_only {
-            self.kept.add(&self.last);
+            let mut kept = std::mem::take(&mut self.kept);
+            kept.add(&self.last, |ahead| {
+                let part = self.place(state.time_s, &off, ahead * self.step_s);
+                self.cut.evaluate(&part)
+            });
+            self.kept = kept;
         }
+        self.cut.commit(&at);
         let axes = state.world_from_tool.rotation.to_rotation_matrix();
         self.modes
             .turn(&(self.setup.work_from_world() * axes.matrix()));

@@ -5,6 +5,12 @@ use truecut_arm::{FrameId, Robot};
 use truecut_core::cutting::milling::layered::stock::LayeredStock;
 use truecut_plan::motion::interpolation::{hermite, slope};
 
+/// Pieces of the path that are taken for straight leave it by no more than this part of the grid.
+const STRAIGHT: f64 = 0.01;
+/// Most intervals in one of them, and heights that differ by no more are one depth, m.
+const MOST_MERGED: usize = 50;
+const SAME_DEPTH_M: f64 = 1e-9;
+
 /// Places at even times, with cubics between them as between the commanded postures.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NominalPath {
@@ -49,7 +55,7 @@ impl NominalPath {
     /// Where a cutter that is led along changes its depth in stock, if it does.
     pub fn sinks_into(&self, stock: &LayeredStock, radius_m: f64) -> Option<Vector3<f64>> {
         let mut left = stock.clone();
-        for pair in self.places_m.windows(2) {
+        for pair in self.chords(STRAIGHT * stock.grid_m()) {
             let tip_m = pair[0].z.min(pair[1].z);
             if tip_m >= stock.block.most_m.z || stock.block.outside_m(&pair[1].xy()) > radius_m {
                 continue;
@@ -64,12 +70,47 @@ impl NominalPath {
             };
             let is_at_depth = tip_m <= layer.bottom_m + layer.sunk_m();
             if is_at_depth {
-                left.cut_leg([pair[0], pair[1]], radius_m, false);
-            } else if left.cut_leg([pair[0], pair[1]], radius_m, true) {
+                left.cut_leg(pair, radius_m, false);
+            } else if left.cut_leg(pair, radius_m, true) {
                 return Some(pair[1]);
             }
         }
         None
+    }
+
+    /// The path as straight pieces that leave it by `off_m` at most.
+    fn chords(&self, off_m: f64) -> Vec<[Vector3<f64>; 2]> {
+        let mut chords = Vec::new();
+        let mut first = 0;
+        for last in 1..self.places_m.len() {
+            let from_to = |to: usize| [self.places_m[first], self.places_m[to]];
+            let ends = last + 1 == self.places_m.len();
+            if ends || last - first == MOST_MERGED || !self.is_straight(first, last + 1, off_m) {
+                chords.push(from_to(last));
+                first = last;
+            }
+        }
+        chords
+    }
+
+    /// Whether all places between two lie so near to the chord, in order.
+    fn is_straight(&self, first: usize, last: usize, off_m: f64) -> bool {
+        let (from, to) = (self.places_m[first], self.places_m[last]);
+        let along = to - from;
+        let length_m = along.norm();
+        let mut before_m = 0.0;
+        // At its lower end a cutter that sinks would be taken to be everywhere.
+        let is_level = |off: &Vector3<f64>| off.z.abs() <= SAME_DEPTH_M;
+        (first + 1..last).all(|between| {
+            let off = self.places_m[between] - from;
+            let way_m = off.dot(&along) / length_m;
+            let forwards = way_m >= before_m && way_m <= length_m;
+            before_m = way_m;
+            is_level(&off)
+                && is_level(&along)
+                && forwards
+                && (off - along * (way_m / length_m)).norm() <= off_m
+        })
     }
 
     pub fn length_m(&self) -> f64 {

@@ -20,15 +20,12 @@ const DRAWN_ABOVE_M: f64 = 1e-4;
 pub(super) fn quantities(milling: &PathMilling) -> impl Iterator<Item = Quantity> {
     let last = &milling.last;
     let (force, torque) = (last.force_on_tool_n, last.moment_on_tool_n_m.z);
-    let loads = last.at.map(|at| milling.cut.evaluate(&at));
     let immersion = last.at.and_then(|at| {
         let feed = last.feed_m_per_s.xy();
         (feed.norm() > 1e-9).then(|| milling.cut.immersion(&at, &feed))?
     });
     let immersion = immersion.unwrap_or_default();
-    let (chip_m, teeth) = loads.map_or((0.0, 0), |loads| {
-        (loads.thickest_chip_m, loads.teeth_in_cut)
-    });
+    let (chip_m, teeth) = (last.loads.thickest_chip_m, last.loads.teeth_in_cut);
     let nominal_m = milling.setup.nominal.at(0.0).place_m;
     let place = last.at.map_or(nominal_m, |at| at.place_m);
     let rotation_rad = last.at.map_or(0.0, |at| at.rotation_rad.rem_euclid(TAU));
@@ -123,7 +120,8 @@ fn sizes(milling: &PathMilling, findings: &mut Findings) {
     let whole_m3 = meant.stock.volume_m3();
     let removed_m3 = whole_m3 - milling.cut.stock().volume_m3();
     let target_m3 = whole_m3 - meant.target.volume_m3();
-    let power_w = kept.largest_torque_n_m * spec.spindle_rad_s;
+    let torque_n_m = kept.peak.torque_n_m;
+    let power_w = torque_n_m * spec.spindle_rad_s;
     let (at_m, level_m) = kept.strongest().unwrap_or((f64::NAN, f64::NAN));
     findings.scalars.extend(quantity::scalars([
         Quantity::new("path_milling.stock_removed", Unit::CubicMetre, removed_m3)
@@ -132,9 +130,9 @@ fn sizes(milling: &PathMilling, findings: &mut Findings) {
             .text("Volume that the path as written takes of it"),
         Quantity::new("path_milling.chip_volume", Unit::CubicMetre, milling.last.removed_m3)
             .text("Volume of all chips"),
-        Quantity::new("path_milling.largest_force", Unit::Newton, kept.largest_force_n)
-            .text("Largest cutting force, averaged over a step"),
-        Quantity::new("path_milling.largest_torque", Unit::NewtonMetre, kept.largest_torque_n_m)
+        Quantity::new("path_milling.largest_force", Unit::Newton, kept.peak.force_n)
+            .text("Largest cutting force at any instant"),
+        Quantity::new("path_milling.largest_torque", Unit::NewtonMetre, torque_n_m)
             .text("Largest torque of the cut"),
         Quantity::new("path_milling.largest_power", Unit::Watt, power_w)
             .text("Largest power of the cut"),

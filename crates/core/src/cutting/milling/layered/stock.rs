@@ -307,7 +307,11 @@ impl LayeredStock {
         ];
         let bounds = arc.bounds([band_m[0].max(0.0), band_m[1]]);
         let range = self.between(bounds);
+        let deepest_m = band_m[0] - arc.radius_m;
         for node in self.each(range) {
+            if self.layers[layer].beyond_m[node] <= deepest_m {
+                continue;
+            }
             let place = self.place(node);
             let Some((_, axis_m)) = arc.at(&place) else {
                 continue;

@@ -68,12 +68,16 @@ impl LayeredCut {
     fn sweep_floor(&mut self, arc: &ToothArc, tip_m: f64) {
         let range = self.stock.between(arc.bounds([0.0, arc.radius_m]));
         for node in self.stock.each(range) {
+            // Most teeth run over a floor that lies as deep already.
+            if self.floor_m[node] <= tip_m {
+                continue;
+            }
             let place = self.stock.place(node);
             let Some((_, axis_m)) = arc.at(&place) else {
                 continue;
             };
             if (place - axis_m).norm_squared() <= arc.radius_m * arc.radius_m {
-                self.floor_m[node] = self.floor_m[node].min(tip_m);
+                self.floor_m[node] = tip_m;
             }
         }
     }

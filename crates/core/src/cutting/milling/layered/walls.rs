@@ -5,7 +5,6 @@
 
 use super::stock::ToothArc;
 use nalgebra::Vector2;
-use std::collections::HashMap;
 
 /// On which side of the path a wall lies, seen along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,26 +34,36 @@ pub struct Walls {
     /// How far teeth have reached along each ray, m.
     reached_m: Vec<f64>,
     cell_m: f64,
-    cells: HashMap<[i64; 2], Vec<u32>>,
+    /// Cell with the least numbers, and how many there are along x and y.
+    first_cell: [i64; 2],
+    across: [i64; 2],
+    /// By cell, x first: stations whose wall stands in it.
+    cells: Vec<Vec<u32>>,
 }
 
 impl Walls {
     /// Of a path of a cutter with this radius: walls stand at it.
     pub fn new(stations: Vec<Station>, radius_m: f64) -> Self {
         let cell_m = 0.1 * radius_m;
-        let mut cells: HashMap<[i64; 2], Vec<u32>> = HashMap::new();
+        let cell_of = |one: &Station| cell(&(one.from_m + one.outward * radius_m), cell_m);
+        let bound = |axis: usize| {
+            let at = stations.iter().map(|one| cell_of(one)[axis]);
+            let first = at.clone().min().unwrap_or(0);
+            (first, at.max().unwrap_or(first - 1) + 1 - first)
+        };
+        let [(first_x, columns), (first_y, rows)] = [bound(0), bound(1)];
+        let mut cells = vec![Vec::new(); (columns * rows) as usize];
         for (index, one) in stations.iter().enumerate() {
-            let wall_m = one.from_m + one.outward * radius_m;
-            cells
-                .entry(cell(&wall_m, cell_m))
-                .or_default()
-                .push(index as u32);
+            let [x, y] = cell_of(one);
+            cells[(x - first_x + columns * (y - first_y)) as usize].push(index as u32);
         }
         Self {
             radius_m,
             reached_m: vec![f64::NEG_INFINITY; stations.len()],
             stations,
             cell_m,
+            first_cell: [first_x, first_y],
+            across: [columns, rows],
             cells,
         }
     }
@@ -76,12 +85,13 @@ impl Walls {
             cell(&least.add_scalar(-self.cell_m), self.cell_m),
             cell(&most.add_scalar(self.cell_m), self.cell_m),
         ];
-        for x in from[0]..=to[0] {
-            for y in from[1]..=to[1] {
-                let Some(here) = self.cells.get(&[x, y]) else {
-                    continue;
-                };
-                for &index in here {
+        let within = |axis: usize| {
+            let first = self.first_cell[axis];
+            (from[axis] - first).max(0)..(to[axis] - first + 1).min(self.across[axis])
+        };
+        for x in within(0) {
+            for y in within(1) {
+                for &index in &self.cells[(x + self.across[0] * y) as usize] {
                     let station = &self.stations[index as usize];
                     if station.layer != layer {
                         continue;
