@@ -196,6 +196,12 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     ),
     ("offset_of_nothing.MOD", 11, &["no p9 to move to"]),
     ("call_up.JBI", 19, &["../OTHER", "A-Z, 0-9"]),
+    (
+        "RECUR.JBI",
+        20,
+        &["that is called is RECUR", "not under way"],
+    ),
+    ("ABSENT.JBI", 20, &["that is called is NOWHERE", "NOWHERE.JBI"]),
     ("level.JBI", 19, &["PL is 9", "from 0 to 8"]),
 ];
 
@@ -218,6 +224,51 @@ fn every_faulty_program_is_refused_with_file_line_value_and_rule() {
         .filter(|name| !FAULTS.iter().any(|f| f.0 == name))
         .collect();
     assert!(unlisted.is_empty(), "{unlisted:?}");
+}
+
+/// A job between whose moves others are called, and two that call each other.
+#[test]
+fn jobs_are_read_in_the_order_of_their_calls() {
+    let job = |name: &str, y_mm: [f64; 2], between: &str| {
+        let place = |y: f64| format!("900.000,{y:.3},600.000,180.0000,0.0000,0.0000");
+        let [a, b] = y_mm.map(place);
+        format!(
+            "/JOB\n//NAME {name}\n//POS\n///NPOS 2,0,0,0,0,0\n///TOOL 1\n///POSTYPE BASE\n///RECTAN\n\
+             ///RCONF 0,0,0,0,0,0\nC00000={a}\nC00001={b}\n//INST\n///DATE 2026/01/31 12:00\n\
+             ///ATTR SC,RW\n///GROUP1 RB1\nNOP\nMOVJ C00000 VJ=10.00\nDOUT OT#(3) ON\n{between}\
+             DOUT OT#(3) OFF\nMOVL C00001 V=20.0\nEND\n"
+        )
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: String| {
+        let file = folder.path().join(format!("{name}.JBI"));
+        std::fs::write(&file, text).expect("a job");
+        file
+    };
+    let main = write("MAIN", job("MAIN", [0.0, 50.0], "CALL JOB:PART\nCALL JOB:PART\n"));
+    write("PART", job("PART", [10.0, 20.0], "CALL JOB:LEAF\n"));
+    write("LEAF", job("LEAF", [14.0, 16.0], ""));
+    let settings = Settings {
+        spindle_signal: Some("3".to_owned()),
+        ..Settings::default()
+    };
+    let program = read_with(&main, &settings).expect("jobs");
+    let y_mm = program.moves.iter().map(|one| one.base_from_tool.translation.y * 1e3);
+    let y_mm: Vec<f64> = y_mm.map(f64::round).collect();
+    let part = [10.0, 14.0, 16.0, 20.0];
+    assert_eq!(y_mm, [&[0.0][..], &part, &part, &[50.0]].concat());
+    let switches: Vec<(usize, bool)> = (program.spindle.iter())
+        .map(|one| (one.before, one.on))
+        .collect();
+    let wanted = [(1, true), (2, true), (3, true), (3, false), (4, false), (6, true)];
+    assert_eq!(switches[..6], wanted);
+    assert_eq!(switches.last(), Some(&(9, false)));
+
+    let one = write("ONE", job("ONE", [0.0, 1.0], "CALL JOB:TWO\n"));
+    write("TWO", job("TWO", [0.0, 1.0], "CALL JOB:ONE\n"));
+    let error = read_with(&one, &settings).expect_err("a circle of calls");
+    assert!(error.path().expect("a file").ends_with("TWO.JBI"), "{error}");
+    assert_eq!(error.line(), Some(18), "{error}");
 }
 
 /// A Universal Robots arm has no wrist centre and no closed form here: lines are followed by the
