@@ -140,7 +140,11 @@ fn a_path_through_the_machines_own_retract_stays_above_the_part() {
     let head = ["path", "haas.nc", "--robot", &robot];
     let output = desk.truecut(&[&head[..], &place].concat());
     assert!(output.status.success(), "{}", told(&output));
-    for part in ["the path begins here", "G53: a move of the machine's own", "Z 50.000 mm"] {
+    for part in [
+        "the path begins here",
+        "G53: a move of the machine's own",
+        "Z 50.000 mm",
+    ] {
         assert!(told(&output).contains(part), "{}", told(&output));
     }
     let table = std::fs::read_to_string(desk.path("out/haas/path.csv")).unwrap();
@@ -150,8 +154,14 @@ fn a_path_through_the_machines_own_retract_stays_above_the_part() {
     };
     let places: Vec<Vec<f64>> = table.lines().skip(1).map(work).collect();
     let heights: Vec<f64> = places.iter().map(|place| place[2]).collect();
-    assert_eq!(heights, [50.0, -8.0, -8.0, 50.0, 50.0, 40.0, -8.0, -8.0, 50.0]);
-    for pair in places.windows(2).filter(|pair| (pair[0][1] - pair[1][1]).abs() > 1.0) {
+    assert_eq!(
+        heights,
+        [50.0, -8.0, -8.0, 50.0, 50.0, 40.0, -8.0, -8.0, 50.0]
+    );
+    for pair in places
+        .windows(2)
+        .filter(|pair| (pair[0][1] - pair[1][1]).abs() > 1.0)
+    {
         assert_eq!((pair[0][2], pair[1][2]), (50.0, 50.0), "{pair:?}");
     }
 }
@@ -174,9 +184,18 @@ fn a_spindle_that_contradicts_the_scenario_is_told() {
     std::fs::write(desk.path("slot.toml"), scenario).unwrap();
     for (words, quote) in [
         ("S6000 M3", None),
-        ("", Some("line 2: a move with feed, before which the file does not start the spindle")),
-        ("S6000 M4", Some("line 2: the file turns the spindle counter-clockwise")),
-        ("S9000 M3", Some("line 2: the file turns the spindle at 9000 1/min, the scenario at 6000")),
+        (
+            "",
+            Some("line 2: a move with feed, before which the file does not start the spindle"),
+        ),
+        (
+            "S6000 M4",
+            Some("line 2: the file turns the spindle counter-clockwise"),
+        ),
+        (
+            "S9000 M3",
+            Some("line 2: the file turns the spindle at 9000 1/min, the scenario at 6000"),
+        ),
     ] {
         let code = format!("G90 G21 {words} G0 X-8 Y0 Z-1\nG1 X25 F1200\nM30\n");
         std::fs::write(desk.path("slot.nc"), code).unwrap();
@@ -185,7 +204,10 @@ fn a_spindle_that_contradicts_the_scenario_is_told() {
         assert!(output.status.code() < Some(2), "{told}");
         match quote {
             Some(quote) => assert!(told.contains(quote), "{words}: {told}"),
-            None => assert!(!told.contains("the file turns") && !told.contains("the spindle"), "{told}"),
+            None => assert!(
+                !told.contains("the file turns") && !told.contains("the spindle"),
+                "{told}"
+            ),
         }
     }
 }

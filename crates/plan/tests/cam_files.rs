@@ -30,7 +30,8 @@ fn near(found: [f64; 3], wanted: [f64; 3]) -> bool {
 
 #[test]
 fn modes_hold_until_they_are_changed() {
-    let path = gcode("G0 X0 Y0 Z0 G20\nG91 G0 X1 Y1 (inches, steps)\nX1\nG21 G90 G1 X0 F600 ; mm\nY0\n");
+    let path =
+        gcode("G0 X0 Y0 Z0 G20\nG91 G0 X1 Y1 (inches, steps)\nX1\nG21 G90 G1 X0 F600 ; mm\nY0\n");
     let found = places_mm(&path);
     let wanted = [
         [0.0; 3],
@@ -97,7 +98,9 @@ fn verify_arcs_by_radius_have_their_centres() {
         (2, -10.0, [0.0, 10.0]),
         (3, -10.0, [10.0, 0.0]),
     ] {
-        let path = gcode(&format!("G90 G0 X0 Y0 Z0\nG{code} X10 Y10 R{radius} F600\n"));
+        let path = gcode(&format!(
+            "G90 G0 X0 Y0 Z0\nG{code} X10 Y10 R{radius} F600\n"
+        ));
         let centre = Vector3::new(centre[0], centre[1], 0.0) * 1e-3;
         let mut turned = 0.0;
         for pair in path.points.windows(2) {
@@ -156,8 +159,9 @@ fn the_axis_follows_rotary_words_or_vectors() {
 
 #[test]
 fn what_moves_nothing_is_noted_by_its_line() {
-    let path =
-        gcode("G90 G0 X0 Y0 Z5\nT3 M6\nS9000 M3\nG28 G91 Z0\nG90 G0 Z5\nG1 X5 F600 M8\nM5\nM30\nX9\n");
+    let path = gcode(
+        "G90 G0 X0 Y0 Z5\nT3 M6\nS9000 M3\nG28 G91 Z0\nG90 G0 Z5\nG1 X5 F600 M8\nM5\nM30\nX9\n",
+    );
     // Already out: the machine's own move adds no point.
     assert_eq!(path.points.len(), 3);
     assert_eq!(path.switches().collect::<Vec<_>>(), [(1, true), (3, false)]);
@@ -290,7 +294,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         4,
         &["ends here", "the GOTO that ends the CIRCLE"],
     ),
-    ("long_axis.apt", 5, &["the tool's axis is 1.5", "1, to 0.001"]),
+    (
+        "long_axis.apt",
+        5,
+        &["the tool's axis is 1.5", "1, to 0.001"],
+    ),
     ("column_twice.csv", 1, &["the column is x_mm", "given once"]),
     ("two_units.csv", 1, &["units of the place is 2"]),
     (

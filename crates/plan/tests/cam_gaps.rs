@@ -44,7 +44,11 @@ fn a_path_begins_where_all_axes_have_a_place() {
         let wanted = [(4, [20.0, 30.0, 50.0]), (5, [20.0, 30.0, -2.0])];
         assert_eq!(places(&path), wanted, "{head}");
         assert_eq!(path.points[0].feed_m_per_s, None);
-        assert!(is_noted(&path, 4, "the path begins here"), "{:?}", path.notes);
+        assert!(
+            is_noted(&path, 4, "the path begins here"),
+            "{:?}",
+            path.notes
+        );
     }
     let plain = gcode("G90 G0 X20 Y30 Z50\nG1 Z-2 F300\n");
     assert_eq!(plain.notes, Vec::<String>::new());
@@ -71,7 +75,11 @@ fn a_retract_of_the_machine_leads_out_and_back_at_the_greatest_height() {
             [70.0, 30.0, 50.0],
         ];
         assert_eq!(found, wanted, "{own}");
-        let rapid: Vec<bool> = path.points.iter().map(|p| p.feed_m_per_s.is_none()).collect();
+        let rapid: Vec<bool> = path
+            .points
+            .iter()
+            .map(|p| p.feed_m_per_s.is_none())
+            .collect();
         let cuts = [1, 2, 6, 7];
         let wanted: Vec<bool> = (0..9).map(|k| !cuts.contains(&k)).collect();
         assert_eq!(rapid, wanted, "{own}");
@@ -82,7 +90,8 @@ fn a_retract_of_the_machine_leads_out_and_back_at_the_greatest_height() {
 /// G28 goes by way of the point that it gives; the spindle stops where the file stops it.
 #[test]
 fn the_point_on_the_way_and_the_spindle_keep_their_places() {
-    let text = "G90 G0 X0 Y0 Z5 S900 M3\nG1 Z-3 F300\nG28 X1 Y2 Z80\nM5\nG0 X0 Y0 Z5\nM3\nG1 Z-3\nM30\n";
+    let text =
+        "G90 G0 X0 Y0 Z5 S900 M3\nG1 Z-3 F300\nG28 X1 Y2 Z80\nM5\nG0 X0 Y0 Z5\nM3\nG1 Z-3\nM30\n";
     let path = gcode(text);
     let found: Vec<[f64; 3]> = places(&path).into_iter().map(|(_, mm)| mm).collect();
     let wanted = [
@@ -172,7 +181,10 @@ fn a_tool_that_leans_leaves_and_comes_back_along_its_axes() {
 fn apt_goes_home_and_comes_back_in_rapid_traverse() {
     let head = "UNITS/MM\nFROM/0,0,40\nFEDRAT/600,MMPM\nGOTO/0,0,-5\n";
     for word in ["GOHOME", "RETRCT"] {
-        let path = read(&format!("{head}{word}\nRAPID\nGOTO/50,0,10\nGOTO/50,0,-5\nFINI\n"), "x.apt");
+        let path = read(
+            &format!("{head}{word}\nRAPID\nGOTO/50,0,10\nGOTO/50,0,-5\nFINI\n"),
+            "x.apt",
+        );
         let path = path.expect(word);
         let found: Vec<[f64; 3]> = places(&path).into_iter().map(|(_, mm)| mm).collect();
         let wanted = [
@@ -188,7 +200,10 @@ fn apt_goes_home_and_comes_back_in_rapid_traverse() {
         let error = read(&format!("{head}{word}\nGOTO/50,0,10\nFINI\n"), "x.apt");
         let error = error.expect_err(word);
         assert_eq!(error.line(), Some(6), "{error}");
-        assert!(error.to_string().contains(&format!("{word} in line 5")), "{error}");
+        assert!(
+            error.to_string().contains(&format!("{word} in line 5")),
+            "{error}"
+        );
     }
 }
 
@@ -224,11 +239,17 @@ fn what_the_file_says_of_the_spindle_is_compared() {
     ] {
         let told = told(words, 6000.0);
         assert_eq!(told.len(), 1, "{words}: {told:?}");
-        assert!(told[0].starts_with("line 2: ") && told[0].contains(quote), "{told:?}");
+        assert!(
+            told[0].starts_with("line 2: ") && told[0].contains(quote),
+            "{told:?}"
+        );
     }
     let apt = "FROM/0,0,5\nSPINDL/RPM,4000,CCLW\nFEDRAT/600,MMPM\nGOTO/0,0,0\nFINI\n";
     let apt = read(apt, "x.apt").expect("APT").spindle_at_cuts();
-    assert_eq!((apt.counter, apt.off, apt.rpm), (Some(4), None, vec![(4, 4000.0)]));
+    assert_eq!(
+        (apt.counter, apt.off, apt.rpm),
+        (Some(4), None, vec![(4, 4000.0)])
+    );
 }
 
 proptest! {

@@ -123,10 +123,12 @@ pub(super) fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamP
     if let Some((line, _)) = open {
         return Err(truncated(line, "the end of the statement"));
     }
-    reader.end(text.lines().count().max(1)).map_err(|(line, fault)| match fault {
-        EndFault::Missing(what) => truncated(line, what),
-        EndFault::Other(kind) => at(line, kind),
-    })
+    reader
+        .end(text.lines().count().max(1))
+        .map_err(|(line, fault)| match fault {
+            EndFault::Missing(what) => truncated(line, what),
+            EndFault::Other(kind) => at(line, kind),
+        })
 }
 
 /// What is wrong with a path at its end.
@@ -184,7 +186,8 @@ impl AptReader<'_> {
             "UNITS" => self.unit(&first, line)?,
             // The tool goes to a place that the file does not say.
             "GOHOME" | "RETRCT" => {
-                self.gaps.leave(&mut self.path, &mut self.notes, &word, line);
+                self.gaps
+                    .leave(&mut self.path, &mut self.notes, &word, line);
             }
             "MULTAX" => self.multiaxis = first != "OFF",
             "FEDRAT" => self.feed(&parts)?,
@@ -207,7 +210,11 @@ impl AptReader<'_> {
             }
             "GODLTA" => {
                 let [x, y, z] = numbers::<3>(&word, &parts)?;
-                let known = self.path.points.last().filter(|_| self.gaps.open().is_none());
+                let known = self
+                    .path
+                    .points
+                    .last()
+                    .filter(|_| self.gaps.open().is_none());
                 let from = known.ok_or_else(|| {
                     ProgramErrorKind::unexpected("GODLTA", "FROM or GOTO, before it,")
                 })?;

@@ -139,7 +139,10 @@ fn checked_feed(
 ) -> Result<f64, ProgramErrorKind> {
     ProgramErrorKind::unless(m_per_s > 0.0, what, given, "above zero")?;
     let mm = FASTEST_M_PER_S * 1e3;
-    let rule = format!("at most {mm} mm/s ({} mm/min): no arm leads a tool faster", mm * 60.0);
+    let rule = format!(
+        "at most {mm} mm/s ({} mm/min): no arm leads a tool faster",
+        mm * 60.0
+    );
     ProgramErrorKind::unless(m_per_s <= FASTEST_M_PER_S, what, given, rule)?;
     Ok(m_per_s)
 }
@@ -148,7 +151,10 @@ fn checked_feed(
 fn unit_without_effect(options: &CamOptions, unit_m: f64, word: &str) -> Option<String> {
     let asked = options.unit_m != CamOptions::default().unit_m && options.unit_m != unit_m;
     asked.then(|| {
-        format!("{word} says the unit: the one that was given, {} mm, has no effect", options.unit_m * 1e3)
+        format!(
+            "{word} says the unit: the one that was given, {} mm, has no effect",
+            options.unit_m * 1e3
+        )
     })
 }
 

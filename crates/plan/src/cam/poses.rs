@@ -84,10 +84,19 @@ fn check_heads(heads: &CellRow) -> Result<(), ProgramErrorKind> {
     once("place", given(heads, PLACE))?;
     once("turns", given(heads, TURNS))?;
     once("feed", given(heads, FEED))?;
-    let attitudes = [given(heads, QUATERNION), given(heads, TURNS), given(heads, AXIS)];
+    let attitudes = [
+        given(heads, QUATERNION),
+        given(heads, TURNS),
+        given(heads, AXIS),
+    ];
     let attitudes: usize = attitudes.into_iter().sum();
     let rule = "1: qw to qz, or roll, pitch, yaw, or i, j, k";
-    ProgramErrorKind::unless(attitudes <= 1, "the number of attitudes a row", attitudes, rule)
+    ProgramErrorKind::unless(
+        attitudes <= 1,
+        "the number of attitudes a row",
+        attitudes,
+        rule,
+    )
 }
 
 /// Under how many of its names a quantity is given.

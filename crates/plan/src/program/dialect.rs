@@ -189,12 +189,11 @@ impl Settings {
 }
 
 /// Options as the table that a dialect declares.
-pub(super) fn table<T: DeserializeOwned + JsonSchema>(
-    options: &Options,
-) -> Result<T, OptionFault> {
+pub(super) fn table<T: DeserializeOwned + JsonSchema>(options: &Options) -> Result<T, OptionFault> {
     let schema = schema_of::<T>();
     let known = schema.get("properties").and_then(Value::as_object);
-    let known: Vec<&str> = known.map_or_else(Vec::new, |of| of.keys().map(String::as_str).collect());
+    let known: Vec<&str> =
+        known.map_or_else(Vec::new, |of| of.keys().map(String::as_str).collect());
     if let Some(key) = options.keys().find(|key| !known.contains(&key.as_str())) {
         let known = match known.is_empty() {
             true => "none".to_owned(),

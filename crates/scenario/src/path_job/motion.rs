@@ -224,7 +224,11 @@ fn refuse_option(dialect: &dyn Dialect, fault: OptionFault, check: &mut Check) {
         }
         OptionFault::Unknown { key, known } => {
             let message = format!("`{key}` is none of its options, which are {known}");
-            check.refuse(Fault::value(&format!("program.{key}"), message, "no such option"));
+            check.refuse(Fault::value(
+                &format!("program.{key}"),
+                message,
+                "no such option",
+            ));
         }
         OptionFault::Table(message) => {
             check.refuse(Fault::value("program", message, "here"));

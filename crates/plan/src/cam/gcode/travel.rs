@@ -93,8 +93,8 @@ impl State<'_> {
     fn note_start(&mut self, names: &str, cuts: bool, line: usize) {
         let text = match self.waits {
             Some(since) => format!(
-                "the path begins here: the moves from line {since} on leave {names} unknown, and a \
-                 place that the file does not say is not led to"
+                "the path begins here, after the first line with a place of all axes: the moves \
+                 from line {since} on leave {names} unknown"
             ),
             None if cuts => "the path begins at the end of this line: where the line begins the \
                              file does not say"
@@ -114,7 +114,8 @@ impl State<'_> {
         }
         let word = format!("G{code}");
         self.unknown.lose(values);
-        self.gaps.leave(&mut self.path, &mut self.notes, &word, line);
+        self.gaps
+            .leave(&mut self.path, &mut self.notes, &word, line);
     }
 
     /// The tool's axis: by I, J, K on a line, or turned by A about x, B about y, C about z.

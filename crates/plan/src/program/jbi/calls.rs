@@ -72,13 +72,21 @@ impl<'a> Calls<'a> {
         whole.notes.extend(notes);
         let (mut moves, mut outputs) = (0, 0);
         for call in &job.calls {
-            self.piece(job, own, [moves, call.moves], [outputs, call.outputs], whole);
+            self.piece(
+                job,
+                own,
+                [moves, call.moves],
+                [outputs, call.outputs],
+                whole,
+            );
             (moves, outputs) = (call.moves, call.outputs);
             let at = |kind| ProgramError::in_file(&job.path, call.line, kind);
-            let called = self.called(&job.path, &call.name).map_err(|fault| match fault {
-                Fault::Here(kind) => at(kind),
-                Fault::There(error) => error,
-            })?;
+            let called = self
+                .called(&job.path, &call.name)
+                .map_err(|fault| match fault {
+                    Fault::Here(kind) => at(kind),
+                    Fault::There(error) => error,
+                })?;
             ProgramErrorKind::unless_too_many(whole.moves.len() + called.1.moves.len())
                 .map_err(at)?;
             whole.tool.number = called.1.tool.number;
@@ -101,13 +109,17 @@ impl<'a> Calls<'a> {
         whole: &mut Program,
     ) {
         let start = whole.moves.len();
-        whole.moves.extend_from_slice(&own.moves[moves[0]..moves[1]]);
+        whole
+            .moves
+            .extend_from_slice(&own.moves[moves[0]..moves[1]]);
         let switches = job.outputs[outputs[0]..outputs[1]].iter();
         let switches = switches.filter(|(_, number, _)| Some(*number) == self.spindle);
-        whole.spindle.extend(switches.map(|(before, _, on)| SpindleSwitch {
-            before: start + before - moves[0],
-            on: *on,
-        }));
+        whole
+            .spindle
+            .extend(switches.map(|(before, _, on)| SpindleSwitch {
+                before: start + before - moves[0],
+                on: *on,
+            }));
     }
 
     fn called(&mut self, caller: &Path, name: &str) -> Result<Rc<(JbiJob, Program)>, Fault> {
@@ -134,7 +146,11 @@ impl<'a> Calls<'a> {
         let job = (self.load)(&file).map_err(|error| match error.kind() {
             ProgramErrorKind::Unreadable(why) => {
                 let rule = format!("one that lies beside: {}: {why}", file.display());
-                Fault::Here(ProgramErrorKind::value("the job that is called", name, rule))
+                Fault::Here(ProgramErrorKind::value(
+                    "the job that is called",
+                    name,
+                    rule,
+                ))
             }
             _ => Fault::There(error),
         })?;
