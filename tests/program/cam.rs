@@ -127,8 +127,8 @@ fn a_folder_is_no_recording() {
     assert!(told(&output).contains("is a folder"), "{}", told(&output));
 }
 
-/// A head as posts write it, whose height comes after X and Y, through the program: no row of the path
-/// lies at the height 0 that no line says, and the retract between the pockets is in the program.
+/// A head as posts write it, whose height comes after X and Y: no row of the path lies at the height
+/// 0 that no line says, and the retract between the pockets is in the program.
 #[test]
 fn a_path_through_the_machines_own_retract_stays_above_the_part() {
     let desk = Desk::new();
@@ -166,7 +166,8 @@ fn a_path_through_the_machines_own_retract_stays_above_the_part() {
     }
 }
 
-/// `[process.path_milling]` turns its cutter as the scenario says, and tells where the file does not.
+/// `[process.path_milling]` turns its cutter as the scenario says, and tells where the file says
+/// something else.
 #[test]
 fn a_spindle_that_contradicts_the_scenario_is_told() {
     let desk = Desk::new();

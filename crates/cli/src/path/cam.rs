@@ -195,7 +195,7 @@ fn settings(cam: &CamArguments, dialect: &dyn Dialect) -> Result<Settings, Failu
     }
     dialect.check(&options).map_err(|fault| {
         let help = format!("--option key=value gives an option of {}", dialect.name());
-        Failure::with_help(format!("--option: {fault}"), help)
+        Failure::with_help(fault.to_string(), help)
     })?;
     Ok(Settings {
         options,

@@ -6,6 +6,7 @@
 //! stands in `docs/cam_files.md`.
 
 mod apt;
+mod apt_words;
 mod follow;
 mod gap;
 pub mod gcode;

@@ -102,7 +102,7 @@ fn check_heads(heads: &CellRow) -> Result<(), ProgramErrorKind> {
 /// Under how many of its names a quantity is given.
 fn given<const N: usize>(heads: &CellRow, names: Names<N>) -> usize {
     let is_head = |name: &&str| heads.cells.iter().any(|head| head == name);
-    let all = |(names, _): &&([&'static str; N], f64)| names.iter().all(|name| is_head(&name));
+    let all = |(names, _): &&([&'static str; N], f64)| names.iter().all(is_head);
     names.iter().filter(all).count()
 }
 

@@ -152,7 +152,8 @@ pub(super) fn too_near(
     (near.share < 1.0).then_some((near.joint, kind))
 }
 
-/// Moves no longer than this turn the tool on the spot, m: a thousandth of what programs tell apart.
+/// Moves no longer than this turn the tool on the spot, m: a thousandth of what programs tell
+/// apart.
 pub(super) const ON_THE_SPOT_M: f64 = 1e-9;
 
 /// Joints of which a linear move asks too much.
