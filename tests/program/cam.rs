@@ -127,8 +127,8 @@ fn a_folder_is_no_recording() {
     assert!(told(&output).contains("is a folder"), "{}", told(&output));
 }
 
-/// A head as posts write it, whose height comes after X and Y: no row of the path lies at the height
-/// 0 that no line says, and the retract between the pockets is in the program.
+/// A head as posts write it, whose height comes after X and Y: no row of the path lies at a height
+/// that no line says, and the retract between the pockets is in the program.
 #[test]
 fn a_path_through_the_machines_own_retract_stays_above_the_part() {
     let desk = Desk::new();
