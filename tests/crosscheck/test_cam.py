@@ -44,9 +44,11 @@ def rows(truecut, file: Path, out: Path) -> list[tuple[int, np.ndarray, str]]:
 def compare(found: list[tuple[int, np.ndarray, str]], pieces: list[cam_paths.Piece]) -> None:
     """Every point lies on the piece of its line, in order; every piece is ended; chords keep to their tolerance."""
     at = 0
-    for piece in pieces:
+    for piece, after in zip(pieces, [*pieces[1:], None]):
         mine = []
-        while at < len(found) and found[at][0] == piece.line:
+        # several pieces of one line are rapids, of one point each
+        alone = after is None or after.line != piece.line
+        while at < len(found) and found[at][0] == piece.line and (alone or not mine):
             mine.append(found[at])
             at += 1
         assert mine, f"no point of line {piece.line}"

@@ -1,5 +1,7 @@
 //! `truecut path` of poses: where the arm begins, and which tool it has; `truecut program` with it.
 
+use std::path::Path;
+
 use super::Desk;
 use super::path::{hp20, told};
 
@@ -123,4 +125,90 @@ fn a_folder_is_no_recording() {
     let output = desk.truecut(&["view", "out"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(told(&output).contains("is a folder"), "{}", told(&output));
+}
+
+/// A head as posts write it, whose height comes after X and Y: no row of the path lies at a height
+/// that no line says, and the retract between the pockets is in the program.
+#[test]
+fn a_path_through_the_machines_own_retract_stays_above_the_part() {
+    let desk = Desk::new();
+    let code = "G53 G0 Z0.\nG90 G21 G0 X10. Y10.\nG43 H1 Z50.\nG1 Z-8. F300.\nX30.\nG53 G0 Z0.\n\
+                G0 X60. Y30.\nG43 H1 Z40.\nG1 Z-8.\nX70.\nG53 G0 Z0.\nM30\n";
+    std::fs::write(desk.path("haas.nc"), code).unwrap();
+    let robot = hp20();
+    let place = ["--work-xyz-mm", "850,-30,400", "--dialect", "urscript"];
+    let head = ["path", "haas.nc", "--robot", &robot];
+    let output = desk.truecut(&[&head[..], &place].concat());
+    assert!(output.status.success(), "{}", told(&output));
+    for part in [
+        "the path begins here",
+        "G53: a move of the machine's own",
+        "Z 50.000 mm",
+    ] {
+        assert!(told(&output).contains(part), "{}", told(&output));
+    }
+    let table = std::fs::read_to_string(desk.path("out/haas/path.csv")).unwrap();
+    let work = |line: &str| -> Vec<f64> {
+        let cells = line.split(',').skip(2).take(3);
+        cells.map(|cell| cell.parse().unwrap()).collect()
+    };
+    let places: Vec<Vec<f64>> = table.lines().skip(1).map(work).collect();
+    let heights: Vec<f64> = places.iter().map(|place| place[2]).collect();
+    assert_eq!(
+        heights,
+        [50.0, -8.0, -8.0, 50.0, 50.0, 40.0, -8.0, -8.0, 50.0]
+    );
+    for pair in places
+        .windows(2)
+        .filter(|pair| (pair[0][1] - pair[1][1]).abs() > 1.0)
+    {
+        assert_eq!((pair[0][2], pair[1][2]), (50.0, 50.0), "{pair:?}");
+    }
+}
+
+/// `[process.path_milling]` turns its cutter as the scenario says, and tells where the file says
+/// something else.
+#[test]
+fn a_spindle_that_contradicts_the_scenario_is_told() {
+    let desk = Desk::new();
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/irb6600_175_255");
+    let scenario = format!(
+        "name = \"Slot\"\n[robot]\nurdf = '{0}/robot.urdf'\nconfig = '{0}/milling.toml'\n\
+         [process.path_milling]\nspindle_rpm = 6000\n[process.path_milling.cutter]\n\
+         diameter_mm = 10\nteeth = 2\n[process.path_milling.cutting]\ntangential_mpa = 600\n\
+         radial_mpa = 200\n[process.path_milling.path]\nfile = \"slot.nc\"\n\
+         work_xyz_mm = [1050, -1450, 870]\n[process.path_milling.stock]\n\
+         corner_mm = [0, -10, -10]\nsize_mm = [20, 20, 10]\ngrid_mm = 0.5\n\
+         [run]\nduration_s = 0.02\n",
+        robots.display()
+    );
+    std::fs::write(desk.path("slot.toml"), scenario).unwrap();
+    for (words, quote) in [
+        ("S6000 M3", None),
+        (
+            "",
+            Some("line 2: a move with feed, before which the file does not start the spindle"),
+        ),
+        (
+            "S6000 M4",
+            Some("line 2: the file turns the spindle counter-clockwise"),
+        ),
+        (
+            "S9000 M3",
+            Some("line 2: the file turns the spindle at 9000 1/min, the scenario at 6000"),
+        ),
+    ] {
+        let code = format!("G90 G21 {words} G0 X-8 Y0 Z-1\nG1 X25 F1200\nM30\n");
+        std::fs::write(desk.path("slot.nc"), code).unwrap();
+        let output = desk.truecut(&["run", "slot.toml", "--no-rrd"]);
+        let told = told(&output);
+        assert!(output.status.code() < Some(2), "{told}");
+        match quote {
+            Some(quote) => assert!(told.contains(quote), "{words}: {told}"),
+            None => assert!(
+                !told.contains("the file turns") && !told.contains("the spindle"),
+                "{told}"
+            ),
+        }
+    }
 }

@@ -57,9 +57,14 @@ class Piece:
 
 
 def gcode(text: str) -> list[Piece]:
-    """The pieces of a G-code program, moves of the machine's own (G28, G53) left out."""
+    """The pieces of a G-code program whose tool is upright.
+
+    An axis has no place (nan) until an absolute word gives one, nor after the machine moved it in its own coordinates
+    (G28, G30, G53): from there the tool goes up to the greatest Z of the file, and across at it to the next place that
+    is known. Until the pieces are whole that height is written as infinity.
+    """
     pieces: list[Piece] = []
-    place, unit, absolute, plane, mode, feed = np.zeros(3), 1.0, True, 17, None, None
+    place, unit, absolute, plane, mode, feed, left = np.full(3, np.nan), 1.0, True, 17, None, None, None
     for number, raw in enumerate(text.splitlines(), 1):
         block = re.sub(r"\(.*?\)|;.*|^%.*", "", raw).upper()
         words = [(a, float(b)) for a, b in re.findall(r"([A-Z])\s*([-+]?\d*\.?\d+\.?)", block)]
@@ -77,22 +82,48 @@ def gcode(text: str) -> list[Piece]:
                     mode = int(code)
         if "F" in values:
             feed = values["F"] * unit
-        own = any(code in (28, 30, 53) for code in codes) or 4 in codes
-        if not own and any(letter in values for letter in "XYZABC") or mode in (2, 3) and set("IJKR") & set(values):
-            if own:
-                continue
-            end = place.copy()
-            for axis, letter in enumerate("XYZ"):
-                if letter in values:
-                    end[axis] = values[letter] * unit + (0 if absolute else place[axis])
-            piece = Piece(number, place, end, None if mode == 0 else feed)
-            if mode in (2, 3):
-                bend(piece, values, unit, PLANES[plane], mode == 2)
-            pieces.append(piece)
+        end = place.copy()
+        for axis, letter in enumerate("XYZ"):
+            if letter in values:
+                end[axis] = values[letter] * unit + (0 if absolute else place[axis])
+        if any(code in (28, 30, 53) for code in codes):
+            if pieces and left is None:
+                if 53 not in codes and np.any(end != place):
+                    pieces.append(Piece(number, place, end, None))
+                    place = end
+                left = np.array([place[0], place[1], np.inf])
+                pieces.append(Piece(number, place, left, None))
+            moved = [axis for axis, letter in enumerate("XYZ") if letter in values] or [0, 1, 2]
+            place = place.copy()
+            place[moved] = np.nan
+        elif 4 not in codes and (any(letter in values for letter in "XYZABC") or mode in (2, 3) and set("IJKR") & set(values)):
+            known = not np.any(np.isnan(end))
+            if known and left is not None:
+                over = np.array([end[0], end[1], np.inf])
+                pieces += [Piece(number, left, over, None), Piece(number, over, end, None)]
+                left = None
+            elif known:
+                piece = Piece(number, place if pieces else end, end, None if mode == 0 else feed)
+                if mode in (2, 3):
+                    bend(piece, values, unit, PLANES[plane], mode == 2)
+                pieces.append(piece)
             place = end
         if any(letter == "M" and value in (2, 30) for letter, value in words):
             break
-    return pieces
+    return at_height(pieces)
+
+
+def at_height(pieces: list[Piece]) -> list[Piece]:
+    """The pieces with the greatest height in the place of infinity; none where the tool is there already."""
+    heights = [float(place[2]) for piece in pieces for place in (piece.start, piece.end)]
+    greatest = max((height for height in heights if math.isfinite(height)), default=0.0)
+    kept = []
+    for piece in pieces:
+        own = math.isinf(piece.start[2]) or math.isinf(piece.end[2])
+        piece.start, piece.end = (np.where(np.isinf(place), greatest, place) for place in (piece.start, piece.end))
+        if not own or np.any(piece.start != piece.end):
+            kept.append(piece)
+    return kept
 
 
 def bend(piece: Piece, values: dict[str, float], unit: float, axes: tuple[int, int, int], clockwise: bool) -> None:

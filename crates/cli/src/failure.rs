@@ -100,14 +100,13 @@ impl Failure {
         path: Option<&Path>,
         line: Option<usize>,
         text: String,
-        help: String,
+        help: Option<String>,
     ) -> Failure {
         let place = path.zip(line);
-        let shown =
-            place.and_then(|(path, line)| in_line(path, line, text.clone(), Some(help.clone())));
+        let shown = place.and_then(|(path, line)| in_line(path, line, text.clone(), help.clone()));
         shown.unwrap_or_else(|| {
             let file = path.map_or_else(String::new, |path| format!("{}: ", path.display()));
-            Failure::with_help(format!("{file}{text}"), help)
+            Failure::advised(format!("{file}{text}"), help)
         })
     }
 
@@ -127,6 +126,10 @@ impl Failure {
             if let Some(shown) = in_lines(path, text, &labels, help.clone()) {
                 return shown;
             }
+        }
+        if let ArmErrorKind::AmbiguousTip { .. } = error.kind() {
+            let tip = "--tip, or `tip` of [robot] in a scenario, names the link that is the flange";
+            return Failure::with_help(error.to_string(), tip);
         }
         let place = error.path().zip(error.line());
         let shown = place.and_then(|(path, line)| in_line(path, line, error.message(), help));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::Isometry3;
 use truecut_arm::Robot;
 
-use crate::cam::{self, CamOptions, CamPath, WorkSetup};
+use crate::cam::{self, CamOptions, CamPath, SpindleAtCuts, WorkSetup};
 use crate::motion::led::{LedMotion, LedTask};
 use crate::program::{
     Dialect, Frames, Motion, Move, Program, ProgramError, ProgramErrorKind, Settings, Start, Tool,
@@ -61,6 +61,8 @@ pub struct Way {
     /// The work frame of a path from CAM, the base frame of a program.
     pub world_from_work: Isometry3<f64>,
     pub points: Vec<WayPoint>,
+    /// What a path from CAM says of the spindle.
+    pub spindle: Option<SpindleAtCuts>,
 }
 
 /// A point of it.
@@ -84,6 +86,7 @@ struct Read {
     lines: Vec<usize>,
     rapid: Vec<bool>,
     world_from_work: Isometry3<f64>,
+    spindle: Option<SpindleAtCuts>,
 }
 
 impl Read {
@@ -107,6 +110,7 @@ impl Read {
         Way {
             world_from_work: self.world_from_work,
             points: program.moves.iter().map(point).collect(),
+            spindle: self.spindle.clone(),
         }
     }
 }
@@ -187,6 +191,7 @@ impl PathFile {
                     lines: points.clone().map(|one| one.line).collect(),
                     rapid: points.map(|one| one.feed_m_per_s.is_none()).collect(),
                     world_from_work: setup.world_from_work,
+                    spindle: Some(path.spindle_at_cuts()),
                 })
             }
             PathFileKind::Program {
@@ -210,6 +215,7 @@ impl PathFile {
                     program,
                     lines: Vec::new(),
                     rapid: Vec::new(),
+                    spindle: None,
                 })
             }
         }

@@ -30,9 +30,11 @@ fn near(found: [f64; 3], wanted: [f64; 3]) -> bool {
 
 #[test]
 fn modes_hold_until_they_are_changed() {
-    let path = gcode("G20 G91\nG0 X1 Y1 (inches, steps)\nX1\nG21 G90 G1 X0 F600 ; mm\nY0\n");
+    let path =
+        gcode("G0 X0 Y0 Z0 G20\nG91 G0 X1 Y1 (inches, steps)\nX1\nG21 G90 G1 X0 F600 ; mm\nY0\n");
     let found = places_mm(&path);
     let wanted = [
+        [0.0; 3],
         [25.4, 25.4, 0.0],
         [50.8, 25.4, 0.0],
         [0.0, 25.4, 0.0],
@@ -43,9 +45,9 @@ fn modes_hold_until_they_are_changed() {
         "{found:?}"
     );
     let feeds: Vec<Option<f64>> = path.points.iter().map(|p| p.feed_m_per_s).collect();
-    assert_eq!(feeds, [None, None, Some(0.01), Some(0.01)]);
+    assert_eq!(feeds, [None, None, None, Some(0.01), Some(0.01)]);
     let lines: Vec<usize> = path.points.iter().map(|p| p.line).collect();
-    assert_eq!(lines, [2, 3, 4, 5]);
+    assert_eq!(lines, [1, 2, 3, 4, 5]);
 }
 
 /// A file that was cut short anywhere says so, if it was to end with what it began with.
@@ -96,7 +98,9 @@ fn verify_arcs_by_radius_have_their_centres() {
         (2, -10.0, [0.0, 10.0]),
         (3, -10.0, [10.0, 0.0]),
     ] {
-        let path = gcode(&format!("G90 G0 X0 Y0\nG{code} X10 Y10 R{radius} F600\n"));
+        let path = gcode(&format!(
+            "G90 G0 X0 Y0 Z0\nG{code} X10 Y10 R{radius} F600\n"
+        ));
         let centre = Vector3::new(centre[0], centre[1], 0.0) * 1e-3;
         let mut turned = 0.0;
         for pair in path.points.windows(2) {
@@ -155,12 +159,14 @@ fn the_axis_follows_rotary_words_or_vectors() {
 
 #[test]
 fn what_moves_nothing_is_noted_by_its_line() {
-    let path =
-        gcode("G90 G0 X0 Y0 Z5\nT3 M6\nS9000 M3\nG28 G91 Z0\nG90 G1 X5 F600 M8\nM5\nM30\nX9\n");
-    assert_eq!(path.points.len(), 2);
-    assert_eq!(path.spindle, [(1, true), (2, false)]);
-    assert_eq!(path.spindle_rpm, Some(9000.0));
-    for quote in ["line 2: T3", "line 4: G28", "line 5: M8"] {
+    let path = gcode(
+        "G90 G0 X0 Y0 Z5\nT3 M6\nS9000 M3\nG28 G91 Z0\nG90 G0 Z5\nG1 X5 F600 M8\nM5\nM30\nX9\n",
+    );
+    // Already out: the machine's own move adds no point.
+    assert_eq!(path.points.len(), 3);
+    assert_eq!(path.switches().collect::<Vec<_>>(), [(1, true), (3, false)]);
+    assert_eq!(path.spindle[0].rpm, Some(9000.0));
+    for quote in ["line 2: T3", "line 4: G28", "line 6: M8"] {
         assert!(
             path.notes.iter().any(|note| note.starts_with(quote)),
             "{:?}",
@@ -191,7 +197,8 @@ fn apt_gives_points_axes_feeds_and_arcs() {
         "a quarter of a circle in {} points",
         points.len()
     );
-    assert_eq!(path.spindle, [(0, true), (points.len(), false)]);
+    let switches: Vec<(usize, bool)> = path.switches().collect();
+    assert_eq!(switches, [(0, true), (points.len(), false)]);
     let inches = read("UNITS/INCHES\nFEDRAT/60,IPM\nGOTO/1,0,0\n", "x.apt").expect("APT");
     assert!((inches.points[0].place_m.x - 0.0254).abs() < 1e-15);
     assert!((inches.points[0].feed_m_per_s.expect("a feed") - 0.0254).abs() < 1e-15);
@@ -261,6 +268,44 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     ),
     ("no_axis.nc", 3, &["the tool's axis is 0", "above zero"]),
     ("empty.nc", 3, &["ends here", "any point"]),
+    (
+        "cut_before_its_height.nc",
+        3,
+        &["G1 with Z unknown", "no line before it says"],
+    ),
+    (
+        "cut_after_a_machine_move.nc",
+        5,
+        &["G1 with Z unknown", "G53 in line 3"],
+    ),
+    ("two_motions.nc", 3, &["the move is G1", "says G0 before"]),
+    (
+        "feed_of_light.nc",
+        3,
+        &["the feed F is 99999999999", "at most 10000 mm/s"],
+    ),
+    (
+        "home_without_rapid.apt",
+        6,
+        &["a move with feed", "RAPID before", "GOHOME in line 5"],
+    ),
+    (
+        "circle_without_end.apt",
+        4,
+        &["ends here", "the GOTO that ends the CIRCLE"],
+    ),
+    (
+        "long_axis.apt",
+        5,
+        &["the tool's axis is 1.5", "1, to 0.001"],
+    ),
+    ("column_twice.csv", 1, &["the column is x_mm", "given once"]),
+    ("two_units.csv", 1, &["units of the place is 2"]),
+    (
+        "feed_of_light.csv",
+        3,
+        &["feed_mm_per_s is 1e12", "at most 10000 mm/s"],
+    ),
     ("cycle.apt", 4, &["`CYCLE`", "canned cycles"]),
     ("cutcom.apt", 2, &["`CUTCOM`", "compensation"]),
     ("unknown_word.apt", 4, &["`GOFWD`", "GOTO, FROM"]),

@@ -243,7 +243,7 @@ fn what_cannot_be_led_is_told_with_its_line() {
         ("still.nc", "G21 F600\nG1 X0 Y0 Z0\n", None, "one place"),
         (
             "fast.nc",
-            "G21 F600\nG1 X-480 Y-400 Z0\nG1 X-470\nG1 Y400 F3000000\n",
+            "G21 F600\nG1 X-480 Y-400 Z0\nG1 X-470\nG1 Y400 F500000\n",
             Some(4),
             "deg/s",
         ),

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use truecut_arm::{FrameId, Robot};
 use truecut_plan::program::{
-    Frames, Motion, PathPoint, Program, ProgramError, Settings, SpindleSwitch, Tool, TravelOptions,
-    Zone, dialect_named, dialect_of, maker_note, read_text,
+    Finding, FindingKind, Frames, MOST_POINTS, Motion, PathPoint, Program, ProgramError,
+    ReplayOptions, Settings, SpindleSwitch, Tool, TravelOptions, Zone, dialect_named, dialect_of,
+    maker_note, read_text,
 };
 
 fn read_with(file: &Path, settings: &Settings) -> Result<Program, ProgramError> {
@@ -196,6 +197,16 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     ),
     ("offset_of_nothing.MOD", 11, &["no p9 to move to"]),
     ("call_up.JBI", 19, &["../OTHER", "A-Z, 0-9"]),
+    (
+        "RECUR.JBI",
+        20,
+        &["that is called is RECUR", "not under way"],
+    ),
+    (
+        "ABSENT.JBI",
+        20,
+        &["that is called is NOWHERE", "NOWHERE.JBI"],
+    ),
     ("level.JBI", 19, &["PL is 9", "from 0 to 8"]),
 ];
 
@@ -218,6 +229,125 @@ fn every_faulty_program_is_refused_with_file_line_value_and_rule() {
         .filter(|name| !FAULTS.iter().any(|f| f.0 == name))
         .collect();
     assert!(unlisted.is_empty(), "{unlisted:?}");
+}
+
+#[test]
+fn no_dialect_writes_a_speed_that_no_arm_has() {
+    let robot = assets::robot("hp20");
+    let mut program = sample("part.LS");
+    for name in ["jbi", "rapid", "krl", "urscript", "ls"] {
+        let dialect = dialect_named(name).expect(name);
+        let mut settings = Settings::default();
+        if name == "jbi" {
+            let date = serde_json::json!("2026-01-31 12:00");
+            settings.options.insert("date".to_owned(), date);
+        }
+        let mut write = |speed_m_per_s: f64| {
+            program.moves[1].motion = Motion::Linear { speed_m_per_s };
+            dialect.write(&program, &robot, &settings)
+        };
+        write(1.0).expect(name);
+        let error = write(11.0).expect_err(name).to_string();
+        assert!(
+            error.contains("speed in m/s is 11") && error.contains("at most 10"),
+            "{error}"
+        );
+    }
+}
+
+/// However short a step takes: a joint that would have to be there at once is too fast.
+#[test]
+fn a_speed_beyond_all_bounds_is_too_fast_for_the_joints() {
+    let robot = assets::robot("hp20");
+    let mut program = sample("part.LS");
+    for speed_m_per_s in [50.0, 1e8, 1e300] {
+        program.moves[1].motion = Motion::Linear { speed_m_per_s };
+        let replay = program.replay(&robot, &ReplayOptions::default());
+        let is_fast = |one: &Finding| matches!(one.kind, FindingKind::TooFast { .. });
+        assert!(replay.findings.iter().any(is_fast), "{speed_m_per_s}");
+        let fastest = replay.fastest.expect("a line").0;
+        assert!(fastest > 1.0, "{speed_m_per_s}: {fastest}");
+    }
+}
+
+/// As G-code of as many points: refused before postures are looked for, at the first move too many.
+#[test]
+fn a_script_of_too_many_moves_is_refused_at_the_first() {
+    let mut text = String::from("def long():\n");
+    for _ in 0..=MOST_POINTS {
+        text.push_str("  movej([0,0,0,0,0.5,0], a=1, v=1)\n");
+    }
+    text.push_str("end\n");
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("long.script");
+    std::fs::write(&file, text).expect("a script");
+    let error = read_with(&file, &Settings::default()).expect_err("too many");
+    assert_eq!(error.line(), Some(MOST_POINTS + 2), "{error}");
+    assert!(
+        error.to_string().contains(&MOST_POINTS.to_string()),
+        "{error}"
+    );
+}
+
+/// A job between whose moves others are called, and two that call each other.
+#[test]
+fn jobs_are_read_in_the_order_of_their_calls() {
+    let job = |name: &str, y_mm: [f64; 2], between: &str| {
+        let place = |y: f64| format!("900.000,{y:.3},600.000,180.0000,0.0000,0.0000");
+        let [a, b] = y_mm.map(place);
+        format!(
+            "/JOB\n//NAME {name}\n//POS\n///NPOS 2,0,0,0,0,0\n///TOOL 1\n///POSTYPE BASE\n///RECTAN\n\
+             ///RCONF 0,0,0,0,0,0\nC00000={a}\nC00001={b}\n//INST\n///DATE 2026/01/31 12:00\n\
+             ///ATTR SC,RW\n///GROUP1 RB1\nNOP\nMOVJ C00000 VJ=10.00\nDOUT OT#(3) ON\n{between}\
+             DOUT OT#(3) OFF\nMOVL C00001 V=20.0\nEND\n"
+        )
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: String| {
+        let file = folder.path().join(format!("{name}.JBI"));
+        std::fs::write(&file, text).expect("a job");
+        file
+    };
+    let main = write(
+        "MAIN",
+        job("MAIN", [0.0, 50.0], "CALL JOB:PART\nCALL JOB:PART\n"),
+    );
+    write("PART", job("PART", [10.0, 20.0], "CALL JOB:LEAF\n"));
+    write("LEAF", job("LEAF", [14.0, 16.0], ""));
+    let settings = Settings {
+        spindle_signal: Some("3".to_owned()),
+        ..Settings::default()
+    };
+    let program = read_with(&main, &settings).expect("jobs");
+    let y_mm = program
+        .moves
+        .iter()
+        .map(|one| one.base_from_tool.translation.y * 1e3);
+    let y_mm: Vec<f64> = y_mm.map(f64::round).collect();
+    let part = [10.0, 14.0, 16.0, 20.0];
+    assert_eq!(y_mm, [&[0.0][..], &part, &part, &[50.0]].concat());
+    let switches: Vec<(usize, bool)> = (program.spindle.iter())
+        .map(|one| (one.before, one.on))
+        .collect();
+    let wanted = [
+        (1, true),
+        (2, true),
+        (3, true),
+        (3, false),
+        (4, false),
+        (6, true),
+    ];
+    assert_eq!(switches[..6], wanted);
+    assert_eq!(switches.last(), Some(&(9, false)));
+
+    let one = write("ONE", job("ONE", [0.0, 1.0], "CALL JOB:TWO\n"));
+    write("TWO", job("TWO", [0.0, 1.0], "CALL JOB:ONE\n"));
+    let error = read_with(&one, &settings).expect_err("a circle of calls");
+    assert!(
+        error.path().expect("a file").ends_with("TWO.JBI"),
+        "{error}"
+    );
+    assert_eq!(error.line(), Some(18), "{error}");
 }
 
 /// A Universal Robots arm has no wrist centre and no closed form here: lines are followed by the

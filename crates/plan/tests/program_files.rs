@@ -86,7 +86,10 @@ fn a_long_program_is_split_into_jobs_that_another_calls() {
         .collect();
     let called: Vec<&str> = jobs[1..].iter().map(|job| job.name.as_str()).collect();
     assert_eq!(jobs[0].name, "POLISH");
-    assert_eq!(jobs[0].calls, called);
+    let calls: Vec<&str> = (jobs[0].calls.iter())
+        .map(|call| call.name.as_str())
+        .collect();
+    assert_eq!(calls, called);
     assert_eq!(called, ["POLISH01", "POLISH02", "POLISH03", "POLISH04"]);
     let mut read = Vec::new();
     for job in &jobs[1..] {

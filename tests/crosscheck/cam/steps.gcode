@@ -1,5 +1,7 @@
 ;Generated as relative moves
 G21
+G90
+G0X0Y0Z0
 G91
 G0X10Y10
 G0Z5

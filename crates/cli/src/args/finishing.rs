@@ -84,7 +84,7 @@ pub struct CamArguments {
     #[arg(long, value_name = "SPEED", value_parser = speed)]
     pub rapid_mm_per_s: Option<f64>,
     /// Speed of the move to the first point, fraction of the top speed [default: 0.25]
-    #[arg(long, value_name = "FRACTION", value_parser = above_zero)]
+    #[arg(long, value_name = "FRACTION", value_parser = share)]
     pub joint_speed: Option<f64>,
     /// Within what points are passed; 0 stops at each [default: the dialect's]
     #[arg(long, value_name = "MM", value_parser = zone, allow_hyphen_values = true)]
@@ -101,7 +101,7 @@ pub struct CamArguments {
 }
 
 /// Faster than any robot by far, mm/s.
-const FASTEST_MM_PER_S: f64 = 100_000.0;
+const FASTEST_MM_PER_S: f64 = 1e3 * truecut_plan::program::FASTEST_M_PER_S;
 /// Larger than any part, mm.
 const LARGEST_MM: f64 = 10_000.0;
 /// Turns beyond this are a slip, degrees.
@@ -109,6 +109,10 @@ const MOST_TURNED_DEG: f64 = 3600.0;
 
 fn speed(text: &str) -> Result<f64, String> {
     above_zero_to(text, FASTEST_MM_PER_S)
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    above_zero_to(text, 1.0)
 }
 
 fn chord(text: &str) -> Result<f64, String> {

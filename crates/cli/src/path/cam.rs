@@ -32,7 +32,7 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     let (file, cam) = (&arguments.file, &arguments.cam);
     let robot = robot(cam, file)?;
     let dialect = dialect(cam)?;
-    let settings = settings(cam, dialect, file)?;
+    let settings = settings(cam, dialect)?;
     let cell = cam.cell.as_deref();
     let cell = cell.map(|file| Checked::cell(&robot, file)).transpose()?;
     let text = read_text(file).map_err(|error| Failure::at(file, error))?;
@@ -181,7 +181,7 @@ fn dialect(cam: &CamArguments) -> Result<&'static dyn Dialect, Failure> {
 }
 
 /// `--option key=value`: values that are numbers or truths are taken as such.
-fn settings(cam: &CamArguments, dialect: &dyn Dialect, file: &Path) -> Result<Settings, Failure> {
+fn settings(cam: &CamArguments, dialect: &dyn Dialect) -> Result<Settings, Failure> {
     let mut options = Options::new();
     for text in &cam.option {
         let (key, value) = text
@@ -194,8 +194,8 @@ fn settings(cam: &CamArguments, dialect: &dyn Dialect, file: &Path) -> Result<Se
         options.insert(key.to_owned(), value.unwrap_or(Value::String(text)));
     }
     dialect.check(&options).map_err(|fault| {
-        let help = format!("--option key=value gives the options of {}", dialect.name());
-        Failure::with_help(format!("{}: {fault}", file.display()), help)
+        let help = format!("--option key=value gives an option of {}", dialect.name());
+        Failure::with_help(fault.to_string(), help)
     })?;
     Ok(Settings {
         options,
@@ -229,10 +229,15 @@ fn head(
     })
 }
 
+/// What is wrong with the file, or where the arm cannot follow it.
 fn refused(file: &Path, error: &ProgramError) -> Failure {
-    let help = "it is a path from CAM".to_owned();
     let path = error.path().unwrap_or(file);
-    Failure::in_file(Some(path), error.line(), error.message(), help)
+    let arm = error.kind().path_point().map(|_| {
+        "--work-xyz-mm and --work-rpy-deg place the file before the arm; --spin-deg and \
+         --posture-deg choose other postures"
+            .to_owned()
+    });
+    Failure::in_file(Some(path), error.line(), error.message(), arm)
 }
 
 /// What a dialect cannot say: at the line that the point comes from.
@@ -241,11 +246,10 @@ fn unwritten(file: &Path, read: &CamPath, error: &ProgramError) -> Failure {
     let line = point
         .and_then(|at| read.points.get(at))
         .map(|point| point.line);
-    let help = match line {
-        Some(_) => "--posture-deg and --spin-deg choose other postures, --dialect another language",
-        None => "--option and --dialect say how the program is written",
-    };
-    Failure::in_file(Some(file), line, error.message(), help.to_owned())
+    let help = line.map(|_| {
+        "--posture-deg and --spin-deg choose other postures, --dialect another language".to_owned()
+    });
+    Failure::in_file(Some(file), line, error.message(), help)
 }
 
 fn write(

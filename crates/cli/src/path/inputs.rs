@@ -26,7 +26,12 @@ impl Inputs {
         let help = |what: &str| format!("it is {what} of {}", job.path().display());
         let spec = &job.surface;
         let surface = |error: SurfaceError, key: &str, what: &str| match error.line() {
-            Some(_) => Failure::in_file(error.path(), error.line(), error.message(), help(what)),
+            Some(_) => Failure::in_file(
+                error.path(),
+                error.line(),
+                error.message(),
+                Some(help(what)),
+            ),
             None => job.problem(key, error.to_string()).into(),
         };
         let patch = spec.face.load().map_err(|error| {
@@ -47,7 +52,7 @@ impl Inputs {
                     message,
                 } if line > 0 => {
                     let place = Some(Path::new(&file));
-                    Failure::in_file(place, Some(line), message, help("a taught file"))
+                    Failure::in_file(place, Some(line), message, Some(help("a taught file")))
                 }
                 other => {
                     let key = format!("taught.{index}.file");

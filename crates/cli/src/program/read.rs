@@ -74,9 +74,8 @@ fn check_arguments(arguments: &ProgramArguments, dialect: &dyn Dialect) -> Resul
 }
 
 fn refused(error: ProgramError) -> Failure {
-    let help = "it is a robot program".to_owned();
     match error.line() {
-        Some(line) => Failure::in_file(error.path(), Some(line), error.message(), help),
+        Some(line) => Failure::in_file(error.path(), Some(line), error.message(), None),
         None => Failure::message(error.to_string()),
     }
 }

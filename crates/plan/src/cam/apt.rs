@@ -4,7 +4,12 @@ use std::path::Path;
 
 use nalgebra::{UnitVector3, Vector3};
 
-use super::{Attitude, CamOptions, CamPath, CamPoint, direction};
+use super::apt_words::{IDLE, REFUSED, numbers, unit_vector};
+use super::gap::Gaps;
+use super::spindle::{SpindleTurn, SpindleWord};
+use super::{
+    Attitude, CamOptions, CamPath, CamPoint, INCH_M, checked_feed, direction, unit_without_effect,
+};
 use crate::arc::Arc;
 use crate::program::number::finite;
 use crate::program::reading::Notes;
@@ -12,52 +17,6 @@ use crate::program::{ProgramError, ProgramErrorKind};
 
 /// By how much the end of an arc may miss its circle, m.
 const ARC_CLOSES_M: f64 = 1e-5;
-const INCH_M: f64 = 0.0254;
-/// Words that move nothing; they are left aside.
-const IDLE: &[&str] = &[
-    "PARTNO",
-    "PPRINT",
-    "CUTTER",
-    "COOLNT",
-    "INTOL",
-    "OUTTOL",
-    "MACHIN",
-    "TLDATA",
-    "TOOL PATH",
-    "PAINT",
-    "MSYS",
-    "OPSTOP",
-    "STOP",
-    "DELAY",
-    "REMARK",
-    "CLEARP",
-    "AUXFUN",
-    "SEQNO",
-    "TPRINT",
-    "END-OF-PATH",
-    "GOHOME",
-    "INSERT",
-    "RETRCT",
-    "THICK",
-    "ROTABL",
-    "MODE",
-    "HEAD",
-    "LOAD",
-    "SELECT",
-    "CATIA0",
-    "CLDATA",
-    "PREFUN",
-    "TLAXIS",
-];
-/// Words that would need what is not known.
-const REFUSED: [(&str, &str); 6] = [
-    ("CYCLE", "canned cycles"),
-    ("CUTCOM", "compensation of the cutter's radius"),
-    ("CALL", "subprograms"),
-    ("CALSUB", "subprograms"),
-    ("MACRO", "subprograms"),
-    ("COPY", "copies"),
-];
 
 struct AptReader<'a> {
     options: &'a CamOptions,
@@ -73,6 +32,7 @@ struct AptReader<'a> {
     /// Centre, axis and radius of the circle that the next point ends, m.
     circle: Option<(Vector3<f64>, UnitVector3<f64>, f64)>,
     ended: bool,
+    gaps: Gaps,
 }
 
 /// Reads APT.
@@ -92,7 +52,9 @@ pub(super) fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamP
         tool: None,
         circle: None,
         ended: false,
+        gaps: Gaps::default(),
     };
+    let at = |line: usize, kind| ProgramError::in_file(file, line, kind);
     let mut open: Option<(usize, String)> = None;
     for (i, line) in text.lines().enumerate() {
         let line = line.split("$$").next().unwrap_or_default().trim();
@@ -110,21 +72,57 @@ pub(super) fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamP
             break;
         }
     }
-    if let Some((at, _)) = open {
-        let missing = "the end of the statement".to_owned();
-        return Err(ProgramError::in_file(
-            file,
-            at,
-            ProgramErrorKind::Truncated { missing },
-        ));
+    let truncated = |line: usize, missing: &str| {
+        let missing = missing.to_owned();
+        at(line, ProgramErrorKind::Truncated { missing })
+    };
+    if let Some((line, _)) = open {
+        return Err(truncated(line, "the end of the statement"));
     }
-    Ok(CamPath {
-        notes: reader.notes.texts(),
-        ..reader.path
-    })
+    reader
+        .end(text.lines().count().max(1))
+        .map_err(|(line, fault)| match fault {
+            EndFault::Missing(what) => truncated(line, what),
+            EndFault::Other(kind) => at(line, kind),
+        })
+}
+
+/// What is wrong with a path at its end.
+enum EndFault {
+    Missing(&'static str),
+    Other(ProgramErrorKind),
 }
 
 impl AptReader<'_> {
+    fn end(mut self, last: usize) -> Result<CamPath, (usize, EndFault)> {
+        if self.circle.is_some() {
+            return Err((last, EndFault::Missing("the GOTO that ends the CIRCLE")));
+        }
+        if !self.ended {
+            let text = "the file ends without FINI: it may be cut short";
+            self.notes.add(last, text);
+        }
+        let closed = self.gaps.close(&mut self.path, &mut self.notes);
+        closed.map_err(|(line, kind)| (line, EndFault::Other(kind)))?;
+        Ok(CamPath {
+            notes: self.notes.texts(),
+            ..self.path
+        })
+    }
+
+    fn unit(&mut self, unit: &str, line: usize) -> Result<(), ProgramErrorKind> {
+        self.unit_m = match unit {
+            "MM" => 1e-3,
+            "INCHES" | "INCH" | "IN" => INCH_M,
+            "CM" => 1e-2,
+            _ => return Err(ProgramErrorKind::unexpected(unit, "MM, CM or INCHES")),
+        };
+        if let Some(text) = unit_without_effect(self.options, self.unit_m, "UNITS") {
+            self.notes.add(line, text);
+        }
+        Ok(())
+    }
+
     fn statement(&mut self, text: &str, line: usize) -> Result<(), ProgramErrorKind> {
         if text.is_empty() {
             return Ok(());
@@ -141,18 +139,16 @@ impl AptReader<'_> {
             .map(|part| part.to_uppercase())
             .unwrap_or_default();
         match word.as_str() {
-            "UNITS" => {
-                self.unit_m = match first.as_str() {
-                    "MM" => 1e-3,
-                    "INCHES" | "INCH" | "IN" => INCH_M,
-                    "CM" => 1e-2,
-                    _ => return Err(ProgramErrorKind::unexpected(&first, "MM, CM or INCHES")),
-                };
+            "UNITS" => self.unit(&first, line)?,
+            // The tool goes to a place that the file does not say.
+            "GOHOME" | "RETRCT" => {
+                self.gaps
+                    .leave(&mut self.path, &mut self.notes, &word, line);
             }
             "MULTAX" => self.multiaxis = first != "OFF",
             "FEDRAT" => self.feed(&parts)?,
             "RAPID" => self.rapid = true,
-            "SPINDL" => self.spindle(&parts)?,
+            "SPINDL" => self.spindle(&parts, line)?,
             "LOADTL" => self.tool(&parts, line)?,
             "FROM" | "GOTO" => self.goto(&word, &parts, line)?,
             "CIRCLE" => {
@@ -170,7 +166,12 @@ impl AptReader<'_> {
             }
             "GODLTA" => {
                 let [x, y, z] = numbers::<3>(&word, &parts)?;
-                let from = self.path.points.last().ok_or_else(|| {
+                let known = self
+                    .path
+                    .points
+                    .last()
+                    .filter(|_| self.gaps.open().is_none());
+                let from = known.ok_or_else(|| {
                     ProgramErrorKind::unexpected("GODLTA", "FROM or GOTO, before it,")
                 })?;
                 let to = from.place_m + Vector3::new(x, y, z) * self.unit_m;
@@ -203,35 +204,39 @@ impl AptReader<'_> {
                 "IPM" => unit = INCH_M / 60.0,
                 "PERMIN" => unit = self.unit_m / 60.0,
                 other @ ("MMPR" | "IPR" | "PERREV" | "INVERS") => {
-                    let wanted = "a feed by the minute: MMPM, IPM or PERMIN;";
+                    let wanted = "a feed by the minute, MMPM, IPM or PERMIN,";
                     return Err(ProgramErrorKind::unexpected(other, wanted));
                 }
                 _ => feed = Some(finite(part, "FEDRAT")?),
             }
         }
         let feed =
-            feed.ok_or_else(|| ProgramErrorKind::unexpected("FEDRAT", "a feed after it;"))?;
-        ProgramErrorKind::unless(feed > 0.0, "FEDRAT", feed, "above zero")?;
-        self.feed_m_per_s = Some(feed * unit);
+            feed.ok_or_else(|| ProgramErrorKind::unexpected("FEDRAT", "FEDRAT/ with a feed"))?;
+        self.feed_m_per_s = Some(checked_feed("FEDRAT", feed, feed * unit)?);
         self.rapid = false;
         Ok(())
     }
 
-    fn spindle(&mut self, parts: &[&str]) -> Result<(), ProgramErrorKind> {
-        let mut on = true;
+    fn spindle(&mut self, parts: &[&str], line: usize) -> Result<(), ProgramErrorKind> {
+        let (mut turn, mut rpm) = (SpindleTurn::Clockwise, None);
         for part in parts {
             match part.to_uppercase().as_str() {
-                "OFF" => on = false,
-                "ON" | "CLW" | "CCLW" | "RPM" | "REV" | "MAXRPM" => {}
+                "OFF" => turn = SpindleTurn::Off,
+                "CCLW" => turn = SpindleTurn::Counter,
+                "ON" | "CLW" | "RPM" | "REV" | "MAXRPM" => {}
                 _ => {
-                    let rpm = finite(part, "SPINDL")?;
-                    ProgramErrorKind::unless(rpm >= 0.0, "SPINDL", rpm, "zero or above")?;
-                    let most = self.path.spindle_rpm.unwrap_or(0.0).max(rpm);
-                    self.path.spindle_rpm = Some(most);
+                    let said = finite(part, "SPINDL")?;
+                    ProgramErrorKind::unless(said >= 0.0, "SPINDL", said, "zero or above")?;
+                    rpm = Some(said);
                 }
             }
         }
-        self.path.spindle.push((self.path.points.len(), on));
+        self.path.spindle.push(SpindleWord {
+            before: self.path.points.len(),
+            line,
+            turn: Some(turn),
+            rpm,
+        });
         Ok(())
     }
 
@@ -254,12 +259,12 @@ impl AptReader<'_> {
         let place = match parts.len() {
             6 => {
                 let [x, y, z, i, j, k] = numbers::<6>(word, parts)?;
-                axis = direction(Vector3::new(i, j, k))?;
+                axis = unit_vector(Vector3::new(i, j, k))?;
                 [x, y, z]
             }
             _ if self.multiaxis && parts.len() == 3 => {
                 let found = format!("{word} of three numbers");
-                let wanted = "the tool's axis as well, under MULTAX/ON: six numbers;";
+                let wanted = "GOTO of six numbers, the tool's axis as well, as MULTAX/ON asks for,";
                 return Err(ProgramErrorKind::unexpected(&found, wanted));
             }
             _ => numbers::<3>(word, parts)?,
@@ -289,6 +294,23 @@ impl AptReader<'_> {
                 ));
             }
         };
+        if let Some(gap) = self.gaps.open().filter(|_| !self.path.points.is_empty())
+            && (feed.is_some() || self.circle.is_some())
+        {
+            let wanted = format!(
+                "RAPID before the first GOTO after {} in line {}, whose end the file does not say,",
+                gap.word, gap.line
+            );
+            return Err(ProgramErrorKind::unexpected("a move with feed", &wanted));
+        }
+        let next = CamPoint {
+            line,
+            place_m: to,
+            attitude: Attitude::Axis(axis),
+            feed_m_per_s: feed,
+            stops: false,
+        };
+        self.gaps.come_back(&mut self.path, next);
         let mut places = Vec::new();
         if let Some((centre, about, radius_m)) = self.circle.take() {
             places = self.arc(centre, about, radius_m, to)?;
@@ -300,11 +322,9 @@ impl AptReader<'_> {
             let share = (k + 1) as f64 / count as f64;
             let between = direction(from_axis.into_inner().lerp(&axis, share))?;
             self.path.points.push(CamPoint {
-                line,
                 place_m,
                 attitude: Attitude::Axis(if k + 1 == count { axis } else { between }),
-                feed_m_per_s: feed,
-                stops: false,
+                ..next
             });
         }
         self.axis = axis;
@@ -339,20 +359,4 @@ impl AptReader<'_> {
             .map(|k| arc.at(k as f64 / count as f64))
             .collect())
     }
-}
-
-fn numbers<const N: usize>(word: &str, parts: &[&str]) -> Result<[f64; N], ProgramErrorKind> {
-    // CIRCLE may be followed by tolerances and the cutter's shape.
-    if parts.len() < N || (parts.len() > N && word != "CIRCLE") {
-        return Err(ProgramErrorKind::Fields {
-            what: word.to_owned(),
-            found: parts.len(),
-            wanted: N.to_string(),
-        });
-    }
-    let mut numbers = [0.0; N];
-    for (number, part) in numbers.iter_mut().zip(parts) {
-        *number = finite(part, word)?;
-    }
-    Ok(numbers)
 }

@@ -83,10 +83,7 @@ pub fn follow(
             turntable_rad: None,
             posture,
         });
-    let switch = |(before, on): &(usize, bool)| SpindleSwitch {
-        before: *before,
-        on: *on,
-    };
+    let switch = |(before, on)| SpindleSwitch { before, on };
     let mut notes = path.notes.clone();
     if setup.spin_rad.is_none() && turned {
         let deg = spin_rad.to_degrees().round();
@@ -100,7 +97,7 @@ pub fn follow(
     }
     Ok(Program {
         moves: moves.collect(),
-        spindle: path.spindle.iter().map(switch).collect(),
+        spindle: path.switches().map(switch).collect(),
         notes,
         ..head
     })

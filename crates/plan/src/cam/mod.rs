@@ -6,18 +6,23 @@
 //! stands in `docs/cam_files.md`.
 
 mod apt;
+mod apt_words;
 mod follow;
+mod gap;
 pub mod gcode;
 mod poses;
+mod spindle;
 
 use std::path::Path;
 
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 
 pub use follow::{WorkSetup, follow};
+pub use spindle::{SpindleAtCuts, SpindleTurn, SpindleWord};
 
-use crate::program::{ProgramError, ProgramErrorKind};
+use crate::program::{FASTEST_M_PER_S, ProgramError, ProgramErrorKind};
 
+const INCH_M: f64 = 0.0254;
 /// Endings of files and what reads them.
 const GCODE: [&str; 7] = ["nc", "gcode", "ngc", "tap", "cnc", "mpf", "eia"];
 const APT: [&str; 4] = ["apt", "cls", "cl", "aptsource"];
@@ -49,10 +54,8 @@ pub struct CamPoint {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CamPath {
     pub points: Vec<CamPoint>,
-    /// Switches of the spindle: before which point, and whether it is on.
-    pub spindle: Vec<(usize, bool)>,
-    /// Largest speed of the spindle, 1/min.
-    pub spindle_rpm: Option<f64>,
+    /// What is said of the spindle, in order.
+    pub spindle: Vec<SpindleWord>,
     /// What was left aside, with lines.
     pub notes: Vec<String>,
 }
@@ -127,6 +130,33 @@ pub fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamPath, Pr
             .map_err(|kind| ProgramError::in_file(file, point.line, kind))?;
     }
     Ok(path)
+}
+
+/// A feed, m/s, that was given as a value of a file's.
+fn checked_feed(
+    what: &str,
+    given: impl std::fmt::Display + Copy,
+    m_per_s: f64,
+) -> Result<f64, ProgramErrorKind> {
+    ProgramErrorKind::unless(m_per_s > 0.0, what, given, "above zero")?;
+    let mm = FASTEST_M_PER_S * 1e3;
+    let rule = format!(
+        "at most {mm} mm/s ({} mm/min): no arm leads a tool faster",
+        mm * 60.0
+    );
+    ProgramErrorKind::unless(m_per_s <= FASTEST_M_PER_S, what, given, rule)?;
+    Ok(m_per_s)
+}
+
+/// A note where a unit was asked for that the file contradicts.
+fn unit_without_effect(options: &CamOptions, unit_m: f64, word: &str) -> Option<String> {
+    let asked = options.unit_m != CamOptions::default().unit_m && options.unit_m != unit_m;
+    asked.then(|| {
+        format!(
+            "{word} says the unit: the one that was given, {} mm, has no effect",
+            options.unit_m * 1e3
+        )
+    })
 }
 
 /// The direction of a vector that has a length.

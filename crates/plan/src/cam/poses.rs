@@ -6,7 +6,7 @@ use std::path::Path;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use truecut_files::{CellRow, Cells};
 
-use super::{Attitude, CamPath, CamPoint, direction};
+use super::{Attitude, CamPath, CamPoint, checked_feed, direction};
 use crate::program::number::finite;
 use crate::program::{ProgramError, ProgramErrorKind};
 
@@ -64,6 +64,48 @@ fn columns<const N: usize>(heads: &CellRow, names: Names<N>) -> Option<Columns<N
     })
 }
 
+/// Refuses a quantity that is given twice, under one name or in two units.
+fn check_heads(heads: &CellRow) -> Result<(), ProgramErrorKind> {
+    let groups = PLACE.iter().flat_map(|(names, _)| names).chain(
+        (QUATERNION.iter().flat_map(|(names, _)| names))
+            .chain(TURNS.iter().flat_map(|(names, _)| names))
+            .chain(AXIS.iter().flat_map(|(names, _)| names))
+            .chain(FEED.iter().flat_map(|(names, _)| names)),
+    );
+    let count = |name: &str| heads.cells.iter().filter(|head| *head == name).count();
+    for name in groups {
+        let rule = "given once";
+        ProgramErrorKind::unless(count(name) <= 1, "the column", name, rule)?;
+    }
+    let once = |what: &str, given: usize| {
+        let what = format!("the number of units of the {what}");
+        ProgramErrorKind::unless(given <= 1, what, given, "1: one of them counts")
+    };
+    once("place", given(heads, PLACE))?;
+    once("turns", given(heads, TURNS))?;
+    once("feed", given(heads, FEED))?;
+    let attitudes = [
+        given(heads, QUATERNION),
+        given(heads, TURNS),
+        given(heads, AXIS),
+    ];
+    let attitudes: usize = attitudes.into_iter().sum();
+    let rule = "1: qw to qz, or roll, pitch, yaw, or i, j, k";
+    ProgramErrorKind::unless(
+        attitudes <= 1,
+        "the number of attitudes a row",
+        attitudes,
+        rule,
+    )
+}
+
+/// Under how many of its names a quantity is given.
+fn given<const N: usize>(heads: &CellRow, names: Names<N>) -> usize {
+    let is_head = |name: &&str| heads.cells.iter().any(|head| head == name);
+    let all = |(names, _): &&([&'static str; N], f64)| names.iter().all(is_head);
+    names.iter().filter(all).count()
+}
+
 /// How the tool stands, as a file gives it.
 enum Stands {
     Quaternion(Columns<4>),
@@ -117,6 +159,7 @@ pub(super) fn read(text: &str, file: &Path) -> Result<CamPath, ProgramError> {
     let missing = |what: &str| at(1, ProgramErrorKind::unexpected("the head", what));
     let place_names = "one with the columns x_mm, y_mm, z_mm, or x_m, y_m, z_m";
     let heads = table.rows.first().ok_or_else(|| missing(place_names))?;
+    check_heads(heads).map_err(|kind| at(heads.line, kind))?;
     let place = columns(heads, PLACE).ok_or_else(|| missing(place_names))?;
     let feed = columns(heads, FEED).ok_or_else(|| {
         missing("one with the column feed_mm_per_s, feed_mm_per_min or feed_m_per_s")
@@ -124,7 +167,7 @@ pub(super) fn read(text: &str, file: &Path) -> Result<CamPath, ProgramError> {
     let stands = Stands::of(heads).ok_or_else(|| {
         missing(
             "one that gives the attitude: qw, qx, qy, qz, or roll_deg, pitch_deg, yaw_deg (or _rad), or the \
-             axis i, j, k;",
+             axis i, j, k,",
         )
     })?;
     let mut path = CamPath::default();
@@ -160,8 +203,7 @@ fn point(
         let [m_per_s] = row.numbers(feed)?;
         let given = &row.row.cells[column];
         let name = &row.heads.cells[column];
-        ProgramErrorKind::unless(m_per_s > 0.0, name, given, "above zero")?;
-        Some(m_per_s)
+        Some(checked_feed(name, given, m_per_s)?)
     };
     Ok(CamPoint {
         line: row.row.line,

@@ -189,7 +189,19 @@ impl Settings {
 }
 
 /// Options as the table that a dialect declares.
-pub(super) fn table<T: DeserializeOwned>(options: &Options) -> Result<T, OptionFault> {
+pub(super) fn table<T: DeserializeOwned + JsonSchema>(options: &Options) -> Result<T, OptionFault> {
+    let schema = schema_of::<T>();
+    let known = schema.get("properties").and_then(Value::as_object);
+    let known: Vec<&str> =
+        known.map_or_else(Vec::new, |of| of.keys().map(String::as_str).collect());
+    if let Some(key) = options.keys().find(|key| !known.contains(&key.as_str())) {
+        let known = match known.is_empty() {
+            true => "none".to_owned(),
+            false => known.join(", "),
+        };
+        let key = key.clone();
+        return Err(OptionFault::Unknown { key, known });
+    }
     serde_json::from_value(Value::Object(options.clone()))
         .map_err(|error| OptionFault::Table(error.to_string()))
 }

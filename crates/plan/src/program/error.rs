@@ -4,13 +4,15 @@ use std::fmt::Display;
 
 use nalgebra::{Isometry3, Vector3};
 use thiserror::Error;
-use truecut_arm::Placed;
+use truecut_arm::{Placed, Robot};
 
 use crate::bounds::OutOfBounds;
 use crate::motion::follow::FollowError;
 
 /// Most points of a path: what postures are planned for in bounded memory.
 pub const MOST_POINTS: usize = 500_000;
+/// Largest speed of a tool that is read or written, m/s: the tools of the fastest arms reach it.
+pub const FASTEST_M_PER_S: f64 = 10.0;
 /// Farthest that a path may lie from its origin.
 const FARTHEST_M: f64 = 1000.0;
 /// Largest radius of a circle: rounding moves its places by 0.2 nm.
@@ -30,6 +32,8 @@ pub enum OptionFault {
         value: String,
         rule: String,
     },
+    #[error("option `{key}` is none of this dialect, which has {known}")]
+    Unknown { key: String, known: String },
     #[error("the options cannot be read: {0}")]
     Table(String),
 }
@@ -89,9 +93,10 @@ pub enum ProgramErrorKind {
     #[error("path point {path_point}: the turntable is given for some moves and not for others")]
     TurntableInSome { path_point: usize },
     #[error(
-        "the arm is not one with an ortho-parallel basis and a spherical wrist, whose branches the dialect names"
+        "the arm \"{robot}\" is not one with an ortho-parallel basis and a spherical wrist, whose branches the \
+         dialect names; urscript and jbi with positions = pulse name none"
     )]
-    NotOrthoParallel,
+    NotOrthoParallel { robot: String },
     #[error(
         "path point {path_point}: the posture puts the tool {apart_mm:.4} mm and {apart_deg:.4} deg from the pose of the move"
     )]
@@ -220,6 +225,11 @@ impl ProgramErrorKind {
             path_point,
             flange_mm,
         }
+    }
+
+    pub(crate) fn not_ortho_parallel(robot: &Robot) -> Self {
+        let robot = robot.name.clone();
+        Self::NotOrthoParallel { robot }
     }
 
     pub(crate) fn unexpected(found: &str, wanted: &str) -> Self {

@@ -36,7 +36,7 @@ impl<'a> Resolver<'a> {
         let solver = robot.ik_solver(&truecut_arm::BranchOptions::default());
         let geometry = *solver
             .geometry()
-            .ok_or(ProgramErrorKind::NotOrthoParallel)?;
+            .ok_or_else(|| ProgramErrorKind::not_ortho_parallel(robot))?;
         Ok(Self {
             robot,
             solver,

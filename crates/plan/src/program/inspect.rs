@@ -152,16 +152,20 @@ pub(super) fn too_near(
     (near.share < 1.0).then_some((near.joint, kind))
 }
 
+/// Moves no longer than this turn the tool on the spot, m: a thousandth of what programs tell
+/// apart.
+pub(super) const ON_THE_SPOT_M: f64 = 1e-9;
+
 /// Joints of which a linear move asks too much.
 fn too_fast(robot: &Robot, before: &Move, step: &Move) -> Vec<JointSpeed> {
     let Motion::Linear { speed_m_per_s } = step.motion else {
         return Vec::new();
     };
     let way = step.base_from_tool.translation.vector - before.base_from_tool.translation.vector;
-    let time_s = way.norm() / speed_m_per_s;
-    if time_s < 1e-9 {
+    if way.norm() <= ON_THE_SPOT_M {
         return Vec::new();
     }
+    let time_s = way.norm() / speed_m_per_s;
     let speeds = joint_speeds(robot, &before.posture, &step.posture, time_s);
     speeds.filter(JointSpeed::is_too_fast).collect()
 }

@@ -68,7 +68,7 @@ use truecut_arm::Robot;
 pub use dialect::{
     Dialect, Frames, Options, ProgramFile, ReadText, Resolution, Settings, TurntableUnit,
 };
-pub use error::{MOST_POINTS, OptionFault, ProgramError, ProgramErrorKind};
+pub use error::{FASTEST_M_PER_S, MOST_POINTS, OptionFault, ProgramError, ProgramErrorKind};
 pub use inspect::{Finding, FindingKind};
 pub use moves::{Motion, Move, PathPoint, Program, SpindleSwitch, Tool, Zone};
 pub use replay::{Replay, ReplayOptions, ReplayRow};

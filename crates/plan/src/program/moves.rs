@@ -3,7 +3,7 @@
 use nalgebra::Isometry3;
 use truecut_arm::{FrameId, Robot, ToolLoad};
 
-use super::error::{ProgramError, ProgramErrorKind};
+use super::error::{FASTEST_M_PER_S, ProgramError, ProgramErrorKind};
 
 /// Pose and posture of a move belong together if the posture puts the tool within this of the pose,
 /// m and rad.
@@ -146,11 +146,11 @@ impl Program {
         let path_point = step.path_point;
         let (speed, top, what) = match step.motion {
             Motion::Joint { share } => (share, 1.0, "share of the top speed"),
-            Motion::Linear { speed_m_per_s } => (speed_m_per_s, f64::MAX, "speed in m/s"),
+            Motion::Linear { speed_m_per_s } => (speed_m_per_s, FASTEST_M_PER_S, "speed in m/s"),
         };
         if !(speed > 0.0 && speed <= top) {
-            let rule = "above zero and finite; a share at most 1";
-            return Err(ProgramErrorKind::at_point(path_point, what, speed, rule).into());
+            let rule = format!("above zero and finite, at most {top}: no arm is faster");
+            return Err(ProgramErrorKind::at_point(path_point, what, speed, &rule).into());
         }
         if let Zone::Within(zone_m) = step.zone
             && !(zone_m > 0.0 && zone_m.is_finite())

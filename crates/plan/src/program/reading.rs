@@ -7,7 +7,7 @@ use nalgebra::Isometry3;
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, IkOptions, IkSolver, Robot};
 
-use super::error::{ProgramError, ProgramErrorKind};
+use super::error::{MOST_POINTS, ProgramError, ProgramErrorKind};
 use super::flags::{Flags, Resolver};
 use super::moves::{Motion, Move, Program, Zone};
 use super::travel::{outside, rated_chain};
@@ -73,6 +73,10 @@ pub(super) fn follow(
     robot: &Robot,
     path: &Path,
 ) -> Result<Program, ProgramError> {
+    if let Some(step) = steps.get(MOST_POINTS) {
+        ProgramErrorKind::unless_too_many(steps.len())
+            .map_err(|kind| ProgramError::in_file(path, step.line, kind))?;
+    }
     let (steps, firsts) = chords(&head, steps, robot, path)?;
     for switch in &mut head.spindle {
         switch.before = firsts.get(switch.before).copied().unwrap_or(steps.len());

@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, OpwGeometry, Robot};
 
-use super::inspect::{Finding, FindingKind, too_near};
+use super::inspect::{Finding, FindingKind, ON_THE_SPOT_M, too_near};
 use super::moves::{Motion, Move, Program};
 use crate::motion::joints::{joint_speeds, slowest_joint_s};
 use crate::reach::largest_motion_rad;
@@ -178,7 +178,10 @@ impl Program {
                 return leg;
             };
             let time_s = path_m / speed_m_per_s;
-            leg.speeds(robot, step, &last, &posture, time_s / count as f64);
+            // A turn on the spot takes the time that the joints need.
+            if path_m > ON_THE_SPOT_M {
+                leg.speeds(robot, step, &last, &posture, time_s / count as f64);
+            }
             if let Some(geometry) = geometry.as_ref().filter(|_| k < count)
                 && let Some((joint, kind)) = too_near(geometry, &posture, &options.singularity)
             {
@@ -231,10 +234,6 @@ impl Leg {
     }
 
     fn speeds(&mut self, robot: &Robot, step: &Move, from: &[f64], to: &[f64], time_s: f64) {
-        // A turn on the spot takes the time that the joints need.
-        if time_s < 1e-9 {
-            return;
-        }
         for one in joint_speeds(robot, from, to, time_s) {
             let share = one.share();
             if self.fastest.is_none_or(|(most, ..)| share > most) {

@@ -222,6 +222,14 @@ fn refuse_option(dialect: &dyn Dialect, fault: OptionFault, check: &mut Check) {
             let message = format!("`{key}` is {value}, but must be {rule}");
             check.refuse(Fault::value(&key, message, label));
         }
+        OptionFault::Unknown { key, known } => {
+            let message = format!("`{key}` is none of its options, which are {known}");
+            check.refuse(Fault::value(
+                &format!("program.{key}"),
+                message,
+                "no such option",
+            ));
+        }
         OptionFault::Table(message) => {
             check.refuse(Fault::value("program", message, "here"));
         }

@@ -91,8 +91,12 @@ impl State<'_> {
                 continue;
             };
             if normal[k] != 0.0 {
+                // Posts that always write all three write a zero there.
+                if *value == 0.0 && !self.absolute_centres {
+                    continue;
+                }
                 let found = format!("{letter} of an arc");
-                let wanted = format!("a centre in the plane G{};", self.plane);
+                let wanted = format!("a centre in the plane G{}", self.plane);
                 return Err(ProgramErrorKind::unexpected(&found, &wanted));
             }
             given = true;
@@ -108,7 +112,7 @@ impl State<'_> {
         } else {
             Err(ProgramErrorKind::unexpected(
                 "an arc",
-                "its centre by I, J, K or its radius R;",
+                "its centre by I, J, K or its radius R",
             ))
         }
     }

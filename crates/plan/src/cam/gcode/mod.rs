@@ -1,7 +1,9 @@
 //! G-code (ISO 6983, as RS-274 controls read it): words of blocks, and the modal state.
 
 mod arcs;
+mod known;
 mod state;
+mod travel;
 mod words;
 
 use std::path::Path;
@@ -24,6 +26,12 @@ pub fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamPath, Pr
     let (mut tapes, mut ends) = (0, false);
     for (i, line) in text.lines().enumerate() {
         tapes += usize::from(line.trim_start().starts_with('%'));
+        if line.trim_start().starts_with('/') {
+            state.note(
+                i + 1,
+                "a block that begins with / is run, as by a control whose block delete is off",
+            );
+        }
         let done = words::block(line).and_then(|words| state.block(&words, i + 1));
         match done {
             Ok(true) => {}
@@ -43,5 +51,5 @@ pub fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamPath, Pr
     }
     ProgramErrorKind::unless_too_many(state.path.points.len())
         .map_err(|kind: ProgramErrorKind| ProgramError::in_file(file, last, kind))?;
-    Ok(state.end())
+    (state.end()).map_err(|(line, kind)| ProgramError::in_file(file, line, kind))
 }

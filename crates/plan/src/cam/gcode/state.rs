@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Rotation3, Unit, UnitVector3, Vector3};
+use nalgebra::{UnitVector3, Vector3};
 
+use super::known::Unknown;
 use super::words::Word;
-use crate::cam::{Attitude, CamOptions, CamPath, CamPoint, direction};
+use crate::cam::gap::Gaps;
+use crate::cam::spindle::{SpindleTurn, SpindleWord};
+use crate::cam::{CamOptions, CamPath, INCH_M, checked_feed, unit_without_effect};
 use crate::program::ProgramErrorKind;
 use crate::program::reading::Notes;
-
-const INCH_M: f64 = 0.0254;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum MotionMode {
@@ -21,35 +22,52 @@ pub(super) enum MotionMode {
     Counter,
 }
 
+impl MotionMode {
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::None => "a place",
+            Self::Rapid => "G0",
+            Self::Feed => "G1",
+            Self::Clockwise => "G2",
+            Self::Counter => "G3",
+        }
+    }
+}
+
 /// What a block says beside its modes.
 #[derive(Default)]
 struct Block {
     values: BTreeMap<char, f64>,
+    motion: Option<MotionMode>,
     /// G53, G28 or G30: a move of the machine's own.
     machine: Option<f64>,
     dwell: bool,
     /// The program ends with the block.
     ends: bool,
-    spindle: Option<bool>,
+    spindle: Option<SpindleTurn>,
 }
 
 /// The control's state.
 pub(super) struct State<'a> {
     pub options: &'a CamOptions,
     pub path: CamPath,
-    notes: Notes,
+    pub notes: Notes,
     pub motion: MotionMode,
     /// Number of the plane: 17, 18, 19.
     pub plane: u32,
     pub unit_m: f64,
-    incremental: bool,
+    pub incremental: bool,
     pub absolute_centres: bool,
-    feed_m_per_s: Option<f64>,
-    exact_stop: bool,
-    /// Axes that have a place; the others stand at 0 as far as is known.
+    pub feed_m_per_s: Option<f64>,
+    pub exact_stop: bool,
+    /// Of the axes that are not unknown.
     pub place_m: Vector3<f64>,
+    pub unknown: Unknown,
+    pub gaps: Gaps,
+    /// The first line of moves that wait for a place of all axes.
+    pub waits: Option<usize>,
     /// A, B, C, deg.
-    turns_deg: [f64; 3],
+    pub turns_deg: [f64; 3],
     pub axis: UnitVector3<f64>,
     tool: Option<f64>,
 }
@@ -68,6 +86,9 @@ impl<'a> State<'a> {
             feed_m_per_s: None,
             exact_stop: false,
             place_m: Vector3::zeros(),
+            unknown: Unknown::new(),
+            gaps: Gaps::default(),
+            waits: None,
             turns_deg: [0.0; 3],
             axis: Vector3::z_axis(),
             tool: None,
@@ -78,11 +99,14 @@ impl<'a> State<'a> {
         self.notes.add(line, text);
     }
 
-    pub fn end(self) -> CamPath {
-        CamPath {
+    /// # Errors
+    /// With the line, where the file does not say a way.
+    pub fn end(mut self) -> Result<CamPath, (usize, ProgramErrorKind)> {
+        self.gaps.close(&mut self.path, &mut self.notes)?;
+        Ok(CamPath {
             notes: self.notes.texts(),
             ..self.path
-        }
+        })
     }
 
     /// Takes a block in the order in which controls do: modes, feed, spindle, then the move.
@@ -113,14 +137,17 @@ impl<'a> State<'a> {
             }
         }
         self.settings(&block, line)?;
-        if let Some(on) = block.spindle {
-            self.path.spindle.push((self.path.points.len(), on));
+        let rpm = block.values.get(&'S').copied();
+        if block.spindle.is_some() || rpm.is_some() {
+            self.path.spindle.push(SpindleWord {
+                before: self.path.points.len(),
+                line,
+                turn: block.spindle,
+                rpm,
+            });
         }
         if let Some(code) = block.machine {
-            let text = format!(
-                "G{code}: a move of the machine's own, which the arm does not have, is left aside"
-            );
-            self.notes.add(line, text);
+            self.machine_move(code, &block.values, line);
         } else if !block.dwell {
             self.travel(&block.values, line)?;
         }
@@ -138,17 +165,17 @@ impl<'a> State<'a> {
             Err(ProgramErrorKind::unexpected(&format!("G{code}"), &wanted))
         };
         match (code * 10.0).round() as i64 {
-            0 => self.motion = MotionMode::Rapid,
-            10 => self.motion = MotionMode::Feed,
-            20 => self.motion = MotionMode::Clockwise,
-            30 => self.motion = MotionMode::Counter,
+            0 => self.mode(MotionMode::Rapid, block)?,
+            10 => self.mode(MotionMode::Feed, block)?,
+            20 => self.mode(MotionMode::Clockwise, block)?,
+            30 => self.mode(MotionMode::Counter, block)?,
             40 => {
                 block.dwell = true;
                 self.notes.add(line, "G4: a dwell is left aside");
             }
             170 | 180 | 190 => self.plane = code as u32,
-            200 => self.unit_m = INCH_M,
-            210 => self.unit_m = 1e-3,
+            200 => self.unit(INCH_M, "G20", line),
+            210 => self.unit(1e-3, "G21", line),
             280 | 300 | 530 => block.machine = Some(code),
             // What is off, or is so here at all times.
             400 | 490 | 500 | 800 | 940 | 150 | 690 | 434 | 435 => {}
@@ -180,6 +207,22 @@ impl<'a> State<'a> {
         Ok(())
     }
 
+    fn mode(&mut self, mode: MotionMode, block: &mut Block) -> Result<(), ProgramErrorKind> {
+        if let Some(other) = block.motion.replace(mode).filter(|other| *other != mode) {
+            let rule = format!("that of the block, which says {} before", other.code());
+            return Err(ProgramErrorKind::value("the move", mode.code(), rule));
+        }
+        self.motion = mode;
+        Ok(())
+    }
+
+    fn unit(&mut self, unit_m: f64, code: &str, line: usize) {
+        self.unit_m = unit_m;
+        if let Some(text) = unit_without_effect(self.options, unit_m, code) {
+            self.notes.add(line, text);
+        }
+    }
+
     fn auxiliary(
         &mut self,
         code: f64,
@@ -187,8 +230,9 @@ impl<'a> State<'a> {
         line: usize,
     ) -> Result<(), ProgramErrorKind> {
         match code as i64 {
-            3 | 4 => block.spindle = Some(true),
-            5 => block.spindle = Some(false),
+            3 => block.spindle = Some(SpindleTurn::Clockwise),
+            4 => block.spindle = Some(SpindleTurn::Counter),
+            5 => block.spindle = Some(SpindleTurn::Off),
             2 | 30 => block.ends = true,
             97..=99 => {
                 let wanted = "a move without subprograms, which are not read,";
@@ -205,13 +249,11 @@ impl<'a> State<'a> {
 
     fn settings(&mut self, block: &Block, line: usize) -> Result<(), ProgramErrorKind> {
         if let Some(feed) = block.values.get(&'F') {
-            ProgramErrorKind::unless(*feed > 0.0, "the feed F", feed, "above zero")?;
-            self.feed_m_per_s = Some(feed * self.unit_m / 60.0);
+            let m_per_s = feed * self.unit_m / 60.0;
+            self.feed_m_per_s = Some(checked_feed("the feed F", feed, m_per_s)?);
         }
         if let Some(rpm) = block.values.get(&'S') {
             ProgramErrorKind::unless(*rpm >= 0.0, "the speed S", rpm, "zero or above")?;
-            let most = self.path.spindle_rpm.unwrap_or(0.0).max(*rpm);
-            self.path.spindle_rpm = Some(most);
         }
         if let Some(tool) = block.values.get(&'T') {
             if self.tool.is_some_and(|known| known != *tool) && !self.path.points.is_empty() {
@@ -223,111 +265,5 @@ impl<'a> State<'a> {
                 .add(line, format!("T{tool}: the tool is that of the robot"));
         }
         Ok(())
-    }
-
-    fn travel(
-        &mut self,
-        values: &BTreeMap<char, f64>,
-        line: usize,
-    ) -> Result<(), ProgramErrorKind> {
-        let moved = |letters: &str| letters.chars().any(|letter| values.contains_key(&letter));
-        let arc = matches!(self.motion, MotionMode::Clockwise | MotionMode::Counter);
-        let aims = !arc && moved("IJK");
-        if !(moved("XYZABC") || aims || arc && moved("IJKR")) {
-            return Ok(());
-        }
-        if !arc && values.contains_key(&'R') {
-            return Err(ProgramErrorKind::unexpected(
-                "R",
-                "G2 or G3, before a radius,",
-            ));
-        }
-        let from_axis = self.axis;
-        self.aim(values, aims, moved("ABC"))?;
-        let to = self.target(values);
-        let feed = match self.motion {
-            MotionMode::None => {
-                return Err(ProgramErrorKind::unexpected(
-                    "a place",
-                    "G0, G1, G2 or G3, before it,",
-                ));
-            }
-            MotionMode::Rapid => None,
-            _ => Some(self.feed_m_per_s.ok_or_else(|| {
-                ProgramErrorKind::unexpected("a move with feed", "F, before it,")
-            })?),
-        };
-        if arc {
-            self.arc(values, to, from_axis, feed, line)?;
-        } else {
-            self.push(to, self.axis, feed, line);
-        }
-        self.place_m = to;
-        ProgramErrorKind::unless_too_many(self.path.points.len())
-    }
-
-    /// The tool's axis: by I, J, K on a line, or turned by A about x, B about y, C about z.
-    fn aim(
-        &mut self,
-        values: &BTreeMap<char, f64>,
-        aims: bool,
-        turns: bool,
-    ) -> Result<(), ProgramErrorKind> {
-        if aims && turns {
-            return Err(ProgramErrorKind::unexpected(
-                "I, J, K",
-                "either A, B, C or I, J, K; it",
-            ));
-        }
-        if aims {
-            let part = |letter| values.get(&letter).copied().unwrap_or(0.0);
-            self.axis = direction(Vector3::new(part('I'), part('J'), part('K')))?;
-        }
-        if turns {
-            for (turn, letter) in self.turns_deg.iter_mut().zip(['A', 'B', 'C']) {
-                match (values.get(&letter), self.incremental) {
-                    (Some(value), true) => *turn += value,
-                    (Some(value), false) => *turn = *value,
-                    (None, _) => {}
-                }
-            }
-            let [a, b, c] = self.turns_deg.map(f64::to_radians);
-            let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), c)
-                * Rotation3::from_axis_angle(&Vector3::y_axis(), b)
-                * Rotation3::from_axis_angle(&Vector3::x_axis(), a);
-            self.axis = Unit::new_unchecked(turn * Vector3::z());
-        }
-        Ok(())
-    }
-
-    fn target(&self, values: &BTreeMap<char, f64>) -> Vector3<f64> {
-        let mut to = self.place_m;
-        for (part, letter) in to.iter_mut().zip(['X', 'Y', 'Z']) {
-            if let Some(value) = values.get(&letter) {
-                let value = value * self.unit_m;
-                *part = if self.incremental {
-                    *part + value
-                } else {
-                    value
-                };
-            }
-        }
-        to
-    }
-
-    pub(super) fn push(
-        &mut self,
-        place_m: Vector3<f64>,
-        axis: UnitVector3<f64>,
-        feed: Option<f64>,
-        line: usize,
-    ) {
-        self.path.points.push(CamPoint {
-            line,
-            place_m,
-            attitude: Attitude::Axis(axis),
-            feed_m_per_s: feed,
-            stops: self.exact_stop,
-        });
     }
 }

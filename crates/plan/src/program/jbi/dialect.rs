@@ -6,12 +6,13 @@ use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use truecut_arm::Robot;
 
+use super::calls::Calls;
 use super::{JbiJob, JbiOptions, JobDate, PositionFormat};
 use crate::program::dialect::{
     Dialect, Frames, Options, ProgramFile, ReadText, Resolution, Settings, TurntableUnit,
     schema_of, table,
 };
-use crate::program::{OptionFault, Program, ProgramError, ProgramErrorKind, SpindleSwitch, Tool};
+use crate::program::{OptionFault, Program, ProgramError, ProgramErrorKind, Tool};
 
 /// The dialect of Motoman jobs.
 #[derive(Debug, Clone, Copy)]
@@ -136,7 +137,7 @@ impl Dialect for Jbi {
         super::write(program, robot, &options)
     }
 
-    /// A job, or those that it calls one after another. Jobs that call call nothing else.
+    /// A job, with those that it calls at the places of the calls.
     fn read(
         &self,
         file: &Path,
@@ -149,37 +150,13 @@ impl Dialect for Jbi {
             let text = text(file).map_err(|error| ProgramError::in_file(file, None, error.into()));
             JbiJob::parse(&text?, file)
         };
-        let head = load(file)?;
         let spindle = settings.spindle_number();
         let spindle = spindle.map_err(ProgramErrorKind::from)?;
-        let program = |job: &JbiJob| {
+        let own = |job: &JbiJob| {
             let (tool, base) = (&frames.tool, &frames.world_from_base);
-            let mut program = job.program(robot, tool, base, settings.pulses_per_deg)?;
-            let switches = job.outputs.iter().filter(|(_, n, _)| Some(*n) == spindle);
-            program
-                .spindle
-                .extend(switches.map(|(before, _, on)| SpindleSwitch {
-                    before: *before,
-                    on: *on,
-                }));
-            Ok::<_, ProgramError>(program)
+            job.program(robot, tool, base, settings.pulses_per_deg)
         };
-        let mut whole = program(&head)?;
-        for name in &head.calls {
-            let called = file.with_file_name(format!("{name}.JBI"));
-            let part = program(&load(&called)?)?;
-            whole.tool.number = part.tool.number;
-            let before = whole.moves.len();
-            whole
-                .spindle
-                .extend(part.spindle.iter().map(|one| SpindleSwitch {
-                    before: one.before + before,
-                    ..*one
-                }));
-            whole.notes.extend(part.notes);
-            whole.moves.extend(part.moves);
-        }
-        Ok(whole)
+        Calls::new(&load, &own, spindle).run(file)
     }
 }
 

@@ -24,11 +24,21 @@ pub struct JbiJob {
     pub stations: BTreeMap<u32, (f64, usize)>,
     pub moves: Vec<JbiMove>,
     /// Jobs that are called, in order.
-    pub calls: Vec<String>,
+    pub calls: Vec<JbiCall>,
     /// Outputs switched: before which move, number, value.
     pub outputs: Vec<(usize, u32, bool)>,
     /// What was left aside, with lines.
     pub notes: Vec<String>,
+}
+
+/// A call of another job.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JbiCall {
+    pub line: usize,
+    pub name: String,
+    /// How many of the job's own moves and switched outputs stand before it.
+    pub moves: usize,
+    pub outputs: usize,
 }
 
 /// A position with the line that holds it.

@@ -4,6 +4,7 @@
 //! are millimetres with three decimals and degrees with four; a station's turntable is written in
 //! pulses.
 
+mod calls;
 mod dialect;
 mod fields;
 mod job;
@@ -20,7 +21,7 @@ use super::{ProgramError, ProgramErrorKind};
 #[cfg(test)]
 pub(super) use dialect::sample_options;
 pub use dialect::{DIALECT, Jbi};
-pub use job::{JbiJob, JbiMove, JbiPosition, JbiPositionValue};
+pub use job::{JbiCall, JbiJob, JbiMove, JbiPosition, JbiPositionValue};
 pub use write::write;
 
 /// Longest job name and comment, characters.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::fields::{fields, missing, numbered, position_type, rconf, unexpected};
-use super::job::{JbiJob, JbiMove, JbiPosition, JbiPositionValue};
+use super::job::{JbiCall, JbiJob, JbiMove, JbiPosition, JbiPositionValue};
 use super::{LAST_LEVEL, LAST_TOOL, Rconf, V_MM_PER_S, VJ_PERCENT, check_name};
 use crate::program::number::{finite, whole};
 use crate::program::reading::Notes;
@@ -236,7 +236,12 @@ impl<'a> JobReader<'a> {
             self.next_point = whole(point, "the path point")?;
         } else if let Some(name) = line.strip_prefix("CALL JOB:") {
             check_name(name)?;
-            self.job.calls.push(name.to_owned());
+            self.job.calls.push(JbiCall {
+                line: self.line,
+                name: name.to_owned(),
+                moves: self.job.moves.len(),
+                outputs: self.job.outputs.len(),
+            });
         } else if let Some(output) = line.strip_prefix("DOUT OT#(") {
             let wanted = "DOUT OT#(number) ON or OFF";
             let parts = output.split_once(") ");

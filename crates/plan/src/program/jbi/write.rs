@@ -74,9 +74,10 @@ impl<'a> JobWriter<'a> {
     ) -> Result<Self, ProgramErrorKind> {
         let geometry = match options.format {
             PositionFormat::Pulse => None,
-            PositionFormat::Rectangular => {
-                Some(OpwGeometry::of(robot).ok_or(ProgramErrorKind::NotOrthoParallel)?)
-            }
+            PositionFormat::Rectangular => Some(
+                OpwGeometry::of(robot)
+                    .ok_or_else(|| ProgramErrorKind::not_ortho_parallel(robot))?,
+            ),
         };
         let with_station = program.moves.iter().any(|m| m.turntable_rad.is_some());
         if with_station {

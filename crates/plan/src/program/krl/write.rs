@@ -24,7 +24,8 @@ pub(super) fn write(
 ) -> Result<Vec<ProgramFile>, ProgramError> {
     check_name(&program.name)?;
     program.check(robot)?;
-    let geometry = OpwGeometry::of(robot).ok_or(ProgramErrorKind::NotOrthoParallel)?;
+    let geometry =
+        OpwGeometry::of(robot).ok_or_else(|| ProgramErrorKind::not_ortho_parallel(robot))?;
     let mut data = vec![format!("DEFDAT {} PUBLIC", program.name)];
     for step in &program.moves {
         check_turns(step, robot)?;

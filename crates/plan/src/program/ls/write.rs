@@ -40,7 +40,8 @@ pub(super) fn write(
     )?;
     program.check(robot)?;
     check_tool(program, options)?;
-    let geometry = OpwGeometry::of(robot).ok_or(ProgramErrorKind::NotOrthoParallel)?;
+    let geometry =
+        OpwGeometry::of(robot).ok_or_else(|| ProgramErrorKind::not_ortho_parallel(robot))?;
     let body = moves(program, options)?;
     let mut lines = head(program, body.len());
     let number = |(i, text): (usize, &String)| format!("{:>4}:{text} ;", i + 1);

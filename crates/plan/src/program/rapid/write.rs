@@ -21,7 +21,8 @@ pub fn write(
 ) -> Result<String, ProgramError> {
     check(program, options)?;
     program.check(robot)?;
-    let geometry = OpwGeometry::of(robot).ok_or(ProgramErrorKind::NotOrthoParallel)?;
+    let geometry =
+        OpwGeometry::of(robot).ok_or_else(|| ProgramErrorKind::not_ortho_parallel(robot))?;
     let speeds = speeds(program, options)?;
     let mut lines = vec![format!("MODULE {}", program.name)];
     if !program.comment.is_empty() {

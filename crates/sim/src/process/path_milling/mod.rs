@@ -20,10 +20,12 @@ use crate::stability::known::beyond_table;
 use kept::Kept;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 use nominal::{NominalPath, OnPath};
+use std::f64::consts::TAU;
 use truecut_core::cutting::milling::cut::MillingLoads;
 use truecut_core::cutting::milling::layered::cut::{LayeredCut, ToolPlace};
 use truecut_core::cutting::milling::layered::walls::Walls;
 use truecut_core::cutting::milling::layered::way::{Leg, Meant};
+use truecut_plan::cam::SpindleAtCuts;
 use truecut_recording::{ChannelSpec, Field, Outcome};
 use truecut_scenario::PathMillingSpec;
 
@@ -37,6 +39,8 @@ pub struct PathMillingSetup {
     legs: Vec<Leg>,
     /// Lines of the file that its points come from.
     lines: Vec<Option<usize>>,
+    /// What the file says of the spindle; `None` of a robot program.
+    spindle: Option<SpindleAtCuts>,
     /// What it means for the stock.
     meant: Meant,
     pub world_from_work: Isometry3<f64>,
@@ -318,8 +322,13 @@ impl Process for PathMilling {
 
     fn notes(&self) -> Vec<String> {
         let spec = &self.setup.spec;
+        // Turned back from rad/s: without what rounding adds.
+        let rpm = (spec.spindle_rad_s * 60.0 / TAU * 1e6).round() / 1e6;
+        let file = self.setup.spindle.iter();
+        let file = file.flat_map(|one| one.contradictions(rpm));
         beyond_table(&spec.attached, spec.spindle_rad_s)
             .into_iter()
+            .chain(file.map(|note| format!("process.path_milling.path.file: {note}")))
             .collect()
     }
 }

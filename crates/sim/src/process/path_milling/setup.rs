@@ -72,6 +72,7 @@ pub(crate) fn setup(
     let setup = PathMillingSetup {
         nominal,
         legs,
+        spindle: way.spindle.clone(),
         lines: way.points.iter().map(|point| point.line).collect(),
         meant,
         world_from_work: way.world_from_work,
