@@ -80,9 +80,6 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
     let (narrow, wide) = range(&|c| c.swath_m);
     let (_, gap) = range(&|c| c.edge_gap_m);
     let [shallow, deep] = answer.depths.on_lines_m();
-    let chords = answer.chords.iter().flatten();
-    let chord_m = chords.map(Chord::largest_m).fold(0.0, f64::max);
-    let untouched = answer.path.untouched_share(&answer.inputs.patch);
     let way_m: f64 = (answer.path.lines.iter())
         .flat_map(|line| line.windows(2))
         .map(|w| (w[1].point_m - w[0].point_m).norm())
@@ -110,9 +107,29 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
                 mm(answer.job.path.gouge_limit_m)
             ),
         ),
+    ]);
+    rows.extend(left_over(answer));
+    rows.push(row(
+        "time",
+        format!("{} s", significant(total_s, 4)),
+        "of the whole program",
+    ));
+    let hardest = hardest(answer, &durations);
+    rows.extend(hardest.map(|(share, joint, point)| fastest_joint(share, &joint, point)));
+    let checked = answer.clearance.as_ref();
+    rows.extend(checked.map(|checked| checked.row(&|point| name(answer, point))));
+    rows
+}
+
+/// What the lines leave of the face, and what straight lines between points leave it by.
+fn left_over(answer: &PlannedPath<'_>) -> [Vec<String>; 2] {
+    let chords = answer.chords.iter().flatten();
+    let chord_m = chords.map(Chord::largest_m).fold(0.0, f64::max);
+    let untouched = answer.path.untouched_share(&answer.inputs.patch);
+    [
         row(
             "chords",
-            mm(chord_m),
+            show(Unit::Metre, chord_m),
             "largest distance of the straight lines between points from the face",
         ),
         row(
@@ -120,17 +137,7 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
             format!("{} %", significant(100.0 * untouched, 3)),
             "of the face lies under no line's swath",
         ),
-        row(
-            "time",
-            format!("{} s", significant(total_s, 4)),
-            "of the whole program",
-        ),
-    ]);
-    let hardest = hardest(answer, &durations);
-    rows.extend(hardest.map(|(share, joint, point)| fastest_joint(share, &joint, point)));
-    let checked = answer.clearance.as_ref();
-    rows.extend(checked.map(|checked| checked.row(&|point| name(answer, point))));
-    rows
+    ]
 }
 
 /// A path point with the segment that it belongs to.

@@ -324,3 +324,63 @@ pub(super) fn field(setup: &BeltSetup) -> Field {
             .collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{WHEEL, plane};
+    use super::*;
+
+    const HELD: ForceControl = ForceControl::ConstantForce {
+        force_n: 15.0,
+        damping_n_s_per_m: 500.0,
+        fastest_m_per_s: 0.05,
+        stroke_m: 2e-3,
+        stiction_n: 0.0,
+    };
+
+    /// Removal within what the path presses in by, or below the wheel's radius under a held force,
+    /// is what the model is for; beyond, the outcome says so, with value and bound.
+    #[test]
+    fn removal_deeper_than_the_model_holds_for_fails_the_run() {
+        let by_path = plane(WHEEL);
+        let held = BeltSetup {
+            control: HELD,
+            ..by_path.clone()
+        };
+        for (setup, bound_m) in [(&by_path, by_path.indentation_m), (&held, WHEEL.radius_m)] {
+            let outcome = |largest| {
+                let sums = Sums {
+                    largest,
+                    ..Sums::default()
+                };
+                too_deep(setup, [&Sums::default(), &sums])
+            };
+            assert_eq!(outcome(0.99 * bound_m), None);
+            let Some(Outcome::BeyondModel { value, limit, .. }) = outcome(5078.0) else {
+                panic!("{:?}", outcome(5078.0));
+            };
+            assert_eq!([value, limit], [5078.0, bound_m]);
+            assert!(outcome(1.01 * bound_m).is_some());
+        }
+    }
+
+    /// A carrier at its stop for most of the time on the face holds no force; without one there is
+    /// nothing to hold, and without contact nothing to tell.
+    #[test]
+    fn a_carrier_that_stands_at_its_stop_fails_the_run() {
+        let by_path = plane(WHEEL);
+        let held = BeltSetup {
+            control: HELD,
+            ..by_path.clone()
+        };
+        let watch = |stopped_s: f64, contact_s: f64| Watch {
+            stopped_s,
+            contact_s,
+            ..Watch::default()
+        };
+        assert!(at_stop(&held, &watch(2.0, 2.0)).is_some());
+        assert_eq!(at_stop(&held, &watch(0.9, 2.0)), None);
+        assert_eq!(at_stop(&held, &watch(0.0, 0.0)), None);
+        assert_eq!(at_stop(&by_path, &watch(2.0, 2.0)), None);
+    }
+}
