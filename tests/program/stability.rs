@@ -149,6 +149,21 @@ fn posture_writes_a_scenario_that_runs() {
     );
 }
 
+/// A diagram that would begin where no limit is known would be empty.
+#[test]
+fn a_range_beyond_what_is_known_is_refused() {
+    let desk = Desk::new();
+    let own_surface = repository().join("scenarios/milling/own_surface.toml");
+    let name = own_surface.to_str().unwrap();
+    let output = desk.truecut(&["lobes", name, "--rpm", "1e9,2e9", "--set", SLOW]);
+    let report = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(super::BAD_INPUT), "{report}");
+    assert!(
+        report.contains("--rpm begins at 1000000000 rpm"),
+        "{report}"
+    );
+}
+
 /// Without modes of the tool a diagram ends where those of the arm do; both dampings are told.
 #[test]
 fn lobes_say_what_is_missing_above_the_modes_of_the_arm() {

@@ -25,6 +25,8 @@ pub enum ExitStatus {
     Overloaded = 6,
     /// A run's masses or inertias are no arm's.
     Placeholders = 7,
+    /// A run left what its model describes.
+    BeyondModel = 8,
 }
 
 impl ExitStatus {
@@ -39,6 +41,7 @@ impl ExitStatus {
             Outcome::Completed => ExitStatus::Good,
             Outcome::Overloaded { .. } => ExitStatus::Overloaded,
             Outcome::Placeholders { .. } => ExitStatus::Placeholders,
+            Outcome::BeyondModel { .. } => ExitStatus::BeyondModel,
             Outcome::Diverged { .. } | Outcome::Interrupted => ExitStatus::Diverged,
             Outcome::Chatter { .. } => ExitStatus::Chatter,
         }
@@ -60,18 +63,19 @@ impl ExitStatus {
         }
     }
 
-    /// The more severe of two: bad input before divergence, chatter, overload, placeholders,
-    /// disagreement and a failed claim.
+    /// The more severe of two: bad input before divergence, chatter, overload, a run beyond its
+    /// model, placeholders, disagreement and a failed claim.
     pub fn and(self, other: ExitStatus) -> ExitStatus {
         let gravity = |status| match status {
             ExitStatus::Good => 0,
             ExitStatus::ClaimFailed => 1,
             ExitStatus::Disagrees => 2,
             ExitStatus::Placeholders => 3,
-            ExitStatus::Overloaded => 4,
-            ExitStatus::Chatter => 5,
-            ExitStatus::Diverged => 6,
-            ExitStatus::BadInput => 7,
+            ExitStatus::BeyondModel => 4,
+            ExitStatus::Overloaded => 5,
+            ExitStatus::Chatter => 6,
+            ExitStatus::Diverged => 7,
+            ExitStatus::BadInput => 8,
         };
         if gravity(other) > gravity(self) {
             other
@@ -99,6 +103,7 @@ mod tests {
             ClaimFailed,
             Disagrees,
             Placeholders,
+            BeyondModel,
             Overloaded,
             Chatter,
             Diverged,

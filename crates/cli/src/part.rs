@@ -50,12 +50,22 @@ pub fn part(arguments: &PartArguments) -> Result<ExitStatus, Failure> {
     crate::print(&format!("{printed}\n  {}\n", rrd.display()))
 }
 
+/// What keeps a part from having a volume.
+fn why_no_volume(part: &Part) -> &'static str {
+    let defects = &part.defects;
+    match (defects.open_edges.count, defects.non_manifold_edges.count) {
+        (0, 0) => "it is closed, but triangles are wound against the others",
+        (0, _) => "edges belong to more than two triangles",
+        _ => "it is not closed",
+    }
+}
+
 fn printed(name: &str, part: &Part, arguments: &PartArguments) -> String {
     let sides: [f64; 3] = std::array::from_fn(|i| part.high_m[i] - part.low_m[i]);
     let size = sides.map(millimetres).join(" × ");
     let volume = match part.volume_m3 {
         Some(volume) => show(Unit::CubicMetre, volume),
-        None => "none: it is not closed".to_owned(),
+        None => format!("none: {}", why_no_volume(part)),
     };
     let mut text = format!(
         "{name}\n  {size} mm, from {} mm, read in {}\n  {} triangles on {} vertices, {}\n  \

@@ -124,6 +124,7 @@ pub fn count_rows(table: &SweepTable) -> String {
         (CHATTER, "ended in chatter"),
         (OVERLOADED, OVERLOADED),
         (PLACEHOLDERS, "on placeholders"),
+        (BEYOND_MODEL, BEYOND_MODEL),
     ] {
         let count = ends.iter().filter(|found| **found == end).count();
         if count > 0 {
@@ -137,6 +138,7 @@ const DIVERGED: &str = "diverged";
 const CHATTER: &str = "chatter";
 const OVERLOADED: &str = "overloaded";
 const PLACEHOLDERS: &str = "placeholders";
+const BEYOND_MODEL: &str = "beyond the model";
 
 /// How the run of a row ended, in a word.
 pub fn ended(fault: &Fault) -> &'static str {
@@ -144,6 +146,7 @@ pub fn ended(fault: &Fault) -> &'static str {
         Outcome::Chatter { .. } => CHATTER,
         Outcome::Overloaded { .. } => OVERLOADED,
         Outcome::Placeholders { .. } => PLACEHOLDERS,
+        Outcome::BeyondModel { .. } => BEYOND_MODEL,
         Outcome::Completed | Outcome::Interrupted | Outcome::Diverged { .. } => DIVERGED,
     }
 }

@@ -214,6 +214,7 @@ fn what_stops_a_path_is_named_with_point_and_joint() {
         joint,
         jump_deg,
         largest_deg,
+        turn_deg,
     } = error.kind()
     else {
         panic!("{error}");
@@ -222,6 +223,7 @@ fn what_stops_a_path_is_named_with_point_and_joint() {
         *jump_deg > *largest_deg && joint.starts_with("joint_"),
         "{error}"
     );
+    assert!((turn_deg - 3.0_f64.to_degrees()).abs() < 1e-9, "{error}");
     // A joint move may.
     let mut allowed = two;
     allowed[1].motion = Motion::Joint { share: 1.0 };

@@ -148,6 +148,20 @@ pub enum Outcome {
         /// What they are told by.
         signs: String,
     },
+    /// It ran to its end, but left what its model describes: its numbers say nothing of the real
+    /// process. All that was recorded is there.
+    BeyondModel {
+        /// What left it.
+        quantity: String,
+        /// Its value, SI.
+        #[serde(with = "crate::any_float::one")]
+        value: f64,
+        /// The bound, SI.
+        #[serde(with = "crate::any_float::one")]
+        limit: f64,
+        /// What ends there.
+        rule: String,
+    },
     /// It was stopped from outside; what was recorded until then is there. Readers find the same of
     /// a stream without an end mark: its program was killed while it ran.
     Interrupted,
@@ -189,7 +203,7 @@ impl Outcome {
     pub fn fails_at_its_end(&self) -> bool {
         matches!(
             self,
-            Outcome::Overloaded { .. } | Outcome::Placeholders { .. }
+            Outcome::Overloaded { .. } | Outcome::Placeholders { .. } | Outcome::BeyondModel { .. }
         )
     }
 }
@@ -204,6 +218,19 @@ impl std::fmt::Display for Outcome {
                     formatter,
                     "rests on placeholders: {signs}; give the arm's own values in robot.toml, or \
                      estimate them with `truecut robot init`"
+                )
+            }
+            Outcome::BeyondModel {
+                quantity,
+                value,
+                limit,
+                rule,
+            } => {
+                write!(
+                    formatter,
+                    "is beyond the model: {quantity} is {}, but must be at most {}: {rule}",
+                    significant(*value, 4),
+                    significant(*limit, 4)
                 )
             }
             Outcome::Overloaded {

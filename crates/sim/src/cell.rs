@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use truecut_core::sensor::Sensor;
 use truecut_recording::{ChannelSpec, Header, Outcome, Recorder, Scalar, Scene, UnknownName};
-use truecut_scenario::Scenario;
+use truecut_scenario::{FaultRule, Scenario};
 
 /// Steps between two calls of the progress function.
 const STEPS_PER_REPORT: usize = 500;
@@ -249,6 +249,11 @@ impl Cell {
                 Some(signs) => Outcome::Placeholders { signs },
                 None => self.torque_use.outcome(self.scenario.run.overload),
             };
+        }
+        if outcome == Outcome::Completed {
+            let counts = self.scenario.run.overload == FaultRule::Fail;
+            let overload = findings.overload.filter(|_| counts);
+            outcome = findings.beyond.or(overload).unwrap_or_default();
         }
         self.scalars.extend(self.torque_use.scalars());
         self.scalars.extend(findings.scalars);

@@ -45,6 +45,14 @@ fn outcome() -> impl Strategy<Value = Outcome> {
         Just(Outcome::Completed),
         Just(Outcome::Interrupted),
         text().prop_map(|signs| Outcome::Placeholders { signs }),
+        (text(), number(), number(), text()).prop_map(|(quantity, value, limit, rule)| {
+            Outcome::BeyondModel {
+                quantity,
+                value,
+                limit,
+                rule,
+            }
+        }),
         (finite(), text(), number(), text()).prop_map(|(time_s, joint, share, limit)| {
             Outcome::Overloaded {
                 time_s,

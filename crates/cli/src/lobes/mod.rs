@@ -64,6 +64,7 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
     let modes = study.modes(&posture).map_err(failed)?;
     let known = study.known_to_rad_s(&modes);
     let request = request(arguments, &study, &modes, known);
+    check_known(arguments, &study, &modes, known, &request)?;
     let own_request = LobeRequest {
         spindle_rad_s: [study.cut.spindle_rad_s; 2],
         speeds: 1,
@@ -127,6 +128,28 @@ fn posture_at(
     }
     let path = (study.postures()).map_err(|error| Failure::sim(scenario, error))?;
     Ok(path.posture(at_m))
+}
+
+/// A range that was asked for must begin where limits are known.
+fn check_known(
+    arguments: &LobesArguments,
+    study: &MillingStudy,
+    modes: &[TipMode],
+    known_to_rad_s: Option<f64>,
+    request: &LobeRequest,
+) -> Result<(), Failure> {
+    let begin_rad_s = request.spindle_rad_s[0];
+    match known_to_rad_s {
+        Some(known) if begin_rad_s > known && arguments.rpm.is_some() => {
+            let text = format!(
+                "--rpm begins at {:.0} rpm, where no limit is known: {}",
+                rpm(begin_rad_s),
+                study.beyond_modes(modes, known)
+            );
+            Err(Failure::at(&arguments.scenario, text))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn request(

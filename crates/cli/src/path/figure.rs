@@ -88,7 +88,7 @@ fn border(answer: &PlannedPath<'_>) -> Vec<Vector3<f64>> {
 fn along(answer: &PlannedPath<'_>) -> Panel {
     let mut at_mm = 0.0;
     let (mut swath, mut gap, mut depth) = (Vec::new(), Vec::new(), Vec::new());
-    for (line, depths) in answer.path.lines.iter().zip(&answer.depth_m) {
+    for (line, depths) in answer.path.lines.iter().zip(&answer.depths.at_m) {
         for (k, contact) in line.iter().enumerate() {
             if let Some(before) = k.checked_sub(1).map(|b| &line[b]) {
                 at_mm += (contact.point_m - before.point_m).norm() * 1e3;

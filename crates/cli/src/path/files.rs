@@ -54,7 +54,7 @@ fn table(answer: &PlannedPath<'_>) -> csv::Result<Vec<u8>> {
     let before = answer.parts.iter().take_while(is_taught).count();
     for part in &answer.parts {
         let line = part.index.checked_sub(before);
-        let line = line.and_then(|k| Some((answer.path.lines.get(k)?, answer.depth_m.get(k)?)));
+        let line = line.and_then(|k| Some((answer.path.lines.get(k)?, answer.depths.at_m.get(k)?)));
         let count = match &part.segment {
             Segment::Planned(poses) => poses.len(),
             Segment::Taught(points) => points.postures.len(),

@@ -44,6 +44,9 @@ impl Inputs {
             .map(|body| Mesh::load(&body.file, body.unit_m, MeshUse::Body))
             .transpose()
             .map_err(|error| surface(error, "surface.body", "the body"))?;
+        if let Some(body) = &body {
+            super::body::check(job, &patch, body)?;
+        }
         let taught = job.taught.iter().enumerate().map(|(index, one)| {
             TaughtPoints::load(&one.file, &robot).map_err(|error| match error {
                 SurfacePathError::Taught {

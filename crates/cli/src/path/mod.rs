@@ -1,23 +1,25 @@
 //! `truecut path`: from a path job to a robot program.
 
+mod body;
 mod cam;
+mod depth;
 mod figure;
 mod files;
 mod inputs;
 mod text;
 mod view;
 
+use depth::Depths;
 use nalgebra::{Isometry3, Vector3};
-use rayon::prelude::*;
 use truecut_plan::clearance::{Carried, Form, Own, Station};
 use truecut_plan::motion::joints::slowest_joint_s;
 use truecut_plan::program::{
     Finding, FindingKind, Motion, Move, Program, ProgramErrorKind, Replay, ReplayOptions,
     TravelOptions,
 };
-use truecut_plan::surface::Mesh;
 use truecut_plan::surface_path::{
-    Part, Segment, Speeds, SurfacePath, SurfacePathError, TaughtWhen, parts_of, program_of,
+    AxisRule, Chord, Part, Segment, Speeds, SurfacePath, SurfacePathError, TaughtWhen, parts_of,
+    program_of,
 };
 use truecut_scenario::PathJob;
 
@@ -36,8 +38,9 @@ struct PlannedPath<'a> {
     /// Segments of all copies, in the order of the program.
     parts: Vec<Part>,
     program: Program,
-    /// Indentation of the wheel in patch and body at each pose of each line, m: `[line][pose]`.
-    depth_m: Vec<Vec<f64>>,
+    depths: Depths,
+    /// Straight lines from contact to contact: `[line][contact]`.
+    chords: Vec<Vec<Chord>>,
     findings: Vec<Finding>,
     /// Where the job names a cell.
     clearance: Option<Checked>,
@@ -51,12 +54,6 @@ impl PlannedPath<'_> {
         self.clearance.as_ref().is_none_or(Checked::holds)
     }
 }
-
-/// Poses between two updates of the progress bar.
-const CHUNK: usize = 64;
-
-/// Apparent indentation of a wheel that just touches: the error of the triangle mesh.
-const TOUCHING_M: f64 = 20e-6;
 
 /// Plans, checks, prints and writes.
 pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
@@ -87,7 +84,9 @@ fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, F
     let path = (job.path.lines(&job.wheel, &inputs.patch)).map_err(|error| refused(job, &error))?;
     drop(run);
     let poses = path.poses(job.path.lift_m);
-    let depth_m = depths(job, inputs, &poses, &progress)?;
+    let depths = Depths::of(job, inputs, &poses, &progress)?;
+    let chords = path.chords(inputs.patch.surface.as_ref(), &job.wheel);
+    depth::check_edge_gaps(job, &path, &chords)?;
     let run = progress.run();
     let head = job.program.head(&inputs.robot);
     let head = head.map_err(|fault| job.problem("program", fault.to_string()))?;
@@ -107,7 +106,8 @@ fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, F
         path,
         parts,
         program,
-        depth_m,
+        depths,
+        chords,
         findings,
         clearance,
         replay,
@@ -149,71 +149,6 @@ fn clearance(
     let cell = Checked::cell_of_job(&inputs.robot, cell, &own)?;
     let stations = Station::of_replay(program, &replay, |_| false);
     Ok((Some(Checked::of(&inputs.robot, cell, stations)), replay))
-}
-
-/// Indentation of the whole wheel in the whole patch and body, at every pose.
-fn depths(
-    job: &PathJob,
-    inputs: &Inputs,
-    poses: &[Vec<Isometry3<f64>>],
-    progress: &Progress,
-) -> Result<Vec<Vec<f64>>, Failure> {
-    let run = progress.run();
-    let meshes: Vec<&Mesh> = std::iter::once(&inputs.patch_mesh)
-        .chain(&inputs.body)
-        .collect();
-    let depth_m = |pose: &Isometry3<f64>| {
-        let each = meshes.iter();
-        let each = each.map(|m| m.wheel_depth_m(pose, job.wheel.radius_m, job.wheel.width_m));
-        each.fold(0.0, f64::max)
-    };
-    let all: Vec<Isometry3<f64>> = poses.iter().flatten().copied().collect();
-    let mut found: Vec<f64> = Vec::with_capacity(all.len());
-    for chunk in all.chunks(CHUNK) {
-        found.par_extend(chunk.par_iter().map(depth_m));
-        run.set(found.len() as f64 / all.len() as f64);
-    }
-    let mut rest = found.into_iter();
-    let split = poses
-        .iter()
-        .map(|line| rest.by_ref().take(line.len()).collect());
-    let split: Vec<Vec<f64>> = split.collect();
-    check_depths(job, poses, &split)?;
-    Ok(split)
-}
-
-fn check_depths(
-    job: &PathJob,
-    poses: &[Vec<Isometry3<f64>>],
-    depth_m: &[Vec<f64>],
-) -> Result<(), Failure> {
-    for (line, (poses, depths)) in poses.iter().zip(depth_m).enumerate() {
-        let last = poses.len() - 1;
-        for (point, (pose, depth_m)) in poses.iter().zip(depths).enumerate() {
-            let lifted = point == 0 || point == last;
-            let limit_m = if lifted { 0.0 } else { job.path.gouge_limit_m };
-            if *depth_m > limit_m + TOUCHING_M {
-                let at = pose.translation.vector * 1e3;
-                let rule = if lifted {
-                    "it is lifted here and must be clear".to_owned()
-                } else {
-                    format!("`path.gouge_limit_mm` allows {:.4} mm", limit_m * 1e3)
-                };
-                let message = format!(
-                    "the wheel gouges: on line {}, point {point}, its centre at ({:.3}, {:.3}, \
-                     {:.3}) mm in the patch's frame, it lies {:.4} mm deep in the workpiece; \
-                     {rule}",
-                    line + 1,
-                    at.x,
-                    at.y,
-                    at.z,
-                    depth_m * 1e3
-                );
-                return Err(job.problem("wheel.radius_mm", message).into());
-            }
-        }
-    }
-    Ok(())
 }
 
 /// The program of all copies.
@@ -283,12 +218,39 @@ fn refused(job: &PathJob, error: &SurfacePathError) -> Failure {
         SurfacePathError::PlaneAlong { .. } => "path.plane_normal",
         SurfacePathError::TaughtTurned => "symmetry.carried_by",
         SurfacePathError::Travel { source, .. } => match source.kind() {
-            ProgramErrorKind::Jump { .. } => "program.largest_step_deg",
+            ProgramErrorKind::Jump {
+                turn_deg,
+                largest_deg,
+                ..
+            } => return jumped(job, error, turn_deg > largest_deg),
             _ => "surface.xyz_mm",
         },
         _ => job.surface.face.key(),
     };
     job.problem(key, error.to_string()).into()
+}
+
+/// A joint that would have to jump: because the wheel's axis does, or beside a singular posture,
+/// where the arm turns by more than the wheel.
+fn jumped(job: &PathJob, error: &SurfacePathError, axis_jumps: bool) -> Failure {
+    let (key, remedy) = match (axis_jumps, job.path.options.rule) {
+        (true, AxisRule::WidestSwath { .. }) => (
+            "path.edge_gap_limit_mm",
+            "the edge gap's limit leaves the wheel's axis no way to turn gradually: allow a wider \
+             gap, take a narrower wheel or feed along the other parameter",
+        ),
+        (true, AxisRule::LeastCurvature) => (
+            "path.axis",
+            "the direction of least curvature turns there: `path.axis = \"widest_swath\"` turns \
+             the axis gradually",
+        ),
+        (false, _) => (
+            "program.largest_step_deg",
+            "the arm is near a posture where small turns of the wheel ask for large ones of a \
+             joint: place the part elsewhere, take shorter steps, or allow more",
+        ),
+    };
+    job.problem(key, format!("{error}; {remedy}")).into()
 }
 
 /// Duration of each move, s: at the feed along lines, else as long as the slowest joint needs.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use truecut_plan::motion::joints::joint_speeds;
 use truecut_plan::program::{FindingKind, Motion, maker_note};
 use truecut_plan::surface::FaceFit;
-use truecut_plan::surface_path::{Contact, Segment};
+use truecut_plan::surface_path::{Chord, Contact, Segment};
 use truecut_recording::{Unit, significant};
 
 use super::{PlannedPath, durations_s};
@@ -79,7 +79,7 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
     };
     let (narrow, wide) = range(&|c| c.swath_m);
     let (_, gap) = range(&|c| c.edge_gap_m);
-    let [shallow, deep] = depths(answer);
+    let [shallow, deep] = answer.depths.on_lines_m();
     let way_m: f64 = (answer.path.lines.iter())
         .flat_map(|line| line.windows(2))
         .map(|w| (w[1].point_m - w[0].point_m).norm())
@@ -101,22 +101,43 @@ fn rows(answer: &PlannedPath<'_>) -> Vec<Vec<String>> {
             "depth",
             mm(deep),
             format!(
-                "of the undeformed wheel in the workpiece, largest (least {}); allowed {}",
+                "of the undeformed wheel in the workpiece, largest (least {}), between points too; \
+                 allowed {}",
                 mm(shallow),
                 mm(answer.job.path.gouge_limit_m)
             ),
         ),
-        row(
-            "time",
-            format!("{} s", significant(total_s, 4)),
-            "of the whole program",
-        ),
     ]);
+    rows.extend(left_over(answer));
+    rows.push(row(
+        "time",
+        format!("{} s", significant(total_s, 4)),
+        "of the whole program",
+    ));
     let hardest = hardest(answer, &durations);
     rows.extend(hardest.map(|(share, joint, point)| fastest_joint(share, &joint, point)));
     let checked = answer.clearance.as_ref();
     rows.extend(checked.map(|checked| checked.row(&|point| name(answer, point))));
     rows
+}
+
+/// What the lines leave of the face, and what straight lines between points leave it by.
+fn left_over(answer: &PlannedPath<'_>) -> [Vec<String>; 2] {
+    let chords = answer.chords.iter().flatten();
+    let chord_m = chords.map(Chord::largest_m).fold(0.0, f64::max);
+    let untouched = answer.path.untouched_share(&answer.inputs.patch);
+    [
+        row(
+            "chords",
+            show(Unit::Metre, chord_m),
+            "largest distance of the straight lines between points from the face",
+        ),
+        row(
+            "untouched",
+            format!("{} %", significant(100.0 * untouched, 3)),
+            "of the face lies under no line's swath",
+        ),
+    ]
 }
 
 /// A path point with the segment that it belongs to.
@@ -182,19 +203,6 @@ fn fitted(fit: &FaceFit) -> Vec<String> {
             show(Unit::Metre, fit.at_vertices_m)
         ),
     )
-}
-
-/// Least and greatest depth on the lines, m.
-fn depths(answer: &PlannedPath<'_>) -> [f64; 2] {
-    let on_lines = answer
-        .depth_m
-        .iter()
-        .flat_map(|line| &line[1..line.len() - 1]);
-    let (mut shallow, mut deep) = (f64::INFINITY, 0.0_f64);
-    for depth in on_lines {
-        (shallow, deep) = (shallow.min(*depth), deep.max(*depth));
-    }
-    [shallow, deep]
 }
 
 /// The joint closest to its speed limit on a line.

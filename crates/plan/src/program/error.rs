@@ -147,13 +147,15 @@ pub enum ProgramErrorKind {
         least: String,
     },
     #[error(
-        "path point {path_point}: the arm would have to jump on a line: joint \"{joint}\" by {jump_deg:.2} deg, {largest_deg:.2} deg are allowed"
+        "path point {path_point}: the arm would have to jump on a line: joint \"{joint}\" by {jump_deg:.2} deg, {largest_deg:.2} deg are allowed; the tool itself turns by {turn_deg:.2} deg there"
     )]
     Jump {
         path_point: usize,
         joint: String,
         jump_deg: f64,
         largest_deg: f64,
+        /// What the tool turns by from the point before.
+        turn_deg: f64,
     },
     #[error("path point {path_point}: {error}")]
     NotLed {

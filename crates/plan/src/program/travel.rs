@@ -189,7 +189,10 @@ pub(super) fn chain(
             .map(|q| cheapest(before, &routes[i - 1], q, largest));
         let reached: Vec<Route> = reached.collect();
         if reached.iter().all(|route| route.cost.is_infinite()) {
-            return Err(jump(robot, i, before, &routes[i - 1], here, largest).into());
+            let poses = [&points[i - 1], point].map(|one| one.base_from_tool.rotation);
+            let turn_rad = poses[0].angle_to(&poses[1]);
+            let step = [before, here];
+            return Err(jump(robot, i, step, &routes[i - 1], largest, turn_rad).into());
         }
         routes.push(reached);
     }
@@ -318,10 +321,10 @@ fn cheapest(before: &[Vec<f64>], routes: &[Route], to: &[f64], largest: f64) -> 
 fn jump(
     robot: &Robot,
     path_point: usize,
-    before: &[Vec<f64>],
+    [before, here]: [&Vec<Vec<f64>>; 2],
     routes: &[Route],
-    here: &[Vec<f64>],
     largest: f64,
+    turn_rad: f64,
 ) -> ProgramErrorKind {
     let mut least = (f64::INFINITY, 0);
     let reached = before
@@ -342,6 +345,7 @@ fn jump(
         joint: robot.chain.joints[least.1].name.clone(),
         jump_deg: least.0.to_degrees(),
         largest_deg: largest.to_degrees(),
+        turn_deg: turn_rad.to_degrees(),
     }
 }
 

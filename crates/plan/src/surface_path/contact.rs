@@ -1,19 +1,11 @@
 //! The wheel at one place of a surface.
 
-use std::f64::consts::{FRAC_PI_2, PI};
-
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
+use super::axis::{AxisTrial, Place, widest_along};
 use super::error::SurfacePathError;
 use super::wheel::ContactWheel;
 use crate::surface::{Forms, Surface, continue_line};
-
-/// Directions that are tried for the widest swath, evenly over half a turn.
-const TRIED: usize = 180;
-
-/// Axes with a swath within this share of the widest count as equally wide; the one that turns the
-/// wheel least is taken.
-const AS_WIDE: f64 = 0.02;
 
 /// Where the wheel's axis points within the tangent plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +15,8 @@ pub enum AxisRule {
     /// swath shrinks to the contact width. At umbilics the axis before is kept, at the first point
     /// that across the feed.
     LeastCurvature,
-    /// The widest effective swath among axes that do not gouge and whose edge gap keeps a limit.
+    /// The widest effective swath among axes that do not gouge and whose edge gap keeps a limit,
+    /// less what a line as a whole gives away for an axis that does not jump.
     WidestSwath { edge_gap_limit_m: f64 },
 }
 
@@ -62,16 +55,6 @@ pub struct Contact {
     pub umbilic: bool,
 }
 
-/// One axis tried.
-struct AxisTrial {
-    axis: Unit<Vector3<f64>>,
-    psi_rad: f64,
-    swath_m: f64,
-    edge_gap_m: f64,
-    across_per_m: f64,
-    half_width_m: f64,
-}
-
 impl Contact {
     /// The contact at parameters (u, v) with the feed along (du, dv), the sign of the axis after
     /// `before` (without it, along r_u; if the axis is square to that, n × r_u).
@@ -82,44 +65,71 @@ impl Contact {
         surface: &dyn Surface,
         wheel: &ContactWheel,
         rule: AxisRule,
-        [u, v]: [f64; 2],
-        [du, dv]: [f64; 2],
+        uv: [f64; 2],
+        feed: [f64; 2],
         before: Option<&Unit<Vector3<f64>>>,
     ) -> Result<Self, SurfacePathError> {
-        let jet = surface.jet(u, v);
-        let forms = Forms::at(&jet, u, v)?;
-        let feed = Unit::new_normalize(jet.first_m[0] * du + jet.first_m[1] * dv);
-        let flattest = forms.curvatures().flattest();
-        let gouge = |across_per_m: f64| SurfacePathError::Gouge {
-            u,
-            v,
-            point_m: jet.point_m,
-            radius_mm: wheel.radius_m * 1e3,
-            concave_mm: -1e3 / across_per_m,
-        };
-        let across = Unit::new_normalize(forms.normal.cross(&feed));
-        let kept = before.and_then(|axis| forms.tangent(axis));
+        let place = [Place::at(surface, uv, feed)?];
         let chosen = match rule {
-            AxisRule::LeastCurvature => {
-                let axis = flattest.or(kept).unwrap_or(across);
-                trial(&forms, wheel, &feed, axis).map_err(gouge)?
-            }
+            AxisRule::LeastCurvature => vec![flattest(&place[0], wheel, before)?],
             AxisRule::WidestSwath { edge_gap_limit_m } => {
-                let near = kept.unwrap_or(across);
-                widest(&forms, wheel, &feed, &near, edge_gap_limit_m).map_err(|least_m| {
-                    match least_m {
-                        Err(across_per_m) => gouge(across_per_m),
-                        Ok(least_m) => SurfacePathError::NoAxis {
-                            u,
-                            v,
-                            point_m: jet.point_m,
-                            limit_mm: edge_gap_limit_m * 1e3,
-                            least_mm: least_m * 1e3,
-                        },
-                    }
-                })?
+                widest_along(&place, wheel, edge_gap_limit_m)?
             }
         };
+        let [place] = place;
+        let mut all = chosen
+            .into_iter()
+            .map(|one| Self::of(&place, wheel, one, before));
+        all.next()
+            .ok_or(SurfacePathError::WiderThanFace { swath_mm: 0.0 })
+    }
+
+    /// Contacts along a line, at parameters (u, v) with the feed along (du, dv); the axes are those
+    /// of the line as a whole, and keep their sign.
+    ///
+    /// # Errors
+    /// As [`Contact::at`], at the first place where that is so.
+    pub fn along(
+        surface: &dyn Surface,
+        wheel: &ContactWheel,
+        rule: AxisRule,
+        line: impl Iterator<Item = [[f64; 2]; 2]>,
+    ) -> Result<Vec<Self>, SurfacePathError> {
+        let places = line.map(|[uv, feed]| Place::at(surface, uv, feed));
+        let places = places.collect::<Result<Vec<Place>, _>>()?;
+        let mut contacts: Vec<Self> = Vec::with_capacity(places.len());
+        let mut widest = match rule {
+            AxisRule::LeastCurvature => Vec::new(),
+            AxisRule::WidestSwath { edge_gap_limit_m } => {
+                widest_along(&places, wheel, edge_gap_limit_m)?
+            }
+        }
+        .into_iter();
+        for place in &places {
+            let before = contacts.last().map(|contact| contact.axis);
+            let before = before.as_ref();
+            let chosen = match widest.next() {
+                Some(chosen) => chosen,
+                None => flattest(place, wheel, before)?,
+            };
+            contacts.push(Self::of(place, wheel, chosen, before));
+        }
+        Ok(contacts)
+    }
+
+    /// The contact at a place with its axis.
+    fn of(
+        place: &Place,
+        wheel: &ContactWheel,
+        chosen: AxisTrial,
+        before: Option<&Unit<Vector3<f64>>>,
+    ) -> Self {
+        let Place {
+            uv: [u, v],
+            jet,
+            forms,
+            feed,
+        } = place;
         let along = Unit::new_normalize(jet.first_m[0]);
         let axis = match before {
             Some(before) => continue_line(before, chosen.axis),
@@ -131,12 +141,12 @@ impl Contact {
         };
         let (sin, cos) = chosen.psi_rad.sin_cos();
         let lift_m = wheel.radius_m - wheel.indentation_m;
-        Ok(Self {
-            u,
-            v,
+        Self {
+            u: *u,
+            v: *v,
             point_m: jet.point_m,
             normal: forms.normal,
-            feed,
+            feed: *feed,
             axis,
             centre_m: jet.point_m + forms.normal.into_inner() * lift_m,
             psi_rad: chosen.psi_rad,
@@ -145,9 +155,9 @@ impl Contact {
             edge_gap_m: chosen.edge_gap_m,
             curvature_across_per_m: chosen.across_per_m,
             half_width_m: chosen.half_width_m,
-            gap_curvature_per_m: gap_curvature_per_m(&forms, wheel.radius_m, &feed, &axis),
-            umbilic: flattest.is_none(),
-        })
+            gap_curvature_per_m: gap_curvature_per_m(forms, wheel.radius_m, feed, &axis),
+            umbilic: forms.curvatures().flattest().is_none(),
+        }
     }
 
     /// Distance of lines that leave a ridge of this height between them, √(8 h/κ) with κ the gap's
@@ -205,71 +215,24 @@ fn gap_curvature_per_m(
     }
 }
 
-/// What an axis gives; the curvature across it where the wheel would gouge.
-fn trial(
-    forms: &Forms,
+/// The axis along the least curvature; at an umbilic that before, at the first point across the
+/// feed.
+fn flattest(
+    place: &Place,
     wheel: &ContactWheel,
-    feed: &Unit<Vector3<f64>>,
-    axis: Unit<Vector3<f64>>,
-) -> Result<AxisTrial, f64> {
-    let across_per_m = forms.curvature_along_per_m(&forms.normal.cross(&axis));
-    let Some(half_width_m) = wheel.half_width_m(across_per_m) else {
-        return Err(across_per_m);
-    };
-    let cos = feed.dot(&axis).abs().min(1.0);
-    let psi_rad = feed.cross(&axis).norm().atan2(cos);
-    let along = forms.curvature_along_per_m(&axis);
-    Ok(AxisTrial {
-        axis,
-        psi_rad,
-        swath_m: wheel.width_m * psi_rad.sin() + 2.0 * half_width_m * cos,
-        edge_gap_m: along.abs() * wheel.width_m * wheel.width_m / 8.0,
-        across_per_m,
-        half_width_m,
-    })
-}
-
-/// The widest swath within the limit. Of axes that are nearly as wide the one nearest to `near`: a
-/// contact is as wide with its axis turned either way from across the feed, and the wheel must not
-/// swing between the two. Otherwise the least edge gap of all axes, or the curvature of a place
-/// where all gouge.
-fn widest(
-    forms: &Forms,
-    wheel: &ContactWheel,
-    feed: &Unit<Vector3<f64>>,
-    near: &Unit<Vector3<f64>>,
-    limit_m: f64,
-) -> Result<AxisTrial, Result<f64, f64>> {
-    let square = forms.normal.cross(near);
-    let (mut fitting, mut least_m, mut deepest) = (Vec::new(), f64::INFINITY, 0.0_f64);
-    for k in 0..TRIED {
-        let angle = PI * k as f64 / TRIED as f64 - FRAC_PI_2;
-        let axis = near.into_inner() * angle.cos() + square * angle.sin();
-        match trial(forms, wheel, feed, Unit::new_normalize(axis)) {
-            Ok(found) => {
-                least_m = least_m.min(found.edge_gap_m);
-                if found.edge_gap_m <= limit_m {
-                    fitting.push((angle.abs(), found));
-                }
-            }
-            Err(across) => deepest = deepest.min(across),
-        }
-    }
-    let widest_m = fitting.iter().map(|(_, t)| t.swath_m).fold(0.0, f64::max);
-    fitting.retain(|(_, t)| t.swath_m >= (1.0 - AS_WIDE) * widest_m);
-    let chosen = fitting.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    chosen
-        .map(|(_, found)| found)
-        .ok_or(if least_m.is_finite() {
-            Ok(least_m)
-        } else {
-            Err(deepest)
-        })
+    before: Option<&Unit<Vector3<f64>>>,
+) -> Result<AxisTrial, SurfacePathError> {
+    let kept = || before.and_then(|axis| place.forms.tangent(axis));
+    let axis = place.forms.curvatures().flattest().or_else(kept);
+    let found = place.trial(wheel, axis.unwrap_or_else(|| place.across()));
+    found.map_err(|across_per_m| place.gouge(wheel, across_per_m))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
     use crate::surface::PlanePatch;
     use crate::surface::cylinder::CylinderPatch;
     use crate::surface::spoke::Spoke;

@@ -76,15 +76,11 @@ impl Layout<'_> {
         graph: &GraphLine,
         places: impl Iterator<Item = f64>,
     ) -> Result<Vec<Contact>, SurfacePathError> {
-        let mut contacts: Vec<Contact> = Vec::new();
-        for u in places {
-            let before = contacts.last().map(|c| &c.axis);
+        let line = places.map(|u| {
             let [v, slope] = graph.at(u);
-            let (rule, feed) = (self.options.rule, [1.0, slope]);
-            let contact = Contact::at(self.surface, self.wheel, rule, [u, v], feed, before)?;
-            contacts.push(contact);
-        }
-        Ok(contacts)
+            [[u, v], [1.0, slope]]
+        });
+        Contact::along(self.surface, self.wheel, self.options.rule, line)
     }
 
     /// Way across a feed along (1, slope) from one v to another at a place, m.
@@ -121,6 +117,13 @@ impl Layout<'_> {
             (Some(first), Some(last)) if first <= last => Ok([first, last]),
             _ => Err(narrow(&self.stations(&self.constant(0.5 * (low + high)))?)),
         }
+    }
+
+    /// At which stations of a line the contact lies within the face.
+    pub fn inside(&self, graph: &GraphLine) -> Result<Vec<bool>, SurfacePathError> {
+        let stations = self.stations(graph)?;
+        let line = RawLine::new(self, graph, &stations);
+        Ok((0..=STATIONS).map(|k| line.holds(self, k, 0.0)).collect())
     }
 
     /// The contacts of a line, evenly spaced, cut into pieces whose contacts lie within the face;

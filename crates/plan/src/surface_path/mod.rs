@@ -6,12 +6,16 @@
 //! [`copies`] turns a path about a turntable's axis, [`TaughtPoints`] are postures recorded on the
 //! arm, and [`solve`] finds the arm's postures along all of them.
 
+mod axis;
+mod chord;
 mod contact;
+mod coverage;
 mod error;
 mod graph;
 mod layout;
 mod lines;
 mod options;
+mod outer;
 mod planes;
 mod scallop;
 mod sequence;
@@ -21,6 +25,7 @@ mod spacing;
 mod taught;
 mod wheel;
 
+pub use chord::Chord;
 pub use contact::{AxisRule, Contact, wheel_pose};
 pub use error::SurfacePathError;
 pub use lines::{SurfacePath, plan_path};

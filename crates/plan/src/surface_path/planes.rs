@@ -7,6 +7,7 @@ use super::contact::Contact;
 use super::error::SurfacePathError;
 use super::graph::GraphLine;
 use super::layout::{Layout, STATIONS, check_distance, narrow};
+use super::outer::outer;
 use super::spacing::{Laid, evenly};
 use crate::surface::{Boundary, Domain, Forms, Surface, outline};
 
@@ -53,6 +54,8 @@ pub(super) fn lines(
     let (Some(first_m), Some(last_m)) = (first, last) else {
         return Err(narrow(&layout.stations(&sections.graph(middle_m))?));
     };
+    let first_m = outer(&layout, &sections, first_m, middle_m)?;
+    let last_m = outer(&layout, &sections, last_m, middle_m)?;
     let at_m = evenly(|share| sections.laid(&layout, [first_m, last_m], share))?;
     let mut lines = Vec::new();
     for (k, c_m) in at_m.into_iter().enumerate() {
@@ -62,7 +65,7 @@ pub(super) fn lines(
 }
 
 /// A patch and the planes that cut it.
-struct Sections<'a> {
+pub(super) struct Sections<'a> {
     surface: &'a dyn Surface,
     normal: &'a Unit<Vector3<f64>>,
     /// Least and greatest distance of the patch from the plane through the origin, m.
@@ -120,7 +123,7 @@ impl<'a> Sections<'a> {
         0.5 * (a + b)
     }
 
-    fn graph(&self, c_m: f64) -> GraphLine {
+    pub fn graph(&self, c_m: f64) -> GraphLine {
         let range = self.surface.domain().u;
         let u = |k: usize| range[0] + (range[1] - range[0]) * k as f64 / STATIONS as f64;
         let v: Vec<f64> = (0..=STATIONS).map(|k| self.v(u(k), c_m)).collect();
@@ -169,7 +172,7 @@ impl<'a> Sections<'a> {
 
     /// Distance to the next plane that a section allows: the swath, less the overlap, times the
     /// share of the normal that lies in the surface, at the place where that is least, m.
-    fn apart_m(&self, layout: &Layout<'_>, c_m: f64) -> Result<f64, SurfacePathError> {
+    pub fn apart_m(&self, layout: &Layout<'_>, c_m: f64) -> Result<f64, SurfacePathError> {
         let [low, high] = self.surface.domain().v;
         let mut least_m = f64::INFINITY;
         for contact in layout.stations(&self.graph(c_m))? {

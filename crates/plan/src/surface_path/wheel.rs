@@ -43,16 +43,14 @@ impl ContactWheel {
         Ok(())
     }
 
-    /// Half-width of the contact line by [`line_half_width_m`], m; `None` if the surface is hollow
-    /// with a radius not above the wheel's.
+    /// Half-width of the contact line by [`line_half_width_m`], m, the wheel's radius at most: in a
+    /// hollow hardly wider than the wheel the law would give any width. `None` if the surface is
+    /// hollow with a radius not above the wheel's.
     #[must_use]
     pub fn half_width_m(&self, curvature_across_per_m: f64) -> Option<f64> {
         let relative_m = relative_radius_m(self.radius_m, curvature_across_per_m)?;
-        Some(line_half_width_m(
-            self.line_load_n_per_m,
-            self.modulus_pa,
-            relative_m,
-        ))
+        let half_m = line_half_width_m(self.line_load_n_per_m, self.modulus_pa, relative_m);
+        Some(half_m.min(self.radius_m))
     }
 }
 
@@ -78,6 +76,8 @@ pub(crate) mod tests {
         let pressure = 2.0 * PUBLISHED.line_load_n_per_m / (PI * b);
         assert!((pressure / 0.32e6 - 1.0).abs() < 0.02, "{pressure}");
         assert_eq!(PUBLISHED.half_width_m(-25.0), None);
+        let nearly_as_round = PUBLISHED.half_width_m(-25.0 + 1e-6);
+        assert_eq!(nearly_as_round, Some(PUBLISHED.radius_m));
     }
 
     #[test]

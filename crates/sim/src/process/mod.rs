@@ -91,6 +91,11 @@ pub struct Findings {
     pub profiles: Vec<Profile>,
     /// The workpiece as it is left, in its own frame, if the process keeps it as a body.
     pub part: Option<PartMesh>,
+    /// Where the run left what the process' model describes.
+    pub beyond: Option<Outcome>,
+    /// Where something was asked of an actuator of the process that it does not give; a run's rule
+    /// for overload says whether that counts.
+    pub overload: Option<Outcome>,
 }
 
 /// What is known when the arm stands at its start.

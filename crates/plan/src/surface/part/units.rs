@@ -33,8 +33,8 @@ pub(super) fn suspected(sides: &Vector3<f64>, unit_m: f64) -> Option<SuspectedUn
         let others = [("m", 1.0), INCH, ("mm", 1e-3), ("µm", 1e-6)];
         let others = others.into_iter().filter(|(_, unit_m)| likely(*unit_m));
         let other = others.min_by(|a, b| far(a.1).total_cmp(&far(b.1)))?;
-        let size = longest * unit_m;
-        let why = format!("the longest side would be {size} m as it is read");
+        let size_mm = longest * unit_m * 1e3;
+        let why = format!("the longest side would be {size_mm:.4} mm as it is read");
         return Some(suspect(other, why));
     }
     // Sides of a model in mm that was written in inches are round only in mm, and the other way.

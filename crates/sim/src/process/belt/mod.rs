@@ -80,6 +80,9 @@ pub struct BeltSetup {
     pub indentation_m: f64,
     /// Outward normal of the face where the first line begins, world.
     pub first_normal: Vector3<f64>,
+    /// Largest distance of the straight lines that the job's program drives from the face that this
+    /// run follows, m.
+    pub chord_m: f64,
     /// Mean depth that the job's line load would leave, for the colours of the view, m.
     pub expected_depth_m: f64,
 }

@@ -8,12 +8,16 @@ use crate::process::Findings;
 use crate::process::quantity::{self, Quantity};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use truecut_core::wheel::force_control::ForceControl;
-use truecut_recording::{Field, Profile, Unit};
+use truecut_recording::{Field, Outcome, Profile, Unit};
 
 /// Depth at which the colours end, over the mean that is expected.
 const FULL_SCALE: f64 = 2.0;
 /// Height over the face at which the depth is drawn, so that its outline does not shine through, m.
 const DRAWN_ABOVE_M: f64 = 1e-4;
+
+/// Part of the time at a stop above which a force counts as not held: its larger half. Setting down
+/// and lifting take some thousandths.
+const MOST_STOPPED: f64 = 0.5;
 
 /// What is summed up while the run goes on.
 #[derive(Debug, Clone, Copy, Default)]
@@ -61,6 +65,8 @@ struct Sums {
     least: Option<f64>,
     largest: f64,
     roughest: f64,
+    /// Area of cells from which nothing is taken.
+    untouched: f64,
 }
 
 impl Sums {
@@ -72,6 +78,7 @@ impl Sums {
         self.least = Some(self.least.map_or(depth, |least| least.min(depth)));
         self.largest = self.largest.max(depth);
         self.roughest = self.roughest.max(roughness);
+        self.untouched += if depth > 0.0 { 0.0 } else { area };
     }
 
     fn mean_m(&self) -> f64 {
@@ -116,6 +123,7 @@ fn joined(all: impl Iterator<Item = Sums>) -> Sums {
         },
         largest: a.largest.max(b.largest),
         roughest: a.roughest.max(b.roughest),
+        untouched: a.untouched + b.untouched,
     })
 }
 
@@ -129,6 +137,7 @@ pub(super) fn findings(setup: &BeltSetup, worn: &[Worn], watch: &Watch) -> Findi
     let mut quantities = pressing(setup, watch);
     quantities.extend(removed(volume_m3, watch.preston_m3(setup)));
     quantities.extend(depths(&face, &swept, (most - least) / face.mean_m()));
+    quantities.extend(left_over(setup, &face));
     quantities.extend(roughness(&swept));
     Findings {
         scalars: quantity::scalars(quantities),
@@ -137,8 +146,49 @@ pub(super) fn findings(setup: &BeltSetup, worn: &[Worn], watch: &Watch) -> Findi
             .map(|one| across(setup, one))
             .into_iter()
             .collect(),
+        beyond: too_deep(setup, [&face, &swept]),
+        overload: at_stop(setup, watch),
         ..Findings::default()
     }
+}
+
+/// The face stays where it was: what is taken off is not taken off under the wheel. That holds for
+/// depths below what the path presses in by; where a force is held, below the wheel's radius.
+fn too_deep(setup: &BeltSetup, sums: [&Sums; 2]) -> Option<Outcome> {
+    let pressed_in = setup.control == ForceControl::Position && setup.indentation_m > 0.0;
+    let (limit, rule) = match pressed_in {
+        true => (
+            setup.indentation_m,
+            "the wheel would no longer touch what is left",
+        ),
+        false => (
+            setup.wheel.radius_m,
+            "the face would have another form under the wheel",
+        ),
+    };
+    let value = sums.map(|one| one.largest).into_iter().fold(0.0, f64::max);
+    (value > limit).then(|| Outcome::BeyondModel {
+        quantity: "the largest depth taken off a cell of the face (m)".to_owned(),
+        value,
+        limit,
+        rule: format!("{rule}, whose shape is that before the run; check process.belt.removal"),
+    })
+}
+
+/// A force is held while the carrier is free: that it stands at an end of its stroke for most of
+/// the time is another process than the one asked for.
+fn at_stop(setup: &BeltSetup, watch: &Watch) -> Option<Outcome> {
+    let value = watch.stopped_s / watch.contact_s;
+    let holds = setup.control == ForceControl::Position || value.is_nan() || value <= MOST_STOPPED;
+    (!holds).then(|| Outcome::BeyondModel {
+        quantity: "the part of the time on the face during which the carrier stands at an end of its stroke"
+            .to_owned(),
+        value,
+        limit: MOST_STOPPED,
+        rule: "the force is not the one asked for; ask for another force or give a longer stroke \
+               (`run.overload = \"warn\"` leaves the verdict to the claims)"
+            .to_owned(),
+    })
 }
 
 /// How the belt pressed.
@@ -189,6 +239,16 @@ fn depths(face: &Sums, swept: &Sums, copies_difference: f64) -> [Quantity; 6] {
             .text("Standard deviation of the depth over its mean there"),
         Quantity::new("belt.copies_difference", Unit::One, copies_difference)
             .text("Mean depth of the copy worn most less that of the copy worn least, over the mean of all"),
+    ]
+}
+
+/// What the lines leave, and what the run leaves out of account.
+fn left_over(setup: &BeltSetup, face: &Sums) -> [Quantity; 2] {
+    [
+        Quantity::new("belt.untouched", Unit::One, face.untouched / face.area)
+            .text("Share of the whole face, all copies, from which nothing is taken"),
+        Quantity::new("belt.chord_deviation", Unit::Metre, setup.chord_m)
+            .text("Largest distance between the face, which this run follows, and the straight lines that the job's program drives from point to point"),
     ]
 }
 
@@ -262,5 +322,65 @@ pub(super) fn field(setup: &BeltSetup) -> Field {
             .iter()
             .map(|p| (p - origin + Vector3::z() * DRAWN_ABOVE_M).into())
             .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{WHEEL, plane};
+    use super::*;
+
+    const HELD: ForceControl = ForceControl::ConstantForce {
+        force_n: 15.0,
+        damping_n_s_per_m: 500.0,
+        fastest_m_per_s: 0.05,
+        stroke_m: 2e-3,
+        stiction_n: 0.0,
+    };
+
+    /// Removal within what the path presses in by, or below the wheel's radius under a held force,
+    /// is what the model is for; beyond, the outcome says so, with value and bound.
+    #[test]
+    fn removal_deeper_than_the_model_holds_for_fails_the_run() {
+        let by_path = plane(WHEEL);
+        let held = BeltSetup {
+            control: HELD,
+            ..by_path.clone()
+        };
+        for (setup, bound_m) in [(&by_path, by_path.indentation_m), (&held, WHEEL.radius_m)] {
+            let outcome = |largest| {
+                let sums = Sums {
+                    largest,
+                    ..Sums::default()
+                };
+                too_deep(setup, [&Sums::default(), &sums])
+            };
+            assert_eq!(outcome(0.99 * bound_m), None);
+            let Some(Outcome::BeyondModel { value, limit, .. }) = outcome(5078.0) else {
+                panic!("{:?}", outcome(5078.0));
+            };
+            assert_eq!([value, limit], [5078.0, bound_m]);
+            assert!(outcome(1.01 * bound_m).is_some());
+        }
+    }
+
+    /// A carrier at its stop for most of the time on the face holds no force; without one there is
+    /// nothing to hold, and without contact nothing to tell.
+    #[test]
+    fn a_carrier_that_stands_at_its_stop_fails_the_run() {
+        let by_path = plane(WHEEL);
+        let held = BeltSetup {
+            control: HELD,
+            ..by_path.clone()
+        };
+        let watch = |stopped_s: f64, contact_s: f64| Watch {
+            stopped_s,
+            contact_s,
+            ..Watch::default()
+        };
+        assert!(at_stop(&held, &watch(2.0, 2.0)).is_some());
+        assert_eq!(at_stop(&held, &watch(0.9, 2.0)), None);
+        assert_eq!(at_stop(&held, &watch(0.0, 0.0)), None);
+        assert_eq!(at_stop(&by_path, &watch(2.0, 2.0)), None);
     }
 }

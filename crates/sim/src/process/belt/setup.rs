@@ -78,6 +78,7 @@ fn belt(
         swept: swept(path),
         indentation_m: spec.job.wheel.indentation_m,
         first_normal: copies[0].world_from_patch.rotation * first.normal.into_inner(),
+        chord_m: chord_m(spec, path),
         expected_depth_m: expected_depth_m(spec, path, face_m2),
         area_m2: Arc::new(area_m2),
         is_face: Arc::new(is_face),
@@ -86,7 +87,20 @@ fn belt(
     })
 }
 
+/// The map must show a line beside the next: cells of half a wheel's width at most.
 fn check_cells(spec: &BeltSpec, cells: &Cells) -> Result<(), SimError> {
+    let most_m = 0.5 * spec.wheel.width_m;
+    if spec.cell_m > most_m {
+        return Err(SimError::scenario(
+            "process.belt.cell_mm",
+            format!(
+                "`process.belt.cell_mm` is {}, but must be at most {}, half the wheel's width: larger cells \
+                 show nothing of what is left between lines",
+                spec.cell_m * 1e3,
+                most_m * 1e3
+            ),
+        ));
+    }
     let [columns, rows] = cells.count;
     let count = columns.saturating_mul(rows).saturating_mul(spec.copies);
     if count <= MOST_CELLS {
@@ -101,6 +115,13 @@ fn check_cells(spec: &BeltSpec, cells: &Cells) -> Result<(), SimError> {
             spec.copies
         ),
     ))
+}
+
+/// How far the straight lines of the job's program leave the face at most, m.
+fn chord_m(spec: &BeltSpec, path: &BeltLines) -> f64 {
+    let chords = (path.lines).chords(path.patch.surface.as_ref(), &spec.job.wheel);
+    let each = chords.iter().flatten();
+    each.map(|chord| chord.largest_m()).fold(0.0, f64::max)
 }
 
 /// Preston's law for the job's line load over all lines, spread over the face:

@@ -80,6 +80,7 @@ fn setup(surface: Box<dyn Surface + Send>, wheel: BeltWheel) -> BeltSetup {
         swept: [[0.0, 1.0]; 2],
         indentation_m: 0.3e-3,
         first_normal: Vector3::z(),
+        chord_m: 0.0,
         expected_depth_m: 1e-6,
         patch,
     }

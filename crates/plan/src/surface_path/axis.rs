@@ -1,0 +1,336 @@
+//! Which way the wheel's axis points: at one place, and along a line.
+//!
+//! The swath is widest with the axis nearly across the feed, turned to either side by as much, so
+//! that the rule for one place cannot tell one side from the other. Along a line the axes are
+//! found together: the cheapest way through the candidates of all places (Bellman's recursion),
+//!
+//! ```text
+//! Σ (1 − s/s_max − e)⁺ Δl/W + Σ Δα² W/Δl
+//! ```
+//!
+//! s the swath, s_max the widest at its place, e what is given away freely, α the axis in the
+//! tangent plane, counted from across the feed, Δl the way from place to place, W the wheel's
+//! width. The second sum grows without bound where the axis jumps within a shorter and shorter way:
+//! it is turned on the way wherever that is possible.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use nalgebra::{Unit, Vector3};
+
+use super::error::SurfacePathError;
+use super::wheel::ContactWheel;
+use crate::surface::{Forms, Jet, Surface};
+
+/// Directions that are tried, evenly over half a turn.
+const TRIED: usize = 180;
+
+/// Axes with a swath within this share of the widest count as equally wide.
+const AS_WIDE: f64 = 0.02;
+
+/// What an axis costs by its angle from across the feed, per rad²: of axes as wide, the one nearest
+/// to that is taken. Small against the width that it may cost, 0.25 % of it at most.
+const OFF_ACROSS: f64 = 1e-3;
+
+/// A place on the face with the feed there.
+pub(super) struct Place {
+    pub uv: [f64; 2],
+    pub jet: Jet,
+    pub forms: Forms,
+    pub feed: Unit<Vector3<f64>>,
+}
+
+/// One axis tried.
+pub(super) struct AxisTrial {
+    pub axis: Unit<Vector3<f64>>,
+    pub psi_rad: f64,
+    pub swath_m: f64,
+    pub edge_gap_m: f64,
+    pub across_per_m: f64,
+    pub half_width_m: f64,
+}
+
+/// What each candidate costs, infinite where it may not be taken.
+type Costs = [f64; TRIED];
+
+impl Place {
+    /// # Errors
+    /// If the surface has no normal there.
+    pub fn at(
+        surface: &dyn Surface,
+        [u, v]: [f64; 2],
+        [du, dv]: [f64; 2],
+    ) -> Result<Self, SurfacePathError> {
+        let jet = surface.jet(u, v);
+        let forms = Forms::at(&jet, u, v)?;
+        let feed = Unit::new_normalize(jet.first_m[0] * du + jet.first_m[1] * dv);
+        Ok(Self {
+            uv: [u, v],
+            jet,
+            forms,
+            feed,
+        })
+    }
+
+    pub fn across(&self) -> Unit<Vector3<f64>> {
+        Unit::new_normalize(self.forms.normal.cross(&self.feed))
+    }
+
+    /// What an axis gives.
+    ///
+    /// # Errors
+    /// The curvature across it where the wheel would gouge.
+    pub fn trial(&self, wheel: &ContactWheel, axis: Unit<Vector3<f64>>) -> Result<AxisTrial, f64> {
+        let forms = &self.forms;
+        let across_per_m = forms.curvature_along_per_m(&forms.normal.cross(&axis));
+        let Some(half_width_m) = wheel.half_width_m(across_per_m) else {
+            return Err(across_per_m);
+        };
+        let cos = self.feed.dot(&axis).abs().min(1.0);
+        let psi_rad = self.feed.cross(&axis).norm().atan2(cos);
+        let along = forms.curvature_along_per_m(&axis);
+        Ok(AxisTrial {
+            axis,
+            psi_rad,
+            swath_m: wheel.width_m * psi_rad.sin() + 2.0 * half_width_m * cos,
+            edge_gap_m: along.abs() * wheel.width_m * wheel.width_m / 8.0,
+            across_per_m,
+            half_width_m,
+        })
+    }
+
+    pub fn gouge(&self, wheel: &ContactWheel, across_per_m: f64) -> SurfacePathError {
+        SurfacePathError::Gouge {
+            u: self.uv[0],
+            v: self.uv[1],
+            point_m: self.jet.point_m,
+            radius_mm: wheel.radius_m * 1e3,
+            concave_mm: -1e3 / across_per_m,
+        }
+    }
+
+    /// A candidate.
+    fn candidate(&self, k: usize) -> Unit<Vector3<f64>> {
+        let (sin, cos) = angle_rad(k).sin_cos();
+        Unit::new_normalize(self.across().into_inner() * cos - self.feed.into_inner() * sin)
+    }
+
+    /// What candidates cost whose edge gap keeps the limit.
+    ///
+    /// # Errors
+    /// If there is none.
+    fn costs(&self, wheel: &ContactWheel, limit_m: f64) -> Result<Costs, SurfacePathError> {
+        let (mut swaths_m, mut least_m, mut deepest) = ([0.0; TRIED], f64::INFINITY, 0.0_f64);
+        for (k, swath_m) in swaths_m.iter_mut().enumerate() {
+            match self.trial(wheel, self.candidate(k)) {
+                Ok(found) => {
+                    least_m = least_m.min(found.edge_gap_m);
+                    if found.edge_gap_m <= limit_m {
+                        *swath_m = found.swath_m;
+                    }
+                }
+                Err(across) => deepest = deepest.min(across),
+            }
+        }
+        let widest_m = swaths_m.iter().copied().fold(0.0, f64::max);
+        if widest_m <= 0.0 {
+            return Err(match least_m.is_finite() {
+                true => SurfacePathError::NoAxis {
+                    u: self.uv[0],
+                    v: self.uv[1],
+                    point_m: self.jet.point_m,
+                    limit_mm: limit_m * 1e3,
+                    least_mm: least_m * 1e3,
+                },
+                false => self.gouge(wheel, deepest),
+            });
+        }
+        let mut costs = [f64::INFINITY; TRIED];
+        for (k, (cost, swath_m)) in costs.iter_mut().zip(swaths_m).enumerate() {
+            if swath_m > 0.0 {
+                let lost = 1.0 - swath_m / widest_m - AS_WIDE;
+                *cost = lost.max(0.0) + OFF_ACROSS * angle_rad(k).powi(2);
+            }
+        }
+        Ok(costs)
+    }
+}
+
+/// Angle of a candidate from across the feed, rad.
+fn angle_rad(k: usize) -> f64 {
+    PI * k as f64 / TRIED as f64 - FRAC_PI_2
+}
+
+/// Axes along a line that keep the edge gap's limit, by the least cost of the whole line.
+///
+/// # Errors
+/// If at some place no axis keeps the limit, or the wheel gouges whatever its axis.
+pub(super) fn widest_along(
+    places: &[Place],
+    wheel: &ContactWheel,
+    limit_m: f64,
+) -> Result<Vec<AxisTrial>, SurfacePathError> {
+    let way = |k: usize| match (places.get(k), places.get(k + 1)) {
+        (Some(a), Some(b)) => (b.jet.point_m - a.jet.point_m).norm() / wheel.width_m,
+        _ => 0.0,
+    };
+    let turns = turns();
+    // Least cost of the line up to each place, by the candidate there.
+    let mut rows: Vec<Costs> = Vec::with_capacity(places.len());
+    for (k, place) in places.iter().enumerate() {
+        let own = place.costs(wheel, limit_m)?;
+        let before = k.checked_sub(1).map_or(0.0, way);
+        let share = 0.5 * (before + way(k));
+        let reached = match rows.last() {
+            Some(row) => reached(row, &turns, before),
+            None => [0.0; TRIED],
+        };
+        // A line of one place has no length.
+        let share = if places.len() == 1 { 1.0 } else { share };
+        let mut row = [0.0; TRIED];
+        for ((cost, reached), own) in row.iter_mut().zip(reached).zip(own) {
+            *cost = if own.is_finite() {
+                reached + own * share
+            } else {
+                own
+            };
+        }
+        rows.push(row);
+    }
+    let mut chosen = vec![0; places.len()];
+    let mut next: Option<usize> = None;
+    for (k, row) in rows.iter().enumerate().rev() {
+        let cost = |i: usize| match next {
+            Some(j) => row[i] + turns[TRIED + j - i] / way(k).max(SHORT),
+            None => row[i],
+        };
+        let best = (0..TRIED).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
+        chosen[k] = best.unwrap_or_default();
+        next = best;
+    }
+    let each = places.iter().zip(chosen);
+    each.map(|(place, k)| {
+        let found = place.trial(wheel, place.candidate(k));
+        found.map_err(|across| place.gouge(wheel, across))
+    })
+    .collect()
+}
+
+/// Way between two places, over the wheel's width, below which it counts as this.
+const SHORT: f64 = 1e-9;
+
+/// Squared turn from one candidate to another, rad², the shorter way round: of i to j at
+/// `TRIED + j − i`.
+fn turns() -> [f64; 2 * TRIED] {
+    std::array::from_fn(|k| {
+        let apart = k.abs_diff(TRIED);
+        let turn = PI * apart.min(TRIED - apart.min(TRIED)) as f64 / TRIED as f64;
+        turn * turn
+    })
+}
+
+/// Least cost to come to each candidate from any of the place before.
+fn reached(row: &Costs, turns: &[f64; 2 * TRIED], way: f64) -> Costs {
+    let per_way = 1.0 / way.max(SHORT);
+    let mut least = [f64::INFINITY; TRIED];
+    for (i, from) in row.iter().enumerate() {
+        if from.is_finite() {
+            for (least, turn) in least.iter_mut().zip(&turns[TRIED - i..]) {
+                *least = least.min(from + turn * per_way);
+            }
+        }
+    }
+    least
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::drawn;
+    use crate::surface_path::wheel::tests::PUBLISHED;
+
+    /// Places along u, 2 mm apart, at a v.
+    fn places(surface: &dyn Surface, v: f64) -> Vec<Place> {
+        let place = |k: u32| Place::at(surface, [f64::from(k) / 80.0, v], [1.0, 0.0]);
+        (0..=80).map(|k| place(k).expect("a normal")).collect()
+    }
+
+    fn angles_deg(places: &[Place], chosen: &[AxisTrial]) -> Vec<f64> {
+        let each = places.iter().zip(chosen);
+        each.map(|(place, one)| {
+            let along = -one.axis.dot(&place.feed);
+            (along / one.axis.dot(&place.across())).atan().to_degrees()
+        })
+        .collect()
+    }
+
+    /// Degrees from one axis to another, which have no sense.
+    fn turn_deg(a: f64, b: f64) -> f64 {
+        let turn = (a - b).rem_euclid(180.0);
+        turn.min(180.0 - turn)
+    }
+
+    /// Whether a chain of candidates that keep the limit leads from end to end by at most `most`
+    /// degrees from place to place.
+    fn has_chain(places: &[Place], limit_m: f64, most: usize) -> bool {
+        let mut open = [true; TRIED];
+        for place in places {
+            let Ok(costs) = place.costs(&PUBLISHED, limit_m) else {
+                return false;
+            };
+            let near = |k: usize| (0..=2 * most).any(|d| open[(k + TRIED + d - most) % TRIED]);
+            open = std::array::from_fn(|k| costs[k].is_finite() && near(k));
+        }
+        open.iter().any(|open| *open)
+    }
+
+    /// On patches drawn at random, with a limit little above the least that a line can keep, the
+    /// axis turns by no more than 15° in 2 mm wherever there is a line of axes that turns by 3° at
+    /// most; the choice place by place leaps on some of them.
+    #[test]
+    fn the_axis_never_leaps_where_it_can_be_turned_on_the_way() {
+        let (mut chains, mut leaps) = (0, 0);
+        for seed in 0..24 {
+            let patch = drawn::patch(&drawn::heights(seed), 6e-3, 12e-3);
+            let places = places(&patch, 0.1 + 0.8 * f64::from(seed) / 24.0);
+            let limits_m = (2..60).map(|k| 0.02e-3 * f64::from(k));
+            let mut holding = limits_m.filter(|limit_m| has_chain(&places, *limit_m, 3));
+            let Some(limit_m) = holding.next() else {
+                continue;
+            };
+            chains += 1;
+            let chosen = widest_along(&places, &PUBLISHED, limit_m).expect("axes");
+            let alone = places.iter().map(|place| {
+                let one = Place::at(&patch, place.uv, [1.0, 0.0]).expect("a normal");
+                let mut one = widest_along(&[one], &PUBLISHED, limit_m).expect("an axis");
+                one.remove(0)
+            });
+            let alone: Vec<AxisTrial> = alone.collect();
+            assert!(
+                chosen.iter().all(|one| one.edge_gap_m <= limit_m),
+                "seed {seed}"
+            );
+            let most = |chosen: &[AxisTrial]| {
+                let angles = angles_deg(&places, chosen);
+                let turns = angles.windows(2).map(|w| turn_deg(w[0], w[1]));
+                turns.fold(0.0, f64::max)
+            };
+            assert!(most(&chosen) < 15.0, "seed {seed}: {}", most(&chosen));
+            leaps += usize::from(most(&alone) > 15.0);
+        }
+        assert!(chains > 15 && leaps > 3, "{chains} {leaps}");
+    }
+
+    /// On a plane the axis keeps its angle all along: as near to across the feed as a swath takes
+    /// that is 2 % less than the widest, √(W² + 4b²).
+    #[test]
+    fn verify_the_axis_keeps_its_angle_on_a_plane() {
+        let (along, up) = (Vector3::x() * 0.1, Vector3::y() * 0.06);
+        let plane = crate::surface::PlanePatch::new(Vector3::zeros(), along, up).expect("a plane");
+        let chosen = widest_along(&places(&plane, 0.5), &PUBLISHED, 1e-3).expect("axes");
+        assert!(
+            chosen
+                .iter()
+                .all(|one| (one.psi_rad - FRAC_PI_2).abs() < 1e-9)
+        );
+    }
+}
