@@ -34,7 +34,7 @@ use self::cache::{Cache, RunKey};
 use self::jumps::Jumps;
 pub use self::parallel::{Thinning, for_comparison};
 use crate::diagnose::Observation;
-use crate::model::{Candidate, Columns, Experiment, Model, PredictError};
+use crate::model::{Candidate, Columns, CurveCandidate, Experiment, Model, PredictError};
 
 /// A scenario with the data that it is held against.
 pub struct Trial {
@@ -50,7 +50,7 @@ pub struct Trial {
     channels: Vec<ChannelSpec>,
     candidates: Vec<Candidate>,
     /// Curves for what has no name, each with its ends.
-    curves: Vec<(Candidate, [f64; 2])>,
+    curves: Vec<CurveCandidate>,
     engine: Kind,
     robots: Robots,
     /// Drive forces of the arm without effects, for robots that were asked for last.
@@ -313,7 +313,7 @@ impl Model for Trial {
         self.candidates.clone()
     }
 
-    fn curves(&self) -> Vec<(Candidate, [f64; 2])> {
+    fn curves(&self) -> Vec<CurveCandidate> {
         self.curves.clone()
     }
 
