@@ -13,7 +13,7 @@ use truecut_scenario::effect::{Effect, EffectKind, Target};
 use super::DiagnoseError;
 use super::ambiguity::OVERWHELMING;
 use super::answer::{UnknownCurve, key_and_unit, target_name};
-use super::choice::{LEAST_T, criterion};
+use super::choice::criterion;
 use super::derivatives::difference;
 use super::fit::{Fit, Running, fit};
 use super::memory::stands_out;
@@ -27,7 +27,10 @@ use crate::stats::ratio;
 /// Curves that are fitted, the best of those that were looked at.
 const FITTED: usize = 3;
 /// Iterations after which it is seen what a curve may explain.
-const SKETCHED_IN: usize = 5;
+const SKETCHED_IN: usize = 3;
+/// Below this weight of its bending a curve may want more values: as likely a weight for about four
+/// waves over its range, each of more than ten values of the coarse one.
+const BENDS_MUCH: f64 = 1e-5;
 /// Frictions from which fits start, in typical sizes.
 const LEVELS: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
 /// Whitened squares of what a curve changes in the last part of the data, from which on that part
@@ -80,12 +83,11 @@ pub(super) fn shown(
         let test = compare(&last.residual, &ended.residual, noise, rows);
         let share = share(problem, [base, last, &ended]);
         let matters = !is_named || share > problem.options.unknown_above;
-        let change = ended.noise.whiten(&difference(&last.residual, &ended.residual, 1.0), rows);
+        let change = ended
+            .noise
+            .whiten(&difference(&last.residual, &ended.residual, 1.0), rows);
         let acts = dot(&change, &change) > LEAST_ACTS;
-        if std::env::var_os("CURVE_DEBUG").is_some() {
-            eprintln!("shown? matters {matters} share {share:.3} test gain {:.1} t {:.2} acts {acts}", test.gain, test.t());
-        }
-        if matters && (!acts || test.gain > 0.0 && test.t() > LEAST_T) {
+        if matters && (!acts || test.gain > 0.0) {
             let gain = criterion(problem, chosen, &orders) - criterion(problem, &ended, &orders);
             let curve = told(problem, &ended, gain)?;
             return Ok(Some(Shown { fit: ended, curve }));
@@ -118,10 +120,6 @@ fn promising(problem: &Problem, outcome: &Outcome, wanted: Vec<usize>) -> Vec<Fo
         let found = running.finish();
         let orders = Noise::orders(&found.residual, train, &problem.floor);
         let gain = criterion(problem, base, &orders) - criterion(problem, &found, &orders);
-        if std::env::var_os("CURVE_DEBUG").is_some() {
-            let c = &problem.candidates[candidate];
-            eprintln!("sketch {} {:?} gain {gain:.1} lambda {:.1e}", c.kind.name(), c.target, found.point.effects.last()?.smoothing);
-        }
         (gain > 0.0).then(|| Some((gain, found.point.effects.last()?.clone())))?
     };
     let mut found: Vec<(f64, Found)> = wanted.into_par_iter().filter_map(sketched).collect();
@@ -132,15 +130,12 @@ fn promising(problem: &Problem, outcome: &Outcome, wanted: Vec<usize>) -> Vec<Fo
 
 /// A point with one more curve, the same everywhere: a friction as large as explains most, since
 /// about none at all it is not linear in its values.
-fn started(
-    problem: &Problem,
-    point: Point,
-    candidate: usize,
-    orders: &[usize],
-) -> Option<Point> {
+fn started(problem: &Problem, point: Point, candidate: usize, orders: &[usize]) -> Option<Point> {
     let at = |level: f64| {
         let mut curve = problem.neutral(candidate);
-        curve.values.fill(level * problem.candidates[candidate].scale[0]);
+        curve
+            .values
+            .fill(level * problem.candidates[candidate].scale[0]);
         let mut with = point.clone();
         with.effects.push(curve);
         with
@@ -188,44 +183,38 @@ fn earning(problem: &Problem, outcome: &Outcome, wanted: Vec<Found>) -> Vec<(Fit
         let first = fit(problem, start, train, &outcome.orders, false).ok()?;
         settled(problem, first).ok()
     };
-    // Twice as many values where these are not enough.
-    let finest = |start: Point| {
-        let coarse = fitted(start)?;
-        let finer = finer(problem, &coarse.0.point);
-        let fine = finer.and_then(|start| settled(problem, fit(problem, start, train, &coarse.1, true).ok()?).ok());
-        match fine {
-            Some(fine) if gain(&fine) > gain(&coarse) + OVERWHELMING => Some(fine),
-            _ => Some(coarse),
-        }
-    };
-    let fits: Vec<(Fit, Vec<usize>)> = starts.into_par_iter().filter_map(finest).collect();
+    let fits: Vec<(Fit, Vec<usize>)> = starts.into_par_iter().filter_map(fitted).collect();
     let earns = |one: &(Fit, Vec<usize>)| {
         let trial = &one.0;
-        let paired = compare(
-            &chosen.residual,
-            &trial.residual,
-            &trial.noise,
-            &problem.split.validation,
-        );
-        if std::env::var_os("CURVE_DEBUG").is_some() {
-            let f = trial.point.effects.last().unwrap();
-            let c = &problem.candidates[f.candidate];
-            eprintln!("fit {} {:?} {} gain {:.1} t {:.2} practical {:.3} out {} conv {} it {} lambda {:.1e} orders {:?} others {}", c.kind.name(), c.target, f.values.len(), gain(one), paired.t(), paired.practical, stands_out(problem, gain(one), &chosen.residual, &trial.residual), trial.converged, trial.iterations, f.smoothing, one.1, trial.point.effects.len()-1);
-        }
+        let on = |rows| compare(&chosen.residual, &trial.residual, &trial.noise, rows);
+        // A short record passes other places in the blocks that choose than in those that were
+        // fitted, where a curve is what its neighbours are: they must not speak against it.
         gain(one) > OVERWHELMING
-            && paired.t() > LEAST_T
-            && paired.practical >= problem.options.min_gain
+            && on(&problem.split.validation).gain > 0.0
+            && on(&problem.split.development).practical >= problem.options.min_gain
             && stands_out(problem, gain(one), &chosen.residual, &trial.residual)
     };
     let mut found: Vec<(Fit, Vec<usize>)> = fits.into_iter().filter(earns).collect();
     found.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    // Twice as many values where the likeliest has too few.
+    let best = found.first();
+    let finer = best.and_then(|(fit, _)| fitted(finer(problem, &fit.point)?));
+    if let (Some(finer), Some(best)) = (finer, best)
+        && gain(&finer) > gain(best) + OVERWHELMING
+        && earns(&finer)
+    {
+        found.insert(0, finer);
+    }
     found
 }
 
-/// The same curve with more values; `None` for the finest.
+/// The same curve with more values; `None` for one that has enough.
 fn finer(problem: &Problem, point: &Point) -> Option<Point> {
     let (_, curve) = problem.curve(point)?;
     let next = PLACES.iter().find(|places| **places > curve.values.len())?;
+    if curve.smoothing > BENDS_MUCH {
+        return None;
+    }
     let own = &problem.candidates[curve.candidate];
     let candidate = problem.curves().find(|&one| {
         let other = &problem.candidates[one];

@@ -98,13 +98,12 @@ impl Smooth {
             let Some(factor) = whole.cholesky() else {
                 continue;
             };
-            let left =
-                squares + self.penalty(variables) - right.dot(&factor.solve(&right));
+            let left = squares + self.penalty(variables) - right.dot(&factor.solve(&right));
             let Some(prior) = self.prior(variables, free) else {
                 continue;
             };
-            let evidence = rows as f64 * left.max(f64::MIN_POSITIVE).ln() + log_det(&factor)
-                - log_det(&prior);
+            let evidence =
+                rows as f64 * left.max(f64::MIN_POSITIVE).ln() + log_det(&factor) - log_det(&prior);
             if evidence < best.0 {
                 best = (evidence, self.weight);
             }
@@ -153,9 +152,7 @@ pub(super) fn price(problem: &Problem, fit: &Fit, rows: &Rows) -> f64 {
         }
         normal[(i, i)] += variables[i].prior.precision.powi(2);
     }
-    let felt: Vec<usize> = (0..k)
-        .filter(|&i| normal[(i, i)] > 0.0)
-        .collect();
+    let felt: Vec<usize> = (0..k).filter(|&i| normal[(i, i)] > 0.0).collect();
     let others: Vec<usize> = felt.iter().copied().filter(|&i| !smooth.holds(i)).collect();
     let volume = |of: &[usize]| Some(log_det(&smooth.form(&normal, of).cholesky()?));
     let narrowed = volume(&felt).zip(volume(&others));
@@ -167,8 +164,7 @@ pub(super) fn price(problem: &Problem, fit: &Fit, rows: &Rows) -> f64 {
     let ridge: f64 = own
         .map(|v| (v.prior.precision * v.prior.offset).powi(2))
         .sum();
-    smooth.penalty(&variables) + ridge + whole - others - log_det(&prior)
-        + (rows.len() as f64).ln()
+    smooth.penalty(&variables) + ridge + whole - others - log_det(&prior) + (rows.len() as f64).ln()
 }
 
 /// Squares of second differences of values evenly over unit length, as a form.
