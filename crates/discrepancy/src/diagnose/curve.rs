@@ -3,8 +3,8 @@
 //!
 //! Curves are no candidates of the search: with many numbers each imitates much. They are asked
 //! when the search has ended, beside the causes found and in place of those on the same joint, and
-//! must be more likely by odds of 400 to 1 after the price of their numbers, better on blocks that
-//! they were not fitted to, and no worse on the last part of the data.
+//! must be more likely by odds of 400 to 1 with all their values integrated out, better on blocks
+//! that they were not fitted to, and better on the last part of the data if they act there.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
