@@ -23,6 +23,8 @@ from drawn.case import Case, draw_case  # noqa: E402
 from drawn.judge import ask, interval  # noqa: E402
 
 PROGRAM = str(ROOT / "target" / "release" / "truecut")
+# a machine that does other things besides is no reason for a refusal
+TIME_LIMIT_S = 600.0
 FORMS = {
     "powered_drag": "joint_friction_by_speed",
     "place_friction": "joint_friction_by_position",
@@ -74,7 +76,7 @@ def one(seed: int, mode: str, form: str, folder: Path, program: list[str], threa
     """Draws, asks, judges."""
     mujoco.set_mju_user_warning(lambda _message: None)
     case = draw_case(seed, mode, "outside", folder, f"outside_{form}")
-    answer = ask(program, case, threads)
+    answer = ask(program, case, threads, TIME_LIMIT_S)
     found = Shown(seed, form, case.truth[0].target, "refused", seconds=answer.seconds)
     if answer.diagnosis is None:
         return found

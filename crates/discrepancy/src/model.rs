@@ -30,6 +30,17 @@ pub struct Experiment {
     pub overrides: Vec<(String, String)>,
 }
 
+/// A law without a name that may be looked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveCandidate {
+    /// Its scale is that of any of its values.
+    pub candidate: Candidate,
+    /// The ends over which it is given.
+    pub ends: [f64; 2],
+    /// What none of its values is below: all friction together never drives a joint.
+    pub least: f64,
+}
+
 /// A simulation that could not be run to its end.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{0}")]
@@ -54,9 +65,8 @@ pub trait Model: Sync {
         candidate.kind.parameters().to_vec()
     }
 
-    /// Curves that may show what no candidate explains, each with the ends over which it is given;
-    /// their scale is that of any of their values.
-    fn curves(&self) -> Vec<(Candidate, [f64; 2])> {
+    /// Curves that may show what no candidate explains.
+    fn curves(&self) -> Vec<CurveCandidate> {
         Vec::new()
     }
 

@@ -11,7 +11,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
-use truecut_discrepancy::model::{Candidate, Columns, Experiment, Model, PredictError};
+use truecut_discrepancy::model::{
+    Candidate, Columns, CurveCandidate, Experiment, Model, PredictError,
+};
 use truecut_files::continued;
 use truecut_recording::ChannelSpec;
 use truecut_scenario::UncertainSpec;
@@ -264,7 +266,7 @@ impl Model for KeptModel<'_> {
         self.model.additive()
     }
 
-    fn curves(&self) -> Vec<(Candidate, [f64; 2])> {
+    fn curves(&self) -> Vec<CurveCandidate> {
         self.model.curves()
     }
 

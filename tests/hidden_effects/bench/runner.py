@@ -60,16 +60,18 @@ def write_all(cases: list[Case], work: Path, seed: int, jobs: int) -> dict[str, 
         return {name: cases[k] for name, k in zip(names, order)}
 
 
-def ask(program: list[str], scenario: Path, data: Path, out: Path, threads: int) -> Answer:
+def ask(
+    program: list[str], scenario: Path, data: Path, out: Path, threads: int, limit_s: float = TIME_LIMIT_S
+) -> Answer:
     """One diagnosis."""
     command = [*program, "diagnose", str(scenario), "--data", str(data), "--out", str(out)]
     began = time.perf_counter()
     variables = os.environ | {"RAYON_NUM_THREADS": str(threads)}
     try:
-        done = subprocess.run(command, capture_output=True, text=True, env=variables, timeout=TIME_LIMIT_S)
+        done = subprocess.run(command, capture_output=True, text=True, env=variables, timeout=limit_s)
         code, messages = done.returncode, done.stdout + done.stderr
     except subprocess.TimeoutExpired:
-        code, messages = -1, f"no answer within {TIME_LIMIT_S:g} s"
+        code, messages = -1, f"no answer within {limit_s:g} s"
     seconds = time.perf_counter() - began
     written = sorted(out.rglob("diagnosis.json")) if code == 0 else []
     diagnosis = json.loads(written[0].read_text(encoding="utf-8")) if written else None

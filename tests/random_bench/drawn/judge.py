@@ -55,9 +55,9 @@ class Verdict:
         return asdict(self)
 
 
-def ask(program: list[str], case: Case, threads: int) -> Answer:
+def ask(program: list[str], case: Case, threads: int, limit_s: float = runner.TIME_LIMIT_S) -> Answer:
     """One diagnosis."""
-    return runner.ask(program, case.scenario, case.data, case.scenario.parent / "answer", threads)
+    return runner.ask(program, case.scenario, case.data, case.scenario.parent / "answer", threads, limit_s)
 
 
 def judge(case: Case, label: Label, answer: Answer) -> Verdict:

@@ -7,6 +7,7 @@ use super::memory::{LEAST_GENERALISATION, distance, stands_out};
 use super::problem::Problem;
 use super::screen::critical;
 use super::search::{DECISIVE, Search};
+use super::smooth::price;
 use super::validate::{Paired, compare, objective, rms};
 use crate::stats::deviation;
 
@@ -124,11 +125,13 @@ fn is_beyond_numerics(problem: &Problem, small: &Fit, large: &Fit) -> bool {
 }
 
 /// Bayesian information criterion on training and validation rows together, with noise of the given
-/// orders. A shape parameter counts twice: it is searched over all its range, from several starts.
+/// orders. A shape parameter counts twice: it is searched over all its range, from several starts. A
+/// curve counts by its evidence.
 pub(super) fn criterion(problem: &Problem, trial: &Fit, orders: &[usize]) -> f64 {
     let rows = &problem.split.development;
     objective(problem, &trial.residual, rows, orders)
         + weight(problem, trial) * (rows.len() as f64).ln()
+        + price(problem, trial, rows)
 }
 
 /// Number of effects that are of sensors or their clock.
@@ -138,12 +141,14 @@ fn instrumental(problem: &Problem, trial: &Fit) -> usize {
     kinds.filter(|kind| kind.family().is_instrumental()).count()
 }
 
-/// Number of parameters of the effects; those searched from several starts counted twice.
+/// Number of parameters of the effects, without those of a curve, which has a price of its own;
+/// those searched from several starts counted twice.
 pub(super) fn weight(problem: &Problem, trial: &Fit) -> f64 {
     let infos = trial
         .point
         .effects
         .iter()
+        .filter(|f| !problem.curves().contains(&f.candidate))
         .flat_map(|f| problem.infos(f.candidate));
     infos
         .map(|info| {

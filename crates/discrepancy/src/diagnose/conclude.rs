@@ -97,7 +97,7 @@ pub(super) fn conclude(
     diagnosis.channels = errors;
     judge(problem, excess, &outcome, &mut diagnosis);
     test_part::open_test(problem, &base, &last, &mut diagnosis);
-    let last = match unnamed::curve(problem, &outcome, [&base, &last], diagnosis.verdict)? {
+    let last = match unnamed::curve(problem, &outcome, [&base, &last], &diagnosis)? {
         None => last,
         Some(shown) => {
             let ended = &shown.fit;

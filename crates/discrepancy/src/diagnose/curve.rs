@@ -3,31 +3,39 @@
 //!
 //! Curves are no candidates of the search: with many numbers each imitates much. They are asked
 //! when the search has ended, beside the causes found and in place of those on the same joint, and
-//! must be more likely by odds of 400 to 1 after the price of their numbers, better on blocks that
-//! they were not fitted to, and no worse on the last part of the data.
+//! must be more likely by odds of 400 to 1 with all their values integrated out, better on blocks
+//! that they were not fitted to, and better on the last part of the data if they act there.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
-use truecut_scenario::effect::{Effect, Target};
+use truecut_scenario::effect::{Effect, EffectKind, Target};
 
 use super::DiagnoseError;
 use super::ambiguity::OVERWHELMING;
 use super::answer::{UnknownCurve, key_and_unit, target_name};
-use super::choice::{LEAST_T, criterion};
+use super::choice::criterion;
 use super::derivatives::difference;
-use super::fit::{Fit, fit};
+use super::fit::{Fit, Running, fit};
 use super::memory::stands_out;
-use super::noise::{Prior, fit_linear};
-use super::problem::{PLACES, Point, Problem};
-use super::screen::nuisance;
+use super::noise::{Noise, dot};
+use super::problem::{Found, PLACES, Point, Problem};
 use super::search::{Outcome, settled};
 use super::uncertainty::covariance;
-use super::validate::compare;
-use crate::model::Columns;
+use super::validate::{compare, objective};
 use crate::stats::ratio;
 
 /// Curves that are fitted, the best of those that were looked at.
 const FITTED: usize = 3;
+/// Iterations after which it is seen what a curve may explain.
+const SKETCHED_IN: usize = 3;
+/// Below this weight of its bending a curve may want more values: as likely a weight for about four
+/// waves over its range, each of more than ten values of the coarse one.
+const BENDS_MUCH: f64 = 1e-5;
+/// Frictions from which fits start, in typical sizes.
+const LEVELS: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
+/// Whitened squares of what a curve changes in the last part of the data, from which on that part
+/// can speak for it or against it.
+const LEAST_ACTS: f64 = 9.0;
 /// Places at which a curve is told.
 const TOLD_AT: usize = 61;
 /// Normal quantile of a two-sided 95 % interval.
@@ -55,6 +63,7 @@ pub(super) fn shown(
         .map(|found| &problem.candidates[found.candidate].target)
         .collect();
     let wanted: Vec<usize> = (problem.curves())
+        .filter(|&one| problem.infos(one).len() == PLACES[0])
         .filter(|&one| !is_named || joints.contains(&&problem.candidates[one].target))
         .collect();
     for (trial, orders) in earning(problem, outcome, promising(problem, outcome, wanted)) {
@@ -74,7 +83,11 @@ pub(super) fn shown(
         let test = compare(&last.residual, &ended.residual, noise, rows);
         let share = share(problem, [base, last, &ended]);
         let matters = !is_named || share > problem.options.unknown_above;
-        if matters && test.gain > 0.0 && test.t() > LEAST_T {
+        let change = ended
+            .noise
+            .whiten(&difference(&last.residual, &ended.residual, 1.0), rows);
+        let acts = dot(&change, &change) > LEAST_ACTS;
+        if matters && (!acts || test.gain > 0.0) {
             let gain = criterion(problem, chosen, &orders) - criterion(problem, &ended, &orders);
             let curve = told(problem, &ended, gain)?;
             return Ok(Some(Shown { fit: ended, curve }));
@@ -94,115 +107,133 @@ fn share(problem: &Problem, [base, last, ended]: [&Fit; 3]) -> f64 {
     ratio(gain(last, ended), gain(base, last) + gain(last, ended))
 }
 
-/// Those that would explain most of what is left, by their traces at typical sizes, coarse and
-/// fine: none that does not pay for its numbers.
-fn promising(problem: &Problem, outcome: &Outcome, wanted: Vec<usize>) -> Vec<usize> {
+/// Starts of fits that promise most: each curve is first fitted beside the causes for a few steps,
+/// which is enough to see what it may explain. Friction is not linear in its values: it stops a
+/// joint, and less than none is none.
+fn promising(problem: &Problem, outcome: &Outcome, wanted: Vec<usize>) -> Vec<Found> {
     let base = &outcome.chosen;
-    let (nuisance, priors) = nuisance(problem, base);
-    let left = |own: &[Columns]| {
-        let design: Vec<&Columns> = own.iter().chain(nuisance.iter().copied()).collect();
-        let priors = [&vec![Prior::default(); own.len()][..], &priors[..]].concat();
-        let (train, orders) = (&problem.split.train, &outcome.orders);
-        fit_linear(
-            &base.residual,
-            &design,
-            &priors,
-            train,
-            &base.noise,
-            orders,
-            &problem.floor,
-        )
-        .objective
+    let sketched = |candidate: usize| -> Option<(f64, Found)> {
+        let start = started(problem, base.point.clone(), candidate, &outcome.orders)?;
+        let train = &problem.split.train;
+        let mut running = Running::begin(problem, start, train, &outcome.orders, false).ok()?;
+        running.advance(SKETCHED_IN).ok()?;
+        let found = running.finish();
+        let orders = Noise::orders(&found.residual, train, &problem.floor);
+        let gain = criterion(problem, base, &orders) - criterion(problem, &found, &orders);
+        (gain > 0.0).then(|| Some((gain, found.point.effects.last()?.clone())))?
     };
-    let zero = left(&[]);
-    let n = problem.split.train.len() as f64;
-    let places = |candidate: usize| problem.infos(candidate).len();
-    // What each gains beyond the price of its numbers, most first; all that pay for so many.
-    let gains = |wanted: Vec<usize>, least: fn(usize) -> usize| {
-        let mut gains: Vec<(f64, usize)> = (wanted.into_par_iter())
-            .filter_map(|one| {
-                let gain = zero - left(&traces(problem, base, one)?);
-                let pays = gain > least(places(one)) as f64 * n.ln();
-                pays.then_some((gain - places(one) as f64 * n.ln(), one))
-            })
-            .collect();
-        gains.sort_by(|a, b| b.0.total_cmp(&a.0));
-        gains.truncate(FITTED);
-        gains
-    };
-    let (screened, others): (Vec<usize>, Vec<usize>) =
-        (wanted.into_iter()).partition(|one| places(*one) == PLACES[1]);
-    let screened = gains(screened, |_| PLACES[0]);
-    let alike = |a: usize, b: usize| {
-        let (a, b) = (&problem.candidates[a], &problem.candidates[b]);
-        a.kind == b.kind && a.target == b.target
-    };
-    let finer = (others.into_iter()).filter(|one| screened.iter().any(|(_, of)| alike(*one, *of)));
-    let mut found = gains(finer.collect(), |places| places);
-    found.extend(screened.into_iter().filter(|(net, _)| *net > 0.0));
+    let mut found: Vec<(f64, Found)> = wanted.into_par_iter().filter_map(sketched).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     found.truncate(FITTED);
-    found.into_iter().map(|(_, one)| one).collect()
+    found.into_iter().map(|(_, found)| found).collect()
 }
 
-/// Change of the prediction for each value of a curve alone; `None` where one cannot be run.
-fn traces(problem: &Problem, base: &Fit, candidate: usize) -> Option<Vec<Columns>> {
-    let scale = &problem.candidates[candidate].scale;
-    let trace = |i: usize| {
+/// A point with one more curve, the same everywhere: a friction as large as explains most, since
+/// about none at all it is not linear in its values.
+fn started(problem: &Problem, point: Point, candidate: usize, orders: &[usize]) -> Option<Point> {
+    let at = |level: f64| {
         let mut curve = problem.neutral(candidate);
-        curve.values[i] = scale[i];
-        let mut point = base.point.clone();
-        point.effects.push(curve);
-        let moved = problem.predict(&point).ok()?;
-        Some(difference(&moved, &base.predicted, 1.0 / scale[i]))
+        curve
+            .values
+            .fill(level * problem.candidates[candidate].scale[0]);
+        let mut with = point.clone();
+        with.effects.push(curve);
+        with
     };
-    (0..scale.len()).map(trace).collect()
+    if problem.candidates[candidate].kind == EffectKind::JointPositionCurve {
+        return Some(at(0.0));
+    }
+    let left = |point: &Point| {
+        let predicted = problem.predict(point).ok()?;
+        let residual = problem.data.residual(&predicted);
+        let white = vec![0; orders.len()];
+        Some(objective(problem, &residual, &problem.split.train, &white))
+    };
+    let tried = LEVELS.iter().map(|level| at(*level));
+    let tried = tried.filter_map(|point| Some((left(&point)?, point)));
+    tried
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, point)| point)
 }
 
 /// Fits of these curves beside the causes, and in place of those on the same joint: those that earn
 /// their place, with the orders of their noise, likeliest first.
-fn earning(problem: &Problem, outcome: &Outcome, wanted: Vec<usize>) -> Vec<(Fit, Vec<usize>)> {
+fn earning(problem: &Problem, outcome: &Outcome, wanted: Vec<Found>) -> Vec<(Fit, Vec<usize>)> {
     let chosen = &outcome.chosen;
     let starts: Vec<Point> = (wanted.into_iter())
-        .flat_map(|candidate| {
-            let target = &problem.candidates[candidate].target;
-            let mut beside = chosen.point.clone();
-            let mut instead = chosen.point.clone();
+        .flat_map(|curve| {
+            let target = &problem.candidates[curve.candidate].target;
+            let (mut beside, mut instead) = (chosen.point.clone(), chosen.point.clone());
             (instead.effects).retain(|own| problem.candidates[own.candidate].target != *target);
             let both = instead.effects.len() < beside.effects.len();
-            for point in [&mut beside, &mut instead] {
-                point.effects.push(problem.neutral(candidate));
-            }
-            [Some(beside), both.then_some(instead)]
+            let instead = match both {
+                true => started(problem, instead, curve.candidate, &outcome.orders),
+                false => None,
+            };
+            beside.effects.push(curve);
+            [Some(beside), instead]
         })
         .flatten()
         .collect();
-    let fits: Vec<(Fit, Vec<usize>)> = (starts.into_par_iter())
-        .filter_map(|start| {
-            let train = &problem.split.train;
-            let first = fit(problem, start, train, &outcome.orders, false).ok()?;
-            settled(problem, first).ok()
-        })
-        .collect();
+    let train = &problem.split.train;
     let gain = |(trial, orders): &(Fit, Vec<usize>)| {
         criterion(problem, chosen, orders) - criterion(problem, trial, orders)
     };
+    let fitted = |start: Point| {
+        let first = fit(problem, start, train, &outcome.orders, false).ok()?;
+        settled(problem, first).ok()
+    };
+    let fits: Vec<(Fit, Vec<usize>)> = starts.into_par_iter().filter_map(fitted).collect();
     let earns = |one: &(Fit, Vec<usize>)| {
         let trial = &one.0;
-        let paired = compare(
-            &chosen.residual,
-            &trial.residual,
-            &trial.noise,
-            &problem.split.validation,
-        );
+        let on = |rows| compare(&chosen.residual, &trial.residual, &trial.noise, rows);
+        // A short record passes other places in the blocks that choose than in those that were
+        // fitted, where a curve is what its neighbours are: they must not speak against it.
         gain(one) > OVERWHELMING
-            && paired.t() > LEAST_T
-            && paired.practical >= problem.options.min_gain
+            && on(&problem.split.validation).gain > 0.0
+            && on(&problem.split.development).practical >= problem.options.min_gain
             && stands_out(problem, gain(one), &chosen.residual, &trial.residual)
     };
     let mut found: Vec<(Fit, Vec<usize>)> = fits.into_iter().filter(earns).collect();
     found.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    // Twice as many values where the likeliest has too few.
+    let best = found.first();
+    let finer = best.and_then(|(fit, _)| fitted(finer(problem, &fit.point)?));
+    if let (Some(finer), Some(best)) = (finer, best)
+        && gain(&finer) > gain(best) + OVERWHELMING
+        && earns(&finer)
+    {
+        found.insert(0, finer);
+    }
     found
+}
+
+/// The same curve with more values; `None` for one that has enough.
+fn finer(problem: &Problem, point: &Point) -> Option<Point> {
+    let (_, curve) = problem.curve(point)?;
+    let next = PLACES.iter().find(|places| **places > curve.values.len())?;
+    if curve.smoothing > BENDS_MUCH {
+        return None;
+    }
+    let own = &problem.candidates[curve.candidate];
+    let candidate = problem.curves().find(|&one| {
+        let other = &problem.candidates[one];
+        other.kind == own.kind && other.target == own.target && problem.infos(one).len() == *next
+    })?;
+    let effect = problem.effect(curve);
+    let (from, to) = (effect.values[0], effect.values[1]);
+    let places = problem.infos(candidate).iter().enumerate();
+    let values = places.map(|(i, info)| {
+        let x = from + (to - from) * i as f64 / (next - 1) as f64;
+        at(&effect, x).max(info.min)
+    });
+    let mut finer = point.clone();
+    *finer.effects.last_mut()? = Found {
+        candidate,
+        values: values.collect(),
+        smoothing: curve.smoothing,
+    };
+    Some(finer)
 }
 
 /// The curve of a fit, which is its last effect, with its band.
@@ -224,7 +255,8 @@ fn told(problem: &Problem, ended: &Fit, gain: f64) -> Result<UnknownCurve, Diagn
     let x: Vec<f64> = (0..TOLD_AT)
         .map(|i| from + (to - from) * i as f64 / (TOLD_AT - 1) as f64)
         .collect();
-    let value: Vec<f64> = x.iter().map(|x| at(&effect, *x)).collect();
+    let least = problem.infos(found.candidate)[0].min;
+    let value: Vec<f64> = x.iter().map(|x| at(&effect, *x).max(least)).collect();
     let error = |x: f64| {
         // A curve is linear in its values.
         let weight = |i: usize| {
@@ -240,7 +272,7 @@ fn told(problem: &Problem, ended: &Fit, gain: f64) -> Result<UnknownCurve, Diagn
     let band = |sign: f64| -> Vec<Option<f64>> {
         let pairs = x.iter().zip(&value);
         pairs
-            .map(|(x, value)| Some(value + sign * Z95 * error(*x)?))
+            .map(|(x, value)| Some((value + sign * Z95 * error(*x)?).max(least)))
             .collect()
     };
     let infos = candidate.kind.parameters();

@@ -8,6 +8,7 @@ use super::data::Rows;
 use super::derivatives::{difference, jacobian};
 use super::noise::{Noise, dot};
 use super::problem::{Point, Problem};
+use super::smooth::Smooth;
 use super::step::{Solver, Step};
 use crate::model::{Columns, PredictError};
 
@@ -90,6 +91,7 @@ impl<'a, 'b> Running<'a, 'b> {
             residual: problem.data.residual(&predicted),
             predicted,
             variables: problem.variables(&start),
+            smooth: Smooth::of(problem, &start),
             point: start,
             damping: 1e-3,
             decrement: f64::INFINITY,

@@ -40,6 +40,7 @@ mod scan;
 mod screen;
 mod search;
 mod signature;
+mod smooth;
 mod span;
 mod step;
 mod together;

@@ -8,7 +8,7 @@ use truecut_scenario::effect::{Effect, ParameterInfo};
 use super::data::{Observation, Rows, Split};
 use super::noise::Prior;
 use super::{Options, Progress, Stage};
-use crate::model::{Candidate, Columns, Model, PredictError};
+use crate::model::{Candidate, Columns, CurveCandidate, Model, PredictError};
 
 pub(super) struct Problem<'a> {
     pub model: &'a dyn Model,
@@ -35,6 +35,8 @@ pub(super) struct Problem<'a> {
 pub(super) struct Found {
     pub candidate: usize,
     pub values: Vec<f64>,
+    /// Of a curve, the weight of its bending; see [`super::smooth`].
+    pub smoothing: f64,
 }
 
 /// What a curve is given by, and what is fitted of it.
@@ -44,23 +46,22 @@ struct Given {
     infos: Vec<ParameterInfo>,
 }
 
-/// Values of curves, coarse and fine; a screening takes the second.
-pub(super) const PLACES: [usize; 4] = [9, 21, 45, 90];
+/// Values of curves, coarse and fine. How much they tell is a matter of the smoothing, not of their
+/// number, as long as there are enough.
+pub(super) const PLACES: [usize; 2] = [45, 90];
 
 /// A curve with so many values.
-fn of_places(candidate: &Candidate, ends: [f64; 2], places: usize) -> (Candidate, Given) {
-    let info = candidate
-        .kind
-        .parameters()
-        .last()
-        .expect("a curve has values");
+fn of_places(curve: &CurveCandidate, places: usize) -> (Candidate, Given) {
+    let mut candidate = curve.candidate.clone();
+    let info = candidate.kind.parameters().last();
+    let mut info = *info.expect("a curve has values");
+    info.min = info.min.max(curve.least);
     let given = Given {
-        ends,
-        infos: vec![*info; places],
+        ends: curve.ends,
+        infos: vec![info; places],
     };
-    let mut curve = candidate.clone();
-    curve.scale = vec![candidate.scale[0]; places];
-    (curve, given)
+    candidate.scale = vec![candidate.scale[0]; places];
+    (candidate, given)
 }
 
 /// Nominal parameters and effects.
@@ -118,7 +119,7 @@ impl<'a> Problem<'a> {
             (1e-9 * rms).max(1e-150)
         });
         let (curves, given): (Vec<Candidate>, Vec<Given>) = (model.curves().iter())
-            .flat_map(|(candidate, ends)| PLACES.map(|places| of_places(candidate, *ends, places)))
+            .flat_map(|curve| PLACES.map(|places| of_places(curve, places)))
             .unzip();
         let searched = model.candidates();
         Problem {
@@ -245,6 +246,15 @@ impl<'a> Problem<'a> {
         self.searched().end..self.candidates.len()
     }
 
+    /// The curve of a point, which is its last effect if there is one, and the first of its
+    /// variables.
+    pub fn curve<'b>(&self, point: &'b Point) -> Option<(usize, &'b Found)> {
+        let (last, others) = point.effects.split_last()?;
+        self.given(last.candidate)?;
+        let before: usize = others.iter().map(|found| found.values.len()).sum();
+        Some((point.nominal.len() + before, last))
+    }
+
     fn given(&self, candidate: usize) -> Option<&Given> {
         let curve = candidate.checked_sub(self.searched().end)?;
         self.curves.get(curve)
@@ -270,6 +280,7 @@ impl<'a> Problem<'a> {
         Found {
             candidate,
             values: infos.map(|info| info.neutral).collect(),
+            smoothing: super::smooth::AT_FIRST,
         }
     }
 
@@ -353,8 +364,8 @@ impl<'a> Problem<'a> {
             let (own, others) = rest.split_at(found.values.len());
             rest = others;
             Found {
-                candidate: found.candidate,
                 values: own.to_vec(),
+                ..*found
             }
         });
         Point {

@@ -209,7 +209,10 @@ impl<'a> Extension<'a> {
     fn nearer(&self, entry: &mut Ranked) -> Option<Columns> {
         for _ in 0..NEARER {
             let (candidate, values) = (entry.candidate(), entry.start.clone());
-            let found = Found { candidate, values };
+            let found = Found {
+                values,
+                ..self.problem.neutral(candidate)
+            };
             if let Ok(predicted) = (self.problem).predict(&with(&self.base.point, found)) {
                 return Some(predicted);
             }

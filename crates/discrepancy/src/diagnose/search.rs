@@ -348,6 +348,7 @@ pub(super) fn extended(base: &Fit, added: &[&Ranked]) -> Point {
     point.effects.extend(added.iter().map(|r| Found {
         candidate: r.candidate(),
         values: r.start.clone(),
+        smoothing: 0.0,
     }));
     point
 }

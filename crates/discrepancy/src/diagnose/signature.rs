@@ -194,8 +194,8 @@ impl Screening<'_, '_> {
         }
         alone[chosen] = value;
         let found = Found {
-            candidate,
             values: alone,
+            ..self.problem.neutral(candidate)
         };
         let columns = self.problem.predict(&with(&self.base.point, found)).ok()?;
         Some(difference(&columns, &self.base.predicted, 1.0))

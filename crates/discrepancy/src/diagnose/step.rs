@@ -8,6 +8,7 @@ use super::data::Rows;
 use super::derivatives::{difference, jacobian};
 use super::noise::{Noise, add_columns, dot};
 use super::problem::{Point, Problem, Variable};
+use super::smooth::Smooth;
 use crate::model::{Columns, PredictError};
 
 const MAX_REJECTED: usize = 5;
@@ -46,7 +47,12 @@ pub(super) struct Solver<'a, 'b> {
     pub decrement: f64,
     /// Whether that is within a standard error.
     pub close: bool,
+    /// The price of a curve's bending.
+    pub smooth: Option<Smooth>,
 }
+
+/// Rounds in which values that would fall below their bound are held there.
+const BOUND_ROUNDS: usize = 10;
 
 /// Whether a step that would lower the weighted squares by so much is within a standard error.
 fn is_close(decrement: f64, squares: f64) -> bool {
@@ -65,7 +71,8 @@ impl Solver<'_, '_> {
 
     pub fn penalty(&self, variables: &[Variable]) -> f64 {
         let terms = variables.iter().map(|v| v.prior.precision * v.prior.offset);
-        terms.map(|x| x * x).sum()
+        let bending = self.smooth.as_ref().map_or(0.0, |s| s.penalty(variables));
+        terms.map(|x| x * x).sum::<f64>() + bending
     }
 
     pub fn jacobian(&self, known: Vec<Columns>) -> Result<Vec<Columns>, PredictError> {
@@ -78,20 +85,25 @@ impl Solver<'_, '_> {
             .par_iter()
             .map(|x| noise.whiten(x, self.rows))
             .collect();
+        self.choose_weight(&target, &columns);
         let before = dot(&target, &target) + self.penalty(&self.variables);
         let (normal, gradient, free) = self.normal_equations(&target, &columns);
         if free.is_empty() {
             return Step::Converged;
         }
-        let undamped = self.solve(&normal, &gradient, 0.0);
-        let decrement = gradient.dot(&undamped);
+        let undamped = self.wanted(&normal, &gradient, &free, 0.0);
+        let decrement = match self.smooth {
+            None => gradient.dot(&undamped),
+            // What a bound stops is no least square.
+            Some(_) => 2.0 * gradient.dot(&undamped) - undamped.dot(&(&normal * &undamped)),
+        };
         self.decrement = decrement;
         self.close = is_close(decrement, before);
         if decrement < 0.02 + 1e-5 * before {
             return Step::Converged;
         }
         for tries in 0..MAX_REJECTED {
-            let step = self.solve(&normal, &gradient, self.damping);
+            let step = self.wanted(&normal, &gradient, &free, self.damping);
             let trial = self.moved(&free, &step);
             if let Ok(predicted) = self.problem.predict_for(self.rows, &trial) {
                 let residual = self.problem.data.residual(&predicted);
@@ -116,10 +128,76 @@ impl Solver<'_, '_> {
             }
             self.damping *= 8.0;
         }
-        let wanted = gradient.dot(&self.solve(&normal, &gradient, ACCURACY.powi(2)));
+        let wanted = gradient.dot(&self.wanted(&normal, &gradient, &free, ACCURACY.powi(2)));
         Step::Stuck {
             close: is_close(wanted, before),
         }
+    }
+
+    /// The weight of a curve's bending, anew for derivatives and noise of this place.
+    fn choose_weight(&mut self, target: &[f64], columns: &[Vec<f64>]) {
+        if self.smooth.is_none() {
+            return;
+        }
+        let (normal, gradient, free) = self.normal_equations(target, columns);
+        let Some(mut smooth) = self.smooth.take() else {
+            return;
+        };
+        let squares = dot(target, target) + self.penalty(&self.variables);
+        // Without the price that they have so far.
+        let pulls = smooth.pulls(&self.variables);
+        let k = self.variables.len();
+        let (mut whole, mut slope) = (DMatrix::zeros(k, k), DVector::zeros(k));
+        for (a, &i) in free.iter().enumerate() {
+            slope[i] = gradient[a] + pulls[i];
+            for (b, &j) in free.iter().enumerate() {
+                whole[(i, j)] = normal[(a, b)] - smooth.stiffness(i, j);
+            }
+        }
+        let rows = self.rows.len();
+        smooth.choose(&self.variables, (&whole, &slope), &free, squares, rows);
+        if let Some(curve) = self.point.effects.last_mut() {
+            curve.smoothing = smooth.weight;
+        }
+        self.smooth = Some(smooth);
+    }
+
+    /// The step that the normal equations want; a curve's values that it would lead below their
+    /// bound stay there, and the others make do with it.
+    fn wanted(
+        &self,
+        normal: &DMatrix<f64>,
+        gradient: &DVector<f64>,
+        free: &[usize],
+        damping: f64,
+    ) -> DVector<f64> {
+        let mut step = self.solve(normal, gradient, damping);
+        let Some(smooth) = &self.smooth else {
+            return step;
+        };
+        let mut held = vec![false; free.len()];
+        for _ in 0..BOUND_ROUNDS {
+            let mut changed = false;
+            for (a, &i) in free.iter().enumerate() {
+                let v = &self.variables[i];
+                if smooth.holds(i) && !held[a] && v.value + step[a] < v.min {
+                    (held[a], step[a], changed) = (true, v.min - v.value, true);
+                }
+            }
+            let rest: Vec<usize> = (0..free.len()).filter(|&a| !held[a]).collect();
+            if !changed || rest.is_empty() {
+                break;
+            }
+            let k = rest.len();
+            let part = DMatrix::from_fn(k, k, |a, b| normal[(rest[a], rest[b])]);
+            let right = DVector::from_fn(k, |a, _| {
+                let by_held = (0..held.len()).filter(|&b| held[b]);
+                gradient[rest[a]] - by_held.map(|b| normal[(rest[a], b)] * step[b]).sum::<f64>()
+            });
+            let moved = self.solve(&part, &right, damping);
+            (rest.iter().zip(moved.iter())).for_each(|(&a, x)| step[a] = *x);
+        }
+        step
     }
 
     /// Scaled normal equations of the variables that are not held at a bound.
@@ -128,17 +206,21 @@ impl Solver<'_, '_> {
         target: &[f64],
         columns: &[Vec<f64>],
     ) -> (DMatrix<f64>, DVector<f64>, Vec<usize>) {
+        let smooth = self.smooth.as_ref();
+        let pulls = smooth.map(|one| one.pulls(&self.variables));
         let slope: Vec<f64> = (0..columns.len())
             .map(|i| {
                 let prior = self.variables[i].prior;
-                dot(&columns[i], target) - prior.precision.powi(2) * prior.offset
+                let pull = pulls.as_ref().map_or(0.0, |pulls| pulls[i]);
+                dot(&columns[i], target) - prior.precision.powi(2) * prior.offset - pull
             })
             .collect();
         let free: Vec<usize> = (0..columns.len())
             .filter(|&i| {
                 let v = &self.variables[i];
                 let felt = dot(&columns[i], &columns[i]).sqrt() * v.step;
-                felt > LEAST_FELT
+                let held = smooth.is_some_and(|one| one.holds(i));
+                (felt > LEAST_FELT || held)
                     && !(v.value <= v.min && slope[i] <= 0.0 || v.value >= v.max && slope[i] >= 0.0)
             })
             .collect();
@@ -150,7 +232,8 @@ impl Solver<'_, '_> {
             } else {
                 0.0
             };
-            dot(&columns[i], &columns[j]) + prior
+            let stiff = smooth.map_or(0.0, |one| one.stiffness(i, j));
+            dot(&columns[i], &columns[j]) + prior + stiff
         });
         (normal, DVector::from_fn(k, |a, _| slope[free[a]]), free)
     }

@@ -8,6 +8,7 @@ use super::derivatives::jacobian;
 use super::fit::Fit;
 use super::noise::dot;
 use super::problem::Problem;
+use super::smooth::Smooth;
 
 /// One for each variable of the fit: from the whitened Gauss-Newton covariance, or from leaving out
 /// blocks in turn, whichever is larger. None where the data do not determine it.
@@ -80,8 +81,11 @@ fn normal(problem: &Problem, fit: &Fit, rows: &Rows) -> Result<Option<Normal>, D
     let columns = jacobian(problem, rows, &fit.point, &fit.predicted, Vec::new())?;
     let columns: Vec<Vec<f64>> = columns.iter().map(|x| fit.noise.whiten(x, rows)).collect();
     let target = fit.noise.whiten(&fit.residual, rows);
+    let smooth = Smooth::of(problem, &fit.point);
+    let stiff = |i: usize, j: usize| smooth.as_ref().map_or(0.0, |one| one.stiffness(i, j));
+    let pulls = smooth.as_ref().map(|one| one.pulls(&variables));
     let norm = |i: usize| {
-        let prior = variables[i].prior.precision.powi(2);
+        let prior = variables[i].prior.precision.powi(2) + stiff(i, i);
         (dot(&columns[i], &columns[i]) + prior).sqrt()
     };
     // Of a variable that moves nothing the others must not suffer.
@@ -94,9 +98,17 @@ fn normal(problem: &Problem, fit: &Fit, rows: &Rows) -> Result<Option<Normal>, D
     let normal = DMatrix::from_fn(k, k, |a, b| {
         let prior = variables[felt[a]].prior.precision.powi(2);
         let own = if a == b { prior } else { 0.0 };
-        (dot(columns[a], columns[b]) + own) * scale[a] * scale[b]
+        (dot(columns[a], columns[b]) + own + stiff(felt[a], felt[b])) * scale[a] * scale[b]
     });
-    let gradient = DVector::from_fn(k, |a, _| dot(columns[a], &target) * scale[a]);
+    let gradient = DVector::from_fn(k, |a, _| {
+        let v = &variables[felt[a]];
+        match &pulls {
+            // What a bound holds is at rest there.
+            Some(_) if v.value <= v.min || v.value >= v.max => 0.0,
+            Some(pulls) => (dot(columns[a], &target) - pulls[felt[a]]) * scale[a],
+            None => dot(columns[a], &target) * scale[a],
+        }
+    });
     let Some(inverse) = normal.clone().cholesky().map(|c| c.inverse()) else {
         return Ok(None);
     };

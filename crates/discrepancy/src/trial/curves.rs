@@ -6,10 +6,10 @@ use truecut_sim::misfit;
 
 use super::candidates::SHARE;
 use super::signals::Signals;
-use crate::model::Candidate;
+use crate::model::{Candidate, CurveCandidate};
 
 /// Curves over the position and the speed of every joint that moves, from end to end of its motion.
-pub(super) fn curves(scenario: &Scenario, signals: &Signals) -> Vec<(Candidate, [f64; 2])> {
+pub(super) fn curves(scenario: &Scenario, signals: &Signals) -> Vec<CurveCandidate> {
     let kinds = EffectKind::ALL
         .iter()
         .copied()
@@ -31,8 +31,36 @@ pub(super) fn curves(scenario: &Scenario, signals: &Signals) -> Vec<(Candidate, 
                 target: effect.target,
                 scale: vec![size],
             };
-            Some((candidate, ends))
+            Some(CurveCandidate {
+                candidate,
+                ends,
+                least: least(scenario, kind, index),
+            })
         })
     };
     kinds.flat_map(of_kind).collect()
+}
+
+/// A friction is at least nothing where the scenario gives the joint none; where it does, a curve
+/// may take it away.
+fn least(scenario: &Scenario, kind: EffectKind, joint: usize) -> f64 {
+    use EffectKind as E;
+    let rubs = |kind: EffectKind| {
+        matches!(
+            kind,
+            E::JointCoulomb
+                | E::JointViscous
+                | E::JointAsymmetricCoulomb
+                | E::JointAsymmetricViscous
+                | E::JointStribeck
+                | E::JointLoadFriction
+                | E::JointFrictionByPosition
+                | E::JointFrictionBySpeed
+        )
+    };
+    let own = |effect: &Effect| effect.target == Target::Joint(joint) && rubs(effect.kind);
+    match rubs(kind) && !scenario.effects.iter().any(own) {
+        true => 0.0,
+        false => f64::NEG_INFINITY,
+    }
 }

@@ -34,7 +34,7 @@ use self::cache::{Cache, RunKey};
 use self::jumps::Jumps;
 pub use self::parallel::{Thinning, for_comparison};
 use crate::diagnose::Observation;
-use crate::model::{Candidate, Columns, Experiment, Model, PredictError};
+use crate::model::{Candidate, Columns, CurveCandidate, Experiment, Model, PredictError};
 
 /// A scenario with the data that it is held against.
 pub struct Trial {
@@ -52,7 +52,7 @@ pub struct Trial {
     /// Effects of the scenario itself, whose sizes another recording may have changed.
     held: Vec<Candidate>,
     /// Curves for what has no name, each with its ends.
-    curves: Vec<(Candidate, [f64; 2])>,
+    curves: Vec<CurveCandidate>,
     engine: Kind,
     robots: Robots,
     /// Drive forces of the arm without effects, for robots that were asked for last.
@@ -316,7 +316,7 @@ impl Model for Trial {
         self.candidates.clone()
     }
 
-    fn curves(&self) -> Vec<(Candidate, [f64; 2])> {
+    fn curves(&self) -> Vec<CurveCandidate> {
         self.curves.clone()
     }
 

@@ -4,27 +4,45 @@ use crate::diagnose::DiagnoseError;
 use crate::diagnose::answer::{Diagnosis, Verdict, names};
 use crate::diagnose::curve::{Shown, shown};
 use crate::diagnose::fit::Fit;
+use crate::diagnose::floor::NoiseSource;
 use crate::diagnose::problem::Problem;
 use crate::diagnose::search::Outcome;
 use crate::diagnose::validate::rms;
 use crate::stats::ratio;
 
-/// The curve that shows what the causes leave: on any joint where the cause is unknown, on those
-/// that have a cause where causes are named, whose shape it may not be.
+/// The curve that shows what the causes leave: on any joint where the cause is unknown or what is
+/// left is noise only if noise has a long memory, on those that have a cause where causes are named,
+/// whose shape it may not be.
 pub(super) fn curve(
     problem: &Problem,
     outcome: &Outcome,
     fits: [&Fit; 2],
-    verdict: Verdict,
+    diagnosis: &Diagnosis,
 ) -> Result<Option<Shown>, DiagnoseError> {
-    match verdict {
+    match diagnosis.verdict {
         Verdict::UnknownCause => shown(problem, outcome, fits, false),
         Verdict::Named => shown(problem, outcome, fits, true),
+        Verdict::NothingBeyondNoise if is_doubtful(diagnosis) => {
+            shown(problem, outcome, fits, false)
+        }
         Verdict::NothingBeyondNoise
         | Verdict::Ambiguous
         | Verdict::NotIdentifiable
         | Verdict::FitFailed => Ok(None),
     }
+}
+
+/// What is left may be so many times what it would be without memory, and pass for noise.
+const BY_MEMORY: f64 = 2.0;
+
+/// Whether no one knows how much of what is left is noise, and most of it follows from what came
+/// before.
+fn is_doubtful(diagnosis: &Diagnosis) -> bool {
+    let mut channels = diagnosis.channels.values();
+    channels.any(|errors| {
+        errors.noise_source == NoiseSource::Bound
+            && errors.after > BY_MEMORY * errors.noise_without_memory
+    })
 }
 
 /// The verdict with a curve: where it stands, how sure it is, and what it takes away on data that
