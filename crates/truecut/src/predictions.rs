@@ -11,7 +11,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
-use truecut_discrepancy::model::{Candidate, Columns, Experiment, Model, PredictError};
+use truecut_discrepancy::model::{Candidate, Columns, Experiment, Model, PredictError, SetUp};
 use truecut_files::continued;
 use truecut_recording::ChannelSpec;
 use truecut_scenario::UncertainSpec;
@@ -292,6 +292,10 @@ impl Model for KeptModel<'_> {
 
     fn is_steady(&self) -> bool {
         self.model.is_steady()
+    }
+
+    fn set_ups(&self) -> Vec<SetUp> {
+        self.model.set_ups()
     }
 
     fn experiments(&self) -> Vec<Experiment> {

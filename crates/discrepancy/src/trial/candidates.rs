@@ -49,10 +49,7 @@ pub(super) fn candidates(
                 }
                 Some(scale) => all.push(Candidate {
                     kind,
-                    rotary: match effect.target {
-                        Target::Joint(joint) => signals.joints[joint].rotary,
-                        Target::Whole | Target::Axis(_) | Target::Channel(_) => false,
-                    },
+                    rotary: matches!(effect.target, Target::Joint(j) if signals.joints[j].rotary),
                     target: effect.target,
                     scale,
                 }),
@@ -148,6 +145,9 @@ fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<JointEffect>
         },
         E::Coulomb { .. } => E::Coulomb { friction: effort },
         E::Offset { .. } => E::Offset { force: effort },
+        E::Zero { .. } => E::Zero {
+            offset: SHARE * SHARE,
+        },
         E::LoadFriction { .. } => {
             if joint.effort_varies.is_nan() || joint.effort_varies < LEAST_VARIATION {
                 return None;
