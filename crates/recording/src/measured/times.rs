@@ -3,7 +3,7 @@
 use super::clocks::{HEADER_STAMP, LOG_TIME};
 use super::resample::median_interval_s;
 use super::{Mapping, Table, TimeBase};
-use crate::unit::{Unit, UserUnit, significant};
+use crate::unit::{Unit, UserUnit, short_number};
 
 /// Names of columns of times, without what stands behind them.
 const TIME_NAMES: [&str; 9] = [
@@ -143,8 +143,54 @@ pub(super) fn rate_note(table: &Table, mapping: &Mapping) -> Option<String> {
     Some(format!(
         "rows are taken at rate_hz = {} Hz, but the file has times in the column `{name}`, and by these the rate is {} \
          Hz: speeds and accelerations are {} times too large if those are right; take them with time = \"{name}\"",
-        significant(hz, 4),
-        significant(own_hz, 4),
-        significant(hz / own_hz, 3)
+        short_number(hz),
+        short_number(own_hz),
+        short_number(hz / own_hz)
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measured::Column;
+
+    /// A rate that is twice that of the times beside it is told; the same, and one that is rounded,
+    /// is not; nor is one that only a guess speaks against.
+    #[test]
+    fn a_rate_that_times_speak_against_is_told() {
+        let told = |name: &str, hz: f64| {
+            let values = (0..300).map(|k| f64::from(k) * 0.004).collect();
+            let table = Table {
+                source: "bench.csv".into(),
+                columns: vec![Column {
+                    name: name.into(),
+                    values,
+                }],
+                ..Table::default()
+            };
+            let mapping = Mapping {
+                time: TimeBase::Rate { hz },
+                window_s: [f64::NEG_INFINITY, f64::INFINITY],
+                resample_hz: None,
+                max_gap_s: 0.05,
+                starts_s: Vec::new(),
+                bridge_spikes: true,
+                channels: Vec::new(),
+            };
+            rate_note(&table, &mapping)
+        };
+        let note = told("t_s", 500.0).unwrap();
+        for words in [
+            "rate_hz = 500",
+            "`t_s`",
+            "the rate is 250",
+            "2 times too large",
+        ] {
+            assert!(note.contains(words), "{note}");
+        }
+        assert_eq!(told("t_s", 250.0), None);
+        assert_eq!(told("t_s", 251.0), None);
+        assert_eq!(told("t", 500.0), None);
+        assert_eq!(told("force", 500.0), None);
+    }
 }
